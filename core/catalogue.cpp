@@ -1,0 +1,48 @@
+#include "core/catalogue.hpp"
+
+#include <algorithm>
+
+#include "core/entry.hpp"
+
+namespace least {
+
+std::span<const ProblemCard> problems() {
+  static const std::vector<ProblemCard> cards = [] {
+    std::vector<ProblemCard> all;
+    for (const ProblemEntry* entry : problem_entries()) all.push_back(entry->card);
+    return all;
+  }();
+  return cards;
+}
+
+std::span<const SchemeCard> schemes() {
+  static const std::vector<SchemeCard> cards = [] {
+    std::vector<SchemeCard> all;
+    [&]<class... Scheme>(std::tuple<Scheme...>*) {
+      ((all.push_back(Scheme::card()), all.back().parameters = parameter_cards(Scheme::fields)), ...);
+    }(static_cast<SchemeList*>(nullptr));
+    return all;
+  }();
+  return cards;
+}
+
+namespace {
+template <class Cards>
+std::optional<std::size_t> find(const Cards& cards, std::string_view id) {
+  const auto found = std::ranges::find_if(cards, [&](const auto& card) { return card.id == id; });
+  if (found == cards.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - cards.begin());
+}
+}  // namespace
+
+std::optional<std::size_t> find_problem(std::string_view id) { return find(problems(), id); }
+std::optional<std::size_t> find_scheme(std::string_view id) { return find(schemes(), id); }
+
+bool fits(std::size_t problem, std::size_t scheme) { return problem_entries()[problem]->runs[scheme] != nullptr; }
+
+Outcome run(const Request& request, Sink& sink, const std::atomic<bool>& cancelled) {
+  const ProblemEntry& entry = *problem_entries()[request.problem];
+  return entry.runs[request.scheme](entry.card, request, sink, cancelled);
+}
+
+}  // namespace least

@@ -1,0 +1,33 @@
+// The catalogue: every problem, every scheme, and the pairs the compiler found to fit. Thread-safe; built once.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "core/describe.hpp"
+#include "core/run/outcome.hpp"
+#include "core/run/request.hpp"
+
+namespace least {
+
+inline constexpr std::string_view version = "0.1.0";
+
+/// Cards, sorted by id (problems) and in the order of the scheme list (schemes).
+std::span<const ProblemCard> problems();
+std::span<const SchemeCard> schemes();
+
+/// Position of an id in problems() or schemes().
+std::optional<std::size_t> find_problem(std::string_view id);
+std::optional<std::size_t> find_scheme(std::string_view id);
+
+/// Whether the scheme can run the problem.
+bool fits(std::size_t problem, std::size_t scheme);
+
+/// Runs a checked request (every value within its card's range, the pair fits). Samples go to the sink as they come;
+/// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.
+Outcome run(const Request& request, Sink& sink, const std::atomic<bool>& cancelled);
+
+}  // namespace least

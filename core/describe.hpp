@@ -1,0 +1,108 @@
+// Cards: what the descriptions of problems and schemes say about themselves. Decoder, catalogue, page and docs are made
+// from these and from nothing else.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace least {
+
+/// An interval of allowed values; an open end is excluded.
+struct Range {
+  double low, high;
+  bool low_open = false, high_open = false;
+  constexpr bool contains(double x) const {
+    return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
+  }
+};
+
+/// What values a parameter takes. All are held as double: a choice by its index, a flag as 0 or 1, null as NaN.
+enum class Kind { number, integer, choice, flag };
+
+/// A parameter of a problem or a scheme.
+struct ParameterCard {
+  std::string_view name, symbol, unit, doc;
+  Kind kind = Kind::number;
+  double value = 0;  ///< the default
+  Range range{0, 0};
+  std::span<const std::string_view> choices{};  ///< names by index, for Kind::choice
+  std::string_view suggested{};  ///< not empty: the default is the problem's suggestion of this name, where it has one
+  bool nullable = false;
+};
+
+struct VariableCard {
+  std::string_view name, symbol, unit, doc;
+  double value;  ///< the default start
+};
+
+/// A quantity the exact motion conserves, besides the energy; also a column that can be asked for.
+struct InvariantCard {
+  std::string_view name, symbol, doc;
+};
+
+using NamedValue = std::pair<std::string_view, double>;
+
+/// A named set of parameters and start values; keys that stand in a request win over it.
+struct PresetCard {
+  std::string_view name{}, doc{};
+  std::vector<NamedValue> parameters{}, initial{};
+};
+
+struct ProblemCard {
+  std::string_view id{}, title{}, summary{}, formula{};  ///< formula: MathML
+  std::vector<VariableCard> variables{};
+  std::vector<ParameterCard> parameters{};  ///< filled in from the description
+  double span = 0;                          ///< default length of a run in time
+  std::vector<NamedValue> suggested{};
+  std::vector<PresetCard> presets{};
+  std::vector<InvariantCard> invariants{};
+  std::vector<std::string_view> columns{};      ///< every column that can be asked for, `t` first; derived
+  std::vector<std::string_view> diagnostics{};  ///< every diagnostic that can be asked for; derived
+  std::vector<std::size_t> schemes{};           ///< indices of the schemes that apply; derived
+  std::vector<std::string_view> references{};
+  std::string offers{};  ///< what its mechanics can offer to a scheme, in words; derived
+};
+
+struct SchemeCard {
+  std::string_view id{}, title{}, summary{};
+  std::vector<std::pair<std::string_view, int>>
+      orders{};  ///< by composition; one entry with an empty name: no composition
+  bool implicit = false, symmetric = false;
+  std::string_view structure{};             ///< symplectic | contact | none
+  std::vector<ParameterCard> parameters{};  ///< filled in from the description
+  std::string_view recommended{};           ///< the recommended composition, or empty
+  std::string_view good_for{}, fails_when{}, needs{};
+  std::vector<std::string_view> references{};
+};
+
+/// One parameter of the aggregate C: where its value lives and what may stand there. Its default is that of C{}.
+/// M is the member's type: double, int, bool, or an enumeration for a choice.
+template <class C, class M = double>
+struct Field {
+  std::string_view name, symbol, unit, doc;
+  M C::*member;
+  Range range{0, 0};
+  std::span<const std::string_view> choices{};
+  std::string_view suggested{};
+
+  ParameterCard card() const {
+    constexpr Kind kind = std::is_same_v<M, bool>  ? Kind::flag
+                          : std::is_same_v<M, int> ? Kind::integer
+                          : std::is_enum_v<M>      ? Kind::choice
+                                                   : Kind::number;
+    return {name, symbol, unit, doc, kind, static_cast<double>(C{}.*member), range, choices, suggested, false};
+  }
+  /// Sets the member from a value that the card allows.
+  void set(C& c, double value) const { c.*member = static_cast<M>(value); }
+};
+
+/// What a problem's file says about itself beside its mechanics: `fields`, a tuple of Field, and `card()`.
+template <template <class> class P>
+struct About;
+
+}  // namespace least

@@ -1,0 +1,173 @@
+// Forward-mode dual numbers: a value and its derivatives along K directions. Nested (Dual<Dual<T, K>, K>) they carry
+// second derivatives. Comparisons look at the value alone.
+// Source: Griewank & Walther, Evaluating Derivatives, 2008, chapter 3.
+#pragma once
+
+#include <type_traits>
+
+#include "core/number/math.hpp"
+
+namespace least {
+
+template <class T, int K>
+struct Dual {
+  T value{};
+  Vec<K, T> slope{};
+
+  constexpr Dual() = default;
+  /// A constant: its derivatives are zero. Takes what T takes (an int, a double, a T).
+  template <class U>
+  requires std::is_convertible_v<U, T>
+  constexpr Dual(const U& constant) : value(constant) {}
+  constexpr Dual(const T& v, const Vec<K, T>& d) : value(v), slope(d) {}
+
+  /// The k-th independent variable.
+  static constexpr Dual variable(const T& v, int k) {
+    Dual x(v);
+    x.slope[static_cast<std::size_t>(k)] = T(1);
+    return x;
+  }
+
+  constexpr Dual operator-() const {
+    return chain(-value, [](const T& d) { return -d; });
+  }
+  constexpr Dual& operator+=(const Dual& b) { return *this = *this + b; }
+  constexpr Dual& operator-=(const Dual& b) { return *this = *this - b; }
+  constexpr Dual& operator*=(const Dual& b) { return *this = *this * b; }
+  constexpr Dual& operator/=(const Dual& b) { return *this = *this / b; }
+
+  /// A number with this value whose k-th derivative is f(own k-th derivative).
+  template <class F>
+  constexpr Dual chain(const T& v, F&& f) const {
+    Dual r(v);
+    for (std::size_t k = 0; k < slope.size(); ++k) r.slope[k] = f(slope[k]);
+    return r;
+  }
+
+  friend constexpr Dual operator+(const Dual& a, const Dual& b) {
+    Dual r(a.value + b.value);
+    for (std::size_t k = 0; k < r.slope.size(); ++k) r.slope[k] = a.slope[k] + b.slope[k];
+    return r;
+  }
+  friend constexpr Dual operator-(const Dual& a, const Dual& b) {
+    Dual r(a.value - b.value);
+    for (std::size_t k = 0; k < r.slope.size(); ++k) r.slope[k] = a.slope[k] - b.slope[k];
+    return r;
+  }
+  friend constexpr Dual operator*(const Dual& a, const Dual& b) {
+    Dual r(a.value * b.value);
+    for (std::size_t k = 0; k < r.slope.size(); ++k) r.slope[k] = a.slope[k] * b.value + a.value * b.slope[k];
+    return r;
+  }
+  friend constexpr Dual operator/(const Dual& a, const Dual& b) {
+    Dual r(a.value / b.value);
+    for (std::size_t k = 0; k < r.slope.size(); ++k) r.slope[k] = (a.slope[k] - r.value * b.slope[k]) / b.value;
+    return r;
+  }
+  // With a plain number, or one of the number inside, no derivative is spent on the constant.
+  template <class U>
+  static constexpr bool plain = std::is_arithmetic_v<U> || std::is_same_v<U, T>;
+  template <class U>
+  requires plain<U>
+  friend constexpr Dual operator+(const Dual& a, const U& b) { return Dual(a.value + b, a.slope); }
+  template <class U>
+  requires plain<U>
+  friend constexpr Dual operator+(const U& a, const Dual& b) { return Dual(a + b.value, b.slope); }
+  template <class U>
+  requires plain<U>
+  friend constexpr Dual operator-(const Dual& a, const U& b) { return Dual(a.value - b, a.slope); }
+  template <class U>
+  requires plain<U>
+  friend constexpr Dual operator-(const U& a, const Dual& b) {
+    return b.chain(a - b.value, [](const T& d) { return -d; });
+  }
+  template <class U>
+  requires plain<U>
+  friend constexpr Dual operator*(const Dual& a, const U& b) {
+    return a.chain(a.value * b, [&](const T& d) { return d * b; });
+  }
+  template <class U>
+  requires plain<U>
+  friend constexpr Dual operator*(const U& a, const Dual& b) {
+    return b.chain(a * b.value, [&](const T& d) { return a * d; });
+  }
+  template <class U>
+  requires plain<U>
+  friend constexpr Dual operator/(const Dual& a, const U& b) {
+    return a.chain(a.value / b, [&](const T& d) { return d / b; });
+  }
+  friend constexpr auto operator<(const Dual& a, const Dual& b) { return a.value < b.value; }
+  friend constexpr auto operator<=(const Dual& a, const Dual& b) { return a.value <= b.value; }
+  friend constexpr auto operator>(const Dual& a, const Dual& b) { return a.value > b.value; }
+  friend constexpr auto operator>=(const Dual& a, const Dual& b) { return a.value >= b.value; }
+};
+
+template <class T, int K>
+constexpr std::pair<Dual<T, K>, Dual<T, K>> sincos(const Dual<T, K>& x) {
+  using least::sincos;
+  const auto [s, c] = sincos(x.value);
+  return {x.chain(s, [&](const T& d) { return c * d; }), x.chain(c, [&](const T& d) { return -(s * d); })};
+}
+template <class T, int K>
+constexpr Dual<T, K> sin(const Dual<T, K>& x) {
+  return sincos(x).first;
+}
+template <class T, int K>
+constexpr Dual<T, K> cos(const Dual<T, K>& x) {
+  return sincos(x).second;
+}
+template <class T, int K>
+constexpr Dual<T, K> exp(const Dual<T, K>& x) {
+  using least::exp;
+  const T e = exp(x.value);
+  return x.chain(e, [&](const T& d) { return e * d; });
+}
+template <class T, int K>
+constexpr Dual<T, K> log(const Dual<T, K>& x) {
+  using least::log;
+  return x.chain(log(x.value), [&](const T& d) { return d / x.value; });
+}
+template <class T, int K>
+constexpr Dual<T, K> sqrt(const Dual<T, K>& x) {
+  using least::sqrt;
+  const T r = sqrt(x.value);
+  const T w = T(0.5) / r;
+  return x.chain(r, [&](const T& d) { return w * d; });
+}
+/// The exponent is a constant.
+template <class T, int K>
+constexpr Dual<T, K> pow(const Dual<T, K>& x, double y) {
+  using least::pow;
+  const T w = y * pow(x.value, y - 1);
+  return x.chain(pow(x.value, y), [&](const T& d) { return w * d; });
+}
+template <class T, int K>
+constexpr Dual<T, K> abs(const Dual<T, K>& x) {
+  using least::select;
+  return select(x.value < T(0), -x, x);
+}
+template <class T, int K>
+auto isfinite(const Dual<T, K>& x) {
+  using least::isfinite;
+  return isfinite(x.value);
+}
+/// For masks of a number with lanes; a plain bool takes the general form in math.hpp.
+template <class M, class T, int K>
+requires(!std::is_same_v<M, bool>) constexpr Dual<T, K> select(const M& mask, const Dual<T, K>& yes,
+                                                               const Dual<T, K>& no) {
+  using least::select;
+  Dual<T, K> r(select(mask, yes.value, no.value));
+  for (std::size_t k = 0; k < r.slope.size(); ++k) r.slope[k] = select(mask, yes.slope[k], no.slope[k]);
+  return r;
+}
+
+template <class T, int K>
+struct Precision<Dual<T, K>> : Precision<T> {};
+
+template <class T, int K>
+constexpr auto primal(const Dual<T, K>& x) {
+  using least::primal;
+  return primal(x.value);
+}
+
+}  // namespace least

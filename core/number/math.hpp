@@ -1,0 +1,63 @@
+// Elementary functions generic in the number. Mechanics call them unqualified after `using least::sqrt;` inside the
+// function: double is found here, every other number by argument-dependent lookup beside its type.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace least {
+
+template <int N, class T = double>
+using Vec = std::array<T, static_cast<std::size_t>(N)>;
+
+/// A square matrix, row by row.
+template <int N, class T = double>
+using Mat = Vec<N, Vec<N, T>>;
+
+inline double sin(double x) { return std::sin(x); }
+inline double cos(double x) { return std::cos(x); }
+inline double exp(double x) { return std::exp(x); }
+inline double log(double x) { return std::log(x); }
+inline double sqrt(double x) { return std::sqrt(x); }
+inline double abs(double x) { return std::fabs(x); }
+inline double pow(double x, double y) { return std::pow(x, y); }
+inline bool isfinite(double x) { return std::isfinite(x); }
+inline long double sin(long double x) { return std::sin(x); }
+inline long double cos(long double x) { return std::cos(x); }
+inline long double exp(long double x) { return std::exp(x); }
+inline long double log(long double x) { return std::log(x); }
+inline long double sqrt(long double x) { return std::sqrt(x); }
+inline long double abs(long double x) { return std::fabs(x); }
+inline long double pow(long double x, long double y) { return std::pow(x, y); }
+inline bool isfinite(long double x) { return std::isfinite(x); }
+
+/// {sin x, cos x}
+template <class T>
+std::pair<T, T> sincos(const T& x) {
+  return {sin(x), cos(x)};
+}
+
+/// Branch-free choice. For a scalar the mask is bool; a number with lanes brings its own mask, select, any and all.
+template <class T>
+constexpr T select(bool mask, const T& yes, const T& no) {
+  return mask ? yes : no;
+}
+constexpr bool any(bool mask) { return mask; }
+constexpr bool all(bool mask) { return mask; }
+
+/// Distance from 1 to the next number; a wider number specialises it.
+template <class T>
+struct Precision {
+  static constexpr double epsilon = std::numeric_limits<T>::epsilon();
+};
+
+/// The part of a number that decides: where a derivative rides along it is left out. Masks and tolerances look at it.
+template <class T>
+constexpr const T& primal(const T& x) {
+  return x;
+}
+
+}  // namespace least

@@ -1,0 +1,290 @@
+// The loop: one run of one problem under one scheme, everything known at compile time. Blocks of steps run on locals;
+// what can go wrong inside one is looked for at its end, and a block that went wrong is taken back and run again step
+// by step, so that the last good state is exact and a good step pays nothing.
+#pragma once
+
+#include <cmath>
+#include <utility>
+
+#include "core/catalogue.hpp"
+#include "core/run/observer.hpp"
+#include "core/run/pace.hpp"
+#include "core/run/recorder.hpp"
+#include "core/run/report.hpp"
+#include "core/run/schedule.hpp"
+#include "core/run/stability.hpp"
+#include "core/run/structure.hpp"
+#include "core/run/wording.hpp"
+#include "core/scheme.hpp"
+#include "core/study/reference.hpp"
+
+namespace least {
+
+/// A state, the stepper bound to it, and how many whole steps it has behind it. A value.
+template <class P, class Stepper>
+struct Machine {
+  Stepper stepper;
+  StateOf<P> x;
+  std::int64_t n = 0;
+};
+
+/// Takes `count` whole steps. The clock is start + n·step. Returns early where a step fails, the state being the last
+/// good one. `frequency` collects the largest squared local frequency that was met, where the problem estimates one.
+template <bool Observed, class P, class M>
+Status advance(const P& problem, M& machine, Observer<P>& observer, const Grid& grid, std::int64_t count,
+               double& frequency) noexcept {
+  auto stepper = machine.stepper;
+  auto x = machine.x;
+  double most = frequency;
+  Status status = Status::ok;
+  const std::int64_t end = machine.n + count;
+  std::int64_t n = machine.n;
+  while (n < end) {
+    status = stepper.step(x, grid.step);
+    if (status != Status::ok) break;
+    x.t = grid.time(++n);
+    if constexpr (HasFrequency<P>) {
+      const double here = problem.frequency_squared(x.q);
+      most = here > most ? here : most;
+    }
+    if constexpr (Observed) observer.see(problem, x);
+  }
+  machine.stepper = stepper;
+  machine.x = x;
+  machine.n = n;
+  frequency = most;
+  return status;
+}
+
+template <class P, class Scheme>
+class Drive {
+ public:
+  using X = StateOf<P>;
+  using Stepper = StepperOf<Scheme, P, X>;
+
+  Drive(const P& problem, const Scheme& scheme, const ProblemCard& card, const Request& request, Sink& sink,
+        const std::atomic<bool>& cancelled)
+      : problem_(problem),
+        scheme_(scheme),
+        card_(card),
+        request_(request),
+        grid_(request, scheme.step),
+        marks_(request.record, grid_),
+        recorder_(problem_, request.columns, sink),
+        pace_(request.limits.seconds, cancelled),
+        machine_{scheme.bind(problem_, start_of(request)), start_of(request)} {
+    for (const std::size_t index : request.diagnostics) {
+      const std::string_view name = card.diagnostics[index];
+      observer_.energy |= name == "energy";
+      observer_.momenta |= name == "momenta";
+      observer_.orbit |= name == "orbit";
+      snapshots_wanted_ |= name == "error" || name == "structure";
+    }
+    if constexpr (HasFrequency<P>) bound_ = stability_bound(scheme);
+  }
+
+  Outcome run() {
+    if (start()) {
+      const std::int64_t whole = std::min(grid_.steps, request_.limits.steps);
+      while (machine_.n < whole && go_on(whole)) {
+      }
+      if (going() && grid_.steps + (grid_.tail > 0) > request_.limits.steps)
+        stop(Reason::step_limit, wording::step_limit(request_.limits.steps));
+      if (going() && grid_.tail > 0) finish();
+    }
+    if (!recorder_.flush()) stop(Reason::cancelled, "the receiver of the samples went away");
+    return outcome();
+  }
+
+ private:
+  static X start_of(const Request& request) {
+    X x;
+    x.t = request.start;
+    for (std::size_t i = 0; i < P::dof; ++i) {
+      x.q[i] = request.initial[i];
+      x.p[i] = request.initial[P::dof + i];
+    }
+    return x;
+  }
+
+  bool going() const { return outcome_.stop.reason == Reason::completed; }
+  bool stop(Reason reason, std::string detail) {
+    if (going()) outcome_.stop = {reason, std::move(detail), machine_.x.t, machine_.n, {}};
+    return false;
+  }
+
+  /// Squares of a good state do not overflow: its energy can be said.
+  static bool sound(const X& x) {
+    constexpr double most = 1e150;
+    bool good = std::isfinite(x.t);
+    for (std::size_t i = 0; i < P::dof; ++i) good = good && std::abs(x.q[i]) < most && std::abs(x.p[i]) < most;
+    return good;
+  }
+  double stability_limit() const {  // of the squared frequency; a bound of 0 is no bound: the scheme always grows
+    const double limit = bound_ / std::abs(grid_.step);
+    return bound_ > 0 ? limit * limit * (1 + 1e-6) : std::numeric_limits<double>::infinity();
+  }
+
+  bool start() {
+    const X& x = machine_.x;
+    const X slope = derivative(problem_, x);
+    bool finite = std::isfinite(hamiltonian(problem_, x.q, x.p, x.t));
+    for (std::size_t i = 0; i < P::dof; ++i) finite = finite && std::isfinite(slope.q[i]) && std::isfinite(slope.p[i]);
+    if (sound(x) && !finite) {
+      stop(Reason::singular, "the equations of motion are not finite at the start");
+      outcome_.stop.singular_at = x.t;
+      return false;
+    }
+    if (!sound(x)) return stop(Reason::not_finite, "the start lies beyond 1e150, where energies overflow");
+    observer_.start(problem_, x);
+    if (snapshots_wanted_) snapshots_.push_back(x);
+    if constexpr (HasFrequency<P>) {
+      frequency_ = problem_.frequency_squared(x.q);
+      if (frequency_ > stability_limit() && grid_.steps > 0) return unstable(frequency_);
+    }
+    return record();
+  }
+
+  bool unstable(double frequency) {
+    const double omega = std::sqrt(frequency);
+    return stop(Reason::unstable_step, wording::unstable(std::abs(grid_.step) * omega, bound_, bound_ / omega));
+  }
+
+  /// One block of steps and what falls due at its end.
+  bool go_on(std::int64_t whole) {
+    std::int64_t until = std::min({whole, machine_.n + pace_.block(), marks_.step()});
+    if (marks_.step() <= machine_.n) until = std::min(whole, machine_.n + pace_.block());
+    const std::int64_t stride = std::max<std::int64_t>((grid_.steps + most_snapshots - 1) / most_snapshots, 1);
+    if (snapshots_wanted_) until = std::min(until, (machine_.n / stride + 1) * stride);
+
+    const std::int64_t before = machine_.n;
+    if (!block(until - before)) return false;
+    if (snapshots_wanted_ && machine_.n % stride == 0) snapshots_.push_back(machine_.x);
+    if (!record()) return false;
+    const Reason reason = pace_.passed(machine_.n - before);
+    if (reason == Reason::deadline) return stop(reason, wording::deadline(request_.limits.seconds));
+    return reason == Reason::completed || stop(reason, "the run was cancelled");
+  }
+
+  bool block(std::int64_t count) {
+    const auto saved = machine_;
+    const auto seen = observer_;
+    const double before = frequency_;
+    Status status = steps(count);
+    if (status == Status::ok && sound(machine_.x) && !(frequency_ > stability_limit())) return true;
+    machine_ = saved;
+    observer_ = seen;
+    frequency_ = before;
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto last = machine_;
+      const auto last_seen = observer_;
+      status = steps(1);
+      const bool fast = frequency_ > stability_limit();
+      if (status == Status::ok && sound(machine_.x) && !fast) continue;
+      const double frequency = frequency_;
+      machine_.x = last.x;
+      machine_.n = last.n;
+      observer_ = last_seen;
+      if (status == Status::solver_failed)
+        return stop(Reason::solver_failed,
+                    "Newton's method found no solution of the implicit step; a shorter step may");
+      if (status == Status::singular) return stop(Reason::singular, "the step is singular");
+      if (fast) return unstable(frequency);
+      return stop(Reason::not_finite, "the next state is not finite, or beyond 1e150 where energies overflow");
+    }
+    return true;  // not reached: the same steps have the same bits
+  }
+
+  Status steps(std::int64_t count) {
+    return observer_.wanted() ? advance<true>(problem_, machine_, observer_, grid_, count, frequency_)
+                              : advance<false>(problem_, machine_, observer_, grid_, count, frequency_);
+  }
+
+  /// Samples due between here and the next grid point. Between grid points the step's own map fills in: a shorter step
+  /// from here, on a copy, which is as accurate as the scheme and leaves the run alone.
+  bool record() {
+    for (; marks_.step() == machine_.n; marks_.next()) {
+      X x = machine_.x;
+      if (marks_.rest() > 0) {
+        if (grid_.tail > 0 && machine_.n == grid_.steps && marks_.rest() == grid_.tail) return true;  // the final state
+        Stepper copy = machine_.stepper;
+        if (copy.step(x, marks_.rest()) != Status::ok)
+          return stop(Reason::solver_failed, "Newton's method found no solution between two grid points");
+        x.t = machine_.x.t + marks_.rest();
+      }
+      if (!take(x)) return false;
+    }
+    return true;
+  }
+  bool take(const X& x) {
+    const auto taken = recorder_.take(x, grid_.step);
+    if (taken == Recorder<P>::Taken::not_finite) return stop(Reason::not_finite, "a column is not finite here");
+    return taken == Recorder<P>::Taken::yes || stop(Reason::cancelled, "the receiver of the samples went away");
+  }
+
+  /// The shorter step to the end.
+  void finish() {
+    const auto last = machine_;
+    const Status status = machine_.stepper.step(machine_.x, grid_.tail);
+    machine_.x.t = grid_.end;
+    if (status != Status::ok || !sound(machine_.x)) {
+      machine_.x = last.x;
+      stop(status == Status::ok ? Reason::not_finite : Reason::solver_failed, "the last, shorter step failed");
+      return;
+    }
+    ++extra_steps_;
+    observer_.see(problem_, machine_.x);
+    for (; marks_.step() == machine_.n; marks_.next())
+      if (!take(machine_.x)) return;
+  }
+
+  Outcome outcome() {
+    outcome_.t = machine_.x.t;
+    outcome_.final.assign(machine_.x.q.begin(), machine_.x.q.end());
+    outcome_.final.insert(outcome_.final.end(), machine_.x.p.begin(), machine_.x.p.end());
+    const Work& work = machine_.stepper.work();
+    outcome_.cost = {machine_.n + extra_steps_, work.forces, work.iterations, pace_.seconds()};
+    warn();
+    for (const std::size_t index : request_.diagnostics)
+      outcome_.diagnostics.push_back(report(card_.diagnostics[index]));
+    return std::move(outcome_);
+  }
+
+  void warn() {
+    if constexpr (HasFrequency<P>) {
+      double careful = bound_ / 2;
+      if constexpr (requires { P::careful_step; }) careful = P::careful_step;
+      const double fastest = std::abs(grid_.step) * std::sqrt(frequency_);
+      if (bound_ > 0 && std::isfinite(bound_) && fastest > careful)
+        outcome_.warnings.push_back({"step_near_stability_bound", wording::near_bound(fastest, careful, bound_)});
+    }
+  }
+
+  Report report(std::string_view name) {
+    if (name == "energy") return observer_.energy_report();
+    if (name == "momenta") return observer_.momenta_report(card_);
+    if (name == "orbit") return observer_.orbit_report(machine_.x);
+    if (name == "structure") return structure_report(problem_, scheme_, snapshots_, grid_.step);
+    return error_report(problem_, snapshots_, machine_.x, [this] { return pace_.look() == Reason::completed; });
+  }
+
+  static constexpr std::int64_t most_snapshots = 256;
+
+  P problem_;
+  Scheme scheme_;
+  const ProblemCard& card_;
+  const Request& request_;
+  Grid grid_;
+  Marks marks_;
+  Recorder<P> recorder_;
+  Pace pace_;
+  Machine<P, Stepper> machine_;
+  Observer<P> observer_;
+  Outcome outcome_;
+  double bound_ = std::numeric_limits<double>::infinity(), frequency_ = 0;
+  bool snapshots_wanted_ = false;
+  std::int64_t extra_steps_ = 0;
+  std::vector<X> snapshots_;  ///< states along the grid, for the diagnostics that need whole states
+};
+
+}  // namespace least

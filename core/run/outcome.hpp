@@ -1,0 +1,71 @@
+// What a run leaves behind, and where its samples go.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/status.hpp"
+
+namespace least {
+
+/// A tree of named results, so that a new diagnostic needs no new code in an encoder. Non-finite numbers stand for
+/// "cannot be said" and are written as null.
+struct Report {
+  using Value = std::variant<std::monostate, double, bool, std::string, std::vector<double>, std::vector<Report>>;
+  std::string_view key;
+  Value value;
+};
+
+/// Receives blocks of samples as they are computed.
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  /// rows: whole rows in row-major order, one number per column asked for. False ends the run as cancelled.
+  virtual bool append(std::span<const double> rows) = 0;
+};
+
+/// Keeps all samples in memory, row-major.
+class Samples final : public Sink {
+ public:
+  bool append(std::span<const double> rows) override {
+    values.insert(values.end(), rows.begin(), rows.end());
+    return true;
+  }
+  std::vector<double> values;
+};
+
+struct Stop {
+  Reason reason = Reason::completed;
+  std::string detail;
+  double t = 0;           ///< last good time
+  std::int64_t step = 0;  ///< last good step
+  std::optional<double> singular_at;
+};
+
+struct Warning {
+  std::string_view code;
+  std::string detail;
+};
+
+struct Cost {
+  std::int64_t steps = 0, force_evaluations = 0, iterations = 0;
+  double seconds = 0;
+};
+
+struct Outcome {
+  Stop stop;                        ///< reason completed: the run reached its end
+  double t = 0;                     ///< time of the final state
+  std::vector<double> final;        ///< in the order of the problem's variables
+  std::vector<Report> diagnostics;  ///< one entry per diagnostic asked for
+  std::vector<Report> events;       ///< each a list: t, kind, …
+  std::vector<Warning> warnings;
+  Cost cost;
+};
+
+}  // namespace least

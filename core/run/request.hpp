@@ -1,0 +1,40 @@
+// One run, decoded and checked: what the core is asked to do.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace least {
+
+/// Which states are kept.
+struct Record {
+  enum class Mode { every, samples, times };
+  Mode mode = Mode::every;
+  std::int64_t count = 1;     ///< every: the stride in steps, 0 keeps nothing; samples: how many, uniform, both ends
+  std::vector<double> times;  ///< times: increasing, within the span
+};
+
+/// Budgets. A run that meets one ends with a status and keeps what it has.
+struct Limits {
+  double seconds = 10;
+  std::int64_t steps = 100'000'000;
+  std::int64_t samples = 1'000'000;  ///< rows kept at most
+};
+
+struct Request {
+  std::size_t problem = 0, scheme = 0;  ///< indices into the catalogue
+  std::vector<double> parameters;       ///< in the order of the problem's card
+  std::vector<double> initial;          ///< in the order of the problem's variables
+  double start = 0;                     ///< t at the start
+  std::vector<double> settings;         ///< the scheme's parameters, in the order of its card
+  bool until_steps = false;             ///< the end is given by a number of steps, else by a time
+  double end = 0;
+  std::int64_t steps = 0;
+  Record record;
+  std::vector<std::size_t> columns;      ///< indices into the problem card's columns
+  std::vector<std::size_t> diagnostics;  ///< indices into the problem card's diagnostics
+  Limits limits;
+};
+
+}  // namespace least

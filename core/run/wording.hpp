@@ -1,0 +1,16 @@
+// What a run says of its end, in words. Kept out of the templates.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace least::wording {
+
+/// `ratio` is hω as met, `bound` the scheme's, `step` the longest stable step at this frequency.
+std::string unstable(double ratio, double bound, double step);
+/// `careful` is the hω from which a run warns.
+std::string near_bound(double ratio, double careful, double bound);
+std::string step_limit(std::int64_t steps);
+std::string deadline(double seconds);
+
+}  // namespace least::wording

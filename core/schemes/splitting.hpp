@@ -1,0 +1,156 @@
+// Explicit splitting of a separable Hamiltonian H = K(p) + V(q, t) into kicks p −= b h ∇V(q) and drifts q += a h g⁻¹p:
+//   symplectic_euler  kick h, drift h                            order 1
+//   leapfrog          kick h/2, drift h, kick h/2                order 2, symmetric (Störmer–Verlet, velocity form)
+//   ruth_3            (drift, kick) = (7/24, 2/3), (3/4, −2/3), (−1/24, 1)   order 3
+// Symplectic; angular momentum is kept exactly; leapfrog and its compositions are time-reversible. The force at the end
+// of a step is the force at the start of the next: one evaluation per drift. They assume that the step resolves the
+// fastest oscillation and cannot check it: leapfrog is stable for ωh < 2. Look-alike: leapfrog in the drift–kick–drift
+// order is a different map, conjugate to this one.
+// Sources: Hairer, Lubich, Wanner 2006, VI.3 and I.1.4; Ruth, IEEE Trans. Nucl. Sci. NS-30, 2669 (1983), eq. 18.
+#pragma once
+
+#include <tuple>
+
+#include "core/scheme.hpp"
+
+namespace least {
+
+/// kick₀, drift₀, kick₁, drift₁, …, kick_n as fractions of the step. Kicks that meet in a composition are one kick.
+template <class S>
+struct Sequence {
+  int drifts = 0;
+  std::array<S, compositions::most_stages + 1> kick{};
+  std::array<S, compositions::most_stages> drift{};
+  std::array<S, compositions::most_stages> node{};  ///< time at the end of a drift, as a fraction of the step
+
+  void append(const S& before, const S& over, const S& after) {
+    const auto i = static_cast<std::size_t>(drifts++);
+    kick[i] = kick[i] + before;
+    drift[i] = over;
+    node[i] = i == 0 ? over : node[i - 1] + over;
+    kick[i + 1] = after;
+  }
+};
+
+template <Separable P, class X>
+class KickDrift {
+ public:
+  using T = typename X::Number;
+  using S = typename X::Time;
+
+  KickDrift(const P& problem, const X& x, const Sequence<S>& sequence) : problem_(problem), sequence_(sequence) {
+    slope_ = gradient(problem_, x.q, x.t);
+    ++work_.forces;
+  }
+
+  Status step(X& x, const S& h) noexcept {
+    kick(x, h * sequence_.kick[0]);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_.drifts); ++i) {
+      drift(x, h * sequence_.drift[i]);
+      slope_ = gradient(problem_, x.q, x.t + h * sequence_.node[i]);
+      ++work_.forces;
+      kick(x, h * sequence_.kick[i + 1]);
+    }
+    return Status::ok;
+  }
+  const Work& work() const { return work_; }
+
+ private:
+  void kick(X& x, const S& h) const {
+    for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - h * slope_[i];
+  }
+  void drift(X& x, const S& h) const {
+    if constexpr (HasInverseMass<P>) {
+      const auto w = problem_.inverse_mass();
+      for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + (h * w[i]) * x.p[i];
+    } else {
+      for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + h * x.p[i];
+    }
+  }
+
+  P problem_;
+  Sequence<S> sequence_;
+  Vec<P::dof, T> slope_{};  ///< ∇V at the state's q
+  Work work_;
+};
+
+struct SymplecticEuler {
+  double step = 0.01;
+  static constexpr std::tuple fields{step_field<SymplecticEuler>()};
+  static SchemeCard card() {
+    return {.id = "symplectic_euler",
+            .title = "Symplectic Euler",
+            .summary = "Kick, then drift with the new momentum: the simplest symplectic scheme.",
+            .orders = {{"", 1}},
+            .structure = "symplectic",
+            .good_for = "long runs where the picture counts, not the digits; first lessons",
+            .fails_when = "accuracy counts (leapfrog costs the same), or ωh > 2",
+            .needs = "a separable Hamiltonian: a potential and a constant kinetic metric",
+            .references = {"Hairer, Lubich, Wanner 2006, I.1.9"}};
+  }
+  template <Separable P, class X>
+  auto bind(const P& problem, const X& x) const {
+    using S = typename X::Time;
+    Sequence<S> sequence;
+    sequence.append(S(1), S(1), S(0));
+    return KickDrift<P, X>(problem, x, sequence);
+  }
+};
+
+struct Leapfrog {
+  double step = 0.01;
+  Composition composition = Composition::none;
+  static constexpr std::tuple fields{step_field<Leapfrog>(), composition_field<Leapfrog>()};
+  static SchemeCard card() {
+    return {
+        .id = "leapfrog",
+        .title = "Leapfrog (Störmer–Verlet)",
+        .summary = "Half a kick, a drift, half a kick: the variational integrator of the trapezoidal rule, explicit.",
+        .orders = orders_from(2),
+        .symmetric = true,
+        .structure = "symplectic",
+        .recommended = "kahan_li_6",
+        .good_for = "long runs of anything separable: energy error stays bounded, momenta are kept, one force a step",
+        .fails_when = "ωh ≥ 2, or the motion is fast for a short time only (periapsis passages): the ellipse precesses",
+        .needs = "a separable Hamiltonian: a potential and a constant kinetic metric",
+        .references = {"Hairer, Lubich, Wanner 2006, I.1.4", "Marsden, West, Acta Numerica 10, 357 (2001), 2.3.1"}};
+  }
+  template <Separable P, class X>
+  auto bind(const P& problem, const X& x) const {
+    using S = typename X::Time;
+    const Weights<S> weights(composition);
+    Sequence<S> sequence;
+    for (int i = 0; i < weights.stages; ++i) {
+      const S& gamma = weights.gamma[static_cast<std::size_t>(i)];
+      sequence.append(gamma / 2, gamma, gamma / 2);
+    }
+    return KickDrift<P, X>(problem, x, sequence);
+  }
+};
+
+struct Ruth3 {
+  double step = 0.01;
+  static constexpr std::tuple fields{step_field<Ruth3>()};
+  static SchemeCard card() {
+    return {.id = "ruth_3",
+            .title = "Ruth 3",
+            .summary = "Ruth's symplectic scheme of order 3, three forces a step, not symmetric.",
+            .orders = {{"", 3}},
+            .structure = "symplectic",
+            .good_for = "comparison; composed leapfrog of order 4 is usually the better choice",
+            .fails_when = "ωh > 2.5; it cannot be composed, and it is not reversible",
+            .needs = "a separable Hamiltonian: a potential and a constant kinetic metric",
+            .references = {"Ruth, IEEE Transactions on Nuclear Science NS-30, 2669 (1983)"}};
+  }
+  template <Separable P, class X>
+  auto bind(const P& problem, const X& x) const {
+    using S = typename X::Time;
+    Sequence<S> sequence;
+    sequence.append(S(0), S(7) / 24, S(2) / 3);
+    sequence.append(S(0), S(3) / 4, -S(2) / 3);
+    sequence.append(S(0), -S(1) / 24, S(1));
+    return KickDrift<P, X>(problem, x, sequence);
+  }
+};
+
+}  // namespace least

@@ -1,0 +1,46 @@
+// Why a step or a run ended.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace least {
+
+enum class Reason : std::uint8_t {
+  completed,
+  not_finite,
+  singular,
+  solver_failed,
+  unstable_step,
+  left_domain,
+  parameter_step_underflow,
+  step_limit,
+  deadline,
+  cancelled,
+};
+
+/// The id a client reads.
+constexpr std::string_view name(Reason reason) {
+  constexpr std::string_view names[] = {"completed",
+                                        "not_finite",
+                                        "singular",
+                                        "solver_failed",
+                                        "unstable_step",
+                                        "left_domain",
+                                        "parameter_step_underflow",
+                                        "step_limit",
+                                        "deadline",
+                                        "cancelled"};
+  return names[static_cast<std::size_t>(reason)];
+}
+
+/// What one step says of itself. A step that fails leaves the state as it was.
+enum class Status : std::uint8_t { ok, solver_failed, singular };
+
+/// The work of a run, counted exactly: a force evaluation is one evaluation of the derivatives of the potential, the
+/// Lagrangian or the vector field at one point, in whatever number; an iteration is one Newton update.
+struct Work {
+  std::int64_t forces = 0, iterations = 0;
+};
+
+}  // namespace least

@@ -1,0 +1,170 @@
+// Reference solutions: the closed form where a problem has one, else the problem's own equations of motion integrated
+// in quad precision by extrapolation of the explicit midpoint rule at two tolerances, whose difference is the
+// uncertainty. Source: Gragg, SIAM J. Numer. Anal. 2, 384 (1965); Bulirsch & Stoer 1966; Hairer, Nørsett, Wanner,
+// Solving Ordinary Differential Equations I, II.9.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "core/number/quad.hpp"
+#include "core/problem.hpp"
+
+namespace least {
+
+/// The *error* of a state, as the contract defines it: the largest component-wise difference from the true one, divided
+/// by max(1, the largest component of the true one).
+template <int N, class T>
+double state_error(const State<N, T>& x, const State<N, T>& truth) {
+  double difference = 0, size = 1;
+  for (std::size_t i = 0; i < N; ++i) {
+    difference = std::max({difference, std::abs(x.q[i] - truth.q[i]), std::abs(x.p[i] - truth.p[i])});
+    size = std::max({size, std::abs(truth.q[i]), std::abs(truth.p[i])});
+  }
+  return difference / size;
+}
+
+template <class P>
+struct Reference {
+  std::vector<StateOf<P>> states;  ///< at the times asked for, rounded to double
+  double uncertainty = 0x1p-53;    ///< in the measure of state_error
+  std::string_view how = "closed form";
+  bool complete = true;  ///< false: it was told to give up, or the solution ceased to be finite
+};
+
+/// The explicit midpoint rule extrapolated in h², order and step chosen as it goes.
+template <class P>
+class Extrapolation {
+ public:
+  using X = StateOf<P, Quad, Quad>;
+
+  Extrapolation(const P& problem, const X& x, double tolerance) : problem_(problem), x_(x), tolerance_(tolerance) {}
+
+  const X& state() const { return x_; }
+
+  /// Moves on to t. False where keep_going() says so or the steps become too small.
+  template <class KeepGoing>
+  bool advance(const Quad& t, KeepGoing&& keep_going) {
+    while (x_.t < t) {
+      const Quad left = t - x_.t;
+      const bool last = !(step_ < left);
+      const Quad h = last ? left : step_;
+      const int column = attempt(h);
+      if (column < 0) {
+        step_ = h / 4;
+        if (!keep_going() || !(step_ > Quad(1e-25) * (1 + least::select(t < Quad(0), -t, t)))) return false;
+        continue;
+      }
+      const Quad reached = last ? t : x_.t + h;
+      x_ = table_[static_cast<std::size_t>(column)];
+      x_.t = reached;
+      // Converged early: the step was short. Late: long. A step cut to fit says little.
+      if (column < target) step_ = last ? std::max(step_, Quad(1.5) * h) : Quad(1.5) * h;
+      if (column > target + 1) step_ = h * Quad(0.8);
+      if (!keep_going()) return false;
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int columns = 15, target = 10;
+
+  /// Fills the diagonal of the extrapolation table until two neighbours agree; the column reached, or −1.
+  int attempt(const Quad& h) {
+    for (int j = 0; j < columns; ++j) {
+      X next = midpoint(h, 2 * (j + 1));
+      X coarse = next;
+      for (int k = 1; k <= j; ++k) {  // Aitken–Neville, table_[k − 1] holding the row above
+        const Quad ratio = Quad(j + 1) / Quad(j + 1 - k);
+        const Quad w = 1 / (ratio * ratio - 1);
+        X better = next;
+        auto& above = table_[static_cast<std::size_t>(k - 1)];
+        for (std::size_t i = 0; i < P::dof; ++i) {
+          better.q[i] = next.q[i] + (next.q[i] - above.q[i]) * w;
+          better.p[i] = next.p[i] + (next.p[i] - above.p[i]) * w;
+        }
+        above = next;
+        coarse = next;
+        next = better;
+      }
+      table_[static_cast<std::size_t>(j)] = next;
+      if (j > 1 && close(next, coarse)) return j;
+    }
+    return -1;
+  }
+
+  bool close(const X& a, const X& b) const {
+    using least::abs;
+    Quad difference(0), size(1);
+    for (std::size_t i = 0; i < P::dof; ++i) {
+      difference = difference + abs(a.q[i] - b.q[i]) + abs(a.p[i] - b.p[i]);
+      size = std::max({size, abs(a.q[i]), abs(a.p[i])});
+    }
+    return difference < Quad(tolerance_) * size;  // false for NaN
+  }
+
+  X midpoint(const Quad& h, int n) const {
+    const Quad d = h / n;
+    X before = x_, now = shifted(x_, d, derivative(problem_, x_));
+    now.t = x_.t + d;
+    for (int m = 1; m < n; ++m) {
+      X next = shifted(before, Quad(2) * d, derivative(problem_, now));
+      next.t = x_.t + Quad(m + 1) * d;
+      before = now;
+      now = next;
+    }
+    const X end = shifted(before, d, derivative(problem_, now));  // Gragg's smoothing: the mean of now and end
+    for (std::size_t i = 0; i < P::dof; ++i) {
+      now.q[i] = (now.q[i] + end.q[i]) / 2;
+      now.p[i] = (now.p[i] + end.p[i]) / 2;
+    }
+    return now;
+  }
+
+  const P& problem_;
+  X x_;
+  double tolerance_;
+  Quad step_ = Quad(0.1);
+  std::array<X, columns> table_{};
+};
+
+/// The true states at increasing times from x0 on. keep_going() is asked now and then; false gives up.
+template <class P, class KeepGoing>
+Reference<P> reference_solution(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
+                                KeepGoing&& keep_going) {
+  Reference<P> result;
+  result.states.reserve(times.size());
+  const auto start = convert<Quad, Quad>(x0);
+  if constexpr (HasExact<P>) {
+    for (const double t : times) {
+      result.states.push_back(convert<double, double>(problem.exact(start, Quad(t))));
+      if (!keep_going()) {
+        result.complete = false;
+        break;
+      }
+    }
+  } else {
+    result.how = "quad precision run";
+    Extrapolation<P> fine(problem, start, 1e-27), coarse(problem, start, 1e-23);
+    for (const double t : times) {
+      if (!fine.advance(Quad(t), keep_going) || !coarse.advance(Quad(t), keep_going)) {
+        result.complete = false;
+        break;
+      }
+      const auto truth = convert<double, double>(fine.state());
+      // The difference is taken in quad, where it is not rounded away.
+      StateOf<P> difference = truth;
+      for (std::size_t i = 0; i < P::dof; ++i) {
+        difference.q[i] = truth.q[i] + static_cast<double>(coarse.state().q[i] - fine.state().q[i]);
+        difference.p[i] = truth.p[i] + static_cast<double>(coarse.state().p[i] - fine.state().p[i]);
+      }
+      result.uncertainty = std::max(result.uncertainty, 0x1p-53 + state_error(difference, truth));
+      result.states.push_back(truth);
+    }
+  }
+  return result;
+}
+
+}  // namespace least

@@ -1,0 +1,143 @@
+#include "server/cards.hpp"
+
+#include <cmath>
+
+#include "core/catalogue.hpp"
+#include "server/encode_parts.hpp"
+
+namespace least::server {
+namespace {
+
+template <class Items>
+void write_texts(JsonWriter& json, const Items& items) {
+  json.open('[');
+  for (const auto& item : items) json.text(item);
+  json.close(']');
+}
+
+void write_named(JsonWriter& json, const std::vector<NamedValue>& values) {
+  json.open('{');
+  for (const auto& [name, value] : values) json.key(name).number(value);
+  json.close('}');
+}
+
+std::string_view type_of(Kind kind) {
+  constexpr std::string_view names[] = {"number", "integer", "choice", "flag"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+void write_parameter_card(JsonWriter& json, const ParameterCard& card) {
+  json.open('{').key("name").text(card.name).key("symbol").text(card.symbol).key("doc").text(card.doc);
+  json.key("unit").text(card.unit).key("type").text(type_of(card.kind)).key("default");
+  write_parameter(json, card, card.value);
+  if (card.kind == Kind::number || card.kind == Kind::integer) {
+    // An end that is infinite is null: there is none.
+    json.key("minimum").number(card.range.low).key("maximum").number(card.range.high);
+    json.key("exclusive_minimum").boolean(card.range.low_open);
+    json.key("exclusive_maximum").boolean(card.range.high_open);
+  }
+  if (card.kind == Kind::choice) write_texts(json.key("choices"), card.choices);
+  json.key("nullable").boolean(card.nullable);
+  if (!card.suggested.empty()) json.key("suggested").text(card.suggested);
+  json.close('}');
+}
+
+void write_parameter_cards(JsonWriter& json, const std::vector<ParameterCard>& cards) {
+  json.open('[');
+  for (const auto& card : cards) write_parameter_card(json, card);
+  json.close(']');
+}
+
+void write_variables(JsonWriter& json, const std::vector<VariableCard>& variables) {
+  json.open('[');
+  for (const auto& v : variables) {
+    json.open('{').key("name").text(v.name).key("symbol").text(v.symbol).key("doc").text(v.doc);
+    json.key("unit").text(v.unit).key("default").number(v.value).close('}');
+  }
+  json.close(']');
+}
+
+void write_presets(JsonWriter& json, const std::vector<PresetCard>& presets) {
+  json.open('[');
+  for (const auto& preset : presets) {
+    json.open('{').key("name").text(preset.name).key("doc").text(preset.doc);
+    write_named(json.key("parameters"), preset.parameters);
+    write_named(json.key("initial"), preset.initial);
+    json.close('}');
+  }
+  json.close(']');
+}
+
+void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& cards) {
+  json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
+  json.key("formula").text(card.formula);
+  write_variables(json.key("variables"), card.variables);
+  write_parameter_cards(json.key("parameters"), card.parameters);
+  json.key("until").number(card.span);
+  write_named(json.key("suggested"), card.suggested);
+  write_presets(json.key("presets"), card.presets);
+  json.key("invariants").open('[');
+  for (const auto& invariant : card.invariants) {
+    json.open('{').key("name").text(invariant.name).key("symbol").text(invariant.symbol);
+    json.key("doc").text(invariant.doc).close('}');
+  }
+  json.close(']');
+  write_texts(json.key("columns"), card.columns);
+  write_texts(json.key("diagnostics"), card.diagnostics);
+  json.key("schemes").open('[');
+  for (const auto index : card.schemes) json.text(cards.schemes[index].id);
+  json.close(']').key("offers").text(card.offers);
+  write_texts(json.key("references"), card.references);
+  json.close('}');
+}
+
+void write_order(JsonWriter& json, const SchemeCard& card) {
+  if (card.orders.size() == 1 && card.orders.front().first.empty()) {
+    json.integer(card.orders.front().second);
+    return;
+  }
+  json.open('{');
+  for (const auto& [composition, order] : card.orders) json.key(composition).integer(order);
+  json.close('}');
+}
+
+void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
+  json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
+  write_order(json.key("order"), card);
+  json.key("implicit").boolean(card.implicit).key("symmetric").boolean(card.symmetric);
+  json.key("structure").text(card.structure);
+  write_parameter_cards(json.key("parameters"), card.parameters);
+  json.key("recommended");
+  if (card.recommended.empty()) {
+    json.null();
+  } else {
+    json.open('{').key("composition").text(card.recommended).close('}');
+  }
+  json.key("presets").open('[').close(']');
+  json.key("good_for").text(card.good_for).key("fails_when").text(card.fails_when).key("needs").text(card.needs);
+  write_texts(json.key("references"), card.references);
+  json.close('}');
+}
+
+}  // namespace
+
+CatalogueText describe(const Cards& cards) {
+  CatalogueText text;
+  for (const auto& card : cards.problems) {
+    JsonWriter json(text.problems[std::string(card.id)]);
+    write_problem_card(json, card, cards);
+  }
+  for (const auto& card : cards.schemes) {
+    JsonWriter json(text.schemes[std::string(card.id)]);
+    write_scheme_card(json, card);
+  }
+  JsonWriter json(text.all);
+  json.open('{').key("version").text(version).key("problems").open('[');
+  for (const auto& card : cards.problems) json.raw(text.problems.find(card.id)->second);
+  json.close(']').key("schemes").open('[');
+  for (const auto& card : cards.schemes) json.raw(text.schemes.find(card.id)->second);
+  json.close(']').close('}');
+  return text;
+}
+
+}  // namespace least::server

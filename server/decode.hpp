@@ -1,0 +1,38 @@
+// JSON → least::Request: strict, with every fault at once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/describe.hpp"
+#include "core/run/request.hpp"
+#include "server/fault.hpp"
+#include "server/json_text.hpp"
+#include "server/result.hpp"
+
+namespace least::server {
+
+/// What a request is held against.
+struct Cards {
+  std::span<const ProblemCard> problems;
+  std::span<const SchemeCard> schemes;
+};
+
+/// The most a client may ask for in `limits`.
+struct Caps {
+  double seconds = 60;
+  std::int64_t steps = 10'000'000'000;
+  std::int64_t samples = 1'000'000;
+};
+
+/// Samples a run keeps when the request does not say.
+inline constexpr std::int64_t default_samples = 1000;
+
+/// The position of the parameter `step` among a scheme's parameters, if it runs on a fixed step.
+std::optional<std::size_t> fixed_step(const SchemeCard& scheme);
+
+/// Reads a request of POST /v1/simulate. Every value of the result lies within its card's range and the pair fits; what
+/// was left out has its default. Otherwise: all that is wrong.
+Result<Request, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps);
+
+}  // namespace least::server

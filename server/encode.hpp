@@ -1,0 +1,31 @@
+// Outcome of a run → bytes. Written straight from the samples, no tree in between.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/run/outcome.hpp"
+#include "core/run/request.hpp"
+#include "server/answer.hpp"
+#include "server/decode.hpp"
+
+namespace least::server {
+
+/// A run that is over: everything an encoder reads.
+struct Run {
+  const Request& request;
+  const ProblemCard& problem;
+  const SchemeCard& scheme;
+  const Outcome& outcome;
+  const Samples& samples;
+};
+
+/// `application/json`: the response of the contract.
+Answer encode_json(const Run& run);
+
+/// `text/csv`: a line of column names, then a line per sample; numbers that are not finite are empty. The rest stands
+/// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Final`, `-Diagnostics`, `-Events`, `-Cost` and
+/// `-Warnings`; one that would be longer than 4 KiB says `{"omitted":true}`.
+Answer encode_csv(const Run& run);
+
+}  // namespace least::server

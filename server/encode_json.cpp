@@ -1,0 +1,53 @@
+#include "core/catalogue.hpp"
+#include "server/encode_parts.hpp"
+
+namespace least::server {
+namespace {
+
+// Rows become columns: the samples lie row by row in memory.
+void write_trajectory(JsonWriter& json, const Run& run) {
+  const auto& columns = run.request.columns;
+  const auto& values = run.samples.values;
+  std::string& out = json.buffer();
+  json.open('{');
+  for (std::size_t column = 0; column < columns.size(); ++column) {
+    json.key(run.problem.columns[columns[column]]).open('[');
+    for (std::size_t i = column; i < values.size(); i += columns.size()) {
+      if (i != column) out += ',';
+      append_number(out, values[i]);
+    }
+    json.close(']');
+  }
+  json.close('}');
+}
+
+}  // namespace
+
+Answer encode_json(const Run& run) {
+  Answer answer;
+  answer.type = "application/json";
+  answer.body.reserve(4096 + run.samples.values.size() * 20);
+  JsonWriter json(answer.body);
+  json.open('{').key("version").text(version).key("status").text(status_of(run.outcome));
+  if (run.outcome.stop.reason != Reason::completed) write_stop(json.key("stop"), run.outcome.stop);
+  write_problem(json.key("problem"), run);
+  write_initial(json.key("initial"), run);
+  write_scheme(json.key("scheme"), run);
+  write_until(json.key("until"), run);
+  write_record(json.key("record"), run);
+  json.key("columns").open('[');
+  for (const auto column : run.request.columns) json.text(run.problem.columns[column]);
+  json.close(']');
+  write_limits(json.key("limits"), run);
+  write_trajectory(json.key("trajectory"), run);
+  write_final(json.key("final"), run);
+  write_reports(json.key("diagnostics"), run.outcome.diagnostics);
+  write_cost(json.key("cost"), run.outcome.cost);
+  write_events(json.key("events"), run.outcome.events);
+  write_warnings(json.key("warnings"), run.outcome.warnings);
+  json.close('}');
+  answer.body += '\n';
+  return answer;
+}
+
+}  // namespace least::server

@@ -1,0 +1,148 @@
+#include "server/encode_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace least::server {
+namespace {
+
+void write_parameters(JsonWriter& json, const std::vector<ParameterCard>& cards, const std::vector<double>& values) {
+  for (std::size_t i = 0; i < cards.size(); ++i) {
+    json.key(cards[i].name);
+    write_parameter(json, cards[i], values[i]);
+  }
+}
+
+void write_numbers(JsonWriter& json, const std::vector<double>& values) {
+  json.open('[');
+  for (const double x : values) json.number(x);
+  json.close(']');
+}
+
+struct WriteValue {
+  JsonWriter& json;
+  void operator()(std::monostate) const { json.null(); }
+  void operator()(double x) const { json.number(x); }
+  void operator()(bool x) const { json.boolean(x); }
+  void operator()(const std::string& x) const { json.text(x); }
+  void operator()(const std::vector<double>& x) const { write_numbers(json, x); }
+  void operator()(const std::vector<Report>& x) const { write_reports(json, x); }
+};
+
+}  // namespace
+
+void write_parameter(JsonWriter& json, const ParameterCard& card, double value) {
+  if (std::isnan(value)) {
+    json.null();
+  } else if (card.kind == Kind::choice) {
+    json.text(card.choices[static_cast<std::size_t>(value)]);
+  } else if (card.kind == Kind::flag) {
+    json.boolean(value != 0);
+  } else if (card.kind == Kind::integer) {
+    json.integer(static_cast<std::int64_t>(value));
+  } else {
+    json.number(value);
+  }
+}
+
+void write_problem(JsonWriter& json, const Run& run) {
+  json.open('{').key("id").text(run.problem.id);
+  write_parameters(json, run.problem.parameters, run.request.parameters);
+  json.close('}');
+}
+
+void write_initial(JsonWriter& json, const Run& run) {
+  json.open('{').key("t").number(run.request.start);
+  for (std::size_t i = 0; i < run.problem.variables.size(); ++i) {
+    json.key(run.problem.variables[i].name).number(run.request.initial[i]);
+  }
+  json.close('}');
+}
+
+void write_scheme(JsonWriter& json, const Run& run) {
+  json.open('{').key("id").text(run.scheme.id);
+  write_parameters(json, run.scheme.parameters, run.request.settings);
+  json.close('}');
+}
+
+void write_until(JsonWriter& json, const Run& run) {
+  json.open('{');
+  if (run.request.until_steps) {
+    json.key("steps").integer(run.request.steps);
+  } else {
+    json.key("t").number(run.request.end);
+  }
+  json.close('}');
+}
+
+void write_record(JsonWriter& json, const Run& run) {
+  const Record& record = run.request.record;
+  json.open('{');
+  switch (record.mode) {
+    case Record::Mode::every:
+      json.key("every").integer(record.count);
+      break;
+    case Record::Mode::samples:
+      json.key("samples").integer(record.count);
+      break;
+    case Record::Mode::times:
+      json.key("times");
+      write_numbers(json, record.times);
+      break;
+  }
+  json.close('}');
+}
+
+void write_limits(JsonWriter& json, const Run& run) {
+  const Limits& limits = run.request.limits;
+  json.open('{').key("seconds").number(limits.seconds);
+  json.key("steps").integer(limits.steps).key("samples").integer(limits.samples).close('}');
+}
+
+void write_stop(JsonWriter& json, const Stop& stop) {
+  json.open('{').key("reason").text(name(stop.reason)).key("detail").text(stop.detail);
+  json.key("t").number(stop.t).key("step").integer(stop.step).key("singular_at");
+  stop.singular_at ? json.number(*stop.singular_at) : json.null();
+  json.close('}');
+}
+
+void write_final(JsonWriter& json, const Run& run) {
+  json.open('{').key("t").number(run.outcome.t);
+  for (std::size_t i = 0; i < run.problem.variables.size() && i < run.outcome.final.size(); ++i) {
+    json.key(run.problem.variables[i].name).number(run.outcome.final[i]);
+  }
+  json.close('}');
+}
+
+void write_reports(JsonWriter& json, const std::vector<Report>& reports) {
+  const bool list =
+      !reports.empty() && std::all_of(reports.begin(), reports.end(), [](const Report& r) { return r.key.empty(); });
+  json.open(list ? '[' : '{');
+  for (const Report& report : reports) {
+    if (!list) json.key(report.key);
+    std::visit(WriteValue{json}, report.value);
+  }
+  json.close(list ? ']' : '}');
+}
+
+void write_events(JsonWriter& json, const std::vector<Report>& events) {
+  json.open('[');
+  for (const Report& event : events) std::visit(WriteValue{json}, event.value);
+  json.close(']');
+}
+
+void write_cost(JsonWriter& json, const Cost& cost) {
+  json.open('{').key("steps").integer(cost.steps).key("force_evaluations").integer(cost.force_evaluations);
+  json.key("iterations").integer(cost.iterations).key("seconds").number(cost.seconds).key("nanoseconds_per_step");
+  json.number(cost.steps > 0 ? cost.seconds / static_cast<double>(cost.steps) * 1e9 : 0).close('}');
+}
+
+void write_warnings(JsonWriter& json, const std::vector<Warning>& warnings) {
+  json.open('[');
+  for (const Warning& warning : warnings) {
+    json.open('{').key("code").text(warning.code).key("detail").text(warning.detail).close('}');
+  }
+  json.close(']');
+}
+
+}  // namespace least::server

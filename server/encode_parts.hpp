@@ -1,0 +1,30 @@
+// Pieces of the answer that more than one form writes. Each writes one value.
+#pragma once
+
+#include "server/encode.hpp"
+#include "server/json_writer.hpp"
+
+namespace least::server {
+
+void write_problem(JsonWriter& json, const Run& run);  ///< {"id", parameters …}
+void write_initial(JsonWriter& json, const Run& run);  ///< {"t", variables …}
+void write_scheme(JsonWriter& json, const Run& run);   ///< {"id", parameters …}
+void write_until(JsonWriter& json, const Run& run);
+void write_record(JsonWriter& json, const Run& run);
+void write_limits(JsonWriter& json, const Run& run);
+void write_stop(JsonWriter& json, const Stop& stop);
+void write_final(JsonWriter& json, const Run& run);
+/// Entries with names are an object, entries without are a list.
+void write_reports(JsonWriter& json, const std::vector<Report>& reports);
+void write_events(JsonWriter& json, const std::vector<Report>& events);
+void write_cost(JsonWriter& json, const Cost& cost);
+void write_warnings(JsonWriter& json, const std::vector<Warning>& warnings);
+
+/// A parameter's value the way a request spells it: choices by name, flags as booleans, NaN as null.
+void write_parameter(JsonWriter& json, const ParameterCard& card, double value);
+
+inline std::string_view status_of(const Outcome& outcome) {
+  return outcome.stop.reason == Reason::completed ? "completed" : "stopped";
+}
+
+}  // namespace least::server

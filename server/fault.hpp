@@ -1,0 +1,38 @@
+// Faults of a request, collected so that a client reads all of them at once.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace least::server {
+
+/// One thing wrong with a request.
+struct Fault {
+  std::string pointer;  ///< JSON pointer to the place
+  std::string detail;   ///< what is wrong, in words
+  std::string value;    ///< JSON text of what stands there, bounded in size; empty: nothing to show
+  std::string allowed;  ///< what may stand there; empty: not to be said in a line
+};
+
+/// The faults found so far: one per place, a bounded number in all.
+class Faults {
+ public:
+  static constexpr std::size_t most = 100;
+
+  void add(Fault fault) {
+    if (list_.size() < most && !at(fault.pointer)) list_.push_back(std::move(fault));
+  }
+  bool at(const std::string& pointer) const {
+    return std::any_of(list_.begin(), list_.end(), [&](const Fault& f) { return f.pointer == pointer; });
+  }
+  bool empty() const { return list_.empty(); }
+  const std::vector<Fault>& list() const { return list_; }
+
+ private:
+  std::vector<Fault> list_;
+};
+
+}  // namespace least::server

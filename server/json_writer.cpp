@@ -1,0 +1,74 @@
+#include "server/json_writer.hpp"
+
+#include <fmt/compile.h>
+
+#include <cmath>
+
+namespace least::server {
+namespace {
+
+// One code point of UTF-8 at `i`, which moves past it; bytes that are not UTF-8 come out as U+FFFD.
+char32_t code_point(std::string_view s, std::size_t& i) {
+  const auto byte = [&](std::size_t k) { return k < s.size() ? static_cast<unsigned char>(s[k]) : 0u; };
+  const unsigned lead = byte(i);
+  const std::size_t length = lead < 0x80 ? 1 : lead >> 5 == 6 ? 2 : lead >> 4 == 14 ? 3 : lead >> 3 == 30 ? 4 : 0;
+  char32_t code = length < 2 ? lead : lead & (0x7Fu >> length);
+  bool good = length > 0;
+  for (std::size_t k = 1; k < length; ++k) {
+    good = good && byte(i + k) >> 6 == 2;
+    code = code << 6 | (byte(i + k) & 0x3F);
+  }
+  i += good ? length : 1;
+  return good ? code : U'\uFFFD';
+}
+
+}  // namespace
+
+void append_number(std::string& out, double x) {
+  if (!std::isfinite(x)) {
+    out += "null";
+    return;
+  }
+  char text[40];
+  char* end = fmt::format_to(text, FMT_COMPILE("{}"), x);
+  out.append(text, end);
+  if (x == 0 && std::signbit(x)) out += ".0";
+}
+
+void append_number(std::string& out, std::int64_t n) {
+  char text[24];
+  char* end = fmt::format_to(text, FMT_COMPILE("{}"), n);
+  out.append(text, end);
+}
+
+void append_string(std::string& out, std::string_view text, bool ascii) {
+  out += '"';
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+      ++i;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      fmt::format_to(std::back_inserter(out), FMT_COMPILE("\\u{:04x}"), static_cast<unsigned>(c));
+      ++i;
+    } else if (static_cast<unsigned char>(c) < 0x80) {
+      out += c;
+      ++i;
+    } else {
+      const std::size_t from = i;
+      const auto code = static_cast<unsigned>(code_point(text, i));
+      if (!ascii && code != 0xFFFD) {
+        out += text.substr(from, i - from);
+      } else if (code < 0x10000) {
+        fmt::format_to(std::back_inserter(out), FMT_COMPILE("\\u{:04x}"), code);
+      } else {
+        fmt::format_to(std::back_inserter(out), FMT_COMPILE("\\u{:04x}\\u{:04x}"), 0xD800 + ((code - 0x10000) >> 10),
+                       0xDC00 + ((code - 0x10000) & 0x3FF));
+      }
+    }
+  }
+  out += '"';
+}
+
+}  // namespace least::server

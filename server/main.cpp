@@ -1,0 +1,106 @@
+// leastaction serve | run FILE|- | catalogue
+#include <fmt/format.h>
+#include <pthread.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include "server/cards.hpp"
+#include "server/options.hpp"
+#include "server/problem_document.hpp"
+#include "server/simulate.hpp"
+
+namespace least::server {
+namespace {
+
+int print(std::string_view text, int code) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  if (std::fflush(stdout) == 0) return code;
+  std::perror("leastaction: cannot write");
+  return 1;
+}
+
+// Signals are blocked before any thread starts and waited for here, so that none interrupts a run.
+int serve(const Options& options) {
+  sigset_t ends;
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGTERM);
+  sigaddset(&ends, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &ends, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+
+  Service service(options.settings, assets());
+  if (const auto error = service.start()) {
+    fmt::print(stderr, "leastaction: {}\n", *error);
+    return 1;
+  }
+  print(fmt::format("listening on {}\n", service.url()), 0);
+  const timespec second{1, 0};
+  int signal = -1;
+  while (signal < 0 && service.running()) signal = sigtimedwait(&ends, nullptr, &second);
+  const bool asked = signal > 0;
+  spdlog::info(asked ? "ending" : "the listening socket failed, ending");
+  service.stop();
+  return asked ? 0 : 1;
+}
+
+int run(const Options& options) {
+  std::string body;
+  if (options.file == "-") {
+    body.assign(std::istreambuf_iterator<char>(std::cin), {});
+  } else {
+    std::ifstream file(options.file, std::ios::binary);
+    body.assign(std::istreambuf_iterator<char>(file), {});
+    if (!file) {
+      fmt::print(stderr, "leastaction: cannot read {}\n", options.file);
+      return 1;
+    }
+  }
+  const std::atomic<bool> cancelled{false};
+  Gate gate(1, 0);
+  constexpr std::string_view id = "run";
+  Answer answer;
+  try {
+    answer = Simulator{catalogue_cards(), options.settings.caps, gate, cancelled}(body, "", id);
+  } catch (const std::exception& e) {
+    spdlog::error("request id={} failed: {}", id, e.what());
+    answer = problem_document(500, "", id);
+  }
+  return print(answer.body, answer.status == 200 ? 0 : 2);
+}
+
+int main(int argc, char** argv) {
+  const auto options = parse_options(argc, argv);
+  if (!options) return options.error();
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("leastaction"));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
+  spdlog::set_level(spdlog::level::from_str(options->log_level));
+  switch (options->command) {
+    case Command::serve:
+      return serve(*options);
+    case Command::run:
+      return run(*options);
+    case Command::catalogue:
+      return print(describe(catalogue_cards()).all + '\n', 0);
+  }
+  return 1;
+}
+
+}  // namespace
+}  // namespace least::server
+
+int main(int argc, char** argv) {
+  try {
+    return least::server::main(argc, argv);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "leastaction: {}\n", e.what());
+    return 1;
+  }
+}

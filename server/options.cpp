@@ -1,0 +1,79 @@
+#include "server/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <limits>
+
+#include "core/catalogue.hpp"
+
+namespace least::server {
+namespace {
+
+// --max-steps → LEASTACTION_MAX_STEPS
+std::string environment_name(std::string option) {
+  option.erase(0, 2);
+  for (char& c : option) c = c == '-' ? '_' : static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+  return "LEASTACTION_" + option;
+}
+
+template <class T>
+CLI::Option* add(CLI::App& app, const std::string& name, T& value, const std::string& doc) {
+  return app.add_option(name, value, doc)->envname(environment_name(name))->capture_default_str();
+}
+
+void add_common(CLI::App& app, Options& options) {
+  Caps& caps = options.settings.caps;
+  add(app, "--max-seconds", caps.seconds, "longest computing time a request may ask for")->check(CLI::Range(1e-3, 1e9));
+  add(app, "--max-steps", caps.steps, "most steps a request may ask for")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
+  add(app, "--max-samples", caps.samples, "most samples a request may keep")
+      ->check(CLI::Range(std::int64_t{2}, std::int64_t{1'000'000'000}));
+  add(app, "--log-level", options.log_level, "what is logged on standard error")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
+}
+
+void add_serve(CLI::App& app, Options& options) {
+  Settings& settings = options.settings;
+  const auto count = CLI::Range(1u, 100'000u);
+  add(app, "--host", settings.host, "address to listen on");
+  add(app, "--port", settings.port, "port to listen on, 0 picks a free one")->check(CLI::Range(0, 65535));
+  add(app, "--threads", settings.threads, "runs that compute at once, 0 is one per core")->check(CLI::Range(0u, 4096u));
+  add(app, "--queue", settings.queue, "runs that wait for their turn, beyond it the answer is 503")
+      ->check(CLI::Range(0u, 100'000u));
+  add(app, "--connections", settings.connections, "clients served at once")->check(count);
+  add(app, "--max-body", settings.bounds.body, "largest request in bytes")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30));
+  add(app, "--grace", settings.grace, "seconds that runs have left when the service ends")
+      ->check(CLI::Range(0.0, 3600.0));
+  add(app, "--allow-host", settings.allow_hosts, "further names clients may use for this service")->delimiter(',');
+  add(app, "--allow-origin", settings.allow_origins, "origins of foreign pages that may use this service")
+      ->delimiter(',');
+}
+
+}  // namespace
+
+Result<Options, int> parse_options(int argc, char** argv) {
+  Options options;
+  CLI::App app("Mechanics from principles of least action: runs, served over HTTP or on the command line.",
+               "leastaction");
+  const std::string title = "leastaction " + std::string(version);
+  app.require_subcommand(1);
+  CLI::App* serve = app.add_subcommand("serve", "listen for requests, serve the page");
+  CLI::App* run = app.add_subcommand("run", "answer one request: JSON in, JSON out");
+  CLI::App* catalogue = app.add_subcommand("catalogue", "print every problem and scheme as JSON");
+  app.set_version_flag("--version", title);
+  for (CLI::App* command : {serve, run, catalogue}) command->set_version_flag("--version", title);
+  add_serve(*serve, options);
+  add_common(*serve, options);
+  add_common(*run, options);
+  run->add_option("file", options.file, "the request, - is standard input")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 1;
+  }
+  options.command = serve->parsed() ? Command::serve : run->parsed() ? Command::run : Command::catalogue;
+  return options;
+}
+
+}  // namespace least::server

@@ -1,0 +1,24 @@
+// The command line and the environment.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "server/service.hpp"
+
+namespace least::server {
+
+enum class Command { serve, run, catalogue };
+
+struct Options {
+  Command command = Command::serve;
+  Settings settings;
+  std::string file;  ///< of `run`; `-` is standard input
+  std::string log_level = "info";
+};
+
+/// Reads the options; every one may also come from the environment (`--max-steps` from LEASTACTION_MAX_STEPS). Where
+/// the program has nothing more to do (help, version, a mistake, which it has then told), the exit code instead.
+Result<Options, int> parse_options(int argc, char** argv);
+
+}  // namespace least::server

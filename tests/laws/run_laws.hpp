@@ -1,0 +1,89 @@
+// Laws of a run through the catalogue, as a client reaches it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "core/catalogue.hpp"
+#include "tests/laws/scene.hpp"
+#include "tests/support/runs.hpp"
+
+namespace laws {
+
+/// The card is consistent with itself and with the mechanics.
+template <template <class> class P>
+void card_is_consistent(std::string_view id) {
+  const ProblemCard written = About<P>::card();
+  EXPECT_EQ(written.id, id) << "the id is the file's stem";
+  const auto index = find_problem(id);
+  ASSERT_TRUE(index);
+  const ProblemCard& card = problems()[*index];
+  EXPECT_EQ(card.variables.size(), 2U * P<double>::dof);
+  EXPECT_GT(card.span, 0);
+  EXPECT_FALSE(card.title.empty() || card.summary.empty() || card.formula.empty() || card.references.empty());
+  for (const auto& parameter : card.parameters) {
+    EXPECT_TRUE(parameter.range.contains(parameter.value)) << parameter.name;
+    EXPECT_FALSE(parameter.symbol.empty() || parameter.unit.empty() || parameter.doc.empty()) << parameter.name;
+  }
+  ASSERT_FALSE(card.suggested.empty());
+  EXPECT_EQ(card.suggested.front().first, "step");
+  EXPECT_EQ(card.columns.size(), 3 + card.variables.size() + card.invariants.size());
+  EXPECT_GE(card.schemes.size(), 4U);
+}
+
+/// A scheme applies exactly where the compiler can bind it, and says what it needs where it does not.
+template <template <class> class P>
+void pairs_follow_from_concepts(std::string_view id) {
+  const std::size_t problem = find_problem(id).value();
+  [&]<class... Scheme>(std::tuple<Scheme...>*) {
+    const auto one = [&](bool can, const SchemeCard& card) {
+      EXPECT_EQ(fits(problem, find_scheme(card.id).value()), can) << card.id;
+      EXPECT_FALSE(card.needs.empty());
+    };
+    (one(SchemeFor<Scheme, P<double>>, Scheme::card()), ...);
+  }(static_cast<SchemeList*>(nullptr));
+  constexpr bool separable = Separable<P<double>>;
+  EXPECT_EQ(fits(problem, find_scheme("leapfrog").value()), separable);
+  EXPECT_TRUE(fits(problem, find_scheme("variational_midpoint").value()));
+  EXPECT_TRUE(fits(problem, find_scheme("runge_kutta_4").value()));
+}
+
+/// What is recorded and which diagnostics are asked for never changes the bits of the run.
+template <template <class> class P>
+void recording_never_changes_the_run(std::string_view id) {
+  for (std::size_t i = 0; i < schemes().size(); ++i) {
+    const std::size_t problem = find_problem(id).value();
+    if (!fits(problem, i)) continue;
+    Request request = runs::defaults(id, schemes()[i].id);
+    request.end = request.start + 150.5 * request.settings[0];  // half a step is left over
+    request.diagnostics = {};
+    request.record.count = 0;
+    const auto plain = runs::go(request);
+    ASSERT_EQ(plain.outcome.stop.reason, Reason::completed) << schemes()[i].id << plain.outcome.stop.detail;
+    EXPECT_EQ(plain.outcome.cost.steps, 151);
+    EXPECT_TRUE(plain.rows.empty());
+
+    std::vector<Record> records;
+    for (const std::int64_t every : {1, 7, 150}) records.push_back({Record::Mode::every, every, {}});
+    for (const std::int64_t samples : {2, 61, 1000}) records.push_back({Record::Mode::samples, samples, {}});
+    records.push_back({Record::Mode::times, 0, {request.start, request.start + 1e-9, request.end * 0.77, request.end}});
+    for (const auto& record : records) {
+      request.record = record;
+      for (const bool diagnostics : {false, true}) {
+        request.diagnostics.clear();
+        if (diagnostics)
+          for (std::size_t d = 0; d < problems()[problem].diagnostics.size(); ++d) request.diagnostics.push_back(d);
+        const auto other = runs::go(request);
+        EXPECT_EQ(other.outcome.final, plain.outcome.final) << schemes()[i].id;
+        EXPECT_EQ(other.outcome.cost.steps, plain.outcome.cost.steps);
+        EXPECT_EQ(other.outcome.cost.force_evaluations, plain.outcome.cost.force_evaluations);
+        ASSERT_FALSE(other.rows.empty());
+        if (record.mode != Record::Mode::every) {  // samples at the end are the final state, to the bit
+          EXPECT_EQ(other.rows.back().at(0), request.end);
+          EXPECT_EQ(std::vector<double>(other.rows.back().begin() + 1, other.rows.back().end()), plain.outcome.final);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace laws

@@ -1,0 +1,158 @@
+// Laws of a scheme on a problem: order, reversal, structure, identity, no allocation.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/run/structure.hpp"
+#include "tests/laws/scene.hpp"
+#include "tests/support/allocations.hpp"
+
+namespace laws {
+
+struct Point {
+  double step, error;
+};
+
+/// Errors at the end of the span on a ladder of steps, down to the floor of the number T or the end of the work
+/// allowed.
+template <class T, class P, class Scheme>
+std::vector<Point> convergence(const P& problem, const Scheme& scheme, const StateOf<P>& start,
+                               const StateOf<P, Quad, Quad>& end, double floor, double work_allowed) {
+  const auto truth = convert<T, T>(end);
+  std::vector<Point> points;
+  double work = 0;
+  for (double ladder = 6; work < work_allowed; ladder *= 1.35) {
+    const int n = static_cast<int>(ladder);
+    const T h = truth.t / n;
+    auto x = convert<T, T>(start);
+    auto stepper = scheme.bind(problem, x);
+    Status status = Status::ok;
+    for (int k = 0; k < n && status == Status::ok; ++k) {
+      status = stepper.step(x, h);
+      x.t = T(k + 1) * h;
+    }
+    work += static_cast<double>(stepper.work().forces);
+    if (status != Status::ok) continue;  // too long a step for the solver
+    const double error = distance(x, truth) / size(truth);
+    if (error < floor) break;
+    if (error < 3e-2) points.push_back({static_cast<double>(h), error});
+  }
+  return points;
+}
+
+/// Order on both sides, ±0.1, by the slope of log error against log step over at least three points between
+/// truncation's asymptotic range and round-off. Orders from 8 on have too little room for that in long double and are
+/// measured in quad.
+template <template <class> class P>
+void order_is_as_declared() {
+  const P<double> problem;
+  const auto start = default_start<P>();
+  // Short against the default span, and not much longer than the motion takes to change by its own size.
+  const auto rate = derivative(problem, start);
+  const double span = std::min(About<P>::card().span / 8, 1.5 * size(start) / distance(rate, StateOf<P<double>>{}));
+  Extrapolation<P<double>> truth(problem, convert<Quad, Quad>(start), 1e-28);
+  ASSERT_TRUE(truth.advance(Quad(span), [] { return true; }));
+
+  for_each_scheme<P>([&](const auto& scheme) {
+    const auto points = order(scheme) < 8
+                            ? convergence<long double>(problem, scheme, start, truth.state(), 3e-16, 40'000)
+                            : convergence<Quad>(problem, scheme, start, truth.state(), 1e-23, 60'000);
+    ASSERT_GE(points.size(), 3U) << label(scheme) << ": the order could not be measured";
+    // The finest points: three, or as many as lie within a factor 2.5 in step.
+    std::size_t first = points.size() - 3;
+    while (first > 0 && points[first - 1].step < 2.5 * points.back().step) --first;
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (std::size_t i = first; i < points.size(); ++i) {
+      const double u = std::log(points[i].step), v = std::log(points[i].error);
+      n += 1, sx += u, sy += v, sxx += u * u, sxy += u * v;
+    }
+    const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    EXPECT_NEAR(slope, order(scheme), 0.1) << label(scheme) << ", finest error " << points.back().error;
+  });
+}
+
+/// step(h) then step(−h) comes back, for the schemes that say they are symmetric, and for no other.
+template <template <class> class P>
+void symmetric_schemes_return() {
+  const P<double> problem;
+  const double h = coarse_step<P>();
+  for_each_scheme<P>([&](const auto& scheme) {
+    double most = 0;
+    for (const auto& start : states<P>()) {
+      auto x = start;
+      auto there = scheme.bind(problem, x);
+      ASSERT_EQ(there.step(x, h), Status::ok) << label(scheme);
+      x.t += h;
+      auto back = scheme.bind(problem, x);
+      ASSERT_EQ(back.step(x, -h), Status::ok) << label(scheme);
+      most = std::max(most, distance(x, start) / size(start));
+    }
+    if (scheme.card().symmetric) {
+      EXPECT_LT(most, 1e-13) << label(scheme);
+    } else {
+      EXPECT_GT(most, 1e-10) << label(scheme) << " returns but does not say that it is symmetric";
+    }
+  });
+}
+
+/// MᵀJM = J for the schemes that say they are symplectic, and for no other.
+template <template <class> class P>
+void symplectic_schemes_keep_the_form() {
+  const P<double> problem;
+  const double h = coarse_step<P>();
+  for_each_scheme<P>([&](const auto& scheme) {
+    double most = 0;
+    for (const auto& x : states<P>()) {
+      const auto m = tangent_map(scheme, problem, x, h);
+      ASSERT_TRUE(m) << label(scheme);
+      most = std::max(most, symplectic_defect(*m));
+    }
+    if (scheme.card().structure == "symplectic") {
+      EXPECT_LT(most, 1e-12) << label(scheme);
+    } else {
+      EXPECT_GT(most, 1e-8) << label(scheme) << " keeps the form but does not say so";
+    }
+  });
+}
+
+template <template <class> class P>
+void no_step_is_the_identity() {
+  const P<double> problem;
+  for_each_scheme<P>([&](const auto& scheme) {
+    for (const auto& start : states<P>()) {
+      auto x = start;
+      auto stepper = scheme.bind(problem, x);
+      ASSERT_EQ(stepper.step(x, 0.0), Status::ok) << label(scheme);
+      EXPECT_EQ(x, start) << label(scheme);
+    }
+  });
+}
+
+/// The loop itself, with every diagnostic that looks at each step.
+template <template <class> class P>
+void the_loop_allocates_nothing() {
+  const P<double> problem;
+  for_each_scheme<P>([&](auto scheme) {
+    scheme.step = About<P>::card().suggested.at(0).second;
+    Request request;
+    request.until_steps = true;
+    request.steps = 50;
+    const Grid grid(request, scheme.step);
+    const auto x = states<P>()[0];
+    Machine<P<double>, StepperOf<decltype(scheme), P<double>, StateOf<P<double>>>> machine{scheme.bind(problem, x), x};
+    Observer<P<double>> observer;
+    observer.energy = observer.momenta = observer.orbit = true;
+    observer.start(problem, x);
+    double frequency = 0;
+    const std::size_t before = counting::allocations();
+    const Status status = advance<true>(problem, machine, observer, grid, 50, frequency);
+    EXPECT_EQ(counting::allocations(), before) << label(scheme);
+    EXPECT_EQ(status, Status::ok) << label(scheme);
+    EXPECT_EQ(machine.n, 50);
+  });
+}
+
+}  // namespace laws

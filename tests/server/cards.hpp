@@ -1,0 +1,55 @@
+// Cards with a parameter of every kind, for the decoder and the encoder.
+#pragma once
+
+#include "server/decode.hpp"
+
+namespace least::server::test {
+
+inline constexpr std::string_view compositions[] = {"none", "yoshida_4"};
+
+inline Cards cards() {
+  static const std::vector<ProblemCard> problems = [] {
+    ProblemCard swing;
+    swing.id = "swing";
+    swing.variables = {{"q", "q", "m", "", 1}, {"p", "p", "", "", 0}};
+    swing.parameters = {{"mass", "m", "kg", "", Kind::number, 1, {0, 1e3, true, false}},
+                        {"level", "n", "", "", Kind::integer, 3, {0, 20}}};
+    swing.span = 20;
+    swing.suggested = {{"step", 0.1}, {"critical", 0.5}};
+    swing.presets = {{"heavy", "", {{"mass", 10}}, {{"q", 2}, {"t", 5}}}};
+    swing.columns = {"t", "q", "p", "energy"};
+    swing.diagnostics = {"energy", "error"};
+    swing.schemes = {0, 1, 2};
+    swing.offers = "a potential";
+    ProblemCard flow = swing;
+    flow.id = "flow";
+    flow.presets.clear();
+    flow.schemes = {1};
+    flow.offers = "a vector field";
+    return std::vector{swing, flow};
+  }();
+  static const std::vector<SchemeCard> schemes = [] {
+    const ParameterCard step{"step", "h", "s", "", Kind::number, 0.25, {0, 1e3, true, false}, {}, "step"};
+    SchemeCard leapfrog;
+    leapfrog.id = "leapfrog";
+    leapfrog.orders = {{"none", 2}, {"yoshida_4", 4}};
+    leapfrog.parameters = {step, {"composition", "", "", "", Kind::choice, 0, {0, 1}, compositions}};
+    leapfrog.needs = "a separable Hamiltonian";
+    SchemeCard field;
+    field.id = "runge_kutta_4";
+    field.orders = {{"", 4}};
+    field.parameters = {step};
+    field.needs = "a vector field";
+    SchemeCard clock;
+    clock.id = "own_clock";
+    clock.orders = {{"", 2}};
+    clock.parameters = {{"keep", "", "", "", Kind::flag, 1, {0, 1}},
+                        {"critical", "", "", "", Kind::number, 2, {0, 9}, {}, "critical", true},
+                        {"stages", "", "", "", Kind::integer, 2, {1, 8}}};
+    clock.needs = "a potential";
+    return std::vector{leapfrog, field, clock};
+  }();
+  return {problems, schemes};
+}
+
+}  // namespace least::server::test

@@ -1,0 +1,101 @@
+#include "tests/server/client.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+namespace least::server::test {
+
+Client::Client(int port) {
+  socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const timeval patience{20, 0};
+  ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    ::close(std::exchange(socket_, -1));
+  }
+}
+
+Client::~Client() {
+  if (socket_ >= 0) ::close(socket_);
+}
+
+Client::Client(Client&& other) noexcept
+    : socket_(std::exchange(other.socket_, -1)), buffer_(std::move(other.buffer_)) {}
+
+bool Client::send(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const auto n = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (n <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+bool Client::fill() {
+  char bytes[65536];
+  const auto n = ::recv(socket_, bytes, sizeof bytes, 0);
+  if (n > 0) buffer_.append(bytes, static_cast<std::size_t>(n));
+  return n > 0;
+}
+
+std::optional<Reply> Client::receive(bool head) {
+  for (;;) {
+    std::size_t end;
+    while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {
+      if (!fill()) return std::nullopt;
+    }
+    Reply reply;
+    reply.status = std::stoi(buffer_.substr(9, 3));
+    for (std::size_t at = buffer_.find("\r\n") + 2; at < end + 2;) {
+      const auto stop = buffer_.find("\r\n", at), colon = buffer_.find(": ", at);
+      std::string name = buffer_.substr(at, colon - at);
+      std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+      reply.fields[name] = buffer_.substr(colon + 2, stop - colon - 2);
+      at = stop + 2;
+    }
+    buffer_.erase(0, end + 4);
+    if (reply.status == 100) continue;
+    if (head || reply.status == 204 || reply.status == 304) return reply;
+    const auto length = std::stoul(reply.fields.at("content-length"));
+    while (buffer_.size() < length) {
+      if (!fill()) return std::nullopt;
+    }
+    reply.body = buffer_.substr(0, length);
+    buffer_.erase(0, length);
+    return reply;
+  }
+}
+
+bool Client::ended() {
+  if (!buffer_.empty()) return false;
+  char byte;
+  return ::recv(socket_, &byte, 1, 0) == 0;
+}
+
+std::string get(std::string_view path, std::string_view fields) {
+  return "GET " + std::string(path) + " HTTP/1.1\r\nHost: localhost\r\n" + std::string(fields) + "\r\n";
+}
+
+std::string post(std::string_view path, std::string_view body, std::string_view fields) {
+  return "POST " + std::string(path) + " HTTP/1.1\r\nHost: localhost\r\n" + std::string(fields) +
+         "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + std::string(body);
+}
+
+Reply ask(int port, std::string_view bytes, bool head) {
+  Client client(port);
+  if (!client.connected() || !client.send(bytes)) return {};
+  return client.receive(head).value_or(Reply{});
+}
+
+}  // namespace least::server::test

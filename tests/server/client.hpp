@@ -1,0 +1,46 @@
+// A raw HTTP client: sends exactly the bytes it is given.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace least::server::test {
+
+struct Reply {
+  int status = 0;
+  std::map<std::string, std::string> fields;  ///< names in lower case
+  std::string body;
+};
+
+class Client {
+ public:
+  /// Connects to this machine.
+  explicit Client(int port);
+  ~Client();
+  Client(Client&& other) noexcept;
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  bool connected() const { return socket_ >= 0; }
+  /// False when the service closed the connection meanwhile.
+  bool send(std::string_view bytes);
+  /// The next answer, skipping 100 Continue; nothing when the connection ended first. `head`: it has no body.
+  std::optional<Reply> receive(bool head = false);
+  /// Whether nothing but the end of the connection comes any more (waits for it up to 20 s).
+  bool ended();
+
+ private:
+  bool fill();
+  int socket_ = -1;
+  std::string buffer_;
+};
+
+std::string get(std::string_view path, std::string_view fields = "");
+std::string post(std::string_view path, std::string_view body, std::string_view fields = "");
+
+/// One request on a connection of its own. Status 0: no answer.
+Reply ask(int port, std::string_view bytes, bool head = false);
+
+}  // namespace least::server::test

@@ -1,0 +1,98 @@
+// Forms made from the catalogue's cards: fields, their values, and the service's faults at the field they point to.
+
+export const element = (tag, properties = {}, ...children) => {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+};
+
+/** An id for people. */
+export const words = (id) => id.replaceAll("_", " ");
+
+/** A symbol of the catalogue, `p_y` with its index below. */
+export function symbol(text) {
+  const [letter, index] = text.split("_");
+  return element("i", {}, letter, ...(index ? [element("sub", { textContent: index })] : []));
+}
+
+/** Fills a select with `[{id, title}]` and picks `id`, or what stands first. */
+export function choose(select, options, id) {
+  select.replaceChildren(...options.map((o) => element("option", { value: o.id, textContent: o.title })));
+  if (options.some((o) => o.id === id)) select.value = id;
+}
+
+/**
+ * Fills `container` with one field per card. `pointer` is where the values stand in a request; `values` (by name, also
+ * as text) win over the cards' defaults.
+ */
+export function build(container, cards, pointer, values = {}) {
+  container.replaceChildren(...cards.map((card) => field(card, `${pointer}/${card.name}`, values[card.name])));
+}
+
+function field(card, pointer, value = card.default) {
+  const input = control(card, value);
+  Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number" });
+  if (card.nullable) input.dataset.nullable = "";
+  const unit = card.unit && card.unit !== "1" ? `in ${card.unit}` : "";
+  input.title = [card.doc, unit, range(card), card.nullable ? "empty: off" : ""].filter(Boolean).join("; ");
+  const name = element("span", { className: "name", textContent: card.label ?? words(card.name) });
+  if (card.symbol && card.symbol !== card.name) name.append(" ", symbol(card.symbol));
+  return element("label", { className: `field ${input.dataset.kind}` }, name, input);
+}
+
+function control(card, value) {
+  if (card.type === "flag") return element("input", { type: "checkbox", checked: String(value) === "true" });
+  if (card.type === "choice") {
+    const select = element("select");
+    const known = card.choices.includes(value) ? value : card.default;
+    choose(select, card.choices.map((id) => ({ id, title: words(id) })), known);
+    return select;
+  }
+  return element("input", { type: "text", inputMode: "decimal", spellcheck: false, value: value ?? "",
+                            placeholder: String(card.default ?? "off") });
+}
+
+function range(card) {
+  if (card.minimum === undefined) return "";
+  const open = card.exclusive_minimum ? "(" : "[", close = card.exclusive_maximum ? ")" : "]";
+  return `${open}${card.minimum ?? "−∞"}, ${card.maximum ?? "∞"}${close}`;
+}
+
+/** The values of a container by name. What is not a number is passed on as text: the service says what is wrong. */
+export function values(container) {
+  const read = {};
+  for (const input of container.querySelectorAll("[data-name]")) {
+    const { name, kind } = input.dataset, text = input.value.trim();
+    if (kind === "flag") read[name] = input.checked;
+    else if (kind === "choice") read[name] = input.value;
+    else if (text !== "") read[name] = Number.isFinite(Number(text)) ? Number(text) : text;
+    else if ("nullable" in input.dataset) read[name] = null;
+  }
+  return read;
+}
+
+export function clearFaults(container) {
+  for (const note of container.querySelectorAll(".field > .fault")) note.remove();
+  for (const input of container.querySelectorAll("[aria-invalid]")) {
+    input.removeAttribute("aria-invalid");
+    input.removeAttribute("aria-describedby");
+  }
+}
+
+/** Shows a fault `{pointer, detail, allowed}` at its field in one of the containers; the field, or null. */
+export function showFault(containers, fault) {
+  for (const container of containers) {
+    const input = fault.pointer && container.querySelector(`[data-pointer="${CSS.escape(fault.pointer)}"]`);
+    if (!input) continue;
+    if (input.hasAttribute("aria-invalid")) return input;
+    const note = element("span", { className: "fault", id: `fault-${document.querySelectorAll(".fault").length}`,
+                                   textContent: faultText(fault) });
+    input.parentElement.append(note);
+    input.setAttribute("aria-invalid", "true");
+    input.setAttribute("aria-describedby", note.id);
+    return input;
+  }
+  return null;
+}
+
+export const faultText = ({ detail, allowed }) => detail + (allowed ? `; allowed: ${allowed}` : "");

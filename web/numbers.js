@@ -1,0 +1,40 @@
+// Numbers for people.
+
+const superscript = (n) => String(n).replace(/[-\d]/g, (c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c]));
+const minus = (text) => text.replace("-", "−");
+
+/** `n` as 10ⁿ. */
+export const powerOfTen = (n) => `10${superscript(n)}`;
+
+/** A number to `digits` significant digits: 0.0454, 12 400, 2.56·10⁻⁵. */
+export function format(x, digits = 3) {
+  if (x === null || x === undefined) return "–";
+  if (x === 0) return "0";
+  const [mantissa, exponent] = x.toExponential(digits - 1).split("e");
+  if (exponent < -3 || exponent > 5) return `${minus(mantissa)}·${powerOfTen(+exponent)}`;
+  return minus(Number(x.toPrecision(digits)).toString());
+}
+
+/** A count: 1 234 567. */
+export const count = (n) => (n === undefined ? "–" : n.toLocaleString("en").replaceAll(",", "\u202f"));
+
+/** A round step that divides [low, high] into about `n` parts. */
+export function roundStep(low, high, n) {
+  const raw = (high - low) / Math.max(n, 1);
+  const unit = 10 ** Math.floor(Math.log10(raw));
+  return unit * ([1, 2, 5].find((m) => m * unit >= raw) ?? 10);
+}
+
+/** The multiples of `step` in [low, high]; none where they could not be told apart. */
+export function multiples(low, high, step) {
+  const first = Math.ceil(low / step), last = Math.floor(high / step);
+  return last - first < 100 ? Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step) : [];
+}
+
+/** A mark's label, with the digits its step needs. */
+export function tickLabel(x, step) {
+  if (x === 0) return "0";
+  const decimals = -Math.floor(Math.log10(step) + 1e-9);
+  if (decimals > 4 || Math.abs(x) >= 1e5) return format(x, 3);
+  return minus(x.toFixed(Math.max(decimals, 0)));
+}

@@ -1,0 +1,166 @@
+// A step of ours against the loop one would write by hand, and against Boost.Odeint's velocity_verlet.
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <boost/numeric/odeint/stepper/velocity_verlet.hpp>
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "tests/bench/table.hpp"
+#include "tests/support/runs.hpp"
+
+namespace {
+
+constexpr std::int64_t steps = 1'000'000;
+constexpr double h = 0.01;
+
+// The same map as leapfrog of ours: kick, drift, kick, the force re-used from step to step.
+[[gnu::noinline]] std::array<double, 2> harmonic_by_hand(double q, double p, double mass, double stiffness,
+                                                         std::int64_t n) {
+  const double half = h / 2, rate = h / mass;
+  double f = stiffness * q;
+  for (std::int64_t i = 0; i < n; ++i) {
+    p -= half * f;
+    q += rate * p;
+    f = stiffness * q;
+    p -= half * f;
+  }
+  return {q, p};
+}
+[[gnu::noinline]] std::array<double, 2> pendulum_by_hand(double q, double p, double gravity, double length,
+                                                         std::int64_t n) {
+  const double half = h / 2, w = gravity / length;
+  double f = w * std::sin(q);
+  for (std::int64_t i = 0; i < n; ++i) {
+    p -= half * f;
+    q += h * p;
+    f = w * std::sin(q);
+    p -= half * f;
+  }
+  return {q, p};
+}
+[[gnu::noinline]] std::array<double, 4> kepler_by_hand(double x, double y, double px, double py, double mu,
+                                                       std::int64_t n) {
+  const double half = h / 2;
+  double r2 = x * x + y * y, w = mu / (r2 * std::sqrt(r2)), fx = w * x, fy = w * y;
+  for (std::int64_t i = 0; i < n; ++i) {
+    px -= half * fx;
+    py -= half * fy;
+    x += h * px;
+    y += h * py;
+    r2 = x * x + y * y;
+    w = mu / (r2 * std::sqrt(r2));
+    fx = w * x;
+    fy = w * y;
+    px -= half * fx;
+    py -= half * fy;
+  }
+  return {x, y, px, py};
+}
+
+// Boost.Odeint on arrays, its fastest state.
+template <std::size_t N, class Force>
+void odeint(benchmark::State& state, std::array<double, N> q, std::array<double, N> p, Force force) {
+  namespace ode = boost::numeric::odeint;
+  using A = std::array<double, N>;
+  for (auto _ : state) {
+    ode::velocity_verlet<A> stepper;
+    auto x = std::make_pair(q, p);
+    const auto system = [&](const A& at, const A&, A& f, double) { force(at, f); };
+    for (std::int64_t i = 0; i < steps; ++i) stepper.do_step(system, x, static_cast<double>(i) * h, h);
+    benchmark::DoNotOptimize(x);
+  }
+  state.counters["units"] = steps;
+}
+
+least::Request bare(std::string_view problem, std::string_view scheme = "leapfrog") {
+  least::Request request = runs::defaults(problem, scheme);
+  request.until_steps = true;
+  request.steps = steps;
+  request.settings[0] = h;
+  request.record.count = 0;
+  request.limits.seconds = 1e9;
+  return request;
+}
+
+void ours(benchmark::State& state, const least::Request& request) {
+  for (auto _ : state) {
+    const auto result = runs::go(request);
+    if (result.outcome.cost.steps != steps) state.SkipWithError("the run did not complete");
+    benchmark::DoNotOptimize(result.outcome.final.data());
+  }
+  state.counters["units"] = static_cast<double>(request.steps);
+}
+
+void add(const std::string& name, std::function<void(benchmark::State&)> body) {
+  benchmark::RegisterBenchmark(name.c_str(), std::move(body))->Unit(benchmark::kMillisecond);
+}
+
+template <class Hand>
+void by_hand(const std::string& problem, Hand hand) {
+  add("hand/" + problem, [hand](benchmark::State& state) {
+    for (auto _ : state) {
+      auto end = hand(state.iterations() < 0 ? 0 : steps);  // not a constant to the compiler
+      benchmark::DoNotOptimize(end);
+    }
+    state.counters["units"] = steps;
+  });
+}
+
+const bool registered = [] {
+  by_hand("harmonic_oscillator", [](std::int64_t n) {
+    double one = 1;
+    benchmark::DoNotOptimize(one);
+    return harmonic_by_hand(1, 0, one, one, n);
+  });
+  by_hand("pendulum", [](std::int64_t n) {
+    double one = 1;
+    benchmark::DoNotOptimize(one);
+    return pendulum_by_hand(1.5, 0, one, one, n);
+  });
+  by_hand("kepler", [](std::int64_t n) {
+    double one = 1;
+    benchmark::DoNotOptimize(one);
+    return kepler_by_hand(0, -4, -0.1, -0.1, one, n);
+  });
+  using A1 = std::array<double, 1>;
+  using A2 = std::array<double, 2>;
+  add("odeint/harmonic_oscillator",
+      [](benchmark::State& state) { odeint<1>(state, A1{1}, A1{0}, [](const A1& q, A1& f) { f[0] = -q[0]; }); });
+  add("odeint/pendulum", [](benchmark::State& state) {
+    odeint<1>(state, A1{1.5}, A1{0}, [](const A1& q, A1& f) { f[0] = -std::sin(q[0]); });
+  });
+  add("odeint/kepler", [](benchmark::State& state) {
+    odeint<2>(state, A2{0, -4}, A2{-0.1, -0.1}, [](const A2& q, A2& f) {
+      const double r2 = q[0] * q[0] + q[1] * q[1], w = -1 / (r2 * std::sqrt(r2));
+      f = {w * q[0], w * q[1]};
+    });
+  });
+  for (const std::string problem : {"harmonic_oscillator", "pendulum", "kepler"}) {
+    add("step/" + problem, [problem](benchmark::State& state) { ours(state, bare(problem)); });
+    add("record/" + problem, [problem](benchmark::State& state) {
+      least::Request request = bare(problem);
+      request.record.count = steps / 1000;
+      request.columns = {0, 1, 2, 3, 4};
+      ours(state, request);
+    });
+    add("energy/" + problem, [problem](benchmark::State& state) {
+      least::Request request = bare(problem);
+      request.diagnostics = {0};
+      ours(state, request);
+    });
+    bench::compare("leapfrog " + problem + ", by hand", "step/" + problem, "hand/" + problem, 1.05);
+    bench::compare("  recording 1,000 samples of five columns", "record/" + problem, "step/" + problem, 1.10);
+    bench::compare("  energy diagnostic at every step", "energy/" + problem, "step/" + problem, 0);
+    bench::compare("  Boost.Odeint velocity_verlet, by hand", "odeint/" + problem, "hand/" + problem, 0);
+  }
+  for (const auto& scheme : least::schemes()) {
+    const std::string id(scheme.id);
+    add("kepler/" + id, [id](benchmark::State& state) { ours(state, bare("kepler", id)); });
+    bench::compare("kepler " + id + ", leapfrog", "kepler/" + id, "step/kepler", 0);
+  }
+  return true;
+}();
+
+}  // namespace

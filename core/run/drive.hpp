@@ -113,9 +113,9 @@ class Drive {
     return false;
   }
 
-  /// Squares of a good state do not overflow: its energy can be said.
+  /// Fourth powers of a good state do not overflow: its energy can be said.
   static bool sound(const X& x) {
-    constexpr double most = 1e150;
+    constexpr double most = 1e75;
     bool good = std::isfinite(x.t);
     for (std::size_t i = 0; i < P::dof; ++i) good = good && std::abs(x.q[i]) < most && std::abs(x.p[i]) < most;
     return good;
@@ -135,7 +135,7 @@ class Drive {
       outcome_.stop.singular_at = x.t;
       return false;
     }
-    if (!sound(x)) return stop(Reason::not_finite, "the start lies beyond 1e150, where energies overflow");
+    if (!sound(x)) return stop(Reason::not_finite, "the start lies beyond 1e75, where energies overflow");
     observer_.start(problem_, x);
     if (snapshots_wanted_) snapshots_.push_back(x);
     if constexpr (HasFrequency<P>) {
@@ -190,7 +190,7 @@ class Drive {
                     "Newton's method found no solution of the implicit step; a shorter step may");
       if (status == Status::singular) return stop(Reason::singular, "the step is singular");
       if (fast) return unstable(frequency);
-      return stop(Reason::not_finite, "the next state is not finite, or beyond 1e150 where energies overflow");
+      return stop(Reason::not_finite, "the next state is not finite, or beyond 1e75 where energies overflow");
     }
     return true;  // not reached: the same steps have the same bits
   }

@@ -1,0 +1,153 @@
+// Diagnostics against what they should say: the paper's orbit, and runs whose errors are known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/runs.hpp"
+
+namespace {
+
+using namespace least;
+
+Request asking(std::string_view problem, std::string_view scheme, std::string_view diagnostic) {
+  Request request = runs::defaults(problem, scheme);
+  const auto& names = problems()[request.problem].diagnostics;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == diagnostic) request.diagnostics = {i};
+  EXPECT_EQ(request.diagnostics.size(), 1U);
+  request.record.count = 0;
+  return request;
+}
+double ask(const Request& request, std::string_view path) {
+  const auto result = runs::go(request);
+  EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << result.outcome.stop.detail;
+  return runs::number(result.outcome.diagnostics, path);
+}
+
+constexpr double period = 18.893743377439769;
+
+// METHODS, section 3: leapfrog on the orbit of Nair, Ober-Blöbaum and Marsden.
+TEST(Orbit, LeapfrogTurnsThePapersEllipse) {
+  for (const auto& [h, rotation] : {std::pair{0.01, 0.0454}, std::pair{0.005, 0.0117}}) {
+    Request request = asking("kepler", "leapfrog", "orbit");
+    request.settings[0] = h;
+    request.end = 1.2 * period;  // it turns against the motion: the direction of the start is reached a little later
+    EXPECT_EQ(ask(request, "orbit/revolutions"), 1);
+    EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), rotation, 0.02 * rotation) << h;
+    request.end = 11.5 * period;  // the mean of ten and more is the same
+    EXPECT_GE(ask(request, "orbit/revolutions"), 10);
+    EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), rotation, 0.02 * rotation) << h;
+    EXPECT_NEAR(ask(request, "orbit/eccentricity"), 0.96083297, 1e-3);
+    EXPECT_NEAR(ask(request, "orbit/semi_major_axis"), 2.0833333, 2e-2);
+  }
+}
+
+TEST(Orbit, IsTheSameMirroredTurnedAndInSpace) {
+  Request request = asking("kepler", "leapfrog", "orbit");
+  request.end = 2.1 * period;
+  const double plane = ask(request, "orbit/apsidal_rotation");
+  request.initial = {0, -4, 0.1, -0.1};
+  EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), -plane, 1e-10) << "mirrored: the other way round";
+  request.initial = {4, 0, 0.1, -0.1};
+  EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), plane, 1e-10) << "turned by a right angle";
+  Request space = asking("kepler_3d", "leapfrog", "orbit");
+  space.settings[0] = 0.01;
+  space.end = 2.1 * period;
+  const double c = 0.8, s = 0.6;
+  space.initial = {0, -4 * c, -4 * s, -0.1, -0.1 * c, -0.1 * s};
+  EXPECT_NEAR(ask(space, "orbit/apsidal_rotation"), -plane, 1e-8) << "about L, along which the motion is positive";
+}
+
+TEST(Orbit, ClosesWhereTheSchemeIsAccurate) {
+  Request request = asking("kepler", "leapfrog", "orbit");
+  request.initial = {1, 0, 0, 1.1};
+  request.settings = {0.01, 7};  // kahan_li_8
+  EXPECT_LT(ask(request, "orbit/closure"), 1e-10);
+  EXPECT_LT(std::abs(ask(request, "orbit/apsidal_rotation")), 1e-11);
+  request.settings = {0.05, 0};
+  EXPECT_GT(ask(request, "orbit/closure"), 1e-6);
+  EXPECT_NEAR(ask(request, "orbit/semi_major_axis"), 1 / (2 - 1.21), 1e-3);
+}
+
+TEST(Orbit, IsNotDefinedBeforeARevolutionNorOnAStraightLine) {
+  Request request = asking("kepler", "leapfrog", "orbit");
+  request.end = 5;
+  EXPECT_TRUE(std::isnan(ask(request, "orbit/closure")));
+  request.initial = {0, -4, 0, 0.5};
+  request.end = 1;
+  EXPECT_EQ(ask(request, "orbit/revolutions"), 0);
+}
+
+TEST(Energy, StaysBoundedUnderLeapfrogAndDriftsUnderRungeKutta) {
+  Request request = asking("pendulum", "leapfrog", "energy");
+  request.settings[0] = 0.2;
+  request.end = 200;
+  const double short_run = ask(request, "energy/max_abs_error");
+  request.end = 20'000;
+  EXPECT_LT(ask(request, "energy/max_abs_error"), 1.01 * short_run);
+  EXPECT_LT(std::abs(ask(request, "energy/drift_per_time")), 1e-8);
+  Request control = asking("pendulum", "runge_kutta_4", "energy");
+  control.settings[0] = 0.2;
+  control.end = 200;
+  const double early = ask(control, "energy/max_abs_error");
+  control.end = 20'000;
+  EXPECT_GT(ask(control, "energy/max_abs_error"), 50 * early);
+  EXPECT_LT(ask(control, "energy/drift_per_time"), -1e-7) << "it loses energy";
+}
+
+TEST(Energy, OfTheOscillatorUnderExplicitEulerGrowsAsItMust) {  // by 1 + h² a step
+  Request request = asking("harmonic_oscillator", "explicit_euler", "energy");
+  request.until_steps = true;
+  request.steps = 50;
+  const double grown = 0.5 * std::pow(1.01, 50);
+  EXPECT_NEAR(ask(request, "energy/final"), grown, 1e-12);
+  EXPECT_NEAR(ask(request, "energy/max_abs_error"), grown - 0.5, 1e-12);
+  EXPECT_NEAR(ask(request, "energy/max_rel_error"), 2 * grown - 1, 1e-12);
+  EXPECT_DOUBLE_EQ(ask(request, "energy/initial"), 0.5);
+}
+
+TEST(Momenta, AreKeptBySymplecticSchemesAndNotByOthers) {
+  for (const std::string_view scheme : {"leapfrog", "symplectic_euler", "ruth_3", "variational_midpoint", "galerkin_4"})
+    EXPECT_LT(ask(asking("kepler", scheme, "momenta"), "momenta/angular_momentum/max_abs_error"), 1e-12) << scheme;
+  for (const std::string_view scheme : {"explicit_euler", "explicit_midpoint", "runge_kutta_4"})
+    EXPECT_GT(ask(asking("kepler", scheme, "momenta"), "momenta/angular_momentum/max_abs_error"), 1e-8) << scheme;
+}
+
+TEST(Structure, IsMeasuredNotDeclared) {
+  EXPECT_LT(ask(asking("henon_heiles", "leapfrog", "structure"), "structure/max_defect"), 1e-13);
+  Request request = asking("henon_heiles", "runge_kutta_4", "structure");
+  request.settings[0] = 0.5;
+  EXPECT_GT(ask(request, "structure/max_defect"), 1e-4);
+}
+
+TEST(Error, OfTheOscillatorUnderLeapfrogIsItsPhaseError) {
+  // cos(ω′t) against cos t with ω′ = (2/h) asin(h/2) = 1 + h²/24 + …; the momentum carries the factor √(1 − h²/4).
+  Request request = asking("harmonic_oscillator", "leapfrog", "error");
+  request.settings[0] = 0.1;
+  request.end = 20;
+  const double phase = 20 * (2 / 0.1) * std::asin(0.05);
+  const double q = std::cos(phase) - std::cos(20.0);
+  const double p = -std::sin(phase) * std::sqrt(1 - 0.0025) + std::sin(20.0);
+  EXPECT_NEAR(ask(request, "error/final"), std::max(std::abs(q), std::abs(p)), 1e-12);
+  EXPECT_GE(ask(request, "error/max"), ask(request, "error/final"));
+  EXPECT_LT(ask(request, "error/uncertainty"), 1e-15);
+}
+
+TEST(Error, ComesFromTheReferenceStatesWhereThereIsNoClosedForm) {
+  Request request = asking("double_pendulum", "galerkin_4", "error");
+  request.end = 20;
+  const auto result = runs::go(request);
+  const double reference[] = {-0.47540433018888473236, -0.35081662361852581039, -1.7417567272239908697,
+                              -0.83762857573527496312};
+  double difference = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    difference = std::max(difference, std::abs(result.outcome.final[i] - reference[i]));
+  EXPECT_NEAR(runs::number(result.outcome.diagnostics, "error/final"), difference / 1.7417567272239908697, 1e-15);
+  EXPECT_LT(runs::number(result.outcome.diagnostics, "error/uncertainty"), 2e-16);
+}
+
+TEST(Diagnostics, AreNotComputedUnlessAsked) {
+  EXPECT_TRUE(runs::go(runs::defaults("kepler", "leapfrog")).outcome.diagnostics.empty());
+}
+
+}  // namespace

@@ -1,0 +1,130 @@
+// Grids, marks and budgets: where a run steps, where it looks, where it ends.
+#include "core/run/schedule.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/support/runs.hpp"
+
+namespace {
+
+using namespace least;
+
+Grid grid(double start, double end, double h) {
+  Request request;
+  request.start = start;
+  request.end = end;
+  return Grid(request, h);
+}
+
+TEST(Grid, HasWholeStepsAndOneShorterOne) {
+  EXPECT_EQ(grid(0, 20, 0.1).steps, 200);  // 0.1 is not a tenth, and 200 · 0.1 is 20 all the same
+  EXPECT_EQ(grid(0, 20, 0.1).tail, 0);
+  EXPECT_EQ(grid(0, 40, 0.01).steps, 4000);
+  EXPECT_EQ(grid(0, 40, 0.01).tail, 0);
+  EXPECT_EQ(grid(0, 1, 0.3).steps, 3);
+  EXPECT_NEAR(grid(0, 1, 0.3).tail, 0.1, 1e-15);
+  EXPECT_EQ(grid(0, 0.1, 1).steps, 0);
+  EXPECT_EQ(grid(0, 0.1, 1).tail, 0.1);
+  EXPECT_EQ(grid(5, 6, 0.25).steps, 4);
+  EXPECT_EQ(grid(5, 6, 0.25).time(4), 6);
+  EXPECT_EQ(grid(0, 0.3, 0.1).steps, 3);  // 0.3/0.1 is a little less than 3
+  for (int n = 1; n < 3000; ++n) {
+    const double h = 0.01;
+    EXPECT_EQ(grid(0, n * h, h).steps, n);
+    EXPECT_EQ(grid(0, n * h, h).tail, 0) << n;
+  }
+}
+
+std::vector<double> times(const Record& record, const Grid& g) {
+  std::vector<double> all;
+  for (Marks marks(record, g); marks.step() != Marks::never && all.size() < 1000; marks.next())
+    all.push_back(g.time(marks.step()) + marks.rest());
+  return all;
+}
+
+TEST(Marks, ByStrideByNumberAndByTime) {
+  const Grid g = grid(1, 2, 0.3);  // 1, 1.3, 1.6, 1.9 and the end
+  EXPECT_EQ(times({Record::Mode::every, 2, {}}, g), (std::vector<double>{1, 1.6}));
+  EXPECT_TRUE(times({Record::Mode::every, 0, {}}, g).empty());
+  EXPECT_EQ(times({Record::Mode::samples, 3, {}}, g), (std::vector<double>{1, 1.5, 2}));
+  const std::vector<double> asked{1, 1.3, 1.45, 1.95, 2};
+  const auto got = times({Record::Mode::times, 0, asked}, g);
+  ASSERT_EQ(got.size(), asked.size());
+  for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_NEAR(got[i], asked[i], 1e-15);
+}
+
+// ---- the loop
+
+TEST(Run, StandsOnTheGrid) {
+  Request request = runs::defaults("kepler", "leapfrog");
+  request.start = 3;
+  request.end = 4.005;
+  const auto result = runs::go(request);
+  ASSERT_EQ(result.rows.size(), 101U);  // the shorter last step is no grid point
+  for (std::size_t n = 0; n < result.rows.size(); ++n) EXPECT_EQ(result.rows[n][0], 3 + double(n) * 0.01);
+  EXPECT_EQ(result.outcome.t, 4.005);
+  EXPECT_EQ(result.outcome.cost.steps, 101);
+}
+
+TEST(Run, SamplesBetweenGridPointsAreAsAccurateAsTheScheme) {
+  Request request = runs::defaults("harmonic_oscillator", "leapfrog");
+  request.settings = {0.5, 6};  // suzuki_umeno_8
+  request.record = {Record::Mode::samples, 137, {}};
+  const auto result = runs::go(request);
+  ASSERT_EQ(result.rows.size(), 137U);
+  for (const auto& row : result.rows) {
+    EXPECT_NEAR(row[1], std::cos(row[0]), 1e-5);
+    EXPECT_NEAR(row[2], -std::sin(row[0]), 1e-5);
+  }
+}
+
+TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
+  Request request = runs::defaults("kepler", "leapfrog");
+  request.limits.steps = 1234;
+  auto result = runs::go(request);
+  EXPECT_EQ(result.outcome.stop.reason, Reason::step_limit);
+  EXPECT_EQ(result.outcome.stop.step, 1234);
+  EXPECT_EQ(result.rows.size(), 1235U);
+  request.limits.steps = 4000;  // exactly enough
+  EXPECT_EQ(runs::go(request).outcome.stop.reason, Reason::completed);
+
+  request.limits.steps = std::int64_t{1} << 60;
+  request.until_steps = true;
+  request.steps = std::int64_t{1} << 50;
+  request.record.count = std::int64_t{1} << 49;
+  request.limits.seconds = 0.05;
+  result = runs::go(request);
+  EXPECT_EQ(result.outcome.stop.reason, Reason::deadline);
+  EXPECT_LT(result.outcome.cost.seconds, 1);
+  EXPECT_GT(result.outcome.stop.step, 1000);
+
+  request.limits.seconds = 60;
+  std::atomic<bool> cancelled{false};
+  std::thread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    cancelled = true;
+  });
+  Samples samples;
+  EXPECT_EQ(run(request, samples, cancelled).stop.reason, Reason::cancelled);
+  later.join();
+
+  struct Full final : Sink {
+    bool append(std::span<const double>) override { return false; }
+  } full;
+  request.record.count = 1;
+  cancelled = false;
+  EXPECT_EQ(run(request, full, cancelled).stop.reason, Reason::cancelled);
+}
+
+TEST(Budget, DeadlineHoldsForSlowSteps) {
+  Request request = runs::defaults("double_pendulum", "galerkin_4");
+  request.settings = {1e-6, 8};  // 35 implicit stages a step
+  request.limits.seconds = 0.05;
+  const auto result = runs::go(request);
+  EXPECT_EQ(result.outcome.stop.reason, Reason::deadline);
+  EXPECT_LT(result.outcome.cost.seconds, 1);
+}
+
+}  // namespace

@@ -1,0 +1,295 @@
+// What happens at the extremes: always a status, never a hang, never a number that is not finite; and beside each
+// extreme a benign twin that completes, so that a test cannot pass by refusing everything.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/support/runs.hpp"
+
+namespace {
+
+using namespace least;
+
+/// Every number of a report that is not null is finite or stands for null (the encoder writes null for NaN); numbers of
+/// rows, of the final state and of the cost are always finite.
+void expect_finite(const runs::Result& result) {
+  for (const auto& row : result.rows)
+    for (const double x : row) ASSERT_TRUE(std::isfinite(x));
+  for (const double x : result.outcome.final) ASSERT_TRUE(std::isfinite(x));
+  ASSERT_TRUE(std::isfinite(result.outcome.cost.seconds));
+}
+runs::Result go(const Request& request) {
+  const auto result = runs::go(request);
+  expect_finite(result);
+  if (result.outcome.stop.reason != Reason::completed) {
+    EXPECT_FALSE(result.outcome.stop.detail.empty());
+    EXPECT_EQ(result.outcome.stop.t, result.outcome.t);
+  }
+  return result;
+}
+Reason reason(const Request& request) { return go(request).outcome.stop.reason; }
+
+Request with_step(std::string_view problem, std::string_view scheme, double h) {
+  Request request = runs::defaults(problem, scheme);
+  request.settings[0] = h;
+  request.limits.seconds = 2;
+  request.limits.steps = 20'000;
+  return request;
+}
+
+void all_diagnostics(Request& request) {
+  for (std::size_t i = 0; i < problems()[request.problem].diagnostics.size(); ++i) request.diagnostics.push_back(i);
+  request.columns.clear();
+  for (std::size_t i = 0; i < problems()[request.problem].columns.size(); ++i) request.columns.push_back(i);
+}
+
+template <class F>
+void for_each_pair(F&& f) {
+  for (const auto& problem : problems())
+    for (const std::size_t scheme : problem.schemes) f(problem, schemes()[scheme]);
+}
+
+TEST(Step, ZeroIsTheIdentityAndEnds) {
+  for_each_pair([](const ProblemCard& problem, const SchemeCard& scheme) {
+    Request request = with_step(problem.id, scheme.id, 0);
+    request.until_steps = true;
+    request.steps = 100;
+    const auto still = go(request);
+    EXPECT_EQ(still.outcome.stop.reason, Reason::completed) << problem.id << ' ' << scheme.id;
+    EXPECT_EQ(still.outcome.final, request.initial) << problem.id << ' ' << scheme.id;
+
+    request.until_steps = false;  // never gets there
+    const auto stuck = go(request);
+    EXPECT_EQ(stuck.outcome.stop.reason, Reason::step_limit) << problem.id << ' ' << scheme.id;
+    EXPECT_EQ(stuck.outcome.final, request.initial);
+
+    request.settings[0] = problem.suggested[0].second;
+    request.end = 100 * request.settings[0];
+    EXPECT_EQ(reason(request), Reason::completed) << problem.id << ' ' << scheme.id;
+  });
+}
+
+TEST(Step, HugeEndsInAStatus) {
+  for_each_pair([](const ProblemCard& problem, const SchemeCard& scheme) {
+    for (const double h : {1e3, 1e10, 1e100, 1e300, 1.7e308}) {
+      Request request = with_step(problem.id, scheme.id, h);
+      request.until_steps = true;
+      request.steps = 50;
+      request.limits.seconds = 0.02;
+      all_diagnostics(request);
+      const auto result = go(request);
+      // An implicit step may have a solution however long it is (the midpoint rule turns by almost π).
+      EXPECT_TRUE(h <= 1e10 || scheme.implicit || result.outcome.stop.reason != Reason::completed)
+          << problem.id << ' ' << scheme.id;
+      request.until_steps = false;
+      request.end = std::numeric_limits<double>::max();
+      go(request);
+    }
+  });
+}
+
+TEST(Step, TinyIsStoppedByItsBudget) {
+  Request request = with_step("kepler", "leapfrog", 1e-300);
+  EXPECT_EQ(reason(request), Reason::step_limit);
+  request.settings[0] = 0.01;
+  EXPECT_EQ(reason(request), Reason::completed);
+}
+
+// Leapfrog on the harmonic oscillator: stable iff ωh < 2; stopped only beyond; warned from half of it on.
+TEST(StabilityBound, OfLeapfrogOnTheOscillator) {
+  const auto at = [](double h) {
+    Request request = with_step("harmonic_oscillator", "leapfrog", h);
+    request.until_steps = true;
+    request.steps = 1000;
+    request.diagnostics = {0};
+    return go(request);
+  };
+  const auto benign = at(0.9);
+  EXPECT_EQ(benign.outcome.stop.reason, Reason::completed);
+  EXPECT_TRUE(benign.outcome.warnings.empty());
+  const auto close = at(1.9);
+  EXPECT_EQ(close.outcome.stop.reason, Reason::completed);
+  ASSERT_EQ(close.outcome.warnings.size(), 1U);
+  EXPECT_EQ(close.outcome.warnings[0].code, "step_near_stability_bound");
+  EXPECT_LT(runs::number(close.outcome.diagnostics, "energy/max_abs_error"), 10) << "bounded below the bound";
+  EXPECT_EQ(at(2).outcome.stop.reason, Reason::completed) << "on the bound it grows, but only in proportion to time";
+  const auto beyond = at(2.001);
+  EXPECT_EQ(beyond.outcome.stop.reason, Reason::unstable_step);
+  EXPECT_EQ(beyond.outcome.stop.step, 0);
+  EXPECT_EQ(beyond.rows.size(), 0U + beyond.outcome.stop.step);
+}
+
+TEST(StabilityBound, IsTheSchemesOwn) {
+  const auto at = [](std::string_view scheme, double h, std::size_t composition = 0) {
+    Request request = with_step("harmonic_oscillator", scheme, h);
+    if (request.settings.size() > 1) request.settings[1] = static_cast<double>(composition);
+    request.until_steps = true;
+    request.steps = 1000;
+    return reason(request);
+  };
+  EXPECT_EQ(at("runge_kutta_4", 2.8), Reason::completed);
+  EXPECT_EQ(at("runge_kutta_4", 2.9), Reason::unstable_step);
+  EXPECT_EQ(at("leapfrog", 1.5, 1), Reason::completed);  // yoshida_4: 1.573
+  EXPECT_EQ(at("leapfrog", 1.7, 1), Reason::unstable_step);
+  EXPECT_EQ(at("variational_midpoint", 50), Reason::completed);  // none
+  EXPECT_EQ(at("explicit_euler", 0.1), Reason::completed);       // grows at every step, and is the control for that
+}
+
+TEST(StabilityBound, OfAFrequencyThatGrowsOnTheWay) {  // free fall towards the centre passes it in between
+  Request request = with_step("kepler", "leapfrog", 0.05);
+  request.initial = {0, -4, -0.02, 0};
+  const auto result = go(request);
+  EXPECT_EQ(result.outcome.stop.reason, Reason::unstable_step);
+  EXPECT_GT(result.outcome.stop.step, 50);
+  ASSERT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1) << "all samples before it kept";
+  EXPECT_EQ(std::vector<double>(result.rows.back().begin() + 1, result.rows.back().end()), result.outcome.final);
+  request.initial = {0, -4, -0.5, 0};
+  EXPECT_EQ(reason(request), Reason::completed);
+}
+
+TEST(Parameters, AtTheEndsOfTheirRanges) {
+  for_each_pair([](const ProblemCard& problem, const SchemeCard& scheme) {
+    for (std::size_t i = 0; i < problem.parameters.size(); ++i)
+      for (const double value : {problem.parameters[i].range.low, problem.parameters[i].range.high, 1e300, 1e-300,
+                                 5e-324, std::numeric_limits<double>::max()}) {
+        Request request = with_step(problem.id, scheme.id, problem.suggested[0].second);
+        request.parameters[i] = value;
+        request.limits.steps = 300;
+        all_diagnostics(request);
+        request.diagnostics.pop_back();  // the reference run of an impossible scene only costs time
+        go(request);
+      }
+  });
+  Request twin = runs::defaults("harmonic_oscillator", "leapfrog");
+  twin.parameters = {2, 3};
+  EXPECT_EQ(reason(twin), Reason::completed);
+}
+
+TEST(Start, Extreme) {
+  for_each_pair([](const ProblemCard& problem, const SchemeCard& scheme) {
+    for (std::size_t i = 0; i < problem.variables.size(); ++i)
+      for (const double value : {0.0, 1e-300, 5e-324, 1e10, 1e160, 1e300, -std::numeric_limits<double>::max()}) {
+        Request request = with_step(problem.id, scheme.id, problem.suggested[0].second);
+        request.initial[i] = value;
+        request.limits.steps = 300;
+        request.diagnostics = {0, 1, 2};
+        go(request);
+      }
+  });
+}
+
+TEST(Start, AtTheSingularity) {
+  for (const std::string_view id : {"kepler", "kepler_3d"}) {
+    for (const auto& scheme : schemes()) {
+      Request request = with_step(id, scheme.id, 0.01);
+      const std::size_t n = request.initial.size() / 2;
+      for (std::size_t i = 0; i < n; ++i) request.initial[i] = 0;
+      all_diagnostics(request);
+      const auto result = go(request);
+      EXPECT_EQ(result.outcome.stop.reason, Reason::singular) << scheme.id;
+      EXPECT_EQ(result.outcome.stop.singular_at, 0.0);
+      EXPECT_EQ(result.outcome.stop.step, 0);
+      EXPECT_TRUE(result.rows.empty());
+      EXPECT_EQ(result.outcome.final, request.initial);
+    }
+  }
+  EXPECT_EQ(reason(with_step("kepler", "leapfrog", 0.01)), Reason::completed);
+}
+
+TEST(Start, RadialFallIsStoppedOrWarnedOf) {  // a fixed step can jump over the centre; never without a word
+  for (const auto& scheme : schemes()) {
+    if (scheme.id == "explicit_euler" || scheme.id == "explicit_midpoint" || scheme.implicit) continue;  // no bound
+    Request request = with_step("kepler", scheme.id, 1e-3);
+    request.initial = {1, 0, 0, 0};  // reaches r = 0 at t = π/√8 = 1.11
+    request.end = 3;
+    const auto result = go(request);
+    EXPECT_TRUE(result.outcome.stop.reason == Reason::unstable_step || !result.outcome.warnings.empty()) << scheme.id;
+    request.end = 0.5;
+    const auto benign = go(request);
+    EXPECT_EQ(benign.outcome.stop.reason, Reason::completed) << scheme.id;
+    EXPECT_TRUE(benign.outcome.warnings.empty()) << scheme.id;
+  }
+}
+
+TEST(Eccentricity, NearlyOne) {
+  for (const auto& [e, steps, expected] :
+       {std::tuple{0.9999, 20'000, Reason::unstable_step}, std::tuple{0.5, 20'000, Reason::completed}}) {
+    Request request =
+        with_step("kepler", "leapfrog", 4 * std::acos(-1.0) / steps);  // two periods, a = 1, from apoapsis
+    request.initial = {0, -(1 + e), -std::sqrt((1 - e) / (1 + e)), 0};
+    request.end = 4 * std::acos(-1.0);
+    all_diagnostics(request);
+    const auto result = go(request);
+    EXPECT_EQ(result.outcome.stop.reason, expected) << e;
+    EXPECT_GT(result.rows.size(), 1000U) << "what was computed before is kept";
+  }
+  // With the step that resolves its periapsis, ω = 1e6 there, the extreme orbit passes it.
+  Request request = with_step("kepler", "leapfrog", 2e-8);
+  request.initial = {0, -1e-4, std::sqrt(1.9999 / 1e-4), 0};
+  request.end = 2e-4;
+  const auto passed = go(request);
+  EXPECT_EQ(passed.outcome.stop.reason, Reason::completed);
+  EXPECT_TRUE(passed.outcome.warnings.empty());
+}
+
+TEST(Solver, FailsByNameAndKeepsWhatItHas) {
+  for (const std::string_view scheme : {"variational_midpoint", "galerkin_4"}) {
+    Request request = with_step("double_pendulum", scheme, 0.02);
+    request.initial = {2, 2.5, 0, 0};
+    request.end = 10;
+    EXPECT_EQ(reason(request), Reason::completed) << scheme;
+    request.settings[0] = 5;
+    request.end = 1000;
+    const auto result = go(request);
+    EXPECT_EQ(result.outcome.stop.reason, Reason::solver_failed) << scheme;
+    EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1);
+  }
+}
+
+TEST(Escape, OverTheSaddleOfHenonHeiles) {
+  for (const std::string_view scheme : {"leapfrog", "runge_kutta_4", "variational_midpoint", "explicit_euler"}) {
+    Request request = with_step("henon_heiles", scheme, 0.02);
+    request.initial = {0, 1.2, 0, 0.5};  // beyond the saddle at y = 1: runs off to infinity in finite time
+    all_diagnostics(request);
+    const auto result = go(request);
+    EXPECT_NE(result.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_GT(result.outcome.stop.step, 10);
+    EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1);
+    request.initial = {0, 0.1, 0.49, 0};
+    request.end = 10;
+    EXPECT_EQ(reason(request), Reason::completed) << scheme;
+  }
+}
+
+TEST(Growth, OfExplicitEulerIsStoppedWhereEnergiesOverflow) {
+  Request request = with_step("harmonic_oscillator", "explicit_euler", 1);
+  request.until_steps = true;
+  request.steps = 5000;
+  request.record.count = 1;
+  const auto result = go(request);
+  EXPECT_EQ(result.outcome.stop.reason, Reason::not_finite);
+  EXPECT_NEAR(static_cast<double>(result.outcome.stop.step), 75 / std::log10(std::sqrt(2.0)), 10);
+  request.steps = 400;
+  EXPECT_EQ(reason(request), Reason::completed);
+}
+
+// The last good state of a block that was taken back is the state that smaller blocks reach.
+TEST(TakenBack, BlocksEndWhereSingleStepsEnd) {
+  Request request = with_step("henon_heiles", "leapfrog", 0.001);
+  request.initial = {0, 1.2, 0, 0.5};
+  request.diagnostics = {0};
+  request.record.count = 1;
+  const auto fine = go(request);
+  request.record.count = 0;
+  const auto coarse = go(request);
+  EXPECT_NE(fine.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(fine.outcome.stop.reason, coarse.outcome.stop.reason);
+  EXPECT_EQ(fine.outcome.stop.step, coarse.outcome.stop.step);
+  EXPECT_EQ(fine.outcome.final, coarse.outcome.final);
+  EXPECT_EQ(fine.outcome.cost.force_evaluations, coarse.outcome.cost.force_evaluations);
+  EXPECT_EQ(runs::number(fine.outcome.diagnostics, "energy/max_abs_error"),
+            runs::number(coarse.outcome.diagnostics, "energy/max_abs_error"));
+}
+
+}  // namespace

@@ -70,7 +70,7 @@ ProblemEntry make_entry() {
   card.parameters = parameter_cards(About<P>::fields);
   card.columns = column_names(card);
   card.diagnostics = {"energy", "momenta", "structure", "error"};
-  if (TwoBody<P<double>>) card.diagnostics.push_back("orbit");
+  if (TwoBody<P<double>>) card.diagnostics.emplace_back("orbit");
   card.offers = offers<P<double>>();
   [&]<class... Scheme>(std::tuple<Scheme...>*) {
     (entry.runs.push_back(run_function<P, Scheme>()), ...);

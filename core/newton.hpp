@@ -83,7 +83,7 @@ Status newton(Vec<N, T>& x, const T& scale, F&& residual, int evaluations, Work&
   using least::select;
   static constexpr int most_iterations = 50;
   const double tolerance = std::pow(Precision<T>::epsilon, 0.75);
-  auto active = !(scale < scale);  // every lane
+  auto active = !(scale < scale);  // every lane; NOLINT(misc-redundant-expression)
   for (int k = 0; k < most_iterations; ++k) {
     Vec<N, Dual<T, N>> u;
     for (int i = 0; i < N; ++i) u[std::size_t(i)] = Dual<T, N>::variable(x[std::size_t(i)], i);

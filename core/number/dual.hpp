@@ -106,7 +106,7 @@ template <class T, int K>
 constexpr std::pair<Dual<T, K>, Dual<T, K>> sincos(const Dual<T, K>& x) {
   using least::sincos;
   const auto [s, c] = sincos(x.value);
-  return {x.chain(s, [&](const T& d) { return c * d; }), x.chain(c, [&](const T& d) { return -(s * d); })};
+  return {x.chain(s, [c = c](const T& d) { return c * d; }), x.chain(c, [s = s](const T& d) { return -(s * d); })};
 }
 template <class T, int K>
 constexpr Dual<T, K> sin(const Dual<T, K>& x) {

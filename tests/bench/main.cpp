@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+  bench::choice();
   Reporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
 

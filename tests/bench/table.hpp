@@ -9,4 +9,7 @@ namespace bench {
 /// `goal` 0: shown, not judged.
 void compare(const std::string& what, const std::string& name, const std::string& baseline, double goal);
 
+/// Prints the table by which a scheme is chosen: accuracy at equal work.
+void choice();
+
 }  // namespace bench

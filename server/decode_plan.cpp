@@ -33,7 +33,7 @@ void read_limits(const Json& root, const Place& top, const Caps& caps, Limits& l
     limits.steps = read_integer(*steps, place.at("steps"), 1, caps.steps).value_or(limits.steps);
   }
   if (const Json* samples = find(*json, "samples")) {
-    limits.samples = read_integer(*samples, place.at("samples"), 1, caps.samples).value_or(limits.samples);
+    limits.samples = read_integer(*samples, place.at("samples"), 2, caps.samples).value_or(limits.samples);
   }
 }
 
@@ -119,7 +119,7 @@ void default_record(const Span& span, Request& request) {
   } else if (request.until_steps) {
     request.record = {Record::Mode::every, request.steps / most + 1, {}};
   } else {
-    request.record = {Record::Mode::samples, std::max<std::int64_t>(most, 2), {}};
+    request.record = {Record::Mode::samples, most, {}};
   }
 }
 

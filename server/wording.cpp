@@ -52,7 +52,12 @@ std::string interval(const Range& range) {
 }
 
 std::string listed(std::span<const std::string_view> names) {
-  return fmt::format("{}", fmt::join(names.begin(), names.end(), ", "));
+  std::string list;
+  for (const auto name : names) {
+    if (!list.empty()) list += ", ";
+    list += name;
+  }
+  return list;
 }
 
 std::string_view closest(std::string_view word, std::span<const std::string_view> names) {

@@ -19,10 +19,11 @@ function errors({ t, energy }, relative) {
 export class EnergyPlot {
   #container;
   #plot = null;
+  #resized = new ResizeObserver(() => this.#plot?.setSize(this.#size()));
 
   constructor(container) {
     this.#container = container;
-    new ResizeObserver(() => this.#plot?.setSize(this.#size())).observe(container);
+    this.#resized.observe(container);
   }
 
   /** Draws again, for new colours. */
@@ -32,15 +33,16 @@ export class EnergyPlot {
 
   /** Says what it shows: `{what, note}`. */
   show(runs) {
+    if (this.#plot) this.#resized.unobserve(this.#plot.root.querySelector(".u-legend"));
     this.#plot?.destroy();
     this.#plot = null;
     const relative = runs.length > 0 && runs.every((run) => run.trajectory.energy[0] !== 0);
     const what = relative ? "|H − H₀| / |H₀|" : "|H − H₀|";
     const tables = runs.map((run) => errors(run.trajectory, relative));
-    if (!tables.some(([t]) => t.length > 0)) return { what, note: runs.length ? "No error at all: H is exactly H₀." : "" };
+    if (tables.every(([t]) => !t.length)) return { what, note: runs.length ? "No error at all: H is exactly H₀." : "" };
     const data = tables.length > 1 ? uPlot.join(tables) : tables[0];
     this.#plot = new uPlot(this.#options(runs, what), data, this.#container);
-    this.#plot.setSize(this.#size()); // now that the legend has its height
+    this.#resized.observe(this.#plot.root.querySelector(".u-legend"));
     const exact = runs.filter((_, i) => tables[i][0].length === 0).map((run) => run.title);
     return { what, note: exact.length ? `${exact.join(" and ")}: exactly H₀ throughout.` : "" };
   }

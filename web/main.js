@@ -14,7 +14,8 @@ const find = (selector) => document.querySelector(selector);
 const scene = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record") };
 const panes = [new Pane("A", 1), new Pane("B", 2)];
 const energy = new EnergyPlot(find("#energy"));
-const samples = { name: "samples", label: "points drawn", default: 10000, doc: "how many points of each run are drawn, at most" };
+const samples = { name: "samples", label: "points drawn", default: 10000,
+                  doc: "how many points of each run are drawn, at most" };
 const end = ({ until }) => until.t ?? until; // the default span, as a part of a request or as a bare time
 let catalogue, problem, underWay = null, scheduled = 0;
 
@@ -30,6 +31,7 @@ function load(experiment) {
   const formula = new DOMParser().parseFromString(problem.formula, "text/html").querySelector("math");
   formula?.setAttribute("display", "block");
   find("#formula").replaceChildren(...(formula ? [document.importNode(formula, true)] : []));
+  find("#formula").classList.toggle("long", formula?.textContent.length > 30);
   find("#summary").textContent = problem.summary;
   find("#references ul").replaceChildren(...problem.references.map((textContent) => element("li", { textContent })));
   for (const pane of panes) pane.offer(problem, catalogue.schemes, experiment[pane.name]);
@@ -82,18 +84,20 @@ async function run() {
 }
 
 function show(outcomes) {
-  const done = panes.map(({ name, title, colour }, i) => ({ name, title: `${name}: ${title}`, colour, outcome: outcomes[i],
-                                                           trajectory: outcomes[i]?.trajectory })).filter((run) => run.outcome);
+  const runs = panes.map(({ name, title, colour }, i) => ({ name, title: `${name}: ${title}`, colour, outcome: outcomes[i],
+                                                           trajectory: outcomes[i]?.trajectory }));
+  const done = runs.filter((run) => run.outcome);
   const axes = problem.variables.slice(0, 2);
   const curves = outcomes.map((outcome) => (outcome?.trajectory.t.length
     ? { x: outcome.trajectory[axes[0].name], y: outcome.trajectory[axes[1].name] } : null));
   const view = commonView(curves.filter(Boolean).map(box));
   panes.forEach((pane, i) => pane.show(curves[i], axes, view));
-  const { what, note } = energy.show(done);
+  const { what, note } = energy.show(done.filter((run) => run.trajectory.t.length));
   find("#energy-what").textContent = what;
   find("#energy-note").textContent = note;
   fill(find("#numbers"), done, problem);
-  find("#status").textContent = panes.map((pane, i) => `${pane.name} ${outcomes[i]?.status ?? "refused: see its form"}`).join(", ");
+  const refused = "refused: see the marked fields";
+  find("#status").textContent = runs.map(({ name, outcome }) => `${name} ${outcome?.status ?? refused}`).join(", ");
   find("#results").setAttribute("aria-busy", "false");
 }
 

@@ -17,8 +17,9 @@ export class Pane {
     this.node = document.querySelector("#pane").content.cloneNode(true).firstElementChild;
     this.node.dataset.run = name;
     const find = (selector) => this.node.querySelector(selector);
-    this.#part = { scheme: find(".scheme"), traits: find(".traits"), fields: find(".parameters"), messages: find(".messages"),
-                   caption: find("figcaption .title"), canvas: find("canvas"), about: find(".about div"), curl: find(".curl pre") };
+    this.#part = { scheme: find(".scheme"), fields: find(".parameters"), traits: find(".traits"),
+                   messages: find(".messages"), caption: find("figcaption .title"), canvas: find("canvas"),
+                   about: find(".about div"), curl: find(".curl pre") };
     find(".badge").textContent = name;
     find(".badge").setAttribute("aria-label", `Run ${name}`);
     this.plane = new Plane(this.#part.canvas);
@@ -31,8 +32,9 @@ export class Pane {
     this.#problem = problem;
     this.#schemes = schemes.filter((scheme) => problem.schemes.includes(scheme.id));
     const usual = this.#schemes.find((s) => s.id === "leapfrog") ?? this.#schemes.find((s) => s.structure !== "none");
-    const fits = this.#schemes.some((s) => s.id === chosen.id);
-    choose(this.#part.scheme, this.#schemes, fits ? chosen.id : usual?.id);
+    const { id = usual?.id } = chosen;
+    const fits = this.#schemes.some((s) => s.id === id);
+    choose(this.#part.scheme, this.#schemes, fits ? id : usual?.id);
     this.#rebuild(fits ? chosen : {});
   }
 
@@ -55,8 +57,9 @@ export class Pane {
     build(this.#part.fields, cards, "/scheme", chosen);
     const say = (title, text) => (text ? element("p", {}, element("b", { textContent: `${title} ` }), text) : "");
     const composed = scheme.recommended ? words(Object.values(scheme.recommended).join(", ")) : "";
-    this.#part.about.replaceChildren(element("p", { textContent: scheme.summary }), say("Good for:", scheme.good_for),
-      say("Fails when:", scheme.fails_when), say("Order:", orders(scheme.order)), say("Recommended composition:", composed),
+    this.#part.about.replaceChildren(
+      element("p", { textContent: scheme.summary }), say("Good for:", scheme.good_for), say("Fails when:", scheme.fails_when),
+      say("Order:", orders(scheme.order)), say("Recommended composition:", composed),
       say("Source:", (scheme.references ?? []).join("; ")));
   }
 
@@ -68,7 +71,7 @@ export class Pane {
     this.#part.caption.replaceChildren(element("b", { textContent: this.name }), ` ${this.title}`);
     const { outcome, faults = [] } = await simulate(request, signal);
     const notes = faults.map((fault) => this.#fault(fault, [this.#part.fields, ...sceneFields]));
-    if (outcome?.stop) notes.push(note("stop", `Stopped (${words(outcome.stop.reason)}) at t = ${format(outcome.stop.t, 5)}: ${outcome.stop.detail}`));
+    if (outcome?.stop) notes.push(note("stop", stopped(outcome.stop)));
     for (const warning of outcome?.warnings ?? []) notes.push(note("warning", warning.detail || warning.code));
     this.#part.messages.replaceChildren(...(notes.length ? [element("ul", {}, ...notes)] : []));
     return outcome ?? null;
@@ -109,13 +112,15 @@ export class Pane {
 }
 
 const note = (className, textContent) => element("li", { className, textContent });
+const stopped = ({ reason, t, detail }) => `Stopped (${words(reason)}) at t = ${format(t, 5)}: ${detail}`;
 
 const orders = (order) => (typeof order === "object"
   ? Object.entries(order).map(([name, p]) => `${p} (${words(name)})`).join(", ") : String(order));
 
 /** A few words that tell a run from the other. */
 function title({ id, step, composition = "none" }) {
-  return words(id) + (composition === "none" ? "" : ` (${words(composition)})`) + (step === undefined ? "" : `, h = ${step}`);
+  const composed = composition === "none" ? "" : ` (${words(composition)})`;
+  return words(id) + composed + (step === undefined ? "" : `, h = ${step}`);
 }
 
 function traits({ order, implicit, symmetric, structure }, composition) {

@@ -2,8 +2,8 @@
 import { element, symbol, words } from "./forms.js";
 import { count, format } from "./numbers.js";
 
-const degrees = (radians) => (radians === null ? "" : ` (${format((radians * 180) / Math.PI)}°)`);
-const ended = (outcome) => (outcome.status === "completed" ? "completed" : `stopped at t = ${format(outcome.stop?.t, 5)}`);
+const degrees = (radians) => (radians === null ? "" : ` (${format((radians * 180) / Math.PI, 2)}°)`);
+const ended = ({ status, stop }) => (stop ? `${status} at t = ${format(stop.t, 5)}` : status);
 
 /** The rows for these outcomes: `{id, name, doc, raw: outcome → number, shown?: number → text}`. */
 function rows(outcomes, problem) {
@@ -19,20 +19,23 @@ function rows(outcomes, problem) {
       raw: (o) => o.diagnostics.momenta?.[name]?.max_abs_error,
     })),
     ...(offered("orbit") ? [
-      { id: "apsidal_rotation", name: "Precession per period", doc: "apsidal rotation in radians, mean of the revolutions; the true orbit has none",
+      { id: "apsidal_rotation", name: "Precession per period",
+        doc: "apsidal rotation in radians, mean of the revolutions; the true orbit has none",
         raw: (o) => o.diagnostics.orbit?.apsidal_rotation, shown: (x) => format(x) + degrees(x) },
       { id: "closure", name: "Closure", doc: "distance by which the last revolution misses the start",
         raw: (o) => o.diagnostics.orbit?.closure },
     ] : []),
     { id: "steps", name: "Steps", raw: (o) => o.cost.steps, shown: count },
     { id: "force_evaluations", name: "Force evaluations", raw: (o) => o.cost.force_evaluations, shown: count },
-    { id: "nanoseconds_per_step", name: "Time per step", raw: (o) => o.cost.nanoseconds_per_step,
-      shown: (x) => `${format(x)} ns` },
+    { id: "nanoseconds_per_step", name: "Time per step", doc: "diagnostics and recording included; short runs measure little",
+      raw: (o) => o.cost.nanoseconds_per_step,
+      shown: (x) => (x < 1e3 ? `${format(x)} ns` : `${format(x / 1e3)} µs`) },
   ];
 }
 
 /** Fills `table`; `runs` are `[{name, title, outcome}]`. */
 export function fill(table, runs, problem) {
+  if (!runs.length) return table.replaceChildren();
   const head = element("tr", {}, element("td"), ...runs.map((run) => {
     const cell = element("th", { scope: "col", textContent: run.name, title: run.title });
     cell.dataset.run = run.name;

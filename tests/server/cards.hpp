@@ -45,7 +45,7 @@ inline Cards cards() {
     clock.orders = {{"", 2}};
     clock.parameters = {{"keep", "", "", "", Kind::flag, 1, {0, 1}},
                         {"critical", "", "", "", Kind::number, 2, {0, 9}, {}, "critical", true},
-                        {"stages", "", "", "", Kind::integer, 2, {1, 8}}};
+                        {"stages", "", "", "", Kind::integer, 2, {1, 8}, {}, {}, true}};
     clock.needs = "a potential";
     return std::vector{leapfrog, field, clock};
   }();

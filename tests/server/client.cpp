@@ -49,32 +49,39 @@ bool Client::fill() {
   return n > 0;
 }
 
-std::optional<Reply> Client::receive(bool head) {
-  for (;;) {
-    std::size_t end;
-    while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {
-      if (!fill()) return std::nullopt;
-    }
-    Reply reply;
-    reply.status = std::stoi(buffer_.substr(9, 3));
-    for (std::size_t at = buffer_.find("\r\n") + 2; at < end + 2;) {
-      const auto stop = buffer_.find("\r\n", at), colon = buffer_.find(": ", at);
-      std::string name = buffer_.substr(at, colon - at);
-      std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-      reply.fields[name] = buffer_.substr(colon + 2, stop - colon - 2);
-      at = stop + 2;
-    }
-    buffer_.erase(0, end + 4);
-    if (reply.status == 100) continue;
-    if (head || reply.status == 204 || reply.status == 304) return reply;
-    const auto length = std::stoul(reply.fields.at("content-length"));
-    while (buffer_.size() < length) {
-      if (!fill()) return std::nullopt;
-    }
-    reply.body = buffer_.substr(0, length);
-    buffer_.erase(0, length);
-    return reply;
+int Client::interim() {
+  std::size_t end;
+  while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {
+    if (!fill()) return 0;
   }
+  const int status = std::stoi(buffer_.substr(9, 3));
+  buffer_.erase(0, end + 4);
+  return status;
+}
+
+std::optional<Reply> Client::receive(bool head) {
+  std::size_t end;
+  while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {
+    if (!fill()) return std::nullopt;
+  }
+  Reply reply;
+  reply.status = std::stoi(buffer_.substr(9, 3));
+  for (std::size_t at = buffer_.find("\r\n") + 2; at < end + 2;) {
+    const auto stop = buffer_.find("\r\n", at), colon = buffer_.find(": ", at);
+    std::string name = buffer_.substr(at, colon - at);
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+    reply.fields[name] = buffer_.substr(colon + 2, stop - colon - 2);
+    at = stop + 2;
+  }
+  buffer_.erase(0, end + 4);
+  if (head || reply.status == 204 || reply.status == 304) return reply;
+  const auto length = std::stoul(reply.fields.at("content-length"));
+  while (buffer_.size() < length) {
+    if (!fill()) return std::nullopt;
+  }
+  reply.body = buffer_.substr(0, length);
+  buffer_.erase(0, length);
+  return reply;
 }
 
 bool Client::ended() {

@@ -26,7 +26,9 @@ class Client {
   bool connected() const { return socket_ >= 0; }
   /// False when the service closed the connection meanwhile.
   bool send(std::string_view bytes);
-  /// The next answer, skipping 100 Continue; nothing when the connection ended first. `head`: it has no body.
+  /// The status of an answer without fields and body, such as 100.
+  int interim();
+  /// The next answer; nothing when the connection ended first. `head`: it has no body.
   std::optional<Reply> receive(bool head = false);
   /// Whether nothing but the end of the connection comes any more (waits for it up to 20 s).
   bool ended();

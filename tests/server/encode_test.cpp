@@ -54,7 +54,7 @@ struct Example {
 
   Example() {
     auto parsed = parse_json(R"({"problem":{"id":"swing","level":7},"initial":{"t":-0.0,"q":1e-9},
-      "scheme":{"id":"own_clock","critical":null,"keep":false},"record":{"times":[0,2.5]},"columns":["t","energy"]})");
+      "scheme":{"id":"own_clock","critical":null,"keep":false,"stages":null},"record":{"times":[0,2.5]},"columns":["t","energy"]})");
     request = *decode(std::move(*parsed), test::cards(), {});
     const double values[] = {0, 1.5, 2.5, std::nan("")};
     samples.append(values);
@@ -78,7 +78,7 @@ TEST(EncodeJson, WritesTheResponseOfTheContract) {
   EXPECT_EQ(
       answer.body,
       R"({"version":"0.1.0","status":"completed","problem":{"id":"swing","mass":1,"level":7},)"
-      R"("initial":{"t":-0.0,"q":1e-09,"p":0},"scheme":{"id":"own_clock","keep":false,"critical":null,"stages":2},)"
+      R"("initial":{"t":-0.0,"q":1e-09,"p":0},"scheme":{"id":"own_clock","keep":false,"critical":null,"stages":null},)"
       R"("until":{"t":20},"record":{"times":[0,2.5]},"columns":["t","energy"],)"
       R"("limits":{"seconds":10,"steps":100000000,"samples":1000000},)"
       R"("trajectory":{"t":[0,2.5],"energy":[1.5,null]},"final":{"t":20,"q":0.25,"p":null},)"

@@ -130,10 +130,10 @@ TEST_P(HttpError, IsAProblemDocument) {
   EXPECT_EQ(reply->status, GetParam().status);
   EXPECT_EQ(reply->fields.at("content-type"), "application/problem+json");
   const Json document = Json::parse(reply->body);
-  EXPECT_EQ(document["status"], GetParam().status);
-  EXPECT_EQ(document["request_id"], reply->fields.at("x-request-id"));
-  EXPECT_FALSE(document["title"].get<std::string>().empty());
-  EXPECT_EQ(document["type"].get<std::string>().find("/errors/"), 0u);
+  EXPECT_EQ(document.at("status"), GetParam().status);
+  EXPECT_EQ(document.at("request_id"), reply->fields.at("x-request-id"));
+  EXPECT_FALSE(document.at("title").get<std::string>().empty());
+  EXPECT_EQ(document.at("type").get<std::string>().find("/errors/"), 0u);
 }
 
 std::string chunked(std::string_view path, std::string_view chunks, std::string_view fields = "") {
@@ -213,11 +213,11 @@ INSTANTIATE_TEST_SUITE_P(
              raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length: 2\r\nContent-Length: 3\r\n"), 400},
         Case{"negative_length", raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length: -1\r\n"), 400},
         Case{"length_list", raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length: 2, 2\r\n"), 400},
-        Case{"smuggled", chunked("/v1/simulate", "0\r\n\r\n", "Content-Length: 5\r\n"), 400},
+        Case{"smuggled", chunked("/v1/nowhere", "0\r\n\r\n", "Content-Length: 5\r\n"), 400},
         Case{"gzip_coding",
              raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nTransfer-Encoding: gzip, chunked\r\n"), 501},
-        Case{"no_chunk", chunked("/v1/simulate", "zz\r\n"), 400},
-        Case{"short_chunk", chunked("/v1/simulate", "1\r\n{}\r\n0\r\n\r\n"), 400}),
+        Case{"no_chunk", chunked("/v1/nowhere", "zz\r\n"), 400},
+        Case{"short_chunk", chunked("/v1/nowhere", "1\r\n{}\r\n0\r\n\r\n"), 400}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST_F(Http, TellsWhatIsAllowed) {
@@ -292,8 +292,22 @@ TEST_F(Http, ARefusedBodyIsNotTakenForTheNextRequest) {
 TEST_F(Http, AClientThatStillSendsReadsWhyItWasRefused) {
   Client client(port());
   client.send(raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length: 8000000\r\n"));
-  client.send(std::string(8'000'000, ' '));
+  EXPECT_TRUE(client.send(std::string(8'000'000, ' ')));
   EXPECT_EQ(client.receive().value_or(Reply{}).status, 413);
+  EXPECT_TRUE(client.ended());  // in order, not by a reset
+}
+
+TEST_F(Http, ABodyIsAskedForOnlyWhereItIsWanted) {
+  Client good(port());
+  good.send(raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nExpect: 100-continue\r\nContent-Length: " +
+                                                  std::to_string(kepler.size()) + "\r\n"));
+  EXPECT_EQ(good.interim(), 100);
+  good.send(kepler);
+  EXPECT_EQ(good.receive().value_or(Reply{}).status, 200);
+  Client large(port());
+  large.send(
+      raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nExpect: 100-continue\r\nContent-Length: 2000000\r\n"));
+  EXPECT_EQ(large.receive().value_or(Reply{}).status, 413);
 }
 
 TEST_F(Http, RangesAreIgnored) {

@@ -73,7 +73,7 @@ void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& 
   json.key("formula").text(card.formula);
   write_variables(json.key("variables"), card.variables);
   write_parameter_cards(json.key("parameters"), card.parameters);
-  json.key("until").number(card.span);
+  json.key("until").open('{').key("t").number(card.span).close('}');
   write_named(json.key("suggested"), card.suggested);
   write_presets(json.key("presets"), card.presets);
   json.key("invariants").open('[');

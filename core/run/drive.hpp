@@ -154,7 +154,7 @@ class Drive {
   bool go_on(std::int64_t whole) {
     std::int64_t until = std::min({whole, machine_.n + pace_.block(), marks_.step()});
     if (marks_.step() <= machine_.n) until = std::min(whole, machine_.n + pace_.block());
-    const std::int64_t stride = std::max<std::int64_t>((grid_.steps + most_snapshots - 1) / most_snapshots, 1);
+    const std::int64_t stride = (whole + most_snapshots - 1) / most_snapshots;
     if (snapshots_wanted_) until = std::min(until, (machine_.n / stride + 1) * stride);
 
     const std::int64_t before = machine_.n;

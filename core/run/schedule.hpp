@@ -14,13 +14,14 @@ namespace least {
 
 /// The grid of a run of fixed steps. `tail` is what is left to the end after the last whole step, 0 where nothing is.
 struct Grid {
+  static constexpr double most = 9.0e15;  ///< steps; beyond it n + 1 and n are the same double
+
   double start = 0, step = 0, end = 0, tail = 0;
   std::int64_t steps = 0;
 
   double time(std::int64_t n) const { return start + static_cast<double>(n) * step; }
 
   Grid(const Request& request, double h) : start(request.start), step(h) {
-    constexpr double most = 9.0e15;  // beyond it n + 1 and n are the same double
     if (request.until_steps) {
       steps = request.steps;
       end = time(steps);
@@ -67,12 +68,11 @@ class Marks {
     } else if (index_ + 1 < count) {
       t = grid_.start + (grid_.end - grid_.start) * (static_cast<double>(index_) / static_cast<double>(count - 1));
     }
-    // The grid is the truth: correct the quotient by comparing with it.
+    // The grid is the truth: the quotient is off by one step at most, unless the clock does not resolve the step.
     const double guess = std::floor((t - grid_.start) / grid_.step);
-    step_ =
-        std::clamp(guess >= 0 ? static_cast<std::int64_t>(std::min(guess, 9.0e15)) : 0, std::int64_t{0}, grid_.steps);
-    while (step_ < grid_.steps && grid_.time(step_ + 1) <= t) ++step_;
-    while (step_ > 0 && grid_.time(step_) > t) --step_;
+    step_ = guess >= 0 ? std::min(static_cast<std::int64_t>(std::min(guess, Grid::most)), grid_.steps) : 0;
+    if (step_ < grid_.steps && grid_.time(step_ + 1) <= t) ++step_;
+    if (step_ > 0 && grid_.time(step_) > t) --step_;
     rest_ = std::max(t - grid_.time(step_), 0.0);
     if (t >= grid_.end) rest_ = step_ == grid_.steps ? grid_.tail : rest_;  // the end is the final state, to the bit
   }

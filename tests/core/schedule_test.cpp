@@ -55,6 +55,15 @@ TEST(Marks, ByStrideByNumberAndByTime) {
   for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_NEAR(got[i], asked[i], 1e-15);
 }
 
+TEST(Marks, EndWhereTheClockCannotResolveTheStep) {
+  const Grid g = grid(1e300, 1.5e300, 0.01);
+  EXPECT_EQ(times({Record::Mode::samples, 5, {}}, g).size(), 5U);
+  const Grid h = grid(1e17, 1e17 + 64, 0.01);
+  const auto got = times({Record::Mode::samples, 5, {}}, h);
+  EXPECT_EQ(got.front(), 1e17);
+  EXPECT_EQ(got.back(), 1e17 + 64);
+}
+
 // ---- the loop
 
 TEST(Run, StandsOnTheGrid) {

@@ -121,6 +121,7 @@ struct Case {
   std::string request;
   int status;
 };
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 class HttpError : public Serving, public testing::WithParamInterface<Case> {};
 TEST_P(HttpError, IsAProblemDocument) {
   Client client(port());

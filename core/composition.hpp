@@ -1,5 +1,5 @@
 // Symmetric compositions: a symmetric step of order 2 (or 4) taken with the weights γ₁h, …, γ_s h, γ_i = γ_{s+1−i}, is
-// a symmetric step of higher order. One place for the coefficients; 36 digits (Sofroniou–Spaletta: the 25 published),
+// a symmetric step of higher order. One place for the coefficients; 36 digits (Sofroniou–Spaletta: the 26 published),
 // so that quad precision loses nothing to them above 1e-25. Sources: Yoshida, Phys. Lett. A 150, 262 (1990); Suzuki,
 // Phys. Lett. A 146, 319 (1990); Suzuki & Umeno 1993; Kahan & Li, Math. Comp. 66, 1089 (1997); Sofroniou & Spaletta,
 // Optim. Methods Softw. 20, 597 (2005).
@@ -98,10 +98,19 @@ struct Weights {
   int stages = 1;
   std::array<S, compositions::most_stages> gamma{};
 
-  explicit Weights(Composition composition) {
-    const auto half = compositions::halves[static_cast<std::size_t>(composition)];
-    stages = static_cast<int>(2 * half.size() - 1);
-    for (std::size_t i = 0; i < half.size(); ++i) gamma[i] = gamma[2 * half.size() - 2 - i] = parse<S>(half[i]);
+  /// The text is read once per number.
+  static const Weights& of(Composition composition) {
+    static const auto table = [] {
+      std::array<Weights, compositions::names.size()> all;
+      for (std::size_t c = 0; c < all.size(); ++c) {
+        const auto half = compositions::halves[c];
+        all[c].stages = static_cast<int>(2 * half.size() - 1);
+        for (std::size_t i = 0; i < half.size(); ++i)
+          all[c].gamma[i] = all[c].gamma[2 * half.size() - 2 - i] = parse<S>(half[i]);
+      }
+      return all;
+    }();
+    return table[static_cast<std::size_t>(composition)];
   }
 };
 
@@ -109,27 +118,27 @@ struct Weights {
 template <class Base, class S>
 class Composed {
  public:
-  Composed(const Base& base, Composition composition) : base_(base), weights_(composition) {}
+  Composed(const Base& base, Composition composition) : base_(base), weights_(&Weights<S>::of(composition)) {}
 
   template <class X>
   Status step(X& x, const S& h) noexcept {
     X y = x;
     S done(0);
-    for (int i = 0; i < weights_.stages; ++i) {
-      const S& gamma = weights_.gamma[static_cast<std::size_t>(i)];
+    for (int i = 0; i < weights_->stages; ++i) {
+      const S& gamma = weights_->gamma[static_cast<std::size_t>(i)];
       y.t = x.t + done * h;
       if (const Status status = base_.step(y, gamma * h); status != Status::ok) return status;
       done = done + gamma;
     }
-    x.q = y.q;
-    x.p = y.p;
+    y.t = x.t;
+    x = y;
     return Status::ok;
   }
   const Work& work() const { return base_.work(); }
 
  private:
   Base base_;
-  Weights<S> weights_;
+  const Weights<S>* weights_;
 };
 
 }  // namespace least

@@ -72,12 +72,22 @@ struct LinearSolver<Dual<T, K>> {
   }
 };
 
+/// The change of a velocity that moves the positions q by a few units in their last place within a step h: a force that
+/// varies with q is not known better, whatever the velocity. Infinite for h = 0.
+template <std::size_t N, class T, class S>
+T grain_of(const std::array<T, N>& q, const S& h) {
+  using least::abs;
+  T size(std::numeric_limits<double>::min());
+  for (const T& c : q) size = size + 8 * Precision<T>::epsilon * abs(c);
+  return size / abs(h);
+}
+
 /// Solves residual(x) = 0 from the guess x. residual takes and gives Vec<N, U> for any number U; `scale` is the size of
-/// a solution's components. Ends when the update is below ε^¾·scale, where the next one would be below round-off;
-/// derivatives that ride along have converged with it. `evaluations`: force evaluations per residual. On failure x is
-/// not a solution.
+/// a solution's components and `grain` the size below which an update means nothing (see `grain_of`). Ends when the
+/// update is below ε^¾·scale + grain, where the next one would be below round-off; derivatives that ride along have
+/// converged with it. `evaluations`: force evaluations per residual. On failure x is not a solution.
 template <int N, class T, class F>
-Status newton(Vec<N, T>& x, const T& scale, F&& residual, int evaluations, Work& work) {
+Status newton(Vec<N, T>& x, const T& scale, const T& grain, F&& residual, int evaluations, Work& work) {
   using least::abs;
   using least::any;
   using least::select;
@@ -100,7 +110,7 @@ Status newton(Vec<N, T>& x, const T& scale, F&& residual, int evaluations, Work&
     T size = abs(update[0]);
     for (std::size_t i = 1; i < N; ++i) size = size + abs(update[i]);
     for (std::size_t i = 0; i < N; ++i) x[i] = select(active, x[i] - update[i], x[i]);
-    active = active & !(size <= tolerance * scale);
+    active = active & !(size <= tolerance * scale + grain);
     if (!any(active)) return Status::ok;
   }
   return Status::solver_failed;

@@ -1,16 +1,17 @@
 // What a scheme is: a value with its parameters, able to bind itself to a problem that offers what it needs.
-//   scheme.bind(problem, x) → stepper       constrained by the concept the scheme asks for; evaluates what the first
-//   step
-//                                           re-uses (a force at x)
+//   scheme.bind(problem, x) → stepper       constrained by the concept the scheme asks for; evaluates at x what the
+//                                           first step re-uses (a force)
 //   stepper.step(x, h) noexcept → Status    one attempt: x.q and x.p move by h; x.t is read, the clock is the driver's
 //   stepper.work()                          what it cost so far, exactly
 // A stepper is a value: copy it with the state to try a step and take it back. What it keeps between steps depends on
 // the state alone, so steps from a copy have the same bits.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "core/composition.hpp"
 #include "core/describe.hpp"

@@ -28,7 +28,7 @@ struct ConnectionBounds {
   HeadBounds head;
   std::size_t body = 1 << 20;
   std::chrono::milliseconds idle{15'000};  ///< between requests
-  std::chrono::milliseconds head_time{10'000}, body_time{30'000};
+  std::chrono::milliseconds head_time{10'000}, body_time{10'000};
   std::chrono::milliseconds stall{5'000};  ///< without one byte taken by the client while answering
 };
 

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "core/run/schedule.hpp"
+
 namespace least::server {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // What is known of the span of a run before it starts.
 struct Span {
@@ -75,14 +76,19 @@ Span span_of(const Request& request, std::optional<double> h, const Place& until
     return {};
   }
   if (!h) return {request.end, std::nullopt};
-  const double steps = std::floor((request.end - request.start) / *h * (1 + 4 * epsilon));
+  const double steps = (request.end - request.start) / *h;
   if (!(steps <= static_cast<double>(greatest_count))) {
     until.at("t").fault(
-        fmt::format("would take {} steps of {}, more than can be counted", shortest(steps), shortest(*h)),
+        fmt::format("would take {} steps of {}, more than can be counted", shortest(std::floor(steps)), shortest(*h)),
         Json(request.end));
     return {};
   }
-  return {request.end, static_cast<std::int64_t>(steps)};
+  if (request.start + *h == request.start || request.end - *h == request.end) {
+    until.at("t").fault(fmt::format("a double cannot tell times apart there that lie a step of {} apart", shortest(*h)),
+                        Json(request.end));
+    return {};
+  }
+  return {request.end, whole_steps(request.start, request.end, *h)};
 }
 
 void read_times(const Json& json, const Place& place, const Request& request, const Span& span, Record& record) {
@@ -180,7 +186,7 @@ void read_columns(const Json& root, const Place& top, const ProblemCard& problem
   if (const Json* json = find(root, "columns")) {
     request.columns = read_names(*json, top.at("columns"), problem.columns, "column");
     if (json->is_array() && json->empty()) {
-      top.at("columns").fault("must name at least one column; {\"record\": {\"every\": 0}} keeps no trajectory",
+      top.at("columns").fault("must name at least one column; {\"record\": {\"every\": 0}} keeps no trajectory", *json,
                               listed(problem.columns));
     }
   } else {

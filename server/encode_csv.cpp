@@ -25,6 +25,11 @@ Answer encode_csv(const Run& run) {
   if (outcome.stop.reason != Reason::completed) {
     add_field(answer, "Leastaction-Stop", [&](JsonWriter& json) { write_stop(json, outcome.stop); });
   }
+  add_field(answer, "Leastaction-Request", [&](JsonWriter& json) {
+    json.open('{');
+    write_echo(json, run);
+    json.close('}');
+  });
   add_field(answer, "Leastaction-Final", [&](JsonWriter& json) { write_final(json, run); });
   add_field(answer, "Leastaction-Diagnostics", [&](JsonWriter& json) { write_reports(json, outcome.diagnostics); });
   add_field(answer, "Leastaction-Events", [&](JsonWriter& json) { write_events(json, outcome.events); });

@@ -30,15 +30,7 @@ Answer encode_json(const Run& run) {
   JsonWriter json(answer.body);
   json.open('{').key("version").text(version).key("status").text(status_of(run.outcome));
   if (run.outcome.stop.reason != Reason::completed) write_stop(json.key("stop"), run.outcome.stop);
-  write_problem(json.key("problem"), run);
-  write_initial(json.key("initial"), run);
-  write_scheme(json.key("scheme"), run);
-  write_until(json.key("until"), run);
-  write_record(json.key("record"), run);
-  json.key("columns").open('[');
-  for (const auto column : run.request.columns) json.text(run.problem.columns[column]);
-  json.close(']');
-  write_limits(json.key("limits"), run);
+  write_echo(json, run);
   write_trajectory(json.key("trajectory"), run);
   write_final(json.key("final"), run);
   write_reports(json.key("diagnostics"), run.outcome.diagnostics);

@@ -19,32 +19,6 @@ void write_numbers(JsonWriter& json, const std::vector<double>& values) {
   json.close(']');
 }
 
-struct WriteValue {
-  JsonWriter& json;
-  void operator()(std::monostate) const { json.null(); }
-  void operator()(double x) const { json.number(x); }
-  void operator()(bool x) const { json.boolean(x); }
-  void operator()(const std::string& x) const { json.text(x); }
-  void operator()(const std::vector<double>& x) const { write_numbers(json, x); }
-  void operator()(const std::vector<Report>& x) const { write_reports(json, x); }
-};
-
-}  // namespace
-
-void write_parameter(JsonWriter& json, const ParameterCard& card, double value) {
-  if (std::isnan(value)) {
-    json.null();
-  } else if (card.kind == Kind::choice) {
-    json.text(card.choices[static_cast<std::size_t>(value)]);
-  } else if (card.kind == Kind::flag) {
-    json.boolean(value != 0);
-  } else if (card.kind == Kind::integer) {
-    json.integer(static_cast<std::int64_t>(value));
-  } else {
-    json.number(value);
-  }
-}
-
 void write_problem(JsonWriter& json, const Run& run) {
   json.open('{').key("id").text(run.problem.id);
   write_parameters(json, run.problem.parameters, run.request.parameters);
@@ -97,6 +71,44 @@ void write_limits(JsonWriter& json, const Run& run) {
   const Limits& limits = run.request.limits;
   json.open('{').key("seconds").number(limits.seconds);
   json.key("steps").integer(limits.steps).key("samples").integer(limits.samples).close('}');
+}
+
+struct WriteValue {
+  JsonWriter& json;
+  void operator()(std::monostate) const { json.null(); }
+  void operator()(double x) const { json.number(x); }
+  void operator()(bool x) const { json.boolean(x); }
+  void operator()(const std::string& x) const { json.text(x); }
+  void operator()(const std::vector<double>& x) const { write_numbers(json, x); }
+  void operator()(const std::vector<Report>& x) const { write_reports(json, x); }
+};
+
+}  // namespace
+
+void write_parameter(JsonWriter& json, const ParameterCard& card, double value) {
+  if (std::isnan(value)) {
+    json.null();
+  } else if (card.kind == Kind::choice) {
+    json.text(card.choices[static_cast<std::size_t>(value)]);
+  } else if (card.kind == Kind::flag) {
+    json.boolean(value != 0);
+  } else if (card.kind == Kind::integer) {
+    json.integer(static_cast<std::int64_t>(value));
+  } else {
+    json.number(value);
+  }
+}
+
+void write_echo(JsonWriter& json, const Run& run) {
+  write_problem(json.key("problem"), run);
+  write_initial(json.key("initial"), run);
+  write_scheme(json.key("scheme"), run);
+  write_until(json.key("until"), run);
+  write_record(json.key("record"), run);
+  json.key("columns").open('[');
+  for (const auto column : run.request.columns) json.text(run.problem.columns[column]);
+  json.close(']');
+  write_limits(json.key("limits"), run);
 }
 
 void write_stop(JsonWriter& json, const Stop& stop) {

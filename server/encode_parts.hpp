@@ -6,12 +6,9 @@
 
 namespace least::server {
 
-void write_problem(JsonWriter& json, const Run& run);  ///< {"id", parameters …}
-void write_initial(JsonWriter& json, const Run& run);  ///< {"t", variables …}
-void write_scheme(JsonWriter& json, const Run& run);   ///< {"id", parameters …}
-void write_until(JsonWriter& json, const Run& run);
-void write_record(JsonWriter& json, const Run& run);
-void write_limits(JsonWriter& json, const Run& run);
+/// The members of a complete request that gives this run again: problem, initial, scheme, until, record, columns,
+/// limits.
+void write_echo(JsonWriter& json, const Run& run);
 void write_stop(JsonWriter& json, const Stop& stop);
 void write_final(JsonWriter& json, const Run& run);
 /// Entries with names are an object, entries without are a list.

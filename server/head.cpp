@@ -134,9 +134,7 @@ Result<Framing, Refusal> framing_of(const Head& head, std::uint64_t body_limit) 
     if (error != std::errc() || stop != end || framing.length > body_limit) {
       return Refusal{413, "the body is larger than " + std::to_string(body_limit) + " bytes"};
     }
-  } else if (head.method == "POST" || head.method == "PUT" || head.method == "PATCH") {
-    return Refusal{411, "Content-Length or chunked coding is required"};
-  }
+  }  // neither: no body (RFC 9112, 6.3)
 
   const std::string encoding = lowered(head.field("content-encoding"));
   if (!encoding.empty() && encoding != "identity") return Refusal{415, "the body must not be encoded"};

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <ctime>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -21,8 +22,7 @@ namespace least::server {
 namespace {
 
 int print(std::string_view text, int code) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  if (std::fflush(stdout) == 0) return code;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return code;
   std::perror("leastaction: cannot write");
   return 1;
 }
@@ -52,20 +52,18 @@ int serve(const Options& options) {
 }
 
 int run(const Options& options) {
+  constexpr std::string_view id = "run";
   std::string body;
   if (options.file == "-") {
     body.assign(std::istreambuf_iterator<char>(std::cin), {});
+  } else if (std::filesystem::is_directory(options.file) || !std::ifstream(options.file)) {
+    return print(problem_document(400, "cannot read " + options.file, id).body, 2);
   } else {
     std::ifstream file(options.file, std::ios::binary);
     body.assign(std::istreambuf_iterator<char>(file), {});
-    if (!file) {
-      fmt::print(stderr, "leastaction: cannot read {}\n", options.file);
-      return 1;
-    }
   }
   const std::atomic<bool> cancelled{false};
   Gate gate(1, 0);
-  constexpr std::string_view id = "run";
   Answer answer;
   try {
     answer = Simulator{catalogue_cards(), options.settings.caps, gate, cancelled}(body, "", id);

@@ -113,6 +113,9 @@ Answer Routes::dispatch(const Head& head, std::string_view body, std::string_vie
     answer.headers.emplace_back("Allow", simulates ? "POST, OPTIONS" : "GET, HEAD, OPTIONS");
     return answer;
   }
+  if (simulates && head.count("content-length") == 0 && head.count("transfer-encoding") == 0) {
+    return problem_document(411, "Content-Length or chunked coding is required", request_id);
+  }
   if (simulates) {
     Answer answer = simulator_(body, head.field("accept"), request_id);
     answer.headers.emplace_back("Vary", "Accept");

@@ -112,7 +112,8 @@ class Service::Impl {
     }
     const auto& message = std::get<Message>(received);
     const Routed routed = answer(message, id);
-    const bool keep_alive = message.keep_alive && !lifecycle_.draining;
+    // What follows a POST without a length may be the body its client had in mind: not the next request.
+    const bool keep_alive = message.keep_alive && !lifecycle_.draining && routed.answer.status != 411;
     const bool sent =
         finish(connection, routed, id, message.head.method, start, keep_alive, message.head.method != "HEAD");
     return sent && keep_alive;

@@ -16,11 +16,11 @@ namespace least::server {
 
 struct Settings {
   std::string host = "127.0.0.1";
-  int port = 8080;            ///< 0 picks a free one
-  unsigned threads = 0;       ///< runs that compute at once; 0: one per core
-  unsigned queue = 16;        ///< runs that wait for their turn; beyond it the answer is 503
-  unsigned connections = 64;  ///< clients served at once, slow ones included
-  double grace = 10;          ///< seconds that runs have left when the service ends
+  int port = 8080;             ///< 0 picks a free one
+  unsigned threads = 0;        ///< runs that compute at once; 0: one per core
+  unsigned queue = 16;         ///< runs that wait for their turn; beyond it the answer is 503
+  unsigned connections = 256;  ///< clients served at once, slow ones included
+  double grace = 10;           ///< seconds that runs have left when the service ends
   Caps caps;
   ConnectionBounds bounds;
   std::vector<std::string> allow_hosts, allow_origins;

@@ -16,13 +16,14 @@ struct Jacobi {
 /// sn, cn, dn of argument u and modulus 0 ≤ k ≤ 1; at k = 1 the quarter period is infinite.
 template <class T>
 Jacobi<T> jacobi(const T& u, const T& k) {
+  using least::atan2;
   using least::exp;
   using least::sincos;
   using least::sqrt;
-  using std::atan2;
   if (!(k < T(1))) {
-    const T e = exp(u), sum = e + 1 / e;
-    return {(e - 1 / e) / sum, 2 / sum, 2 / sum, T(std::numeric_limits<double>::infinity())};
+    const T e = exp(u < T(0) ? u : -u), sech = 2 * e / (1 + e * e);
+    const T tanh = (1 - e) * (1 + e) / (1 + e * e);
+    return {u < T(0) ? -tanh : tanh, sech, sech, T(std::numeric_limits<double>::infinity())};
   }
   if (k * k < Precision<T>::epsilon / 4) {
     const auto [s, c] = sincos(u);

@@ -48,10 +48,10 @@ Stumpff<T> stumpff(const T& beta, const T& s) {
 template <int N, class T, class S>
 State<N, T, S> propagate(const State<N, T, S>& x0, const T& mu, const S& t) {
   using least::abs;
+  using least::atan2;
+  using least::floor;
   using least::isfinite;
   using least::sqrt;
-  using std::atan2;
-  using std::floor;
   const T r0 = sqrt(dot(x0.q, x0.q)), eta = dot(x0.q, x0.p), beta = 2 * mu / r0 - dot(x0.p, x0.p);
   T dt = t - x0.t;
   if (beta > T(0)) {  // an ellipse: whole periods fall away, the rest lies within one

@@ -164,10 +164,4 @@ requires(!std::is_same_v<M, bool>) constexpr Dual<T, K> select(const M& mask, co
 template <class T, int K>
 struct Precision<Dual<T, K>> : Precision<T> {};
 
-template <class T, int K>
-constexpr auto primal(const Dual<T, K>& x) {
-  using least::primal;
-  return primal(x.value);
-}
-
 }  // namespace least

@@ -24,6 +24,8 @@ inline double log(double x) { return std::log(x); }
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double abs(double x) { return std::fabs(x); }
 inline double pow(double x, double y) { return std::pow(x, y); }
+inline double atan2(double y, double x) { return std::atan2(y, x); }
+inline double floor(double x) { return std::floor(x); }
 inline bool isfinite(double x) { return std::isfinite(x); }
 inline long double sin(long double x) { return std::sin(x); }
 inline long double cos(long double x) { return std::cos(x); }
@@ -32,6 +34,8 @@ inline long double log(long double x) { return std::log(x); }
 inline long double sqrt(long double x) { return std::sqrt(x); }
 inline long double abs(long double x) { return std::fabs(x); }
 inline long double pow(long double x, long double y) { return std::pow(x, y); }
+inline long double atan2(long double y, long double x) { return std::atan2(y, x); }
+inline long double floor(long double x) { return std::floor(x); }
 inline bool isfinite(long double x) { return std::isfinite(x); }
 
 /// {sin x, cos x}
@@ -53,11 +57,5 @@ template <class T>
 struct Precision {
   static constexpr double epsilon = std::numeric_limits<T>::epsilon();
 };
-
-/// The part of a number that decides: where a derivative rides along it is left out. Masks and tolerances look at it.
-template <class T>
-constexpr const T& primal(const T& x) {
-  return x;
-}
 
 }  // namespace least

@@ -35,18 +35,18 @@ struct Pendulum {
   State<1, T, S> exact(const State<1, T, S>& x0, const S& t) const;
 };
 
-/// With half angle φ = q/2 and ω² = g/l: k² = sin²φ + (p/2ω)². Libration (k < 1): sin φ = k sn, p = 2ωk cn, cos φ = dn
-/// of argument ωt and modulus k; rotation (k > 1): sin φ = sn, p = ±2ωk dn, cos φ = cn of argument ωkt and modulus 1/k.
-/// The phase at the start enters by the addition theorems, so no incomplete integral is needed. (Abramowitz & Stegun,
-/// 16.17; Lawden, Elliptic Functions and Applications, 5.1)
+/// T is a scalar. With half angle φ = q/2 and ω² = g/l: k² = sin²φ + (p/2ω)². Libration (k < 1): sin φ = k sn, p = 2ωk
+/// cn, cos φ = dn of argument ωt and modulus k; rotation (k > 1): sin φ = sn, p = ±2ωk dn, cos φ = cn of argument ωkt
+/// and modulus 1/k. The phase at the start enters by the addition theorems, so no incomplete integral is needed.
+/// (Abramowitz & Stegun, 16.17; Lawden, Elliptic Functions and Applications, 5.1)
 template <class R>
 template <class T, class S>
 State<1, T, S> Pendulum<R>::exact(const State<1, T, S>& x0, const S& t) const {
-  using std::atan2;
-  using std::cos;
-  using std::floor;
-  using std::sin;
-  using std::sqrt;
+  using least::atan2;
+  using least::cos;
+  using least::floor;
+  using least::sin;
+  using least::sqrt;
   const T omega = sqrt(T(gravity) / T(length));
   const T half = x0.q[0] / 2, rate = x0.p[0] / (2 * omega), tau = omega * (t - x0.t);
   const T k2 = sin(half) * sin(half) + rate * rate, k = sqrt(k2);

@@ -84,6 +84,7 @@ class Drive {
   }
 
   Outcome run() {
+    pace_.start();
     if (start()) {
       const std::int64_t whole = std::min(grid_.steps, request_.limits.steps);
       while (machine_.n < whole && go_on(whole)) {
@@ -137,12 +138,24 @@ class Drive {
     }
     if (!sound(x)) return stop(Reason::not_finite, "the start lies beyond 1e75, where energies overflow");
     observer_.start(problem_, x);
-    if (snapshots_wanted_) snapshots_.push_back(x);
+    snap();
+    if (!record()) return false;
     if constexpr (HasFrequency<P>) {
       frequency_ = problem_.frequency_squared(x.q);
       if (frequency_ > stability_limit() && grid_.steps > 0) return unstable(frequency_);
     }
-    return record();
+    return true;
+  }
+
+  /// Keeps a state for the diagnostics that need whole ones: at every stride-th grid point, the stride doubling
+  /// whenever there are too many, so that what is kept depends on where the run got to and on no plan.
+  void snap() {
+    if (!snapshots_wanted_ || machine_.n % stride_ != 0) return;
+    snapshots_.push_back(machine_.x);
+    if (snapshots_.size() <= most_snapshots) return;
+    for (std::size_t i = 0; 2 * i < snapshots_.size(); ++i) snapshots_[i] = snapshots_[2 * i];
+    snapshots_.resize((snapshots_.size() + 1) / 2);
+    stride_ *= 2;
   }
 
   bool unstable(double frequency) {
@@ -152,16 +165,17 @@ class Drive {
 
   /// One block of steps and what falls due at its end.
   bool go_on(std::int64_t whole) {
-    std::int64_t until = std::min({whole, machine_.n + pace_.block(), marks_.step()});
-    if (marks_.step() <= machine_.n) until = std::min(whole, machine_.n + pace_.block());
-    const std::int64_t stride = (whole + most_snapshots - 1) / most_snapshots;
-    if (snapshots_wanted_) until = std::min(until, (machine_.n / stride + 1) * stride);
-
     const std::int64_t before = machine_.n;
+    std::int64_t until = std::min({whole, before + pace_.block(), marks_.step()});
+    if (snapshots_wanted_) until = std::min(until, (before / stride_ + 1) * stride_);
     if (!block(until - before)) return false;
-    if (snapshots_wanted_ && machine_.n % stride == 0) snapshots_.push_back(machine_.x);
-    if (!record()) return false;
-    const Reason reason = pace_.passed(machine_.n - before);
+    if (machine_.n == grid_.steps && grid_.tail == 0) machine_.x.t = grid_.end;
+    snap();
+    return record() && keep_pace(machine_.n - before);
+  }
+
+  bool keep_pace(std::int64_t steps) {
+    const Reason reason = pace_.passed(steps);
     if (reason == Reason::deadline) return stop(reason, wording::deadline(request_.limits.seconds));
     return reason == Reason::completed || stop(reason, "the run was cancelled");
   }
@@ -190,9 +204,17 @@ class Drive {
                     "Newton's method found no solution of the implicit step; a shorter step may");
       if (status == Status::singular) return stop(Reason::singular, "the step is singular");
       if (fast) return unstable(frequency);
-      return stop(Reason::not_finite, "the next state is not finite, or beyond 1e75 where energies overflow");
+      return overflow();
     }
     return true;  // not reached: the same steps have the same bits
+  }
+
+  bool overflow() {
+    return stop(Reason::not_finite, "the next state is not finite, or beyond 1e75 where energies overflow");
+  }
+  bool failed(Status status) {
+    if (status == Status::singular) return stop(Reason::singular, "the step is singular");
+    return stop(Reason::solver_failed, "Newton's method found no solution of the implicit step; a shorter step may");
   }
 
   Status steps(std::int64_t count) {
@@ -201,18 +223,17 @@ class Drive {
   }
 
   /// Samples due between here and the next grid point. Between grid points the step's own map fills in: a shorter step
-  /// from here, on a copy, which is as accurate as the scheme and leaves the run alone.
+  /// from here, on a copy, which is as accurate as the scheme, leaves the run alone and is not part of its work.
   bool record() {
     for (; marks_.step() == machine_.n; marks_.next()) {
       X x = machine_.x;
       if (marks_.rest() > 0) {
-        if (grid_.tail > 0 && machine_.n == grid_.steps && marks_.rest() == grid_.tail) return true;  // the final state
+        if (machine_.n == grid_.steps && marks_.rest() == grid_.tail) return true;  // the final state
         Stepper copy = machine_.stepper;
-        if (copy.step(x, marks_.rest()) != Status::ok)
-          return stop(Reason::solver_failed, "Newton's method found no solution between two grid points");
+        if (const Status status = copy.step(x, marks_.rest()); status != Status::ok) return failed(status);
         x.t = machine_.x.t + marks_.rest();
       }
-      if (!take(x)) return false;
+      if (!take(x) || !keep_pace(1)) return false;
     }
     return true;
   }
@@ -229,9 +250,10 @@ class Drive {
     machine_.x.t = grid_.end;
     if (status != Status::ok || !sound(machine_.x)) {
       machine_.x = last.x;
-      stop(status == Status::ok ? Reason::not_finite : Reason::solver_failed, "the last, shorter step failed");
+      status != Status::ok ? failed(status) : overflow();
       return;
     }
+    if constexpr (HasFrequency<P>) frequency_ = std::max(frequency_, problem_.frequency_squared(machine_.x.q));
     ++extra_steps_;
     observer_.see(problem_, machine_.x);
     for (; marks_.step() == machine_.n; marks_.next())
@@ -252,10 +274,10 @@ class Drive {
 
   void warn() {
     if constexpr (HasFrequency<P>) {
-      double careful = bound_ / 2;
-      if constexpr (requires { P::careful_step; }) careful = P::careful_step;
+      double careful = bound_ > 0 ? bound_ / 2 : std::numeric_limits<double>::infinity();
+      if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
       const double fastest = std::abs(grid_.step) * std::sqrt(frequency_);
-      if (bound_ > 0 && std::isfinite(bound_) && fastest > careful)
+      if (fastest > careful)
         outcome_.warnings.push_back({"step_near_stability_bound", wording::near_bound(fastest, careful, bound_)});
     }
   }
@@ -264,11 +286,12 @@ class Drive {
     if (name == "energy") return observer_.energy_report();
     if (name == "momenta") return observer_.momenta_report(card_);
     if (name == "orbit") return observer_.orbit_report(machine_.x);
-    if (name == "structure") return structure_report(problem_, scheme_, snapshots_, grid_.step);
-    return error_report(problem_, snapshots_, machine_.x, [this] { return pace_.look() == Reason::completed; });
+    if (name == "structure") return structure_report(problem_, scheme_, snapshots_, machine_.x.t, grid_.step);
+    return error_report(problem_, snapshots_, machine_.x, outcome_.warnings,
+                        [this] { return pace_.look() == Reason::completed; });
   }
 
-  static constexpr std::int64_t most_snapshots = 256;
+  static constexpr std::size_t most_snapshots = 256;
 
   P problem_;
   Scheme scheme_;
@@ -283,7 +306,7 @@ class Drive {
   Outcome outcome_;
   double bound_ = std::numeric_limits<double>::infinity(), frequency_ = 0;
   bool snapshots_wanted_ = false;
-  std::int64_t extra_steps_ = 0;
+  std::int64_t extra_steps_ = 0, stride_ = 1;
   std::vector<X> snapshots_;  ///< states along the grid, for the diagnostics that need whole states
 };
 

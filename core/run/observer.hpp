@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -13,10 +14,15 @@
 
 namespace least {
 
-/// Extremes of one quantity along a run.
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// Extremes of one quantity along a run; unknown until it starts.
 struct Trace {
-  double initial = 0, final = 0, most = 0;
-  void start(double x) { initial = final = x; }
+  double initial = unknown, final = unknown, most = unknown;
+  void start(double x) {
+    initial = final = x;
+    most = 0;
+  }
   void see(double x) {
     final = x;
     most = std::max(most, std::abs(x - initial));
@@ -43,7 +49,7 @@ struct OrbitTrack {
   Vec<N> e1{}, e2{};
   double mu = 0, radius = 0, before = 0, apsis = 0, rotation = 0, closure = 0, sense = 1;
   std::int64_t revolutions = 0;
-  bool defined = false;
+  bool defined = false, has_apsis = false;  ///< a straight line has no revolutions, a circle no apsis
 };
 
 template <class P>
@@ -112,14 +118,14 @@ class Observer {
   Report orbit_report(const X& x) const {
     std::vector<Report> all;
     if constexpr (TwoBody<P>) {
-      const double none = std::nan("");
+      const bool started = track_.mu > 0, closed = track_.revolutions > 0;
       const auto k = static_cast<double>(track_.revolutions);
       const Elements now = elements(x, track_.mu);
-      all = {{"revolutions", k},
-             {"closure", track_.revolutions > 0 ? track_.closure : none},
-             {"apsidal_rotation", track_.revolutions > 0 ? track_.sense * track_.rotation / k : none},
-             {"semi_major_axis", now.semi_major_axis},
-             {"eccentricity", std::sqrt(dot(now.lenz, now.lenz)) / track_.mu}};
+      all = {{"revolutions", started ? k : unknown},
+             {"closure", closed ? track_.closure : unknown},
+             {"apsidal_rotation", closed && track_.has_apsis ? track_.sense * track_.rotation / k : unknown},
+             {"semi_major_axis", started ? now.semi_major_axis : unknown},
+             {"eccentricity", started ? std::sqrt(dot(now.lenz, now.lenz)) / track_.mu : unknown}};
     }
     return {"orbit", all};
   }
@@ -148,10 +154,12 @@ class Observer {
       track_.e2[i] = x.p[i] - along * track_.e1[i];
       length += track_.e2[i] * track_.e2[i];
     }
-    track_.defined = length > 0;  // a radial orbit has no revolutions
+    track_.defined = length > 0;
     for (auto& c : track_.e2) c /= std::sqrt(length);
     if constexpr (P::dof == 2) track_.sense = track_.e1[0] * track_.e2[1] - track_.e1[1] * track_.e2[0] < 0 ? -1 : 1;
-    track_.apsis = apsis(elements(x, track_.mu));
+    const Elements e = elements(x, track_.mu);
+    track_.apsis = apsis(e);
+    track_.has_apsis = dot(e.lenz, e.lenz) > 1e-16 * track_.mu * track_.mu;  // e > 1e-8
     track_.before = 0;
   }
 

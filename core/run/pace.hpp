@@ -14,6 +14,8 @@ class Pace {
  public:
   Pace(double seconds, const std::atomic<bool>& cancelled) : budget_(seconds), cancelled_(cancelled) {}
 
+  /// Begins to count; what came before was preparation.
+  void start() { start_ = Clock::now(); }
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
   /// How many steps may pass before the clock is read again: about a millisecond's worth.

@@ -11,25 +11,24 @@
 
 namespace least {
 
-/// The largest defect of MᵀJM − J over single steps from at most 32 of the states.
+/// The largest defect of MᵀJM − J over single steps that the run took, from at most 32 of the states before `end`; null
+/// where there is none.
 template <class P, class Scheme>
-Report structure_report(const P& problem, const Scheme& scheme, const std::vector<StateOf<P>>& states, double h) {
-  double most = 0;
-  for (std::size_t i = 0; i < states.size(); i += 1 + states.size() / 32) {
-    const auto m = tangent_map(scheme, problem, states[i], h);
-    const double defect = m ? symplectic_defect(*m) : std::nan("");
-    if (!(defect <= most)) most = defect;
-    if (std::isnan(most)) break;
-  }
+Report structure_report(const P& problem, const Scheme& scheme, const std::vector<StateOf<P>>& states, double end,
+                        double h) {
+  double most = std::nan("");
+  for (std::size_t i = 0; i < states.size() && states[i].t < end; i += 1 + states.size() / 32)
+    if (const auto m = tangent_map(scheme, problem, states[i], h)) most = std::fmax(most, symplectic_defect(*m));
   return {"structure",
           std::vector<Report>{
               {"kind", std::string(Scheme::card().structure)}, {"max_defect", most}, {"factor", std::monostate{}}}};
 }
 
-/// Errors against the reference solution, at the states kept (max) and at the final state.
+/// Errors against the reference solution, at the states kept (max) and at the final state. Null, with a warning, where
+/// the reference could not be had.
 template <class P, class KeepGoing>
 Report error_report(const P& problem, const std::vector<StateOf<P>>& states, const StateOf<P>& final,
-                    KeepGoing&& keep_going) {
+                    std::vector<Warning>& warnings, KeepGoing&& keep_going) {
   std::vector<double> times;
   for (const auto& x : states)
     if (x.t < final.t) times.push_back(x.t);
@@ -37,6 +36,8 @@ Report error_report(const P& problem, const std::vector<StateOf<P>>& states, con
   Reference<P> reference;
   if (!states.empty()) reference = reference_solution(problem, states.front(), times, keep_going);
   double most = std::nan(""), last = std::nan("");
+  if (!reference.complete)
+    warnings.push_back({"reference_not_finished", "the reference solution met the time limit, or is not finite"});
   if (!states.empty() && reference.complete) {
     most = 0;
     for (std::size_t i = 0; i < times.size(); ++i) {

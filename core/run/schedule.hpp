@@ -12,14 +12,24 @@
 
 namespace least {
 
+/// Steps beyond which n + 1 and n are the same double.
+inline constexpr double most_steps = 9.0e15;
+
+/// How many whole steps h > 0 stand between two times; a last one that rounding has cut short counts as whole.
+inline std::int64_t whole_steps(double start, double end, double h) {
+  constexpr double slack = 4 * std::numeric_limits<double>::epsilon();
+  const double whole = std::floor((end - start) / h * (1 + slack));
+  return whole > 0 ? static_cast<std::int64_t>(std::min(whole, most_steps)) : 0;  // NaN counts as none
+}
+
 /// The grid of a run of fixed steps. `tail` is what is left to the end after the last whole step, 0 where nothing is.
 struct Grid {
-  static constexpr double most = 9.0e15;  ///< steps; beyond it n + 1 and n are the same double
-
   double start = 0, step = 0, end = 0, tail = 0;
   std::int64_t steps = 0;
 
-  double time(std::int64_t n) const { return start + static_cast<double>(n) * step; }
+  double time(std::int64_t n) const { return start + offset(n); }
+  /// Time since the start: not rounded to the resolution of a large t.
+  double offset(std::int64_t n) const { return static_cast<double>(n) * step; }
 
   Grid(const Request& request, double h) : start(request.start), step(h) {
     if (request.until_steps) {
@@ -28,12 +38,9 @@ struct Grid {
       return;
     }
     end = request.end;
-    constexpr double slack = 4 * std::numeric_limits<double>::epsilon();
-    const double whole = std::floor((end - start) / h * (1 + slack));
-    steps =
-        whole > 0 ? static_cast<std::int64_t>(std::min(whole, most)) : 0;  // NaN (h = 0 over nothing) counts as none
-    tail = std::max(end - time(steps), 0.0);
-    if (steps > 0 && !(tail > slack * std::abs(h) * static_cast<double>(steps))) tail = 0;
+    steps = whole_steps(start, end, h);
+    const double span = end - start, left = span - offset(steps);
+    if (steps == 0 || left > 4 * std::numeric_limits<double>::epsilon() * span) tail = std::max(left, 0.0);
   }
 };
 
@@ -62,19 +69,23 @@ class Marks {
     const bool uniform = record_.mode == Record::Mode::samples;
     const auto count = uniform ? record_.count : static_cast<std::int64_t>(record_.times.size());
     if (index_ >= count) return;
-    double t = grid_.end;
+    double ahead = grid_.end - grid_.start;
     if (!uniform) {
-      t = record_.times[static_cast<std::size_t>(index_)];
+      ahead = record_.times[static_cast<std::size_t>(index_)] - grid_.start;
     } else if (index_ + 1 < count) {
-      t = grid_.start + (grid_.end - grid_.start) * (static_cast<double>(index_) / static_cast<double>(count - 1));
+      ahead *= static_cast<double>(index_) / static_cast<double>(count - 1);
     }
-    // The grid is the truth: the quotient is off by one step at most, unless the clock does not resolve the step.
-    const double guess = std::floor((t - grid_.start) / grid_.step);
-    step_ = guess >= 0 ? std::min(static_cast<std::int64_t>(std::min(guess, Grid::most)), grid_.steps) : 0;
-    if (step_ < grid_.steps && grid_.time(step_ + 1) <= t) ++step_;
-    if (step_ > 0 && grid_.time(step_) > t) --step_;
-    rest_ = std::max(t - grid_.time(step_), 0.0);
-    if (t >= grid_.end) rest_ = step_ == grid_.steps ? grid_.tail : rest_;  // the end is the final state, to the bit
+    if (ahead >= grid_.end - grid_.start) {  // the end is the final state, to the bit
+      step_ = grid_.steps;
+      rest_ = grid_.tail;
+      return;
+    }
+    // The grid is the truth; the quotient is off by one step at most.
+    const double guess = std::floor(ahead / grid_.step);
+    step_ = guess >= 0 ? std::min(static_cast<std::int64_t>(std::min(guess, most_steps)), grid_.steps) : 0;
+    if (step_ < grid_.steps && grid_.offset(step_ + 1) <= ahead) ++step_;
+    if (step_ > 0 && grid_.offset(step_) > ahead) --step_;
+    rest_ = std::max(ahead - grid_.offset(step_), 0.0);
   }
 
   const Record& record_;

@@ -1,6 +1,8 @@
 // Linear stability: the largest ωh that a scheme stands on the harmonic oscillator.
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -10,9 +12,9 @@
 namespace least {
 
 /// The first z = ωh at which powers of the scheme's step matrix on q̈ = −q grow, to 1e-6; 0 where they grow at every z,
-/// infinity where none is found up to z = 20. For explicit schemes; an implicit one is not asked (infinity).
+/// infinity where none is found up to z = 20.
 template <class Scheme>
-double stability_bound(const Scheme& scheme) {
+double measure_stability_bound(const Scheme& scheme) {
   constexpr double most = 20, spacing = 0.01;
   const HarmonicOscillator<> unit;
   const auto stable = [&](double z) {
@@ -29,7 +31,6 @@ double stability_bound(const Scheme& scheme) {
     const double radius = root > 0 ? std::abs(half) + std::sqrt(root) : std::sqrt(det);
     return radius <= 1 + 1e-9 * z;
   };
-  if (Scheme::card().implicit) return std::numeric_limits<double>::infinity();
   double low = 0, high = spacing;
   while (stable(high)) {
     if (high > most) return std::numeric_limits<double>::infinity();
@@ -39,6 +40,17 @@ double stability_bound(const Scheme& scheme) {
   if (low == 0) return 0;
   while (high - low > 1e-7) (stable((low + high) / 2) ? low : high) = (low + high) / 2;
   return low;
+}
+
+/// The same, measured once per scheme and composition. Thread-safe.
+template <class Scheme>
+double stability_bound(const Scheme& scheme) {
+  static std::array<std::atomic<double>, compositions::names.size()> known{};  // 0: not yet; else 1 + the bound
+  std::size_t which = 0;
+  if constexpr (requires { scheme.composition; }) which = static_cast<std::size_t>(scheme.composition);
+  double bound = known[which].load(std::memory_order_relaxed);
+  if (bound == 0) known[which].store(bound = 1 + measure_stability_bound(scheme), std::memory_order_relaxed);
+  return bound - 1;
 }
 
 }  // namespace least

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace least::wording {
 
 std::string unstable(double ratio, double bound, double step) {
@@ -11,8 +13,8 @@ std::string unstable(double ratio, double bound, double step) {
 }
 
 std::string near_bound(double ratio, double careful, double bound) {
-  return fmt::format("hω reached {:.4g}: from {:.3g} on expect large errors, beyond {:.6g} instability", ratio, careful,
-                     bound);
+  const std::string errors = fmt::format("hω reached {:.4g}: from {:.3g} on expect large errors", ratio, careful);
+  return bound > 0 && std::isfinite(bound) ? fmt::format("{}, beyond {:.6g} instability", errors, bound) : errors;
 }
 
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }

@@ -8,7 +8,7 @@ namespace least::wording {
 
 /// `ratio` is hω as met, `bound` the scheme's, `step` the longest stable step at this frequency.
 std::string unstable(double ratio, double bound, double step);
-/// `careful` is the hω from which a run warns.
+/// `careful` is the hω from which a run warns; `bound` 0 or infinite: the scheme has none to name.
 std::string near_bound(double ratio, double careful, double bound);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);

@@ -3,9 +3,10 @@
 
 #include <tuple>
 
+#include "core/schemes/galerkin_4.hpp"
 #include "core/schemes/runge_kutta.hpp"
 #include "core/schemes/splitting.hpp"
-#include "core/schemes/variational.hpp"
+#include "core/schemes/variational_midpoint.hpp"
 
 namespace least {
 

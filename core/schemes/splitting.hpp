@@ -9,6 +9,7 @@
 // Sources: Hairer, Lubich, Wanner 2006, VI.3 and I.1.4; Ruth, IEEE Trans. Nucl. Sci. NS-30, 2669 (1983), eq. 18.
 #pragma once
 
+#include <initializer_list>
 #include <tuple>
 
 #include "core/scheme.hpp"
@@ -23,12 +24,18 @@ struct Sequence {
   std::array<S, compositions::most_stages> drift{};
   std::array<S, compositions::most_stages> node{};  ///< time at the end of a drift, as a fraction of the step
 
-  void append(const S& before, const S& over, const S& after) {
+  struct Piece {
+    S before, over, after;  ///< kick, drift, kick
+  };
+  Sequence(std::initializer_list<Piece> pieces = {}) {
+    for (const Piece& piece : pieces) append(piece);
+  }
+  void append(const Piece& piece) {
     const auto i = static_cast<std::size_t>(drifts++);
-    kick[i] = kick[i] + before;
-    drift[i] = over;
-    node[i] = i == 0 ? over : node[i - 1] + over;
-    kick[i + 1] = after;
+    kick[i] = kick[i] + piece.before;
+    drift[i] = piece.over;
+    node[i] = i == 0 ? piece.over : node[i - 1] + piece.over;
+    kick[i + 1] = piece.after;
   }
 };
 
@@ -38,18 +45,19 @@ class KickDrift {
   using T = typename X::Number;
   using S = typename X::Time;
 
-  KickDrift(const P& problem, const X& x, const Sequence<S>& sequence) : problem_(problem), sequence_(sequence) {
+  /// The sequence outlives the stepper, which is copied often.
+  KickDrift(const P& problem, const X& x, const Sequence<S>& sequence) : problem_(problem), sequence_(&sequence) {
     slope_ = gradient(problem_, x.q, x.t);
     ++work_.forces;
   }
 
   Status step(X& x, const S& h) noexcept {
-    kick(x, h * sequence_.kick[0]);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_.drifts); ++i) {
-      drift(x, h * sequence_.drift[i]);
-      slope_ = gradient(problem_, x.q, x.t + h * sequence_.node[i]);
+    kick(x, h * sequence_->kick[0]);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_->drifts); ++i) {
+      drift(x, h * sequence_->drift[i]);
+      slope_ = gradient(problem_, x.q, x.t + h * sequence_->node[i]);
       ++work_.forces;
-      kick(x, h * sequence_.kick[i + 1]);
+      kick(x, h * sequence_->kick[i + 1]);
     }
     return Status::ok;
   }
@@ -69,7 +77,7 @@ class KickDrift {
   }
 
   P problem_;
-  Sequence<S> sequence_;
+  const Sequence<S>* sequence_;
   Vec<P::dof, T> slope_{};  ///< ∇V at the state's q
   Work work_;
 };
@@ -91,8 +99,7 @@ struct SymplecticEuler {
   template <Separable P, class X>
   auto bind(const P& problem, const X& x) const {
     using S = typename X::Time;
-    Sequence<S> sequence;
-    sequence.append(S(1), S(1), S(0));
+    static const Sequence<S> sequence{{S(1), S(1), S(0)}};
     return KickDrift<P, X>(problem, x, sequence);
   }
 };
@@ -117,14 +124,22 @@ struct Leapfrog {
   }
   template <Separable P, class X>
   auto bind(const P& problem, const X& x) const {
-    using S = typename X::Time;
-    const Weights<S> weights(composition);
-    Sequence<S> sequence;
-    for (int i = 0; i < weights.stages; ++i) {
-      const S& gamma = weights.gamma[static_cast<std::size_t>(i)];
-      sequence.append(gamma / 2, gamma, gamma / 2);
-    }
-    return KickDrift<P, X>(problem, x, sequence);
+    return KickDrift<P, X>(problem, x, sequence<typename X::Time>(composition));
+  }
+
+ private:
+  template <class S>
+  static const Sequence<S>& sequence(Composition composition) {
+    static const auto table = [] {
+      std::array<Sequence<S>, compositions::names.size()> all;
+      for (std::size_t c = 0; c < all.size(); ++c) {
+        const auto& weights = Weights<S>::of(static_cast<Composition>(c));
+        for (std::size_t i = 0; i < static_cast<std::size_t>(weights.stages); ++i)
+          all[c].append({weights.gamma[i] / 2, weights.gamma[i], weights.gamma[i] / 2});
+      }
+      return all;
+    }();
+    return table[static_cast<std::size_t>(composition)];
   }
 };
 
@@ -145,10 +160,8 @@ struct Ruth3 {
   template <Separable P, class X>
   auto bind(const P& problem, const X& x) const {
     using S = typename X::Time;
-    Sequence<S> sequence;
-    sequence.append(S(0), S(7) / 24, S(2) / 3);
-    sequence.append(S(0), S(3) / 4, -S(2) / 3);
-    sequence.append(S(0), -S(1) / 24, S(1));
+    static const Sequence<S> sequence{
+        {S(0), S(7) / 24, S(2) / 3}, {S(0), S(3) / 4, -S(2) / 3}, {S(0), -S(1) / 24, S(1)}};
     return KickDrift<P, X>(problem, x, sequence);
   }
 };

@@ -151,7 +151,7 @@ const bool registered = [] {
       ours(state, request);
     });
     bench::compare("leapfrog " + problem + ", by hand", "step/" + problem, "hand/" + problem, 1.05);
-    bench::compare("  recording 1,000 samples of five columns", "record/" + problem, "step/" + problem, 1.10);
+    bench::compare("  recording 1,000 samples of five columns", "record/" + problem, "hand/" + problem, 1.10);
     bench::compare("  energy diagnostic at every step", "energy/" + problem, "step/" + problem, 0);
     bench::compare("  Boost.Odeint velocity_verlet, by hand", "odeint/" + problem, "hand/" + problem, 0);
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/study/reference.hpp"
 #include "tests/support/runs.hpp"
 
 namespace {
@@ -69,6 +70,15 @@ TEST(Orbit, ClosesWhereTheSchemeIsAccurate) {
   EXPECT_NEAR(ask(request, "orbit/semi_major_axis"), 1 / (2 - 1.21), 1e-3);
 }
 
+TEST(Orbit, OfACircleHasNoApsisToTurn) {
+  Request request = asking("kepler", "leapfrog", "orbit");
+  request.initial = {1, 0, 0, 1};
+  EXPECT_TRUE(std::isnan(ask(request, "orbit/apsidal_rotation")));
+  EXPECT_GT(ask(request, "orbit/revolutions"), 5);
+  request.initial = {1, 0, 0, 1.001};
+  EXPECT_FALSE(std::isnan(ask(request, "orbit/apsidal_rotation")));
+}
+
 TEST(Orbit, IsNotDefinedBeforeARevolutionNorOnAStraightLine) {
   Request request = asking("kepler", "leapfrog", "orbit");
   request.end = 5;
@@ -120,6 +130,20 @@ TEST(Structure, IsMeasuredNotDeclared) {
   EXPECT_GT(ask(request, "structure/max_defect"), 1e-4);
 }
 
+TEST(Structure, IsThatOfTheStepsThatWereTaken) {
+  Request request = asking("harmonic_oscillator", "runge_kutta_4", "structure");
+  request.settings[0] = 3;  // beyond the bound: no step is taken
+  const auto none = runs::go(request);
+  EXPECT_EQ(none.outcome.cost.steps, 0);
+  EXPECT_TRUE(std::isnan(runs::number(none.outcome.diagnostics, "structure/max_defect")));
+  Request failing = asking("henon_heiles", "variational_midpoint", "structure");
+  failing.initial = {0, 0.1, 2, 0};
+  const auto some = runs::go(failing);
+  EXPECT_NE(some.outcome.stop.reason, Reason::completed);
+  EXPECT_GT(some.outcome.cost.steps, 10);
+  EXPECT_GE(runs::number(some.outcome.diagnostics, "structure/max_defect"), 0);
+}
+
 TEST(Error, OfTheOscillatorUnderLeapfrogIsItsPhaseError) {
   // cos(ω′t) against cos t with ω′ = (2/h) asin(h/2) = 1 + h²/24 + …; the momentum carries the factor √(1 − h²/4).
   Request request = asking("harmonic_oscillator", "leapfrog", "error");
@@ -144,6 +168,47 @@ TEST(Error, ComesFromTheReferenceStatesWhereThereIsNoClosedForm) {
     difference = std::max(difference, std::abs(result.outcome.final[i] - reference[i]));
   EXPECT_NEAR(runs::number(result.outcome.diagnostics, "error/final"), difference / 1.7417567272239908697, 1e-15);
   EXPECT_LT(runs::number(result.outcome.diagnostics, "error/uncertainty"), 2e-16);
+}
+
+TEST(Error, MeansNothingWhereTheTruthIsNotFinite) {
+  const State<1> x{0, {1}, {0}, {}};
+  for (const double broken : {std::nan(""), HUGE_VAL}) {
+    EXPECT_FALSE(std::isfinite(state_error(x, State<1>{0, {broken}, {0}, {}})));
+    EXPECT_FALSE(std::isfinite(state_error(x, State<1>{0, {1}, {broken}, {}})));
+  }
+  EXPECT_EQ(state_error(x, State<1>{0, {1}, {-4}, {}}), 1);
+}
+
+TEST(Error, CountsFromTheStartOfTheRun) {
+  Request request = asking("henon_heiles", "leapfrog", "error");
+  request.end = 20;
+  const double early = ask(request, "error/max");
+  request.start = 1000;
+  request.end = 1020;
+  EXPECT_NEAR(ask(request, "error/max"), early, 1e-9 * early);
+}
+
+TEST(Error, OfARunThatWasCutShortIsThatOfTheShortRun) {
+  Request request = asking("harmonic_oscillator", "leapfrog", "error");
+  request.until_steps = true;
+  request.steps = 1015;
+  const double asked = ask(request, "error/max");
+  request.steps = 10'000'000;
+  request.limits.steps = 1015;
+  const auto cut = runs::go(request);
+  EXPECT_EQ(cut.outcome.stop.reason, Reason::step_limit);
+  EXPECT_EQ(runs::number(cut.outcome.diagnostics, "error/max"), asked);
+}
+
+TEST(Error, SaysWhenTheReferenceWasNotFinished) {
+  Request request = asking("double_pendulum", "variational_midpoint", "error");
+  request.settings = {0.02, 0};
+  request.end = 200;
+  request.limits.seconds = 0.05;
+  const auto result = runs::go(request);
+  EXPECT_TRUE(std::isnan(runs::number(result.outcome.diagnostics, "error/max")));
+  ASSERT_FALSE(result.outcome.warnings.empty());
+  EXPECT_EQ(result.outcome.warnings.back().code, "reference_not_finished");
 }
 
 TEST(Diagnostics, AreNotComputedUnlessAsked) {

@@ -55,6 +55,27 @@ TEST(Marks, ByStrideByNumberAndByTime) {
   for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_NEAR(got[i], asked[i], 1e-15);
 }
 
+// Where n·h rounds beyond the end, or short of it, the end stays what was asked for, and a sample there is the final
+// state.
+TEST(Run, EndsWhereItWasToldTo) {
+  for (const auto& [h, end] : {std::pair{0.1, 0.3}, {0.1, 0.7}, {0.01, 0.29}, {0.25, 1.0000000000000002}, {0.3, 1.0}}) {
+    for (const double start : {0.0, 2.5}) {
+      Request request = runs::defaults("harmonic_oscillator", "leapfrog");
+      request.settings[0] = h;
+      request.start = start;
+      request.end = start + end;
+      for (const auto& record : {Record{Record::Mode::samples, 3, {}}, Record{Record::Mode::times, 0, {request.end}}}) {
+        request.record = record;
+        const auto result = runs::go(request);
+        EXPECT_EQ(result.outcome.t, request.end) << h;
+        ASSERT_FALSE(result.rows.empty());
+        EXPECT_EQ(result.rows.back(),
+                  (std::vector<double>{request.end, result.outcome.final[0], result.outcome.final[1]}));
+      }
+    }
+  }
+}
+
 TEST(Marks, EndWhereTheClockCannotResolveTheStep) {
   const Grid g = grid(1e300, 1.5e300, 0.01);
   EXPECT_EQ(times({Record::Mode::samples, 5, {}}, g).size(), 5U);
@@ -125,6 +146,17 @@ TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
   request.record.count = 1;
   cancelled = false;
   EXPECT_EQ(run(request, full, cancelled).stop.reason, Reason::cancelled);
+}
+
+TEST(Budget, DeadlineHoldsBetweenGridPoints) {
+  Request request = runs::defaults("double_pendulum", "galerkin_4");
+  request.settings = {0.1, 8};
+  request.end = 0.1;
+  request.record = {Record::Mode::samples, 1'000'000, {}};
+  request.limits.seconds = 0.05;
+  const auto result = runs::go(request);
+  EXPECT_EQ(result.outcome.stop.reason, Reason::deadline);
+  EXPECT_LT(result.outcome.cost.seconds, 1);
 }
 
 TEST(Budget, DeadlineHoldsForSlowSteps) {

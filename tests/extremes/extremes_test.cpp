@@ -11,8 +11,8 @@ namespace {
 
 using namespace least;
 
-/// Every number of a report that is not null is finite or stands for null (the encoder writes null for NaN); numbers of
-/// rows, of the final state and of the cost are always finite.
+/// Numbers of rows, of the final state and of the cost are finite. (Those of a report may be unknown; they are encoded
+/// as null.)
 void expect_finite(const runs::Result& result) {
   for (const auto& row : result.rows)
     for (const double x : row) ASSERT_TRUE(std::isfinite(x));
@@ -117,7 +117,7 @@ TEST(StabilityBound, OfLeapfrogOnTheOscillator) {
   const auto beyond = at(2.001);
   EXPECT_EQ(beyond.outcome.stop.reason, Reason::unstable_step);
   EXPECT_EQ(beyond.outcome.stop.step, 0);
-  EXPECT_EQ(beyond.rows.size(), 0U + beyond.outcome.stop.step);
+  EXPECT_EQ(beyond.rows.size(), 1U) << "the start is a good state";
 }
 
 TEST(StabilityBound, IsTheSchemesOwn) {
@@ -132,6 +132,8 @@ TEST(StabilityBound, IsTheSchemesOwn) {
   EXPECT_EQ(at("runge_kutta_4", 2.9), Reason::unstable_step);
   EXPECT_EQ(at("leapfrog", 1.5, 1), Reason::completed);  // yoshida_4: 1.573
   EXPECT_EQ(at("leapfrog", 1.7, 1), Reason::unstable_step);
+  EXPECT_EQ(at("galerkin_4", 2.8), Reason::completed);  // 2√2
+  EXPECT_EQ(at("galerkin_4", 2.9), Reason::unstable_step);
   EXPECT_EQ(at("variational_midpoint", 50), Reason::completed);  // none
   EXPECT_EQ(at("explicit_euler", 0.1), Reason::completed);       // grows at every step, and is the control for that
 }
@@ -157,8 +159,8 @@ TEST(Parameters, AtTheEndsOfTheirRanges) {
         request.parameters[i] = value;
         request.limits.steps = 300;
         all_diagnostics(request);
-        request.diagnostics.pop_back();  // the reference run of an impossible scene only costs time
-        go(request);
+        std::erase_if(request.diagnostics, [&](std::size_t d) { return problem.diagnostics[d] == "error"; });
+        go(request);  // without error: the reference run of an impossible scene only costs time
       }
   });
   Request twin = runs::defaults("harmonic_oscillator", "leapfrog");
@@ -192,6 +194,9 @@ TEST(Start, AtTheSingularity) {
       EXPECT_EQ(result.outcome.stop.step, 0);
       EXPECT_TRUE(result.rows.empty());
       EXPECT_EQ(result.outcome.final, request.initial);
+      for (const std::string_view path :
+           {"energy/initial", "energy/max_abs_error", "structure/max_defect", "error/max", "orbit/revolutions"})
+        EXPECT_TRUE(std::isnan(runs::number(result.outcome.diagnostics, path))) << path << ": nothing was measured";
     }
   }
   EXPECT_EQ(reason(with_step("kepler", "leapfrog", 0.01)), Reason::completed);
@@ -199,7 +204,6 @@ TEST(Start, AtTheSingularity) {
 
 TEST(Start, RadialFallIsStoppedOrWarnedOf) {  // a fixed step can jump over the centre; never without a word
   for (const auto& scheme : schemes()) {
-    if (scheme.id == "explicit_euler" || scheme.id == "explicit_midpoint" || scheme.implicit) continue;  // no bound
     Request request = with_step("kepler", scheme.id, 1e-3);
     request.initial = {1, 0, 0, 0};  // reaches r = 0 at t = π/√8 = 1.11
     request.end = 3;
@@ -245,6 +249,20 @@ TEST(Solver, FailsByNameAndKeepsWhatItHas) {
     EXPECT_EQ(result.outcome.stop.reason, Reason::solver_failed) << scheme;
     EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1);
   }
+}
+
+// A force that varies with q is not known better than q itself, however small the velocity: libration far from q = 0.
+TEST(Solver, SucceedsFarFromTheOrigin) {
+  for (const std::string_view scheme : {"variational_midpoint", "galerkin_4"})
+    for (const double turns : {0.0, 10.0, 1e3, 1e6})
+      for (const double p : {1e-3, 0.1, 1e-320}) {
+        Request request = with_step("pendulum", scheme, 0.1);
+        request.initial = {turns * 2 * std::acos(-1.0), p};
+        request.until_steps = true;
+        request.steps = 20'000;
+        request.record.count = 0;
+        EXPECT_EQ(reason(request), Reason::completed) << scheme << ' ' << turns << ' ' << p;
+      }
 }
 
 TEST(Escape, OverTheSaddleOfHenonHeiles) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "tests/laws/scene.hpp"
 #include "tests/support/lanes.hpp"
 #include "tests/support/symbol.hpp"
@@ -11,11 +13,12 @@ namespace laws {
 
 using toy::Lanes;
 
-/// Hamilton's equations written on a tape at compile time: the lines of q̇ then ṗ.
+/// Hamilton's equations and the Hamiltonian written on a tape at compile time: the lines of q̇, ṗ and H.
 template <class P>
 struct Recorded {
   toy::Tape tape;
   Vec<2 * P::dof, int> lines{};
+  int energy = 0;
 };
 template <class P>
 constexpr Recorded<P> record_equations() {
@@ -29,6 +32,7 @@ constexpr Recorded<P> record_equations() {
     r.lines[i] = d.q[i].on(tape);
     r.lines[P::dof + i] = d.p[i].on(tape);
   }
+  r.energy = hamiltonian(P{}, x.q, x.p, 0.0).on(tape);
   r.tape = tape;
   return r;
 }
@@ -36,7 +40,7 @@ constexpr Recorded<P> record_equations() {
 template <template <class> class P>
 void recorded() {
   static constexpr auto record = record_equations<P<double>>();
-  static_assert(record.tape.size > 2 * P<double>::dof, "the equations of motion can be recorded at compile time");
+  static_assert(record.tape.size > 2 * P<double>::dof, "the mechanics can be recorded at compile time");
   for (const auto& x : states<P>()) {
     std::array<double, 2 * P<double>::dof> y;
     std::copy(x.q.begin(), x.q.end(), y.begin());
@@ -46,7 +50,49 @@ void recorded() {
       EXPECT_DOUBLE_EQ(record.tape.replay(record.lines[i], y), d.q[i]);
       EXPECT_NEAR(record.tape.replay(record.lines[P<double>::dof + i], y), d.p[i], 1e-14 * (1 + std::abs(d.p[i])));
     }
+    const double h = hamiltonian(P<double>{}, x.q, x.p, 0.0);
+    EXPECT_NEAR(record.tape.replay(record.energy, y), h, 1e-14 * (1 + std::abs(h)));
   }
+}
+
+/// Parameters may be dual numbers: the sensitivity of a step to each of them, against a difference quotient.
+template <template <class> class P>
+void parameters_can_be_dual() {
+  using D = Dual<double, 1>;
+  const double h = coarse_step<P>(), small = 1e-5;
+  const StateOf<P<double>> start = states<P>()[0];
+  const auto step = [&](const auto& scheme, const auto& problem, auto x) {
+    auto stepper = scheme.bind(problem, x);
+    EXPECT_EQ(stepper.step(x, h), Status::ok);
+    return x;
+  };
+  // An aggregate of parameters and nothing else (rule 1) is an array of them.
+  constexpr std::size_t count = std::tuple_size_v<std::remove_cvref_t<decltype(About<P>::fields)>>;
+  using Narrow = std::array<double, count>;
+  using Wide = std::array<D, count>;
+  static_assert(sizeof(P<double>) == sizeof(Narrow) && sizeof(P<D>) == sizeof(Wide));
+  for_each_scheme<P>([&](const auto& scheme) {
+    for (std::size_t k = 0; k < count; ++k) {
+      auto values = std::bit_cast<Narrow>(P<double>{});
+      const double value = values[k];
+      values[k] = value + small;
+      const auto up = step(scheme, std::bit_cast<P<double>>(values), start);
+      values[k] = value - small;
+      const auto down = step(scheme, std::bit_cast<P<double>>(values), start);
+      auto wide = std::bit_cast<Wide>(P<D>{});
+      wide[k].slope[0] = 1;
+      StateOf<P<double>, D> x;
+      for (std::size_t i = 0; i < P<double>::dof; ++i) {
+        x.q[i] = start.q[i];
+        x.p[i] = start.p[i];
+      }
+      const auto y = step(scheme, std::bit_cast<P<D>>(wide), x);
+      for (std::size_t i = 0; i < P<double>::dof; ++i) {
+        EXPECT_NEAR(y.q[i].slope[0], (up.q[i] - down.q[i]) / (2 * small), 1e-7 * size(start)) << label(scheme);
+        EXPECT_NEAR(y.p[i].slope[0], (up.p[i] - down.p[i]) / (2 * small), 1e-7 * size(start)) << label(scheme);
+      }
+    }
+  });
 }
 
 template <template <class> class P>

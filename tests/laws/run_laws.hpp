@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include "core/catalogue.hpp"
 #include "tests/laws/scene.hpp"
 #include "tests/support/runs.hpp"
@@ -47,6 +49,21 @@ void pairs_follow_from_concepts(std::string_view id) {
   EXPECT_TRUE(fits(problem, find_scheme("runge_kutta_4").value()));
 }
 
+/// Every number of a list of reports, to the bit.
+inline std::string text(const std::vector<Report>& reports) {
+  std::string all;
+  for (const auto& report : reports) {
+    all += std::string(report.key) + ' ';
+    if (const auto* number = std::get_if<double>(&report.value)) {
+      char hex[40];
+      std::snprintf(hex, sizeof hex, "%a ", *number);
+      all += hex;
+    }
+    if (const auto* inner = std::get_if<std::vector<Report>>(&report.value)) all += text(*inner);
+  }
+  return all;
+}
+
 /// What is recorded and which diagnostics are asked for never changes the bits of the run.
 template <template <class> class P>
 void recording_never_changes_the_run(std::string_view id) {
@@ -62,6 +79,8 @@ void recording_never_changes_the_run(std::string_view id) {
     EXPECT_EQ(plain.outcome.cost.steps, 151);
     EXPECT_TRUE(plain.rows.empty());
 
+    std::string reports;
+    std::vector<std::vector<double>> all_rows;
     std::vector<Record> records;
     for (const std::int64_t every : {1, 7, 150}) records.push_back({Record::Mode::every, every, {}});
     for (const std::int64_t samples : {2, 61, 1000}) records.push_back({Record::Mode::samples, samples, {}});
@@ -77,6 +96,15 @@ void recording_never_changes_the_run(std::string_view id) {
         EXPECT_EQ(other.outcome.cost.steps, plain.outcome.cost.steps);
         EXPECT_EQ(other.outcome.cost.force_evaluations, plain.outcome.cost.force_evaluations);
         ASSERT_FALSE(other.rows.empty());
+        if (diagnostics) {
+          if (reports.empty()) reports = text(other.outcome.diagnostics);
+          EXPECT_EQ(text(other.outcome.diagnostics), reports) << schemes()[i].id;
+        }
+        if (record.mode == Record::Mode::every && record.count == 1) all_rows = other.rows;
+        if (record.mode == Record::Mode::every) {
+          for (std::size_t k = 0; k < other.rows.size(); ++k)
+            EXPECT_EQ(other.rows[k], all_rows[k * static_cast<std::size_t>(record.count)]) << schemes()[i].id;
+        }
         if (record.mode != Record::Mode::every) {  // samples at the end are the final state, to the bit
           EXPECT_EQ(other.rows.back().at(0), request.end);
           EXPECT_EQ(std::vector<double>(other.rows.back().begin() + 1, other.rows.back().end()), plain.outcome.final);

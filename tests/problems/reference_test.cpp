@@ -136,9 +136,12 @@ TEST(ClosedForm, KeplerWithAnotherMass) {
 }
 
 TEST(ClosedForm, PendulumSeparatrixEquilibriaAndTurns) {
-  agrees_with_integrator<Pendulum<>>(at<Pendulum<>>({0}, {2}), 10, 1e-20);     // the separatrix
-  agrees_with_integrator<Pendulum<>>(at<Pendulum<>>({1}, {-2.5}), 40, 1e-20);  // many turns backwards
-  agrees_with_integrator<Pendulum<>>(at<Pendulum<>>({20}, {0.3}), 40, 1e-20);  // libration about another bottom
+  agrees_with_integrator<Pendulum<>>(at<Pendulum<>>({0}, {2}), 10, 1e-20);      // the separatrix
+  agrees_with_integrator<Pendulum<>>(at<Pendulum<>>({1}, {-2.5}), 40, 1e-20);   // many turns backwards
+  agrees_with_integrator<Pendulum<>>(at<Pendulum<>>({20}, {0.3}), 40, 1e-20);   // libration about another bottom
+  const auto top = Pendulum<>{}.exact(at<Pendulum<>>({0}, {2}), Quad(20'000));  // for ever towards the top
+  EXPECT_NEAR(static_cast<double>(top.q[0]), std::acos(-1.0), 1e-15);
+  EXPECT_LT(std::abs(static_cast<double>(top.p[0])), 1e-15);
   const auto rest = Pendulum<>{}.exact(at<Pendulum<>>({0}, {0}), Quad(5));
   EXPECT_EQ(rest.q[0], Quad(0));
   EXPECT_EQ(rest.p[0], Quad(0));

@@ -60,7 +60,7 @@ TEST(Map, CompositionIsTheBaseTakenByItsWeights) {
   for (std::size_t c = 0; c < compositions::names.size(); ++c) {
     Leapfrog composed;
     composed.composition = static_cast<Composition>(c);
-    const Weights<double> weights(composed.composition);
+    const auto& weights = Weights<double>::of(composed.composition);
     auto x = start;
     for (int i = 0; i < weights.stages; ++i) x = after_one(Leapfrog{}, pendulum, x, weights.gamma[std::size_t(i)] * h);
     const auto y = after_one(composed, pendulum, start, h);
@@ -112,7 +112,7 @@ TEST(Map, RungeKutta4OnALinearSystemIsTheTaylorPolynomial) {
 template <class S>
 void check_weights(double tolerance) {
   for (std::size_t c = 0; c < compositions::names.size(); ++c) {
-    const Weights<S> w(static_cast<Composition>(c));
+    const auto& w = Weights<S>::of(static_cast<Composition>(c));
     S sum(0), cubes(0), fifth(0);
     for (int i = 0; i < w.stages; ++i) {
       const S g = w.gamma[std::size_t(i)];
@@ -132,8 +132,8 @@ TEST(Composition, WeightsMeetTheirOrderConditions) {
 }
 TEST(Composition, WeightsAreTheNearestDoubles) {
   for (std::size_t c = 0; c < compositions::names.size(); ++c) {
-    const Weights<double> narrow(static_cast<Composition>(c));
-    const Weights<Quad> wide(static_cast<Composition>(c));
+    const auto& narrow = Weights<double>::of(static_cast<Composition>(c));
+    const auto& wide = Weights<Quad>::of(static_cast<Composition>(c));
     for (std::size_t i = 0; i < compositions::most_stages; ++i)
       EXPECT_EQ(narrow.gamma[i], static_cast<double>(wide.gamma[i])) << compositions::names[c];
   }

@@ -127,6 +127,11 @@ TEST(EncodeCsv, WritesColumnsAndBoundedFields) {
     if (name == "Leastaction-Diagnostics") {
       EXPECT_EQ(value, R"({"omitted":true})");
     }
+    if (name == "Leastaction-Request") {  // the echo of the JSON form
+      const Json whole = Json::parse(encode_json(example.run()).body);
+      for (const auto& [key, echoed] : Json::parse(value).items()) EXPECT_EQ(echoed, whole.at(key)) << key;
+      EXPECT_TRUE(Json::parse(value).contains("limits"));
+    }
     if (name == "Leastaction-Final") {
       EXPECT_EQ(value, R"({"t":20,"q":0.25,"p":null})");
     }

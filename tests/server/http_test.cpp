@@ -153,6 +153,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"problem", get("/v1/problems/keplr"), 404}, Case{"up", get("/../etc/passwd"), 404},
         Case{"get", get("/v1/simulate"), 405}, Case{"post", post("/v1/catalogue", "{}"), 405},
         Case{"put", raw("PUT /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length: 0\r\n"), 405},
+        Case{"bare_put", raw("PUT /v1/simulate HTTP/1.1"), 405}, Case{"bare_post", raw("POST /nowhere HTTP/1.1"), 404},
         Case{"trace", raw("TRACE / HTTP/1.1"), 405}, Case{"unknown_method", raw("BREW / HTTP/1.1"), 405},
         Case{"ndjson", post("/v1/simulate", kepler, "Accept: application/x-ndjson\r\n"), 406},
         Case{"cbor", post("/v1/simulate", kepler, "Accept: application/cbor\r\n"), 406},

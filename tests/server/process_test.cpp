@@ -117,9 +117,13 @@ TEST(Command, RunSaysWhatIsWrong) {
   EXPECT_EQ(Json::parse(broken.output())["status"], 400);
   EXPECT_EQ(broken.wait(), 2);
   Process nothing({"run", "/nonexistent/request.json"});
-  EXPECT_EQ(nothing.output(), "");
-  EXPECT_NE(nothing.errors().find("/nonexistent/request.json"), std::string::npos);
-  EXPECT_EQ(nothing.wait(), 1);
+  const Json document = Json::parse(nothing.output());
+  EXPECT_EQ(document["status"], 400);
+  EXPECT_NE(document["detail"].get<std::string>().find("/nonexistent/request.json"), std::string::npos);
+  EXPECT_EQ(nothing.wait(), 2);
+  Process folder({"run", "/"});
+  EXPECT_EQ(Json::parse(folder.output())["status"], 400);
+  EXPECT_EQ(folder.wait(), 2);
 }
 
 TEST(Command, CatalogueVersionAndHelp) {

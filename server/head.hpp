@@ -11,6 +11,9 @@
 
 namespace least::server {
 
+/// With the letters of ASCII in lower case.
+std::string lowered(std::string_view s);
+
 /// A request that cannot be taken: what to answer before the connection is closed.
 struct Refusal {
   int status = 400;
@@ -43,7 +46,7 @@ struct HeadBounds {
 /// Reads a head, from the first line to before the blank one. Refuses with 400, 414, 431 or 505.
 Result<Head, Refusal> parse_head(std::string_view text, const HeadBounds& bounds);
 
-/// Refuses with 400 (contradictions), 411, 413 (more than `body_limit` announced), 415, 417 or 501.
+/// Refuses with 400 (contradictions), 413 (more than `body_limit` announced), 415, 417 or 501.
 Result<Framing, Refusal> framing_of(const Head& head, std::uint64_t body_limit);
 
 }  // namespace least::server

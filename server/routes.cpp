@@ -12,14 +12,6 @@
 namespace least::server {
 namespace {
 
-constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-std::string lowered(std::string_view s) {
-  std::string out(s);
-  std::transform(out.begin(), out.end(), out.begin(), lower);
-  return out;
-}
-
 // A name for a content: FNV-1a. Tells versions apart, guards nothing.
 std::string tag(std::string_view body) {
   std::uint64_t hash = 14695981039346656037u;

@@ -199,10 +199,7 @@ class Drive {
       machine_.x = last.x;
       machine_.n = last.n;
       observer_ = last_seen;
-      if (status == Status::solver_failed)
-        return stop(Reason::solver_failed,
-                    "Newton's method found no solution of the implicit step; a shorter step may");
-      if (status == Status::singular) return stop(Reason::singular, "the step is singular");
+      if (status != Status::ok) return failed(status);
       if (fast) return unstable(frequency);
       return overflow();
     }

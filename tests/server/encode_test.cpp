@@ -128,9 +128,9 @@ TEST(EncodeCsv, WritesColumnsAndBoundedFields) {
       EXPECT_EQ(value, R"({"omitted":true})");
     }
     if (name == "Leastaction-Request") {  // the echo of the JSON form
-      const Json whole = Json::parse(encode_json(example.run()).body);
-      for (const auto& [key, echoed] : Json::parse(value).items()) EXPECT_EQ(echoed, whole.at(key)) << key;
-      EXPECT_TRUE(Json::parse(value).contains("limits"));
+      const Json whole = Json::parse(encode_json(example.run()).body), request = Json::parse(value);
+      for (const auto& [key, echoed] : request.items()) EXPECT_EQ(echoed, whole.at(key)) << key;
+      EXPECT_TRUE(request.contains("limits"));
     }
     if (name == "Leastaction-Final") {
       EXPECT_EQ(value, R"({"t":20,"q":0.25,"p":null})");

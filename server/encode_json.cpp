@@ -12,10 +12,17 @@ void write_trajectory(JsonWriter& json, const Run& run) {
   json.open('{');
   for (std::size_t column = 0; column < columns.size(); ++column) {
     json.key(run.problem.columns[columns[column]]).open('[');
+    char block[8192];  // stays in the cache
+    char* at = block;
     for (std::size_t i = column; i < values.size(); i += columns.size()) {
-      if (i != column) out += ',';
-      append_number(out, values[i]);
+      if (at > block + sizeof block - longest_number - 1) {
+        out.append(block, at);
+        at = block;
+      }
+      if (i != column) *at++ = ',';
+      at = write_number(at, values[i]);
     }
+    out.append(block, at);
     json.close(']');
   }
   json.close('}');

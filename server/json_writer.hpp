@@ -8,8 +8,14 @@
 
 namespace least::server {
 
-/// Appends a number; what is not finite becomes `null`. Minus zero is `-0.0`: a reader takes a bare `-0` for an
-/// integer.
+/// No number is longer.
+inline constexpr std::size_t longest_number = 24;
+
+/// Writes a number and returns where it ends; what is not finite becomes `null`. Minus zero is `-0.0`: a reader takes a
+/// bare `-0` for an integer.
+char* write_number(char* at, double x);
+
+/// Appends a number, the same way.
 void append_number(std::string& out, double x);
 void append_number(std::string& out, std::int64_t n);
 

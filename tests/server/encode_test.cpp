@@ -1,5 +1,6 @@
 #include "server/encode.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -19,6 +20,22 @@ std::string text(double x) {
   std::string out;
   append_number(out, x);
   return out;
+}
+
+// The layout is fmt's, number for number: bit patterns at random, and decimals short and long.
+TEST(JsonWriter, NumbersLookAsFmtWritesThem) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 1'000'000; ++i) {
+    const std::uint64_t bits = random();
+    const double x = i % 2 ? std::bit_cast<double>(bits)
+                           : static_cast<double>(static_cast<std::int64_t>(bits >> i % 60)) * std::pow(10, -(i % 23));
+    if (!std::isfinite(x) || x == 0) continue;
+    ASSERT_EQ(text(x), fmt::format("{}", x));
+    ASSERT_LE(text(x).size(), longest_number);
+  }
+  for (const double x : {5e-324, 2.2250738585072014e-308, 1.7976931348623157e308, 1e15, 1e16, 1e17,
+                         123456789012345678.0, 9007199254740993.0, 1e-4, 1e-5, 0.1, -0.3, 100.0, 12.5})
+    EXPECT_EQ(text(x), fmt::format("{}", x));
 }
 
 TEST(JsonWriter, NumbersReadBackToTheSameDouble) {

@@ -66,8 +66,8 @@ struct Example {
   Request request;
   Outcome outcome;
   Samples samples;
-  const ProblemCard& problem = test::cards().problems[0];
-  const SchemeCard& scheme = test::cards().schemes[2];
+  const ProblemCard& problem = test::cards().problems.data()[0];
+  const SchemeCard& scheme = test::cards().schemes.data()[2];
 
   Example() {
     auto parsed = parse_json(R"({"problem":{"id":"swing","level":7},"initial":{"t":-0.0,"q":1e-9},

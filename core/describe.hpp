@@ -60,7 +60,8 @@ struct ProblemCard {
   double span = 0;                          ///< default length of a run in time
   std::vector<NamedValue> suggested{};
   std::vector<PresetCard> presets{};
-  std::vector<InvariantCard> invariants{};
+  std::vector<InvariantCard> invariants{};      ///< besides the energy
+  bool keeps_energy = false;                    ///< the exact motion conserves the energy; derived
   std::vector<std::string_view> columns{};      ///< every column that can be asked for, `t` first; derived
   std::vector<std::string_view> diagnostics{};  ///< every diagnostic that can be asked for; derived
   std::vector<std::size_t> schemes{};           ///< indices of the schemes that apply; derived

@@ -68,6 +68,7 @@ ProblemEntry make_entry() {
   ProblemEntry entry{About<P>::card(), {}};
   ProblemCard& card = entry.card;
   card.parameters = parameter_cards(About<P>::fields);
+  card.keeps_energy = Potential<P<double>>;
   card.columns = column_names(card);
   card.diagnostics = {"energy", "momenta", "structure", "error"};
   if (TwoBody<P<double>>) card.diagnostics.emplace_back("orbit");

@@ -77,6 +77,9 @@ void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& 
   write_named(json.key("suggested"), card.suggested);
   write_presets(json.key("presets"), card.presets);
   json.key("invariants").open('[');
+  if (card.keeps_energy) {
+    json.open('{').key("name").text("energy").key("symbol").text("H").key("doc").text("total energy").close('}');
+  }
   for (const auto& invariant : card.invariants) {
     json.open('{').key("name").text(invariant.name).key("symbol").text(invariant.symbol);
     json.key("doc").text(invariant.doc).close('}');

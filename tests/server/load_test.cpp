@@ -41,7 +41,7 @@ class Load : public testing::Test {
 TEST_F(Load, SlowClientsDoNotStarveOthers) {
   start();
   std::list<Client> slow;
-  for (int i = 0; i < 48; ++i) {
+  for (int i = 0; i < 200; ++i) {
     slow.emplace_back(service->port()).send("POST /v1/simulate HTTP/1.1\r\nHost: local");
   }
   const auto from = Clock::now();
@@ -128,12 +128,14 @@ TEST_F(Load, TheEndAnswersWhatWasAccepted) {
   Client running(port), half(port), idle(port);
   idle.send(get("/healthz"));
   EXPECT_EQ(idle.receive()->status, 200);
-  running.send(long_run(0.7));
+  running.send(long_run(2.5));
   const std::string request = short_run();
   half.send(request.substr(0, 40));
   std::this_thread::sleep_for(200ms);
   auto end = std::async(std::launch::async, [&] { service->stop(); });
-  std::this_thread::sleep_for(100ms);
+  // However late the other thread gets to it: the end has begun once nobody is let in any more.
+  const auto from = Clock::now();
+  while (Client(port).connected() && Clock::now() - from < 2s) std::this_thread::sleep_for(5ms);
   EXPECT_FALSE(Client(port).connected());
   half.send(request.substr(40));
   for (Client* client : {&half, &running}) {

@@ -128,8 +128,16 @@ TEST(Command, RunSaysWhatIsWrong) {
 
 TEST(Command, CatalogueVersionAndHelp) {
   Process catalogue({"catalogue"});
-  EXPECT_FALSE(Json::parse(catalogue.output())["schemes"].empty());
+  const Json cards = Json::parse(catalogue.output());
+  EXPECT_FALSE(cards["schemes"].empty());
   EXPECT_EQ(catalogue.wait(), 0);
+  for (const Json& problem : cards["problems"]) {
+    if (problem["id"] != "kepler") continue;
+    std::vector<std::string> invariants;
+    for (const Json& invariant : problem["invariants"]) invariants.push_back(invariant["name"]);
+    EXPECT_EQ(invariants,
+              (std::vector<std::string>{"energy", "angular_momentum", "laplace_runge_lenz_x", "laplace_runge_lenz_y"}));
+  }
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--version"},
                                                     {"serve", "--version"},
                                                     {"run", "--version"},

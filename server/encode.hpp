@@ -25,8 +25,7 @@ Answer encode_json(const Run& run);
 
 /// `text/csv`: a line of column names, then a line per sample; numbers that are not finite are empty. The rest stands
 /// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-Final`, `-Diagnostics`,
-/// `-Events`, `-Cost` and
-/// `-Warnings`; one that would be longer than 4 KiB says `{"omitted":true}`.
+/// `-Events`, `-Cost` and `-Warnings`; one that would be longer than 4 KiB says `{"omitted":true}`.
 Answer encode_csv(const Run& run);
 
 }  // namespace least::server

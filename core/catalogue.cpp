@@ -42,7 +42,7 @@ bool fits(std::size_t problem, std::size_t scheme) { return problem_entries()[pr
 
 Outcome run(const Request& request, Sink& sink, const std::atomic<bool>& cancelled) {
   const ProblemEntry& entry = *problem_entries()[request.problem];
-  return entry.runs[request.scheme](entry.card, request, sink, cancelled);
+  return entry.runs[request.scheme](entry.card, schemes()[request.scheme], request, sink, cancelled);
 }
 
 }  // namespace least

@@ -5,6 +5,7 @@
 // Optim. Methods Softw. 20, 597 (2005).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -97,6 +98,10 @@ template <class S>
 struct Weights {
   int stages = 1;
   std::array<S, compositions::most_stages> gamma{};
+  std::array<S, compositions::most_stages> end{}, middle{};  ///< times of the stages, as fractions of the step
+
+  std::span<const S> ends() const { return {end.data(), static_cast<std::size_t>(stages)}; }
+  std::span<const S> middles() const { return {middle.data(), static_cast<std::size_t>(stages)}; }
 
   /// The text is read once per number.
   static const Weights& of(Composition composition) {
@@ -107,12 +112,25 @@ struct Weights {
         all[c].stages = static_cast<int>(2 * half.size() - 1);
         for (std::size_t i = 0; i < half.size(); ++i)
           all[c].gamma[i] = all[c].gamma[2 * half.size() - 2 - i] = parse<S>(half[i]);
+        S done(0);
+        for (std::size_t i = 0; i < 2 * half.size() - 1; ++i) {
+          all[c].middle[i] = done + all[c].gamma[i] / 2;
+          all[c].end[i] = done = done + all[c].gamma[i];
+        }
+        all[c].end[2 * half.size() - 2] = S(1);
       }
       return all;
     }();
     return table[static_cast<std::size_t>(composition)];
   }
 };
+
+/// The size of the largest negative weight; 0 where there is none.
+inline double largest_negative_weight(Composition composition) {
+  double most = 0;
+  for (const double gamma : Weights<double>::of(composition).gamma) most = std::max(most, -gamma);
+  return most;
+}
 
 /// A symmetric stepper taken through a composition; nothing to fuse. A failed stage leaves the state as it was.
 template <class Base, class S>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,11 +38,12 @@ struct ParameterCard {
 
 struct VariableCard {
   std::string_view name, symbol, unit, doc;
-  double value;  ///< the default start
+  double value;           ///< the default start; NaN: follows from the others
+  bool optional = false;  ///< not part of the motion: carried along where it is asked for
 };
 
-/// A quantity the exact motion conserves, besides the energy; also a column that can be asked for.
-struct InvariantCard {
+/// A quantity that can be asked for as a column.
+struct QuantityCard {
   std::string_view name, symbol, doc;
 };
 
@@ -50,7 +52,9 @@ using NamedValue = std::pair<std::string_view, double>;
 /// A named set of parameters and start values; keys that stand in a request win over it.
 struct PresetCard {
   std::string_view name{}, doc{};
-  std::vector<NamedValue> parameters{}, initial{};
+  std::vector<NamedValue> parameters{}, initial{};  ///< `t` among the start's: the start time
+  std::vector<NamedValue> suggested{};              ///< wins over the problem's own suggestions
+  double span = 0;                                  ///< default length of a run; 0: the problem's own
 };
 
 struct ProblemCard {
@@ -60,12 +64,15 @@ struct ProblemCard {
   double span = 0;                          ///< default length of a run in time
   std::vector<NamedValue> suggested{};
   std::vector<PresetCard> presets{};
-  std::vector<InvariantCard> invariants{};      ///< besides the energy
+  std::vector<QuantityCard> invariants{};       ///< conserved by the exact motion, besides the energy
+  std::vector<QuantityCard> quantities{};       ///< not conserved
   bool keeps_energy = false;                    ///< the exact motion conserves the energy; derived
   std::vector<std::string_view> columns{};      ///< every column that can be asked for, `t` first; derived
   std::vector<std::string_view> diagnostics{};  ///< every diagnostic that can be asked for; derived
   std::vector<std::size_t> schemes{};           ///< indices of the schemes that apply; derived
   std::vector<std::string_view> references{};
+  /// Where a run begins that names a time near a singular start but no state; derived, may be null.
+  std::optional<std::vector<double>> (*regular_start)(std::span<const double> parameters, double t) = nullptr;
   std::string offers{};  ///< what its mechanics can offer to a scheme, in words; derived
 };
 
@@ -96,7 +103,8 @@ struct Field {
                           : std::is_same_v<M, int> ? Kind::integer
                           : std::is_enum_v<M>      ? Kind::choice
                                                    : Kind::number;
-    return {name, symbol, unit, doc, kind, static_cast<double>(C{}.*member), range, choices, suggested, false};
+    return {name,  symbol,  unit,      doc,  choices.empty() ? kind : Kind::choice, static_cast<double>(C{}.*member),
+            range, choices, suggested, false};
   }
   /// Sets the member from a value that the card allows.
   void set(C& c, double value) const { c.*member = static_cast<M>(value); }

@@ -5,12 +5,13 @@
 #include <tuple>
 #include <vector>
 
-#include "core/run/drive.hpp"
+#include "core/assemble.hpp"
+#include "core/run/session.hpp"
 #include "core/schemes/list.hpp"
 
 namespace least {
 
-using RunFunction = Outcome (*)(const ProblemCard&, const Request&, Sink&, const std::atomic<bool>&);
+using RunFunction = Outcome (*)(const ProblemCard&, const SchemeCard&, const Request&, Sink&, const std::atomic<bool>&);
 
 struct ProblemEntry {
   ProblemCard card;
@@ -20,29 +21,42 @@ struct ProblemEntry {
 /// Every problem, sorted by id; the build generates it from the folder core/problems.
 std::span<const ProblemEntry* const> problem_entries();
 
-/// An aggregate with the values of a card's parameters.
-template <class C, class Fields>
-C assemble(const Fields& fields, std::span<const double> values) {
-  C c;
-  std::apply(
-      [&](const auto&... field) {
-        std::size_t i = 0;
-        (field.set(c, values[i++]), ...);
-      },
-      fields);
-  return c;
+/// Whether the caller asks for what only the full state can say: s or what depends on it, a slope or its poles.
+inline bool asks_for_all(const ProblemCard& card, const Request& request) {
+  const auto optional = [&](std::size_t column) {
+    const std::string_view name = card.columns[column];
+    return name == "energy" || (column > 0 && column <= card.variables.size() && card.variables[column - 1].optional);
+  };
+  const auto deep = [&](std::size_t index) {
+    const std::string_view name = card.diagnostics[index];
+    return name == "energy" || name == "decay" || name == "volume" || name == "poles";
+  };
+  return std::ranges::any_of(request.columns, optional) || std::ranges::any_of(request.diagnostics, deep);
 }
 
-template <class Fields>
-std::vector<ParameterCard> parameter_cards(const Fields& fields) {
-  return std::apply([](const auto&... field) { return std::vector<ParameterCard>{field.card()...}; }, fields);
-}
+template <class P, class Scheme>
+struct Pair {
+  P problem;
+  Scheme scheme;
+  template <class X>
+  Outcome run(const ProblemCard& card, const SchemeCard& scheme_card, const Request& request, Sink& sink,
+              const std::atomic<bool>& cancelled) const {
+    const X x = start_of<X>(problem, request.initial, request.start);
+    Bound<P, Scheme, X> engine(problem, scheme, x);
+    return Session<P, X>(problem, card, scheme_card, request, scheme.step, sink, cancelled).run(engine, x);
+  }
+};
 
 template <template <class> class P, class Scheme>
-Outcome run_pair(const ProblemCard& card, const Request& request, Sink& sink, const std::atomic<bool>& cancelled) {
-  const auto problem = assemble<P<double>>(About<P>::fields, request.parameters);
-  const auto scheme = assemble<Scheme>(Scheme::fields, request.settings);
-  return Drive<P<double>, Scheme>(problem, scheme, card, request, sink, cancelled).run();
+Outcome run_pair(const ProblemCard& card, const SchemeCard& scheme_card, const Request& request, Sink& sink,
+                 const std::atomic<bool>& cancelled) {
+  const Pair<P<double>, Scheme> pair{assemble<P<double>>(About<P>::fields, request.parameters),
+                                     assemble<Scheme>(Scheme::fields, request.settings)};
+  using Lean = StateOf<P<double>>;
+  using Full = FullRunState<P<double>>;
+  if constexpr (!std::is_same_v<Lean, Full>)
+    if (asks_for_all(card, request)) return pair.template run<Full>(card, scheme_card, request, sink, cancelled);
+  return pair.template run<Lean>(card, scheme_card, request, sink, cancelled);
 }
 
 template <template <class> class P, class Scheme>
@@ -57,10 +71,45 @@ constexpr RunFunction run_function() {
 template <class P>
 std::string offers() {
   std::string words = Separable<P>             ? "a separable Hamiltonian (a potential and a constant kinetic metric)"
+                      : LinearContact<P>       ? "a contact Hamiltonian linear in s (a potential and a damping)"
+                      : QuadraticContact<P>    ? "a contact Hamiltonian quadratic in s"
                       : ConfigurationMetric<P> ? "a Lagrangian whose kinetic metric depends on the configuration"
+                      : SplitFlow<P>           ? "a vector field that is a sum of exact flows"
                                                : "";
   if (VectorField<P>) words += ", equations of motion";
   return words;
+}
+
+template <class P>
+std::vector<std::string_view> diagnostic_names() {
+  std::vector<std::string_view> names;
+  if (HasEnergy<P>) names.emplace_back("energy");
+  if (Potential<P>) names.emplace_back("momenta");
+  if (Potential<P>) names.emplace_back("structure");
+  names.emplace_back("error");
+  if (TwoBody<P>) names.emplace_back("orbit");
+  if (Contact<P>) names.insert(names.end(), {"decay", "volume"});
+  if (HasEntropy<P>) names.emplace_back("entropy");
+  if (HasSection<P>) names.emplace_back("zeros");
+  if (Oscillates<P>) names.emplace_back("cycle");
+  if (CarriesSlope<P>) names.emplace_back("poles");
+  if (HasMoments<P>) names.emplace_back("moments");
+  return names;
+}
+
+/// The regular solution at a time near its singular start, in the order of the card's variables.
+template <template <class> class P>
+std::optional<std::vector<double>> regular_start(std::span<const double> parameters, double t) {
+  if constexpr (HasSeries<P<double>>) {
+    if (!(t > 0 && t <= P<double>::series_until)) return std::nullopt;
+    const auto problem = assemble<P<double>>(About<P>::fields, parameters);
+    const auto x = series_state<FullStateOf<P<double>>>(problem, t);
+    std::vector<double> variables;
+    for (std::size_t i = 0; i < x.size; ++i) variables.push_back(x[i]);
+    return variables;
+  } else {
+    return std::nullopt;
+  }
 }
 
 template <template <class> class P>
@@ -68,11 +117,11 @@ ProblemEntry make_entry() {
   ProblemEntry entry{About<P>::card(), {}};
   ProblemCard& card = entry.card;
   card.parameters = parameter_cards(About<P>::fields);
-  card.keeps_energy = Potential<P<double>>;
-  card.columns = column_names(card);
-  card.diagnostics = {"energy", "momenta", "structure", "error"};
-  if (TwoBody<P<double>>) card.diagnostics.emplace_back("orbit");
+  card.keeps_energy = KeepsEnergy<P<double>>;
+  card.columns = column_names<P<double>>(card);
+  card.diagnostics = diagnostic_names<P<double>>();
   card.offers = offers<P<double>>();
+  if (HasSeries<P<double>>) card.regular_start = &regular_start<P>;
   [&]<class... Scheme>(std::tuple<Scheme...>*) {
     (entry.runs.push_back(run_function<P, Scheme>()), ...);
   }(static_cast<SchemeList*>(nullptr));

@@ -72,6 +72,11 @@ struct LinearSolver<Dual<T, K>> {
   }
 };
 
+template <std::size_t N>
+double determinant(const std::array<std::array<double, N>, N>& a) {
+  return Eigen::Map<const Eigen::Matrix<double, int(N), int(N), Eigen::RowMajor>>(a[0].data()).determinant();
+}
+
 /// The change of a velocity that moves the positions q by a few units in their last place within a step h: a force that
 /// varies with q is not known better, whatever the velocity. Infinite for h = 0.
 template <std::size_t N, class T, class S>

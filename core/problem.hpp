@@ -1,20 +1,37 @@
 // What a problem can offer, as concepts, and the mechanics that follows from it.
 //
 // A problem is `template <class R = double> struct X` holding its parameters and nothing else. It states its mechanics
-// once, generic in the number T of the state and S of time:
+// once, generic in the number T of the state and S of time. Every problem is one of three:
+//
+// Mechanical, `dof` degrees of freedom:
 //   potential(q, t)       V, the primary form
 //   inverse_mass()        diagonal of g⁻¹ where the constant kinetic metric g is not the identity
 //   metric(q)             g(q), symmetric and positive definite, where it depends on the configuration
 //   gradient(q, t)        ∇V by hand, where that pays (a law checks it against the potential)
+//   exact(x0, t)          the solution, where there is a closed form (scalar numbers only); `exact_applies(x0)` where
+//   it
+//                         holds for some starts only
+//   invariants(q, p, t)   what the exact motion conserves besides energy
+// Contact, the same with one of
+//   damping() or damping(t)           α: H = K + V + α(t) s; the motion in (q, p) never reads s
+//   action_curvature() and offset()   γ and R: H = K + V + γs²/2 − R
+// Flow, `dim` variables, not mechanical:
+//   field(y, t)                       ẏ
+//   flow(Piece<i>, y, h, t)           `pieces` exact flows over h, time frozen at t, whose fields add up to ẏ
+//   energy(y, t)                      where there is one; `keeps_energy` where the motion keeps it
+//
+// For all:
+//   phases(t)             what the mechanics needs to know of a time, where that is dear; it then stands for t in every
+//                         function above, and is computed once a step. `period()`: how often it repeats.
 //   frequency_squared(q)  estimate of the largest squared local frequency, where a step can be too long for it
 //   careful_step          ωh from which a run warns, where half the stability bound is too late
-//   invariants(q, p, t)   what the exact motion conserves besides energy
-//   exact(x0, t)          the solution, where there is a closed form (scalar numbers only)
 // Everything else (vector field, Hamiltonian, Lagrangian, their derivatives) is derived here.
-// Notation: K = ½ g_ij v^i v^j = ½ pᵀg⁻¹p, H = K + V, L = K − V.
+// Notation: K = ½ g_ij v^i v^j = ½ pᵀg⁻¹p, H = K + V (+ αs | + γs²/2 − R), L = p·v − H. Contact form η = ds − p·dq.
+// Contact Hamilton equations: q̇ = H_p, ṗ = −H_q − p H_s, ṡ = p·H_p − H (Bravetti, Entropy 19, 535 (2017), eq. 43).
 #pragma once
 
 #include <concepts>
+#include <type_traits>
 
 #include "core/number/dual.hpp"
 #include "core/state.hpp"
@@ -22,46 +39,131 @@
 namespace least {
 
 template <class P>
-concept Potential = requires(const P& m, const Vec<P::dof>& q, double t) {
-  { m.potential(q, t) } -> std::convertible_to<double>;
+concept HasPhases = requires(const P& m, double t) {
+  m.phases(t);
+};
+/// What the mechanics needs to know of the time t: t itself, unless the problem says otherwise.
+template <class P, class S>
+constexpr auto phase(const P& m, const S& t) {
+  if constexpr (HasPhases<P>) {
+    return m.phases(t);
+  } else {
+    return t;
+  }
+}
+
+template <class P>
+concept Potential = requires(const P& m, const Vec<P::dof>& q) {
+  { m.potential(q, phase(m, 0.0)) } -> std::convertible_to<double>;
 };
 template <class P>
 concept ConfigurationMetric = Potential<P> && requires(const P& m, const Vec<P::dof>& q) {
   { m.metric(q) } -> std::same_as<Mat<P::dof>>;
 };
+/// α does not change in time, so what follows from it is computed once a run.
+template <class P>
+concept ConstantDamping = Potential<P> && requires(const P& m) {
+  m.damping();
+};
+/// H = K + V + α(t) s
+template <class P>
+concept LinearContact = ConstantDamping<P> ||(Potential<P>&& requires(const P& m) { m.damping(phase(m, 0.0)); });
+/// H = K + V + γs²/2 − R: the motion reads s.
+template <class P>
+concept QuadraticContact = Potential<P> && requires(const P& m) {
+  m.action_curvature();
+  m.offset();
+};
+template <class P>
+concept Contact = LinearContact<P> || QuadraticContact<P>;
+/// H = K + V: no s anywhere.
+template <class P>
+concept Conservative = Potential<P> && !Contact<P>;
 /// H = ½ pᵀg⁻¹p + V(q, t) with a constant diagonal metric g: kicks and drifts are explicit.
 template <class P>
-concept Separable = Potential<P> && !ConfigurationMetric<P>;
-/// L = ½ g_ij v^i v^j − V with any metric.
+concept Separable = Conservative<P> && !ConfigurationMetric<P>;
+/// H = ½ pᵀg⁻¹p + V(q, t) + a function of s, with a constant diagonal metric.
 template <class P>
-concept Lagrangian = Potential<P>;
+concept SeparableContact = Contact<P> && !ConfigurationMetric<P>;
+
+/// One of the parts a field is split into.
+template <int I>
+using Piece = std::integral_constant<int, I>;
+template <class P>
+concept Flow = requires(const P& m, const Vec<P::dim>& y) {
+  { m.field(y, phase(m, 0.0)) } -> std::same_as<Vec<P::dim>>;
+};
+/// A flow that is a sum of parts with exact flows.
+template <class P>
+concept SplitFlow = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
+  { m.flow(Piece<P::pieces - 1>{}, y, 0.0, phase(m, 0.0)) } -> std::same_as<Vec<P::dim>>;
+};
 /// Has equations of motion ẏ = f(t, y).
 template <class P>
-concept VectorField = Potential<P>;
+concept VectorField = Potential<P> || Flow<P>;
+
+namespace detail {
+template <class P, class T, class S, bool Full>
+struct StateFor;
+template <Conservative P, class T, class S, bool Full>
+struct StateFor<P, T, S, Full> {
+  using type = State<P::dof, T, S>;
+};
+template <Contact P, class T, class S, bool Full>
+struct StateFor<P, T, S, Full> {
+  using type = State<P::dof, T, S, std::conditional_t<Full || QuadraticContact<P>, Action<T>, NoAction>>;
+};
+template <Flow P, class T, class S, bool Full>
+struct StateFor<P, T, S, Full> {
+  using type = Point<P::dim, T, S>;
+};
+}  // namespace detail
+
+/// The state that the motion needs.
+template <class P, class T = double, class S = double>
+using StateOf = typename detail::StateFor<P, T, S, false>::type;
+/// The same with s wherever the scene has one.
+template <class P, class T = double, class S = double>
+using FullStateOf = typename detail::StateFor<P, T, S, true>::type;
 
 template <class P>
-concept HasGradient = requires(const P& m, const Vec<P::dof>& q, double t) {
-  m.gradient(q, t);
+concept HasGradient = requires(const P& m, const Vec<P::dof>& q) {
+  m.gradient(q, phase(m, 0.0));
 };
 template <class P>
 concept HasInverseMass = requires(const P& m) {
   m.inverse_mass();
 };
+/// The coordinates of a state: q, or all of a point.
+template <class X>
+constexpr const auto& position(const X& x) {
+  if constexpr (requires { x.q; }) {
+    return x.q;
+  } else {
+    return x.y;
+  }
+}
 template <class P>
-concept HasFrequency = requires(const P& m, const Vec<P::dof>& q) {
-  m.frequency_squared(q);
+concept HasFrequency = requires(const P& m, const StateOf<P>& x) {
+  m.frequency_squared(position(x));
 };
 template <class P>
 concept HasInvariants = requires(const P& m, const Vec<P::dof>& q) {
   m.invariants(q, q, 0.0);
 };
 template <class P>
-concept HasExact = requires(const P& m, const State<P::dof>& x) {
-  { m.exact(x, 0.0) } -> std::same_as<State<P::dof>>;
+concept HasExact = requires(const P& m, const StateOf<P>& x) {
+  { m.exact(x, 0.0) } -> std::same_as<StateOf<P>>;
 };
-
-template <class P, class T = double, class S = double>
-using StateOf = State<P::dof, T, S>;
+template <class P>
+concept HasEnergy = Potential<P> || requires(const P& m, const Vec<P::dim>& y) {
+  { m.energy(y, 0.0) } -> std::convertible_to<double>;
+};
+/// The exact motion keeps the energy.
+template <class P>
+concept KeepsEnergy = Conservative<P> || requires {
+  requires P::keeps_energy;
+};
 
 /// The coordinates as independent variables of a dual number.
 template <int N, class T>
@@ -104,13 +206,23 @@ constexpr std::array<T, N> solve_definite(std::array<std::array<T, N>, N> g, std
   return b;
 }
 
-/// ∇V at (q, t).
-template <Potential P, class T, class S>
-constexpr Vec<P::dof, T> gradient(const P& m, const Vec<P::dof, T>& q, const S& t) {
-  if constexpr (HasGradient<P>) {
-    return m.gradient(q, t);
+/// α(t)
+template <LinearContact P, class F>
+constexpr auto damping(const P& m, const F& f) {
+  if constexpr (ConstantDamping<P>) {
+    return m.damping();
   } else {
-    return m.potential(seed<P::dof, T>(q), t).slope;
+    return m.damping(f);
+  }
+}
+
+/// ∇V at q and the phase f.
+template <Potential P, class T, class F>
+constexpr Vec<P::dof, T> gradient(const P& m, const Vec<P::dof, T>& q, const F& f) {
+  if constexpr (HasGradient<P>) {
+    return m.gradient(q, f);
+  } else {
+    return m.potential(seed<P::dof, T>(q), f).slope;
   }
 }
 
@@ -144,46 +256,93 @@ constexpr Vec<P::dof, T> momentum(const P& m, const Vec<P::dof, T>& q, const Vec
   }
 }
 
-/// H(q, p, t)
-template <Potential P, class T, class S>
-constexpr T hamiltonian(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& p, const S& t) {
-  return T(0.5) * dot(p, velocity(m, q, p)) + m.potential(q, t);
+/// K + V, the mechanical energy.
+template <Potential P, class T, class F>
+constexpr T mechanical_energy(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& p, const F& f) {
+  return T(0.5) * dot(p, velocity(m, q, p)) + m.potential(q, f);
+}
+
+/// H − K − V: what s adds to the Hamiltonian.
+template <Contact P, class T, class F>
+constexpr T action_energy(const P& m, const T& s, const F& f) {
+  if constexpr (LinearContact<P>) {
+    return damping(m, f) * s;
+  } else {
+    return 0.5 * m.action_curvature() * (s * s) - m.offset();
+  }
+}
+/// H_s
+template <Contact P, class T, class F>
+constexpr auto action_slope(const P& m, const T& s, const F& f) {
+  if constexpr (LinearContact<P>) {
+    return damping(m, f);
+  } else {
+    return m.action_curvature() * s;
+  }
+}
+
+/// H at a state that says enough: with s where H depends on it. For a flow its energy.
+template <HasEnergy P, class X>
+constexpr typename X::Number energy(const P& m, const X& x) {
+  if constexpr (Flow<P>) {
+    return m.energy(x.y, x.t);
+  } else {
+    const auto f = phase(m, x.t);
+    if constexpr (Contact<P>) {
+      static_assert(X::acting, "the energy of a contact scene depends on s");
+      return mechanical_energy(m, x.q, x.p, f) + action_energy(m, x.action.s, f);
+    } else {
+      return mechanical_energy(m, x.q, x.p, f);
+    }
+  }
 }
 
 /// ∂L/∂q at fixed velocity v: the force, with the metric's own part where it depends on q.
-template <Lagrangian P, class T, class S>
-constexpr Vec<P::dof, T> lagrangian_force(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& v, const S& t) {
-  Vec<P::dof, T> f;
+template <Potential P, class T, class F>
+constexpr Vec<P::dof, T> lagrangian_force(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& v, const F& f) {
+  Vec<P::dof, T> force;
   if constexpr (ConfigurationMetric<P>) {
     const auto x = seed<P::dof, T>(q);
     Vec<P::dof, Dual<T, P::dof>> w;
     for (std::size_t i = 0; i < w.size(); ++i) w[i] = v[i];
-    f = (T(0.5) * dot(w, m.metric(x) * w) - m.potential(x, t)).slope;
+    force = (T(0.5) * dot(w, m.metric(x) * w) - m.potential(x, f)).slope;
   } else {
-    f = gradient(m, q, t);
-    for (auto& c : f) c = -c;
+    force = gradient(m, q, f);
+    for (auto& c : force) c = -c;
   }
-  return f;
+  return force;
 }
 
-/// Right-hand side of Hamilton's equations: q̇ = ∂H/∂p, ṗ = −∂H/∂q = ∂L/∂q at v = ∂H/∂p. One force evaluation.
-template <VectorField P, class T, class S>
-constexpr StateOf<P, T, S> derivative(const P& m, const StateOf<P, T, S>& x) {
-  StateOf<P, T, S> d;
-  d.t = S(1);
-  d.q = velocity(m, x.q, x.p);
-  d.p = lagrangian_force(m, x.q, d.q, x.t);
+/// Equations of motion. Hamilton's: q̇ = ∂H/∂p, ṗ = −∂H/∂q = ∂L/∂q at v = ∂H/∂p; for a contact scene with −p H_s, and
+/// ṡ = p·q̇ − H where s is carried. One force evaluation.
+template <VectorField P, class X>
+constexpr X derivative(const P& m, const X& x) {
+  X d;
+  d.t = typename X::Time(1);
+  const auto f = phase(m, x.t);
+  if constexpr (Flow<P>) {
+    d.y = m.field(x.y, f);
+  } else {
+    d.q = velocity(m, x.q, x.p);
+    d.p = lagrangian_force(m, x.q, d.q, f);
+    if constexpr (LinearContact<P>) {
+      const auto alpha = damping(m, f);
+      for (std::size_t i = 0; i < d.p.size(); ++i) d.p[i] = d.p[i] - alpha * x.p[i];
+    }
+    if constexpr (QuadraticContact<P>) {
+      const auto slope = action_slope(m, x.action.s, f);
+      for (std::size_t i = 0; i < d.p.size(); ++i) d.p[i] = d.p[i] - slope * x.p[i];
+    }
+    if constexpr (X::acting) d.action.s = 0.5 * dot(x.p, d.q) - m.potential(x.q, f) - action_energy(m, x.action.s, f);
+  }
   return d;
 }
 
-/// x + h d, component by component, for q and p; t is left to the caller.
-template <int N, class T, class S>
-constexpr State<N, T, S> shifted(const State<N, T, S>& x, const S& h, const State<N, T, S>& d) {
-  State<N, T, S> y = x;
-  for (std::size_t i = 0; i < y.q.size(); ++i) {
-    y.q[i] = y.q[i] + h * d.q[i];
-    y.p[i] = y.p[i] + h * d.p[i];
-  }
+/// x + h d, component by component; t is left to the caller.
+template <class X>
+constexpr X shifted(const X& x, const typename X::Time& h, const X& d) {
+  X y = x;
+  for (std::size_t i = 0; i < X::size; ++i) y[i] = y[i] + h * d[i];
   return y;
 }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -30,6 +31,12 @@ concept SchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const typename X:
   noexcept->std::same_as<Status>;
   { stepper.work() } -> std::convertible_to<Work>;
 };
+
+// A scheme may also say, as const members: objection(problem) → what it has against a scene, in words;
+// flips_momentum(problem, t); starts_at_singularity(problem). See Engine.
+
+/// What contact schemes with the factor 1/(1 + hα/2) have against αh: a stage of weight γ has a pole at γαh = −2.
+std::string pole_objection(Composition composition, double damping_step);
 
 /// The parameters that most schemes share.
 template <class C>

@@ -1,45 +1,91 @@
-// The state of a mechanical scene and nothing that the scene does not need.
+// The state of a scene and nothing that the scene does not need. Every state is read in two ways: by its parts (q, p, s
+// or y), as mechanics does, and by its components x[0] … x[size − 1], as what is generic in the scene does.
 #pragma once
 
-#include "core/number/math.hpp"
+#include <type_traits>
+
+#include "core/number/dual.hpp"
 
 namespace least {
 
-/// Absent action: a conservative scene carries no s.
+/// Absent action: the motion does not read s and nobody asked for it.
 struct NoAction {
+  template <class>
+  using in = NoAction;
+  static constexpr std::size_t size = 0;
   friend constexpr bool operator==(const NoAction&, const NoAction&) = default;
 };
 /// The action s of a contact scene, where the motion needs it or the caller asks for it.
 template <class T>
 struct Action {
+  template <class U>
+  using in = Action<U>;
+  static constexpr std::size_t size = 1;
   T s{};
   friend constexpr bool operator==(const Action&, const Action&) = default;
 };
 
 /// Time t, coordinates q, momenta p, and s where A says so. N degrees of freedom; T is what the state is made of, S
-/// what time is.
+/// what time is. Components: q, p, s.
 template <int N, class T = double, class S = double, class A = NoAction>
 struct State {
   using Number = T;
   using Time = S;
+  template <class U, class V = U>
+  using in = State<N, U, V, typename A::template in<U>>;  ///< the same in other numbers
   static constexpr int dof = N;
+  static constexpr bool acting = A::size > 0;
+  static constexpr std::size_t size = 2 * N + A::size;
+
   S t{};
   Vec<N, T> q{}, p{};
   [[no_unique_address]] A action{};
+
+  template <class Self>
+  static constexpr auto& component(Self& x, std::size_t i) {
+    if constexpr (acting)
+      if (i == 2 * N) return x.action.s;
+    return i < N ? x.q[i] : x.p[i - N];
+  }
+  constexpr T& operator[](std::size_t i) { return component(*this, i); }
+  constexpr const T& operator[](std::size_t i) const { return component(*this, i); }
   friend constexpr bool operator==(const State&, const State&) = default;
 };
 static_assert(sizeof(State<1>) == 3 * sizeof(double));
 
+/// Time t and a point y of the phase space of a system that is not mechanical.
+template <int N, class T = double, class S = double>
+struct Point {
+  using Number = T;
+  using Time = S;
+  template <class U, class V = U>
+  using in = Point<N, U, V>;
+  static constexpr bool acting = false;
+  static constexpr std::size_t size = N;
+
+  S t{};
+  Vec<N, T> y{};
+
+  constexpr T& operator[](std::size_t i) { return y[i]; }
+  constexpr const T& operator[](std::size_t i) const { return y[i]; }
+  friend constexpr bool operator==(const Point&, const Point&) = default;
+};
+
 /// The same state in another number; derivatives are zero, digits are kept.
-template <class T, class S, int N, class T0, class S0>
-constexpr State<N, T, S> convert(const State<N, T0, S0>& x) {
-  State<N, T, S> y;
+template <class T, class S, class X>
+constexpr typename X::template in<T, S> convert(const X& x) {
+  typename X::template in<T, S> y;
   y.t = S(x.t);
-  for (std::size_t i = 0; i < N; ++i) {
-    y.q[i] = T(x.q[i]);
-    y.p[i] = T(x.p[i]);
-  }
+  for (std::size_t i = 0; i < X::size; ++i) y[i] = T(x[i]);
   return y;
+}
+
+/// The components that two states share, the rest of `to` as it was.
+template <class To, class From>
+constexpr To& assign(To& to, const From& from) {
+  to.t = from.t;
+  for (std::size_t i = 0; i < (To::size < From::size ? To::size : From::size); ++i) to[i] = from[i];
+  return to;
 }
 
 }  // namespace least

@@ -52,20 +52,35 @@ void write_variables(JsonWriter& json, const std::vector<VariableCard>& variable
   json.open('[');
   for (const auto& v : variables) {
     json.open('{').key("name").text(v.name).key("symbol").text(v.symbol).key("doc").text(v.doc);
-    json.key("unit").text(v.unit).key("default").number(v.value).close('}');
+    json.key("unit").text(v.unit).key("default").number(v.value).key("optional").boolean(v.optional).close('}');
   }
   json.close(']');
 }
 
-void write_presets(JsonWriter& json, const std::vector<PresetCard>& presets) {
+void write_presets(JsonWriter& json, const ProblemCard& card) {
   json.open('[');
-  for (const auto& preset : presets) {
+  for (const auto& preset : card.presets) {
     json.open('{').key("name").text(preset.name).key("doc").text(preset.doc);
-    write_named(json.key("parameters"), preset.parameters);
+    json.key("parameters").open('{');
+    for (const auto& parameter : card.parameters) {
+      for (const auto& [name, value] : preset.parameters) {
+        if (name == parameter.name) write_parameter(json.key(name), parameter, value);
+      }
+    }
+    json.close('}');
     write_named(json.key("initial"), preset.initial);
+    write_named(json.key("suggested"), preset.suggested);
+    json.key("until").open('{').key("t").number(preset.span > 0 ? preset.span : card.span).close('}');
     json.close('}');
   }
   json.close(']');
+}
+
+void write_quantities(JsonWriter& json, const std::vector<QuantityCard>& quantities) {
+  for (const auto& quantity : quantities) {
+    json.open('{').key("name").text(quantity.name).key("symbol").text(quantity.symbol);
+    json.key("doc").text(quantity.doc).close('}');
+  }
 }
 
 void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& cards) {
@@ -75,15 +90,14 @@ void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& 
   write_parameter_cards(json.key("parameters"), card.parameters);
   json.key("until").open('{').key("t").number(card.span).close('}');
   write_named(json.key("suggested"), card.suggested);
-  write_presets(json.key("presets"), card.presets);
+  write_presets(json.key("presets"), card);
   json.key("invariants").open('[');
   if (card.keeps_energy) {
     json.open('{').key("name").text("energy").key("symbol").text("H").key("doc").text("total energy").close('}');
   }
-  for (const auto& invariant : card.invariants) {
-    json.open('{').key("name").text(invariant.name).key("symbol").text(invariant.symbol);
-    json.key("doc").text(invariant.doc).close('}');
-  }
+  write_quantities(json, card.invariants);
+  json.close(']').key("quantities").open('[');
+  write_quantities(json, card.quantities);
   json.close(']');
   write_texts(json.key("columns"), card.columns);
   write_texts(json.key("diagnostics"), card.diagnostics);

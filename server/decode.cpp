@@ -82,15 +82,16 @@ const PresetCard* read_preset(const Json& object, const Place& place, const Prob
   return index ? &card.presets[*index] : nullptr;
 }
 
-// The problem's parameters and the start: card, then preset, then what the request says.
-void read_scene(const Json& root, const Place& top, const ProblemCard& card, Request& request) {
+// The problem's parameters and the start: card, then preset, then what the request says. The preset, if there is one.
+const PresetCard* read_scene(const Json& root, const Place& top, const ProblemCard& card, Request& request) {
   for (const auto& parameter : card.parameters) request.parameters.push_back(parameter.value);
   for (const auto& variable : card.variables) request.initial.push_back(variable.value);
 
   const Place place = top.at("problem");
+  const PresetCard* preset = nullptr;
   if (const Json* json = find(root, "problem"); json->is_object()) {
     read_object(*json, place, keys_of(card.parameters, {"id", "preset"}), card.id);
-    if (const PresetCard* preset = read_preset(*json, place, card)) {
+    if ((preset = read_preset(*json, place, card)) != nullptr) {
       for (std::size_t i = 0; i < card.parameters.size(); ++i) {
         request.parameters[i] = named(preset->parameters, card.parameters[i].name).value_or(request.parameters[i]);
       }
@@ -105,21 +106,29 @@ void read_scene(const Json& root, const Place& top, const ProblemCard& card, Req
   const Json* initial = find(root, "initial");
   const Place start = top.at("initial");
   const Names names = keys_of(card.variables, {"t"});
-  if (initial == nullptr || !read_object(*initial, start, names, fmt::format("the start of {}", card.id))) return;
+  if (initial == nullptr || !read_object(*initial, start, names, fmt::format("the start of {}", card.id)))
+    return preset;
+  bool given = false;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* json = find(*initial, names[i]);
-    if (json == nullptr) continue;
+    const bool follows = i > 0 && std::isnan(card.variables[i - 1].value);  // null: from the others
+    if (json == nullptr || (follows && json->is_null())) continue;
     const auto value = read_number(*json, start.at(names[i]), {-infinity, infinity, true, true});
     if (value) (i == 0 ? request.start : request.initial[i - 1]) = *value;
+    given = given || i > 0;
   }
+  if (!given && card.regular_start != nullptr) {
+    if (auto state = card.regular_start(request.parameters, request.start)) request.initial = std::move(*state);
+  }
+  return preset;
 }
 
 void read_scheme(const Json& root, const Place& top, const SchemeCard& card, const ProblemCard* problem,
-                 Request& request) {
+                 const PresetCard* preset, Request& request) {
   for (const auto& parameter : card.parameters) {
-    const auto suggestion = problem != nullptr && !parameter.suggested.empty()
-                                ? named(problem->suggested, parameter.suggested)
-                                : std::nullopt;
+    std::optional<double> suggestion;
+    if (preset != nullptr) suggestion = named(preset->suggested, parameter.suggested);
+    if (problem != nullptr && !suggestion) suggestion = named(problem->suggested, parameter.suggested);
     request.settings.push_back(suggestion.value_or(parameter.value));
   }
   const Json* json = find(root, "scheme");
@@ -162,10 +171,12 @@ Result<Request, Faults> decode(ParsedJson body, const Cards& cards, const Caps& 
   const Chosen scheme = choose(root, top, "scheme", names_of(cards.schemes));
   const ProblemCard* problem_card = problem.index ? &cards.problems[*problem.index] : nullptr;
   const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
-  if (problem_card) read_scene(root, top, *problem_card, request);
-  if (scheme_card) read_scheme(root, top, *scheme_card, problem_card, request);
+  const PresetCard* preset = problem_card ? read_scene(root, top, *problem_card, request) : nullptr;
+  if (scheme_card) read_scheme(root, top, *scheme_card, problem_card, preset, request);
   if (problem_card && scheme_card) check_pair(cards, *problem_card, *scheme.index, scheme.place);
-  read_plan(root, top, problem_card, scheme_card, caps, request);
+  double span = problem_card ? problem_card->span : 0;
+  if (preset != nullptr && preset->span > 0) span = preset->span;
+  read_plan(root, top, problem_card, scheme_card, span, caps, request);
 
   if (!faults.empty()) return faults;
   request.problem = *problem.index;

@@ -39,8 +39,8 @@ void read_limits(const Json& root, const Place& top, const Caps& caps, Limits& l
 }
 
 // The end as it stands in the request, or the default one.
-void read_until(const Json& root, const Place& top, const ProblemCard* problem, Request& request) {
-  if (problem) request.end = request.start + problem->span;
+void read_until(const Json& root, const Place& top, double span, Request& request) {
+  request.end = request.start + span;
   const Json* json = find(root, "until");
   const Place place = top.at("until");
   if (json == nullptr || !read_object(*json, place, {"t", "steps"}, "until")) return;
@@ -191,7 +191,9 @@ void read_columns(const Json& root, const Place& top, const ProblemCard& problem
     }
   } else {
     add_name(problem.columns, "t", request.columns);
-    for (const auto& variable : problem.variables) add_name(problem.columns, variable.name, request.columns);
+    for (const auto& variable : problem.variables) {
+      if (!variable.optional) add_name(problem.columns, variable.name, request.columns);
+    }
   }
   if (const Json* json = find(root, "diagnostics")) {
     request.diagnostics = read_names(*json, top.at("diagnostics"), problem.diagnostics, "diagnostic");
@@ -203,9 +205,9 @@ void read_columns(const Json& root, const Place& top, const ProblemCard& problem
 }  // namespace
 
 void read_plan(const Json& root, const Place& top, const ProblemCard* problem, const SchemeCard* scheme,
-               const Caps& caps, Request& request) {
+               double default_span, const Caps& caps, Request& request) {
   read_limits(root, top, caps, request.limits);
-  read_until(root, top, problem, request);
+  read_until(root, top, default_span, request);
   Span span;
   const auto sound = [&](const char* pointer) { return !top.faults->at(pointer); };
   if (problem && scheme && sound("/problem/preset") && sound("/initial/t") && sound("/until") && sound("/until/t") &&

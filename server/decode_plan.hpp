@@ -9,6 +9,6 @@ namespace least::server {
 /// Reads `until`, `record`, `columns`, `diagnostics` and `limits` into the request, whose start and settings are set.
 /// Cards are null where they are not known; what depends on them is then left alone.
 void read_plan(const Json& root, const Place& top, const ProblemCard* problem, const SchemeCard* scheme,
-               const Caps& caps, Request& request);
+               double default_span, const Caps& caps, Request& request);
 
 }  // namespace least::server

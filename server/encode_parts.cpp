@@ -121,6 +121,7 @@ void write_stop(JsonWriter& json, const Stop& stop) {
 void write_final(JsonWriter& json, const Run& run) {
   json.open('{').key("t").number(run.outcome.t);
   for (std::size_t i = 0; i < run.problem.variables.size() && i < run.outcome.final.size(); ++i) {
+    if (run.problem.variables[i].optional && !std::isfinite(run.outcome.final[i])) continue;  // not carried
     json.key(run.problem.variables[i].name).number(run.outcome.final[i]);
   }
   json.close('}');

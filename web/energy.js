@@ -1,13 +1,17 @@
-// The energy error of the runs over time, on a logarithmic axis. uPlot is the global of uPlot.iife.min.js.
-import { format, multiples, powerOfTen } from "./numbers.js";
+// The energy of the runs over time: its error on a logarithmic axis where the scene keeps it, else H itself on a plain
+// one. uPlot is the global of uPlot.iife.min.js.
+import { format, multiples, powerOfTen, roundStep, tickLabel } from "./numbers.js";
+
+const known = (x) => x !== null;
+const startOf = ({ trajectory }) => trajectory.energy.find(known);
 
 /** |H − H₀| of a run, divided by |H₀| where `relative`; exact zeros, which have no logarithm, are left out. */
-function errors({ t, energy }, relative) {
-  const start = energy[0], scale = relative ? Math.abs(start) : 1;
+function errors(run, relative) {
+  const { t, energy } = run.trajectory, start = startOf(run), scale = relative ? Math.abs(start) : 1;
   const kept = [[], []];
   for (let i = 0; i < t.length; i++) {
-    const error = Math.abs(energy[i] - start) / scale;
-    if (error > 0 && Number.isFinite(error)) {
+    const error = known(energy[i]) ? Math.abs(energy[i] - start) / scale : null; // null is a gap
+    if (error === null || (error > 0 && Number.isFinite(error))) {
       kept[0].push(t[i]);
       kept[1].push(error);
     }
@@ -31,20 +35,37 @@ export class EnergyPlot {
     this.#plot?.redraw(false, true);
   }
 
-  /** Says what it shows: `{what, note}`. */
-  show(runs) {
+  /** Shows the "error" of the energy, its "value", or that there is "none"; says what it shows: `{title, what, note}`. */
+  show(kind, runs) {
     if (this.#plot) this.#resized.unobserve(this.#plot.root.querySelector(".u-legend"));
     this.#plot?.destroy();
     this.#plot = null;
-    const relative = runs.length > 0 && runs.every((run) => run.trajectory.energy[0] !== 0);
-    const what = relative ? "|H − H₀| / |H₀|" : "|H − H₀|";
-    const tables = runs.map((run) => errors(run.trajectory, relative));
-    if (tables.every(([t]) => !t.length)) return { what, note: runs.length ? "No error at all: H is exactly H₀." : "" };
+    this.#container.hidden = kind === "none";
+    if (kind === "none") return { title: "Energy", what: "", note: "This scene has no energy." };
+    const seen = runs.filter((run) => run.trajectory.energy.some(known));
+    if (kind === "value") return { title: "Energy H", what: "not conserved in this scene", note: this.#showValues(seen) };
+    const relative = seen.length > 0 && seen.every((run) => startOf(run) !== 0);
+    return { title: "Energy error", what: relative ? "|H − H₀| / |H₀|" : "|H − H₀|", note: this.#showErrors(seen, relative) };
+  }
+
+  #showValues(runs) {
+    this.#plotTables(runs, runs.map(({ trajectory }) => [trajectory.t, trajectory.energy]), plain);
+    return "";
+  }
+
+  #showErrors(runs, relative) {
+    const tables = runs.map((run) => errors(run, relative));
+    const exact = runs.filter((_, i) => !tables[i][1].some(known));
+    if (exact.length === runs.length) return runs.length ? "No error at all: H is exactly H₀." : "";
+    this.#plotTables(runs, tables, logarithmic);
+    return exact.length ? `${exact.map((run) => run.title).join(" and ")}: exactly H₀ throughout.` : "";
+  }
+
+  #plotTables(runs, tables, scale) {
+    if (!runs.length) return;
     const data = tables.length > 1 ? uPlot.join(tables) : tables[0];
-    this.#plot = new uPlot(this.#options(runs, what), data, this.#container);
+    this.#plot = new uPlot(this.#options(runs, scale), data, this.#container);
     this.#resized.observe(this.#plot.root.querySelector(".u-legend"));
-    const exact = runs.filter((_, i) => tables[i][0].length === 0).map((run) => run.title);
-    return { what, note: exact.length ? `${exact.join(" and ")}: exactly H₀ throughout.` : "" };
   }
 
   #size() {
@@ -52,7 +73,7 @@ export class EnergyPlot {
     return { width: this.#container.clientWidth, height: this.#container.clientHeight - legend };
   }
 
-  #options(runs, what) {
+  #options(runs, { distr, splits, values, widths }) {
     const style = getComputedStyle(this.#container);
     const ink = (name) => () => style.getPropertyValue(name).trim();
     const font = `13px ${style.fontFamily}`;
@@ -61,21 +82,29 @@ export class EnergyPlot {
     const value = (_, v) => format(v);
     return {
       ...this.#size(),
-      scales: { x: { time: false }, y: { distr: 3 } },
+      scales: { x: { time: false }, y: { distr } },
       axes: [
         { ...axis, label: "t", labelFont: `italic 16px ${style.fontFamily}`, labelSize: 22, size: 34 },
-        { ...axis, size: 58, splits: (_, __, low, high) => decades(low, high), filter: (_, marks) => marks,
-          values: (_, marks) => marks.map((v) => powerOfTen(Math.round(Math.log10(v)))) },
+        { ...axis, size: 58, splits: (_, __, low, high) => splits(low, high), filter: (_, marks) => marks,
+          values: (_, marks) => values(marks) },
       ],
       series: [
         { label: "t", value: (_, v) => format(v, 5) },
-        ...runs.map((run) => ({ label: run.title, stroke: ink(run.colour), width: 1.4, points: { show: false }, value })),
+        ...runs.map((run, i) => ({ label: run.title, stroke: ink(run.colour), width: widths[i], points: { show: false },
+                                   value })),
       ],
       cursor: { points: { size: 7 }, drag: { x: true, y: false } },
       legend: { live: true, markers: { width: 3 } },
     };
   }
 }
+
+// The axes of the energy, with the widths of the runs' lines. Two good runs of H itself are one line to the eye: the
+// first is drawn broad, to be seen beneath the second.
+const logarithmic = { distr: 3, splits: decades, widths: [1.4, 1.4],
+                      values: (marks) => marks.map((v) => powerOfTen(Math.round(Math.log10(v)))) };
+const plain = { distr: 1, splits: (low, high) => multiples(low, high, roundStep(low, high, 7)), widths: [6, 2],
+                values: (marks) => marks.map((v) => tickLabel(v, marks[1] - marks[0])) };
 
 /** Powers of ten in [low, high], at most about eight of them. */
 function decades(low, high) {

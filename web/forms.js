@@ -33,8 +33,10 @@ function field(card, pointer, value = card.default) {
   const input = control(card, value);
   Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number" });
   if (card.nullable) input.dataset.nullable = "";
+  if (card.optional) input.dataset.optional = "";
   const unit = card.unit && card.unit !== "1" ? `in ${card.unit}` : "";
-  input.title = [card.doc, unit, range(card), card.nullable ? "empty: off" : ""].filter(Boolean).join("; ");
+  const empty = card.nullable ? "empty: off" : card.optional ? "empty: as it follows from the others" : "";
+  input.title = [card.doc, unit, range(card), empty].filter(Boolean).join("; ");
   const name = element("span", { className: "name", textContent: card.label ?? words(card.name) });
   if (card.symbol && card.symbol !== card.name) name.append(" ", symbol(card.symbol));
   return element("label", { className: `field ${input.dataset.kind}` }, name, input);
@@ -49,7 +51,7 @@ function control(card, value) {
     return select;
   }
   return element("input", { type: "text", inputMode: "decimal", spellcheck: false, value: value ?? "",
-                            placeholder: String(card.default ?? "off") });
+                            placeholder: String(card.default ?? (card.optional ? "auto" : "off")) });
 }
 
 function range(card) {
@@ -58,11 +60,15 @@ function range(card) {
   return `${open}${card.minimum ?? "−∞"}, ${card.maximum ?? "∞"}${close}`;
 }
 
-/** The values of a container by name. What is not a number is passed on as text: the service says what is wrong. */
+/**
+ * The values of a container by name. What is not a number is passed on as text: the service says what is wrong. An
+ * optional value is there only where it is another than its default.
+ */
 export function values(container) {
   const read = {};
   for (const input of container.querySelectorAll("[data-name]")) {
     const { name, kind } = input.dataset, text = input.value.trim();
+    if ("optional" in input.dataset && text === input.placeholder) continue;
     if (kind === "flag") read[name] = input.checked;
     else if (kind === "choice") read[name] = input.value;
     else if (text !== "") read[name] = Number.isFinite(Number(text)) ? Number(text) : text;

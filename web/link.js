@@ -1,6 +1,6 @@
 // The experiment as the part of the address behind `#`, and back: `problem=kepler&problem.mu=1&initial.x=0&A=leapfrog…`.
 // An experiment has the sections of a request, with the two schemes under the names of the runs:
-// {problem: {id, …}, initial: {…}, until: {t}, record: {samples}, A: {id, …}, B: {id, …}}.
+// {problem: {id, …}, preset: {id}, initial: {…}, until: {t}, record: {samples}, axes: {x, y}, A: {id, …}, B: {id, …}}.
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();

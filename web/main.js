@@ -1,10 +1,11 @@
 // The page: one scene, two runs of it. Any change makes new requests and drops those under way.
 import * as api from "./api.js";
+import { axes, cards, columns, diagnostics, energyKind, presetOf } from "./card.js";
 import { EnergyPlot } from "./energy.js";
-import { build, choose, clearFaults, element, values } from "./forms.js";
+import { build, choose, clearFaults, element, values, words } from "./forms.js";
 import { fromHash, toHash } from "./link.js";
 import { Pane } from "./pane.js";
-import { box, commonView } from "./plane.js";
+import { commonView, curveOf } from "./plane.js";
 import { fill } from "./table.js";
 
 // What the page shows first: five revolutions of the orbit of Nair, Ober-Blöbaum & Marsden.
@@ -16,18 +17,25 @@ const panes = [new Pane("A", 1), new Pane("B", 2)];
 const energy = new EnergyPlot(find("#energy"));
 const samples = { name: "samples", label: "points drawn", default: 10000,
                   doc: "how many points of each run are drawn, at most" };
-const end = ({ until }) => until.t ?? until; // the default span, as a part of a request or as a bare time
+const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]") };
 let catalogue, problem, underWay = null, scheduled = 0;
+let outcomes = null; // those in sight, null while there are none of this problem
 
 /** Sets every form to an experiment as a link holds it; what it leaves out takes its default. */
 function load(experiment) {
   const known = (id) => catalogue.problems.find((candidate) => candidate.id === id);
   problem = known(experiment.problem?.id) ?? catalogue.problems[0];
+  outcomes = null;
   choose(find("#problem"), catalogue.problems, problem.id);
-  const until = { name: "t", label: "until t", default: end(problem), doc: "when the run ends" };
-  const cards = { problem: problem.parameters, initial: problem.variables, until: [until], record: [samples] };
-  for (const section in cards) build(scene[section], cards[section], `/${section}`, experiment[section]);
+  const preset = offerPresets(experiment.preset?.id);
+  const { parameters, initial } = cards(problem, preset);
+  build(scene.problem, parameters, "/problem", experiment.problem);
+  build(scene.initial, initial, "/initial", experiment.initial);
+  const until = { name: "t", label: "until t", default: start() + problem.until.t, doc: "when the run ends" };
+  build(scene.until, [until], "/until", experiment.until);
+  build(scene.record, [samples], "/record", experiment.record);
   scene.problem.parentElement.hidden = problem.parameters.length === 0;
+  offerAxes(experiment.axes);
   const formula = new DOMParser().parseFromString(problem.formula, "text/html").querySelector("math");
   formula?.setAttribute("display", "block");
   find("#formula").replaceChildren(...(formula ? [document.importNode(formula, true)] : []));
@@ -38,22 +46,62 @@ function load(experiment) {
   request();
 }
 
+/** Offers the problem's presets and picks one by name; the preset, or undefined for the problem's own values. */
+function offerPresets(name) {
+  const preset = presetOf(problem, name);
+  const options = problem.presets.map((offered) => ({ id: offered.name, title: words(offered.name) }));
+  choose(find("#preset"), [{ id: "", title: "default" }, ...options], preset?.name);
+  find("#presets").hidden = options.length === 0;
+  find("#preset-doc").textContent = preset?.doc ?? "";
+  return preset;
+}
+
+function offerAxes(chosen = {}) {
+  const options = axes(problem);
+  const known = (id) => options.some((option) => option.id === id);
+  choose(axis.x, options, known(chosen.x) ? chosen.x : options[0].id);
+  choose(axis.y, options, known(chosen.y) ? chosen.y : options[1].id);
+}
+
+/** When the run starts, as the form says or else its default. */
+function start() {
+  const field = scene.initial.querySelector("[data-name=t]");
+  const given = Number(field.value.trim() || field.placeholder);
+  return Number.isFinite(given) ? given : 0;
+}
+
+/** The default end follows the start; an end of one's own stays. */
+function moveEnd() {
+  const field = scene.until.querySelector("[data-name=t]");
+  const own = ownEnd();
+  field.placeholder = String(start() + problem.until.t);
+  if (!own) field.value = field.placeholder;
+}
+
+/** The end, where it is not the default one. */
+function ownEnd() {
+  const { value, placeholder } = scene.until.querySelector("[data-name=t]");
+  return value.trim() === placeholder ? undefined : values(scene.until);
+}
+
 /** The experiment as the forms stand. */
 function experiment() {
   const sections = Object.entries(scene).map(([section, form]) => [section, values(form)]);
   const { problem: parameters, ...rest } = Object.fromEntries(sections);
+  const preset = find("#preset").value;
   const runs = Object.fromEntries(panes.map((pane) => [pane.name, pane.chosen()]));
-  return { problem: { id: problem.id, ...parameters }, ...rest, ...runs };
+  return { problem: { id: problem.id, ...parameters }, ...(preset ? { preset: { id: preset } } : {}), ...rest,
+           axes: { x: axis.x.value, y: axis.y.value }, ...runs };
 }
 
 /** The request for one run: every N-th step, so that drawn points are states the scheme was in. */
-function requestFor({ problem: mechanics, initial, until, record }, scheme) {
+function requestFor({ problem: { id, ...parameters }, preset, initial, until, record }, scheme) {
   const { samples: most = samples.default } = record;
-  const every = Math.max(1, Math.ceil((until.t ?? end(problem)) / scheme.step / most));
-  const wanted = ["energy", "momenta", "orbit"].filter((kind) => problem.diagnostics.includes(kind));
-  return { problem: mechanics, initial, scheme, until,
+  const span = (until.t ?? start() + problem.until.t) - start();
+  const every = Math.max(1, Math.ceil(span / scheme.step / most));
+  return { problem: { id, ...(preset ? { preset: preset.id } : {}), ...parameters }, initial, scheme, until,
            record: most >= 2 && Number.isSafeInteger(every) ? { every } : { samples: most },
-           columns: ["t", ...problem.variables.map((variable) => variable.name), "energy"], diagnostics: wanted };
+           columns: columns(problem), diagnostics: diagnostics(problem) };
 }
 
 /** Asks for a run soon; several changes at once make one. */
@@ -72,9 +120,9 @@ async function run() {
   Object.values(scene).forEach(clearFaults);
   panes.forEach((pane) => pane.clearFaults());
   try {
-    const outcomes = await Promise.all(panes.map((pane) =>
+    const answers = await Promise.all(panes.map((pane) =>
       pane.run(requestFor(now, now[pane.name]), Object.values(scene), mine.signal)));
-    if (mine === underWay) show(outcomes);
+    if (mine === underWay) show(answers);
   } catch (error) {
     if (mine.signal.aborted) return;
     find("#status").textContent = `The page has a fault: ${error.message}`;
@@ -83,22 +131,29 @@ async function run() {
   }
 }
 
-function show(outcomes) {
+function show(answers) {
+  outcomes = answers;
   const runs = panes.map(({ name, title, colour }, i) => ({ name, title: `${name}: ${title}`, colour, outcome: outcomes[i],
                                                            trajectory: outcomes[i]?.trajectory }));
   const done = runs.filter((run) => run.outcome);
-  const axes = problem.variables.slice(0, 2);
-  const curves = outcomes.map((outcome) => (outcome?.trajectory.t.length
-    ? { x: outcome.trajectory[axes[0].name], y: outcome.trajectory[axes[1].name] } : null));
-  const view = commonView(curves.filter(Boolean).map(box));
-  panes.forEach((pane, i) => pane.show(curves[i], axes, view));
-  const { what, note } = energy.show(done.filter((run) => run.trajectory.t.length));
+  showPlanes();
+  const { title, what, note } = energy.show(energyKind(problem), done);
+  find("#energy-name").textContent = title;
   find("#energy-what").textContent = what;
   find("#energy-note").textContent = note;
   fill(find("#numbers"), done, problem);
   const refused = "refused: see the marked fields";
   find("#status").textContent = runs.map(({ name, outcome }) => `${name} ${outcome?.status ?? refused}`).join(", ");
   find("#results").setAttribute("aria-busy", "false");
+}
+
+/** The outcomes over the chosen axes. */
+function showPlanes() {
+  const names = [axis.x.value, axis.y.value];
+  const curves = outcomes.map((outcome) => outcome && curveOf(outcome.trajectory, ...names));
+  const view = commonView(curves.filter(Boolean), ["x", "y"].filter((_, i) => names[i] === "t"));
+  const labels = [axis.x, axis.y].map((select) => select.selectedOptions[0].textContent);
+  panes.forEach((pane, i) => pane.show(curves[i], labels, view));
 }
 
 function listen() {
@@ -110,8 +165,19 @@ function listen() {
     const kept = Object.fromEntries(panes.map((pane) => [pane.name, { id: pane.chosen().id }]));
     load({ problem: { id: event.target.value }, ...kept });
   });
+  find("#preset").addEventListener("change", (event) => {
+    const { record, axes: seen, A, B } = experiment();
+    load({ problem: { id: problem.id }, preset: { id: event.target.value }, until: ownEnd(), record, axes: seen, A, B });
+  });
+  scene.initial.addEventListener("change", (event) => {
+    if (event.target.dataset.name === "t") moveEnd();
+  });
+  find("#axes").addEventListener("change", () => {
+    history.replaceState(null, "", toHash(experiment()));
+    if (outcomes) showPlanes();
+  });
   find("#experiment").addEventListener("change", (event) => {
-    if (event.target.id !== "problem") request();
+    if (!event.target.closest("#problem, #preset, #axes")) request();
   });
   addEventListener("hashchange", () => load(fromHash(location.hash || opening)));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {

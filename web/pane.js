@@ -31,9 +31,10 @@ export class Pane {
   offer(problem, schemes, chosen = {}) {
     this.#problem = problem;
     this.#schemes = schemes.filter((scheme) => problem.schemes.includes(scheme.id));
-    const usual = this.#schemes.find((s) => s.id === "leapfrog") ?? this.#schemes.find((s) => s.structure !== "none");
+    const named = (id) => this.#schemes.find((s) => s.id === id);
+    const usual = named("leapfrog") ?? this.#schemes.find((s) => s.structure !== "none") ?? named("runge_kutta_4");
     const { id = usual?.id } = chosen;
-    const fits = this.#schemes.some((s) => s.id === id);
+    const fits = named(id) !== undefined;
     choose(this.#part.scheme, this.#schemes, fits ? id : usual?.id);
     this.#rebuild(fits ? chosen : {});
   }
@@ -90,9 +91,8 @@ export class Pane {
     clearFaults(this.#part.fields);
   }
 
-  /** Shows the curve `{x, y}` over two variables, or nothing. */
-  show(curve, axes, view) {
-    const [x, y] = axes.map((axis) => axis.symbol || axis.name);
+  /** Shows the curve `{x, y}` with the labels `[x, y]` in a view, or nothing. */
+  show(curve, [x, y], view) {
     this.#part.canvas.setAttribute("aria-label", curve
       ? `${y} over ${x} of run ${this.name}: ${this.title}` : `Run ${this.name}: nothing to show`);
     this.plane.show(curve && { curve, view, labels: [x, y], colour: this.colour });
@@ -112,7 +112,9 @@ export class Pane {
 }
 
 const note = (className, textContent) => element("li", { className, textContent });
-const stopped = ({ reason, t, detail }) => `Stopped (${words(reason)}) at t = ${format(t, 5)}: ${detail}`;
+const stopped = ({ reason, t, detail, singular_at: singularity = null }) =>
+  `Stopped (${words(reason)}) at t = ${format(t, 5)}: ${detail}` +
+  (singularity === null ? "" : ` (singular at t = ${format(singularity, 5)})`);
 
 const orders = (order) => (typeof order === "object"
   ? Object.entries(order).map(([name, p]) => `${p} (${words(name)})`).join(", ") : String(order));

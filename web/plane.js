@@ -1,26 +1,36 @@
-// A curve in the plane on a canvas: equal scales on both axes, marks, sharp on any display.
+// A curve in the plane on a canvas: equal scales on both axes unless one is the time, marks, sharp on any display.
 import { multiples, roundStep, tickLabel } from "./numbers.js";
 
 const margin = { left: 52, right: 14, top: 12, bottom: 40 };
 
-/** The box `{x: [low, high], y: [low, high]}` around a curve `{x, y}`. */
-export function box({ x, y }) {
-  const around = (values) => values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-  return { x: around(x), y: around(y) };
+/** The curve `{x, y}` of a trajectory over two of its columns, null in both where either is; null: nothing to draw. */
+export function curveOf(trajectory, x, y) {
+  const beside = (column, other) => trajectory[column].map((v, i) => (trajectory[other][i] === null ? null : v));
+  const curve = { x: beside(x, y), y: beside(y, x) };
+  return curve.x.some((v) => v !== null) ? curve : null;
 }
 
-/** One view for all boxes: their union, but a run that flees does not shrink the others beyond half. */
-export function commonView(boxes) {
-  if (!boxes.length) return null;
-  const size = (b) => Math.max(b.x[1] - b.x[0], b.y[1] - b.y[0]);
+/**
+ * One view `{x: [low, high], y: [low, high], free}` for all curves: the box around them, but a run that flees does not
+ * shrink the others beyond half. All of the time is seen on the axes that are `timed`, and the scales are then `free`:
+ * a time has no length to compare with.
+ */
+export function commonView(curves, timed = []) {
+  if (!curves.length) return null;
+  const boxes = curves.map(({ x, y }) => ({ x: around(x), y: around(y) }));
+  const lengths = ["x", "y"].filter((axis) => !timed.includes(axis));
+  const size = (b) => Math.max(0, ...lengths.map((k) => b[k][1] - b[k][0]));
   const smallest = boxes.reduce((a, b) => (size(b) < size(a) ? b : a));
-  const room = size(smallest) / 2 || Infinity;
-  const axis = (k) => [
-    Math.max(Math.min(...boxes.map((b) => b[k][0])), smallest[k][0] - room),
-    Math.min(Math.max(...boxes.map((b) => b[k][1])), smallest[k][1] + room),
-  ];
-  return { x: axis("x"), y: axis("y") };
+  const axis = (k) => {
+    const room = timed.includes(k) ? Infinity : size(smallest) / 2 || Infinity;
+    return [Math.max(Math.min(...boxes.map((b) => b[k][0])), smallest[k][0] - room),
+            Math.min(Math.max(...boxes.map((b) => b[k][1])), smallest[k][1] + room)];
+  };
+  return { x: axis("x"), y: axis("y"), free: timed.length > 0 };
 }
+
+const around = (values) =>
+  values.reduce(([a, b], v) => (v === null ? [a, b] : [Math.min(a, v), Math.max(b, v)]), [Infinity, -Infinity]);
 
 /** A drawing area on `canvas`; `show(picture)` draws, and again whenever the canvas changes its size. */
 export class Plane {
@@ -53,23 +63,26 @@ export class Plane {
     const style = getComputedStyle(this.#canvas);
     const colour = (name) => style.getPropertyValue(name).trim();
     axes(pen, frame, map, this.#picture.labels, colour, style.fontFamily);
-    curve(pen, frame, map, this.#picture.curve, colour(this.#picture.colour), colour("--paper"));
+    trace(pen, frame, map, this.#picture.curve, colour(this.#picture.colour), colour("--paper"));
   }
 }
 
-/** The map from the plane to pixels: one scale, the view in the middle with a little air. */
+/** The map from the plane to pixels: one scale unless they are free, the view in the middle with a little air. */
 function mapping(view, frame) {
   const middle = (v) => v[0] / 2 + v[1] / 2;
-  const extent = (v) => v[1] - v[0];
-  let scale = Math.min(frame.width / extent(view.x), frame.height / extent(view.y)) / 1.08;
-  if (!Number.isFinite(scale)) scale = frame.height / 2;
+  const fitting = (length, [low, high]) => length / (high - low) / 1.08;
+  const usable = (scale) => (Number.isFinite(scale) ? scale : frame.height / 2);
+  const fit = { x: fitting(frame.width, view.x), y: fitting(frame.height, view.y) };
+  const equal = usable(Math.min(fit.x, fit.y));
+  const scale = view.free ? { x: usable(fit.x), y: usable(fit.y) } : { x: equal, y: equal };
   const centre = { x: middle(view.x), y: middle(view.y) };
+  const reach = { x: frame.width / 2 / scale.x, y: frame.height / 2 / scale.y };
   return {
-    scale,
-    x: (v) => frame.left + frame.width / 2 + (v - centre.x) * scale,
-    y: (v) => frame.top + frame.height / 2 - (v - centre.y) * scale,
-    low: { x: centre.x - frame.width / 2 / scale, y: centre.y - frame.height / 2 / scale },
-    high: { x: centre.x + frame.width / 2 / scale, y: centre.y + frame.height / 2 / scale },
+    free: view.free,
+    x: (v) => frame.left + frame.width / 2 + (v - centre.x) * scale.x,
+    y: (v) => frame.top + frame.height / 2 - (v - centre.y) * scale.y,
+    low: { x: centre.x - reach.x, y: centre.y - reach.y },
+    high: { x: centre.x + reach.x, y: centre.y + reach.y },
   };
 }
 
@@ -83,14 +96,15 @@ function axes(pen, frame, map, labels, colour, font) {
     pen.stroke();
   };
   const step = roundStep(map.low.y, map.high.y, frame.height / 55);
+  const across = map.free ? roundStep(map.low.x, map.high.x, frame.width / 70) : step;
   pen.lineWidth = 1;
   pen.font = `13px ${font}`;
   pen.fillStyle = colour("--soft-ink");
   pen.textAlign = "center";
   pen.textBaseline = "top";
-  for (const v of multiples(map.low.x, map.high.x, step)) {
+  for (const v of multiples(map.low.x, map.high.x, across)) {
     line(map.x(v), frame.top, map.x(v), bottom, v === 0 ? "--axis" : "--grid");
-    pen.fillText(tickLabel(v, step), map.x(v), bottom + 6);
+    pen.fillText(tickLabel(v, across), map.x(v), bottom + 6);
   }
   pen.textAlign = "right";
   pen.textBaseline = "middle";
@@ -111,7 +125,7 @@ function axes(pen, frame, map, labels, colour, font) {
   pen.restore();
 }
 
-function curve(pen, frame, map, { x, y }, colour, paper) {
+function trace(pen, frame, map, { x, y }, colour, paper) {
   // What lies far outside is pulled to where clipping still sees the right direction: a canvas cannot draw at 1e300.
   const far = (pixel) => Math.max(-1e6, Math.min(1e6, pixel));
   pen.save();
@@ -122,11 +136,16 @@ function curve(pen, frame, map, { x, y }, colour, paper) {
   pen.lineWidth = 1.6;
   pen.lineJoin = "round";
   pen.beginPath();
-  for (let i = 0; i < x.length; i++) pen.lineTo(far(map.x(x[i])), far(map.y(y[i])));
+  const there = (v) => v !== null;
+  for (let i = 0; i < x.length; i++) {
+    if (!there(x[i])) continue; // a gap: the next point starts a stroke of its own
+    if (there(x[i - 1] ?? null)) pen.lineTo(far(map.x(x[i])), far(map.y(y[i])));
+    else pen.moveTo(far(map.x(x[i])), far(map.y(y[i])));
+  }
   pen.stroke();
-  const last = x.length - 1;
+  const first = x.findIndex(there), last = x.findLastIndex(there);
   mark(pen, far(map.x(x[last])), far(map.y(y[last])), colour, colour);
-  mark(pen, far(map.x(x[0])), far(map.y(y[0])), paper, colour);
+  mark(pen, far(map.x(x[first])), far(map.y(y[first])), paper, colour);
   pen.restore();
 }
 

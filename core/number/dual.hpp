@@ -134,7 +134,36 @@ constexpr Dual<T, K> sqrt(const Dual<T, K>& x) {
   const T w = T(0.5) / r;
   return x.chain(r, [&](const T& d) { return w * d; });
 }
-/// The exponent is a constant.
+template <class T, int K>
+constexpr Dual<T, K> tanh(const Dual<T, K>& x) {
+  using least::tanh;
+  const T y = tanh(x.value), w = 1 - y * y;
+  return x.chain(y, [&](const T& d) { return w * d; });
+}
+template <class T, int K>
+Dual<T, K> phi1(const Dual<T, K>& x) {
+  using least::phi1;
+  const T w = phi1_slope(x.value);
+  return x.chain(phi1(x.value), [&](const T& d) { return w * d; });
+}
+/// Both vary: for an exponent that is a parameter under study. The base is positive.
+template <class T, int K>
+Dual<T, K> pow(const Dual<T, K>& x, const Dual<T, K>& y) {
+  using least::exp;
+  using least::log;
+  using least::pow;
+  const T p = pow(x.value, y.value), l = log(x.value);
+  Dual<T, K> r(p);
+  for (std::size_t k = 0; k < r.slope.size(); ++k) r.slope[k] = p * (y.value * x.slope[k] / x.value + l * y.slope[k]);
+  return r;
+}
+/// The exponent is a constant, and may be of the number inside.
+template <class T, int K>
+requires(!std::is_arithmetic_v<T>) constexpr Dual<T, K> pow(const Dual<T, K>& x, const T& y) {
+  using least::pow;
+  const T w = y * pow(x.value, T(y - 1.0));
+  return x.chain(pow(x.value, y), [&](const T& d) { return w * d; });
+}
 template <class T, int K>
 constexpr Dual<T, K> pow(const Dual<T, K>& x, double y) {
   using least::pow;

@@ -21,6 +21,7 @@ inline double sin(double x) { return std::sin(x); }
 inline double cos(double x) { return std::cos(x); }
 inline double exp(double x) { return std::exp(x); }
 inline double log(double x) { return std::log(x); }
+inline double tanh(double x) { return std::tanh(x); }
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double abs(double x) { return std::fabs(x); }
 inline double pow(double x, double y) { return std::pow(x, y); }
@@ -31,9 +32,11 @@ inline long double sin(long double x) { return std::sin(x); }
 inline long double cos(long double x) { return std::cos(x); }
 inline long double exp(long double x) { return std::exp(x); }
 inline long double log(long double x) { return std::log(x); }
+inline long double tanh(long double x) { return std::tanh(x); }
 inline long double sqrt(long double x) { return std::sqrt(x); }
 inline long double abs(long double x) { return std::fabs(x); }
 inline long double pow(long double x, long double y) { return std::pow(x, y); }
+inline long double pow(long double x, double y) { return std::pow(x, static_cast<long double>(y)); }
 inline long double atan2(long double y, long double x) { return std::atan2(y, x); }
 inline long double floor(long double x) { return std::floor(x); }
 inline bool isfinite(long double x) { return std::isfinite(x); }
@@ -51,6 +54,35 @@ constexpr T select(bool mask, const T& yes, const T& no) {
 }
 constexpr bool any(bool mask) { return mask; }
 constexpr bool all(bool mask) { return mask; }
+
+/// φ₁(z) = (eᶻ − 1)/z, 1 at 0. For any number; scalars the compiler knows have it to the last digit or two.
+/// Source: Hochbruck & Ostermann, Acta Numerica 19, 209 (2010), 2.1.
+inline double phi1(double z) { return z == 0 ? 1 : std::expm1(z) / z; }
+inline long double phi1(long double z) { return z == 0 ? 1 : std::expm1(z) / z; }
+template <class T>
+T phi1(const T& z) {
+  using least::abs;
+  using least::exp;
+  T series(1);  // Σ zᵏ/(k + 1)!, to 36 digits for |z| < 1
+  for (int k = 33; k > 1; --k) series = 1 + z * series / T(k);
+  const T one(1);
+  return select(abs(z) < one, series, (exp(z) - 1) / select(abs(z) < one, one, z));
+}
+/// φ₁′(z), ½ at 0.
+template <class T>
+T phi1_slope(const T& z) {
+  using least::abs;
+  using least::exp;
+  using least::phi1;
+  T series(0), power(1), factorial(2);  // Σ (k + 1) zᵏ/(k + 2)!
+  for (int k = 0; k < 34; ++k) {
+    series = series + T(k + 1) * power / factorial;
+    power = power * z;
+    factorial = factorial * T(k + 3);
+  }
+  const T one(1);
+  return select(abs(z) < one, series, (exp(z) - phi1(z)) / select(abs(z) < one, one, z));
+}
 
 /// Distance from 1 to the next number; a wider number specialises it.
 template <class T>

@@ -1,20 +1,18 @@
-// Diagnostics that look at every step: energy, momenta, orbit. Values, so that a block of steps can be taken back.
+// Diagnostics that look at every step. Values, so that a block of steps can be taken back.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string_view>
 #include <vector>
 
-#include "core/describe.hpp"
-#include "core/problem.hpp"
+#include "core/run/decay.hpp"
+#include "core/run/orbit.hpp"
 #include "core/run/outcome.hpp"
+#include "core/scene.hpp"
 
 namespace least {
-
-inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Extremes of one quantity along a run; unknown until it starts.
 struct Trace {
@@ -42,33 +40,25 @@ struct Trend {
   double slope() const { return (n * ty - t * y) / (n * tt - t * t); }
 };
 
-/// Revolutions of a two-body orbit in the plane of its start, counted when the body passes the direction it started
-/// from. Angles are measured in the direction of motion; `sense` turns them counter-clockwise in the plane.
-template <int N>
-struct OrbitTrack {
-  Vec<N> e1{}, e2{};
-  double mu = 0, radius = 0, before = 0, apsis = 0, rotation = 0, closure = 0, sense = 1;
-  std::int64_t revolutions = 0;
-  bool defined = false, has_apsis = false;  ///< a straight line has no revolutions, a circle no apsis
-};
+/// The energy can be said from a state X.
+template <class P, class X>
+concept SaysEnergy = HasEnergy<P> &&(!Contact<P> || X::acting);
 
-template <class P>
-concept TwoBody = requires(const P& m) {
-  { m.gravitational_parameter() } -> std::convertible_to<double>;
-};
-
-template <class P>
+template <class P, class X>
 class Observer {
  public:
-  using X = StateOf<P>;
-  bool energy = false, momenta = false, orbit = false;
+  bool energy = false, momenta = false, orbit = false, decay = false, entropy = false, moments = false,
+       sections = false;
+  bool crossed = false;  ///< a section changed its sign since this was last cleared
 
-  bool wanted() const { return energy || momenta || orbit; }
+  bool wanted() const { return energy || momenta || orbit || decay || entropy || moments || sections; }
 
   void start(const P& problem, const X& x) {
-    if (energy) energy_.start(hamiltonian(problem, x.q, x.p, x.t));
-    if (energy) trend_.see(0, 0);
     start_time_ = x.t;
+    if constexpr (SaysEnergy<P, X>) {
+      if (energy) energy_.start(least::energy(problem, x));
+      if (energy) trend_.see(0, 0);
+    }
     if constexpr (HasInvariants<P>) {
       if (momenta) {
         const auto values = problem.invariants(x.q, x.p, x.t);
@@ -76,15 +66,22 @@ class Observer {
       }
     }
     if constexpr (TwoBody<P>) {
-      if (orbit) start_orbit(problem, x);
+      if (orbit) orbit_.start(problem, x);
     }
+    if constexpr (Contact<P> && X::acting) {
+      if (decay) decay_.start(problem, x);
+    }
+    if constexpr (HasEntropy<P>) entropy_.start(problem.entropy(x.y));
+    before_ = least::sections(problem, x);
   }
 
   void see(const P& problem, const X& x) {
-    if (energy) {
-      const double h = hamiltonian(problem, x.q, x.p, x.t);
-      energy_.see(h);
-      trend_.see(x.t - start_time_, h - energy_.initial);
+    if constexpr (SaysEnergy<P, X>) {
+      if (energy) {
+        const double h = least::energy(problem, x);
+        energy_.see(h);
+        trend_.see(x.t - start_time_, h - energy_.initial);
+      }
     }
     if constexpr (HasInvariants<P>) {
       if (momenta) {
@@ -93,7 +90,31 @@ class Observer {
       }
     }
     if constexpr (TwoBody<P>) {
-      if (orbit) see_orbit(x);
+      if (orbit) orbit_.see(x);
+    }
+    if constexpr (Contact<P> && X::acting) {
+      if (decay) decay_.see(problem, x);
+    }
+    if constexpr (HasEntropy<P>) {
+      if (entropy) {
+        const double now = problem.entropy(x.y);
+        constexpr double grain = 4 * std::numeric_limits<double>::epsilon();
+        monotone_ = monotone_ && now >= entropy_.final - grain * (1 + std::abs(now));
+        entropy_.see(now);
+      }
+    }
+    if constexpr (HasMoments<P>) {
+      if (moments) {
+        const double w = problem.weight(x.y);
+        const auto values = problem.moments(x.y);
+        weight_ += w;
+        for (std::size_t i = 0; i < values.size(); ++i) moments_[i] += w * values[i];
+      }
+    }
+    if (sections) {
+      const auto now = least::sections(problem, x);
+      for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
+      before_ = now;
     }
   }
 
@@ -113,84 +134,64 @@ class Observer {
            std::vector<Report>{{"initial", trace.initial}, {"final", trace.final}, {"max_abs_error", trace.most}}});
     return {"momenta", all};
   }
-  /// closure: distance by which the last whole revolution misses the start; apsidal_rotation: of the Laplace–Runge–Lenz
-  /// vector, mean per revolution, counter-clockwise positive (about L in space); elements: osculating at the end.
   Report orbit_report(const X& x) const {
-    std::vector<Report> all;
     if constexpr (TwoBody<P>) {
-      const bool started = track_.mu > 0, closed = track_.revolutions > 0;
-      const auto k = static_cast<double>(track_.revolutions);
-      const Elements now = elements(x, track_.mu);
-      all = {{"revolutions", started ? k : unknown},
-             {"closure", closed ? track_.closure : unknown},
-             {"apsidal_rotation", closed && track_.has_apsis ? track_.sense * track_.rotation / k : unknown},
-             {"semi_major_axis", started ? now.semi_major_axis : unknown},
-             {"eccentricity", started ? std::sqrt(dot(now.lenz, now.lenz)) / track_.mu : unknown}};
+      return orbit_.report(x);
+    } else {
+      return {"orbit", {}};
     }
-    return {"orbit", all};
+  }
+  Report decay_report() const {
+    double residual = unknown;
+    if constexpr (Contact<P> && X::acting) residual = decay_.max_residual();
+    return {"decay", std::vector<Report>{{"max_residual", residual}}};
+  }
+  Report entropy_report() const {
+    return {"entropy",
+            std::vector<Report>{{"initial", entropy_.initial}, {"final", entropy_.final}, {"monotone", monotone_}}};
+  }
+  Report moments_report() const {
+    std::vector<Report> all;
+    if constexpr (HasMoments<P>)
+      for (std::size_t i = 0; i < moments_.size(); ++i) all.push_back({P::moment_names[i], moments_[i] / weight_});
+    return {"moments", all};
   }
 
  private:
-  struct Elements {
-    Vec<P::dof> lenz;  ///< p × L − μ q/r = (p² − μ/r) q − (q·p) p, of length μe
-    double semi_major_axis, angular_momentum_squared;
-  };
-  static Elements elements(const X& x, double mu) {
-    const double r = std::sqrt(dot(x.q, x.q)), pp = dot(x.p, x.p), qp = dot(x.q, x.p);
-    Elements e;
-    for (std::size_t i = 0; i < x.q.size(); ++i) e.lenz[i] = (pp - mu / r) * x.q[i] - qp * x.p[i];
-    e.semi_major_axis = 1 / (2 / r - pp / mu);
-    e.angular_momentum_squared = r * r * pp - qp * qp;
-    return e;
-  }
-
-  void start_orbit(const P& problem, const X& x) requires TwoBody<P> {
-    track_.mu = problem.gravitational_parameter();
-    track_.radius = std::sqrt(dot(x.q, x.q));
-    const double along = dot(x.q, x.p) / track_.radius;
-    double length = 0;
-    for (std::size_t i = 0; i < x.q.size(); ++i) {
-      track_.e1[i] = x.q[i] / track_.radius;
-      track_.e2[i] = x.p[i] - along * track_.e1[i];
-      length += track_.e2[i] * track_.e2[i];
-    }
-    track_.defined = length > 0;
-    for (auto& c : track_.e2) c /= std::sqrt(length);
-    if constexpr (P::dof == 2) track_.sense = track_.e1[0] * track_.e2[1] - track_.e1[1] * track_.e2[0] < 0 ? -1 : 1;
-    const Elements e = elements(x, track_.mu);
-    track_.apsis = apsis(e);
-    track_.has_apsis = dot(e.lenz, e.lenz) > 1e-16 * track_.mu * track_.mu;  // e > 1e-8
-    track_.before = 0;
-  }
-
-  void see_orbit(const X& x) {
-    const double across = dot(x.q, track_.e2);
-    if (track_.defined && track_.before < 0 && across >= 0 && dot(x.q, track_.e1) > 0) {
-      const Elements e = elements(x, track_.mu);
-      const double now = apsis(e);
-      track_.rotation += std::remainder(now - track_.apsis, 8 * std::atan(1.0));
-      track_.apsis = now;
-      // Where the osculating ellipse cuts the direction of the start.
-      track_.closure = std::abs(e.angular_momentum_squared / (track_.mu + dot(e.lenz, track_.e1)) - track_.radius);
-      ++track_.revolutions;
-    }
-    track_.before = across;
-  }
-  double apsis(const Elements& e) const { return std::atan2(dot(e.lenz, track_.e2), dot(e.lenz, track_.e1)); }
-
-  static constexpr std::size_t count() {
-    if constexpr (HasInvariants<P>) {
+  template <bool Has>
+  static constexpr std::size_t invariant_count() {
+    if constexpr (Has) {
       return std::tuple_size_v<decltype(P{}.invariants(Vec<P::dof>{}, Vec<P::dof>{}, 0.0))>;
     } else {
       return 0;
     }
   }
+  static constexpr std::size_t moment_count() {
+    if constexpr (HasMoments<P>) {
+      return P::moment_names.size();
+    } else {
+      return 0;
+    }
+  }
+  struct Nothing {};
+  template <bool Has, template <class> class Track>
+  struct Maybe {
+    using type = Nothing;
+  };
+  template <template <class> class Track>
+  struct Maybe<true, Track> {
+    using type = Track<P>;
+  };
 
-  Trace energy_;
+  Trace energy_, entropy_;
   Trend trend_;
-  double start_time_ = 0;
-  std::array<Trace, count()> invariants_{};
-  OrbitTrack<P::dof> track_{};
+  double start_time_ = 0, weight_ = 0;
+  bool monotone_ = true;
+  std::array<Trace, invariant_count<HasInvariants<P>>()> invariants_{};
+  std::array<double, moment_count()> moments_{};
+  decltype(least::sections(std::declval<const P&>(), std::declval<const X&>())) before_{};
+  [[no_unique_address]] typename Maybe<TwoBody<P>, OrbitTrack>::type orbit_{};
+  [[no_unique_address]] typename Maybe<(Contact<P> && X::acting), DecayLaw>::type decay_{};
 };
 
 }  // namespace least

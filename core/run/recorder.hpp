@@ -4,41 +4,46 @@
 #include <cmath>
 #include <vector>
 
-#include "core/describe.hpp"
-#include "core/problem.hpp"
-#include "core/run/outcome.hpp"
+#include "core/run/observer.hpp"
 
 namespace least {
 
-/// Names of the columns of a problem, in the order that Recorder knows them: t, variables, energy, step_size,
-/// invariants.
-inline std::vector<std::string_view> column_names(const ProblemCard& card) {
+/// Names of the columns of a problem, in the order that Recorder knows them: t, variables, step_size, energy,
+/// mechanical_energy, invariants, quantities.
+template <class P>
+std::vector<std::string_view> column_names(const ProblemCard& card) {
   std::vector<std::string_view> names{"t"};
   for (const auto& variable : card.variables) names.push_back(variable.name);
-  names.insert(names.end(), {"energy", "step_size"});
+  names.push_back("step_size");
+  if (HasEnergy<P>) names.push_back("energy");
+  if (Contact<P>) names.push_back("mechanical_energy");
   for (const auto& invariant : card.invariants) names.push_back(invariant.name);
+  for (const auto& quantity : card.quantities) names.push_back(quantity.name);
   return names;
 }
 
-template <class P>
+template <class P, class X>
 class Recorder {
  public:
-  Recorder(const P& problem, const std::vector<std::size_t>& columns, Sink& sink)
-      : problem_(problem), columns_(columns), sink_(sink) {
+  Recorder(const P& problem, const ProblemCard& card, const std::vector<std::size_t>& columns, Sink& sink)
+      : problem_(problem), variables_(card.variables.size()), columns_(columns), sink_(sink) {
     rows_.reserve(columns.size() * block);
   }
 
   enum class Taken { yes, not_finite, refused };
 
-  /// One row at x; a row with a number that is not finite is not written.
-  Taken take(const StateOf<P>& x, double step_size) {
+  /// One row at x; a row with a number that is not finite is not written. A slope at its pole is unknown, not infinite.
+  Taken take(const X& x, double step_size) {
     const std::size_t before = rows_.size();
-    for (const std::size_t column : columns_) rows_.push_back(value(x, column, step_size));
-    for (std::size_t i = before; i < rows_.size(); ++i)
-      if (!std::isfinite(rows_[i])) {
-        rows_.resize(before);
-        return Taken::not_finite;
-      }
+    bool finite = true;
+    for (const std::size_t column : columns_) {
+      rows_.push_back(value(x, column, step_size));
+      finite = finite && (std::isfinite(rows_.back()) || is_slope(column));
+    }
+    if (!finite) {
+      rows_.resize(before);
+      return Taken::not_finite;
+    }
     return rows_.size() + columns_.size() <= rows_.capacity() || flush() ? Taken::yes : Taken::refused;
   }
 
@@ -51,21 +56,27 @@ class Recorder {
  private:
   static constexpr std::size_t block = 512;
 
-  double value(const StateOf<P>& x, std::size_t column, double step_size) const {
-    constexpr std::size_t n = P::dof;
+  bool is_slope(std::size_t column) const { return CarriesSlope<P> && column == X::size + 1; }
+
+  double value(const X& x, std::size_t column, double step_size) const {
     if (column == 0) return x.t;
-    if (column <= n) return x.q[column - 1];
-    if (column <= 2 * n) return x.p[column - n - 1];
-    if (column == 2 * n + 1) return hamiltonian(problem_, x.q, x.p, x.t);
-    if (column == 2 * n + 2) return step_size;
-    if constexpr (HasInvariants<P>) {
-      return problem_.invariants(x.q, x.p, x.t)[column - 2 * n - 3];
-    } else {
-      return 0;  // no such column: the card does not name it
-    }
+    if (column <= variables_) return variable(x, column - 1);
+    std::size_t i = column - variables_ - 1;
+    if (i-- == 0) return step_size;
+    if constexpr (HasEnergy<P>)
+      if (i-- == 0) {
+        if constexpr (SaysEnergy<P, X>) return energy(problem_, x);
+        return unknown;
+      }
+    if constexpr (Contact<P>)
+      if (i-- == 0) return mechanical_energy(problem_, x.q, x.p, phase(problem_, x.t));
+    if constexpr (HasInvariants<P>) return problem_.invariants(x.q, x.p, x.t)[i];
+    if constexpr (HasQuantities<P>) return problem_.quantities(x.y, x.t)[i];
+    return unknown;  // no such column: the card does not name it
   }
 
   const P& problem_;
+  std::size_t variables_;
   const std::vector<std::size_t>& columns_;
   Sink& sink_;
   std::vector<double> rows_;

@@ -1,47 +1,81 @@
-// Diagnostics made from states kept along the run: structure and error.
+// Diagnostics made from states kept along the run: structure, volume and error.
 #pragma once
 
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "core/newton.hpp"
+#include "core/run/engine.hpp"
 #include "core/run/outcome.hpp"
-#include "core/run/structure.hpp"
 #include "core/study/reference.hpp"
 
 namespace least {
 
-/// The largest defect of MᵀJM − J over single steps that the run took, from at most 32 of the states before `end`; null
-/// where there is none.
-template <class P, class Scheme>
-Report structure_report(const P& problem, const Scheme& scheme, const std::vector<StateOf<P>>& states, double end,
-                        double h) {
-  double most = std::nan("");
+/// Calls f(state, tangent of a step from it) at no more than 32 of the states before `end`.
+template <class P, class X, class F>
+void for_each_tangent(const Engine<P, X>& engine, const std::vector<FullStateOf<P>>& states, double end, double h,
+                      F&& f) {
   for (std::size_t i = 0; i < states.size() && states[i].t < end; i += 1 + states.size() / 32)
-    if (const auto m = tangent_map(scheme, problem, states[i], h)) most = std::fmax(most, symplectic_defect(*m));
-  return {"structure",
-          std::vector<Report>{
-              {"kind", std::string(Scheme::card().structure)}, {"max_defect", most}, {"factor", std::monostate{}}}};
+    if (const auto tangent = engine.tangent(states[i], h)) f(states[i], *tangent);
+}
+
+/// The largest defect of the form that the exact motion keeps over single steps that the run took: MᵀJM − J, or
+/// φ*η − λη with λ of the first of them as `factor`. Null where there is no such step.
+template <class P, class X>
+Report structure_report(const Engine<P, X>& engine, std::string_view kind, const std::vector<FullStateOf<P>>& states,
+                        double end, double h) {
+  double most = unknown, factor = unknown;
+  for_each_tangent(engine, states, end, h, [&](const auto& x, const auto& tangent) {
+    if constexpr (Contact<P>) {
+      const auto [defect, lambda] = contact_defect(x, tangent);
+      most = std::fmax(most, defect);
+      if (std::isnan(factor)) factor = lambda;
+    } else if constexpr (Potential<P>) {
+      most = std::fmax(most, symplectic_defect(tangent.m));
+    }
+  });
+  return {"structure", std::vector<Report>{{"kind", std::string(kind)}, {"max_defect", most}, {"factor", factor}}};
+}
+
+/// max_defect: of det DΦ = λⁿ⁺¹, which every contact map keeps. invariant_residual: of the volume H^−(n+1) η∧(dη)ⁿ,
+/// which the exact autonomous flow keeps, that is of λH₀ = H₁; falls with the order. Over single steps the run took.
+template <class P, class X>
+Report volume_report(const Engine<P, X>& engine, const P& problem, const std::vector<FullStateOf<P>>& states,
+                     double end, double h) {
+  double most = unknown, residual = unknown;
+  if constexpr (Contact<P>) {
+    constexpr int n = P::dof;
+    for_each_tangent(engine, states, end, h, [&](const auto& x, const auto& tangent) {
+      const double factor = contact_defect(x, tangent).factor;
+      most = std::fmax(most, std::abs(determinant(tangent.m) - std::pow(factor, n + 1)));
+      const double before = energy(problem, x), after = energy(problem, tangent.image);
+      residual = std::fmax(residual, std::abs(std::pow(factor * before / after, n + 1) - 1));
+    });
+  }
+  return {"volume", std::vector<Report>{{"max_defect", most}, {"invariant_residual", residual}}};
 }
 
 /// Errors against the reference solution, at the states kept (max) and at the final state. Null, with a warning, where
 /// the reference could not be had.
 template <class P, class KeepGoing>
-Report error_report(const P& problem, const std::vector<StateOf<P>>& states, const StateOf<P>& final,
+Report error_report(const P& problem, const std::vector<FullStateOf<P>>& kept, const FullStateOf<P>& final,
                     std::vector<Warning>& warnings, KeepGoing&& keep_going) {
+  std::vector<StateOf<P>> states;
+  for (const auto& x : kept)
+    if (x.t < final.t) assign(states.emplace_back(), x);
+  assign(states.emplace_back(), final);
   std::vector<double> times;
-  for (const auto& x : states)
-    if (x.t < final.t) times.push_back(x.t);
-  times.push_back(final.t);
+  for (const auto& x : states) times.push_back(x.t);
   Reference<P> reference;
-  if (!states.empty()) reference = reference_solution(problem, states.front(), times, keep_going);
-  double most = std::nan(""), last = std::nan("");
+  if (!kept.empty()) reference = reference_solution(problem, states.front(), times, keep_going);
+  double most = unknown, last = unknown;
   if (!reference.complete)
     warnings.push_back({"reference_not_finished", "the reference solution met the time limit, or is not finite"});
-  if (!states.empty() && reference.complete) {
+  if (!kept.empty() && reference.complete) {
     most = 0;
     for (std::size_t i = 0; i < times.size(); ++i) {
-      last = state_error(i + 1 < times.size() ? states[i] : final, reference.states[i]);
+      last = state_error(states[i], reference.states[i]);
       if (!(last <= most)) most = last;
     }
   }
@@ -49,7 +83,7 @@ Report error_report(const P& problem, const std::vector<StateOf<P>>& states, con
           std::vector<Report>{{"final", last},
                               {"max", most},
                               {"reference", std::string(reference.how) + (reference.complete ? "" : ", not finished")},
-                              {"uncertainty", reference.complete ? reference.uncertainty : std::nan("")}}};
+                              {"uncertainty", reference.complete ? reference.uncertainty : unknown}}};
 }
 
 }  // namespace least

@@ -1,6 +1,7 @@
-// The structure a step keeps, measured by dual numbers: the tangent map M of one step and its defect MᵀJM − J, where
-// J = (0 I; −I 0). Zero to round-off for a symplectic scheme.
-// Source: Hairer, Lubich, Wanner 2006, VI.2.
+// The structure a step keeps, measured by dual numbers: the tangent map M of one step, its defect MᵀJM − J where the
+// scene is conservative, J = (0 I; −I 0), and where it has a contact form η = ds − p·dq the defect of φ*η = λη. Zero to
+// round-off for a symplectic, for a contact scheme. Sources: Hairer, Lubich, Wanner 2006, VI.2; Vermeeren, Bravetti,
+// Seri, J. Phys. A 52, 445206 (2019), section 2.
 #pragma once
 
 #include <algorithm>
@@ -11,25 +12,28 @@
 
 namespace least {
 
-/// M: derivatives of (q₁, p₁) with respect to (q₀, p₀) over one step from x. Empty where the step fails.
-template <class Scheme, class P>
-std::optional<Mat<2 * P::dof>> tangent_map(const Scheme& scheme, const P& problem, const StateOf<P>& x, double h) {
-  constexpr int n = P::dof;
-  using D = Dual<double, 2 * n>;
-  StateOf<P, D> y;
-  y.t = x.t;
-  for (int i = 0; i < n; ++i) {
-    y.q[std::size_t(i)] = D::variable(x.q[std::size_t(i)], i);
-    y.p[std::size_t(i)] = D::variable(x.p[std::size_t(i)], n + i);
-  }
+/// Where a step leads, and the derivatives of that by where it began, in the order of the components.
+template <class X>
+struct Tangent {
+  X image;
+  Mat<int(X::size)> m;
+};
+
+/// Empty where the step fails.
+template <class Scheme, class P, class X>
+std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, const X& x, double h) {
+  using D = Dual<double, int(X::size)>;
+  auto y = convert<D, double>(x);
+  for (std::size_t i = 0; i < X::size; ++i) y[i] = D::variable(x[i], int(i));
   auto stepper = scheme.bind(problem, y);
   if (stepper.step(y, h) != Status::ok) return std::nullopt;
-  Mat<2 * n> m;
-  for (std::size_t i = 0; i < n; ++i) {
-    m[i] = y.q[i].slope;
-    m[n + i] = y.p[i].slope;
+  Tangent<X> tangent;
+  tangent.image.t = x.t + h;
+  for (std::size_t i = 0; i < X::size; ++i) {
+    tangent.image[i] = y[i].value;
+    tangent.m[i] = y[i].slope;
   }
-  return m;
+  return tangent;
 }
 
 /// max |MᵀJM − J| over its entries.
@@ -44,6 +48,28 @@ double symplectic_defect(const std::array<std::array<double, M>, M>& m) {
       most = std::isnan(sum) ? sum : std::max(most, std::abs(sum));
     }
   return most;
+}
+
+struct ContactDefect {
+  double defect;  ///< max |φ*η − λη| over dq, dp, ds
+  double factor;  ///< λ, read off ds
+};
+/// For a map of (q, p, s) that begins at x.
+template <class X>
+requires X::acting ContactDefect contact_defect(const X& x, const Tangent<X>& tangent) {
+  constexpr std::size_t n = X::dof, s = 2 * n;
+  const auto pulled = [&](std::size_t j) {  // φ*η along the j-th direction
+    double sum = tangent.m[s][j];
+    for (std::size_t i = 0; i < n; ++i) sum -= tangent.image.p[i] * tangent.m[i][j];
+    return sum;
+  };
+  const double factor = pulled(s);
+  double most = 0;
+  for (std::size_t j = 0; j < s; ++j) {
+    const double wrong = pulled(j) + (j < n ? factor * x.p[j] : 0.0);
+    most = std::isnan(wrong) ? wrong : std::max(most, std::abs(wrong));
+  }
+  return {most, factor};
 }
 
 }  // namespace least

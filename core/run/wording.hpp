@@ -10,6 +10,11 @@ namespace least::wording {
 std::string unstable(double ratio, double bound, double step);
 /// `careful` is the hω from which a run warns; `bound` 0 or infinite: the scheme has none to name.
 std::string near_bound(double ratio, double careful, double bound);
+std::string left_domain(double t);
+std::string blow_up(double t);
+/// `ratio` is the rate of damping times the step.
+std::string stiff(double ratio);
+std::string damping_sign(double t);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 

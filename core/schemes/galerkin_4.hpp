@@ -14,7 +14,7 @@
 
 namespace least {
 
-template <Lagrangian P, class X>
+template <Conservative P, class X>
 class Galerkin4Stepper {
  public:
   using T = typename X::Number;
@@ -40,7 +40,7 @@ class Galerkin4Stepper {
     // Guess: constant acceleration over the step.
     const Vec<P::dof, T> v = velocity(problem_, x.q, x.p);
     Vec<P::dof, T> p = x.p;
-    const auto kick = lagrangian_force(problem_, x.q, v, x.t);
+    const auto kick = lagrangian_force(problem_, x.q, v, phase(problem_, x.t));
     ++work_.forces;
     for (std::size_t i = 0; i < n; ++i) p[i] = p[i] + (h / 2) * kick[i];
     const auto mean = velocity(problem_, x.q, p);
@@ -84,9 +84,9 @@ class Galerkin4Stepper {
       pi0 = momentum(m, q0, v0);
       pim = momentum(m, b, vm);
       pi1 = momentum(m, q1, v1);
-      f0 = lagrangian_force(m, q0, v0, x.t);
-      fm = lagrangian_force(m, b, vm, x.t + h / 2);
-      f1 = lagrangian_force(m, q1, v1, x.t + h);
+      f0 = lagrangian_force(m, q0, v0, phase(m, x.t));
+      fm = lagrangian_force(m, b, vm, phase(m, x.t + h / 2));
+      f1 = lagrangian_force(m, q1, v1, phase(m, x.t + h));
     }
   };
   template <class U>
@@ -112,10 +112,10 @@ struct Galerkin4 {
         .recommended = "none",
         .good_for = "kinetic metrics that depend on the configuration at order 4, without negative substeps",
         .fails_when = "Newton's method finds no solution, or ωh > 2√2",
-        .needs = "a Lagrangian: a kinetic metric and a potential",
+        .needs = "a Lagrangian without s: a kinetic metric and a potential",
         .references = {"Marsden, West, Acta Numerica 10, 357 (2001), 2.6", "Hairer, Lubich, Wanner 2006, VI.6.2"}};
   }
-  template <Lagrangian P, class X>
+  template <Conservative P, class X>
   auto bind(const P& problem, const X&) const {
     using Stepper = Galerkin4Stepper<P, X>;
     return Composed<Stepper, typename X::Time>(Stepper(problem), composition);

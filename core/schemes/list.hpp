@@ -3,6 +3,11 @@
 
 #include <tuple>
 
+#include "core/schemes/contact_galerkin_4.hpp"
+#include "core/schemes/contact_gauss.hpp"
+#include "core/schemes/contact_leapfrog.hpp"
+#include "core/schemes/contact_midpoint.hpp"
+#include "core/schemes/contact_splitting.hpp"
 #include "core/schemes/galerkin_4.hpp"
 #include "core/schemes/runge_kutta.hpp"
 #include "core/schemes/splitting.hpp"
@@ -11,6 +16,7 @@
 namespace least {
 
 using SchemeList = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog,
-                              VariationalMidpoint, Galerkin4>;
+                              VariationalMidpoint, Galerkin4, ContactLeapfrog, ContactVariationalMidpoint,
+                              ContactGalerkin4, ContactSplitting, ContactGauss>;
 
 }  // namespace least

@@ -47,7 +47,7 @@ class KickDrift {
 
   /// The sequence outlives the stepper, which is copied often.
   KickDrift(const P& problem, const X& x, const Sequence<S>& sequence) : problem_(problem), sequence_(&sequence) {
-    slope_ = gradient(problem_, x.q, x.t);
+    slope_ = gradient(problem_, x.q, phase(problem_, x.t));
     ++work_.forces;
   }
 
@@ -55,7 +55,7 @@ class KickDrift {
     kick(x, h * sequence_->kick[0]);
     for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_->drifts); ++i) {
       drift(x, h * sequence_->drift[i]);
-      slope_ = gradient(problem_, x.q, x.t + h * sequence_->node[i]);
+      slope_ = gradient(problem_, x.q, phase(problem_, x.t + h * sequence_->node[i]));
       ++work_.forces;
       kick(x, h * sequence_->kick[i + 1]);
     }

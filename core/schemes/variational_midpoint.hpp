@@ -14,7 +14,7 @@
 
 namespace least {
 
-template <Lagrangian P, class X>
+template <Conservative P, class X>
 class MidpointStepper {
  public:
   using T = typename X::Number;
@@ -26,7 +26,8 @@ class MidpointStepper {
   /// Solves g(m) v − (h/2) L_q(m, v) = p₀ with m = q₀ + h v/2.
   Status step(X& x, const S& h) noexcept {
     using least::abs;
-    const S half = h / 2, middle = x.t + half;
+    const S half = h / 2;
+    const auto middle = phase(problem_, x.t + half);
     const auto at = [&](const auto& v) {  // the midpoint, in the number of v
       auto m = v;
       for (std::size_t i = 0; i < n; ++i) m[i] = x.q[i] + half * v[i];
@@ -83,10 +84,10 @@ struct VariationalMidpoint {
                 "kinetic metrics that depend on the configuration; steps too long for leapfrog (it has no linear "
                 "stability limit)",
             .fails_when = "Newton's method finds no solution: steps longer than the scale of the potential's curvature",
-            .needs = "a Lagrangian: a kinetic metric and a potential",
+            .needs = "a Lagrangian without s: a kinetic metric and a potential",
             .references = {"Marsden, West, Acta Numerica 10, 357 (2001), 2.3.1"}};
   }
-  template <Lagrangian P, class X>
+  template <Conservative P, class X>
   auto bind(const P& problem, const X&) const {
     using Stepper = MidpointStepper<P, X>;
     return Composed<Stepper, typename X::Time>(Stepper(problem), composition);

@@ -11,24 +11,21 @@
 #include <vector>
 
 #include "core/number/quad.hpp"
-#include "core/problem.hpp"
+#include "core/scene.hpp"
 
 namespace least {
 
 /// The *error* of a state, as the contract defines it: the largest component-wise difference from the true one, divided
 /// by max(1, the largest component of the true one). Not finite where a component is not.
-template <int N>
-double state_error(const State<N>& x, const State<N>& truth) {
+template <class X>
+double state_error(const X& x, const X& truth) {
   double difference = 0, size = 1;
   const auto see = [&](double mine, double true_one) {
     const double here = std::abs(mine - true_one);
     if (!(here <= difference) && !std::isnan(difference)) difference = here;  // NaN comes in and stays
     size = std::max(size, std::abs(true_one));
   };
-  for (std::size_t i = 0; i < N; ++i) {
-    see(x.q[i], truth.q[i]);
-    see(x.p[i], truth.p[i]);
-  }
+  for (std::size_t i = 0; i < X::size; ++i) see(x[i], truth[i]);
   return difference / size;
 }
 
@@ -41,18 +38,27 @@ struct Reference {
 };
 
 /// The explicit midpoint rule extrapolated in h², order and step chosen as it goes.
-template <class P>
+template <class P, class Y = StateOf<P, Quad, Quad>>
 class Extrapolation {
  public:
-  using X = StateOf<P, Quad, Quad>;
+  using X = Y;
+  static constexpr std::size_t size = X::size;
 
-  Extrapolation(const P& problem, const X& x, double tolerance) : problem_(problem), x_(x), tolerance_(tolerance) {}
+  Extrapolation(const P& problem, const X& x, double tolerance)
+      : problem_(problem), x_(x), tolerance_(tolerance), regular_(starts_series(problem, x)) {}
 
   const X& state() const { return x_; }
 
   /// Moves on to t. False where keep_going() says so or the steps become too small.
   template <class KeepGoing>
   bool advance(const Quad& t, KeepGoing&& keep_going) {
+    if constexpr (HasSeries<P>) {
+      const Quad until(P::series_until);
+      if (regular_ && x_.t < until) {
+        x_.t = std::min(t, until);
+        assign(x_, series_state<X>(problem_, x_.t));
+      }
+    }
     while (x_.t < t) {
       const Quad left = t - x_.t;
       const bool last = !(step_ < left);
@@ -87,10 +93,7 @@ class Extrapolation {
         const Quad w = 1 / (ratio * ratio - 1);
         X better = next;
         auto& above = table_[static_cast<std::size_t>(k - 1)];
-        for (std::size_t i = 0; i < P::dof; ++i) {
-          better.q[i] = next.q[i] + (next.q[i] - above.q[i]) * w;
-          better.p[i] = next.p[i] + (next.p[i] - above.p[i]) * w;
-        }
+        for (std::size_t i = 0; i < size; ++i) better[i] = next[i] + (next[i] - above[i]) * w;
         above = next;
         coarse = next;
         next = better;
@@ -103,12 +106,12 @@ class Extrapolation {
 
   bool close(const X& a, const X& b) const {
     using least::abs;
-    Quad difference(0), size(1);
-    for (std::size_t i = 0; i < P::dof; ++i) {
-      difference = difference + abs(a.q[i] - b.q[i]) + abs(a.p[i] - b.p[i]);
-      size = std::max({size, abs(a.q[i]), abs(a.p[i])});
+    Quad difference(0), most(1);
+    for (std::size_t i = 0; i < size; ++i) {
+      difference = difference + abs(a[i] - b[i]);
+      most = std::max(most, abs(a[i]));
     }
-    return difference < Quad(tolerance_) * size;  // false for NaN
+    return difference < Quad(tolerance_) * most;  // false for NaN
   }
 
   X midpoint(const Quad& h, int n) const {
@@ -122,16 +125,14 @@ class Extrapolation {
       now = next;
     }
     const X end = shifted(before, d, derivative(problem_, now));  // Gragg's smoothing: the mean of now and end
-    for (std::size_t i = 0; i < P::dof; ++i) {
-      now.q[i] = (now.q[i] + end.q[i]) / 2;
-      now.p[i] = (now.p[i] + end.p[i]) / 2;
-    }
+    for (std::size_t i = 0; i < size; ++i) now[i] = (now[i] + end[i]) / 2;
     return now;
   }
 
   const P& problem_;
   X x_;
   double tolerance_;
+  bool regular_;  ///< from t = 0, where the equations of motion are singular and the solution is not
   Quad step_ = Quad(0.1);
   std::array<X, columns> table_{};
 };
@@ -144,15 +145,19 @@ Reference<P> reference_solution(const P& problem, const StateOf<P>& x0, const st
   Reference<P> result;
   result.states.reserve(times.size());
   const auto start = convert<Quad, Quad>(x0);
+  bool closed = HasExact<P>;
+  if constexpr (requires { problem.exact_applies(x0); }) closed = problem.exact_applies(x0);
   if constexpr (HasExact<P>) {
-    for (const double t : times) {
-      result.states.push_back(convert<double, double>(problem.exact(start, Quad(t))));
-      if (!std::isfinite(state_error(result.states.back(), x0))) {
-        result.complete = false;
-        break;
+    if (closed)
+      for (const double t : times) {
+        result.states.push_back(convert<double, double>(problem.exact(start, Quad(t))));
+        if (!std::isfinite(state_error(result.states.back(), x0))) {
+          result.complete = false;
+          break;
+        }
       }
-    }
-  } else {
+  }
+  if (!closed) {
     result.how = "quad precision run";
     Extrapolation<P> fine(problem, start, 1e-27), coarse(problem, start, 1e-23);
     for (const double t : times) {
@@ -163,10 +168,8 @@ Reference<P> reference_solution(const P& problem, const StateOf<P>& x0, const st
       const auto truth = convert<double, double>(fine.state());
       // The difference is taken in quad, where it is not rounded away.
       StateOf<P> difference = truth;
-      for (std::size_t i = 0; i < P::dof; ++i) {
-        difference.q[i] = truth.q[i] + static_cast<double>(coarse.state().q[i] - fine.state().q[i]);
-        difference.p[i] = truth.p[i] + static_cast<double>(coarse.state().p[i] - fine.state().p[i]);
-      }
+      for (std::size_t i = 0; i < StateOf<P>::size; ++i)
+        difference[i] = truth[i] + static_cast<double>(coarse.state()[i] - fine.state()[i]);
       result.uncertainty = std::max(result.uncertainty, 0x1p-53 + state_error(difference, truth));
       result.states.push_back(truth);
     }

@@ -1,0 +1,158 @@
+// The Lane–Emden equation q̈ + (2/t) q̇ + qⁿ = 0 of a star in balance: H = p²/2 + q^{n+1}/(n+1) + (2/t) s, from its
+// regular start at t = 0.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <tuple>
+
+#include "core/describe.hpp"
+#include "core/problem.hpp"
+
+namespace least {
+
+template <class R = double>
+struct LaneEmden {
+  R n{3};
+  R after_zero{0};  ///< index of About<LaneEmden>::after_zero
+
+  static constexpr int dof = 1;
+
+  constexpr bool bounded() const { return after_zero < 0.5; }
+  constexpr bool continues() const { return after_zero > 0.5 && after_zero < 1.5; }
+  constexpr bool has_sign() const { return bounded() || (after_zero > 1.5 && after_zero < 2.5); }
+
+  /// Past the zero: |q|^{n+1}/(n+1), the plain power, or nothing.
+  template <class T, class S>
+  constexpr T potential(const Vec<1, T>& q, const S&) const {
+    using least::abs;
+    using least::pow;
+    using least::select;
+    if (!(n > 0) && (bounded() || continues())) return q[0];
+    const T v = pow(continues() ? q[0] : abs(q[0]), n + 1.0) / (n + 1.0);
+    return continues() || has_sign() ? v : select(q[0] < T(0), T(0), v);
+  }
+  template <class T, class S>
+  constexpr Vec<1, T> gradient(const Vec<1, T>& q, const S&) const {
+    using least::abs;
+    using least::pow;
+    using least::select;
+    if (!(n > 0) && (bounded() || continues())) return {T(1)};
+    const T w = !(n > 0) ? T(1) : T(pow(continues() ? q[0] : abs(q[0]), n));
+    return {continues() ? w : select(q[0] < T(0), has_sign() ? T(-w) : T(0), w)};
+  }
+  template <class S>
+  constexpr auto damping(const S& t) const {
+    return 2.0 / t;
+  }
+  /// The zeros of q are reported: the first is the surface of the star.
+  template <class T>
+  constexpr T section(const Vec<1, T>& q) const {
+    return q[0];
+  }
+  /// The motion ends where this becomes negative, if it is bounded.
+  template <class T>
+  constexpr T inside(const Vec<1, T>& q) const {
+    return q[0];
+  }
+
+  /// Up to here the series replaces the steps: α = 2/t is infinite at the start.
+  static constexpr double series_until = 0.1;
+  /// q = Σ a_k t^{2k}, qⁿ = Σ c_k t^{2k} by Miller's recurrence, and s = t⁻² ∫₀ᵗ τ² (p²/2 − V) dτ.
+  template <class T, class S>
+  State<1, T, S, Action<T>> series(const S& t) const {
+    constexpr int last = 40;
+    const T power(n);
+    Vec<last + 1, T> a{T(1)}, c{T(1)}, l{};
+    for (std::size_t k = 0; k < last; ++k) {
+      if (k > 0) {
+        T sum(0);
+        for (std::size_t i = 1; i <= k; ++i) sum += (power * double(i) - double(k - i)) * (a[i] * c[k - i]);
+        c[k] = sum / double(k);
+      }
+      a[k + 1] = -c[k] / double((2 * k + 2) * (2 * k + 3));
+      for (std::size_t i = 0; i <= k; ++i) l[k] -= a[i] * c[k - i] / (power + 1.0);
+      for (std::size_t i = 1; i <= k; ++i) l[k] += 2.0 * double(i * (k + 1 - i)) * (a[i] * a[k + 1 - i]);
+    }
+    const S t2 = t * t;
+    T q(0), p(0), s(0);
+    for (std::size_t k = last; k-- > 0;) {
+      q = q * t2 + a[k];
+      p = p * t2 + 2.0 * double(k + 1) * a[k + 1];
+      s = s * t2 + l[k] / double(2 * k + 3);
+    }
+    return {t, {q}, {T(0) + p * t}, {T(0) + s * t}};  // 0 + …: no −0 at the start
+  }
+
+  /// n = 0, 1 and 5 from the regular start.
+  template <class X>
+  bool exact_applies(const X& x0) const {
+    const bool regular = x0.t == 0 && x0.q[0] == 1 && x0.p[0] == 0;
+    return regular && (n == 5 || ((n == 0 || n == 1) && (bounded() || continues())));
+  }
+  template <class T, class S>
+  State<1, T, S> exact(const State<1, T, S>&, const S& t) const {
+    using least::abs;
+    using least::sincos;
+    using least::sqrt;
+    const T x(t), x2 = x * x;
+    if (n == 0) return {t, {1 - x2 / 6}, {-x / 3}, {}};
+    if (n == 5) {
+      const T w = 3 / (3 + x2), q = sqrt(w);
+      return {t, {q}, {-x * w * q / 3}, {}};
+    }
+    if (abs(x) < 1) {
+      T q(0), p(0);
+      for (int k = 16; k > 0; --k) {
+        p = 2 * k - x2 * p / ((2 * k + 2) * (2 * k + 3));
+        q = 1 - x2 * q / ((2 * k) * (2 * k + 1));
+      }
+      return {t, {q}, {-x * p / 6}, {}};
+    }
+    const auto [sine, cosine] = sincos(x);
+    return {t, {sine / x}, {(cosine - sine / x) / x}, {}};
+  }
+};
+
+template <>
+struct About<LaneEmden> {
+  using P = LaneEmden<>;
+  static constexpr std::array<std::string_view, 4> after_zero{"stop", "continue", "signed", "clamp"};
+  static constexpr std::tuple fields{
+      Field<P>{"n", "n", "1", "polytropic index: pressure as density to the power 1 + 1/n", &P::n, {0, 20}},
+      Field<P>{"after_zero",
+               "",
+               "",
+               "past the first zero of q: end there, go on with the plain power (whole n), with |q|^{n−1} q, or with "
+               "no force",
+               &P::after_zero,
+               {0, 3},
+               after_zero},
+  };
+  static ProblemCard card() {
+    return {
+        .id = "lane_emden",
+        .title = "Lane–Emden equation",
+        .summary =
+            "The density of a star from its centre outward, t being the radius. Watch for the first zero of q, "
+            "the surface: it moves outward as n grows and is gone from n = 5 on.",
+        .formula =
+            "<math><mi>H</mi><mo>=</mo><mfrac><msup><mi>p</mi><mn>2</mn></msup><mn>2</mn></mfrac><mo>+</mo>"
+            "<mfrac><msup><mi>q</mi><mrow><mi>n</mi><mo>+</mo><mn>1</mn></mrow></msup><mrow><mi>n</mi>"
+            "<mo>+</mo><mn>1</mn></mrow></mfrac><mo>+</mo><mfrac><mn>2</mn><mi>t</mi></mfrac><mi>s</mi>"
+            "</math>",
+        .variables = {{"q", "q", "1", "density to the power 1/n, relative to the centre", 1},
+                      {"p", "p", "1", "its slope", 0},
+                      {"s", "s", "1", "action", 0, true}},
+        .span = 10,
+        .suggested = {{"step", 0.01}},
+        .presets = {{"uniform", "constant density: 1 − t²/6", {{"n", 0}}, {}},
+                    {"sine", "sin t/t, surface at π", {{"n", 1}}, {}},
+                    {"convective", "a small cool star", {{"n", 1.5}}, {}},
+                    {"plummer", "no surface: (1 + t²/3)^{−1/2}", {{"n", 5}}, {}}},
+        .references = {"Chandrasekhar, An Introduction to the Study of Stellar Structure, 1939, chapter IV"},
+    };
+  }
+};
+
+}  // namespace least

@@ -1,0 +1,409 @@
+// One run of one problem: the grid, the samples, the diagnostics and the end, around blocks of steps that an engine
+// takes. What can go wrong inside a block is looked for at its end, and a block that went wrong is taken back and run
+// again step by step, so that the last good state is exact and a good step pays nothing.
+#pragma once
+
+#include <cmath>
+#include <utility>
+
+#include "core/catalogue.hpp"
+#include "core/run/engine.hpp"
+#include "core/run/events.hpp"
+#include "core/run/pace.hpp"
+#include "core/run/recorder.hpp"
+#include "core/run/report.hpp"
+#include "core/run/schedule.hpp"
+#include "core/run/stability.hpp"
+#include "core/run/wording.hpp"
+
+namespace least {
+
+template <class P, class X>
+class Session {
+ public:
+  Session(const P& problem, const ProblemCard& card, const SchemeCard& scheme, const Request& request, double step,
+          Sink& sink, const std::atomic<bool>& cancelled)
+      : problem_(problem),
+        card_(card),
+        scheme_(scheme),
+        request_(request),
+        grid_(request, step),
+        marks_(request.record, grid_),
+        recorder_(problem_, card, request.columns, sink),
+        pace_(request.limits.seconds, cancelled) {
+    for (const std::size_t index : request.diagnostics) {
+      const std::string_view name = card.diagnostics[index];
+      observer_.energy |= name == "energy";
+      observer_.momenta |= name == "momenta";
+      observer_.orbit |= name == "orbit";
+      observer_.decay |= name == "decay";
+      observer_.entropy |= name == "entropy";
+      observer_.moments |= name == "moments";
+      observer_.sections |= name == "zeros" || name == "cycle" || name == "poles";
+      snapshots_wanted_ |= name == "error" || name == "structure" || name == "volume";
+    }
+    if constexpr (HasFrequency<P>) {
+      double damping_step = 0;
+      if constexpr (ConstantDamping<P>) damping_step = std::max(problem.damping() * step, 0.0);
+      bound_ = stability_bound(request.scheme, request.settings, damping_step);
+      // A scheme that grows at every step without damping (a bound of 0) is not unstable, it is what it is.
+      limited_ = bound_ > 0 || (damping_step > 0 && stability_bound(request.scheme, request.settings, 0) > 0);
+    }
+  }
+
+  Outcome run(Engine<P, X>& engine, const X& start_state) {
+    engine_ = &engine;
+    place_.x = start_state;
+    pace_.start();
+    if (start()) {
+      const std::int64_t whole = std::min(grid_.steps, request_.limits.steps);
+      while (place_.n < whole && go_on(whole)) {
+      }
+      if (going() && grid_.steps + (grid_.tail > 0) > request_.limits.steps)
+        stop(Reason::step_limit, wording::step_limit(request_.limits.steps));
+      if (going() && grid_.tail > 0) finish();
+    }
+    if (!recorder_.flush()) stop(Reason::cancelled, "the receiver of the samples went away");
+    return outcome();
+  }
+
+ private:
+  bool going() const { return outcome_.stop.reason == Reason::completed; }
+  bool stop(Reason reason, std::string detail, double singular_at = unknown) {
+    if (going()) outcome_.stop = {reason, std::move(detail), place_.x.t, place_.n, {}};
+    if (std::isfinite(singular_at)) outcome_.stop.singular_at = singular_at;
+    return false;
+  }
+
+  /// Fourth powers of a good state do not overflow: its energy can be said.
+  static bool sound(const X& x) {
+    constexpr double most = 1e75;
+    bool good = std::isfinite(x.t);
+    for (std::size_t i = 0; i < X::size; ++i) good = good && std::abs(value_of(x[i])) < most;
+    return good;
+  }
+  /// Of the squared frequency.
+  double stability_limit() const {
+    const double limit = bound_ / std::abs(grid_.step);
+    return limited_ ? limit * limit * (1 + 1e-6) : std::numeric_limits<double>::infinity();
+  }
+
+  bool start() {
+    const X& x = place_.x;
+    if (!sound(x)) return stop(Reason::not_finite, "the start lies beyond 1e75, where energies overflow");
+    if constexpr (HasSeries<P>) {
+      if (!engine_->starts_at_singularity() && starts_series(problem_, x)) {
+        series_ = std::min(whole_steps(0, P::series_until, grid_.step), grid_.steps);
+        from_series_ = true;
+      }
+    }
+    const auto slope = derivative(problem_, plain(x));
+    bool finite = std::isfinite(slope.t);
+    for (std::size_t i = 0; i < X::size; ++i) finite = finite && std::isfinite(slope[i]);
+    if constexpr (SaysEnergy<P, X>) finite = finite && std::isfinite(energy(problem_, x));
+    if (!finite && !from_series_ && !(x.t == 0 && engine_->starts_at_singularity()))
+      return stop(Reason::singular, "the equations of motion are not finite at the start", x.t);
+    if (const std::string why = engine_->objection(); !why.empty()) return stop(Reason::singular, why);
+    observer_.start(problem_, x);
+    snap();
+    if (!record()) return false;
+    if constexpr (HasFrequency<P>) {
+      met_.frequency = problem_.frequency_squared(position(x));
+      if (met_.frequency > stability_limit() && grid_.steps > 0) return unstable(met_.frequency);
+    }
+    return true;
+  }
+
+  /// Keeps a state for the diagnostics that need whole ones: at every stride-th grid point, the stride doubling
+  /// whenever there are too many, so that what is kept depends on where the run got to and on no plan.
+  void snap() {
+    if (!snapshots_wanted_ || place_.n % stride_ != 0) return;
+    assign(snapshots_.emplace_back(), plain(place_.x));
+    if (snapshots_.size() <= most_snapshots) return;
+    for (std::size_t i = 0; 2 * i < snapshots_.size(); ++i) snapshots_[i] = snapshots_[2 * i];
+    snapshots_.resize((snapshots_.size() + 1) / 2);
+    stride_ *= 2;
+  }
+
+  bool unstable(double frequency) {
+    const double omega = std::sqrt(frequency);
+    return stop(Reason::unstable_step, wording::unstable(std::abs(grid_.step) * omega, bound_, bound_ / omega));
+  }
+
+  /// One block of steps and what falls due at its end.
+  bool go_on(std::int64_t whole) {
+    const std::int64_t before = place_.n;
+    std::int64_t until = std::min({whole, before + pace_.block(), marks_.step()});
+    if (snapshots_wanted_) until = std::min(until, (before / stride_ + 1) * stride_);
+    if (observer_.sections) until = std::min(until, before + 256);  // a crossing runs them twice
+    if (before < series_ || (before == 0 && from_series_)) {
+      if (!series_step()) return false;
+    } else if (!block(until - before)) {
+      return false;
+    }
+    if (place_.n == grid_.steps && grid_.tail == 0) place_.x.t = grid_.end;
+    snap();
+    return record() && keep_pace(place_.n - before);
+  }
+
+  bool keep_pace(std::int64_t steps) {
+    const Reason reason = pace_.passed(steps);
+    if (reason == Reason::deadline) return stop(reason, wording::deadline(request_.limits.seconds));
+    return reason == Reason::completed || stop(reason, "the run was cancelled");
+  }
+
+  bool good(Status status) const {
+    return status == Status::ok && sound(place_.x) && !(met_.frequency > stability_limit()) && !met_.left;
+  }
+
+  bool block(std::int64_t count) {
+    const auto saved = place_;
+    const auto seen = observer_;
+    const Met met = met_;
+    engine_->save();
+    Status status = advance(count);
+    if (good(status) && !observer_.crossed) return true;
+    engine_->restore();
+    place_ = saved;
+    observer_ = seen;
+    met_ = met;
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto last = place_;
+      const auto last_seen = observer_;
+      engine_->save();
+      status = advance(1);
+      if (good(status)) {
+        if (observer_.crossed) events_.find(problem_, *engine_, last.x, place_.x, grid_.step);
+        observer_.crossed = false;
+        continue;
+      }
+      const X bad = place_.x;
+      place_ = last;
+      observer_ = last_seen;
+      return fail(status, bad);
+    }
+    return true;
+  }
+
+  /// A step from here ended in `bad`.
+  bool fail(Status status, const X& bad) {
+    const bool left = std::exchange(met_.left, false);
+    if (status != Status::ok) return failed(status);
+    if constexpr (HasDomain<P>) {
+      if (left && sound(bad)) {
+        const auto inside = [&](double ahead) {
+          X x = place_.x;
+          if (ahead > 0) engine_->peek(x, ahead, true);
+          return problem_.inside(x.q);
+        };
+        const double ahead = root(inside, 0, grid_.step);
+        X x = place_.x;
+        x.t += ahead;
+        if (observer_.sections) events_.add(0, false, x);
+        return stop(Reason::left_domain, wording::left_domain(x.t), x.t);
+      }
+    }
+    if (!sound(bad))
+      return stop(Reason::not_finite, "the next state is not finite, or beyond 1e75 where energies overflow");
+    return unstable(met_.frequency);
+  }
+  bool failed(Status status) {
+    const double when = singularity();
+    if (status == Status::singular)
+      return stop(Reason::singular, std::isfinite(when) ? wording::blow_up(when) : "the step is singular", when);
+    return stop(Reason::solver_failed, "Newton's method found no solution of the implicit step; a shorter step may",
+                when);
+  }
+  /// When the motion from here becomes infinite, where it does so soon: by steps that shorten towards that time.
+  double singularity() {
+    if constexpr (QuadraticContact<P>) {
+      X x = place_.x;
+      double when = blow_up_time(problem_, x);
+      if (!(when - x.t < 10 * grid_.step)) return unknown;
+      for (int k = 0; k < 5000 && when - x.t > 1e-13 * std::max(1.0, std::abs(when)); ++k) {
+        const double h = std::min(grid_.step, (when - x.t) / 64);
+        const double t = x.t + h;
+        if (engine_->leap(x, h) != Status::ok || !sound(x)) break;
+        x.t = t;
+        when = blow_up_time(problem_, x);
+      }
+      return when;
+    }
+    return unknown;
+  }
+
+  Status advance(std::int64_t count) {
+    return engine_->advance(place_, grid_, count, met_, observer_.wanted() ? &observer_ : nullptr);
+  }
+
+  /// One step along the regular solution from a singular time; where a step is longer than the series reaches, the
+  /// rest of it is the scheme's.
+  bool series_step() {
+    if constexpr (HasSeries<P>) {
+      const X last = place_.x;
+      if (const Status status = along_series(place_.x, grid_.time(place_.n + 1)); status != Status::ok)
+        return failed(status);
+      ++place_.n;
+      if (place_.n >= series_) engine_->rebind(place_.x);
+      observer_.see(problem_, place_.x);
+      observer_.crossed = false;
+      if (!sound(place_.x)) {
+        place_.x = last;
+        --place_.n;
+        return stop(Reason::not_finite, "the next state is not finite");
+      }
+    }
+    return true;
+  }
+  /// x at the time t, which lies no further than a step beyond the series.
+  Status along_series(X& x, double t) {
+    if constexpr (HasSeries<P>) {
+      const double until = std::min(t, P::series_until);
+      x = series_state<X>(problem_, until);
+      const Status status = t > until ? engine_->leap(x, t - until) : Status::ok;
+      x.t = t;
+      return status;
+    }
+    return Status::ok;
+  }
+  /// The state `ahead` after the place, on a copy.
+  Status look_ahead(X& x, double ahead) {
+    x = place_.x;
+    const double t = place_.x.t + ahead;
+    const Status status = from_series_ && (place_.n < series_ || place_.n == 0 || t <= reach())
+                              ? along_series(x, t)
+                              : engine_->peek(x, ahead);
+    x.t = t;
+    return status;
+  }
+  static constexpr double reach() {
+    if constexpr (HasSeries<P>) {
+      return P::series_until;
+    } else {
+      return 0;
+    }
+  }
+
+  /// Samples due between here and the next grid point. Between grid points the step's own map fills in: a shorter step
+  /// from here, on a copy, which is as accurate as the scheme, leaves the run alone and is not part of its work.
+  bool record() {
+    for (; marks_.step() == place_.n; marks_.next()) {
+      X x = place_.x;
+      if (marks_.rest() > 0) {
+        if (place_.n == grid_.steps && marks_.rest() == grid_.tail) return true;  // the final state
+        if (const Status status = look_ahead(x, marks_.rest()); status != Status::ok) return failed(status);
+      }
+      if (!take(x) || !keep_pace(1)) return false;
+    }
+    return true;
+  }
+  bool take(const X& x) {
+    const auto taken = recorder_.take(x, grid_.step);
+    if (taken == Recorder<P, X>::Taken::not_finite) return stop(Reason::not_finite, "a column is not finite here");
+    return taken == Recorder<P, X>::Taken::yes || stop(Reason::cancelled, "the receiver of the samples went away");
+  }
+
+  /// The shorter step to the end.
+  void finish() {
+    const auto last = place_;
+    engine_->save();
+    const bool regular = from_series_ && (place_.n == 0 || grid_.end <= reach());
+    const Status status = regular ? along_series(place_.x, grid_.end) : engine_->step(place_.x, grid_.tail);
+    place_.x.t = grid_.end;
+    if constexpr (Sloped<X>) normalise(place_.x);
+    if constexpr (HasDomain<P>) met_.left = problem_.bounded() && !(problem_.inside(place_.x.q) >= 0);
+    if (status != Status::ok || !sound(place_.x) || met_.left) {
+      const X bad = place_.x;
+      place_ = last;
+      fail(status, bad);
+      return;
+    }
+    if constexpr (HasFrequency<P>)
+      met_.frequency = std::max(met_.frequency, problem_.frequency_squared(position(place_.x)));
+    ++extra_steps_;
+    observer_.see(problem_, place_.x);
+    if (observer_.crossed && !regular) events_.find(problem_, *engine_, last.x, place_.x, grid_.tail);
+    for (; marks_.step() == place_.n; marks_.next())
+      if (!take(place_.x)) return;
+  }
+
+  Outcome outcome() {
+    outcome_.t = place_.x.t;
+    for (std::size_t i = 0; i < card_.variables.size(); ++i) {
+      const bool shown =
+          !card_.variables[i].optional || std::ranges::find(request_.columns, i + 1) != request_.columns.end();
+      outcome_.final.push_back(shown ? variable(place_.x, i) : unknown);
+    }
+    const Work work = engine_->work();
+    outcome_.cost = {place_.n + extra_steps_, work.forces, work.iterations, pace_.seconds()};
+    warn();
+    for (const std::size_t index : request_.diagnostics)
+      outcome_.diagnostics.push_back(report(card_.diagnostics[index]));
+    return std::move(outcome_);
+  }
+
+  void warn() {
+    const double h = std::abs(grid_.step);
+    if constexpr (HasFrequency<P>) {
+      double careful = bound_ > 0 ? bound_ / 2 : std::numeric_limits<double>::infinity();
+      if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
+      const double fastest = h * std::sqrt(met_.frequency);
+      if (fastest > careful)
+        outcome_.warnings.push_back({"step_near_stability_bound", wording::near_bound(fastest, careful, bound_)});
+    }
+    if constexpr (requires { problem_.stiffness_rate(); }) {
+      if (problem_.stiffness_rate() * h > 0.5)
+        outcome_.warnings.push_back({"stiff_step", wording::stiff(problem_.stiffness_rate() * h)});
+    }
+    // The damping over the span; its first step may begin where it is singular.
+    for (std::int64_t k = 1; k <= 1000 && grid_.steps > 0; ++k) {
+      const double t = grid_.time(std::max<std::int64_t>(2, grid_.steps / 1000 * k));
+      if (!engine_->flips_momentum(t)) continue;
+      outcome_.warnings.push_back({"damping_sign", wording::damping_sign(t)});
+      break;
+    }
+  }
+
+  Report report(std::string_view name) {
+    const auto here = plain(place_.x);
+    FullStateOf<P> final;
+    assign(final, here);
+    const double h = grid_.step;
+    if (name == "energy") return observer_.energy_report();
+    if (name == "momenta") return observer_.momenta_report(card_);
+    if (name == "orbit") return observer_.orbit_report(place_.x);
+    if (name == "decay") return observer_.decay_report();
+    if (name == "entropy") return observer_.entropy_report();
+    if (name == "moments") return observer_.moments_report();
+    if (name == "zeros") return events_.zeros();
+    if (name == "cycle") return events_.cycle();
+    if (name == "poles") return events_.poles();
+    if (name == "structure") return structure_report(*engine_, scheme_.structure, snapshots_, here.t, h);
+    if (name == "volume") return volume_report(*engine_, problem_, snapshots_, here.t, h);
+    return error_report(problem_, snapshots_, final, outcome_.warnings,
+                        [this] { return pace_.look() == Reason::completed; });
+  }
+
+  static constexpr std::size_t most_snapshots = 256;
+
+  P problem_;
+  const ProblemCard& card_;
+  const SchemeCard& scheme_;
+  const Request& request_;
+  Grid grid_;
+  Marks marks_;
+  Recorder<P, X> recorder_;
+  Pace pace_;
+  Engine<P, X>* engine_ = nullptr;
+  Place<X> place_;
+  Observer<P, X> observer_;
+  Events<P, X> events_;
+  Met met_;
+  Outcome outcome_;
+  double bound_ = std::numeric_limits<double>::infinity();
+  bool limited_ = false, snapshots_wanted_ = false, from_series_ = false;
+  std::int64_t extra_steps_ = 0, stride_ = 1, series_ = 0;
+  std::vector<FullStateOf<P>> snapshots_;  ///< states along the grid, for the diagnostics that need whole states
+};
+
+}  // namespace least

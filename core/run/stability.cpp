@@ -1,0 +1,88 @@
+#include "core/run/stability.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "core/assemble.hpp"
+#include "core/problems/damped_oscillator.hpp"
+#include "core/problems/harmonic_oscillator.hpp"
+#include "core/schemes/list.hpp"
+
+namespace least {
+namespace {
+
+/// Whether the powers of one step of length 1 from (1, 0) and (0, 1) stay bounded.
+template <class Scheme, class P>
+bool stable(const Scheme& scheme, const P& oscillator, double z) {
+  double m[2][2];
+  for (int k = 0; k < 2; ++k) {
+    State<1> x{0, {k == 0 ? 1.0 : 0.0}, {k == 1 ? 1.0 : 0.0}, {}};
+    auto stepper = scheme.bind(oscillator, x);
+    if (stepper.step(x, 1) != Status::ok) return false;
+    m[0][k] = x.q[0];
+    m[1][k] = x.p[0];
+  }
+  const double half = (m[0][0] + m[1][1]) / 2, det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+  const double root = half * half - det;  // eigenvalues half ± √root
+  const double radius = root > 0 ? std::abs(half) + std::sqrt(root) : std::sqrt(det);
+  return radius <= 1 + 1e-9 * z;
+}
+
+template <class Scheme>
+double measure(std::span<const double> settings, double damping_step) {
+  constexpr double most = 20, spacing = 0.01;
+  auto scheme = assemble<Scheme>(Scheme::fields, settings);
+  if constexpr (requires { scheme.step; }) scheme.step = 1;
+  const auto holds = [&](double z) {
+    if constexpr (SchemeFor<Scheme, HarmonicOscillator<>>) {
+      if (damping_step == 0) return stable(scheme, HarmonicOscillator<>{1, z * z}, z);
+    }
+    if constexpr (SchemeFor<Scheme, DampedOscillator<>>) {
+      return stable(scheme, DampedOscillator<>{z * z, damping_step}, z);
+    } else {
+      return false;
+    }
+  };
+  double low = 0, high = spacing;
+  while (holds(high)) {
+    if (high > most) return std::numeric_limits<double>::infinity();
+    low = high;
+    high += spacing;
+  }
+  if (low == 0) return 0;
+  while (high - low > 1e-7) (holds((low + high) / 2) ? low : high) = (low + high) / 2;
+  return low;
+}
+
+using Measure = double (*)(std::span<const double>, double);
+template <class... Scheme>
+constexpr std::array<Measure, sizeof...(Scheme)> measures(std::tuple<Scheme...>*) {
+  return {&measure<Scheme>...};
+}
+
+}  // namespace
+
+double stability_bound(std::size_t scheme, std::span<const double> settings, double damping_step) {
+  static constexpr auto table = measures(static_cast<SchemeList*>(nullptr));
+  static std::mutex mutex;
+  static std::map<std::vector<double>, double> known;
+  std::vector<double> key(settings.begin(), settings.end());
+  if (!key.empty()) key[0] = 0;  // the step: everything is scaled by it
+  key.push_back(static_cast<double>(scheme));
+  key.push_back(damping_step);
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto found = known.find(key); found != known.end()) return found->second;
+  }
+  const double bound = table[scheme](settings, damping_step);
+  const std::lock_guard lock(mutex);
+  if (known.size() > 1000) known.clear();
+  known.emplace(std::move(key), bound);
+  return bound;
+}
+
+}  // namespace least

@@ -1,0 +1,173 @@
+// What a run needs of a scene beyond its mechanics: which state it carries, how a list of variables becomes a state,
+// and what else the problem can say of itself to diagnostics. A problem may offer, as members,
+//   section(q)                  a quantity whose zeros are reported
+//   oscillates                  a flow in (x, v) whose limit cycle has a period and an amplitude
+//   carries_slope               a flow in (x, v) whose slope dv/dx along a tangent direction can be carried
+//   inside(q), bounded()        a quantity that must not become negative where bounded() says so
+//   series(t), series_until     the regular solution from t = 0, where the equations of motion are singular there
+//   entropy(y)                  never falls
+//   moments(y), moment_names, weight(y)   averages along the orbit, weighted
+//   quantities(y, t)            further columns
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/describe.hpp"
+#include "core/problem.hpp"
+
+namespace least {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+template <class P>
+concept HasSection = requires(const P& m, const Vec<P::dof>& q) {
+  m.section(q);
+};
+template <class P>
+concept Oscillates = Flow<P> && requires {
+  requires P::oscillates;
+};
+template <class P>
+concept CarriesSlope = Flow<P> && requires {
+  requires P::carries_slope;
+};
+template <class P>
+concept HasDomain = requires(const P& m, const Vec<P::dof>& q) {
+  m.inside(q);
+  m.bounded();
+};
+template <class P>
+concept HasSeries = requires(const P& m) {
+  m.template series<double>(0.0);
+  P::series_until;
+};
+template <class P>
+concept HasEntropy = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
+  m.entropy(y);
+};
+template <class P>
+concept HasMoments = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
+  m.moments(y);
+  m.weight(y);
+};
+template <class P>
+concept HasQuantities = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
+  m.quantities(y, 0.0);
+};
+template <class P>
+concept TwoBody = requires(const P& m) {
+  { m.gravitational_parameter() } -> std::convertible_to<double>;
+};
+
+constexpr double value_of(double x) { return x; }
+template <class T, int K>
+constexpr double value_of(const Dual<T, K>& x) {
+  return value_of(x.value);
+}
+
+/// A number with one direction of a tangent space: carries the slope of a flow.
+using Slope = Dual<double, 1>;
+template <class X>
+concept Sloped = std::is_same_v<typename X::Number, Slope>;
+
+/// The state a run carries when all that the caller can ask for is asked for.
+template <class P>
+using FullRunState =
+    std::conditional_t<CarriesSlope<P>, typename StateOf<P>::template in<Slope, double>, FullStateOf<P>>;
+
+/// The numbers of a state, without its tangent direction.
+template <class X>
+constexpr auto plain(const X& x) {
+  typename X::template in<double, double> y;
+  y.t = x.t;
+  for (std::size_t i = 0; i < X::size; ++i) y[i] = value_of(x[i]);
+  return y;
+}
+
+/// Takes a tangent direction to length 1: only its direction means something.
+template <Sloped X>
+void normalise(X& x) {
+  double size = 0;
+  for (std::size_t i = 0; i < X::size; ++i) size = std::max(size, std::abs(x[i].slope[0]));
+  if (size > 0)
+    for (std::size_t i = 0; i < X::size; ++i) x[i].slope[0] /= size;
+}
+
+/// The state that a list of the card's variables describes. A slope that is not a number is the flow's own.
+template <class X, class P>
+X start_of(const P& problem, const std::vector<double>& variables, double t) {
+  X x;
+  x.t = t;
+  for (std::size_t i = 0; i < X::size; ++i) x[i] = variables[i];
+  if constexpr (Sloped<X>) {
+    const auto rate = derivative(problem, plain(x));
+    const double slope = variables[X::size];
+    for (std::size_t i = 0; i < X::size; ++i) x[i].slope[0] = std::isnan(slope) ? rate[i] : (i == 0 ? 1 : slope);
+    normalise(x);
+  }
+  return x;
+}
+
+/// The i-th variable of the card at a state: unknown where the state does not carry it, or at a pole.
+template <class X>
+double variable(const X& x, std::size_t i) {
+  if (i < X::size) return value_of(x[i]);
+  if constexpr (Sloped<X>)
+    if (x[0].slope[0] != 0) return x[1].slope[0] / x[0].slope[0];
+  return unknown;
+}
+
+/// The regular solution that begins at t = 0, at t ≤ series_until.
+template <class X, HasSeries P>
+X series_state(const P& problem, const typename X::Time& t) {
+  X x;
+  assign(x, problem.template series<typename X::Number>(t));
+  x.t = t;
+  return x;
+}
+/// Whether x is where that solution begins.
+template <class P, class X>
+bool starts_series(const P& problem, const X& x) {
+  if constexpr (HasSeries<P>) {
+    if (!(x.t == typename X::Time(0))) return false;
+    const X regular = series_state<X>(problem, x.t);
+    for (std::size_t i = 0; i < StateOf<P>::size; ++i)
+      if (!(x[i] == regular[i])) return false;
+    return true;
+  } else {
+    return false;
+  }
+}
+
+/// The quantities whose changes of sign are events.
+template <class P, class X>
+auto sections(const P& problem, const X& x) {
+  if constexpr (HasSection<P>) {
+    return std::array<double, 1>{problem.section(x.q)};
+  } else if constexpr (Oscillates<P> && Sloped<X>) {
+    return std::array<double, 3>{x.y[0].value, x.y[1].value, x.y[0].slope[0]};
+  } else if constexpr (Oscillates<P>) {
+    return std::array<double, 2>{x.y[0], x.y[1]};
+  } else {
+    return std::array<double, 0>{};
+  }
+}
+
+/// From x on, with K − V as it is, s reaches infinity at this time: from ṡ = c − γs²/2, c = K − V + R. Unknown where it
+/// does not.
+template <QuadraticContact P, class X>
+double blow_up_time(const P& problem, const X& x) {
+  const double s = x.action.s, gamma = problem.action_curvature();
+  const double kinetic = 0.5 * dot(x.p, velocity(problem, x.q, x.p));
+  const double c = kinetic - problem.potential(x.q, phase(problem, x.t)) + problem.offset();
+  const double w = std::sqrt(std::abs(gamma * c) / 2), slope = gamma * s / 2;
+  double wait = unknown;  // the first zero of cosh wh + (slope/w) sinh wh
+  if (gamma * c > 0 && -slope > w) wait = std::atanh(-w / slope) / w;
+  if (gamma * c == 0 && slope < 0) wait = -1 / slope;
+  if (gamma * c < 0) wait = std::atan2(w, -slope) / w;
+  return x.t + wait;
+}
+
+}  // namespace least

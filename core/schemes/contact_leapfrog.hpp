@@ -1,0 +1,208 @@
+// contact_leapfrog: the discrete Herglotz principle with the trapezoidal rule, s₁ = s₀ + (h/2)(L₀ + L₁), in closed form
+// for H = K + V + α(t)s and H = K + V + γs²/2 − R:
+//   v = (1 − hα₀/2) p₀ − (h/2)∇V₀,  q₁ = q₀ + h g⁻¹v,  p₁ = (v − (h/2)∇V₁)/(1 + hα₁/2)
+// and the same with γs₀, γs₁ in the place of α₀, α₁. Damping and force each at its proper end of the step: published
+// code that takes α₀ twice is of order 1. One force a step; order 2, symmetric, a contact map with factor
+// λ = (1 − hα₀/2)/(1 + hα₁/2); without damping it is leapfrog, bit for bit. Stable for ωh < 2 at every damping; beyond
+// αh = 2 it turns the momentum over, at αh = −2 it has a pole, and so has a negative stage of a composition.
+// Sources: Vermeeren, Bravetti, Seri, J. Phys. A 52, 445206 (2019), section 4; Bravetti, Seri, Vermeeren, Zadra,
+// Celest. Mech. Dyn. Astron. 132, 7 (2020), section 3.
+#pragma once
+
+#include <cmath>
+#include <tuple>
+
+#include "core/phases.hpp"
+#include "core/scheme.hpp"
+
+namespace least {
+
+/// How near 1 + h D₃ and 1 − h D₄ may come to zero.
+inline constexpr double least_denominator = 1e-8;
+
+template <SeparableContact P, class X>
+class ContactLeapfrogStepper {
+ public:
+  using T = typename X::Number;
+  using S = typename X::Time;
+  static constexpr std::size_t n = P::dof;
+
+  ContactLeapfrogStepper(const P& problem, const X& x, double step, const Weights<S>& weights)
+      : problem_(problem), weights_(&weights), clock_(problem, x.t, step, weights.ends()) {
+    const auto f = phase(problem_, x.t);
+    look(x.q, f);
+    if constexpr (LinearContact<P>) damping_ = damping(problem_, f);
+  }
+
+  Status step(X& x, const S& h) noexcept {
+    if constexpr (ConstantDamping<P>) prepare(h);
+    if constexpr (HasSeries<P>)
+      if (x.t == S(0)) return regular_step(x, h);
+    clock_.begin(x.t, h);
+    X y = x;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
+      const S part = weights_->gamma[i] * h, t = x.t + weights_->end[i] * h;
+      const Status status = stage(y, part, i, t);
+      if (status != Status::ok) return status;
+    }
+    y.t = x.t;
+    x = y;
+    return Status::ok;
+  }
+  const Work& work() const { return work_; }
+
+ private:
+  using A = std::remove_cvref_t<decltype(std::declval<S>() *
+                                         action_slope(std::declval<const P&>(), std::declval<const T&>(),
+                                                      phase(std::declval<const P&>(), std::declval<const S&>())))>;
+  struct Factors {
+    A before{}, after{};  ///< 1 − hα₀/2 and 1/(1 + hα₁/2)
+  };
+
+  template <class F>
+  void look(const Vec<n, T>& q, const F& f) {
+    slope_ = gradient(problem_, q, f);
+    if constexpr (X::acting) potential_ = problem_.potential(q, f);
+    ++work_.forces;
+  }
+  /// Constant damping: the factors of every stage, once per length of step.
+  void prepare(const S& h) {
+    if (h == prepared_) return;
+    prepared_ = h;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i)
+      factors_[i] = factors(weights_->gamma[i] * h, damping_, damping_);
+  }
+  static Factors factors(const S& h, const A& before, const A& after) {
+    const A end = 1 + (h / 2) * after;
+    return {1 - (h / 2) * before, end > A(least_denominator) ? 1 / end : A(unusable)};
+  }
+  static constexpr double unusable = std::numeric_limits<double>::quiet_NaN();
+
+  Status stage(X& y, const S& h, std::size_t i, const S& t) {
+    if constexpr (LinearContact<P>) {
+      return linear(y, h, i, t);
+    } else {
+      return quadratic(y, h, t);
+    }
+  }
+  Status linear(X& y, const S& h, std::size_t i, const S& t) requires LinearContact<P> {
+    const auto f = clock_.at(problem_, i, t);
+    Factors c;
+    if constexpr (ConstantDamping<P>) {
+      c = factors_[i];
+    } else {
+      const A next = damping(problem_, f);
+      c = factors(h, damping_, next);
+      damping_ = next;
+    }
+    if (!(c.after > A(0))) return Status::singular;  // a pole is no number
+    Vec<n, T> v;
+    for (std::size_t k = 0; k < n; ++k) v[k] = c.before * y.p[k] - (h * 0.5) * slope_[k];
+    const T potential = potential_;
+    drift(y, v, h);
+    look(y.q, f);
+    for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * slope_[k]) * c.after;
+    if constexpr (X::acting) y.action.s = (c.before * y.action.s + h * lagrangian(y, v, potential)) * c.after;
+    return Status::ok;
+  }
+
+  Status quadratic(X& y, const S& h, const S& t) requires QuadraticContact<P> {
+    using least::any;
+    using least::sqrt;
+    const auto gamma = problem_.action_curvature();
+    const T s = y.action.s, before = 1 - (h / 2) * (gamma * s);
+    Vec<n, T> v;
+    for (std::size_t k = 0; k < n; ++k) v[k] = before * y.p[k] - (h * 0.5) * slope_[k];
+    const T potential = potential_;
+    drift(y, v, h);
+    look(y.q, phase(problem_, t));
+    const T r = s - (h / 4) * (gamma * (s * s)) + h * (lagrangian(y, v, potential) + problem_.offset());
+    const T under = 1 + h * (gamma * r);
+    if (any(!(under > T(0)))) return Status::singular;
+    const T next = 2 * r / (1 + sqrt(under)), after = 1 + (h / 2) * (gamma * next);
+    if (any(!(after > T(least_denominator)))) return Status::singular;
+    for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * slope_[k]) / after;
+    y.action.s = next;
+    return Status::ok;
+  }
+
+  /// The first step of a scene whose damping is 2/t: the weight t² of its Lagrangian is integrated over the step.
+  Status regular_step(X& x, const S& h) {
+    const Vec<n, T> slope = slope_;
+    const T potential = potential_;
+    Vec<n, T> v;
+    for (std::size_t k = 0; k < n; ++k) v[k] = -(h / 6) * slope[k];
+    drift(x, v, h);
+    const auto f = phase(problem_, x.t + h);
+    look(x.q, f);
+    damping_ = damping(problem_, f);
+    for (std::size_t k = 0; k < n; ++k) x.p[k] = (v[k] - (h / 2) * slope_[k]) / 2;
+    if constexpr (X::acting) x.action.s = ((h / 3) * potential + h * lagrangian(x, v, potential)) / 2;
+    return Status::ok;
+  }
+
+  void drift(X& y, const Vec<n, T>& v, const S& h) const {
+    const auto w = velocity(problem_, y.q, v);
+    for (std::size_t k = 0; k < n; ++k) y.q[k] = y.q[k] + h * w[k];
+  }
+  /// The mean of K − V over the ends, at the new q.
+  T lagrangian(const X& y, const Vec<n, T>& v, const T& potential) const {
+    return 0.5 * (dot(v, velocity(problem_, y.q, v)) - (potential + potential_));
+  }
+
+  P problem_;
+  const Weights<S>* weights_;
+  PhaseClock<P, S> clock_;
+  Vec<n, T> slope_{};         ///< ∇V at the state
+  T potential_{};             ///< V there, where s is carried
+  A damping_{};               ///< α there
+  S prepared_ = S(unusable);  ///< the step that factors_ are for
+  std::array<Factors, ConstantDamping<P> ? compositions::most_stages : 1> factors_{};
+  Work work_;
+};
+
+struct ContactLeapfrog {
+  double step = 0.01;
+  Composition composition = Composition::none;
+  static constexpr std::tuple fields{step_field<ContactLeapfrog>(), composition_field<ContactLeapfrog>()};
+  static SchemeCard card() {
+    return {.id = "contact_leapfrog",
+            .title = "Contact leapfrog",
+            .summary =
+                "The variational integrator of Herglotz' principle and the trapezoidal rule, explicit: leapfrog "
+                "for damped and driven systems.",
+            .orders = orders_from(2),
+            .symmetric = true,
+            .structure = "contact",
+            .recommended = "kahan_li_6",
+            .good_for = "long runs with damping or forcing: the contact form is kept exactly, one force a step",
+            .fails_when =
+                "ωh ≥ 2; αh ≥ 2, where it turns the momentum over; with a composition beyond αh = 2/w, w the "
+                "largest negative weight",
+            .needs = "a contact Hamiltonian: a potential, a constant kinetic metric, and α(t)s or γs²/2",
+            .references = {"Vermeeren, Bravetti, Seri, Journal of Physics A 52, 445206 (2019)",
+                           "Bravetti, Seri, Vermeeren, Zadra, Celest. Mech. Dyn. Astron. 132, 7 (2020)"}};
+  }
+  template <SeparableContact P, class X>
+  auto bind(const P& problem, const X& x) const {
+    return ContactLeapfrogStepper<P, X>(problem, x, step, Weights<typename X::Time>::of(composition));
+  }
+
+  /// Its first step from t = 0 is its own; a composition's stages are not.
+  template <class P>
+  bool starts_at_singularity(const P&) const {
+    return composition == Composition::none;
+  }
+  template <class P>
+  std::string objection(const P& problem) const {
+    if constexpr (ConstantDamping<P>) return pole_objection(composition, problem.damping() * step);
+    return {};
+  }
+  template <class P>
+  bool flips_momentum(const P& problem, double t) const {
+    if constexpr (LinearContact<P>) return damping(problem, phase(problem, t)) * step >= 2;
+    return false;
+  }
+};
+
+}  // namespace least

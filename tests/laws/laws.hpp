@@ -2,26 +2,25 @@
 // is, so that a new one is examined the day it appears.
 #pragma once
 
-#include "core/run/drive.hpp"
 #include "tests/laws/number_laws.hpp"
 #include "tests/laws/run_laws.hpp"
 #include "tests/laws/scheme_laws.hpp"
 
-#define LEAST_LAWS(id, Class)                                                                        \
-  TEST(id, CardIsConsistent) { laws::card_is_consistent<least::Class>(#id); }                        \
-  TEST(id, PairsFollowFromConcepts) { laws::pairs_follow_from_concepts<least::Class>(#id); }         \
-  TEST(id, EquationsCanBeRecorded) { laws::recorded<least::Class>(); }                               \
-  TEST(id, LanesPassThroughTheProblem) { laws::lanes_through_problem<least::Class>(); }              \
-  TEST(id, LanesPassThroughEveryScheme) { laws::lanes_through_schemes<least::Class>(); }             \
-  TEST(id, QuadPassesThroughEveryScheme) { laws::quad_through_schemes<least::Class>(); }             \
-  TEST(id, ParametersCanBeDual) { laws::parameters_can_be_dual<least::Class>(); }                    \
-  TEST(id, ForceIsMinusGradient) { laws::force_is_minus_gradient<least::Class>(); }                  \
-  TEST(id, EquationsAreHamiltons) { laws::equations_are_hamiltons<least::Class>(); }                 \
-  TEST(id, InvariantsAreConserved) { laws::invariants_are_conserved<least::Class>(); }               \
-  TEST(id, ClosedFormIsTheMotion) { laws::closed_form_is_the_motion<least::Class>(); }               \
-  TEST(id, OrderIsAsDeclared) { laws::order_is_as_declared<least::Class>(); }                        \
-  TEST(id, SymmetricSchemesReturn) { laws::symmetric_schemes_return<least::Class>(); }               \
-  TEST(id, SymplecticSchemesKeepTheForm) { laws::symplectic_schemes_keep_the_form<least::Class>(); } \
-  TEST(id, NoStepIsTheIdentity) { laws::no_step_is_the_identity<least::Class>(); }                   \
-  TEST(id, TheLoopAllocatesNothing) { laws::the_loop_allocates_nothing<least::Class>(); }            \
+#define LEAST_LAWS(id, Class)                                                                      \
+  TEST(id, CardIsConsistent) { laws::card_is_consistent<least::Class>(#id); }                      \
+  TEST(id, PairsFollowFromConcepts) { laws::pairs_follow_from_concepts<least::Class>(#id); }       \
+  TEST(id, EquationsCanBeRecorded) { laws::recorded<least::Class>(); }                             \
+  TEST(id, LanesPassThroughTheProblem) { laws::lanes_through_problem<least::Class>(); }            \
+  TEST(id, LanesPassThroughEveryScheme) { laws::lanes_through_schemes<least::Class>(); }           \
+  TEST(id, QuadPassesThroughEveryScheme) { laws::quad_through_schemes<least::Class>(); }           \
+  TEST(id, ParametersCanBeDual) { laws::parameters_can_be_dual<least::Class>(); }                  \
+  TEST(id, ForceIsMinusGradient) { laws::force_is_minus_gradient<least::Class>(); }                \
+  TEST(id, EquationsAreHamiltons) { laws::equations_are_hamiltons<least::Class>(); }               \
+  TEST(id, InvariantsAreConserved) { laws::invariants_are_conserved<least::Class>(); }             \
+  TEST(id, ClosedFormIsTheMotion) { laws::closed_form_is_the_motion<least::Class>(); }             \
+  TEST(id, OrderIsAsDeclared) { laws::order_is_as_declared<least::Class>(); }                      \
+  TEST(id, SymmetricSchemesReturn) { laws::symmetric_schemes_return<least::Class>(); }             \
+  TEST(id, GeometricSchemesKeepTheForm) { laws::geometric_schemes_keep_the_form<least::Class>(); } \
+  TEST(id, NoStepIsTheIdentity) { laws::no_step_is_the_identity<least::Class>(); }                 \
+  TEST(id, TheLoopAllocatesNothing) { laws::the_loop_allocates_nothing<least::Class>(); }          \
   TEST(id, RecordingNeverChangesTheRun) { laws::recording_never_changes_the_run<least::Class>(#id); }

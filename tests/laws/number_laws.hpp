@@ -13,26 +13,24 @@ namespace laws {
 
 using toy::Lanes;
 
-/// Hamilton's equations and the Hamiltonian written on a tape at compile time: the lines of q̇, ṗ and H.
+/// The equations of motion and the energy written on a tape at compile time, time being a variable like any other.
 template <class P>
-struct Recorded {
+struct OnTape {
+  static constexpr std::size_t size = FullStateOf<P>::size;
   toy::Tape tape;
-  Vec<2 * P::dof, int> lines{};
-  int energy = 0;
+  std::array<int, size> lines{};
+  int energy = -1;
 };
 template <class P>
-constexpr Recorded<P> record_equations() {
+constexpr OnTape<P> record_equations() {
   toy::Tape tape;
-  StateOf<P, toy::Symbol> x;
-  for (int i = 0; i < P::dof; ++i) x.q[std::size_t(i)] = toy::Symbol(tape, i);
-  for (int i = 0; i < P::dof; ++i) x.p[std::size_t(i)] = toy::Symbol(tape, P::dof + i);
+  typename FullStateOf<P>::template in<toy::Symbol, toy::Symbol> x;
+  for (std::size_t i = 0; i < x.size; ++i) x[i] = toy::Symbol(tape, int(i));
+  x.t = toy::Symbol(tape, int(x.size));
   const auto d = derivative(P{}, x);
-  Recorded<P> r;
-  for (std::size_t i = 0; i < P::dof; ++i) {
-    r.lines[i] = d.q[i].on(tape);
-    r.lines[P::dof + i] = d.p[i].on(tape);
-  }
-  r.energy = hamiltonian(P{}, x.q, x.p, 0.0).on(tape);
+  OnTape<P> r;
+  for (std::size_t i = 0; i < x.size; ++i) r.lines[i] = d[i].on(tape);
+  if constexpr (HasEnergy<P>) r.energy = energy(P{}, x).on(tape);
   r.tape = tape;
   return r;
 }
@@ -40,18 +38,19 @@ constexpr Recorded<P> record_equations() {
 template <template <class> class P>
 void recorded() {
   static constexpr auto record = record_equations<P<double>>();
-  static_assert(record.tape.size > 2 * P<double>::dof, "the mechanics can be recorded at compile time");
+  constexpr std::size_t size = record.size;
+  static_assert(record.tape.size > int(size) + 1, "the mechanics can be recorded at compile time");
   for (const auto& x : states<P>()) {
-    std::array<double, 2 * P<double>::dof> y;
-    std::copy(x.q.begin(), x.q.end(), y.begin());
-    std::copy(x.p.begin(), x.p.end(), y.begin() + P<double>::dof);
+    std::array<double, size + 1> y;
+    for (std::size_t i = 0; i < size; ++i) y[i] = x[i];
+    y[size] = x.t;
     const auto d = derivative(P<double>{}, x);
-    for (std::size_t i = 0; i < P<double>::dof; ++i) {
-      EXPECT_DOUBLE_EQ(record.tape.replay(record.lines[i], y), d.q[i]);
-      EXPECT_NEAR(record.tape.replay(record.lines[P<double>::dof + i], y), d.p[i], 1e-14 * (1 + std::abs(d.p[i])));
+    for (std::size_t i = 0; i < size; ++i)
+      EXPECT_NEAR(record.tape.replay(record.lines[i], y), d[i], 1e-14 * (1 + std::abs(d[i])));
+    if constexpr (HasEnergy<P<double>>) {
+      const double h = energy(P<double>{}, x);
+      EXPECT_NEAR(record.tape.replay(record.energy, y), h, 1e-14 * (1 + std::abs(h)));
     }
-    const double h = hamiltonian(P<double>{}, x.q, x.p, 0.0);
-    EXPECT_NEAR(record.tape.replay(record.energy, y), h, 1e-14 * (1 + std::abs(h)));
   }
 }
 
@@ -60,7 +59,7 @@ template <template <class> class P>
 void parameters_can_be_dual() {
   using D = Dual<double, 1>;
   const double h = coarse_step<P>(), small = 1e-5;
-  const StateOf<P<double>> start = states<P>()[0];
+  const auto start = states<P>()[0];
   const auto step = [&](const auto& scheme, const auto& problem, auto x) {
     auto stepper = scheme.bind(problem, x);
     EXPECT_EQ(stepper.step(x, h), Status::ok);
@@ -81,36 +80,31 @@ void parameters_can_be_dual() {
       const auto down = step(scheme, std::bit_cast<P<double>>(values), start);
       auto wide = std::bit_cast<Wide>(P<D>{});
       wide[k].slope[0] = 1;
-      StateOf<P<double>, D> x;
-      for (std::size_t i = 0; i < P<double>::dof; ++i) {
-        x.q[i] = start.q[i];
-        x.p[i] = start.p[i];
-      }
-      const auto y = step(scheme, std::bit_cast<P<D>>(wide), x);
-      for (std::size_t i = 0; i < P<double>::dof; ++i) {
-        EXPECT_NEAR(y.q[i].slope[0], (up.q[i] - down.q[i]) / (2 * small), 1e-7 * size(start)) << label(scheme);
-        EXPECT_NEAR(y.p[i].slope[0], (up.p[i] - down.p[i]) / (2 * small), 1e-7 * size(start)) << label(scheme);
-      }
+      const auto y = step(scheme, std::bit_cast<P<D>>(wide), convert<D, double>(start));
+      for (std::size_t i = 0; i < start.size; ++i)
+        EXPECT_NEAR(y[i].slope[0], (up[i] - down[i]) / (2 * small), 1e-7 * (size(start) + std::abs(y[i].slope[0])))
+            << label(scheme);
     }
   });
 }
 
+/// All lanes share one time, that of the first state.
 template <template <class> class P>
-StateOf<P<double>, Lanes> in_lanes() {
-  StateOf<P<double>, Lanes> x;
+auto in_lanes() {
+  auto x = convert<Lanes, double>(states<P>()[0]);
   for (std::size_t lane = 0; lane < toy::width; ++lane)
-    for (std::size_t i = 0; i < P<double>::dof; ++i) {
-      x.q[i].v[lane] = states<P>()[lane].q[i];
-      x.p[i].v[lane] = states<P>()[lane].p[i];
-    }
+    for (std::size_t i = 0; i < x.size; ++i) x[i].v[lane] = states<P>()[lane][i];
   return x;
+}
+template <template <class> class P>
+auto in_lane(std::size_t lane) {
+  auto y = states<P>()[lane];
+  y.t = states<P>()[0].t;
+  return y;
 }
 template <class X, class Y>
 void expect_same_bits(const X& lanes, const Y& scalar, std::size_t lane, const std::string& what) {
-  for (std::size_t i = 0; i < scalar.q.size(); ++i) {
-    EXPECT_EQ(lanes.q[i].v[lane], scalar.q[i]) << what;
-    EXPECT_EQ(lanes.p[i].v[lane], scalar.p[i]) << what;
-  }
+  for (std::size_t i = 0; i < Y::size; ++i) EXPECT_EQ(lanes[i].v[lane], scalar[i]) << what;
 }
 
 template <template <class> class P>
@@ -118,13 +112,14 @@ void lanes_through_problem() {
   const P<double> problem;
   const auto x = in_lanes<P>();
   const auto d = derivative(problem, x);
-  const auto h = hamiltonian(problem, x.q, x.p, 0.0);
   for (std::size_t lane = 0; lane < toy::width; ++lane) {
-    const auto& y = states<P>()[lane];
+    const auto y = in_lane<P>(lane);
     expect_same_bits(d, derivative(problem, y), lane, "derivative");
-    EXPECT_EQ(h.v[lane], hamiltonian(problem, y.q, y.p, 0.0));
+    if constexpr (HasEnergy<P<double>>) {
+      EXPECT_EQ(energy(problem, x).v[lane], energy(problem, y));
+    }
     if constexpr (HasFrequency<P<double>>) {
-      EXPECT_EQ(problem.frequency_squared(x.q).v[lane], problem.frequency_squared(y.q));
+      EXPECT_EQ(problem.frequency_squared(position(x)).v[lane], problem.frequency_squared(position(y)));
     }
     if constexpr (HasInvariants<P<double>>) {
       const auto wide = problem.invariants(x.q, x.p, 0.0);
@@ -143,8 +138,7 @@ void lanes_through_schemes() {
     auto wide = scheme.bind(problem, x);
     for (int k = 0; k < 3; ++k) ASSERT_EQ(wide.step(x, h), Status::ok) << label(scheme);
     for (std::size_t lane = 0; lane < toy::width; ++lane) {
-      auto y = states<P>()[lane];
-      y.t = 0;
+      auto y = in_lane<P>(lane);
       auto narrow = scheme.bind(problem, y);
       for (int k = 0; k < 3; ++k) ASSERT_EQ(narrow.step(y, h), Status::ok);
       expect_same_bits(x, y, lane, label(scheme));
@@ -171,40 +165,71 @@ void quad_through_schemes() {
 template <template <class> class P>
 void force_is_minus_gradient() {
   const P<double> problem;
-  for (const auto& x : states<P>()) {
-    const auto by_hand = gradient(problem, x.q, 0.0);
-    const auto derived = problem.potential(seed<P<double>::dof, double>(x.q), 0.0).slope;
-    for (std::size_t i = 0; i < by_hand.size(); ++i)
-      EXPECT_NEAR(by_hand[i], derived[i], 1e-13 * (1 + std::abs(derived[i])));
-    // The potential itself against a difference quotient, so that the derivative of a wrong branch is not taken for
-    // truth.
-    for (std::size_t i = 0; i < by_hand.size(); ++i) {
-      auto up = x.q, down = x.q;
-      const double d = 1e-5;
-      up[i] += d;
-      down[i] -= d;
-      EXPECT_NEAR(by_hand[i], (problem.potential(up, 0.0) - problem.potential(down, 0.0)) / (2 * d),
-                  1e-6 * (1 + size(x)));
+  if constexpr (!Potential<P<double>>)
+    return;
+  else
+    for (const auto& x : states<P>()) {
+      const auto f = phase(problem, x.t);
+      const auto by_hand = gradient(problem, x.q, f);
+      const auto derived = problem.potential(seed<P<double>::dof, double>(x.q), f).slope;
+      for (std::size_t i = 0; i < by_hand.size(); ++i)
+        EXPECT_NEAR(by_hand[i], derived[i], 1e-13 * (1 + std::abs(derived[i])));
+      // The potential itself against a difference quotient, so that the derivative of a wrong branch is not taken for
+      // truth.
+      for (std::size_t i = 0; i < by_hand.size(); ++i) {
+        auto up = x.q, down = x.q;
+        const double d = 1e-5;
+        up[i] += d;
+        down[i] -= d;
+        EXPECT_NEAR(by_hand[i], (problem.potential(up, f) - problem.potential(down, f)) / (2 * d),
+                    1e-6 * (1 + size(x)));
+      }
     }
-  }
 }
 
-/// Velocity is ∂H/∂p, the force is −∂H/∂q, both by differentiating the Hamiltonian itself.
+/// q̇ = H_p, ṗ = −H_q − p H_s, ṡ = p·H_p − H, by differentiating the Hamiltonian itself. A flow that is split is the sum
+/// of its pieces, each of which is a flow: over h and then over h it goes where it goes over 2h, and back again.
 template <template <class> class P>
 void equations_are_hamiltons() {
   const P<double> problem;
-  constexpr int n = P<double>::dof;
   for (const auto& x : states<P>()) {
-    Vec<n, Dual<double, 2 * n>> q, p;
-    for (int i = 0; i < n; ++i) {
-      q[std::size_t(i)] = Dual<double, 2 * n>::variable(x.q[std::size_t(i)], i);
-      p[std::size_t(i)] = Dual<double, 2 * n>::variable(x.p[std::size_t(i)], n + i);
-    }
-    const auto slope = hamiltonian(problem, q, p, 0.0).slope;
     const auto d = derivative(problem, x);
-    for (std::size_t i = 0; i < n; ++i) {
-      EXPECT_NEAR(d.q[i], slope[n + i], 1e-13 * (1 + size(d)));
-      EXPECT_NEAR(d.p[i], -slope[i], 1e-13 * (1 + size(d)));
+    if constexpr (Potential<P<double>>) {
+      constexpr std::size_t n = P<double>::dof;
+      using D = Dual<double, int(x.size)>;
+      auto y = convert<D, double>(x);
+      for (std::size_t i = 0; i < x.size; ++i) y[i] = D::variable(x[i], int(i));
+      const auto h = energy(problem, y);
+      double action = -h.value, by_s = 0;
+      if constexpr (x.acting) by_s = h.slope[2 * n];
+      for (std::size_t i = 0; i < n; ++i) {
+        EXPECT_NEAR(d.q[i], h.slope[n + i], 1e-13 * (1 + size(d)));
+        EXPECT_NEAR(d.p[i], -h.slope[i] - x.p[i] * by_s, 1e-13 * (1 + size(d)));
+        action += x.p[i] * h.slope[n + i];
+      }
+      if constexpr (x.acting) {
+        EXPECT_NEAR(d.action.s, action, 1e-13 * (1 + size(d)));
+      }
+    } else {
+      auto sum = decltype(x.y){};
+      const double h = 0.01;
+      [&]<int... I>(std::integer_sequence<int, I...>) {
+        const auto add = [&](auto piece) {
+          using D = Dual<double, 1>;
+          const auto lifted = convert<D, D>(x).y;
+          const auto moved = problem.flow(piece, lifted, D(0.0, {1.0}), x.t);
+          for (std::size_t i = 0; i < x.size; ++i) sum[i] += moved[i].slope[0];
+          const auto once = problem.flow(piece, x.y, h, x.t), twice = problem.flow(piece, once, h, x.t);
+          const auto whole = problem.flow(piece, x.y, 2 * h, x.t), back = problem.flow(piece, once, -h, x.t);
+          for (std::size_t i = 0; i < x.size; ++i) {
+            EXPECT_NEAR(twice[i], whole[i], 1e-13 * size(x)) << piece;
+            EXPECT_NEAR(back[i], x.y[i], 1e-13 * size(x)) << piece;
+          }
+        };
+        (add(Piece<I>{}), ...);
+      }
+      (std::make_integer_sequence<int, P<double>::pieces>{});
+      for (std::size_t i = 0; i < x.size; ++i) EXPECT_NEAR(sum[i], d[i], 1e-13 * (1 + size(d)));
     }
   }
 }
@@ -237,7 +262,11 @@ template <template <class> class P>
 void closed_form_is_the_motion() {
   if constexpr (HasExact<P<double>>) {
     const P<double> problem;
-    const auto x0 = convert<Quad, Quad>(states<P>()[0]);
+    StateOf<P<double>> from;
+    assign(from, states<P>()[0]);
+    if constexpr (requires { problem.exact_applies(from); })
+      if (!problem.exact_applies(from)) return;
+    const auto x0 = convert<Quad, Quad>(from);
     Extrapolation<P<double>> run(problem, x0, 1e-27);
     for (const double ahead : {0.1, 0.37, 1.0}) {
       const Quad t = x0.t + Quad(ahead * About<P>::card().span);

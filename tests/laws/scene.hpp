@@ -15,24 +15,23 @@ namespace laws {
 
 using namespace least;
 
+/// The card's start, as a state that carries everything it can.
 template <template <class> class P>
-StateOf<P<double>> default_start() {
-  const ProblemCard card = About<P>::card();
-  StateOf<P<double>> x;
-  constexpr std::size_t n = P<double>::dof;
-  for (std::size_t i = 0; i < n; ++i) {
-    x.q[i] = card.variables.at(i).value;
-    x.p[i] = card.variables.at(n + i).value;
-  }
+FullStateOf<P<double>> default_start() {
+  FullStateOf<P<double>> x;
+  const auto variables = About<P>::card().variables;
+  for (std::size_t i = 0; i < x.size; ++i) x[i] = variables.at(i).value;
   return x;
 }
+template <template <class> class P>
+using Orbit = Extrapolation<P<double>, typename FullStateOf<P<double>>::template in<Quad, Quad>>;
 
 template <template <class> class P>
-const std::array<StateOf<P<double>>, 4>& states() {
+const std::array<FullStateOf<P<double>>, 4>& states() {
   static const auto points = [] {
-    std::array<StateOf<P<double>>, 4> all;
+    std::array<FullStateOf<P<double>>, 4> all;
     const P<double> problem{};
-    Extrapolation<P<double>> orbit(problem, convert<Quad, Quad>(default_start<P>()), 1e-22);
+    Orbit<P> orbit(problem, convert<Quad, Quad>(default_start<P>()), 1e-22);
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (!orbit.advance(Quad(About<P>::card().span * (0.15 + 0.1 * double(i))), [] { return true; })) std::abort();
       all[i] = convert<double, double>(orbit.state());
@@ -42,10 +41,33 @@ const std::array<StateOf<P<double>>, 4>& states() {
   return points;
 }
 
+template <class X>
+double distance(const X& a, const X& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < X::size; ++i) most = std::max(most, std::abs(double(a[i] - b[i])));
+  return most;
+}
+template <class X>
+double size(const X& x) {
+  return std::max(1.0, distance(x, X{}));
+}
+
+/// How long the motion from x takes to change its rate by its own size.
+template <class P, class X>
+double rhythm(const P& problem, const X& x) {
+  const double ahead = 1e-6;
+  const auto rate = derivative(problem, x);
+  auto later = shifted(x, ahead, rate);
+  later.t += ahead;
+  return ahead * distance(rate, X{}) / distance(derivative(problem, later), rate);
+}
+
 /// A step that resolves the default motion, coarsely enough for errors to be seen.
 template <template <class> class P>
 double coarse_step() {
-  return std::min(About<P>::card().span / 100, 0.5);
+  double h = std::min(About<P>::card().span / 100, 0.5);
+  for (const auto& x : states<P>()) h = std::min(h, 0.7 * rhythm(P<double>{}, x));
+  return h;
 }
 
 /// Calls f(scheme) for every scheme that fits and every composition it takes.
@@ -59,6 +81,13 @@ void for_each_scheme(F&& f) {
           scheme.composition = static_cast<Composition>(i);
           f(scheme);
         }
+        if constexpr (requires { scheme.splitting; }) {  // the other one than the composed ones were
+          scheme.composition = Composition::suzuki_4;
+          scheme.splitting = QuadraticContact<P<double>> ? Splitting::plain : Splitting::merged;
+          if (!SplitFlow<P<double>>) f(scheme);
+        }
+      } else if constexpr (requires { scheme.stages; }) {
+        for (scheme.stages = 1; scheme.stages <= 3; ++scheme.stages) f(scheme);
       } else {
         f(scheme);
       }
@@ -75,25 +104,17 @@ std::string label(const Scheme& scheme) {
   std::string text(Scheme::card().id);
   if constexpr (requires { scheme.composition; })
     text += " " + std::string(compositions::names[static_cast<std::size_t>(scheme.composition)]);
+  if constexpr (requires { scheme.splitting; })
+    text += " " + std::string(splitting_names[static_cast<std::size_t>(scheme.splitting)]);
+  if constexpr (requires { scheme.stages; }) text += " " + std::to_string(scheme.stages);
   return text;
 }
 template <class Scheme>
 int order(const Scheme& scheme) {
   const auto orders = Scheme::card().orders;
   if constexpr (requires { scheme.composition; }) return orders[static_cast<std::size_t>(scheme.composition)].second;
+  if constexpr (requires { scheme.stages; }) return orders[static_cast<std::size_t>(scheme.stages - 1)].second;
   return orders.at(0).second;
-}
-
-template <class X>
-double distance(const X& a, const X& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.q.size(); ++i)
-    most = std::max({most, std::abs(double(a.q[i] - b.q[i])), std::abs(double(a.p[i] - b.p[i]))});
-  return most;
-}
-template <class X>
-double size(const X& x) {
-  return std::max(1.0, distance(x, X{}));
 }
 
 }  // namespace laws

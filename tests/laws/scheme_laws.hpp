@@ -6,33 +6,33 @@
 #include <cmath>
 #include <vector>
 
-#include "core/run/structure.hpp"
+#include "core/run/engine.hpp"
 #include "tests/laws/scene.hpp"
 #include "tests/support/allocations.hpp"
 
 namespace laws {
 
-struct Point {
+struct Measured {
   double step, error;
 };
 
 /// Errors at the end of the span on a ladder of steps, down to the floor of the number T or the end of the work
 /// allowed.
-template <class T, class P, class Scheme>
-std::vector<Point> convergence(const P& problem, const Scheme& scheme, const StateOf<P>& start,
-                               const StateOf<P, Quad, Quad>& end, double floor, double work_allowed) {
+template <class T, class P, class Scheme, class X, class Y>
+std::vector<Measured> convergence(const P& problem, const Scheme& scheme, const X& start, const Y& end, double floor,
+                                  double work_allowed) {
   const auto truth = convert<T, T>(end);
-  std::vector<Point> points;
+  std::vector<Measured> points;
   double work = 0;
   for (double ladder = 6; work < work_allowed; ladder *= 1.35) {
     const int n = static_cast<int>(ladder);
-    const T h = truth.t / n;
     auto x = convert<T, T>(start);
+    const T h = (truth.t - x.t) / n;
     auto stepper = scheme.bind(problem, x);
     Status status = Status::ok;
     for (int k = 0; k < n && status == Status::ok; ++k) {
       status = stepper.step(x, h);
-      x.t = T(k + 1) * h;
+      x.t = T(start.t) + T(k + 1) * h;
     }
     work += static_cast<double>(stepper.work().forces);
     if (status != Status::ok) continue;  // too long a step for the solver
@@ -49,16 +49,20 @@ std::vector<Point> convergence(const P& problem, const Scheme& scheme, const Sta
 template <template <class> class P>
 void order_is_as_declared() {
   const P<double> problem;
-  const auto start = default_start<P>();
+  auto start = default_start<P>();
+  if (HasSeries<P<double>>) start = states<P>()[0];  // at a singular time orders fall
   // Short against the default span, and not much longer than the motion takes to change by its own size.
   const auto rate = derivative(problem, start);
-  const double span = std::min(About<P>::card().span / 8, 1.5 * size(start) / distance(rate, StateOf<P<double>>{}));
-  Extrapolation<P<double>> truth(problem, convert<Quad, Quad>(start), 1e-28);
-  ASSERT_TRUE(truth.advance(Quad(span), [] { return true; }));
+  const double span = std::min(
+      {About<P>::card().span / 8, 1.5 * size(start) / distance(rate, decltype(start){}), 6 * rhythm(problem, start)});
+  Orbit<P> truth(problem, convert<Quad, Quad>(start), 1e-28);
+  ASSERT_TRUE(truth.advance(Quad(start.t + span), [] { return true; }));
 
   for_each_scheme<P>([&](const auto& scheme) {
+    // A damping factor that is rounded once is off by the same in every step: many steps raise the floor.
+    const double floor = order(scheme) < 6 ? 2e-14 : 3e-16;
     const auto points = order(scheme) < 8
-                            ? convergence<long double>(problem, scheme, start, truth.state(), 3e-16, 40'000)
+                            ? convergence<long double>(problem, scheme, start, truth.state(), floor, 40'000)
                             : convergence<Quad>(problem, scheme, start, truth.state(), 1e-23, 60'000);
     ASSERT_GE(points.size(), 3U) << label(scheme) << ": the order could not be measured";
     // The finest points: three, or as many as lie within a factor 2.5 in step.
@@ -93,29 +97,38 @@ void symmetric_schemes_return() {
     if (scheme.card().symmetric) {
       EXPECT_LT(most, 1e-13) << label(scheme);
     } else {
-      EXPECT_GT(most, 1e-10) << label(scheme) << " returns but does not say that it is symmetric";
+      EXPECT_GT(most, 1e-12) << label(scheme) << " returns but does not say that it is symmetric";
     }
   });
 }
 
-/// MᵀJM = J for the schemes that say they are symplectic, and for no other.
 template <template <class> class P>
-void symplectic_schemes_keep_the_form() {
-  const P<double> problem;
+void keep_the_form(const P<double>& problem) {
   const double h = coarse_step<P>();
   for_each_scheme<P>([&](const auto& scheme) {
     double most = 0;
     for (const auto& x : states<P>()) {
-      const auto m = tangent_map(scheme, problem, x, h);
-      ASSERT_TRUE(m) << label(scheme);
-      most = std::max(most, symplectic_defect(*m));
+      const auto tangent = tangent_map(scheme, problem, x, h);
+      ASSERT_TRUE(tangent) << label(scheme);
+      if constexpr (Contact<P<double>>) {
+        most = std::max(most, contact_defect(x, *tangent).defect / size(x));
+      } else {
+        most = std::max(most, symplectic_defect(tangent->m));
+      }
     }
-    if (scheme.card().structure == "symplectic") {
+    if (scheme.card().structure != "none") {
       EXPECT_LT(most, 1e-12) << label(scheme);
     } else {
-      EXPECT_GT(most, 1e-8) << label(scheme) << " keeps the form but does not say so";
+      EXPECT_GT(most, 1e-9) << label(scheme) << " keeps the form but does not say so";
     }
   });
+}
+
+/// MᵀJM = J, or φ*η = λη in a contact scene, for the schemes that say they keep the form, and for no other.
+template <template <class> class P>
+void geometric_schemes_keep_the_form() {
+  const P<double> problem;
+  if constexpr (Potential<P<double>>) keep_the_form<P>(problem);
 }
 
 template <template <class> class P>
@@ -140,18 +153,22 @@ void the_loop_allocates_nothing() {
     Request request;
     request.until_steps = true;
     request.steps = 50;
+    request.start = states<P>()[0].t;
     const Grid grid(request, scheme.step);
     const auto x = states<P>()[0];
-    Machine<P<double>, StepperOf<decltype(scheme), P<double>, StateOf<P<double>>>> machine{scheme.bind(problem, x), x};
-    Observer<P<double>> observer;
-    observer.energy = observer.momenta = observer.orbit = true;
+    using X = FullStateOf<P<double>>;
+    Bound<P<double>, decltype(scheme), X> engine(problem, scheme, x);
+    Place<X> place{x};
+    Met met;
+    Observer<P<double>, X> observer;
+    observer.energy = observer.momenta = observer.orbit = observer.decay = observer.entropy = observer.moments =
+        observer.sections = true;
     observer.start(problem, x);
-    double frequency = 0;
     const std::size_t before = counting::allocations();
-    const Status status = advance<true>(problem, machine, observer, grid, 50, frequency);
+    const Status status = engine.advance(place, grid, 50, met, &observer);
     EXPECT_EQ(counting::allocations(), before) << label(scheme);
     EXPECT_EQ(status, Status::ok) << label(scheme);
-    EXPECT_EQ(machine.n, 50);
+    EXPECT_EQ(place.n, 50);
   });
 }
 

@@ -102,6 +102,12 @@ inline Lanes sqrt(const Lanes& a) {
 inline Lanes pow(const Lanes& a, double y) {
   return map(a, [y](double x) { return std::pow(x, y); });
 }
+inline Lanes tanh(const Lanes& a) {
+  return map(a, [](double x) { return std::tanh(x); });
+}
+inline Lanes phi1(const Lanes& a) {
+  return map(a, [](double x) { return least::phi1(x); });
+}
 inline Lanes abs(const Lanes& a) {
   return map(a, [](double x) { return std::fabs(x); });
 }

@@ -1,6 +1,11 @@
 // Requests with defaults filled in from the catalogue, and runs that collect what they give.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -29,7 +34,8 @@ inline least::Request defaults(std::string_view problem, std::string_view scheme
     request.settings.push_back(value);
   }
   request.end = card.span;
-  for (std::size_t i = 0; i <= card.variables.size(); ++i) request.columns.push_back(i);
+  for (std::size_t i = 0; i <= card.variables.size(); ++i)
+    if (i == 0 || !card.variables[i - 1].optional) request.columns.push_back(i);
   return request;
 }
 
@@ -43,6 +49,63 @@ inline Result go(const least::Request& request) {
   return result;
 }
 
+/// Takes out what a run did not carry.
+inline void drop_unknown(std::vector<double>& numbers) {
+  std::erase_if(numbers, [](double x) { return std::isnan(x); });
+}
+
+/// Position of an element called `name`; throws where there is none.
+template <class Named, class Name>
+std::size_t position(const Named& all, std::string_view name, Name&& name_of) {
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (name_of(all[i]) == name) return i;
+  throw std::out_of_range(std::string(name));
+}
+inline const least::ProblemCard& card(const least::Request& request) { return least::problems()[request.problem]; }
+
+/// A parameter of the problem or a setting of the scheme, by name.
+inline void set(least::Request& request, std::string_view name, double value) {
+  const auto name_of = [](const auto& p) { return p.name; };
+  const auto& parameters = card(request).parameters;
+  if (std::ranges::find(parameters, name, name_of) != parameters.end())
+    request.parameters[position(parameters, name, name_of)] = value;
+  else
+    request.settings[position(least::schemes()[request.scheme].parameters, name, name_of)] = value;
+}
+/// The same for a choice.
+inline void set(least::Request& request, std::string_view name, std::string_view choice) {
+  const auto look = [&](const auto& parameters) {
+    for (const auto& p : parameters)
+      if (p.name == name) return set(request, name, double(position(p.choices, choice, std::identity{}))), true;
+    return false;
+  };
+  if (!look(card(request).parameters) && !look(least::schemes()[request.scheme].parameters))
+    throw std::out_of_range(std::string(name));
+}
+/// The start value of a variable, by name; `t` is the time.
+inline void begin(least::Request& request, std::string_view name, double value) {
+  if (name == "t")
+    request.start = value;
+  else
+    request.initial[position(card(request).variables, name, [](const auto& v) { return v.name; })] = value;
+}
+/// A diagnostic, by name.
+inline void ask(least::Request& request, std::string_view diagnostic) {
+  request.diagnostics.push_back(position(card(request).diagnostics, diagnostic, std::identity{}));
+}
+/// Columns t and every variable, also what the motion does not read.
+inline void show_all(least::Request& request) {
+  request.columns.clear();
+  for (std::size_t i = 0; i <= card(request).variables.size(); ++i) request.columns.push_back(i);
+}
+/// Nothing is kept but the final state.
+inline void only_final(least::Request& request) { request.record = {least::Record::Mode::every, 0, {}}; }
+/// States at these times, the last of them the end.
+inline void at_times(least::Request& request, std::vector<double> times) {
+  request.end = times.back();
+  request.record = {least::Record::Mode::times, 1, std::move(times)};
+}
+
 /// A number of a report by its path, as "energy/max_abs_error"; throws where there is none.
 inline double number(const std::vector<least::Report>& reports, std::string_view path) {
   const auto slash = path.find('/');
@@ -52,6 +115,13 @@ inline double number(const std::vector<least::Report>& reports, std::string_view
                  ? std::get<double>(report.value)
                  : number(std::get<std::vector<least::Report>>(report.value), path.substr(slash + 1));
   throw std::out_of_range(std::string(path));
+}
+
+/// A list of a report, as the times of "zeros".
+inline const std::vector<double>& list(const std::vector<least::Report>& reports, std::string_view key) {
+  for (const auto& report : reports)
+    if (report.key == key) return std::get<std::vector<double>>(report.value);
+  throw std::out_of_range(std::string(key));
 }
 
 }  // namespace runs

@@ -21,7 +21,11 @@ enum class Op {
   cosine,
   exponential,
   logarithm,
-  root
+  root,
+  tangent_h,
+  power,
+  less,
+  choose,  ///< a: mask; constant: the line of the other choice, b: of the first
 };
 
 struct Tape {
@@ -82,6 +86,18 @@ struct Tape {
         case Op::root:
           v = std::sqrt(a);
           break;
+        case Op::tangent_h:
+          v = std::tanh(a);
+          break;
+        case Op::power:
+          v = std::pow(a, l.constant);
+          break;
+        case Op::less:
+          v = a < b;
+          break;
+        case Op::choose:
+          v = a != 0 ? b : value[static_cast<std::size_t>(l.constant)];
+          break;
       }
     }
     return value[static_cast<std::size_t>(line)];
@@ -132,5 +148,23 @@ constexpr std::pair<Symbol, Symbol> sincos(const Symbol& a) { return {sin(a), co
 constexpr Symbol exp(const Symbol& a) { return record(Op::exponential, a); }
 constexpr Symbol log(const Symbol& a) { return record(Op::logarithm, a); }
 constexpr Symbol sqrt(const Symbol& a) { return record(Op::root, a); }
+constexpr Symbol tanh(const Symbol& a) { return record(Op::tangent_h, a); }
+constexpr Symbol pow(const Symbol& a, double y) {
+  Symbol r = a;
+  r.line = a.tape->write({Op::power, a.line, -1, y});
+  return r;
+}
+/// A comparison is recorded, not decided.
+struct Recorded {
+  Symbol bit;
+};
+constexpr Recorded operator<(const Symbol& a, const Symbol& b) { return {record(Op::less, a, b)}; }
+constexpr Symbol select(const Recorded& mask, const Symbol& yes, const Symbol& no) {
+  Symbol r = mask.bit;
+  const int first = yes.on(*r.tape), second = no.on(*r.tape);
+  r.line = r.tape->write({Op::choose, mask.bit.line, first, double(second)});
+  return r;
+}
+constexpr Symbol abs(const Symbol& a) { return select(a < Symbol(0.0), -a, a); }
 
 }  // namespace toy

@@ -1,0 +1,165 @@
+// The page in a real browser, against the real binary: what the tests of the page share.
+//   LEAST_BINARY      the program (required)
+//   LEAST_BROWSER     a Chromium; else the first one found on the PATH
+//   LEAST_PAGE        a folder whose files stand for those that the program holds, to test the page without building it
+//   LEAST_SCREENSHOT  where to leave a picture of the page as it opens
+// Without a browser the tests are skipped, loudly; under CI that is a failure.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { accessSync, constants, existsSync } from "node:fs";
+import { delimiter, join } from "node:path";
+import { createInterface } from "node:readline";
+import { after, before, test } from "node:test";
+import { chromium } from "playwright-core";
+
+const browserPath = process.env.LEAST_BROWSER || onPath("chromium", "google-chrome", "google-chrome-stable", "chrome");
+if (!browserPath) {
+  console.error("\n*** NO BROWSER: THE TESTS OF THE PAGE ARE SKIPPED. Install chromium or set LEAST_BROWSER. ***\n");
+  if (process.env.CI) throw new Error("no browser, and under CI the page must be tested");
+}
+export const options = { skip: browserPath ? false : "no browser", timeout: 60_000 };
+const switches = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+                  "--disable-component-update", "--disable-sync"];
+export let origin, catalogue;
+let service, browser;
+
+before(async () => {
+  if (!browserPath) return;
+  assert.ok(process.env.LEAST_BINARY, "LEAST_BINARY must name the program");
+  service = spawn(process.env.LEAST_BINARY, ["serve", "--port", "0"], { stdio: ["ignore", "pipe", "ignore"] });
+  origin = await new Promise((resolve, reject) => {
+    createInterface({ input: service.stdout }).on("line", (line) => {
+      const found = /listening on (http:\/\/\S+?)\/?$/.exec(line);
+      if (found) resolve(found[1]);
+    });
+    service.on("error", reject);
+    service.on("exit", (code) => reject(new Error(`the service ended with ${code} before it listened`)));
+  });
+  catalogue = await (await fetch(`${origin}/v1/catalogue`)).json();
+  browser = await chromium.launch({ executablePath: browserPath, args: switches });
+}, { timeout: 60_000 });
+
+after(async () => {
+  await browser?.close();
+  service?.removeAllListeners("exit");
+  service?.kill("SIGTERM");
+});
+
+function onPath(...names) {
+  for (const name of names) {
+    for (const folder of (process.env.PATH ?? "").split(delimiter)) {
+      try {
+        accessSync(join(folder, name), constants.X_OK);
+        return join(folder, name);
+      } catch {
+        // not here
+      }
+    }
+  }
+  return null;
+}
+
+/** Answers requests for the files of LEAST_PAGE with them, under the headers of the page. */
+async function servePage(context) {
+  const folder = process.env.LEAST_PAGE;
+  if (!folder) return;
+  const { headers } = await fetch(`${origin}/`);
+  await context.route(`${origin}/*`, async (route) => {
+    const file = join(folder, new URL(route.request().url()).pathname.slice(1) || "index.html");
+    if (!existsSync(file)) return route.fallback();
+    const policy = { "content-security-policy": headers.get("content-security-policy") };
+    return route.fulfill({ path: file, headers: policy });
+  });
+}
+
+/**
+ * Runs `body(page)` on a page at `hash` and fails when the browser complained about anything or asked any other origin
+ * for anything. `expected` matches complaints that belong to the case; `prepare(context)` may change what is answered.
+ */
+export function pageTest(name, { hash = "", expected = /^$/, prepare = () => {}, ...context }, body) {
+  test(name, options, async () => {
+    const opened = await browser.newContext({ viewport: { width: 1600, height: 1000 }, ...context });
+    await servePage(opened);
+    await prepare(opened);
+    const page = await opened.newPage();
+    const complaints = [], failures = [];
+    page.on("console", (message) => {
+      if (["error", "warning"].includes(message.type())) complaints.push(`console: ${message.text()}`);
+    });
+    page.on("pageerror", (error) => complaints.push(`page error: ${error.message}`));
+    page.on("request", (request) => {
+      if (new URL(request.url()).origin !== origin) complaints.push(`foreign request: ${request.url()}`);
+    });
+    page.on("requestfailed", (request) => failures.push(`request failed: ${request.url()}: ${request.failure().errorText}`));
+    page.setDefaultTimeout(15_000);
+    try {
+      await page.goto(`${origin}/${hash}`);
+      await settled(page);
+      await body(page, opened);
+    } catch (error) {
+      for (const complaint of [...complaints, ...failures]) console.error(complaint); // they may be the cause
+      throw error;
+    } finally {
+      await opened.close();
+    }
+    assert.deepEqual(complaints.filter((complaint) => !expected.test(complaint)), []);
+  });
+}
+
+export const settled = (page) => page.waitForSelector("#results[aria-busy=false]");
+export const pane = (page, name) => page.locator(`.pane[data-run=${name}]`);
+export const stepOf = (page, name) => pane(page, name).locator("[data-pointer='/scheme/step']");
+export const plane = (name) => `.pane[data-run=${name}] canvas`;
+export const all = (page, selector, property) =>
+  page.locator(selector).evaluateAll((found, path) => found.map((node) => path.reduce((at, key) => at[key], node)),
+                                     property.split("."));
+export const statuses = (page) => all(page, "#numbers tr[data-row=status] data", "value");
+
+/** What the table says of run A or B in a row. */
+export async function number(page, row, name) {
+  const cell = page.locator(`#numbers tr[data-row=${row}] td`).nth(name === "A" ? 0 : 1);
+  return Number(await cell.locator("data").getAttribute("value"));
+}
+
+/**
+ * How many pixels of a canvas have the colour of a run, and the box around them; of all its columns, or of those between
+ * two fractions of its width.
+ */
+export const drawn = (page, selector, run, columns = [0, 1]) => page.locator(selector).evaluate((canvas, [variable, from, to]) => {
+  const probe = document.createElement("span");
+  probe.style.color = `var(${variable})`;
+  document.body.append(probe);
+  const wanted = getComputedStyle(probe).color.match(/\d+/g).map(Number);
+  probe.remove();
+  const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+  const pen = copy.getContext("2d", { willReadFrequently: true });
+  pen.drawImage(canvas, 0, 0);
+  const { data, width } = pen.getImageData(0, 0, copy.width, copy.height);
+  const found = { count: 0, left: Infinity, right: -Infinity, top: Infinity, bottom: -Infinity };
+  for (let i = 0; i < data.length; i += 4) {
+    if (data[i + 3] < 200 || wanted.some((c, k) => Math.abs(data[i + k] - c) > 12)) continue;
+    const x = (i / 4) % width, y = Math.floor(i / 4 / width);
+    if (x < from * width || x > to * width) continue;
+    found.count++;
+    found.left = Math.min(found.left, x);
+    found.right = Math.max(found.right, x);
+    found.top = Math.min(found.top, y);
+    found.bottom = Math.max(found.bottom, y);
+  }
+  return found;
+}, [`--run-${run.toLowerCase()}`, ...columns]);
+
+/** Both planes hold their own curve, and the plot of the energy, where the scene has one, holds both. */
+export async function assertDrawn(page, least = 200) {
+  const hasEnergy = await page.locator("#energy").isVisible();
+  for (const run of ["A", "B"]) {
+    const other = run === "A" ? "B" : "A";
+    const own = await drawn(page, plane(run), run);
+    assert.ok(own.count > least, `plane ${run} holds its curve (${own.count} pixels)`);
+    assert.equal((await drawn(page, plane(run), other)).count, 0, `plane ${run} holds no other`);
+    if (!hasEnergy) continue;
+    const energy = await drawn(page, "#energy canvas", run);
+    assert.ok(energy.count > least / 2, `the energy plot holds ${run} (${energy.count} pixels)`);
+    assert.ok(energy.right - energy.left > least, `the energy of ${run} spans the plot`);
+  }
+}

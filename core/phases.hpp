@@ -42,7 +42,7 @@ class PhaseClock {
   /// To be called at the start of a step: whether the table holds its phases.
   bool begin(const S& t, const S& h) noexcept {
     if constexpr (Periodic<P> && std::is_same_v<S, double>) {
-      tabled_ = h == step_ && std::abs(t - expected_) <= 1e-9 * h;
+      tabled_ = table_ && h == step_ && std::abs(t - expected_) <= 1e-9 * h;
       if (tabled_) {
         row_ = next_;
         next_ = row_ + width_ == table_->size() ? 0 : row_ + width_;

@@ -6,7 +6,8 @@
 //   inside(q), bounded()        a quantity that must not become negative where bounded() says so
 //   series(t), series_until     the regular solution from t = 0, where the equations of motion are singular there
 //   entropy(y)                  never falls
-//   moments(y), moment_names, weight(y)   averages along the orbit, weighted
+//   moments(y), moment_names, log_weight(y)   averages along the orbit, weighted
+//   stiffness_rate()            a run warns where a step is half its inverse
 //   quantities(y, t)            further columns
 #pragma once
 
@@ -50,7 +51,7 @@ concept HasEntropy = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
 template <class P>
 concept HasMoments = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
   m.moments(y);
-  m.weight(y);
+  m.log_weight(y);
 };
 template <class P>
 concept HasQuantities = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
@@ -115,7 +116,7 @@ template <class X>
 double variable(const X& x, std::size_t i) {
   if (i < X::size) return value_of(x[i]);
   if constexpr (Sloped<X>)
-    if (x[0].slope[0] != 0) return x[1].slope[0] / x[0].slope[0];
+    if (const double slope = x[1].slope[0] / x[0].slope[0]; std::isfinite(slope)) return slope;
   return unknown;
 }
 
@@ -127,11 +128,12 @@ X series_state(const P& problem, const typename X::Time& t) {
   x.t = t;
   return x;
 }
-/// Whether x is where that solution begins.
+/// Whether x is on that solution, as far as the series reaches.
 template <class P, class X>
 bool starts_series(const P& problem, const X& x) {
   if constexpr (HasSeries<P>) {
-    if (!(x.t == typename X::Time(0))) return false;
+    using S = typename X::Time;
+    if (!(x.t >= S(0) && x.t <= S(P::series_until))) return false;
     const X regular = series_state<X>(problem, x.t);
     for (std::size_t i = 0; i < StateOf<P>::size; ++i)
       if (!(x[i] == regular[i])) return false;
@@ -139,6 +141,14 @@ bool starts_series(const P& problem, const X& x) {
   } else {
     return false;
   }
+}
+
+/// The energy; at the singular start of a series its limit.
+template <class P, class X>
+double energy_of(const P& problem, const X& x) {
+  if constexpr (HasSeries<P>)
+    if (x.t == 0 && starts_series(problem, x)) return energy(problem, series_state<X>(problem, 1e-9));
+  return energy(problem, x);
 }
 
 /// The quantities whose changes of sign are events.

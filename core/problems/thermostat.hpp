@@ -53,16 +53,18 @@ struct Thermostat {
     const T p2 = y[1] * y[1];
     return {y[0] * y[0], p2, p2 * p2, y[2] * y[2]};
   }
-  /// ρ^{1−κ} over its largest value: turns averages along the motion into those of ρ.
+  /// ln ρ^{1−κ}: turns averages along the motion into those of ρ.
   template <class T>
-  constexpr T weight(const Vec<3, T>& y) const {
+  constexpr T log_weight(const Vec<3, T>& y) const {
     using least::abs;
     using least::exp;
     using least::log;
     const T u = abs(y[2]) / scale;
     const T log_f = -u - 2.0 * log(0.5 * (1.0 + exp(-u)));
-    return exp((1.0 - kappa) * (log_f - 0.5 * beta * (y[0] * y[0] + y[1] * y[1])));
+    return (1.0 - kappa) * (log_f - 0.5 * beta * (y[0] * y[0] + y[1] * y[1]));
   }
+  /// How fast the bath can damp.
+  constexpr R stiffness_rate() const { return kappa / scale; }
 };
 
 template <>

@@ -16,7 +16,8 @@ namespace least {
 /// What a block of steps met on its way.
 struct Met {
   double frequency = 0;  ///< the largest squared local frequency, where the problem estimates one
-  bool left = false;     ///< the domain was left
+  double pull = 0;  ///< the largest −γ s h, where H has γs²/2: from 2 on a step reaches the pole of ṡ = −γs²/2
+  bool left = false;  ///< the domain was left
 };
 
 /// Where a run is: a state, and how many whole steps it has behind it.
@@ -114,6 +115,7 @@ class Bound final : public Engine<P, X> {
     auto x = place.x;
     double most = met.frequency;
     [[maybe_unused]] bool left = met.left;
+    [[maybe_unused]] double lowest = 0;  // action
     Status status = Status::ok;
     std::int64_t n = place.n;
     const std::int64_t end = n + count;
@@ -125,6 +127,7 @@ class Bound final : public Engine<P, X> {
         const double here = problem_.frequency_squared(position(x));
         most = here > most ? here : most;
       }
+      if constexpr (QuadraticContact<P>) lowest = x.action.s < lowest ? x.action.s : lowest;
       if constexpr (HasDomain<P>) left = left || !(problem_.inside(position(x)) >= 0);
       if constexpr (Sloped<X>) normalise(x);
       if constexpr (Observed) observer->see(problem_, x);
@@ -133,6 +136,7 @@ class Bound final : public Engine<P, X> {
     place.x = x;
     place.n = n;
     met.frequency = most;
+    if constexpr (QuadraticContact<P>) met.pull = std::max(met.pull, -problem_.action_curvature() * lowest * grid.step);
     if constexpr (HasDomain<P>) met.left = left && problem_.bounded();
     return status;
   }

@@ -12,6 +12,9 @@ namespace least {
 template <class P, class X>
 class Events {
  public:
+  /// Lists grow no longer than `most`.
+  explicit Events(std::size_t most) : most_(most) {}
+
   /// Every change of sign within the step of length h from `before` to `after`; the engine has saved the former.
   void find(const P& problem, const Engine<P, X>& engine, const X& before, const X& after, double h) {
     const auto was = sections(problem, before), is = sections(problem, after);
@@ -23,14 +26,16 @@ class Events {
   }
   /// The same from a point of the orbit that is known by other means.
   void add(std::size_t section, bool upwards, const X& x) {
-    if (section == 0) zeros_.push_back(x.t);
+    if (section == 0) note(zeros_, x.t);
     if (section == 0 && upwards) {
       if (rises_++ > 0) period_ = x.t - last_rise_;
       last_rise_ = x.t;
     }
     if (section == 1) amplitude_ = std::abs(value_of(x[0]));
-    if (section == 2) poles_.push_back(x.t);
+    if (section == 2) note(poles_, x.t);
   }
+  /// Something was left out.
+  bool full() const { return full_; }
 
   Report zeros() const { return {"zeros", zeros_}; }
   Report poles() const { return {"poles", poles_}; }
@@ -50,6 +55,13 @@ class Events {
     return x;
   }
 
+  void note(std::vector<double>& list, double t) {
+    full_ = full_ || list.size() == most_;
+    if (list.size() < most_) list.push_back(t);
+  }
+
+  std::size_t most_;
+  bool full_ = false;
   std::vector<double> zeros_, poles_;
   std::int64_t rises_ = 0;
   double last_rise_ = 0, period_ = 0, amplitude_ = 0;

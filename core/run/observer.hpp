@@ -23,7 +23,8 @@ struct Trace {
   }
   void see(double x) {
     final = x;
-    most = std::max(most, std::abs(x - initial));
+    const double change = std::abs(x - initial);
+    if (!(change <= most)) most = change;  // NaN comes in and stays
   }
 };
 
@@ -56,7 +57,7 @@ class Observer {
   void start(const P& problem, const X& x) {
     start_time_ = x.t;
     if constexpr (SaysEnergy<P, X>) {
-      if (energy) energy_.start(least::energy(problem, x));
+      if (energy) energy_.start(energy_of(problem, x));
       if (energy) trend_.see(0, 0);
     }
     if constexpr (HasInvariants<P>) {
@@ -105,10 +106,13 @@ class Observer {
     }
     if constexpr (HasMoments<P>) {
       if (moments) {
-        const double w = problem.weight(x.y);
+        // Weights relative to the largest yet, which cannot underflow together.
+        const double here = problem.log_weight(x.y), largest = std::max(here, log_weight_);
+        const double past = std::exp(log_weight_ - largest), w = std::exp(here - largest);
         const auto values = problem.moments(x.y);
-        weight_ += w;
-        for (std::size_t i = 0; i < values.size(); ++i) moments_[i] += w * values[i];
+        log_weight_ = largest;
+        weight_ = past * weight_ + w;
+        for (std::size_t i = 0; i < values.size(); ++i) moments_[i] = past * moments_[i] + w * values[i];
       }
     }
     if (sections) {
@@ -147,8 +151,9 @@ class Observer {
     return {"decay", std::vector<Report>{{"max_residual", residual}}};
   }
   Report entropy_report() const {
-    return {"entropy",
-            std::vector<Report>{{"initial", entropy_.initial}, {"final", entropy_.final}, {"monotone", monotone_}}};
+    Report monotone{"monotone", std::monostate{}};
+    if (std::isfinite(entropy_.most)) monotone.value = monotone_;
+    return {"entropy", std::vector<Report>{{"initial", entropy_.initial}, {"final", entropy_.final}, monotone}};
   }
   Report moments_report() const {
     std::vector<Report> all;
@@ -185,7 +190,7 @@ class Observer {
 
   Trace energy_, entropy_;
   Trend trend_;
-  double start_time_ = 0, weight_ = 0;
+  double start_time_ = 0, weight_ = 0, log_weight_ = -std::numeric_limits<double>::infinity();
   bool monotone_ = true;
   std::array<Trace, invariant_count<HasInvariants<P>>()> invariants_{};
   std::array<double, moment_count()> moments_{};

@@ -38,7 +38,9 @@ class Recorder {
     bool finite = true;
     for (const std::size_t column : columns_) {
       rows_.push_back(value(x, column, step_size));
-      finite = finite && (std::isfinite(rows_.back()) || is_slope(column));
+      if (std::isfinite(rows_.back()) || is_slope(column)) continue;
+      finite = false;
+      wrong_ = column;
     }
     if (!finite) {
       rows_.resize(before);
@@ -46,6 +48,9 @@ class Recorder {
     }
     return rows_.size() + columns_.size() <= rows_.capacity() || flush() ? Taken::yes : Taken::refused;
   }
+
+  /// The column that was not finite.
+  std::size_t wrong_column() const { return wrong_; }
 
   bool flush() {
     const bool accepted = rows_.empty() || sink_.append(rows_);
@@ -65,7 +70,7 @@ class Recorder {
     if (i-- == 0) return step_size;
     if constexpr (HasEnergy<P>)
       if (i-- == 0) {
-        if constexpr (SaysEnergy<P, X>) return energy(problem_, x);
+        if constexpr (SaysEnergy<P, X>) return energy_of(problem_, x);
         return unknown;
       }
     if constexpr (Contact<P>)
@@ -76,7 +81,7 @@ class Recorder {
   }
 
   const P& problem_;
-  std::size_t variables_;
+  std::size_t variables_, wrong_ = 0;
   const std::vector<std::size_t>& columns_;
   Sink& sink_;
   std::vector<double> rows_;

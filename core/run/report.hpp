@@ -79,11 +79,13 @@ Report error_report(const P& problem, const std::vector<FullStateOf<P>>& kept, c
       if (!(last <= most)) most = last;
     }
   }
+  Report how{"reference", std::monostate{}};
+  if (!kept.empty()) how.value = std::string(reference.how) + (reference.complete ? "" : ", not finished");
   return {"error",
           std::vector<Report>{{"final", last},
                               {"max", most},
-                              {"reference", std::string(reference.how) + (reference.complete ? "" : ", not finished")},
-                              {"uncertainty", reference.complete ? reference.uncertainty : unknown}}};
+                              how,
+                              {"uncertainty", reference.complete && !kept.empty() ? reference.uncertainty : unknown}}};
 }
 
 }  // namespace least

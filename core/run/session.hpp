@@ -11,10 +11,12 @@
 #include "core/run/events.hpp"
 #include "core/run/pace.hpp"
 #include "core/run/recorder.hpp"
+#include "core/run/regular.hpp"
 #include "core/run/report.hpp"
 #include "core/run/schedule.hpp"
 #include "core/run/stability.hpp"
 #include "core/run/wording.hpp"
+#include "core/study/blow_up.hpp"
 
 namespace least {
 
@@ -30,7 +32,8 @@ class Session {
         grid_(request, step),
         marks_(request.record, grid_),
         recorder_(problem_, card, request.columns, sink),
-        pace_(request.limits.seconds, cancelled) {
+        pace_(request.limits.seconds, cancelled),
+        events_(static_cast<std::size_t>(request.limits.samples)) {
     for (const std::size_t index : request.diagnostics) {
       const std::string_view name = card.diagnostics[index];
       observer_.energy |= name == "energy";
@@ -91,22 +94,26 @@ class Session {
   bool start() {
     const X& x = place_.x;
     if (!sound(x)) return stop(Reason::not_finite, "the start lies beyond 1e75, where energies overflow");
-    if constexpr (HasSeries<P>) {
-      if (!engine_->starts_at_singularity() && starts_series(problem_, x)) {
-        series_ = std::min(whole_steps(0, P::series_until, grid_.step), grid_.steps);
-        from_series_ = true;
-      }
-    }
+    regular_.start(problem_, *engine_, x, grid_);
+    if constexpr (HasSeries<P>)
+      if (x.t < 0 && grid_.end >= 0)
+        return stop(Reason::singular, "the equations of motion are singular at t = 0, which lies ahead", 0);
+    if constexpr (HasDomain<P>)
+      if (problem_.bounded() && problem_.inside(x.q) < 0)
+        return stop(Reason::left_domain, "the start lies outside the domain of the motion");
     const auto slope = derivative(problem_, plain(x));
     bool finite = std::isfinite(slope.t);
     for (std::size_t i = 0; i < X::size; ++i) finite = finite && std::isfinite(slope[i]);
-    if constexpr (SaysEnergy<P, X>) finite = finite && std::isfinite(energy(problem_, x));
-    if (!finite && !from_series_ && !(x.t == 0 && engine_->starts_at_singularity()))
+    if constexpr (SaysEnergy<P, X>) finite = finite && std::isfinite(energy_of(problem_, x));
+    if (!finite && !regular_.active() && !(regular_.at_rest(x) && engine_->starts_at_singularity()))
       return stop(Reason::singular, "the equations of motion are not finite at the start", x.t);
     if (const std::string why = engine_->objection(); !why.empty()) return stop(Reason::singular, why);
     observer_.start(problem_, x);
     snap();
     if (!record()) return false;
+    if constexpr (QuadraticContact<P>)
+      if (-problem_.action_curvature() * x.action.s * grid_.step > 2 && grid_.steps > 0)
+        return failed(Status::singular);
     if constexpr (HasFrequency<P>) {
       met_.frequency = problem_.frequency_squared(position(x));
       if (met_.frequency > stability_limit() && grid_.steps > 0) return unstable(met_.frequency);
@@ -127,7 +134,10 @@ class Session {
 
   bool unstable(double frequency) {
     const double omega = std::sqrt(frequency);
-    return stop(Reason::unstable_step, wording::unstable(std::abs(grid_.step) * omega, bound_, bound_ / omega));
+    double longest = bound_ / omega;
+    if constexpr (ConstantDamping<P>)
+      longest = longest_stable_step(request_.scheme, request_.settings, omega, problem_.damping(), grid_.step);
+    return stop(Reason::unstable_step, wording::unstable(std::abs(grid_.step) * omega, bound_, longest));
   }
 
   /// One block of steps and what falls due at its end.
@@ -136,8 +146,8 @@ class Session {
     std::int64_t until = std::min({whole, before + pace_.block(), marks_.step()});
     if (snapshots_wanted_) until = std::min(until, (before / stride_ + 1) * stride_);
     if (observer_.sections) until = std::min(until, before + 256);  // a crossing runs them twice
-    if (before < series_ || (before == 0 && from_series_)) {
-      if (!series_step()) return false;
+    if (regular_.takes(before)) {
+      if (!regular_step()) return false;
     } else if (!block(until - before)) {
       return false;
     }
@@ -153,7 +163,8 @@ class Session {
   }
 
   bool good(Status status) const {
-    return status == Status::ok && sound(place_.x) && !(met_.frequency > stability_limit()) && !met_.left;
+    return status == Status::ok && sound(place_.x) && !(met_.frequency > stability_limit()) && !met_.left &&
+           !(met_.pull > 2);
   }
 
   bool block(std::int64_t count) {
@@ -188,7 +199,9 @@ class Session {
   /// A step from here ended in `bad`.
   bool fail(Status status, const X& bad) {
     const bool left = std::exchange(met_.left, false);
+    const double pull = std::exchange(met_.pull, 0);
     if (status != Status::ok) return failed(status);
+    if (pull > 2) return failed(Status::singular);
     if constexpr (HasDomain<P>) {
       if (left && sound(bad)) {
         const auto inside = [&](double ahead) {
@@ -210,24 +223,19 @@ class Session {
   bool failed(Status status) {
     const double when = singularity();
     if (status == Status::singular)
-      return stop(Reason::singular, std::isfinite(when) ? wording::blow_up(when) : "the step is singular", when);
+      return stop(Reason::singular,
+                  std::isfinite(when) ? wording::blow_up(when) : "the step is singular here; a shorter one may not be",
+                  when);
     return stop(Reason::solver_failed, "Newton's method found no solution of the implicit step; a shorter step may",
                 when);
   }
-  /// When the motion from here becomes infinite, where it does so soon: by steps that shorten towards that time.
+  /// When the motion that began at the start becomes infinite, if it does so hereabouts: the reference integrator
+  /// knows.
   double singularity() {
     if constexpr (QuadraticContact<P>) {
-      X x = place_.x;
-      double when = blow_up_time(problem_, x);
-      if (!(when - x.t < 10 * grid_.step)) return unknown;
-      for (int k = 0; k < 5000 && when - x.t > 1e-13 * std::max(1.0, std::abs(when)); ++k) {
-        const double h = std::min(grid_.step, (when - x.t) / 64);
-        const double t = x.t + h;
-        if (engine_->leap(x, h) != Status::ok || !sound(x)) break;
-        x.t = t;
-        when = blow_up_time(problem_, x);
-      }
-      return when;
+      const double latest = place_.x.t + 10 * grid_.step;
+      return true_blow_up_time(problem_, start_of<X>(problem_, request_.initial, grid_.start), latest, grid_.step,
+                               [this] { return pace_.look() == Reason::completed; });
     }
     return unknown;
   }
@@ -236,52 +244,26 @@ class Session {
     return engine_->advance(place_, grid_, count, met_, observer_.wanted() ? &observer_ : nullptr);
   }
 
-  /// One step along the regular solution from a singular time; where a step is longer than the series reaches, the
-  /// rest of it is the scheme's.
-  bool series_step() {
-    if constexpr (HasSeries<P>) {
-      const X last = place_.x;
-      if (const Status status = along_series(place_.x, grid_.time(place_.n + 1)); status != Status::ok)
-        return failed(status);
-      ++place_.n;
-      if (place_.n >= series_) engine_->rebind(place_.x);
-      observer_.see(problem_, place_.x);
-      observer_.crossed = false;
-      if (!sound(place_.x)) {
-        place_.x = last;
-        --place_.n;
-        return stop(Reason::not_finite, "the next state is not finite");
-      }
-    }
+  /// One step along the regular solution from a singular time.
+  bool regular_step() {
+    X x = place_.x;
+    if (const Status status = regular_.go(problem_, *engine_, x, grid_.time(place_.n + 1)); status != Status::ok)
+      return failed(status);
+    if (!sound(x)) return stop(Reason::not_finite, "the next state is not finite");
+    place_ = {x, place_.n + 1};
+    if (regular_.ends(place_.n)) engine_->rebind(x);
+    observer_.see(problem_, x);
+    observer_.crossed = false;
     return true;
-  }
-  /// x at the time t, which lies no further than a step beyond the series.
-  Status along_series(X& x, double t) {
-    if constexpr (HasSeries<P>) {
-      const double until = std::min(t, P::series_until);
-      x = series_state<X>(problem_, until);
-      const Status status = t > until ? engine_->leap(x, t - until) : Status::ok;
-      x.t = t;
-      return status;
-    }
-    return Status::ok;
   }
   /// The state `ahead` after the place, on a copy.
   Status look_ahead(X& x, double ahead) {
     x = place_.x;
     const double t = place_.x.t + ahead;
-    const Status status = from_series_ && (place_.n < series_ || place_.n == 0 || t <= reach())
-                              ? along_series(x, t)
-                              : engine_->peek(x, ahead);
+    const Status status =
+        regular_.covers(place_.n, t) ? regular_.go(problem_, *engine_, x, t) : engine_->peek(x, ahead);
     x.t = t;
     return status;
-  }
-  static constexpr double reach() {
-    if constexpr (HasSeries<P>) {
-      return P::series_until;
-    } else {
-      return 0;
-    }
   }
 
   /// Samples due between here and the next grid point. Between grid points the step's own map fills in: a shorter step
@@ -299,7 +281,8 @@ class Session {
   }
   bool take(const X& x) {
     const auto taken = recorder_.take(x, grid_.step);
-    if (taken == Recorder<P, X>::Taken::not_finite) return stop(Reason::not_finite, "a column is not finite here");
+    if (taken == Recorder<P, X>::Taken::not_finite)
+      return stop(Reason::not_finite, wording::column(card_.columns[recorder_.wrong_column()]));
     return taken == Recorder<P, X>::Taken::yes || stop(Reason::cancelled, "the receiver of the samples went away");
   }
 
@@ -307,8 +290,9 @@ class Session {
   void finish() {
     const auto last = place_;
     engine_->save();
-    const bool regular = from_series_ && (place_.n == 0 || grid_.end <= reach());
-    const Status status = regular ? along_series(place_.x, grid_.end) : engine_->step(place_.x, grid_.tail);
+    const bool regular = regular_.covers(place_.n, grid_.end);
+    const Status status =
+        regular ? regular_.go(problem_, *engine_, place_.x, grid_.end) : engine_->step(place_.x, grid_.tail);
     place_.x.t = grid_.end;
     if constexpr (Sloped<X>) normalise(place_.x);
     if constexpr (HasDomain<P>) met_.left = problem_.bounded() && !(problem_.inside(place_.x.q) >= 0);
@@ -343,6 +327,9 @@ class Session {
   }
 
   void warn() {
+    if (events_.full())
+      outcome_.warnings.push_back(
+          {"events_truncated", "more zeros or poles than limits.samples; the first are listed"});
     const double h = std::abs(grid_.step);
     if constexpr (HasFrequency<P>) {
       double careful = bound_ > 0 ? bound_ / 2 : std::numeric_limits<double>::infinity();
@@ -356,8 +343,9 @@ class Session {
         outcome_.warnings.push_back({"stiff_step", wording::stiff(problem_.stiffness_rate() * h)});
     }
     // The damping over the span; its first step may begin where it is singular.
-    for (std::int64_t k = 1; k <= 1000 && grid_.steps > 0; ++k) {
-      const double t = grid_.time(std::max<std::int64_t>(2, grid_.steps / 1000 * k));
+    for (double k = 1; k <= 1000 && place_.n > 0; ++k) {
+      const auto n = static_cast<std::int64_t>(static_cast<double>(place_.n) * k / 1000);
+      const double t = grid_.time(std::max<std::int64_t>(n, 2));
       if (!engine_->flips_momentum(t)) continue;
       outcome_.warnings.push_back({"damping_sign", wording::damping_sign(t)});
       break;
@@ -398,11 +386,12 @@ class Session {
   Place<X> place_;
   Observer<P, X> observer_;
   Events<P, X> events_;
+  RegularStart<P, X> regular_;
   Met met_;
   Outcome outcome_;
   double bound_ = std::numeric_limits<double>::infinity();
-  bool limited_ = false, snapshots_wanted_ = false, from_series_ = false;
-  std::int64_t extra_steps_ = 0, stride_ = 1, series_ = 0;
+  bool limited_ = false, snapshots_wanted_ = false;
+  std::int64_t extra_steps_ = 0, stride_ = 1;
   std::vector<FullStateOf<P>> snapshots_;  ///< states along the grid, for the diagnostics that need whole states
 };
 

@@ -1,5 +1,6 @@
 #include "core/run/stability.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -83,6 +84,15 @@ double stability_bound(std::size_t scheme, std::span<const double> settings, dou
   if (known.size() > 1000) known.clear();
   known.emplace(std::move(key), bound);
   return bound;
+}
+
+double longest_stable_step(std::size_t scheme, std::span<const double> settings, double omega, double alpha, double h) {
+  double low = 0, high = h;
+  for (int k = 0; k < 30; ++k) {
+    const double middle = (low + high) / 2;
+    (stability_bound(scheme, settings, std::max(alpha * middle, 0.0)) > omega * middle ? low : high) = middle;
+  }
+  return low;
 }
 
 }  // namespace least

@@ -11,4 +11,7 @@ namespace least {
 /// found up to z = 20. Measured once per question. Thread-safe.
 double stability_bound(std::size_t scheme, std::span<const double> settings, double damping_step);
 
+/// The longest step below h at which that bound holds for the frequency ω and the damping α.
+double longest_stable_step(std::size_t scheme, std::span<const double> settings, double omega, double alpha, double h);
+
 }  // namespace least

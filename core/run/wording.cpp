@@ -9,6 +9,8 @@
 namespace least::wording {
 
 std::string unstable(double ratio, double bound, double step) {
+  if (bound == 0)
+    return fmt::format("the damping makes this scheme unstable; here a step below {:.3g} is stable", step);
   return fmt::format(
       "hω = {:.4g} exceeds the stability bound {:.6g} of this scheme; here a step below {:.3g} is stable", ratio, bound,
       step);
@@ -19,13 +21,17 @@ std::string near_bound(double ratio, double careful, double bound) {
   return bound > 0 && std::isfinite(bound) ? fmt::format("{}, beyond {:.6g} instability", errors, bound) : errors;
 }
 
-std::string left_domain(double t) { return fmt::format("the motion leaves its domain at t = {}", t); }
+std::string column(std::string_view name) { return fmt::format("the column {} is not finite here", name); }
+
+std::string left_domain(double t) {
+  return fmt::format("the motion leaves its domain: what must stay positive reaches zero at t = {}", t);
+}
 
 std::string blow_up(double t) { return fmt::format("the action reaches infinity at t = {}", t); }
 
 std::string stiff(double ratio) {
-  return fmt::format("the damping rate times the step is {:.3g}: above 0.5 periods are wrong, above 1 amplitudes too",
-                     ratio);
+  return fmt::format(
+      "the fastest rate of damping times the step is {:.3g}: above 0.5 expect large errors, above 1 nonsense", ratio);
 }
 
 std::string damping_sign(double t) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace least::wording {
 
@@ -10,6 +11,7 @@ namespace least::wording {
 std::string unstable(double ratio, double bound, double step);
 /// `careful` is the hω from which a run warns; `bound` 0 or infinite: the scheme has none to name.
 std::string near_bound(double ratio, double careful, double bound);
+std::string column(std::string_view name);
 std::string left_domain(double t);
 std::string blow_up(double t);
 /// `ratio` is the rate of damping times the step.

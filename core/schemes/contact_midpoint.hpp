@@ -88,7 +88,7 @@ class ContactMidpointStepper {
     const auto v = velocity_of(z);
     const auto loss = half * action_slope(problem_, action(z), f);
     const auto end = 1 + loss;
-    if (any(!(abs(end) > decltype(end)(least_denominator)))) return Status::singular;
+    if (any(!(end > decltype(end)(least_denominator)))) return Status::singular;
     const auto force = lagrangian_force(problem_, m, v, f);
     ++work_.forces;
     for (std::size_t i = 0; i < n; ++i) {

@@ -89,6 +89,7 @@ class ContactSplittingStepper {
       }
       if (square < R(0)) {
         const R w = sqrt(-square);
+        if (!(abs(w * h) < R(3.141592653589793))) return {R(-1), R(0)};  // a pole lies within the step whatever s is
         return {cos(w * h), sin(w * h) / w};
       }
       const R w = sqrt(square), up = exp(w * h), down = exp(-(w * h));

@@ -1,4 +1,5 @@
-// The table of the README: what each scheme makes of the same work on the same orbit. Printed before the benchmarks.
+// Tables of the README: what each scheme makes of the same work on the same orbit, and how well every scene is solved.
+// Printed before the benchmarks.
 #include <cmath>
 #include <cstdio>
 
@@ -27,6 +28,44 @@ Request orbit(const Case& c, double step) {
     for (std::size_t i = 0; i < compositions::names.size(); ++i)
       if (compositions::names[i] == c.composition) request.settings[1] = static_cast<double>(i);
   return request;
+}
+
+void ask(Request& request, std::initializer_list<std::string_view> names) {
+  const auto& all = problems()[request.problem].diagnostics;
+  for (const auto name : names)
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (all[i] == name) request.diagnostics.push_back(i);
+}
+
+// Every scene at its default start, span and step, under the scheme its kind calls for and, where that takes one, the
+// composition the scheme recommends.
+void scenes() {
+  std::printf("| id | scheme | step | force evaluations | error | … | composition | force evaluations | error |\n");
+  std::printf("|---|---|---|---|---|---|---|---|---|\n");
+  for (const ProblemCard& problem : problems()) {
+    const char* scheme = nullptr;
+    for (const char* id : {"leapfrog", "contact_leapfrog", "contact_splitting", "variational_midpoint"})
+      if (!scheme && fits(find_problem(problem.id).value(), find_scheme(id).value())) scheme = id;
+    std::printf("| `%s` | `%s` ", std::string(problem.id).c_str(), scheme);
+    for (const bool composed : {false, true}) {
+      Request request = runs::defaults(problem.id, scheme);
+      request.record.count = 0;
+      request.limits = {60, 1'000'000'000, 1'000'000};
+      const auto& card = schemes()[request.scheme];
+      if (composed)
+        for (std::size_t i = 0; i < compositions::names.size(); ++i)
+          if (compositions::names[i] == card.recommended) request.settings[1] = static_cast<double>(i);
+      ask(request, {"error"});
+      const auto outcome = runs::go(request).outcome;
+      if (!composed) std::printf("| %g ", request.settings[0]);
+      if (composed) std::printf("| | %s ", std::string(card.recommended).c_str());
+      std::printf("| %lld | %.1e%s ", static_cast<long long>(outcome.cost.force_evaluations),
+                  runs::number(outcome.diagnostics, "error/max"),
+                  outcome.stop.reason == Reason::completed ? "" : " (stopped)");
+    }
+    std::printf("|\n");
+  }
+  std::printf("\n");
 }
 
 }  // namespace
@@ -59,7 +98,7 @@ void bench::choice() {
     Request request = orbit(c, step);
     double seconds = 1e9;
     for (int k = 0; k < 5; ++k) seconds = std::min(seconds, runs::go(request).outcome.cost.seconds);
-    request.diagnostics = {0, 3};  // energy, error
+    ask(request, {"energy", "error"});
     const auto result = runs::go(request);
     const auto& d = result.outcome.diagnostics;
     std::printf("| %s | %s | %.4f | %lld | %.1f | %.1e | %.1e | %.1e |\n", c.scheme, c.composition ? c.composition : "",
@@ -67,5 +106,6 @@ void bench::choice() {
                 runs::number(d, "error/final"), runs::number(d, "energy/max_abs_error"),
                 runs::number(d, "energy/drift_per_time") * request.end);
   }
-  std::printf("\n");
+  std::printf("\nEvery scene at its default start, span and step: the largest error along the run\n");
+  scenes();
 }

@@ -157,6 +157,7 @@ const bool registered = [] {
   }
   for (const auto& scheme : least::schemes()) {
     const std::string id(scheme.id);
+    if (!least::fits(least::find_problem("kepler").value(), least::find_scheme(id).value())) continue;
     add("kepler/" + id, [id](benchmark::State& state) { ours(state, bare("kepler", id)); });
     bench::compare("kepler " + id + ", leapfrog", "kepler/" + id, "step/kepler", 0);
   }

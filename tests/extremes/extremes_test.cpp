@@ -13,15 +13,18 @@ using namespace least;
 
 /// Numbers of rows, of the final state and of the cost are finite. (Those of a report may be unknown; they are encoded
 /// as null.)
-void expect_finite(const runs::Result& result) {
+void expect_finite(const Request& request, const runs::Result& result) {
   for (const auto& row : result.rows)
-    for (const double x : row) ASSERT_TRUE(std::isfinite(x));
-  for (const double x : result.outcome.final) ASSERT_TRUE(std::isfinite(x));
+    for (std::size_t i = 0; i < row.size(); ++i)
+      ASSERT_TRUE(std::isfinite(row[i]) || problems()[request.problem].columns[request.columns[i]] == "slope");
+  const auto& variables = problems()[request.problem].variables;
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    ASSERT_TRUE(variables[i].optional || std::isfinite(result.outcome.final[i]));
   ASSERT_TRUE(std::isfinite(result.outcome.cost.seconds));
 }
 runs::Result go(const Request& request) {
   const auto result = runs::go(request);
-  expect_finite(result);
+  expect_finite(request, result);
   if (result.outcome.stop.reason != Reason::completed) {
     EXPECT_FALSE(result.outcome.stop.detail.empty());
     EXPECT_EQ(result.outcome.stop.t, result.outcome.t);
@@ -53,19 +56,29 @@ void for_each_pair(F&& f) {
 TEST(Step, ZeroIsTheIdentityAndEnds) {
   for_each_pair([](const ProblemCard& problem, const SchemeCard& scheme) {
     Request request = with_step(problem.id, scheme.id, 0);
+    if (problem.id == "lane_emden") {  // its own start is singular
+      request.start = 1;
+      request.initial = {0.9, -0.2, 0};
+    }
     request.until_steps = true;
     request.steps = 100;
-    const auto still = go(request);
+    auto start = request.initial;
+    for (std::size_t i = 0; i < start.size(); ++i)
+      if (problem.variables[i].optional) start[i] = std::nan("");
+    runs::drop_unknown(start);
+    auto still = go(request);
+    runs::drop_unknown(still.outcome.final);
     EXPECT_EQ(still.outcome.stop.reason, Reason::completed) << problem.id << ' ' << scheme.id;
-    EXPECT_EQ(still.outcome.final, request.initial) << problem.id << ' ' << scheme.id;
+    EXPECT_EQ(still.outcome.final, start) << problem.id << ' ' << scheme.id;
 
     request.until_steps = false;  // never gets there
-    const auto stuck = go(request);
+    auto stuck = go(request);
+    runs::drop_unknown(stuck.outcome.final);
     EXPECT_EQ(stuck.outcome.stop.reason, Reason::step_limit) << problem.id << ' ' << scheme.id;
-    EXPECT_EQ(stuck.outcome.final, request.initial);
+    EXPECT_EQ(stuck.outcome.final, start);
 
     request.settings[0] = problem.suggested[0].second;
-    request.end = 100 * request.settings[0];
+    request.end = request.start + 100 * request.settings[0];
     EXPECT_EQ(reason(request), Reason::completed) << problem.id << ' ' << scheme.id;
   });
 }
@@ -79,8 +92,10 @@ TEST(Step, HugeEndsInAStatus) {
       request.limits.seconds = 0.02;
       all_diagnostics(request);
       const auto result = go(request);
-      // An implicit step may have a solution however long it is (the midpoint rule turns by almost π).
-      EXPECT_TRUE(h <= 1e10 || scheme.implicit || result.outcome.stop.reason != Reason::completed)
+      // An implicit step may have a solution however long it is (the midpoint rule turns by almost π), and so has a
+      // rotation.
+      EXPECT_TRUE(h <= 1e10 || scheme.implicit || problem.id == "generic_oscillator" ||
+                  result.outcome.stop.reason != Reason::completed)
           << problem.id << ' ' << scheme.id;
       request.until_steps = false;
       request.end = std::numeric_limits<double>::max();
@@ -175,7 +190,8 @@ TEST(Start, Extreme) {
         Request request = with_step(problem.id, scheme.id, problem.suggested[0].second);
         request.initial[i] = value;
         request.limits.steps = 300;
-        request.diagnostics = {0, 1, 2};
+        all_diagnostics(request);
+        std::erase_if(request.diagnostics, [&](std::size_t d) { return problem.diagnostics[d] == "error"; });
         go(request);
       }
   });
@@ -183,7 +199,8 @@ TEST(Start, Extreme) {
 
 TEST(Start, AtTheSingularity) {
   for (const std::string_view id : {"kepler", "kepler_3d"}) {
-    for (const auto& scheme : schemes()) {
+    for (const std::size_t index : problems()[find_problem(id).value()].schemes) {
+      const SchemeCard& scheme = schemes()[index];
       Request request = with_step(id, scheme.id, 0.01);
       const std::size_t n = request.initial.size() / 2;
       for (std::size_t i = 0; i < n; ++i) request.initial[i] = 0;
@@ -203,7 +220,8 @@ TEST(Start, AtTheSingularity) {
 }
 
 TEST(Start, RadialFallIsStoppedOrWarnedOf) {  // a fixed step can jump over the centre; never without a word
-  for (const auto& scheme : schemes()) {
+  for (const std::size_t index : problems()[find_problem("kepler").value()].schemes) {
+    const SchemeCard& scheme = schemes()[index];
     Request request = with_step("kepler", scheme.id, 1e-3);
     request.initial = {1, 0, 0, 0};  // reaches r = 0 at t = π/√8 = 1.11
     request.end = 3;

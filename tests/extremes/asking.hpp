@@ -1,0 +1,122 @@
+// Requests by names, and runs whose numbers are looked at: what the tests of extremes share.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <utility>
+
+#include "tests/support/runs.hpp"
+
+namespace asking {
+
+using least::NamedValue;
+using least::Request;
+using Named = NamedValue;
+using Names = std::initializer_list<std::pair<std::string_view, std::string_view>>;
+
+inline const least::ProblemCard& problem_of(const Request& request) { return runs::card(request); }
+inline const least::SchemeCard& scheme_of(const Request& request) { return least::schemes()[request.scheme]; }
+
+/// The request with parameters of its problem or settings of its scheme, with choices, with another start.
+inline Request set(Request request, std::initializer_list<Named> values) {
+  for (const auto& [name, value] : values) runs::set(request, name, value);
+  return request;
+}
+inline Request choose(Request request, Names names) {
+  for (const auto& [name, choice] : names) runs::set(request, name, choice);
+  return request;
+}
+inline Request at(Request request, std::initializer_list<Named> values) {
+  for (const auto& [name, value] : values) runs::begin(request, name, value);
+  return request;
+}
+inline Request ask(Request request, std::initializer_list<std::string_view> diagnostics) {
+  for (const std::string_view name : diagnostics) runs::ask(request, name);
+  return request;
+}
+inline Request columns(Request request, std::initializer_list<std::string_view> names) {
+  request.columns.clear();
+  for (const std::string_view name : names)
+    request.columns.push_back(runs::position(problem_of(request).columns, name, std::identity{}));
+  return request;
+}
+inline Request steps(Request request, std::int64_t count) {
+  request.until_steps = true;
+  request.steps = count;
+  return request;
+}
+/// Every column and every diagnostic at once, but for the error where its reference run would only cost time.
+inline Request everything(Request request, bool error = true) {
+  request.diagnostics.clear();
+  request.columns.clear();
+  const auto& card = problem_of(request);
+  for (std::size_t i = 0; i < card.diagnostics.size(); ++i)
+    if (error || card.diagnostics[i] != "error") request.diagnostics.push_back(i);
+  for (std::size_t i = 0; i < card.columns.size(); ++i) request.columns.push_back(i);
+  return request;
+}
+
+struct Scheme {
+  std::string_view id;
+  std::initializer_list<Named> settings;
+};
+inline Request of(std::string_view problem, const Scheme& scheme, std::initializer_list<Named> parameters) {
+  Request request = set(set(runs::defaults(problem, scheme.id), scheme.settings), parameters);
+  request.limits.seconds = 2;
+  request.limits.steps = 50'000;
+  return request;
+}
+
+inline bool slope(const Request& request, std::size_t column) { return problem_of(request).columns[column] == "slope"; }
+
+/// A run whose numbers are finite: rows, final state and cost. A slope may be unknown, at its pole and where it is not
+/// carried, but never infinite.
+inline runs::Result go(const Request& request) {
+  const auto result = runs::go(request);
+  const std::string what = std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
+  for (const auto& row : result.rows)
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const bool good = std::isfinite(row[i]) || (std::isnan(row[i]) && slope(request, request.columns[i]));
+      EXPECT_TRUE(good) << what << ": " << problem_of(request).columns[request.columns[i]];
+      if (!good) return result;
+    }
+  for (std::size_t i = 0; i < result.outcome.final.size(); ++i) {
+    const bool shown = std::ranges::find(request.columns, i + 1) != request.columns.end();
+    const bool may_lack = problem_of(request).variables[i].optional && (!shown || slope(request, i + 1));
+    EXPECT_TRUE(std::isfinite(result.outcome.final[i]) || (may_lack && std::isnan(result.outcome.final[i])))
+        << what << ": final " << problem_of(request).variables[i].name;
+  }
+  EXPECT_TRUE(std::isfinite(result.outcome.cost.seconds));
+  const least::Stop& stop = result.outcome.stop;
+  if (stop.reason != least::Reason::completed) {
+    EXPECT_FALSE(stop.detail.empty()) << what;
+    EXPECT_EQ(stop.t, result.outcome.t) << what;
+  }
+  if (stop.singular_at.has_value()) {
+    EXPECT_TRUE(std::isfinite(*stop.singular_at)) << what;
+    EXPECT_GE(*stop.singular_at, stop.t) << what;
+  }
+  return result;
+}
+inline least::Reason reason(const Request& request) { return go(request).outcome.stop.reason; }
+
+inline bool warned(const runs::Result& result, std::string_view code) {
+  return std::ranges::any_of(result.outcome.warnings, [&](const auto& warning) { return warning.code == code; });
+}
+
+/// The number of a row in the column of that name.
+inline double value(const Request& request, const std::vector<double>& row, std::string_view name) {
+  const auto& known = problem_of(request).columns;
+  return row[runs::position(request.columns, name, [&](std::size_t column) { return known[column]; })];
+}
+inline double largest(const Request& request, const runs::Result& result, std::string_view name) {
+  double most = 0;
+  for (const auto& row : result.rows) most = std::max(most, std::abs(value(request, row, name)));
+  return most;
+}
+
+}  // namespace asking

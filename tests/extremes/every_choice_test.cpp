@@ -1,0 +1,121 @@
+// Every pair of problem and scheme with every choice the scheme offers (compositions, splittings, numbers of stages):
+// whatever it is asked, a run ends in a status and what it gives is finite.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/extremes/asking.hpp"
+
+namespace {
+
+using namespace least;
+using namespace asking;
+
+/// The request as it is, then with every other value of each choice and whole number of its scheme.
+template <class F>
+void for_each_choice(const Request& request, F&& f) {
+  f(request);
+  const auto& parameters = scheme_of(request).parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const ParameterCard& card = parameters[i];
+    if (card.kind == Kind::number) continue;
+    const double low = card.kind == Kind::choice ? 0 : card.range.low;
+    const double high = card.kind == Kind::choice ? static_cast<double>(card.choices.size()) - 1 : card.range.high;
+    for (double x = low; x <= high; x += 1) {
+      Request next = request;
+      next.settings[i] = x;
+      if (x != request.settings[i]) f(next);
+    }
+  }
+}
+template <class F>
+void for_each_run(F&& f) {
+  for (const ProblemCard& problem : problems())
+    for (const std::size_t scheme : problem.schemes) for_each_choice(of(problem.id, {schemes()[scheme].id, {}}, {}), f);
+}
+std::string name(const Request& request) {
+  std::string text = std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
+  for (const double x : request.settings) text += ' ' + std::to_string(x);
+  return text;
+}
+
+TEST(EveryChoice, AnswersEverythingThatCanBeAskedOfIt) {
+  for_each_run([](const Request& plain) {
+    Request request = everything(plain, false);
+    if (problem_of(request).id == "lane_emden") {  // its energy at t = 0 is not defined
+      request.start = 0.1;
+      request.initial = *problem_of(request).regular_start(request.parameters, 0.1);
+    }
+    const auto result = go(steps(request, 50));
+    ASSERT_TRUE(result.outcome.stop.reason == Reason::completed || problem_of(request).id == "henon_heiles")
+        << name(request) << ": " << result.outcome.stop.detail;
+    EXPECT_EQ(result.rows.size(), 51U) << name(request);
+    EXPECT_EQ(result.outcome.diagnostics.size(), request.diagnostics.size()) << name(request);
+    for (std::size_t i = 0; i < request.diagnostics.size(); ++i)
+      EXPECT_EQ(result.outcome.diagnostics[i].key, problem_of(request).diagnostics[request.diagnostics[i]]);
+    // What was looked at on the way changed nothing.
+    Request blind = request;
+    blind.diagnostics.clear();
+    const auto same = runs::go(steps(blind, 50));
+    for (std::size_t i = 0; i < result.outcome.final.size(); ++i) {
+      if (std::isnan(result.outcome.final[i])) continue;  // not carried
+      EXPECT_EQ(same.outcome.final[i], result.outcome.final[i]) << name(request);
+    }
+  });
+}
+
+TEST(EveryChoice, TakesASingleStep) {
+  for_each_run([](const Request& plain) {
+    const Request request = steps(plain, 1);
+    const auto result = go(request);
+    ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
+    EXPECT_EQ(result.rows.size(), 2U) << name(request);
+    EXPECT_EQ(result.outcome.t, request.settings[0]) << name(request);
+    EXPECT_EQ(result.outcome.cost.steps, 1) << name(request);
+    for (std::size_t i = 1; i < request.columns.size(); ++i)
+      EXPECT_EQ(result.rows[1][i], result.outcome.final[request.columns[i] - 1]) << name(request);
+  });
+}
+
+TEST(EveryChoice, EndsForStepsOfAnyLength) {
+  for_each_run([](const Request& plain) {
+    for (const double h : {0.0, 5e-324, 1e-100, 1e-12, 1.0, 30.0, 1e3, 1e100, 1.7e308}) {
+      Request request = set(everything(plain, false), {{"step", h}});
+      request.limits.seconds = 0.1;
+      go(steps(request, 20));
+    }
+  });
+}
+
+TEST(EveryChoice, EndsForEveryStartAndParameter) {
+  for_each_run([](const Request& plain) {
+    Request request = steps(everything(plain, false), 8);
+    request.limits.seconds = 0.1;
+    const double huge = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < request.initial.size(); ++i)
+      for (const double x : {0.0, 1e-300, -1e10, 1e70, 1e300, -huge}) {
+        Request extreme = request;
+        extreme.initial[i] = x;
+        go(extreme);
+      }
+    for (std::size_t i = 0; i < request.parameters.size(); ++i) {
+      const auto& card = problem_of(request).parameters[i];
+      if (card.kind == Kind::choice) continue;
+      const double low = card.range.low_open ? std::nextafter(card.range.low, huge) : card.range.low;
+      for (const double x : {low, card.range.high, 0.0}) {
+        if (!card.range.contains(x)) continue;
+        Request extreme = request;
+        extreme.parameters[i] = x;
+        go(extreme);
+      }
+    }
+    for (const double t : {-1e10, -1e-3, 1e-300, 1e10, 1e300}) {
+      Request extreme = request;
+      extreme.start = t;
+      go(extreme);
+    }
+  });
+}
+
+}  // namespace

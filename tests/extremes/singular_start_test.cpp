@@ -1,0 +1,183 @@
+// The Lane–Emden equation at its singular start t = 0, close to it, and where its motion ends.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/extremes/asking.hpp"
+
+namespace {
+
+using namespace least;
+using namespace asking;
+
+const double pi = std::acos(-1.0);
+
+enum After : int { stop, go_on, with_sign, clamp };  // the choices of after_zero, in their order
+
+Request star(std::string_view scheme, double n, After after = stop) {
+  Request request = of("lane_emden", {scheme, {}}, {{"n", n}, {"after_zero", after}});
+  runs::show_all(request);
+  return request;
+}
+const ProblemCard& card() { return problems()[find_problem("lane_emden").value()]; }
+template <class F>
+void for_each_scheme(F&& f) {
+  for (const std::size_t index : card().schemes) f(schemes()[index]);
+}
+/// The request through every composition of its scheme, or as it is.
+template <class F>
+void for_each_composition(const Request& request, F&& f) {
+  for (const auto& parameter : scheme_of(request).parameters)
+    if (parameter.name == "composition") {
+      for (const auto name : parameter.choices) f(choose(request, {{"composition", name}}));
+      return;
+    }
+  f(request);
+}
+
+TEST(AfterZero, StopEndsAtTheSurfaceAndSaysWhere) {
+  struct Row {
+    double n, zero;
+  };
+  for (const auto& [n, zero] : {Row{0, std::sqrt(6.0)}, Row{1, pi}, Row{3, 6.896848619376960}})
+    for_each_scheme([&](const SchemeCard& scheme) {
+      for_each_composition(star(scheme.id, n), [&](const Request& plain) {
+        const Request request = ask(plain, {"zeros"});
+        const auto result = go(request);
+        const Stop& end = result.outcome.stop;
+        const std::string what = std::string(scheme.id) + ' ' + std::to_string(n);
+        ASSERT_EQ(end.reason, Reason::left_domain) << what;
+        ASSERT_TRUE(end.singular_at.has_value()) << what;
+        const double tolerance = scheme.id == "explicit_euler" ? 0.03 : 1e-3;
+        EXPECT_NEAR(*end.singular_at, zero, tolerance) << what;
+        EXPECT_LT(*end.singular_at - end.t, 0.01 * (1 + 1e-9)) << what << ": within the next step";
+        ASSERT_EQ(result.rows.size(), static_cast<std::size_t>(end.step) + 1) << what;
+        EXPECT_GE(value(request, result.rows.back(), "q"), 0) << what;
+        const auto& zeros = runs::list(result.outcome.diagnostics, "zeros");
+        ASSERT_EQ(zeros.size(), 1U) << what;
+        EXPECT_EQ(zeros[0], *end.singular_at) << what;
+        // That zeros are asked for changes nothing.
+        EXPECT_EQ(go(plain).outcome.stop.singular_at, end.singular_at) << what;
+      });
+    });
+  Request inside = star("contact_splitting", 1);
+  inside.end = 3.1;
+  EXPECT_EQ(reason(inside), Reason::completed);
+  EXPECT_EQ(reason(star("contact_splitting", 5)), Reason::completed) << "no surface";
+}
+
+TEST(AfterZero, EveryChoiceEndsInAStatusForEveryIndex) {
+  for_each_scheme([](const SchemeCard& scheme) {
+    for (const double n : {0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.9, 20.0})
+      for (const After after : {stop, go_on, with_sign, clamp}) {
+        const Reason why =
+            go(everything(at(star(scheme.id, n, after), {{"t", 0.05}, {"q", 0.9}}), false)).outcome.stop.reason;
+        const std::string what = std::string(scheme.id) + ' ' + std::to_string(n) + ' ' + std::to_string(after);
+        const bool whole = n == std::floor(n), ends = n < 4;  // q reaches zero before t = 10
+        if (after == clamp || after == with_sign || !ends || (after == go_on && whole)) {
+          EXPECT_EQ(why, Reason::completed) << what;
+        } else if (after == stop) {
+          EXPECT_EQ(why, Reason::left_domain) << what;
+        } else {
+          EXPECT_TRUE(why == Reason::not_finite || why == Reason::solver_failed) << what;
+        }
+      }
+  });
+}
+
+// n = 2, the plain power: past its zero q falls ever faster, to −∞ at t ≈ 12.431 (METHODS, section 1).
+TEST(AfterZero, ThePlainSquareRunsToInfinity) {
+  for (const std::string_view scheme : {"contact_splitting", "contact_leapfrog", "runge_kutta_4"}) {
+    Request request = star(scheme, 2, go_on);
+    request.end = 20;
+    const auto result = go(request);
+    EXPECT_NE(result.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_NEAR(result.outcome.stop.t, 12.431, 0.05) << scheme;
+    EXPECT_EQ(reason(set(request, {{"after_zero", with_sign}})), Reason::completed) << scheme;
+  }
+}
+
+TEST(AfterZero, IsReachedWithinTheLastShorterStepToo) {
+  Request request = ask(star("contact_splitting", 1), {"zeros"});
+  request.end = 3.1419;  // the surface lies between the last grid point, 3.14, and the end
+  const auto result = go(request);
+  EXPECT_EQ(result.outcome.stop.reason, Reason::left_domain);
+  EXPECT_NEAR(result.outcome.stop.singular_at.value_or(0), pi, 1e-4);
+  EXPECT_EQ(result.outcome.stop.step, 314);
+  EXPECT_EQ(result.outcome.t, 3.14);
+}
+
+TEST(SingularStart, OfEverySchemeFollowsTheRegularSolution) {
+  for_each_scheme([](const SchemeCard& scheme) {
+    for_each_composition(star(scheme.id, 5), [&](const Request& plain) {
+      for (const double h : {1e-3, 0.01, 0.07, 0.1, 0.25}) {
+        Request request = set(plain, {{"step", h}});
+        request.end = 1;
+        const auto result = go(request);
+        const std::string what = std::string(scheme.id) + ' ' + std::to_string(h);
+        // A stage back in time may meet, or leap over, the pole of the variational schemes.
+        const bool variational = scheme.id == "contact_leapfrog" || scheme.id == "contact_variational_midpoint";
+        if (h > 0.05 && variational && request.settings[1] > 0) continue;
+        ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << what;
+        const double square = scheme.id == "contact_splitting" ? 1.5 : scheme.id == "contact_leapfrog" ? 0.06 : 0.3;
+        const double slack = scheme.id == "explicit_euler" ? 0.3 * h : square * h * h + 1e-12;
+        double most = 0;
+        for (const auto& row : result.rows)
+          most = std::max(most, std::abs(row[1] - 1 / std::sqrt(1 + row[0] * row[0] / 3)));
+        EXPECT_LT(most, slack) << what;
+        EXPECT_GT(std::abs(result.outcome.final[2]), 0.01) << what << ": s is carried from the start on";
+      }
+    });
+  });
+}
+
+TEST(SingularStart, FromAnotherCentreIsRunOrRefused) {
+  for_each_scheme([](const SchemeCard& scheme) {
+    for (const double q : {0.0, 0.5, 2.0, 1e10})
+      for (const double p : {0.0, 0.5})
+        for_each_composition(at(star(scheme.id, 3, with_sign), {{"q", q}, {"p", p}}), [&](const Request& request) {
+          const auto result = go(steps(request, 300));
+          const std::string what = std::string(scheme.id) + ' ' + std::to_string(q) + ' ' + std::to_string(p);
+          if (result.outcome.stop.reason == Reason::singular) {
+            EXPECT_EQ(result.outcome.stop.step, 0) << what;
+            EXPECT_EQ(result.outcome.stop.singular_at, 0.0) << what;
+            EXPECT_TRUE(result.rows.empty()) << what;
+          } else if (p == 0 && q < 10) {
+            // q(t; q₀) = q₀ q(q₀ t; 1) for n = 3
+            EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << what;
+            Request regular = set(star("contact_splitting", 3, with_sign), {{"step", 1e-3}});
+            regular.end = q * result.outcome.t;
+            const double expected = q > 0 ? q * go(regular).outcome.final[0] : 0;
+            EXPECT_NEAR(result.outcome.final[0], expected, 5e-3 * q) << what;
+          }
+        });
+  });
+  EXPECT_EQ(reason(at(star("contact_leapfrog", 3), {{"q", 2}})), Reason::left_domain) << "runs to its surface";
+  EXPECT_EQ(reason(at(star("runge_kutta_4", 3), {{"q", 2}})), Reason::singular);
+}
+
+TEST(SingularStart, CloseToItEverySchemeEndsInAStatus) {
+  for_each_scheme([](const SchemeCard& scheme) {
+    for (const double t : {5e-324, 1e-300, 1e-8, 1e-3, 0.05, 0.1}) {
+      const auto start = card().regular_start(star(scheme.id, 3).parameters, t);
+      ASSERT_TRUE(start.has_value()) << t;
+      EXPECT_NEAR((*start)[0], 1 - t * t / 6, 1e-5) << t;
+      for_each_composition(star(scheme.id, 3), [&](Request request) {
+        request.start = t;
+        request.initial = *start;
+        const auto result = go(everything(steps(request, 200), false));
+        if (t >= 0.05 && scheme.id != "explicit_euler") {
+          EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << scheme.id << ' ' << t;
+        }
+      });
+    }
+    EXPECT_FALSE(card().regular_start(star(scheme.id, 3).parameters, 0.11).has_value());
+    EXPECT_FALSE(card().regular_start(star(scheme.id, 3).parameters, -0.05).has_value());
+  });
+  Request close = star("runge_kutta_4", 3);
+  close.start = 0.05;
+  close.initial = *card().regular_start(close.parameters, 0.05);
+  EXPECT_NEAR(go(close).outcome.stop.singular_at.value_or(0), 6.896848619376960, 1e-8);
+}
+
+}  // namespace

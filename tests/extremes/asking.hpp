@@ -98,7 +98,8 @@ inline runs::Result go(const Request& request) {
   }
   if (stop.singular_at.has_value()) {
     EXPECT_TRUE(std::isfinite(*stop.singular_at)) << what;
-    EXPECT_GE(*stop.singular_at, stop.t) << what;
+    // A scheme can be a few steps beyond the true time before it notices.
+    EXPECT_GE(*stop.singular_at, stop.t - 10 * request.settings[0]) << what;
   }
   return result;
 }

@@ -102,11 +102,11 @@ void for_each_scheme(F&& f) {
 template <class Scheme>
 std::string label(const Scheme& scheme) {
   std::string text(Scheme::card().id);
+  const auto add = [&](std::string_view word) { text.append(" ").append(word); };
   if constexpr (requires { scheme.composition; })
-    text += " " + std::string(compositions::names[static_cast<std::size_t>(scheme.composition)]);
-  if constexpr (requires { scheme.splitting; })
-    text += " " + std::string(splitting_names[static_cast<std::size_t>(scheme.splitting)]);
-  if constexpr (requires { scheme.stages; }) text += " " + std::to_string(scheme.stages);
+    add(compositions::names[static_cast<std::size_t>(scheme.composition)]);
+  if constexpr (requires { scheme.splitting; }) add(splitting_names[static_cast<std::size_t>(scheme.splitting)]);
+  if constexpr (requires { scheme.stages; }) add(std::to_string(scheme.stages));
   return text;
 }
 template <class Scheme>

@@ -170,15 +170,15 @@ TEST(ContactMap, SplittingIsMergedFromStrongDampingOn) {
   EXPECT_TRUE(same(0.51 / h, Splitting::merged));
   EXPECT_FALSE(same(0.51 / h, Splitting::plain));
 }
-/// ṡ = −γs²/2 + R and ṗ = −γsp for both signs of R, by many small steps of the closed form of neither.
+// ṡ = −γs²/2 + R and ṗ = −γsp in the middle, for both signs of R, far from 0 and near it, by many small steps.
 TEST(ContactMap, SplittingOfAQuadraticAction) {
-  for (const double source : {1.3, 0.0, -0.8}) {
+  for (const double source : {12.0, 1.3, 0.0, -0.8, -12.0}) {
     const CosmologicalOscillator<> m{0.7, source};
     for (const Splitting splitting : {Splitting::plain, Splitting::merged}) {
       const bool merged = splitting == Splitting::merged;
       const double kick = h / 2 * (0.5 * (q0 + h / 2 * p0) * (q0 + h / 2 * p0) - (merged ? 0 : source));
       double p = p0 - h / 2 * (q0 + h / 2 * p0), s = s0 + h / 2 * p0 * p0 / 2 - kick;
-      const int steps = 4000;
+      const int steps = 20'000;
       for (int n = 0; n < steps; ++n) {  // the midpoint rule, its error 1e-9
         const auto rate = [&](double a) { return (merged ? source : 0) - 0.35 * a * a; };
         const double d = h / steps, middle = s + d / 2 * rate(s + d / 2 * rate(s));
@@ -259,7 +259,6 @@ TEST(ContactMap, TheMotionHasTheSameBitsWithAndWithoutTheRest) {
         check_same_bits(lean, full);
         const auto energy = std::ranges::find(card.columns, "energy");
         if (energy != card.columns.end()) {
-          if (card.regular_start) lean.start = 0.5;  // H is not finite at the singular start
           full = lean;
           full.columns.push_back(std::size_t(energy - card.columns.begin()));
           check_same_bits(lean, full);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 
+#include "core/catalogue.hpp"
 #include "core/run/stability.hpp"
 #include "core/schemes/list.hpp"
 #include "least_problems.hpp"

@@ -40,7 +40,7 @@ struct SpinOrbit {
       a = a + even[k] * ck;
       b = b + odd[k] * sk;
     }
-    return Phase<N>{a, b, shape, friction - lambda * frequency * s / shape};
+    return Phase<N>{a, b, shape, friction - lambda * (frequency * s) / shape};
   }
   /// W_k + W_{−k} and W_k − W_{−k} for k = 1 … 9.
   template <class N>

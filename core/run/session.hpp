@@ -49,8 +49,8 @@ class Session {
       double damping_step = 0;
       if constexpr (ConstantDamping<P>) damping_step = std::max(problem.damping() * step, 0.0);
       bound_ = stability_bound(request.scheme, request.settings, damping_step);
-      // A scheme that grows at every step without damping (a bound of 0) is not unstable, it is what it is.
-      limited_ = bound_ > 0 || (damping_step > 0 && stability_bound(request.scheme, request.settings, 0) > 0);
+      // A scheme that grows at every step without damping is not unstable with it, it is what it is.
+      limited_ = damping_step > 0 ? stability_bound(request.scheme, request.settings, 0) > 0 : bound_ > 0;
     }
   }
 

@@ -51,6 +51,19 @@ class PhaseClock {
     }
     return tabled_;
   }
+  /// Whether this step's phases come from the table, and where in it the i-th node's is.
+  bool tabulated() const noexcept { return tabled_; }
+  std::size_t place(std::size_t i) const noexcept { return row_ + i; }
+  /// What follows from each phase of the table and its node, as a table alike; null where there is none.
+  template <class G>
+  auto tabulate(G&& g) const {
+    using Value = decltype(g(std::declval<const F&>(), std::size_t{}));
+    std::shared_ptr<std::vector<Value>> values;
+    if (!table_) return values;
+    values = std::make_shared<std::vector<Value>>();
+    for (std::size_t k = 0; k < table_->size(); ++k) values->push_back(g((*table_)[k], k % width_));
+    return values;
+  }
   /// The i-th node's phase of this step, at the time t.
   F at(const P& problem, std::size_t i, const S& t) const noexcept {
     if constexpr (Periodic<P> && std::is_same_v<S, double>)

@@ -17,10 +17,10 @@ struct SpinOrbit {
 
   static constexpr int dof = 1;
 
-  /// Σ W_k cos kt, Σ W_k sin kt, C and the friction c + Ċ/C.
+  /// (ε/C) Σ W_k cos kt, (ε/C) Σ W_k sin kt and the friction c + Ċ/C.
   template <class N>
   struct Phase {
-    N a, b, c, alpha;
+    N a, b, alpha;
   };
   template <class S>
   constexpr auto phases(const S& t) const {
@@ -40,7 +40,8 @@ struct SpinOrbit {
       a = a + even[k] * ck;
       b = b + odd[k] * sk;
     }
-    return Phase<N>{a, b, shape, friction - lambda * (frequency * s) / shape};
+    const N strength = epsilon / shape;
+    return Phase<N>{strength * a, strength * b, friction - lambda * (frequency * s) / shape};
   }
   /// W_k + W_{−k} and W_k − W_{−k} for k = 1 … 9.
   template <class N>
@@ -78,13 +79,13 @@ struct SpinOrbit {
   constexpr T potential(const Vec<1, T>& q, const F& f) const {
     using least::sincos;
     const auto [s, c] = sincos(2.0 * q[0]);
-    return -(0.5 * epsilon / f.c) * (c * f.a + s * f.b) - torque * q[0];
+    return -0.5 * (c * f.a + s * f.b) - torque * q[0];
   }
   template <class T, class F>
   constexpr Vec<1, T> gradient(const Vec<1, T>& q, const F& f) const {
     using least::sincos;
     const auto [s, c] = sincos(2.0 * q[0]);
-    return {(epsilon / f.c) * (s * f.a - c * f.b) - torque};
+    return {s * f.a - c * f.b - torque};
   }
   template <class F>
   constexpr auto damping(const F& f) const {

@@ -35,7 +35,10 @@ class ContactSplittingStepper {
   static constexpr std::size_t n = P::dof;
 
   ContactSplittingStepper(const P& problem, const X& x, double step, const Weights<S>& weights, bool merged)
-      : problem_(problem), weights_(&weights), clock_(problem, x.t, step, weights.middles()), merged_(merged) {}
+      : problem_(problem), weights_(&weights), clock_(problem, x.t, step, weights.middles()), merged_(merged) {
+    if constexpr (Periodic<P>)
+      table_ = clock_.tabulate([&](const auto& f, std::size_t node) { return flow(weights.gamma[node] * S(step), f); });
+  }
 
   Status step(X& x, const S& h) noexcept {
     if constexpr (constant) prepare(h);
@@ -105,6 +108,8 @@ class ContactSplittingStepper {
     ActionFlow<R> c;
     if constexpr (constant) {
       c = flows_[i];
+    } else if constexpr (Periodic<P>) {
+      c = clock_.tabulated() ? (*table_)[clock_.place(i)] : flow(h, f);
     } else {
       c = flow(h, f);
     }
@@ -149,6 +154,7 @@ class ContactSplittingStepper {
   bool merged_;
   S prepared_ = S(std::numeric_limits<double>::quiet_NaN());  ///< the step that flows_ are for
   std::array<ActionFlow<R>, constant ? compositions::most_stages : 1> flows_{};
+  std::shared_ptr<std::vector<ActionFlow<R>>> table_;  ///< beside the clock's
   Work work_;
 };
 

@@ -150,7 +150,7 @@ export const drawn = (page, selector, run, columns = [0, 1]) => page.locator(sel
 }, [`--run-${run.toLowerCase()}`, ...columns]);
 
 /** Both planes hold their own curve, and the plot of the energy, where the scene has one, holds both. */
-export async function assertDrawn(page, least = 200) {
+export async function assertDrawn(page, least = 100) {
   const hasEnergy = await page.locator("#energy").isVisible();
   for (const run of ["A", "B"]) {
     const other = run === "A" ? "B" : "A";

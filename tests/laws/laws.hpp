@@ -12,7 +12,7 @@
   TEST(id, EquationsCanBeRecorded) { laws::recorded<least::Class>(); }                             \
   TEST(id, LanesPassThroughTheProblem) { laws::lanes_through_problem<least::Class>(); }            \
   TEST(id, LanesPassThroughEveryScheme) { laws::lanes_through_schemes<least::Class>(); }           \
-  TEST(id, QuadPassesThroughEveryScheme) { laws::quad_through_schemes<least::Class>(); }           \
+  TEST(id, QuadPassesThroughComposedSchemes) { laws::quad_through_schemes<least::Class>(); }       \
   TEST(id, ParametersCanBeDual) { laws::parameters_can_be_dual<least::Class>(); }                  \
   TEST(id, ForceIsMinusGradient) { laws::force_is_minus_gradient<least::Class>(); }                \
   TEST(id, EquationsAreHamiltons) { laws::equations_are_hamiltons<least::Class>(); }               \

@@ -146,19 +146,22 @@ void lanes_through_schemes() {
   });
 }
 
-/// The same source in quad precision gives the same step to double's round-off.
+/// The same source in quad precision gives the same step to double's round-off. For the schemes that compositions take
+/// to orders which only quad can measure; the others are met in long double.
 template <template <class> class P>
 void quad_through_schemes() {
   const P<double> problem;
   const double h = About<P>::card().suggested.at(0).second;
   for_each_scheme<P>([&](const auto& scheme) {
-    auto x = convert<Quad, Quad>(states<P>()[1]);
-    auto y = states<P>()[1];
-    auto wide = scheme.bind(problem, x);
-    auto narrow = scheme.bind(problem, y);
-    ASSERT_EQ(wide.step(x, Quad(h)), Status::ok) << label(scheme);
-    ASSERT_EQ(narrow.step(y, h), Status::ok);
-    EXPECT_LT(distance(convert<double, double>(x), y), 2e-13 * size(y)) << label(scheme);
+    if constexpr (requires { scheme.composition; }) {
+      auto x = convert<Quad, Quad>(states<P>()[1]);
+      auto y = states<P>()[1];
+      auto wide = scheme.bind(problem, x);
+      auto narrow = scheme.bind(problem, y);
+      ASSERT_EQ(wide.step(x, Quad(h)), Status::ok) << label(scheme);
+      ASSERT_EQ(narrow.step(y, h), Status::ok);
+      EXPECT_LT(distance(convert<double, double>(x), y), 2e-13 * size(y)) << label(scheme);
+    }
   });
 }
 

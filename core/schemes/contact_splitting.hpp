@@ -100,19 +100,21 @@ class ContactSplittingStepper {
     }
   }
 
+  /// That of the i-th stage: known beforehand, or tabulated, or computed.
+  template <class F>
+  ActionFlow<R> action_flow(const S& h, std::size_t i, const F& f) const {
+    if constexpr (constant) return flows_[i];
+    if constexpr (Periodic<P>)
+      if (clock_.tabulated()) return (*table_)[clock_.place(i)];
+    return flow(h, f);
+  }
+
   /// B½ A B½, or AB.
   Status middle(X& y, const S& h, std::size_t i, const S& t) {
     const auto f = clock_.at(problem_, i, t);
     const Vec<n, T> slope = gradient(problem_, y.q, f);
     ++work_.forces;
-    ActionFlow<R> c;
-    if constexpr (constant) {
-      c = flows_[i];
-    } else if constexpr (Periodic<P>) {
-      c = clock_.tabulated() ? (*table_)[clock_.place(i)] : flow(h, f);
-    } else {
-      c = flow(h, f);
-    }
+    const ActionFlow<R> c = action_flow(h, i, f);
     if constexpr (LinearContact<P>) {
       if (merged_) {
         for (std::size_t k = 0; k < n; ++k) y.p[k] = c.e * y.p[k] - c.f * slope[k];

@@ -15,11 +15,24 @@ std::span<const ProblemCard> problems() {
   return cards;
 }
 
+namespace {
+/// What a scheme's card takes from its description.
+template <class Scheme>
+void complete(SchemeCard& card) {
+  card.parameters = parameter_cards(Scheme::fields);
+  card.own_clock = OwnClock<Scheme>;
+  if constexpr (requires(const Scheme& scheme, const ProblemCard& problem) { scheme.conflicts(problem); })
+    card.conflicts = [](std::span<const double> settings, const ProblemCard& problem) {
+      return assemble<Scheme>(Scheme::fields, settings).conflicts(problem);
+    };
+}
+}  // namespace
+
 std::span<const SchemeCard> schemes() {
   static const std::vector<SchemeCard> cards = [] {
     std::vector<SchemeCard> all;
     [&]<class... Scheme>(std::tuple<Scheme...>*) {
-      ((all.push_back(Scheme::card()), all.back().parameters = parameter_cards(Scheme::fields)), ...);
+      ((all.push_back(Scheme::card()), complete<Scheme>(all.back())), ...);
     }(static_cast<SchemeList*>(nullptr));
     return all;
   }();
@@ -37,6 +50,15 @@ std::optional<std::size_t> find(const Cards& cards, std::string_view id) {
 
 std::optional<std::size_t> find_problem(std::string_view id) { return find(problems(), id); }
 std::optional<std::size_t> find_scheme(std::string_view id) { return find(schemes(), id); }
+
+std::vector<std::string_view> column_words(const ProblemCard& problem, std::size_t column) {
+  const std::string_view name = problem.columns[column];
+  if (name == "mode") return {mode_names.begin(), mode_names.end()};
+  std::vector<std::string_view> words;
+  if (name == "parameter")
+    for (const auto& variable : problem.variables) words.push_back(variable.name);
+  return words;
+}
 
 bool fits(std::size_t problem, std::size_t scheme) { return problem_entries()[problem]->runs[scheme] != nullptr; }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/describe.hpp"
 #include "core/run/outcome.hpp"
@@ -25,6 +26,9 @@ std::optional<std::size_t> find_scheme(std::string_view id);
 
 /// Whether the scheme can run the problem.
 bool fits(std::size_t problem, std::size_t scheme);
+
+/// What the numbers of a column stand for, by value, where they are codes: `mode` and `parameter`. Empty for numbers.
+std::vector<std::string_view> column_words(const ProblemCard& problem, std::size_t column);
 
 /// Runs a checked request (every value within its card's range, the pair fits). Samples go to the sink as they come;
 /// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.

@@ -22,7 +22,8 @@ struct Range {
   }
 };
 
-/// What values a parameter takes. All are held as double: a choice by its index, a flag as 0 or 1, null as NaN.
+/// What values a parameter takes. All are held as double: a choice by its index, a flag as 0 or 1, null (or the word
+/// that stands for it) as NaN.
 enum class Kind { number, integer, choice, flag };
 
 /// A parameter of a problem or a scheme.
@@ -34,6 +35,7 @@ struct ParameterCard {
   std::span<const std::string_view> choices{};  ///< names by index, for Kind::choice
   std::string_view suggested{};  ///< not empty: the default is the problem's suggestion of this name, where it has one
   bool nullable = false;
+  std::string_view word{};  ///< what stands for NaN where it is nullable; empty: null
 };
 
 struct VariableCard {
@@ -76,6 +78,19 @@ struct ProblemCard {
   std::string offers{};  ///< what its mechanics can offer to a scheme, in words; derived
 };
 
+/// A named set of a scheme's parameters; keys that stand in a request win over it, it wins over what a problem
+/// suggests.
+struct SchemePresetCard {
+  std::string_view name{}, doc{};
+  std::vector<NamedValue> settings{};
+};
+
+/// Settings that each are allowed and do not go together, or not with the problem.
+struct Conflict {
+  std::string_view parameter{};  ///< the one to change
+  std::string detail{}, allowed{};
+};
+
 struct SchemeCard {
   std::string_view id{}, title{}, summary{};
   std::vector<std::pair<std::string_view, int>>
@@ -84,6 +99,10 @@ struct SchemeCard {
   std::string_view structure{};             ///< symplectic | contact | none
   std::vector<ParameterCard> parameters{};  ///< filled in from the description
   std::string_view recommended{};           ///< the recommended composition, or empty
+  std::vector<SchemePresetCard> presets{};
+  bool own_clock = false;  ///< its steps are not steps of time, or of any length; derived
+  /// What speaks against these settings on this problem; derived, may be null.
+  std::vector<Conflict> (*conflicts)(std::span<const double> settings, const ProblemCard& problem) = nullptr;
   std::string_view good_for{}, fails_when{}, needs{};
   std::vector<std::string_view> references{};
 };
@@ -97,14 +116,24 @@ struct Field {
   Range range{0, 0};
   std::span<const std::string_view> choices{};
   std::string_view suggested{};
+  std::string_view absent{};  ///< "null" or another word: may stand instead of a number and is NaN
 
   ParameterCard card() const {
     constexpr Kind kind = std::is_same_v<M, bool>  ? Kind::flag
                           : std::is_same_v<M, int> ? Kind::integer
                           : std::is_enum_v<M>      ? Kind::choice
                                                    : Kind::number;
-    return {name,  symbol,  unit,      doc,  choices.empty() ? kind : Kind::choice, static_cast<double>(C{}.*member),
-            range, choices, suggested, false};
+    return {name,
+            symbol,
+            unit,
+            doc,
+            choices.empty() ? kind : Kind::choice,
+            static_cast<double>(C{}.*member),
+            range,
+            choices,
+            suggested,
+            !absent.empty(),
+            absent == "null" ? std::string_view() : absent};
   }
   /// Sets the member from a value that the card allows.
   void set(C& c, double value) const { c.*member = static_cast<M>(value); }

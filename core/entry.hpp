@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/assemble.hpp"
+#include "core/run/clock_session.hpp"
 #include "core/run/session.hpp"
 #include "core/schemes/list.hpp"
 
@@ -42,8 +43,13 @@ struct Pair {
   Outcome run(const ProblemCard& card, const SchemeCard& scheme_card, const Request& request, Sink& sink,
               const std::atomic<bool>& cancelled) const {
     const X x = start_of<X>(problem, request.initial, request.start);
-    Bound<P, Scheme, X> engine(problem, scheme, x);
-    return Session<P, X>(problem, card, scheme_card, request, scheme.step, sink, cancelled).run(engine, x);
+    if constexpr (OwnClock<Scheme>) {
+      ClockBound<P, Scheme> engine(problem, scheme, x);
+      return ClockSession<P>(problem, card, scheme_card, request, sink, cancelled).run(engine, x);
+    } else {
+      Bound<P, Scheme, X> engine(problem, scheme, x);
+      return Session<P, X>(problem, card, scheme_card, request, scheme.step, sink, cancelled).run(engine, x);
+    }
   }
 };
 
@@ -61,7 +67,7 @@ Outcome run_pair(const ProblemCard& card, const SchemeCard& scheme_card, const R
 
 template <template <class> class P, class Scheme>
 constexpr RunFunction run_function() {
-  if constexpr (SchemeFor<Scheme, P<double>>) {
+  if constexpr (SchemeFor<Scheme, P<double>> || ClockSchemeFor<Scheme, P<double>>) {
     return &run_pair<P, Scheme>;
   } else {
     return nullptr;

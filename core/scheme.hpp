@@ -8,8 +8,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <concepts>
-#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -32,11 +32,39 @@ concept SchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const typename X:
   { stepper.work() } -> std::convertible_to<Work>;
 };
 
+/// A scheme that sets its own clock: a step moves x.t as well, by what the scheme finds right.
+///   scheme.bind(problem, x, energy) → stepper   `energy` is the level that the run began with
+///   stepper.step(x) noexcept → Status           leaves x as it was where it fails
+///   stepper.work()
+///   stepper.course()                            optional: how the last step was taken
+///   stepper.reach(x, t) → Status                optional: x moved to the time t, which lies within one step from x, by
+///                                               a part of a step; else quintic Hermite interpolation fills in
+/// Time is part of what a step computes, so it is made of the same number as the state.
+template <class S>
+concept OwnClock = requires {
+  requires S::own_clock;
+};
+template <class S, class P, class X>
+using ClockStepperOf = decltype(std::declval<const S&>().bind(std::declval<const P&>(), std::declval<const X&>(),
+                                                              std::declval<const typename X::Number&>()));
+template <class S, class P, class X = StateOf<P>>
+concept ClockSchemeFor = OwnClock<S> && requires(ClockStepperOf<S, P, X> stepper, X& x) {
+  { stepper.step(x) }
+  noexcept->std::same_as<Status>;
+  { stepper.work() } -> std::convertible_to<Work>;
+};
+
+/// How a step of a hybrid was taken.
+enum class Mode : std::uint8_t { hamilton, jacobi_maupertuis };
+inline constexpr std::array<std::string_view, 2> mode_names{"hamilton", "jacobi_maupertuis"};
+struct Course {
+  Mode mode = Mode::hamilton;
+  int parameter = -1;  ///< which coordinate is the parameter in jacobi_maupertuis
+  friend constexpr bool operator==(const Course&, const Course&) = default;
+};
+
 // A scheme may also say, as const members: objection(problem) → what it has against a scene, in words;
 // flips_momentum(problem, t); starts_at_singularity(problem). See Engine.
-
-/// What contact schemes with the factor 1/(1 + hα/2) have against αh: a stage of weight γ has a pole at γαh = −2.
-std::string pole_objection(Composition composition, double damping_step);
 
 /// The parameters that most schemes share.
 template <class C>

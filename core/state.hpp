@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "core/number/dual.hpp"
+#include "core/number/math.hpp"
 
 namespace least {
 

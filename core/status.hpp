@@ -35,10 +35,12 @@ constexpr std::string_view name(Reason reason) {
 }
 
 /// What one step says of itself. A step that fails leaves the state as it was.
-enum class Status : std::uint8_t { ok, solver_failed, singular };
+/// `underflow`: the steps of a scheme that sets its own clock became too small to go on.
+enum class Status : std::uint8_t { ok, solver_failed, singular, underflow };
 
-/// The work of a run, counted exactly: a force evaluation is one evaluation of the derivatives of the potential, the
-/// Lagrangian or the vector field at one point, in whatever number; an iteration is one Newton update.
+/// The work of a run, counted exactly: a force evaluation is one evaluation of the potential (where a step depends on
+/// it), of its derivatives, of the Lagrangian's or of the vector field at one point, in whatever number; an iteration is
+/// one update of an implicit step's solver.
 struct Work {
   std::int64_t forces = 0, iterations = 0;
 };

@@ -21,6 +21,23 @@ void write_named(JsonWriter& json, const std::vector<NamedValue>& values) {
   json.close('}');
 }
 
+// NaN suggests nothing.
+void write_suggested(JsonWriter& json, std::vector<NamedValue> values) {
+  std::erase_if(values, [](const NamedValue& suggestion) { return std::isnan(suggestion.second); });
+  write_named(json, values);
+}
+
+// The values that a preset names, as a request spells them.
+void write_settings(JsonWriter& json, const std::vector<ParameterCard>& cards, const std::vector<NamedValue>& values) {
+  json.open('{');
+  for (const auto& card : cards) {
+    for (const auto& [name, value] : values) {
+      if (name == card.name) write_parameter(json.key(name), card, value);
+    }
+  }
+  json.close('}');
+}
+
 std::string_view type_of(Kind kind) {
   constexpr std::string_view names[] = {"number", "integer", "choice", "flag"};
   return names[static_cast<std::size_t>(kind)];
@@ -38,6 +55,7 @@ void write_parameter_card(JsonWriter& json, const ParameterCard& card) {
   }
   if (card.kind == Kind::choice) write_texts(json.key("choices"), card.choices);
   json.key("nullable").boolean(card.nullable);
+  if (!card.word.empty()) json.key("word").text(card.word);
   if (!card.suggested.empty()) json.key("suggested").text(card.suggested);
   json.close('}');
 }
@@ -61,15 +79,9 @@ void write_presets(JsonWriter& json, const ProblemCard& card) {
   json.open('[');
   for (const auto& preset : card.presets) {
     json.open('{').key("name").text(preset.name).key("doc").text(preset.doc);
-    json.key("parameters").open('{');
-    for (const auto& parameter : card.parameters) {
-      for (const auto& [name, value] : preset.parameters) {
-        if (name == parameter.name) write_parameter(json.key(name), parameter, value);
-      }
-    }
-    json.close('}');
+    write_settings(json.key("parameters"), card.parameters, preset.parameters);
     write_named(json.key("initial"), preset.initial);
-    write_named(json.key("suggested"), preset.suggested);
+    write_suggested(json.key("suggested"), preset.suggested);
     json.key("until").open('{').key("t").number(preset.span > 0 ? preset.span : card.span).close('}');
     json.close('}');
   }
@@ -89,7 +101,7 @@ void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& 
   write_variables(json.key("variables"), card.variables);
   write_parameter_cards(json.key("parameters"), card.parameters);
   json.key("until").open('{').key("t").number(card.span).close('}');
-  write_named(json.key("suggested"), card.suggested);
+  write_suggested(json.key("suggested"), card.suggested);
   write_presets(json.key("presets"), card);
   json.key("invariants").open('[');
   if (card.keeps_energy) {
@@ -130,8 +142,19 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
   } else {
     json.open('{').key("composition").text(card.recommended).close('}');
   }
-  json.key("presets").open('[').close(']');
-  json.key("good_for").text(card.good_for).key("fails_when").text(card.fails_when).key("needs").text(card.needs);
+  json.key("own_clock").boolean(card.own_clock).key("presets").open('[');
+  for (const auto& preset : card.presets) {
+    json.open('{').key("name").text(preset.name).key("doc").text(preset.doc);
+    write_settings(json.key("parameters"), card.parameters, preset.settings);
+    json.close('}');
+  }
+  json.close(']')
+      .key("good_for")
+      .text(card.good_for)
+      .key("fails_when")
+      .text(card.fails_when)
+      .key("needs")
+      .text(card.needs);
   write_texts(json.key("references"), card.references);
   json.close('}');
 }

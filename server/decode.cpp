@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "server/decode_plan.hpp"
+#include "server/encode_parts.hpp"
 #include "server/reader.hpp"
 
 namespace least::server {
@@ -71,7 +72,9 @@ void read_parameters(const Json& object, const Place& place, const std::vector<P
   }
 }
 
-const PresetCard* read_preset(const Json& object, const Place& place, const ProblemCard& card) {
+// The preset of a problem's or a scheme's card that the request names.
+template <class Card>
+auto read_preset(const Json& object, const Place& place, const Card& card) -> decltype(card.presets.data()) {
   const Json* json = find(object, "preset");
   if (json == nullptr) return nullptr;
   if (card.presets.empty()) {
@@ -123,18 +126,30 @@ const PresetCard* read_scene(const Json& root, const Place& top, const ProblemCa
   return preset;
 }
 
+// What a list of suggestions says; NaN says nothing.
+std::optional<double> suggestion(const std::vector<NamedValue>& suggested, std::string_view name) {
+  const auto value = named(suggested, name);
+  return value && std::isnan(*value) ? std::nullopt : value;
+}
+
+// The scheme's parameters: card, then what the problem suggests, then preset, then what the request says.
 void read_scheme(const Json& root, const Place& top, const SchemeCard& card, const ProblemCard* problem,
-                 const PresetCard* preset, Request& request) {
+                 const PresetCard* scene, Request& request) {
   for (const auto& parameter : card.parameters) {
-    std::optional<double> suggestion;
-    if (preset != nullptr) suggestion = named(preset->suggested, parameter.suggested);
-    if (problem != nullptr && !suggestion) suggestion = named(problem->suggested, parameter.suggested);
-    request.settings.push_back(suggestion.value_or(parameter.value));
+    std::optional<double> value;
+    if (scene != nullptr) value = suggestion(scene->suggested, parameter.suggested);
+    if (problem != nullptr && !value) value = suggestion(problem->suggested, parameter.suggested);
+    request.settings.push_back(value.value_or(parameter.value));
   }
   const Json* json = find(root, "scheme");
   if (!json->is_object()) return;
   const Place place = top.at("scheme");
-  read_object(*json, place, keys_of(card.parameters, {"id"}), card.id);
+  read_object(*json, place, keys_of(card.parameters, {"id", "preset"}), card.id);
+  if (const SchemePresetCard* preset = read_preset(*json, place, card)) {
+    for (std::size_t i = 0; i < card.parameters.size(); ++i) {
+      request.settings[i] = named(preset->settings, card.parameters[i].name).value_or(request.settings[i]);
+    }
+  }
   read_parameters(*json, place, card.parameters, request.settings);
 }
 
@@ -148,9 +163,25 @@ void check_pair(const Cards& cards, const ProblemCard& problem, std::size_t sche
               Json(card.id), listed(fitting));
 }
 
+// Settings that were read without a fault, for a pair that fits, and do not go together.
+void check_settings(const SchemeCard& card, const ProblemCard& problem, const std::vector<double>& settings,
+                    const Place& place) {
+  if (card.conflicts == nullptr || place.faults->within(place.pointer)) return;
+  for (auto& conflict : card.conflicts(settings, problem)) {
+    std::string value;
+    JsonWriter json(value);
+    for (std::size_t i = 0; i < settings.size(); ++i) {
+      if (card.parameters[i].name == conflict.parameter) write_parameter(json, card.parameters[i], settings[i]);
+    }
+    place.faults->add({place.at(conflict.parameter).pointer, std::move(conflict.detail), std::move(value),
+                       std::move(conflict.allowed)});
+  }
+}
+
 }  // namespace
 
 std::optional<std::size_t> fixed_step(const SchemeCard& scheme) {
+  if (scheme.own_clock) return std::nullopt;
   for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
     if (scheme.parameters[i].name == "step") return i;
   }
@@ -173,7 +204,10 @@ Result<Request, Faults> decode(ParsedJson body, const Cards& cards, const Caps& 
   const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   const PresetCard* preset = problem_card ? read_scene(root, top, *problem_card, request) : nullptr;
   if (scheme_card) read_scheme(root, top, *scheme_card, problem_card, preset, request);
-  if (problem_card && scheme_card) check_pair(cards, *problem_card, *scheme.index, scheme.place);
+  if (problem_card && scheme_card) {
+    check_pair(cards, *problem_card, *scheme.index, scheme.place);
+    check_settings(*scheme_card, *problem_card, request.settings, top.at("scheme"));
+  }
   double span = problem_card ? problem_card->span : 0;
   if (preset != nullptr && preset->span > 0) span = preset->span;
   read_plan(root, top, problem_card, scheme_card, span, caps, request);

@@ -28,7 +28,7 @@ struct Caps {
 /// Samples a run keeps when the request does not say.
 inline constexpr std::int64_t default_samples = 1000;
 
-/// The position of the parameter `step` among a scheme's parameters, if it runs on a fixed step.
+/// The position of the parameter `step` among a scheme's parameters, if time advances by it.
 std::optional<std::size_t> fixed_step(const SchemeCard& scheme);
 
 /// Reads a request of POST /v1/simulate. Every value of the result lies within its card's range and the pair fits; what

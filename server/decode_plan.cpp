@@ -15,8 +15,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // What is known of the span of a run before it starts.
 struct Span {
-  std::optional<double> end;          // a scheme with its own clock has no end when steps are asked for
-  std::optional<std::int64_t> steps;  // whole steps on the grid; a scheme with its own clock has none
+  std::optional<double> end;          // unknown where a scheme with its own clock makes a number of steps
+  std::optional<std::int64_t> steps;  // whole steps; unknown where a scheme with its own clock runs to a time
+  bool open = false;                  // the end is unknown because the scheme sets its own clock
 };
 
 void read_limits(const Json& root, const Place& top, const Caps& caps, Limits& limits) {
@@ -57,9 +58,10 @@ void read_until(const Json& root, const Place& top, double span, Request& reques
   }
 }
 
+// `h`: the length of a step, where it is known.
 Span span_of(const Request& request, std::optional<double> h, const Place& until) {
   if (request.until_steps) {
-    if (!h) return {std::nullopt, std::nullopt};
+    if (!h) return {std::nullopt, request.steps};
     const double end = request.start + static_cast<double>(request.steps) * *h;
     if (std::isfinite(end) && end > request.start) return {end, request.steps};
     until.at("steps").fault("the run would end at a time that is no finite number after the start",
@@ -147,6 +149,12 @@ void read_record(const Json& root, const Place& top, const Span& span, Request& 
   } else if (samples) {
     const auto count = read_integer(*samples, place.at("samples"), 2, request.limits.samples);
     if (!count) return;
+    if (span.open) {
+      place.at("samples").fault(
+          "cannot be spread over a run whose end is not known beforehand: the scheme sets its own clock, and "
+          "until asks for a number of its steps",
+          *samples, "{\"every\": …}, {\"times\": […]}");
+    }
     record = {Record::Mode::samples, *count, {}};
   } else {
     record = {Record::Mode::times, 0, {}};
@@ -213,8 +221,9 @@ void read_plan(const Json& root, const Place& top, const ProblemCard* problem, c
   if (problem && scheme && sound("/problem/preset") && sound("/initial/t") && sound("/until") && sound("/until/t") &&
       sound("/until/steps")) {
     const auto step = fixed_step(*scheme);
-    const bool known = step && sound("/scheme/step");
+    const bool known = step && sound("/scheme/step") && sound("/scheme/preset");
     span = span_of(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
+    span.open = request.until_steps && !step;
   }
   read_record(root, top, span, request);
   if (problem) read_columns(root, top, *problem, request);

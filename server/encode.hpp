@@ -23,7 +23,7 @@ struct Run {
 /// `application/json`: the response of the contract.
 Answer encode_json(const Run& run);
 
-/// `text/csv`: a line of column names, then a line per sample; numbers that are not finite are empty. The rest stands
+/// `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands
 /// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-Final`, `-Diagnostics`,
 /// `-Events`, `-Cost` and `-Warnings`; one that would be longer than 4 KiB says `{"omitted":true}`.
 Answer encode_csv(const Run& run);

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/catalogue.hpp"
 #include "server/encode_parts.hpp"
 
 namespace least::server {
@@ -40,14 +41,22 @@ Answer encode_csv(const Run& run) {
   const auto& values = run.samples.values;
   std::string& out = answer.body;
   out.reserve(256 + values.size() * 20);
+  std::vector<std::vector<std::string_view>> words;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (i > 0) out += ',';
     out += run.problem.columns[columns[i]];
+    words.push_back(column_words(run.problem, columns[i]));
   }
   out += '\n';
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isfinite(values[i])) append_number(out, values[i]);
-    out += (i + 1) % columns.size() == 0 ? '\n' : ',';
+  for (std::size_t i = 0; i < values.size();) {
+    for (const auto& known : words) {
+      if (!known.empty()) {
+        out += word_of(known, values[i]);
+      } else if (std::isfinite(values[i])) {
+        append_number(out, values[i]);
+      }
+      out += ++i % columns.size() == 0 ? '\n' : ',';
+    }
   }
   return answer;
 }

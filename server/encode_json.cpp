@@ -4,25 +4,34 @@
 namespace least::server {
 namespace {
 
+// Every `stride`-th value from `first` on, as numbers.
+void write_numbers(std::string& out, const std::vector<double>& values, std::size_t first, std::size_t stride) {
+  char block[8192];  // stays in the cache
+  char* at = block;
+  for (std::size_t i = first; i < values.size(); i += stride) {
+    if (at > block + sizeof block - longest_number - 1) {
+      out.append(block, at);
+      at = block;
+    }
+    if (i != first) *at++ = ',';
+    at = write_number(at, values[i]);
+  }
+  out.append(block, at);
+}
+
 // Rows become columns: the samples lie row by row in memory.
 void write_trajectory(JsonWriter& json, const Run& run) {
   const auto& columns = run.request.columns;
   const auto& values = run.samples.values;
-  std::string& out = json.buffer();
   json.open('{');
   for (std::size_t column = 0; column < columns.size(); ++column) {
     json.key(run.problem.columns[columns[column]]).open('[');
-    char block[8192];  // stays in the cache
-    char* at = block;
-    for (std::size_t i = column; i < values.size(); i += columns.size()) {
-      if (at > block + sizeof block - longest_number - 1) {
-        out.append(block, at);
-        at = block;
-      }
-      if (i != column) *at++ = ',';
-      at = write_number(at, values[i]);
+    const auto words = column_words(run.problem, columns[column]);
+    if (words.empty()) write_numbers(json.buffer(), values, column, columns.size());
+    for (std::size_t i = column; !words.empty() && i < values.size(); i += columns.size()) {
+      const auto word = word_of(words, values[i]);
+      word.empty() ? json.null() : json.text(word);
     }
-    out.append(block, at);
     json.close(']');
   }
   json.close('}');

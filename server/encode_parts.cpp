@@ -87,7 +87,7 @@ struct WriteValue {
 
 void write_parameter(JsonWriter& json, const ParameterCard& card, double value) {
   if (std::isnan(value)) {
-    json.null();
+    card.word.empty() ? json.null() : json.text(card.word);
   } else if (card.kind == Kind::choice) {
     json.text(card.choices[static_cast<std::size_t>(value)]);
   } else if (card.kind == Kind::flag) {
@@ -97,6 +97,11 @@ void write_parameter(JsonWriter& json, const ParameterCard& card, double value) 
   } else {
     json.number(value);
   }
+}
+
+std::string_view word_of(const std::vector<std::string_view>& words, double code) {
+  return code >= 0 && code < static_cast<double>(words.size()) ? words[static_cast<std::size_t>(code)]
+                                                               : std::string_view();
 }
 
 void write_echo(JsonWriter& json, const Run& run) {

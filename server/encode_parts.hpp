@@ -17,8 +17,12 @@ void write_events(JsonWriter& json, const std::vector<Report>& events);
 void write_cost(JsonWriter& json, const Cost& cost);
 void write_warnings(JsonWriter& json, const std::vector<Warning>& warnings);
 
-/// A parameter's value the way a request spells it: choices by name, flags as booleans, NaN as null.
+/// A parameter's value the way a request spells it: choices by name, flags as booleans, NaN as null or the card's word
+/// for it.
 void write_parameter(JsonWriter& json, const ParameterCard& card, double value);
+
+/// The word that a code stands for; empty where it stands for none.
+std::string_view word_of(const std::vector<std::string_view>& words, double code);
 
 inline std::string_view status_of(const Outcome& outcome) {
   return outcome.stop.reason == Reason::completed ? "completed" : "stopped";

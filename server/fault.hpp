@@ -28,6 +28,12 @@ class Faults {
   bool at(const std::string& pointer) const {
     return std::any_of(list_.begin(), list_.end(), [&](const Fault& f) { return f.pointer == pointer; });
   }
+  /// Whether there is a fault at the pointer or below it.
+  bool within(const std::string& pointer) const {
+    return std::any_of(list_.begin(), list_.end(), [&](const Fault& f) {
+      return f.pointer.starts_with(pointer) && (f.pointer.size() == pointer.size() || f.pointer[pointer.size()] == '/');
+    });
+  }
   bool empty() const { return list_.empty(); }
   const std::vector<Fault>& list() const { return list_; }
 

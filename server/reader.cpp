@@ -30,26 +30,28 @@ bool read_object(const Json& json, const Place& place, const Names& known, std::
   return true;
 }
 
-std::optional<double> read_number(const Json& json, const Place& place, const Range& range) {
+std::optional<double> read_number(const Json& json, const Place& place, const Range& range, std::string_view other) {
   if (!json.is_number()) {
-    place.fault("must be a number", json, interval(range));
+    place.fault(fmt::format("must be a number{}", other), json, interval(range).append(other));
     return std::nullopt;
   }
   const auto x = json.get<double>();
   if (!std::isfinite(x) || !range.contains(x)) {
-    place.fault(beyond(x, range), json, interval(range));
+    place.fault(beyond(x, range).append(other), json, interval(range).append(other));
     return std::nullopt;
   }
   return x;
 }
 
+std::optional<double> read_whole(const Json& json, const Place& place, const Range& range, std::string_view other) {
+  if (json.is_number() && json.get<double>() == std::floor(json.get<double>()))
+    return read_number(json, place, range, other);
+  place.fault(fmt::format("must be a whole number{}", other), json, interval(range).append(other));
+  return std::nullopt;
+}
+
 std::optional<std::int64_t> read_integer(const Json& json, const Place& place, std::int64_t low, std::int64_t high) {
-  const Range range{static_cast<double>(low), static_cast<double>(high)};
-  if (!json.is_number() || json.get<double>() != std::floor(json.get<double>())) {
-    place.fault("must be a whole number", json, interval(range));
-    return std::nullopt;
-  }
-  const auto x = read_number(json, place, range);
+  const auto x = read_whole(json, place, {static_cast<double>(low), static_cast<double>(high)});
   if (!x) return std::nullopt;
   return static_cast<std::int64_t>(*x);
 }
@@ -69,17 +71,17 @@ std::optional<std::size_t> read_name(const Json& json, const Place& place, const
 }
 
 std::optional<double> read_parameter(const Json& json, const Place& place, const ParameterCard& card) {
-  if (card.nullable && json.is_null()) return std::numeric_limits<double>::quiet_NaN();
+  std::string absent;  // what stands for no number
+  if (card.nullable) {
+    const Json none = card.word.empty() ? Json() : Json(card.word);
+    if (json == none) return std::numeric_limits<double>::quiet_NaN();
+    absent = " or " + none.dump();
+  }
   switch (card.kind) {
     case Kind::number:
-      return read_number(json, place, card.range);
-    case Kind::integer: {
-      if (json.is_number() && json.get<double>() != std::floor(json.get<double>())) {
-        place.fault("must be a whole number", json, interval(card.range));
-        return std::nullopt;
-      }
-      return read_number(json, place, card.range);
-    }
+      return read_number(json, place, card.range, absent);
+    case Kind::integer:
+      return read_whole(json, place, card.range, absent);
     case Kind::choice: {
       const auto index = read_name(json, place, Names(card.choices.begin(), card.choices.end()), card.name);
       if (!index) return std::nullopt;

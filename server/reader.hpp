@@ -41,16 +41,19 @@ inline const Json* find(const Json& object, std::string_view key) {
 /// Whether `json` is an object; notes its keys that are not among `known`.
 bool read_object(const Json& json, const Place& place, const Names& known, std::string_view owner);
 
-/// A finite number within the range.
-std::optional<double> read_number(const Json& json, const Place& place, const Range& range);
+/// A finite number within the range. `other` says in a fault what else may stand there (` or null`).
+std::optional<double> read_number(const Json& json, const Place& place, const Range& range,
+                                  std::string_view other = {});
 
-/// A whole number within [low, high]; 5.0 is whole.
+/// A whole number within the range; 5.0 is whole.
+std::optional<double> read_whole(const Json& json, const Place& place, const Range& range, std::string_view other = {});
 std::optional<std::int64_t> read_integer(const Json& json, const Place& place, std::int64_t low, std::int64_t high);
 
 /// The position of a string among the names; `what` says what they are ("problem").
 std::optional<std::size_t> read_name(const Json& json, const Place& place, const Names& names, std::string_view what);
 
-/// The value of a parameter as the core holds it: a choice by its index, a flag as 0 or 1, null as NaN.
+/// The value of a parameter as the core holds it: a choice by its index, a flag as 0 or 1, null or the card's word for
+/// it as NaN.
 std::optional<double> read_parameter(const Json& json, const Place& place, const ParameterCard& card);
 
 }  // namespace least::server

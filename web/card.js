@@ -1,4 +1,5 @@
-// What the page reads off a problem's card.
+// What the page reads off the cards of a problem and a scheme.
+import { words } from "./forms.js";
 
 /** The variables of the motion. The optional ones are only ways to start it, and are neither asked for nor drawn. */
 export const motion = (problem) => problem.variables.filter((variable) => !variable.optional);
@@ -7,7 +8,8 @@ export const motion = (problem) => problem.variables.filter((variable) => !varia
 export const axes = (problem) =>
   [...motion(problem), { name: "t" }].map(({ name, symbol }) => ({ id: name, title: symbol || name }));
 
-export const presetOf = (problem, name) => problem.presets.find((preset) => preset.name === name);
+/** The preset of a problem or a scheme by its name. */
+export const presetOf = ({ presets }, name) => presets.find((preset) => preset.name === name);
 
 /** The cards of the forms, with a preset's values for defaults where one is named. */
 export function cards(problem, preset = { parameters: {}, initial: {} }) {
@@ -17,14 +19,36 @@ export function cards(problem, preset = { parameters: {}, initial: {} }) {
            initial: given([...problem.variables, start], preset.initial) };
 }
 
+/** The parameters that say how fine a run is: `refine` divides those that are suggested. A preset's are taken as given. */
+export const fineness = ["step", "theta", "sigma"];
+
+/** A scheme's parameters, with the problem's suggestions and then a preset's values for defaults. */
+export function schemeCards(scheme, { suggested = {} }, preset, refine) {
+  return scheme.parameters.map((card) => {
+    const named = preset?.parameters[card.name];
+    if (named !== undefined) return { ...card, default: named };
+    const value = suggested[card.suggested] ?? card.default;
+    return { ...card, default: fineness.includes(card.suggested) ? value / refine : value };
+  });
+}
+
+/** The scheme's presets as the options of a select; the first is what no preset is. */
+export function schemePresets({ presets }) {
+  const offered = presets.map(({ name }) => ({ id: name, title: words(name) }));
+  const first = offered.find(({ id }) => id === "default") ?? { id: "", title: "default" };
+  return [first, ...offered.filter((option) => option !== first)];
+}
+
 /** What there is to see of the energy: its "error" where the motion keeps it, else its "value", or "none" at all. */
 export function energyKind({ columns, invariants }) {
   if (!columns.includes("energy")) return "none";
   return invariants.some((invariant) => invariant.name === "energy") ? "error" : "value";
 }
 
-export const columns = (problem) =>
-  ["t", ...motion(problem).map((variable) => variable.name), ...(energyKind(problem) === "none" ? [] : ["energy"])];
+/** The columns to ask for: of schemes that set their own clock, also how each sample was reached. */
+export const columns = (problem, scheme) =>
+  ["t", ...motion(problem).map((variable) => variable.name), ...(energyKind(problem) === "none" ? [] : ["energy"]),
+   ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : [])];
 
 /** Those of its diagnostics that the page shows: the others cost more than the run itself. */
 export const diagnostics = (problem) =>

@@ -32,10 +32,10 @@ export function build(container, cards, pointer, values = {}) {
 function field(card, pointer, value = card.default) {
   const input = control(card, value);
   Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number" });
-  if (card.nullable) input.dataset.nullable = "";
+  if (card.nullable) input.dataset.nullable = card.word ?? "";
   if (card.optional) input.dataset.optional = "";
   const unit = card.unit && card.unit !== "1" ? `in ${card.unit}` : "";
-  const empty = card.nullable ? "empty: off" : card.optional ? "empty: as it follows from the others" : "";
+  const empty = card.nullable ? `empty: ${card.word ?? "off"}` : card.optional ? "empty: as it follows from the others" : "";
   input.title = [card.doc, unit, range(card), empty].filter(Boolean).join("; ");
   const name = element("span", { className: "name", textContent: card.label ?? words(card.name) });
   if (card.symbol && card.symbol !== card.name) name.append(" ", symbol(card.symbol));
@@ -51,7 +51,8 @@ function control(card, value) {
     return select;
   }
   return element("input", { type: "text", inputMode: "decimal", spellcheck: false, value: value ?? "",
-                            placeholder: String(card.default ?? (card.optional ? "auto" : "off")) });
+                            placeholder: card.nullable ? card.word ?? "off"
+                              : String(card.default ?? (card.optional ? "auto" : "off")) });
 }
 
 function range(card) {
@@ -72,7 +73,7 @@ export function values(container) {
     if (kind === "flag") read[name] = input.checked;
     else if (kind === "choice") read[name] = input.value;
     else if (text !== "") read[name] = Number.isFinite(Number(text)) ? Number(text) : text;
-    else if ("nullable" in input.dataset) read[name] = null;
+    else if ("nullable" in input.dataset) read[name] = input.dataset.nullable || null;
   }
   return read;
 }

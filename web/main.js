@@ -94,14 +94,18 @@ function experiment() {
            axes: { x: axis.x.value, y: axis.y.value }, ...runs };
 }
 
-/** The request for one run: every N-th step, so that drawn points are states the scheme was in. */
+/**
+ * The request for one run: every N-th step, so that drawn points are states the scheme was in; N cannot be said of a
+ * scheme that sets its own clock.
+ */
 function requestFor({ problem: { id, ...parameters }, preset, initial, until, record }, scheme) {
   const { samples: most = samples.default } = record;
   const span = (until.t ?? start() + problem.until.t) - start();
-  const every = Math.max(1, Math.ceil(span / scheme.step / most));
+  const card = catalogue.schemes.find((known) => known.id === scheme.id);
+  const every = card?.own_clock ? NaN : Math.max(1, Math.ceil(span / scheme.step / most));
   return { problem: { id, ...(preset ? { preset: preset.id } : {}), ...parameters }, initial, scheme, until,
            record: most >= 2 && Number.isSafeInteger(every) ? { every } : { samples: most },
-           columns: columns(problem), diagnostics: diagnostics(problem) };
+           columns: columns(problem, card), diagnostics: diagnostics(problem) };
 }
 
 /** Asks for a run soon; several changes at once make one. */

@@ -1,7 +1,8 @@
 // One run of the comparison: its scheme and the form for it, its request, its picture and what went wrong.
 import { curl, simulate } from "./api.js";
+import { fineness, presetOf, schemeCards, schemePresets } from "./card.js";
 import { build, choose, clearFaults, element, faultText, showFault, values, words } from "./forms.js";
-import { format } from "./numbers.js";
+import { count, format } from "./numbers.js";
 import { Plane } from "./plane.js";
 
 export class Pane {
@@ -9,7 +10,7 @@ export class Pane {
   #problem = null;
   #part;
 
-  /** `name` is A or B; `refine` divides the suggested step. */
+  /** `name` is A or B; `refine` divides the suggested step, of whatever kind it is. */
   constructor(name, refine) {
     this.name = name;
     this.refine = refine;
@@ -17,13 +18,15 @@ export class Pane {
     this.node = document.querySelector("#pane").content.cloneNode(true).firstElementChild;
     this.node.dataset.run = name;
     const find = (selector) => this.node.querySelector(selector);
-    this.#part = { scheme: find(".scheme"), fields: find(".parameters"), traits: find(".traits"),
+    this.#part = { scheme: find(".scheme"), preset: find(".preset"), fields: find(".parameters"), traits: find(".traits"),
                    messages: find(".messages"), caption: find("figcaption .title"), canvas: find("canvas"),
+                   stretches: find("figcaption .stretches"),
                    about: find(".about div"), curl: find(".curl pre") };
     find(".badge").textContent = name;
     find(".badge").setAttribute("aria-label", `Run ${name}`);
     this.plane = new Plane(this.#part.canvas);
     this.#part.scheme.addEventListener("change", () => this.#rebuild(this.chosen()));
+    this.#part.preset.addEventListener("change", () => this.#rebuild(this.#keptBeside(this.#part.preset.value)));
     find(".curl button").addEventListener("click", (event) => this.#copy(event.target));
   }
 
@@ -45,17 +48,23 @@ export class Pane {
 
   /** The scheme as it stands in a request. */
   chosen() {
-    return { id: this.#part.scheme.value, ...values(this.#part.fields) };
+    const preset = this.#part.preset.value;
+    return { id: this.#part.scheme.value, ...(preset ? { preset } : {}), ...values(this.#part.fields) };
+  }
+
+  /** The choice of another preset: of what is set, only how fine the run is stays, unless the preset says that too. */
+  #keptBeside(preset) {
+    const { parameters = {} } = presetOf(this.#scheme, preset) ?? {};
+    const kept = Object.entries(this.chosen()).filter(([name]) => fineness.includes(name) && !(name in parameters));
+    return { ...Object.fromEntries(kept), preset };
   }
 
   #rebuild(chosen) {
-    const scheme = this.#scheme, { suggested = {} } = this.#problem;
-    const cards = scheme.parameters.map((card) => {
-      if (!(card.suggested in suggested)) return card;
-      const value = suggested[card.suggested];
-      return { ...card, default: card.suggested === "step" ? value / this.refine : value };
-    });
-    build(this.#part.fields, cards, "/scheme", chosen);
+    const scheme = this.#scheme, preset = presetOf(scheme, chosen.preset);
+    choose(this.#part.preset, schemePresets(scheme), preset?.name);
+    this.#part.preset.title = preset?.doc ?? "";
+    this.#part.preset.parentElement.hidden = scheme.presets.length === 0;
+    build(this.#part.fields, schemeCards(scheme, this.#problem, preset, this.refine), "/scheme", chosen);
     const say = (title, text) => (text ? element("p", {}, element("b", { textContent: `${title} ` }), text) : "");
     const composed = scheme.recommended ? words(Object.values(scheme.recommended).join(", ")) : "";
     this.#part.about.replaceChildren(
@@ -66,13 +75,14 @@ export class Pane {
 
   /** Runs `request`; the outcome, or null when the service refused it. */
   async run(request, sceneFields, signal) {
-    this.title = title(request.scheme);
-    this.#part.traits.textContent = traits(this.#scheme, request.scheme.composition);
+    this.title = title(this.#scheme, request.scheme);
+    this.#part.traits.textContent = traits(this.#scheme, request.scheme);
     this.#part.curl.textContent = curl(request);
     this.#part.caption.replaceChildren(element("b", { textContent: this.name }), ` ${this.title}`);
     const { outcome, faults = [] } = await simulate(request, signal);
     const notes = faults.map((fault) => this.#fault(fault, [this.#part.fields, ...sceneFields]));
     if (outcome?.stop) notes.push(note("stop", stopped(outcome.stop)));
+    if (outcome?.events?.length) notes.push(note("events", counted(outcome.events)));
     for (const warning of outcome?.warnings ?? []) notes.push(note("warning", warning.detail || warning.code));
     this.#part.messages.replaceChildren(...(notes.length ? [element("ul", {}, ...notes)] : []));
     return outcome ?? null;
@@ -91,10 +101,11 @@ export class Pane {
     clearFaults(this.#part.fields);
   }
 
-  /** Shows the curve `{x, y}` with the labels `[x, y]` in a view, or nothing. */
+  /** Shows the curve `{x, y, stretched}` with the labels `[x, y]` in a view, or nothing. */
   show(curve, [x, y], view) {
     this.#part.canvas.setAttribute("aria-label", curve
       ? `${y} over ${x} of run ${this.name}: ${this.title}` : `Run ${this.name}: nothing to show`);
+    this.#part.stretches.hidden = !curve?.x.some((_, i) => curve.stretched(i));
     this.plane.show(curve && { curve, view, labels: [x, y], colour: this.colour });
   }
 
@@ -117,16 +128,31 @@ const stopped = ({ reason, t, detail, singular_at: singularity = null }) =>
   (singularity === null ? "" : ` (singular at t = ${format(singularity, 5)})`);
 
 const orders = (order) => (typeof order === "object"
-  ? Object.entries(order).map(([name, p]) => `${p} (${words(name)})`).join(", ") : String(order));
+  ? Object.entries(order).map(([name, p]) => (name === String(p) ? name : `${p} (${words(name)})`)).join(", ")
+  : String(order));
 
 /** A few words that tell a run from the other. */
-function title({ id, step, composition = "none" }) {
-  const composed = composition === "none" ? "" : ` (${words(composition)})`;
-  return words(id) + composed + (step === undefined ? "" : `, h = ${step}`);
+function title({ parameters }, scheme) {
+  const variant = [scheme.preset, scheme.composition].filter((name) => name && name !== "default" && name !== "none");
+  const sizes = parameters.filter(({ name }) => fineness.includes(name) && name in scheme);
+  return [words(scheme.id) + (variant.length ? ` (${variant.map(words).join(", ")})` : ""),
+          ...sizes.map(({ name, symbol }) => `${symbol || name} = ${scheme[name]}`)].join(", ");
 }
 
-function traits({ order, implicit, symmetric, structure }, composition) {
-  const p = typeof order === "object" ? order[composition] ?? Object.values(order)[0] : order;
+// What happened during a run: one, several.
+const happenings = { switch: ["switch", "switches"], parameter: ["change of parameter", "changes of parameter"] };
+
+/** How many events there were of each kind. */
+function counted(events) {
+  return [...new Set(events.map(({ kind }) => kind))].map((kind) => {
+    const n = events.filter((event) => event.kind === kind).length, [one, several = one] = happenings[kind] ?? [words(kind)];
+    return `${count(n)} ${n === 1 ? one : several}`;
+  }).join(", ");
+}
+
+/** The order is by composition, or by a parameter that says it. */
+function traits({ order, implicit, symmetric, structure }, scheme) {
+  const p = typeof order === "object" ? order[scheme.composition ?? scheme.order] ?? Object.values(order)[0] : order;
   return [`order ${p}`, implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not symmetric",
           structure === "none" ? "keeps no structure" : structure].join(" · ");
 }

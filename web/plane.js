@@ -3,10 +3,14 @@ import { multiples, roundStep, tickLabel } from "./numbers.js";
 
 const margin = { left: 52, right: 14, top: 12, bottom: 40 };
 
-/** The curve `{x, y}` of a trajectory over two of its columns, null in both where either is; null: nothing to draw. */
+/**
+ * The curve `{x, y, stretched}` of a trajectory over two of its columns, null in both where either is; null: nothing to
+ * draw. `stretched(i)`: whether the curve comes to its point i by the Jacobi–Maupertuis principle.
+ */
 export function curveOf(trajectory, x, y) {
   const beside = (column, other) => trajectory[column].map((v, i) => (trajectory[other][i] === null ? null : v));
-  const curve = { x: beside(x, y), y: beside(y, x) };
+  const stretched = (i) => trajectory.mode?.[i] === "jacobi_maupertuis";
+  const curve = { x: beside(x, y), y: beside(y, x), stretched };
   return curve.x.some((v) => v !== null) ? curve : null;
 }
 
@@ -42,7 +46,7 @@ export class Plane {
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
-  /** `{curve: {x, y}, view, labels: [x, y], colour: name of a CSS variable}`, or null for an empty plane. */
+  /** `{curve: {x, y, stretched}, view, labels: [x, y], colour: name of a CSS variable}`, or null for an empty plane. */
   show(picture) {
     this.#picture = picture;
     this.draw();
@@ -63,7 +67,7 @@ export class Plane {
     const style = getComputedStyle(this.#canvas);
     const colour = (name) => style.getPropertyValue(name).trim();
     axes(pen, frame, map, this.#picture.labels, colour, style.fontFamily);
-    trace(pen, frame, map, this.#picture.curve, colour(this.#picture.colour), colour("--paper"));
+    trace(pen, frame, map, this.#picture.curve, colour(this.#picture.colour), colour);
   }
 }
 
@@ -125,27 +129,34 @@ function axes(pen, frame, map, labels, colour, font) {
   pen.restore();
 }
 
-function trace(pen, frame, map, { x, y }, colour, paper) {
+function trace(pen, frame, map, { x, y, stretched }, ink, colour) {
   // What lies far outside is pulled to where clipping still sees the right direction: a canvas cannot draw at 1e300.
   const far = (pixel) => Math.max(-1e6, Math.min(1e6, pixel));
   pen.save();
   pen.beginPath();
   pen.rect(frame.left, frame.top, frame.width, frame.height);
   pen.clip();
-  pen.strokeStyle = colour;
-  pen.lineWidth = 1.6;
   pen.lineJoin = "round";
-  pen.beginPath();
   const there = (v) => v !== null;
-  for (let i = 0; i < x.length; i++) {
-    if (!there(x[i])) continue; // a gap: the next point starts a stroke of its own
-    if (there(x[i - 1] ?? null)) pen.lineTo(far(map.x(x[i])), far(map.y(y[i])));
-    else pen.moveTo(far(map.x(x[i])), far(map.y(y[i])));
-  }
-  pen.stroke();
+  /** The lines to those points that `drawn` says. */
+  const stroke = (style, width, drawn) => {
+    pen.strokeStyle = style;
+    pen.lineWidth = width;
+    pen.beginPath();
+    let at = -1; // where the pen is
+    for (let i = 1; i < x.length; i++) {
+      if (!there(x[i]) || !there(x[i - 1]) || !drawn(i)) continue; // a gap
+      if (at !== i - 1) pen.moveTo(far(map.x(x[i - 1])), far(map.y(y[i - 1])));
+      pen.lineTo(far(map.x(x[i])), far(map.y(y[i])));
+      at = i;
+    }
+    pen.stroke();
+  };
+  stroke(colour("--stretch"), 7, stretched);
+  stroke(ink, 1.6, () => true);
   const first = x.findIndex(there), last = x.findLastIndex(there);
-  mark(pen, far(map.x(x[last])), far(map.y(y[last])), colour, colour);
-  mark(pen, far(map.x(x[first])), far(map.y(y[first])), paper, colour);
+  mark(pen, far(map.x(x[last])), far(map.y(y[last])), ink, ink);
+  mark(pen, far(map.x(x[first])), far(map.y(y[first])), colour("--paper"), ink);
   pen.restore();
 }
 

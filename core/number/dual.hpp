@@ -193,4 +193,12 @@ requires(!std::is_same_v<M, bool>) constexpr Dual<T, K> select(const M& mask, co
 template <class T, int K>
 struct Precision<Dual<T, K>> : Precision<T> {};
 
+/// The number under all derivatives: what constants are made of.
+template <class T>
+struct Underlying {
+  using type = T;
+};
+template <class T, int K>
+struct Underlying<Dual<T, K>> : Underlying<T> {};
+
 }  // namespace least

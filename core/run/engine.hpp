@@ -20,13 +20,6 @@ struct Met {
   bool left = false;  ///< the domain was left
 };
 
-/// Where a run is: a state, and how many whole steps it has behind it.
-template <class X>
-struct Place {
-  X x;
-  std::int64_t n = 0;
-};
-
 template <class P, class X>
 class Engine {
  public:

@@ -3,8 +3,9 @@
 
 #include <vector>
 
-#include "core/run/engine.hpp"
+#include "core/run/outcome.hpp"
 #include "core/run/root.hpp"
+#include "core/scene.hpp"
 
 namespace least {
 
@@ -15,13 +16,13 @@ class Events {
   /// Lists grow no longer than `most`.
   explicit Events(std::size_t most) : most_(most) {}
 
-  /// Every change of sign within the step of length h from `before` to `after`; the engine has saved the former.
-  void find(const P& problem, const Engine<P, X>& engine, const X& before, const X& after, double h) {
+  /// Every change of sign within the step of length h from `before` to `after`; `at(ahead)` is the state in between.
+  template <class At>
+  void find(const P& problem, const X& before, const X& after, double h, At&& at) {
     const auto was = sections(problem, before), is = sections(problem, after);
     for (std::size_t i = 0; i < was.size(); ++i) {
       if ((was[i] < 0) == (is[i] < 0)) continue;
-      const double ahead = root([&](double part) { return sections(problem, at(engine, before, part))[i]; }, 0, h);
-      add(i, is[i] > 0, at(engine, before, ahead));
+      add(i, is[i] > 0, at(root([&](double part) { return sections(problem, at(part))[i]; }, 0, h)));
     }
   }
   /// The same from a point of the orbit that is known by other means.
@@ -34,6 +35,11 @@ class Events {
     if (section == 1) amplitude_ = std::abs(value_of(x[0]));
     if (section == 2) note(poles_, x.t);
   }
+  /// Whether a list of this length may grow.
+  bool room(std::size_t length) {
+    full_ = full_ || length >= most_;
+    return length < most_;
+  }
   /// Something was left out.
   bool full() const { return full_; }
 
@@ -42,22 +48,14 @@ class Events {
   /// Of the last whole cycle; null before there is one.
   Report cycle() const {
     const bool whole = rises_ > 1;
-    return {"cycle", std::vector<Report>{{"period", whole ? period_ : unknown},
-                                         {"amplitude", whole ? amplitude_ : unknown},
-                                         {"cycles", rises_ > 0 ? static_cast<double>(rises_ - 1) : 0}}};
+    return numbers("cycle", {{"period", whole ? period_ : unknown},
+                             {"amplitude", whole ? amplitude_ : unknown},
+                             {"cycles", rises_ > 0 ? static_cast<double>(rises_ - 1) : 0}});
   }
 
  private:
-  static X at(const Engine<P, X>& engine, const X& before, double ahead) {
-    X x = before;
-    if (ahead > 0) engine.peek(x, ahead, true);
-    x.t = before.t + ahead;
-    return x;
-  }
-
   void note(std::vector<double>& list, double t) {
-    full_ = full_ || list.size() == most_;
-    if (list.size() < most_) list.push_back(t);
+    if (room(list.size())) list.push_back(t);
   }
 
   std::size_t most_;

@@ -14,6 +14,13 @@
 
 namespace least {
 
+/// Where a run is: a state, and how many whole steps it has behind it.
+template <class X>
+struct Place {
+  X x;
+  std::int64_t n = 0;
+};
+
 /// Extremes of one quantity along a run; unknown until it starts.
 struct Trace {
   double initial = unknown, final = unknown, most = unknown;
@@ -123,19 +130,18 @@ class Observer {
   }
 
   Report energy_report() const {
-    return {"energy", std::vector<Report>{{"initial", energy_.initial},
-                                          {"final", energy_.final},
-                                          {"max_abs_error", energy_.most},
-                                          {"max_rel_error", energy_.most / std::abs(energy_.initial)},
-                                          {"drift_per_time", trend_.slope()}}};
+    return numbers("energy", {{"initial", energy_.initial},
+                              {"final", energy_.final},
+                              {"max_abs_error", energy_.most},
+                              {"max_rel_error", energy_.most / std::abs(energy_.initial)},
+                              {"drift_per_time", trend_.slope()}});
   }
   Report momenta_report(const ProblemCard& card) const {
     std::vector<Report> all;
     std::size_t i = 0;
     for (const Trace& trace : invariants_)
-      all.push_back(
-          {card.invariants[i++].name,
-           std::vector<Report>{{"initial", trace.initial}, {"final", trace.final}, {"max_abs_error", trace.most}}});
+      all.push_back(numbers(card.invariants[i++].name,
+                            {{"initial", trace.initial}, {"final", trace.final}, {"max_abs_error", trace.most}}));
     return {"momenta", all};
   }
   Report orbit_report(const X& x) const {
@@ -148,12 +154,14 @@ class Observer {
   Report decay_report() const {
     double residual = unknown;
     if constexpr (Contact<P> && X::acting) residual = decay_.max_residual();
-    return {"decay", std::vector<Report>{{"max_residual", residual}}};
+    return numbers("decay", {{"max_residual", residual}});
   }
   Report entropy_report() const {
     Report monotone{"monotone", std::monostate{}};
     if (std::isfinite(entropy_.most)) monotone.value = monotone_;
-    return {"entropy", std::vector<Report>{{"initial", entropy_.initial}, {"final", entropy_.final}, monotone}};
+    Report report = numbers("entropy", {{"initial", entropy_.initial}, {"final", entropy_.final}});
+    insert(report, 2, std::move(monotone));
+    return report;
   }
   Report moments_report() const {
     std::vector<Report> all;

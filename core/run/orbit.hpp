@@ -57,12 +57,11 @@ class OrbitTrack {
     const bool started = mu_ > 0, closed = revolutions_ > 0;
     const auto k = static_cast<double>(revolutions_);
     const Elements now = elements(x);
-    return {"orbit",
-            std::vector<Report>{{"revolutions", started ? k : unknown},
-                                {"closure", closed ? closure_ : unknown},
-                                {"apsidal_rotation", closed && has_apsis_ ? sense_ * rotation_ / k : unknown},
-                                {"semi_major_axis", started ? now.semi_major_axis : unknown},
-                                {"eccentricity", started ? std::sqrt(dot(now.lenz, now.lenz)) / mu_ : unknown}}};
+    return numbers("orbit", {{"revolutions", started ? k : unknown},
+                             {"closure", closed ? closure_ : unknown},
+                             {"apsidal_rotation", closed && has_apsis_ ? sense_ * rotation_ / k : unknown},
+                             {"semi_major_axis", started ? now.semi_major_axis : unknown},
+                             {"eccentricity", started ? std::sqrt(dot(now.lenz, now.lenz)) / mu_ : unknown}});
   }
 
  private:

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -21,6 +23,13 @@ struct Report {
   std::string_view key;
   Value value;
 };
+
+/// A result that is several numbers, by name.
+Report numbers(std::string_view key, std::initializer_list<std::pair<std::string_view, double>> parts);
+/// Text, null where there is none.
+Report words(std::string_view key, std::string_view text);
+/// Puts a part into a result that has parts, before the one at `place` or at the end.
+void insert(Report& report, std::size_t place, Report part);
 
 /// Receives blocks of samples as they are computed.
 class Sink {

@@ -9,7 +9,7 @@
 namespace least {
 
 /// Names of the columns of a problem, in the order that Recorder knows them: t, variables, step_size, energy,
-/// mechanical_energy, invariants, quantities.
+/// mechanical_energy, invariants, quantities, mode, parameter.
 template <class P>
 std::vector<std::string_view> column_names(const ProblemCard& card) {
   std::vector<std::string_view> names{"t"};
@@ -19,26 +19,37 @@ std::vector<std::string_view> column_names(const ProblemCard& card) {
   if (Contact<P>) names.push_back("mechanical_energy");
   for (const auto& invariant : card.invariants) names.push_back(invariant.name);
   for (const auto& quantity : card.quantities) names.push_back(quantity.name);
+  if (Conservative<P>) names.insert(names.end(), {"mode", "parameter"});
   return names;
 }
+
+/// How a sample was reached. Unknown: it was not reached by a step, or the scheme has no modes.
+struct Manner {
+  double step_size = unknown, mode = unknown, parameter = unknown;
+};
 
 template <class P, class X>
 class Recorder {
  public:
   Recorder(const P& problem, const ProblemCard& card, const std::vector<std::size_t>& columns, Sink& sink)
-      : problem_(problem), variables_(card.variables.size()), columns_(columns), sink_(sink) {
+      : problem_(problem),
+        variables_(card.variables.size()),
+        columns_known_(card.columns.size()),
+        columns_(columns),
+        sink_(sink) {
     rows_.reserve(columns.size() * block);
   }
 
   enum class Taken { yes, not_finite, refused };
 
-  /// One row at x; a row with a number that is not finite is not written. A slope at its pole is unknown, not infinite.
-  Taken take(const X& x, double step_size) {
+  /// One row at x; a row with a number that is not finite is not written. A slope at its pole is unknown, not infinite,
+  /// and so is a manner that does not apply.
+  Taken take(const X& x, const Manner& manner) {
     const std::size_t before = rows_.size();
     bool finite = true;
     for (const std::size_t column : columns_) {
-      rows_.push_back(value(x, column, step_size));
-      if (std::isfinite(rows_.back()) || is_slope(column)) continue;
+      rows_.push_back(value(x, column, manner));
+      if (std::isfinite(rows_.back()) || may_be_unknown(column)) continue;
       finite = false;
       wrong_ = column;
     }
@@ -61,13 +72,18 @@ class Recorder {
  private:
   static constexpr std::size_t block = 512;
 
-  bool is_slope(std::size_t column) const { return CarriesSlope<P> && column == X::size + 1; }
+  bool may_be_unknown(std::size_t column) const {
+    if (CarriesSlope<P> && column == X::size + 1) return true;
+    return Conservative<P> && (column == variables_ + 1 || column + 2 >= columns_known_);
+  }
 
-  double value(const X& x, std::size_t column, double step_size) const {
+  double value(const X& x, std::size_t column, const Manner& manner) const {
     if (column == 0) return x.t;
     if (column <= variables_) return variable(x, column - 1);
     std::size_t i = column - variables_ - 1;
-    if (i-- == 0) return step_size;
+    if (i-- == 0) return manner.step_size;
+    if (Conservative<P> && column + 2 == columns_known_) return manner.mode;
+    if (Conservative<P> && column + 1 == columns_known_) return manner.parameter;
     if constexpr (HasEnergy<P>)
       if (i-- == 0) {
         if constexpr (SaysEnergy<P, X>) return energy_of(problem_, x);
@@ -81,7 +97,7 @@ class Recorder {
   }
 
   const P& problem_;
-  std::size_t variables_, wrong_ = 0;
+  std::size_t variables_, columns_known_, wrong_ = 0;
   const std::vector<std::size_t>& columns_;
   Sink& sink_;
   std::vector<double> rows_;

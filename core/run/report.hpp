@@ -6,27 +6,26 @@
 #include <vector>
 
 #include "core/newton.hpp"
-#include "core/run/engine.hpp"
 #include "core/run/outcome.hpp"
+#include "core/run/structure.hpp"
 #include "core/study/reference.hpp"
 
 namespace least {
 
 /// Calls f(state, tangent of a step from it) at no more than 32 of the states before `end`.
-template <class P, class X, class F>
-void for_each_tangent(const Engine<P, X>& engine, const std::vector<FullStateOf<P>>& states, double end, double h,
-                      F&& f) {
+template <class X, class TangentAt, class F>
+void for_each_tangent(TangentAt&& tangent_at, const std::vector<X>& states, double end, F&& f) {
   for (std::size_t i = 0; i < states.size() && states[i].t < end; i += 1 + states.size() / 32)
-    if (const auto tangent = engine.tangent(states[i], h)) f(states[i], *tangent);
+    if (const auto tangent = tangent_at(states[i])) f(states[i], *tangent);
 }
 
 /// The largest defect of the form that the exact motion keeps over single steps that the run took: MᵀJM − J, or
 /// φ*η − λη with λ of the first of them as `factor`. Null where there is no such step.
-template <class P, class X>
-Report structure_report(const Engine<P, X>& engine, std::string_view kind, const std::vector<FullStateOf<P>>& states,
-                        double end, double h) {
+template <class P, class TangentAt>
+Report structure_report(TangentAt&& tangent_at, std::string_view kind, const std::vector<FullStateOf<P>>& states,
+                        double end) {
   double most = unknown, factor = unknown;
-  for_each_tangent(engine, states, end, h, [&](const auto& x, const auto& tangent) {
+  for_each_tangent(tangent_at, states, end, [&](const auto& x, const auto& tangent) {
     if constexpr (Contact<P>) {
       const auto [defect, lambda] = contact_defect(x, tangent);
       most = std::fmax(most, defect);
@@ -35,25 +34,26 @@ Report structure_report(const Engine<P, X>& engine, std::string_view kind, const
       most = std::fmax(most, symplectic_defect(tangent.m));
     }
   });
-  return {"structure", std::vector<Report>{{"kind", std::string(kind)}, {"max_defect", most}, {"factor", factor}}};
+  Report report = numbers("structure", {{"max_defect", most}, {"factor", factor}});
+  insert(report, 0, words("kind", kind));
+  return report;
 }
 
 /// max_defect: of det DΦ = λⁿ⁺¹, which every contact map keeps. invariant_residual: of the volume H^−(n+1) η∧(dη)ⁿ,
 /// which the exact autonomous flow keeps, that is of λH₀ = H₁; falls with the order. Over single steps the run took.
-template <class P, class X>
-Report volume_report(const Engine<P, X>& engine, const P& problem, const std::vector<FullStateOf<P>>& states,
-                     double end, double h) {
+template <class P, class TangentAt>
+Report volume_report(TangentAt&& tangent_at, const P& problem, const std::vector<FullStateOf<P>>& states, double end) {
   double most = unknown, residual = unknown;
   if constexpr (Contact<P>) {
     constexpr int n = P::dof;
-    for_each_tangent(engine, states, end, h, [&](const auto& x, const auto& tangent) {
+    for_each_tangent(tangent_at, states, end, [&](const auto& x, const auto& tangent) {
       const double factor = contact_defect(x, tangent).factor;
       most = std::fmax(most, std::abs(determinant(tangent.m) - std::pow(factor, n + 1)));
       const double before = energy(problem, x), after = energy(problem, tangent.image);
       residual = std::fmax(residual, std::abs(std::pow(factor * before / after, n + 1) - 1));
     });
   }
-  return {"volume", std::vector<Report>{{"max_defect", most}, {"invariant_residual", residual}}};
+  return numbers("volume", {{"max_defect", most}, {"invariant_residual", residual}});
 }
 
 /// Errors against the reference solution, at the states kept (max) and at the final state. Null, with a warning, where
@@ -79,13 +79,13 @@ Report error_report(const P& problem, const std::vector<FullStateOf<P>>& kept, c
       if (!(last <= most)) most = last;
     }
   }
-  Report how{"reference", std::monostate{}};
-  if (!kept.empty()) how.value = std::string(reference.how) + (reference.complete ? "" : ", not finished");
-  return {"error",
-          std::vector<Report>{{"final", last},
-                              {"max", most},
-                              how,
-                              {"uncertainty", reference.complete && !kept.empty() ? reference.uncertainty : unknown}}};
+  std::string how;
+  if (!kept.empty()) how = std::string(reference.how) + (reference.complete ? "" : ", not finished");
+  const bool known = reference.complete && !kept.empty();
+  Report report =
+      numbers("error", {{"final", last}, {"max", most}, {"uncertainty", known ? reference.uncertainty : unknown}});
+  insert(report, 2, words("reference", how));
+  return report;
 }
 
 }  // namespace least

@@ -44,6 +44,38 @@ struct Grid {
   }
 };
 
+/// The samples of a run that has no grid: its times, or every so many steps. The end is left to the final state.
+class Times {
+ public:
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+
+  Times(const Request& request, double end) : record_(request.record), start_(request.start), end_(end) {}
+
+  /// The next sample's step; `never` where samples go by time.
+  std::int64_t step() const {
+    if (record_.mode != Record::Mode::every || record_.count == 0) return never;
+    return index_ * record_.count;
+  }
+  /// The next sample's time; infinite where there is none, or samples go by steps.
+  double time() const {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    if (record_.mode == Record::Mode::every || index_ >= count()) return infinite;
+    if (record_.mode == Record::Mode::times) return record_.times[static_cast<std::size_t>(index_)];
+    if (index_ + 1 == count()) return end_;
+    return start_ + (end_ - start_) * (static_cast<double>(index_) / static_cast<double>(count() - 1));
+  }
+  void next() { ++index_; }
+
+ private:
+  std::int64_t count() const {
+    return record_.mode == Record::Mode::times ? static_cast<std::int64_t>(record_.times.size()) : record_.count;
+  }
+
+  const Record& record_;
+  double start_, end_;
+  std::int64_t index_ = 0;
+};
+
 /// Samples asked for, one after the other: each after grid step `step`, plus `rest` in time.
 class Marks {
  public:

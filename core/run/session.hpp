@@ -1,50 +1,28 @@
-// One run of one problem: the grid, the samples, the diagnostics and the end, around blocks of steps that an engine
-// takes. What can go wrong inside a block is looked for at its end, and a block that went wrong is taken back and run
-// again step by step, so that the last good state is exact and a good step pays nothing.
+// One run of one problem by fixed steps: the grid, the samples, the diagnostics and the end, around blocks of steps
+// that an engine takes. What can go wrong inside a block is looked for at its end, and a block that went wrong is taken
+// back and run again step by step, so that the last good state is exact and a good step pays nothing.
 #pragma once
 
-#include <cmath>
-#include <utility>
-
-#include "core/catalogue.hpp"
 #include "core/run/engine.hpp"
-#include "core/run/events.hpp"
-#include "core/run/pace.hpp"
-#include "core/run/recorder.hpp"
+#include "core/run/ledger.hpp"
 #include "core/run/regular.hpp"
-#include "core/run/report.hpp"
+#include "core/run/root.hpp"
 #include "core/run/schedule.hpp"
-#include "core/run/stability.hpp"
-#include "core/run/wording.hpp"
 #include "core/study/blow_up.hpp"
 
 namespace least {
 
 template <class P, class X>
-class Session {
+class Session : private Ledger<P, X> {
+  using Base = Ledger<P, X>;
+  using Base::card_, Base::events_, Base::observer_, Base::outcome_, Base::pace_, Base::place_, Base::problem_,
+      Base::request_;
+  using Base::going, Base::keep_pace, Base::snap, Base::sound, Base::stop;
+
  public:
   Session(const P& problem, const ProblemCard& card, const SchemeCard& scheme, const Request& request, double step,
           Sink& sink, const std::atomic<bool>& cancelled)
-      : problem_(problem),
-        card_(card),
-        scheme_(scheme),
-        request_(request),
-        grid_(request, step),
-        marks_(request.record, grid_),
-        recorder_(problem_, card, request.columns, sink),
-        pace_(request.limits.seconds, cancelled),
-        events_(static_cast<std::size_t>(request.limits.samples)) {
-    for (const std::size_t index : request.diagnostics) {
-      const std::string_view name = card.diagnostics[index];
-      observer_.energy |= name == "energy";
-      observer_.momenta |= name == "momenta";
-      observer_.orbit |= name == "orbit";
-      observer_.decay |= name == "decay";
-      observer_.entropy |= name == "entropy";
-      observer_.moments |= name == "moments";
-      observer_.sections |= name == "zeros" || name == "cycle" || name == "poles";
-      snapshots_wanted_ |= name == "error" || name == "structure" || name == "volume";
-    }
+      : Base(problem, card, scheme, request, sink, cancelled), grid_(request, step), marks_(request.record, grid_) {
     if constexpr (HasFrequency<P>) {
       double damping_step = 0;
       if constexpr (ConstantDamping<P>) damping_step = std::max(problem.damping() * step, 0.0);
@@ -66,25 +44,12 @@ class Session {
         stop(Reason::step_limit, wording::step_limit(request_.limits.steps));
       if (going() && grid_.tail > 0) finish();
     }
-    if (!recorder_.flush()) stop(Reason::cancelled, "the receiver of the samples went away");
-    return outcome();
+    Base::close(engine.work(), place_.n + extra_steps_);
+    warn();
+    return Base::outcome([&](const auto& x) { return engine.tangent(x, grid_.step); });
   }
 
  private:
-  bool going() const { return outcome_.stop.reason == Reason::completed; }
-  bool stop(Reason reason, std::string detail, double singular_at = unknown) {
-    if (going()) outcome_.stop = {reason, std::move(detail), place_.x.t, place_.n, {}};
-    if (std::isfinite(singular_at)) outcome_.stop.singular_at = singular_at;
-    return false;
-  }
-
-  /// Fourth powers of a good state do not overflow: its energy can be said.
-  static bool sound(const X& x) {
-    constexpr double most = 1e75;
-    bool good = std::isfinite(x.t);
-    for (std::size_t i = 0; i < X::size; ++i) good = good && std::abs(value_of(x[i])) < most;
-    return good;
-  }
   /// Of the squared frequency.
   double stability_limit() const {
     const double limit = bound_ / std::abs(grid_.step);
@@ -93,20 +58,12 @@ class Session {
 
   bool start() {
     const X& x = place_.x;
-    if (!sound(x)) return stop(Reason::not_finite, "the start lies beyond 1e75, where energies overflow");
     regular_.start(problem_, *engine_, x, grid_);
     if constexpr (HasSeries<P>)
       if (x.t < 0 && grid_.end >= 0)
         return stop(Reason::singular, "the equations of motion are singular at t = 0, which lies ahead", 0);
-    if constexpr (HasDomain<P>)
-      if (problem_.bounded() && problem_.inside(x.q) < 0)
-        return stop(Reason::left_domain, "the start lies outside the domain of the motion");
-    const auto slope = derivative(problem_, plain(x));
-    bool finite = std::isfinite(slope.t);
-    for (std::size_t i = 0; i < X::size; ++i) finite = finite && std::isfinite(slope[i]);
-    if constexpr (SaysEnergy<P, X>) finite = finite && std::isfinite(energy_of(problem_, x));
-    if (!finite && !regular_.active() && !(regular_.at_rest(x) && engine_->starts_at_singularity()))
-      return stop(Reason::singular, "the equations of motion are not finite at the start", x.t);
+    if (!Base::start_is_sound(regular_.active() || (regular_.at_rest(x) && engine_->starts_at_singularity())))
+      return false;
     if (const std::string why = engine_->objection(); !why.empty()) return stop(Reason::singular, why);
     observer_.start(problem_, x);
     snap();
@@ -121,17 +78,6 @@ class Session {
     return true;
   }
 
-  /// Keeps a state for the diagnostics that need whole ones: at every stride-th grid point, the stride doubling
-  /// whenever there are too many, so that what is kept depends on where the run got to and on no plan.
-  void snap() {
-    if (!snapshots_wanted_ || place_.n % stride_ != 0) return;
-    assign(snapshots_.emplace_back(), plain(place_.x));
-    if (snapshots_.size() <= most_snapshots) return;
-    for (std::size_t i = 0; 2 * i < snapshots_.size(); ++i) snapshots_[i] = snapshots_[2 * i];
-    snapshots_.resize((snapshots_.size() + 1) / 2);
-    stride_ *= 2;
-  }
-
   bool unstable(double frequency) {
     const double omega = std::sqrt(frequency);
     double longest = bound_ / omega;
@@ -143,8 +89,7 @@ class Session {
   /// One block of steps and what falls due at its end.
   bool go_on(std::int64_t whole) {
     const std::int64_t before = place_.n;
-    std::int64_t until = std::min({whole, before + pace_.block(), marks_.step()});
-    if (snapshots_wanted_) until = std::min(until, (before / stride_ + 1) * stride_);
+    std::int64_t until = std::min({whole, before + pace_.block(), marks_.step(), Base::next_snap(before)});
     if (observer_.sections) until = std::min(until, before + 256);  // a crossing runs them twice
     if (regular_.takes(before)) {
       if (!regular_step()) return false;
@@ -154,12 +99,6 @@ class Session {
     if (place_.n == grid_.steps && grid_.tail == 0) place_.x.t = grid_.end;
     snap();
     return record() && keep_pace(place_.n - before);
-  }
-
-  bool keep_pace(std::int64_t steps) {
-    const Reason reason = pace_.passed(steps);
-    if (reason == Reason::deadline) return stop(reason, wording::deadline(request_.limits.seconds));
-    return reason == Reason::completed || stop(reason, "the run was cancelled");
   }
 
   bool good(Status status) const {
@@ -184,7 +123,7 @@ class Session {
       engine_->save();
       status = advance(1);
       if (good(status)) {
-        if (observer_.crossed) events_.find(problem_, *engine_, last.x, place_.x, grid_.step);
+        if (observer_.crossed) find_events(last.x, grid_.step);
         observer_.crossed = false;
         continue;
       }
@@ -279,11 +218,17 @@ class Session {
     }
     return true;
   }
-  bool take(const X& x) {
-    const auto taken = recorder_.take(x, grid_.step);
-    if (taken == Recorder<P, X>::Taken::not_finite)
-      return stop(Reason::not_finite, wording::column(card_.columns[recorder_.wrong_column()]));
-    return taken == Recorder<P, X>::Taken::yes || stop(Reason::cancelled, "the receiver of the samples went away");
+  bool take(const X& x) { return Base::take(x, {grid_.step}); }
+
+  /// What crossed zero within the step from `before`, which the engine has saved.
+  void find_events(const X& before, double h) {
+    const auto at = [&](double ahead) {
+      X x = before;
+      if (ahead > 0) engine_->peek(x, ahead, true);
+      x.t = before.t + ahead;
+      return x;
+    };
+    events_.find(problem_, before, place_.x, h, at);
   }
 
   /// The shorter step to the end.
@@ -306,38 +251,14 @@ class Session {
       met_.frequency = std::max(met_.frequency, problem_.frequency_squared(position(place_.x)));
     ++extra_steps_;
     observer_.see(problem_, place_.x);
-    if (observer_.crossed && !regular) events_.find(problem_, *engine_, last.x, place_.x, grid_.tail);
+    if (observer_.crossed && !regular) find_events(last.x, grid_.tail);
     for (; marks_.step() == place_.n; marks_.next())
       if (!take(place_.x)) return;
   }
 
-  Outcome outcome() {
-    outcome_.t = place_.x.t;
-    for (std::size_t i = 0; i < card_.variables.size(); ++i) {
-      const bool shown =
-          !card_.variables[i].optional || std::ranges::find(request_.columns, i + 1) != request_.columns.end();
-      outcome_.final.push_back(shown ? variable(place_.x, i) : unknown);
-    }
-    const Work work = engine_->work();
-    outcome_.cost = {place_.n + extra_steps_, work.forces, work.iterations, pace_.seconds()};
-    warn();
-    for (const std::size_t index : request_.diagnostics)
-      outcome_.diagnostics.push_back(report(card_.diagnostics[index]));
-    return std::move(outcome_);
-  }
-
   void warn() {
-    if (events_.full())
-      outcome_.warnings.push_back(
-          {"events_truncated", "more zeros or poles than limits.samples; the first are listed"});
     const double h = std::abs(grid_.step);
-    if constexpr (HasFrequency<P>) {
-      double careful = bound_ > 0 ? bound_ / 2 : std::numeric_limits<double>::infinity();
-      if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
-      const double fastest = h * std::sqrt(met_.frequency);
-      if (fastest > careful)
-        outcome_.warnings.push_back({"step_near_stability_bound", wording::near_bound(fastest, careful, bound_)});
-    }
+    if constexpr (HasFrequency<P>) Base::warn_of_step(h * std::sqrt(met_.frequency), bound_);
     if constexpr (requires { problem_.stiffness_rate(); }) {
       if (problem_.stiffness_rate() * h > 0.5)
         outcome_.warnings.push_back({"stiff_step", wording::stiff(problem_.stiffness_rate() * h)});
@@ -352,47 +273,14 @@ class Session {
     }
   }
 
-  Report report(std::string_view name) {
-    const auto here = plain(place_.x);
-    FullStateOf<P> final;
-    assign(final, here);
-    const double h = grid_.step;
-    if (name == "energy") return observer_.energy_report();
-    if (name == "momenta") return observer_.momenta_report(card_);
-    if (name == "orbit") return observer_.orbit_report(place_.x);
-    if (name == "decay") return observer_.decay_report();
-    if (name == "entropy") return observer_.entropy_report();
-    if (name == "moments") return observer_.moments_report();
-    if (name == "zeros") return events_.zeros();
-    if (name == "cycle") return events_.cycle();
-    if (name == "poles") return events_.poles();
-    if (name == "structure") return structure_report(*engine_, scheme_.structure, snapshots_, here.t, h);
-    if (name == "volume") return volume_report(*engine_, problem_, snapshots_, here.t, h);
-    return error_report(problem_, snapshots_, final, outcome_.warnings,
-                        [this] { return pace_.look() == Reason::completed; });
-  }
-
-  static constexpr std::size_t most_snapshots = 256;
-
-  P problem_;
-  const ProblemCard& card_;
-  const SchemeCard& scheme_;
-  const Request& request_;
   Grid grid_;
   Marks marks_;
-  Recorder<P, X> recorder_;
-  Pace pace_;
   Engine<P, X>* engine_ = nullptr;
-  Place<X> place_;
-  Observer<P, X> observer_;
-  Events<P, X> events_;
   RegularStart<P, X> regular_;
   Met met_;
-  Outcome outcome_;
   double bound_ = std::numeric_limits<double>::infinity();
-  bool limited_ = false, snapshots_wanted_ = false;
-  std::int64_t extra_steps_ = 0, stride_ = 1;
-  std::vector<FullStateOf<P>> snapshots_;  ///< states along the grid, for the diagnostics that need whole states
+  bool limited_ = false;
+  std::int64_t extra_steps_ = 0;
 };
 
 }  // namespace least

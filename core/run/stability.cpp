@@ -16,14 +16,23 @@
 namespace least {
 namespace {
 
+/// A step of length 1 of a scheme whose parameter `step` is 1.
+template <class Scheme, class P>
+Status unit_step(const Scheme& scheme, const P& oscillator, State<1>& x) {
+  if constexpr (OwnClock<Scheme>) {
+    return scheme.bind(oscillator, x, energy(oscillator, x)).step(x);
+  } else {
+    return scheme.bind(oscillator, x).step(x, 1);
+  }
+}
+
 /// Whether the powers of one step of length 1 from (1, 0) and (0, 1) stay bounded.
 template <class Scheme, class P>
 bool stable(const Scheme& scheme, const P& oscillator, double z) {
   double m[2][2];
   for (int k = 0; k < 2; ++k) {
     State<1> x{0, {k == 0 ? 1.0 : 0.0}, {k == 1 ? 1.0 : 0.0}, {}};
-    auto stepper = scheme.bind(oscillator, x);
-    if (stepper.step(x, 1) != Status::ok) return false;
+    if (unit_step(scheme, oscillator, x) != Status::ok) return false;
     m[0][k] = x.q[0];
     m[1][k] = x.p[0];
   }
@@ -38,8 +47,13 @@ double measure(std::span<const double> settings, double damping_step) {
   constexpr double most = 20, spacing = 0.01;
   auto scheme = assemble<Scheme>(Scheme::fields, settings);
   if constexpr (requires { scheme.step; }) scheme.step = 1;
+  if constexpr (requires { scheme.in_time(); }) {
+    scheme = scheme.in_time();
+  } else if constexpr (OwnClock<Scheme>) {
+    return std::numeric_limits<double>::infinity();
+  }
   const auto holds = [&](double z) {
-    if constexpr (SchemeFor<Scheme, HarmonicOscillator<>>) {
+    if constexpr (SchemeFor<Scheme, HarmonicOscillator<>> || ClockSchemeFor<Scheme, HarmonicOscillator<>>) {
       if (damping_step == 0) return stable(scheme, HarmonicOscillator<>{1, z * z}, z);
     }
     if constexpr (SchemeFor<Scheme, DampedOscillator<>>) {
@@ -73,6 +87,8 @@ double stability_bound(std::size_t scheme, std::span<const double> settings, dou
   static std::map<std::vector<double>, double> known;
   std::vector<double> key(settings.begin(), settings.end());
   if (!key.empty()) key[0] = 0;  // the step: everything is scaled by it
+  for (double& x : key)
+    if (std::isnan(x)) x = std::numeric_limits<double>::infinity();  // keys are ordered
   key.push_back(static_cast<double>(scheme));
   key.push_back(damping_step);
   {

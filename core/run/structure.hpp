@@ -19,21 +19,29 @@ struct Tangent {
   Mat<int(X::size)> m;
 };
 
-/// Empty where the step fails.
-template <class Scheme, class P, class X>
-std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, const X& x, double h) {
+/// Of a map of states, `step(y)` in any number, from x. Empty where it fails.
+template <class X, class Step>
+std::optional<Tangent<X>> tangent_of(const X& x, Step&& step) {
   using D = Dual<double, int(X::size)>;
   auto y = convert<D, double>(x);
   for (std::size_t i = 0; i < X::size; ++i) y[i] = D::variable(x[i], int(i));
-  auto stepper = scheme.bind(problem, y);
-  if (stepper.step(y, h) != Status::ok) return std::nullopt;
+  if (step(y) != Status::ok) return std::nullopt;
   Tangent<X> tangent;
-  tangent.image.t = x.t + h;
+  tangent.image.t = y.t;
   for (std::size_t i = 0; i < X::size; ++i) {
     tangent.image[i] = y[i].value;
     tangent.m[i] = y[i].slope;
   }
   return tangent;
+}
+template <class Scheme, class P, class X>
+std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, const X& x, double h) {
+  return tangent_of(x, [&](auto& y) {
+    auto stepper = scheme.bind(problem, y);
+    const Status status = stepper.step(y, h);
+    y.t = x.t + h;
+    return status;
+  });
 }
 
 /// max |MᵀJM − J| over its entries.

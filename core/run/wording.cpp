@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "core/scheme.hpp"
-
 namespace least::wording {
 
 std::string unstable(double ratio, double bound, double step) {
@@ -38,24 +36,13 @@ std::string damping_sign(double t) {
   return fmt::format("αh ≥ 2 at t = {:.6g}: each step turns the momentum over where the motion only damps it", t);
 }
 
+std::string rescues(std::int64_t steps) {
+  return fmt::format("{} {} could not be taken along any coordinate and went in time instead", steps,
+                     steps == 1 ? "step" : "steps");
+}
+
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }
 
 std::string deadline(double seconds) { return fmt::format("limits.seconds = {} ran out", seconds); }
 
 }  // namespace least::wording
-
-namespace least {
-
-std::string pole_objection(Composition composition, double damping_step) {
-  const double negative = largest_negative_weight(composition);
-  if (damping_step <= -2)
-    return fmt::format("αh = {:.4g}: the scheme has a pole at αh = −2, take a shorter step", damping_step);
-  if (negative > 0 && damping_step * negative >= 2)
-    return fmt::format(
-        "αh = {:.4g}: with this composition, whose largest negative weight is {:.4g}, the scheme has a pole at αh = "
-        "{:.4g}; take a shorter step",
-        damping_step, negative, 2 / negative);
-  return {};
-}
-
-}  // namespace least

@@ -17,6 +17,7 @@ std::string blow_up(double t);
 /// `ratio` is the rate of damping times the step.
 std::string stiff(double ratio);
 std::string damping_sign(double t);
+std::string rescues(std::int64_t steps);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 

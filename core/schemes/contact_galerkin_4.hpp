@@ -12,7 +12,8 @@
 #include <tuple>
 
 #include "core/newton.hpp"
-#include "core/schemes/contact_leapfrog.hpp"
+#include "core/scheme.hpp"
+#include "core/schemes/damping_pole.hpp"
 
 namespace least {
 

@@ -14,11 +14,9 @@
 
 #include "core/phases.hpp"
 #include "core/scheme.hpp"
+#include "core/schemes/damping_pole.hpp"
 
 namespace least {
-
-/// How near 1 + h D₃ and 1 − h D₄ may come to zero.
-inline constexpr double least_denominator = 1e-8;
 
 template <SeparableContact P, class X>
 class ContactLeapfrogStepper {
@@ -28,7 +26,9 @@ class ContactLeapfrogStepper {
   static constexpr std::size_t n = P::dof;
 
   ContactLeapfrogStepper(const P& problem, const X& x, double step, const Weights<S>& weights)
-      : problem_(problem), weights_(&weights), clock_(problem, x.t, step, weights.ends()) {
+      : problem_(problem),
+        weights_(&weights),
+        clock_(problem, x.t, step, weights.ends(), [&](std::size_t, const S& t) { return phase(problem, t); }) {
     const auto f = phase(problem_, x.t);
     look(x.q, f);
     if constexpr (LinearContact<P>) damping_ = damping(problem_, f);
@@ -52,14 +52,14 @@ class ContactLeapfrogStepper {
   const Work& work() const { return work_; }
 
  private:
-  using A = std::remove_cvref_t<decltype(std::declval<S>() *
-                                         action_slope(std::declval<const P&>(), std::declval<const T&>(),
-                                                      phase(std::declval<const P&>(), std::declval<const S&>())))>;
+  using F = decltype(phase(std::declval<const P&>(), std::declval<const S&>()));
+  using A =
+      std::remove_cvref_t<decltype(std::declval<S>() * action_slope(std::declval<const P&>(), std::declval<const T&>(),
+                                                                    std::declval<const F&>()))>;
   struct Factors {
     A before{}, after{};  ///< 1 − hα₀/2 and 1/(1 + hα₁/2)
   };
 
-  template <class F>
   void look(const Vec<n, T>& q, const F& f) {
     slope_ = gradient(problem_, q, f);
     if constexpr (X::acting) potential_ = problem_.potential(q, f);
@@ -86,7 +86,7 @@ class ContactLeapfrogStepper {
     }
   }
   Status linear(X& y, const S& h, std::size_t i, const S& t) requires LinearContact<P> {
-    const auto f = clock_.at(problem_, i, t);
+    const auto f = clock_.at(i, [&] { return phase(problem_, t); });
     Factors c;
     if constexpr (ConstantDamping<P>) {
       c = factors_[i];
@@ -152,7 +152,7 @@ class ContactLeapfrogStepper {
 
   P problem_;
   const Weights<S>* weights_;
-  PhaseClock<P, S> clock_;
+  PhaseClock<F, P, S> clock_;
   Vec<n, T> slope_{};         ///< ∇V at the state
   T potential_{};             ///< V there, where s is carried
   A damping_{};               ///< α there
@@ -195,13 +195,11 @@ struct ContactLeapfrog {
   }
   template <class P>
   std::string objection(const P& problem) const {
-    if constexpr (ConstantDamping<P>) return pole_objection(composition, problem.damping() * step);
-    return {};
+    return pole_objection(problem, composition, step);
   }
   template <class P>
   bool flips_momentum(const P& problem, double t) const {
-    if constexpr (LinearContact<P>) return damping(problem, phase(problem, t)) * step >= 2;
-    return false;
+    return turns_momentum_over(problem, t, step);
   }
 };
 

@@ -10,7 +10,8 @@
 #include <tuple>
 
 #include "core/newton.hpp"
-#include "core/schemes/contact_leapfrog.hpp"
+#include "core/scheme.hpp"
+#include "core/schemes/damping_pole.hpp"
 
 namespace least {
 
@@ -148,13 +149,11 @@ struct ContactVariationalMidpoint {
 
   template <class P>
   std::string objection(const P& problem) const {
-    if constexpr (ConstantDamping<P>) return pole_objection(composition, problem.damping() * step);
-    return {};
+    return pole_objection(problem, composition, step);
   }
   template <class P>
   bool flips_momentum(const P& problem, double t) const {
-    if constexpr (LinearContact<P>) return damping(problem, phase(problem, t)) * step >= 2;
-    return false;
+    return turns_momentum_over(problem, t, step);
   }
 };
 

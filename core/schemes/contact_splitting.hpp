@@ -35,10 +35,11 @@ class ContactSplittingStepper {
   static constexpr std::size_t n = P::dof;
 
   ContactSplittingStepper(const P& problem, const X& x, double step, const Weights<S>& weights, bool merged)
-      : problem_(problem), weights_(&weights), clock_(problem, x.t, step, weights.middles()), merged_(merged) {
-    if constexpr (Periodic<P>)
-      table_ = clock_.tabulate([&](const auto& f, std::size_t node) { return flow(weights.gamma[node] * S(step), f); });
-  }
+      : problem_(problem),
+        weights_(&weights),
+        merged_(merged),
+        clock_(problem, x.t, step, weights.middles(),
+               [&](std::size_t i, const S& t) { return middle_of(weights.gamma[i] * S(step), t); }) {}
 
   Status step(X& x, const S& h) noexcept {
     if constexpr (constant) prepare(h);
@@ -58,9 +59,14 @@ class ContactSplittingStepper {
 
  private:
   static constexpr bool constant = ConstantDamping<P> || QuadraticContact<P>;
+  using F = decltype(phase(std::declval<const P&>(), std::declval<const S&>()));
   using R = std::remove_cvref_t<decltype(std::declval<S>() *
-                                         action_slope(std::declval<const P&>(), S{},
-                                                      phase(std::declval<const P&>(), std::declval<const S&>())))>;
+                                         action_slope(std::declval<const P&>(), S{}, std::declval<const F&>()))>;
+  /// What a stage needs of the time at its middle.
+  struct Middle {
+    F phase;
+    ActionFlow<R> flow;
+  };
 
   void prepare(const S& h) {
     if (h == prepared_) return;
@@ -68,7 +74,6 @@ class ContactSplittingStepper {
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i)
       flows_[i] = flow(weights_->gamma[i] * h, phase(problem_, S(0)));
   }
-  template <class F>
   ActionFlow<R> flow(const S& h, const F& f) const {
     using least::abs;
     using least::cos;
@@ -100,21 +105,22 @@ class ContactSplittingStepper {
     }
   }
 
-  /// That of the i-th stage: known beforehand, or tabulated, or computed.
-  template <class F>
-  ActionFlow<R> action_flow(const S& h, std::size_t i, const F& f) const {
-    if constexpr (constant) return flows_[i];
-    if constexpr (Periodic<P>)
-      if (clock_.tabulated()) return (*table_)[clock_.place(i)];
-    return flow(h, f);
+  Middle middle_of(const S& h, const S& t) const {
+    const F f = phase(problem_, t);
+    return {f, flow(h, f)};
   }
 
   /// B½ A B½, or AB.
   Status middle(X& y, const S& h, std::size_t i, const S& t) {
-    const auto f = clock_.at(problem_, i, t);
+    const auto [f, c] = clock_.at(i, [&] {
+      if constexpr (constant) {
+        return Middle{phase(problem_, t), flows_[i]};
+      } else {
+        return middle_of(h, t);
+      }
+    });
     const Vec<n, T> slope = gradient(problem_, y.q, f);
     ++work_.forces;
-    const ActionFlow<R> c = action_flow(h, i, f);
     if constexpr (LinearContact<P>) {
       if (merged_) {
         for (std::size_t k = 0; k < n; ++k) y.p[k] = c.e * y.p[k] - c.f * slope[k];
@@ -152,11 +158,10 @@ class ContactSplittingStepper {
 
   P problem_;
   const Weights<S>* weights_;
-  PhaseClock<P, S> clock_;
   bool merged_;
+  PhaseClock<Middle, P, S> clock_;
   S prepared_ = S(std::numeric_limits<double>::quiet_NaN());  ///< the step that flows_ are for
   std::array<ActionFlow<R>, constant ? compositions::most_stages : 1> flows_{};
-  std::shared_ptr<std::vector<ActionFlow<R>>> table_;  ///< beside the clock's
   Work work_;
 };
 

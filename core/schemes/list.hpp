@@ -3,20 +3,24 @@
 
 #include <tuple>
 
+#include "core/schemes/adaptive_verlet.hpp"
 #include "core/schemes/contact_galerkin_4.hpp"
 #include "core/schemes/contact_gauss.hpp"
 #include "core/schemes/contact_leapfrog.hpp"
 #include "core/schemes/contact_midpoint.hpp"
 #include "core/schemes/contact_splitting.hpp"
 #include "core/schemes/galerkin_4.hpp"
+#include "core/schemes/jacobi_maupertuis.hpp"
 #include "core/schemes/runge_kutta.hpp"
 #include "core/schemes/splitting.hpp"
+#include "core/schemes/time_transformed.hpp"
 #include "core/schemes/variational_midpoint.hpp"
 
 namespace least {
 
-using SchemeList = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog,
-                              VariationalMidpoint, Galerkin4, ContactLeapfrog, ContactVariationalMidpoint,
-                              ContactGalerkin4, ContactSplitting, ContactGauss>;
+using SchemeList =
+    std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
+               Galerkin4, JacobiMaupertuis, TimeTransformed, AdaptiveVerlet, ContactLeapfrog,
+               ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss>;
 
 }  // namespace least

@@ -3,9 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/composition.hpp"
+#include "tests/bench/equal_work.hpp"
 #include "tests/bench/table.hpp"
-#include "tests/support/runs.hpp"
 
 namespace {
 
@@ -21,20 +20,11 @@ Request orbit(const Case& c, double step) {
   Request request = runs::defaults("kepler", c.scheme);
   request.initial = {0.4, 0, 0, 2};
   request.end = 200 * std::acos(-1.0);
-  request.record.count = 0;
   request.limits = {1e9, 1'000'000'000'000, 1'000'000};
-  request.settings[0] = step;
-  if (c.composition)
-    for (std::size_t i = 0; i < compositions::names.size(); ++i)
-      if (compositions::names[i] == c.composition) request.settings[1] = static_cast<double>(i);
+  runs::only_final(request);
+  runs::set(request, "step", step);
+  if (c.composition) runs::set(request, "composition", c.composition);
   return request;
-}
-
-void ask(Request& request, std::initializer_list<std::string_view> names) {
-  const auto& all = problems()[request.problem].diagnostics;
-  for (const auto name : names)
-    for (std::size_t i = 0; i < all.size(); ++i)
-      if (all[i] == name) request.diagnostics.push_back(i);
 }
 
 // Every scene at its default start, span and step, under the scheme its kind calls for and with the
@@ -49,12 +39,10 @@ void scenes() {
     std::printf("| `%s` | %s | `%s` ", std::string(problem.id).c_str(), std::string(problem.title).c_str(), scheme);
     for (const bool composed : {false, true}) {
       Request request = runs::defaults(problem.id, scheme);
-      request.record.count = 0;
       request.limits = {60, 1'000'000'000, 1'000'000};
-      if (composed)
-        for (std::size_t i = 0; i < compositions::names.size(); ++i)
-          if (compositions::names[i] == "kahan_li_6") request.settings[1] = static_cast<double>(i);
-      ask(request, {"error"});
+      runs::only_final(request);
+      if (composed) runs::set(request, "composition", "kahan_li_6");
+      runs::ask(request, "error");
       const auto outcome = runs::go(request).outcome;
       if (!composed) std::printf("| %g ", request.settings[0]);
       std::printf("| %lld | %.1e%s ", static_cast<long long>(outcome.cost.force_evaluations),
@@ -87,22 +75,16 @@ void bench::choice() {
                         {"leapfrog", "sofroniou_spaletta_10"},
                         {"variational_midpoint", "none"},
                         {"galerkin_4", "none"}}) {
-    // Work per step is not known beforehand for implicit schemes: find it, then choose the step.
-    double step = 0.01;
-    for (int k = 0; k < 4; ++k) {
-      const auto probe = runs::go(orbit(c, step));
-      step *= static_cast<double>(probe.outcome.cost.force_evaluations) / budget;
-    }
+    const double step = bench::at_cost(budget, 0.01, [&c](double h) { return orbit(c, h); });
     Request request = orbit(c, step);
-    double seconds = 1e9;
-    for (int k = 0; k < 5; ++k) seconds = std::min(seconds, runs::go(request).outcome.cost.seconds);
-    ask(request, {"energy", "error"});
+    const double ms = bench::milliseconds(request);
+    for (const auto* diagnostic : {"energy", "error"}) runs::ask(request, diagnostic);
     const auto result = runs::go(request);
     const auto& d = result.outcome.diagnostics;
-    std::printf("| %s | %s | %.4f | %lld | %.1f | %.1e | %.1e | %.1e |\n", c.scheme, c.composition ? c.composition : "",
-                step, static_cast<long long>(result.outcome.cost.force_evaluations), seconds * 1e3,
-                runs::number(d, "error/final"), runs::number(d, "energy/max_abs_error"),
-                runs::number(d, "energy/drift_per_time") * request.end);
+    std::printf("| `%s` | %s | %.4f | %lld | %.1f | %.1e | %.1e | %.1e |\n", c.scheme,
+                c.composition ? c.composition : "–", step,
+                static_cast<long long>(result.outcome.cost.force_evaluations), ms, runs::number(d, "error/final"),
+                runs::number(d, "energy/max_abs_error"), runs::number(d, "energy/drift_per_time") * request.end);
   }
   std::printf("\nEvery scene at its default start, span and step: the largest error along the run\n");
   scenes();

@@ -58,6 +58,7 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   bench::choice();
+  bench::hybrid();
   Reporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
 
@@ -66,9 +67,9 @@ int main(int argc, char** argv) {
   for (const Row& row : rows()) {
     const auto ours = reporter.least.find(row.name), theirs = reporter.least.find(row.baseline);
     if (ours == reporter.least.end() || theirs == reporter.least.end()) continue;
-    const double ratio = ours->second / theirs->second;
-    std::printf("%-58s %12.2f %12.2f %8.3f ", row.what.c_str(), ours->second / reporter.units[row.name],
-                theirs->second / reporter.units[row.baseline], ratio);
+    const double unit = ours->second / reporter.units[row.name],
+                 baseline = theirs->second / reporter.units[row.baseline], ratio = unit / baseline;
+    std::printf("%-58s %12.2f %12.2f %8.3f ", row.what.c_str(), unit, baseline, ratio);
     if (row.goal > 0) std::printf("%8.2f %s\n", row.goal, ratio <= row.goal ? "" : "  over");
     if (row.goal <= 0) std::printf("%8s\n", "");
   }

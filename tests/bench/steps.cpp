@@ -4,8 +4,11 @@
 #include <array>
 #include <boost/numeric/odeint/stepper/velocity_verlet.hpp>
 #include <cmath>
+#include <cstdio>
 #include <functional>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include "tests/bench/table.hpp"
 #include "tests/support/runs.hpp"
@@ -84,13 +87,25 @@ least::Request bare(std::string_view problem, std::string_view scheme = "leapfro
   return request;
 }
 
-void ours(benchmark::State& state, const least::Request& request) {
+void ours(benchmark::State& state, const least::Request& request, std::int64_t substeps = 1) {
   for (auto _ : state) {
     const auto result = runs::go(request);
-    if (result.outcome.cost.steps != steps) state.SkipWithError("the run did not complete");
+    if (result.outcome.cost.steps != request.steps) state.SkipWithError("the run did not complete");
     benchmark::DoNotOptimize(result.outcome.final.data());
   }
-  state.counters["units"] = static_cast<double>(request.steps);
+  state.counters["units"] = static_cast<double>(request.steps * substeps);
+}
+
+// The hybrid on an orbit whose kinetic energy is never below K_c, so that every step moves a coordinate: of order 2 one
+// substep a step, of order 4 five.
+least::Request along_a_coordinate(int order) {
+  least::Request request = bare("kepler", "jacobi_maupertuis");
+  request.steps = 100'000;
+  runs::set(request, "critical_kinetic_energy", 0.003);
+  runs::set(request, "alpha_max", std::numeric_limits<double>::quiet_NaN());
+  runs::set(request, "order", order);
+  runs::set(request, "energy_root", order > 2 ? 1.0 : 0.0);
+  return request;
 }
 
 void add(const std::string& name, std::function<void(benchmark::State&)> body) {
@@ -160,6 +175,19 @@ const bool registered = [] {
     if (!least::fits(least::find_problem("kepler").value(), least::find_scheme(id).value())) continue;
     add("kepler/" + id, [id](benchmark::State& state) { ours(state, bare("kepler", id)); });
     bench::compare("kepler " + id + ", leapfrog", "kepler/" + id, "step/kepler", 0);
+  }
+  for (const auto& [order, substeps] : {std::pair{2, 1}, {4, 5}}) {
+    const auto request = along_a_coordinate(order);
+    const auto cost = runs::go(request).outcome.cost;
+    const double iterations = static_cast<double>(cost.iterations) / static_cast<double>(cost.steps * substeps);
+    char what[64];
+    std::snprintf(what, sizeof what, "  a substep of a coordinate, order %d, %.2f iterations", order, iterations);
+    const std::string name = "coordinate/" + std::to_string(order);
+    add(name, [request, iterations, substeps = substeps](benchmark::State& state) {
+      ours(state, request, substeps);
+      if (iterations > 3.5) state.SkipWithError("a substep takes more than 3.5 iterations");
+    });
+    bench::compare(what, name, "step/kepler", 0);
   }
   return true;
 }();

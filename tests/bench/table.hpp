@@ -9,7 +9,10 @@ namespace bench {
 /// `goal` 0: shown, not judged.
 void compare(const std::string& what, const std::string& name, const std::string& baseline, double goal);
 
-/// Prints the table by which a scheme is chosen: accuracy at equal work.
+/// Prints the tables by which a scheme is chosen: accuracy at equal work, and how well every scene is solved.
 void choice();
+
+/// Prints what schemes with steps that follow the motion gain on an eccentric orbit, and where they gain nothing.
+void hybrid();
 
 }  // namespace bench

@@ -2,6 +2,7 @@
 // is, so that a new one is examined the day it appears.
 #pragma once
 
+#include "tests/laws/clock_laws.hpp"
 #include "tests/laws/number_laws.hpp"
 #include "tests/laws/run_laws.hpp"
 #include "tests/laws/scheme_laws.hpp"
@@ -23,4 +24,7 @@
   TEST(id, GeometricSchemesKeepTheForm) { laws::geometric_schemes_keep_the_form<least::Class>(); } \
   TEST(id, NoStepIsTheIdentity) { laws::no_step_is_the_identity<least::Class>(); }                 \
   TEST(id, TheLoopAllocatesNothing) { laws::the_loop_allocates_nothing<least::Class>(); }          \
+  TEST(id, ClocksHaveTheirOrder) { laws::clocks_have_their_order<least::Class>(); }                \
+  TEST(id, ClocksKeepWhatTheySay) { laws::clocks_keep_what_they_say<least::Class>(); }             \
+  TEST(id, ClocksAllocateNothing) { laws::clocks_allocate_nothing<least::Class>(); }               \
   TEST(id, RecordingNeverChangesTheRun) { laws::recording_never_changes_the_run<least::Class>(#id); }

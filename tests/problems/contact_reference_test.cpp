@@ -4,33 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "core/assemble.hpp"
 #include "core/number/parse.hpp"
 #include "core/study/reference.hpp"
 #include "least_problems.hpp"
-#include "tests/support/runs.hpp"
+#include "tests/support/contact_data.hpp"
 
 namespace {
 
 using namespace least;
+using contact::data, contact::orbits, contact::request_for;
 using nlohmann::json;
-
-const json& data() {
-  static const json all = [] {
-    std::ifstream file(LEAST_SOURCE_DIR "/tests/reference/contact.json");
-    return json::parse(file);
-  }();
-  return all;
-}
-std::vector<const json*> entries(const std::string& problem) {
-  std::vector<const json*> found;
-  for (const auto& entry : data().at("states"))
-    if (entry.at("problem") == problem) found.push_back(&entry);
-  return found;
-}
 
 /// A number, or one of the few expressions that parameters are given as.
 Quad number(const std::string& text) {
@@ -111,8 +96,8 @@ double difference(const X& x, const json& variables, const json& state) {
 template <template <class> class P>
 void check_integrator(const std::string& id, double last, double tolerance) {
   using X = StateOf<P<double>, Quad, Quad>;
-  ASSERT_FALSE(entries(id).empty());
-  for (const json* entry : entries(id)) {
+  ASSERT_FALSE(orbits(id).empty());
+  for (const json* entry : orbits(id)) {
     const auto path = with_exact_parameters<P>(*entry, [&](const P<double>& problem) {
       Path<X> states;
       Extrapolation<P<double>> run(problem, start<P>(*entry), 1e-27);
@@ -131,7 +116,7 @@ void check_integrator(const std::string& id, double last, double tolerance) {
 }
 template <template <class> class P>
 void check_closed_form(const std::string& id, double tolerance) {
-  for (const json* entry : entries(id)) {
+  for (const json* entry : orbits(id)) {
     const auto path = with_exact_parameters<P>(*entry, [&](const P<double>& problem) {
       Path<StateOf<P<double>, Quad, Quad>> states;
       for (const auto& state : entry->at("states"))
@@ -175,10 +160,8 @@ void check_run(const json& entry, Request request, double last, double tolerance
 }
 constexpr double for_ever = 1e9;
 void check_runs(const std::string& id, std::string_view scheme, double step, double tolerance, double last = for_ever) {
-  for (const json* entry : entries(id)) {
-    Request request = runs::defaults(id, scheme);
-    runs::set(request, "step", step);
-    if (scheme == "contact_splitting") runs::set(request, "composition", "kahan_li_8");
+  for (const json* entry : orbits(id)) {
+    Request request = request_for(id, scheme, scheme == "contact_splitting" ? "kahan_li_8" : "", step);
     if (scheme == "contact_gauss") runs::set(request, "stages", 3);
     check_run(*entry, request, last, tolerance);
   }
@@ -222,15 +205,11 @@ TEST(ContactReference, Cosmology) {
 }
 TEST(ContactReference, VanDerPol) {
   check_integrator<VanDerPol>("van_der_pol", 5, 1e-20);
-  for (const json* entry : entries("van_der_pol")) {
+  for (const json* entry : orbits("van_der_pol")) {
     const double fast = static_cast<double>(read(entry->at("parameters").at("epsilon")));
-    Request request = runs::defaults("van_der_pol", "runge_kutta_4");
-    runs::set(request, "step", std::min(5e-4, 5e-3 / fast));
-    check_run(*entry, request, for_ever, 1e-10);
-    request = runs::defaults("van_der_pol", "contact_splitting");
-    runs::set(request, "composition", "kahan_li_8");
-    runs::set(request, "step", std::min(0.01, 0.05 / fast));
-    check_run(*entry, request, for_ever, 1e-10);
+    check_run(*entry, request_for("van_der_pol", "runge_kutta_4", "", std::min(5e-4, 5e-3 / fast)), for_ever, 1e-10);
+    check_run(*entry, request_for("van_der_pol", "contact_splitting", "kahan_li_8", std::min(0.01, 0.05 / fast)),
+              for_ever, 1e-10);
   }
 }
 

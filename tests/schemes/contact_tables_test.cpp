@@ -4,46 +4,29 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "core/schemes/list.hpp"
 #include "least_problems.hpp"
-#include "tests/support/runs.hpp"
+#include "tests/support/contact_data.hpp"
 
 namespace {
 
 using namespace least;
-using nlohmann::json;
+using contact::data, contact::request_for;
 
 const double pi = std::acos(-1.0);
 
-const json& data() {
-  static const json all = [] {
-    std::ifstream file(LEAST_SOURCE_DIR "/tests/reference/contact.json");
-    return json::parse(file);
-  }();
-  return all;
-}
 /// The k-th reference orbit of a problem at the time t.
 std::vector<double> reference(const std::string& problem, std::size_t k, double t) {
-  for (const auto& entry : data().at("states"))
-    if (entry.at("problem") == problem && k-- == 0)
-      for (const auto& state : entry.at("states"))
-        if (std::stod(state.at("t").get<std::string>()) == t) {
-          std::vector<double> x;
-          for (const auto& number : state.at("state")) x.push_back(std::stod(number.get<std::string>()));
-          return x;
-        }
+  for (const auto& state : contact::orbits(problem).at(k)->at("states"))
+    if (std::stod(state.at("t").get<std::string>()) == t) {
+      std::vector<double> x;
+      for (const auto& number : state.at("state")) x.push_back(std::stod(number.get<std::string>()));
+      return x;
+    }
   throw std::out_of_range(problem);
 }
 
-Request request_for(std::string_view problem, std::string_view scheme, std::string_view composition, double step) {
-  Request request = runs::defaults(problem, scheme);
-  runs::set(request, "step", step);
-  if (!composition.empty()) runs::set(request, "composition", composition);
-  return request;
-}
 std::vector<double> final_of(Request request, double end) {
   request.end = end;
   runs::only_final(request);

@@ -1,6 +1,8 @@
 // Cards with a parameter of every kind, for the decoder and the encoder.
 #pragma once
 
+#include <cmath>
+
 #include "server/decode.hpp"
 
 namespace least::server::test {
@@ -15,9 +17,10 @@ inline Cards cards() {
     swing.parameters = {{"mass", "m", "kg", "", Kind::number, 1, {0, 1e3, true, false}},
                         {"level", "n", "", "", Kind::integer, 3, {0, 20}}};
     swing.span = 20;
-    swing.suggested = {{"step", 0.1}, {"critical", 0.5}};
-    swing.presets = {{"heavy", "", {{"mass", 10}}, {{"q", 2}, {"t", 5}}}};
-    swing.columns = {"t", "q", "p", "energy"};
+    swing.suggested = {{"step", 0.1}, {"critical", 0.5}, {"kappa", std::nan("")}};
+    swing.presets = {{"heavy", "", {{"mass", 10}}, {{"q", 2}, {"t", 5}}},
+                     {"light", "", {}, {}, {{"critical", 0.25}, {"step", std::nan("")}}}};
+    swing.columns = {"t", "q", "p", "energy", "mode", "parameter"};
     swing.diagnostics = {"energy", "error"};
     swing.schemes = {0, 1, 2};
     swing.offers = "a potential";
@@ -45,7 +48,18 @@ inline Cards cards() {
     clock.orders = {{"", 2}};
     clock.parameters = {{"keep", "", "", "", Kind::flag, 1, {0, 1}},
                         {"critical", "", "", "", Kind::number, 2, {0, 9}, {}, "critical", true},
-                        {"stages", "", "", "", Kind::integer, 2, {1, 8}, {}, {}, true}};
+                        {"stages", "", "", "", Kind::integer, 2, {1, 8}, {}, {}, true},
+                        {"kappa", "", "", "", Kind::number, 1, {0, 9, true}, {}, "kappa", true, "energy"},
+                        step};
+    clock.presets = {{"paper", "As published.", {{"critical", std::nan("")}, {"stages", 4}}},
+                     {"kepler", "Exact orbits.", {{"kappa", std::nan("")}, {"keep", 0}}}};
+    clock.own_clock = true;
+    clock.conflicts = [](std::span<const double> settings, const ProblemCard& problem) {
+      std::vector<Conflict> conflicts;
+      if (settings[0] != 0 && settings[2] == 8)
+        conflicts.push_back({"stages", "eight do not go with keep on " + std::string(problem.id), "[1, 7]"});
+      return conflicts;
+    };
     clock.needs = "a potential";
     return std::vector{leapfrog, field, clock};
   }();

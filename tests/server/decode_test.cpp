@@ -83,6 +83,107 @@ TEST(Decode, PresetsYieldToWhatIsSaid) {
   fault_at(bad(R"({"problem":{"id":"flow","preset":"heavy"},"scheme":"runge_kutta_4"})"), "/problem/preset");
 }
 
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(Decode, PresetsOfASchemeWinOverSuggestionsAndYieldToWhatIsSaid) {
+  Request request = good(R"({"problem":"swing","scheme":{"id":"own_clock","preset":"paper"}})");
+  EXPECT_EQ(request.settings[0], 1);
+  EXPECT_TRUE(std::isnan(request.settings[1]));  // 0.5 is suggested
+  EXPECT_EQ(request.settings[2], 4);
+  EXPECT_EQ(request.settings[3], 1);
+  const char* said = R"({"id":"own_clock","preset":"paper","critical":3,"stages":null})";
+  request = good(std::string(R"({"problem":{"id":"swing","preset":"light"},"scheme":)") + said + "}");
+  EXPECT_EQ(request.settings[1], 3);
+  EXPECT_TRUE(std::isnan(request.settings[2]));
+  request = good(R"({"problem":"swing","scheme":{"id":"own_clock","preset":"kepler"}})");
+  EXPECT_EQ(request.settings[0], 0);
+  EXPECT_EQ(request.settings[1], 0.5);  // what it does not name is suggested as ever
+  EXPECT_TRUE(std::isnan(request.settings[3]));
+
+  const Fault unknown =
+      fault_at(bad(R"({"problem":"swing","scheme":{"id":"own_clock","preset":"papre"}})"), "/scheme/preset");
+  EXPECT_TRUE(contains(unknown.detail, "did you mean \"paper\"?")) << unknown.detail;
+  EXPECT_EQ(unknown.allowed, "paper, kepler");
+  EXPECT_EQ(
+      fault_at(bad(R"({"problem":"swing","scheme":{"id":"leapfrog","preset":"paper"}})"), "/scheme/preset").detail,
+      "leapfrog has no presets");
+}
+
+TEST(Decode, ASuggestionThatIsNotANumberSuggestsNothing) {
+  Request request = good(R"({"problem":"swing","scheme":"own_clock"})");
+  EXPECT_EQ(request.settings[3], 1);
+  EXPECT_EQ(request.settings[1], 0.5);
+  request = good(R"({"problem":{"id":"swing","preset":"light"},"scheme":"own_clock"})");
+  EXPECT_EQ(request.settings[1], 0.25);
+  EXPECT_EQ(request.settings[4], 0.1);  // the problem's own
+}
+
+TEST(Decode, AWordMayStandForANumber) {
+  const auto with = [](const std::string& key, const std::string& value) {
+    return R"({"problem":"swing","scheme":{"id":"own_clock",")" + key + "\":" + value + "}}";
+  };
+  EXPECT_TRUE(std::isnan(good(with("kappa", R"("energy")")).settings[3]));
+  EXPECT_EQ(good(with("kappa", "2.5")).settings[3], 2.5);
+  for (const char* value : {R"("enrgy")", "null", "true", "0", "9.5"}) {
+    const Fault fault = fault_at(bad(with("kappa", value)), "/scheme/kappa");
+    EXPECT_TRUE(contains(fault.detail, R"( or "energy")")) << fault.detail;
+    EXPECT_EQ(fault.allowed, R"((0, 9] or "energy")");
+    EXPECT_EQ(fault.value, value);
+  }
+  EXPECT_EQ(fault_at(bad(with("kappa", "null")), "/scheme/kappa").detail, R"(must be a number or "energy")");
+  const Fault fault = fault_at(bad(with("critical", R"("energy")")), "/scheme/critical");
+  EXPECT_EQ(fault.detail, "must be a number or null");
+  EXPECT_EQ(fault.allowed, "[0, 9] or null");
+  EXPECT_EQ(fault_at(bad(with("stages", "2.5")), "/scheme/stages").detail, "must be a whole number or null");
+}
+
+TEST(Decode, SettingsThatConflictAreFaultsAtTheOneToChange) {
+  const auto with = [](const std::string& settings, const std::string& more = "") {
+    return R"({"problem":"swing","scheme":{"id":"own_clock",)" + settings + "}" + more + "}";
+  };
+  const Faults faults = bad(with(R"("stages":8)", R"(,"recrod":{})"));
+  const Fault fault = fault_at(faults, "/scheme/stages");
+  EXPECT_EQ(fault.detail, "eight do not go with keep on swing");
+  EXPECT_EQ(fault.value, "8");
+  EXPECT_EQ(fault.allowed, "[1, 7]");
+  EXPECT_TRUE(faults.at("/recrod")) << "with all other faults at once";
+  good(with(R"("stages":8,"keep":false)"));
+  // Settings that could not be read are not held against each other, nor against a problem they cannot run.
+  const Faults unread = bad(with(R"("stages":8,"kappa":true)"));
+  EXPECT_FALSE(unread.at("/scheme/stages"));
+  EXPECT_EQ(unread.list().size(), 1u);
+  const Faults misfit = bad(R"({"problem":"flow","scheme":{"id":"own_clock","stages":8}})");
+  EXPECT_TRUE(misfit.at("/scheme/id"));
+  EXPECT_EQ(misfit.list().size(), 1u);
+}
+
+TEST(Decode, ASchemeWithItsOwnClockCountsItsOwnSteps) {
+  const auto with = [](const std::string& plan) { return R"({"problem":"swing","scheme":"own_clock",)" + plan + "}"; };
+  Request request = good(with(R"("until":{"steps":5000})"));
+  EXPECT_TRUE(request.until_steps);
+  EXPECT_EQ(request.steps, 5000);
+  EXPECT_EQ(request.record.mode, Record::Mode::every);
+  EXPECT_EQ(request.record.count, 6);
+  // The settings hold a step of 0.1: it says nothing of how many of them there are until a time,
+  request = good(with(R"("until":{"t":1e300},"record":{"every":1},"limits":{"samples":10})"));
+  EXPECT_EQ(request.record.count, 1);
+  EXPECT_EQ(good(with(R"("until":{"t":20})")).record.mode, Record::Mode::samples);
+  // nor of when they end.
+  good(with(R"("until":{"steps":5},"record":{"times":[1,1e9]})"));
+  good(with(R"("until":{"steps":5},"record":{"every":0})"));
+  EXPECT_TRUE(bad(with(R"("until":{"steps":5000},"record":{"every":1},"limits":{"samples":100})")).at("/record/every"));
+  const Faults faults = bad(with(R"("until":{"steps":5000},"record":{"samples":10})"));
+  ASSERT_EQ(faults.list().size(), 1u);
+  const Fault fault = fault_at(faults, "/record/samples");
+  EXPECT_TRUE(contains(fault.detail, "sets its own clock")) << fault.detail;
+  EXPECT_EQ(fault.value, "10");
+  good(with(R"("until":{"t":20},"record":{"samples":10})"));
+  // A step that cannot be read is no clock of its own.
+  EXPECT_FALSE(
+      bad(R"({"problem":"swing","scheme":{"id":"leapfrog","step":0},"until":{"steps":5},"record":{"samples":5}})")
+          .at("/record/samples"));
+}
+
 TEST(Decode, TheDefaultStrideIsTheSmallestThatKeepsAThousandSamples) {
   for (const auto& [steps, every] : {std::pair{999, 1}, {1000, 2}, {1999, 2}, {2000, 3}, {999'999, 1000}}) {
     const std::string text =
@@ -163,6 +264,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{R"({"problem":"swing","scheme":{"id":"own_clock","keep":1}})", "/scheme/keep"},
         Row{R"({"problem":"swing","scheme":{"id":"own_clock","stages":9}})", "/scheme/stages"},
         Row{R"({"problem":"swing","scheme":{"id":"own_clock","stages":1.5}})", "/scheme/stages"},
+        Row{R"({"problem":"swing","scheme":{"id":"own_clock","preset":3}})", "/scheme/preset"},
+        Row{R"({"problem":"swing","scheme":{"id":"own_clock","preset":"none"},"until":{"steps":4}})", "/scheme/preset"},
         Row{R"({"problem":"swing","scheme":"leapfrog","scheme":"leapfrog"})", "/scheme"},
         Row{R"({"problem":{"id":"swing","mass":1,"mass":1},"scheme":"leapfrog"})", "/problem/mass"},
         Row{SWING(R"("initial":[1])"), "/initial"}, Row{SWING(R"("initial":{"q":1e999})"), "/initial/q"},

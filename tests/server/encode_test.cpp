@@ -71,7 +71,7 @@ struct Example {
 
   Example() {
     auto parsed = parse_json(R"({"problem":{"id":"swing","level":7},"initial":{"t":-0.0,"q":1e-9},
-      "scheme":{"id":"own_clock","critical":null,"keep":false,"stages":null},"record":{"times":[0,2.5]},"columns":["t","energy"]})");
+      "scheme":{"id":"own_clock","critical":null,"keep":false,"stages":null,"kappa":"energy"},"record":{"times":[0,2.5]},"columns":["t","energy"]})");
     request = *decode(std::move(*parsed), test::cards(), {});
     const double values[] = {0, 1.5, 2.5, std::nan("")};
     samples.append(values);
@@ -81,7 +81,13 @@ struct Example {
                            {"zeros", std::vector<double>{1, 2.5}},
                            {"poles", std::vector<Report>{{"", 1.0}, {"", true}}},
                            {"none", std::monostate{}}};
-    outcome.events = {{"", std::vector<Report>{{"t", 1.0}, {"kind", std::string("switch")}}}};
+    using Event = std::vector<Report>;
+    outcome.events = {{"", Event{{"t", 1.0},
+                                 {"kind", std::string("switch")},
+                                 {"from", std::string("hamilton")},
+                                 {"to", std::string("jacobi_maupertuis")},
+                                 {"parameter", std::string("q")}}},
+                      {"", Event{{"t", 1.5}, {"kind", std::string("parameter")}, {"parameter", std::monostate{}}}}};
     outcome.warnings = {{"damping_sign", "θ < 0\r\nX-Evil: 1"}};
     outcome.cost = {4, 8, 2, 1e-6};
   }
@@ -95,13 +101,14 @@ TEST(EncodeJson, WritesTheResponseOfTheContract) {
   EXPECT_EQ(
       answer.body,
       R"({"version":"0.1.0","status":"completed","problem":{"id":"swing","mass":1,"level":7},)"
-      R"("initial":{"t":-0.0,"q":1e-09,"p":0},"scheme":{"id":"own_clock","keep":false,"critical":null,"stages":null},)"
+      R"("initial":{"t":-0.0,"q":1e-09,"p":0},"scheme":{"id":"own_clock","keep":false,"critical":null,"stages":null,"kappa":"energy","step":0.1},)"
       R"("until":{"t":20},"record":{"times":[0,2.5]},"columns":["t","energy"],)"
       R"("limits":{"seconds":10,"steps":100000000,"samples":1000000},)"
       R"("trajectory":{"t":[0,2.5],"energy":[1.5,null]},"final":{"t":20,"q":0.25,"p":null},)"
       R"("diagnostics":{"energy":{"initial":1,"kind":"a\"b"},"zeros":[1,2.5],"poles":[1,true],"none":null},)"
       R"("cost":{"steps":4,"force_evaluations":8,"iterations":2,"seconds":1e-06,"nanoseconds_per_step":250},)"
-      R"("events":[{"t":1,"kind":"switch"}],)"
+      R"("events":[{"t":1,"kind":"switch","from":"hamilton","to":"jacobi_maupertuis","parameter":"q"},)"
+      R"({"t":1.5,"kind":"parameter","parameter":null}],)"
       R"("warnings":[{"code":"damping_sign","detail":"θ < 0\u000d\u000aX-Evil: 1"}]})"
       "\n");
 }
@@ -118,6 +125,30 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
   EXPECT_EQ(std::signbit(again->start), true);
   EXPECT_EQ(Json::parse(encode_json({*again, example.problem, example.scheme, example.outcome, example.samples}).body),
             first);
+}
+
+// Columns of codes beside a column of numbers: mode (two words), parameter (the variables q and p).
+Example coded() {
+  Example example;
+  example.request.columns = {0, 4, 5};
+  const double nan = std::nan("");
+  example.samples.values = {0, 0, -1, 1, 1, 1, 2, 1, 0, 3, nan, nan, 4, 2, std::numeric_limits<double>::infinity()};
+  return example;
+}
+
+TEST(EncodeJson, ColumnsOfCodesAreWords) {
+  const Json trajectory = Json::parse(encode_json(coded().run()).body)["trajectory"];
+  EXPECT_EQ(trajectory["t"].dump(), "[0,1,2,3,4]");
+  EXPECT_EQ(trajectory["mode"].dump(), R"(["hamilton","jacobi_maupertuis","jacobi_maupertuis",null,null])");
+  EXPECT_EQ(trajectory["parameter"].dump(), R"([null,"p","q",null,null])");
+  Example none = coded();
+  none.samples.values.clear();
+  EXPECT_EQ(Json::parse(encode_json(none.run()).body)["trajectory"].dump(), R"({"t":[],"mode":[],"parameter":[]})");
+}
+
+TEST(EncodeCsv, ColumnsOfCodesAreWords) {
+  EXPECT_EQ(encode_csv(coded().run()).body,
+            "t,mode,parameter\n0,hamilton,\n1,jacobi_maupertuis,p\n2,jacobi_maupertuis,q\n3,,\n4,,\n");
 }
 
 TEST(EncodeJson, SaysWhyARunStopped) {
@@ -185,8 +216,19 @@ TEST(Catalogue, SaysAllThatAFormNeeds) {
   EXPECT_EQ(leapfrog["parameters"][1]["choices"], Json::parse(R"(["none","yoshida_4"])"));
   EXPECT_EQ(leapfrog["parameters"][1]["default"], "none");
   EXPECT_EQ(json["schemes"][1]["order"], 4);
-  EXPECT_EQ(json["schemes"][2]["parameters"][0]["default"], true);
-  EXPECT_EQ(json["schemes"][2]["parameters"][1]["nullable"], true);
+  EXPECT_EQ(leapfrog["presets"], Json::array());
+  EXPECT_EQ(leapfrog["own_clock"], false);
+  const Json& clock = json["schemes"][2];
+  EXPECT_EQ(clock["parameters"][0]["default"], true);
+  EXPECT_EQ(clock["parameters"][1]["nullable"], true);
+  EXPECT_FALSE(clock["parameters"][1].contains("word"));
+  EXPECT_EQ(clock["parameters"][3]["word"], "energy");
+  EXPECT_EQ(clock["own_clock"], true);
+  EXPECT_EQ(clock["presets"], Json::parse(R"([{"name":"paper","doc":"As published.",
+    "parameters":{"critical":null,"stages":4}},{"name":"kepler","doc":"Exact orbits.",
+    "parameters":{"keep":false,"kappa":"energy"}}])"));
+  EXPECT_EQ(swing["suggested"], Json::parse(R"({"step":0.1,"critical":0.5})"));
+  EXPECT_EQ(swing["presets"][1]["suggested"], Json::parse(R"({"critical":0.25})"));
 }
 
 }  // namespace

@@ -74,10 +74,12 @@ async function servePage(context) {
 
 /**
  * Runs `body(page)` on a page at `hash` and fails when the browser complained about anything or asked any other origin
- * for anything. `expected` matches complaints that belong to the case; `prepare(context)` may change what is answered.
+ * for anything. `expected` matches complaints that belong to the case; `prepare(context)` may change what is answered;
+ * without the scheme that it `needs` there is no test.
  */
-export function pageTest(name, { hash = "", expected = /^$/, prepare = () => {}, ...context }, body) {
-  test(name, options, async () => {
+export function pageTest(name, { hash = "", expected = /^$/, prepare = () => {}, needs, ...context }, body) {
+  test(name, options, async (running) => {
+    if (needs && !catalogue.schemes.some(({ id }) => id === needs)) return running.skip(`there is no ${needs} yet`);
     const opened = await browser.newContext({ viewport: { width: 1600, height: 1000 }, ...context });
     await servePage(opened);
     await prepare(opened);
@@ -122,8 +124,8 @@ export async function number(page, row, name) {
 }
 
 /**
- * How many pixels of a canvas have the colour of a run, and the box around them; of all its columns, or of those between
- * two fractions of its width.
+ * How many pixels of a canvas have the colour of a run, or any other colour of the page (`--stretch`), and the box around
+ * them; of all its columns, or of those between two fractions of its width.
  */
 export const drawn = (page, selector, run, columns = [0, 1]) => page.locator(selector).evaluate((canvas, [variable, from, to]) => {
   const probe = document.createElement("span");
@@ -147,7 +149,7 @@ export const drawn = (page, selector, run, columns = [0, 1]) => page.locator(sel
     found.bottom = Math.max(found.bottom, y);
   }
   return found;
-}, [`--run-${run.toLowerCase()}`, ...columns]);
+}, [run.startsWith("--") ? run : `--run-${run.toLowerCase()}`, ...columns]);
 
 /** Both planes hold their own curve, and the plot of the energy, where the scene has one, holds both. */
 export async function assertDrawn(page, least = 100) {

@@ -1,0 +1,169 @@
+// A scheme that sets its own clock, bound to a problem and erased: called once per block of steps.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/run/dense.hpp"
+#include "core/run/observer.hpp"
+#include "core/run/structure.hpp"
+#include "core/scheme.hpp"
+
+namespace least {
+
+/// What a block of steps met on its way.
+struct ClockMet {
+  double turn_squared = 0;  ///< the largest (ωh)² of the steps in time, where the problem estimates ω
+  double turn_limit = std::numeric_limits<double>::infinity();  ///< where a block ends because of it
+  bool unsound = false, left = false;  ///< a state that is not finite came up, time stood still; the domain was left
+};
+
+template <class P>
+class ClockEngine {
+ public:
+  using X = StateOf<P>;
+  virtual ~ClockEngine() = default;
+  /// Takes steps until one reaches the time `until`, there are `count` of them, one is taken in another way than the
+  /// one before it, or something is met; the place is the last good one. The observer, where there is one, sees states
+  /// no later than `end`.
+  virtual Status advance(Place<X>& place, double until, double end, std::int64_t count, ClockMet& met,
+                         Observer<P, X>* observer) = 0;
+  /// The state before the last step.
+  virtual const X& before() const = 0;
+  /// The state at a time within the last step, which ended in x. Part of the work only where `counted`.
+  virtual Status between(X& x, double t, bool counted) = 0;
+  /// How the last step was taken; empty where there is but one way.
+  virtual std::optional<Course> course() const = 0;
+  /// Steps that had to be taken in another way than the scheme's.
+  virtual std::int64_t rescues() const = 0;
+  virtual Work work() const = 0;
+  /// What the scheme has against this scene, in words; empty: nothing.
+  virtual std::string objection() const = 0;
+  /// Derivatives of a step from x by its state, on the run's energy level; empty where the step fails.
+  virtual std::optional<Tangent<X>> tangent(const X& x) const = 0;
+};
+
+template <class P, class Scheme>
+class ClockBound final : public ClockEngine<P> {
+ public:
+  using X = StateOf<P>;
+  using Stepper = ClockStepperOf<Scheme, P, X>;
+  static constexpr bool hybrid = requires(const Stepper& s) { s.course(); };
+
+  ClockBound(const P& problem, const Scheme& scheme, const X& x)
+      : problem_(problem),
+        scheme_(scheme),
+        energy_(energy(problem, x)),
+        stepper_(scheme.bind(problem, x, energy_)),
+        before_(x) {}
+
+  Status advance(Place<X>& place, double until, double end, std::int64_t count, ClockMet& met,
+                 Observer<P, X>* observer) override {
+    auto stepper = stepper_;
+    X x = place.x, before = before_;
+    double late = late_;
+    Status status = Status::ok;
+    std::int64_t n = place.n;
+    const std::int64_t last = n + count;
+    const Course course = course_of(stepper);
+    while (n < last && x.t < until) {
+      X y = x;
+      y.t = 0;  // these scenes do not read the time: a step says how long it took, and the sum is compensated
+      status = stepper.step(y);
+      if (status != Status::ok) break;
+      const double h = y.t, part = h - late, t = x.t + part;
+      double size = 0;
+      for (std::size_t i = 0; i < X::size; ++i) size += y[i] * y[i];
+      met.unsound = !(size < largest_square) || !(h > 0) || !std::isfinite(t);
+      if (met.unsound) break;
+      if constexpr (HasDomain<P>) met.left = problem_.bounded() && !(problem_.inside(y.q) >= 0);
+      if constexpr (HasDomain<P>)
+        if (met.left) break;
+      bool turned = false;
+      if constexpr (hybrid && HasFrequency<P>) {
+        const double turn = problem_.frequency_squared(y.q) * h * h;
+        if (stepper.course().mode == Mode::hamilton) {
+          met.turn_squared = turn > met.turn_squared ? turn : met.turn_squared;
+          turned = turn > met.turn_limit;
+        }
+      }
+      if (turned) break;
+      late = (t - x.t) - part;
+      before = x;
+      x = y;
+      x.t = t;
+      ++n;
+      if (observer && x.t <= end) observer->see(problem_, x);
+      if (course_of(stepper) != course || (observer && observer->crossed)) break;
+    }
+    stepper_ = stepper;
+    before_ = before;
+    late_ = late;
+    place = {x, n};
+    return status;
+  }
+
+  const X& before() const override { return before_; }
+
+  Status between(X& x, double t, bool counted) override {
+    if (!(t < x.t)) return Status::ok;
+    if constexpr (requires(Stepper s, X & y) { s.reach(y, t); }) {
+      auto stepper = scheme_.bind(problem_, before_, energy_);
+      X y = before_;
+      y.t = 0;
+      if (const Status status = stepper.reach(y, t - before_.t); status != Status::ok) return status;
+      x = y;
+      if (counted) between_ = stepper.work();
+    } else {
+      x = hermite(problem_, before_, x, t);
+      if (counted) between_ = {4, 0};
+    }
+    x.t = t;
+    return Status::ok;
+  }
+
+  std::optional<Course> course() const override {
+    if constexpr (hybrid) return stepper_.course();
+    return std::nullopt;
+  }
+  std::int64_t rescues() const override {
+    if constexpr (requires { stepper_.rescues(); }) return stepper_.rescues();
+    return 0;
+  }
+  Work work() const override {
+    const Work here = stepper_.work();
+    return {here.forces + between_.forces, here.iterations + between_.iterations};
+  }
+  std::string objection() const override {
+    if constexpr (requires { scheme_.objection(problem_, energy_); }) return scheme_.objection(problem_, energy_);
+    return {};
+  }
+  std::optional<Tangent<X>> tangent(const X& x) const override {
+    return tangent_of<X>(x, [&](auto& y) {
+      using D = typename std::remove_cvref_t<decltype(y)>::Number;
+      auto z = convert<D, D>(y);
+      auto stepper = scheme_.bind(problem_, z, D(energy_));
+      const Status status = stepper.step(z);
+      y.t = z.t.value;
+      for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
+      return status;
+    });
+  }
+
+ private:
+  static Course course_of(const Stepper& stepper) {
+    if constexpr (hybrid) return stepper.course();
+    return {};
+  }
+  static constexpr double largest_square = 1e150;
+
+  P problem_;
+  Scheme scheme_;
+  double energy_;
+  Stepper stepper_;
+  X before_;
+  double late_ = 0;  ///< what rounding has kept from the sum of the steps
+  Work between_;
+};
+
+}  // namespace least

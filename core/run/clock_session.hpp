@@ -1,0 +1,160 @@
+// One run of one problem by a scheme that sets its own clock. Samples at given times, and the final state, come from
+// the dense output of the step they lie in.
+#pragma once
+
+#include "core/run/clock_engine.hpp"
+#include "core/run/course_event.hpp"
+#include "core/run/ledger.hpp"
+#include "core/run/schedule.hpp"
+
+namespace least {
+
+template <class P>
+class ClockSession : private Ledger<P, StateOf<P>> {
+  using X = StateOf<P>;
+  using Base = Ledger<P, X>;
+  using Base::card_, Base::events_, Base::observer_, Base::outcome_, Base::pace_, Base::place_, Base::problem_,
+      Base::request_;
+  using Base::going, Base::keep_pace, Base::snap, Base::stop;
+
+ public:
+  ClockSession(const P& problem, const ProblemCard& card, const SchemeCard& scheme, const Request& request, Sink& sink,
+               const std::atomic<bool>& cancelled)
+      : Base(problem, card, scheme, request, sink, cancelled),
+        end_(request.until_steps ? std::numeric_limits<double>::infinity() : request.end),
+        times_(request, end_) {
+    if constexpr (HasFrequency<P>) bound_ = stability_bound(request.scheme, request.settings, 0);
+    if (bound_ > 0) met_.turn_limit = bound_ * bound_ * (1 + 1e-6);
+  }
+
+  Outcome run(ClockEngine<P>& engine, const X& start_state) {
+    engine_ = &engine;
+    place_.x = start_state;
+    course_ = engine.course();
+    pace_.start();
+    if (start()) {
+      while (going() && !arrived() && go_on()) {
+      }
+      if (going()) finish();
+    }
+    Base::close(engine.work(), place_.n);
+    warn();
+    return Base::outcome([&](const auto& x) { return engine.tangent(x); });
+  }
+
+ private:
+  bool arrived() const { return request_.until_steps ? place_.n == request_.steps : !(place_.x.t < end_); }
+
+  bool start() {
+    if (!Base::start_is_sound(false)) return false;
+    if (const std::string why = engine_->objection(); !why.empty()) return stop(Reason::singular, why);
+    observer_.start(problem_, place_.x);
+    snap();
+    return record();
+  }
+
+  /// One block of steps and what falls due at its end.
+  bool go_on() {
+    const std::int64_t n = place_.n;
+    if (n == request_.limits.steps) return stop(Reason::step_limit, wording::step_limit(request_.limits.steps));
+    std::int64_t until = std::min({n + pace_.block(), request_.limits.steps, times_.step(), Base::next_snap(n)});
+    if (request_.until_steps) until = std::min(until, request_.steps);
+    const Status status = engine_->advance(place_, std::min(end_, times_.time()), end_, until - n, met_,
+                                           observer_.wanted() ? &observer_ : nullptr);
+    if (std::exchange(observer_.crossed, false)) find_events();
+    note_course();
+    if (place_.x.t <= end_) snap();
+    return record() && (fine(status) || fail(status)) && keep_pace(place_.n - n);
+  }
+
+  bool fine(Status status) const {
+    return status == Status::ok && !met_.unsound && !met_.left && !(met_.turn_squared > met_.turn_limit);
+  }
+  bool fail(Status status) {
+    if (status == Status::underflow)
+      return stop(
+          Reason::parameter_step_underflow,
+          "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in "
+          "a collision or where the motion comes to rest");
+    if (status == Status::solver_failed)
+      return stop(Reason::solver_failed, "the equations of the step have no solution near here; a shorter step may");
+    if (status == Status::singular)
+      return stop(Reason::singular, "the step is singular here; a shorter one may not be");
+    if (met_.left) return stop(Reason::left_domain, wording::left_domain(place_.x.t));
+    if (met_.unsound)
+      return stop(Reason::not_finite,
+                  "the next state is not finite, or beyond 1e75 where energies overflow, or time stood still");
+    const double ratio = std::sqrt(met_.turn_squared);
+    return stop(Reason::unstable_step, wording::unstable(ratio, bound_, request_.settings[0] * bound_ / ratio));
+  }
+
+  /// Samples due within the last step or at its end.
+  bool record() {
+    for (; times_.time() <= place_.x.t; times_.next()) {
+      X x = place_.x;
+      if (const Status status = engine_->between(x, times_.time(), false); status != Status::ok) return fail(status);
+      if (!Base::take(x, manner()) || !keep_pace(1)) return false;
+    }
+    for (; times_.step() == place_.n && place_.x.t <= end_; times_.next()) {
+      if (kept_++ < request_.limits.samples && !Base::take(place_.x, manner())) return false;
+    }
+    return true;
+  }
+  Manner manner() const {
+    Manner manner;
+    if (place_.n > 0) manner.step_size = place_.x.t - engine_->before().t;
+    if (course_) {
+      manner.mode = static_cast<double>(course_->mode);
+      if (course_->parameter >= 0) manner.parameter = course_->parameter;
+    }
+    return manner;
+  }
+
+  /// The state at the end, which lies within the last step.
+  void finish() {
+    if (place_.x.t <= end_) return;
+    if (const Status status = engine_->between(place_.x, end_, true); status != Status::ok) {
+      place_.x = engine_->before();
+      fail(status);
+      return;
+    }
+    observer_.see(problem_, place_.x);
+  }
+
+  void find_events() {
+    const X before = engine_->before(), after = place_.x;
+    events_.find(problem_, before, after, after.t - before.t, [&](double ahead) {
+      X x = after;
+      engine_->between(x, before.t + ahead, false);
+      return x;
+    });
+  }
+
+  /// A step that was taken in another way than the one before it is an event, at the state it began with.
+  void note_course() {
+    const auto now = engine_->course();
+    if (now == course_) return;
+    const auto was = std::exchange(course_, now);
+    if (place_.n == 1 && now->mode == was->mode) return;  // the first step only made its choice
+    if (!events_.room(outcome_.events.size())) return;
+    const X& x = engine_->before();
+    outcome_.events.push_back(course_event(card_, x.t, x.q, *was, *now));
+  }
+
+  void warn() {
+    if (kept_ > request_.limits.samples)
+      outcome_.warnings.push_back({"samples_truncated", "more steps than limits.samples; the first are kept"});
+    if constexpr (HasFrequency<P>) Base::warn_of_step(std::sqrt(met_.turn_squared), bound_);
+    if (engine_->rescues() > 0) outcome_.warnings.push_back({"steps_in_time", wording::rescues(engine_->rescues())});
+  }
+
+  double end_;  ///< infinite where the run is so many steps long
+  Times times_;
+  ClockEngine<P>* engine_ = nullptr;
+  std::optional<Course> course_;
+  ClockMet met_;
+  double bound_ = std::numeric_limits<double>::infinity();
+  std::int64_t kept_ = 0;
+};
+
+}  // namespace least

@@ -1,0 +1,27 @@
+#include "core/run/course_event.hpp"
+
+namespace least {
+namespace {
+
+std::string_view coordinate(const ProblemCard& problem, const Course& course) {
+  return course.parameter < 0 ? "" : problem.variables[static_cast<std::size_t>(course.parameter)].name;
+}
+std::string_view mode(const Course& course) { return mode_names[static_cast<std::size_t>(course.mode)]; }
+
+}  // namespace
+
+Report course_event(const ProblemCard& problem, double t, std::span<const double> q, const Course& was,
+                    const Course& now) {
+  const bool switched = was.mode != now.mode;
+  std::vector<Report> event, at;
+  event.push_back({"t", t});
+  event.push_back(words("kind", switched ? "switch" : "parameter"));
+  event.push_back(words("from", switched ? mode(was) : coordinate(problem, was)));
+  event.push_back(words("to", switched ? mode(now) : coordinate(problem, now)));
+  event.push_back(words("parameter", coordinate(problem, now)));
+  for (std::size_t i = 0; i < q.size(); ++i) at.push_back({problem.variables[i].name, q[i]});
+  event.push_back({"at", std::move(at)});
+  return {"", std::move(event)};
+}
+
+}  // namespace least

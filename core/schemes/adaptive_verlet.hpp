@@ -1,0 +1,146 @@
+// adaptive_verlet: leapfrog whose step follows a monitor U(q) of the position by a recursion in the density ρ of steps,
+//   p½ = p − (h/2ρ)∇V(q), q½ = q + (h/2ρ)g⁻¹p½;  ρ₁ = 2U(q½) − ρ;
+//   q₁ = q½ + (h/2ρ₁)g⁻¹p½, p₁ = p½ − (h/2ρ₁)∇V(q₁);  t += (h/2)(1/ρ + 1/ρ₁)
+// with ρ = U(q) at the start and U scaled to 1 there, so that h is the length in time of a step at the start. Explicit,
+// one force and one look at the monitor a step, order 2. Reversible: (q, −p, ρ) at the end of a run leads back; not
+// symplectic. Angular momentum is kept. ρ is state: a step depends on where the run began. Monitors:
+//   arclength  √(1 + 2(E₀ − V)): steps of equal length of the graph (t, q(t)), E₀ being the level of the run's start
+//   frequency  the largest local frequency, or √|g⁻¹V″|, Frobenius' norm, where the problem has no estimate
+// It assumes a potential that does not depend on time and that U varies little within a step: ρ − U alternates in sign
+// and does not decay; ρ₁ ≤ 0 is singular. Look-alike: a step chosen from the state before each step is not reversible.
+// Source: Huang & Leimkuhler, SIAM J. Sci. Comput. 18, 239 (1997); Leimkuhler & Reich, Simulating Hamiltonian Dynamics,
+// 2004, 9.3.
+#pragma once
+
+#include <limits>
+#include <tuple>
+
+#include "core/scheme.hpp"
+
+namespace least {
+
+enum class Monitor : std::uint8_t { arclength, frequency };
+inline constexpr std::array<std::string_view, 2> monitor_names{"arclength", "frequency"};
+
+/// The square of the largest local frequency at q: the problem's estimate, or Frobenius' norm of g⁻¹V″ where the metric
+/// is constant.
+template <Separable P, class T>
+T local_frequency_squared(const P& m, const Vec<P::dof, T>& q) {
+  if constexpr (HasFrequency<P>) {
+    return m.frequency_squared(q);
+  } else {
+    using least::sqrt;
+    using D = Dual<T, P::dof>;
+    const auto slope = gradient(m, seed<P::dof, T>(q), D(0));
+    T sum(0);
+    for (std::size_t k = 0; k < slope.size(); ++k) {
+      Vec<P::dof, T> column;
+      for (std::size_t i = 0; i < column.size(); ++i) column[i] = slope[i].slope[k];
+      column = velocity(m, q, column);
+      sum = sum + dot(column, column);
+    }
+    return sqrt(sum);
+  }
+}
+
+template <Separable P, class X>
+class AdaptiveVerletStepper {
+ public:
+  using T = typename X::Number;
+
+  AdaptiveVerletStepper(const P& problem, const X& x, const T& energy, double step, Monitor monitor)
+      : problem_(problem),
+        monitor_(monitor),
+        energy_(energy),
+        half_(T(0.5 * step)),
+        slope_(gradient(problem, x.q, x.t)) {
+    scale_ = 1.0 / this->monitor(x.q);
+    ++work_.forces;
+  }
+
+  Status step(X& x) noexcept {
+    using least::all;
+    X y = x;
+    T dt = half_ / density_;
+    kick(y, dt, slope_);
+    drift(y, dt);
+    const T density = 2.0 * (scale_ * monitor(y.q)) - density_, after = half_ / density;
+    drift(y, after);
+    const auto slope = gradient(problem_, y.q, y.t);
+    work_.forces += 2;  // the monitor looked at q½
+    kick(y, after, slope);
+    dt = dt + after;
+    if (!all((density > T(0)) & (after > T(0)))) return Status::singular;  // an infinite density stands still
+    y.t = x.t + dt;
+    x = y;
+    density_ = density;
+    slope_ = slope;
+    return Status::ok;
+  }
+  const Work& work() const { return work_; }
+  /// ρ, 1 at the start.
+  const T& density() const { return density_; }
+
+ private:
+  T monitor(const Vec<P::dof, T>& q) const {
+    using least::sqrt;
+    return sqrt(monitor_ == Monitor::arclength ? 1.0 + 2.0 * (energy_ - problem_.potential(q, T(0)))
+                                               : local_frequency_squared(problem_, q));
+  }
+  static void kick(X& x, const T& h, const Vec<P::dof, T>& slope) {
+    for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - h * slope[i];
+  }
+  void drift(X& x, const T& h) const {
+    const auto v = velocity(problem_, x.q, x.p);
+    for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + h * v[i];
+  }
+
+  P problem_;
+  Monitor monitor_;
+  T energy_, half_;            ///< E₀, h/2
+  T scale_{}, density_ = 1.0;  ///< 1/U(q₀) unscaled, ρ
+  Vec<P::dof, T> slope_;       ///< ∇V at the state's q
+  Work work_;
+};
+
+struct AdaptiveVerlet {
+  double step = 0.01;
+  Monitor monitor = Monitor::frequency;
+
+  static constexpr bool own_clock = true;
+  static constexpr std::tuple fields{
+      step_field<AdaptiveVerlet>(),
+      Field<AdaptiveVerlet, Monitor>{"monitor",
+                                     "",
+                                     "",
+                                     "what steps are inverse to: the length of the graph of the motion, or the local "
+                                     "frequency",
+                                     &AdaptiveVerlet::monitor,
+                                     {0, 0},
+                                     monitor_names},
+  };
+  static SchemeCard card() {
+    return {.id = "adaptive_verlet",
+            .title = "Adaptive Verlet",
+            .summary =
+                "Leapfrog with steps that follow the motion by a symmetric recursion: reversible, not symplectic. "
+                "`step` is "
+                "the length in time of a step at the start of the run.",
+            .orders = {{"", 2}},
+            .symmetric = true,
+            .structure = "none",
+            .good_for = "eccentric orbits of any potential at moderate accuracy, explicit",
+            .fails_when =
+                "the step changes much from one step to the next (ρ oscillates, then it stops as singular), or digits "
+                "count: it cannot be composed",
+            .needs = "a separable Hamiltonian: a potential and a constant kinetic metric",
+            .references = {"Huang, Leimkuhler, SIAM Journal on Scientific Computing 18, 239 (1997)",
+                           "Leimkuhler, Reich, Simulating Hamiltonian Dynamics, 2004, 9.3"}};
+  }
+  template <Separable P, class X>
+  auto bind(const P& problem, const X& x, const typename X::Number& energy) const {
+    return AdaptiveVerletStepper<P, X>(problem, x, energy, step, monitor);
+  }
+};
+
+}  // namespace least

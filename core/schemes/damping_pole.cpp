@@ -1,0 +1,19 @@
+#include "core/schemes/damping_pole.hpp"
+
+#include <fmt/format.h>
+
+namespace least {
+
+std::string pole_objection(Composition composition, double damping_step) {
+  const double negative = largest_negative_weight(composition);
+  if (damping_step <= -2)
+    return fmt::format("αh = {:.4g}: the scheme has a pole at αh = −2, take a shorter step", damping_step);
+  if (negative > 0 && damping_step * negative >= 2)
+    return fmt::format(
+        "αh = {:.4g}: with this composition, whose largest negative weight is {:.4g}, the scheme has a pole at αh = "
+        "{:.4g}; take a shorter step",
+        damping_step, negative, 2 / negative);
+  return {};
+}
+
+}  // namespace least

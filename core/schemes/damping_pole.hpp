@@ -1,0 +1,33 @@
+// Where the damping makes a contact step impossible or wrong: variational steps multiply the momentum by a factor like
+// (1 − αh/2)/(1 + αh/2), which has a pole at αh = −2 and turns the momentum over beyond αh = 2.
+// Source: Vermeeren, Bravetti, Seri, J. Phys. A 52, 445206 (2019), section 4.
+#pragma once
+
+#include <string>
+
+#include "core/composition.hpp"
+#include "core/problem.hpp"
+
+namespace least {
+
+/// How near the denominator of that factor may come to zero.
+inline constexpr double least_denominator = 1e-8;
+
+/// What the scheme has against αh, in words; empty: nothing. A stage of weight γ has the pole at γαh = −2.
+std::string pole_objection(Composition composition, double damping_step);
+
+/// The same for a scene, as far as it is known before the run: where the damping does not change in time.
+template <class P>
+std::string pole_objection(const P& problem, Composition composition, double step) {
+  if constexpr (ConstantDamping<P>) return pole_objection(composition, problem.damping() * step);
+  return {};
+}
+
+/// Whether a step from the time t turns the momentum over where the motion only damps it.
+template <class P>
+bool turns_momentum_over(const P& problem, double t, double step) {
+  if constexpr (LinearContact<P>) return damping(problem, phase(problem, t)) * step >= 2;
+  return false;
+}
+
+}  // namespace least

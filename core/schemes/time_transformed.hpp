@@ -1,0 +1,325 @@
+// time_transformed: symplectic steps of constant length σ in a parameter τ that runs with the motion, dt = dτ/(K + κ):
+// short in time where the kinetic energy exceeds the threshold κ. On the energy level E₀ of the run's start K + κ
+// equals D := E₀ − V + κ, and
+//   constant metric: leapfrog for Γ = ln(K + κ) − ln D, explicit, one force evaluation a stage:
+//     q += ½σ g⁻¹p/(K + κ), t += ½σ/(K + κ);  p −= σ∇V/D;  the first again with the new p
+//   metric g(q): the variational midpoint rule at h = σ/D(m) with the action S = L_d(q₀, q₁; h) + E₀h, implicit. As h
+//     varies with the midpoint m, p₀ = −D₁L_d − c and p₁ = D₂L_d + c with c = (E₀ − E_d)·½h∇V/D.
+// Order 2, symmetric. At fixed E₀ a symplectic map of (q, p); not so if E₀ is taken anew from each state. Momenta of
+// symmetries are kept. κ = −E₀ makes Kepler orbits exact but for time: a step advances the eccentric anomaly of an
+// ellipse by 2 arctan(σ√(−2E₀)/2μ); a hyperbola has tanh instead of tan, and no such step from σ√(2E₀) = 2μ on.
+// It assumes a potential that does not depend on time. It checks K + κ > 0 and D > 0, that a step goes forward in time,
+// and at each kick D²/((K₀ + κ)(K₁ + κ)), which is 1 on the energy level. Look-alike: leapfrog with steps chosen from
+// the state is neither symplectic nor symmetric.
+// Sources: Mikkola & Tanikawa, Celest. Mech. Dyn. Astron. 74, 287 (1999); Preto & Tremaine, Astron. J. 118, 2532
+// (1999); for any metric Poincaré's transformation, Hairer, Lubich, Wanner 2006, VIII.2.1.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+
+#include "core/scene.hpp"
+#include "core/schemes/discrete_lagrangian.hpp"
+
+namespace least {
+
+/// The transformed time of a run: what both kernels read.
+template <Conservative P, class X>
+struct TransformedTime {
+  using T = typename X::Number;
+  using Constant = typename Underlying<T>::type;
+  /// What weights are made of; a number with lanes takes doubles.
+  using S = std::conditional_t<std::numeric_limits<Constant>::is_specialized, Constant, double>;
+
+  P problem;
+  T level, kappa;  ///< E₀ + κ and κ
+  const Weights<S>* weights;
+
+  /// dt/dτ = 1/(K + κ)
+  T pace(const X& x) const { return 1.0 / (0.5 * dot(x.p, velocity(problem, x.q, x.p)) + kappa); }
+};
+
+/// Whether (D/(K + κ))², at a kick, is near 1.
+template <class T>
+auto near_level(const T& ratio_squared) {
+  return (ratio_squared >= T(0.25)) & (ratio_squared <= T(4));
+}
+
+/// Drift, kick, drift; drifts that meet in a composition are one.
+template <Separable P, class X>
+class TransformedLeapfrog {
+ public:
+  using T = typename X::Number;
+  using Time = TransformedTime<P, X>;
+
+  TransformedLeapfrog(const Time& time, const X& x) : time_(time) { settle(x); }
+  /// Takes x for the state that the next move begins at.
+  void settle(const X& x) { pace_ = time_.pace(x); }
+  const T& pace(const X&) const { return pace_; }
+  int stages() const { return time_.weights->stages; }
+
+  /// Moves q and p by the parameter σ; `elapsed` is the time that takes. A state that it fails on is spoilt.
+  Status move(X& x, const T& sigma, T& elapsed, Work& work) {
+    using least::all;
+    const T half = 0.5 * sigma;
+    typename Time::S before(0);
+    auto sound = pace_ > T(0);
+    elapsed = T(0);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(time_.weights->stages); ++i) {
+      const auto& gamma = time_.weights->gamma[i];
+      drift(x, half * (before + gamma), elapsed);
+      before = gamma;
+      const Slopes<P, T> here(time_.problem, x.q);
+      ++work.forces;
+      const T gap = time_.level - here.potential, kick = sigma * gamma / gap, ratio = gap * pace_;
+      for (std::size_t k = 0; k < x.p.size(); ++k) x.p[k] = x.p[k] - kick * here.gradient[k];
+      pace_ = time_.pace(x);
+      sound = sound & (gap > T(0)) & near_level<T>(ratio * (gap * pace_));  // keeps the pace positive
+    }
+    drift(x, half * before, elapsed);
+    return all(sound) ? Status::ok : Status::singular;
+  }
+
+ private:
+  void drift(X& x, const T& sigma, T& elapsed) const {
+    const T dt = sigma * pace_;
+    const auto v = velocity(time_.problem, x.q, x.p);
+    for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + dt * v[i];
+    elapsed = elapsed + dt;
+  }
+
+  Time time_;
+  T pace_{};  ///< at the present p: drifts leave it as it is, so the next step begins with it
+};
+
+/// The midpoint rule, solved for the displacement by parameter u = (q₁ − q₀)/σ.
+template <ConfigurationMetric P, class X>
+class TransformedMidpoint {
+ public:
+  using T = typename X::Number;
+  using Time = TransformedTime<P, X>;
+  static constexpr int n = P::dof;
+
+  TransformedMidpoint(const Time& time, const X&) : time_(time) {}
+  void settle(const X&) {}
+  T pace(const X& x) const { return time_.pace(x); }
+  int stages() const { return time_.weights->stages; }
+
+  Status move(X& x, const T& sigma, T& elapsed, Work& work) {
+    elapsed = T(0);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(time_.weights->stages); ++i)
+      if (const Status status = stage(x, sigma * time_.weights->gamma[i], elapsed, work); status != Status::ok)
+        return status;
+    return Status::ok;
+  }
+
+ private:
+  template <class U>
+  struct Middle {
+    U gap, ratio;              ///< D, D/(K + κ)
+    Vec<n, U> momentum, kick;  ///< gv; (h/2)F + c, by which it exceeds p₀ and p₁ exceeds it
+  };
+  template <class U>
+  Middle<U> middle(const X& x, const T& half, const Vec<n, U>& u) const {
+    Vec<n, U> m, v;
+    for (std::size_t i = 0; i < n; ++i) m[i] = x.q[i] + half * u[i];
+    const Slopes<P, U> here(time_.problem, m);
+    const U gap = time_.level - here.potential;
+    for (std::size_t i = 0; i < n; ++i) v[i] = gap * u[i];
+    Middle<U> at{gap, {}, here.lower(time_.problem, v), here.force(v)};
+    const U slow = 0.5 * dot(v, at.momentum) + time_.kappa;  // D − slow = E₀ − E_d
+    const U correction = (gap - slow) / gap, half_step = half / gap;
+    at.ratio = gap / slow;
+    for (std::size_t i = 0; i < n; ++i) at.kick[i] = half_step * (at.kick[i] + correction * here.gradient[i]);
+    return at;
+  }
+
+  Status stage(X& x, const T& sigma, T& elapsed, Work& work) const {
+    using least::abs;
+    using least::all;
+    const T half = 0.5 * sigma;
+    const auto residual = [&](const auto& u) {
+      const auto at = middle(x, half, u);
+      auto r = at.momentum;
+      for (std::size_t i = 0; i < n; ++i) r[i] = r[i] - at.kick[i] - x.p[i];
+      return r;
+    };
+    // The guess: as the motion begins, then with half a kick.
+    const T pace = time_.pace(x);
+    Vec<n, T> u = velocity(time_.problem, x.q, x.p), p = x.p;
+    T scale(0);
+    for (T& c : u) c = c * pace;
+    for (const T& c : u) scale = scale + abs(c);
+    const auto begin = middle(x, half, u);
+    ++work.forces;
+    for (std::size_t i = 0; i < n; ++i) p[i] = p[i] + begin.kick[i];
+    u = velocity(time_.problem, x.q, p);
+    for (T& c : u) c = c / begin.gap;
+    for (const T& c : u) scale = scale + abs(c);
+    if (const Status status = newton<n>(u, scale, grain_of(x.q, sigma), residual, 1, work); status != Status::ok)
+      return status;
+
+    const auto at = middle(x, half, u);
+    ++work.forces;
+    for (std::size_t i = 0; i < n; ++i) {
+      x.q[i] = x.q[i] + sigma * u[i];
+      x.p[i] = x.p[i] + 2.0 * at.kick[i];
+    }
+    elapsed = elapsed + sigma / at.gap;
+    return all((at.gap > T(0)) & (at.ratio > T(0)) & near_level<T>(at.ratio * at.ratio)) ? Status::ok
+                                                                                         : Status::singular;
+  }
+
+  Time time_;
+};
+
+template <class Kernel, class X>
+class TransformedStepper {
+ public:
+  using T = typename X::Number;
+
+  TransformedStepper(const Kernel& kernel, double sigma) : kernel_(kernel), sigma_(sigma) {}
+
+  Status step(X& x) noexcept {
+    X y = x;
+    T elapsed;
+    const Status status = attempt(y, sigma_, elapsed);
+    if (status != Status::ok) {
+      kernel_.settle(x);
+      return status;
+    }
+    y.t = x.t + elapsed;
+    x = y;
+    return Status::ok;
+  }
+
+  /// x moved to the time t by a shorter σ, to round-off of t: Newton's method for the time taken, whose slope by σ is
+  /// the pace at the end as far as the step is exact, within a bracket. solver_failed where t is beyond the end of a
+  /// step.
+  Status reach(X& x, const T& t) noexcept requires std::numeric_limits<T>::is_specialized {
+    using least::abs;
+    constexpr int most_iterations = 100;
+    const T wait = t - x.t, tolerance = 4 * Precision<T>::epsilon * (abs(x.t) + abs(t)) * kernel_.stages();
+    if (!(wait > T(0))) return Status::ok;
+    T low(0), high = sigma_, sigma = wait / kernel_.pace(x);
+    Status status = Status::solver_failed;
+    for (int k = 0; k < most_iterations; ++k) {
+      if (sigma > sigma_) sigma = sigma_;
+      if (!(low < sigma && sigma <= high)) sigma = 0.5 * (low + high);
+      X y = x;
+      T elapsed;
+      kernel_.settle(x);
+      status = attempt(y, sigma, elapsed);
+      if (status != Status::ok) break;
+      const T excess = elapsed - wait;
+      if (abs(excess) <= tolerance) {
+        y.t = t;
+        x = y;
+        return Status::ok;
+      }
+      status = Status::solver_failed;
+      (excess < T(0) ? low : high) = sigma;
+      sigma = sigma - excess / kernel_.pace(y);
+    }
+    kernel_.settle(x);
+    return status;
+  }
+  const Work& work() const { return work_; }
+
+ private:
+  /// Fails also where the time does not advance.
+  Status attempt(X& x, const T& sigma, T& elapsed) {
+    using least::all;
+    const Status status = kernel_.move(x, sigma, elapsed, work_);
+    if (status != Status::ok) return status;
+    return all(elapsed > T(0)) ? Status::ok : Status::singular;
+  }
+
+  Kernel kernel_;
+  T sigma_;
+  Work work_;
+};
+
+/// What κ = −E₀ has against σ on a Kepler orbit of this energy, in words; empty: nothing. There a stage of weight γ has
+/// (D/(K + κ))² = 1/(1 − z²), z = γσ√(2E₀)/2μ, at every kick, on ellipses with imaginary z: outside [¼, 4] it is
+/// refused before it would be found out. (From |z| = 1 on the stage of a hyperbola leads to its other branch.)
+std::string kepler_objection(Composition composition, double sigma, double mu, double energy);
+
+struct TimeTransformed {
+  double sigma = 0.02, kappa = 1;  ///< κ: NaN for −E₀
+  Composition composition = Composition::none;
+
+  static constexpr bool own_clock = true;
+  using Self = TimeTransformed;
+  static constexpr std::tuple fields{
+      Field<Self>{"sigma",
+                  "σ",
+                  "energy·time",
+                  "length of a step in the parameter; in time it is σ/(K + κ)",
+                  &Self::sigma,
+                  {0, 1e3, true, false},
+                  {},
+                  "sigma"},
+      Field<Self>{"kappa",
+                  "κ",
+                  "energy",
+                  "kinetic energy from which steps become shorter; `energy` stands for −E₀",
+                  &Self::kappa,
+                  {-1e30, 1e30},
+                  {},
+                  "critical_kinetic_energy",
+                  "energy"},
+      composition_field<Self>(),
+  };
+  static SchemeCard card() {
+    return {
+        .id = "time_transformed",
+        .title = "Time-transformed leapfrog",
+        .summary =
+            "Leapfrog at constant steps of a parameter that runs with the motion, so that steps of time are short "
+            "where it is fast. Symplectic at the energy level of the run's start. Explicit; implicit (the midpoint "
+            "rule) where the kinetic metric depends on the configuration.",
+        .orders = orders_from(2),
+        .symmetric = true,
+        .structure = "symplectic",
+        .recommended = "kahan_li_6",
+        .presets = {{"kepler",
+                     "κ = −E₀: Kepler orbits are exact but for time",
+                     {{"kappa", std::numeric_limits<double>::quiet_NaN()}}}},
+        .good_for = "eccentric orbits and other motions that are fast for a short time only, over long runs",
+        .fails_when =
+            "E₀ − V + κ does not stay positive, or a step is too long for its curvature: it stops as singular; what "
+            "is fast and has little kinetic energy gets no shorter steps",
+        .needs = "a Lagrangian without s: a kinetic metric and a potential",
+        .references = {"Mikkola, Tanikawa, Celestial Mechanics and Dynamical Astronomy 74, 287 (1999)",
+                       "Preto, Tremaine, Astronomical Journal 118, 2532 (1999)",
+                       "Hairer, Lubich, Wanner 2006, VIII.2.1"}};
+  }
+
+  template <Conservative P, class X>
+  auto bind(const P& problem, const X& x, const typename X::Number& energy) const {
+    using T = typename X::Number;
+    using Time = TransformedTime<P, X>;
+    const bool kepler = std::isnan(kappa);
+    const Time time{problem, kepler ? T(0) : energy + kappa, kepler ? -energy : T(kappa),
+                    &Weights<typename Time::S>::of(composition)};
+    if constexpr (ConfigurationMetric<P>) {
+      using Kernel = TransformedMidpoint<P, X>;
+      return TransformedStepper<Kernel, X>(Kernel(time, x), sigma);
+    } else {
+      using Kernel = TransformedLeapfrog<P, X>;
+      return TransformedStepper<Kernel, X>(Kernel(time, x), sigma);
+    }
+  }
+  template <class P>
+  std::string objection(const P& problem, double energy) const {
+    if constexpr (TwoBody<P>)
+      if (std::isnan(kappa) || kappa == -energy)
+        return kepler_objection(composition, sigma, problem.gravitational_parameter(), energy);
+    return {};
+  }
+};
+
+}  // namespace least

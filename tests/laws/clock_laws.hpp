@@ -1,0 +1,178 @@
+// Laws of the schemes that set their own clock, on a problem: order, reversal, structure, no allocation.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/run/clock_engine.hpp"
+#include "tests/laws/scheme_laws.hpp"
+#include "tests/support/clocks.hpp"
+
+namespace laws {
+
+constexpr double never_ends = std::numeric_limits<double>::infinity();
+constexpr double never = std::numeric_limits<double>::quiet_NaN();
+
+template <template <class> class P, class F>
+void for_each_clock(F&& f) {
+  if constexpr (Conservative<P<double>>) {
+    TimeTransformed soft;
+    for (const auto composition : {Composition::none, Composition::suzuki_4, Composition::kahan_li_6}) {
+      soft.composition = composition;
+      f(soft, order(soft));
+    }
+    if constexpr (Separable<P<double>>)
+      for (const Monitor monitor : {Monitor::arclength, Monitor::frequency}) f(AdaptiveVerlet{0.01, monitor}, 2);
+    JacobiMaupertuis hybrid;
+    hybrid.alpha_max = never;  // with step control orders are those of no parameter
+    for (const double critical : {never, 0.0})
+      for (const Quadrature quadrature : {Quadrature::trapezoid, Quadrature::midpoint})
+        for (hybrid.order = 2; hybrid.order <= 4; hybrid.order += 2) {
+          hybrid.critical_kinetic_energy = critical;
+          hybrid.quadrature = quadrature;
+          const bool by_quadrature = P<double>::dof == 1 && critical == 0;
+          f(hybrid, by_quadrature ? 6 : hybrid.order);
+        }
+  }
+}
+
+/// The fastest of the states: some scheme's coordinate is to move there.
+template <template <class> class P>
+auto fast_state() {
+  const P<double> problem;
+  auto fastest = states<P>()[0];
+  const auto kinetic = [&](const auto& x) { return energy(problem, x) - problem.potential(x.q, 0.0); };
+  for (const auto& x : states<P>())
+    if (kinetic(x) > kinetic(fastest)) fastest = x;
+  fastest.t = 0;
+  return fastest;
+}
+
+/// The scheme with steps that take about the time h from x.
+template <class Scheme, class P, class X>
+Scheme resized(Scheme scheme, const P& problem, const X& x, double h) {
+  const auto v = velocity(problem, x.q, x.p);
+  if constexpr (requires { scheme.sigma; }) scheme.sigma = h * (0.5 * dot(x.p, v) + scheme.kappa);
+  if constexpr (requires { scheme.step; }) scheme.step = h;
+  if constexpr (requires { scheme.theta; }) {
+    double most = 0;
+    for (const double c : v) most = std::max(most, std::abs(c));
+    scheme.theta = h * most;
+  }
+  return scheme;
+}
+
+/// The state at the time t, from the step it lies in.
+template <class Scheme, class P, class X>
+Status arrive(const Scheme& scheme, const P& problem, X& x, const typename X::Time& t) {
+  auto stepper = clocks::bound(scheme, problem, x);
+  const auto energy_level = energy(problem, x);
+  for (X before = x;; before = x) {
+    if (const Status status = stepper.step(x); status != Status::ok) return status;
+    if (x.t < t) continue;
+    if constexpr (requires { stepper.reach(before, t); }) {
+      auto again = scheme.bind(problem, before, energy_level);
+      const Status status = again.reach(before, t);
+      x = before;
+      return status;
+    } else {
+      x = hermite(problem, before, x, t);
+      return Status::ok;
+    }
+  }
+}
+
+template <template <class> class P>
+void clocks_have_their_order() {
+  const P<double> problem;
+  if constexpr (Conservative<P<double>>) {
+    const auto start = fast_state<P>();
+    const double span = 0.35 * rhythm(problem, start);
+    Orbit<P> truth(problem, convert<Quad, Quad>(start), 1e-28);
+    ASSERT_TRUE(truth.advance(Quad(span), [] { return true; }));
+    using T = long double;
+    const auto end = convert<T, T>(truth.state());
+    for_each_clock<P>([&](const auto& scheme, int order) {
+      std::vector<Measured> points;
+      for (double ladder = 3; ladder < 400; ladder *= 1.35) {
+        auto x = convert<T, T>(start);
+        if (arrive(resized(scheme, problem, start, span / ladder), problem, x, T(span)) != Status::ok) continue;
+        const double error = distance(x, end) / size(end);
+        if (error < 1e-17) break;
+        points.push_back({span / ladder, error});
+      }
+      ASSERT_GE(points.size(), 5U) << label(scheme) << order;
+      // Where in its last step the end lies differs from step to step, and so does its error: many points.
+      const std::size_t first = points.size() > 10 ? points.size() - 10 : 0;
+      double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+      for (std::size_t i = first; i < points.size(); ++i) {
+        const double u = std::log(points[i].step), v = std::log(points[i].error);
+        n += 1, sx += u, sy += v, sxx += u * u, sxy += u * v;
+      }
+      EXPECT_NEAR((n * sxy - sx * sy) / (n * sxx - sx * sx), order, 0.2)
+          << label(scheme) << " order " << order << ", from " << points[first].error << " to " << points.back().error;
+    });
+  }
+}
+
+/// Some steps, the momentum turned over, as many steps: back at the start for what says it is symmetric. Derivatives of
+/// a step on its energy level: MᵀJM = J for what says it is symplectic. What does not say so may be so at times: the
+/// hybrid returns until it switches, and steps that follow a constant monitor are leapfrog's.
+template <template <class> class P>
+void clocks_keep_what_they_say() {
+  if constexpr (Conservative<P<double>>) {
+    const P<double> problem;
+    const auto start = fast_state<P>();
+    const double level = energy(problem, start);
+    for_each_clock<P>([&](const auto& chosen, int) {
+      const auto scheme = resized(chosen, problem, start, 0.1 * rhythm(problem, start));
+      if constexpr (requires { scheme.critical_kinetic_energy; })
+        if (std::isnan(scheme.critical_kinetic_energy)) return;  // that is another scheme
+      auto x = start;
+      auto stepper = scheme.bind(problem, x, level);
+      ASSERT_EQ(clocks::steps(stepper, x, 4), 4) << label(scheme);
+      x = clocks::reversed(x);
+      ASSERT_EQ(clocks::steps(stepper, x, 4), 4) << label(scheme);
+      const double miss = distance(clocks::reversed(x), start) / size(start);
+      const ClockBound<P<double>, std::remove_cvref_t<decltype(scheme)>> engine(problem, scheme, start);
+      const auto tangent = engine.tangent(start);
+      ASSERT_TRUE(tangent) << label(scheme);
+      const double defect = symplectic_defect(tangent->m);
+      if (scheme.card().symmetric) {
+        EXPECT_LT(miss, 1e-13) << label(scheme);
+      }
+      if (scheme.card().structure == "symplectic") {
+        EXPECT_LT(defect, 1e-12) << label(scheme);
+      }
+    });
+  }
+}
+
+template <template <class> class P>
+void clocks_allocate_nothing() {
+  if constexpr (Conservative<P<double>>) {
+    const P<double> problem;
+    const auto start = fast_state<P>();
+    using X = StateOf<P<double>>;
+    for_each_clock<P>([&](const auto& chosen, int) {
+      const auto scheme = resized(chosen, problem, start, 0.002 * rhythm(problem, start));
+      ClockBound<P<double>, std::remove_cvref_t<decltype(scheme)>> engine(problem, scheme, start);
+      Observer<P<double>, X> observer;
+      observer.energy = observer.momenta = observer.orbit = true;
+      observer.start(problem, start);
+      Place<X> place{start};
+      ClockMet met;
+      const std::size_t before = counting::allocations();
+      Status status = Status::ok;
+      while (place.n < 50 && status == Status::ok)
+        status = engine.advance(place, never_ends, never_ends, 50 - place.n, met, &observer);
+      EXPECT_EQ(counting::allocations(), before) << label(scheme);
+      EXPECT_EQ(status, Status::ok) << label(scheme);
+    });
+  }
+}
+
+}  // namespace laws

@@ -1,0 +1,145 @@
+// Runs of schemes that set their own clock, and what their orbits are measured by.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/problems/kepler.hpp"
+#include "core/scheme.hpp"
+
+namespace clocks {
+
+using namespace least;
+
+template <class P, class T>
+using Moving = State<P::dof, T, T>;
+
+/// A stepper with the level of the state x.
+template <class Scheme, class P, class X>
+auto bound(const Scheme& scheme, const P& problem, const X& x) {
+  return scheme.bind(problem, x, energy(problem, x));
+}
+
+/// How far n steps come; `look(x)` after each.
+template <class Stepper, class X, class Look>
+int steps(Stepper& stepper, X& x, int n, Look&& look) {
+  for (int k = 0; k < n; ++k) {
+    if (stepper.step(x) != Status::ok) return k;
+    look(x);
+  }
+  return n;
+}
+template <class Stepper, class X>
+int steps(Stepper& stepper, X& x, int n) {
+  return steps(stepper, x, n, [](const X&) {});
+}
+
+/// Whole steps while x.t is before t, with `look(x)` after each; false where one fails.
+template <class Stepper, class X, class Look>
+bool past(Stepper& stepper, X& x, const typename X::Time& t, Look&& look) {
+  while (x.t < t) {
+    if (stepper.step(x) != Status::ok) return false;
+    look(x);
+  }
+  return true;
+}
+
+/// Whole steps as long as they stay before t, then `finish(stepper, x)` from the last of them.
+template <class Stepper, class X, class Finish>
+Status until(Stepper& stepper, X& x, const typename X::Time& t, Finish&& finish) {
+  for (;;) {
+    X next = x;
+    Stepper ahead = stepper;
+    if (const Status status = ahead.step(next); status != Status::ok) return status;
+    if (!(next.t < t)) return finish(stepper, x);
+    x = next;
+    stepper = ahead;
+  }
+}
+template <class Stepper, class X>
+Status until(Stepper& stepper, X& x, const typename X::Time& t) {
+  return until(stepper, x, t, [&](Stepper& last, X& y) { return last.reach(y, t); });
+}
+
+template <class X>
+X reversed(X x) {
+  for (auto& c : x.p) c = -c;
+  return x;
+}
+
+/// The larger of both; what is not a number stays.
+inline double larger(double most, double x) { return most >= x ? most : (std::isnan(most) ? most : x); }
+/// The largest difference of components, t left out.
+template <class X, class Y>
+double distance(const X& a, const Y& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < X::size; ++i) most = larger(most, std::abs(static_cast<double>(a[i] - b[i])));
+  return most;
+}
+
+/// The paper's orbit, and its period.
+inline constexpr State<2> paper{0, {0, -4}, {-0.1, -0.1}, {}};
+inline constexpr double paper_period = 18.893743377439769;
+
+/// What a run on a Kepler orbit lost of it.
+struct Loss {
+  int steps = 0;
+  std::int64_t forces = 0;
+  double position = 0;                         ///< max over steps of |q − q(t)|
+  double energy = 0, momentum = 0, apsis = 0;  ///< max |ΔH|, max |ΔL|, rotation of the Laplace–Runge–Lenz vector
+};
+/// Over `span`, against the closed form in long double; the position only where `compare`.
+template <class Scheme>
+Loss orbit_loss(const Scheme& scheme, const State<2>& start, double span, bool compare = true) {
+  const Kepler<> kepler;
+  const auto wide = convert<long double, long double>(start);
+  const auto first = kepler.invariants(start.q, start.p, 0.0);
+  const double level = energy(kepler, start);
+  auto stepper = scheme.bind(kepler, start, level);
+  auto x = start;
+  Loss loss;
+  const bool whole = past(stepper, x, start.t + span, [&](const State<2>& y) {
+    ++loss.steps;
+    const auto now = kepler.invariants(y.q, y.p, 0.0);
+    loss.energy = larger(loss.energy, std::abs(energy(kepler, y) - level));
+    loss.momentum = larger(loss.momentum, std::abs(now[0] - first[0]));
+    loss.apsis = larger(
+        loss.apsis, std::abs(std::atan2(first[1] * now[2] - first[2] * now[1], first[1] * now[1] + first[2] * now[2])));
+    if (!compare) return;
+    const auto truth = kepler.exact(wide, static_cast<long double>(y.t));
+    loss.position = larger(loss.position, double(std::hypot(y.q[0] - truth.q[0], y.q[1] - truth.q[1])));
+  });
+  EXPECT_TRUE(whole) << "stopped at t = " << x.t;
+  loss.forces = stepper.work().forces;
+  return loss;
+}
+
+/// Slope of log error by log setting, by least squares.
+inline double slope(const std::vector<std::pair<double, double>>& points) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const auto& [setting, error] : points) {
+    const double u = std::log(setting), v = std::log(error);
+    n += 1, sx += u, sy += v, sxx += u * u, sxy += u * v;
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+/// Derivatives of a step's (q, p) by those it began with, the energy level held fixed.
+template <class Scheme, class P>
+std::optional<Mat<2 * P::dof>> tangent_at_level(const Scheme& scheme, const P& problem, const State<P::dof>& x,
+                                                double level) {
+  using D = Dual<double, 2 * P::dof>;
+  auto y = convert<D, D>(x);
+  for (std::size_t i = 0; i < y.size; ++i) y[i] = D::variable(x[i], static_cast<int>(i));
+  auto stepper = scheme.bind(problem, y, D(level));
+  if (stepper.step(y) != Status::ok) return std::nullopt;
+  Mat<2 * P::dof> m;
+  for (std::size_t i = 0; i < y.size; ++i) m[i] = y[i].slope;
+  return m;
+}
+
+}  // namespace clocks

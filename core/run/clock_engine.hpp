@@ -36,10 +36,13 @@ class ClockEngine {
   virtual std::optional<Course> course() const = 0;
   /// Steps that had to be taken in another way than the scheme's.
   virtual std::int64_t rescues() const = 0;
+  /// How far a step was off the energy level that the scheme assumes, relative to what it assumes it by.
+  virtual double strain() const = 0;
   virtual Work work() const = 0;
   /// What the scheme has against this scene, in words; empty: nothing.
   virtual std::string objection() const = 0;
-  /// Derivatives of a step from x by its state, on the run's energy level; empty where the step fails.
+  /// Derivatives of a step from x by its state, on the run's energy level; empty where the step fails, or where steps
+  /// remember more than the state.
   virtual std::optional<Tangent<X>> tangent(const X& x) const = 0;
 };
 
@@ -66,6 +69,8 @@ class ClockBound final : public ClockEngine<P> {
     std::int64_t n = place.n;
     const std::int64_t last = n + count;
     const Course course = course_of(stepper);
+    [[maybe_unused]] double last_frequency = 0;
+    if constexpr (hybrid && HasFrequency<P>) last_frequency = problem_.frequency_squared(x.q);
     while (n < last && x.t < until) {
       X y = x;
       y.t = 0;  // these scenes do not read the time: a step says how long it took, and the sum is compensated
@@ -79,15 +84,14 @@ class ClockBound final : public ClockEngine<P> {
       if constexpr (HasDomain<P>) met.left = problem_.bounded() && !(problem_.inside(y.q) >= 0);
       if constexpr (HasDomain<P>)
         if (met.left) break;
-      bool turned = false;
-      if constexpr (hybrid && HasFrequency<P>) {
-        const double turn = problem_.frequency_squared(y.q) * h * h;
-        if (stepper.course().mode == Mode::hamilton) {
-          met.turn_squared = turn > met.turn_squared ? turn : met.turn_squared;
-          turned = turn > met.turn_limit;
-        }
+      if constexpr (hybrid && HasFrequency<P>) {  // steps in time, at either end of which the motion may be too fast
+        const double frequency = problem_.frequency_squared(y.q);
+        const bool in_time = stepper.course().mode == Mode::hamilton || stepper.course().parameter < 0;
+        const double turn = (frequency > last_frequency ? frequency : last_frequency) * h * h;
+        last_frequency = frequency;
+        if (in_time && turn > met.turn_squared) met.turn_squared = turn;
+        if (met.turn_squared > met.turn_limit) break;
       }
-      if (turned) break;
       late = (t - x.t) - part;
       before = x;
       x = y;
@@ -130,6 +134,10 @@ class ClockBound final : public ClockEngine<P> {
     if constexpr (requires { stepper_.rescues(); }) return stepper_.rescues();
     return 0;
   }
+  double strain() const override {
+    if constexpr (requires { stepper_.strain(); }) return stepper_.strain();
+    return 0;
+  }
   Work work() const override {
     const Work here = stepper_.work();
     return {here.forces + between_.forces, here.iterations + between_.iterations};
@@ -139,6 +147,7 @@ class ClockBound final : public ClockEngine<P> {
     return {};
   }
   std::optional<Tangent<X>> tangent(const X& x) const override {
+    if constexpr (requires { requires Scheme::remembers; }) return std::nullopt;
     return tangent_of<X>(x, [&](auto& y) {
       using D = typename std::remove_cvref_t<decltype(y)>::Number;
       auto z = convert<D, D>(y);

@@ -92,7 +92,10 @@ class ClockSession : private Ledger<P, StateOf<P>> {
   bool record() {
     for (; times_.time() <= place_.x.t; times_.next()) {
       X x = place_.x;
-      if (const Status status = engine_->between(x, times_.time(), false); status != Status::ok) return fail(status);
+      if (const Status status = engine_->between(x, times_.time(), false); status != Status::ok) {
+        place_.x = engine_->before();  // the last state that is known to lie before the end
+        return fail(status);
+      }
       if (!Base::take(x, manner()) || !keep_pace(1)) return false;
     }
     for (; times_.step() == place_.n && place_.x.t <= end_; times_.next()) {
@@ -102,7 +105,8 @@ class ClockSession : private Ledger<P, StateOf<P>> {
   }
   Manner manner() const {
     Manner manner;
-    if (place_.n > 0) manner.step_size = place_.x.t - engine_->before().t;
+    if (place_.n == 0) return manner;
+    manner.step_size = place_.x.t - engine_->before().t;
     if (course_) {
       manner.mode = static_cast<double>(course_->mode);
       if (course_->parameter >= 0) manner.parameter = course_->parameter;
@@ -146,6 +150,7 @@ class ClockSession : private Ledger<P, StateOf<P>> {
       outcome_.warnings.push_back({"samples_truncated", "more steps than limits.samples; the first are kept"});
     if constexpr (HasFrequency<P>) Base::warn_of_step(std::sqrt(met_.turn_squared), bound_);
     if (engine_->rescues() > 0) outcome_.warnings.push_back({"steps_in_time", wording::rescues(engine_->rescues())});
+    if (engine_->strain() > 0.5) outcome_.warnings.push_back({"off_energy_level", wording::strain(engine_->strain())});
   }
 
   double end_;  ///< infinite where the run is so many steps long

@@ -41,6 +41,14 @@ std::string rescues(std::int64_t steps) {
                      steps == 1 ? "step" : "steps");
 }
 
+std::string strain(double strain) {
+  return fmt::format(
+      "(E₀ − V + κ)/(K + κ), 1 on the energy level, was off by {:.2g} in its square: expect large errors; take a "
+      "shorter "
+      "step or another κ",
+      strain);
+}
+
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }
 
 std::string deadline(double seconds) { return fmt::format("limits.seconds = {} ran out", seconds); }

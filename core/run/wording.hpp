@@ -18,6 +18,7 @@ std::string blow_up(double t);
 std::string stiff(double ratio);
 std::string damping_sign(double t);
 std::string rescues(std::int64_t steps);
+std::string strain(double strain);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 

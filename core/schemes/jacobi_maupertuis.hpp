@@ -86,13 +86,17 @@ class JacobiMaupertuisStepper {
   using Site = Station<P, T>;
   using Scalar = typename Underlying<T>::type;
 
-  T kinetic(const Site& x) const { return 0.5 * dot(x.p, x.here.raise(problem_, x.p)); }
+  T kinetic(const Site& x) const { return 0.5 * dot(x.p, velocity(problem_, x.q, x.p)); }
+  void look(Site& x) {
+    x.here = Slopes<P, T>(problem_, x.q);
+    ++work_.forces;
+  }
   Status fast_step(Site& x, Course& course);
   bool try_step(Site& x, std::size_t sigma, int halvings);
   Status slow_step(Site& x, const T& h);
-  Status rescue(Site& x, Course& course);
+  Status rescue(Site& x, Course& course, int halvings);
   std::size_t parameter(const Vec<P::dof, T>& weight, const Vec<P::dof, T>& v, int present) const;
-  int halvings(const Site& x, std::size_t sigma) const;
+  int halvings(const Site& x, std::size_t sigma, const Vec<P::dof, T>& weight) const;
   /// √g_σσ, by σ: lengths along the coordinates.
   Vec<P::dof, T> scales(const Site& x) const;
 
@@ -260,11 +264,11 @@ JacobiMaupertuisStepper<P, X>::JacobiMaupertuisStepper(const P& problem, const X
 template <Conservative P, class X>
 Status JacobiMaupertuisStepper<P, X>::step(X& x) noexcept {
   Site y{x.q, x.p, here_, T(0)};
-  if (quadrature_ == Quadrature::midpoint && course_.mode == Mode::hamilton) y.here = Slopes<P, T>(problem_, x.q);
   Course course = course_;
   T length = length_;
   if (course.mode == Mode::hamilton && kinetic(y) > T(critical_)) {
     course = {Mode::jacobi_maupertuis, -1};
+    if (quadrature_ == Quadrature::midpoint) look(y);  // which steps in time have no need to do
   } else if (course.mode == Mode::jacobi_maupertuis && energy_ - y.here.potential < T(hysteresis_) * T(critical_)) {
     course = {};
     length = T(step_);
@@ -324,13 +328,16 @@ std::size_t JacobiMaupertuisStepper<P, X>::parameter(const Vec<P::dof, T>& weigh
   return weight[best] > parameter_hysteresis_ * weight[now] ? best : now;
 }
 
-/// How often θ is to be halved for the orbit not to turn by more than alpha_max.
+/// How often θ is to be halved for the orbit not to turn by more than alpha_max. The way that a step of q^σ leads along
+/// the orbit is √n of that of q^σ at most, where σ is the fastest coordinate; for another it is what it is.
 template <Conservative P, class X>
-int JacobiMaupertuisStepper<P, X>::halvings(const Site& x, std::size_t sigma) const {
+int JacobiMaupertuisStepper<P, X>::halvings(const Site& x, std::size_t sigma, const Vec<P::dof, T>& weight) const {
   using least::sqrt;
   if (!(alpha_max_ < 1e300)) return 0;
   const T slope = sqrt(dot(x.here.gradient, x.here.raise(problem_, x.here.gradient)));
-  T alpha = std::sqrt(double(n)) * theta_ * scales(x)[sigma] * slope / (2 * (energy_ - x.here.potential));
+  T way = sqrt(2 * kinetic(x)) / weight[sigma];
+  if (!(way > T(std::sqrt(double(n))))) way = T(std::sqrt(double(n)));
+  T alpha = way * theta_ * scales(x)[sigma] * slope / (2 * (energy_ - x.here.potential));
   int k = 0;
   for (; k <= 31 && !(alpha <= T(alpha_max_)); ++k) alpha = 0.5 * alpha;
   return alpha > T(0) || slope <= T(0) ? k : 32;  // E₀ − V ≤ 0: no step is short enough
@@ -359,7 +366,7 @@ Status JacobiMaupertuisStepper<P, X>::fast_step(Site& x, Course& course) {
   Vec<P::dof, T> weight;
   for (std::size_t i = 0; i < n; ++i) weight[i] = scale[i] * abs(v[i]);
   const std::size_t first = parameter(weight, v, course.parameter);
-  const int k = halvings(x, first);
+  const int k = halvings(x, first, weight);
   if (k > 30) return Status::underflow;
   Site y = x;
   if (try_step(y, first, k)) {
@@ -377,24 +384,26 @@ Status JacobiMaupertuisStepper<P, X>::fast_step(Site& x, Course& course) {
       left[best] = T(-1);
       if (shorter == 0 && best == first) continue;
       y = x;
-      if (!try_step(y, best, halvings(x, best) + shorter)) continue;
+      if (!try_step(y, best, halvings(x, best, weight) + shorter)) continue;
       course.parameter = static_cast<int>(best);
       x = y;
       return Status::ok;
     }
   }
-  return rescue(x, course);
+  return rescue(x, course, k);
 }
 
-/// One step in time, as short as a step along the orbit would be.
+/// One step in time, as short as the step along the orbit would have been.
 template <Conservative P, class X>
-Status JacobiMaupertuisStepper<P, X>::rescue(Site& x, Course& course) {
+Status JacobiMaupertuisStepper<P, X>::rescue(Site& x, Course& course, int k) {
   using least::sqrt;
-  T h = theta_ / sqrt(2 * kinetic(x));
+  T h = std::ldexp(theta_, -k) / sqrt(2 * kinetic(x));
   if (!(h < T(step_))) h = T(step_);
   course.parameter = -1;
   ++rescues_;
-  return slow_step(x, h);
+  const Status status = slow_step(x, h);
+  if (quadrature_ == Quadrature::midpoint) look(x);
+  return status;
 }
 
 }  // namespace least

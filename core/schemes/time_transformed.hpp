@@ -58,11 +58,15 @@ class TransformedLeapfrog {
   /// Takes x for the state that the next move begins at.
   void settle(const X& x) { pace_ = time_.pace(x); }
   const T& pace(const X&) const { return pace_; }
+  /// The largest |(D/(K + κ))² − 1| of a kick.
+  const T& strain() const { return strain_; }
   int stages() const { return time_.weights->stages; }
 
   /// Moves q and p by the parameter σ; `elapsed` is the time that takes. A state that it fails on is spoilt.
   Status move(X& x, const T& sigma, T& elapsed, Work& work) {
+    using least::abs;
     using least::all;
+    using least::select;
     const T half = 0.5 * sigma;
     typename Time::S before(0);
     auto sound = pace_ > T(0);
@@ -76,7 +80,9 @@ class TransformedLeapfrog {
       const T gap = time_.level - here.potential, kick = sigma * gamma / gap, ratio = gap * pace_;
       for (std::size_t k = 0; k < x.p.size(); ++k) x.p[k] = x.p[k] - kick * here.gradient[k];
       pace_ = time_.pace(x);
-      sound = sound & (gap > T(0)) & near_level<T>(ratio * (gap * pace_));  // keeps the pace positive
+      const T square = ratio * (gap * pace_), off = abs(square - 1.0);
+      strain_ = select(off > strain_, off, strain_);
+      sound = sound & (gap > T(0)) & near_level<T>(square);  // keeps the pace positive
     }
     drift(x, half * before, elapsed);
     return all(sound) ? Status::ok : Status::singular;
@@ -91,6 +97,7 @@ class TransformedLeapfrog {
   }
 
   Time time_;
+  T strain_ = T(0);
   T pace_{};  ///< at the present p: drifts leave it as it is, so the next step begins with it
 };
 
@@ -105,6 +112,7 @@ class TransformedMidpoint {
   TransformedMidpoint(const Time& time, const X&) : time_(time) {}
   void settle(const X&) {}
   T pace(const X& x) const { return time_.pace(x); }
+  const T& strain() const { return strain_; }
   int stages() const { return time_.weights->stages; }
 
   Status move(X& x, const T& sigma, T& elapsed, Work& work) {
@@ -136,9 +144,10 @@ class TransformedMidpoint {
     return at;
   }
 
-  Status stage(X& x, const T& sigma, T& elapsed, Work& work) const {
+  Status stage(X& x, const T& sigma, T& elapsed, Work& work) {
     using least::abs;
     using least::all;
+    using least::select;
     const T half = 0.5 * sigma;
     const auto residual = [&](const auto& u) {
       const auto at = middle(x, half, u);
@@ -168,11 +177,13 @@ class TransformedMidpoint {
       x.p[i] = x.p[i] + 2.0 * at.kick[i];
     }
     elapsed = elapsed + sigma / at.gap;
-    return all((at.gap > T(0)) & (at.ratio > T(0)) & near_level<T>(at.ratio * at.ratio)) ? Status::ok
-                                                                                         : Status::singular;
+    const T square = at.ratio * at.ratio, off = abs(square - 1.0);
+    strain_ = select(off > strain_, off, strain_);
+    return all((at.gap > T(0)) & (at.ratio > T(0)) & near_level<T>(square)) ? Status::ok : Status::singular;
   }
 
   Time time_;
+  T strain_ = T(0);
 };
 
 template <class Kernel, class X>
@@ -227,6 +238,8 @@ class TransformedStepper {
     return status;
   }
   const Work& work() const { return work_; }
+  /// The largest |(D/(K + κ))² − 1| of a kick.
+  const T& strain() const { return kernel_.strain(); }
 
  private:
   /// Fails also where the time does not advance.

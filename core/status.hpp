@@ -39,8 +39,8 @@ constexpr std::string_view name(Reason reason) {
 enum class Status : std::uint8_t { ok, solver_failed, singular, underflow };
 
 /// The work of a run, counted exactly: a force evaluation is one evaluation of the potential (where a step depends on
-/// it), of its derivatives, of the Lagrangian's or of the vector field at one point, in whatever number; an iteration is
-/// one update of an implicit step's solver.
+/// it), of its derivatives, of the Lagrangian's or of the vector field at one point, in whatever number; an iteration
+/// is one update of an implicit step's solver.
 struct Work {
   std::int64_t forces = 0, iterations = 0;
 };

@@ -105,8 +105,7 @@ class ClockSession : private Ledger<P, StateOf<P>> {
   }
   Manner manner() const {
     Manner manner;
-    if (place_.n == 0) return manner;
-    manner.step_size = place_.x.t - engine_->before().t;
+    if (place_.n > 0) manner.step_size = place_.x.t - engine_->before().t;
     if (course_) {
       manner.mode = static_cast<double>(course_->mode);
       if (course_->parameter >= 0) manner.parameter = course_->parameter;

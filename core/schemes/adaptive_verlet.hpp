@@ -7,7 +7,7 @@
 //   arclength  √(1 + 2(E₀ − V)): steps of equal length of the graph (t, q(t)), E₀ being the level of the run's start
 //   frequency  the largest local frequency, or √|g⁻¹V″|, Frobenius' norm, where the problem has no estimate
 // It assumes a potential that does not depend on time and that U varies little within a step: ρ − U alternates in sign
-// and does not decay; ρ₁ outside [ρ/4, 4ρ] is singular. Look-alike: a step chosen from the state before each step is
+// and does not decay; |ρ₁ − ρ| > U/2 is singular. Look-alike: a step chosen from the state before each step is
 // not reversible. Source: Huang & Leimkuhler, SIAM J. Sci. Comput. 18, 239 (1997); Leimkuhler & Reich, Simulating
 // Hamiltonian Dynamics, 2004, 9.3.
 #pragma once
@@ -70,8 +70,8 @@ class AdaptiveVerletStepper {
     work_.forces += 2;  // the monitor looked at q½
     kick(y, after, slope);
     dt = dt + after;
-    // Beyond a factor of four from one step to the next the recursion follows nothing any more.
-    if (!all((4.0 * density >= density_) & (density <= 4.0 * density_))) return Status::singular;
+    // Where the density swings by more than half of U about it, the recursion follows nothing any more.
+    if (!all((5.0 * density >= 3.0 * density_) & (3.0 * density <= 5.0 * density_))) return Status::singular;
     y.t = x.t + dt;
     x = y;
     density_ = density;

@@ -139,13 +139,12 @@ void clocks_keep_what_they_say() {
       const double miss = distance(clocks::reversed(x), start) / size(start);
       const ClockBound<P<double>, std::remove_cvref_t<decltype(scheme)>> engine(problem, scheme, start);
       const auto tangent = engine.tangent(start);
-      ASSERT_TRUE(tangent) << label(scheme);
-      const double defect = symplectic_defect(tangent->m);
       if (scheme.card().symmetric) {
         EXPECT_LT(miss, 1e-13) << label(scheme);
       }
       if (scheme.card().structure == "symplectic") {
-        EXPECT_LT(defect, 1e-12) << label(scheme);
+        ASSERT_TRUE(tangent) << label(scheme);
+        EXPECT_LT(symplectic_defect(tangent->m), 1e-12) << label(scheme);
       }
     });
   }

@@ -67,4 +67,12 @@ Outcome run(const Request& request, Sink& sink, const std::atomic<bool>& cancell
   return entry.runs[request.scheme](entry.card, schemes()[request.scheme], request, sink, cancelled);
 }
 
+Truth compute_truth(const Request& scene, const std::vector<double>& times, const std::function<bool()>& keep_going) {
+  return problem_entries()[scene.problem]->truth(scene, times, keep_going);
+}
+
+Conditioning compute_conditioning(const Request& scene, const std::function<bool()>& keep_going) {
+  return problem_entries()[scene.problem]->conditioning(scene, keep_going);
+}
+
 }  // namespace least

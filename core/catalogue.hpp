@@ -11,6 +11,8 @@
 #include "core/describe.hpp"
 #include "core/run/outcome.hpp"
 #include "core/run/request.hpp"
+#include "core/study/conditioning.hpp"
+#include "core/study/study.hpp"
 
 namespace least {
 
@@ -33,5 +35,10 @@ std::vector<std::string_view> column_words(const ProblemCard& problem, std::size
 /// Runs a checked request (every value within its card's range, the pair fits). Samples go to the sink as they come;
 /// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.
 Outcome run(const Request& request, Sink& sink, const std::atomic<bool>& cancelled);
+
+/// The true states of a scene at increasing times after its start, and how well they can be known; both computed anew.
+/// keep_going() is asked now and then; false gives up.
+Truth compute_truth(const Request& scene, const std::vector<double>& times, const std::function<bool()>& keep_going);
+Conditioning compute_conditioning(const Request& scene, const std::function<bool()>& keep_going);
 
 }  // namespace least

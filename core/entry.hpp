@@ -9,6 +9,7 @@
 #include "core/run/clock_session.hpp"
 #include "core/run/session.hpp"
 #include "core/schemes/list.hpp"
+#include "core/study/probe.hpp"
 
 namespace least {
 
@@ -17,6 +18,9 @@ using RunFunction = Outcome (*)(const ProblemCard&, const SchemeCard&, const Req
 struct ProblemEntry {
   ProblemCard card;
   std::vector<RunFunction> runs;  ///< by scheme; null: the pair does not exist
+  // What studies ask of the problem itself.
+  Truth (*truth)(const Request&, const std::vector<double>& times, const KeepGoing&);
+  Conditioning (*conditioning)(const Request&, const KeepGoing&);
 };
 
 /// Every problem, sorted by id; the build generates it from the folder core/problems.
@@ -35,6 +39,16 @@ inline bool asks_for_all(const ProblemCard& card, const Request& request) {
   return std::ranges::any_of(request.columns, optional) || std::ranges::any_of(request.diagnostics, deep);
 }
 
+/// Schemes that differ in nothing that has to be compiled are run as one.
+template <class Scheme>
+auto common(const Scheme& scheme) {
+  if constexpr (requires { scheme.common(); }) {
+    return scheme.common();
+  } else {
+    return scheme;
+  }
+}
+
 template <class P, class Scheme>
 struct Pair {
   P problem;
@@ -44,8 +58,9 @@ struct Pair {
               const std::atomic<bool>& cancelled) const {
     const X x = start_of<X>(problem, request.initial, request.start);
     if constexpr (OwnClock<Scheme>) {
-      ClockBound<P, Scheme> engine(problem, scheme, x);
-      return ClockSession<P>(problem, card, scheme_card, request, sink, cancelled).run(engine, x);
+      const auto run = common(scheme);
+      ClockBound<P, std::remove_cvref_t<decltype(run)>, X> engine(problem, run, x);
+      return ClockSession<P, X>(problem, card, scheme_card, request, sink, cancelled).run(engine, x);
     } else {
       Bound<P, Scheme, X> engine(problem, scheme, x);
       return Session<P, X>(problem, card, scheme_card, request, scheme.step, sink, cancelled).run(engine, x);
@@ -120,7 +135,7 @@ std::optional<std::vector<double>> regular_start(std::span<const double> paramet
 
 template <template <class> class P>
 ProblemEntry make_entry() {
-  ProblemEntry entry{About<P>::card(), {}};
+  ProblemEntry entry{About<P>::card(), {}, &truth_of<P>, &conditioning_of<P>};
   ProblemCard& card = entry.card;
   card.parameters = parameter_cards(About<P>::fields);
   card.keeps_energy = KeepsEnergy<P<double>>;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/catalogue.hpp"
+#include "server/decode_auto.hpp"
 #include "server/encode_parts.hpp"
 
 namespace least::server {
@@ -61,9 +62,15 @@ void write_parameter_card(JsonWriter& json, const ParameterCard& card) {
 }
 
 void write_parameter_cards(JsonWriter& json, const std::vector<ParameterCard>& cards) {
-  json.open('[');
   for (const auto& card : cards) write_parameter_card(json, card);
-  json.close(']');
+}
+
+// What auto is asked to keep: the one parameter that is a list of names.
+void write_keep_card(JsonWriter& json) {
+  json.open('{').key("name").text("keep").key("symbol").text("").key("doc").text("what the scheme must keep");
+  json.key("unit").text("1").key("type").text("list").key("default").open('[').close(']');
+  write_texts(json.key("choices"), keep_names);
+  json.key("nullable").boolean(false).close('}');
 }
 
 void write_variables(JsonWriter& json, const std::vector<VariableCard>& variables) {
@@ -99,8 +106,9 @@ void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& 
   json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
   json.key("formula").text(card.formula);
   write_variables(json.key("variables"), card.variables);
-  write_parameter_cards(json.key("parameters"), card.parameters);
-  json.key("until").open('{').key("t").number(card.span).close('}');
+  json.key("parameters").open('[');
+  write_parameter_cards(json, card.parameters);
+  json.close(']').key("until").open('{').key("t").number(card.span).close('}');
   write_suggested(json.key("suggested"), card.suggested);
   write_presets(json.key("presets"), card);
   json.key("invariants").open('[');
@@ -115,12 +123,16 @@ void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& 
   write_texts(json.key("diagnostics"), card.diagnostics);
   json.key("schemes").open('[');
   for (const auto index : card.schemes) json.text(cards.schemes[index].id);
-  json.close(']').key("offers").text(card.offers);
+  json.text(auto_card().id).close(']').key("offers").text(card.offers);
   write_texts(json.key("references"), card.references);
   json.close('}');
 }
 
 void write_order(JsonWriter& json, const SchemeCard& card) {
+  if (card.orders.empty()) {
+    json.null();
+    return;
+  }
   if (card.orders.size() == 1 && card.orders.front().first.empty()) {
     json.integer(card.orders.front().second);
     return;
@@ -135,8 +147,10 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
   write_order(json.key("order"), card);
   json.key("implicit").boolean(card.implicit).key("symmetric").boolean(card.symmetric);
   json.key("structure").text(card.structure);
-  write_parameter_cards(json.key("parameters"), card.parameters);
-  json.key("recommended");
+  json.key("parameters").open('[');
+  write_parameter_cards(json, card.parameters);
+  if (&card == &auto_card()) write_keep_card(json);
+  json.close(']').key("recommended");
   if (card.recommended.empty()) {
     json.null();
   } else {
@@ -171,11 +185,14 @@ CatalogueText describe(const Cards& cards) {
     JsonWriter json(text.schemes[std::string(card.id)]);
     write_scheme_card(json, card);
   }
+  JsonWriter automatic(text.schemes[std::string(auto_card().id)]);
+  write_scheme_card(automatic, auto_card());
   JsonWriter json(text.all);
   json.open('{').key("version").text(version).key("problems").open('[');
   for (const auto& card : cards.problems) json.raw(text.problems.find(card.id)->second);
   json.close(']').key("schemes").open('[');
   for (const auto& card : cards.schemes) json.raw(text.schemes.find(card.id)->second);
+  json.raw(text.schemes.find(auto_card().id)->second);
   json.close(']').close('}');
   return text;
 }

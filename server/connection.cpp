@@ -85,6 +85,7 @@ Received Connection::receive() {
   if (!framing) return Refused{framing.error(), head->method};
   buffer_.erase(0, end + 4);
 
+  chunks_ = head->minor > 0;
   Message message{std::move(*head), {}, framing->keep_alive};
   if (framing->expects_continue && buffer_.empty() && !write("HTTP/1.1 100 Continue\r\n\r\n")) return Gone{};
   if (auto refusal = read_body(*framing, message.body)) {
@@ -167,15 +168,41 @@ bool Connection::send(const Answer& answer, bool keep_alive, bool body) {
     head += "\r\n";
   };
   if (!answer.type.empty()) field("Content-Type", answer.type);
-  if (answer.status != 204 && answer.status != 304) field("Content-Length", std::to_string(answer.body.size()));
+  if (answer.stream) {
+    if (chunks_) field("Transfer-Encoding", "chunked");
+  } else if (answer.status != 204 && answer.status != 304) {
+    field("Content-Length", std::to_string(answer.body.size()));
+  }
   for (const auto& [name, value] : answer.headers) field(name, value);
   field("Connection", keep_alive ? "keep-alive" : "close");
   head += "\r\n";
+  sent_ = 0;
+  if (answer.stream) return write(head) && write_stream(answer);
   // A small answer leaves in one piece, a large one is not copied.
   constexpr std::size_t small = 16 * 1024;
   if (!body || answer.body.empty()) return write(head);
+  sent_ = answer.body.size();
   if (answer.body.size() <= small) return write(head += answer.body);
   return write(head) && write(answer.body);
+}
+
+// Each piece is a chunk (RFC 9112, 7.1) and leaves at once. In HTTP/1.0 the body ends with the connection.
+bool Connection::write_stream(const Answer& answer) {
+  const bool whole = answer.stream([this](std::string_view piece) {
+    if (piece.empty()) return true;  // as a chunk it would be the last
+    sent_ += piece.size();
+    if (!chunks_) return write(piece);
+    char size[16];
+    std::string chunk(size, std::to_chars(size, size + sizeof size, piece.size(), 16).ptr);
+    ((chunk += "\r\n") += piece) += "\r\n";
+    return write(chunk);
+  });
+  return whole && (!chunks_ || write("0\r\n\r\n"));
+}
+
+bool Connection::gone() const {
+  pollfd entry{socket_, POLLRDHUP, 0};
+  return ::poll(&entry, 1, 0) > 0;
 }
 
 bool Connection::write(std::string_view bytes) {

@@ -59,8 +59,15 @@ class Connection {
   /// The next request. After a refusal the rest of the stream cannot be read: answer, then `linger`.
   Received receive();
 
-  /// Sends an answer; `body` false for HEAD. False when the client did not take it.
+  /// Sends an answer; `body` false for HEAD. False when the client did not take it, or a stream broke off: what came of
+  /// it then ends with the connection and without the mark of its end. Throws what a stream throws.
   bool send(const Answer& answer, bool keep_alive, bool body);
+
+  /// Bytes of the last answer's body that were sent, or tried to.
+  std::size_t sent() const { return sent_; }
+
+  /// Whether the client has ended its side of the connection. Safe from any thread.
+  bool gone() const;
 
   /// Ends sending and lets the client finish talking for a moment: closing at once would take the answer back from a
   /// client that is still sending.
@@ -72,6 +79,7 @@ class Connection {
   bool await_request();
   bool fill(Clock::time_point deadline);
   bool write(std::string_view bytes);
+  bool write_stream(const Answer& answer);
   std::optional<Refusal> read_body(const Framing& framing, std::string& body);
   std::optional<Refusal> read_chunks(std::string& body, Clock::time_point deadline);
   std::optional<std::string> read_line(std::size_t longest, Clock::time_point deadline);
@@ -81,6 +89,8 @@ class Connection {
   const Lifecycle& lifecycle_;
   std::string buffer_;  // received, not yet read: a client may send requests ahead
   bool fresh_ = true;   // no request came yet
+  bool chunks_ = true;  // the client of the last request understands chunked coding: it is not of HTTP/1.0
+  std::size_t sent_ = 0;
 };
 
 }  // namespace least::server

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/describe.hpp"
 #include "core/run/request.hpp"
+#include "core/study/study.hpp"
 #include "server/fault.hpp"
 #include "server/json_text.hpp"
 #include "server/result.hpp"
@@ -31,8 +33,14 @@ inline constexpr std::int64_t default_samples = 1000;
 /// The position of the parameter `step` among a scheme's parameters, if time advances by it.
 std::optional<std::size_t> fixed_step(const SchemeCard& scheme);
 
+/// A run, or, where there is a wish, a run whose scheme and settings are still to be chosen.
+struct Order {
+  Request run;
+  std::optional<Wish> wish;
+};
+
 /// Reads a request of POST /v1/simulate. Every value of the result lies within its card's range and the pair fits; what
 /// was left out has its default. Otherwise: all that is wrong.
-Result<Request, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps);
+Result<Order, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps);
 
 }  // namespace least::server

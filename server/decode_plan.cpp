@@ -59,7 +59,7 @@ void read_until(const Json& root, const Place& top, double span, Request& reques
 }
 
 // `h`: the length of a step, where it is known.
-Span span_of(const Request& request, std::optional<double> h, const Place& until) {
+Span span_until(const Request& request, std::optional<double> h, const Place& until) {
   if (request.until_steps) {
     if (!h) return {std::nullopt, request.steps};
     const double end = request.start + static_cast<double>(request.steps) * *h;
@@ -167,24 +167,6 @@ void read_record(const Json& root, const Place& top, const Span& span, Request& 
   }
 }
 
-// A list of names without repetition, as positions among the known ones.
-std::vector<std::size_t> read_names(const Json& json, const Place& place, const Names& known, std::string_view what) {
-  std::vector<std::size_t> chosen;
-  if (!json.is_array()) {
-    place.fault(fmt::format("must be a list of {}s", what), json, listed(known));
-    return chosen;
-  }
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const auto index = read_name(json[i], place.at(i), known, what);
-    if (!index) continue;
-    if (std::find(chosen.begin(), chosen.end(), *index) != chosen.end()) {
-      place.at(i).fault(fmt::format("the {} stands twice", what), json[i]);
-    }
-    chosen.push_back(*index);
-  }
-  return chosen;
-}
-
 void add_name(const Names& known, std::string_view name, std::vector<std::size_t>& chosen) {
   const auto it = std::find(known.begin(), known.end(), name);
   if (it != known.end()) chosen.push_back(static_cast<std::size_t>(it - known.begin()));
@@ -210,19 +192,35 @@ void read_columns(const Json& root, const Place& top, const ProblemCard& problem
   }
 }
 
+bool sound(const Place& top, std::initializer_list<const char*> pointers) {
+  return std::none_of(pointers.begin(), pointers.end(), [&](const char* pointer) { return top.faults->at(pointer); });
+}
+
 }  // namespace
+
+void refuse_steps(const Json& root, const Place& top, std::string_view reason) {
+  const Json* until = find(root, "until");
+  const Json* steps = until ? find(*until, "steps") : nullptr;
+  if (steps) top.at("until").at("steps").fault(std::string(reason), *steps, "{\"t\": …}");
+}
+
+void read_end(const Json& root, const Place& top, const ProblemCard* problem, const PresetCard* preset,
+              Request& request) {
+  read_until(root, top, problem ? span_of(*problem, preset) : 0, request);
+  if (problem && sound(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
+    span_until(request, std::nullopt, top.at("until"));
+  }
+}
 
 void read_plan(const Json& root, const Place& top, const ProblemCard* problem, const SchemeCard* scheme,
                double default_span, const Caps& caps, Request& request) {
   read_limits(root, top, caps, request.limits);
   read_until(root, top, default_span, request);
   Span span;
-  const auto sound = [&](const char* pointer) { return !top.faults->at(pointer); };
-  if (problem && scheme && sound("/problem/preset") && sound("/initial/t") && sound("/until") && sound("/until/t") &&
-      sound("/until/steps")) {
+  if (problem && scheme && sound(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
     const auto step = fixed_step(*scheme);
-    const bool known = step && sound("/scheme/step") && sound("/scheme/preset");
-    span = span_of(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
+    const bool known = step && sound(top, {"/scheme/step", "/scheme/preset"});
+    span = span_until(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
     span.open = request.until_steps && !step;
   }
   read_record(root, top, span, request);

@@ -31,6 +31,9 @@ Answer encode_csv(const Run& run) {
     write_echo(json, run);
     json.close('}');
   });
+  if (run.choosing) {
+    add_field(answer, "Leastaction-Choice", [&](JsonWriter& json) { write_choice(json, *run.choosing); });
+  }
   add_field(answer, "Leastaction-Final", [&](JsonWriter& json) { write_final(json, run); });
   add_field(answer, "Leastaction-Diagnostics", [&](JsonWriter& json) { write_reports(json, outcome.diagnostics); });
   add_field(answer, "Leastaction-Events", [&](JsonWriter& json) { write_events(json, outcome.events); });

@@ -47,6 +47,7 @@ Answer encode_json(const Run& run) {
   json.open('{').key("version").text(version).key("status").text(status_of(run.outcome));
   if (run.outcome.stop.reason != Reason::completed) write_stop(json.key("stop"), run.outcome.stop);
   write_echo(json, run);
+  if (run.choosing) write_choice(json.key("choice"), *run.choosing);
   write_trajectory(json.key("trajectory"), run);
   write_final(json.key("final"), run);
   write_reports(json.key("diagnostics"), run.outcome.diagnostics);

@@ -19,36 +19,6 @@ void write_numbers(JsonWriter& json, const std::vector<double>& values) {
   json.close(']');
 }
 
-void write_problem(JsonWriter& json, const Run& run) {
-  json.open('{').key("id").text(run.problem.id);
-  write_parameters(json, run.problem.parameters, run.request.parameters);
-  json.close('}');
-}
-
-void write_initial(JsonWriter& json, const Run& run) {
-  json.open('{').key("t").number(run.request.start);
-  for (std::size_t i = 0; i < run.problem.variables.size(); ++i) {
-    json.key(run.problem.variables[i].name).number(run.request.initial[i]);
-  }
-  json.close('}');
-}
-
-void write_scheme(JsonWriter& json, const Run& run) {
-  json.open('{').key("id").text(run.scheme.id);
-  write_parameters(json, run.scheme.parameters, run.request.settings);
-  json.close('}');
-}
-
-void write_until(JsonWriter& json, const Run& run) {
-  json.open('{');
-  if (run.request.until_steps) {
-    json.key("steps").integer(run.request.steps);
-  } else {
-    json.key("t").number(run.request.end);
-  }
-  json.close('}');
-}
-
 void write_record(JsonWriter& json, const Run& run) {
   const Record& record = run.request.record;
   json.open('{');
@@ -85,6 +55,45 @@ struct WriteValue {
 
 }  // namespace
 
+void write_scene(JsonWriter& json, const ProblemCard& card, const Request& request) {
+  json.key("problem").open('{').key("id").text(card.id);
+  write_parameters(json, card.parameters, request.parameters);
+  json.close('}').key("initial").open('{').key("t").number(request.start);
+  for (std::size_t i = 0; i < card.variables.size(); ++i) {
+    json.key(card.variables[i].name).number(request.initial[i]);
+  }
+  json.close('}');
+}
+
+void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings) {
+  json.open('{').key("id").text(card.id);
+  write_parameters(json, card.parameters, settings);
+  json.close('}');
+}
+
+void write_until(JsonWriter& json, const Request& request) {
+  json.open('{');
+  if (request.until_steps) {
+    json.key("steps").integer(request.steps);
+  } else {
+    json.key("t").number(request.end);
+  }
+  json.close('}');
+}
+
+void write_choice(JsonWriter& json, const Choosing& choosing) {
+  const Advice& advice = choosing.advice;
+  json.open('{').key("reason").text(advice.reason).key("met").boolean(advice.met);
+  json.key("estimated_error").number(advice.estimated_error).key("alternatives").open('[');
+  for (const Alternative& other : advice.alternatives) {
+    json.open('{');
+    write_scheme(json.key("scheme"), choosing.schemes[other.scheme.scheme], other.scheme.settings);
+    json.key("force_evaluations").integer(other.force_evaluations).key("estimated_error").number(other.estimated_error);
+    json.key("seconds").number(other.seconds).close('}');
+  }
+  json.close(']').close('}');
+}
+
 void write_parameter(JsonWriter& json, const ParameterCard& card, double value) {
   if (std::isnan(value)) {
     card.word.empty() ? json.null() : json.text(card.word);
@@ -105,10 +114,9 @@ std::string_view word_of(const std::vector<std::string_view>& words, double code
 }
 
 void write_echo(JsonWriter& json, const Run& run) {
-  write_problem(json.key("problem"), run);
-  write_initial(json.key("initial"), run);
-  write_scheme(json.key("scheme"), run);
-  write_until(json.key("until"), run);
+  write_scene(json, run.problem, run.request);
+  write_scheme(json.key("scheme"), run.scheme, run.request.settings);
+  write_until(json.key("until"), run.request);
   write_record(json.key("record"), run);
   json.key("columns").open('[');
   for (const auto column : run.request.columns) json.text(run.problem.columns[column]);

@@ -9,6 +9,13 @@ namespace least::server {
 /// The members of a complete request that gives this run again: problem, initial, scheme, until, record, columns,
 /// limits.
 void write_echo(JsonWriter& json, const Run& run);
+/// The members problem and initial.
+void write_scene(JsonWriter& json, const ProblemCard& card, const Request& request);
+/// A scheme as a request spells it.
+void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings);
+void write_until(JsonWriter& json, const Request& request);
+/// Why a scheme was chosen, and what else there was.
+void write_choice(JsonWriter& json, const Choosing& choosing);
 void write_stop(JsonWriter& json, const Stop& stop);
 void write_final(JsonWriter& json, const Run& run);
 /// Entries with names are an object, entries without are a list.

@@ -66,7 +66,7 @@ int run(const Options& options) {
   Gate gate(1, 0);
   Answer answer;
   try {
-    answer = Simulator{catalogue_cards(), options.settings.caps, gate, cancelled}(body, "", id);
+    answer = simulate({catalogue_cards(), options.settings.caps, gate, cancelled}, {body, "", id});
   } catch (const std::exception& e) {
     spdlog::error("request id={} failed: {}", id, e.what());
     answer = problem_document(500, "", id);

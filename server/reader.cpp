@@ -70,6 +70,23 @@ std::optional<std::size_t> read_name(const Json& json, const Place& place, const
   return static_cast<std::size_t>(it - names.begin());
 }
 
+std::vector<std::size_t> read_names(const Json& json, const Place& place, const Names& known, std::string_view what) {
+  std::vector<std::size_t> chosen;
+  if (!json.is_array()) {
+    place.fault(fmt::format("must be a list of {}s", what), json, listed(known));
+    return chosen;
+  }
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const auto index = read_name(json[i], place.at(i), known, what);
+    if (!index) continue;
+    if (std::find(chosen.begin(), chosen.end(), *index) != chosen.end()) {
+      place.at(i).fault(fmt::format("the {} stands twice", what), json[i]);
+    }
+    chosen.push_back(*index);
+  }
+  return chosen;
+}
+
 std::optional<double> read_parameter(const Json& json, const Place& place, const ParameterCard& card) {
   std::string absent;  // what stands for no number
   if (card.nullable) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/describe.hpp"
 #include "server/fault.hpp"
@@ -51,6 +52,9 @@ std::optional<std::int64_t> read_integer(const Json& json, const Place& place, s
 
 /// The position of a string among the names; `what` says what they are ("problem").
 std::optional<std::size_t> read_name(const Json& json, const Place& place, const Names& names, std::string_view what);
+
+/// A list of names without repetition, as positions among the known ones.
+std::vector<std::size_t> read_names(const Json& json, const Place& place, const Names& known, std::string_view what);
 
 /// The value of a parameter as the core holds it: a choice by its index, a flag as 0 or 1, null or the card's word for
 /// it as NaN.

@@ -8,6 +8,8 @@
 #include "server/accept.hpp"
 #include "server/cards.hpp"
 #include "server/problem_document.hpp"
+#include "server/simulate.hpp"
+#include "server/study.hpp"
 
 namespace least::server {
 namespace {
@@ -26,12 +28,18 @@ std::string without_port(std::string_view authority) {
   return lowered(authority.substr(0, colon));
 }
 
-constexpr std::string_view simulate_path = "/v1/simulate";
+// What computes, by path.
+struct Computed {
+  std::string_view path;
+  Endpoint answer;
+};
+constexpr Computed computed[] = {
+    {"/v1/simulate", simulate}, {"/v1/work-precision", measure_work_precision}, {"/v1/stability", measure_stability}};
 
 }  // namespace
 
-Routes::Routes(const Simulator& simulator, Access access, std::span<const Asset> assets)
-    : simulator_(simulator), access_(std::move(access)) {
+Routes::Routes(const Context& context, Access access, std::span<const Asset> assets)
+    : context_(context), access_(std::move(access)) {
   for (auto& host : access_.hosts) host = lowered(host);
   const auto add = [this](std::string path, std::string_view route, std::string_view type, std::string body,
                           bool page = false) {
@@ -42,7 +50,7 @@ Routes::Routes(const Simulator& simulator, Access access, std::span<const Asset>
     add(std::string(asset.path), asset.path, asset.type, std::string(asset.body), true);
     if (asset.path == "/index.html") add("/", "/", asset.type, std::string(asset.body), true);
   }
-  CatalogueText text = describe(simulator.cards);
+  CatalogueText text = describe(context.cards);
   add("/v1/catalogue", "/v1/catalogue", "application/json", std::move(text.all) + '\n');
   for (auto& [id, body] : text.problems) {
     add("/v1/problems/" + id, "/v1/problems/{id}", "application/json", std::move(body) + '\n');
@@ -67,9 +75,11 @@ bool Routes::origin_allowed(const Head& head) const {
          std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end();
 }
 
-Routed Routes::operator()(const Head& head, std::string_view body, std::string_view request_id) const {
+Routed Routes::operator()(const Head& head, std::string_view body, std::string_view request_id,
+                          const std::function<bool()>& gone) const {
   Routed routed{{}, "unmatched"};
-  routed.answer = dispatch(head, body, request_id, routed.route);
+  const std::string accept = head.field("accept");
+  routed.answer = dispatch(head, {body, accept, request_id, gone}, routed.route);
   auto& headers = routed.answer.headers;
   headers.emplace_back("X-Content-Type-Options", "nosniff");
   const std::string origin = head.field("origin");
@@ -81,41 +91,42 @@ Routed Routes::operator()(const Head& head, std::string_view body, std::string_v
   return routed;
 }
 
-Answer Routes::dispatch(const Head& head, std::string_view body, std::string_view request_id,
-                        std::string_view& route) const {
+Answer Routes::dispatch(const Head& head, const Question& question, std::string_view& route) const {
   if (!host_allowed(head)) {
-    return problem_document(403, "this Host is not served here; --allow-host adds one", request_id);
+    return problem_document(403, "this Host is not served here; --allow-host adds one", question.id);
   }
   if (!origin_allowed(head)) {
-    return problem_document(403, "pages of this Origin may not ask; --allow-origin adds one", request_id);
+    return problem_document(403, "pages of this Origin may not ask; --allow-origin adds one", question.id);
   }
   const auto found = fixed_.find(head.path);
-  const bool simulates = head.path == simulate_path;
-  if (!simulates && found == fixed_.end()) return problem_document(404, "nothing is at this path", request_id);
-  route = simulates ? simulate_path : found->second.route;
+  const auto endpoint =
+      std::find_if(std::begin(computed), std::end(computed), [&](const Computed& c) { return c.path == head.path; });
+  const bool computes = endpoint != std::end(computed);
+  if (!computes && found == fixed_.end()) return problem_document(404, "nothing is at this path", question.id);
+  route = computes ? endpoint->path : found->second.route;
 
   if (head.method == "OPTIONS") {
-    Answer answer{204, "", "", {{"Allow", simulates ? "POST, OPTIONS" : "GET, HEAD, OPTIONS"}}};
-    answer.headers.emplace_back("Access-Control-Allow-Methods", simulates ? "POST" : "GET, HEAD");
+    Answer answer{204, "", "", {{"Allow", computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS"}}};
+    answer.headers.emplace_back("Access-Control-Allow-Methods", computes ? "POST" : "GET, HEAD");
     answer.headers.emplace_back("Access-Control-Allow-Headers", "Accept, Content-Type");
     return answer;
   }
-  if (simulates ? head.method != "POST" : head.method != "GET" && head.method != "HEAD") {
-    Answer answer = problem_document(405, head.method + " does not go with this path", request_id);
-    answer.headers.emplace_back("Allow", simulates ? "POST, OPTIONS" : "GET, HEAD, OPTIONS");
+  if (computes ? head.method != "POST" : head.method != "GET" && head.method != "HEAD") {
+    Answer answer = problem_document(405, head.method + " does not go with this path", question.id);
+    answer.headers.emplace_back("Allow", computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS");
     return answer;
   }
-  if (simulates && head.count("content-length") == 0 && head.count("transfer-encoding") == 0) {
-    return problem_document(411, "Content-Length or chunked coding is required", request_id);
+  if (!computes) return fixed(head, found->second, question.id);
+  if (head.count("content-length") == 0 && head.count("transfer-encoding") == 0) {
+    return problem_document(411, "Content-Length or chunked coding is required", question.id);
   }
-  if (simulates) {
-    Answer answer = simulator_(body, head.field("accept"), request_id);
-    answer.headers.emplace_back("Vary", "Accept");
-    answer.headers.emplace_back("Cache-Control", "no-store");
-    return answer;
-  }
+  Answer answer = endpoint->answer(context_, question);
+  answer.headers.emplace_back("Vary", "Accept");
+  answer.headers.emplace_back("Cache-Control", "no-store");
+  return answer;
+}
 
-  const Fixed& fixed = found->second;
+Answer Routes::fixed(const Head& head, const Fixed& fixed, std::string_view request_id) const {
   const std::string_view media = std::string_view(fixed.type).substr(0, fixed.type.find(';'));
   if (!negotiate(head.field("accept"), {&media, 1})) {
     return problem_document(406, "the answer comes as " + std::string(media), request_id);

@@ -1,6 +1,7 @@
 // What the service answers: which request meets which endpoint, and who may ask.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -9,8 +10,8 @@
 
 #include "server/answer.hpp"
 #include "server/assets.hpp"
+#include "server/endpoint.hpp"
 #include "server/head.hpp"
-#include "server/simulate.hpp"
 
 namespace least::server {
 
@@ -28,10 +29,11 @@ struct Routed {
 
 class Routes {
  public:
-  Routes(const Simulator& simulator, Access access, std::span<const Asset> assets);
+  Routes(const Context& context, Access access, std::span<const Asset> assets);
 
-  /// Answers one request; throws what the endpoint throws.
-  Routed operator()(const Head& head, std::string_view body, std::string_view request_id) const;
+  /// Answers one request; throws what the endpoint throws. `gone`: whether the client went away.
+  Routed operator()(const Head& head, std::string_view body, std::string_view request_id,
+                    const std::function<bool()>& gone) const;
 
  private:
   struct Fixed {
@@ -42,9 +44,10 @@ class Routes {
 
   bool host_allowed(const Head& head) const;
   bool origin_allowed(const Head& head) const;
-  Answer dispatch(const Head& head, std::string_view body, std::string_view request_id, std::string_view& route) const;
+  Answer dispatch(const Head& head, const Question& question, std::string_view& route) const;
+  Answer fixed(const Head& head, const Fixed& fixed, std::string_view request_id) const;
 
-  const Simulator& simulator_;
+  const Context& context_;
   Access access_;
   std::map<std::string, Fixed> fixed_;  // answers made once, by path
 };

@@ -42,8 +42,8 @@ class Service::Impl {
   Impl(Settings settings, std::span<const Asset> assets)
       : settings_(std::move(settings)),
         gate_(settings_.threads > 0 ? settings_.threads : cores(), settings_.queue),
-        simulator_{catalogue_cards(), settings_.caps, gate_, lifecycle_.cancelled},
-        routes_(simulator_, access_of(settings_), assets),
+        context_{catalogue_cards(), settings_.caps, gate_, lifecycle_.cancelled},
+        routes_(context_, access_of(settings_), assets),
         listener_(settings_.connections, lifecycle_.waiting, [this](int socket) { serve(socket); }) {}
 
   std::optional<std::string> start() {
@@ -111,17 +111,19 @@ class Service::Impl {
       return false;
     }
     const auto& message = std::get<Message>(received);
-    const Routed routed = answer(message, id);
-    // What follows a POST without a length may be the body its client had in mind: not the next request.
-    const bool keep_alive = message.keep_alive && !lifecycle_.draining && routed.answer.status != 411;
+    const Routed routed = answer(message, id, [&connection] { return connection.gone(); });
+    // What follows a POST without a length may be the body its client had in mind: not the next request. In HTTP/1.0 a
+    // stream ends with its connection.
+    const bool keep_alive = message.keep_alive && !lifecycle_.draining && routed.answer.status != 411 &&
+                            !(routed.answer.stream && message.head.minor == 0);
     const bool sent =
         finish(connection, routed, id, message.head.method, start, keep_alive, message.head.method != "HEAD");
     return sent && keep_alive;
   }
 
-  Routed answer(const Message& message, const std::string& id) {
+  Routed answer(const Message& message, const std::string& id, const std::function<bool()>& gone) {
     try {
-      return routes_(message.head, message.body, id);
+      return routes_(message.head, message.body, id, gone);
     } catch (const std::exception& e) {
       spdlog::error("request id={} failed: {}", id, e.what());
     } catch (...) {
@@ -133,10 +135,15 @@ class Service::Impl {
   bool finish(Connection& connection, Routed routed, const std::string& id, std::string_view method,
               Clock::time_point start, bool keep_alive, bool body) {
     routed.answer.headers.emplace_back("X-Request-Id", id);
-    const bool sent = connection.send(routed.answer, keep_alive, body);
+    bool sent = false;
+    try {
+      sent = connection.send(routed.answer, keep_alive, body);
+    } catch (const std::exception& e) {
+      spdlog::error("request id={} failed while it was answered: {}", id, e.what());
+    }
     const std::chrono::duration<double, std::milli> time = Clock::now() - start;
     spdlog::info("request id={} method={} route={} status={} ms={:.3f} bytes={}{}", id, method.empty() ? "-" : method,
-                 routed.route, routed.answer.status, time.count(), routed.answer.body.size(), sent ? "" : " unsent");
+                 routed.route, routed.answer.status, time.count(), connection.sent(), sent ? "" : " unsent");
     return sent;
   }
 
@@ -145,7 +152,7 @@ class Service::Impl {
   std::atomic<std::uint64_t> count_{0};
   Lifecycle lifecycle_;
   Gate gate_;
-  const Simulator simulator_;
+  const Context context_;
   const Routes routes_;
   Listener listener_;
   std::thread thread_;

@@ -1,19 +1,49 @@
 #include "server/simulate.hpp"
 
-#include <fmt/format.h>
-
-#include <vector>
-
 #include "core/catalogue.hpp"
-#include "server/accept.hpp"
 #include "server/problem_document.hpp"
-#include "server/wording.hpp"
+#include "server/reader.hpp"
+#include "server/watch.hpp"
 
 namespace least::server {
 namespace {
 
-// Longer than most runs, shorter than what clients and proxies wait for an answer.
-constexpr std::chrono::seconds patience{10};
+Answer run_and_encode(const Context& context, const Form& form, const Request& request, const Choosing* choosing) {
+  Samples samples;
+  const Outcome outcome = run(request, samples, context.cancelled);
+  const Cards& cards = context.cards;
+  return form.encode(
+      {request, cards.problems[request.problem], cards.schemes[request.scheme], outcome, samples, choosing});
+}
+
+// Why there is nothing to run.
+Answer no_choice(const Question& question, const Order& order, const Advice& advice, Reason end) {
+  Faults faults;
+  const Place top{"", &faults};
+  if (end == Reason::cancelled) return busy(question);
+  if (end == Reason::deadline) {
+    top.at("limits").at("seconds").fault("is too short to choose a scheme in", Json(order.run.limits.seconds));
+  } else {
+    top.at("scheme").lacks(advice.reason);
+  }
+  return problem_document(faults, question.id);
+}
+
+Answer choose_and_run(const Context& context, const Question& question, const Form& form, Order& order) {
+  Advice advice;
+  Reason end;
+  {
+    constexpr double margin = 1;  // the core keeps the limit itself; what it cannot interrupt is cut off
+    const Watch watch(context.cancelled, question.gone, order.run.limits.seconds + margin);
+    advice = advise(order.run, *order.wish, watch.cancelled());
+    end = watch.reason();
+  }
+  if (!advice.choice) return no_choice(question, order, advice, end);
+  order.run.scheme = advice.choice->scheme;
+  order.run.settings = advice.choice->settings;
+  const Choosing choosing{advice, context.cards.schemes};
+  return run_and_encode(context, form, order.run, &choosing);
+}
 
 }  // namespace
 
@@ -22,32 +52,19 @@ std::span<const Form> forms() {
   return all;
 }
 
-Answer Simulator::operator()(std::string_view body, std::string_view accept, std::string_view request_id) const {
+Answer simulate(const Context& context, const Question& question) {
   Names types;
   for (const Form& form : forms()) types.push_back(form.type);
-  const auto form = negotiate(accept, types);
-  if (!form) return problem_document(406, "the answer comes as " + listed(types), request_id);
-
-  auto parsed = parse_json(body);
-  if (!parsed) {
-    const NotJson& why = parsed.error();
-    return problem_document(400, fmt::format("not JSON at byte {}: {}", why.byte, why.detail), request_id);
-  }
-  const auto request = decode(std::move(*parsed), cards, caps);
-  if (!request) return problem_document(request.error(), request_id);
-
-  const auto pass = gate.enter(patience);
-  if (!pass) {
-    Answer busy = problem_document(503, "as many runs as are allowed are computing or waiting", request_id);
-    busy.headers.emplace_back("Retry-After", "1");
-    return busy;
-  }
-  Samples samples;
-  const Outcome outcome = run(*request, samples, cancelled);
-  return forms()[*form].encode(
-      {*request, cards.problems[request->problem], cards.schemes[request->scheme], outcome, samples});
+  auto form = form_for(question, types);
+  if (!form) return form.error();
+  auto parsed = json_of(question);
+  if (!parsed) return parsed.error();
+  auto order = decode(std::move(*parsed), context.cards, context.caps);
+  if (!order) return problem_document(order.error(), question.id);
+  const auto pass = turn(context);
+  if (!pass) return busy(question);
+  if (order->wish) return choose_and_run(context, question, forms()[*form], *order);
+  return run_and_encode(context, forms()[*form], order->run, nullptr);
 }
-
-Cards catalogue_cards() { return {problems(), schemes()}; }
 
 }  // namespace least::server

@@ -7,30 +7,72 @@ export async function catalogue() {
   return response.json();
 }
 
-/**
- * One run. Resolves to `{outcome}` when the service ran it (also when the run stopped early) and to
- * `{faults: [{pointer?, detail, allowed?}]}` when it did not; rejects only when aborted.
- */
-export async function simulate(request, signal) {
-  let response, answer;
+const headers = (accept) => ({ "Content-Type": "application/json", Accept: accept });
+
+/** Asks under `path` and resolves to the response, or to what is wrong; rejects only when aborted. */
+async function post(path, request, accept, signal) {
   try {
-    response = await fetch("v1/simulate", {
-      method: "POST",
-      headers: { "Content-Type": "application/json", Accept: "application/json" },
-      body: JSON.stringify(request),
-      signal,
-    });
-    answer = parsed(await response.text());
+    return await fetch(path, { method: "POST", headers: headers(accept), body: JSON.stringify(request), signal });
   } catch (error) {
     if (signal.aborted) throw error;
-    return { faults: [{ detail: "The service does not answer. Is it still running?" }] };
+    return silent;
   }
-  if (response.ok && answer) return { outcome: answer };
+}
+
+const silent = { faults: [{ detail: "The service does not answer. Is it still running?" }] };
+
+/** What a response says that is no success. */
+function refusal(response, answer) {
   if (answer?.errors?.length) return { faults: answer.errors };
   const wait = response.headers.get("Retry-After");
   const title = answer?.detail ?? answer?.title ?? `The service answers ${response.status}.`;
   const id = answer?.request_id ? ` (request ${answer.request_id})` : "";
   return { faults: [{ detail: title + id + (wait ? ` Try again in ${wait} s.` : "") }] };
+}
+
+/**
+ * One request. Resolves to `{outcome}` when the service answered it (also when a run stopped early) and to
+ * `{faults: [{pointer?, detail, allowed?}]}` when it did not; rejects only when aborted.
+ */
+async function ask(path, request, signal) {
+  const response = await post(path, request, "application/json", signal);
+  if (response.faults) return response;
+  let text;
+  try {
+    text = await response.text();
+  } catch (error) {
+    if (signal.aborted) throw error;
+    return silent;
+  }
+  const answer = parsed(text);
+  return response.ok && answer ? { outcome: answer } : refusal(response, answer);
+}
+
+export const simulate = (request, signal) => ask("v1/simulate", request, signal);
+export const stability = (request, signal) => ask("v1/stability", request, signal);
+
+/**
+ * A study whose lines go to `take(line)` as they come. Resolves to `{}` at its end, else to `{faults}`; rejects only when
+ * aborted.
+ */
+export async function workPrecision(request, signal, take) {
+  const response = await post("v1/work-precision", request, "application/x-ndjson", signal);
+  if (response.faults) return response;
+  try {
+    if (!response.ok) return refusal(response, parsed(await response.text()));
+    const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+    let rest = "";
+    for (;;) {
+      const { done, value } = await reader.read();
+      if (done) return {};
+      const lines = (rest + value).split("\n");
+      rest = lines.pop();
+      lines.map((line) => JSON.parse(line)).forEach(take);
+    }
+  } catch (error) {
+    if (signal.aborted) throw error;
+    return { faults: [{ detail: "The study broke off. Is the service still running?" }] };
+  }
 }
 
 function parsed(text) {

@@ -20,17 +20,32 @@ export function cards(problem, preset = { parameters: {}, initial: {} }) {
 }
 
 /** The parameters that say how fine a run is: `refine` divides those that are suggested. A preset's are taken as given. */
-export const fineness = ["step", "theta", "sigma"];
+export const fineness = ["step", "theta", "sigma", "tolerance"];
+
+/** What auto is asked for, to begin with. */
+const accuracy = "1e-6";
 
 /** A scheme's parameters, with the problem's suggestions and then a preset's values for defaults. */
 export function schemeCards(scheme, { suggested = {} }, preset, refine) {
   return scheme.parameters.map((card) => {
+    if (scheme.id === "auto" && card.name === "accuracy") return { ...card, default: accuracy };
     const named = preset?.parameters[card.name];
     if (named !== undefined) return { ...card, default: named };
     const value = suggested[card.suggested] ?? card.default;
     return { ...card, default: fineness.includes(card.suggested) ? value / refine : value };
   });
 }
+
+/** A few words that tell a scheme with its settings from another. */
+export function title({ parameters }, scheme) {
+  const variant = [scheme.preset, scheme.composition].filter((name) => name && name !== "default" && name !== "none");
+  const sizes = parameters.filter(({ name }) => fineness.includes(name) && name in scheme);
+  return [words(scheme.id) + (variant.length ? ` (${variant.map(words).join(", ")})` : ""),
+          ...sizes.map(({ name, symbol }) => `${symbol || words(name)} = ${shortest(scheme[name])}`)].join(", ");
+}
+
+/** Digits that nobody chose are not shown. */
+const shortest = (value) => (String(value).length > 12 && Number.isFinite(value) ? Number(value.toPrecision(4)) : value);
 
 /** The scheme's presets as the options of a select; the first is what no preset is. */
 export function schemePresets({ presets }) {

@@ -1,6 +1,6 @@
 // The energy of the runs over time: its error on a logarithmic axis where the scene keeps it, else H itself on a plain
 // one. uPlot is the global of uPlot.iife.min.js.
-import { format, multiples, powerOfTen, roundStep, tickLabel } from "./numbers.js";
+import { decadeLabels, decades, format, multiples, roundStep, tickLabel } from "./numbers.js";
 
 const known = (x) => x !== null;
 const startOf = ({ trajectory }) => trajectory.energy.find(known);
@@ -101,13 +101,6 @@ export class EnergyPlot {
 
 // The axes of the energy, with the widths of the runs' lines. Two good runs of H itself are one line to the eye: the
 // first is drawn broad, to be seen beneath the second.
-const logarithmic = { distr: 3, splits: decades, widths: [1.4, 1.4],
-                      values: (marks) => marks.map((v) => powerOfTen(Math.round(Math.log10(v)))) };
+const logarithmic = { distr: 3, splits: decades, widths: [1.4, 1.4], values: decadeLabels };
 const plain = { distr: 1, splits: (low, high) => multiples(low, high, roundStep(low, high, 7)), widths: [6, 2],
                 values: (marks) => marks.map((v) => tickLabel(v, marks[1] - marks[0])) };
-
-/** Powers of ten in [low, high], at most about eight of them. */
-function decades(low, high) {
-  const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
-  return multiples(first, last, Math.max(1, Math.ceil((last - first) / 8))).map((n) => 10 ** n);
-}

@@ -50,6 +50,13 @@ function control(card, value) {
     choose(select, card.choices.map((id) => ({ id, title: words(id) })), known);
     return select;
   }
+  if (card.type === "list") {
+    const select = element("select", { multiple: true, size: card.choices.length });
+    choose(select, card.choices.map((id) => ({ id, title: words(id) })));
+    const chosen = Array.isArray(value) ? value : String(value ?? "").split(",");
+    for (const option of select.options) option.selected = chosen.includes(option.value);
+    return select;
+  }
   return element("input", { type: "text", inputMode: "decimal", spellcheck: false, value: value ?? "",
                             placeholder: card.nullable ? card.word ?? "off"
                               : String(card.default ?? (card.optional ? "auto" : "off")) });
@@ -71,6 +78,7 @@ export function values(container) {
     const { name, kind } = input.dataset, text = input.value.trim();
     if ("optional" in input.dataset && text === input.placeholder) continue;
     if (kind === "flag") read[name] = input.checked;
+    else if (kind === "list") read[name] = [...input.selectedOptions].map((option) => option.value);
     else if (kind === "choice") read[name] = input.value;
     else if (text !== "") read[name] = Number.isFinite(Number(text)) ? Number(text) : text;
     else if ("nullable" in input.dataset) read[name] = input.dataset.nullable || null;

@@ -6,6 +6,7 @@ import { build, choose, clearFaults, element, values, words } from "./forms.js";
 import { fromHash, toHash } from "./link.js";
 import { Pane } from "./pane.js";
 import { commonView, curveOf } from "./plane.js";
+import { Studies } from "./studies.js";
 import { fill } from "./table.js";
 
 // What the page shows first: five revolutions of the orbit of Nair, Ober-Blöbaum & Marsden.
@@ -18,7 +19,7 @@ const energy = new EnergyPlot(find("#energy"));
 const samples = { name: "samples", label: "points drawn", default: 10000,
                   doc: "how many points of each run are drawn, at most" };
 const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]") };
-let catalogue, problem, underWay = null, scheduled = 0;
+let catalogue, problem, studies, underWay = null, scheduled = 0;
 let outcomes = null; // those in sight, null while there are none of this problem
 
 /** Sets every form to an experiment as a link holds it; what it leaves out takes its default. */
@@ -94,16 +95,28 @@ function experiment() {
            axes: { x: axis.x.value, y: axis.y.value }, ...runs };
 }
 
+/** The scene as it stands in a request. */
+function sceneOf({ problem: { id, ...parameters }, preset, initial, until }) {
+  return { problem: { id, ...(preset ? { preset: preset.id } : {}), ...parameters }, initial, until };
+}
+
+/** What the studies ask for. */
+function studied() {
+  const now = experiment();
+  return { scene: sceneOf(now), schemes: panes.map(({ name }) => now[name]).filter(({ id }) => id !== "auto") };
+}
+
 /**
  * The request for one run: every N-th step, so that drawn points are states the scheme was in; N cannot be said of a
  * scheme that sets its own clock.
  */
-function requestFor({ problem: { id, ...parameters }, preset, initial, until, record }, scheme) {
-  const { samples: most = samples.default } = record;
+function requestFor(now, scheme) {
+  const { problem: named, initial, until } = sceneOf(now);
+  const { samples: most = samples.default } = now.record;
   const span = (until.t ?? start() + problem.until.t) - start();
   const card = catalogue.schemes.find((known) => known.id === scheme.id);
   const every = card?.own_clock ? NaN : Math.max(1, Math.ceil(span / scheme.step / most));
-  return { problem: { id, ...(preset ? { preset: preset.id } : {}), ...parameters }, initial, scheme, until,
+  return { problem: named, initial, scheme, until,
            record: most >= 2 && Number.isSafeInteger(every) ? { every } : { samples: most },
            columns: columns(problem, card), diagnostics: diagnostics(problem) };
 }
@@ -120,6 +133,7 @@ async function run() {
   const mine = (underWay = new AbortController());
   const now = experiment();
   history.replaceState(null, "", toHash(now));
+  studies.follow();
   find("#status").textContent = "Running…";
   Object.values(scene).forEach(clearFaults);
   panes.forEach((pane) => pane.clearFaults());
@@ -181,17 +195,19 @@ function listen() {
     if (outcomes) showPlanes();
   });
   find("#experiment").addEventListener("change", (event) => {
-    if (!event.target.closest("#problem, #preset, #axes")) request();
+    if (!event.target.closest("#problem, #preset, #axes, #studies")) request();
   });
   addEventListener("hashchange", () => load(fromHash(location.hash || opening)));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     panes.forEach((pane) => pane.plane.draw());
     energy.draw();
+    studies.draw();
   });
 }
 
 try {
   catalogue = await api.catalogue();
+  studies = new Studies(catalogue.schemes, studied);
   find("#panes").replaceChildren(...panes.map((pane) => pane.node));
   listen();
   load(fromHash(location.hash || opening));

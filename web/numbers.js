@@ -38,3 +38,12 @@ export function tickLabel(x, step) {
   if (decimals > 4 || Math.abs(x) >= 1e5) return format(x, 3);
   return minus(x.toFixed(Math.max(decimals, 0)));
 }
+
+/** Powers of ten in [low, high], at most about eight of them. */
+export function decades(low, high) {
+  const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
+  return multiples(first, last, Math.max(1, Math.ceil((last - first) / 8))).map((n) => 10 ** n);
+}
+
+/** Their labels. */
+export const decadeLabels = (marks) => marks.map((v) => powerOfTen(Math.round(Math.log10(v))));

@@ -1,6 +1,6 @@
 // One run of the comparison: its scheme and the form for it, its request, its picture and what went wrong.
 import { curl, simulate } from "./api.js";
-import { fineness, presetOf, schemeCards, schemePresets } from "./card.js";
+import { fineness, presetOf, schemeCards, schemePresets, title } from "./card.js";
 import { build, choose, clearFaults, element, faultText, showFault, values, words } from "./forms.js";
 import { count, format } from "./numbers.js";
 import { Plane } from "./plane.js";
@@ -75,17 +75,37 @@ export class Pane {
 
   /** Runs `request`; the outcome, or null when the service refused it. */
   async run(request, sceneFields, signal) {
-    this.title = title(this.#scheme, request.scheme);
-    this.#part.traits.textContent = traits(this.#scheme, request.scheme);
+    this.#entitle(request.scheme);
     this.#part.curl.textContent = curl(request);
-    this.#part.caption.replaceChildren(element("b", { textContent: this.name }), ` ${this.title}`);
     const { outcome, faults = [] } = await simulate(request, signal);
+    if (outcome?.choice) this.#entitle(outcome.scheme, "auto: ");
     const notes = faults.map((fault) => this.#fault(fault, [this.#part.fields, ...sceneFields]));
+    if (outcome?.choice) notes.push(this.#told(outcome.choice));
     if (outcome?.stop) notes.push(note("stop", stopped(outcome.stop)));
     if (outcome?.events?.length) notes.push(note("events", counted(outcome.events)));
     for (const warning of outcome?.warnings ?? []) notes.push(note("warning", warning.detail || warning.code));
     this.#part.messages.replaceChildren(...(notes.length ? [element("ul", {}, ...notes)] : []));
     return outcome ?? null;
+  }
+
+  /** Says what is run: the scheme as a request spells it. */
+  #entitle(scheme, who = "") {
+    const card = this.#schemes.find(({ id }) => id === scheme.id);
+    this.title = who + title(card, scheme);
+    this.#part.traits.textContent = traits(card, scheme);
+    this.#part.caption.replaceChildren(element("b", { textContent: this.name }), ` ${this.title}`);
+  }
+
+  /** Why a scheme was chosen and what else there was, in words. */
+  #told({ reason, met, alternatives }) {
+    const said = note(met ? "choice" : "choice missed", sentence(reason));
+    if (alternatives.length) {
+      const others = alternatives.map(({ scheme, force_evaluations: forces, estimated_error: e }) => element("li", {
+        textContent: `${title(this.#schemes.find(({ id }) => id === scheme.id), scheme)}: ${count(forces)} force ` +
+                     `evaluations, error ${format(e, 2)}` }));
+      said.append(element("details", {}, element("summary", { textContent: "Alternatives" }), element("ul", {}, ...others)));
+    }
+    return said;
   }
 
   /** An entry of the list of faults that leads to the field, where there is one. */
@@ -122,22 +142,15 @@ export class Pane {
   }
 }
 
+const sentence = (text) => text + (/[.!?]$/.test(text) ? "" : ".");
 const note = (className, textContent) => element("li", { className, textContent });
 const stopped = ({ reason, t, detail, singular_at: singularity = null }) =>
   `Stopped (${words(reason)}) at t = ${format(t, 5)}: ${detail}` +
   (singularity === null ? "" : ` (singular at t = ${format(singularity, 5)})`);
 
-const orders = (order) => (typeof order === "object"
+const orders = (order) => (order !== null && typeof order === "object"
   ? Object.entries(order).map(([name, p]) => (name === String(p) ? name : `${p} (${words(name)})`)).join(", ")
-  : String(order));
-
-/** A few words that tell a run from the other. */
-function title({ parameters }, scheme) {
-  const variant = [scheme.preset, scheme.composition].filter((name) => name && name !== "default" && name !== "none");
-  const sizes = parameters.filter(({ name }) => fineness.includes(name) && name in scheme);
-  return [words(scheme.id) + (variant.length ? ` (${variant.map(words).join(", ")})` : ""),
-          ...sizes.map(({ name, symbol }) => `${symbol || name} = ${scheme[name]}`)].join(", ");
-}
+  : String(order ?? ""));
 
 // What happened during a run: one, several.
 const happenings = { switch: ["switch", "switches"], parameter: ["change of parameter", "changes of parameter"] };
@@ -151,8 +164,10 @@ function counted(events) {
 }
 
 /** The order is by composition, or by a parameter that says it. */
-function traits({ order, implicit, symmetric, structure }, scheme) {
-  const p = typeof order === "object" ? order[scheme.composition ?? scheme.order] ?? Object.values(order)[0] : order;
-  return [`order ${p}`, implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not symmetric",
+function traits({ id, order, implicit, symmetric, structure }, scheme) {
+  if (id === "auto") return "chosen by measurements of this scene";
+  const byChoice = order !== null && typeof order === "object";
+  const p = byChoice ? order[scheme.composition ?? scheme.order] ?? Object.values(order)[0] : order;
+  return [p === null ? "adaptive" : `order ${p}`, implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not symmetric",
           structure === "none" ? "keeps no structure" : structure].join(" · ");
 }

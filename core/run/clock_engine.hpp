@@ -18,16 +18,19 @@ struct ClockMet {
   bool unsound = false, left = false;  ///< a state that is not finite came up, time stood still; the domain was left
 };
 
-template <class P>
+template <class P, class X>
 class ClockEngine {
  public:
-  using X = StateOf<P>;
   virtual ~ClockEngine() = default;
   /// Takes steps until one reaches the time `until`, there are `count` of them, one is taken in another way than the
   /// one before it, or something is met; the place is the last good one. The observer, where there is one, sees states
   /// no later than `end`.
   virtual Status advance(Place<X>& place, double until, double end, std::int64_t count, ClockMet& met,
                          Observer<P, X>* observer) = 0;
+  /// Goes on from x, which came from `before` by other means than a step.
+  virtual void begin(const X& before, const X& x) = 0;
+  /// A step from x that ends at the time t, on a copy, where the scheme can take one.
+  virtual Status leap(X& x, double t) const = 0;
   /// The state before the last step.
   virtual const X& before() const = 0;
   /// The state at a time within the last step, which ended in x. Part of the work only where `counted`.
@@ -43,20 +46,19 @@ class ClockEngine {
   virtual std::string objection() const = 0;
   /// Derivatives of a step from x by its state, on the run's energy level; empty where the step fails, or where steps
   /// remember more than the state.
-  virtual std::optional<Tangent<X>> tangent(const X& x) const = 0;
+  virtual std::optional<Tangent<FullStateOf<P>>> tangent(const FullStateOf<P>& x) const = 0;
 };
 
-template <class P, class Scheme>
-class ClockBound final : public ClockEngine<P> {
+template <class P, class Scheme, class X>
+class ClockBound final : public ClockEngine<P, X> {
  public:
-  using X = StateOf<P>;
   using Stepper = ClockStepperOf<Scheme, P, X>;
   static constexpr bool hybrid = requires(const Stepper& s) { s.course(); };
 
   ClockBound(const P& problem, const Scheme& scheme, const X& x)
       : problem_(problem),
         scheme_(scheme),
-        energy_(energy(problem, x)),
+        energy_(level(problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         before_(x) {}
 
@@ -73,15 +75,15 @@ class ClockBound final : public ClockEngine<P> {
     if constexpr (hybrid && HasFrequency<P>) last_frequency = problem_.frequency_squared(x.q);
     while (n < last && x.t < until) {
       X y = x;
-      y.t = 0;  // these scenes do not read the time: a step says how long it took, and the sum is compensated
+      if (!reads_time) y.t = 0;  // the step says how long it took, and the sum is compensated
       status = stepper.step(y);
       if (status != Status::ok) break;
-      const double h = y.t, part = h - late, t = x.t + part;
+      const double h = reads_time ? y.t - x.t : y.t, part = h - late, t = reads_time ? y.t : x.t + part;
       double size = 0;
-      for (std::size_t i = 0; i < X::size; ++i) size += y[i] * y[i];
+      for (std::size_t i = 0; i < X::size; ++i) size += value_of(y[i]) * value_of(y[i]);
       met.unsound = !(size < largest_square) || !(h > 0) || !std::isfinite(t);
       if (met.unsound) break;
-      if constexpr (HasDomain<P>) met.left = problem_.bounded() && !(problem_.inside(y.q) >= 0);
+      if constexpr (HasDomain<P>) met.left = problem_.bounded() && !(problem_.inside(position(y)) >= 0);
       if constexpr (HasDomain<P>)
         if (met.left) break;
       if constexpr (hybrid && HasFrequency<P>) {  // steps in time, at either end of which the motion may be too fast
@@ -92,10 +94,11 @@ class ClockBound final : public ClockEngine<P> {
         if (in_time && turn > met.turn_squared) met.turn_squared = turn;
         if (met.turn_squared > met.turn_limit) break;
       }
-      late = (t - x.t) - part;
+      if (!reads_time) late = (t - x.t) - part;
       before = x;
       x = y;
       x.t = t;
+      if constexpr (Sloped<X>) normalise(x);
       ++n;
       if (observer && x.t <= end) observer->see(problem_, x);
       if (course_of(stepper) != course || (observer && observer->crossed)) break;
@@ -107,15 +110,29 @@ class ClockBound final : public ClockEngine<P> {
     return status;
   }
 
+  void begin(const X& before, const X& x) override {
+    stepper_ = scheme_.bind(problem_, x, energy_);
+    before_ = before;
+  }
+  Status leap(X& x, double t) const override {
+    if constexpr (requires(Stepper s) { s.reach(x, t); }) {
+      auto stepper = scheme_.bind(problem_, x, energy_);
+      return stepper.reach(x, t);
+    } else {
+      return Status::solver_failed;
+    }
+  }
   const X& before() const override { return before_; }
 
   Status between(X& x, double t, bool counted) override {
     if (!(t < x.t)) return Status::ok;
-    if constexpr (requires(Stepper s, X & y) { s.reach(y, t); }) {
+    if constexpr (requires(const Stepper& s) { s.interpolate(x, t); })
+      if (stepper_.interpolate(x, t)) return Status::ok;
+    if constexpr (requires(Stepper s) { s.reach(x, t); }) {
       auto stepper = scheme_.bind(problem_, before_, energy_);
       X y = before_;
-      y.t = 0;
-      if (const Status status = stepper.reach(y, t - before_.t); status != Status::ok) return status;
+      if (!reads_time) y.t = 0;
+      if (const Status status = stepper.reach(y, reads_time ? t : t - before_.t); status != Status::ok) return status;
       x = y;
       if (counted) between_ = stepper.work();
     } else {
@@ -146,17 +163,20 @@ class ClockBound final : public ClockEngine<P> {
     if constexpr (requires { scheme_.objection(problem_, energy_); }) return scheme_.objection(problem_, energy_);
     return {};
   }
-  std::optional<Tangent<X>> tangent(const X& x) const override {
-    if constexpr (requires { requires Scheme::remembers; }) return std::nullopt;
-    return tangent_of<X>(x, [&](auto& y) {
-      using D = typename std::remove_cvref_t<decltype(y)>::Number;
-      auto z = convert<D, D>(y);
-      auto stepper = scheme_.bind(problem_, z, D(energy_));
-      const Status status = stepper.step(z);
-      y.t = z.t.value;
-      for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
-      return status;
-    });
+  std::optional<Tangent<FullStateOf<P>>> tangent([[maybe_unused]] const FullStateOf<P>& x) const override {
+    if constexpr (reads_time || requires { requires Scheme::remembers; }) {
+      return std::nullopt;
+    } else {
+      return tangent_of(x, [&](auto& y) {
+        using D = typename std::remove_cvref_t<decltype(y)>::Number;
+        auto z = convert<D, D>(y);
+        auto stepper = scheme_.bind(problem_, z, D(energy_));
+        const Status status = stepper.step(z);
+        y.t = z.t.value;
+        for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
+        return status;
+      });
+    }
   }
 
  private:
@@ -164,7 +184,16 @@ class ClockBound final : public ClockEngine<P> {
     if constexpr (hybrid) return stepper.course();
     return {};
   }
+  /// E₀; of a scene whose schemes do not ask for it nothing.
+  static double level([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+    if constexpr (Conservative<P>) {
+      return energy(problem, x);
+    } else {
+      return 0;
+    }
+  }
   static constexpr double largest_square = 1e150;
+  static constexpr bool reads_time = requires { requires Scheme::reads_time; };
 
   P problem_;
   Scheme scheme_;

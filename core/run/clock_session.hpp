@@ -9,9 +9,8 @@
 
 namespace least {
 
-template <class P>
-class ClockSession : private Ledger<P, StateOf<P>> {
-  using X = StateOf<P>;
+template <class P, class X>
+class ClockSession : private Ledger<P, X> {
   using Base = Ledger<P, X>;
   using Base::card_, Base::events_, Base::observer_, Base::outcome_, Base::pace_, Base::place_, Base::problem_,
       Base::request_;
@@ -27,10 +26,11 @@ class ClockSession : private Ledger<P, StateOf<P>> {
     if (bound_ > 0) met_.turn_limit = bound_ * bound_ * (1 + 1e-6);
   }
 
-  Outcome run(ClockEngine<P>& engine, const X& start_state) {
+  Outcome run(ClockEngine<P, X>& engine, const X& start_state) {
     engine_ = &engine;
     place_.x = start_state;
     course_ = engine.course();
+    start_ = start_state.t;
     pace_.start();
     if (start()) {
       while (going() && !arrived() && go_on()) {
@@ -46,7 +46,8 @@ class ClockSession : private Ledger<P, StateOf<P>> {
   bool arrived() const { return request_.until_steps ? place_.n == request_.steps : !(place_.x.t < end_); }
 
   bool start() {
-    if (!Base::start_is_sound(false)) return false;
+    along_series_ = starts_series(problem_, place_.x);
+    if (!Base::start_is_sound(end_, along_series_)) return false;
     if (const std::string why = engine_->objection(); !why.empty()) return stop(Reason::singular, why);
     observer_.start(problem_, place_.x);
     snap();
@@ -57,6 +58,10 @@ class ClockSession : private Ledger<P, StateOf<P>> {
   bool go_on() {
     const std::int64_t n = place_.n;
     if (n == request_.limits.steps) return stop(Reason::step_limit, wording::step_limit(request_.limits.steps));
+    if (along_series_) {
+      along_series_ = false;
+      return series_step() && record() && keep_pace(1);
+    }
     std::int64_t until = std::min({n + pace_.block(), request_.limits.steps, times_.step(), Base::next_snap(n)});
     if (request_.until_steps) until = std::min(until, request_.steps);
     const Status status = engine_->advance(place_, std::min(end_, times_.time()), end_, until - n, met_,
@@ -65,6 +70,30 @@ class ClockSession : private Ledger<P, StateOf<P>> {
     note_course();
     if (place_.x.t <= end_) snap();
     return record() && (fine(status) || fail(status)) && keep_pace(place_.n - n);
+  }
+
+  /// The first step from a time at which the equations of motion are singular: along the regular solution.
+  bool series_step() {
+    if constexpr (HasSeries<P>) {
+      const X start = place_.x, x = series_state<X>(problem_, std::min(P::series_until, end_));
+      if (!(x.t > start.t)) return true;
+      series_until_ = x.t;
+      engine_->begin(start, x);
+      place_ = {x, 1};
+      observer_.see(problem_, x);
+      observer_.crossed = false;
+      snap();
+    }
+    return true;
+  }
+  /// The state at a time within the last step.
+  Status between(X& x, double t, bool counted) {
+    if constexpr (HasSeries<P>)
+      if (t <= series_until_ && place_.n == 1) {
+        x = t > start_ ? series_state<X>(problem_, t) : engine_->before();
+        return Status::ok;
+      }
+    return engine_->between(x, t, counted);
   }
 
   bool fine(Status status) const {
@@ -78,9 +107,12 @@ class ClockSession : private Ledger<P, StateOf<P>> {
           "a collision or where the motion comes to rest");
     if (status == Status::solver_failed)
       return stop(Reason::solver_failed, "the equations of the step have no solution near here; a shorter step may");
-    if (status == Status::singular)
-      return stop(Reason::singular, "the step is singular here; a shorter one may not be");
-    if (met_.left) return stop(Reason::left_domain, wording::left_domain(place_.x.t));
+    if (status == Status::singular || met_.unsound) {
+      const double step = place_.x.t - engine_->before().t;
+      const double when = Base::singularity(place_.x.t + 10 * step, step);
+      if (status == Status::singular || std::isfinite(when)) return Base::stop_as_singular(when);
+    }
+    if (met_.left) return leave();
     if (met_.unsound)
       return stop(Reason::not_finite,
                   "the next state is not finite, or beyond 1e75 where energies overflow, or time stood still");
@@ -88,11 +120,32 @@ class ClockSession : private Ledger<P, StateOf<P>> {
     return stop(Reason::unstable_step, wording::unstable(ratio, bound_, request_.settings[0] * bound_ / ratio));
   }
 
+  /// The next step leads out of the domain: where it does so is on a step of its own.
+  bool leave() {
+    if constexpr (HasDomain<P>) {
+      const double step = place_.x.t - engine_->before().t;
+      const auto inside = [&](double ahead) {
+        X x = place_.x;
+        if (ahead > 0 && engine_->leap(x, place_.x.t + ahead) != Status::ok) return -1.0;
+        return problem_.inside(position(x));
+      };
+      double reach = step > 0 ? step : 1e-3;
+      for (int k = 0; k < 60 && inside(reach) > 0; ++k) reach *= 2;
+      const double ahead = root(inside, 0, reach);
+      X x = place_.x;
+      engine_->leap(x, place_.x.t + ahead);
+      x.t = place_.x.t + ahead;
+      if (observer_.sections) events_.add(0, false, x);
+      return stop(Reason::left_domain, wording::left_domain(x.t), x.t);
+    }
+    return true;
+  }
+
   /// Samples due within the last step or at its end.
   bool record() {
     for (; times_.time() <= place_.x.t; times_.next()) {
       X x = place_.x;
-      if (const Status status = engine_->between(x, times_.time(), false); status != Status::ok) {
+      if (const Status status = between(x, times_.time(), false); status != Status::ok) {
         place_.x = engine_->before();  // the last state that is known to lie before the end
         return fail(status);
       }
@@ -116,7 +169,7 @@ class ClockSession : private Ledger<P, StateOf<P>> {
   /// The state at the end, which lies within the last step.
   void finish() {
     if (place_.x.t <= end_) return;
-    if (const Status status = engine_->between(place_.x, end_, true); status != Status::ok) {
+    if (const Status status = between(place_.x, end_, true); status != Status::ok) {
       place_.x = engine_->before();
       fail(status);
       return;
@@ -128,7 +181,7 @@ class ClockSession : private Ledger<P, StateOf<P>> {
     const X before = engine_->before(), after = place_.x;
     events_.find(problem_, before, after, after.t - before.t, [&](double ahead) {
       X x = after;
-      engine_->between(x, before.t + ahead, false);
+      between(x, before.t + ahead, false);
       return x;
     });
   }
@@ -141,7 +194,7 @@ class ClockSession : private Ledger<P, StateOf<P>> {
     if (place_.n == 1 && now->mode == was->mode) return;  // the first step only made its choice
     if (!events_.room(outcome_.events.size())) return;
     const X& x = engine_->before();
-    outcome_.events.push_back(course_event(card_, x.t, x.q, *was, *now));
+    if constexpr (Conservative<P>) outcome_.events.push_back(course_event(card_, x.t, x.q, *was, *now));
   }
 
   void warn() {
@@ -154,11 +207,13 @@ class ClockSession : private Ledger<P, StateOf<P>> {
 
   double end_;  ///< infinite where the run is so many steps long
   Times times_;
-  ClockEngine<P>* engine_ = nullptr;
+  ClockEngine<P, X>* engine_ = nullptr;
   std::optional<Course> course_;
   ClockMet met_;
   double bound_ = std::numeric_limits<double>::infinity();
   std::int64_t kept_ = 0;
+  double start_ = 0, series_until_ = -std::numeric_limits<double>::infinity();
+  bool along_series_ = false;
 };
 
 }  // namespace least

@@ -11,6 +11,7 @@
 #include "core/run/request.hpp"
 #include "core/run/stability.hpp"
 #include "core/run/wording.hpp"
+#include "core/study/blow_up.hpp"
 
 namespace least {
 
@@ -55,9 +56,12 @@ class Ledger {
     return good;
   }
 
-  /// What no run can begin with. `excused`: the motion is regular where its equations are not.
-  bool start_is_sound(bool excused) {
+  /// What no run to the time `end` can begin with. `excused`: the motion is regular where its equations are not.
+  bool start_is_sound(double end, bool excused) {
     const X& x = place_.x;
+    if constexpr (HasSeries<P>)
+      if (x.t < 0 && end >= 0)
+        return stop(Reason::singular, "the equations of motion are singular at t = 0, which lies ahead", 0);
     if (!sound(x)) return stop(Reason::not_finite, "the start lies beyond 1e75, where energies overflow");
     if constexpr (HasDomain<P>)
       if (problem_.bounded() && problem_.inside(x.q) < 0)
@@ -117,6 +121,21 @@ class Ledger {
     for (const std::size_t index : request_.diagnostics)
       outcome_.diagnostics.push_back(report(card_.diagnostics[index], tangent));
     return std::move(outcome_);
+  }
+
+  /// When the motion that began at the start becomes infinite, if it does so before `latest`: the reference integrator
+  /// knows. `step`: a length of time in which little happens.
+  double singularity([[maybe_unused]] double latest, [[maybe_unused]] double step) {
+    if constexpr (QuadraticContact<P>) {
+      return true_blow_up_time(problem_, start_of<X>(problem_, request_.initial, request_.start), latest, step,
+                               [this] { return pace_.look() == Reason::completed; });
+    }
+    return unknown;
+  }
+  bool stop_as_singular(double when) {
+    return stop(Reason::singular,
+                std::isfinite(when) ? wording::blow_up(when) : "the step is singular here; a shorter one may not be",
+                when);
   }
 
   /// Of the largest ωh met, `bound` being the scheme's.

@@ -8,7 +8,6 @@
 #include "core/run/regular.hpp"
 #include "core/run/root.hpp"
 #include "core/run/schedule.hpp"
-#include "core/study/blow_up.hpp"
 
 namespace least {
 
@@ -59,10 +58,8 @@ class Session : private Ledger<P, X> {
   bool start() {
     const X& x = place_.x;
     regular_.start(problem_, *engine_, x, grid_);
-    if constexpr (HasSeries<P>)
-      if (x.t < 0 && grid_.end >= 0)
-        return stop(Reason::singular, "the equations of motion are singular at t = 0, which lies ahead", 0);
-    if (!Base::start_is_sound(regular_.active() || (regular_.at_rest(x) && engine_->starts_at_singularity())))
+    if (!Base::start_is_sound(grid_.end,
+                              regular_.active() || (regular_.at_rest(x) && engine_->starts_at_singularity())))
       return false;
     if (const std::string why = engine_->objection(); !why.empty()) return stop(Reason::singular, why);
     observer_.start(problem_, x);
@@ -160,23 +157,10 @@ class Session : private Ledger<P, X> {
     return unstable(met_.frequency);
   }
   bool failed(Status status) {
-    const double when = singularity();
-    if (status == Status::singular)
-      return stop(Reason::singular,
-                  std::isfinite(when) ? wording::blow_up(when) : "the step is singular here; a shorter one may not be",
-                  when);
+    const double when = Base::singularity(place_.x.t + 10 * grid_.step, grid_.step);
+    if (status == Status::singular) return Base::stop_as_singular(when);
     return stop(Reason::solver_failed, "Newton's method found no solution of the implicit step; a shorter step may",
                 when);
-  }
-  /// When the motion that began at the start becomes infinite, if it does so hereabouts: the reference integrator
-  /// knows.
-  double singularity() {
-    if constexpr (QuadraticContact<P>) {
-      const double latest = place_.x.t + 10 * grid_.step;
-      return true_blow_up_time(problem_, start_of<X>(problem_, request_.initial, grid_.start), latest, grid_.step,
-                               [this] { return pace_.look() == Reason::completed; });
-    }
-    return unknown;
   }
 
   Status advance(std::int64_t count) {

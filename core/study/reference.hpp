@@ -12,22 +12,9 @@
 
 #include "core/number/quad.hpp"
 #include "core/scene.hpp"
+#include "core/study/state_error.hpp"
 
 namespace least {
-
-/// The *error* of a state, as the contract defines it: the largest component-wise difference from the true one, divided
-/// by max(1, the largest component of the true one). Not finite where a component is not.
-template <class X>
-double state_error(const X& x, const X& truth) {
-  double difference = 0, size = 1;
-  const auto see = [&](double mine, double true_one) {
-    const double here = std::abs(mine - true_one);
-    if (!(here <= difference) && !std::isnan(difference)) difference = here;  // NaN comes in and stays
-    size = std::max(size, std::abs(true_one));
-  };
-  for (std::size_t i = 0; i < X::size; ++i) see(x[i], truth[i]);
-  return difference / size;
-}
 
 template <class P>
 struct Reference {

@@ -137,7 +137,8 @@ void clocks_keep_what_they_say() {
       x = clocks::reversed(x);
       ASSERT_EQ(clocks::steps(stepper, x, 4), 4) << label(scheme);
       const double miss = distance(clocks::reversed(x), start) / size(start);
-      const ClockBound<P<double>, std::remove_cvref_t<decltype(scheme)>> engine(problem, scheme, start);
+      const ClockBound<P<double>, std::remove_cvref_t<decltype(scheme)>, StateOf<P<double>>> engine(problem, scheme,
+                                                                                                    start);
       const auto tangent = engine.tangent(start);
       if (scheme.card().symmetric) {
         EXPECT_LT(miss, 1e-13) << label(scheme);
@@ -158,7 +159,7 @@ void clocks_allocate_nothing() {
     using X = StateOf<P<double>>;
     for_each_clock<P>([&](const auto& chosen, int) {
       const auto scheme = resized(chosen, problem, start, 0.002 * rhythm(problem, start));
-      ClockBound<P<double>, std::remove_cvref_t<decltype(scheme)>> engine(problem, scheme, start);
+      ClockBound<P<double>, std::remove_cvref_t<decltype(scheme)>, StateOf<P<double>>> engine(problem, scheme, start);
       Observer<P<double>, X> observer;
       observer.energy = observer.momenta = observer.orbit = true;
       observer.start(problem, start);

@@ -75,6 +75,15 @@ std::optional<Reply> Client::receive(bool head) {
   }
   buffer_.erase(0, end + 4);
   if (head || reply.status == 204 || reply.status == 304) return reply;
+  if (reply.fields.contains("transfer-encoding")) {
+    for (;;) {
+      const auto piece = chunk();
+      if (!piece) return std::nullopt;
+      if (piece->empty()) return reply;
+      reply.chunks.push_back(*piece);
+      reply.body += *piece;
+    }
+  }
   const auto length = std::stoul(reply.fields.at("content-length"));
   while (buffer_.size() < length) {
     if (!fill()) return std::nullopt;
@@ -82,6 +91,28 @@ std::optional<Reply> Client::receive(bool head) {
   reply.body = buffer_.substr(0, length);
   buffer_.erase(0, length);
   return reply;
+}
+
+std::optional<std::string> Client::chunk() {
+  std::size_t line;
+  while ((line = buffer_.find("\r\n")) == std::string::npos) {
+    if (!fill()) return std::nullopt;
+  }
+  std::size_t digits = 0;
+  const auto length = std::stoul(buffer_, &digits, 16);
+  if (digits != line) return std::nullopt;
+  while (buffer_.size() < line + length + 4) {
+    if (!fill()) return std::nullopt;
+  }
+  if (buffer_.compare(line + 2 + length, 2, "\r\n") != 0) return std::nullopt;
+  std::string piece = buffer_.substr(line + 2, length);
+  buffer_.erase(0, line + length + 4);
+  return piece;
+}
+
+std::optional<std::string> Client::some() {
+  if (buffer_.empty() && !fill()) return std::nullopt;
+  return std::exchange(buffer_, {});
 }
 
 bool Client::ended() {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace least::server::test {
 
@@ -12,6 +13,7 @@ struct Reply {
   int status = 0;
   std::map<std::string, std::string> fields;  ///< names in lower case
   std::string body;
+  std::vector<std::string> chunks;  ///< of a body that came in chunked coding
 };
 
 class Client {
@@ -30,6 +32,10 @@ class Client {
   int interim();
   /// The next answer; nothing when the connection ended first. `head`: it has no body.
   std::optional<Reply> receive(bool head = false);
+  /// The next chunk of a body, empty at its end; nothing when the connection ended first or the coding is wrong.
+  std::optional<std::string> chunk();
+  /// What came, or comes next; nothing when the connection ended.
+  std::optional<std::string> some();
   /// Whether nothing but the end of the connection comes any more (waits for it up to 20 s).
   bool ended();
 

@@ -93,7 +93,8 @@ TEST_F(ContactHttp, ExplicitKeysWinOverAPreset) {
 TEST_F(ContactHttp, EveryPresetOfTheCatalogueRunsAndStandsInTheEchoAsItsKeys) {
   for (const ProblemCard& problem : problems())
     for (const PresetCard& preset : problem.presets) {
-      const std::string scheme(schemes()[problem.schemes.back()].id);
+      const bool split = fits(find_problem(problem.id).value(), find_scheme("contact_splitting").value());
+      const std::string scheme = split ? "contact_splitting" : "leapfrog";
       const Json run = answer(port(), {{"problem", {{"id", problem.id}, {"preset", preset.name}}},
                                        {"scheme", scheme},
                                        {"record", {{"every", 0}}},

@@ -11,18 +11,24 @@ namespace {
 
 constexpr Caps caps{60, 1'000'000, 10'000};
 
-Result<Request, Faults> decoded(std::string_view text) {
+Result<Order, Faults> decoded(std::string_view text) {
   auto parsed = parse_json(text);
   EXPECT_TRUE(parsed) << text;
   return decode(std::move(*parsed), test::cards(), caps);
 }
 
-Request good(std::string_view text) {
-  const auto request = decoded(text);
-  for (std::size_t i = 0; !request && i < request.error().list().size(); ++i) {
-    ADD_FAILURE() << text << ": " << request.error().list()[i].pointer << " " << request.error().list()[i].detail;
+Order ordered(std::string_view text) {
+  const auto order = decoded(text);
+  for (std::size_t i = 0; !order && i < order.error().list().size(); ++i) {
+    ADD_FAILURE() << text << ": " << order.error().list()[i].pointer << " " << order.error().list()[i].detail;
   }
-  return request ? *request : Request{};
+  return order ? *order : Order{};
+}
+
+Request good(std::string_view text) {
+  const Order order = ordered(text);
+  EXPECT_FALSE(order.wish) << text;
+  return order.run;
 }
 
 Faults bad(std::string_view text) {
@@ -182,6 +188,40 @@ TEST(Decode, ASchemeWithItsOwnClockCountsItsOwnSteps) {
   EXPECT_FALSE(
       bad(R"({"problem":"swing","scheme":{"id":"leapfrog","step":0},"until":{"steps":5},"record":{"samples":5}})")
           .at("/record/samples"));
+}
+
+TEST(Decode, AutoIsAWishInPlaceOfAScheme) {
+  const auto with = [](const std::string& scheme, const std::string& more = "") {
+    return R"({"problem":"swing","scheme":)" + scheme + more + "}";
+  };
+  Order order = ordered(with(R"({"id":"auto","accuracy":1e-6,"keep":["momenta","energy"]})"));
+  ASSERT_TRUE(order.wish);
+  EXPECT_EQ(order.wish->accuracy, 1e-6);
+  EXPECT_TRUE(order.wish->keep.momenta && order.wish->keep.energy && !order.wish->keep.structure);
+  EXPECT_EQ(order.run.end, 20);
+  EXPECT_EQ(order.run.record.mode, Record::Mode::samples);  // how many steps there will be is not known
+  order = ordered(with(R"({"id":"auto","accuracy":null,"seconds":0.05,"keep":[]})", R"(,"record":{"every":3})"));
+  ASSERT_TRUE(order.wish);
+  EXPECT_TRUE(std::isnan(order.wish->accuracy));
+  EXPECT_EQ(order.wish->seconds, 0.05);
+  EXPECT_FALSE(order.wish->keep.momenta || order.wish->keep.energy || order.wish->keep.structure);
+  EXPECT_EQ(order.run.record.count, 3);
+  EXPECT_TRUE(ordered(R"({"problem":"flow","scheme":{"id":"auto","accuracy":1e-6}})").wish);  // fits every problem
+
+  const Faults faults = bad(with(R"({"id":"auto","step":1,"accuracy":2,"seconds":61,"keep":["energy","energy","x"]})",
+                                 R"(,"until":{"steps":5},"recrod":{})"));
+  for (const char* pointer : {"/scheme", "/scheme/step", "/scheme/accuracy", "/scheme/seconds", "/scheme/keep/1",
+                              "/scheme/keep/2", "/until/steps", "/recrod"}) {
+    EXPECT_TRUE(faults.at(pointer)) << pointer;
+  }
+  EXPECT_EQ(faults.list().size(), 8u);
+  EXPECT_EQ(fault_at(faults, "/scheme/seconds").allowed, "(0, 60]");
+  EXPECT_TRUE(contains(fault_at(faults, "/until/steps").detail, "auto chooses the step"));
+  EXPECT_TRUE(bad(with("\"auto\"")).at("/scheme"));
+  EXPECT_TRUE(bad(with(R"({"id":"auto","keep":["energy"]})")).at("/scheme"));
+  EXPECT_TRUE(bad(with(R"({"id":"auto","accuracy":1e-6,"keep":"energy"})")).at("/scheme/keep"));
+  EXPECT_TRUE(bad(with(R"({"id":"auto","accuracy":1e-6})", R"(,"until":{"t":-1})")).at("/until/t"));
+  EXPECT_TRUE(contains(fault_at(bad(with("\"atuo\"")), "/scheme").detail, "did you mean \"auto\"?"));
 }
 
 TEST(Decode, TheDefaultStrideIsTheSmallestThatKeepsAThousandSamples) {

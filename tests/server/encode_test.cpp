@@ -72,7 +72,7 @@ struct Example {
   Example() {
     auto parsed = parse_json(R"({"problem":{"id":"swing","level":7},"initial":{"t":-0.0,"q":1e-9},
       "scheme":{"id":"own_clock","critical":null,"keep":false,"stages":null,"kappa":"energy"},"record":{"times":[0,2.5]},"columns":["t","energy"]})");
-    request = *decode(std::move(*parsed), test::cards(), {});
+    request = decode(std::move(*parsed), test::cards(), {})->run;
     const double values[] = {0, 1.5, 2.5, std::nan("")};
     samples.append(values);
     outcome.t = 20;
@@ -122,9 +122,28 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
   }
   const auto again = decode({request, {}}, test::cards(), {});
   ASSERT_TRUE(again);
-  EXPECT_EQ(std::signbit(again->start), true);
-  EXPECT_EQ(Json::parse(encode_json({*again, example.problem, example.scheme, example.outcome, example.samples}).body),
-            first);
+  EXPECT_EQ(std::signbit(again->run.start), true);
+  EXPECT_EQ(
+      Json::parse(encode_json({again->run, example.problem, example.scheme, example.outcome, example.samples}).body),
+      first);
+}
+
+TEST(EncodeJson, SaysHowASchemeWasChosen) {
+  const Example example;
+  const Advice advice{Choice{0, {0.5, 1}}, "the \"cheapest\"", 1e-7, true, {{{1, {0.25}}, 500, std::nan(""), 1e-3}}};
+  const Choosing choosing{advice, test::cards().schemes};
+  least::server::Run run = example.run();
+  EXPECT_FALSE(Json::parse(encode_json(run).body).contains("choice"));
+  run.choosing = &choosing;
+  const Json choice = Json::parse(encode_json(run).body)["choice"];
+  EXPECT_EQ(choice.dump(), R"({"reason":"the \"cheapest\"","met":true,"estimated_error":1e-07,"alternatives":[)"
+                           R"({"scheme":{"id":"runge_kutta_4","step":0.25},"force_evaluations":500,)"
+                           R"("estimated_error":null,"seconds":0.001}]})");
+  bool told = false;
+  for (const auto& [name, value] : encode_csv(run).headers) {
+    told = told || (name == "Leastaction-Choice" && Json::parse(value) == choice);
+  }
+  EXPECT_TRUE(told);
 }
 
 // Columns of codes beside a column of numbers: mode (two words), parameter (the variables q and p).
@@ -203,7 +222,7 @@ TEST(Catalogue, SaysAllThatAFormNeeds) {
   EXPECT_EQ(swing["parameters"][0]["minimum"], 0);
   EXPECT_EQ(swing["parameters"][0]["exclusive_minimum"], true);
   EXPECT_EQ(swing["parameters"][1]["type"], "integer");
-  EXPECT_EQ(swing["schemes"], Json::parse(R"(["leapfrog","runge_kutta_4","own_clock"])"));
+  EXPECT_EQ(swing["schemes"], Json::parse(R"(["leapfrog","runge_kutta_4","own_clock","auto"])"));
   EXPECT_EQ(swing["presets"][0]["initial"]["t"], 5);
 
   const Json& leapfrog = json["schemes"][0];
@@ -227,6 +246,13 @@ TEST(Catalogue, SaysAllThatAFormNeeds) {
   EXPECT_EQ(clock["presets"], Json::parse(R"([{"name":"paper","doc":"As published.",
     "parameters":{"critical":null,"stages":4}},{"name":"kepler","doc":"Exact orbits.",
     "parameters":{"keep":false,"kappa":"energy"}}])"));
+  const Json& automatic = json["schemes"][3];
+  EXPECT_EQ(automatic, Json::parse(catalogue.schemes.at("auto")));
+  EXPECT_EQ(automatic["order"], nullptr);
+  EXPECT_EQ(automatic["parameters"][0]["name"], "accuracy");
+  EXPECT_EQ(automatic["parameters"][0]["default"], nullptr);
+  EXPECT_EQ(automatic["parameters"][2]["type"], "list");
+  EXPECT_EQ(automatic["parameters"][2]["choices"], Json::parse(R"(["energy","structure","momenta"])"));
   EXPECT_EQ(swing["suggested"], Json::parse(R"({"step":0.1,"critical":0.5})"));
   EXPECT_EQ(swing["presets"][1]["suggested"], Json::parse(R"({"critical":0.25})"));
 }

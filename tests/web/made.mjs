@@ -33,9 +33,9 @@ function answer(request, change) {
 
 /**
  * A test among made-up `problems`, with made-up `schemes` beside those that there are; `asked` holds the requests so far,
- * those of A before those of B, and `change(outcome, request)` may alter what is answered.
+ * those of A before those of B, `change(outcome, request)` may alter what is answered, and `more(context)` answer more.
  */
-export const madeUp = (problems, schemes = []) => (name, { change, hash = `#problem=${problems[0].id}`, ...context }, body) => {
+export const madeUp = (problems, schemes = []) => (name, { change, more, hash = `#problem=${problems[0].id}`, ...context }, body) => {
   const asked = [];
   const prepare = async (opened) => {
     await opened.route("**/v1/catalogue", (route) =>
@@ -45,6 +45,7 @@ export const madeUp = (problems, schemes = []) => (name, { change, hash = `#prob
       asked.push(request);
       return route.fulfill({ json: answer(request, change) });
     });
+    await more?.(opened);
   };
   pageTest(name, { prepare, hash, ...context }, (page, opened) => body(page, asked, opened));
 };

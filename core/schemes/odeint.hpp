@@ -1,0 +1,254 @@
+// dormand_prince_5, fehlberg_78, bulirsch_stoer: Boost.Odeint's schemes with error control, as others use them.
+// Controls without geometry that set their own clock: a step is as long as an estimate of its error allows, component
+// by component |error| ≤ tolerance (1 + |y| + h|ẏ|), Odeint's own measure. They need equations of motion and nothing
+// else, read the time, keep no structure: energy drifts at a rate that the tolerance sets. The first step follows
+// Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.4. A tangent direction that a state carries is
+// integrated and controlled with it. Odeint itself is seen by one file only, odeint.cpp: a step is a virtual call.
+// Sources: Dormand & Prince, J. Comput. Appl. Math. 6, 19 (1980); Fehlberg, NASA TR R-287 (1968); Bulirsch & Stoer,
+// Numer. Math. 8, 1 (1966); Ahnert & Mulansky, AIP Conf. Proc. 1389, 1586 (2011).
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <tuple>
+
+#include "core/scene.hpp"
+#include "core/scheme.hpp"
+
+namespace least {
+
+namespace odeint {
+
+enum class Method : std::uint8_t { dormand_prince_5, fehlberg_78, bulirsch_stoer };
+/// Whether the method can say where the motion was within its last step, at no evaluation.
+constexpr bool has_dense(Method method) { return method == Method::dormand_prince_5; }
+
+/// ẏ = f(t, y) of a problem whose type is forgotten.
+struct Field {
+  void (*rate)(const void* problem, double t, const double* y, double* rate);
+  const void* problem;
+};
+
+/// A method with its memory, on a fixed number of components. Not tied to a problem's address.
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+  virtual std::unique_ptr<Integrator> clone() const = 0;
+  /// One accepted step from (t, y); trials that are refused, or come to what is not finite, are repeated shorter. Where
+  /// it fails, y and t stay. singular: every trial comes to what is not finite; underflow: t + h = t.
+  virtual Status step(const Field& field, double* y, double& t) noexcept = 0;
+  /// Steps from (t, y) to the time `end`, later than t, the first of them the whole way if its error allows.
+  virtual Status reach(const Field& field, double* y, double& t, double end) noexcept = 0;
+  /// y at the time t within the last step. False where there is no saying: no step yet, one failed since, no dense
+  /// output.
+  virtual bool between(double t, double* y) const noexcept = 0;
+  virtual const Work& work() const noexcept = 0;
+};
+
+inline constexpr std::size_t most_components = 7;  ///< each costs a second or two of odeint.cpp's compilation
+/// For `size` components, 1 to most_components.
+std::unique_ptr<Integrator> make_integrator(Method method, std::size_t size, double tolerance);
+
+/// States that are doubles at heart: plain, or with a tangent direction.
+template <class X>
+concept Flat = std::is_same_v<typename X::Time, double> &&(std::is_same_v<typename X::Number, double> || Sloped<X>);
+template <Flat X>
+inline constexpr std::size_t components = Sloped<X> ? 2 * X::size : X::size;
+
+}  // namespace odeint
+
+/// Any of the methods on a problem.
+template <VectorField P, odeint::Flat X>
+class AnyOdeintStepper {
+ public:
+  AnyOdeintStepper(const P& problem, odeint::Method method, double tolerance)
+      : problem_(problem), integrator_(odeint::make_integrator(method, size, tolerance)) {}
+  AnyOdeintStepper(const AnyOdeintStepper& other) : problem_(other.problem_), integrator_(other.integrator_->clone()) {}
+  AnyOdeintStepper(AnyOdeintStepper&&) noexcept = default;
+  AnyOdeintStepper& operator=(AnyOdeintStepper other) noexcept {
+    problem_ = other.problem_;
+    integrator_ = std::move(other.integrator_);
+    return *this;
+  }
+
+  /// x.t is the time itself. A state that is not the one the last step ended in costs an evaluation.
+  Status step(X& x) noexcept {
+    return moved(x, [&](double* y, double& t) { return integrator_->step(field(), y, t); });
+  }
+  /// x moved to the time t, which lies within one step from x, by a step that ends there: as accurate as steps are.
+  Status reach(X& x, double t) noexcept {
+    return moved(x, [&](double* y, double& now) { return integrator_->reach(field(), y, now, t); });
+  }
+  /// x set to the state at t, which lies within the last step; false where a step failed since, or the method cannot:
+  /// `reach` from its start.
+  bool interpolate(X& x, double t) const noexcept {
+    std::array<double, size> y;
+    if (!integrator_->between(t, y.data())) return false;
+    read(y.data(), x);
+    x.t = t;
+    return true;
+  }
+  const Work& work() const noexcept { return integrator_->work(); }
+
+ private:
+  static constexpr std::size_t size = odeint::components<X>;
+  static_assert(size <= odeint::most_components, "odeint.cpp knows no states of this size: raise most_components");
+
+  /// Values, then slopes.
+  static void read(const double* y, X& x) {
+    for (std::size_t i = 0; i < X::size; ++i) {
+      if constexpr (Sloped<X>) {
+        x[i] = {y[i], {y[X::size + i]}};
+      } else {
+        x[i] = y[i];
+      }
+    }
+  }
+  static void write(const X& x, double* y) {
+    for (std::size_t i = 0; i < X::size; ++i) {
+      y[i] = value_of(x[i]);
+      if constexpr (Sloped<X>) y[X::size + i] = x[i].slope[0];
+    }
+  }
+  odeint::Field field() const {
+    return {[](const void* problem, double t, const double* y, double* rate) {
+              X x;
+              x.t = t;
+              read(y, x);
+              write(derivative(*static_cast<const P*>(problem), x), rate);
+            },
+            &problem_};
+  }
+  template <class Move>
+  Status moved(X& x, Move&& move) noexcept {
+    std::array<double, size> y;
+    write(x, y.data());
+    double t = x.t;
+    const Status status = move(y.data(), t);
+    if (status != Status::ok) return status;
+    read(y.data(), x);
+    x.t = t;
+    return status;
+  }
+
+  P problem_;
+  std::unique_ptr<odeint::Integrator> integrator_;
+};
+
+/// One of them.
+template <VectorField P, odeint::Flat X, odeint::Method M>
+class OdeintStepper : public AnyOdeintStepper<P, X> {
+ public:
+  static constexpr bool has_dense = odeint::has_dense(M);
+  OdeintStepper(const P& problem, double tolerance) : AnyOdeintStepper<P, X>(problem, M, tolerance) {}
+};
+
+/// Any of them as a scheme: what a run is compiled with, once for the three.
+struct AnyOdeintScheme {
+  odeint::Method method = odeint::Method::dormand_prince_5;
+  double tolerance = 1e-8;
+  static constexpr bool own_clock = true, reads_time = true;
+  template <VectorField P, odeint::Flat X>
+  auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
+    return AnyOdeintStepper<P, X>(problem, method, tolerance);
+  }
+};
+
+template <class C>
+constexpr Field<C> tolerance_field() {
+  return {"tolerance",   "ε",
+          "1",           "error allowed in a step, absolute and relative alike",
+          &C::tolerance, {1e-15, 1e-1, true, false}};
+}
+
+// Their steps take x.t as the time itself, not as what they add to: `reads_time`. The energy level is of no use to
+// them, and a flow that has none leaves it out.
+
+struct DormandPrince5 {
+  double tolerance = 1e-8;
+
+  static constexpr bool own_clock = true, reads_time = true;
+  static constexpr std::tuple fields{tolerance_field<DormandPrince5>()};
+  AnyOdeintScheme common() const { return {odeint::Method::dormand_prince_5, tolerance}; }
+  static SchemeCard card() {
+    return {.id = "dormand_prince_5",
+            .title = "Dormand–Prince 5(4)",
+            .summary =
+                "The Runge–Kutta pair behind most solvers, with error control and dense output of its own: "
+                "Boost.Odeint's.",
+            .orders = {{"", 5}},
+            .structure = "none",
+            .good_for = "smooth systems at moderate accuracy, and as what other schemes are to be measured against",
+            .fails_when =
+                "runs are long (energy drifts at every tolerance), the motion is stiff (steps stay short), "
+                "or many digits are wanted (steps shrink like the fifth root of the tolerance)",
+            .needs = "equations of motion",
+            .references = {"Dormand, Prince, J. Comput. Appl. Math. 6, 19 (1980)",
+                           "Ahnert, Mulansky, Odeint, AIP Conf. Proc. 1389, 1586 (2011)"}};
+  }
+  template <VectorField P, odeint::Flat X>
+  auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
+    return OdeintStepper<P, X, odeint::Method::dormand_prince_5>(problem, tolerance);
+  }
+};
+
+struct Fehlberg78 {
+  double tolerance = 1e-8;
+
+  static constexpr bool own_clock = true, reads_time = true;
+  static constexpr std::tuple fields{tolerance_field<Fehlberg78>()};
+  AnyOdeintScheme common() const { return {odeint::Method::fehlberg_78, tolerance}; }
+  static SchemeCard card() {
+    return {.id = "fehlberg_78",
+            .title = "Runge–Kutta–Fehlberg 7(8)",
+            .summary =
+                "Thirteen stages of order 8 with error control: Boost.Odeint's. A state "
+                "between two steps costs a step.",
+            .orders = {{"", 8}},
+            .structure = "none",
+            .good_for = "smooth systems at high accuracy and few samples",
+            .fails_when =
+                "runs are long (energy drifts), the motion is stiff, forces are not smooth, or the time "
+                "alone drives it: its estimate of the error does not see a plain integral over time",
+            .needs = "equations of motion",
+            .references = {"Fehlberg, NASA TR R-287 (1968)",
+                           "Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.5",
+                           "Ahnert, Mulansky, Odeint, AIP Conf. Proc. 1389, 1586 (2011)"}};
+  }
+  template <VectorField P, odeint::Flat X>
+  auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
+    return OdeintStepper<P, X, odeint::Method::fehlberg_78>(problem, tolerance);
+  }
+};
+
+struct BulirschStoer {
+  double tolerance = 1e-8;
+
+  static constexpr bool own_clock = true, reads_time = true;
+  static constexpr std::tuple fields{tolerance_field<BulirschStoer>()};
+  AnyOdeintScheme common() const { return {odeint::Method::bulirsch_stoer, tolerance}; }
+  static SchemeCard card() {
+    return {.id = "bulirsch_stoer",
+            .title = "Bulirsch–Stoer",
+            .summary =
+                "The explicit midpoint rule extrapolated in the square of the step, which chooses its order as "
+                "well as its step: Boost.Odeint's. The order varies from step to step, 8 "
+                "stands for what is usual at moderate tolerances. A state between two steps costs a step.",
+            .orders = {{"", 8}},
+            .structure = "none",
+            .good_for = "very smooth systems at the highest accuracy: long steps of high order",
+            .fails_when =
+                "runs are long (energy drifts), the motion is stiff or has sudden turns, or many "
+                "samples are asked for",
+            .needs = "equations of motion",
+            .references = {"Bulirsch, Stoer, Numer. Math. 8, 1 (1966)",
+                           "Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.9",
+                           "Ahnert, Mulansky, Odeint, AIP Conf. Proc. 1389, 1586 (2011)"}};
+  }
+  template <VectorField P, odeint::Flat X>
+  auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
+    return OdeintStepper<P, X, odeint::Method::bulirsch_stoer>(problem, tolerance);
+  }
+};
+
+}  // namespace least

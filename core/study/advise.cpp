@@ -1,0 +1,222 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/study/search.hpp"
+
+namespace least {
+namespace {
+
+/// All candidates at once, always the one whose next run is the cheapest, until nothing cheaper can come.
+class Contest {
+ public:
+  Contest(const Request& scene, const Keep& keep, double accuracy, double seconds, const std::atomic<bool>& cancelled)
+      : cancelled_(cancelled), deadline_(seconds), subject_(scene, false, seconds / 2, cancelled) {
+    for (Choice& choice : candidates(scene.problem, keep))
+      searches_.emplace_back(subject_, std::move(choice), accuracy);
+  }
+
+  const Subject& subject() const { return subject_; }
+  std::vector<Search>& searches() { return searches_; }
+  double left() const { return cancelled_.load(std::memory_order_relaxed) ? 0 : deadline_.left(); }
+  bool timed_out() const { return !(left() > 0); }
+
+  /// The search with the cheapest run that is accurate enough; null: there is none.
+  const Search* winner() const {
+    const Search* best = nullptr;
+    for (const Search& search : searches_)
+      if (search.good() && (!best || search.likely_cost() < best->likely_cost())) best = &search;
+    return best;
+  }
+  /// Where none is: the one with the smallest error, or one nearly as good that costs less.
+  const Search* runner_up() const {
+    double least_error = std::numeric_limits<double>::infinity();
+    for (const Search& search : searches_) least_error = std::fmin(least_error, search.best().trial.error);
+    const Search* best = nullptr;
+    for (const Search& search : searches_)
+      if (search.best().trial.error <= 1.5 * least_error &&
+          (!best || search.best().trial.forces < best->best().trial.forces))
+        best = &search;
+    return best;
+  }
+
+  void go() {
+    while (!timed_out()) {
+      const Search* best = winner();
+      const double most = best ? best->likely_cost() / 1.05 : std::numeric_limits<double>::infinity();
+      Search* next = nullptr;
+      for (Search& search : searches_) {
+        if (!best && beaten(search)) search.give_up();
+        if (!search.over() && search.least_cost() < most && (!next || search.least_cost() < next->least_cost()))
+          next = &search;
+      }
+      if (!next) return;
+      next->advance(left());
+    }
+  }
+
+  /// Some more that grant the wish at not much more cost.
+  void find_alternatives() {
+    constexpr int enough = 3, most_runs = 16;
+    const Search* best = winner();
+    const double most = 4 * std::max(best->likely_cost(), 10.0);
+    auto found = std::ranges::count_if(searches_, [](const Search& search) { return search.good().has_value(); }) - 1;
+    for (int run = 0; run < most_runs && found < enough && !timed_out(); ++run) {
+      Search* next = nullptr;
+      for (Search& search : searches_)
+        if (!search.over() && !search.good() && search.likely_cost() < (next ? next->likely_cost() : most))
+          next = &search;
+      if (!next) return;
+      next->advance(left());
+      found += next->good().has_value();
+    }
+  }
+
+ private:
+  /// Whether one that has come to its end was better at much less cost.
+  bool beaten(const Search& search) const {
+    return std::ranges::any_of(searches_, [&](const Search& other) {
+      return other.over() && !search.over() && search.bad() && other.best().trial.error < search.bad()->trial.error &&
+             static_cast<double>(other.best().trial.forces) < search.least_cost() / 4;
+    });
+  }
+
+  const std::atomic<bool>& cancelled_;
+  Deadline deadline_;
+  Subject subject_;
+  std::vector<Search> searches_;
+};
+
+std::string at(const Search& search, const Probe& probe) {
+  return fmt::format("{} at {} = {:.4g}", name(search.scheme()), search.dial().name, probe.value);
+}
+
+std::string measured_by(const Subject& subject) {
+  if (!subject.known()) return "by halving its step, as the reference solution was not finished";
+  return fmt::format("against the {}", subject.truth().how);
+}
+
+std::string measured_up_to(const Subject& subject) {
+  if (!subject.ends_early()) return {};
+  return fmt::format("; measured up to t = {:.6g}, shortly before the motion ends", subject.end());
+}
+
+/// What keeps every scheme from the accuracy.
+std::string obstacle(const Contest& contest, const Search& best, double accuracy) {
+  const Subject& subject = contest.subject();
+  if (subject.floor() > accuracy)
+    return fmt::format(
+        "conditioning: differences of the start grow {:.2g} times{}, so that errors below {:.1e} mean nothing",
+        subject.conditioning().most_growth, subject.conditioning().chaotic() ? ", exponentially" : "", subject.floor());
+  if (best.stalled()) return "round-off: shorter steps do not help any more";
+  if (contest.timed_out()) return "the time for the search ran out";
+  return "more accurate runs would take more than 2e7 force evaluations";
+}
+
+Alternative alternative(const Search& search, const Probe& probe) {
+  return {search.choice(probe), probe.trial.forces, probe.trial.error, probe.trial.seconds};
+}
+
+void choose(Advice& advice, const Search& search, const Probe& probe) {
+  advice.choice = search.choice(probe);
+  advice.estimated_error = probe.trial.error;
+}
+
+Advice cheapest(Contest& contest, double accuracy) {
+  Advice advice;
+  contest.go();
+  const Search* best = contest.winner();
+  if (!best) {
+    const Search* nearest = contest.runner_up();
+    if (!nearest) {
+      advice.reason = contest.timed_out() ? "no run completed within the time for the search"
+                                          : "no scheme completes a run: stiffness, or a motion that ends at once";
+      return advice;
+    }
+    choose(advice, *nearest, nearest->best());
+    advice.reason = fmt::format("nothing reaches {:.1e}; the best is {} with {:.1e}, {}. {}", accuracy,
+                                at(*nearest, nearest->best()), advice.estimated_error, measured_by(contest.subject()),
+                                obstacle(contest, *nearest, accuracy));
+    return advice;
+  }
+  contest.find_alternatives();
+  const Probe& probe = *best->good();
+  choose(advice, *best, probe);
+  advice.met = true;
+  for (const Search& search : contest.searches())
+    if (&search != best && search.good()) advice.alternatives.push_back(alternative(search, *search.good()));
+  std::ranges::stable_sort(advice.alternatives, {}, &Alternative::force_evaluations);
+  advice.reason = fmt::format("{} has an error of {:.1e} {}, with {} force evaluations: the fewest of {} candidates",
+                              at(*best, probe), probe.trial.error, measured_by(contest.subject()), probe.trial.forces,
+                              contest.searches().size());
+  if (!advice.alternatives.empty())
+    advice.reason += fmt::format("; {} takes {:.2f} times as many", name(advice.alternatives.front().scheme),
+                                 static_cast<double>(advice.alternatives.front().force_evaluations) /
+                                     static_cast<double>(std::max<std::int64_t>(probe.trial.forces, 1)));
+  if (best->limited_by_stability()) advice.reason += "; longer steps are not stable (stiffness)";
+  advice.reason += measured_up_to(contest.subject());
+  if (contest.timed_out()) advice.reason += "; the time for the search ran out";
+  return advice;
+}
+
+/// The most accurate run that takes so many seconds.
+Advice best_within(Contest& contest, double seconds) {
+  Advice advice;
+  const auto finest = [](const Search& search) { return search.bad() ? search.bad()->trial.seconds : 0; };
+  double least_error = std::numeric_limits<double>::infinity();
+  const Search* best = nullptr;
+  Probe best_probe;
+  std::vector<std::optional<Probe>> within(contest.searches().size());
+  while (!contest.timed_out()) {
+    Search* next = nullptr;
+    for (Search& search : contest.searches()) {
+      const double error = search.best().trial.error, ahead = seconds / finest(search);
+      const int order = std::max(declared_order(search.scheme()), 1);
+      // Longer than asked for, or so far behind that its order will not make up for it.
+      if (2 * finest(search) > seconds || (error < 1e-2 && error * std::pow(ahead, -1.5 * order) > 10 * least_error))
+        search.give_up();
+      if (!search.over() && (!next || finest(search) < finest(*next))) next = &search;
+    }
+    if (!next) break;
+    next->advance(contest.left());
+    const Probe& probe = next->best();
+    if (probe.trial.seconds > seconds || !(probe.trial.error >= 0)) continue;
+    within[static_cast<std::size_t>(next - contest.searches().data())] = probe;
+    if (!(probe.trial.error < least_error)) continue;
+    least_error = probe.trial.error;
+    best = next;
+    best_probe = probe;
+  }
+  if (!best) {
+    advice.reason = fmt::format("no run completes within {:.3g} s", seconds);
+    return advice;
+  }
+  choose(advice, *best, best_probe);
+  advice.met = true;
+  for (std::size_t i = 0; i < within.size(); ++i)
+    if (within[i] && &contest.searches()[i] != best)
+      advice.alternatives.push_back(alternative(contest.searches()[i], *within[i]));
+  std::ranges::stable_sort(advice.alternatives, {}, &Alternative::estimated_error);
+  advice.alternatives.resize(std::min<std::size_t>(advice.alternatives.size(), 5));
+  std::ranges::stable_sort(advice.alternatives, {}, &Alternative::force_evaluations);
+  advice.reason = fmt::format("{} has the smallest error of what was measured within {:.3g} s: {:.1e} {}, in {:.2g} s",
+                              at(*best, best_probe), seconds, best_probe.trial.error, measured_by(contest.subject()),
+                              best_probe.trial.seconds);
+  return advice;
+}
+
+}  // namespace
+
+Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled) {
+  const bool timed = std::isnan(wish.accuracy);
+  Contest contest(scene, wish.keep, timed ? 0 : wish.accuracy, scene.limits.seconds, cancelled);
+  if (contest.searches().empty()) {
+    Advice advice;
+    advice.reason = "no scheme that applies to this problem keeps what is to be kept";
+    return advice;
+  }
+  return timed ? best_within(contest, wish.seconds) : cheapest(contest, wish.accuracy);
+}
+
+}  // namespace least

@@ -1,0 +1,84 @@
+#include "core/study/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace least {
+namespace {
+
+/// The order between two runs, the first the coarser.
+double order(const Probe& coarse, const Probe& fine) {
+  return std::log(coarse.trial.error / fine.trial.error) / std::log(coarse.value / fine.value);
+}
+
+}  // namespace
+
+Search::Search(const Subject& subject, Choice choice, double accuracy)
+    : subject_(subject),
+      choice_(std::move(choice)),
+      dial_(choice_),
+      accuracy_(accuracy),
+      longest_(subject.longest(choice_, dial_)) {}
+
+double Search::least_cost() const {
+  if (!bad_) return 0;
+  const double steps = dial_.name == "step" ? (subject_.end() - subject_.start()) / bad_->value : 0;
+  return std::max(steps, static_cast<double>(bad_->trial.forces));
+}
+
+double Search::likely_cost() const {
+  if (good_) return static_cast<double>(good_->trial.forces);
+  if (!bad_ || !(bad_->trial.error < 1)) return std::numeric_limits<double>::infinity();
+  const int declared = declared_order(choice_);
+  return least_cost() * std::pow(bad_->trial.error / accuracy_, 1.0 / (declared > 0 ? declared : 6));
+}
+
+double Search::next() const {
+  constexpr double aim = 0.9;
+  if (!bad_) return longest_;
+  const double coarsest = bad_->value;
+  if (good_) {
+    const double ratio = coarsest / good_->value;
+    double ahead = std::sqrt(ratio);
+    if (bad_->trial.error < 1 && good_->trial.error > 0)
+      ahead = std::pow(aim * accuracy_ / good_->trial.error, 1 / order(*bad_, *good_));
+    return good_->value * std::clamp(ahead, std::pow(ratio, 0.1), std::pow(ratio, 0.9));
+  }
+  const double stride = dial_.adaptive() ? 10 : 2;
+  if (!before_ || accuracy_ == 0 || !(bad_->trial.error < 0.3) || !(bad_->trial.error < before_->trial.error))
+    return coarsest / stride;
+  const int declared = declared_order(choice_);
+  const double seen = order(*before_, *bad_), p = declared > 0 ? std::min(seen, 1.2 * declared) : seen;
+  return coarsest / std::clamp(std::pow(bad_->trial.error / (aim * accuracy_), 1 / p), 1.03, stride * stride);
+}
+
+void Search::advance(double seconds) {
+  const double value = next();
+  const Trial trial = subject_.run(dial_.at(choice_, value), seconds, static_cast<std::int64_t>(most_forces));
+  if (trial.status == Reason::deadline || trial.status == Reason::cancelled) return;
+  settle({value, trial});
+}
+
+void Search::settle(const Probe& probe) {
+  const Trial& trial = probe.trial;
+  if (trial.error < best_.trial.error || (std::isnan(best_.trial.error) && !std::isnan(trial.error))) best_ = probe;
+  if (trial.error <= accuracy_) {
+    good_ = probe;
+  } else {
+    const double last = bad_ ? bad_->trial.error : std::numeric_limits<double>::infinity();
+    if (!good_) flat_ = trial.error > 0.9 * last && trial.error < subject_.plateau() ? flat_ + 1 : 0;
+    if (bad_) before_ = bad_;
+    bad_ = probe;
+  }
+  if (good_) {
+    const double near = dial_.adaptive() ? 1.4 : 1.05;  // the cost follows a low power of a tolerance
+    over_ = !bad_ || bad_->value < near * good_->value || good_->trial.error > accuracy_ / 1.2;
+    return;
+  }
+  too_dear_ = trial.status == Reason::step_limit || 1.5 * least_cost() > most_forces;
+  over_ =
+      stalled() || too_dear_ || trial.error < subject_.floor() || next() < std::max(dial_.range.low, 1e-12 * longest_);
+}
+
+}  // namespace least

@@ -1,0 +1,144 @@
+// Studies: what accuracy costs on a scene with each scheme, which scheme to take, how long a step may be. Everything is
+// found by measured runs against a reference solution. *Error* is the contract's: the largest component-wise difference
+// of the state from the true one, divided by max(1, the largest component of the true one).
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/run/request.hpp"
+#include "core/status.hpp"
+
+namespace least {
+
+/// A scheme with all its settings, in the order of its card.
+struct Choice {
+  std::size_t scheme = 0;
+  std::vector<double> settings;
+};
+
+/// The choice in words, as "leapfrog, kahan_li_6", without the setting that a study varies.
+std::string name(const Choice& choice);
+
+/// One run of a study.
+struct StudyPoint {
+  double value = 0;  ///< of the setting that was varied
+  double step = 0;   ///< repeats value where the setting is the step; NaN elsewhere
+  double error = 0;  ///< NaN where the run did not complete
+  std::int64_t force_evaluations = 0;
+  double seconds = 0;  ///< the smallest of some runs, on this machine
+  Reason status = Reason::completed;
+};
+
+struct StudyCurve {
+  Choice scheme;             ///< as it was asked for
+  std::string_view setting;  ///< step | sigma | theta | tolerance
+  std::vector<StudyPoint> points;
+  double observed_order = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured, `why` says why not
+  int expected_order = 0;                                            ///< 0: adaptive, none declared
+  std::string why;
+};
+
+/// A completed point that no other beats in error and in force evaluations, or in error and in seconds.
+struct ParetoPoint {
+  std::size_t curve = 0, point = 0;
+  bool fewest_forces = false, fastest = false;
+};
+
+struct Study {
+  std::string_view how;                                           ///< closed form | quad precision run
+  double uncertainty = std::numeric_limits<double>::quiet_NaN();  ///< of the reference
+  double floor = std::numeric_limits<double>::quiet_NaN();        ///< errors below mean nothing
+  double growth = 1;     ///< of small differences over the span: how well states can be known
+  bool chaotic = false;  ///< it is exponential all along the span
+  double end = 0;        ///< time up to which errors are measured: earlier than asked for where the motion ends before
+  std::vector<StudyCurve> curves;     ///< in the order of the plan's schemes
+  std::vector<ParetoPoint> pareto;    ///< from few force evaluations to many
+  std::vector<std::string> left_out;  ///< what, and why
+};
+
+struct StudyPlan {
+  Request scene;                ///< problem, parameters, start, end in time; nothing else of it is read
+  std::vector<Choice> schemes;  ///< the varied setting is where the search for the first point begins
+  bool at_end = true;           ///< error of the final state, else the largest along the span
+  double budget_seconds = 10;
+  std::int64_t most_forces = 20'000'000;      ///< of one run
+  std::function<void(const Study&)> begun{};  ///< told once how, floor, growth and end are known; may be empty
+};
+
+/// Runs each scheme from its longest useful step down to round-off, all side by side, the cheapest next run first.
+/// Points and counts do not depend on the machine unless the budget runs out; then left_out says what is missing.
+/// `seen(curve index, curve so far with its newest point last)` is called as points come; false ends the study.
+Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t, const StudyCurve&)>& seen,
+                     const std::atomic<bool>& cancelled);
+
+/// What is to be kept by a scheme that is chosen.
+struct Keep {
+  bool energy = false;     ///< symplectic or contact, or symmetric where the motion keeps its energy
+  bool structure = false;  ///< the symplectic or the contact form
+  bool momenta = false;    ///< the momenta of symmetries
+};
+
+struct Wish {
+  double accuracy = 0;  ///< the largest error along the span; NaN: the best within `seconds`
+  double seconds = 0;   ///< of the run itself; read where accuracy is NaN
+  Keep keep;
+};
+
+/// A measured run that grants the wish.
+struct Alternative {
+  Choice scheme;
+  std::int64_t force_evaluations = 0;
+  double estimated_error = 0, seconds = 0;
+};
+
+struct Advice {
+  std::optional<Choice> choice;  ///< empty where no scheme fits the wish's `keep`, or none completes
+  std::string reason;            ///< in words: why this one; or what the best is, and why there is nothing better
+  double estimated_error = std::numeric_limits<double>::quiet_NaN();  ///< against the reference, or at half the step
+  bool met = false;
+  std::vector<Alternative> alternatives;  ///< cheapest first, without the choice
+};
+
+/// The cheapest measured run that grants the wish, by force evaluations. Takes scene.limits.seconds at most; the same
+/// wish gets the same answer unless that time runs out or seconds are what is wished for. The scene ends at a time.
+Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled);
+
+/// The largest stable step of a scheme on a scene.
+struct StabilityLimit {
+  Choice scheme;
+  double step = std::numeric_limits<double>::quiet_NaN();  ///< NaN: stable at every step tried, or no fixed steps
+  std::string_view failure;  ///< just beyond: energy_growth | sign_flip | solver_failed | pole | not_finite; or empty
+  double theory = std::numeric_limits<double>::quiet_NaN();  ///< NaN: none; 0: it grows at every step
+};
+
+/// To one part in a thousand. Stable: over 2,000 steps and at least the span, the state stays bounded.
+StabilityLimit longest_stable_step_of(const Request& scene, const Choice& scheme, const std::atomic<bool>& cancelled);
+
+/// The true states of a scene at increasing times after its start, and how well they can be known.
+struct Truth {
+  std::vector<std::vector<double>> states;  ///< by time; the variables that the motion has
+  double uncertainty = 0;                   ///< in the measure of *error*
+  std::string_view how;                     ///< closed form | quad precision run
+  bool complete = false;                    ///< false: it was told to give up, or the solution ceased to be finite
+
+  std::size_t bytes() const {  ///< in memory, about
+    return sizeof(Truth) +
+           (states.empty() ? 0 : states.size() * (states[0].size() * sizeof(double) + sizeof states[0]));
+  }
+};
+
+/// Kept for the next question; at most 64 of them, of 16 MiB together. Thread-safe. `keep_going` is asked now and then;
+/// false gives up.
+std::shared_ptr<const Truth> truth(const Request& scene, const std::vector<double>& times,
+                                   const std::function<bool()>& keep_going);
+
+}  // namespace least

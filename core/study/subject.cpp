@@ -1,0 +1,243 @@
+#include "core/study/subject.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/composition.hpp"
+#include "core/study/state_error.hpp"
+
+namespace least {
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+std::optional<std::size_t> position(const SchemeCard& card, std::string_view name) {
+  const auto found = std::ranges::find(card.parameters, name, &ParameterCard::name);
+  if (found == card.parameters.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - card.parameters.begin());
+}
+
+/// A value as a request would say it.
+std::string said(const ParameterCard& parameter, double value) {
+  if (parameter.kind == Kind::choice) return std::string(parameter.choices[static_cast<std::size_t>(value)]);
+  if (std::isnan(value)) return std::string(parameter.word.empty() ? "null" : parameter.word);
+  return fmt::format("{}", value);
+}
+
+/// Every one of them with each of these values; those that the card has something against are left out by the caller.
+std::vector<Choice> with_each(const std::vector<Choice>& choices, std::size_t index,
+                              const std::vector<double>& values) {
+  std::vector<Choice> all;
+  for (const Choice& choice : choices)
+    for (const double value : values) {
+      all.push_back(choice);
+      all.back().settings[index] = value;
+    }
+  return all;
+}
+
+bool keeps(const SchemeCard& scheme, const ProblemCard& problem, const Keep& keep) {
+  const bool form = scheme.structure != "none";
+  if (keep.structure && !form) return false;
+  if (keep.energy && !form && !(scheme.symmetric && problem.keeps_energy)) return false;
+  return !keep.momenta || form || scheme.id == "adaptive_verlet";
+}
+
+}  // namespace
+
+std::string name(const Choice& choice) {
+  const SchemeCard& card = schemes()[choice.scheme];
+  std::string words(card.id);
+  for (std::size_t i = 0; i < card.parameters.size(); ++i) {
+    const ParameterCard& parameter = card.parameters[i];
+    const double value = choice.settings[i];
+    if (value == parameter.value || (parameter.kind == Kind::number && !std::isnan(value))) continue;
+    const bool plain = parameter.name == "composition" || parameter.kind != Kind::choice;
+    words += parameter.name == "composition" ? ", " : fmt::format(", {} ", parameter.name);
+    words += plain || !parameter.choices.empty() ? said(parameter, value) : "";
+  }
+  return words;
+}
+
+Dial::Dial(const Choice& choice) {
+  const SchemeCard& card = schemes()[choice.scheme];
+  for (const std::string_view candidate : {"tolerance", "theta", "sigma", "step"})
+    if (const auto found = position(card, candidate)) {
+      name = candidate;
+      index = *found;
+      break;
+    }
+  range = card.parameters[index].range;
+  if (name == "theta") companion = position(card, "step");
+}
+
+Choice Dial::at(const Choice& choice, double value) const {
+  Choice turned = choice;
+  value = std::clamp(value, range.low, range.high);
+  if (companion) turned.settings[*companion] *= value / choice.settings[index];
+  turned.settings[index] = value;
+  return turned;
+}
+
+int declared_order(const Choice& choice) {
+  const SchemeCard& card = schemes()[choice.scheme];
+  if (Dial(choice).adaptive() || card.orders.empty()) return 0;
+  for (std::size_t i = 0; i < card.parameters.size(); ++i) {
+    if (card.parameters[i].kind != Kind::choice && card.parameters[i].kind != Kind::integer) continue;
+    const std::string value = said(card.parameters[i], choice.settings[i]);
+    for (const auto& [key, order] : card.orders)
+      if (key == value) return order;
+  }
+  return card.orders.front().second;
+}
+
+std::vector<Choice> candidates(std::size_t problem, const Keep& keep) {
+  const ProblemCard& problem_card = problems()[problem];
+  std::vector<Choice> all;
+  for (const std::size_t scheme : problem_card.schemes) {
+    const SchemeCard& card = schemes()[scheme];
+    if (!keeps(card, problem_card, keep)) continue;
+    Choice plain{scheme, {}};
+    for (const ParameterCard& parameter : card.parameters) {
+      const auto suggestion = std::ranges::find(problem_card.suggested, parameter.suggested, &NamedValue::first);
+      plain.settings.push_back(suggestion != problem_card.suggested.end() ? suggestion->second : parameter.value);
+    }
+    std::vector<Choice> variants{plain};
+    if (const auto kappa = position(card, "kappa"))
+      variants = with_each(variants, *kappa, {plain.settings[*kappa], unknown});
+    if (const auto stages = position(card, "stages")) {
+      std::vector<double> counts;
+      for (double s = card.parameters[*stages].range.low; s <= card.parameters[*stages].range.high; ++s)
+        counts.push_back(s);
+      variants = with_each(variants, *stages, counts);
+    }
+    if (const auto composition = position(card, "composition")) {
+      const auto index = [](Composition c) { return static_cast<double>(c); };
+      std::vector<double> useful{index(Composition::none)};
+      for (const Composition c : {Composition::suzuki_4, Composition::kahan_li_6, Composition::kahan_li_8,
+                                  Composition::sofroniou_spaletta_10})
+        if (card.orders[static_cast<std::size_t>(c)].second > card.orders.front().second) useful.push_back(index(c));
+      variants = with_each(variants, *composition, useful);
+    }
+    std::erase_if(variants, [&](const Choice& choice) {
+      return card.conflicts && !card.conflicts(choice.settings, problem_card).empty();
+    });
+    all.insert(all.end(), variants.begin(), variants.end());
+  }
+  return all;
+}
+
+Subject::Subject(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled)
+    : scene_(scene), at_end_(at_end), cancelled_(cancelled) {
+  const Deadline deadline(seconds);
+  const auto keep_going = [&] { return deadline.left() > 0 && !cancelled.load(std::memory_order_relaxed); };
+  conditioning_ = least::conditioning(scene_, keep_going);
+  if (conditioning_->ends) scene_.end = conditioning_->reached;
+  if (!at_end) {
+    constexpr int count = 64;
+    const double span = scene_.end - scene_.start;
+    const auto& pace = conditioning_->pace;
+    for (int k = 1; k < count; ++k) times_.push_back(scene_.start + span * k / count);
+    // As many again that follow the motion, or a fast passage would not be seen.
+    for (std::size_t k = 1; k < count && pace.size() > count; ++k) times_.push_back(pace[k * pace.size() / count]);
+    std::ranges::sort(times_);
+    const auto near = [&](double a, double b) { return b - a < 1e-6 * span; };
+    times_.erase(std::ranges::unique(times_, near).begin(), times_.end());
+    std::erase_if(times_, [&](double t) { return near(scene_.start, t) || near(t, scene_.end); });
+  }
+  times_.push_back(scene_.end);
+  truth_ = least::truth(scene_, times_, keep_going);
+}
+
+double Subject::floor() const {
+  const double growth = at_end_ ? conditioning_->growth : conditioning_->most_growth;
+  const double rounding = 0x1p-53 * growth;
+  return known() ? std::max(truth_->uncertainty, rounding) : rounding;
+}
+
+Request Subject::request(const Choice& choice, double seconds, std::int64_t most_steps) const {
+  Request request = scene_;
+  request.scheme = choice.scheme;
+  request.settings = choice.settings;
+  request.until_steps = false;
+  request.record = {Record::Mode::every, 0, {}};
+  request.columns.clear();
+  request.diagnostics.clear();
+  request.limits = {seconds, most_steps, 1'000'000};
+  return request;
+}
+
+double Subject::longest(const Choice& choice, const Dial& dial) const {
+  if (dial.adaptive()) return dial.range.high;
+  const double span = scene_.end - scene_.start;
+  if (!schemes()[choice.scheme].own_clock) return std::min(span, dial.range.high);
+  double value = dial.value(choice);
+  for (int k = 0; k < 40; ++k, value /= 4) {  // where the first step fails, a shorter one may not
+    Request one = request(dial.at(choice, value), 1, 1);
+    one.until_steps = true;
+    one.steps = 1;
+    Samples none;
+    const Outcome outcome = least::run(one, none, cancelled_);
+    if (outcome.stop.reason == Reason::completed && outcome.t > scene_.start)
+      return std::min(value * (span / (outcome.t - scene_.start)), dial.range.high);
+  }
+  return dial.value(choice);
+}
+
+Trial Subject::run(const Choice& choice, double seconds, std::int64_t most_steps, States& states) const {
+  Request measured = request(choice, seconds, most_steps);
+  const std::size_t size = conditioning_->variables;
+  if (!at_end_) {
+    measured.record = {Record::Mode::times, 1, times_};
+    for (std::size_t i = 0; i < size; ++i) measured.columns.push_back(i + 1);
+  }
+  Samples samples;
+  const Outcome outcome = least::run(measured, samples, cancelled_);
+  for (std::size_t i = 0; i + size <= samples.values.size(); i += size)
+    states.emplace_back(samples.values.begin() + static_cast<std::ptrdiff_t>(i),
+                        samples.values.begin() + static_cast<std::ptrdiff_t>(i + size));
+  if (at_end_) states.emplace_back(outcome.final.begin(), outcome.final.begin() + static_cast<std::ptrdiff_t>(size));
+  return {outcome.stop.reason, unknown, outcome.cost.force_evaluations, outcome.cost.seconds};
+}
+
+double Subject::error(const States& states, const States& truth) const {
+  if (states.size() != truth.size()) return unknown;
+  double most = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const double here = state_error(states[i], truth[i], truth[i].size());
+    if (!(here <= most)) most = here;
+    if (std::isnan(most)) break;
+  }
+  return most;
+}
+
+Trial Subject::run(const Choice& choice, double seconds, std::int64_t most_steps) const {
+  States states, finer;
+  Trial trial = run(choice, seconds, most_steps, states);
+  if (trial.status != Reason::completed) return trial;
+  if (known()) {
+    trial.error = error(states, truth_->states);
+    return trial;
+  }
+  const Dial dial(choice);
+  const double value = dial.value(choice) / (dial.adaptive() ? 100 : 2);
+  const Trial half = run(dial.at(choice, value), seconds - trial.seconds, 2 * most_steps, finer);
+  trial.error = half.status == Reason::completed ? error(states, finer) : unknown;
+  return trial;
+}
+
+double Subject::time(const Choice& choice, double seconds, std::int64_t most_steps) const {
+  const Request timed = request(choice, seconds, most_steps);
+  double together = 0, shortest = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3 && together < 2e-3; ++k) {
+    Samples none;
+    const double here = least::run(timed, none, cancelled_).cost.seconds;
+    shortest = std::min(shortest, here);
+    together += here;
+  }
+  return shortest;
+}
+
+}  // namespace least

@@ -1,0 +1,93 @@
+// A scene under study: what is known of its motion, and runs measured against that.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "core/catalogue.hpp"
+
+namespace least {
+
+/// The setting that decides how fine a scheme is, from coarse to fine.
+struct Dial {
+  std::string_view name;                 ///< step | sigma | theta | tolerance
+  std::size_t index = 0;                 ///< among the scheme's parameters
+  std::optional<std::size_t> companion;  ///< scaled with it: the step in time of a scheme with θ
+  Range range{0, 0};
+
+  explicit Dial(const Choice& choice);
+  bool adaptive() const { return name == "tolerance"; }
+  double value(const Choice& choice) const { return choice.settings[index]; }
+  /// The choice at another value, brought into its range.
+  Choice at(const Choice& choice, double value) const;
+};
+
+/// The order that the card declares for these settings; 0 where the dial is a tolerance.
+int declared_order(const Choice& choice);
+
+/// Every scheme that applies, with none and the recommended compositions, as the catalogue suggests it for the problem.
+std::vector<Choice> candidates(std::size_t problem, const Keep& keep);
+
+/// A time that is not to be exceeded.
+class Deadline {
+ public:
+  explicit Deadline(double seconds) : seconds_(seconds) {}
+  double passed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  double left() const { return seconds_ - passed(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+  double seconds_;
+};
+
+/// What one run said.
+struct Trial {
+  Reason status = Reason::completed;
+  double error = std::numeric_limits<double>::quiet_NaN();  ///< NaN where the run did not complete
+  std::int64_t forces = 0;
+  double seconds = 0;
+};
+
+class Subject {
+ public:
+  /// Finds out about the motion: that may take `seconds`, and ends where `cancelled` says so.
+  Subject(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled);
+
+  /// Whether there is a truth to measure against. Where there is none, runs are held against their like of half the
+  /// step.
+  bool known() const { return truth_->complete; }
+  const Truth& truth() const { return *truth_; }
+  const Conditioning& conditioning() const { return *conditioning_; }
+  /// Errors below mean nothing.
+  double floor() const;
+  /// Errors below that no longer fall are round-off: above, they may fall again.
+  double plateau() const { return conditioning_->chaotic() ? 1 : std::max(1e-3, 100 * floor()); }
+  double start() const { return scene_.start; }
+  double end() const { return scene_.end; }
+  bool ends_early() const { return conditioning_->ends; }
+
+  /// The dial's value at which a run takes about one step.
+  double longest(const Choice& choice, const Dial& dial) const;
+  /// A run, at most so many seconds and steps long.
+  Trial run(const Choice& choice, double seconds, std::int64_t most_steps) const;
+  /// The smallest time of runs that keep nothing: of three, or as many as take two milliseconds.
+  double time(const Choice& choice, double seconds, std::int64_t most_steps) const;
+
+ private:
+  using States = std::vector<std::vector<double>>;
+
+  Request request(const Choice& choice, double seconds, std::int64_t most_steps) const;
+  Trial run(const Choice& choice, double seconds, std::int64_t most_steps, States& states) const;
+  double error(const States& states, const States& truth) const;
+
+  Request scene_;  ///< up to where the motion goes
+  bool at_end_;
+  const std::atomic<bool>& cancelled_;
+  std::shared_ptr<const Conditioning> conditioning_;
+  std::vector<double> times_;
+  std::shared_ptr<const Truth> truth_;
+};
+
+}  // namespace least

@@ -1,0 +1,95 @@
+// Truths and conditionings, kept for the next question about the same motion.
+#include <algorithm>
+#include <bit>
+#include <list>
+#include <mutex>
+#include <utility>
+
+#include "core/catalogue.hpp"
+
+namespace least {
+namespace {
+
+/// What stands for a question: the bits of its numbers, so that NaN and −0 are themselves.
+using Key = std::vector<std::uint64_t>;
+
+void append(Key& key, const std::vector<double>& numbers) {
+  key.push_back(numbers.size());
+  for (const double x : numbers) key.push_back(std::bit_cast<std::uint64_t>(x));
+}
+
+Key key_of(const Request& scene, const std::vector<double>& times) {
+  Key key{scene.problem};
+  append(key, scene.parameters);
+  append(key, scene.initial);
+  append(key, {scene.start});
+  append(key, times);
+  return key;
+}
+
+/// The answers used last. Thread-safe.
+template <class Answer>
+class Cache {
+ public:
+  std::shared_ptr<const Answer> find(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(entries_, key, &Entry::key);
+    if (found == entries_.end()) return nullptr;
+    entries_.splice(entries_.begin(), entries_, found);
+    return found->answer;
+  }
+  void keep(Key key, std::shared_ptr<const Answer> answer, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    bytes += key.size() * sizeof(Key::value_type);
+    if (bytes > most_bytes) return;
+    std::erase_if(entries_, [&](const Entry& entry) { return entry.key == key; });
+    entries_.push_front({std::move(key), std::move(answer), bytes});
+    std::size_t together = 0, count = 0;
+    const auto first_too_many = std::ranges::find_if(entries_, [&](const Entry& entry) {
+      together += entry.bytes;
+      return ++count > most_entries || together > most_bytes;
+    });
+    entries_.erase(first_too_many, entries_.end());
+  }
+
+ private:
+  static constexpr std::size_t most_entries = 64, most_bytes = 16 << 20;
+  struct Entry {
+    Key key;
+    std::shared_ptr<const Answer> answer;
+    std::size_t bytes;
+  };
+  std::mutex mutex_;
+  std::list<Entry> entries_;
+};
+
+/// The answer to a question, from the cache or by compute(keep_going); one that was given up is not kept.
+template <class Answer, class Compute>
+std::shared_ptr<const Answer> answer(Cache<Answer>& cache, Key key, const std::function<bool()>& keep_going,
+                                     Compute&& compute) {
+  if (auto known = cache.find(key)) return known;
+  bool gave_up = false;
+  const auto found = std::make_shared<const Answer>(compute([&] {
+    gave_up = gave_up || !keep_going();
+    return !gave_up;
+  }));
+  if (!gave_up) cache.keep(std::move(key), found, found->bytes());
+  return found;
+}
+
+}  // namespace
+
+std::shared_ptr<const Truth> truth(const Request& scene, const std::vector<double>& times,
+                                   const std::function<bool()>& keep_going) {
+  static Cache<Truth> cache;
+  return answer(cache, key_of(scene, times), keep_going,
+                [&](const std::function<bool()>& going) { return compute_truth(scene, times, going); });
+}
+
+std::shared_ptr<const Conditioning> conditioning(const Request& scene, const std::function<bool()>& keep_going) {
+  static Cache<Conditioning> cache;
+  return answer(cache, key_of(scene, {scene.end}), keep_going,
+                [&](const std::function<bool()>& going) { return compute_conditioning(scene, going); });
+}
+
+}  // namespace least

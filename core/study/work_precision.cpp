@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "core/study/subject.hpp"
+
+namespace least {
+namespace {
+
+/// The runs of one scheme, from coarse to fine.
+class Ladder {
+ public:
+  Ladder(const Subject& subject, const StudyPlan& plan, StudyCurve& curve)
+      : subject_(subject), plan_(plan), curve_(curve), dial_(curve.scheme) {
+    curve.setting = dial_.name;
+    longest_ = value_ = subject.longest(curve.scheme, dial_) / (dial_.adaptive() ? 1 : 4);
+  }
+
+  bool over() const { return over_; }
+  double next() const { return value_; }
+  /// What the next run will cost, about.
+  double cost() const { return cost_; }
+
+  /// One run. True where the curve has a new point.
+  bool climb(double seconds) {
+    const Trial trial = subject_.run(dial_.at(curve_.scheme, value_), seconds, plan_.most_forces);
+    if (trial.status == Reason::deadline || trial.status == Reason::cancelled) return false;  // to be run again
+    StudyPoint point{value_,        dial_.name == "step" ? value_ : std::numeric_limits<double>::quiet_NaN(),
+                     trial.error,   trial.forces,
+                     trial.seconds, trial.status};
+    const bool meant = trial.error < 1;
+    const bool first = meant && !begun_;
+    if (first && before_) curve_.points.push_back(*before_);
+    if (meant || begun_) {
+      if (meant)
+        point.seconds =
+            std::min(point.seconds, subject_.time(dial_.at(curve_.scheme, value_), seconds, plan_.most_forces));
+      curve_.points.push_back(point);
+    } else {
+      before_ = point;
+    }
+    begun_ = begun_ || meant;
+    move_on(trial);
+    return begun_;
+  }
+
+  /// Nothing more will come.
+  void close() {
+    if (!begun_ && before_) curve_.points.push_back(*before_);
+    fit();
+  }
+
+ private:
+  void move_on(const Trial& trial) {
+    const double finer = dial_.adaptive() ? std::sqrt(10.0) : 1.5;
+    // One that ended early says little of what a whole one costs.
+    const bool whole = trial.status == Reason::completed;
+    const double growth = !whole ? 1 : dial_.adaptive() ? 1.3 : finer;
+    cost_ = std::max(cost_, static_cast<double>(trial.forces) * growth);
+    flat_ = whole && trial.error > 0.9 * last_ ? flat_ + 1 : 0;
+    last_ = whole ? trial.error : std::numeric_limits<double>::infinity();
+    value_ /= finer;
+    if (dial_.name == "step") cost_ = std::max(cost_, (subject_.end() - subject_.start()) / value_);
+    const bool at_floor = trial.error < 3 * subject_.floor() || (flat_ >= 2 && trial.error < subject_.plateau());
+    const bool dear = cost_ > static_cast<double>(plan_.most_forces) || trial.status == Reason::step_limit;
+    over_ = at_floor || dear || value_ < std::max(dial_.range.low, 1e-12 * longest_);
+  }
+
+  /// The level of errors that have ceased to fall: from the first that none of the next ones falls clearly below. 0:
+  /// they fall to the last.
+  double round_off() const {
+    const auto& points = curve_.points;
+    for (std::size_t i = 0; i + 2 < points.size(); ++i) {
+      if (!(points[i].error < subject_.plateau())) continue;
+      const auto next = std::span(points).subspan(i + 2, std::min<std::size_t>(3, points.size() - i - 2));
+      if (std::ranges::any_of(next, [&](const StudyPoint& p) { return !(1.5 * p.error > points[i].error); })) continue;
+      return std::ranges::max(std::span(points).subspan(i), {}, &StudyPoint::error).error;
+    }
+    return 0;
+  }
+
+  /// The slope of the finest points that are accurate and above round-off.
+  void fit() {
+    if (dial_.adaptive()) {
+      curve_.why = "adaptive: no order is declared";
+      return;
+    }
+    const double lowest = std::max(subject_.floor(), round_off());
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, finest = 0;
+    for (std::size_t i = curve_.points.size(); i-- > 0;) {
+      const StudyPoint& point = curve_.points[i];
+      if (!(point.error > 30 * lowest && point.error < 1e-2)) continue;
+      if (n == 0) finest = point.error;
+      if (n >= 3 && point.error > 1e3 * finest) break;
+      const double x = std::log(point.value), y = std::log(point.error);
+      n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
+    }
+    if (n >= 3)
+      curve_.observed_order = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    else
+      curve_.why = fmt::format("{} of its errors lie between {:.1e} and 1e-2, where an order shows; three are needed",
+                               n, 30 * lowest);
+  }
+
+  const Subject& subject_;
+  const StudyPlan& plan_;
+  StudyCurve& curve_;
+  Dial dial_;
+  double value_, longest_, cost_ = 0, last_ = std::numeric_limits<double>::infinity();
+  std::optional<StudyPoint> before_;  ///< the last run before the first that means something
+  int flat_ = 0;
+  bool begun_ = false, over_ = false;
+};
+
+std::vector<ParetoPoint> pareto_front(const std::vector<StudyCurve>& curves) {
+  std::vector<ParetoPoint> all;
+  for (std::size_t c = 0; c < curves.size(); ++c)
+    for (std::size_t k = 0; k < curves[c].points.size(); ++k)
+      if (std::isfinite(curves[c].points[k].error)) all.push_back({c, k});
+  const auto point = [&](const ParetoPoint& p) -> const StudyPoint& { return curves[p.curve].points[p.point]; };
+  /// Marks those whose error is below that of all that cost less.
+  const auto mark = [&](auto cost, bool ParetoPoint::*flag) {
+    std::ranges::stable_sort(all, {}, [&](const ParetoPoint& p) { return std::pair(cost(point(p)), point(p).error); });
+    double least_error = std::numeric_limits<double>::infinity();
+    for (ParetoPoint& p : all) {
+      p.*flag = point(p).error < least_error;
+      least_error = std::min(least_error, point(p).error);
+    }
+  };
+  mark([](const StudyPoint& p) { return p.seconds; }, &ParetoPoint::fastest);
+  mark([](const StudyPoint& p) { return static_cast<double>(p.force_evaluations); }, &ParetoPoint::fewest_forces);
+  std::erase_if(all, [](const ParetoPoint& p) { return !p.fastest && !p.fewest_forces; });
+  return all;
+}
+
+}  // namespace
+
+Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t, const StudyCurve&)>& seen,
+                     const std::atomic<bool>& cancelled) {
+  const Deadline deadline(plan.budget_seconds);
+  Study study;
+  for (const Choice& scheme : plan.schemes) {
+    StudyCurve& curve = study.curves.emplace_back();
+    curve.scheme = scheme;
+    curve.expected_order = declared_order(scheme);
+    curve.setting = Dial(scheme).name;
+  }
+  const Subject subject(plan.scene, plan.at_end, plan.budget_seconds, cancelled);
+  study.end = subject.end();
+  study.growth = plan.at_end ? subject.conditioning().growth : subject.conditioning().most_growth;
+  study.chaotic = subject.conditioning().chaotic();
+  if (!subject.known()) {
+    study.left_out.push_back(fmt::format(
+        "everything: the reference solution was not finished within {} s, or is not finite", plan.budget_seconds));
+    for (StudyCurve& curve : study.curves) curve.why = "there is no reference solution";
+    return study;
+  }
+  study.how = subject.truth().how;
+  study.uncertainty = subject.truth().uncertainty;
+  study.floor = subject.floor();
+  if (subject.ends_early())
+    study.left_out.push_back(fmt::format("times after t = {:.6g}, where the motion nears its end", subject.end()));
+  if (plan.begun) plan.begun(study);
+
+  std::vector<Ladder> ladders;
+  for (StudyCurve& curve : study.curves) ladders.emplace_back(subject, plan, curve);
+  bool wanted = true;
+  while (wanted && deadline.left() > 0 && !cancelled.load(std::memory_order_relaxed)) {
+    Ladder* cheapest = nullptr;
+    for (Ladder& ladder : ladders)
+      if (!ladder.over() && (!cheapest || ladder.cost() < cheapest->cost())) cheapest = &ladder;
+    if (!cheapest) break;
+    const auto index = static_cast<std::size_t>(cheapest - ladders.data());
+    if (cheapest->climb(deadline.left())) wanted = seen(index, study.curves[index]);
+  }
+  for (std::size_t i = 0; i < ladders.size(); ++i) {
+    StudyCurve& curve = study.curves[i];
+    ladders[i].close();
+    if (!ladders[i].over())
+      study.left_out.push_back(
+          fmt::format("{}: {} from {:.3g} on, because {}", name(curve.scheme), curve.setting, ladders[i].next(),
+                      deadline.left() > 0 ? "the study was cancelled"
+                                          : fmt::format("the budget of {} s ran out", plan.budget_seconds)));
+  }
+  study.pareto = pareto_front(study.curves);
+  return study;
+}
+
+}  // namespace least

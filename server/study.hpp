@@ -1,0 +1,14 @@
+// The studies from the text of a request to the answer.
+#pragma once
+
+#include "server/endpoint.hpp"
+
+namespace least::server {
+
+/// POST /v1/work-precision: as a whole, or line by line while it is measured.
+Answer measure_work_precision(const Context& context, const Question& question);
+
+/// POST /v1/stability.
+Answer measure_stability(const Context& context, const Question& question);
+
+}  // namespace least::server

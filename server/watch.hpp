@@ -1,0 +1,55 @@
+// Ends a computation that nobody waits for any more: a thread beside it that sets what the core looks at.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "core/status.hpp"
+
+namespace least::server {
+
+class Watch {
+ public:
+  /// Watches until its own end: for the end of the service, the client that goes away (never, where `gone` is empty)
+  /// and the time that the computation may take.
+  Watch(const std::atomic<bool>& ended, std::function<bool()> gone, double seconds)
+      : watching_([this, &ended, gone = std::move(gone), seconds](const std::stop_token& stop) {
+          watch(stop, ended, gone, seconds);
+        }) {}
+
+  const std::atomic<bool>& cancelled() const { return cancelled_; }
+  /// `deadline`, `cancelled`, or `completed` while nothing happened.
+  Reason reason() const { return reason_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void watch(const std::stop_token& stop, const std::atomic<bool>& ended, const std::function<bool()>& gone,
+             double seconds) {
+    const auto start = Clock::now();
+    std::unique_lock lock(mutex_);
+    while (!stop.stop_requested()) {
+      const bool late = std::chrono::duration<double>(Clock::now() - start).count() > seconds;
+      if (late || ended || (gone && gone())) {
+        reason_ = late ? Reason::deadline : Reason::cancelled;
+        cancelled_ = true;
+        return;
+      }
+      wake_.wait_for(lock, stop, glance, [] { return false; });
+    }
+  }
+
+  static constexpr std::chrono::milliseconds glance{50};
+  std::atomic<bool> cancelled_{false};
+  std::atomic<Reason> reason_{Reason::completed};
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::jthread watching_;  // last: it uses the others
+};
+
+}  // namespace least::server

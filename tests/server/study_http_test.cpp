@@ -1,0 +1,240 @@
+// The studies over real sockets: chunks, clients that go away, deadlines, the end of the service.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "server/json_text.hpp"
+#include "server/study.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+using StudyHttp = Serving;
+
+constexpr std::string_view lines = "Accept: application/x-ndjson\r\n";
+constexpr std::string_view small =
+    R"({"problem":"harmonic_oscillator","until":{"t":5},
+        "schemes":["runge_kutta_4",{"id":"leapfrog","composition":"kahan_li_8"}]})";
+constexpr std::string_view simple = R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})";
+
+// More than can be measured in the time.
+std::string long_study(std::string_view fields, double seconds) {
+  return post("/v1/work-precision",
+              R"({"problem":"kepler","until":{"t":4000},"schemes":"all","error":"max","budget_seconds":)" +
+                  std::to_string(seconds) + "}",
+              fields);
+}
+
+std::vector<Json> read_lines(const Reply& reply) {
+  std::vector<Json> all;
+  for (const std::string& chunk : reply.chunks) all.push_back(Json::parse(chunk));
+  return all;
+}
+
+// A point without what depends on the machine.
+Json repeatable(Json point) {
+  point.erase("seconds");
+  return point;
+}
+
+TEST_F(StudyHttp, TheLinesAreTheWholeAnswerPieceByPiece) {
+  Client client(port());
+  client.send(post("/v1/work-precision", small, lines) + get("/healthz"));
+  const auto reply = client.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 200);
+  EXPECT_EQ(reply->fields.at("content-type"), "application/x-ndjson");
+  EXPECT_EQ(reply->fields.count("content-length"), 0u);
+  EXPECT_EQ(client.receive().value_or(Reply{}).status, 200) << "the connection goes on";
+  for (const std::string& chunk : reply->chunks) {
+    EXPECT_EQ(chunk.find('\n'), chunk.size() - 1) << "a chunk is a line";
+  }
+  auto streamed = read_lines(*reply);
+  ASSERT_GT(streamed.size(), 10u);
+  Json whole = Json::parse(ask(port(), post("/v1/work-precision", small)).body);
+  for (const auto& [key, value] : whole.items()) {
+    if (key == "curves" || key == "pareto") continue;
+    const bool ahead = streamed.front().contains(key);
+    EXPECT_EQ((ahead ? streamed.front() : streamed.back()).at(key), value) << key;
+  }
+  EXPECT_EQ(whole["status"], "completed");
+  EXPECT_EQ(streamed.front().at("schemes")[1].at("composition"), "kahan_li_8");
+  std::vector<Json> points(2);
+  for (std::size_t i = 1; i + 1 < streamed.size(); ++i) {
+    const Json& line = streamed[i];
+    EXPECT_EQ(line.at("scheme"), streamed.front()["schemes"][line.at("curve").get<std::size_t>()]);
+    points.at(line.at("curve").get<std::size_t>()).push_back(repeatable(line.at("point")));
+  }
+  ASSERT_EQ(whole["curves"].size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Json& curve = whole["curves"][i];
+    Json expected = Json::array();
+    for (const Json& point : curve.at("points")) expected.push_back(repeatable(point));
+    EXPECT_EQ(points[i], expected);
+    for (const char* key : {"scheme", "setting", "observed_order", "expected_order"}) {
+      EXPECT_EQ(streamed.back()["curves"][i].at(key), curve.at(key));
+    }
+    EXPECT_FALSE(streamed.back()["curves"][i].contains("points"));
+  }
+}
+
+TEST_F(StudyHttp, PointsOfTheFrontAreRunsThatCanBeMade) {
+  const std::string request =
+      R"({"problem":"kepler","until":{"t":8},"schemes":["jacobi_maupertuis",{"id":"time_transformed","kappa":"energy"}]})";
+  const Json whole = Json::parse(ask(port(), post("/v1/work-precision", request)).body);
+  std::set<std::string> settings;
+  for (const Json& best : whole.at("pareto")) {
+    Json run{{"problem", whole["problem"]}, {"initial", whole["initial"]}, {"until", whole["until"]}};
+    run["scheme"] = best.at("scheme");
+    run["diagnostics"] = Json::array();
+    const Json outcome = Json::parse(ask(port(), post("/v1/simulate", run.dump())).body);
+    EXPECT_EQ(outcome.at("cost").at("force_evaluations"), best.at("force_evaluations")) << best;
+    settings.insert(whole["curves"][best.at("curve").get<std::size_t>()].at("setting"));
+  }
+  EXPECT_TRUE(settings.contains("theta"));
+}
+
+TEST_F(StudyHttp, ClientsOfTheFirstVersionReadUntilTheEnd) {
+  Client client(port());
+  client.send("POST /v1/work-precision HTTP/1.0\r\nConnection: keep-alive\r\n" + std::string(lines) +
+              "Content-Length: " + std::to_string(small.size()) + "\r\n\r\n" + std::string(small));
+  std::string text;
+  while (const auto more = client.some()) text += *more;
+  EXPECT_EQ(text.find("Transfer-Encoding"), std::string::npos);
+  EXPECT_NE(text.find("Connection: close"), std::string::npos);
+  const auto last = text.rfind('\n', text.size() - 2);
+  EXPECT_EQ(Json::parse(text.substr(last)).at("status"), "completed");
+}
+
+TEST_F(StudyHttp, TakesPostsOnly) {
+  for (const char* path : {"/v1/work-precision", "/v1/stability"}) {
+    Client client(port());
+    client.send("HEAD " + std::string(path) + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    const auto head = client.receive(true);
+    EXPECT_EQ(head->status, 405);
+    EXPECT_EQ(head->fields.at("allow"), "POST, OPTIONS");
+    EXPECT_EQ(ask(port(), "OPTIONS " + std::string(path) + " HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 204);
+  }
+}
+
+TEST_F(StudyHttp, FindsTheLongestStableStep) {
+  const Reply reply = ask(port(), post("/v1/stability", R"({"problem":"harmonic_oscillator","schemes":["leapfrog"]})"));
+  ASSERT_EQ(reply.status, 200);
+  const Json json = Json::parse(reply.body);
+  ASSERT_EQ(json.at("limits").size(), 1u);
+  EXPECT_NEAR(json["limits"][0].at("step").get<double>(), 2, 0.02);
+  EXPECT_EQ(json["limits"][0].at("failure"), "energy_growth");
+  EXPECT_EQ(json.at("status"), "completed");
+}
+
+TEST_F(StudyHttp, AutoRunsWhatItChose) {
+  const std::string request =
+      R"({"problem":"harmonic_oscillator","scheme":{"id":"auto","accuracy":1e-4},"until":{"t":5},
+          "diagnostics":["error"]})";
+  Json json = Json::parse(ask(port(), post("/v1/simulate", request)).body);
+  ASSERT_TRUE(json.contains("choice")) << json;
+  EXPECT_EQ(json["status"], "completed");
+  EXPECT_FALSE(json["choice"].at("reason").get<std::string>().empty());
+  EXPECT_TRUE(json["choice"].at("alternatives").is_array());
+  const auto estimated = json["choice"].at("estimated_error").get<double>();
+  EXPECT_LE(estimated, 3e-4);
+  EXPECT_NEAR(json["diagnostics"]["error"]["max"].get<double>() / estimated, 1, 0.5) << "it is the run that was judged";
+  Json again{{"problem", json["problem"]}, {"scheme", json.at("scheme")}, {"until", json["until"]}};
+  again["record"] = json["record"];
+  const Json run = Json::parse(ask(port(), post("/v1/simulate", again.dump())).body);
+  EXPECT_EQ(run.at("final"), json.at("final")) << "the echo is the request for the run that was chosen";
+  EXPECT_FALSE(run.contains("choice"));
+  const Reply hasty = ask(port(), post("/v1/simulate", R"({"problem":"kepler","scheme":{"id":"auto","accuracy":1e-4},
+                                                          "limits":{"seconds":1e-9}})"));
+  ASSERT_EQ(hasty.status, 422) << "where nothing could be chosen, nothing runs";
+  EXPECT_FALSE(Json::parse(hasty.body)["errors"][0]["detail"].get<std::string>().empty());
+}
+
+TEST(Study, AClientThatTakesNoMoreEndsIt) {
+  Gate gate(1, 0);
+  const std::atomic<bool> cancelled{false};
+  const Context context{catalogue_cards(), {}, gate, cancelled};
+  const std::string body = R"({"problem":"kepler","until":{"t":4000},"schemes":"all","budget_seconds":30})";
+  const Answer answer = measure_work_precision(context, {body, "application/x-ndjson", "id"});
+  ASSERT_EQ(answer.status, 200);
+  EXPECT_FALSE(turn(context).has_value()) << "it holds the place from the first line on";
+  int written = 0;
+  const auto from = Clock::now();
+  EXPECT_FALSE(answer.stream([&](std::string_view) { return ++written < 4; }));
+  EXPECT_EQ(written, 4);
+  EXPECT_LT(Clock::now() - from, 10s);
+  EXPECT_TRUE(turn(context).has_value());
+}
+
+// Services that are ended, or have one place to compute.
+class StudyLoad : public testing::Test {
+ protected:
+  Settings settings = quiet_settings();
+  std::unique_ptr<Service> service;
+  void start() {
+    settings.threads = 1;
+    settings.queue = 0;
+    service = std::make_unique<Service>(settings, page_assets);
+    ASSERT_FALSE(service->start());
+  }
+  int run() const { return ask(service->port(), post("/v1/simulate", simple)).status; }
+  // Whether the place becomes free soon.
+  bool is_free_soon() const {
+    for (const auto from = Clock::now(); Clock::now() - from < 3s; std::this_thread::sleep_for(20ms)) {
+      if (run() == 200) return true;
+    }
+    return false;
+  }
+};
+
+TEST_F(StudyLoad, AClientThatGoesAwayEndsItsStudy) {
+  start();
+  for (const std::string_view fields : {lines, std::string_view()}) {
+    {
+      Client client(service->port());
+      client.send(long_study(fields, 30));
+      std::this_thread::sleep_for(400ms);
+      EXPECT_EQ(run(), 503) << "it computes, and is admitted like a run";
+    }
+    EXPECT_TRUE(is_free_soon()) << fields;
+  }
+}
+
+TEST_F(StudyLoad, TheBudgetHolds) {
+  start();
+  const auto from = Clock::now();
+  for (const std::string_view fields : {lines, std::string_view()}) {
+    const Reply reply = ask(service->port(), long_study(fields, 0.4));
+    ASSERT_EQ(reply.status, 200);
+    const Json last = fields.empty() ? Json::parse(reply.body) : read_lines(reply).back();
+    EXPECT_TRUE(!last.at("left_out").empty() || last.at("status") == "stopped") << last;
+  }
+  EXPECT_LT(Clock::now() - from, 6s);
+  EXPECT_TRUE(is_free_soon());
+}
+
+TEST_F(StudyLoad, TheEndOfTheServiceIsToldInTheLastLine) {
+  settings.grace = 0.2;
+  start();
+  Client client(service->port());
+  client.send(long_study(lines, 30));
+  std::this_thread::sleep_for(400ms);
+  const auto from = Clock::now();
+  service->stop();
+  EXPECT_LT(Clock::now() - from, 3s);
+  const auto reply = client.receive();
+  ASSERT_TRUE(reply) << "the last chunk comes";
+  const Json last = read_lines(*reply).back();
+  EXPECT_EQ(last.at("status"), "stopped");
+  EXPECT_EQ(last.at("stop").at("reason"), "cancelled");
+  EXPECT_TRUE(client.ended());
+}
+
+}  // namespace
+}  // namespace least::server::test

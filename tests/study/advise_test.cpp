@@ -1,0 +1,167 @@
+// Which scheme to take: held against an exhaustive search.
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/study/subject.hpp"
+#include "tests/study/studies.hpp"
+
+namespace {
+
+using namespace studies;
+
+/// How far apart the settings of an exhaustive search are. LEAST_EXHAUSTIVE=1 makes it a thorough one, which takes
+/// minutes.
+double spacing() {
+  static const bool thorough = std::getenv("LEAST_EXHAUSTIVE") != nullptr;
+  return thorough ? 1.1 : 1.3;
+}
+
+/// The fewest force evaluations, `most` at most, with which any candidate is as accurate.
+double exhaustive(const Subject& subject, const std::vector<Choice>& all, double accuracy, double most) {
+  double fewest = most;
+  for (const Choice& choice : all) {
+    const Dial dial(choice);
+    const double ratio = dial.adaptive() ? 2 * spacing() : spacing();
+    double value = subject.longest(choice, dial);
+    if (dial.name == "step") value = std::min(value, 50 * (subject.end() - subject.start()) / most);
+    for (; value > 1e-15; value /= ratio) {
+      const Trial trial = subject.run(dial.at(choice, value), 20, static_cast<std::int64_t>(most));
+      const auto forces = static_cast<double>(trial.forces);
+      if (trial.error <= accuracy) fewest = std::min(fewest, forces);
+      if (forces >= fewest || trial.error <= accuracy || trial.status == Reason::step_limit) break;
+    }
+  }
+  return fewest;
+}
+
+void hold_against_all(std::string_view problem, std::initializer_list<double> accuracies, double end = 0) {
+  const Request request = scene(problem, end);
+  const Subject subject(request, false, 20, never);
+  for (const double accuracy : accuracies) {
+    SCOPED_TRACE(std::string(problem) + " " + std::to_string(std::log10(accuracy)));
+    if (accuracy < 3 * subject.floor()) continue;
+    const Advice advice = advise(request, {accuracy, 0, {}}, never);
+    ASSERT_TRUE(advice.choice) << advice.reason;
+    EXPECT_TRUE(advice.met) << advice.reason;
+    const Trial run = subject.run(*advice.choice, 20, 10'000'000);
+    EXPECT_EQ(run.error, advice.estimated_error);
+    EXPECT_LE(run.error, accuracy) << advice.reason;
+    const auto cost = static_cast<double>(run.forces);
+    EXPECT_LE(cost, 1.5 * exhaustive(subject, candidates(request.problem, {}), accuracy, cost)) << advice.reason;
+  }
+}
+
+class Advised : public testing::TestWithParam<std::size_t> {};
+TEST_P(Advised, MeetsTheAccuracyAtTheLeastCost) {
+  const auto& card = problems()[GetParam()];
+  // Chaotic, and out of reach of every scheme at its default end.
+  const double end = card.id == "thermostat" ? 10 : 0;
+  if (card.id == "double_pendulum" && spacing() > 1.2) return hold_against_all(card.id, {1e-3, 1e-6}, 10);
+  hold_against_all(card.id, {1e-3, 1e-6, 1e-9}, end);
+}
+INSTANTIATE_TEST_SUITE_P(AllProblems, Advised, testing::Range<std::size_t>(0, problems().size()),
+                         [](const auto& which) { return std::string(problems()[which.param].id); });
+
+std::string id(const Choice& choice) { return std::string(schemes()[choice.scheme].id); }
+
+TEST(Advice, KeepsWhatIsToBeKept) {
+  const Request pendulum = scene("double_pendulum", 5);
+  const auto structure = [](const Choice& choice) { return schemes()[choice.scheme].structure; };
+  EXPECT_EQ(structure(*advise(pendulum, {1e-4, 0, {}}, never).choice), "none") << "the cheapest of all keeps nothing";
+  const Advice energy = advise(pendulum, {1e-4, 0, {.energy = true}}, never);
+  EXPECT_EQ(structure(*energy.choice), "symplectic");
+  for (const Alternative& other : energy.alternatives) EXPECT_EQ(structure(other.scheme), "symplectic");
+  const auto ids = [](std::string_view problem, const Keep& keep) {
+    std::string all;
+    for (const Choice& choice : candidates(find_problem(problem).value(), keep)) all += id(choice) + " ";
+    return all;
+  };
+  const auto has = [](const std::string& all, std::string_view scheme) {
+    return all.find(scheme) != std::string::npos;
+  };
+  EXPECT_TRUE(has(ids("kepler", {.energy = true}), "adaptive_verlet"));
+  EXPECT_FALSE(has(ids("kepler", {.structure = true}), "adaptive_verlet"));
+  EXPECT_TRUE(has(ids("kepler", {.momenta = true}), "adaptive_verlet"));
+  for (const Keep& keep : {Keep{.energy = true}, Keep{.structure = true}, Keep{.momenta = true}}) {
+    EXPECT_FALSE(has(ids("kepler", keep), "jacobi_maupertuis"));
+    EXPECT_FALSE(has(ids("kepler", keep), "runge_kutta_4"));
+    EXPECT_TRUE(has(ids("kepler", keep), "time_transformed"));
+    EXPECT_TRUE(has(ids("damped_oscillator", keep), "contact_gauss"));
+  }
+}
+
+TEST(Advice, GivesReasonsAndAlternatives) {
+  const Request kepler = scene("kepler");
+  const Advice advice = advise(kepler, {1e-6, 0, {}}, never);
+  EXPECT_EQ(id(*advice.choice), "time_transformed");
+  EXPECT_NE(advice.reason.find("against the closed form"), std::string::npos) << advice.reason;
+  EXPECT_NE(advice.reason.find(name(advice.alternatives.at(0).scheme)), std::string::npos) << advice.reason;
+  std::int64_t last = 0;
+  for (const Alternative& other : advice.alternatives) {
+    EXPECT_GE(other.force_evaluations, last);
+    last = other.force_evaluations;
+    EXPECT_LE(other.estimated_error, 1e-6);
+    const Request again = with(kepler, other.scheme);
+    EXPECT_EQ(runs::go(again).outcome.cost.force_evaluations, last);
+  }
+  const Advice again = advise(kepler, {1e-6, 0, {}}, never);
+  EXPECT_EQ(again.choice->settings[0], advice.choice->settings[0]);
+  EXPECT_EQ(again.reason, advice.reason);
+}
+
+TEST(Advice, SaysWhatKeepsItFromTheAccuracy) {
+  const Advice rounded = advise(scene("henon_heiles", 20), {1e-17, 0, {}}, never);
+  EXPECT_FALSE(rounded.met);
+  EXPECT_LT(rounded.estimated_error, 1e-13);
+  EXPECT_NE(rounded.reason.find("nothing reaches"), std::string::npos) << rounded.reason;
+  Request chaos = scene("lorenz", 35);
+  const Advice conditioned = advise(chaos, {1e-9, 0, {}}, never);
+  EXPECT_FALSE(conditioned.met);
+  EXPECT_NE(conditioned.reason.find("exponentially"), std::string::npos) << conditioned.reason;
+  std::atomic<bool> gone{true};
+  EXPECT_FALSE(advise(chaos, {1e-3, 0, {}}, gone).choice);
+  // A motion that is stiff: what is stable is accurate.
+  Request stiff = scene("damped_oscillator");
+  runs::set(stiff, "damping", 1000);
+  const Advice easy = advise(stiff, {1e-3, 0, {}}, never);
+  EXPECT_TRUE(easy.met) << easy.reason;
+  EXPECT_NE(id(*easy.choice), "runge_kutta_4");
+}
+
+TEST(Advice, FindsTheBestWithinATime) {
+  const Request heiles = scene("henon_heiles");
+  const Advice quick = advise(heiles, {std::nan(""), 3e-5, {}}, never),
+               slow = advise(heiles, {std::nan(""), 3e-3, {}}, never);
+  ASSERT_TRUE(quick.choice && slow.choice);
+  EXPECT_GT(quick.estimated_error, slow.estimated_error) << quick.reason << slow.reason;
+  EXPECT_LT(slow.estimated_error, 1e-8) << slow.reason;
+  const Subject subject(heiles, false, 20, never);
+  EXPECT_LT(subject.time(*slow.choice, 1, 100'000'000), 2 * 3e-3);
+  EXPECT_FALSE(advise(heiles, {std::nan(""), 1e-9, {}}, never).choice);
+}
+
+// Where the reference cannot be had, runs are held against their like of half the step.
+TEST(Advice, DoesWithoutAReference) {
+  const Request heiles = scene("henon_heiles", 30);
+  const Subject blind(heiles, false, 0, never), seeing(heiles, false, 20, never);
+  ASSERT_FALSE(blind.known());
+  ASSERT_TRUE(seeing.known());
+  const Choice leapfrog = choice(heiles, "leapfrog", "suzuki_4");
+  const Trial guessed = blind.run(leapfrog, 20, 1'000'000), measured = seeing.run(leapfrog, 20, 1'000'000);
+  EXPECT_EQ(guessed.forces, measured.forces);
+  EXPECT_NEAR(guessed.error, measured.error, 0.2 * measured.error);
+}
+
+TEST(Advice, EndsInTime) {
+  Request relaxation = scene("van_der_pol", 3500);
+  runs::set(relaxation, "epsilon", 1000);
+  relaxation.limits.seconds = 0.5;
+  const auto start = std::chrono::steady_clock::now();
+  const Advice advice = advise(relaxation, {1e-6, 0, {}}, never);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 1.5);
+  EXPECT_FALSE(advice.met) << advice.reason;
+  EXPECT_FALSE(advice.reason.empty());
+}
+
+}  // namespace

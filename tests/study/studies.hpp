@@ -1,0 +1,42 @@
+// Scenes and schemes for the tests of studies.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+
+#include "core/study/study.hpp"
+#include "tests/support/runs.hpp"
+
+namespace studies {
+
+using namespace least;
+
+inline const std::atomic<bool> never{false};
+inline bool always() { return true; }
+inline bool watch(std::size_t, const StudyCurve&) { return true; }
+
+/// A problem's default scene; the scheme in it is any that fits.
+inline Request scene(std::string_view problem, double end = 0) {
+  const std::size_t first = problems()[find_problem(problem).value()].schemes.front();
+  Request request = runs::defaults(problem, schemes()[first].id);
+  if (end > 0) request.end = end;
+  return request;
+}
+
+/// A scheme as the catalogue suggests it for the scene's problem.
+inline Choice choice(const Request& scene, std::string_view scheme, std::string_view composition = "") {
+  Request request = runs::defaults(problems()[scene.problem].id, scheme);
+  if (!composition.empty()) runs::set(request, "composition", composition);
+  return {request.scheme, request.settings};
+}
+
+/// The scene run by a scheme.
+inline Request with(Request scene, const Choice& choice) {
+  scene.scheme = choice.scheme;
+  scene.settings = choice.settings;
+  return scene;
+}
+
+}  // namespace studies

@@ -1,0 +1,174 @@
+// True states, their cache, and how well states can be known.
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include "core/study/conditioning.hpp"
+#include "core/study/state_error.hpp"
+#include "core/study/subject.hpp"
+#include "tests/study/studies.hpp"
+
+namespace {
+
+using namespace studies;
+
+TEST(Truth, IsTheClosedFormWhereThereIsOne) {
+  const Request oscillator = scene("harmonic_oscillator");
+  const auto known = truth(oscillator, {1, 2.5, 20}, always);
+  ASSERT_TRUE(known->complete);
+  EXPECT_EQ(known->how, "closed form");
+  for (const auto& [state, t] : {std::pair(known->states[0], 1.0), std::pair(known->states[1], 2.5)}) {
+    EXPECT_NEAR(state[0], std::cos(t), 1e-15);
+    EXPECT_NEAR(state[1], -std::sin(t), 1e-15);
+  }
+  Request star = scene("lane_emden", 3);
+  runs::set(star, "n", 1);
+  const double q = truth(star, {3}, always)->states[0][0];
+  EXPECT_NEAR(q, std::sin(3.0) / 3, 1e-15);
+}
+
+// The quad-precision run against a closed form that it does not use: n = 1 from a start after its own.
+TEST(Truth, IsARunInQuadPrecisionElsewhere) {
+  Request star = scene("lane_emden", 3);
+  runs::set(star, "n", 1);
+  star.start = 1;
+  star.initial[0] = std::sin(1.0);
+  star.initial[1] = std::cos(1.0) - std::sin(1.0);
+  const auto known = truth(star, {2, 3}, always);
+  ASSERT_TRUE(known->complete);
+  EXPECT_EQ(known->how, "quad precision run");
+  EXPECT_NEAR(known->states[1][0], std::sin(3.0) / 3, 1e-15);
+  EXPECT_LT(known->uncertainty, 1e-15);
+}
+
+TEST(Truth, IsKeptAndGivenUpAndForgotten) {
+  const Request heiles = scene("henon_heiles", 5);
+  const auto once = truth(heiles, {5}, always);
+  EXPECT_EQ(once, truth(heiles, {5}, always)) << "computed twice";
+  EXPECT_NE(once, truth(heiles, {4}, always));
+  Request moved = heiles;
+  moved.initial[0] = -0.0;
+  EXPECT_NE(once, truth(moved, {5}, always)) << "−0 is another start";
+  moved = heiles;
+  moved.scheme = runs::defaults("henon_heiles", "leapfrog").scheme;
+  moved.limits.steps = 7;
+  EXPECT_EQ(once, truth(moved, {5}, always)) << "the truth does not depend on the scheme";
+
+  const auto no_time = [] { return false; };
+  EXPECT_FALSE(truth(heiles, {4.5}, no_time)->complete);
+  EXPECT_TRUE(truth(heiles, {4.5}, always)->complete) << "what was given up was kept";
+
+  const Request oscillator = scene("harmonic_oscillator");
+  const std::weak_ptr first = truth(oscillator, {0.5}, always);
+  for (int k = 1; k <= 63; ++k) truth(oscillator, {0.5 + k}, always);
+  EXPECT_FALSE(first.expired());
+  truth(oscillator, {100.5}, always);
+  EXPECT_TRUE(first.expired()) << "more than 64 are kept";
+  // Four of 5 MiB do not go into 16.
+  std::vector<std::weak_ptr<const Truth>> large;
+  for (int k = 0; k < 4; ++k) {
+    std::vector<double> times;
+    for (int i = 1; i <= 100'000; ++i) times.push_back(i * 1e-4 + k);
+    large.push_back(truth(oscillator, times, always));
+  }
+  EXPECT_TRUE(large.front().expired());
+  EXPECT_FALSE(large.back().expired());
+}
+
+TEST(Truth, CanBeAskedForByManyAtOnce) {
+  std::vector<std::jthread> clients;
+  std::atomic<int> wrong{0};
+  for (int client = 0; client < 4; ++client)
+    clients.emplace_back([&, client] {
+      for (int k = 0; k < 40; ++k) {
+        const double t = 1 + (k * 7 + client) % 90;
+        const auto known = truth(scene("harmonic_oscillator"), {t}, always);
+        if (std::abs(known->states[0][0] - std::cos(t)) > 1e-14) ++wrong;
+      }
+    });
+  clients.clear();
+  EXPECT_EQ(wrong, 0);
+}
+
+/// How far a start that is off by `delta` in one variable is from the true end, the largest of all variables.
+double spread(const Request& scene, double delta) {
+  const std::vector<double> end{scene.end};
+  const auto here = truth(scene, end, always);
+  double most = 0, size = 0;
+  for (const double x : scene.initial) size = std::max(size, std::abs(x));
+  for (std::size_t i = 0; i < here->states[0].size(); ++i) {
+    Request moved = scene;
+    moved.initial[i] += delta * size;
+    most = std::max(most, state_error(truth(moved, end, always)->states[0], here->states[0], here->states[0].size()));
+  }
+  return most / delta;
+}
+
+TEST(Conditioning, IsTheGrowthOfDifferences) {
+  for (const auto& [problem, end] :
+       {std::pair("kepler", 40.0), std::pair("lorenz", 20.0), std::pair("henon_heiles", 100.0),
+        std::pair("van_der_pol", 3.0), std::pair("perturbed_kepler", 50.0), std::pair("lane_emden", 5.0)}) {
+    SCOPED_TRACE(problem);
+    Request request = scene(problem, end);
+    if (std::string_view(problem) == "lane_emden") {  // its regular start has no neighbours
+      request.start = 0.5;
+      request.initial = {0.96, -0.16, 0};
+    }
+    const double measured = std::max(spread(request, 1e-9), 1.0);
+    EXPECT_NEAR(conditioning(request, always)->growth, measured, 0.02 * measured);
+  }
+}
+
+TEST(Conditioning, TellsChaosFromTheRest) {
+  const auto chaotic = [](const Request& request) { return conditioning(request, always)->chaotic(); };
+  EXPECT_TRUE(chaotic(scene("lorenz", 40)));
+  EXPECT_TRUE(chaotic(scene("thermostat", 100)));
+  Request pendulum = scene("double_pendulum", 100);
+  runs::begin(pendulum, "theta1", 2.5);
+  runs::begin(pendulum, "theta2", 2);
+  EXPECT_TRUE(chaotic(pendulum));
+
+  EXPECT_FALSE(chaotic(scene("lorenz", 5))) << "too short for it to matter";
+  EXPECT_FALSE(chaotic(scene("kepler", 189))) << "eccentric, and nothing else";
+  EXPECT_FALSE(chaotic(scene("kepler", 18900)));
+  EXPECT_FALSE(chaotic(scene("harmonic_oscillator", 1000)));
+  EXPECT_FALSE(chaotic(scene("van_der_pol", 100)));
+  EXPECT_FALSE(chaotic(scene("double_pendulum")));
+  Request grazing = scene("kepler", 25);
+  runs::begin(grazing, "px", -0.001);  // one passage close by the centre
+  runs::begin(grazing, "py", 0);
+  EXPECT_GT(conditioning(grazing, always)->most_growth, 1e6);
+  EXPECT_FALSE(chaotic(grazing));
+}
+
+TEST(Conditioning, FindsWhereAMotionEnds) {
+  const auto star = conditioning(scene("lane_emden"), always);
+  EXPECT_TRUE(star->ends);
+  EXPECT_NEAR(star->reached, 6.89684861937696, 0.01 * 6.9);
+  EXPECT_LT(star->reached, 6.89684861937696);
+  Request cosmos = scene("cosmological_oscillator");
+  cosmos.initial = {0, 0, -2};
+  EXPECT_NEAR(conditioning(cosmos, always)->reached, 1.24645048028, 0.01 * 1.25);
+  EXPECT_FALSE(conditioning(scene("pendulum"), always)->ends);
+}
+
+// Below the floor nothing is to be had: the best runs come near it and not far below.
+TEST(Conditioning, FloorIsWhereErrorsEnd) {
+  const auto check = [](const Request& request, const Choice& scheme) {
+    const Subject subject(request, false, 20, never);
+    const Dial dial(scheme);
+    double best = 1;
+    for (double value = dial.value(scheme); value > dial.value(scheme) / 100; value /= 1.5)
+      best = std::fmin(best, subject.run(dial.at(scheme, value), 5, 1'000'000).error);
+    EXPECT_GT(best, 0.02 * subject.floor());
+    EXPECT_LT(best, 1000 * subject.floor());
+  };
+  check(scene("lorenz", 30), choice(scene("lorenz"), "contact_splitting", "kahan_li_8"));
+  check(scene("pendulum"), choice(scene("pendulum"), "leapfrog", "kahan_li_8"));
+  Choice exact = choice(scene("kepler"), "time_transformed", "kahan_li_8");
+  exact.settings[1] = std::numeric_limits<double>::quiet_NaN();  // κ = −E₀
+  exact.settings[0] = 1;
+  check(scene("kepler", 189), exact);
+}
+
+}  // namespace

@@ -9,6 +9,22 @@
 namespace least {
 namespace {
 
+/// Of log error by log setting.
+struct Line {
+  double slope, bend;  ///< by least squares; what remains, as a root mean square
+};
+
+Line line(std::span<const StudyPoint> points) {
+  const auto n = static_cast<double>(points.size());
+  double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  for (const StudyPoint& p : points) x += std::log(p.value) / n, y += std::log(p.error) / n;
+  for (const StudyPoint& p : points) {
+    const double u = std::log(p.value) - x, v = std::log(p.error) - y;
+    xx += u * u, xy += u * v, yy += v * v;
+  }
+  return {xy / xx, std::sqrt(std::max(yy - xy * xy / xx, 0.0) / n)};
+}
+
 /// The runs of one scheme, from coarse to fine.
 class Ladder {
  public:
@@ -68,40 +84,32 @@ class Ladder {
     over_ = at_floor || dear || value_ < std::max(dial_.range.low, 1e-12 * longest_);
   }
 
-  /// The level of errors that have ceased to fall: from the first that none of the next ones falls clearly below. 0:
-  /// they fall to the last.
-  double round_off() const {
-    const auto& points = curve_.points;
-    for (std::size_t i = 0; i + 2 < points.size(); ++i) {
-      if (!(points[i].error < subject_.plateau())) continue;
-      const auto next = std::span(points).subspan(i + 2, std::min<std::size_t>(3, points.size() - i - 2));
-      if (std::ranges::any_of(next, [&](const StudyPoint& p) { return !(1.5 * p.error > points[i].error); })) continue;
-      return std::ranges::max(std::span(points).subspan(i), {}, &StudyPoint::error).error;
-    }
-    return 0;
-  }
-
-  /// The slope of the finest points that are accurate and above round-off.
+  /// The slope of the straightest stretch of two decades, or of all there is, above round-off; of stretches nearly as
+  /// straight the finest.
   void fit() {
     if (dial_.adaptive()) {
       curve_.why = "adaptive: no order is declared";
       return;
     }
-    const double lowest = std::max(subject_.floor(), round_off());
-    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, finest = 0;
-    for (std::size_t i = curve_.points.size(); i-- > 0;) {
-      const StudyPoint& point = curve_.points[i];
-      if (!(point.error > 30 * lowest && point.error < 1e-2)) continue;
-      if (n == 0) finest = point.error;
-      if (n >= 3 && point.error > 1e3 * finest) break;
-      const double x = std::log(point.value), y = std::log(point.error);
-      n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
-    }
-    if (n >= 3)
-      curve_.observed_order = (n * sxy - sx * sy) / (n * sxx - sx * sx);
-    else
+    std::vector<StudyPoint> points;  // from fine to coarse
+    for (std::size_t i = curve_.points.size(); i-- > 0;)
+      if (curve_.points[i].error > 30 * subject_.floor() && curve_.points[i].error < 1e-2)
+        points.push_back(curve_.points[i]);
+    if (points.size() < 3) {
       curve_.why = fmt::format("{} of its errors lie between {:.1e} and 1e-2, where an order shows; three are needed",
-                               n, 30 * lowest);
+                               points.size(), 30 * subject_.floor());
+      return;
+    }
+    std::vector<Line> lines;
+    for (std::size_t first = 0; first + 3 <= points.size(); ++first) {
+      std::size_t count = 3;
+      while (first + count < points.size() && points[first + count - 1].error < 100 * points[first].error) ++count;
+      if (first > 0 && points[first + count - 1].error < 100 * points[first].error) break;
+      lines.push_back(line(std::span(points).subspan(first, count)));
+    }
+    const double straightest = std::ranges::min(lines, {}, &Line::bend).bend;
+    curve_.observed_order =
+        std::ranges::find_if(lines, [&](const Line& l) { return l.bend <= 2 * straightest; })->slope;
   }
 
   const Subject& subject_;

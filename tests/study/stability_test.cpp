@@ -72,6 +72,7 @@ TEST(StabilityLimit, SaysHowItFails) {
   EXPECT_EQ(euler.failure, "energy_growth");
   EXPECT_TRUE(std::isnan(limit("kepler", "time_transformed").step)) << "no fixed steps";
   EXPECT_LT(limit("kepler", "leapfrog").step, 0.2);
+  EXPECT_EQ(limit("kepler", "explicit_euler").failure, "energy_growth") << "it flies away";
   EXPECT_TRUE(std::isnan(limit("kepler", "leapfrog").theory));
 }
 

@@ -128,7 +128,7 @@ TEST(Conditioning, TellsChaosFromTheRest) {
   runs::begin(pendulum, "theta2", 2);
   EXPECT_TRUE(chaotic(pendulum));
 
-  EXPECT_FALSE(chaotic(scene("lorenz", 5))) << "too short for it to matter";
+  EXPECT_FALSE(chaotic(scene("lorenz", 25))) << "too short for it to matter";
   EXPECT_FALSE(chaotic(scene("kepler", 189))) << "eccentric, and nothing else";
   EXPECT_FALSE(chaotic(scene("kepler", 18900)));
   EXPECT_FALSE(chaotic(scene("harmonic_oscillator", 1000)));

@@ -93,7 +93,9 @@ TEST(WorkPrecision, RepeatsItselfToTheBit) {
 // Each point is a run that can be repeated through the ordinary door, where its error is measured by other code.
 TEST(WorkPrecision, PointsAreRunsOfTheirOwn) {
   for (const bool at_end : {true, false}) {
-    StudyPlan p = plan("henon_heiles", {{"leapfrog", "kahan_li_6"}, {"jacobi_maupertuis", ""}}, 20);
+    // The largest error of the damped one is far from its end.
+    StudyPlan p = at_end ? plan("henon_heiles", {{"leapfrog", "kahan_li_6"}, {"jacobi_maupertuis", ""}}, 20)
+                         : plan("damped_oscillator", {{"contact_leapfrog", "none"}, {"contact_gauss", ""}});
     p.at_end = at_end;
     const Study study = work_precision(p, watch, never);
     for (const StudyCurve& curve : study.curves) {

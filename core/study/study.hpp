@@ -131,8 +131,9 @@ struct Truth {
   bool complete = false;                    ///< false: it was told to give up, or the solution ceased to be finite
 
   std::size_t bytes() const {  ///< in memory, about
-    return sizeof(Truth) +
-           (states.empty() ? 0 : states.size() * (states[0].size() * sizeof(double) + sizeof states[0]));
+    std::size_t numbers = 0;
+    for (const auto& state : states) numbers += state.size() + 3;  // a vector is as large as three
+    return sizeof(Truth) + numbers * sizeof(double);
   }
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/composition.hpp"
 #include "core/study/state_error.hpp"
@@ -108,9 +109,9 @@ std::vector<Choice> candidates(std::size_t problem, const Keep& keep) {
     if (const auto kappa = position(card, "kappa"))
       variants = with_each(variants, *kappa, {plain.settings[*kappa], unknown});
     if (const auto stages = position(card, "stages")) {
-      std::vector<double> counts;
-      for (double s = card.parameters[*stages].range.low; s <= card.parameters[*stages].range.high; ++s)
-        counts.push_back(s);
+      const Range& range = card.parameters[*stages].range;
+      std::vector<double> counts(static_cast<std::size_t>(range.high - range.low) + 1);
+      std::iota(counts.begin(), counts.end(), range.low);
       variants = with_each(variants, *stages, counts);
     }
     if (const auto composition = position(card, "composition")) {
@@ -144,7 +145,7 @@ Subject::Subject(const Request& scene, bool at_end, double seconds, const std::a
     for (std::size_t k = 1; k < count && pace.size() > count; ++k) times_.push_back(pace[k * pace.size() / count]);
     std::ranges::sort(times_);
     const auto near = [&](double a, double b) { return b - a < 1e-6 * span; };
-    times_.erase(std::ranges::unique(times_, near).begin(), times_.end());
+    times_.erase(std::unique(times_.begin(), times_.end(), near), times_.end());
     std::erase_if(times_, [&](double t) { return near(scene_.start, t) || near(t, scene_.end); });
   }
   times_.push_back(scene_.end);

@@ -69,7 +69,7 @@ std::shared_ptr<const Answer> answer(Cache<Answer>& cache, Key key, const std::f
                                      Compute&& compute) {
   if (auto known = cache.find(key)) return known;
   bool gave_up = false;
-  const auto found = std::make_shared<const Answer>(compute([&] {
+  auto found = std::make_shared<const Answer>(compute([&] {
     gave_up = gave_up || !keep_going();
     return !gave_up;
   }));

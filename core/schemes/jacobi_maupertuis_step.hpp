@@ -7,6 +7,8 @@
 // Source: Nair, Ober-Blöbaum, Marsden, The Jacobi–Maupertuis principle in variational integrators, 2009, eqs. 8–12.
 #pragma once
 
+#include <optional>
+
 #include "core/schemes/discrete_lagrangian.hpp"
 
 namespace least {
@@ -238,5 +240,48 @@ class JacobiMaupertuisStep {
   Quadrature quadrature_;
   T energy_;
 };
+
+/// The step h of Hamilton's principle from x at which E_d(q, q₁(h); h) = E₀, near h₀: the last step of the
+/// Jacobi–Maupertuis principle goes on in time. By the secant method from h₀ and 1.02 h₀; empty where it finds none
+/// within [h₀/4, 4h₀].
+template <Conservative P, class T>
+std::optional<T> paper_exit_step(const P& problem, Quadrature quadrature, const Station<P, T>& x, const T& energy,
+                                 const T& h0, Work& work) {
+  using least::abs;
+  const auto excess = [&](const T& h, bool& solved) {
+    Station<P, T> y = x;
+    solved = solved && variational_step(problem, quadrature, y.q, y.p, y.here, h, work) == Status::ok;
+    // The momentum ḡv at the middle from those at the ends, which loses no digits where (q₁ − q₀)/h would.
+    Vec<P::dof, T> middle = x.q, rate, carried;
+    for (std::size_t i = 0; i < rate.size(); ++i) {
+      middle[i] = (y.q[i] + x.q[i]) * 0.5;
+      rate[i] = (y.q[i] - x.q[i]) / h;
+      carried[i] = (y.p[i] + x.p[i]) * 0.5;
+    }
+    if (quadrature == Quadrature::midpoint) {
+      const Level<P, T> mean(problem, middle);
+      return T(0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential - energy);
+    }
+    const auto f0 = x.here.force(rate), f1 = y.here.force(rate);
+    for (std::size_t i = 0; i < rate.size(); ++i) carried[i] = carried[i] - 0.25 * h * (f1[i] - f0[i]);
+    const Level<P, T> mean(x.here, y.here);
+    return T(0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential - energy);
+  };
+  const T tolerance = std::sqrt(Precision<T>::epsilon) * h0;  // the secant method squares it, or nearly
+  bool solved = true;
+  T before = h0, h = 1.02 * h0, f_before = excess(before, solved);
+  for (int k = 0; k < 50 && solved; ++k) {
+    const T f = excess(h, solved), change = f * (h - before) / (f - f_before);
+    before = h;
+    f_before = f;
+    if (f < T(0) || f > T(0)) h = h - change;
+    if (abs(h - before) <= tolerance) {
+      const T ratio = h / h0;
+      if (ratio >= T(0.25) && ratio <= T(4)) return h;
+      break;
+    }
+  }
+  return std::nullopt;
+}
 
 }  // namespace least

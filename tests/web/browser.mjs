@@ -74,12 +74,10 @@ async function servePage(context) {
 
 /**
  * Runs `body(page)` on a page at `hash` and fails when the browser complained about anything or asked any other origin
- * for anything. `expected` matches complaints that belong to the case; `prepare(context)` may change what is answered;
- * without the scheme that it `needs` there is no test.
+ * for anything. `expected` matches complaints that belong to the case; `prepare(context)` may change what is answered.
  */
-export function pageTest(name, { hash = "", expected = /^$/, prepare = () => {}, needs, ...context }, body) {
-  test(name, options, async (running) => {
-    if (needs && !catalogue.schemes.some(({ id }) => id === needs)) return running.skip(`there is no ${needs} yet`);
+export function pageTest(name, { hash = "", expected = /^$/, prepare = () => {}, ...context }, body) {
+  test(name, options, async () => {
     const opened = await browser.newContext({ viewport: { width: 1600, height: 1000 }, ...context });
     await servePage(opened);
     await prepare(opened);

@@ -194,7 +194,7 @@ clockTest("at the width of a telephone many parameters fit as well", narrow, asy
 
 const orbit = "#problem=kepler&until.t=95&A=leapfrog&A.step=0.01";
 pageTest("the hybrid stops the precession, and its fast stretches are marked",
-  { needs: "jacobi_maupertuis", hash: `${orbit}&B=jacobi_maupertuis&B.step=0.01&B.theta=0.01` }, async (page, context) => {
+  { hash: `${orbit}&B=jacobi_maupertuis&B.step=0.01&B.theta=0.01` }, async (page, context) => {
     assert.deepEqual(await statuses(page), ["completed", "completed"]);
     assert.equal(await page.locator(".fault").count(), 0);
     const rotation = async (run) => Math.abs(await number(page, "apsidal_rotation", run));
@@ -216,7 +216,7 @@ pageTest("the hybrid stops the precession, and its fast stretches are marked",
     assert.equal(await number(other, "energy", "B"), energy);
   });
 
-const transformed = { needs: "time_transformed", expected: /status of 422/, hash: `${orbit}&B=time_transformed` };
+const transformed = { expected: /status of 422/, hash: `${orbit}&B=time_transformed` };
 pageTest("transformed time keeps the orbit's shape, by a word in a field", transformed, async (page) => {
   assert.equal(await field(page, "B", "sigma").inputValue(), "0.01");
   await pick(page, "B", ".preset", "kepler");
@@ -231,7 +231,7 @@ pageTest("transformed time keeps the orbit's shape, by a word in a field", trans
   assert.deepEqual(await statuses(page), ["completed", "completed"]);
 });
 
-pageTest("adaptive steps run", { needs: "adaptive_verlet", hash: `${orbit}&B=adaptive_verlet` }, async (page) => {
+pageTest("adaptive steps run", { hash: `${orbit}&B=adaptive_verlet` }, async (page) => {
   assert.deepEqual(await statuses(page), ["completed", "completed"]);
   assert.equal(await page.locator(".fault").count(), 0);
   assert.ok((await drawn(page, plane("B"), "B")).count > 300);

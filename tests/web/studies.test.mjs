@@ -7,7 +7,6 @@ const swing = scene("swing", {
   variables: [variable("q", 1), variable("p", 0)], columns: ["t", "q", "p", "energy", "mode"],
   schemes: ["leapfrog", "runge_kutta_4", "auto"],
 });
-const needs = "auto";
 const studyTest = madeUp([swing]);
 const status = (page, study) => page.locator(`#${study}-status`);
 const schemes = [{ id: "leapfrog", step: 0.1, composition: "none" }, { id: "leapfrog", step: 0.1, composition: "kahan_li_6" },
@@ -53,7 +52,7 @@ const plot = "#precision canvas";
 const hues = ["--run-a", "--run-b", "--curve-c"];
 
 const first = [];
-studyTest("error over cost: a curve per scheme, the front, what each point is", { needs, more: answered(first) }, async (page) => {
+studyTest("error over cost: a curve per scheme, the front, what each point is", { more: answered(first) }, async (page) => {
   assert.ok(!(await page.locator("#precision").isVisible()), "nothing is measured unasked");
   await page.selectOption("#measure", "max");
   await page.selectOption("#budget", "3");
@@ -86,7 +85,7 @@ studyTest("error over cost: a curve per scheme, the front, what each point is", 
 });
 
 const second = [];
-studyTest("the cost may be seconds; another scene takes the study away", { needs, more: answered(second) }, async (page, asked) => {
+studyTest("the cost may be seconds; another scene takes the study away", { more: answered(second) }, async (page, asked) => {
   await page.selectOption("#measured", "shown");
   await measure(page);
   assert.deepEqual(second[0][1].schemes.map(({ id }) => id), ["leapfrog", "leapfrog"]);
@@ -108,7 +107,7 @@ studyTest("the cost may be seconds; another scene takes the study away", { needs
   assert.equal(await page.locator("#precision-notes li").count(), 0);
 });
 
-studyTest("the longest steps are a table, with failures in words", { needs, more: answered([]) }, async (page) => {
+studyTest("the longest steps are a table, with failures in words", { more: answered([]) }, async (page) => {
   await page.click("#measure-stability");
   await page.waitForSelector("#stability tbody tr");
   assert.deepEqual(await all(page, "#stability tbody tr:nth-child(1) > *", "textContent"),
@@ -118,7 +117,7 @@ studyTest("the longest steps are a table, with failures in words", { needs, more
 });
 
 const refused = { status: 422, title: "no", errors: [{ pointer: "/until/t", detail: "must be later", allowed: "(0, inf)" }] };
-studyTest("faults of a study are told beside its button", { needs, expected: /status of 422/, more: answered([], refused) },
+studyTest("faults of a study are told beside its button", { expected: /status of 422/, more: answered([], refused) },
   async (page) => {
     for (const study of ["precision", "stability"]) {
       await page.click(`#measure-${study}`);
@@ -135,7 +134,7 @@ const chosen = { change: (outcome, request) => {
                      alternatives: [{ scheme: { id: "runge_kutta_4", step: 0.01 }, force_evaluations: 20000, estimated_error: 9e-7,
                                       seconds: 1e-3 }] };
 } };
-studyTest("auto is a choice of scheme, and says in words what it chose", { needs, hash: "#problem=swing&A=leapfrog&B=auto", ...chosen },
+studyTest("auto is a choice of scheme, and says in words what it chose", { hash: "#problem=swing&A=leapfrog&B=auto", ...chosen },
   async (page, asked, context) => {
     const request = () => asked.findLast(({ scheme }) => scheme.id === "auto");
     assert.deepEqual(request().scheme, { id: "auto", accuracy: 1e-6, seconds: null, keep: [] });
@@ -177,7 +176,7 @@ const piecemeal = (opened) => opened.addInitScript((text) => {
   };
 }, lines.map((line) => `${JSON.stringify({ ...line, left_out: ["größer"] })}\n`).join(""));
 
-const narrow = { needs, viewport: { width: 390, height: 844 }, more: piecemeal };
+const narrow = { viewport: { width: 390, height: 844 }, more: piecemeal };
 studyTest("at the width of a telephone the studies fit as well, and lines may come in pieces", narrow, async (page) => {
   await measure(page);
   assert.equal(await page.locator("#precision-notes li").last().textContent(), "größer");
@@ -186,7 +185,7 @@ studyTest("at the width of a telephone the studies fit as well, and lines may co
 
 // ── the program's own ──────────────────────────────────────────────────────────────────────────────────────────────────
 
-pageTest("points appear while they are measured, and the button ends that", { needs, hash: "#problem=kepler&until.t=400" },
+pageTest("points appear while they are measured, and the button ends that", { hash: "#problem=kepler&until.t=400" },
   async (page) => {
     await page.selectOption("#budget", "60");
     await page.click("#measure-precision");
@@ -200,7 +199,7 @@ pageTest("points appear while they are measured, and the button ends that", { ne
     assert.ok(await page.locator("#precision").isVisible(), "what was measured stays");
   });
 
-pageTest("a study of the program comes to its end", { needs, hash: "#problem=harmonic_oscillator&until.t=5" }, async (page) => {
+pageTest("a study of the program comes to its end", { hash: "#problem=harmonic_oscillator&until.t=5" }, async (page) => {
   await page.selectOption("#measured", "shown");
   await page.selectOption("#budget", "3");
   await page.click("#measure-precision");
@@ -211,7 +210,7 @@ pageTest("a study of the program comes to its end", { needs, hash: "#problem=har
   assert.match((await all(page, "#stability tbody tr", "textContent")).join("\n"), /leapfrog\D*2.*the energy grows|leapfrog1\.99/);
 });
 
-pageTest("auto of the program runs what it chose", { needs, hash: "#problem=kepler&until.t=20&A=leapfrog&B=auto&B.accuracy=1e-3" },
+pageTest("auto of the program runs what it chose", { hash: "#problem=kepler&until.t=20&A=leapfrog&B=auto&B.accuracy=1e-3" },
   async (page) => {
     assert.deepEqual(await statuses(page), ["completed", "completed"]);
     assert.ok((await pane(page, "B").locator(".messages .choice").textContent()).length > 20);
@@ -219,7 +218,7 @@ pageTest("auto of the program runs what it chose", { needs, hash: "#problem=kepl
     assert.equal(await page.locator(".fault").count(), 0);
   });
 
-pageTest("a wish for both an accuracy and a time is refused where it stands", { needs, expected: /status of 422/,
+pageTest("a wish for both an accuracy and a time is refused where it stands", { expected: /status of 422/,
   hash: "#problem=kepler&until.t=20&A=leapfrog&B=auto&B.seconds=0.01" }, async (page) => {
   assert.match(await pane(page, "B").locator(".messages .fault").textContent(), /either accuracy or seconds/);
   await fieldAt(page, "/scheme/accuracy").fill("");

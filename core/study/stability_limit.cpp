@@ -3,12 +3,11 @@
 
 #include "core/composition.hpp"
 #include "core/run/stability.hpp"
+#include "core/scene.hpp"
 #include "core/study/subject.hpp"
 
 namespace least {
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Looks at every sample as it comes: how far the state gets from zero.
 class Size final : public Sink {

@@ -7,12 +7,11 @@
 #include <numeric>
 
 #include "core/composition.hpp"
+#include "core/scene.hpp"
 #include "core/study/state_error.hpp"
 
 namespace least {
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 std::optional<std::size_t> position(const SchemeCard& card, std::string_view name) {
   const auto found = std::ranges::find(card.parameters, name, &ParameterCard::name);
@@ -158,7 +157,7 @@ double Subject::floor() const {
   return known() ? std::max(truth_->uncertainty, rounding) : rounding;
 }
 
-Request Subject::request(const Choice& choice, double seconds, std::int64_t most_steps) const {
+Request Subject::request(const Choice& choice, double seconds, std::int64_t step_limit) const {
   Request request = scene_;
   request.scheme = choice.scheme;
   request.settings = choice.settings;
@@ -166,7 +165,7 @@ Request Subject::request(const Choice& choice, double seconds, std::int64_t most
   request.record = {Record::Mode::every, 0, {}};
   request.columns.clear();
   request.diagnostics.clear();
-  request.limits = {seconds, most_steps, 1'000'000};
+  request.limits = {seconds, step_limit, 1'000'000};
   return request;
 }
 
@@ -187,8 +186,8 @@ double Subject::longest(const Choice& choice, const Dial& dial) const {
   return dial.value(choice);
 }
 
-Trial Subject::run(const Choice& choice, double seconds, std::int64_t most_steps, States& states) const {
-  Request measured = request(choice, seconds, most_steps);
+Trial Subject::run(const Choice& choice, double seconds, std::int64_t step_limit, States& states) const {
+  Request measured = request(choice, seconds, step_limit);
   const std::size_t size = conditioning_->variables;
   if (!at_end_) {
     measured.record = {Record::Mode::times, 1, times_};
@@ -214,9 +213,9 @@ double Subject::error(const States& states, const States& truth) const {
   return most;
 }
 
-Trial Subject::run(const Choice& choice, double seconds, std::int64_t most_steps) const {
+Trial Subject::run(const Choice& choice, double seconds, std::int64_t step_limit) const {
   States states, finer;
-  Trial trial = run(choice, seconds, most_steps, states);
+  Trial trial = run(choice, seconds, step_limit, states);
   if (trial.status != Reason::completed) return trial;
   if (known()) {
     trial.error = error(states, truth_->states);
@@ -224,13 +223,13 @@ Trial Subject::run(const Choice& choice, double seconds, std::int64_t most_steps
   }
   const Dial dial(choice);
   const double value = dial.value(choice) / (dial.adaptive() ? 100 : 2);
-  const Trial half = run(dial.at(choice, value), seconds - trial.seconds, 2 * most_steps, finer);
+  const Trial half = run(dial.at(choice, value), seconds - trial.seconds, 2 * step_limit, finer);
   trial.error = half.status == Reason::completed ? error(states, finer) : unknown;
   return trial;
 }
 
-double Subject::time(const Choice& choice, double seconds, std::int64_t most_steps) const {
-  const Request timed = request(choice, seconds, most_steps);
+double Subject::time(const Choice& choice, double seconds, std::int64_t step_limit) const {
+  const Request timed = request(choice, seconds, step_limit);
   double together = 0, shortest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3 && together < 2e-3; ++k) {
     Samples none;

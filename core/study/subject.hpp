@@ -71,15 +71,15 @@ class Subject {
   /// The dial's value at which a run takes about one step.
   double longest(const Choice& choice, const Dial& dial) const;
   /// A run, at most so many seconds and steps long.
-  Trial run(const Choice& choice, double seconds, std::int64_t most_steps) const;
+  Trial run(const Choice& choice, double seconds, std::int64_t step_limit) const;
   /// The smallest time of runs that keep nothing: of three, or as many as take two milliseconds.
-  double time(const Choice& choice, double seconds, std::int64_t most_steps) const;
+  double time(const Choice& choice, double seconds, std::int64_t step_limit) const;
 
  private:
   using States = std::vector<std::vector<double>>;
 
-  Request request(const Choice& choice, double seconds, std::int64_t most_steps) const;
-  Trial run(const Choice& choice, double seconds, std::int64_t most_steps, States& states) const;
+  Request request(const Choice& choice, double seconds, std::int64_t step_limit) const;
+  Trial run(const Choice& choice, double seconds, std::int64_t step_limit, States& states) const;
   double error(const States& states, const States& truth) const;
 
   Request scene_;  ///< up to where the motion goes

@@ -1,81 +1,13 @@
-// Implicit steps: Newton's method with the Jacobian from dual numbers. The linear solve is a primitive of the number,
-// like sqrt: scalars hand it to Eigen (the one place that uses it), dual numbers differentiate it, lanes take it lane
-// by lane.
+// Implicit steps: Newton's method with the Jacobian from dual numbers.
 #pragma once
 
-#include <Eigen/LU>
+#include <cmath>
+#include <limits>
 
-#include "core/number/dual.hpp"
-#include "core/number/quad.hpp"
+#include "core/number/linear.hpp"
 #include "core/status.hpp"
 
-#if LDBL_MANT_DIG < 113
-template <>
-struct Eigen::NumTraits<least::Quad> : Eigen::GenericNumTraits<least::Quad> {
-  enum {
-    IsInteger = 0,
-    IsSigned = 1,
-    IsComplex = 0,
-    RequireInitialization = 0,
-    ReadCost = 1,
-    AddCost = 8,
-    MulCost = 8
-  };
-};
-#endif
-
 namespace least {
-
-/// solve(A, b): x with A x = b, rows of A first. A singular A gives numbers that are not finite, never an error. A
-/// number that is no scalar specialises it.
-template <class T>
-struct LinearSolver {
-  template <std::size_t N>
-  static std::array<T, N> solve(const std::array<std::array<T, N>, N>& a, const std::array<T, N>& b) {
-    if constexpr (N == 1) {
-      return {b[0] / a[0][0]};
-    } else {
-      using Matrix = Eigen::Matrix<T, int(N), int(N), Eigen::RowMajor>;
-      using Column = Eigen::Matrix<T, int(N), 1>;
-      std::array<T, N> x;
-      Eigen::Map<Column>(x.data()) =
-          Eigen::Map<const Matrix>(a[0].data()).partialPivLu().solve(Eigen::Map<const Column>(b.data()));
-      return x;
-    }
-  }
-};
-
-/// A x = b differentiated: A x′ = b′ − A′x.
-template <class T, int K>
-struct LinearSolver<Dual<T, K>> {
-  using D = Dual<T, K>;
-  template <std::size_t N>
-  static std::array<D, N> solve(const std::array<std::array<D, N>, N>& a, const std::array<D, N>& b) {
-    std::array<std::array<T, N>, N> value;
-    std::array<T, N> right;
-    for (std::size_t i = 0; i < N; ++i) {
-      right[i] = b[i].value;
-      for (std::size_t j = 0; j < N; ++j) value[i][j] = a[i][j].value;
-    }
-    const auto x0 = LinearSolver<T>::solve(value, right);
-    std::array<D, N> x;
-    for (std::size_t i = 0; i < N; ++i) x[i].value = x0[i];
-    for (std::size_t k = 0; k < K; ++k) {
-      for (std::size_t i = 0; i < N; ++i) {
-        right[i] = b[i].slope[k];
-        for (std::size_t j = 0; j < N; ++j) right[i] = right[i] - a[i][j].slope[k] * x0[j];
-      }
-      const auto x1 = LinearSolver<T>::solve(value, right);
-      for (std::size_t i = 0; i < N; ++i) x[i].slope[k] = x1[i];
-    }
-    return x;
-  }
-};
-
-template <std::size_t N>
-double determinant(const std::array<std::array<double, N>, N>& a) {
-  return Eigen::Map<const Eigen::Matrix<double, int(N), int(N), Eigen::RowMajor>>(a[0].data()).determinant();
-}
 
 /// The change of a velocity that moves the positions q by a few units in their last place within a step h: a force that
 /// varies with q is not known better, whatever the velocity. Infinite for h = 0.

@@ -87,12 +87,12 @@ constexpr auto plain(const X& x) {
   return y;
 }
 
-/// Takes a tangent direction to length 1: only its direction means something.
+/// Takes a tangent direction that has become very long or short to length 1: only its direction means something.
 template <Sloped X>
 void normalise(X& x) {
   double size = 0;
   for (std::size_t i = 0; i < X::size; ++i) size = std::max(size, std::abs(x[i].slope[0]));
-  if (size > 0)
+  if (size > 1e50 || (size > 0 && size < 1e-50))
     for (std::size_t i = 0; i < X::size; ++i) x[i].slope[0] /= size;
 }
 

@@ -200,7 +200,7 @@ class ClockSession : private Ledger<P, X> {
   void warn() {
     if (kept_ > request_.limits.samples)
       outcome_.warnings.push_back({"samples_truncated", "more steps than limits.samples; the first are kept"});
-    if constexpr (HasFrequency<P>) Base::warn_of_step(std::sqrt(met_.turn_squared), bound_);
+    if constexpr (HasFrequency<P>) Base::warn_of_step(std::sqrt(met_.turn_squared), [this](double) { return bound_; });
     if (engine_->rescues() > 0) outcome_.warnings.push_back({"steps_in_time", wording::rescues(engine_->rescues())});
     if (engine_->strain() > 0.5) outcome_.warnings.push_back({"off_energy_level", wording::strain(engine_->strain())});
   }

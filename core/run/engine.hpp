@@ -42,8 +42,9 @@ class Engine {
   virtual bool starts_at_singularity() const = 0;
   /// What the scheme has against this scene, in words; empty: nothing.
   virtual std::string objection() const = 0;
-  /// Whether a step that begins or ends at the time t turns the momentum over where the motion only damps it.
-  virtual bool flips_momentum(double t) const = 0;
+  /// Whether, and when first, one of the run's `steps` steps turns the momentum over where the motion only damps it:
+  /// looked at over the span, not at each step.
+  virtual std::optional<double> flips_momentum(const Grid& grid, std::int64_t steps) const = 0;
   /// Derivatives of a step from x by its state; empty where the step fails.
   virtual std::optional<Tangent<FullStateOf<P>>> tangent(const FullStateOf<P>& x, double h) const = 0;
 };
@@ -89,9 +90,19 @@ class Bound final : public Engine<P, X> {
     if constexpr (requires { scheme_.objection(problem_); }) return scheme_.objection(problem_);
     return {};
   }
-  bool flips_momentum(double t) const override {
-    if constexpr (requires { scheme_.flips_momentum(problem_, t); }) return scheme_.flips_momentum(problem_, t);
-    return false;
+  std::optional<double> flips_momentum([[maybe_unused]] const Grid& grid,
+                                       [[maybe_unused]] std::int64_t steps) const override {
+    if constexpr (requires { scheme_.flips_momentum(problem_, 0.0); }) {
+      constexpr std::int64_t most = 1000;
+      const std::int64_t looks = std::min(steps, most);
+      for (std::int64_t k = 1; k <= looks; ++k) {
+        const auto n =
+            static_cast<std::int64_t>(static_cast<double>(steps) * static_cast<double>(k) / static_cast<double>(looks));
+        const double t = grid.time(std::max<std::int64_t>(n, 2));  // the first step may begin where damping is singular
+        if (scheme_.flips_momentum(problem_, t)) return t;
+      }
+    }
+    return std::nullopt;
   }
   std::optional<Tangent<FullStateOf<P>>> tangent(const FullStateOf<P>& x, double h) const override {
     if constexpr (Potential<P>) {

@@ -138,12 +138,14 @@ class Ledger {
                 when);
   }
 
-  /// Of the largest ωh met, `bound` being the scheme's.
-  void warn_of_step(double fastest, double bound) {
-    double careful = bound > 0 ? bound / 2 : std::numeric_limits<double>::infinity();
+  /// Of the largest ωh met. `bound(needed)`: the scheme's, infinite where it lies beyond `needed`.
+  template <class Bound>
+  void warn_of_step(double fastest, Bound&& bound) {
+    double most = bound(2 * fastest), careful = most > 0 ? most / 2 : std::numeric_limits<double>::infinity();
     if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
-    if (fastest > careful)
-      outcome_.warnings.push_back({"step_near_stability_bound", wording::near_bound(fastest, careful, bound)});
+    if (!(fastest > careful)) return;
+    most = bound(std::numeric_limits<double>::infinity());
+    outcome_.warnings.push_back({"step_near_stability_bound", wording::near_bound(fastest, careful, most)});
   }
 
   P problem_;

@@ -74,7 +74,7 @@ class Recorder {
 
   bool may_be_unknown(std::size_t column) const {
     if (CarriesSlope<P> && column == X::size + 1) return true;
-    return Conservative<P> && (column == variables_ + 1 || column + 2 >= columns_known_);
+    return column == variables_ + 1 || (Conservative<P> && column + 2 >= columns_known_);
   }
 
   double value(const X& x, std::size_t column, const Manner& manner) const {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/newton.hpp"
+#include "core/number/linear.hpp"
 #include "core/run/outcome.hpp"
 #include "core/run/structure.hpp"
 #include "core/study/reference.hpp"

@@ -23,11 +23,9 @@ class Session : private Ledger<P, X> {
           Sink& sink, const std::atomic<bool>& cancelled)
       : Base(problem, card, scheme, request, sink, cancelled), grid_(request, step), marks_(request.record, grid_) {
     if constexpr (HasFrequency<P>) {
-      double damping_step = 0;
-      if constexpr (ConstantDamping<P>) damping_step = std::max(problem.damping() * step, 0.0);
-      bound_ = stability_bound(request.scheme, request.settings, damping_step);
+      if constexpr (ConstantDamping<P>) damping_step_ = std::max(problem.damping() * step, 0.0);
       // A scheme that grows at every step without damping is not unstable with it, it is what it is.
-      limited_ = damping_step > 0 ? stability_bound(request.scheme, request.settings, 0) > 0 : bound_ > 0;
+      if (stability_bound(request.scheme, request.settings, 0, 0) > 0) cleared_ = 0;
     }
   }
 
@@ -49,10 +47,16 @@ class Session : private Ledger<P, X> {
   }
 
  private:
-  /// Of the squared frequency.
-  double stability_limit() const {
-    const double limit = bound_ / std::abs(grid_.step);
-    return limited_ ? limit * limit * (1 + 1e-6) : std::numeric_limits<double>::infinity();
+  double bound(double needed) const {
+    return stability_bound(request_.scheme, request_.settings, damping_step_, needed);
+  }
+  /// Whether steps are too long for this squared frequency. The bound is measured as far as it is asked for.
+  bool too_fast(double frequency) {
+    if (!(frequency > cleared_)) return false;
+    const double h = std::abs(grid_.step), needed = 4 * h * std::sqrt(frequency);
+    const double limit = std::min(bound(needed), needed) / h;
+    cleared_ = limit * limit * (1 + 1e-6);
+    return frequency > cleared_;
   }
 
   bool start() {
@@ -70,17 +74,18 @@ class Session : private Ledger<P, X> {
         return failed(Status::singular);
     if constexpr (HasFrequency<P>) {
       met_.frequency = problem_.frequency_squared(position(x));
-      if (met_.frequency > stability_limit() && grid_.steps > 0) return unstable(met_.frequency);
+      if (grid_.steps > 0 && too_fast(met_.frequency)) return unstable(met_.frequency);
     }
     return true;
   }
 
   bool unstable(double frequency) {
     const double omega = std::sqrt(frequency);
-    double longest = bound_ / omega;
+    const double most = bound(std::numeric_limits<double>::infinity());
+    double longest = most / omega;
     if constexpr (ConstantDamping<P>)
       longest = longest_stable_step(request_.scheme, request_.settings, omega, problem_.damping(), grid_.step);
-    return stop(Reason::unstable_step, wording::unstable(std::abs(grid_.step) * omega, bound_, longest));
+    return stop(Reason::unstable_step, wording::unstable(std::abs(grid_.step) * omega, most, longest));
   }
 
   /// One block of steps and what falls due at its end.
@@ -98,9 +103,8 @@ class Session : private Ledger<P, X> {
     return record() && keep_pace(place_.n - before);
   }
 
-  bool good(Status status) const {
-    return status == Status::ok && sound(place_.x) && !(met_.frequency > stability_limit()) && !met_.left &&
-           !(met_.pull > 2);
+  bool good(Status status) {
+    return status == Status::ok && sound(place_.x) && !too_fast(met_.frequency) && !met_.left && !(met_.pull > 2);
   }
 
   bool block(std::int64_t count) {
@@ -242,19 +246,14 @@ class Session : private Ledger<P, X> {
 
   void warn() {
     const double h = std::abs(grid_.step);
-    if constexpr (HasFrequency<P>) Base::warn_of_step(h * std::sqrt(met_.frequency), bound_);
+    if constexpr (HasFrequency<P>)
+      Base::warn_of_step(h * std::sqrt(met_.frequency), [this](double needed) { return bound(needed); });
     if constexpr (requires { problem_.stiffness_rate(); }) {
       if (problem_.stiffness_rate() * h > 0.5)
         outcome_.warnings.push_back({"stiff_step", wording::stiff(problem_.stiffness_rate() * h)});
     }
-    // The damping over the span; its first step may begin where it is singular.
-    for (double k = 1; k <= 1000 && place_.n > 0; ++k) {
-      const auto n = static_cast<std::int64_t>(static_cast<double>(place_.n) * k / 1000);
-      const double t = grid_.time(std::max<std::int64_t>(n, 2));
-      if (!engine_->flips_momentum(t)) continue;
-      outcome_.warnings.push_back({"damping_sign", wording::damping_sign(t)});
-      break;
-    }
+    if (const auto t = engine_->flips_momentum(grid_, place_.n))
+      outcome_.warnings.push_back({"damping_sign", wording::damping_sign(*t)});
   }
 
   Grid grid_;
@@ -262,8 +261,8 @@ class Session : private Ledger<P, X> {
   Engine<P, X>* engine_ = nullptr;
   RegularStart<P, X> regular_;
   Met met_;
-  double bound_ = std::numeric_limits<double>::infinity();
-  bool limited_ = false;
+  double damping_step_ = 0;
+  double cleared_ = std::numeric_limits<double>::infinity();  ///< squared frequency up to which steps are stable
   std::int64_t extra_steps_ = 0;
 };
 

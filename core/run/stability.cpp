@@ -42,15 +42,22 @@ bool stable(const Scheme& scheme, const P& oscillator, double z) {
   return radius <= 1 + 1e-9 * z;
 }
 
+/// What is known of a bound: it lies beyond `cleared`, or there.
+struct Known {
+  double cleared = 0;
+  bool found = false;
+};
+
+/// More of it: up to the bound, or to `needed`.
 template <class Scheme>
-double measure(std::span<const double> settings, double damping_step) {
+Known measure(std::span<const double> settings, double damping_step, Known known, double needed) {
   constexpr double most = 20, spacing = 0.01;
   auto scheme = assemble<Scheme>(Scheme::fields, settings);
   if constexpr (requires { scheme.step; }) scheme.step = 1;
   if constexpr (requires { scheme.in_time(); }) {
     scheme = scheme.in_time();
   } else if constexpr (OwnClock<Scheme>) {
-    return std::numeric_limits<double>::infinity();
+    return {std::numeric_limits<double>::infinity(), true};
   }
   const auto holds = [&](double z) {
     if constexpr (SchemeFor<Scheme, HarmonicOscillator<>> || ClockSchemeFor<Scheme, HarmonicOscillator<>>) {
@@ -62,18 +69,18 @@ double measure(std::span<const double> settings, double damping_step) {
       return false;
     }
   };
-  double low = 0, high = spacing;
+  double low = known.cleared, high = low + spacing;
   while (holds(high)) {
-    if (high > most) return std::numeric_limits<double>::infinity();
+    if (high > most) return {std::numeric_limits<double>::infinity(), true};
     low = high;
     high += spacing;
+    if (low > needed) return {low, false};
   }
-  if (low == 0) return 0;
-  while (high - low > 1e-7) (holds((low + high) / 2) ? low : high) = (low + high) / 2;
-  return low;
+  while (low > 0 && high - low > 1e-7) (holds((low + high) / 2) ? low : high) = (low + high) / 2;
+  return {low, true};
 }
 
-using Measure = double (*)(std::span<const double>, double);
+using Measure = Known (*)(std::span<const double>, double, Known, double);
 template <class... Scheme>
 constexpr std::array<Measure, sizeof...(Scheme)> measures(std::tuple<Scheme...>*) {
   return {&measure<Scheme>...};
@@ -81,25 +88,28 @@ constexpr std::array<Measure, sizeof...(Scheme)> measures(std::tuple<Scheme...>*
 
 }  // namespace
 
-double stability_bound(std::size_t scheme, std::span<const double> settings, double damping_step) {
+double stability_bound(std::size_t scheme, std::span<const double> settings, double damping_step, double needed) {
   static constexpr auto table = measures(static_cast<SchemeList*>(nullptr));
   static std::mutex mutex;
-  static std::map<std::vector<double>, double> known;
+  static std::map<std::vector<double>, Known> all;
   std::vector<double> key(settings.begin(), settings.end());
   if (!key.empty()) key[0] = 0;  // the step: everything is scaled by it
   for (double& x : key)
     if (std::isnan(x)) x = std::numeric_limits<double>::infinity();  // keys are ordered
   key.push_back(static_cast<double>(scheme));
   key.push_back(damping_step);
+  Known known;
   {
     const std::lock_guard lock(mutex);
-    if (const auto found = known.find(key); found != known.end()) return found->second;
+    if (const auto found = all.find(key); found != all.end()) known = found->second;
   }
-  const double bound = table[scheme](settings, damping_step);
-  const std::lock_guard lock(mutex);
-  if (known.size() > 1000) known.clear();
-  known.emplace(std::move(key), bound);
-  return bound;
+  if (!known.found && !(known.cleared > needed)) {
+    known = table[scheme](settings, damping_step, known, needed);
+    const std::lock_guard lock(mutex);
+    if (all.size() > 1000) all.clear();
+    all.insert_or_assign(std::move(key), known);
+  }
+  return known.found ? known.cleared : std::numeric_limits<double>::infinity();
 }
 
 double longest_stable_step(std::size_t scheme, std::span<const double> settings, double omega, double alpha, double h) {

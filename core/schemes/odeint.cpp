@@ -18,6 +18,17 @@ namespace library = boost::numeric::odeint;
 template <std::size_t N>
 using Vector = std::array<double, N>;
 
+/// Of vectors whose size is that of their first components.
+template <std::size_t moving>
+struct Leading : library::array_algebra {
+  template <std::size_t N>
+  static double norm_inf(const Vector<N>& y) {
+    double most = 0;
+    for (std::size_t i = 0; i < moving; ++i) most = std::max(most, std::abs(y[i]));
+    return most;
+  }
+};
+
 /// A stepper with error control and no dense output, with the calls of those that have it. The rate at the end of a
 /// step is the next one's.
 template <class Stepper, std::size_t N>
@@ -60,33 +71,28 @@ auto controlled(double tolerance) {
   return Controlled(typename Controlled::error_checker_type(tolerance, tolerance), {}, blank);
 }
 
-template <Method M, std::size_t N>
+template <Method M, std::size_t N, std::size_t moving>
 auto make_stepper(double tolerance) {
+  using Y = Vector<N>;
+  using Algebra = Leading<moving>;
   if constexpr (M == Method::dormand_prince_5) {
-    const auto stepper = controlled<library::runge_kutta_dopri5<Vector<N>>>(tolerance);
+    const auto stepper = controlled<library::runge_kutta_dopri5<Y, double, Y, double, Algebra>>(tolerance);
     return library::dense_output_runge_kutta<std::remove_const_t<decltype(stepper)>>(stepper);
   } else if constexpr (M == Method::fehlberg_78) {
-    const auto stepper = controlled<library::runge_kutta_fehlberg78<Vector<N>>>(tolerance);
+    const auto stepper = controlled<library::runge_kutta_fehlberg78<Y, double, Y, double, Algebra>>(tolerance);
     return Plain<std::remove_const_t<decltype(stepper)>, N>(stepper);
   } else {
     // With dense output (bulirsch_stoer_dense_out) a step takes ten to twenty times as long, and what it interpolates
     // is off by up to a thousand tolerances: a step to the time that is wanted is cheaper and better.
-    return Plain<library::bulirsch_stoer<Vector<N>>, N>(tolerance, tolerance);
+    return Plain<library::bulirsch_stoer<Y, double, Y, double, Algebra>, N>(tolerance, tolerance);
   }
 }
 constexpr int order(Method method) { return method == Method::dormand_prince_5 ? 5 : 8; }
 
-template <std::size_t N>
-bool finite(const Vector<N>& y) {
-  double zero = 0;
-  for (const double c : y) zero += 0 * c;
-  return zero == 0;
-}
-
-template <Method M, std::size_t N>
+template <Method M, std::size_t N, std::size_t moving>
 class Adaptive final : public Integrator {
  public:
-  explicit Adaptive(double tolerance) : tolerance_(tolerance), stepper_(make_stepper<M, N>(tolerance)) {}
+  explicit Adaptive(double tolerance) : tolerance_(tolerance), stepper_(make_stepper<M, N, moving>(tolerance)) {}
 
   std::unique_ptr<Integrator> clone() const override { return std::make_unique<Adaptive>(*this); }
 
@@ -111,6 +117,7 @@ class Adaptive final : public Integrator {
   }
 
   Status reach(const Field& field, double* y, double& t, double end) noexcept override {
+    if (end == t) return Status::ok;
     const Status status = parts(field, y, t, end);
     if (step_ > 0) stepper_.initialize(vector(y), t, step_);  // parts say nothing of what comes next
     dense_ = false;
@@ -139,6 +146,12 @@ class Adaptive final : public Integrator {
     Vector<N> x;
     std::copy(y, y + N, x.begin());
     return x;
+  }
+
+  static bool finite(const Vector<N>& y) {
+    double zero = 0;
+    for (std::size_t i = 0; i < moving; ++i) zero += 0 * y[i];
+    return zero == 0;
   }
 
   Status parts(const Field& field, double* y, double& t, double end) {
@@ -200,7 +213,8 @@ class Adaptive final : public Integrator {
     if (!finite(y) || !finite(rate) || !std::isfinite(t)) return Status::singular;
     const auto size = [&](const Vector<N>& v) {
       double most = 0;
-      for (std::size_t i = 0; i < N; ++i) most = std::max(most, std::abs(v[i]) / (tolerance_ * (1 + std::abs(y[i]))));
+      for (std::size_t i = 0; i < moving; ++i)
+        most = std::max(most, std::abs(v[i]) / (tolerance_ * (1 + std::abs(y[i]))));
       return most;
     };
     const double d0 = size(y), d1 = size(rate);
@@ -218,30 +232,37 @@ class Adaptive final : public Integrator {
   }
 
   double tolerance_;
-  decltype(make_stepper<M, N>(0)) stepper_;
+  decltype(make_stepper<M, N, moving>(0)) stepper_;
   double step_ = 0;   ///< proposed for the next step; 0: not chosen yet
   double start_ = 0;  ///< when the last step began
   bool dense_ = false;
   Work work_;
 };
 
-using Make = std::unique_ptr<Integrator> (*)(double tolerance);
-template <Method M, std::size_t... I>
-constexpr std::array<Make, sizeof...(I)> makers(std::index_sequence<I...>) {
-  return {[](double tolerance) -> std::unique_ptr<Integrator> {
-    return std::make_unique<Adaptive<M, I + 1>>(tolerance);
-  }...};
-}
-template <Method... M>
-constexpr auto table() {
-  return std::array{makers<M>(std::make_index_sequence<most_components>())...};
-}
-
 }  // namespace
 
-std::unique_ptr<Integrator> make_integrator(Method method, std::size_t size, double tolerance) {
-  static constexpr auto make = table<Method::dormand_prince_5, Method::fehlberg_78, Method::bulirsch_stoer>();
-  return make[static_cast<std::size_t>(method)][size - 1](tolerance);
+template <std::size_t N, std::size_t moving>
+std::unique_ptr<Integrator> make_integrator(Method method, double tolerance) {
+  switch (method) {
+    case Method::dormand_prince_5:
+      return std::make_unique<Adaptive<Method::dormand_prince_5, N, moving>>(tolerance);
+    case Method::fehlberg_78:
+      return std::make_unique<Adaptive<Method::fehlberg_78, N, moving>>(tolerance);
+    default:
+      return std::make_unique<Adaptive<Method::bulirsch_stoer, N, moving>>(tolerance);
+  }
 }
+
+// A second or two of compilation each. A scene of another shape is missed by the linker: it is to be added here.
+template std::unique_ptr<Integrator> make_integrator<1, 1>(Method, double);
+template std::unique_ptr<Integrator> make_integrator<2, 2>(Method, double);
+template std::unique_ptr<Integrator> make_integrator<3, 3>(Method, double);
+template std::unique_ptr<Integrator> make_integrator<4, 4>(Method, double);
+template std::unique_ptr<Integrator> make_integrator<6, 6>(Method, double);
+// Mechanics with an action, a flow in the plane with a tangent direction.
+template std::unique_ptr<Integrator> make_integrator<3, 2>(Method, double);
+template std::unique_ptr<Integrator> make_integrator<5, 4>(Method, double);
+template std::unique_ptr<Integrator> make_integrator<7, 6>(Method, double);
+template std::unique_ptr<Integrator> make_integrator<4, 2>(Method, double);
 
 }  // namespace least::odeint

@@ -2,8 +2,9 @@
 // Controls without geometry that set their own clock: a step is as long as an estimate of its error allows, component
 // by component |error| ≤ tolerance (1 + |y| + h|ẏ|), Odeint's own measure. They need equations of motion and nothing
 // else, read the time, keep no structure: energy drifts at a rate that the tolerance sets. The first step follows
-// Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.4. A tangent direction that a state carries is
-// integrated and controlled with it. Odeint itself is seen by one file only, odeint.cpp: a step is a virtual call.
+// Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.4. What a state carries beyond the motion, an
+// action or a tangent direction, goes along with the steps and has no say in them: asking for more never changes a run.
+// Odeint itself is seen by one file only, odeint.cpp: a step is a virtual call.
 // Sources: Dormand & Prince, J. Comput. Appl. Math. 6, 19 (1980); Fehlberg, NASA TR R-287 (1968); Bulirsch & Stoer,
 // Numer. Math. 8, 1 (1966); Ahnert & Mulansky, AIP Conf. Proc. 1389, 1586 (2011).
 #pragma once
@@ -45,9 +46,9 @@ class Integrator {
   virtual const Work& work() const noexcept = 0;
 };
 
-inline constexpr std::size_t most_components = 7;  ///< each costs a second or two of odeint.cpp's compilation
-/// For `size` components, 1 to most_components.
-std::unique_ptr<Integrator> make_integrator(Method method, std::size_t size, double tolerance);
+/// For N components of which the first `moving` are the motion. What of these there is, odeint.cpp lists.
+template <std::size_t N, std::size_t moving>
+std::unique_ptr<Integrator> make_integrator(Method method, double tolerance);
 
 /// States that are doubles at heart: plain, or with a tangent direction.
 template <class X>
@@ -62,7 +63,7 @@ template <VectorField P, odeint::Flat X>
 class AnyOdeintStepper {
  public:
   AnyOdeintStepper(const P& problem, odeint::Method method, double tolerance)
-      : problem_(problem), integrator_(odeint::make_integrator(method, size, tolerance)) {}
+      : problem_(problem), integrator_(odeint::make_integrator<size, StateOf<P>::size>(method, tolerance)) {}
   AnyOdeintStepper(const AnyOdeintStepper& other) : problem_(other.problem_), integrator_(other.integrator_->clone()) {}
   AnyOdeintStepper(AnyOdeintStepper&&) noexcept = default;
   AnyOdeintStepper& operator=(AnyOdeintStepper other) noexcept {
@@ -92,7 +93,6 @@ class AnyOdeintStepper {
 
  private:
   static constexpr std::size_t size = odeint::components<X>;
-  static_assert(size <= odeint::most_components, "odeint.cpp knows no states of this size: raise most_components");
 
   /// Values, then slopes.
   static void read(const double* y, X& x) {

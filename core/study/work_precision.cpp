@@ -2,27 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "core/study/subject.hpp"
 
 namespace least {
 namespace {
 
-/// Of log error by log setting.
-struct Line {
-  double slope, bend;  ///< by least squares; what remains, as a root mean square
-};
-
-Line line(std::span<const StudyPoint> points) {
-  const auto n = static_cast<double>(points.size());
-  double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
-  for (const StudyPoint& p : points) x += std::log(p.value) / n, y += std::log(p.error) / n;
-  for (const StudyPoint& p : points) {
-    const double u = std::log(p.value) - x, v = std::log(p.error) - y;
-    xx += u * u, xy += u * v, yy += v * v;
-  }
-  return {xy / xx, std::sqrt(std::max(yy - xy * xy / xx, 0.0) / n)};
+/// By which power of the setting the error fell from one run to the next.
+double slope(const StudyPoint& coarse, const StudyPoint& fine) {
+  return std::log(coarse.error / fine.error) / std::log(coarse.value / fine.value);
 }
 
 /// The runs of one scheme, from coarse to fine.
@@ -84,8 +72,8 @@ class Ladder {
     over_ = at_floor || dear || value_ < std::max(dial_.range.low, 1e-12 * longest_);
   }
 
-  /// The slope of the straightest stretch of two decades, or of all there is, above round-off; of stretches nearly as
-  /// straight the finest.
+  /// The power that the error follows on the finest stretch where it follows one: two decades, or all there is, between
+  /// round-off and 1e-2, of three points at least, on which the power from run to run hardly changes.
   void fit() {
     if (dial_.adaptive()) {
       curve_.why = "adaptive: no order is declared";
@@ -100,16 +88,23 @@ class Ladder {
                                points.size(), 30 * subject_.floor());
       return;
     }
-    std::vector<Line> lines;
-    for (std::size_t first = 0; first + 3 <= points.size(); ++first) {
-      std::size_t count = 3;
-      while (first + count < points.size() && points[first + count - 1].error < 100 * points[first].error) ++count;
-      if (first > 0 && points[first + count - 1].error < 100 * points[first].error) break;
-      lines.push_back(line(std::span(points).subspan(first, count)));
+    const double fall = std::min(100.0, points.back().error / points.front().error);
+    for (std::size_t first = 0; first + 2 < points.size(); ++first) {
+      double low = slope(points[first + 1], points[first]), high = low;
+      std::size_t last = first + 1;
+      while (last + 1 < points.size()) {
+        const double next = slope(points[last + 1], points[last]);
+        const double least = std::min(low, next), most = std::max(high, next);
+        if (!(most - least <= std::max(0.2, 0.1 * least))) break;
+        low = least, high = most;
+        ++last;
+      }
+      if (last < first + 2 || !(points[last].error >= fall * points[first].error)) continue;
+      curve_.observed_order = slope(points[last], points[first]);
+      return;
     }
-    const double straightest = std::ranges::min(lines, {}, &Line::bend).bend;
-    curve_.observed_order =
-        std::ranges::find_if(lines, [&](const Line& l) { return l.bend <= 2 * straightest; })->slope;
+    curve_.why = fmt::format("between {:.1e} and 1e-2 its errors do not follow a power of the setting",
+                             std::max(points.front().error, 30 * subject_.floor()));
   }
 
   const Subject& subject_;

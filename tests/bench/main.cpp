@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   bench::choice();
   bench::hybrid();
+  bench::digits();
   Reporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/newton.hpp"
+#include "core/number/linear.hpp"
 #include "core/problem.hpp"
 
 namespace {

@@ -54,8 +54,12 @@ void recorded() {
   }
 }
 
+/// One scheme for each thing that a problem can offer. The others are met with other numbers on some problems of each
+/// kind, in tests/schemes.
+using Probes = std::tuple<RungeKutta4, Leapfrog, VariationalMidpoint, ContactSplitting>;
+
 /// Parameters may be dual numbers: the sensitivity of a step to each of them, against a difference quotient.
-template <template <class> class P>
+template <template <class> class P, class Schemes = Probes>
 void parameters_can_be_dual() {
   using D = Dual<double, 1>;
   const double h = coarse_step<P>(), small = 1e-5;
@@ -70,7 +74,7 @@ void parameters_can_be_dual() {
   using Narrow = std::array<double, count>;
   using Wide = std::array<D, count>;
   static_assert(sizeof(P<double>) == sizeof(Narrow) && sizeof(P<D>) == sizeof(Wide));
-  for_each_scheme<P>([&](const auto& scheme) {
+  for_each_scheme<P, Schemes>([&](const auto& scheme) {
     for (std::size_t k = 0; k < count; ++k) {
       auto values = std::bit_cast<Narrow>(P<double>{});
       const double value = values[k];
@@ -129,11 +133,11 @@ void lanes_through_problem() {
   }
 }
 
-template <template <class> class P>
+template <template <class> class P, class Schemes = Probes>
 void lanes_through_schemes() {
   const P<double> problem;
   const double h = About<P>::card().suggested.at(0).second;
-  for_each_scheme<P>([&](const auto& scheme) {
+  for_each_scheme<P, Schemes>([&](const auto& scheme) {
     auto x = in_lanes<P>();
     auto wide = scheme.bind(problem, x);
     for (int k = 0; k < 3; ++k) ASSERT_EQ(wide.step(x, h), Status::ok) << label(scheme);
@@ -142,25 +146,6 @@ void lanes_through_schemes() {
       auto narrow = scheme.bind(problem, y);
       for (int k = 0; k < 3; ++k) ASSERT_EQ(narrow.step(y, h), Status::ok);
       expect_same_bits(x, y, lane, label(scheme));
-    }
-  });
-}
-
-/// The same source in quad precision gives the same step to double's round-off. For the schemes that compositions take
-/// to orders which only quad can measure; the others are met in long double.
-template <template <class> class P>
-void quad_through_schemes() {
-  const P<double> problem;
-  const double h = About<P>::card().suggested.at(0).second;
-  for_each_scheme<P>([&](const auto& scheme) {
-    if constexpr (requires { scheme.composition; }) {
-      auto x = convert<Quad, Quad>(states<P>()[1]);
-      auto y = states<P>()[1];
-      auto wide = scheme.bind(problem, x);
-      auto narrow = scheme.bind(problem, y);
-      ASSERT_EQ(wide.step(x, Quad(h)), Status::ok) << label(scheme);
-      ASSERT_EQ(narrow.step(y, h), Status::ok);
-      EXPECT_LT(distance(convert<double, double>(x), y), 2e-13 * size(y)) << label(scheme);
     }
   });
 }

@@ -70,8 +70,8 @@ double coarse_step() {
   return h;
 }
 
-/// Calls f(scheme) for every scheme that fits and every composition it takes.
-template <template <class> class P, class F>
+/// Calls f(scheme) for every scheme of a tuple that fits and every composition it takes.
+template <template <class> class P, class Schemes = SchemeList, class F>
 void for_each_scheme(F&& f) {
   const auto one = [&]<class Scheme>(Scheme*) {
     if constexpr (SchemeFor<Scheme, P<double>>) {
@@ -95,7 +95,7 @@ void for_each_scheme(F&& f) {
   };
   [&]<class... Scheme>(std::tuple<Scheme...>*) {
     (one(static_cast<Scheme*>(nullptr)), ...);
-  }(static_cast<SchemeList*>(nullptr));
+  }(static_cast<Schemes*>(nullptr));
 }
 
 /// "leapfrog kahan_li_6"

@@ -1,4 +1,4 @@
-// Laws of a scheme on a problem: order, reversal, structure, identity, no allocation.
+// Laws of a scheme on a problem: order, reversal, identity.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -6,9 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/run/engine.hpp"
 #include "tests/laws/scene.hpp"
-#include "tests/support/allocations.hpp"
 
 namespace laws {
 
@@ -105,35 +103,6 @@ void symmetric_schemes_return() {
 }
 
 template <template <class> class P>
-void keep_the_form(const P<double>& problem) {
-  const double h = coarse_step<P>();
-  for_each_scheme<P>([&](const auto& scheme) {
-    double most = 0;
-    for (const auto& x : states<P>()) {
-      const auto tangent = tangent_map(scheme, problem, x, h);
-      ASSERT_TRUE(tangent) << label(scheme);
-      if constexpr (Contact<P<double>>) {
-        most = std::max(most, contact_defect(x, *tangent).defect / size(x));
-      } else {
-        most = std::max(most, symplectic_defect(tangent->m));
-      }
-    }
-    if (scheme.card().structure != "none") {
-      EXPECT_LT(most, 1e-12) << label(scheme);
-    } else {
-      EXPECT_GT(most, 1e-9) << label(scheme) << " keeps the form but does not say so";
-    }
-  });
-}
-
-/// MᵀJM = J, or φ*η = λη in a contact scene, for the schemes that say they keep the form, and for no other.
-template <template <class> class P>
-void geometric_schemes_keep_the_form() {
-  const P<double> problem;
-  if constexpr (Potential<P<double>>) keep_the_form<P>(problem);
-}
-
-template <template <class> class P>
 void no_step_is_the_identity() {
   const P<double> problem;
   for_each_scheme<P>([&](const auto& scheme) {
@@ -143,34 +112,6 @@ void no_step_is_the_identity() {
       ASSERT_EQ(stepper.step(x, 0.0), Status::ok) << label(scheme);
       EXPECT_EQ(x, start) << label(scheme);
     }
-  });
-}
-
-/// The loop itself, with every diagnostic that looks at each step.
-template <template <class> class P>
-void the_loop_allocates_nothing() {
-  const P<double> problem;
-  for_each_scheme<P>([&](auto scheme) {
-    scheme.step = About<P>::card().suggested.at(0).second;
-    Request request;
-    request.until_steps = true;
-    request.steps = 50;
-    request.start = states<P>()[0].t;
-    const Grid grid(request, scheme.step);
-    const auto x = states<P>()[0];
-    using X = FullStateOf<P<double>>;
-    Bound<P<double>, decltype(scheme), X> engine(problem, scheme, x);
-    Place<X> place{x};
-    Met met;
-    Observer<P<double>, X> observer;
-    observer.energy = observer.momenta = observer.orbit = observer.decay = observer.entropy = observer.moments =
-        observer.sections = true;
-    observer.start(problem, x);
-    const std::size_t before = counting::allocations();
-    const Status status = engine.advance(place, grid, 50, met, &observer);
-    EXPECT_EQ(counting::allocations(), before) << label(scheme);
-    EXPECT_EQ(status, Status::ok) << label(scheme);
-    EXPECT_EQ(place.n, 50);
   });
 }
 

@@ -5,6 +5,7 @@
 #include <complex>
 
 #include "core/catalogue.hpp"
+#include "core/number/quad.hpp"
 #include "core/run/stability.hpp"
 #include "core/schemes/list.hpp"
 #include "least_problems.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/newton.hpp"
+#include "core/number/linear.hpp"
 
 namespace toy {
 

@@ -1,0 +1,117 @@
+// Laws of every pair in the catalogue, through runs: the form is kept by the schemes that say so and by no other, and
+// no step allocates.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/study/study.hpp"
+#include "tests/support/allocations.hpp"
+#include "tests/support/runs.hpp"
+
+namespace {
+
+using namespace least;
+
+const SchemeCard& scheme_of(const Request& request) { return schemes()[request.scheme]; }
+
+std::string label(const Request& request) {
+  std::string text = std::string(runs::card(request).id) + ' ' + std::string(scheme_of(request).id);
+  for (const double x : request.settings) text += ' ' + std::to_string(x);
+  return text;
+}
+
+/// Every scheme that fits the problem, with every composition, each with the splittings there are, and every number of
+/// stages; the hybrid on the coordinate side of its switch, with each quadrature and order.
+template <class F>
+void for_each_pair(std::size_t problem, F&& f) {
+  for (const std::size_t index : problems()[problem].schemes) {
+    const SchemeCard& scheme = schemes()[index];
+    std::vector<Request> all{runs::defaults(problems()[problem].id, scheme.id)};
+    if (scheme.id == "jacobi_maupertuis") runs::set(all[0], "critical_kinetic_energy", 0.0);
+    for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
+      const ParameterCard& card = scheme.parameters[i];
+      const bool varied = card.name == "composition" || card.name == "splitting" || card.name == "stages" ||
+                          card.name == "quadrature" || card.name == "order" || card.name == "monitor";
+      if (!varied) continue;
+      std::vector<Request> more;
+      for (const Request& request : all)
+        for (double x = card.choices.empty() ? card.range.low : 0;
+             x <= (card.choices.empty() ? card.range.high : static_cast<double>(card.choices.size()) - 1); ++x) {
+          more.push_back(request);
+          more.back().settings[i] = x;
+          if (scheme.conflicts && !scheme.conflicts(more.back().settings, problems()[problem]).empty()) more.pop_back();
+        }
+      all = std::move(more);
+    }
+    for (const Request& request : all) f(request);
+  }
+}
+
+class Pairs : public testing::TestWithParam<std::size_t> {};
+
+/// MᵀJM = J, or φ*η = λη in a contact scene, for single steps from four points of the default orbit.
+TEST_P(Pairs, KeepTheFormThatTheySay) {
+  const ProblemCard& problem = problems()[GetParam()];
+  if (std::ranges::find(problem.diagnostics, "structure") == problem.diagnostics.end()) return;
+  const Request scene = runs::defaults(problem.id, schemes()[problem.schemes[0]].id);
+  std::vector<double> times;
+  for (const double part : {0.15, 0.25, 0.35, 0.45}) times.push_back(part * problem.span);
+  const auto orbit = truth(scene, times, [] { return true; });
+  ASSERT_TRUE(orbit->complete);
+  for_each_pair(GetParam(), [&](Request request) {
+    runs::ask(request, "structure");
+    runs::only_final(request);
+    const bool keeps = scheme_of(request).structure != "none", fixed = !scheme_of(request).own_clock;
+    if (!keeps && fixed) request.settings[0] *= 10;  // what it does wrong is to be seen
+    request.until_steps = true;
+    request.steps = 1;
+    double most = 0;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      request.start = times[k];
+      std::ranges::copy(orbit->states[k], request.initial.begin());
+      const Outcome outcome = runs::go(request).outcome;
+      ASSERT_EQ(outcome.stop.reason, Reason::completed) << label(request) << outcome.stop.detail;
+      double size = 1;
+      for (const double x : orbit->states[k]) size = std::max(size, std::abs(x));
+      most = std::fmax(most, runs::number(outcome.diagnostics, "structure/max_defect") / size);
+    }
+    if (keeps) {
+      EXPECT_LT(most, 1e-12) << label(request);
+    } else if (fixed) {  // the others may keep it at times, or have no derivative
+      EXPECT_GT(most, 1e-11) << label(request) << " keeps the form but does not say so";
+    }
+  });
+}
+
+/// As many allocations in a run of many steps as in one of few, with every diagnostic that looks at each step. What has
+/// a tolerance is Odeint's: behind a pointer, copied once a block, and one of the three allocates as it goes.
+TEST_P(Pairs, AllocateNothingInTheLoop) {
+  for_each_pair(GetParam(), [&](Request request) {
+    if (scheme_of(request).parameters[0].name == "tolerance") return;
+    for (const auto* diagnostic : {"energy", "momenta", "orbit", "decay", "entropy", "moments"}) {
+      const auto& names = runs::card(request).diagnostics;
+      if (std::ranges::find(names, diagnostic) != names.end()) runs::ask(request, diagnostic);
+    }
+    runs::only_final(request);
+    request.columns.clear();
+    request.until_steps = true;
+    std::size_t events = 0;
+    const auto allocations = [&](std::int64_t steps) {
+      request.steps = steps;
+      const std::size_t before = counting::allocations();
+      const Outcome outcome = runs::go(request).outcome;
+      const std::size_t after = counting::allocations();
+      EXPECT_EQ(outcome.stop.reason, Reason::completed) << label(request) << outcome.stop.detail;
+      events = outcome.events.size();
+      return after - before;
+    };
+    allocations(4);  // what is kept from run to run is there now
+    const std::size_t few = allocations(4), many = allocations(54);
+    EXPECT_LE(many, few + 8 * events) << label(request);  // an event is a list
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Pairs, testing::Range<std::size_t>(0, problems().size()),
+                         [](const auto& which) { return std::string(problems()[which.param].id); });
+
+}  // namespace

@@ -1,0 +1,61 @@
+// The observed order of every pair in the catalogue, from studies in double precision, is the declared one. How near
+// they can come to it: the largest error along a run follows a power of the step only where higher powers are gone, and
+// from order 8 on round-off comes first. To a tenth, in quad, orders are measured by the laws (OrderIsAsDeclared).
+#include <cmath>
+#include <iostream>
+
+#include "core/study/subject.hpp"
+#include "tests/study/studies.hpp"
+
+namespace {
+
+using namespace studies;
+
+/// A problem's default scene up to a time at which nothing is special and before which differences of the start have
+/// not grown much. Where the equations of motion are singular at the start, and orders fall, from further on.
+Request ordinary(std::string_view problem) {
+  Request request = scene(problem);
+  const double span = request.end - request.start;
+  request.end = request.start + 0.37 * span;
+  while (conditioning(request, always)->most_growth > 300) request.end -= 0.5 * (request.end - request.start);
+  if (!problems()[request.problem].regular_start) return request;
+  const double later = request.start + 0.1 * span;
+  const auto there = truth(request, {later}, always);
+  std::ranges::copy(there->states.at(0), request.initial.begin());
+  request.start = later;
+  return request;
+}
+
+class Orders : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(Orders, AreTheDeclaredOnes) {
+  StudyPlan plan;
+  plan.scene = ordinary(problems()[GetParam()].id);
+  plan.schemes = candidates(GetParam(), {});
+  plan.at_end = false;
+  plan.budget_seconds = 100;
+  plan.most_forces = 100'000;
+  const Study study = work_precision(plan, watch, never);
+  ASSERT_TRUE(study.left_out.empty()) << study.left_out[0];
+  int measured = 0, waived = 0;
+  for (const StudyCurve& curve : study.curves) {
+    if (curve.expected_order == 0) continue;
+    const std::string pair = std::string(problems()[GetParam()].id) + " " + name(curve.scheme);
+    if (std::isnan(curve.observed_order)) {
+      std::cout << "waived: " << pair << ": " << curve.why << '\n';
+      waived += curve.expected_order <= 6 && curve.points.size() > 1;
+      continue;
+    }
+    const double slack = curve.expected_order <= 6 ? 0.45 : 1.5;
+    EXPECT_GT(curve.observed_order, curve.expected_order - slack) << pair;
+    EXPECT_LT(curve.observed_order,
+              curve.expected_order + (curve.expected_order <= 6 ? slack : 0.4 * curve.expected_order))
+        << pair;
+    measured += curve.expected_order <= 6;
+  }
+  EXPECT_GE(measured, 2 * waived) << "hardly an order could be measured";
+}
+INSTANTIATE_TEST_SUITE_P(AllProblems, Orders, testing::Range<std::size_t>(0, problems().size()),
+                         [](const auto& which) { return std::string(problems()[which.param].id); });
+
+}  // namespace

@@ -40,8 +40,8 @@ std::vector<Choice> with_each(const std::vector<Choice>& choices, std::size_t in
 
 bool keeps(const SchemeCard& scheme, const ProblemCard& problem, const Keep& keep) {
   // Flows that are not mechanical have no form to keep.
-  const bool form = scheme.structure != "none" &&
-                    std::ranges::find(problem.diagnostics, "structure") != problem.diagnostics.end();
+  const bool form =
+      scheme.structure != "none" && std::ranges::find(problem.diagnostics, "structure") != problem.diagnostics.end();
   if (keep.structure && !form) return false;
   if (keep.energy && !form && !(scheme.symmetric && problem.keeps_energy)) return false;
   return !keep.momenta || form || scheme.id == "adaptive_verlet";

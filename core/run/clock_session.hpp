@@ -100,19 +100,27 @@ class ClockSession : private Ledger<P, X> {
     return status == Status::ok && !met_.unsound && !met_.left && !(met_.turn_squared > met_.turn_limit);
   }
   bool fail(Status status) {
-    if (status == Status::underflow)
+    if (status == Status::underflow && course_)
       return stop(
           Reason::parameter_step_underflow,
           "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in "
           "a collision or where the motion comes to rest");
     if (status == Status::solver_failed)
       return stop(Reason::solver_failed, "the equations of the step have no solution near here; a shorter step may");
-    if (status == Status::singular || met_.unsound) {
-      const double step = place_.x.t - engine_->before().t;
-      const double when = Base::singularity(place_.x.t + 10 * step, step);
+    if (status != Status::ok || met_.unsound) {
+      // Of steps that adapt the mean: the last ones before an end are as short as time can tell.
+      const double step = place_.n > 0 ? (place_.x.t - start_) / static_cast<double>(place_.n) : 0;
+      const double when = step > 0 ? Base::singularity(place_.x.t + 10 * step, step) : unknown;
       if (status == Status::singular || std::isfinite(when)) return Base::stop_as_singular(when);
     }
-    if (met_.left) return leave();
+    if (status == Status::underflow)
+      return stop(Reason::singular,
+                  "a step within the tolerance is too short to advance the time: the motion is singular near here, or "
+                  "the time too large");
+    if (met_.left) {
+      const double when = exit();
+      return when > end_ ? pass_end(when) : leave(when);
+    }
     if (met_.unsound)
       return stop(Reason::not_finite,
                   "the next state is not finite, or beyond 1e75 where energies overflow, or time stood still");
@@ -120,8 +128,8 @@ class ClockSession : private Ledger<P, X> {
     return stop(Reason::unstable_step, wording::unstable(ratio, bound_, request_.settings[0] * bound_ / ratio));
   }
 
-  /// The next step leads out of the domain: where it does so is on a step of its own.
-  bool leave() {
+  /// Where the next step leads out of the domain, on a step of its own.
+  double exit() const {
     if constexpr (HasDomain<P>) {
       const double step = place_.x.t - engine_->before().t;
       const auto inside = [&](double ahead) {
@@ -131,24 +139,32 @@ class ClockSession : private Ledger<P, X> {
       };
       double reach = step > 0 ? step : 1e-3;
       for (int k = 0; k < 60 && inside(reach) > 0; ++k) reach *= 2;
-      const double ahead = root(inside, 0, reach);
-      X x = place_.x;
-      engine_->leap(x, place_.x.t + ahead);
-      x.t = place_.x.t + ahead;
-      if (observer_.sections) events_.add(0, false, x);
-      return stop(Reason::left_domain, wording::left_domain(x.t), x.t);
+      return place_.x.t + root(inside, 0, reach);
     }
-    return true;
+    return place_.x.t;
+  }
+  bool leave(double when) {
+    X x = place_.x;
+    engine_->leap(x, when);
+    x.t = when;
+    if (observer_.sections) events_.add(0, false, x);
+    return stop(Reason::left_domain, wording::left_domain(when), when);
+  }
+  /// The next step leads out of the domain, but the end comes first: the step is taken as far as it is good.
+  bool pass_end(double when) {
+    engine_->leap(place_.x, when);
+    place_.x.t = when;
+    ++place_.n;
+    met_.left = false;
+    return record();
   }
 
   /// Samples due within the last step or at its end.
   bool record() {
     for (; times_.time() <= place_.x.t; times_.next()) {
       X x = place_.x;
-      if (const Status status = between(x, times_.time(), false); status != Status::ok) {
-        place_.x = engine_->before();  // the last state that is known to lie before the end
-        return fail(status);
-      }
+      const Status status = between(x, times_.time(), false);
+      if (status != Status::ok || outside(x)) return step_back(status);
       if (!Base::take(x, manner()) || !keep_pace(1)) return false;
     }
     for (; times_.step() == place_.n && place_.x.t <= end_; times_.next()) {
@@ -169,12 +185,26 @@ class ClockSession : private Ledger<P, X> {
   /// The state at the end, which lies within the last step.
   void finish() {
     if (place_.x.t <= end_) return;
-    if (const Status status = between(place_.x, end_, true); status != Status::ok) {
-      place_.x = engine_->before();
-      fail(status);
+    X x = place_.x;
+    const Status status = between(x, end_, true);
+    if (status != Status::ok || outside(x)) {
+      step_back(status);
       return;
     }
-    observer_.see(problem_, place_.x);
+    place_.x = x;
+    observer_.see(problem_, x);
+    if (observer_.crossed) find_events();
+  }
+
+  /// A long step may lead out of the domain and back.
+  bool outside([[maybe_unused]] const X& x) const {
+    if constexpr (HasDomain<P>) return problem_.bounded() && !(problem_.inside(position(x)) >= 0);
+    return false;
+  }
+  /// To the last state that is known to lie before the end of the motion.
+  bool step_back(Status status) {
+    place_ = {engine_->before(), place_.n - 1};
+    return status == Status::ok ? leave(exit()) : fail(status);
   }
 
   void find_events() {

@@ -11,6 +11,7 @@
 #include "core/schemes/contact_splitting.hpp"
 #include "core/schemes/galerkin_4.hpp"
 #include "core/schemes/jacobi_maupertuis.hpp"
+#include "core/schemes/odeint.hpp"
 #include "core/schemes/runge_kutta.hpp"
 #include "core/schemes/splitting.hpp"
 #include "core/schemes/time_transformed.hpp"
@@ -18,9 +19,9 @@
 
 namespace least {
 
-using SchemeList =
-    std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
-               Galerkin4, JacobiMaupertuis, TimeTransformed, AdaptiveVerlet, ContactLeapfrog,
-               ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss>;
+using SchemeList = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog,
+                              VariationalMidpoint, Galerkin4, JacobiMaupertuis, TimeTransformed, AdaptiveVerlet,
+                              ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting,
+                              ContactGauss, DormandPrince5, Fehlberg78, BulirschStoer>;
 
 }  // namespace least

@@ -182,6 +182,24 @@ TEST(ClockCollision, TurnsBackOrEnds) {
   }
 }
 
+// Steps shorten until the clock cannot tell them apart, just short of the centre or, by their error, beyond it.
+TEST(ClockCollision, OfAdaptiveStepsEndsWhereItHappens) {
+  for (const Line& line : lines())
+    for (const std::string_view scheme : adaptive)
+      for (const double tolerance : {1.1e-15, 1e-12, 1e-8, 1e-4}) {
+        Request request = along(line, {scheme, {{"tolerance", tolerance}}});
+        request.diagnostics.clear();
+        const auto result = go(request);
+        const std::string what = std::string(line.problem) + ' ' + std::string(scheme) + std::to_string(tolerance);
+        const double when = collision(line.r, line.v);
+        ASSERT_EQ(result.outcome.stop.reason, Reason::singular) << what;
+        EXPECT_NEAR(result.outcome.t, when, when * std::max(10 * tolerance, 1e-10)) << what;
+        EXPECT_FALSE(result.outcome.stop.singular_at.has_value()) << what << ": the time is not known that well";
+        EXPECT_NE(result.outcome.stop.detail.find("tolerance"), std::string::npos) << result.outcome.stop.detail;
+        EXPECT_EQ(reason(until(request, when - 0.1)), Reason::completed) << what;
+      }
+}
+
 // On an oblique line round-off and the order's own drift give the orbit an angular momentum: it may turn back.
 TEST(ClockCollision, AlongAnyLineEndsOrTurnsBack) {
   int ended = 0;

@@ -14,12 +14,16 @@ using namespace asking;
 
 const double pi = std::acos(-1.0), null = std::nan("");
 
-/// Every pair of a problem and a scheme that sets its own clock.
+/// Every pair of a problem and a scheme that sets its own clock. No motion leaves its domain: a Plummer star has no
+/// surface.
 template <class F>
 void for_each_clock(F&& f) {
   for (const ProblemCard& problem : problems())
-    for (const std::size_t index : problem.schemes)
-      if (schemes()[index].own_clock) f(of(problem.id, {schemes()[index].id}, {}));
+    for (const std::size_t index : problem.schemes) {
+      if (!schemes()[index].own_clock) continue;
+      Request request = of(problem.id, {schemes()[index].id}, {});
+      f(problem.id == "lane_emden" ? set(request, {{"n", 5}}) : request);
+    }
 }
 std::string name(const Request& request) {
   return std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
@@ -45,16 +49,24 @@ TEST(ClockSettings, OfAnySizeEndInAStatus) {
   });
 }
 
-// Its steps take no time, so it can go nowhere: said at once, with the start as the last good state.
+// Its steps take no time, or must not err at all, so it can go nowhere: said at once, with the start as the last good
+// state.
 TEST(ClockSettings, AStepOfNoLengthIsFoundOut) {
   for_each_clock([](const Request& plain) {
     Request request = plain;
     request.settings[0] = 0;
+    if (problem_of(request).id == "lane_emden") {  // its own start is singular, and left along a series
+      request.start = 1;
+      request.initial = {0.9, -0.2, 0};
+    }
     if (scheme_of(request).id == "jacobi_maupertuis") request = set(request, {{"critical_kinetic_energy", null}});
     const auto result = go(request);
     const Reason why = result.outcome.stop.reason;
-    EXPECT_TRUE(why == Reason::not_finite || why == Reason::singular || why == Reason::unstable_step) << name(request);
-    EXPECT_EQ(result.outcome.final, request.initial) << name(request);
+    EXPECT_TRUE(why == Reason::singular ||
+                (!is_adaptive(request) && (why == Reason::not_finite || why == Reason::unstable_step)))
+        << name(request);
+    EXPECT_EQ(result.outcome.stop.step, 0) << name(request);
+    EXPECT_EQ(known(result.outcome.final), start_of_motion(request)) << name(request);
     EXPECT_EQ(reason(steps(plain, 20)), Reason::completed) << name(request);
   });
 }
@@ -90,14 +102,24 @@ TEST(ClockSettings, AnyGravityIsTheSameOrbit) {  // lengths fixed, times scaled 
 // ── scenes ──────────────────────────────────────────────────────────────────────────────────────────────────────────
 
 TEST(ClockAtRest, AnEquilibriumStays) {
-  for_each_clock([](const Request& plain) {
-    if (problem_of(plain).id.starts_with("kepler")) return;
+  int still = 0;
+  for_each_clock([&](const Request& plain) {
+    // What is singular at 0, what is driven, and heat at no temperature.
+    for (const std::string_view id : {"kepler", "kepler_3d", "perturbed_kepler", "lane_emden", "driven_oscillator",
+                                      "spin_orbit", "generic_oscillator"})
+      if (problem_of(plain).id == id) return;
     Request request = plain;
     std::ranges::fill(request.initial, 0.0);
     const auto result = go(everything(request));
     EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
-    EXPECT_EQ(result.outcome.final, request.initial) << name(request);
+    for (std::size_t i = 0; i < request.initial.size(); ++i) {
+      const auto& variable = problem_of(request).variables[i];
+      if (variable.name == "s" || variable.optional) continue;  // moves on, or is no part of the motion
+      EXPECT_EQ(result.outcome.final[i], 0) << name(request) << ' ' << variable.name;
+      ++still;
+    }
   });
+  EXPECT_GT(still, 80);
 }
 
 TEST(ClockAtRest, OnASummitOrNextToIt) {
@@ -135,7 +157,8 @@ TEST(ClockAtRest, AlongTheSeparatrix) {  // to the summit, which it takes for ev
 }
 
 TEST(ClockRunaway, OverTheSaddleOfHenonHeilesIsStopped) {
-  for (const std::string_view scheme : {"jacobi_maupertuis", "time_transformed", "adaptive_verlet"}) {
+  for (const std::string_view scheme : {"jacobi_maupertuis", "time_transformed", "adaptive_verlet", "dormand_prince_5",
+                                        "fehlberg_78", "bulirsch_stoer"}) {
     Request request = at(of("henon_heiles", {scheme}, {}), {{"x", 0}, {"y", 1.2}, {"px", 0}, {"py", 0.5}});
     const auto result = go(request);
     EXPECT_NE(result.outcome.stop.reason, Reason::completed) << scheme;
@@ -149,34 +172,40 @@ TEST(ClockRunaway, OverTheSaddleOfHenonHeilesIsStopped) {
 
 TEST(ClockBudget, OfTimeIsKept) {
   for_each_clock([](const Request& plain) {
-    Request request = ask(until(plain, 1e9), {"energy"});
+    if (problem_of(plain).id == "lane_emden") return;  // comes to rest, in ever longer steps
+    Request request = until(plain, 1e9);
     runs::only_final(request);
-    request.limits = {0.05, 1'000'000'000'000, 1'000'000};
+    const bool kept = !is_adaptive(request);  // else energy drifts, or there is none
+    if (kept) request = ask(request, {"energy"});
+    request.limits = {kept ? 0.03 : 0.005, 1'000'000'000'000, 1'000'000};
     const auto result = go(request);
     EXPECT_EQ(result.outcome.stop.reason, Reason::deadline) << name(request);
-    EXPECT_GT(result.outcome.stop.step, 1000) << name(request);
-    EXPECT_LT(result.outcome.cost.seconds, 1.3 * 0.05 + 0.5) << name(request);
-    EXPECT_LT(std::abs(number(result, "energy/final") - number(result, "energy/initial")), 0.01) << name(request);
+    EXPECT_GT(result.outcome.stop.step, kept ? 1000 : 10) << name(request);
+    EXPECT_LT(result.outcome.cost.seconds, 1.3 * 0.03 + 0.5) << name(request);
+    if (kept) {
+      EXPECT_LT(std::abs(number(result, "energy/final") - number(result, "energy/initial")), 0.01) << name(request);
+    }
   });
 }
 
 TEST(ClockBudget, OfStepsAndSamplesIsKept) {
   for_each_clock([](const Request& plain) {
+    const auto whole = go(plain);
     Request request = plain;
-    request.limits.steps = 17;
+    const std::int64_t few = std::min<std::int64_t>(17, whole.outcome.cost.steps / 2);
+    request.limits.steps = few;
     const auto stopped = go(request);
     EXPECT_EQ(stopped.outcome.stop.reason, Reason::step_limit) << name(request);
-    EXPECT_EQ(stopped.outcome.stop.step, 17) << name(request);
-    EXPECT_EQ(stopped.rows.size(), 18U) << name(request);
+    EXPECT_EQ(stopped.outcome.stop.step, few) << name(request);
+    EXPECT_EQ(stopped.rows.size(), static_cast<std::size_t>(few) + 1) << name(request);
     request = plain;
     request.limits.samples = 5;
     const auto kept = go(request);
     EXPECT_EQ(kept.outcome.stop.reason, Reason::completed) << name(request);
     EXPECT_EQ(kept.rows.size(), 5U) << name(request);
     EXPECT_TRUE(warned(kept, "samples_truncated")) << name(request);
-    const auto whole = go(plain);
     EXPECT_FALSE(warned(whole, "samples_truncated")) << name(request);
-    EXPECT_EQ(whole.outcome.final, kept.outcome.final) << name(request);
+    EXPECT_EQ(known(whole.outcome.final), known(kept.outcome.final)) << name(request);
   });
 }
 
@@ -193,14 +222,16 @@ TEST(ClockSamples, LieOnTheMotionHoweverManyAStepHolds) {
     runs::at_times(dense, times);
     const auto result = go(dense);
     EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
-    EXPECT_EQ(result.outcome.final, whole.outcome.final) << name(request) << ": recording changes nothing";
+    EXPECT_EQ(known(result.outcome.final), known(whole.outcome.final))
+        << name(request) << ": recording changes nothing";
     EXPECT_EQ(result.outcome.cost.steps, whole.outcome.cost.steps) << name(request);
     EXPECT_EQ(result.outcome.cost.force_evaluations, whole.outcome.cost.force_evaluations) << name(request);
     ASSERT_EQ(result.rows.size(), times.size()) << name(request);
     for (std::size_t k = 0; k < times.size(); ++k) EXPECT_EQ(result.rows[k][0], times[k]) << name(request);
-    for (std::size_t i = 0; i < request.initial.size(); ++i) {
-      EXPECT_EQ(result.rows[0][i + 1], request.initial[i]) << name(request);
-      EXPECT_EQ(result.rows.back()[i + 1], result.outcome.final[i]) << name(request);
+    const auto start = start_of_motion(request), end = known(result.outcome.final);
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      EXPECT_EQ(result.rows[0][i + 1], start[i]) << name(request);
+      EXPECT_EQ(result.rows.back()[i + 1], end[i]) << name(request);
       for (std::size_t k = 2; k < 99; ++k) {  // a straight line, as far as 1e-5 shows
         const double bend = result.rows[k][i + 1] - (result.rows[k - 1][i + 1] + result.rows[k + 1][i + 1]) / 2;
         EXPECT_NEAR(bend, 0, 2e-8) << name(request) << ' ' << k;
@@ -221,7 +252,7 @@ TEST(ClockSamples, OfBothEndsAndWithoutAny) {
     runs::only_final(request);
     const auto none = go(request);
     EXPECT_TRUE(none.rows.empty());
-    EXPECT_EQ(none.outcome.final, ends.outcome.final) << name(request);
+    EXPECT_EQ(known(none.outcome.final), known(ends.outcome.final)) << name(request);
   });
 }
 
@@ -237,12 +268,15 @@ TEST(ClockSamples, OfAGivenNumberOfSteps) {
     request.record = {Record::Mode::times, 1, {0, result.outcome.t / 2, 2 * result.outcome.t}};
     const auto timed = go(request);
     EXPECT_EQ(timed.rows.size(), 2U) << name(request) << ": the last one is never reached";
-    EXPECT_EQ(timed.outcome.final, result.outcome.final) << name(request);
+    EXPECT_EQ(known(timed.outcome.final), known(result.outcome.final)) << name(request);
   });
 }
 
 TEST(ClockSamples, FarFromTheTimeZero) {
   for_each_clock([](const Request& plain) {
+    for (const std::string_view id :
+         {"driven_oscillator", "modulated_oscillator", "perturbed_kepler", "spin_orbit", "lane_emden"})
+      if (problem_of(plain).id == id) return;  // another motion at another time
     for (const double start : {1e3, -1e6, 1e10}) {
       Request request = until(plain, 5), late = request;
       late.start = start;
@@ -250,8 +284,11 @@ TEST(ClockSamples, FarFromTheTimeZero) {
       const auto here = go(request), there = go(late);
       EXPECT_EQ(there.outcome.stop.reason, Reason::completed) << name(request);
       EXPECT_EQ(there.outcome.t, start + 5) << name(request);
-      for (std::size_t i = 0; i < request.initial.size(); ++i)
-        EXPECT_NEAR(there.outcome.final[i], here.outcome.final[i], 1e-5) << name(request) << ' ' << start;
+      const auto far = known(there.outcome.final), near = known(here.outcome.final);
+      // A clock that is read is rounded at every step.
+      const double slack = is_adaptive(request) ? 1e3 * std::abs(std::nextafter(start, 0) - start) : 0;
+      for (std::size_t i = 0; i < near.size(); ++i)
+        EXPECT_NEAR(far[i], near[i], 1e-5 + slack) << name(request) << ' ' << start;
     }
   });
 }
@@ -262,7 +299,8 @@ TEST(ClockSamples, ATimeTooLargeToAdvanceEndsInAStatus) {
     request.start = 1e300;
     request.end = 1e301;
     request.limits.steps = 1000;
-    EXPECT_EQ(reason(request), Reason::step_limit) << name(request);
+    // A clock that is read cannot stand still; others add their steps up beside it.
+    EXPECT_EQ(reason(request), is_adaptive(request) ? Reason::singular : Reason::step_limit) << name(request);
   });
 }
 

@@ -1,0 +1,193 @@
+// Schemes that choose their steps by an error estimate: tolerances at the ends of their range, scenes that are stiff or
+// long, and what lies within their long steps. They run on every problem, so they take part in most other tests of
+// extremes as well.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/extremes/asking.hpp"
+
+namespace {
+
+using namespace least;
+using namespace asking;
+
+const double pi = std::acos(-1.0);
+
+template <class F>
+void for_each_adaptive(F&& f) {
+  for (const ProblemCard& problem : problems())
+    for (const std::string_view scheme : adaptive) f(of(problem.id, {scheme}, {}));
+}
+Request at_tolerance(const Request& request, double tolerance) { return set(request, {{"tolerance", tolerance}}); }
+std::string name(const Request& request) {
+  return std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
+}
+Request star(std::string_view scheme, double n, std::string_view after_zero = "stop") {
+  return choose(of("lane_emden", {scheme}, {{"n", n}}), {{"after_zero", after_zero}});
+}
+
+// ── tolerances ──────────────────────────────────────────────────────────────────────────────────────────────────────
+
+TEST(Tolerance, RunOnEveryProblem) {
+  for_each_adaptive([](const Request& request) {
+    EXPECT_TRUE(is_adaptive(request)) << name(request);
+    const auto& known = problem_of(request).schemes;
+    EXPECT_NE(std::ranges::find(known, request.scheme), known.end()) << name(request);
+  });
+}
+
+TEST(Tolerance, AtTheLowEndOfItsRangeIsTheMotionToRoundOff) {
+  for_each_adaptive([](const Request& plain) {
+    const auto& range = scheme_of(plain).parameters[0].range;
+    const double low = std::nextafter(range.low, 1);
+    ASSERT_TRUE(range.contains(low) && !range.contains(range.low)) << name(plain);
+    const bool star = problem_of(plain).id == "lane_emden";
+    Request request = at_tolerance(star ? set(plain, {{"n", 5}}) : plain, low);
+    request.end = std::min(request.end, request.start + 5);
+    const auto result = go(ask(request, {"error"}));
+    ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << name(request) << ": " << result.outcome.stop.detail;
+    EXPECT_LT(runs::number(result.outcome.diagnostics, "error/max"), 1e-10) << name(request);
+  });
+}
+
+TEST(Tolerance, AtTheHighEndOfItsRangeEndsInAStatus) {
+  for_each_adaptive([](const Request& plain) {
+    const auto& range = scheme_of(plain).parameters[0].range;
+    ASSERT_TRUE(range.contains(range.high) && !range.contains(std::nextafter(range.high, 1))) << name(plain);
+    Request request = everything(at_tolerance(plain, range.high), false);
+    if (problem_of(plain).id == "lane_emden") {  // its energy at t = 0 is not defined
+      request.start = 0.1;
+      request.initial = *problem_of(request).regular_start(request.parameters, 0.1);
+    }
+    const auto result = go(request);  // however wrong it is, what is kept is finite
+    const Reason why = result.outcome.stop.reason;
+    // Energy that piles up throws a bounded orbit to infinity, or uses up all heat.
+    const bool lost = why == Reason::singular || why == Reason::not_finite;
+    EXPECT_TRUE(why == Reason::completed || why == Reason::left_domain || lost) << name(request);
+    if (why == Reason::completed) {
+      EXPECT_EQ(result.outcome.t, request.end) << name(request);
+    }
+  });
+}
+
+// ── budgets ─────────────────────────────────────────────────────────────────────────────────────────────────────────
+
+TEST(AdaptiveBudget, OfALongSpanAtTheLowestToleranceIsKept) {
+  for (const std::string_view problem : {"kepler", "lorenz", "driven_oscillator", "generic_oscillator"})
+    for (const std::string_view scheme : adaptive) {
+      Request request = at_tolerance(until(of(problem, {scheme}, {}), 1e9), std::nextafter(1e-15, 1));
+      request.record = {Record::Mode::samples, 1000, {}};
+      request.limits = {0.02, 1'000'000'000'000, 1'000'000};
+      const auto result = go(request);
+      EXPECT_EQ(result.outcome.stop.reason, Reason::deadline) << name(request);
+      EXPECT_GT(result.outcome.stop.step, 10) << name(request);
+      EXPECT_LT(result.outcome.cost.seconds, 0.5) << name(request);
+      request.limits = {2, 500, 1'000'000};
+      EXPECT_EQ(reason(request), Reason::step_limit) << name(request);
+    }
+}
+
+// On the slow branch, x ≈ 2, stability alone keeps steps of any tolerance below a few 1/(ε (x² − 1)).
+TEST(AdaptiveBudget, OfAStiffSceneIsKept) {
+  for (const std::string_view scheme : adaptive)
+    for (const double tolerance : {1e-12, 1e-8, 1e-4}) {
+      const Request stiff = at_tolerance(of("van_der_pol", {scheme}, {{"epsilon", 1000}}), tolerance);
+      Request request = until(stiff, 1);
+      const auto whole = go(request);
+      EXPECT_EQ(whole.outcome.stop.reason, Reason::completed) << scheme << ' ' << tolerance;
+      EXPECT_GT(whole.outcome.cost.steps, 300) << scheme << ' ' << tolerance;
+      EXPECT_NEAR(whole.outcome.final[0], 2 - 2.0 / 3000, 1e-4) << scheme << ' ' << tolerance;
+      request.limits.steps = 100;
+      EXPECT_EQ(reason(request), Reason::step_limit) << scheme << ' ' << tolerance;
+      request = until(stiff, 1e6);
+      runs::only_final(request);
+      request.limits = {0.01, 1'000'000'000'000, 1'000'000};
+      const auto stopped = go(request);
+      EXPECT_EQ(stopped.outcome.stop.reason, Reason::deadline) << scheme << ' ' << tolerance;
+      EXPECT_LT(stopped.outcome.cost.seconds, 0.5) << scheme << ' ' << tolerance;
+    }
+}
+
+// ── within a step ───────────────────────────────────────────────────────────────────────────────────────────────────
+
+TEST(WithinAStep, ZerosPolesAndCyclesAreFound) {
+  for (const std::string_view scheme : adaptive)
+    for (const double tolerance : {1e-12, 1e-8}) {
+      const Request sine = ask(at_tolerance(until(star(scheme, 1, "continue"), 40), tolerance), {"zeros"});
+      const auto zeros = runs::list(go(sine).outcome.diagnostics, "zeros");  // of sin t/t
+      ASSERT_EQ(zeros.size(), 12U) << scheme << ' ' << tolerance;
+      for (std::size_t k = 0; k < zeros.size(); ++k)
+        EXPECT_NEAR(zeros[k], pi * static_cast<double>(k + 1), 200 * tolerance) << scheme << ' ' << tolerance;
+      const auto last = runs::list(go(until(sine, 3.15)).outcome.diagnostics, "zeros");
+      ASSERT_EQ(last.size(), 1U) << scheme << ' ' << tolerance << ": in the step that ends the run";
+      EXPECT_NEAR(last[0], pi, 200 * tolerance) << scheme << ' ' << tolerance;
+      EXPECT_TRUE(runs::list(go(until(sine, 3.14)).outcome.diagnostics, "zeros").empty())
+          << scheme << ": beyond the end";
+      const Request cycles = ask(at_tolerance(of("van_der_pol", {scheme}, {}), tolerance), {"cycle", "poles"});
+      const auto reports = go(cycles).outcome.diagnostics;
+      EXPECT_NEAR(runs::number(reports, "cycle/period"), 6.6632868593231, 200 * tolerance) << scheme;
+      EXPECT_NEAR(runs::number(reports, "cycle/amplitude"), 2.0086198608748, 200 * tolerance) << scheme;
+      const auto& poles = runs::list(reports, "poles");  // the start is one, and every half cycle has one
+      ASSERT_GE(poles.size(), 9U) << scheme;
+      for (std::size_t k = 5; k < poles.size(); ++k)
+        EXPECT_NEAR(poles[k] - poles[k - 1], 6.6632868593231 / 2, 1e-6) << scheme << ' ' << k;
+    }
+}
+
+/// sin t/t, 1 − t²/6 and n = 3 have their surfaces at π, √6 and 6.897: these ends lie before them, and in the steps
+/// that lead out.
+TEST(WithinAStep, AnEndBeforeTheSurfaceIsReached) {
+  struct Row {
+    double n, end, q;
+  };
+  for (const auto& [n, end, q] : {Row{1, 3.1, std::sin(3.1) / 3.1}, Row{1, 3.1415, std::sin(3.1415) / 3.1415},
+                                  Row{0, 2.4, 1 - 2.4 * 2.4 / 6}, Row{0, 0.6, 1 - 0.06}, Row{3, 6.89, 2.908741e-4}})
+    for (const std::string_view scheme : adaptive) {
+      Request request = until(star(scheme, n), end);
+      request.record = {Record::Mode::samples, 50, {}};
+      const auto result = go(request);
+      const std::string what = std::string(scheme) + ' ' + std::to_string(n) + ' ' + std::to_string(end);
+      ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << what;
+      EXPECT_EQ(result.outcome.t, end) << what;
+      EXPECT_NEAR(result.outcome.final[0], q, 1e-7) << what;
+      ASSERT_EQ(result.rows.size(), 50U) << what;
+      for (std::size_t k = 0; n == 0 && k < result.rows.size(); ++k) {
+        const auto& row = result.rows[k];
+        EXPECT_NEAR(row[1], 1 - row[0] * row[0] / 6, 1e-9) << what << ' ' << row[0];
+      }
+      request.record = {};
+      const auto stepped = go(request);
+      EXPECT_EQ(stepped.rows.size(), static_cast<std::size_t>(stepped.outcome.cost.steps)) << what;
+      EXPECT_EQ(stepped.outcome.final[0], result.outcome.final[0]) << what;
+    }
+}
+
+// A step at a loose tolerance may lead out of the domain and back: no state outside is ever shown.
+TEST(WithinAStep, NoStateIsOutsideTheDomain) {
+  int stopped = 0;
+  for (const std::string_view scheme : adaptive)
+    for (const double n : {0.0, 0.5, 1.0, 1.5, 2.0, 3.0})
+      for (const double start : {0.0, 1e-20, 1e-3, 0.02, 0.05, 0.1})
+        for (const std::int64_t samples : {0, 2, 200}) {
+          Request request = at_tolerance(star(scheme, n), 0.1);
+          request.start = start;
+          request.initial[1] = -start / 3;  // close to the regular solution and not on it: no series stands in
+          if (samples > 0) request.record = {Record::Mode::samples, samples, {}};
+          const auto result = go(request);
+          const std::string what = std::string(scheme) + ' ' + std::to_string(n) + ' ' + std::to_string(start);
+          EXPECT_GE(result.outcome.final[0], 0) << what;
+          for (const auto& row : result.rows) EXPECT_GE(row[1], 0) << what << ' ' << row[0];
+          const Stop& stop = result.outcome.stop;
+          if (stop.reason == Reason::completed) continue;
+          ++stopped;
+          EXPECT_EQ(stop.reason, Reason::left_domain) << what;
+          EXPECT_GT(stop.singular_at.value_or(0), stop.t) << what;
+          if (samples == 0) {
+            EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(stop.step) + 1) << what;
+          }
+        }
+  EXPECT_GT(stopped, 200);
+}
+
+}  // namespace

@@ -144,6 +144,13 @@ class ClockSession : private Ledger<P, X> {
     return place_.x.t;
   }
   bool leave(double when) {
+    Manner partial = manner();
+    partial.step_size = when - place_.x.t;
+    for (; times_.time() < when; times_.next()) {
+      X x = place_.x;
+      if (engine_->leap(x, times_.time()) != Status::ok || outside(x)) break;
+      if (!Base::take(x, partial) || !keep_pace(1)) return false;
+    }
     X x = place_.x;
     engine_->leap(x, when);
     x.t = when;

@@ -38,7 +38,7 @@ class Integrator {
   /// One accepted step from (t, y); trials that are refused, or come to what is not finite, are repeated shorter. Where
   /// it fails, y and t stay. singular: every trial comes to what is not finite; underflow: t + h = t.
   virtual Status step(const Field& field, double* y, double& t) noexcept = 0;
-  /// Steps from (t, y) to the time `end`, later than t, the first of them the whole way if its error allows.
+  /// Steps from (t, y) to the time `end`, not before t, the first of them the whole way if its error allows.
   virtual Status reach(const Field& field, double* y, double& t, double end) noexcept = 0;
   /// y at the time t within the last step. False where there is no saying: no step yet, one failed since, no dense
   /// output.

@@ -190,4 +190,20 @@ TEST(WithinAStep, NoStateIsOutsideTheDomain) {
   EXPECT_GT(stopped, 200);
 }
 
+// The last step may be a good part of the run: what was asked for within it is given.
+TEST(WithinAStep, SamplesReachToTheSurface) {
+  const double surface = std::sqrt(6.0);  // θ = 1 − ξ²/6
+  for (const std::string_view scheme : adaptive) {
+    Request request = at_tolerance(star(scheme, 0), 1e-8);
+    std::vector<double> times;
+    for (int k = 1; k <= 250; ++k) times.push_back(0.01 * k);
+    runs::at_times(request, times);
+    const auto result = go(request);
+    EXPECT_EQ(result.outcome.stop.reason, Reason::left_domain) << scheme;
+    EXPECT_NEAR(result.outcome.stop.singular_at.value_or(0), surface, 1e-6) << scheme;
+    ASSERT_EQ(result.rows.size(), 244U) << scheme;  // to 2.44
+    for (const auto& row : result.rows) EXPECT_NEAR(row[1], 1 - row[0] * row[0] / 6, 1e-6) << scheme << ' ' << row[0];
+  }
+}
+
 }  // namespace

@@ -73,7 +73,7 @@ TEST(JsonText, ShowsValuesWithinBounds) {
   EXPECT_EQ(shown(Json("a\"b")), R"("a\"b")");
   EXPECT_EQ(shown(Json::parse("[1]")), "");
   EXPECT_LT(shown(Json(std::string(100'000, 'x'))).size(), 100u);
-  EXPECT_EQ(shown(Json(std::string(79, 'x') + "é!")), '"' + std::string(79, 'x') + "…\"");
+  EXPECT_EQ(shown(Json(std::string(79, 'x') + "é!")), std::string("\"").append(79, 'x').append("…\""));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "core/run/dense.hpp"
 #include "core/run/observer.hpp"
 #include "core/run/structure.hpp"
+#include "core/run/wording.hpp"
 #include "core/scheme.hpp"
 
 namespace least {
@@ -39,8 +40,8 @@ class ClockEngine {
   virtual std::optional<Course> course() const = 0;
   /// Steps that had to be taken in another way than the scheme's.
   virtual std::int64_t rescues() const = 0;
-  /// How far a step was off the energy level that the scheme assumes, relative to what it assumes it by.
-  virtual double strain() const = 0;
+  /// What of the energy says that the run has gone wrong, in words; empty: nothing.
+  virtual std::string complaint() const = 0;
   virtual Work work() const = 0;
   /// What the scheme has against this scene, in words; empty: nothing.
   virtual std::string objection() const = 0;
@@ -151,9 +152,16 @@ class ClockBound final : public ClockEngine<P, X> {
     if constexpr (requires { stepper_.rescues(); }) return stepper_.rescues();
     return 0;
   }
-  double strain() const override {
-    if constexpr (requires { stepper_.strain(); }) return stepper_.strain();
-    return 0;
+  std::string complaint() const override {
+    constexpr double most = 0.5;
+    if constexpr (requires { stepper_.strain(); }) {
+      if (stepper_.strain() > most) return wording::strain(stepper_.strain());
+    } else if constexpr (reads_time && Conservative<P>) {
+      const double now = energy(problem_, before_), potential = problem_.potential(position(before_), 0.0);
+      const double off = std::abs(now - energy_) / (std::abs(potential) + std::abs(now - potential));
+      if (off > most) return wording::energy_jump(energy_, now);
+    }
+    return {};
   }
   Work work() const override {
     const Work here = stepper_.work();

@@ -239,7 +239,8 @@ class ClockSession : private Ledger<P, X> {
       outcome_.warnings.push_back({"samples_truncated", "more steps than limits.samples; the first are kept"});
     if constexpr (HasFrequency<P>) Base::warn_of_step(std::sqrt(met_.turn_squared), [this](double) { return bound_; });
     if (engine_->rescues() > 0) outcome_.warnings.push_back({"steps_in_time", wording::rescues(engine_->rescues())});
-    if (engine_->strain() > 0.5) outcome_.warnings.push_back({"off_energy_level", wording::strain(engine_->strain())});
+    if (const std::string why = engine_->complaint(); !why.empty())
+      outcome_.warnings.push_back({"off_energy_level", why});
   }
 
   double end_;  ///< infinite where the run is so many steps long

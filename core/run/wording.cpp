@@ -49,6 +49,13 @@ std::string strain(double strain) {
       strain);
 }
 
+std::string energy_jump(double before, double now) {
+  return fmt::format(
+      "the energy went from {:.4g} to {:.4g}: steps leapt over what they should have followed; take a smaller "
+      "tolerance",
+      before, now);
+}
+
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }
 
 std::string deadline(double seconds) { return fmt::format("limits.seconds = {} ran out", seconds); }

@@ -19,6 +19,7 @@ std::string stiff(double ratio);
 std::string damping_sign(double t);
 std::string rescues(std::int64_t steps);
 std::string strain(double strain);
+std::string energy_jump(double before, double now);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 

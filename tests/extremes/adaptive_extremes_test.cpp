@@ -190,6 +190,27 @@ TEST(WithinAStep, NoStateIsOutsideTheDomain) {
   EXPECT_GT(stopped, 200);
 }
 
+// At a loose tolerance a fall may miss the centre and come out with any energy: that is said, and nothing else is.
+TEST(Tolerance, WhatLeapsOverACollisionIsSaid) {
+  int leapt = 0;
+  for (const std::string_view scheme : adaptive)
+    for (const double tolerance : {1e-1, 1e-2, 1e-3}) {
+      Request fall = ask(at_tolerance(of("kepler", {scheme}, {}), tolerance), {"energy"});
+      fall = until(at(fall, {{"x", 1}, {"y", 0}, {"px", 0}, {"py", 0}}), 20);
+      const auto result = go(fall);
+      if (result.outcome.stop.reason != Reason::completed) continue;
+      const double off = std::abs(runs::number(result.outcome.diagnostics, "energy/final") + 1);
+      EXPECT_TRUE(off < 10 || warned(result, "off_energy_level")) << scheme << ' ' << tolerance << ": " << off;
+      leapt += off > 10;
+    }
+  EXPECT_GT(leapt, 0);
+  for (const auto& problem : problems())
+    for (const std::string_view scheme : adaptive)
+      if (problem.keeps_energy && fits(find_problem(problem.id).value(), find_scheme(scheme).value())) {
+        EXPECT_FALSE(warned(go(of(problem.id, {scheme}, {})), "off_energy_level")) << problem.id << ' ' << scheme;
+      }
+}
+
 // The last step may be a good part of the run: what was asked for within it is given.
 TEST(WithinAStep, SamplesReachToTheSurface) {
   const double surface = std::sqrt(6.0);  // θ = 1 − ξ²/6

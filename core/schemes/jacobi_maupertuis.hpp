@@ -48,9 +48,10 @@ class JacobiMaupertuisStepper {
     ++work_.forces;
   }
   Status fast_step(Site& x, Course& course);
-  bool try_step(Site& x, std::size_t sigma, int halvings);
+  /// With θ halved k times.
+  bool try_step(Site& x, std::size_t sigma, int k);
   Status slow_step(Site& x, const T& h);
-  Status rescue(Site& x, Course& course, int halvings);
+  Status rescue(Site& x, Course& course, int k);
   std::size_t parameter(const Vec<P::dof, T>& weight, const Vec<P::dof, T>& v, int present) const;
   int halvings(const Site& x, std::size_t sigma, const Vec<P::dof, T>& weight) const;
   /// √g_σσ, by σ: lengths along the coordinates.

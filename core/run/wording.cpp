@@ -44,8 +44,7 @@ std::string rescues(std::int64_t steps) {
 std::string strain(double strain) {
   return fmt::format(
       "(E₀ − V + κ)/(K + κ), 1 on the energy level, was off by {:.2g} in its square: expect large errors; take a "
-      "shorter "
-      "step or another κ",
+      "shorter step or another κ",
       strain);
 }
 

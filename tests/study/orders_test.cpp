@@ -1,6 +1,7 @@
 // The observed order of every pair in the catalogue, from studies in double precision, is the declared one. How near
 // they can come to it: the largest error along a run follows a power of the step only where higher powers are gone, and
-// from order 8 on round-off comes first. To a tenth, in quad, orders are measured by the laws (OrderIsAsDeclared).
+// from order 8 on round-off comes first. To a tenth, in longer numbers, the orders of fixed steps are measured by the
+// laws (OrderIsAsDeclared).
 #include <cmath>
 #include <iostream>
 

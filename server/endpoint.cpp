@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "core/catalogue.hpp"
-#include "server/accept.hpp"
-#include "server/problem_document.hpp"
+#include "server/encode/problem_document.hpp"
+#include "server/http/accept.hpp"
 
 namespace least::server {
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <string_view>
 
-#include "server/answer.hpp"
-#include "server/decode.hpp"
-#include "server/gate.hpp"
-#include "server/wording.hpp"
+#include "server/decode/simulate_request.hpp"
+#include "server/decode/wording.hpp"
+#include "server/http/admission.hpp"
+#include "server/http/answer.hpp"
 
 namespace least::server {
 

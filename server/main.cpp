@@ -13,9 +13,9 @@
 #include <iostream>
 #include <iterator>
 
-#include "server/cards.hpp"
+#include "server/encode/catalogue_json.hpp"
+#include "server/encode/problem_document.hpp"
 #include "server/options.hpp"
-#include "server/problem_document.hpp"
 #include "server/simulate.hpp"
 
 namespace least::server {

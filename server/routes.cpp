@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "server/accept.hpp"
-#include "server/cards.hpp"
-#include "server/problem_document.hpp"
+#include "server/encode/catalogue_json.hpp"
+#include "server/encode/problem_document.hpp"
+#include "server/http/accept.hpp"
 #include "server/simulate.hpp"
 #include "server/study.hpp"
 

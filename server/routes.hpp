@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "server/answer.hpp"
-#include "server/assets.hpp"
 #include "server/endpoint.hpp"
-#include "server/head.hpp"
+#include "server/http/answer.hpp"
+#include "server/http/assets.hpp"
+#include "server/http/request_head.hpp"
 
 namespace least::server {
 

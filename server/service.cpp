@@ -12,8 +12,8 @@
 #include <random>
 #include <thread>
 
-#include "server/listener.hpp"
-#include "server/problem_document.hpp"
+#include "server/encode/problem_document.hpp"
+#include "server/http/listener.hpp"
 #include "server/routes.hpp"
 
 namespace least::server {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "server/assets.hpp"
-#include "server/connection.hpp"
-#include "server/decode.hpp"
+#include "server/decode/simulate_request.hpp"
+#include "server/http/assets.hpp"
+#include "server/http/connection.hpp"
 
 namespace least::server {
 

@@ -1,9 +1,9 @@
 #include "server/simulate.hpp"
 
 #include "core/catalogue.hpp"
-#include "server/problem_document.hpp"
-#include "server/reader.hpp"
-#include "server/watch.hpp"
+#include "server/decode/field_reader.hpp"
+#include "server/encode/problem_document.hpp"
+#include "server/http/cancellation.hpp"
 
 namespace least::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "server/encode.hpp"
+#include "server/encode/run_answer.hpp"
 #include "server/endpoint.hpp"
 
 namespace least::server {

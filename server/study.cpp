@@ -2,10 +2,10 @@
 
 #include <memory>
 
-#include "server/decode_study.hpp"
-#include "server/encode_study.hpp"
-#include "server/problem_document.hpp"
-#include "server/watch.hpp"
+#include "server/decode/study_request.hpp"
+#include "server/encode/problem_document.hpp"
+#include "server/encode/study_json.hpp"
+#include "server/http/cancellation.hpp"
 
 namespace least::server {
 namespace {

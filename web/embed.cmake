@@ -36,7 +36,7 @@ foreach(line IN LISTS lines)
 endforeach()
 
 file(WRITE "${OUTPUT}" "// Made by web/embed.cmake.
-#include \"server/assets.hpp\"
+#include \"server/http/assets.hpp\"
 
 #include <span>
 #include <string_view>

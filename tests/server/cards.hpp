@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "server/decode.hpp"
+#include "server/decode/simulate_request.hpp"
 
 namespace least::server::test {
 

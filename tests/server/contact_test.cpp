@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/catalogue.hpp"
-#include "server/json_text.hpp"
+#include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
 #include "tests/server/fixture.hpp"
 

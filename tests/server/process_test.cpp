@@ -12,7 +12,7 @@
 #include <fstream>
 #include <thread>
 
-#include "server/json_text.hpp"
+#include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
 
 namespace least::server::test {

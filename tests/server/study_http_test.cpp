@@ -5,7 +5,7 @@
 #include <set>
 #include <thread>
 
-#include "server/json_text.hpp"
+#include "server/decode/json_parse.hpp"
 #include "server/study.hpp"
 #include "tests/server/client.hpp"
 #include "tests/server/fixture.hpp"

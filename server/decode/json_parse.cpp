@@ -1,0 +1,167 @@
+#include "server/decode/json_parse.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "server/shared/json_writer.hpp"
+
+namespace least::server {
+namespace {
+
+// First pass: walks the text without building anything, so that no bound can be broken by the tree itself.
+class Scout final : public nlohmann::json_sax<Json> {
+ public:
+  Scout(const JsonBounds& bounds, Faults& faults) : bounds_(bounds), faults_(faults) {}
+
+  bool null() override { return value(); }
+  bool boolean(bool) override { return value(); }
+  bool number_integer(number_integer_t) override { return value(); }
+  bool number_unsigned(number_unsigned_t) override { return value(); }
+  bool number_float(number_float_t, const string_t&) override { return value(); }
+  bool string(string_t&) override { return value(); }
+  bool binary(binary_t&) override { return value(); }
+
+  bool start_object(std::size_t) override { return open(true); }
+  bool end_object() override { return close(); }
+  bool start_array(std::size_t) override { return open(false); }
+  bool end_array() override { return close(); }
+
+  bool key(string_t& name) override {
+    auto& level = levels_.back();
+    if (std::find(level.keys.begin(), level.keys.end(), name) != level.keys.end()) {
+      faults_.add({pointer() + pointer_step(name), "the key stands twice", "", ""});
+    } else if (level.keys.size() >= bounds_.keys) {
+      return broken("an object with more than " + std::to_string(bounds_.keys) + " keys");
+    } else {
+      level.keys.push_back(name);
+    }
+    level.step = pointer_step(name);
+    return true;
+  }
+
+  bool parse_error(std::size_t position, const std::string& token, const nlohmann::detail::exception& e) override {
+    error_at = position;
+    error_token = token;
+    overflow = e.id == 406;
+    if (overflow) {
+      step_in_array();
+      faults_.add({pointer_here(), "the number does not fit a double", "", "a finite number"});
+    } else {
+      // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while …": the tail says it.
+      const std::string_view what = e.what();
+      const auto tail = what.find(": ");
+      detail = clipped(tail == what.npos ? what : what.substr(tail + 2), 200);
+    }
+    return false;
+  }
+
+  std::size_t error_at = 0;
+  std::string error_token, detail;
+  bool overflow = false, bound_broken = false;
+
+ private:
+  struct Level {
+    bool object;
+    std::size_t index = 0;  // in an array: elements so far
+    std::string step;       // in an object: the key that stands now
+    std::vector<std::string> keys;
+  };
+
+  std::string pointer() const {
+    std::string path;
+    for (std::size_t i = 0; i + 1 < levels_.size(); ++i) path += step(levels_[i]);
+    return path;
+  }
+  static std::string step(const Level& level) {
+    return level.object ? level.step : "/" + std::to_string(level.index - 1);
+  }
+  std::string pointer_here() const { return levels_.empty() ? "" : pointer() + step(levels_.back()); }
+  void step_in_array() {
+    if (!levels_.empty() && !levels_.back().object) ++levels_.back().index;
+  }
+  bool value() {
+    step_in_array();
+    return ++values_ <= bounds_.values || broken("more than " + std::to_string(bounds_.values) + " values");
+  }
+  bool open(bool object) {
+    if (!value()) return false;
+    if (static_cast<int>(levels_.size()) >= bounds_.depth) {
+      return broken("nested deeper than " + std::to_string(bounds_.depth) + " levels");
+    }
+    levels_.push_back({object, 0, {}, {}});
+    return true;
+  }
+  bool close() {
+    levels_.pop_back();
+    return true;
+  }
+  bool broken(std::string what) {
+    bound_broken = true;
+    faults_.add({pointer_here(), std::move(what), "", ""});
+    return false;
+  }
+
+  const JsonBounds& bounds_;
+  Faults& faults_;
+  std::vector<Level> levels_;
+  std::size_t values_ = 0;
+};
+
+}  // namespace
+
+Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& bounds) {
+  // The parser takes a zero byte for the end and would not see what follows.
+  if (const auto zero = text.find('\0'); zero != text.npos) return NotJson{zero, "a zero byte"};
+  ParsedJson parsed;
+  std::string patched;  // a copy where numbers that overflow are replaced by 0, so that what follows is read too
+  for (std::size_t overflows = 0;; ++overflows) {
+    Scout scout(bounds, parsed.faults);
+    if (Json::sax_parse(text, &scout)) break;
+    if (scout.bound_broken) return parsed;
+    const std::size_t length = scout.error_token.size();
+    const std::size_t start = scout.error_at - std::min(scout.error_at, length);
+    if (!scout.overflow) return NotJson{scout.error_at == 0 ? 0 : scout.error_at - 1, scout.detail};
+    // Each overflow costs a pass: stop where reading on would no longer help anybody.
+    if (overflows == 16 || text.substr(start, length) != scout.error_token) return parsed;
+    if (patched.empty()) patched = text;
+    patched.replace(start, length, std::string(length, ' ')).replace(start, 1, "0");
+    text = patched;
+  }
+  parsed.tree = Json::parse(text);
+  return parsed;
+}
+
+std::string pointer_step(std::string_view key) {
+  std::string step = "/";
+  const std::string_view kept = clipped(key, 80);
+  for (const char c : kept) {
+    if (c == '~') {
+      step += "~0";
+    } else if (c == '/') {
+      step += "~1";
+    } else {
+      step += c;
+    }
+  }
+  if (kept.size() < key.size()) step += "…";
+  return step;
+}
+
+std::string shown(const Json& value) {
+  if (value.is_structured() || value.is_binary() || value.is_discarded()) return {};
+  std::string out;
+  if (value.is_number_float()) append_number(out, value.get<double>());
+  if (!value.is_string()) return out.empty() ? value.dump() : out;
+  const auto& text = value.get_ref<const std::string&>();
+  const std::string_view kept = clipped(text, 80);
+  append_string(out, kept.size() < text.size() ? std::string(kept) + "…" : std::string(kept));
+  return out;
+}
+
+std::string_view clipped(std::string_view text, std::size_t bytes) {
+  if (text.size() <= bytes) return text;
+  while (bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xC0) == 0x80) --bytes;
+  return text.substr(0, bytes);
+}
+
+}  // namespace least::server

@@ -1,0 +1,230 @@
+#include "server/decode/plan_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/run/schedule.hpp"
+
+namespace least::server {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// What is known of the span of a run before it starts.
+struct Span {
+  std::optional<double> end;          // unknown where a scheme with its own clock makes a number of steps
+  std::optional<std::int64_t> steps;  // whole steps; unknown where a scheme with its own clock runs to a time
+  bool open = false;                  // the end is unknown because the scheme sets its own clock
+};
+
+void read_limits(const Json& root, const Place& top, const Caps& caps, Limits& limits) {
+  limits.seconds = std::min(limits.seconds, caps.seconds);
+  limits.steps = std::min(limits.steps, caps.steps);
+  limits.samples = std::min(limits.samples, caps.samples);
+  const Json* json = find(root, "limits");
+  const Place place = top.at("limits");
+  if (json == nullptr || !read_object(*json, place, {"seconds", "steps", "samples"}, "limits")) return;
+  if (const Json* seconds = find(*json, "seconds")) {
+    const auto value = read_number(*seconds, place.at("seconds"), {0, caps.seconds, true, false});
+    limits.seconds = value.value_or(limits.seconds);
+  }
+  if (const Json* steps = find(*json, "steps")) {
+    limits.steps = read_integer(*steps, place.at("steps"), 1, caps.steps).value_or(limits.steps);
+  }
+  if (const Json* samples = find(*json, "samples")) {
+    limits.samples = read_integer(*samples, place.at("samples"), 2, caps.samples).value_or(limits.samples);
+  }
+}
+
+// The end as it stands in the request, or the default one.
+void read_until(const Json& root, const Place& top, double span, Request& request) {
+  request.end = request.start + span;
+  const Json* json = find(root, "until");
+  const Place place = top.at("until");
+  if (json == nullptr || !read_object(*json, place, {"t", "steps"}, "until")) return;
+  const Json *t = find(*json, "t"), *steps = find(*json, "steps");
+  if ((t == nullptr) == (steps == nullptr)) {
+    place.lacks("must hold either t or steps", "{\"t\": …}, {\"steps\": …}");
+    return;
+  }
+  if (t) {
+    request.end = read_number(*t, place.at("t"), {-infinity, infinity, true, true}).value_or(request.end);
+  } else if (const auto count = read_integer(*steps, place.at("steps"), 1, greatest_count)) {
+    request.until_steps = true;
+    request.steps = *count;
+  }
+}
+
+// `h`: the length of a step, where it is known.
+Span span_until(const Request& request, std::optional<double> h, const Place& until) {
+  if (request.until_steps) {
+    if (!h) return {std::nullopt, request.steps};
+    const double end = request.start + static_cast<double>(request.steps) * *h;
+    if (std::isfinite(end) && end > request.start) return {end, request.steps};
+    until.at("steps").fault("the run would end at a time that is no finite number after the start",
+                            Json(request.steps));
+    return {};
+  }
+  if (!(request.end > request.start)) {
+    until.at("t").fault(fmt::format("must be greater than the start, t = {}", shortest(request.start)),
+                        Json(request.end), interval({request.start, infinity, true, true}));
+    return {};
+  }
+  if (!std::isfinite(request.end - request.start)) {
+    until.at("t").fault("the span from the start does not fit a double", Json(request.end));
+    return {};
+  }
+  if (!h) return {request.end, std::nullopt};
+  const double steps = (request.end - request.start) / *h;
+  if (!(steps <= static_cast<double>(greatest_count))) {
+    until.at("t").fault(
+        fmt::format("would take {} steps of {}, more than can be counted", shortest(std::floor(steps)), shortest(*h)),
+        Json(request.end));
+    return {};
+  }
+  if (request.start + *h == request.start || request.end - *h == request.end) {
+    until.at("t").fault(fmt::format("a double cannot tell times apart there that lie a step of {} apart", shortest(*h)),
+                        Json(request.end));
+    return {};
+  }
+  return {request.end, whole_steps(request.start, request.end, *h)};
+}
+
+void read_times(const Json& json, const Place& place, const Request& request, const Span& span, Record& record) {
+  if (!json.is_array() || json.empty()) {
+    place.fault("must be a list of at least one time", json);
+    return;
+  }
+  const double end = span.end.value_or(infinity);
+  double last = -infinity;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const auto t = read_number(json[i], place.at(i), {request.start, end, false, !std::isfinite(end)});
+    if (!t) continue;
+    if (!(*t > last)) place.at(i).fault("must be greater than the time before it", json[i]);
+    last = *t;
+    record.times.push_back(*t);
+  }
+}
+
+// Rows the run would keep; nothing where it cannot be said beforehand.
+std::optional<std::int64_t> rows(const Request& request, const Span& span) {
+  const Record& record = request.record;
+  if (record.mode == Record::Mode::samples) return record.count;
+  if (record.mode == Record::Mode::times) return static_cast<std::int64_t>(record.times.size());
+  if (record.count == 0) return 0;
+  if (!span.steps) return std::nullopt;
+  return 1 + std::min(*span.steps, request.limits.steps) / record.count;
+}
+
+void default_record(const Span& span, Request& request) {
+  const std::int64_t most = std::min(default_samples, request.limits.samples);
+  if (span.steps) {
+    // 1 + ⌊n/every⌋ ≤ most ⇔ every > n/most
+    request.record = {Record::Mode::every, *span.steps / most + 1, {}};
+  } else if (request.until_steps) {
+    request.record = {Record::Mode::every, request.steps / most + 1, {}};
+  } else {
+    request.record = {Record::Mode::samples, most, {}};
+  }
+}
+
+void read_record(const Json& root, const Place& top, const Span& span, Request& request) {
+  default_record(span, request);
+  const Json* json = find(root, "record");
+  const Place place = top.at("record");
+  if (json == nullptr || !read_object(*json, place, {"every", "samples", "times"}, "record")) return;
+  const Json *every = find(*json, "every"), *samples = find(*json, "samples"), *times = find(*json, "times");
+  if ((every != nullptr) + (samples != nullptr) + (times != nullptr) != 1) {
+    place.lacks("must hold one of every, samples and times", "{\"every\": …}, {\"samples\": …}, {\"times\": …}");
+    return;
+  }
+  Record& record = request.record;
+  if (every) {
+    const auto count = read_integer(*every, place.at("every"), 0, greatest_count);
+    if (!count) return;
+    record = {Record::Mode::every, *count, {}};
+  } else if (samples) {
+    const auto count = read_integer(*samples, place.at("samples"), 2, request.limits.samples);
+    if (!count) return;
+    if (span.open) {
+      place.at("samples").fault(
+          "cannot be spread over a run whose end is not known beforehand: the scheme sets its own clock, and "
+          "until asks for a number of its steps",
+          *samples, "{\"every\": …}, {\"times\": […]}");
+    }
+    record = {Record::Mode::samples, *count, {}};
+  } else {
+    record = {Record::Mode::times, 0, {}};
+    read_times(*times, place.at("times"), request, span, record);
+  }
+  if (const auto kept = rows(request, span); kept && *kept > request.limits.samples) {
+    place.at(every ? "every" : "times")
+        .fault(fmt::format("would keep {} samples, more than limits.samples = {}", *kept, request.limits.samples),
+               every ? *every : Json());
+  }
+}
+
+void add_name(const Names& known, std::string_view name, std::vector<std::size_t>& chosen) {
+  const auto it = std::find(known.begin(), known.end(), name);
+  if (it != known.end()) chosen.push_back(static_cast<std::size_t>(it - known.begin()));
+}
+
+void read_columns(const Json& root, const Place& top, const ProblemCard& problem, Request& request) {
+  if (const Json* json = find(root, "columns")) {
+    request.columns = read_names(*json, top.at("columns"), problem.columns, "column");
+    if (json->is_array() && json->empty()) {
+      top.at("columns").fault("must name at least one column; {\"record\": {\"every\": 0}} keeps no trajectory", *json,
+                              listed(problem.columns));
+    }
+  } else {
+    add_name(problem.columns, "t", request.columns);
+    for (const auto& variable : problem.variables) {
+      if (!variable.optional) add_name(problem.columns, variable.name, request.columns);
+    }
+  }
+  if (const Json* json = find(root, "diagnostics")) {
+    request.diagnostics = read_names(*json, top.at("diagnostics"), problem.diagnostics, "diagnostic");
+  } else {
+    add_name(problem.diagnostics, "energy", request.diagnostics);
+  }
+}
+
+bool sound(const Place& top, std::initializer_list<const char*> pointers) {
+  return std::none_of(pointers.begin(), pointers.end(), [&](const char* pointer) { return top.faults->at(pointer); });
+}
+
+}  // namespace
+
+void refuse_steps(const Json& root, const Place& top, std::string_view reason) {
+  const Json* until = find(root, "until");
+  const Json* steps = until ? find(*until, "steps") : nullptr;
+  if (steps) top.at("until").at("steps").fault(std::string(reason), *steps, "{\"t\": …}");
+}
+
+void read_end(const Json& root, const Place& top, const ProblemCard* problem, const PresetCard* preset,
+              Request& request) {
+  read_until(root, top, problem ? span_of(*problem, preset) : 0, request);
+  if (problem && sound(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
+    span_until(request, std::nullopt, top.at("until"));
+  }
+}
+
+void read_plan(const Json& root, const Place& top, const ProblemCard* problem, const SchemeCard* scheme,
+               double default_span, const Caps& caps, Request& request) {
+  read_limits(root, top, caps, request.limits);
+  read_until(root, top, default_span, request);
+  Span span;
+  if (problem && scheme && sound(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
+    const auto step = fixed_step(*scheme);
+    const bool known = step && sound(top, {"/scheme/step", "/scheme/preset"});
+    span = span_until(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
+    span.open = request.until_steps && !step;
+  }
+  read_record(root, top, span, request);
+  if (problem) read_columns(root, top, *problem, request);
+}
+
+}  // namespace least::server

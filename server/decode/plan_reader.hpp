@@ -1,0 +1,26 @@
+// The second half of decoding: how long to run, what to keep, what to report, how much it may cost.
+#pragma once
+
+#include "server/decode/field_reader.hpp"
+#include "server/decode/simulate_request.hpp"
+
+namespace least::server {
+
+/// The default length of a run in time.
+inline double span_of(const ProblemCard& problem, const PresetCard* preset) {
+  return preset != nullptr && preset->span > 0 ? preset->span : problem.span;
+}
+
+/// A fault where `until` is a number of steps, which there is no sense in, for the reason given.
+void refuse_steps(const Json& root, const Place& top, std::string_view reason);
+
+/// Reads an `until` that must be a time after the request's start, which is set where the problem is known.
+void read_end(const Json& root, const Place& top, const ProblemCard* problem, const PresetCard* preset,
+              Request& request);
+
+/// Reads `until`, `record`, `columns`, `diagnostics` and `limits` into the request, whose start and settings are set.
+/// Cards are null where they are not known; what depends on them is then left alone.
+void read_plan(const Json& root, const Place& top, const ProblemCard* problem, const SchemeCard* scheme,
+               double default_span, const Caps& caps, Request& request);
+
+}  // namespace least::server

@@ -1,0 +1,163 @@
+#include "server/decode/scene_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/encode/answer_parts.hpp"
+
+namespace least::server {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+template <class Items>
+Names keys_of(const Items& items, std::initializer_list<std::string_view> more) {
+  Names names(more);
+  for (const auto& item : items) names.push_back(item.name);
+  return names;
+}
+
+std::optional<double> named(const std::vector<NamedValue>& values, std::string_view name) {
+  for (const auto& [key, value] : values) {
+    if (key == name) return value;
+  }
+  return std::nullopt;
+}
+
+// Flat parameters beside an id; `values` comes with the defaults.
+void read_parameters(const Json& object, const Place& place, const std::vector<ParameterCard>& cards,
+                     std::vector<double>& values) {
+  for (std::size_t i = 0; i < cards.size(); ++i) {
+    const Json* json = find(object, cards[i].name);
+    if (json == nullptr) continue;
+    if (const auto value = read_parameter(*json, place.at(cards[i].name), cards[i])) values[i] = *value;
+  }
+}
+
+// The preset of a problem's or a scheme's card that the request names.
+template <class Card>
+auto read_preset(const Json& object, const Place& place, const Card& card) -> decltype(card.presets.data()) {
+  const Json* json = find(object, "preset");
+  if (json == nullptr) return nullptr;
+  if (card.presets.empty()) {
+    place.at("preset").fault(fmt::format("{} has no presets", card.id), *json);
+    return nullptr;
+  }
+  const auto index = read_name(*json, place.at("preset"), keys_of(card.presets, {}), "preset");
+  return index ? &card.presets[*index] : nullptr;
+}
+
+// What a list of suggestions says; NaN says nothing.
+std::optional<double> suggestion(const std::vector<NamedValue>& suggested, std::string_view name) {
+  const auto value = named(suggested, name);
+  return value && std::isnan(*value) ? std::nullopt : value;
+}
+
+}  // namespace
+
+Chosen choose(const Json* json, const Place& place, std::string_view what, const Names& ids) {
+  if (json == nullptr) {
+    place.lacks("is required", listed(ids));
+    return {std::nullopt, place};
+  }
+  if (json->is_string()) return {read_name(*json, place, ids, what), place};
+  if (!json->is_object()) {
+    place.fault("must be an id or an object with an id", *json, listed(ids));
+    return {std::nullopt, place};
+  }
+  const Json* id = find(*json, "id");
+  if (id == nullptr) {
+    place.at("id").lacks("is required", listed(ids));
+    return {std::nullopt, place.at("id")};
+  }
+  return {read_name(*id, place.at("id"), ids, what), place.at("id")};
+}
+
+const PresetCard* read_scene(const Json& root, const Place& top, const ProblemCard& card, Request& request) {
+  for (const auto& parameter : card.parameters) request.parameters.push_back(parameter.value);
+  for (const auto& variable : card.variables) request.initial.push_back(variable.value);
+
+  const Place place = top.at("problem");
+  const PresetCard* preset = nullptr;
+  if (const Json* json = find(root, "problem"); json->is_object()) {
+    read_object(*json, place, keys_of(card.parameters, {"id", "preset"}), card.id);
+    if ((preset = read_preset(*json, place, card)) != nullptr) {
+      for (std::size_t i = 0; i < card.parameters.size(); ++i) {
+        request.parameters[i] = named(preset->parameters, card.parameters[i].name).value_or(request.parameters[i]);
+      }
+      for (std::size_t i = 0; i < card.variables.size(); ++i) {
+        request.initial[i] = named(preset->initial, card.variables[i].name).value_or(request.initial[i]);
+      }
+      request.start = named(preset->initial, "t").value_or(request.start);
+    }
+    read_parameters(*json, place, card.parameters, request.parameters);
+  }
+
+  const Json* initial = find(root, "initial");
+  const Place start = top.at("initial");
+  const Names names = keys_of(card.variables, {"t"});
+  if (initial == nullptr || !read_object(*initial, start, names, fmt::format("the start of {}", card.id)))
+    return preset;
+  bool given = false;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Json* json = find(*initial, names[i]);
+    const bool follows = i > 0 && std::isnan(card.variables[i - 1].value);  // null: from the others
+    if (json == nullptr || (follows && json->is_null())) continue;
+    const auto value = read_number(*json, start.at(names[i]), {-infinity, infinity, true, true});
+    if (value) (i == 0 ? request.start : request.initial[i - 1]) = *value;
+    given = given || i > 0;
+  }
+  if (!given && card.regular_start != nullptr) {
+    if (auto state = card.regular_start(request.parameters, request.start)) request.initial = std::move(*state);
+  }
+  return preset;
+}
+
+std::vector<double> read_settings(const Json& json, const Place& place, const SchemeCard& card,
+                                  const ProblemCard* problem, const PresetCard* scene) {
+  std::vector<double> settings;
+  for (const auto& parameter : card.parameters) {
+    std::optional<double> value;
+    if (scene != nullptr) value = suggestion(scene->suggested, parameter.suggested);
+    if (problem != nullptr && !value) value = suggestion(problem->suggested, parameter.suggested);
+    settings.push_back(value.value_or(parameter.value));
+  }
+  if (!json.is_object()) return settings;
+  read_object(json, place, keys_of(card.parameters, {"id", "preset"}), card.id);
+  if (const SchemePresetCard* preset = read_preset(json, place, card)) {
+    for (std::size_t i = 0; i < card.parameters.size(); ++i) {
+      settings[i] = named(preset->settings, card.parameters[i].name).value_or(settings[i]);
+    }
+  }
+  read_parameters(json, place, card.parameters, settings);
+  return settings;
+}
+
+void check_pair(const Cards& cards, const ProblemCard& problem, std::size_t scheme, const Place& place) {
+  if (std::find(problem.schemes.begin(), problem.schemes.end(), scheme) != problem.schemes.end()) return;
+  const SchemeCard& card = cards.schemes[scheme];
+  Names fitting;
+  for (const auto index : problem.schemes) fitting.push_back(cards.schemes[index].id);
+  place.fault(fmt::format("{} cannot run {}: it needs {}, and {} offers {}", card.id, problem.id, card.needs,
+                          problem.id, problem.offers),
+              Json(card.id), listed(fitting));
+}
+
+void check_settings(const SchemeCard& card, const ProblemCard& problem, const std::vector<double>& settings,
+                    const Place& place) {
+  if (card.conflicts == nullptr || place.faults->within(place.pointer)) return;
+  for (auto& conflict : card.conflicts(settings, problem)) {
+    std::string value;
+    JsonWriter json(value);
+    for (std::size_t i = 0; i < settings.size(); ++i) {
+      if (card.parameters[i].name == conflict.parameter) write_parameter(json, card.parameters[i], settings[i]);
+    }
+    place.faults->add({place.at(conflict.parameter).pointer, std::move(conflict.detail), std::move(value),
+                       std::move(conflict.allowed)});
+  }
+}
+
+}  // namespace least::server

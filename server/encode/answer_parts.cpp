@@ -1,0 +1,174 @@
+#include "server/encode/answer_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace least::server {
+namespace {
+
+void write_parameters(JsonWriter& json, const std::vector<ParameterCard>& cards, const std::vector<double>& values) {
+  for (std::size_t i = 0; i < cards.size(); ++i) {
+    json.key(cards[i].name);
+    write_parameter(json, cards[i], values[i]);
+  }
+}
+
+void write_numbers(JsonWriter& json, const std::vector<double>& values) {
+  json.open('[');
+  for (const double x : values) json.number(x);
+  json.close(']');
+}
+
+void write_record(JsonWriter& json, const Run& run) {
+  const Record& record = run.request.record;
+  json.open('{');
+  switch (record.mode) {
+    case Record::Mode::every:
+      json.key("every").integer(record.count);
+      break;
+    case Record::Mode::samples:
+      json.key("samples").integer(record.count);
+      break;
+    case Record::Mode::times:
+      json.key("times");
+      write_numbers(json, record.times);
+      break;
+  }
+  json.close('}');
+}
+
+void write_limits(JsonWriter& json, const Run& run) {
+  const Limits& limits = run.request.limits;
+  json.open('{').key("seconds").number(limits.seconds);
+  json.key("steps").integer(limits.steps).key("samples").integer(limits.samples).close('}');
+}
+
+struct WriteValue {
+  JsonWriter& json;
+  void operator()(std::monostate) const { json.null(); }
+  void operator()(double x) const { json.number(x); }
+  void operator()(bool x) const { json.boolean(x); }
+  void operator()(const std::string& x) const { json.text(x); }
+  void operator()(const std::vector<double>& x) const { write_numbers(json, x); }
+  void operator()(const std::vector<Report>& x) const { write_reports(json, x); }
+};
+
+}  // namespace
+
+void write_scene(JsonWriter& json, const ProblemCard& card, const Request& request) {
+  json.key("problem").open('{').key("id").text(card.id);
+  write_parameters(json, card.parameters, request.parameters);
+  json.close('}').key("initial").open('{').key("t").number(request.start);
+  for (std::size_t i = 0; i < card.variables.size(); ++i) {
+    json.key(card.variables[i].name).number(request.initial[i]);
+  }
+  json.close('}');
+}
+
+void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings) {
+  json.open('{').key("id").text(card.id);
+  write_parameters(json, card.parameters, settings);
+  json.close('}');
+}
+
+void write_until(JsonWriter& json, const Request& request) {
+  json.open('{');
+  if (request.until_steps) {
+    json.key("steps").integer(request.steps);
+  } else {
+    json.key("t").number(request.end);
+  }
+  json.close('}');
+}
+
+void write_choice(JsonWriter& json, const Choosing& choosing) {
+  const Advice& advice = choosing.advice;
+  json.open('{').key("reason").text(advice.reason).key("met").boolean(advice.met);
+  json.key("estimated_error").number(advice.estimated_error).key("alternatives").open('[');
+  for (const Alternative& other : advice.alternatives) {
+    json.open('{');
+    write_scheme(json.key("scheme"), choosing.schemes[other.scheme.scheme], other.scheme.settings);
+    json.key("force_evaluations").integer(other.force_evaluations).key("estimated_error").number(other.estimated_error);
+    json.key("seconds").number(other.seconds).close('}');
+  }
+  json.close(']').close('}');
+}
+
+void write_parameter(JsonWriter& json, const ParameterCard& card, double value) {
+  if (std::isnan(value)) {
+    card.word.empty() ? json.null() : json.text(card.word);
+  } else if (card.kind == Kind::choice) {
+    json.text(card.choices[static_cast<std::size_t>(value)]);
+  } else if (card.kind == Kind::flag) {
+    json.boolean(value != 0);
+  } else if (card.kind == Kind::integer) {
+    json.integer(static_cast<std::int64_t>(value));
+  } else {
+    json.number(value);
+  }
+}
+
+std::string_view word_of(const std::vector<std::string_view>& words, double code) {
+  return code >= 0 && code < static_cast<double>(words.size()) ? words[static_cast<std::size_t>(code)]
+                                                               : std::string_view();
+}
+
+void write_echo(JsonWriter& json, const Run& run) {
+  write_scene(json, run.problem, run.request);
+  write_scheme(json.key("scheme"), run.scheme, run.request.settings);
+  write_until(json.key("until"), run.request);
+  write_record(json.key("record"), run);
+  json.key("columns").open('[');
+  for (const auto column : run.request.columns) json.text(run.problem.columns[column]);
+  json.close(']');
+  write_limits(json.key("limits"), run);
+}
+
+void write_stop(JsonWriter& json, const Stop& stop) {
+  json.open('{').key("reason").text(name(stop.reason)).key("detail").text(stop.detail);
+  json.key("t").number(stop.t).key("step").integer(stop.step).key("singular_at");
+  stop.singular_at ? json.number(*stop.singular_at) : json.null();
+  json.close('}');
+}
+
+void write_final(JsonWriter& json, const Run& run) {
+  json.open('{').key("t").number(run.outcome.t);
+  for (std::size_t i = 0; i < run.problem.variables.size() && i < run.outcome.final.size(); ++i) {
+    if (run.problem.variables[i].optional && !std::isfinite(run.outcome.final[i])) continue;  // not carried
+    json.key(run.problem.variables[i].name).number(run.outcome.final[i]);
+  }
+  json.close('}');
+}
+
+void write_reports(JsonWriter& json, const std::vector<Report>& reports) {
+  const bool list =
+      !reports.empty() && std::all_of(reports.begin(), reports.end(), [](const Report& r) { return r.key.empty(); });
+  json.open(list ? '[' : '{');
+  for (const Report& report : reports) {
+    if (!list) json.key(report.key);
+    std::visit(WriteValue{json}, report.value);
+  }
+  json.close(list ? ']' : '}');
+}
+
+void write_events(JsonWriter& json, const std::vector<Report>& events) {
+  json.open('[');
+  for (const Report& event : events) std::visit(WriteValue{json}, event.value);
+  json.close(']');
+}
+
+void write_cost(JsonWriter& json, const Cost& cost) {
+  json.open('{').key("steps").integer(cost.steps).key("force_evaluations").integer(cost.force_evaluations);
+  json.key("iterations").integer(cost.iterations).key("seconds").number(cost.seconds).key("nanoseconds_per_step");
+  json.number(cost.steps > 0 ? cost.seconds / static_cast<double>(cost.steps) * 1e9 : 0).close('}');
+}
+
+void write_warnings(JsonWriter& json, const std::vector<Warning>& warnings) {
+  json.open('[');
+  for (const Warning& warning : warnings) {
+    json.open('{').key("code").text(warning.code).key("detail").text(warning.detail).close('}');
+  }
+  json.close(']');
+}
+
+}  // namespace least::server

@@ -1,0 +1,200 @@
+#include "server/encode/catalogue_json.hpp"
+
+#include <cmath>
+
+#include "core/catalogue.hpp"
+#include "server/decode/auto_reader.hpp"
+#include "server/encode/answer_parts.hpp"
+
+namespace least::server {
+namespace {
+
+template <class Items>
+void write_texts(JsonWriter& json, const Items& items) {
+  json.open('[');
+  for (const auto& item : items) json.text(item);
+  json.close(']');
+}
+
+void write_named(JsonWriter& json, const std::vector<NamedValue>& values) {
+  json.open('{');
+  for (const auto& [name, value] : values) json.key(name).number(value);
+  json.close('}');
+}
+
+// NaN suggests nothing.
+void write_suggested(JsonWriter& json, std::vector<NamedValue> values) {
+  std::erase_if(values, [](const NamedValue& suggestion) { return std::isnan(suggestion.second); });
+  write_named(json, values);
+}
+
+// The values that a preset names, as a request spells them.
+void write_settings(JsonWriter& json, const std::vector<ParameterCard>& cards, const std::vector<NamedValue>& values) {
+  json.open('{');
+  for (const auto& card : cards) {
+    for (const auto& [name, value] : values) {
+      if (name == card.name) write_parameter(json.key(name), card, value);
+    }
+  }
+  json.close('}');
+}
+
+std::string_view type_of(Kind kind) {
+  constexpr std::string_view names[] = {"number", "integer", "choice", "flag"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+void write_parameter_card(JsonWriter& json, const ParameterCard& card) {
+  json.open('{').key("name").text(card.name).key("symbol").text(card.symbol).key("doc").text(card.doc);
+  json.key("unit").text(card.unit).key("type").text(type_of(card.kind)).key("default");
+  write_parameter(json, card, card.value);
+  if (card.kind == Kind::number || card.kind == Kind::integer) {
+    // An end that is infinite is null: there is none.
+    json.key("minimum").number(card.range.low).key("maximum").number(card.range.high);
+    json.key("exclusive_minimum").boolean(card.range.low_open);
+    json.key("exclusive_maximum").boolean(card.range.high_open);
+  }
+  if (card.kind == Kind::choice) write_texts(json.key("choices"), card.choices);
+  json.key("nullable").boolean(card.nullable);
+  if (!card.word.empty()) json.key("word").text(card.word);
+  if (!card.suggested.empty()) json.key("suggested").text(card.suggested);
+  json.close('}');
+}
+
+void write_parameter_cards(JsonWriter& json, const std::vector<ParameterCard>& cards) {
+  for (const auto& card : cards) write_parameter_card(json, card);
+}
+
+// What auto is asked to keep: the one parameter that is a list of names.
+void write_keep_card(JsonWriter& json) {
+  json.open('{').key("name").text("keep").key("symbol").text("").key("doc").text("what the scheme must keep");
+  json.key("unit").text("1").key("type").text("list").key("default").open('[').close(']');
+  write_texts(json.key("choices"), keep_names);
+  json.key("nullable").boolean(false).close('}');
+}
+
+void write_variables(JsonWriter& json, const std::vector<VariableCard>& variables) {
+  json.open('[');
+  for (const auto& v : variables) {
+    json.open('{').key("name").text(v.name).key("symbol").text(v.symbol).key("doc").text(v.doc);
+    json.key("unit").text(v.unit).key("default").number(v.value).key("optional").boolean(v.optional).close('}');
+  }
+  json.close(']');
+}
+
+void write_presets(JsonWriter& json, const ProblemCard& card) {
+  json.open('[');
+  for (const auto& preset : card.presets) {
+    json.open('{').key("name").text(preset.name).key("doc").text(preset.doc);
+    write_settings(json.key("parameters"), card.parameters, preset.parameters);
+    write_named(json.key("initial"), preset.initial);
+    write_suggested(json.key("suggested"), preset.suggested);
+    json.key("until").open('{').key("t").number(preset.span > 0 ? preset.span : card.span).close('}');
+    json.close('}');
+  }
+  json.close(']');
+}
+
+void write_quantities(JsonWriter& json, const std::vector<QuantityCard>& quantities) {
+  for (const auto& quantity : quantities) {
+    json.open('{').key("name").text(quantity.name).key("symbol").text(quantity.symbol);
+    json.key("doc").text(quantity.doc).close('}');
+  }
+}
+
+void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& cards) {
+  json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
+  json.key("formula").text(card.formula);
+  write_variables(json.key("variables"), card.variables);
+  json.key("parameters").open('[');
+  write_parameter_cards(json, card.parameters);
+  json.close(']').key("until").open('{').key("t").number(card.span).close('}');
+  write_suggested(json.key("suggested"), card.suggested);
+  write_presets(json.key("presets"), card);
+  json.key("invariants").open('[');
+  if (card.keeps_energy) {
+    json.open('{').key("name").text("energy").key("symbol").text("H").key("doc").text("total energy").close('}');
+  }
+  write_quantities(json, card.invariants);
+  json.close(']').key("quantities").open('[');
+  write_quantities(json, card.quantities);
+  json.close(']');
+  write_texts(json.key("columns"), card.columns);
+  write_texts(json.key("diagnostics"), card.diagnostics);
+  json.key("schemes").open('[');
+  for (const auto index : card.schemes) json.text(cards.schemes[index].id);
+  json.text(auto_card().id).close(']').key("offers").text(card.offers);
+  write_texts(json.key("references"), card.references);
+  json.close('}');
+}
+
+void write_order(JsonWriter& json, const SchemeCard& card) {
+  if (card.orders.empty()) {
+    json.null();
+    return;
+  }
+  if (card.orders.size() == 1 && card.orders.front().first.empty()) {
+    json.integer(card.orders.front().second);
+    return;
+  }
+  json.open('{');
+  for (const auto& [composition, order] : card.orders) json.key(composition).integer(order);
+  json.close('}');
+}
+
+void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
+  json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
+  write_order(json.key("order"), card);
+  json.key("implicit").boolean(card.implicit).key("symmetric").boolean(card.symmetric);
+  json.key("structure").text(card.structure);
+  json.key("parameters").open('[');
+  write_parameter_cards(json, card.parameters);
+  if (&card == &auto_card()) write_keep_card(json);
+  json.close(']').key("recommended");
+  if (card.recommended.empty()) {
+    json.null();
+  } else {
+    json.open('{').key("composition").text(card.recommended).close('}');
+  }
+  json.key("own_clock").boolean(card.own_clock).key("presets").open('[');
+  for (const auto& preset : card.presets) {
+    json.open('{').key("name").text(preset.name).key("doc").text(preset.doc);
+    write_settings(json.key("parameters"), card.parameters, preset.settings);
+    json.close('}');
+  }
+  json.close(']')
+      .key("good_for")
+      .text(card.good_for)
+      .key("fails_when")
+      .text(card.fails_when)
+      .key("needs")
+      .text(card.needs);
+  write_texts(json.key("references"), card.references);
+  json.close('}');
+}
+
+}  // namespace
+
+CatalogueText describe(const Cards& cards) {
+  CatalogueText text;
+  for (const auto& card : cards.problems) {
+    JsonWriter json(text.problems[std::string(card.id)]);
+    write_problem_card(json, card, cards);
+  }
+  for (const auto& card : cards.schemes) {
+    JsonWriter json(text.schemes[std::string(card.id)]);
+    write_scheme_card(json, card);
+  }
+  JsonWriter automatic(text.schemes[std::string(auto_card().id)]);
+  write_scheme_card(automatic, auto_card());
+  JsonWriter json(text.all);
+  json.open('{').key("version").text(version).key("problems").open('[');
+  for (const auto& card : cards.problems) json.raw(text.problems.find(card.id)->second);
+  json.close(']').key("schemes").open('[');
+  for (const auto& card : cards.schemes) json.raw(text.schemes.find(card.id)->second);
+  json.raw(text.schemes.find(auto_card().id)->second);
+  json.close(']').close('}');
+  return text;
+}
+
+}  // namespace least::server

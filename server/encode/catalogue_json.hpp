@@ -1,0 +1,20 @@
+// The catalogue as JSON, made once from the cards.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "server/decode/simulate_request.hpp"
+
+namespace least::server {
+
+/// JSON texts, ready to be sent.
+struct CatalogueText {
+  std::string all;                                                    ///< {"version", "problems", "schemes"}
+  std::map<std::string, std::string, std::less<>> problems, schemes;  ///< by id
+};
+
+CatalogueText describe(const Cards& cards);
+
+}  // namespace least::server

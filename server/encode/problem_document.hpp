@@ -1,0 +1,21 @@
+// Errors as RFC 9457 problem documents.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "server/http/answer.hpp"
+#include "server/shared/fault.hpp"
+
+namespace least::server {
+
+/// The phrase that belongs to a status ("Not Found").
+std::string_view phrase(int status);
+
+/// An error answer; `detail` may be empty.
+Answer problem_document(int status, std::string_view detail, std::string_view request_id);
+
+/// 422 with every fault.
+Answer problem_document(const Faults& faults, std::string_view request_id);
+
+}  // namespace least::server

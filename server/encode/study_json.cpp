@@ -1,0 +1,167 @@
+#include "server/encode/study_json.hpp"
+
+#include "core/catalogue.hpp"
+#include "server/encode/answer_parts.hpp"
+
+namespace least::server {
+namespace {
+
+void write(JsonWriter& json, const Cards& cards, const Choice& choice) {
+  write_scheme(json, cards.schemes[choice.scheme], choice.settings);
+}
+
+// The scheme as it ran for a point: with the setting that was varied; the step in time goes along with θ.
+Choice ran(const Cards& cards, const StudyCurve& curve, const StudyPoint& point) {
+  Choice choice = curve.scheme;
+  const auto& parameters = cards.schemes[choice.scheme].parameters;
+  double ratio = 1;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].name != curve.setting) continue;
+    ratio = point.value / choice.settings[i];
+    choice.settings[i] = point.value;
+  }
+  for (std::size_t i = 0; i < parameters.size() && curve.setting == "theta"; ++i) {
+    if (parameters[i].name == "step") choice.settings[i] *= ratio;
+  }
+  return choice;
+}
+
+void write_point(JsonWriter& json, const StudyPoint& point) {
+  json.open('{').key("value").number(point.value).key("step").number(point.step).key("error").number(point.error);
+  json.key("force_evaluations").integer(point.force_evaluations).key("seconds").number(point.seconds);
+  json.key("status").text(name(point.status)).close('}');
+}
+
+// The points between are left out of a line whose reader has had them.
+void write_curves(JsonWriter& json, const Asked& asked, const least::Study& study, bool points) {
+  json.open('[');
+  for (const StudyCurve& curve : study.curves) {
+    write(json.open('{').key("scheme"), asked.cards, curve.scheme);
+    json.key("setting").text(curve.setting);
+    if (points) {
+      json.key("points").open('[');
+      for (const StudyPoint& point : curve.points) write_point(json, point);
+      json.close(']');
+    }
+    json.key("observed_order").number(curve.observed_order).key("expected_order");
+    curve.expected_order > 0 ? json.integer(curve.expected_order) : json.null();
+    if (!curve.why.empty()) json.key("why").text(curve.why);
+    json.close('}');
+  }
+  json.close(']');
+}
+
+void write_pareto(JsonWriter& json, const Asked& asked, const least::Study& study) {
+  json.open('[');
+  for (const ParetoPoint& best : study.pareto) {
+    const StudyCurve& curve = study.curves[best.curve];
+    const StudyPoint& point = curve.points[best.point];
+    json.open('{').key("error").number(point.error).key("seconds").number(point.seconds);
+    json.key("force_evaluations").integer(point.force_evaluations);
+    write(json.key("scheme"), asked.cards, ran(asked.cards, curve, point));
+    json.key("curve").integer(static_cast<std::int64_t>(best.curve));
+    json.key("point").integer(static_cast<std::int64_t>(best.point));
+    json.key("fewest_forces").boolean(best.fewest_forces).key("fastest").boolean(best.fastest).close('}');
+  }
+  json.close(']');
+}
+
+void write_left_out(JsonWriter& json, const std::vector<std::string>& left_out) {
+  json.open('[');
+  for (const std::string& what : left_out) json.text(what);
+  json.close(']');
+}
+
+void write_status(JsonWriter& json, Reason end) {
+  json.key("status").text(end == Reason::completed ? "completed" : "stopped");
+  if (end != Reason::completed) json.key("stop").open('{').key("reason").text(name(end)).close('}');
+}
+
+void write_question(JsonWriter& json, const Asked& asked) {
+  const StudyPlan& plan = asked.plan;
+  json.key("version").text(version);
+  write_scene(json, asked.cards.problems[plan.scene.problem], plan.scene);
+  write_until(json.key("until"), plan.scene);
+  json.key("error").text(plan.at_end ? "final" : "max").key("budget_seconds").number(plan.budget_seconds);
+}
+
+void write_truth(JsonWriter& json, const least::Study& study) {
+  json.key("reference").open('{').key("how").text(study.how).key("uncertainty").number(study.uncertainty).close('}');
+  json.key("floor").number(study.floor).key("growth").number(study.growth).key("chaotic").boolean(study.chaotic);
+  json.key("end").number(study.end);
+}
+
+void write_findings(JsonWriter& json, const Asked& asked, const least::Study& study, Reason end, bool points) {
+  write_curves(json.key("curves"), asked, study, points);
+  write_pareto(json.key("pareto"), asked, study);
+  write_left_out(json.key("left_out"), study.left_out);
+  write_status(json, end);
+}
+
+// An object on a line.
+template <class WriteMembers>
+std::string line(WriteMembers write_members) {
+  std::string text;
+  JsonWriter json(text);
+  json.open('{');
+  write_members(json);
+  json.close('}');
+  return text += '\n';
+}
+
+}  // namespace
+
+std::string encode_study(const Asked& asked, const least::Study& study, Reason end) {
+  return line([&](JsonWriter& json) {
+    write_question(json, asked);
+    write_truth(json, study);
+    write_findings(json, asked, study, end, true);
+  });
+}
+
+std::string encode_study_head(const Asked& asked, const least::Study& study) {
+  return line([&](JsonWriter& json) {
+    write_question(json, asked);
+    write_truth(json, study);
+    json.key("schemes").open('[');
+    for (const Choice& choice : asked.plan.schemes) write(json, asked.cards, choice);
+    json.close(']');
+  });
+}
+
+std::string encode_study_point(const Asked& asked, std::size_t index, const StudyCurve& curve) {
+  return line([&](JsonWriter& json) {
+    json.key("curve").integer(static_cast<std::int64_t>(index));
+    write(json.key("scheme"), asked.cards, curve.scheme);
+    json.key("setting").text(curve.setting);
+    write_point(json.key("point"), curve.points.back());
+  });
+}
+
+std::string encode_study_end(const Asked& asked, const least::Study& study, Reason end) {
+  return line([&](JsonWriter& json) { write_findings(json, asked, study, end, false); });
+}
+
+std::string encode_stability(const StabilityPlan& plan, const Cards& cards, const std::vector<StabilityLimit>& limits,
+                             Reason end) {
+  return line([&](JsonWriter& json) {
+    json.key("version").text(version);
+    write_scene(json, cards.problems[plan.scene.problem], plan.scene);
+    json.key("limits").open('[');
+    for (const StabilityLimit& limit : limits) {
+      write(json.open('{').key("scheme"), cards, limit.scheme);
+      json.key("step").number(limit.step).key("failure");
+      limit.failure.empty() ? json.null() : json.text(limit.failure);
+      json.key("theory").number(limit.theory).close('}');
+    }
+    json.close(']');
+    std::vector<std::string> left_out;
+    for (std::size_t i = limits.size(); i < plan.schemes.size(); ++i) {
+      left_out.push_back(name(plan.schemes[i]) + ": no time was left");
+    }
+    write_left_out(json.key("left_out"), left_out);
+    write_status(json, end);
+  });
+}
+
+}  // namespace least::server

@@ -1,0 +1,116 @@
+#include "server/shared/json_writer.hpp"
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+
+namespace least::server {
+namespace {
+
+// One code point of UTF-8 at `i`, which moves past it; bytes that are not UTF-8 come out as U+FFFD.
+char32_t code_point(std::string_view s, std::size_t& i) {
+  const auto byte = [&](std::size_t k) { return k < s.size() ? static_cast<unsigned char>(s[k]) : 0u; };
+  const unsigned lead = byte(i);
+  const std::size_t length = lead < 0x80 ? 1 : lead >> 5 == 6 ? 2 : lead >> 4 == 14 ? 3 : lead >> 3 == 30 ? 4 : 0;
+  char32_t code = length < 2 ? lead : lead & (0x7Fu >> length);
+  bool good = length > 0;
+  for (std::size_t k = 1; k < length; ++k) {
+    good = good && byte(i + k) >> 6 == 2;
+    code = code << 6 | (byte(i + k) & 0x3F);
+  }
+  i += good ? length : 1;
+  return good ? code : U'\uFFFD';
+}
+
+// Decimal digits before `end`; where they begin.
+char* write_digits(char* end, std::uint64_t n) {
+  for (; n >= 100; n /= 100) {
+    end -= 2;
+    std::copy_n(fmt::detail::digits2(n % 100), 2, end);
+  }
+  if (n >= 10) return std::copy_n(fmt::detail::digits2(n), 2, end - 2) - 2;
+  *--end = static_cast<char>('0' + n);
+  return end;
+}
+
+}  // namespace
+
+// The digits are those of fmt's Dragonbox; only their layout, the same as that of "{}", is done here: it takes a fifth
+// off the time of an answer with many numbers (./dev bench, JSON rows).
+char* write_number(char* at, double x) {
+  if (!std::isfinite(x)) return std::copy_n("null", 4, at);
+  if (std::signbit(x)) *at++ = '-';
+  if (x == 0) return std::signbit(x) ? std::copy_n("0.0", 3, at) : std::copy_n("0", 1, at);
+  const auto decimal = fmt::detail::dragonbox::to_decimal(std::fabs(x));
+  char digits[20];
+  char* const first = write_digits(digits + sizeof digits, decimal.significand);
+  const auto count = static_cast<int>(digits + sizeof digits - first);
+  const int point = count + decimal.exponent;  // x = 0.d₁d₂… · 10^point
+  if (point <= -4 || point > 16) {             // d₁.d₂…e±nn
+    *at++ = *first;
+    if (count > 1) {
+      *at++ = '.';
+      at = std::copy(first + 1, first + count, at);
+    }
+    *at++ = 'e';
+    *at++ = point > 0 ? '+' : '-';
+    const int exponent = std::abs(point - 1);
+    if (exponent < 10) *at++ = '0';
+    return std::to_chars(at, at + 3, exponent).ptr;
+  }
+  if (point <= 0) {
+    at = std::fill_n(std::copy_n("0.", 2, at), -point, '0');
+    return std::copy(first, first + count, at);
+  }
+  if (decimal.exponent >= 0) return std::fill_n(std::copy(first, first + count, at), decimal.exponent, '0');
+  at = std::copy(first, first + point, at);
+  *at++ = '.';
+  return std::copy(first + point, first + count, at);
+}
+
+void append_number(std::string& out, double x) {
+  char text[longest_number];
+  out.append(text, write_number(text, x));
+}
+
+void append_number(std::string& out, std::int64_t n) {
+  char text[24];
+  char* end = fmt::format_to(text, FMT_COMPILE("{}"), n);
+  out.append(text, end);
+}
+
+void append_string(std::string& out, std::string_view text, bool ascii) {
+  out += '"';
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+      ++i;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      fmt::format_to(std::back_inserter(out), FMT_COMPILE("\\u{:04x}"), static_cast<unsigned>(c));
+      ++i;
+    } else if (static_cast<unsigned char>(c) < 0x80) {
+      out += c;
+      ++i;
+    } else {
+      const std::size_t from = i;
+      const auto code = static_cast<unsigned>(code_point(text, i));
+      if (!ascii && code != 0xFFFD) {
+        out += text.substr(from, i - from);
+      } else if (code < 0x10000) {
+        fmt::format_to(std::back_inserter(out), FMT_COMPILE("\\u{:04x}"), code);
+      } else {
+        fmt::format_to(std::back_inserter(out), FMT_COMPILE("\\u{:04x}\\u{:04x}"), 0xD800 + ((code - 0x10000) >> 10),
+                       0xDC00 + ((code - 0x10000) & 0x3FF));
+      }
+    }
+  }
+  out += '"';
+}
+
+}  // namespace least::server

@@ -1,0 +1,80 @@
+#include "server/decode/json_parse.hpp"
+
+#include <gtest/gtest.h>
+
+namespace least::server {
+namespace {
+
+std::size_t offset_of_error(std::string_view text) {
+  const auto parsed = parse_json(text);
+  EXPECT_FALSE(parsed) << text;
+  return parsed ? 0 : parsed.error().byte;
+}
+
+TEST(JsonText, ReadsATree) {
+  const auto parsed = parse_json(R"({"a": [1, 2.5, "x", null, true], "b": {}})");
+  ASSERT_TRUE(parsed);
+  EXPECT_TRUE(parsed->faults.empty());
+  EXPECT_EQ(parsed->tree["a"][1].get<double>(), 2.5);
+}
+
+TEST(JsonText, TellsWhereTextIsNoJson) {
+  EXPECT_EQ(offset_of_error(R"({"a":1,})"), 7u);
+  EXPECT_EQ(offset_of_error(""), 0u);
+  EXPECT_EQ(offset_of_error("{} x"), 3u);
+  EXPECT_EQ(offset_of_error("[1, NaN]"), 4u);
+  EXPECT_EQ(offset_of_error("[01]"), 2u);
+  EXPECT_FALSE(parse_json("\"\xC3\x28\""));      // bad continuation
+  EXPECT_FALSE(parse_json("\"\xED\xA0\x80\""));  // a surrogate in UTF-8
+  EXPECT_FALSE(parse_json(R"("\ud800")"));       // half a pair
+  EXPECT_FALSE(parse_json(std::string_view("[1]\0", 4)));
+}
+
+TEST(JsonText, CollectsDuplicateKeysAndOverflowsWithTheirPlaces) {
+  const auto parsed = parse_json(R"({"a": {"x": 1, "x": 2}, "b/c": [0, -1e400, {"y": 1e999}], "d": 7})");
+  ASSERT_TRUE(parsed);
+  const auto& faults = parsed->faults.list();
+  ASSERT_EQ(faults.size(), 3u);
+  EXPECT_TRUE(parsed->faults.at("/a/x"));
+  EXPECT_TRUE(parsed->faults.at("/b~1c/1"));
+  EXPECT_TRUE(parsed->faults.at("/b~1c/2/y"));
+  EXPECT_EQ(parsed->tree["d"].get<int>(), 7);
+}
+
+TEST(JsonText, KeepsTinyAndHugeDoubles) {
+  const auto parsed = parse_json("[1e-400, 4.9e-324, 1.7976931348623157e308, -0.0, 18446744073709551616]");
+  ASSERT_TRUE(parsed);
+  EXPECT_TRUE(parsed->faults.empty());
+  EXPECT_EQ(parsed->tree[0].get<double>(), 0);
+  EXPECT_EQ(parsed->tree[1].get<double>(), 4.9e-324);
+  EXPECT_TRUE(std::signbit(parsed->tree[3].get<double>()));
+  EXPECT_EQ(parsed->tree[4].get<double>(), 18446744073709551616.0);
+}
+
+TEST(JsonText, BoundsDepthValuesAndKeys) {
+  const auto nested = [](int n) {
+    return std::string(static_cast<std::size_t>(n), '[') + std::string(static_cast<std::size_t>(n), ']');
+  };
+  EXPECT_TRUE(parse_json(nested(16))->faults.empty());
+  const auto deep = parse_json(nested(17));
+  ASSERT_TRUE(deep);
+  EXPECT_FALSE(deep->faults.empty());
+  EXPECT_TRUE(deep->tree.is_null());
+  EXPECT_FALSE(parse_json(nested(1'000'000))->faults.empty());
+
+  EXPECT_FALSE(parse_json("[1,1,1,1]", {.values = 4})->faults.empty());
+  EXPECT_TRUE(parse_json("[1,1,1]", {.values = 4})->faults.empty());
+  EXPECT_FALSE(parse_json(R"({"a":1,"b":1,"c":1})", {.keys = 2})->faults.empty());
+}
+
+TEST(JsonText, ShowsValuesWithinBounds) {
+  EXPECT_EQ(shown(Json(-1)), "-1");
+  EXPECT_EQ(shown(Json(1e-7)), "1e-07");
+  EXPECT_EQ(shown(Json("a\"b")), R"("a\"b")");
+  EXPECT_EQ(shown(Json::parse("[1]")), "");
+  EXPECT_LT(shown(Json(std::string(100'000, 'x'))).size(), 100u);
+  EXPECT_EQ(shown(Json(std::string(79, 'x') + "é!")), std::string("\"").append(79, 'x').append("…\""));
+}
+
+}  // namespace
+}  // namespace least::server

@@ -1,0 +1,130 @@
+// Answers that are computed while they are sent, on a bare pair of sockets; and what ends their computation.
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <thread>
+
+#include "server/http/cancellation.hpp"
+#include "server/http/connection.hpp"
+
+namespace least::server {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+class Stream : public testing::Test {
+ protected:
+  ~Stream() override {
+    hang_up();
+    ::close(ends[0]);
+  }
+  void hang_up() {
+    if (ends[1] >= 0) ::close(ends[1]);
+    ends[1] = -1;
+  }
+  void ask(std::string_view version) {
+    const std::string request = "GET / HTTP/" + std::string(version) + "\r\nHost: x\r\n\r\n";
+    EXPECT_GT(::send(ends[1], request.data(), request.size(), 0), 0);
+    EXPECT_TRUE(std::holds_alternative<Message>(connection.receive()));
+  }
+  // All that came, without the head.
+  std::string body() {
+    ::shutdown(ends[0], SHUT_WR);
+    std::string text;
+    char bytes[4096];
+    for (ssize_t n; (n = ::recv(ends[1], bytes, sizeof bytes, 0)) > 0;) text.append(bytes, static_cast<std::size_t>(n));
+    return text.substr(text.find("\r\n\r\n") + 4);
+  }
+  static Answer streaming(std::function<bool(const Write&)> stream) {
+    return {200, "text/plain", {}, {}, std::move(stream)};
+  }
+
+  std::array<int, 2> ends = [] {
+    std::array<int, 2> pair{-1, -1};
+    EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, pair.data()), 0);
+    return pair;
+  }();
+  ConnectionBounds bounds;
+  Lifecycle lifecycle;
+  Connection connection{ends[0], bounds, lifecycle};
+};
+
+TEST_F(Stream, PiecesAreChunks) {
+  ask("1.1");
+  const bool sent = connection.send(
+      streaming([](const Write& write) { return write("first\n") && write("") && write(std::string(26, 'x')); }), true,
+      true);
+  EXPECT_TRUE(sent);
+  EXPECT_EQ(connection.sent(), 32u);
+  EXPECT_EQ(body(), "6\r\nfirst\n\r\n1a\r\n" + std::string(26, 'x') + "\r\n0\r\n\r\n");
+}
+
+TEST_F(Stream, PiecesAreBareInTheFirstVersion) {
+  ask("1.0");
+  EXPECT_TRUE(connection.send(streaming([](const Write& write) { return write("a") && write("b"); }), false, true));
+  EXPECT_EQ(body(), "ab");
+}
+
+TEST_F(Stream, OneThatBreaksOffHasNoEnd) {
+  ask("1.1");
+  EXPECT_FALSE(connection.send(streaming([](const Write& write) {
+                                 write("a");
+                                 return false;
+                               }),
+                               true, true));
+  EXPECT_EQ(body(), "1\r\na\r\n");
+}
+
+TEST_F(Stream, AClientThatTakesNothingIsLetGo) {
+  ask("1.1");
+  bounds.stall = 200ms;
+  const std::string piece(10'000, 'x');
+  const auto from = Clock::now();
+  EXPECT_FALSE(connection.send(streaming([&](const Write& write) {
+                                 while (Clock::now() - from < 5s) {
+                                   if (!write(piece)) return false;
+                                 }
+                                 return true;
+                               }),
+                               true, true));
+  EXPECT_LT(Clock::now() - from, 4s);
+  EXPECT_LT(connection.sent(), 10'000'000u);
+}
+
+TEST_F(Stream, SeesThatTheClientWentAway) {
+  EXPECT_FALSE(connection.gone());
+  EXPECT_EQ(::send(ends[1], "x", 1, 0), 1);  // what it sent ahead hides nothing
+  EXPECT_FALSE(connection.gone());
+  hang_up();
+  EXPECT_TRUE(connection.gone());
+}
+
+TEST(Watch, SaysWhyItEndedAComputation) {
+  const auto reason = [](const std::atomic<bool>& ended, const std::function<bool()>& gone, double seconds) {
+    const Watch watch(ended, gone, seconds);
+    for (const auto from = Clock::now(); !watch.cancelled() && Clock::now() - from < 300ms;) {
+      std::this_thread::sleep_for(5ms);
+    }
+    return watch.reason();
+  };
+  const std::atomic<bool> no{false}, yes{true};
+  EXPECT_EQ(reason(no, {}, 10), Reason::completed);
+  EXPECT_EQ(reason(
+                no, [] { return false; }, 10),
+            Reason::completed);
+  EXPECT_EQ(reason(no, {}, 0.05), Reason::deadline);
+  EXPECT_EQ(reason(
+                no, [] { return true; }, 10),
+            Reason::cancelled);
+  EXPECT_EQ(reason(yes, {}, 10), Reason::cancelled);
+  const auto from = Clock::now();
+  { const Watch watch(no, {}, 10); }
+  EXPECT_LT(Clock::now() - from, 40ms) << "its end waits for nothing";
+}
+
+}  // namespace
+}  // namespace least::server

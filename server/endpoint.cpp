@@ -8,28 +8,33 @@
 
 namespace least::server {
 
-Result<std::size_t, Answer> form_for(const Question& question, const Names& types) {
-  if (const auto form = negotiate(question.accept, types)) return *form;
-  return problem_document(406, "the answer comes as " + listed(types), question.id);
+Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& types) {
+  if (const auto form = negotiate(request.accept, types)) return *form;
+  return problem_document(406, "the answer comes as " + listed(types), request.id);
 }
 
-Result<ParsedJson, Answer> json_of(const Question& question) {
-  auto parsed = parse_json(question.body);
+Result<ParsedJson, Answer> json_of(const HttpRequest& request) {
+  auto parsed = parse_json(request.body);
   if (parsed) return std::move(*parsed);
   const NotJson& why = parsed.error();
-  return problem_document(400, fmt::format("not JSON at byte {}: {}", why.byte, why.detail), question.id);
+  return problem_document(400, fmt::format("not JSON at byte {}: {}", why.byte, why.detail), request.id);
 }
 
-std::optional<Gate::Pass> turn(const Context& context) {
+std::optional<Admission::Pass> admit(const Context& context) {
   // Longer than most runs, shorter than what clients and proxies wait for an answer.
   constexpr std::chrono::seconds patience{10};
-  return context.gate.enter(patience);
+  return context.admission.enter(patience);
 }
 
-Answer busy(const Question& question) {
-  Answer answer = problem_document(503, "as many runs as are allowed are computing or waiting", question.id);
+Answer busy(const HttpRequest& request) {
+  Answer answer = problem_document(503, "as many runs as are allowed are computing or waiting", request.id);
   answer.headers.emplace_back("Retry-After", "1");
   return answer;
+}
+
+Reason end_of(const CancellationWatch& watch) {
+  if (!watch.cancelled()) return Reason::completed;
+  return watch.timed_out() ? Reason::deadline : Reason::cancelled;
 }
 
 Cards catalogue_cards() { return {problems(), schemes()}; }

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <optional>
 #include <string_view>
 
+#include "core/status.hpp"
 #include "server/decode/simulate_request.hpp"
 #include "server/decode/wording.hpp"
 #include "server/http/admission.hpp"
-#include "server/http/answer.hpp"
+#include "server/http/cancellation.hpp"
+#include "server/http/http_request.hpp"
+#include "server/shared/answer.hpp"
 
 namespace least::server {
 
@@ -17,28 +19,25 @@ namespace least::server {
 struct Context {
   Cards cards;
   Caps caps;
-  Gate& gate;
+  Admission& admission;
   const std::atomic<bool>& cancelled;  ///< the service ends
 };
 
-/// What is asked. Of the texts only `id` is needed while an answer streams; all outlive it.
-struct Question {
-  std::string_view body, accept, id;
-  std::function<bool()> gone{};  ///< whether the client still waits; empty: it always does
-};
-
 /// 200, 400 (no JSON), 406, 422 or 503. Throws when memory is out or the core has a bug.
-using Endpoint = Answer (*)(const Context&, const Question&);
+using Endpoint = Answer (*)(const Context&, const HttpRequest&);
 
 /// The position of the form that the client likes best, or 406.
-Result<std::size_t, Answer> form_for(const Question& question, const Names& types);
+Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& types);
 
 /// The body as JSON, or 400.
-Result<ParsedJson, Answer> json_of(const Question& question);
+Result<ParsedJson, Answer> json_of(const HttpRequest& request);
 
 /// A turn to compute, or nothing: then the answer is `busy`.
-std::optional<Gate::Pass> turn(const Context& context);
-Answer busy(const Question& question);
+std::optional<Admission::Pass> admit(const Context& context);
+Answer busy(const HttpRequest& request);
+
+/// Why a watched computation ended: `deadline`, `cancelled`, or `completed` where it was left alone.
+Reason end_of(const CancellationWatch& watch);
 
 /// The catalogue of the library.
 Cards catalogue_cards();

@@ -63,10 +63,10 @@ int run(const Options& options) {
     body.assign(std::istreambuf_iterator<char>(file), {});
   }
   const std::atomic<bool> cancelled{false};
-  Gate gate(1, 0);
+  Admission admission(1, 0);
   Answer answer;
   try {
-    answer = simulate({catalogue_cards(), options.settings.caps, gate, cancelled}, {body, "", id});
+    answer = simulate({catalogue_cards(), options.settings.caps, admission, cancelled}, {body, "", id});
   } catch (const std::exception& e) {
     spdlog::error("request id={} failed: {}", id, e.what());
     answer = problem_document(500, "", id);

@@ -1,54 +1,34 @@
-// The service: listens, gives every connection a thread, ends in good order.
+// The service: the catalogue's endpoints behind an HTTP server.
 #pragma once
 
-#include <cstddef>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "server/decode/simulate_request.hpp"
-#include "server/http/assets.hpp"
-#include "server/http/connection.hpp"
+#include "server/endpoint.hpp"
+#include "server/http/http_server.hpp"
 
 namespace least::server {
 
-struct Settings {
-  std::string host = "127.0.0.1";
-  int port = 8080;             ///< 0 picks a free one
-  unsigned threads = 0;        ///< runs that compute at once; 0: one per core
-  unsigned queue = 16;         ///< runs that wait for their turn; beyond it the answer is 503
-  unsigned connections = 256;  ///< clients served at once, slow ones included
-  double grace = 10;           ///< seconds that runs have left when the service ends
+struct Settings : HttpSettings {
   Caps caps;
-  ConnectionBounds bounds;
-  std::vector<std::string> allow_hosts, allow_origins;
 };
 
 class Service {
  public:
-  Service(Settings settings, std::span<const Asset> assets);
-  ~Service();  ///< stops
-  Service(const Service&) = delete;
-  Service& operator=(const Service&) = delete;
+  Service(const Settings& settings, std::span<const Asset> assets);
+  ~Service() { stop(); }
 
-  /// Listens from now on. On failure: what went wrong, for a person.
-  std::optional<std::string> start();
-
-  /// `http://127.0.0.1:8080`
-  std::string url() const;
-  int port() const;
-  /// False once the service no longer accepts connections.
-  bool running() const;
-
-  /// Ends: accepts nothing new, answers what was accepted; runs that still compute after the grace time are cancelled
-  /// and answered with what they have. Returns when the last answer is out, a bounded time after the grace.
-  void stop();
+  /// See HttpServer.
+  std::optional<std::string> start() { return http_.start(); }
+  std::string url() const { return http_.url(); }
+  int port() const { return http_.port(); }
+  bool running() const { return http_.running(); }
+  void stop() { http_.stop(); }
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  HttpServer http_;
+  const Context context_;
 };
 
 }  // namespace least::server

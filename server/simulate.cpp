@@ -8,41 +8,40 @@
 namespace least::server {
 namespace {
 
-Answer run_and_encode(const Context& context, const Form& form, const Request& request, const Choosing* choosing) {
+Answer run_and_encode(const Context& context, const Form& form, const Request& scene, const AdviceWithCards* choice) {
   Samples samples;
-  const Outcome outcome = run(request, samples, context.cancelled);
+  const Outcome outcome = run(scene, samples, context.cancelled);
   const Cards& cards = context.cards;
-  return form.encode(
-      {request, cards.problems[request.problem], cards.schemes[request.scheme], outcome, samples, choosing});
+  return form.encode({scene, cards.problems[scene.problem], cards.schemes[scene.scheme], outcome, samples, choice});
 }
 
 // Why there is nothing to run.
-Answer no_choice(const Question& question, const Order& order, const Advice& advice, Reason end) {
+Answer no_choice(const HttpRequest& request, const SimulateRequest& asked, const Advice& advice, Reason end) {
   Faults faults;
-  const Place top{"", &faults};
-  if (end == Reason::cancelled) return busy(question);
+  const FieldPath top{"", &faults};
+  if (end == Reason::cancelled) return busy(request);
   if (end == Reason::deadline) {
-    top.at("limits").at("seconds").fault("is too short to choose a scheme in", Json(order.run.limits.seconds));
+    top.at("limits").at("seconds").fault("is too short to choose a scheme in", Json(asked.run.limits.seconds));
   } else {
     top.at("scheme").lacks(advice.reason);
   }
-  return problem_document(faults, question.id);
+  return problem_document(faults, request.id);
 }
 
-Answer choose_and_run(const Context& context, const Question& question, const Form& form, Order& order) {
+Answer choose_and_run(const Context& context, const HttpRequest& request, const Form& form, SimulateRequest& asked) {
   Advice advice;
   Reason end;
   {
     constexpr double margin = 1;  // the core keeps the limit itself; what it cannot interrupt is cut off
-    const Watch watch(context.cancelled, question.gone, order.run.limits.seconds + margin);
-    advice = advise(order.run, *order.wish, watch.cancelled());
-    end = watch.reason();
+    const CancellationWatch watch(context.cancelled, request.gone, asked.run.limits.seconds + margin);
+    advice = advise(asked.run, *asked.wish, watch.cancelled());
+    end = end_of(watch);
   }
-  if (!advice.choice) return no_choice(question, order, advice, end);
-  order.run.scheme = advice.choice->scheme;
-  order.run.settings = advice.choice->settings;
-  const Choosing choosing{advice, context.cards.schemes};
-  return run_and_encode(context, form, order.run, &choosing);
+  if (!advice.choice) return no_choice(request, asked, advice, end);
+  asked.run.scheme = advice.choice->scheme;
+  asked.run.settings = advice.choice->settings;
+  const AdviceWithCards choice{advice, context.cards.schemes};
+  return run_and_encode(context, form, asked.run, &choice);
 }
 
 }  // namespace
@@ -52,19 +51,19 @@ std::span<const Form> forms() {
   return all;
 }
 
-Answer simulate(const Context& context, const Question& question) {
+Answer simulate(const Context& context, const HttpRequest& request) {
   Names types;
   for (const Form& form : forms()) types.push_back(form.type);
-  auto form = form_for(question, types);
+  auto form = form_for(request, types);
   if (!form) return form.error();
-  auto parsed = json_of(question);
+  auto parsed = json_of(request);
   if (!parsed) return parsed.error();
-  auto order = decode(std::move(*parsed), context.cards, context.caps);
-  if (!order) return problem_document(order.error(), question.id);
-  const auto pass = turn(context);
-  if (!pass) return busy(question);
-  if (order->wish) return choose_and_run(context, question, forms()[*form], *order);
-  return run_and_encode(context, forms()[*form], order->run, nullptr);
+  auto asked = decode(std::move(*parsed), context.cards, context.caps);
+  if (!asked) return problem_document(asked.error(), request.id);
+  const auto pass = admit(context);
+  if (!pass) return busy(request);
+  if (asked->wish) return choose_and_run(context, request, forms()[*form], *asked);
+  return run_and_encode(context, forms()[*form], asked->run, nullptr);
 }
 
 }  // namespace least::server

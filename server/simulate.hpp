@@ -12,13 +12,13 @@ namespace least::server {
 /// A form of the answer. A further one is a further entry of `forms`.
 struct Form {
   std::string_view type;  ///< media type
-  Answer (*encode)(const Run&);
+  Answer (*encode)(const FinishedRun&);
 };
 
 /// All forms, the default first.
 std::span<const Form> forms();
 
 /// POST /v1/simulate.
-Answer simulate(const Context& context, const Question& question);
+Answer simulate(const Context& context, const HttpRequest& request);
 
 }  // namespace least::server

@@ -18,76 +18,78 @@ std::string beyond(double x, const Range& range) {
 
 }  // namespace
 
-bool read_object(const Json& json, const Place& place, const Names& known, std::string_view owner) {
+bool read_object(const Json& json, const FieldPath& path, const Names& known, std::string_view owner) {
   if (!json.is_object()) {
-    place.fault("must be an object", json);
+    path.fault("must be an object", json);
     return false;
   }
   for (const auto& [key, value] : json.items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    place.at(key).fault(fmt::format("unknown key of {}{}", owner, did_you_mean(key, known)), value, listed(known));
+    path.at(key).fault(fmt::format("unknown key of {}{}", owner, did_you_mean(key, known)), value, listed(known));
   }
   return true;
 }
 
-std::optional<double> read_number(const Json& json, const Place& place, const Range& range, std::string_view other) {
+std::optional<double> read_number(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
   if (!json.is_number()) {
-    place.fault(fmt::format("must be a number{}", other), json, interval(range).append(other));
+    path.fault(fmt::format("must be a number{}", other), json, interval(range).append(other));
     return std::nullopt;
   }
   const auto x = json.get<double>();
   if (!std::isfinite(x) || !range.contains(x)) {
-    place.fault(beyond(x, range).append(other), json, interval(range).append(other));
+    path.fault(beyond(x, range).append(other), json, interval(range).append(other));
     return std::nullopt;
   }
   return x;
 }
 
-std::optional<double> read_whole(const Json& json, const Place& place, const Range& range, std::string_view other) {
+std::optional<double> read_whole(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
   if (json.is_number() && json.get<double>() == std::floor(json.get<double>()))
-    return read_number(json, place, range, other);
-  place.fault(fmt::format("must be a whole number{}", other), json, interval(range).append(other));
+    return read_number(json, path, range, other);
+  path.fault(fmt::format("must be a whole number{}", other), json, interval(range).append(other));
   return std::nullopt;
 }
 
-std::optional<std::int64_t> read_integer(const Json& json, const Place& place, std::int64_t low, std::int64_t high) {
-  const auto x = read_whole(json, place, {static_cast<double>(low), static_cast<double>(high)});
+std::optional<std::int64_t> read_integer(const Json& json, const FieldPath& path, std::int64_t low, std::int64_t high) {
+  const auto x = read_whole(json, path, {static_cast<double>(low), static_cast<double>(high)});
   if (!x) return std::nullopt;
   return static_cast<std::int64_t>(*x);
 }
 
-std::optional<std::size_t> read_name(const Json& json, const Place& place, const Names& names, std::string_view what) {
+std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, const Names& names,
+                                     std::string_view what) {
   if (!json.is_string()) {
-    place.fault(fmt::format("must be a string, the name of a {}", what), json, listed(names));
+    path.fault(fmt::format("must be a string, the name of a {}", what), json, listed(names));
     return std::nullopt;
   }
   const auto& word = json.get_ref<const std::string&>();
   const auto it = std::find(names.begin(), names.end(), word);
   if (it == names.end()) {
-    place.fault(fmt::format("unknown {}{}", what, did_you_mean(word, names)), json, listed(names));
+    path.fault(fmt::format("unknown {}{}", what, did_you_mean(word, names)), json, listed(names));
     return std::nullopt;
   }
   return static_cast<std::size_t>(it - names.begin());
 }
 
-std::vector<std::size_t> read_names(const Json& json, const Place& place, const Names& known, std::string_view what) {
+std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, const Names& known,
+                                    std::string_view what) {
   std::vector<std::size_t> chosen;
   if (!json.is_array()) {
-    place.fault(fmt::format("must be a list of {}s", what), json, listed(known));
+    path.fault(fmt::format("must be a list of {}s", what), json, listed(known));
     return chosen;
   }
   for (std::size_t i = 0; i < json.size(); ++i) {
-    const auto index = read_name(json[i], place.at(i), known, what);
+    const auto index = read_name(json[i], path.at(i), known, what);
     if (!index) continue;
     if (std::find(chosen.begin(), chosen.end(), *index) != chosen.end()) {
-      place.at(i).fault(fmt::format("the {} stands twice", what), json[i]);
+      path.at(i).fault(fmt::format("the {} stands twice", what), json[i]);
     }
     chosen.push_back(*index);
   }
   return chosen;
 }
 
-std::optional<double> read_parameter(const Json& json, const Place& place, const ParameterCard& card) {
+std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card) {
   std::string absent;  // what stands for no number
   if (card.nullable) {
     const Json none = card.word.empty() ? Json() : Json(card.word);
@@ -96,17 +98,17 @@ std::optional<double> read_parameter(const Json& json, const Place& place, const
   }
   switch (card.kind) {
     case Kind::number:
-      return read_number(json, place, card.range, absent);
+      return read_number(json, path, card.range, absent);
     case Kind::integer:
-      return read_whole(json, place, card.range, absent);
+      return read_whole(json, path, card.range, absent);
     case Kind::choice: {
-      const auto index = read_name(json, place, Names(card.choices.begin(), card.choices.end()), card.name);
+      const auto index = read_name(json, path, Names(card.choices.begin(), card.choices.end()), card.name);
       if (!index) return std::nullopt;
       return static_cast<double>(*index);
     }
     case Kind::flag:
       if (!json.is_boolean()) {
-        place.fault("must be true or false", json, "true, false");
+        path.fault("must be true or false", json, "true, false");
         return std::nullopt;
       }
       return json.get<bool>() ? 1 : 0;

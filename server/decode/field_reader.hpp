@@ -18,13 +18,13 @@ namespace least::server {
 /// Integers beyond this are not exact as doubles.
 inline constexpr std::int64_t greatest_count = 9'007'199'254'740'992;  // 2⁵³
 
-/// A place in the request and where its faults go.
-struct Place {
+/// A field of the request, as a JSON pointer, and where its faults go.
+struct FieldPath {
   std::string pointer;
   Faults* faults;
 
-  Place at(std::string_view key) const { return {pointer + pointer_step(key), faults}; }
-  Place at(std::size_t index) const { return {pointer + "/" + std::to_string(index), faults}; }
+  FieldPath at(std::string_view key) const { return {pointer + pointer_step(key), faults}; }
+  FieldPath at(std::size_t index) const { return {pointer + "/" + std::to_string(index), faults}; }
   void fault(std::string detail, const Json& value, std::string allowed = {}) const {
     faults->add({pointer, std::move(detail), shown(value), std::move(allowed)});
   }
@@ -40,24 +40,26 @@ inline const Json* find(const Json& object, std::string_view key) {
 }
 
 /// Whether `json` is an object; notes its keys that are not among `known`.
-bool read_object(const Json& json, const Place& place, const Names& known, std::string_view owner);
+bool read_object(const Json& json, const FieldPath& path, const Names& known, std::string_view owner);
 
 /// A finite number within the range. `other` says in a fault what else may stand there (` or null`).
-std::optional<double> read_number(const Json& json, const Place& place, const Range& range,
+std::optional<double> read_number(const Json& json, const FieldPath& path, const Range& range,
                                   std::string_view other = {});
 
 /// A whole number within the range; 5.0 is whole.
-std::optional<double> read_whole(const Json& json, const Place& place, const Range& range, std::string_view other = {});
-std::optional<std::int64_t> read_integer(const Json& json, const Place& place, std::int64_t low, std::int64_t high);
+std::optional<double> read_whole(const Json& json, const FieldPath& path, const Range& range,
+                                 std::string_view other = {});
+std::optional<std::int64_t> read_integer(const Json& json, const FieldPath& path, std::int64_t low, std::int64_t high);
 
 /// The position of a string among the names; `what` says what they are ("problem").
-std::optional<std::size_t> read_name(const Json& json, const Place& place, const Names& names, std::string_view what);
+std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, const Names& names,
+                                     std::string_view what);
 
 /// A list of names without repetition, as positions among the known ones.
-std::vector<std::size_t> read_names(const Json& json, const Place& place, const Names& known, std::string_view what);
+std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, const Names& known, std::string_view what);
 
 /// The value of a parameter as the core holds it: a choice by its index, a flag as 0 or 1, null or the card's word for
 /// it as NaN.
-std::optional<double> read_parameter(const Json& json, const Place& place, const ParameterCard& card);
+std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card);
 
 }  // namespace least::server

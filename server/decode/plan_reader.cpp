@@ -20,46 +20,55 @@ struct Span {
   bool open = false;                  // the end is unknown because the scheme sets its own clock
 };
 
-void read_limits(const Json& root, const Place& top, const Caps& caps, Limits& limits) {
+// The position of the parameter `step` among a scheme's parameters, if time advances by it.
+std::optional<std::size_t> fixed_step(const SchemeCard& scheme) {
+  if (scheme.own_clock) return std::nullopt;
+  for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
+    if (scheme.parameters[i].name == "step") return i;
+  }
+  return std::nullopt;
+}
+
+void read_limits(const Json& root, const FieldPath& top, const Caps& caps, Limits& limits) {
   limits.seconds = std::min(limits.seconds, caps.seconds);
   limits.steps = std::min(limits.steps, caps.steps);
   limits.samples = std::min(limits.samples, caps.samples);
   const Json* json = find(root, "limits");
-  const Place place = top.at("limits");
-  if (json == nullptr || !read_object(*json, place, {"seconds", "steps", "samples"}, "limits")) return;
+  const FieldPath path = top.at("limits");
+  if (json == nullptr || !read_object(*json, path, {"seconds", "steps", "samples"}, "limits")) return;
   if (const Json* seconds = find(*json, "seconds")) {
-    const auto value = read_number(*seconds, place.at("seconds"), {0, caps.seconds, true, false});
+    const auto value = read_number(*seconds, path.at("seconds"), {0, caps.seconds, true, false});
     limits.seconds = value.value_or(limits.seconds);
   }
   if (const Json* steps = find(*json, "steps")) {
-    limits.steps = read_integer(*steps, place.at("steps"), 1, caps.steps).value_or(limits.steps);
+    limits.steps = read_integer(*steps, path.at("steps"), 1, caps.steps).value_or(limits.steps);
   }
   if (const Json* samples = find(*json, "samples")) {
-    limits.samples = read_integer(*samples, place.at("samples"), 2, caps.samples).value_or(limits.samples);
+    limits.samples = read_integer(*samples, path.at("samples"), 2, caps.samples).value_or(limits.samples);
   }
 }
 
 // The end as it stands in the request, or the default one.
-void read_until(const Json& root, const Place& top, double span, Request& request) {
+void read_until(const Json& root, const FieldPath& top, double span, Request& request) {
   request.end = request.start + span;
   const Json* json = find(root, "until");
-  const Place place = top.at("until");
-  if (json == nullptr || !read_object(*json, place, {"t", "steps"}, "until")) return;
+  const FieldPath path = top.at("until");
+  if (json == nullptr || !read_object(*json, path, {"t", "steps"}, "until")) return;
   const Json *t = find(*json, "t"), *steps = find(*json, "steps");
   if ((t == nullptr) == (steps == nullptr)) {
-    place.lacks("must hold either t or steps", "{\"t\": …}, {\"steps\": …}");
+    path.lacks("must hold either t or steps", "{\"t\": …}, {\"steps\": …}");
     return;
   }
   if (t) {
-    request.end = read_number(*t, place.at("t"), {-infinity, infinity, true, true}).value_or(request.end);
-  } else if (const auto count = read_integer(*steps, place.at("steps"), 1, greatest_count)) {
+    request.end = read_number(*t, path.at("t"), {-infinity, infinity, true, true}).value_or(request.end);
+  } else if (const auto count = read_integer(*steps, path.at("steps"), 1, greatest_count)) {
     request.until_steps = true;
     request.steps = *count;
   }
 }
 
 // `h`: the length of a step, where it is known.
-Span span_until(const Request& request, std::optional<double> h, const Place& until) {
+Span span_until(const Request& request, std::optional<double> h, const FieldPath& until) {
   if (request.until_steps) {
     if (!h) return {std::nullopt, request.steps};
     const double end = request.start + static_cast<double>(request.steps) * *h;
@@ -93,17 +102,17 @@ Span span_until(const Request& request, std::optional<double> h, const Place& un
   return {request.end, whole_steps(request.start, request.end, *h)};
 }
 
-void read_times(const Json& json, const Place& place, const Request& request, const Span& span, Record& record) {
+void read_times(const Json& json, const FieldPath& path, const Request& request, const Span& span, Record& record) {
   if (!json.is_array() || json.empty()) {
-    place.fault("must be a list of at least one time", json);
+    path.fault("must be a list of at least one time", json);
     return;
   }
   const double end = span.end.value_or(infinity);
   double last = -infinity;
   for (std::size_t i = 0; i < json.size(); ++i) {
-    const auto t = read_number(json[i], place.at(i), {request.start, end, false, !std::isfinite(end)});
+    const auto t = read_number(json[i], path.at(i), {request.start, end, false, !std::isfinite(end)});
     if (!t) continue;
-    if (!(*t > last)) place.at(i).fault("must be greater than the time before it", json[i]);
+    if (!(*t > last)) path.at(i).fault("must be greater than the time before it", json[i]);
     last = *t;
     record.times.push_back(*t);
   }
@@ -131,26 +140,26 @@ void default_record(const Span& span, Request& request) {
   }
 }
 
-void read_record(const Json& root, const Place& top, const Span& span, Request& request) {
+void read_record(const Json& root, const FieldPath& top, const Span& span, Request& request) {
   default_record(span, request);
   const Json* json = find(root, "record");
-  const Place place = top.at("record");
-  if (json == nullptr || !read_object(*json, place, {"every", "samples", "times"}, "record")) return;
+  const FieldPath path = top.at("record");
+  if (json == nullptr || !read_object(*json, path, {"every", "samples", "times"}, "record")) return;
   const Json *every = find(*json, "every"), *samples = find(*json, "samples"), *times = find(*json, "times");
   if ((every != nullptr) + (samples != nullptr) + (times != nullptr) != 1) {
-    place.lacks("must hold one of every, samples and times", "{\"every\": …}, {\"samples\": …}, {\"times\": …}");
+    path.lacks("must hold one of every, samples and times", "{\"every\": …}, {\"samples\": …}, {\"times\": …}");
     return;
   }
   Record& record = request.record;
   if (every) {
-    const auto count = read_integer(*every, place.at("every"), 0, greatest_count);
+    const auto count = read_integer(*every, path.at("every"), 0, greatest_count);
     if (!count) return;
     record = {Record::Mode::every, *count, {}};
   } else if (samples) {
-    const auto count = read_integer(*samples, place.at("samples"), 2, request.limits.samples);
+    const auto count = read_integer(*samples, path.at("samples"), 2, request.limits.samples);
     if (!count) return;
     if (span.open) {
-      place.at("samples").fault(
+      path.at("samples").fault(
           "cannot be spread over a run whose end is not known beforehand: the scheme sets its own clock, and "
           "until asks for a number of its steps",
           *samples, "{\"every\": …}, {\"times\": […]}");
@@ -158,10 +167,10 @@ void read_record(const Json& root, const Place& top, const Span& span, Request& 
     record = {Record::Mode::samples, *count, {}};
   } else {
     record = {Record::Mode::times, 0, {}};
-    read_times(*times, place.at("times"), request, span, record);
+    read_times(*times, path.at("times"), request, span, record);
   }
   if (const auto kept = rows(request, span); kept && *kept > request.limits.samples) {
-    place.at(every ? "every" : "times")
+    path.at(every ? "every" : "times")
         .fault(fmt::format("would keep {} samples, more than limits.samples = {}", *kept, request.limits.samples),
                every ? *every : Json());
   }
@@ -172,7 +181,7 @@ void add_name(const Names& known, std::string_view name, std::vector<std::size_t
   if (it != known.end()) chosen.push_back(static_cast<std::size_t>(it - known.begin()));
 }
 
-void read_columns(const Json& root, const Place& top, const ProblemCard& problem, Request& request) {
+void read_columns(const Json& root, const FieldPath& top, const ProblemCard& problem, Request& request) {
   if (const Json* json = find(root, "columns")) {
     request.columns = read_names(*json, top.at("columns"), problem.columns, "column");
     if (json->is_array() && json->empty()) {
@@ -192,34 +201,34 @@ void read_columns(const Json& root, const Place& top, const ProblemCard& problem
   }
 }
 
-bool sound(const Place& top, std::initializer_list<const char*> pointers) {
+bool fault_free(const FieldPath& top, std::initializer_list<const char*> pointers) {
   return std::none_of(pointers.begin(), pointers.end(), [&](const char* pointer) { return top.faults->at(pointer); });
 }
 
 }  // namespace
 
-void refuse_steps(const Json& root, const Place& top, std::string_view reason) {
+void refuse_steps(const Json& root, const FieldPath& top, std::string_view reason) {
   const Json* until = find(root, "until");
   const Json* steps = until ? find(*until, "steps") : nullptr;
   if (steps) top.at("until").at("steps").fault(std::string(reason), *steps, "{\"t\": …}");
 }
 
-void read_end(const Json& root, const Place& top, const ProblemCard* problem, const PresetCard* preset,
+void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem, const PresetCard* preset,
               Request& request) {
   read_until(root, top, problem ? span_of(*problem, preset) : 0, request);
-  if (problem && sound(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
+  if (problem && fault_free(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
     span_until(request, std::nullopt, top.at("until"));
   }
 }
 
-void read_plan(const Json& root, const Place& top, const ProblemCard* problem, const SchemeCard* scheme,
+void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,
                double default_span, const Caps& caps, Request& request) {
   read_limits(root, top, caps, request.limits);
   read_until(root, top, default_span, request);
   Span span;
-  if (problem && scheme && sound(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
+  if (problem && scheme && fault_free(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
     const auto step = fixed_step(*scheme);
-    const bool known = step && sound(top, {"/scheme/step", "/scheme/preset"});
+    const bool known = step && fault_free(top, {"/scheme/step", "/scheme/preset"});
     span = span_until(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
     span.open = request.until_steps && !step;
   }

@@ -12,15 +12,15 @@ inline double span_of(const ProblemCard& problem, const PresetCard* preset) {
 }
 
 /// A fault where `until` is a number of steps, which there is no sense in, for the reason given.
-void refuse_steps(const Json& root, const Place& top, std::string_view reason);
+void refuse_steps(const Json& root, const FieldPath& top, std::string_view reason);
 
 /// Reads an `until` that must be a time after the request's start, which is set where the problem is known.
-void read_end(const Json& root, const Place& top, const ProblemCard* problem, const PresetCard* preset,
+void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem, const PresetCard* preset,
               Request& request);
 
 /// Reads `until`, `record`, `columns`, `diagnostics` and `limits` into the request, whose start and settings are set.
 /// Cards are null where they are not known; what depends on them is then left alone.
-void read_plan(const Json& root, const Place& top, const ProblemCard* problem, const SchemeCard* scheme,
+void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,
                double default_span, const Caps& caps, Request& request);
 
 }  // namespace least::server

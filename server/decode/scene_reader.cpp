@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "server/encode/answer_parts.hpp"
-
 namespace least::server {
 namespace {
 
@@ -28,25 +26,25 @@ std::optional<double> named(const std::vector<NamedValue>& values, std::string_v
 }
 
 // Flat parameters beside an id; `values` comes with the defaults.
-void read_parameters(const Json& object, const Place& place, const std::vector<ParameterCard>& cards,
+void read_parameters(const Json& object, const FieldPath& path, const std::vector<ParameterCard>& cards,
                      std::vector<double>& values) {
   for (std::size_t i = 0; i < cards.size(); ++i) {
     const Json* json = find(object, cards[i].name);
     if (json == nullptr) continue;
-    if (const auto value = read_parameter(*json, place.at(cards[i].name), cards[i])) values[i] = *value;
+    if (const auto value = read_parameter(*json, path.at(cards[i].name), cards[i])) values[i] = *value;
   }
 }
 
 // The preset of a problem's or a scheme's card that the request names.
 template <class Card>
-auto read_preset(const Json& object, const Place& place, const Card& card) -> decltype(card.presets.data()) {
+auto read_preset(const Json& object, const FieldPath& path, const Card& card) -> decltype(card.presets.data()) {
   const Json* json = find(object, "preset");
   if (json == nullptr) return nullptr;
   if (card.presets.empty()) {
-    place.at("preset").fault(fmt::format("{} has no presets", card.id), *json);
+    path.at("preset").fault(fmt::format("{} has no presets", card.id), *json);
     return nullptr;
   }
-  const auto index = read_name(*json, place.at("preset"), keys_of(card.presets, {}), "preset");
+  const auto index = read_name(*json, path.at("preset"), keys_of(card.presets, {}), "preset");
   return index ? &card.presets[*index] : nullptr;
 }
 
@@ -58,33 +56,33 @@ std::optional<double> suggestion(const std::vector<NamedValue>& suggested, std::
 
 }  // namespace
 
-Chosen choose(const Json* json, const Place& place, std::string_view what, const Names& ids) {
+NamedEntry read_entry(const Json* json, const FieldPath& path, std::string_view what, const Names& ids) {
   if (json == nullptr) {
-    place.lacks("is required", listed(ids));
-    return {std::nullopt, place};
+    path.lacks("is required", listed(ids));
+    return {std::nullopt, path};
   }
-  if (json->is_string()) return {read_name(*json, place, ids, what), place};
+  if (json->is_string()) return {read_name(*json, path, ids, what), path};
   if (!json->is_object()) {
-    place.fault("must be an id or an object with an id", *json, listed(ids));
-    return {std::nullopt, place};
+    path.fault("must be an id or an object with an id", *json, listed(ids));
+    return {std::nullopt, path};
   }
   const Json* id = find(*json, "id");
   if (id == nullptr) {
-    place.at("id").lacks("is required", listed(ids));
-    return {std::nullopt, place.at("id")};
+    path.at("id").lacks("is required", listed(ids));
+    return {std::nullopt, path.at("id")};
   }
-  return {read_name(*id, place.at("id"), ids, what), place.at("id")};
+  return {read_name(*id, path.at("id"), ids, what), path.at("id")};
 }
 
-const PresetCard* read_scene(const Json& root, const Place& top, const ProblemCard& card, Request& request) {
+const PresetCard* read_scene(const Json& root, const FieldPath& top, const ProblemCard& card, Request& request) {
   for (const auto& parameter : card.parameters) request.parameters.push_back(parameter.value);
   for (const auto& variable : card.variables) request.initial.push_back(variable.value);
 
-  const Place place = top.at("problem");
+  const FieldPath path = top.at("problem");
   const PresetCard* preset = nullptr;
   if (const Json* json = find(root, "problem"); json->is_object()) {
-    read_object(*json, place, keys_of(card.parameters, {"id", "preset"}), card.id);
-    if ((preset = read_preset(*json, place, card)) != nullptr) {
+    read_object(*json, path, keys_of(card.parameters, {"id", "preset"}), card.id);
+    if ((preset = read_preset(*json, path, card)) != nullptr) {
       for (std::size_t i = 0; i < card.parameters.size(); ++i) {
         request.parameters[i] = named(preset->parameters, card.parameters[i].name).value_or(request.parameters[i]);
       }
@@ -93,11 +91,11 @@ const PresetCard* read_scene(const Json& root, const Place& top, const ProblemCa
       }
       request.start = named(preset->initial, "t").value_or(request.start);
     }
-    read_parameters(*json, place, card.parameters, request.parameters);
+    read_parameters(*json, path, card.parameters, request.parameters);
   }
 
   const Json* initial = find(root, "initial");
-  const Place start = top.at("initial");
+  const FieldPath start = top.at("initial");
   const Names names = keys_of(card.variables, {"t"});
   if (initial == nullptr || !read_object(*initial, start, names, fmt::format("the start of {}", card.id)))
     return preset;
@@ -116,7 +114,7 @@ const PresetCard* read_scene(const Json& root, const Place& top, const ProblemCa
   return preset;
 }
 
-std::vector<double> read_settings(const Json& json, const Place& place, const SchemeCard& card,
+std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card,
                                   const ProblemCard* problem, const PresetCard* scene) {
   std::vector<double> settings;
   for (const auto& parameter : card.parameters) {
@@ -126,37 +124,37 @@ std::vector<double> read_settings(const Json& json, const Place& place, const Sc
     settings.push_back(value.value_or(parameter.value));
   }
   if (!json.is_object()) return settings;
-  read_object(json, place, keys_of(card.parameters, {"id", "preset"}), card.id);
-  if (const SchemePresetCard* preset = read_preset(json, place, card)) {
+  read_object(json, path, keys_of(card.parameters, {"id", "preset"}), card.id);
+  if (const SchemePresetCard* preset = read_preset(json, path, card)) {
     for (std::size_t i = 0; i < card.parameters.size(); ++i) {
       settings[i] = named(preset->settings, card.parameters[i].name).value_or(settings[i]);
     }
   }
-  read_parameters(json, place, card.parameters, settings);
+  read_parameters(json, path, card.parameters, settings);
   return settings;
 }
 
-void check_pair(const Cards& cards, const ProblemCard& problem, std::size_t scheme, const Place& place) {
+void check_pair(const Cards& cards, const ProblemCard& problem, std::size_t scheme, const FieldPath& path) {
   if (std::find(problem.schemes.begin(), problem.schemes.end(), scheme) != problem.schemes.end()) return;
   const SchemeCard& card = cards.schemes[scheme];
   Names fitting;
   for (const auto index : problem.schemes) fitting.push_back(cards.schemes[index].id);
-  place.fault(fmt::format("{} cannot run {}: it needs {}, and {} offers {}", card.id, problem.id, card.needs,
-                          problem.id, problem.offers),
-              Json(card.id), listed(fitting));
+  path.fault(fmt::format("{} cannot run {}: it needs {}, and {} offers {}", card.id, problem.id, card.needs, problem.id,
+                         problem.offers),
+             Json(card.id), listed(fitting));
 }
 
 void check_settings(const SchemeCard& card, const ProblemCard& problem, const std::vector<double>& settings,
-                    const Place& place) {
-  if (card.conflicts == nullptr || place.faults->within(place.pointer)) return;
+                    const FieldPath& path) {
+  if (card.conflicts == nullptr || path.faults->within(path.pointer)) return;
   for (auto& conflict : card.conflicts(settings, problem)) {
     std::string value;
     JsonWriter json(value);
     for (std::size_t i = 0; i < settings.size(); ++i) {
       if (card.parameters[i].name == conflict.parameter) write_parameter(json, card.parameters[i], settings[i]);
     }
-    place.faults->add({place.at(conflict.parameter).pointer, std::move(conflict.detail), std::move(value),
-                       std::move(conflict.allowed)});
+    path.faults->add({path.at(conflict.parameter).pointer, std::move(conflict.detail), std::move(value),
+                      std::move(conflict.allowed)});
   }
 }
 

@@ -7,20 +7,12 @@
 
 namespace least::server {
 
-std::optional<std::size_t> fixed_step(const SchemeCard& scheme) {
-  if (scheme.own_clock) return std::nullopt;
-  for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
-    if (scheme.parameters[i].name == "step") return i;
-  }
-  return std::nullopt;
-}
-
-Result<Order, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps) {
+Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps) {
   Faults faults = std::move(body.faults);
   const Json& root = body.tree;
-  const Place top{"", &faults};
-  Order order;
-  Request& request = order.run;
+  const FieldPath top{"", &faults};
+  SimulateRequest decoded;
+  Request& request = decoded.run;
 
   if (root.is_null() && !faults.empty()) return faults;  // a bound was broken: there is nothing to read
   const Names keys{"problem", "initial", "scheme", "until", "record", "columns", "diagnostics", "limits"};
@@ -29,19 +21,19 @@ Result<Order, Faults> decode(ParsedJson body, const Cards& cards, const Caps& ca
   const Json* const json = find(root, "scheme");
   Names ids = names_of(cards.schemes);
   ids.push_back(auto_card().id);
-  const Chosen problem = choose(find(root, "problem"), top.at("problem"), "problem", names_of(cards.problems));
-  const Chosen scheme = choose(json, top.at("scheme"), "scheme", ids);
+  const NamedEntry problem = read_entry(find(root, "problem"), top.at("problem"), "problem", names_of(cards.problems));
+  const NamedEntry scheme = read_entry(json, top.at("scheme"), "scheme", ids);
   const ProblemCard* problem_card = problem.index ? &cards.problems[*problem.index] : nullptr;
   const bool automatic = scheme.index == cards.schemes.size();
   const SchemeCard* scheme_card = automatic ? &auto_card() : scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   const PresetCard* preset = problem_card ? read_scene(root, top, *problem_card, request) : nullptr;
   if (automatic) {
-    order.wish = read_wish(*json, top.at("scheme"), caps);
+    decoded.wish = read_wish(*json, top.at("scheme"), caps);
     refuse_steps(root, top, "auto chooses the step: the end must be a time");
   } else if (scheme_card) {
     request.settings = read_settings(*json, top.at("scheme"), *scheme_card, problem_card, preset);
     if (problem_card) {
-      check_pair(cards, *problem_card, *scheme.index, scheme.place);
+      check_pair(cards, *problem_card, *scheme.index, scheme.path);
       check_settings(*scheme_card, *problem_card, request.settings, top.at("scheme"));
     }
   }
@@ -50,7 +42,7 @@ Result<Order, Faults> decode(ParsedJson body, const Cards& cards, const Caps& ca
   if (!faults.empty()) return faults;
   request.problem = *problem.index;
   request.scheme = automatic ? 0 : *scheme.index;
-  return order;
+  return decoded;
 }
 
 }  // namespace least::server

@@ -3,22 +3,15 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 
-#include "core/describe.hpp"
 #include "core/run/request.hpp"
 #include "core/study/study.hpp"
 #include "server/decode/json_parse.hpp"
+#include "server/shared/cards.hpp"
 #include "server/shared/fault.hpp"
 #include "server/shared/result.hpp"
 
 namespace least::server {
-
-/// What a request is held against.
-struct Cards {
-  std::span<const ProblemCard> problems;
-  std::span<const SchemeCard> schemes;
-};
 
 /// The most a client may ask for in `limits`.
 struct Caps {
@@ -30,17 +23,14 @@ struct Caps {
 /// Samples a run keeps when the request does not say.
 inline constexpr std::int64_t default_samples = 1000;
 
-/// The position of the parameter `step` among a scheme's parameters, if time advances by it.
-std::optional<std::size_t> fixed_step(const SchemeCard& scheme);
-
 /// A run, or, where there is a wish, a run whose scheme and settings are still to be chosen.
-struct Order {
+struct SimulateRequest {
   Request run;
   std::optional<Wish> wish;
 };
 
 /// Reads a request of POST /v1/simulate. Every value of the result lies within its card's range and the pair fits; what
 /// was left out has its default. Otherwise: all that is wrong.
-Result<Order, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps);
+Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps);
 
 }  // namespace least::server

@@ -19,7 +19,7 @@ void write_numbers(JsonWriter& json, const std::vector<double>& values) {
   json.close(']');
 }
 
-void write_record(JsonWriter& json, const Run& run) {
+void write_record(JsonWriter& json, const FinishedRun& run) {
   const Record& record = run.request.record;
   json.open('{');
   switch (record.mode) {
@@ -37,7 +37,7 @@ void write_record(JsonWriter& json, const Run& run) {
   json.close('}');
 }
 
-void write_limits(JsonWriter& json, const Run& run) {
+void write_limits(JsonWriter& json, const FinishedRun& run) {
   const Limits& limits = run.request.limits;
   json.open('{').key("seconds").number(limits.seconds);
   json.key("steps").integer(limits.steps).key("samples").integer(limits.samples).close('}');
@@ -81,31 +81,17 @@ void write_until(JsonWriter& json, const Request& request) {
   json.close('}');
 }
 
-void write_choice(JsonWriter& json, const Choosing& choosing) {
-  const Advice& advice = choosing.advice;
+void write_choice(JsonWriter& json, const AdviceWithCards& choice) {
+  const Advice& advice = choice.advice;
   json.open('{').key("reason").text(advice.reason).key("met").boolean(advice.met);
   json.key("estimated_error").number(advice.estimated_error).key("alternatives").open('[');
   for (const Alternative& other : advice.alternatives) {
     json.open('{');
-    write_scheme(json.key("scheme"), choosing.schemes[other.scheme.scheme], other.scheme.settings);
+    write_scheme(json.key("scheme"), choice.schemes[other.scheme.scheme], other.scheme.settings);
     json.key("force_evaluations").integer(other.force_evaluations).key("estimated_error").number(other.estimated_error);
     json.key("seconds").number(other.seconds).close('}');
   }
   json.close(']').close('}');
-}
-
-void write_parameter(JsonWriter& json, const ParameterCard& card, double value) {
-  if (std::isnan(value)) {
-    card.word.empty() ? json.null() : json.text(card.word);
-  } else if (card.kind == Kind::choice) {
-    json.text(card.choices[static_cast<std::size_t>(value)]);
-  } else if (card.kind == Kind::flag) {
-    json.boolean(value != 0);
-  } else if (card.kind == Kind::integer) {
-    json.integer(static_cast<std::int64_t>(value));
-  } else {
-    json.number(value);
-  }
 }
 
 std::string_view word_of(const std::vector<std::string_view>& words, double code) {
@@ -113,7 +99,7 @@ std::string_view word_of(const std::vector<std::string_view>& words, double code
                                                                : std::string_view();
 }
 
-void write_echo(JsonWriter& json, const Run& run) {
+void write_echo(JsonWriter& json, const FinishedRun& run) {
   write_scene(json, run.problem, run.request);
   write_scheme(json.key("scheme"), run.scheme, run.request.settings);
   write_until(json.key("until"), run.request);
@@ -131,7 +117,7 @@ void write_stop(JsonWriter& json, const Stop& stop) {
   json.close('}');
 }
 
-void write_final(JsonWriter& json, const Run& run) {
+void write_final(JsonWriter& json, const FinishedRun& run) {
   json.open('{').key("t").number(run.outcome.t);
   for (std::size_t i = 0; i < run.problem.variables.size() && i < run.outcome.final.size(); ++i) {
     if (run.problem.variables[i].optional && !std::isfinite(run.outcome.final[i])) continue;  // not carried

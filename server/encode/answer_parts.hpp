@@ -8,25 +8,21 @@ namespace least::server {
 
 /// The members of a complete request that gives this run again: problem, initial, scheme, until, record, columns,
 /// limits.
-void write_echo(JsonWriter& json, const Run& run);
+void write_echo(JsonWriter& json, const FinishedRun& run);
 /// The members problem and initial.
 void write_scene(JsonWriter& json, const ProblemCard& card, const Request& request);
 /// A scheme as a request spells it.
 void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings);
 void write_until(JsonWriter& json, const Request& request);
 /// Why a scheme was chosen, and what else there was.
-void write_choice(JsonWriter& json, const Choosing& choosing);
+void write_choice(JsonWriter& json, const AdviceWithCards& choice);
 void write_stop(JsonWriter& json, const Stop& stop);
-void write_final(JsonWriter& json, const Run& run);
+void write_final(JsonWriter& json, const FinishedRun& run);
 /// Entries with names are an object, entries without are a list.
 void write_reports(JsonWriter& json, const std::vector<Report>& reports);
 void write_events(JsonWriter& json, const std::vector<Report>& events);
 void write_cost(JsonWriter& json, const Cost& cost);
 void write_warnings(JsonWriter& json, const std::vector<Warning>& warnings);
-
-/// A parameter's value the way a request spells it: choices by name, flags as booleans, NaN as null or the card's word
-/// for it.
-void write_parameter(JsonWriter& json, const ParameterCard& card, double value);
 
 /// The word that a code stands for; empty where it stands for none.
 std::string_view word_of(const std::vector<std::string_view>& words, double code);

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "core/catalogue.hpp"
-#include "server/decode/auto_reader.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {

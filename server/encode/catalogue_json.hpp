@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/decode/simulate_request.hpp"
+#include "server/shared/cards.hpp"
 
 namespace least::server {
 

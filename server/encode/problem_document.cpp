@@ -1,49 +1,14 @@
 #include "server/encode/problem_document.hpp"
 
-#include <algorithm>
-#include <iterator>
-
+#include "server/shared/http_status.hpp"
 #include "server/shared/json_writer.hpp"
 
 namespace least::server {
 namespace {
 
-struct Kind {
-  int status;
-  std::string_view phrase, type;
-};
-
-constexpr Kind kinds[] = {{100, "Continue", ""},
-                          {200, "OK", ""},
-                          {204, "No Content", ""},
-                          {304, "Not Modified", ""},
-                          {400, "Bad Request", "malformed-request"},
-                          {403, "Forbidden", "forbidden"},
-                          {404, "Not Found", "not-found"},
-                          {405, "Method Not Allowed", "method-not-allowed"},
-                          {406, "Not Acceptable", "not-acceptable"},
-                          {408, "Request Timeout", "request-timeout"},
-                          {411, "Length Required", "length-required"},
-                          {413, "Content Too Large", "content-too-large"},
-                          {414, "URI Too Long", "uri-too-long"},
-                          {415, "Unsupported Media Type", "unsupported-encoding"},
-                          {417, "Expectation Failed", "expectation-failed"},
-                          {422, "Unprocessable Content", "invalid-request"},
-                          {431, "Request Header Fields Too Large", "header-too-large"},
-                          {500, "Internal Server Error", "internal-error"},
-                          {501, "Not Implemented", "not-implemented"},
-                          {503, "Service Unavailable", "busy"},
-                          {505, "HTTP Version Not Supported", "version-not-supported"}};
-
-const Kind& kind(int status) {
-  static constexpr Kind unknown{0, "Error", "error"};
-  const auto it = std::find_if(std::begin(kinds), std::end(kinds), [=](const Kind& k) { return k.status == status; });
-  return it == std::end(kinds) ? unknown : *it;
-}
-
 void head(JsonWriter& json, int status) {
-  json.open('{').key("type").text("/errors/" + std::string(kind(status).type));
-  json.key("title").text(kind(status).phrase).key("status").integer(status);
+  json.open('{').key("type").text("/errors/" + std::string(error_name(status)));
+  json.key("title").text(phrase(status)).key("status").integer(status);
 }
 
 Answer finish(JsonWriter& json, int status, std::string_view request_id) {
@@ -52,8 +17,6 @@ Answer finish(JsonWriter& json, int status, std::string_view request_id) {
 }
 
 }  // namespace
-
-std::string_view phrase(int status) { return kind(status).phrase; }
 
 Answer problem_document(int status, std::string_view detail, std::string_view request_id) {
   std::string body;

@@ -1,16 +1,12 @@
 // Errors as RFC 9457 problem documents.
 #pragma once
 
-#include <string>
 #include <string_view>
 
-#include "server/http/answer.hpp"
+#include "server/shared/answer.hpp"
 #include "server/shared/fault.hpp"
 
 namespace least::server {
-
-/// The phrase that belongs to a status ("Not Found").
-std::string_view phrase(int status);
 
 /// An error answer; `detail` may be empty.
 Answer problem_document(int status, std::string_view detail, std::string_view request_id);

@@ -18,7 +18,7 @@ void add_field(Answer& answer, const char* name, Write write) {
 
 }  // namespace
 
-Answer encode_csv(const Run& run) {
+Answer encode_csv(const FinishedRun& run) {
   Answer answer;
   answer.type = "text/csv; charset=utf-8; header=present";
   const Outcome& outcome = run.outcome;
@@ -31,8 +31,8 @@ Answer encode_csv(const Run& run) {
     write_echo(json, run);
     json.close('}');
   });
-  if (run.choosing) {
-    add_field(answer, "Leastaction-Choice", [&](JsonWriter& json) { write_choice(json, *run.choosing); });
+  if (run.choice) {
+    add_field(answer, "Leastaction-Choice", [&](JsonWriter& json) { write_choice(json, *run.choice); });
   }
   add_field(answer, "Leastaction-Final", [&](JsonWriter& json) { write_final(json, run); });
   add_field(answer, "Leastaction-Diagnostics", [&](JsonWriter& json) { write_reports(json, outcome.diagnostics); });

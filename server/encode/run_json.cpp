@@ -20,7 +20,7 @@ void write_numbers(std::string& out, const std::vector<double>& values, std::siz
 }
 
 // Rows become columns: the samples lie row by row in memory.
-void write_trajectory(JsonWriter& json, const Run& run) {
+void write_trajectory(JsonWriter& json, const FinishedRun& run) {
   const auto& columns = run.request.columns;
   const auto& values = run.samples.values;
   json.open('{');
@@ -39,7 +39,7 @@ void write_trajectory(JsonWriter& json, const Run& run) {
 
 }  // namespace
 
-Answer encode_json(const Run& run) {
+Answer encode_json(const FinishedRun& run) {
   Answer answer;
   answer.type = "application/json";
   answer.body.reserve(4096 + run.samples.values.size() * 20);
@@ -47,7 +47,7 @@ Answer encode_json(const Run& run) {
   json.open('{').key("version").text(version).key("status").text(status_of(run.outcome));
   if (run.outcome.stop.reason != Reason::completed) write_stop(json.key("stop"), run.outcome.stop);
   write_echo(json, run);
-  if (run.choosing) write_choice(json.key("choice"), *run.choosing);
+  if (run.choice) write_choice(json.key("choice"), *run.choice);
   write_trajectory(json.key("trajectory"), run);
   write_final(json.key("final"), run);
   write_reports(json.key("diagnostics"), run.outcome.diagnostics);

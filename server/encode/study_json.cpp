@@ -33,10 +33,10 @@ void write_point(JsonWriter& json, const StudyPoint& point) {
 }
 
 // The points between are left out of a line whose reader has had them.
-void write_curves(JsonWriter& json, const Asked& asked, const least::Study& study, bool points) {
+void write_curves(JsonWriter& json, const PlanWithCards& planned, const least::Study& study, bool points) {
   json.open('[');
   for (const StudyCurve& curve : study.curves) {
-    write(json.open('{').key("scheme"), asked.cards, curve.scheme);
+    write(json.open('{').key("scheme"), planned.cards, curve.scheme);
     json.key("setting").text(curve.setting);
     if (points) {
       json.key("points").open('[');
@@ -51,14 +51,14 @@ void write_curves(JsonWriter& json, const Asked& asked, const least::Study& stud
   json.close(']');
 }
 
-void write_pareto(JsonWriter& json, const Asked& asked, const least::Study& study) {
+void write_pareto(JsonWriter& json, const PlanWithCards& planned, const least::Study& study) {
   json.open('[');
   for (const ParetoPoint& best : study.pareto) {
     const StudyCurve& curve = study.curves[best.curve];
     const StudyPoint& point = curve.points[best.point];
     json.open('{').key("error").number(point.error).key("seconds").number(point.seconds);
     json.key("force_evaluations").integer(point.force_evaluations);
-    write(json.key("scheme"), asked.cards, ran(asked.cards, curve, point));
+    write(json.key("scheme"), planned.cards, ran(planned.cards, curve, point));
     json.key("curve").integer(static_cast<std::int64_t>(best.curve));
     json.key("point").integer(static_cast<std::int64_t>(best.point));
     json.key("fewest_forces").boolean(best.fewest_forces).key("fastest").boolean(best.fastest).close('}');
@@ -77,10 +77,10 @@ void write_status(JsonWriter& json, Reason end) {
   if (end != Reason::completed) json.key("stop").open('{').key("reason").text(name(end)).close('}');
 }
 
-void write_question(JsonWriter& json, const Asked& asked) {
-  const StudyPlan& plan = asked.plan;
+void write_study_echo(JsonWriter& json, const PlanWithCards& planned) {
+  const StudyPlan& plan = planned.plan;
   json.key("version").text(version);
-  write_scene(json, asked.cards.problems[plan.scene.problem], plan.scene);
+  write_scene(json, planned.cards.problems[plan.scene.problem], plan.scene);
   write_until(json.key("until"), plan.scene);
   json.key("error").text(plan.at_end ? "final" : "max").key("budget_seconds").number(plan.budget_seconds);
 }
@@ -91,9 +91,10 @@ void write_truth(JsonWriter& json, const least::Study& study) {
   json.key("end").number(study.end);
 }
 
-void write_findings(JsonWriter& json, const Asked& asked, const least::Study& study, Reason end, bool points) {
-  write_curves(json.key("curves"), asked, study, points);
-  write_pareto(json.key("pareto"), asked, study);
+void write_findings(JsonWriter& json, const PlanWithCards& planned, const least::Study& study, Reason end,
+                    bool points) {
+  write_curves(json.key("curves"), planned, study, points);
+  write_pareto(json.key("pareto"), planned, study);
   write_left_out(json.key("left_out"), study.left_out);
   write_status(json, end);
 }
@@ -111,42 +112,42 @@ std::string line(WriteMembers write_members) {
 
 }  // namespace
 
-std::string encode_study(const Asked& asked, const least::Study& study, Reason end) {
+std::string encode_study(const PlanWithCards& planned, const least::Study& study, Reason end) {
   return line([&](JsonWriter& json) {
-    write_question(json, asked);
+    write_study_echo(json, planned);
     write_truth(json, study);
-    write_findings(json, asked, study, end, true);
+    write_findings(json, planned, study, end, true);
   });
 }
 
-std::string encode_study_head(const Asked& asked, const least::Study& study) {
+std::string encode_study_head(const PlanWithCards& planned, const least::Study& study) {
   return line([&](JsonWriter& json) {
-    write_question(json, asked);
+    write_study_echo(json, planned);
     write_truth(json, study);
     json.key("schemes").open('[');
-    for (const Choice& choice : asked.plan.schemes) write(json, asked.cards, choice);
+    for (const Choice& choice : planned.plan.schemes) write(json, planned.cards, choice);
     json.close(']');
   });
 }
 
-std::string encode_study_point(const Asked& asked, std::size_t index, const StudyCurve& curve) {
+std::string encode_study_point(const PlanWithCards& planned, std::size_t index, const StudyCurve& curve) {
   return line([&](JsonWriter& json) {
     json.key("curve").integer(static_cast<std::int64_t>(index));
-    write(json.key("scheme"), asked.cards, curve.scheme);
+    write(json.key("scheme"), planned.cards, curve.scheme);
     json.key("setting").text(curve.setting);
     write_point(json.key("point"), curve.points.back());
   });
 }
 
-std::string encode_study_end(const Asked& asked, const least::Study& study, Reason end) {
-  return line([&](JsonWriter& json) { write_findings(json, asked, study, end, false); });
+std::string encode_study_end(const PlanWithCards& planned, const least::Study& study, Reason end) {
+  return line([&](JsonWriter& json) { write_findings(json, planned, study, end, false); });
 }
 
-std::string encode_stability(const StabilityPlan& plan, const Cards& cards, const std::vector<StabilityLimit>& limits,
-                             Reason end) {
+std::string encode_stability(const StabilityFindings& findings, Reason end) {
+  const auto& [scene, schemes, limits, cards] = findings;
   return line([&](JsonWriter& json) {
     json.key("version").text(version);
-    write_scene(json, cards.problems[plan.scene.problem], plan.scene);
+    write_scene(json, cards.problems[scene.problem], scene);
     json.key("limits").open('[');
     for (const StabilityLimit& limit : limits) {
       write(json.open('{').key("scheme"), cards, limit.scheme);
@@ -156,8 +157,8 @@ std::string encode_stability(const StabilityPlan& plan, const Cards& cards, cons
     }
     json.close(']');
     std::vector<std::string> left_out;
-    for (std::size_t i = limits.size(); i < plan.schemes.size(); ++i) {
-      left_out.push_back(name(plan.schemes[i]) + ": no time was left");
+    for (std::size_t i = limits.size(); i < schemes.size(); ++i) {
+      left_out.push_back(name(schemes[i]) + ": no time was left");
     }
     write_left_out(json.key("left_out"), left_out);
     write_status(json, end);

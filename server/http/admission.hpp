@@ -9,15 +9,15 @@
 
 namespace least::server {
 
-class Gate {
+class Admission {
  public:
   /// `running` runs at once, `waiting` more in the queue.
-  Gate(unsigned running, unsigned waiting) : running_(running), waiting_(waiting) {}
+  Admission(unsigned running, unsigned waiting) : running_(running), waiting_(waiting) {}
 
   /// The right to compute, given back at its end.
   class Pass {
    public:
-    explicit Pass(Gate& gate) : gate_(&gate) {}
+    explicit Pass(Admission& gate) : gate_(&gate) {}
     Pass(Pass&& other) noexcept : gate_(std::exchange(other.gate_, nullptr)) {}
     Pass& operator=(Pass&&) = delete;
     ~Pass() {
@@ -25,7 +25,7 @@ class Gate {
     }
 
    private:
-    Gate* gate_;
+    Admission* gate_;
   };
 
   /// Waits at most `patience` for a turn. Nothing: the queue is full, the patience over, or the gate closed.

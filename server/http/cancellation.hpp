@@ -5,26 +5,26 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <thread>
 #include <utility>
 
-#include "core/status.hpp"
-
 namespace least::server {
 
-class Watch {
+class CancellationWatch {
  public:
   /// Watches until its own end: for the end of the service, the client that goes away (never, where `gone` is empty)
   /// and the time that the computation may take.
-  Watch(const std::atomic<bool>& ended, std::function<bool()> gone, double seconds)
+  CancellationWatch(const std::atomic<bool>& ended, std::function<bool()> gone,
+                    double seconds = std::numeric_limits<double>::infinity())
       : watching_([this, &ended, gone = std::move(gone), seconds](const std::stop_token& stop) {
           watch(stop, ended, gone, seconds);
         }) {}
 
   const std::atomic<bool>& cancelled() const { return cancelled_; }
-  /// `deadline`, `cancelled`, or `completed` while nothing happened.
-  Reason reason() const { return reason_; }
+  /// Whether it was cancelled because its time was over.
+  bool timed_out() const { return timed_out_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -36,7 +36,7 @@ class Watch {
     while (!stop.stop_requested()) {
       const bool late = std::chrono::duration<double>(Clock::now() - start).count() > seconds;
       if (late || ended || (gone && gone())) {
-        reason_ = late ? Reason::deadline : Reason::cancelled;
+        timed_out_ = late;
         cancelled_ = true;
         return;
       }
@@ -45,8 +45,7 @@ class Watch {
   }
 
   static constexpr std::chrono::milliseconds glance{50};
-  std::atomic<bool> cancelled_{false};
-  std::atomic<Reason> reason_{Reason::completed};
+  std::atomic<bool> cancelled_{false}, timed_out_{false};
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::jthread watching_;  // last: it uses the others

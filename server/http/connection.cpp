@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <charconv>
 
-#include "server/encode/problem_document.hpp"
+#include "server/shared/http_status.hpp"
 
 namespace least::server {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <variant>
 
-#include "server/http/answer.hpp"
 #include "server/http/request_head.hpp"
+#include "server/shared/answer.hpp"
 
 namespace least::server {
 
@@ -34,7 +34,7 @@ struct ConnectionBounds {
 
 /// A whole request.
 struct Message {
-  Head head;
+  RequestHead head;
   std::string body;
   bool keep_alive = true;
 };

@@ -51,7 +51,7 @@ bool lists(std::string_view values, std::string_view word) {
   return false;
 }
 
-Result<Head, Refusal> parse_request_line(std::string_view line, const HeadBounds& bounds) {
+Result<RequestHead, Refusal> parse_request_line(std::string_view line, const HeadBounds& bounds) {
   const auto first = line.find(' '), last = line.rfind(' ');
   if (first == line.npos || first == last) return Refusal{400, "malformed request line"};
   const auto method = line.substr(0, first), target = line.substr(first + 1, last - first - 1),
@@ -64,7 +64,7 @@ Result<Head, Refusal> parse_request_line(std::string_view line, const HeadBounds
     return http ? Refusal{505, "HTTP/1.1 is spoken here"} : Refusal{400, "malformed request line"};
   }
   if (target.front() != '/' && target != "*") return Refusal{400, "the target must be a path"};
-  Head head;
+  RequestHead head;
   head.method = method;
   head.minor = version.back() - '0';
   const auto mark = std::min(target.find('?'), target.size());
@@ -81,7 +81,7 @@ std::string lowered(std::string_view s) {
   return out;
 }
 
-std::string Head::field(std::string_view name) const {
+std::string RequestHead::field(std::string_view name) const {
   std::string values;
   for (const auto& [key, value] : fields) {
     if (key != name) continue;
@@ -91,12 +91,12 @@ std::string Head::field(std::string_view name) const {
   return values;
 }
 
-std::size_t Head::count(std::string_view name) const {
+std::size_t RequestHead::count(std::string_view name) const {
   return static_cast<std::size_t>(
       std::count_if(fields.begin(), fields.end(), [&](const auto& f) { return f.first == name; }));
 }
 
-Result<Head, Refusal> parse_head(std::string_view text, const HeadBounds& bounds) {
+Result<RequestHead, Refusal> parse_head(std::string_view text, const HeadBounds& bounds) {
   auto head = parse_request_line(next_line(text), bounds);
   if (!head) return head;
   while (!text.empty()) {
@@ -113,7 +113,7 @@ Result<Head, Refusal> parse_head(std::string_view text, const HeadBounds& bounds
   return head;
 }
 
-Result<Framing, Refusal> framing_of(const Head& head, std::uint64_t body_limit) {
+Result<Framing, Refusal> framing_of(const RequestHead& head, std::uint64_t body_limit) {
   Framing framing;
   const std::string connection = head.field("connection");
   framing.keep_alive = head.minor == 1 ? !lists(connection, "close") : lists(connection, "keep-alive");

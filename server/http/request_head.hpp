@@ -20,7 +20,7 @@ struct Refusal {
   std::string detail;
 };
 
-struct Head {
+struct RequestHead {
   std::string method, path, query;
   int minor = 1;                                            ///< HTTP/1.minor
   std::vector<std::pair<std::string, std::string>> fields;  ///< names in lower case
@@ -44,9 +44,9 @@ struct HeadBounds {
 };
 
 /// Reads a head, from the first line to before the blank one. Refuses with 400, 414, 431 or 505.
-Result<Head, Refusal> parse_head(std::string_view text, const HeadBounds& bounds);
+Result<RequestHead, Refusal> parse_head(std::string_view text, const HeadBounds& bounds);
 
 /// Refuses with 400 (contradictions), 413 (more than `body_limit` announced), 415, 417 or 501.
-Result<Framing, Refusal> framing_of(const Head& head, std::uint64_t body_limit);
+Result<Framing, Refusal> framing_of(const RequestHead& head, std::uint64_t body_limit);
 
 }  // namespace least::server

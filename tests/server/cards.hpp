@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "server/decode/simulate_request.hpp"
+#include "server/shared/cards.hpp"
 
 namespace least::server::test {
 

@@ -157,19 +157,19 @@ TEST_F(StudyHttp, AutoRunsWhatItChose) {
 }
 
 TEST(Study, AClientThatTakesNoMoreEndsIt) {
-  Gate gate(1, 0);
+  Admission admission(1, 0);
   const std::atomic<bool> cancelled{false};
-  const Context context{catalogue_cards(), {}, gate, cancelled};
+  const Context context{catalogue_cards(), {}, admission, cancelled};
   const std::string body = R"({"problem":"kepler","until":{"t":4000},"schemes":"all","budget_seconds":30})";
   const Answer answer = measure_work_precision(context, {body, "application/x-ndjson", "id"});
   ASSERT_EQ(answer.status, 200);
-  EXPECT_FALSE(turn(context).has_value()) << "it holds the place from the first line on";
+  EXPECT_FALSE(admit(context).has_value()) << "it holds the place from the first line on";
   int written = 0;
   const auto from = Clock::now();
   EXPECT_FALSE(answer.stream([&](std::string_view) { return ++written < 4; }));
   EXPECT_EQ(written, 4);
   EXPECT_LT(Clock::now() - from, 10s);
-  EXPECT_TRUE(turn(context).has_value());
+  EXPECT_TRUE(admit(context).has_value());
 }
 
 // Services that are ended, or have one place to compute.

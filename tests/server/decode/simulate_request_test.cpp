@@ -11,22 +11,22 @@ namespace {
 
 constexpr Caps caps{60, 1'000'000, 10'000};
 
-Result<Order, Faults> decoded(std::string_view text) {
+Result<SimulateRequest, Faults> decoded(std::string_view text) {
   auto parsed = parse_json(text);
   EXPECT_TRUE(parsed) << text;
   return decode(std::move(*parsed), test::cards(), caps);
 }
 
-Order ordered(std::string_view text) {
+SimulateRequest ordered(std::string_view text) {
   const auto order = decoded(text);
   for (std::size_t i = 0; !order && i < order.error().list().size(); ++i) {
     ADD_FAILURE() << text << ": " << order.error().list()[i].pointer << " " << order.error().list()[i].detail;
   }
-  return order ? *order : Order{};
+  return order ? *order : SimulateRequest{};
 }
 
 Request good(std::string_view text) {
-  const Order order = ordered(text);
+  const SimulateRequest order = ordered(text);
   EXPECT_FALSE(order.wish) << text;
   return order.run;
 }
@@ -194,7 +194,7 @@ TEST(Decode, AutoIsAWishInPlaceOfAScheme) {
   const auto with = [](const std::string& scheme, const std::string& more = "") {
     return R"({"problem":"swing","scheme":)" + scheme + more + "}";
   };
-  Order order = ordered(with(R"({"id":"auto","accuracy":1e-6,"keep":["momenta","energy"]})"));
+  SimulateRequest order = ordered(with(R"({"id":"auto","accuracy":1e-6,"keep":["momenta","energy"]})"));
   ASSERT_TRUE(order.wish);
   EXPECT_EQ(order.wish->accuracy, 1e-6);
   EXPECT_TRUE(order.wish->keep.momenta && order.wish->keep.energy && !order.wish->keep.structure);

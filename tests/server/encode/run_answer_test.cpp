@@ -1,65 +1,15 @@
 #include "server/encode/run_answer.hpp"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <random>
 
-#include "server/encode/catalogue_json.hpp"
-#include "server/shared/json_writer.hpp"
+#include "server/decode/simulate_request.hpp"
 #include "tests/server/cards.hpp"
 
 namespace least::server {
 namespace {
-
-std::string text(double x) {
-  std::string out;
-  append_number(out, x);
-  return out;
-}
-
-// The layout is fmt's, number for number: bit patterns at random, and decimals short and long.
-TEST(JsonWriter, NumbersLookAsFmtWritesThem) {
-  std::mt19937_64 random(1);
-  for (int i = 0; i < 1'000'000; ++i) {
-    const std::uint64_t bits = random();
-    const double x = i % 2 ? std::bit_cast<double>(bits)
-                           : static_cast<double>(static_cast<std::int64_t>(bits >> i % 60)) * std::pow(10, -(i % 23));
-    if (!std::isfinite(x) || x == 0) continue;
-    ASSERT_EQ(text(x), fmt::format("{}", x));
-    ASSERT_LE(text(x).size(), longest_number);
-  }
-  for (const double x : {5e-324, 2.2250738585072014e-308, 1.7976931348623157e308, 1e15, 1e16, 1e17,
-                         123456789012345678.0, 9007199254740993.0, 1e-4, 1e-5, 0.1, -0.3, 100.0, 12.5})
-    EXPECT_EQ(text(x), fmt::format("{}", x));
-}
-
-TEST(JsonWriter, NumbersReadBackToTheSameDouble) {
-  std::mt19937_64 random(7);
-  std::vector<double> numbers{0.0, -0.0, 0.1, 20, -3, 1e16, 1e22, 1e300, 5e-324, 1.7976931348623157e308, 1.0 / 3};
-  for (int i = 0; i < 10'000; ++i) numbers.push_back(std::bit_cast<double>(random()));
-  for (const double x : numbers) {
-    if (!std::isfinite(x)) continue;
-    const Json json = Json::parse(text(x));
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(json.get<double>()), std::bit_cast<std::uint64_t>(x)) << text(x);
-  }
-  EXPECT_EQ(text(0.1), "0.1");
-  EXPECT_EQ(text(std::numeric_limits<double>::infinity()), "null");
-  EXPECT_EQ(text(std::nan("")), "null");
-}
-
-TEST(JsonWriter, StringsAreEscaped) {
-  std::string out;
-  append_string(out, std::string_view("a\"\\\n\x01\x7F θ\xFF", 10));
-  EXPECT_EQ(Json::parse(out).get<std::string>(), "a\"\\\n\x01\x7F θ\uFFFD");
-  out.clear();
-  append_string(out, "θ𝄞", true);
-  EXPECT_EQ(out, R"("\u03b8\ud834\udd1e")");
-}
 
 // A run as the core would leave it, of the scheme with its own clock: every kind of parameter and of report.
 struct Example {
@@ -91,7 +41,7 @@ struct Example {
     outcome.warnings = {{"damping_sign", "θ < 0\r\nX-Evil: 1"}};
     outcome.cost = {4, 8, 2, 1e-6};
   }
-  Run run() const { return {request, problem, scheme, outcome, samples}; }
+  FinishedRun run() const { return {request, problem, scheme, outcome, samples}; }
 };
 
 TEST(EncodeJson, WritesTheResponseOfTheContract) {
@@ -131,10 +81,10 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
 TEST(EncodeJson, SaysHowASchemeWasChosen) {
   const Example example;
   const Advice advice{Choice{0, {0.5, 1}}, "the \"cheapest\"", 1e-7, true, {{{1, {0.25}}, 500, std::nan(""), 1e-3}}};
-  const Choosing choosing{advice, test::cards().schemes};
-  least::server::Run run = example.run();
+  const AdviceWithCards chosen{advice, test::cards().schemes};
+  least::server::FinishedRun run = example.run();
   EXPECT_FALSE(Json::parse(encode_json(run).body).contains("choice"));
-  run.choosing = &choosing;
+  run.choice = &chosen;
   const Json choice = Json::parse(encode_json(run).body)["choice"];
   EXPECT_EQ(choice.dump(), R"({"reason":"the \"cheapest\"","met":true,"estimated_error":1e-07,"alternatives":[)"
                            R"({"scheme":{"id":"runge_kutta_4","step":0.25},"force_evaluations":500,)"
@@ -206,55 +156,6 @@ TEST(EncodeCsv, WritesColumnsAndBoundedFields) {
       EXPECT_EQ(Json::parse(value)[0]["detail"], "θ < 0\r\nX-Evil: 1");
     }
   }
-}
-
-TEST(Catalogue, SaysAllThatAFormNeeds) {
-  const CatalogueText catalogue = describe(test::cards());
-  const Json json = Json::parse(catalogue.all);
-  EXPECT_EQ(json["version"], "0.1.0");
-  const Json& swing = json["problems"][0];
-  EXPECT_EQ(swing, Json::parse(catalogue.problems.at("swing")));
-  for (const char* key : {"id", "title", "summary", "formula", "variables", "parameters", "until", "suggested",
-                          "presets", "invariants", "columns", "diagnostics", "schemes", "references"}) {
-    EXPECT_TRUE(swing.contains(key)) << key;
-  }
-  EXPECT_EQ(swing["variables"][0]["default"], 1);
-  EXPECT_EQ(swing["parameters"][0]["minimum"], 0);
-  EXPECT_EQ(swing["parameters"][0]["exclusive_minimum"], true);
-  EXPECT_EQ(swing["parameters"][1]["type"], "integer");
-  EXPECT_EQ(swing["schemes"], Json::parse(R"(["leapfrog","runge_kutta_4","own_clock","auto"])"));
-  EXPECT_EQ(swing["presets"][0]["initial"]["t"], 5);
-
-  const Json& leapfrog = json["schemes"][0];
-  for (const char* key : {"id", "title", "summary", "order", "implicit", "symmetric", "structure", "parameters",
-                          "recommended", "presets", "good_for", "fails_when", "references"}) {
-    EXPECT_TRUE(leapfrog.contains(key)) << key;
-  }
-  EXPECT_EQ(leapfrog["order"]["yoshida_4"], 4);
-  EXPECT_EQ(leapfrog["parameters"][0]["suggested"], "step");
-  EXPECT_EQ(leapfrog["parameters"][1]["choices"], Json::parse(R"(["none","yoshida_4"])"));
-  EXPECT_EQ(leapfrog["parameters"][1]["default"], "none");
-  EXPECT_EQ(json["schemes"][1]["order"], 4);
-  EXPECT_EQ(leapfrog["presets"], Json::array());
-  EXPECT_EQ(leapfrog["own_clock"], false);
-  const Json& clock = json["schemes"][2];
-  EXPECT_EQ(clock["parameters"][0]["default"], true);
-  EXPECT_EQ(clock["parameters"][1]["nullable"], true);
-  EXPECT_FALSE(clock["parameters"][1].contains("word"));
-  EXPECT_EQ(clock["parameters"][3]["word"], "energy");
-  EXPECT_EQ(clock["own_clock"], true);
-  EXPECT_EQ(clock["presets"], Json::parse(R"([{"name":"paper","doc":"As published.",
-    "parameters":{"critical":null,"stages":4}},{"name":"kepler","doc":"Exact orbits.",
-    "parameters":{"keep":false,"kappa":"energy"}}])"));
-  const Json& automatic = json["schemes"][3];
-  EXPECT_EQ(automatic, Json::parse(catalogue.schemes.at("auto")));
-  EXPECT_EQ(automatic["order"], nullptr);
-  EXPECT_EQ(automatic["parameters"][0]["name"], "accuracy");
-  EXPECT_EQ(automatic["parameters"][0]["default"], nullptr);
-  EXPECT_EQ(automatic["parameters"][2]["type"], "list");
-  EXPECT_EQ(automatic["parameters"][2]["choices"], Json::parse(R"(["energy","structure","momenta"])"));
-  EXPECT_EQ(swing["suggested"], Json::parse(R"({"step":0.1,"critical":0.5})"));
-  EXPECT_EQ(swing["presets"][1]["suggested"], Json::parse(R"({"critical":0.25})"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "server/decode/study_request.hpp"
 #include "tests/server/cards.hpp"
 
 namespace least::server {
@@ -15,7 +16,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 struct Example {
   StudyPlan plan;
   least::Study study;
-  Asked asked{plan, test::cards()};
+  PlanWithCards asked{plan, test::cards()};
 
   Example() {
     auto parsed = parse_json(R"({"problem":"swing","schemes":[{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},
@@ -80,7 +81,7 @@ TEST(EncodeStability, WritesLimitsAndWhatIsMissing) {
   auto parsed = parse_json(R"({"problem":"swing","schemes":["leapfrog","own_clock","runge_kutta_4"]})");
   const auto plan = *decode_stability(std::move(*parsed), cards, {});
   const std::vector<StabilityLimit> limits{{plan.schemes[0], 2, "energy_growth", 2}, {plan.schemes[1], nan, {}, nan}};
-  const Json json = Json::parse(encode_stability(plan, cards, limits, Reason::deadline));
+  const Json json = Json::parse(encode_stability({plan.scene, plan.schemes, limits, cards}, Reason::deadline));
   EXPECT_EQ(json["limits"][0].dump(), R"({"scheme":{"id":"leapfrog","step":0.1,"composition":"none"},"step":2,)"
                                       R"("failure":"energy_growth","theory":2})");
   EXPECT_EQ(json["limits"].size(), 2u);

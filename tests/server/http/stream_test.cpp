@@ -103,26 +103,25 @@ TEST_F(Stream, SeesThatTheClientWentAway) {
   EXPECT_TRUE(connection.gone());
 }
 
-TEST(Watch, SaysWhyItEndedAComputation) {
-  const auto reason = [](const std::atomic<bool>& ended, const std::function<bool()>& gone, double seconds) {
-    const Watch watch(ended, gone, seconds);
+TEST(CancellationWatch, SaysWhyItEndedAComputation) {
+  enum class End { none, late, gone };
+  const auto end = [](const std::atomic<bool>& ended, const std::function<bool()>& gone, double seconds) {
+    const CancellationWatch watch(ended, gone, seconds);
     for (const auto from = Clock::now(); !watch.cancelled() && Clock::now() - from < 300ms;) {
       std::this_thread::sleep_for(5ms);
     }
-    return watch.reason();
+    return !watch.cancelled() ? End::none : watch.timed_out() ? End::late : End::gone;
   };
   const std::atomic<bool> no{false}, yes{true};
-  EXPECT_EQ(reason(no, {}, 10), Reason::completed);
-  EXPECT_EQ(reason(
-                no, [] { return false; }, 10),
-            Reason::completed);
-  EXPECT_EQ(reason(no, {}, 0.05), Reason::deadline);
-  EXPECT_EQ(reason(
-                no, [] { return true; }, 10),
-            Reason::cancelled);
-  EXPECT_EQ(reason(yes, {}, 10), Reason::cancelled);
+  const auto always = [] { return true; };
+  const auto never = [] { return false; };
+  EXPECT_EQ(end(no, {}, 10), End::none);
+  EXPECT_EQ(end(no, never, 10), End::none);
+  EXPECT_EQ(end(no, {}, 0.05), End::late);
+  EXPECT_EQ(end(no, always, 10), End::gone);
+  EXPECT_EQ(end(yes, {}, 10), End::gone);
   const auto from = Clock::now();
-  { const Watch watch(no, {}, 10); }
+  { const CancellationWatch watch(no, {}, 10); }
   EXPECT_LT(Clock::now() - from, 40ms) << "its end waits for nothing";
 }
 

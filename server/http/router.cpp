@@ -1,15 +1,11 @@
-#include "server/routes.hpp"
+#include "server/http/router.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdint>
 
-#include "server/encode/catalogue_json.hpp"
-#include "server/encode/problem_document.hpp"
 #include "server/http/accept.hpp"
-#include "server/simulate.hpp"
-#include "server/study.hpp"
 
 namespace least::server {
 namespace {
@@ -28,54 +24,43 @@ std::string without_port(std::string_view authority) {
   return lowered(authority.substr(0, colon));
 }
 
-// What computes, by path.
-struct Computed {
-  std::string_view path;
-  Endpoint answer;
-};
-constexpr Computed computed[] = {
-    {"/v1/simulate", simulate}, {"/v1/work-precision", measure_work_precision}, {"/v1/stability", measure_stability}};
-
 }  // namespace
 
-Routes::Routes(const Context& context, Access access, std::span<const Asset> assets)
-    : context_(context), access_(std::move(access)) {
+Router::Router(Access access, ErrorAnswer error) : access_(std::move(access)), error_(error) {
   for (auto& host : access_.hosts) host = lowered(host);
-  const auto add = [this](std::string path, std::string_view route, std::string_view type, std::string body,
-                          bool page = false) {
-    std::string etag = tag(body);
-    fixed_.insert_or_assign(std::move(path), Fixed{route, std::string(type), std::move(body), std::move(etag), page});
-  };
-  for (const Asset& asset : assets) {
-    add(std::string(asset.path), asset.path, asset.type, std::string(asset.body), true);
-    if (asset.path == "/index.html") add("/", "/", asset.type, std::string(asset.body), true);
-  }
-  CatalogueText text = describe(context.cards);
-  add("/v1/catalogue", "/v1/catalogue", "application/json", std::move(text.all) + '\n');
-  for (auto& [id, body] : text.problems) {
-    add("/v1/problems/" + id, "/v1/problems/{id}", "application/json", std::move(body) + '\n');
-  }
-  for (auto& [id, body] : text.schemes) {
-    add("/v1/schemes/" + id, "/v1/schemes/{id}", "application/json", std::move(body) + '\n');
-  }
-  add("/healthz", "/healthz", "application/json", "{\"status\":\"ok\"}\n");
 }
 
+void Router::add_page(const Asset& asset) {
+  add_fixed(std::string(asset.path), asset.path, asset.type, std::string(asset.body), true);
+  if (asset.path == "/index.html") add_fixed("/", "/", asset.type, std::string(asset.body), true);
+}
+
+void Router::add_text(std::string path, std::string_view route, std::string_view type, std::string body) {
+  add_fixed(std::move(path), route, type, std::move(body), false);
+}
+
+void Router::add_fixed(std::string path, std::string_view route, std::string_view type, std::string body, bool page) {
+  std::string etag = tag(body);
+  fixed_.insert_or_assign(std::move(path), Fixed{route, std::string(type), std::move(body), std::move(etag), page});
+}
+
+void Router::add_computed(std::string_view path, Compute compute) { computed_.emplace(path, std::move(compute)); }
+
 // A page of another site can make a browser resolve its own name to this machine; then the name in Host gives it away.
-bool Routes::host_allowed(const Head& head) const {
+bool Router::host_allowed(const RequestHead& head) const {
   if (head.count("host") == 0) return true;  // HTTP/1.0: no browser
   const std::string host = without_port(head.field("host"));
   return std::find(access_.hosts.begin(), access_.hosts.end(), host) != access_.hosts.end();
 }
 
-bool Routes::origin_allowed(const Head& head) const {
+bool Router::origin_allowed(const RequestHead& head) const {
   if (head.count("origin") == 0) return true;
   const std::string origin = head.field("origin"), host = lowered(head.field("host"));
   return lowered(origin) == "http://" + host || lowered(origin) == "https://" + host ||
          std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end();
 }
 
-Routed Routes::operator()(const Head& head, std::string_view body, std::string_view request_id,
+Routed Router::operator()(const RequestHead& head, std::string_view body, std::string_view request_id,
                           const std::function<bool()>& gone) const {
   Routed routed{{}, "unmatched"};
   const std::string accept = head.field("accept");
@@ -91,19 +76,18 @@ Routed Routes::operator()(const Head& head, std::string_view body, std::string_v
   return routed;
 }
 
-Answer Routes::dispatch(const Head& head, const Question& question, std::string_view& route) const {
+Answer Router::dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const {
   if (!host_allowed(head)) {
-    return problem_document(403, "this Host is not served here; --allow-host adds one", question.id);
+    return error_(403, "this Host is not served here; --allow-host adds one", request.id);
   }
   if (!origin_allowed(head)) {
-    return problem_document(403, "pages of this Origin may not ask; --allow-origin adds one", question.id);
+    return error_(403, "pages of this Origin may not ask; --allow-origin adds one", request.id);
   }
   const auto found = fixed_.find(head.path);
-  const auto endpoint =
-      std::find_if(std::begin(computed), std::end(computed), [&](const Computed& c) { return c.path == head.path; });
-  const bool computes = endpoint != std::end(computed);
-  if (!computes && found == fixed_.end()) return problem_document(404, "nothing is at this path", question.id);
-  route = computes ? endpoint->path : found->second.route;
+  const auto endpoint = computed_.find(head.path);
+  const bool computes = endpoint != computed_.end();
+  if (!computes && found == fixed_.end()) return error_(404, "nothing is at this path", request.id);
+  route = computes ? endpoint->first : found->second.route;
 
   if (head.method == "OPTIONS") {
     Answer answer{204, "", "", {{"Allow", computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS"}}};
@@ -112,24 +96,24 @@ Answer Routes::dispatch(const Head& head, const Question& question, std::string_
     return answer;
   }
   if (computes ? head.method != "POST" : head.method != "GET" && head.method != "HEAD") {
-    Answer answer = problem_document(405, head.method + " does not go with this path", question.id);
+    Answer answer = error_(405, head.method + " does not go with this path", request.id);
     answer.headers.emplace_back("Allow", computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS");
     return answer;
   }
-  if (!computes) return fixed(head, found->second, question.id);
+  if (!computes) return fixed(head, found->second, request.id);
   if (head.count("content-length") == 0 && head.count("transfer-encoding") == 0) {
-    return problem_document(411, "Content-Length or chunked coding is required", question.id);
+    return error_(411, "Content-Length or chunked coding is required", request.id);
   }
-  Answer answer = endpoint->answer(context_, question);
+  Answer answer = endpoint->second(request);
   answer.headers.emplace_back("Vary", "Accept");
   answer.headers.emplace_back("Cache-Control", "no-store");
   return answer;
 }
 
-Answer Routes::fixed(const Head& head, const Fixed& fixed, std::string_view request_id) const {
+Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_view request_id) const {
   const std::string_view media = std::string_view(fixed.type).substr(0, fixed.type.find(';'));
   if (!negotiate(head.field("accept"), {&media, 1})) {
-    return problem_document(406, "the answer comes as " + std::string(media), request_id);
+    return error_(406, "the answer comes as " + std::string(media), request_id);
   }
   Answer answer{200, fixed.type, fixed.body, {{"ETag", fixed.etag}, {"Cache-Control", "no-cache"}}};
   if (fixed.page) {

@@ -1,0 +1,59 @@
+// The HTTP server: listens, gives every connection a thread, routes and logs what comes, ends in good order.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/http/admission.hpp"
+#include "server/http/connection.hpp"
+#include "server/http/router.hpp"
+
+namespace least::server {
+
+struct HttpSettings {
+  std::string host = "127.0.0.1";
+  int port = 8080;             ///< 0 picks a free one
+  unsigned threads = 0;        ///< requests that compute at once; 0: one per core
+  unsigned queue = 16;         ///< requests that wait for their turn; beyond it the answer is 503
+  unsigned connections = 256;  ///< clients served at once, slow ones included
+  double grace = 10;           ///< seconds that computations have left when the server ends
+  ConnectionBounds bounds;
+  std::vector<std::string> allow_hosts, allow_origins;
+};
+
+class HttpServer {
+ public:
+  HttpServer(HttpSettings settings, ErrorAnswer error);
+  ~HttpServer();  ///< stops
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  /// Takes routes until the start.
+  Router& router();
+  /// Where what computes gets its turn.
+  Admission& admission();
+  /// Set once computations are to end with what they have.
+  const std::atomic<bool>& cancelled() const;
+
+  /// Listens from now on. On failure: what went wrong, for a person.
+  std::optional<std::string> start();
+
+  /// `http://127.0.0.1:8080`
+  std::string url() const;
+  int port() const;
+  /// False once the server no longer accepts connections.
+  bool running() const;
+
+  /// Ends: accepts nothing new, answers what was accepted; what still computes after the grace time is cancelled and
+  /// answered with what it has. Returns when the last answer is out, a bounded time after the grace.
+  void stop();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace least::server

@@ -1,0 +1,29 @@
+// The cards of problems and schemes that requests are held against and answers are written from.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "core/describe.hpp"
+#include "server/shared/json_writer.hpp"
+
+namespace least::server {
+
+struct Cards {
+  std::span<const ProblemCard> problems;
+  std::span<const SchemeCard> schemes;
+};
+
+/// The card of `auto`, with all parameters but `keep`, which is a list. The core knows no such scheme; it is chosen
+/// before a run.
+const SchemeCard& auto_card();
+
+/// What `keep` may ask for.
+inline constexpr std::array<std::string_view, 3> keep_names{"energy", "structure", "momenta"};
+
+/// A parameter's value the way a request spells it: choices by name, flags as booleans, NaN as null or the card's word
+/// for it.
+void write_parameter(JsonWriter& json, const ParameterCard& card, double value);
+
+}  // namespace least::server

@@ -8,9 +8,11 @@
 namespace least::server {
 namespace {
 
-Answer run_and_encode(const Context& context, const Form& form, const Request& scene, const AdviceWithCards* choice) {
+Answer run_and_encode(const Context& context, const HttpRequest& request, const Form& form, const Request& scene,
+                      const AdviceWithCards* choice) {
   Samples samples;
-  const Outcome outcome = run(scene, samples, context.cancelled);
+  const CancellationWatch watch(context.cancelled, request.gone);
+  const Outcome outcome = run(scene, samples, watch.cancelled());
   const Cards& cards = context.cards;
   return form.encode({scene, cards.problems[scene.problem], cards.schemes[scene.scheme], outcome, samples, choice});
 }
@@ -41,7 +43,7 @@ Answer choose_and_run(const Context& context, const HttpRequest& request, const 
   asked.run.scheme = advice.choice->scheme;
   asked.run.settings = advice.choice->settings;
   const AdviceWithCards choice{advice, context.cards.schemes};
-  return run_and_encode(context, form, asked.run, &choice);
+  return run_and_encode(context, request, form, asked.run, &choice);
 }
 
 }  // namespace
@@ -63,7 +65,7 @@ Answer simulate(const Context& context, const HttpRequest& request) {
   const auto pass = admit(context);
   if (!pass) return busy(request);
   if (asked->wish) return choose_and_run(context, request, forms()[*form], *asked);
-  return run_and_encode(context, forms()[*form], asked->run, nullptr);
+  return run_and_encode(context, request, forms()[*form], asked->run, nullptr);
 }
 
 }  // namespace least::server

@@ -33,17 +33,19 @@ class CancellationWatch {
              double seconds) {
     const auto start = Clock::now();
     std::unique_lock lock(mutex_);
-    while (!stop.stop_requested()) {
+    for (;;) {
+      wake_.wait_for(lock, stop, glance, [] { return false; });
+      if (stop.stop_requested()) return;
       const bool late = std::chrono::duration<double>(Clock::now() - start).count() > seconds;
       if (late || ended || (gone && gone())) {
         timed_out_ = late;
         cancelled_ = true;
         return;
       }
-      wake_.wait_for(lock, stop, glance, [] { return false; });
     }
   }
 
+  // The first look comes after one as well: most computations are over by then, and are answered whoever waits.
   static constexpr std::chrono::milliseconds glance{50};
   std::atomic<bool> cancelled_{false}, timed_out_{false};
   std::mutex mutex_;

@@ -193,19 +193,6 @@ class StudyLoad : public testing::Test {
   }
 };
 
-TEST_F(StudyLoad, AClientThatGoesAwayEndsItsStudy) {
-  start();
-  for (const std::string_view fields : {lines, std::string_view()}) {
-    {
-      Client client(service->port());
-      client.send(long_study(fields, 30));
-      std::this_thread::sleep_for(400ms);
-      EXPECT_EQ(run(), 503) << "it computes, and is admitted like a run";
-    }
-    EXPECT_TRUE(is_free_soon()) << fields;
-  }
-}
-
 TEST_F(StudyLoad, TheBudgetHolds) {
   start();
   const auto from = Clock::now();

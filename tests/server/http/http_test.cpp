@@ -88,6 +88,32 @@ TEST_F(Http, TheEchoSentBackGivesTheSameBytes) {
   }
 }
 
+// The answer's `diagnostics` are results: what was asked for there is the one thing that the echo does not hold.
+TEST_F(Http, TheEchoOfARunWithDiagnosticsGivesTheSameRun) {
+  for (const char* text :
+       {R"({"problem":"kepler","scheme":"leapfrog","until":{"t":9.5},"diagnostics":["momenta","structure","error"]})",
+        R"({"problem":"kepler","scheme":{"id":"jacobi_maupertuis","step":0.05},"until":{"t":9.5},"record":{"every":3},
+            "columns":["t","x","mode","parameter"],"diagnostics":["energy","orbit"]})",
+        R"({"problem":"kepler","scheme":{"id":"dormand_prince_5","tolerance":1e-9},"record":{"samples":50},
+            "diagnostics":[],"limits":{"steps":40}})"}) {
+    Json first = Json::parse(ask(port(), post("/v1/simulate", text)).body);
+    ASSERT_TRUE(first.contains("problem")) << text << first;
+    Json request;
+    for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits"}) {
+      request[key] = first[key];
+    }
+    const Json again = Json::parse(ask(port(), post("/v1/simulate", request.dump())).body);
+    for (const char* key : {"status", "trajectory", "final", "events"}) EXPECT_EQ(again.at(key), first.at(key)) << text;
+    EXPECT_EQ(again.at("cost").at("steps"), first.at("cost").at("steps"));
+    request["diagnostics"] = Json::array();
+    for (const auto& [name, result] : first["diagnostics"].items()) request["diagnostics"].push_back(name);
+    Json whole = Json::parse(ask(port(), post("/v1/simulate", request.dump())).body);
+    first.erase("cost");
+    whole.erase("cost");
+    EXPECT_EQ(whole.dump(), first.dump());
+  }
+}
+
 TEST_F(Http, CsvHoldsTheSameNumbers) {
   const std::string request = R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":3}})";
   const Json json = Json::parse(ask(port(), post("/v1/simulate", request)).body);

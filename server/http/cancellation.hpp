@@ -1,56 +1,38 @@
-// Ends a computation that nobody waits for any more: a thread beside it that sets what the core looks at.
+// Ends a computation that nobody waits for any more: sets what the computation looks at.
 #pragma once
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <limits>
-#include <mutex>
-#include <thread>
-#include <utility>
 
 namespace least::server {
 
 class CancellationWatch {
  public:
   /// Watches until its own end: for the end of the service, the client that goes away (never, where `gone` is empty)
-  /// and the time that the computation may take.
+  /// and the time that the computation may take. What is over within 50 ms is not looked at.
   CancellationWatch(const std::atomic<bool>& ended, std::function<bool()> gone,
-                    double seconds = std::numeric_limits<double>::infinity())
-      : watching_([this, &ended, gone = std::move(gone), seconds](const std::stop_token& stop) {
-          watch(stop, ended, gone, seconds);
-        }) {}
+                    double seconds = std::numeric_limits<double>::infinity());
+  ~CancellationWatch();
+  CancellationWatch(const CancellationWatch&) = delete;
+  CancellationWatch& operator=(const CancellationWatch&) = delete;
 
   const std::atomic<bool>& cancelled() const { return cancelled_; }
   /// Whether it was cancelled because its time was over.
   bool timed_out() const { return timed_out_; }
 
  private:
+  class Watcher;
   using Clock = std::chrono::steady_clock;
 
-  void watch(const std::stop_token& stop, const std::atomic<bool>& ended, const std::function<bool()>& gone,
-             double seconds) {
-    const auto start = Clock::now();
-    std::unique_lock lock(mutex_);
-    for (;;) {
-      wake_.wait_for(lock, stop, glance, [] { return false; });
-      if (stop.stop_requested()) return;
-      const bool late = std::chrono::duration<double>(Clock::now() - start).count() > seconds;
-      if (late || ended || (gone && gone())) {
-        timed_out_ = late;
-        cancelled_ = true;
-        return;
-      }
-    }
-  }
+  void look();
 
-  // The first look comes after one as well: most computations are over by then, and are answered whoever waits.
-  static constexpr std::chrono::milliseconds glance{50};
+  const std::atomic<bool>& ended_;
+  const std::function<bool()> gone_;
+  const double seconds_;
+  const Clock::time_point start_ = Clock::now();
   std::atomic<bool> cancelled_{false}, timed_out_{false};
-  std::mutex mutex_;
-  std::condition_variable_any wake_;
-  std::jthread watching_;  // last: it uses the others
 };
 
 }  // namespace least::server

@@ -1,0 +1,66 @@
+#include "server/http/cancellation.hpp"
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace least::server {
+namespace {
+
+constexpr std::chrono::milliseconds glance{50};
+
+}  // namespace
+
+// One thread for all: one for each would cost a short run as much as all the rest of its request.
+class CancellationWatch::Watcher {
+ public:
+  static Watcher& instance() {
+    static Watcher watcher;
+    return watcher;
+  }
+
+  void add(CancellationWatch& watch) {
+    {
+      const std::lock_guard lock(mutex_);
+      watches_.push_back(&watch);
+    }
+    came_.notify_one();
+  }
+  void remove(CancellationWatch& watch) {
+    const std::lock_guard lock(mutex_);
+    std::erase(watches_, &watch);
+  }
+
+ private:
+  void work(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (came_.wait(lock, stop, [this] { return !watches_.empty(); }) && !stop.stop_requested()) {
+      pause_.wait_for(lock, stop, glance, [] { return false; });
+      for (CancellationWatch* watch : watches_) watch->look();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable_any came_, pause_;
+  std::vector<CancellationWatch*> watches_;
+  std::jthread thread_{[this](const std::stop_token& stop) { work(stop); }};  // last: it uses the others
+};
+
+CancellationWatch::CancellationWatch(const std::atomic<bool>& ended, std::function<bool()> gone, double seconds)
+    : ended_(ended), gone_(std::move(gone)), seconds_(seconds) {
+  Watcher::instance().add(*this);
+}
+CancellationWatch::~CancellationWatch() { Watcher::instance().remove(*this); }
+
+void CancellationWatch::look() {
+  const auto passed = Clock::now() - start_;
+  if (cancelled_ || passed < glance) return;
+  const bool late = std::chrono::duration<double>(passed).count() > seconds_;
+  if (!late && !ended_ && !(gone_ && gone_())) return;
+  timed_out_ = late;
+  cancelled_ = true;
+}
+
+}  // namespace least::server

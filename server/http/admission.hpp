@@ -17,18 +17,18 @@ class Admission {
   /// The right to compute, given back at its end.
   class Pass {
    public:
-    explicit Pass(Admission& gate) : gate_(&gate) {}
-    Pass(Pass&& other) noexcept : gate_(std::exchange(other.gate_, nullptr)) {}
+    explicit Pass(Admission& admission) : admission_(&admission) {}
+    Pass(Pass&& other) noexcept : admission_(std::exchange(other.admission_, nullptr)) {}
     Pass& operator=(Pass&&) = delete;
     ~Pass() {
-      if (gate_) gate_->leave();
+      if (admission_) admission_->leave();
     }
 
    private:
-    Admission* gate_;
+    Admission* admission_;
   };
 
-  /// Waits at most `patience` for a turn. Nothing: the queue is full, the patience over, or the gate closed.
+  /// Waits at most `patience` for a turn. Nothing: the queue is full, the patience over, or it is closed.
   std::optional<Pass> enter(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     if (running_ == 0) {

@@ -6,7 +6,7 @@
 
 namespace least {
 
-std::span<const ProblemCard> problems() {
+std::span<const ProblemCard> problem_cards() {
   static const std::vector<ProblemCard> cards = [] {
     std::vector<ProblemCard> all;
     for (const ProblemEntry* entry : problem_entries()) all.push_back(entry->card);
@@ -48,7 +48,7 @@ std::optional<std::size_t> find(const Cards& cards, std::string_view id) {
 }
 }  // namespace
 
-std::optional<std::size_t> find_problem(std::string_view id) { return find(problems(), id); }
+std::optional<std::size_t> find_problem(std::string_view id) { return find(problem_cards(), id); }
 std::optional<std::size_t> find_scheme(std::string_view id) { return find(schemes(), id); }
 
 std::vector<std::string_view> column_words(const ProblemCard& problem, std::size_t column) {

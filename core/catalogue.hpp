@@ -19,10 +19,10 @@ namespace least {
 inline constexpr std::string_view version = "0.1.0";
 
 /// Cards, sorted by id (problems) and in the order of the scheme list (schemes).
-std::span<const ProblemCard> problems();
+std::span<const ProblemCard> problem_cards();
 std::span<const SchemeCard> schemes();
 
-/// Position of an id in problems() or schemes().
+/// Position of an id in problem_cards() or schemes().
 std::optional<std::size_t> find_problem(std::string_view id);
 std::optional<std::size_t> find_scheme(std::string_view id);
 

@@ -32,6 +32,6 @@ Answer busy(const Question& question) {
   return answer;
 }
 
-Cards catalogue_cards() { return {problems(), schemes()}; }
+Cards catalogue_cards() { return {problem_cards(), schemes()}; }
 
 }  // namespace least::server

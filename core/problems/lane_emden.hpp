@@ -9,7 +9,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct LaneEmden {
@@ -114,9 +114,13 @@ struct LaneEmden {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<LaneEmden> {
-  using P = LaneEmden<>;
+struct About<problems::LaneEmden> {
+  using P = problems::LaneEmden<>;
   static constexpr std::array<std::string_view, 4> after_zero{"stop", "continue", "signed", "clamp"};
   static constexpr std::tuple fields{
       Field<P>{"n", "n", "1", "polytropic index: pressure as density to the power 1 + 1/n", &P::n, {0, 20}},

@@ -9,7 +9,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct SpinOrbit {
@@ -99,9 +99,13 @@ struct SpinOrbit {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<SpinOrbit> {
-  using P = SpinOrbit<>;
+struct About<problems::SpinOrbit> {
+  using P = problems::SpinOrbit<>;
   static constexpr std::tuple fields{
       Field<P>{"eccentricity", "e", "1", "eccentricity of the orbit", &P::eccentricity, {0, 0.1}},
       Field<P>{"epsilon", "ε", "1", "how far the moon is from round", &P::epsilon, {0, 1e3}},

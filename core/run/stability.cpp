@@ -60,11 +60,12 @@ Known measure(std::span<const double> settings, double damping_step, Known known
     return {std::numeric_limits<double>::infinity(), true};
   }
   const auto holds = [&](double z) {
-    if constexpr (SchemeFor<Scheme, HarmonicOscillator<>> || ClockSchemeFor<Scheme, HarmonicOscillator<>>) {
-      if (damping_step == 0) return stable(scheme, HarmonicOscillator<>{1, z * z}, z);
+    if constexpr (SchemeFor<Scheme, problems::HarmonicOscillator<>> ||
+                  ClockSchemeFor<Scheme, problems::HarmonicOscillator<>>) {
+      if (damping_step == 0) return stable(scheme, problems::HarmonicOscillator<>{1, z * z}, z);
     }
-    if constexpr (SchemeFor<Scheme, DampedOscillator<>>) {
-      return stable(scheme, DampedOscillator<>{z * z, damping_step}, z);
+    if constexpr (SchemeFor<Scheme, problems::DampedOscillator<>>) {
+      return stable(scheme, problems::DampedOscillator<>{z * z, damping_step}, z);
     } else {
       return false;
     }

@@ -96,7 +96,7 @@ int declared_order(const Choice& choice) {
 }
 
 std::vector<Choice> candidates(std::size_t problem, const Keep& keep) {
-  const ProblemCard& problem_card = problems()[problem];
+  const ProblemCard& problem_card = problem_cards()[problem];
   std::vector<Choice> all;
   for (const std::size_t scheme : problem_card.schemes) {
     const SchemeCard& card = schemes()[scheme];

@@ -32,7 +32,7 @@ Request orbit(const Case& c, double step) {
 void scenes() {
   std::printf("| id | system | scheme | step | force evaluations | error | with kahan_li_6 | error |\n");
   std::printf("|---|---|---|---|---|---|---|---|\n");
-  for (const ProblemCard& problem : problems()) {
+  for (const ProblemCard& problem : problem_cards()) {
     const char* scheme = nullptr;
     for (const char* id : {"leapfrog", "contact_leapfrog", "contact_splitting", "variational_midpoint"})
       if (!scheme && fits(find_problem(problem.id).value(), find_scheme(id).value())) scheme = id;

@@ -54,7 +54,7 @@ least::Request bare(std::string_view problem, std::string_view scheme, double st
 }
 /// With s among the columns the run carries it.
 least::Request with_action(least::Request request) {
-  const auto& columns = least::problems()[request.problem].columns;
+  const auto& columns = least::problem_cards()[request.problem].columns;
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (columns[i] == "s") request.columns.push_back(i);
   return request;

@@ -272,7 +272,7 @@ void rows(const char* title, const Request& scene) {
 
 /// From its default start, up to `end`; the scheme in it is any that fits.
 Request scene(std::string_view problem, double end) {
-  const ProblemCard& card = problems()[find_problem(problem).value()];
+  const ProblemCard& card = problem_cards()[find_problem(problem).value()];
   Request request = runs::defaults(problem, schemes()[card.schemes.front()].id);
   if (end > 0) request.end = end;
   return request;

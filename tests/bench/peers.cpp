@@ -27,6 +27,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using bench::Peer;
 using bench::Solver;
 namespace odeint = boost::numeric::odeint;
@@ -222,7 +223,7 @@ std::vector<Peer> peers_of(const Request& scene) {
 }  // namespace
 
 std::vector<Peer> bench::peers(const Request& scene) {
-  const std::string_view id = problems()[scene.problem].id;
+  const std::string_view id = problem_cards()[scene.problem].id;
   if (id == "kepler") return peers_of<Kepler>(scene);
   if (id == "damped_oscillator") return peers_of<DampedOscillator>(scene);
   if (id == "perturbed_kepler") return peers_of<PerturbedKepler>(scene);

@@ -53,7 +53,7 @@ const Ready& ready() {
 
 void json_ours(benchmark::State& state) {
   const auto& [request, samples, outcome] = ready();
-  const server::Run run{request, problems()[request.problem], schemes()[request.scheme], outcome, samples};
+  const server::Run run{request, problem_cards()[request.problem], schemes()[request.scheme], outcome, samples};
   for (auto _ : state) benchmark::DoNotOptimize(server::encode_json(run).body.size());
   state.counters["units"] = static_cast<double>(samples.values.size());
 }

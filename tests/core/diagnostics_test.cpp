@@ -12,7 +12,7 @@ using namespace least;
 
 Request asking(std::string_view problem, std::string_view scheme, std::string_view diagnostic) {
   Request request = runs::defaults(problem, scheme);
-  const auto& names = problems()[request.problem].diagnostics;
+  const auto& names = problem_cards()[request.problem].diagnostics;
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i] == diagnostic) request.diagnostics = {i};
   EXPECT_EQ(request.diagnostics.size(), 1U);

@@ -16,7 +16,7 @@ const double pi = std::acos(-1.0);
 
 template <class F>
 void for_each_adaptive(F&& f) {
-  for (const ProblemCard& problem : problems())
+  for (const ProblemCard& problem : problem_cards())
     for (const std::string_view scheme : adaptive) f(of(problem.id, {scheme}, {}));
 }
 Request at_tolerance(const Request& request, double tolerance) { return set(request, {{"tolerance", tolerance}}); }
@@ -204,7 +204,7 @@ TEST(Tolerance, WhatLeapsOverACollisionIsSaid) {
       leapt += off > 10;
     }
   EXPECT_GT(leapt, 0);
-  for (const auto& problem : problems())
+  for (const auto& problem : problem_cards())
     for (const std::string_view scheme : adaptive)
       if (problem.keeps_energy && fits(find_problem(problem.id).value(), find_scheme(scheme).value())) {
         EXPECT_FALSE(warned(go(of(problem.id, {scheme}, {})), "off_energy_level")) << problem.id << ' ' << scheme;

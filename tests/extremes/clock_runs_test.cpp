@@ -18,7 +18,7 @@ const double pi = std::acos(-1.0), null = std::nan("");
 /// surface.
 template <class F>
 void for_each_clock(F&& f) {
-  for (const ProblemCard& problem : problems())
+  for (const ProblemCard& problem : problem_cards())
     for (const std::size_t index : problem.schemes) {
       if (!schemes()[index].own_clock) continue;
       Request request = of(problem.id, {schemes()[index].id}, {});

@@ -286,7 +286,7 @@ TEST(BlowUp, OffTheAxisIsATurnThatAShortStepPasses) {
 }
 
 TEST(BlowUp, EndsEverySchemeInAStatus) {
-  for (const std::size_t index : problems()[find_problem("cosmological_oscillator").value()].schemes) {
+  for (const std::size_t index : problem_cards()[find_problem("cosmological_oscillator").value()].schemes) {
     const auto result = go(falling(schemes()[index].id, -2));
     EXPECT_NE(result.outcome.stop.reason, Reason::completed) << schemes()[index].id;
     EXPECT_LT(result.outcome.stop.t, 2) << schemes()[index].id;
@@ -297,7 +297,7 @@ TEST(BlowUp, EndsEverySchemeInAStatus) {
 // ── collision ───────────────────────────────────────────────────────────────────────────────────────────────────────
 
 TEST(Collision, OfThePerturbedKeplerProblemIsStoppedOrWarnedOf) {
-  const auto& card = problems()[find_problem("perturbed_kepler").value()];
+  const auto& card = problem_cards()[find_problem("perturbed_kepler").value()];
   for (const std::size_t index : card.schemes) {
     const std::string_view scheme = schemes()[index].id;
     Request request = at(of("perturbed_kepler", {scheme}, {}), {{"x", 1}, {"py", 0}});

@@ -39,7 +39,7 @@ void for_each_choice(const Request& request, F&& f) {
 /// their own clock.
 template <class F>
 void for_each_run(F&& f) {
-  for (const ProblemCard& problem : problems())
+  for (const ProblemCard& problem : problem_cards())
     for (const std::size_t index : problem.schemes) {
       const SchemeCard& scheme = schemes()[index];
       Request request = of(problem.id, {scheme.id}, {});

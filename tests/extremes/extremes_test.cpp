@@ -22,7 +22,7 @@ Request with_step(std::string_view problem, std::string_view scheme, double h) {
 
 template <class F>
 void for_each_pair(F&& f) {
-  for (const auto& problem : problems())
+  for (const auto& problem : problem_cards())
     for (const std::size_t scheme : problem.schemes) f(problem, schemes()[scheme]);
 }
 
@@ -170,7 +170,7 @@ TEST(Start, Extreme) {
 
 TEST(Start, AtTheSingularity) {
   for (const std::string_view id : {"kepler", "kepler_3d"}) {
-    for (const std::size_t index : problems()[find_problem(id).value()].schemes) {
+    for (const std::size_t index : problem_cards()[find_problem(id).value()].schemes) {
       const SchemeCard& scheme = schemes()[index];
       Request request = with_step(id, scheme.id, 0.01);
       const std::size_t n = request.initial.size() / 2;
@@ -191,7 +191,7 @@ TEST(Start, AtTheSingularity) {
 }
 
 TEST(Start, RadialFallIsStoppedOrWarnedOf) {  // a fixed step can jump over the centre; never without a word
-  for (const std::size_t index : problems()[find_problem("kepler").value()].schemes) {
+  for (const std::size_t index : problem_cards()[find_problem("kepler").value()].schemes) {
     const SchemeCard& scheme = schemes()[index];
     if (scheme.own_clock) continue;  // ClockCollision
     Request request = with_step("kepler", scheme.id, 1e-3);

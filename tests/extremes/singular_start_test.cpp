@@ -19,7 +19,7 @@ Request star(std::string_view scheme, double n, After after = stop) {
   runs::show_all(request);
   return request;
 }
-const ProblemCard& card() { return problems()[find_problem("lane_emden").value()]; }
+const ProblemCard& card() { return problem_cards()[find_problem("lane_emden").value()]; }
 template <class F>
 void for_each_scheme(F&& f) {
   for (const std::size_t index : card().schemes) f(schemes()[index]);

@@ -24,9 +24,9 @@ std::string label(const Request& request) {
 /// stages; the hybrid on the coordinate side of its switch, with each quadrature and order.
 template <class F>
 void for_each_pair(std::size_t problem, F&& f) {
-  for (const std::size_t index : problems()[problem].schemes) {
+  for (const std::size_t index : problem_cards()[problem].schemes) {
     const SchemeCard& scheme = schemes()[index];
-    std::vector<Request> all{runs::defaults(problems()[problem].id, scheme.id)};
+    std::vector<Request> all{runs::defaults(problem_cards()[problem].id, scheme.id)};
     if (scheme.id == "jacobi_maupertuis") runs::set(all[0], "critical_kinetic_energy", 0.0);
     for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
       const ParameterCard& card = scheme.parameters[i];
@@ -39,7 +39,8 @@ void for_each_pair(std::size_t problem, F&& f) {
              x <= (card.choices.empty() ? card.range.high : static_cast<double>(card.choices.size()) - 1); ++x) {
           more.push_back(request);
           more.back().settings[i] = x;
-          if (scheme.conflicts && !scheme.conflicts(more.back().settings, problems()[problem]).empty()) more.pop_back();
+          if (scheme.conflicts && !scheme.conflicts(more.back().settings, problem_cards()[problem]).empty())
+            more.pop_back();
         }
       all = std::move(more);
     }
@@ -51,7 +52,7 @@ class Pairs : public testing::TestWithParam<std::size_t> {};
 
 /// MᵀJM = J, or φ*η = λη in a contact scene, for single steps from four points of the default orbit.
 TEST_P(Pairs, KeepTheFormThatTheySay) {
-  const ProblemCard& problem = problems()[GetParam()];
+  const ProblemCard& problem = problem_cards()[GetParam()];
   if (std::ranges::find(problem.diagnostics, "structure") == problem.diagnostics.end()) return;
   const Request scene = runs::defaults(problem.id, schemes()[problem.schemes[0]].id);
   std::vector<double> times;
@@ -111,7 +112,7 @@ TEST_P(Pairs, AllocateNothingInTheLoop) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Pairs, testing::Range<std::size_t>(0, problems().size()),
-                         [](const auto& which) { return std::string(problems()[which.param].id); });
+INSTANTIATE_TEST_SUITE_P(All, Pairs, testing::Range<std::size_t>(0, problem_cards().size()),
+                         [](const auto& which) { return std::string(problem_cards()[which.param].id); });
 
 }  // namespace

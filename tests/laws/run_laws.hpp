@@ -18,7 +18,7 @@ void card_is_consistent(std::string_view id) {
   EXPECT_EQ(written.id, id) << "the id is the file's stem";
   const auto index = find_problem(id);
   ASSERT_TRUE(index);
-  const ProblemCard& card = problems()[*index];
+  const ProblemCard& card = problem_cards()[*index];
   const auto optional = std::ranges::count_if(card.variables, [](const auto& v) { return v.optional; });
   EXPECT_EQ(card.variables.size(), StateOf<P<double>>::size + std::size_t(optional));
   EXPECT_EQ(optional, LinearContact<P<double>> || CarriesSlope<P<double>> ? 1 : 0);
@@ -93,7 +93,7 @@ void recording_never_changes_the_run(std::string_view id) {
     if (!fits(problem, i)) continue;
     Request request = runs::defaults(id, schemes()[i].id);
     request.end = request.start + 150.5 * request.settings[0];  // half a step is left over
-    if (schemes()[i].own_clock) request.end = request.start + problems()[problem].span / 20;
+    if (schemes()[i].own_clock) request.end = request.start + problem_cards()[problem].span / 20;
     request.diagnostics = {};
     request.record.count = 0;
     auto plain = runs::go(request);
@@ -115,7 +115,8 @@ void recording_never_changes_the_run(std::string_view id) {
       for (const bool diagnostics : {false, true}) {
         request.diagnostics.clear();
         if (diagnostics)
-          for (std::size_t d = 0; d < problems()[problem].diagnostics.size(); ++d) request.diagnostics.push_back(d);
+          for (std::size_t d = 0; d < problem_cards()[problem].diagnostics.size(); ++d)
+            request.diagnostics.push_back(d);
         auto other = runs::go(request);
         runs::drop_unknown(other.outcome.final);
         EXPECT_EQ(other.outcome.final, plain.outcome.final) << schemes()[i].id;

@@ -13,6 +13,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using nlohmann::json;
 
 const json& system(const std::string& name) {

@@ -16,6 +16,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 
 static_assert(ClockSchemeFor<AdaptiveVerlet, Kepler<>> && !SchemeFor<AdaptiveVerlet, Kepler<>>);

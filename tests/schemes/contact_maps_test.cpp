@@ -12,6 +12,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 
 template <class Scheme, class P, class X>
 X after(const Scheme& scheme, const P& problem, X x, double h, int steps = 1) {
@@ -244,7 +245,7 @@ void check_same_bits(const Request& lean, const Request& full) {
 // Asking for s, the energy or the slope of the orbit never changes a bit of what the motion is made of.
 TEST(ContactMap, TheMotionHasTheSameBitsWithAndWithoutTheRest) {
   int pairs = 0;
-  for (const auto& card : problems()) {
+  for (const auto& card : problem_cards()) {
     if (std::ranges::none_of(card.variables, [](const auto& v) { return v.optional; })) continue;
     for (const std::size_t scheme : card.schemes) {
       const bool composable =

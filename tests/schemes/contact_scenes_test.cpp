@@ -11,6 +11,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using contact::data, contact::orbits, contact::request_for;
 using nlohmann::json;
 

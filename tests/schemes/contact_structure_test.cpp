@@ -13,6 +13,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 
 bool is_contact(const ProblemCard& card) {
   return std::ranges::find(card.diagnostics, "volume") != card.diagnostics.end();
@@ -35,7 +36,7 @@ Request measured(const ProblemCard& card, std::size_t scheme, double step, std::
 // splitting and number of stages; and by no other.
 TEST(ContactStructure, IsKeptByContactSchemesAndNoOthers) {
   int kept = 0, lost = 0, unknown = 0;
-  for (const auto& card : problems()) {
+  for (const auto& card : problem_cards()) {
     if (!is_contact(card)) continue;
     const double step = card.suggested[0].second;
     for (const std::size_t scheme : card.schemes) {

@@ -12,6 +12,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using contact::data, contact::request_for;
 
 const double pi = std::acos(-1.0);

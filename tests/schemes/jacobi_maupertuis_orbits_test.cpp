@@ -11,6 +11,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 
 constexpr double off = std::numeric_limits<double>::quiet_NaN();

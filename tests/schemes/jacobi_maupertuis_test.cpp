@@ -16,6 +16,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 using nlohmann::json;
 
@@ -366,8 +367,8 @@ TEST(JacobiMaupertuis, StepsThatCannotBeTakenAreTakenInTime) {
 // ---- settings
 
 TEST(JacobiMaupertuis, RefusesWhatDoesNotGoTogether) {
-  const auto& planar = problems()[find_problem("kepler").value()];
-  const auto& spatial = problems()[find_problem("kepler_3d").value()];
+  const auto& planar = problem_cards()[find_problem("kepler").value()];
+  const auto& spatial = problem_cards()[find_problem("kepler_3d").value()];
   const auto refused = [](const JacobiMaupertuis& s, const ProblemCard& card) {
     std::string names;
     for (const auto& conflict : s.conflicts(card)) (names += conflict.parameter) += ' ';

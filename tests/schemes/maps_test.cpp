@@ -13,6 +13,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 
 template <class Scheme, class P>
 StateOf<P> after_one(const Scheme& scheme, const P& problem, StateOf<P> x, double h) {

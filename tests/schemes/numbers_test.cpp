@@ -8,6 +8,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 
 TEST(Numbers, LanesPassThroughEveryScheme) {
   laws::lanes_through_schemes<Kepler, SchemeList>();

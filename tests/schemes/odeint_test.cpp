@@ -23,6 +23,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 namespace library = boost::numeric::odeint;
 using clocks::larger, clocks::past, clocks::steps;
 

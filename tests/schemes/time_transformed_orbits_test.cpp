@@ -12,6 +12,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 
 const double minus_energy = std::numeric_limits<double>::quiet_NaN();

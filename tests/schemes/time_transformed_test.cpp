@@ -14,6 +14,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 
 static_assert(ClockSchemeFor<TimeTransformed, Kepler<>> && ClockSchemeFor<TimeTransformed, DoublePendulum<>>);

@@ -91,7 +91,7 @@ TEST_F(ContactHttp, ExplicitKeysWinOverAPreset) {
 }
 
 TEST_F(ContactHttp, EveryPresetOfTheCatalogueRunsAndStandsInTheEchoAsItsKeys) {
-  for (const ProblemCard& problem : problems())
+  for (const ProblemCard& problem : problem_cards())
     for (const PresetCard& preset : problem.presets) {
       const bool split = fits(find_problem(problem.id).value(), find_scheme("contact_splitting").value());
       const std::string scheme = split ? "contact_splitting" : "leapfrog";
@@ -142,7 +142,7 @@ TEST_F(ContactHttp, TheActionIsCarriedWhereItIsAskedFor) {
 }
 
 TEST_F(ContactHttp, TheEchoSentBackGivesTheSameBytesForEveryProblem) {
-  for (const ProblemCard& problem : problems())
+  for (const ProblemCard& problem : problem_cards())
     for (const std::size_t scheme : problem.schemes) {
       Json request{{"problem", problem.id},
                    {"scheme", schemes()[scheme].id},

@@ -54,14 +54,14 @@ void hold_against_all(std::string_view problem, std::initializer_list<double> ac
 
 class Advised : public testing::TestWithParam<std::size_t> {};
 TEST_P(Advised, MeetsTheAccuracyAtTheLeastCost) {
-  const auto& card = problems()[GetParam()];
+  const auto& card = problem_cards()[GetParam()];
   // Chaotic, and out of reach of every scheme at its default end.
   const double end = card.id == "thermostat" ? 10 : 0;
   if (card.id == "double_pendulum" && spacing() > 1.2) return hold_against_all(card.id, {1e-3, 1e-6}, 10);
   hold_against_all(card.id, {1e-3, 1e-6, 1e-9}, end);
 }
-INSTANTIATE_TEST_SUITE_P(AllProblems, Advised, testing::Range<std::size_t>(0, problems().size()),
-                         [](const auto& which) { return std::string(problems()[which.param].id); });
+INSTANTIATE_TEST_SUITE_P(AllProblems, Advised, testing::Range<std::size_t>(0, problem_cards().size()),
+                         [](const auto& which) { return std::string(problem_cards()[which.param].id); });
 
 std::string id(const Choice& choice) { return std::string(schemes()[choice.scheme].id); }
 

@@ -19,7 +19,7 @@ inline bool watch(std::size_t, const StudyCurve&) { return true; }
 
 /// A problem's default scene; the scheme in it is any that fits.
 inline Request scene(std::string_view problem, double end = 0) {
-  const std::size_t first = problems()[find_problem(problem).value()].schemes.front();
+  const std::size_t first = problem_cards()[find_problem(problem).value()].schemes.front();
   Request request = runs::defaults(problem, schemes()[first].id);
   if (end > 0) request.end = end;
   return request;
@@ -27,7 +27,7 @@ inline Request scene(std::string_view problem, double end = 0) {
 
 /// A scheme as the catalogue suggests it for the scene's problem.
 inline Choice choice(const Request& scene, std::string_view scheme, std::string_view composition = "") {
-  Request request = runs::defaults(problems()[scene.problem].id, scheme);
+  Request request = runs::defaults(problem_cards()[scene.problem].id, scheme);
   if (!composition.empty()) runs::set(request, "composition", composition);
   return {request.scheme, request.settings};
 }

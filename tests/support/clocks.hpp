@@ -14,6 +14,7 @@
 namespace clocks {
 
 using namespace least;
+using namespace least::problems;
 
 template <class P, class T>
 using Moving = State<P::dof, T, T>;

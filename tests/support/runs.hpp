@@ -24,7 +24,7 @@ inline least::Request defaults(std::string_view problem, std::string_view scheme
   least::Request request;
   request.problem = least::find_problem(problem).value();
   request.scheme = least::find_scheme(scheme).value();
-  const auto& card = least::problems()[request.problem];
+  const auto& card = least::problem_cards()[request.problem];
   for (const auto& p : card.parameters) request.parameters.push_back(p.value);
   for (const auto& v : card.variables) request.initial.push_back(v.value);
   for (const auto& p : least::schemes()[request.scheme].parameters) {
@@ -61,7 +61,7 @@ std::size_t position(const Named& all, std::string_view name, Name&& name_of) {
     if (name_of(all[i]) == name) return i;
   throw std::out_of_range(std::string(name));
 }
-inline const least::ProblemCard& card(const least::Request& request) { return least::problems()[request.problem]; }
+inline const least::ProblemCard& card(const least::Request& request) { return least::problem_cards()[request.problem]; }
 
 /// A parameter of the problem or a setting of the scheme, by name.
 inline void set(least::Request& request, std::string_view name, double value) {

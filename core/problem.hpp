@@ -1,7 +1,9 @@
 // What a problem can offer, as concepts, and the mechanics that follows from it.
 //
-// A problem is `template <class R = double> struct X` holding its parameters and nothing else. It states its mechanics
-// once, generic in the number T of the state and S of time. Every problem is one of three:
+// A problem is `template <class R = double> struct X` in namespace least::problems, holding its parameters and nothing
+// else: numbers R, which may be lanes or dual numbers too, and enumerations for choices. It states its mechanics once,
+// generic in R, the number T of the state and S of time. What depends on a choice may branch; what depends on a number
+// goes through select or either. Every problem is one of three:
 //
 // Mechanical, `dof` degrees of freedom:
 //   potential(q, t)       V, the primary form

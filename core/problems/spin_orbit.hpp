@@ -68,11 +68,13 @@ struct SpinOrbit {
     return both;
   }
   /// How often the phases repeat; 0: they do not.
-  constexpr double period() const {
-    const bool steady = !(lambda < 0) && !(lambda > 0);
-    for (int k = 0; k < 10; ++k)
-      if (steady || (!(frequency < k) && !(frequency > k))) return 6.283185307179586;
-    return 0;
+  constexpr R period() const {
+    using least::abs;
+    using least::select;
+    const R turn(6.283185307179586);
+    R found = select(abs(lambda) > R(0), R(0), turn);
+    for (int k = 0; k < 10; ++k) found = select(abs(frequency - k) > R(0), found, turn);
+    return found;
   }
 
   template <class T, class F>

@@ -22,7 +22,7 @@ class ExplicitRungeKutta {
   };
   ExplicitRungeKutta(const P& problem, const Tableau& tableau) : problem_(problem), tableau_(tableau) {}
 
-  Status step(X& x, const typename X::Time& h) noexcept {
+  StatusOf<typename X::Number> step(X& x, const typename X::Time& h) noexcept {
     X slope = derivative(problem_, x), sum = shifted(X{}, typename X::Time(tableau_.weight[0]), slope);
     for (int i = 1; i < Stages; ++i) {
       X y = shifted(x, h * tableau_.node[i], slope);

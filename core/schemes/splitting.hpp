@@ -51,7 +51,7 @@ class KickDrift {
     ++work_.forces;
   }
 
-  Status step(X& x, const S& h) noexcept {
+  StatusOf<T> step(X& x, const S& h) noexcept {
     kick(x, h * sequence_->kick[0]);
     for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_->drifts); ++i) {
       drift(x, h * sequence_->drift[i]);

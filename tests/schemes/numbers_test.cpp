@@ -3,6 +3,7 @@
 #include "core/problems/double_pendulum.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/problems/perturbed_kepler.hpp"
+#include "tests/laws/lane_laws.hpp"
 #include "tests/laws/number_laws.hpp"
 
 namespace {

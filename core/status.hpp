@@ -47,10 +47,14 @@ struct StatusFor {
 template <class T>
 using StatusOf = typename StatusFor<T>::type;
 
-/// Where the mask says so, a step that went well so far has failed. True: there is nothing left that goes on.
+/// Where the mask says so, a step that went well so far has failed. True: there is nothing left that goes on, and the
+/// step has to end.
 constexpr bool all_failed(Status& status, bool where, Status why) {
-  if (where && status == Status::ok) status = why;
-  return status != Status::ok;
+  if (where) [[unlikely]] {
+    status = why;
+    return true;
+  }
+  return false;
 }
 constexpr bool succeeded(Status status) { return status == Status::ok; }
 

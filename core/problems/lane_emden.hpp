@@ -43,11 +43,12 @@ struct LaneEmden {
     using least::abs;
     using least::pow;
     using least::select;
-    const auto power = [&] { return T(pow(continues() ? q[0] : abs(q[0]), n)); };
-    const T w = either(n > 0, power, [] { return T(1); });
-    if (continues()) return {w};
-    const T turned = -w, past = after_zero == AfterZero::clamp ? T(0) : bounded() ? select(n > 0, turned, w) : turned;
-    return {select(q[0] < T(0), past, w)};
+    const auto past_zero = [&](const T& w) {
+      return continues() ? w : select(q[0] < T(0), after_zero == AfterZero::clamp ? T(0) : T(-w), w);
+    };
+    return {either(
+        n > 0, [&] { return past_zero(pow(continues() ? q[0] : abs(q[0]), n)); },
+        [&] { return straight() ? T(1) : past_zero(T(1)); })};
   }
   template <class S>
   constexpr auto damping(const S& t) const {

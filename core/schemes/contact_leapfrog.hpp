@@ -35,6 +35,7 @@ class ContactLeapfrogStepper {
   }
 
   StatusOf<T> step(X& x, const S& h) noexcept {
+    using least::any;
     if constexpr (ConstantDamping<P>) prepare(h);
     if constexpr (HasSeries<P>)
       if (x.t == S(0)) return regular_step(x, h);
@@ -44,7 +45,8 @@ class ContactLeapfrogStepper {
     StatusOf<T> status = Status::ok;
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
       const S part = weights_->gamma[i] * h, t = x.t + weights_->end[i] * h;
-      if (!stage(y, seen, status, part, i, t)) return status;
+      status = stage(y, seen, status, part, i, t);
+      if (!any(succeeded(status))) return status;
     }
     const auto good = succeeded(status);
     take(x, y, good);
@@ -88,15 +90,15 @@ class ContactLeapfrogStepper {
   }
   static constexpr double unusable = std::numeric_limits<double>::quiet_NaN();
 
-  /// False: nothing goes on.
-  bool stage(X& y, Seen& seen, StatusOf<T>& status, const S& h, std::size_t i, const S& t) {
+  StatusOf<T> stage(X& y, Seen& seen, StatusOf<T> status, const S& h, std::size_t i, const S& t) {
     if constexpr (LinearContact<P>) {
       return linear(y, seen, status, h, i, t);
     } else {
       return quadratic(y, seen, status, h, t);
     }
   }
-  bool linear(X& y, Seen& seen, StatusOf<T>& status, const S& h, std::size_t i, const S& t) requires LinearContact<P> {
+  StatusOf<T> linear(X& y, Seen& seen, StatusOf<T> status, const S& h, std::size_t i,
+                     const S& t) requires LinearContact<P> {
     const auto f = clock_.at(i, t, [&](const auto& time) { return phase(problem_, time); });
     Factors c;
     if constexpr (ConstantDamping<P>) {
@@ -106,7 +108,7 @@ class ContactLeapfrogStepper {
       c = factors(h, seen.damping, next);
       seen.damping = next;
     }
-    if (all_failed(status, !(c.after > A(0)), Status::singular)) return false;  // a pole is no number
+    if (all_failed(status, !(c.after > A(0)), Status::singular)) return status;  // a pole is no number
     Vec<n, T> v;
     for (std::size_t k = 0; k < n; ++k) v[k] = c.before * y.p[k] - (h * 0.5) * seen.slope[k];
     const T potential = seen.potential;
@@ -115,10 +117,10 @@ class ContactLeapfrogStepper {
     for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * seen.slope[k]) * c.after;
     if constexpr (X::acting)
       y.action.s = (c.before * y.action.s + h * lagrangian(y, v, potential, seen.potential)) * c.after;
-    return true;
+    return status;
   }
 
-  bool quadratic(X& y, Seen& seen, StatusOf<T>& status, const S& h, const S& t) requires QuadraticContact<P> {
+  StatusOf<T> quadratic(X& y, Seen& seen, StatusOf<T> status, const S& h, const S& t) requires QuadraticContact<P> {
     using least::sqrt;
     const auto gamma = problem_.action_curvature();
     const T s = y.action.s, before = 1 - (h / 2) * (gamma * s);
@@ -129,12 +131,12 @@ class ContactLeapfrogStepper {
     look(seen, y.q, phase(problem_, t));
     const T r = s - (h / 4) * (gamma * (s * s)) + h * (lagrangian(y, v, potential, seen.potential) + problem_.offset());
     const T under = 1 + h * (gamma * r);
-    if (all_failed(status, !(under > T(0)), Status::singular)) return false;
+    if (all_failed(status, !(under > T(0)), Status::singular)) return status;
     const T next = 2 * r / (1 + sqrt(under)), after = 1 + (h / 2) * (gamma * next);
-    if (all_failed(status, !(after > T(least_denominator)), Status::singular)) return false;
+    if (all_failed(status, !(after > T(least_denominator)), Status::singular)) return status;
     for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * seen.slope[k]) / after;
     y.action.s = next;
-    return true;
+    return status;
   }
 
   /// The first step of a scene whose damping is 2/t: the weight t² of its Lagrangian is integrated over the step.

@@ -48,6 +48,7 @@ class ContactSplittingStepper {
                [&](std::size_t i, const S& t) { return middle_of(weights.gamma[i] * S(step), t); }) {}
 
   StatusOf<T> step(X& x, const S& h) noexcept {
+    using least::any;
     if constexpr (constant) prepare(h);
     clock_.begin(x.t, h);
     X y = x;
@@ -56,7 +57,8 @@ class ContactSplittingStepper {
     for (std::size_t i = 0; i < stages; ++i) {
       const S part = weights_->gamma[i] * h;
       drift(y, i == 0 ? part * 0.5 : (weights_->gamma[i - 1] + weights_->gamma[i]) * h * 0.5);
-      if (!middle(y, status, part, i, x.t + weights_->middle[i] * h)) return status;
+      status = middle(y, status, part, i, x.t + weights_->middle[i] * h);
+      if (!any(succeeded(status))) return status;
     }
     drift(y, weights_->gamma[stages - 1] * h * 0.5);
     take(x, y, succeeded(status));
@@ -127,8 +129,8 @@ class ContactSplittingStepper {
     return {f, flow(h, f)};
   }
 
-  /// B½ A B½, or AB. False: nothing goes on.
-  bool middle(X& y, StatusOf<T>& status, const S& h, std::size_t i, const S& t) {
+  /// B½ A B½, or AB.
+  StatusOf<T> middle(X& y, StatusOf<T> status, const S& h, std::size_t i, const S& t) {
     const auto [f, c] = clock_.at(i, t, [&](const auto& time) {
       if constexpr (constant) {
         return Middle{phase(problem_, time), flows_[i]};
@@ -152,12 +154,12 @@ class ContactSplittingStepper {
       if (!merged_) potential = potential - offset;
       const T s = y.action.s - half * potential;
       const T d = c.e + (0.5 * problem_.action_curvature()) * (s * c.f);
-      if (all_failed(status, !(d > T(0)), Status::singular)) return false;
+      if (all_failed(status, !(d > T(0)), Status::singular)) return status;
       for (std::size_t k = 0; k < n; ++k) y.p[k] = (y.p[k] - half * slope[k]) / (d * d) - half * slope[k];
       const T top = merged_ ? T(s * c.e + offset * c.f) : T(s * c.e);
       y.action.s = top / d - half * potential;
     }
-    return true;
+    return status;
   }
 
   void drift(X& y, const S& h) const {

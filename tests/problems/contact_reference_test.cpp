@@ -236,7 +236,7 @@ TEST(ContactReference, LaneEmden) {
                   tolerance)
             << n << " at " << state.at("t");
     };
-    const LaneEmden<> problem{n, whole ? 1.0 : 0.0};
+    const LaneEmden<> problem{n, whole ? AfterZero::continue_ : AfterZero::stop};
     State<1, Quad, Quad> x0;
     x0.q[0] = 1;
     Extrapolation<LaneEmden<>> integrator(problem, x0, 1e-27);

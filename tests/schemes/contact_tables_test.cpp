@@ -208,7 +208,7 @@ double lane_emden_error(std::string_view scheme, double n, double end) {
   request.end = end;
   const auto result = runs::go(request);
   EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
-  const LaneEmden<> problem{n, 1};
+  const LaneEmden<> problem{n, AfterZero::continue_};
   double most = 0;
   for (const auto& row : result.rows)
     most = std::max(most, std::abs(row[1] - problem.exact(State<1>{0, {1}, {0}, {}}, row[0]).q[0]));

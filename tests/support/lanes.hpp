@@ -131,7 +131,10 @@ inline Mask succeeded(const Statuses& status) {
 }
 inline bool all_failed(Statuses& status, const Mask& where, least::Status why) {
   bool all = true;
-  for (std::size_t i = 0; i < width; ++i) all = least::all_failed(status.of[i], where.on[i], why) && all;
+  for (std::size_t i = 0; i < width; ++i) {
+    if (where.on[i] && status.of[i] == least::Status::ok) status.of[i] = why;
+    all = all && status.of[i] != least::Status::ok;
+  }
   return all;
 }
 /// What does not depend on the lane fails all of them.

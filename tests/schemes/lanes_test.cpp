@@ -116,4 +116,24 @@ TEST(Lanes, APoleOfTheDampingFailsOneAlone) {  // αh = −2.5
   EXPECT_EQ(all, (Said{Status::ok, Status::singular, Status::ok, Status::ok}));
 }
 
+/// What a stepper keeps of the state is the state's: a shorter step after one that failed is that of a new stepper.
+TEST(Lanes, AFailedLaneCanGoOn) {
+  const Scenes<DampedOscillator> scenes{{{1, 0.1}, {1, -25}, {2, 3}, {1, -19}}};
+  const FullStateOf<DampedOscillator<>> start{0, {1}, {0.3}, {0.1}};
+  const ContactLeapfrog scheme{0.1};
+  auto x = laws::together(std::array{start, start, start, start});
+  auto wide = scheme.bind(laws::together<DampedOscillator>(scenes), x);
+  EXPECT_EQ(wide.step(x, 0.1).of[1], Status::singular);
+  const auto between = x;
+  EXPECT_TRUE(all(succeeded(wide.step(x, 0.01))));
+  for (std::size_t lane = 0; lane < toy::width; ++lane) {
+    auto y = start;
+    for (std::size_t i = 0; i < y.size; ++i) y[i] = between[i].v[lane];
+    EXPECT_EQ(y == start, lane == 1);
+    auto narrow = scheme.bind(scenes[lane], y);
+    EXPECT_EQ(narrow.step(y, 0.01), Status::ok);
+    laws::expect_same_bits(x, y, lane, "after a failure");
+  }
+}
+
 }  // namespace

@@ -98,6 +98,7 @@ std::string offers() {
                       : SplitFlow<P>           ? "a vector field that is a sum of exact flows"
                                                : "";
   if (VectorField<P>) words += ", equations of motion";
+  if (Autonomous<P>) words += " that do not depend on time";
   return words;
 }
 

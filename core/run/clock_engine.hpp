@@ -156,8 +156,8 @@ class ClockBound final : public ClockEngine<P, X> {
     constexpr double most = 0.5;
     if constexpr (requires { stepper_.strain(); }) {
       if (stepper_.strain() > most) return wording::strain(stepper_.strain());
-    } else if constexpr (reads_time && Conservative<P>) {
-      const double now = energy(problem_, before_), potential = problem_.potential(position(before_), 0.0);
+    } else if constexpr (reads_time && Conservative<P> && Autonomous<P>) {
+      const double now = energy(problem_, before_), potential = least::potential(problem_, position(before_));
       const double off = std::abs(now - energy_) / (std::abs(potential) + std::abs(now - potential));
       if (off > most) return wording::energy_jump(energy_, now);
     }

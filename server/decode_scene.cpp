@@ -11,8 +11,6 @@
 namespace least::server {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 template <class Items>
 Names keys_of(const Items& items, std::initializer_list<std::string_view> more) {
   Names names(more);
@@ -101,12 +99,13 @@ const PresetCard* read_scene(const Json& root, const Place& top, const ProblemCa
   const Names names = keys_of(card.variables, {"t"});
   if (initial == nullptr || !read_object(*initial, start, names, fmt::format("the start of {}", card.id)))
     return preset;
+  constexpr double unbounded = std::numeric_limits<double>::infinity();
   bool given = false;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* json = find(*initial, names[i]);
     const bool follows = i > 0 && std::isnan(card.variables[i - 1].value);  // null: from the others
     if (json == nullptr || (follows && json->is_null())) continue;
-    const auto value = read_number(*json, start.at(names[i]), {-infinity, infinity, true, true});
+    const auto value = read_number(*json, start.at(names[i]), {-unbounded, unbounded, true, true});
     if (value) (i == 0 ? request.start : request.initial[i - 1]) = *value;
     given = given || i > 0;
   }

@@ -14,9 +14,9 @@ template <class P>
 std::vector<std::string_view> column_names(const ProblemCard& card) {
   std::vector<std::string_view> names{"t"};
   for (const auto& variable : card.variables) names.push_back(variable.name);
-  names.push_back("step_size");
-  if (HasEnergy<P>) names.push_back("energy");
-  if (Contact<P>) names.push_back("mechanical_energy");
+  names.emplace_back("step_size");
+  if (HasEnergy<P>) names.emplace_back("energy");
+  if (Contact<P>) names.emplace_back("mechanical_energy");
   for (const auto& invariant : card.invariants) names.push_back(invariant.name);
   for (const auto& quantity : card.quantities) names.push_back(quantity.name);
   if (Conservative<P>) names.insert(names.end(), {"mode", "parameter"});

@@ -20,6 +20,15 @@ using Names = std::initializer_list<std::pair<std::string_view, std::string_view
 
 inline const least::ProblemCard& problem_of(const Request& request) { return runs::card(request); }
 inline const least::SchemeCard& scheme_of(const Request& request) { return least::schemes()[request.scheme]; }
+inline const double pi = std::acos(-1.0), null = std::nan("");
+/// "kepler leapfrog"
+inline std::string name(const Request& request) {
+  return std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
+}
+inline double number(const runs::Result& result, std::string_view path) {
+  return runs::number(result.outcome.diagnostics, path);
+}
+
 /// Whether the scheme's first setting is not a step but an error that steps may make.
 inline bool is_adaptive(const least::SchemeCard& scheme) { return scheme.parameters.at(0).name == "tolerance"; }
 inline bool is_adaptive(const Request& request) { return is_adaptive(scheme_of(request)); }

@@ -12,8 +12,6 @@ namespace {
 using namespace least;
 using namespace asking;
 
-const double pi = std::acos(-1.0), null = std::nan("");
-
 /// Every pair of a problem and a scheme that sets its own clock. No motion leaves its domain: a Plummer star has no
 /// surface.
 template <class F>
@@ -24,12 +22,6 @@ void for_each_clock(F&& f) {
       Request request = of(problem.id, {schemes()[index].id}, {});
       f(problem.id == "lane_emden" ? set(request, {{"n", 5}}) : request);
     }
-}
-std::string name(const Request& request) {
-  return std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
-}
-double number(const runs::Result& result, std::string_view path) {
-  return runs::number(result.outcome.diagnostics, path);
 }
 
 // ── settings ────────────────────────────────────────────────────────────────────────────────────────────────────────

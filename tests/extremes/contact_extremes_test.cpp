@@ -11,8 +11,6 @@ namespace {
 using namespace least;
 using namespace asking;
 
-const double pi = std::acos(-1.0);
-
 Request damped(std::string_view scheme, double h, double alpha, double stiffness = 1) {
   Request request = of("damped_oscillator", {scheme, {{"step", h}}}, {{"damping", alpha}, {"stiffness", stiffness}});
   return steps(request, 400);
@@ -297,7 +295,7 @@ TEST(BlowUp, EndsEverySchemeInAStatus) {
 // ── collision ───────────────────────────────────────────────────────────────────────────────────────────────────────
 
 TEST(Collision, OfThePerturbedKeplerProblemIsStoppedOrWarnedOf) {
-  const auto& card = problems()[find_problem("perturbed_kepler").value()];
+  const auto& card = problems()[runs::find_problem("perturbed_kepler")];
   for (const std::size_t index : card.schemes) {
     const std::string_view scheme = schemes()[index].id;
     Request request = at(of("perturbed_kepler", {scheme}, {}), {{"x", 1}, {"py", 0}});

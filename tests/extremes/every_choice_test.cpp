@@ -58,8 +58,8 @@ void for_each_run(F&& f) {
 bool needs_negative_potential(const Request& request) {
   return scheme_of(request).id == "time_transformed" && std::isnan(request.settings[1]);
 }
-std::string name(const Request& request) {
-  std::string text = std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
+std::string described(const Request& request) {
+  std::string text = name(request);
   for (const double x : request.settings) text += ' ' + std::to_string(x);
   return text;
 }
@@ -75,14 +75,15 @@ TEST(EveryChoice, AnswersEverythingThatCanBeAskedOfIt) {
     const auto result = go(steps(request, 50));
     if (needs_negative_potential(request) && problem_of(request).id != "kepler") {
       const Reason why = result.outcome.stop.reason;
-      EXPECT_TRUE(why == Reason::completed || why == Reason::singular) << name(request);
+      EXPECT_TRUE(why == Reason::completed || why == Reason::singular) << described(request);
     } else {
-      ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << name(request) << ": " << result.outcome.stop.detail;
+      ASSERT_EQ(result.outcome.stop.reason, Reason::completed)
+          << described(request) << ": " << result.outcome.stop.detail;
     }
     const bool completed = result.outcome.stop.reason == Reason::completed;
     EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(completed ? 50 : result.outcome.stop.step) + 1)
-        << name(request);
-    EXPECT_EQ(result.outcome.diagnostics.size(), request.diagnostics.size()) << name(request);
+        << described(request);
+    EXPECT_EQ(result.outcome.diagnostics.size(), request.diagnostics.size()) << described(request);
     for (std::size_t i = 0; i < request.diagnostics.size(); ++i)
       EXPECT_EQ(result.outcome.diagnostics[i].key, problem_of(request).diagnostics[request.diagnostics[i]]);
     // What was looked at on the way changed nothing.
@@ -91,7 +92,7 @@ TEST(EveryChoice, AnswersEverythingThatCanBeAskedOfIt) {
     const auto same = runs::go(steps(blind, 50));
     for (std::size_t i = 0; i < result.outcome.final.size(); ++i) {
       if (std::isnan(result.outcome.final[i])) continue;  // not carried
-      EXPECT_EQ(same.outcome.final[i], result.outcome.final[i]) << name(request);
+      EXPECT_EQ(same.outcome.final[i], result.outcome.final[i]) << described(request);
     }
   });
 }
@@ -101,15 +102,15 @@ TEST(EveryChoice, TakesASingleStep) {
     const Request request = steps(plain, 1);
     const auto result = go(request);
     if (needs_negative_potential(request) && result.outcome.stop.reason == Reason::singular) return;
-    ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
-    EXPECT_EQ(result.rows.size(), 2U) << name(request);
+    ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << described(request);
+    EXPECT_EQ(result.rows.size(), 2U) << described(request);
     if (scheme_of(request).own_clock)
-      EXPECT_GT(result.outcome.t, 0) << name(request);
+      EXPECT_GT(result.outcome.t, 0) << described(request);
     else
-      EXPECT_EQ(result.outcome.t, request.settings[0]) << name(request);
-    EXPECT_EQ(result.outcome.cost.steps, 1) << name(request);
+      EXPECT_EQ(result.outcome.t, request.settings[0]) << described(request);
+    EXPECT_EQ(result.outcome.cost.steps, 1) << described(request);
     for (std::size_t i = 1; i < request.columns.size(); ++i)
-      EXPECT_EQ(result.rows[1][i], result.outcome.final[request.columns[i] - 1]) << name(request);
+      EXPECT_EQ(result.rows[1][i], result.outcome.final[request.columns[i] - 1]) << described(request);
   });
 }
 

@@ -170,7 +170,7 @@ TEST(Start, Extreme) {
 
 TEST(Start, AtTheSingularity) {
   for (const std::string_view id : {"kepler", "kepler_3d"}) {
-    for (const std::size_t index : problems()[find_problem(id).value()].schemes) {
+    for (const std::size_t index : problems()[runs::find_problem(id)].schemes) {
       const SchemeCard& scheme = schemes()[index];
       Request request = with_step(id, scheme.id, 0.01);
       const std::size_t n = request.initial.size() / 2;

@@ -154,7 +154,7 @@ TEST(Heat, CapacityAtTheEndsOfItsRange) {
 // ── thermostat ──────────────────────────────────────────────────────────────────────────────────────────────────────
 
 TEST(Thermostat, AtTheEndsOfItsRanges) {
-  for (const std::size_t index : problems()[find_problem("thermostat").value()].schemes)
+  for (const std::size_t index : problems()[runs::find_problem("thermostat")].schemes)
     for (const double beta : {1e-3, 1.0, 1e3})
       for (const double scale : {1e-3, 0.1, 1e3})
         for (const double kappa : {5e-324, 0.5, 1.0})
@@ -181,7 +181,7 @@ TEST(Thermostat, AtRestCoolsForEver) {  // q = p = 0 is never left, and s falls
 // ── Lorenz ──────────────────────────────────────────────────────────────────────────────────────────────────────────
 
 TEST(Lorenz, AtTheEndsOfItsRanges) {
-  for (const std::size_t index : problems()[find_problem("lorenz").value()].schemes)
+  for (const std::size_t index : problems()[runs::find_problem("lorenz")].schemes)
     for (const double sigma : {0.0, 1e3})
       for (const double rho : {-1e3, 0.0, 1e3})
         for (const double beta : {0.0, 1e3})

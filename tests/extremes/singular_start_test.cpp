@@ -10,8 +10,6 @@ namespace {
 using namespace least;
 using namespace asking;
 
-const double pi = std::acos(-1.0);
-
 enum After : int { stop, go_on, with_sign, clamp };  // the choices of after_zero, in their order
 
 Request star(std::string_view scheme, double n, After after = stop) {

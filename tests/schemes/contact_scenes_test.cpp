@@ -11,10 +11,8 @@
 namespace {
 
 using namespace least;
-using contact::data, contact::orbits, contact::request_for;
+using contact::data, contact::pi, contact::orbits, contact::request_for;
 using nlohmann::json;
-
-const double pi = std::acos(-1.0);
 
 double read(const json& text) { return std::stod(text.get<std::string>()); }
 

@@ -12,9 +12,7 @@
 namespace {
 
 using namespace least;
-using contact::data, contact::request_for;
-
-const double pi = std::acos(-1.0);
+using contact::data, contact::pi, contact::request_for;
 
 /// The k-th reference orbit of a problem at the time t.
 std::vector<double> reference(const std::string& problem, std::size_t k, double t) {

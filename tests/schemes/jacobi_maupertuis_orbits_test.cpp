@@ -13,7 +13,6 @@ namespace {
 using namespace least;
 using namespace clocks;
 
-constexpr double off = std::numeric_limits<double>::quiet_NaN();
 const Kepler<> kepler;
 
 /// As published, but for the exit: order 2, slope rule, no root, no step control, no hysteresis.

@@ -22,10 +22,8 @@ using nlohmann::json;
 static_assert(ClockSchemeFor<JacobiMaupertuis, Kepler<>> && ClockSchemeFor<JacobiMaupertuis, Pendulum<>>);
 static_assert(!SchemeFor<JacobiMaupertuis, Kepler<>>);
 
-constexpr double off = std::numeric_limits<double>::quiet_NaN();
 constexpr Quadrature quadratures[] = {Quadrature::trapezoid, Quadrature::midpoint};
 
-const State<2> swing{0, {1, 0.5}, {0.3, -0.2}, {}};                      ///< of the double pendulum
 const State<3> tilted{0, {0.3, -0.5, 0.2}, {1.2, 1.1, -0.6}, {}};        ///< of the Kepler problem in space
 const State<2> inward{0, {-0.42, -0.4826}, {0.5151833, 1.5423963}, {}};  ///< near the paper's orbit
 

@@ -19,8 +19,6 @@ using namespace clocks;
 static_assert(ClockSchemeFor<TimeTransformed, Kepler<>> && ClockSchemeFor<TimeTransformed, DoublePendulum<>>);
 static_assert(!SchemeFor<TimeTransformed, Kepler<>>);
 
-const State<2> swing{0, {1, 0.5}, {0.3, -0.2}, {}};  ///< of the double pendulum
-
 // ---- the maps
 
 // Masses that are not 1: m = 2, k = 3.

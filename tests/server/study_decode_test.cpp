@@ -7,7 +7,7 @@
 namespace least::server {
 namespace {
 
-constexpr Caps caps{60, 1'000'000, 10'000};
+constexpr Caps study_caps{60, 1'000'000, 10'000};
 
 template <class Plan>
 Plan good(const Result<Plan, Faults>& plan) {
@@ -18,10 +18,10 @@ Plan good(const Result<Plan, Faults>& plan) {
 }
 
 Result<StudyPlan, Faults> study(std::string_view text) {
-  return decode_work_precision(std::move(*parse_json(text)), test::cards(), caps);
+  return decode_work_precision(std::move(*parse_json(text)), test::cards(), study_caps);
 }
 Result<StabilityPlan, Faults> stability(std::string_view text) {
-  return decode_stability(std::move(*parse_json(text)), test::cards(), caps);
+  return decode_stability(std::move(*parse_json(text)), test::cards(), study_caps);
 }
 
 TEST(DecodeStudy, ReadsAPlan) {
@@ -60,7 +60,7 @@ TEST(DecodeStudy, AllIsEverySchemeThatFitsBareAndAsRecommended) {
   }();
   const Cards cards{test::cards().problems, schemes};
   const auto plan =
-      good(decode_work_precision(std::move(*parse_json(R"({"problem":"swing","schemes":"all"})")), cards, caps));
+      good(decode_work_precision(std::move(*parse_json(R"({"problem":"swing","schemes":"all"})")), cards, study_caps));
   ASSERT_EQ(plan.schemes.size(), 4u);
   EXPECT_EQ(plan.schemes[0].settings, (std::vector<double>{0.1, 0}));
   EXPECT_EQ(plan.schemes[1].scheme, 0u);
@@ -68,7 +68,7 @@ TEST(DecodeStudy, AllIsEverySchemeThatFitsBareAndAsRecommended) {
   EXPECT_EQ(plan.schemes[2].scheme, 1u);
   EXPECT_EQ(plan.schemes[3].scheme, 2u);
   const auto flow =
-      good(decode_work_precision(std::move(*parse_json(R"({"problem":"flow","schemes":"all"})")), cards, caps));
+      good(decode_work_precision(std::move(*parse_json(R"({"problem":"flow","schemes":"all"})")), cards, study_caps));
   ASSERT_EQ(flow.schemes.size(), 1u);
   EXPECT_EQ(flow.schemes[0].scheme, 1u);
 }

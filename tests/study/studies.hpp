@@ -19,7 +19,7 @@ inline bool watch(std::size_t, const StudyCurve&) { return true; }
 
 /// A problem's default scene; the scheme in it is any that fits.
 inline Request scene(std::string_view problem, double end = 0) {
-  const std::size_t first = problems()[find_problem(problem).value()].schemes.front();
+  const std::size_t first = problems()[runs::find_problem(problem)].schemes.front();
   Request request = runs::defaults(problem, schemes()[first].id);
   if (end > 0) request.end = end;
   return request;

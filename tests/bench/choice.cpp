@@ -1,4 +1,4 @@
-// Tables of the README: what each scheme makes of the same work on the same orbit, and how well every scene is solved.
+// Tables of RESULTS.md: what each scheme makes of the same work on the same orbit, and how well every scene is solved.
 // Printed before the benchmarks.
 #include <cmath>
 #include <cstdio>
@@ -51,15 +51,16 @@ void scenes() {
     }
     std::printf("|\n");
   }
-  std::printf("\n");
 }
 
 }  // namespace
 
 void bench::choice() {
   constexpr double budget = 200'000;  // force evaluations
-  std::printf("Kepler, e = 0.6, 100 periods, the step chosen so that each scheme spends about %.0f force evaluations\n",
-              budget);
+  bench::heading("Equal work");
+  std::printf(
+      "Kepler, e = 0.6, 100 periods, the step chosen so that each scheme spends about %.0f force evaluations.\n\n",
+      budget);
   std::printf(
       "| scheme | composition | step | force evaluations | ms | error at the end | max. energy error | energy drift "
       "over the run |\n|---|---|---|---|---|---|---|---|\n");
@@ -86,6 +87,9 @@ void bench::choice() {
                 static_cast<long long>(result.outcome.cost.force_evaluations), ms, runs::number(d, "error/final"),
                 runs::number(d, "energy/max_abs_error"), runs::number(d, "energy/drift_per_time") * request.end);
   }
-  std::printf("\nEvery scene at its default start, span and step: the largest error along the run\n");
+  bench::heading("Every scene");
+  std::printf(
+      "At its default start, span and step: the largest error along the run, against a closed form or a run in quad\n"
+      "precision, as max |Δ| / max(1, |state|). A chaotic scene's states mean nothing after a while.\n\n");
   scenes();
 }

@@ -98,14 +98,14 @@ const bool registered = [] {
   ours("contact/damped", damped);
   ours("contact/damped with s", with_action(damped));
   bench::compare("contact_leapfrog damped_oscillator, by hand", "contact/damped", "hand/damped", 1.05);
-  bench::compare("  with s, without", "contact/damped with s", "contact/damped", 0);
+  bench::compare("… with s, without", "contact/damped with s", "contact/damped", 0);
 
   const least::Request kepler = bare("perturbed_kepler", "contact_splitting", 0.01);
   ours("contact/perturbed_kepler", kepler);
   ours("contact/perturbed_kepler with s", with_action(kepler));
   bench::compare("contact_splitting perturbed_kepler, by hand", "contact/perturbed_kepler", "hand/perturbed_kepler",
                  1.05);
-  bench::compare("  with s, without", "contact/perturbed_kepler with s", "contact/perturbed_kepler", 0);
+  bench::compare("… with s, without", "contact/perturbed_kepler with s", "contact/perturbed_kepler", 0);
 
   const double pi = std::acos(-1.0);
   for (const std::string scheme : {"contact_splitting", "contact_leapfrog"}) {

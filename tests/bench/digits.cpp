@@ -281,10 +281,12 @@ Request scene(std::string_view problem, double end) {
 }  // namespace
 
 void bench::digits() {
+  bench::heading("What a digit costs");
   std::printf(
-      "\nWhat a digit costs: force evaluations and time of a run whose largest error at 64 times along it is "
-      "at most so much, by our fastest scheme and by those of Boost.Odeint and GSL, each at the coarsest "
-      "setting that reaches it and keeps it when refined. –: reached at none\n"
+      "Force evaluations and time of a run whose largest error at 64 times along it is at most so much, by our "
+      "fastest\n"
+      "scheme and by those of Boost.Odeint and GSL, each at the coarsest setting that reaches it and keeps it when\n"
+      "refined. –: reached at none.\n\n"
       "| scene | error | ours | forces | µs | `fehlberg_78`: forces | µs | `dormand_prince_5`: µs | GSL rk8pd: µs | "
       "best peer / ours |\n|---|---|---|---|---|---|---|---|---|---|\n");
   const double pi = std::acos(-1.0);

@@ -13,10 +13,9 @@
 #include "core/run/request.hpp"
 #include "core/study/conditioning.hpp"
 #include "core/study/study.hpp"
+#include "least_version.hpp"
 
 namespace least {
-
-inline constexpr std::string_view version = "0.1.0";
 
 /// Cards, sorted by id (problems) and in the order of the scheme list (schemes).
 std::span<const ProblemCard> problems();

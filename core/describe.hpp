@@ -28,83 +28,101 @@ enum class Kind { number, integer, choice, flag };
 
 /// A parameter of a problem or a scheme.
 struct ParameterCard {
-  std::string_view name, symbol, unit, doc;
+  std::string name, symbol, unit, doc;
   Kind kind = Kind::number;
   double value = 0;  ///< the default
   Range range{0, 0};
-  std::span<const std::string_view> choices{};  ///< names by index, for Kind::choice
-  std::string_view suggested{};  ///< not empty: the default is the problem's suggestion of this name, where it has one
+  std::vector<std::string> choices{};  ///< names by index, for Kind::choice
+  std::string suggested{};  ///< not empty: the default is the problem's suggestion of this name, where it has one
   bool nullable = false;
-  std::string_view word{};  ///< what stands for NaN where it is nullable; empty: null
+  std::string word{};  ///< what stands for NaN where it is nullable; empty: null
 };
 
 struct VariableCard {
-  std::string_view name, symbol, unit, doc;
+  std::string name, symbol, unit, doc;
   double value;           ///< the default start; NaN: follows from the others
   bool optional = false;  ///< not part of the motion: carried along where it is asked for
 };
 
-/// A quantity that can be asked for as a column.
+/// A quantity of the problem's own.
 struct QuantityCard {
-  std::string_view name, symbol, doc;
+  std::string name, symbol, doc;
 };
 
-using NamedValue = std::pair<std::string_view, double>;
+/// What can be asked for as a column.
+struct ColumnCard {
+  std::string name;
+  bool by_default = false;           ///< kept where a request says nothing
+  bool full_state = false;           ///< a run that keeps it carries more than the motion needs
+  bool nullable = false;             ///< it may be unknown at a state
+  std::vector<std::string> words{};  ///< what its numbers stand for, by value, where they are codes
+};
+
+/// What can be asked for as a diagnostic.
+struct DiagnosticCard {
+  std::string_view name, doc;
+  bool by_default = false;  ///< reported where a request says nothing
+  bool full_state = false;  ///< a run that is asked for it carries more than the motion needs
+};
+
+using NamedValue = std::pair<std::string, double>;
 
 /// A named set of parameters and start values; keys that stand in a request win over it.
 struct PresetCard {
-  std::string_view name{}, doc{};
+  std::string name{}, doc{};
   std::vector<NamedValue> parameters{}, initial{};  ///< `t` among the start's: the start time
   std::vector<NamedValue> suggested{};              ///< wins over the problem's own suggestions
   double span = 0;                                  ///< default length of a run; 0: the problem's own
 };
 
 struct ProblemCard {
-  std::string_view id{}, title{}, summary{}, formula{};  ///< formula: MathML
+  std::string id{}, title{}, summary{}, formula{};  ///< formula: MathML
   std::vector<VariableCard> variables{};
   std::vector<ParameterCard> parameters{};  ///< filled in from the description
   double span = 0;                          ///< default length of a run in time
   std::vector<NamedValue> suggested{};
   std::vector<PresetCard> presets{};
-  std::vector<QuantityCard> invariants{};       ///< conserved by the exact motion, besides the energy
-  std::vector<QuantityCard> quantities{};       ///< not conserved
-  bool keeps_energy = false;                    ///< the exact motion conserves the energy; derived
-  std::vector<std::string_view> columns{};      ///< every column that can be asked for, `t` first; derived
-  std::vector<std::string_view> diagnostics{};  ///< every diagnostic that can be asked for; derived
-  std::vector<std::size_t> schemes{};           ///< indices of the schemes that apply; derived
-  std::vector<std::string_view> references{};
-  /// Where a run begins that names a time near a singular start but no state; derived, may be null.
-  std::optional<std::vector<double>> (*regular_start)(std::span<const double> parameters, double t) = nullptr;
-  std::string offers{};  ///< what its mechanics can offer to a scheme, in words; derived
+  std::vector<QuantityCard> invariants{};  ///< conserved by the exact motion, besides the energy
+  std::vector<QuantityCard> quantities{};  ///< not conserved
+  std::vector<std::string> references{};
+  // Derived from the mechanics:
+  bool keeps_energy = false;                  ///< the exact motion conserves the energy
+  bool keeps_form = false;                    ///< it keeps the symplectic or the contact form
+  std::vector<ColumnCard> columns{};          ///< every column that can be asked for, `t` first
+  std::vector<DiagnosticCard> diagnostics{};  ///< every diagnostic that can be asked for
+  std::vector<std::size_t> schemes{};         ///< indices of the schemes that apply
+  std::string offers{};                       ///< what its mechanics can offer to a scheme, in words
 };
 
 /// A named set of a scheme's parameters; keys that stand in a request win over it, it wins over what a problem
 /// suggests.
 struct SchemePresetCard {
-  std::string_view name{}, doc{};
+  std::string name{}, doc{};
   std::vector<NamedValue> settings{};
 };
 
 /// Settings that each are allowed and do not go together, or not with the problem.
 struct Conflict {
-  std::string_view parameter{};  ///< the one to change
+  std::string parameter{};  ///< the one to change
   std::string detail{}, allowed{};
 };
 
 struct SchemeCard {
-  std::string_view id{}, title{}, summary{};
-  std::vector<std::pair<std::string_view, int>>
-      orders{};  ///< by composition; one entry with an empty name: no composition
+  std::string id{}, title{}, summary{};
+  std::vector<std::pair<std::string, int>> orders{};  ///< by composition; one entry without a name: no composition
   bool implicit = false, symmetric = false;
-  std::string_view structure{};             ///< symplectic | contact | none
+  std::string structure{};                  ///< symplectic | contact | none
   std::vector<ParameterCard> parameters{};  ///< filled in from the description
-  std::string_view recommended{};           ///< the recommended composition, or empty
+  std::string recommended{};                ///< the recommended composition, or empty
   std::vector<SchemePresetCard> presets{};
   bool own_clock = false;  ///< its steps are not steps of time, or of any length; derived
   /// What speaks against these settings on this problem; derived, may be null.
   std::vector<Conflict> (*conflicts)(std::span<const double> settings, const ProblemCard& problem) = nullptr;
-  std::string_view good_for{}, fails_when{}, needs{};
-  std::vector<std::string_view> references{};
+  std::string good_for{}, fails_when{}, needs{};
+  std::vector<std::string> references{};
+
+  /// The position of a parameter.
+  std::optional<std::size_t> find(std::string_view parameter) const;
 };
 
 /// One parameter of the aggregate C: where its value lives and what may stand there. Its default is that of C{}.
@@ -123,17 +141,17 @@ struct Field {
                           : std::is_same_v<M, int> ? Kind::integer
                           : std::is_enum_v<M>      ? Kind::choice
                                                    : Kind::number;
-    return {name,
-            symbol,
-            unit,
-            doc,
-            choices.empty() ? kind : Kind::choice,
-            static_cast<double>(C{}.*member),
-            range,
-            choices,
-            suggested,
-            !absent.empty(),
-            absent == "null" ? std::string_view() : absent};
+    return {.name = std::string(name),
+            .symbol = std::string(symbol),
+            .unit = std::string(unit),
+            .doc = std::string(doc),
+            .kind = choices.empty() ? kind : Kind::choice,
+            .value = static_cast<double>(C{}.*member),
+            .range = range,
+            .choices = {choices.begin(), choices.end()},
+            .suggested = std::string(suggested),
+            .nullable = !absent.empty(),
+            .word = std::string(absent == "null" ? std::string_view() : absent)};
   }
   /// Sets the member from a value that the card allows.
   void set(C& c, double value) const { c.*member = static_cast<M>(value); }

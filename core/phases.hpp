@@ -14,8 +14,18 @@ namespace least {
 
 template <class P>
 concept Periodic = HasPhases<P> && requires(const P& m) {
+  m.period();
+};
+/// Each lane of its parameters has a period of its own.
+template <class P>
+concept PeriodicInLanes = Periodic<P> && !requires(const P& m) {
   { m.period() } -> std::convertible_to<double>;
 };
+
+namespace phases {
+inline constexpr double most_entries = 4096;
+inline constexpr double slack = 8 * std::numeric_limits<double>::epsilon();  ///< of a period that is a number of steps
+}  // namespace phases
 
 /// Entries (a phase, or a phase and what follows from it) at the given nodes (fractions of the step) of one step after
 /// the other. What is asked for out of turn, or with another step, is made. A value; copies share the table.
@@ -27,9 +37,8 @@ class PhaseClock {
   PhaseClock(const P& problem, const S& start, double step, std::span<const S> nodes, Make&& make) {
     if constexpr (tabulates) {
       const double period = problem.period(), steps = std::round(period / step);
-      constexpr double most = 4096, slack = 8 * std::numeric_limits<double>::epsilon();
-      if (!(steps >= 1 && steps * static_cast<double>(nodes.size()) <= most)) return;
-      if (!(std::abs(steps * step - period) <= slack * period)) return;
+      if (!(steps >= 1 && steps * static_cast<double>(nodes.size()) <= phases::most_entries)) return;
+      if (!(std::abs(steps * step - period) <= phases::slack * period)) return;
       auto table = std::make_shared<std::vector<Entry>>();
       for (double n = 0; n < steps; ++n)
         for (std::size_t i = 0; i < nodes.size(); ++i) table->push_back(make(i, start + (n + nodes[i]) * step));
@@ -51,12 +60,12 @@ class PhaseClock {
       }
     }
   }
-  /// The i-th node's entry of this step: the table's, else make().
+  /// The i-th node's entry of this step: the table's, else make(t), t being the node's time.
   template <class Make>
-  Entry at(std::size_t i, Make&& make) const {
+  Entry at(std::size_t i, const S& t, Make&& make) const {
     if constexpr (tabulates)
       if (tabled_) return (*table_)[row_ + i];
-    return make();
+    return make(t);
   }
 
  private:
@@ -76,9 +85,51 @@ requires(!Periodic<P>) class PhaseClock<Entry, P, S> {
   PhaseClock(const P&, const S&, double, std::span<const S>, Make&&) {}
   void begin(const S&, const S&) noexcept {}
   template <class Make>
-  Entry at(std::size_t, Make&& make) const {
-    return make();
+  Entry at(std::size_t, const S& t, Make&& make) const {
+    return make(t);
   }
+};
+
+/// Lanes that repeat, each in its own way: nothing is tabulated, but a lane that alone would have a table is taken at
+/// the times of that table, so that it has the bits of a lone run.
+template <class Entry, PeriodicInLanes P, class S>
+requires std::is_same_v<S, double>
+class PhaseClock<Entry, P, S> {
+ public:
+  template <class Make>
+  PhaseClock(const P& problem, double start, double step, std::span<const double> nodes, Make&&)
+      : start_(start), step_(step), expected_(start), nodes_(nodes) {
+    using least::abs;
+    using least::floor;
+    const R period = problem.period();
+    steps_ = floor(period / step + 0.5);
+    tables_ = (steps_ >= R(1)) & (steps_ * static_cast<double>(nodes.size()) <= R(phases::most_entries)) &
+              (abs(steps_ * step - period) <= phases::slack * period);
+  }
+
+  void begin(double t, double h) noexcept {
+    using least::select;
+    in_turn_ = h == step_ && std::abs(t - expected_) <= 1e-9 * h;
+    if (!in_turn_) return;
+    row_ = next_;
+    next_ = select(row_ + 1 < steps_, R(row_ + 1), R(0));
+    expected_ = t + h;
+  }
+  template <class Make>
+  Entry at(std::size_t i, double t, Make&& make) const {
+    using least::select;
+    if (!in_turn_) return make(t);
+    return make(select(tables_, R(start_ + (row_ + nodes_[i]) * step_), R(t)));
+  }
+
+ private:
+  using R = std::remove_cvref_t<decltype(std::declval<const P&>().period())>;
+
+  double start_, step_, expected_;
+  std::span<const double> nodes_;
+  R steps_{}, row_{0}, next_{0};
+  std::remove_cvref_t<decltype(R{} < R{})> tables_{};
+  bool in_turn_ = false;
 };
 
 }  // namespace least

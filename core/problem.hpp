@@ -1,10 +1,12 @@
 // What a problem can offer, as concepts, and the mechanics that follows from it.
 //
-// A problem is `template <class R = double> struct X` holding its parameters and nothing else. It states its mechanics
-// once, generic in the number T of the state and S of time. Every problem is one of three:
+// A problem is `template <class R = double> struct X` in namespace least::problems, holding its parameters and nothing
+// else: numbers R, which may be lanes or dual numbers too, and enumerations for choices. It states its mechanics once,
+// generic in R, the number T of the state and S of time. What depends on a choice may branch; what depends on a number
+// goes through select or either. Every problem is one of three:
 //
 // Mechanical, `dof` degrees of freedom:
-//   potential(q, t)       V, the primary form
+//   potential(q, t)       V, the primary form; whether it depends on the time the compiler finds (`Autonomous`)
 //   inverse_mass()        diagonal of g⁻¹ where the constant kinetic metric g is not the identity
 //   metric(q)             g(q), symmetric and positive definite, where it depends on the configuration
 //   gradient(q, t)        ∇V by hand, where that pays (a law checks it against the potential)
@@ -33,6 +35,7 @@
 #include <concepts>
 #include <type_traits>
 
+#include "core/number/dependence.hpp"
 #include "core/number/dual.hpp"
 #include "core/state.hpp"
 
@@ -86,22 +89,56 @@ concept Separable = Conservative<P> && !ConfigurationMetric<P>;
 template <class P>
 concept SeparableContact = Contact<P> && !ConfigurationMetric<P>;
 
-/// One of the parts a field is split into.
-template <int I>
-using Piece = std::integral_constant<int, I>;
 template <class P>
 concept Flow = requires(const P& m, const Vec<P::dim>& y) {
   { m.field(y, phase(m, 0.0)) } -> std::same_as<Vec<P::dim>>;
-};
-/// A flow that is a sum of parts with exact flows.
-template <class P>
-concept SplitFlow = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
-  { m.flow(Piece<P::pieces - 1>{}, y, 0.0, phase(m, 0.0)) } -> std::same_as<Vec<P::dim>>;
 };
 /// Has equations of motion ẏ = f(t, y).
 template <class P>
 concept VectorField = Potential<P> || Flow<P>;
 
+namespace detail {
+/// The problem with parameters that are doubles.
+template <class P>
+struct InDoubles {
+  using type = P;
+};
+template <template <class> class P, class R>
+struct InDoubles<P<R>> {
+  using type = P<double>;
+};
+/// Whether the mechanics of P, evaluated at a time and a state that the time has not touched, is touched by it.
+template <class P>
+constexpr bool reads_time() {
+  const typename InDoubles<P>::type m{};
+  const auto f = phase(m, Dependence::on_time());
+  Dependence seen;
+  if constexpr (Potential<P>) {
+    const Vec<P::dof, Dependence> q{};
+    seen = m.potential(q, f);
+    if constexpr (requires { m.gradient(q, f); })
+      for (const Dependence& slope : m.gradient(q, f)) seen = seen | slope;
+    if constexpr (LinearContact<P> && !ConstantDamping<P>) seen = seen | m.damping(f);
+  } else {
+    for (const Dependence& rate : m.field(Vec<P::dim, Dependence>{}, f)) seen = seen | rate;
+  }
+  return seen.touched;
+}
+}  // namespace detail
+
+/// The equations of motion do not depend on the time: nobody has to say so, the compiler looks. Whether they do is a
+/// matter of their form, not of their parameters: a drive of amplitude 0 is one.
+template <class P>
+concept Autonomous = VectorField<P> && !detail::reads_time<P>();
+
+/// One of the parts a field is split into.
+template <int I>
+using Piece = std::integral_constant<int, I>;
+/// A flow that is a sum of parts with exact flows.
+template <class P>
+concept SplitFlow = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
+  { m.flow(Piece<P::pieces - 1>{}, y, 0.0, phase(m, 0.0)) } -> std::same_as<Vec<P::dim>>;
+};
 namespace detail {
 template <class P, class T, class S, bool Full>
 struct StateFor;
@@ -161,7 +198,7 @@ concept HasEnergy = Potential<P> || requires(const P& m, const Vec<P::dim>& y) {
 };
 /// The exact motion keeps the energy.
 template <class P>
-concept KeepsEnergy = Conservative<P> || requires {
+concept KeepsEnergy = (Conservative<P> && Autonomous<P>) || requires {
   requires P::keeps_energy;
 };
 
@@ -225,6 +262,14 @@ constexpr Vec<P::dof, T> gradient(const P& m, const Vec<P::dof, T>& q, const F& 
     return m.potential(seed<P::dof, T>(q), f).slope;
   }
 }
+
+/// V and ∇V at q of a scene where they are the same at all times.
+template <Potential P, class T>
+requires Autonomous<P>
+constexpr T potential(const P& m, const Vec<P::dof, T>& q) { return m.potential(q, phase(m, 0.0)); }
+template <Potential P, class T>
+requires Autonomous<P>
+constexpr Vec<P::dof, T> gradient(const P& m, const Vec<P::dof, T>& q) { return gradient(m, q, phase(m, 0.0)); }
 
 /// v = g⁻¹ p
 template <Potential P, class T>

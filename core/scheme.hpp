@@ -1,7 +1,8 @@
 // What a scheme is: a value with its parameters, able to bind itself to a problem that offers what it needs.
 //   scheme.bind(problem, x) → stepper       constrained by the concept the scheme asks for; evaluates at x what the
 //                                           first step re-uses (a force)
-//   stepper.step(x, h) noexcept → Status    one attempt: x.q and x.p move by h; x.t is read, the clock is the driver's
+//   stepper.step(x, h) noexcept → Status    one attempt: x.q and x.p move by h; x.t is read, the clock is the driver's;
+//                                           of a state in lanes StatusOf<Number>, one for each lane
 //   stepper.work()                          what it cost so far, exactly
 // A stepper is a value: copy it with the state to try a step and take it back. What it keeps between steps depends on
 // the state alone, so steps from a copy have the same bits.
@@ -21,6 +22,23 @@
 
 namespace least {
 
+template <class T, int K>
+struct StatusFor<Dual<T, K>> : StatusFor<T> {};
+
+/// Ends a step of which something went well: what it made replaces what was there, except in lanes that failed.
+template <class X, class M>
+constexpr void take(X& x, const X& made, const M& good) {
+  if constexpr (std::is_same_v<M, bool>) {
+    x = made;
+  } else {
+    for (std::size_t i = 0; i < X::size; ++i) x[i] = select(good, made[i], x[i]);
+  }
+}
+template <class T, std::size_t N, class M>
+constexpr void take(std::array<T, N>& x, const std::array<T, N>& made, const M& good) {
+  for (std::size_t i = 0; i < N; ++i) x[i] = select(good, made[i], x[i]);
+}
+
 template <class S, class P, class X>
 using StepperOf = decltype(std::declval<const S&>().bind(std::declval<const P&>(), std::declval<const X&>()));
 
@@ -28,7 +46,7 @@ using StepperOf = decltype(std::declval<const S&>().bind(std::declval<const P&>(
 template <class S, class P, class X = StateOf<P>>
 concept SchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const typename X::Time& h) {
   { stepper.step(x, h) }
-  noexcept->std::same_as<Status>;
+  noexcept->std::convertible_to<StatusOf<typename X::Number>>;
   { stepper.work() } -> std::convertible_to<Work>;
 };
 
@@ -78,8 +96,8 @@ constexpr Field<C, Composition> composition_field() {
 }
 
 /// Orders by composition for a symmetric base: the composition's, or the base's own where that is higher.
-inline std::vector<std::pair<std::string_view, int>> orders_from(int base) {
-  std::vector<std::pair<std::string_view, int>> orders;
+inline std::vector<std::pair<std::string, int>> orders_from(int base) {
+  std::vector<std::pair<std::string, int>> orders;
   for (std::size_t i = 0; i < compositions::names.size(); ++i)
     orders.emplace_back(compositions::names[i], std::max(base, compositions::orders[i]));
   return orders;

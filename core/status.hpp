@@ -38,6 +38,26 @@ constexpr std::string_view name(Reason reason) {
 /// `underflow`: the steps of a scheme that sets its own clock became too small to go on.
 enum class Status : std::uint8_t { ok, solver_failed, singular, underflow };
 
+/// What a step says whose state is made of T. A number with lanes brings a status for each of them, made from one for
+/// all, with `all_failed` and `succeeded` beside it, so that a lane that fails does not fail the others.
+template <class T>
+struct StatusFor {
+  using type = Status;
+};
+template <class T>
+using StatusOf = typename StatusFor<T>::type;
+
+/// Where the mask says so, a step that went well so far has failed. True: there is nothing left that goes on, and the
+/// step has to end.
+constexpr bool all_failed(Status& status, bool where, Status why) {
+  if (where) [[unlikely]] {
+    status = why;
+    return true;
+  }
+  return false;
+}
+constexpr bool succeeded(Status status) { return status == Status::ok; }
+
 /// The work of a run, counted exactly: a force evaluation is one evaluation of the potential (where a step depends on
 /// it), of its derivatives, of the Lagrangian's or of the vector field at one point, in whatever number; an iteration
 /// is one update of an implicit step's solver.

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/http/accept.hpp"
 
@@ -37,6 +37,6 @@ Reason end_of(const CancellationWatch& watch) {
   return watch.timed_out() ? Reason::deadline : Reason::cancelled;
 }
 
-Cards catalogue_cards() { return {problems(), schemes()}; }
+Cards catalogue_cards() { return {problem_list(), schemes()}; }
 
 }  // namespace least::server

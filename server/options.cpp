@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 
 namespace least::server {
 namespace {

@@ -1,6 +1,6 @@
 #include "server/simulate.hpp"
 
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "server/decode/field_reader.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/http/cancellation.hpp"
@@ -8,13 +8,13 @@
 namespace least::server {
 namespace {
 
-Answer run_and_encode(const Context& context, const HttpRequest& request, const Form& form, const Request& scene,
+Answer run_and_encode(const Context& context, const HttpRequest& question, const Form& form, const Request& request,
                       const AdviceWithCards* choice) {
   Samples samples;
-  const CancellationWatch watch(context.cancelled, request.gone);
-  const Outcome outcome = run(scene, samples, watch.cancelled());
-  const Cards& cards = context.cards;
-  return form.encode({scene, cards.problems[scene.problem], cards.schemes[scene.scheme], outcome, samples, choice});
+  const Mechanics& mechanics = *request.scene->mechanics;
+  const CancellationWatch watch(context.cancelled, question.gone);
+  const Outcome outcome = mechanics.run(request, samples, watch.cancelled());
+  return form.encode({request, mechanics.card(), context.cards.schemes[request.scheme], outcome, samples, choice});
 }
 
 // Why there is nothing to run.

@@ -176,6 +176,11 @@ constexpr Dual<T, K> abs(const Dual<T, K>& x) {
   return select(x.value < T(0), -x, x);
 }
 template <class T, int K>
+constexpr Dual<T, K> floor(const Dual<T, K>& x) {
+  using least::floor;
+  return Dual<T, K>(floor(x.value));
+}
+template <class T, int K>
 auto isfinite(const Dual<T, K>& x) {
   using least::isfinite;
   return isfinite(x.value);

@@ -22,53 +22,43 @@ struct Eigen::NumTraits<least::Quad> : Eigen::GenericNumTraits<least::Quad> {
 namespace least {
 namespace {
 
-constexpr int largest = 9;
+template <class T, int N>
+using Square = Eigen::Matrix<T, N, N, Eigen::RowMajor, N == Eigen::Dynamic ? largest_system : N,
+                             N == Eigen::Dynamic ? largest_system : N>;
+template <class T, int N>
+using Column = Eigen::Matrix<T, N, 1, 0, N == Eigen::Dynamic ? largest_system : N, 1>;
 
-template <class T, int N, int most = N>
-using Square = Eigen::Matrix<T, N, N, Eigen::RowMajor, most, most>;
-template <class T, int N, int most = N>
-using Column = Eigen::Matrix<T, N, 1, 0, most, 1>;
+/// The decomposition takes the place of `a`: what is as large as a system can be is only its list of pivots.
+template <int N, class T>
+void solve(std::size_t n, T* a, const T* b, T* x) {
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::Map<Square<T, N>> rows(a, size, size);
+  const Eigen::PartialPivLU<Eigen::Ref<Square<T, N>>> lu(rows);
+  Eigen::Map<Column<T, N>>(x, size) = lu.solve(Eigen::Map<const Column<T, N>>(b, size));
+}
 
 }  // namespace
 
 template <class T>
-template <std::size_t N>
-std::array<T, N> LinearSolver<T>::by_lu(const std::array<std::array<T, N>, N>& a, const std::array<T, N>& b) {
+void detail::solve_by_lu(std::size_t n, T* a, const T* b, T* x) {
   // A size that is fixed saves up to 50 ns and takes two seconds of compilation: for the smallest and most frequent.
-  constexpr bool fixed = std::is_same_v<T, double> && N <= 4;
-  constexpr int size = fixed ? int(N) : Eigen::Dynamic, most = fixed ? int(N) : largest;
-  using Rows = Square<T, size, most>;
-  using Values = Column<T, size, most>;
-  std::array<T, N> x;
-  Eigen::Map<Values>(x.data(), N) =
-      Eigen::Map<const Rows>(a[0].data(), N, N).partialPivLu().solve(Eigen::Map<const Values>(b.data(), N));
-  return x;
+  if constexpr (std::is_same_v<T, double>) {
+    if (n == 2) return solve<2>(n, a, b, x);
+    if (n == 3) return solve<3>(n, a, b, x);
+    if (n == 4) return solve<4>(n, a, b, x);
+  }
+  solve<Eigen::Dynamic>(n, a, b, x);
 }
-
-template <std::size_t N>
-double determinant(const std::array<std::array<double, N>, N>& a) {
-  return Eigen::Map<const Square<double, Eigen::Dynamic, largest>>(a[0].data(), N, N).partialPivLu().determinant();
-}
-template double determinant<3>(const std::array<std::array<double, 3>, 3>&);
-template double determinant<5>(const std::array<std::array<double, 5>, 5>&);
-template double determinant<7>(const std::array<std::array<double, 7>, 7>&);
-
-// Sizes and numbers that implicit schemes and their tests ask for.
-#define LEAST_SOLVE(T, N) \
-  template std::array<T, N> LinearSolver<T>::by_lu<N>(const std::array<std::array<T, N>, N>&, const std::array<T, N>&);
-#define LEAST_SOLVES(N) LEAST_SOLVE(double, N) LEAST_SOLVE(long double, N) LEAST_QUAD(N)
+template void detail::solve_by_lu(std::size_t, double*, const double*, double*);
+template void detail::solve_by_lu(std::size_t, long double*, const long double*, long double*);
 #if LDBL_MANT_DIG < 113
-#define LEAST_QUAD(N) LEAST_SOLVE(Quad, N)
-#else
-#define LEAST_QUAD(N)
+template void detail::solve_by_lu(std::size_t, Quad*, const Quad*, Quad*);
 #endif
-LEAST_SOLVES(2)
-LEAST_SOLVES(3)
-LEAST_SOLVES(4)
-LEAST_SOLVES(5)
-LEAST_SOLVES(6)
-LEAST_SOLVES(7)
-LEAST_SOLVES(8)
-LEAST_SOLVES(9)
+
+double detail::determinant_by_lu(std::size_t n, double* a) {
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::Map<Square<double, Eigen::Dynamic>> rows(a, size, size);
+  return Eigen::PartialPivLU<Eigen::Ref<Square<double, Eigen::Dynamic>>>(rows).determinant();
+}
 
 }  // namespace least

@@ -1,5 +1,5 @@
 // Small dense linear systems. The solve is a primitive of the number, like sqrt: scalars hand it to Eigen, which
-// linear.cpp alone sees, dual numbers differentiate it, lanes take it lane by lane.
+// linear.cpp alone sees, dual numbers differentiate it, lanes take it lane by lane. Of any size up to the largest.
 #pragma once
 
 #include <array>
@@ -7,6 +7,26 @@
 #include "core/number/dual.hpp"
 
 namespace least {
+
+/// The most equations of one system, so that none allocates. The most that a scheme asks for is contact_gauss with
+/// three stages, 3 (n + 2) for n degrees of freedom: 30 for 8, 60 for 18.
+inline constexpr int largest_system = 64;
+
+namespace detail {
+
+/// x with A x = b, for double, long double and Quad. A, row by row, is spoilt; x is none of the others.
+template <class T>
+void solve_by_lu(std::size_t n, T* a, const T* b, T* x);
+/// Of A, row by row, which is spoilt.
+double determinant_by_lu(std::size_t n, double* a);
+
+template <std::size_t N>
+constexpr void fits_the_largest_system() {
+  static_assert(N <= std::size_t(largest_system),
+                "more equations than `largest_system` in core/number/linear.hpp: raise it");
+}
+
+}  // namespace detail
 
 /// solve(A, b): x with A x = b, rows of A first. A singular A gives numbers that are not finite, never an error. A
 /// number that is no scalar specialises it.
@@ -17,14 +37,13 @@ struct LinearSolver {
     if constexpr (N == 1) {
       return {b[0] / a[0][0]};
     } else {
-      return by_lu(a, b);
+      detail::fits_the_largest_system<N>();
+      auto lu = a;
+      std::array<T, N> x;
+      detail::solve_by_lu(N, lu[0].data(), b.data(), x.data());
+      return x;
     }
   }
-
- private:
-  /// For double, long double and Quad, N from 2 to 9: linear.cpp lists them.
-  template <std::size_t N>
-  static std::array<T, N> by_lu(const std::array<std::array<T, N>, N>& a, const std::array<T, N>& b);
 };
 
 /// A x = b differentiated: A x′ = b′ − A′x.
@@ -54,8 +73,11 @@ struct LinearSolver<Dual<T, K>> {
   }
 };
 
-/// For N = 3, 5 or 7, the sizes of a contact state.
 template <std::size_t N>
-double determinant(const std::array<std::array<double, N>, N>& a);
+double determinant(const std::array<std::array<double, N>, N>& a) {
+  detail::fits_the_largest_system<N>();
+  auto lu = a;
+  return detail::determinant_by_lu(N, lu[0].data());
+}
 
 }  // namespace least

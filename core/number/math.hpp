@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace least {
@@ -54,6 +55,15 @@ constexpr T select(bool mask, const T& yes, const T& no) {
 }
 constexpr bool any(bool mask) { return mask; }
 constexpr bool all(bool mask) { return mask; }
+/// The choice between yes() and no() where they are dear: a bool computes one of them, a mask of lanes both.
+template <class M, class F, class G>
+constexpr auto either(const M& mask, F&& yes, G&& no) {
+  if constexpr (std::is_same_v<M, bool>) {
+    return mask ? yes() : no();
+  } else {
+    return select(mask, yes(), no());
+  }
+}
 
 /// φ₁(z) = (eᶻ − 1)/z, 1 at 0. For any number; scalars the compiler knows have it to the last digit or two.
 /// Source: Hochbruck & Ostermann, Acta Numerica 19, 209 (2010), 2.1.

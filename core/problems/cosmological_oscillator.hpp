@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct CosmologicalOscillator {
@@ -30,9 +30,13 @@ struct CosmologicalOscillator {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<CosmologicalOscillator> {
-  using P = CosmologicalOscillator<>;
+struct About<problems::CosmologicalOscillator> {
+  using P = problems::CosmologicalOscillator<>;
   static constexpr std::tuple fields{
       Field<P>{"gamma", "γ", "1", "how strongly s brakes", &P::gamma, {0, 1e3}},
       Field<P>{"R", "R", "1", "what feeds s: a constant energy density", &P::source, {-1e3, 1e3}},

@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct DampedOscillator {
@@ -55,9 +55,13 @@ struct DampedOscillator {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<DampedOscillator> {
-  using P = DampedOscillator<>;
+struct About<problems::DampedOscillator> {
+  using P = problems::DampedOscillator<>;
   static constexpr std::tuple fields{
       Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e6, true}},
       Field<P>{"damping", "α", "1/time", "friction per momentum; below 0 it drives", &P::alpha, {-1e3, 1e3}},

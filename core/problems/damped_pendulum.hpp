@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct DampedPendulum {
@@ -32,9 +32,13 @@ struct DampedPendulum {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<DampedPendulum> {
-  using P = DampedPendulum<>;
+struct About<problems::DampedPendulum> {
+  using P = problems::DampedPendulum<>;
   static constexpr std::tuple fields{
       Field<P>{"gravity", "g", "length/time²", "gravitational acceleration", &P::gravity, {0, 1e6, true}},
       Field<P>{"length", "l", "length", "length of the rod", &P::length, {1e-6, 1e6}},

@@ -7,7 +7,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct DoublePendulum {
@@ -28,9 +28,13 @@ struct DoublePendulum {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<DoublePendulum> {
-  using P = DoublePendulum<>;
+struct About<problems::DoublePendulum> {
+  using P = problems::DoublePendulum<>;
   static constexpr Range positive{1e-9, 1e9};
   static constexpr std::tuple fields{
       Field<P>{"m1", "m₁", "mass", "upper mass", &P::m1, positive},

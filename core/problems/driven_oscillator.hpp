@@ -7,7 +7,7 @@
 #include "core/problem.hpp"
 #include "core/problems/damped_oscillator.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct DrivenOscillator {
@@ -73,9 +73,13 @@ struct DrivenOscillator {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<DrivenOscillator> {
-  using P = DrivenOscillator<>;
+struct About<problems::DrivenOscillator> {
+  using P = problems::DrivenOscillator<>;
   static constexpr std::tuple fields{
       Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e6, true}},
       Field<P>{"damping", "α", "1/time", "friction per momentum", &P::alpha, {-1e3, 1e3}},

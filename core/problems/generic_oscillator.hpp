@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct GenericOscillator {
@@ -51,9 +51,13 @@ struct GenericOscillator {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<GenericOscillator> {
-  using P = GenericOscillator<>;
+struct About<problems::GenericOscillator> {
+  using P = problems::GenericOscillator<>;
   static constexpr std::tuple fields{
       Field<P>{"gamma", "γ", "1/time", "friction per momentum", &P::gamma, {0, 1e3}},
       Field<P>{"heat_capacity", "c", "1", "internal energy per temperature", &P::heat_capacity, {1e-6, 1e6}},

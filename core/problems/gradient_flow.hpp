@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct GradientFlow {
@@ -48,9 +48,13 @@ struct GradientFlow {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<GradientFlow> {
-  using P = GradientFlow<>;
+struct About<problems::GradientFlow> {
+  using P = problems::GradientFlow<>;
   static constexpr std::tuple fields{
       Field<P>{"a", "a", "1", "height of the wall between the wells, times 4", &P::a, {0, 1e3}},
       Field<P>{"b", "b", "1", "steepness across the wells", &P::b, {0, 1e3}},

@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct HarmonicOscillator {
@@ -41,9 +41,13 @@ struct HarmonicOscillator {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<HarmonicOscillator> {
-  using P = HarmonicOscillator<>;
+struct About<problems::HarmonicOscillator> {
+  using P = problems::HarmonicOscillator<>;
   static constexpr std::tuple fields{
       Field<P>{"mass", "m", "mass", "inertia of the body", &P::mass, {1e-30, 1e30}},
       Field<P>{"stiffness", "k", "mass/time²", "force per displacement", &P::stiffness, {1e-30, 1e30}},

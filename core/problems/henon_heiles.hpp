@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct HenonHeiles {
@@ -31,9 +31,13 @@ struct HenonHeiles {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<HenonHeiles> {
-  using P = HenonHeiles<>;
+struct About<problems::HenonHeiles> {
+  using P = problems::HenonHeiles<>;
   static constexpr std::tuple fields{
       Field<P>{"lambda", "λ", "1/length", "strength of the cubic coupling", &P::lambda, {-1e6, 1e6}},
   };

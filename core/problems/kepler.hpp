@@ -7,7 +7,7 @@
 #include "core/exact/two_body.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct Kepler {
@@ -51,9 +51,13 @@ struct Kepler {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<Kepler> {
-  using P = Kepler<>;
+struct About<problems::Kepler> {
+  using P = problems::Kepler<>;
   static constexpr std::tuple fields{
       Field<P>{"mu", "μ", "length³/time²", "gravitational parameter", &P::mu, {1e-30, 1e30}},
   };

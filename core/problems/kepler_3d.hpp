@@ -7,7 +7,7 @@
 #include "core/exact/two_body.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct Kepler3d {
@@ -56,9 +56,13 @@ struct Kepler3d {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<Kepler3d> {
-  using P = Kepler3d<>;
+struct About<problems::Kepler3d> {
+  using P = problems::Kepler3d<>;
   static constexpr std::tuple fields{
       Field<P>{"mu", "μ", "length³/time²", "gravitational parameter", &P::mu, {1e-30, 1e30}},
   };

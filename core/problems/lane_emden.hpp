@@ -3,43 +3,52 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 #include <tuple>
 
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
+
+/// What there is past the first zero of q: the end, the plain power, |q|^{n−1} q, or no force.
+enum class AfterZero : std::uint8_t { stop, continue_, signed_, clamp };
 
 template <class R = double>
 struct LaneEmden {
   R n{3};
-  R after_zero{0};  ///< index of About<LaneEmden>::after_zero
+  AfterZero after_zero = AfterZero::stop;
 
   static constexpr int dof = 1;
 
-  constexpr bool bounded() const { return after_zero < 0.5; }
-  constexpr bool continues() const { return after_zero > 0.5 && after_zero < 1.5; }
-  constexpr bool has_sign() const { return bounded() || (after_zero > 1.5 && after_zero < 2.5); }
+  constexpr bool bounded() const { return after_zero == AfterZero::stop; }
+  constexpr bool continues() const { return after_zero == AfterZero::continue_; }
+  /// Where the motion ends at the zero, steps look past it: as `signed_`, and for n = 0 straight on.
+  constexpr bool straight() const { return bounded() || continues(); }
 
-  /// Past the zero: |q|^{n+1}/(n+1), the plain power, or nothing.
   template <class T, class S>
   constexpr T potential(const Vec<1, T>& q, const S&) const {
     using least::abs;
     using least::pow;
     using least::select;
-    if (!(n > 0) && (bounded() || continues())) return q[0];
-    const T v = pow(continues() ? q[0] : abs(q[0]), n + 1.0) / (n + 1.0);
-    return continues() || has_sign() ? v : select(q[0] < T(0), T(0), v);
+    const auto power = [&] {
+      const T v = pow(continues() ? q[0] : abs(q[0]), n + 1.0) / (n + 1.0);
+      return after_zero == AfterZero::clamp ? select(q[0] < T(0), T(0), v) : v;
+    };
+    return straight() ? either(n > 0, power, [&] { return q[0]; }) : power();
   }
   template <class T, class S>
   constexpr Vec<1, T> gradient(const Vec<1, T>& q, const S&) const {
     using least::abs;
     using least::pow;
     using least::select;
-    if (!(n > 0) && (bounded() || continues())) return {T(1)};
-    const T w = !(n > 0) ? T(1) : T(pow(continues() ? q[0] : abs(q[0]), n));
-    return {continues() ? w : select(q[0] < T(0), has_sign() ? T(-w) : T(0), w)};
+    const auto past_zero = [&](const T& w) {
+      return continues() ? w : select(q[0] < T(0), after_zero == AfterZero::clamp ? T(0) : T(-w), w);
+    };
+    return {either(
+        n > 0, [&] { return past_zero(pow(continues() ? q[0] : abs(q[0]), n)); },
+        [&] { return straight() ? T(1) : past_zero(T(1)); })};
   }
   template <class S>
   constexpr auto damping(const S& t) const {
@@ -67,12 +76,12 @@ struct LaneEmden {
     for (std::size_t k = 0; k < last; ++k) {
       if (k > 0) {
         T sum(0);
-        for (std::size_t i = 1; i <= k; ++i) sum += (power * double(i) - double(k - i)) * (a[i] * c[k - i]);
+        for (std::size_t i = 1; i <= k; ++i) sum = sum + (power * double(i) - double(k - i)) * (a[i] * c[k - i]);
         c[k] = sum / double(k);
       }
       a[k + 1] = -c[k] / double((2 * k + 2) * (2 * k + 3));
-      for (std::size_t i = 0; i <= k; ++i) l[k] -= a[i] * c[k - i] / (power + 1.0);
-      for (std::size_t i = 1; i <= k; ++i) l[k] += 2.0 * double(i * (k + 1 - i)) * (a[i] * a[k + 1 - i]);
+      for (std::size_t i = 0; i <= k; ++i) l[k] = l[k] - a[i] * c[k - i] / (power + 1.0);
+      for (std::size_t i = 1; i <= k; ++i) l[k] = l[k] + 2.0 * double(i * (k + 1 - i)) * (a[i] * a[k + 1 - i]);
     }
     const S t2 = t * t;
     T q(0), p(0), s(0);
@@ -88,7 +97,7 @@ struct LaneEmden {
   template <class X>
   bool exact_applies(const X& x0) const {
     const bool regular = x0.t == 0 && x0.q[0] == 1 && x0.p[0] == 0;
-    return regular && (n == 5 || ((n == 0 || n == 1) && (bounded() || continues())));
+    return regular && (n == 5 || ((n == 0 || n == 1) && straight()));
   }
   template <class T, class S>
   State<1, T, S> exact(const State<1, T, S>&, const S& t) const {
@@ -114,20 +123,25 @@ struct LaneEmden {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<LaneEmden> {
-  using P = LaneEmden<>;
+struct About<problems::LaneEmden> {
+  using P = problems::LaneEmden<>;
   static constexpr std::array<std::string_view, 4> after_zero{"stop", "continue", "signed", "clamp"};
   static constexpr std::tuple fields{
       Field<P>{"n", "n", "1", "polytropic index: pressure as density to the power 1 + 1/n", &P::n, {0, 20}},
-      Field<P>{"after_zero",
-               "",
-               "",
-               "past the first zero of q: end there, go on with the plain power (whole n), with |q|^{n−1} q, or with "
-               "no force",
-               &P::after_zero,
-               {0, 3},
-               after_zero},
+      Field<P, problems::AfterZero>{
+          "after_zero",
+          "",
+          "",
+          "past the first zero of q: end there, go on with the plain power (whole n), with |q|^{n−1} q, or with "
+          "no force",
+          &P::after_zero,
+          {0, 3},
+          after_zero},
   };
   static ProblemCard card() {
     return {

@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct Lorenz {
@@ -37,9 +37,13 @@ struct Lorenz {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<Lorenz> {
-  using P = Lorenz<>;
+struct About<problems::Lorenz> {
+  using P = problems::Lorenz<>;
   static constexpr std::tuple fields{
       Field<P>{"sigma", "σ", "1", "Prandtl number: viscosity against conduction of heat", &P::sigma, {0, 1e3}},
       Field<P>{"rho", "ρ", "1", "Rayleigh number over its critical value: the heating", &P::rho, {-1e3, 1e3}},

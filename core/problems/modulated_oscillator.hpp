@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct ModulatedOscillator {
@@ -33,9 +33,13 @@ struct ModulatedOscillator {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<ModulatedOscillator> {
-  using P = ModulatedOscillator<>;
+struct About<problems::ModulatedOscillator> {
+  using P = problems::ModulatedOscillator<>;
   static constexpr std::tuple fields{
       Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e6, true}},
       Field<P>{"alpha", "a", "1/time", "amplitude of the friction", &P::alpha, {-1e3, 1e3}},

@@ -7,7 +7,7 @@
 #include "core/exact/jacobi.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct Pendulum {
@@ -70,9 +70,13 @@ State<1, T, S> Pendulum<R>::exact(const State<1, T, S>& x0, const S& t) const {
   return {t, {2 * (angle + 2 * pi * turns)}, {2 * omega * k * (rotates ? sign * d : c)}, {}};
 }
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<Pendulum> {
-  using P = Pendulum<>;
+struct About<problems::Pendulum> {
+  using P = problems::Pendulum<>;
   static constexpr std::tuple fields{
       Field<P>{"gravity", "g", "length/time²", "gravitational acceleration", &P::gravity, {1e-30, 1e30}},
       Field<P>{"length", "l", "length", "length of the rod", &P::length, {1e-30, 1e30}},

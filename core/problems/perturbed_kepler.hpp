@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct PerturbedKepler {
@@ -42,9 +42,13 @@ struct PerturbedKepler {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<PerturbedKepler> {
-  using P = PerturbedKepler<>;
+struct About<problems::PerturbedKepler> {
+  using P = problems::PerturbedKepler<>;
   static constexpr std::tuple fields{
       Field<P>{"gamma", "γ", "length³/time²", "strength of the centre; below 0 it attracts", &P::gamma, {-1e6, 1e6}},
       Field<P>{"alpha", "α", "1/time", "amplitude of the drag", &P::alpha, {-1e3, 1e3}},

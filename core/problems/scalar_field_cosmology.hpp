@@ -6,7 +6,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct ScalarFieldCosmology {
@@ -32,9 +32,13 @@ struct ScalarFieldCosmology {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<ScalarFieldCosmology> {
-  using P = ScalarFieldCosmology<>;
+struct About<problems::ScalarFieldCosmology> {
+  using P = problems::ScalarFieldCosmology<>;
   static constexpr std::tuple fields{
       Field<P>{"mass", "m", "1", "mass of the field", &P::mass, {0, 1e3}},
       Field<P>{"lambda", "λ", "1", "strength of its interaction with itself", &P::lambda, {0, 1e3}},

@@ -9,7 +9,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct SpinOrbit {
@@ -68,11 +68,13 @@ struct SpinOrbit {
     return both;
   }
   /// How often the phases repeat; 0: they do not.
-  constexpr double period() const {
-    const bool steady = !(lambda < 0) && !(lambda > 0);
-    for (int k = 0; k < 10; ++k)
-      if (steady || (!(frequency < k) && !(frequency > k))) return 6.283185307179586;
-    return 0;
+  constexpr R period() const {
+    using least::abs;
+    using least::select;
+    const R turn(6.283185307179586);
+    R found = select(abs(lambda) > R(0), R(0), turn);
+    for (int k = 0; k < 10; ++k) found = select(abs(frequency - k) > R(0), found, turn);
+    return found;
   }
 
   template <class T, class F>
@@ -99,9 +101,13 @@ struct SpinOrbit {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<SpinOrbit> {
-  using P = SpinOrbit<>;
+struct About<problems::SpinOrbit> {
+  using P = problems::SpinOrbit<>;
   static constexpr std::tuple fields{
       Field<P>{"eccentricity", "e", "1", "eccentricity of the orbit", &P::eccentricity, {0, 0.1}},
       Field<P>{"epsilon", "ε", "1", "how far the moon is from round", &P::epsilon, {0, 1e3}},

@@ -11,7 +11,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct Thermostat {
@@ -67,9 +67,13 @@ struct Thermostat {
   constexpr R stiffness_rate() const { return kappa / scale; }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<Thermostat> {
-  using P = Thermostat<>;
+struct About<problems::Thermostat> {
+  using P = problems::Thermostat<>;
   static constexpr std::tuple fields{
       Field<P>{"beta", "β", "1/energy", "inverse temperature", &P::beta, {1e-3, 1e3}},
       Field<P>{"scale", "Q", "1", "width of the density of s; a narrow one mixes better", &P::scale, {1e-3, 1e3}},

@@ -9,7 +9,7 @@
 #include "core/describe.hpp"
 #include "core/problem.hpp"
 
-namespace least {
+namespace least::problems {
 
 template <class R = double>
 struct VanDerPol {
@@ -46,9 +46,13 @@ struct VanDerPol {
   }
 };
 
+}  // namespace least::problems
+
+namespace least {
+
 template <>
-struct About<VanDerPol> {
-  using P = VanDerPol<>;
+struct About<problems::VanDerPol> {
+  using P = problems::VanDerPol<>;
   static constexpr std::tuple fields{
       Field<P>{"epsilon", "ε", "1", "strength of the friction, which drives where |x| < 1", &P::epsilon, {0, 1e4}},
       Field<P>{"amplitude", "A", "1", "amplitude of the driving force", &P::amplitude, {-1e3, 1e3}},

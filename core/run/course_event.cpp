@@ -4,7 +4,8 @@ namespace least {
 namespace {
 
 std::string_view coordinate(const ProblemCard& problem, const Course& course) {
-  return course.parameter < 0 ? "" : problem.variables[static_cast<std::size_t>(course.parameter)].name;
+  if (course.parameter < 0) return {};
+  return problem.variables[static_cast<std::size_t>(course.parameter)].name;
 }
 std::string_view mode(const Course& course) { return mode_names[static_cast<std::size_t>(course.mode)]; }
 

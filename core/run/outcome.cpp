@@ -6,12 +6,12 @@ namespace least {
 
 Report numbers(std::string_view key, std::initializer_list<std::pair<std::string_view, double>> parts) {
   std::vector<Report> all;
-  for (const auto& [name, x] : parts) all.push_back({name, x});
-  return {key, std::move(all)};
+  for (const auto& [name, x] : parts) all.push_back({std::string(name), x});
+  return {std::string(key), std::move(all)};
 }
 
 Report words(std::string_view key, std::string_view text) {
-  Report report{key, std::monostate{}};
+  Report report{std::string(key), std::monostate{}};
   if (!text.empty()) report.value = std::string(text);
   return report;
 }

@@ -20,7 +20,7 @@ namespace least {
 /// "cannot be said" and are written as null.
 struct Report {
   using Value = std::variant<std::monostate, double, bool, std::string, std::vector<double>, std::vector<Report>>;
-  std::string_view key;
+  std::string key;
   Value value;
 };
 

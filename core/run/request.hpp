@@ -3,7 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
+
+#include "core/run/mechanics.hpp"
 
 namespace least {
 
@@ -23,12 +26,10 @@ struct Limits {
 };
 
 struct Request {
-  std::size_t problem = 0, scheme = 0;  ///< indices into the catalogue
-  std::vector<double> parameters;       ///< in the order of the problem's card
-  std::vector<double> initial;          ///< in the order of the problem's variables
-  double start = 0;                     ///< t at the start
-  std::vector<double> settings;         ///< the scheme's parameters, in the order of its card
-  bool until_steps = false;             ///< the end is given by a number of steps, else by a time
+  std::shared_ptr<const Scene> scene;
+  std::size_t scheme = 0;        ///< index among the schemes
+  std::vector<double> settings;  ///< the scheme's parameters, in the order of its card
+  bool until_steps = false;      ///< the end is given by a number of steps, else by a time
   double end = 0;
   std::int64_t steps = 0;
   Record record;

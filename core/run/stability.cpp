@@ -60,11 +60,12 @@ Known measure(std::span<const double> settings, double damping_step, Known known
     return {std::numeric_limits<double>::infinity(), true};
   }
   const auto holds = [&](double z) {
-    if constexpr (SchemeFor<Scheme, HarmonicOscillator<>> || ClockSchemeFor<Scheme, HarmonicOscillator<>>) {
-      if (damping_step == 0) return stable(scheme, HarmonicOscillator<>{1, z * z}, z);
+    if constexpr (SchemeFor<Scheme, problems::HarmonicOscillator<>> ||
+                  ClockSchemeFor<Scheme, problems::HarmonicOscillator<>>) {
+      if (damping_step == 0) return stable(scheme, problems::HarmonicOscillator<>{1, z * z}, z);
     }
-    if constexpr (SchemeFor<Scheme, DampedOscillator<>>) {
-      return stable(scheme, DampedOscillator<>{z * z, damping_step}, z);
+    if constexpr (SchemeFor<Scheme, problems::DampedOscillator<>>) {
+      return stable(scheme, problems::DampedOscillator<>{z * z, damping_step}, z);
     } else {
       return false;
     }
@@ -80,10 +81,21 @@ Known measure(std::span<const double> settings, double damping_step, Known known
   return {low, true};
 }
 
-using Measure = Known (*)(std::span<const double>, double, Known, double);
+/// The setting that everything is scaled by; beyond the last where there is none.
+template <class Scheme>
+constexpr std::size_t step_setting() {
+  std::size_t i = 0;
+  std::apply([&](const auto&... field) { (void)((field.name == "step" || (++i, false)) || ...); }, Scheme::fields);
+  return i;
+}
+
+struct Measure {
+  Known (*measure)(std::span<const double>, double, Known, double);
+  std::size_t step;
+};
 template <class... Scheme>
 constexpr std::array<Measure, sizeof...(Scheme)> measures(std::tuple<Scheme...>*) {
-  return {&measure<Scheme>...};
+  return {Measure{&measure<Scheme>, step_setting<Scheme>()}...};
 }
 
 }  // namespace
@@ -93,7 +105,7 @@ double stability_bound(std::size_t scheme, std::span<const double> settings, dou
   static std::mutex mutex;
   static std::map<std::vector<double>, Known> all;
   std::vector<double> key(settings.begin(), settings.end());
-  if (!key.empty()) key[0] = 0;  // the step: everything is scaled by it
+  if (table[scheme].step < key.size()) key[table[scheme].step] = 0;
   for (double& x : key)
     if (std::isnan(x)) x = std::numeric_limits<double>::infinity();  // keys are ordered
   key.push_back(static_cast<double>(scheme));
@@ -104,7 +116,7 @@ double stability_bound(std::size_t scheme, std::span<const double> settings, dou
     if (const auto found = all.find(key); found != all.end()) known = found->second;
   }
   if (!known.found && !(known.cleared > needed)) {
-    known = table[scheme](settings, damping_step, known, needed);
+    known = table[scheme].measure(settings, damping_step, known, needed);
     const std::lock_guard lock(mutex);
     if (all.size() > 1000) all.clear();
     all.insert_or_assign(std::move(key), known);

@@ -6,8 +6,8 @@
 // symplectic. Angular momentum is kept. ρ is state: a step depends on where the run began. Monitors:
 //   arclength  √(1 + 2(E₀ − V)): steps of equal length of the graph (t, q(t)), E₀ being the level of the run's start
 //   frequency  the largest local frequency, or √|g⁻¹V″|, Frobenius' norm, where the problem has no estimate
-// It assumes a potential that does not depend on time and that U varies little within a step: ρ − U alternates in sign
-// and does not decay; |ρ₁ − ρ| > U/2 is singular. Look-alike: a step chosen from the state before each step is
+// It needs a potential that does not depend on time, and assumes that U varies little within a step: ρ − U alternates
+// in sign and does not decay; |ρ₁ − ρ| > U/2 is singular. Look-alike: a step chosen from the state before each step is
 // not reversible. Source: Huang & Leimkuhler, SIAM J. Sci. Comput. 18, 239 (1997); Leimkuhler & Reich, Simulating
 // Hamiltonian Dynamics, 2004, 9.3.
 #pragma once
@@ -30,8 +30,7 @@ T local_frequency_squared(const P& m, const Vec<P::dof, T>& q) {
     return m.frequency_squared(q);
   } else {
     using least::sqrt;
-    using D = Dual<T, P::dof>;
-    const auto slope = gradient(m, seed<P::dof, T>(q), D(0));
+    const auto slope = gradient(m, seed<P::dof, T>(q));
     T sum(0);
     for (std::size_t k = 0; k < slope.size(); ++k) {
       Vec<P::dof, T> column;
@@ -49,11 +48,7 @@ class AdaptiveVerletStepper {
   using T = typename X::Number;
 
   AdaptiveVerletStepper(const P& problem, const X& x, const T& energy, double step, Monitor monitor)
-      : problem_(problem),
-        monitor_(monitor),
-        energy_(energy),
-        half_(T(0.5 * step)),
-        slope_(gradient(problem, x.q, x.t)) {
+      : problem_(problem), monitor_(monitor), energy_(energy), half_(T(0.5 * step)), slope_(gradient(problem, x.q)) {
     scale_ = 1.0 / this->monitor(x.q);
     ++work_.forces;
   }
@@ -66,7 +61,7 @@ class AdaptiveVerletStepper {
     drift(y, dt);
     const T density = 2.0 * (scale_ * monitor(y.q)) - density_, after = half_ / density;
     drift(y, after);
-    const auto slope = gradient(problem_, y.q, y.t);
+    const auto slope = gradient(problem_, y.q);
     work_.forces += 2;  // the monitor looked at q½
     kick(y, after, slope);
     dt = dt + after;
@@ -85,7 +80,7 @@ class AdaptiveVerletStepper {
  private:
   T monitor(const Vec<P::dof, T>& q) const {
     using least::sqrt;
-    return sqrt(monitor_ == Monitor::arclength ? 1.0 + 2.0 * (energy_ - problem_.potential(q, T(0)))
+    return sqrt(monitor_ == Monitor::arclength ? 1.0 + 2.0 * (energy_ - potential(problem_, q))
                                                : local_frequency_squared(problem_, q));
   }
   static void kick(X& x, const T& h, const Vec<P::dof, T>& slope) {
@@ -134,11 +129,12 @@ struct AdaptiveVerlet {
             .fails_when =
                 "the step changes much from one step to the next (ρ oscillates, then it stops as singular), or digits "
                 "count: it cannot be composed",
-            .needs = "a separable Hamiltonian: a potential and a constant kinetic metric",
+            .needs = "a separable Hamiltonian: a potential that does not depend on time and a constant kinetic metric",
             .references = {"Huang, Leimkuhler, SIAM Journal on Scientific Computing 18, 239 (1997)",
                            "Leimkuhler, Reich, Simulating Hamiltonian Dynamics, 2004, 9.3"}};
   }
   template <Separable P, class X>
+  requires Autonomous<P>
   auto bind(const P& problem, const X& x, const typename X::Number& energy) const {
     return AdaptiveVerletStepper<P, X>(problem, x, energy, step, monitor);
   }

@@ -30,24 +30,30 @@ class ContactLeapfrogStepper {
         weights_(&weights),
         clock_(problem, x.t, step, weights.ends(), [&](std::size_t, const S& t) { return phase(problem, t); }) {
     const auto f = phase(problem_, x.t);
-    look(x.q, f);
-    if constexpr (LinearContact<P>) damping_ = damping(problem_, f);
+    look(seen_, x.q, f);
+    if constexpr (LinearContact<P>) seen_.damping = damping(problem_, f);
   }
 
-  Status step(X& x, const S& h) noexcept {
+  StatusOf<T> step(X& x, const S& h) noexcept {
+    using least::any;
     if constexpr (ConstantDamping<P>) prepare(h);
     if constexpr (HasSeries<P>)
       if (x.t == S(0)) return regular_step(x, h);
     clock_.begin(x.t, h);
     X y = x;
+    Seen seen = seen_;
+    StatusOf<T> status = Status::ok;
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
       const S part = weights_->gamma[i] * h, t = x.t + weights_->end[i] * h;
-      const Status status = stage(y, part, i, t);
-      if (status != Status::ok) return status;
+      status = stage(y, seen, status, part, i, t);
+      if (!any(succeeded(status))) return status;
     }
-    y.t = x.t;
-    x = y;
-    return Status::ok;
+    const auto good = succeeded(status);
+    take(x, y, good);
+    take(seen_.slope, seen.slope, good);
+    seen_.potential = select(good, seen.potential, seen_.potential);
+    seen_.damping = seen.damping;
+    return status;
   }
   const Work& work() const { return work_; }
 
@@ -56,13 +62,19 @@ class ContactLeapfrogStepper {
   using A =
       std::remove_cvref_t<decltype(std::declval<S>() * action_slope(std::declval<const P&>(), std::declval<const T&>(),
                                                                     std::declval<const F&>()))>;
+  /// What the stepper keeps of the state: ∇V and, where s is carried, V at its q; α at its time.
+  struct Seen {
+    Vec<n, T> slope{};
+    T potential{};
+    A damping{};
+  };
   struct Factors {
     A before{}, after{};  ///< 1 − hα₀/2 and 1/(1 + hα₁/2)
   };
 
-  void look(const Vec<n, T>& q, const F& f) {
-    slope_ = gradient(problem_, q, f);
-    if constexpr (X::acting) potential_ = problem_.potential(q, f);
+  void look(Seen& seen, const Vec<n, T>& q, const F& f) {
+    seen.slope = gradient(problem_, q, f);
+    if constexpr (X::acting) seen.potential = problem_.potential(q, f);
     ++work_.forces;
   }
   /// Constant damping: the factors of every stage, once per length of step.
@@ -70,74 +82,75 @@ class ContactLeapfrogStepper {
     if (h == prepared_) return;
     prepared_ = h;
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i)
-      factors_[i] = factors(weights_->gamma[i] * h, damping_, damping_);
+      factors_[i] = factors(weights_->gamma[i] * h, seen_.damping, seen_.damping);
   }
   static Factors factors(const S& h, const A& before, const A& after) {
     const A end = 1 + (h / 2) * after;
-    return {1 - (h / 2) * before, end > A(least_denominator) ? 1 / end : A(unusable)};
+    return {1 - (h / 2) * before, select(end > A(least_denominator), A(1 / end), A(unusable))};
   }
   static constexpr double unusable = std::numeric_limits<double>::quiet_NaN();
 
-  Status stage(X& y, const S& h, std::size_t i, const S& t) {
+  StatusOf<T> stage(X& y, Seen& seen, StatusOf<T> status, const S& h, std::size_t i, const S& t) {
     if constexpr (LinearContact<P>) {
-      return linear(y, h, i, t);
+      return linear(y, seen, status, h, i, t);
     } else {
-      return quadratic(y, h, t);
+      return quadratic(y, seen, status, h, t);
     }
   }
-  Status linear(X& y, const S& h, std::size_t i, const S& t) requires LinearContact<P> {
-    const auto f = clock_.at(i, [&] { return phase(problem_, t); });
+  StatusOf<T> linear(X& y, Seen& seen, StatusOf<T> status, const S& h, std::size_t i,
+                     const S& t) requires LinearContact<P> {
+    const auto f = clock_.at(i, t, [&](const auto& time) { return phase(problem_, time); });
     Factors c;
     if constexpr (ConstantDamping<P>) {
       c = factors_[i];
     } else {
       const A next = damping(problem_, f);
-      c = factors(h, damping_, next);
-      damping_ = next;
+      c = factors(h, seen.damping, next);
+      seen.damping = next;
     }
-    if (!(c.after > A(0))) return Status::singular;  // a pole is no number
+    if (all_failed(status, !(c.after > A(0)), Status::singular)) return status;  // a pole is no number
     Vec<n, T> v;
-    for (std::size_t k = 0; k < n; ++k) v[k] = c.before * y.p[k] - (h * 0.5) * slope_[k];
-    const T potential = potential_;
+    for (std::size_t k = 0; k < n; ++k) v[k] = c.before * y.p[k] - (h * 0.5) * seen.slope[k];
+    const T potential = seen.potential;
     drift(y, v, h);
-    look(y.q, f);
-    for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * slope_[k]) * c.after;
-    if constexpr (X::acting) y.action.s = (c.before * y.action.s + h * lagrangian(y, v, potential)) * c.after;
-    return Status::ok;
+    look(seen, y.q, f);
+    for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * seen.slope[k]) * c.after;
+    if constexpr (X::acting)
+      y.action.s = (c.before * y.action.s + h * lagrangian(y, v, potential, seen.potential)) * c.after;
+    return status;
   }
 
-  Status quadratic(X& y, const S& h, const S& t) requires QuadraticContact<P> {
-    using least::any;
+  StatusOf<T> quadratic(X& y, Seen& seen, StatusOf<T> status, const S& h, const S& t) requires QuadraticContact<P> {
     using least::sqrt;
     const auto gamma = problem_.action_curvature();
     const T s = y.action.s, before = 1 - (h / 2) * (gamma * s);
     Vec<n, T> v;
-    for (std::size_t k = 0; k < n; ++k) v[k] = before * y.p[k] - (h * 0.5) * slope_[k];
-    const T potential = potential_;
+    for (std::size_t k = 0; k < n; ++k) v[k] = before * y.p[k] - (h * 0.5) * seen.slope[k];
+    const T potential = seen.potential;
     drift(y, v, h);
-    look(y.q, phase(problem_, t));
-    const T r = s - (h / 4) * (gamma * (s * s)) + h * (lagrangian(y, v, potential) + problem_.offset());
+    look(seen, y.q, phase(problem_, t));
+    const T r = s - (h / 4) * (gamma * (s * s)) + h * (lagrangian(y, v, potential, seen.potential) + problem_.offset());
     const T under = 1 + h * (gamma * r);
-    if (any(!(under > T(0)))) return Status::singular;
+    if (all_failed(status, !(under > T(0)), Status::singular)) return status;
     const T next = 2 * r / (1 + sqrt(under)), after = 1 + (h / 2) * (gamma * next);
-    if (any(!(after > T(least_denominator)))) return Status::singular;
-    for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * slope_[k]) / after;
+    if (all_failed(status, !(after > T(least_denominator)), Status::singular)) return status;
+    for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * seen.slope[k]) / after;
     y.action.s = next;
-    return Status::ok;
+    return status;
   }
 
   /// The first step of a scene whose damping is 2/t: the weight t² of its Lagrangian is integrated over the step.
-  Status regular_step(X& x, const S& h) {
-    const Vec<n, T> slope = slope_;
-    const T potential = potential_;
+  StatusOf<T> regular_step(X& x, const S& h) {
+    const Seen start = seen_;
     Vec<n, T> v;
-    for (std::size_t k = 0; k < n; ++k) v[k] = -(h / 6) * slope[k];
+    for (std::size_t k = 0; k < n; ++k) v[k] = -(h / 6) * start.slope[k];
     drift(x, v, h);
     const auto f = phase(problem_, x.t + h);
-    look(x.q, f);
-    damping_ = damping(problem_, f);
-    for (std::size_t k = 0; k < n; ++k) x.p[k] = (v[k] - (h / 2) * slope_[k]) / 2;
-    if constexpr (X::acting) x.action.s = ((h / 3) * potential + h * lagrangian(x, v, potential)) / 2;
+    look(seen_, x.q, f);
+    seen_.damping = damping(problem_, f);
+    for (std::size_t k = 0; k < n; ++k) x.p[k] = (v[k] - (h / 2) * seen_.slope[k]) / 2;
+    if constexpr (X::acting)
+      x.action.s = ((h / 3) * start.potential + h * lagrangian(x, v, start.potential, seen_.potential)) / 2;
     return Status::ok;
   }
 
@@ -146,16 +159,14 @@ class ContactLeapfrogStepper {
     for (std::size_t k = 0; k < n; ++k) y.q[k] = y.q[k] + h * w[k];
   }
   /// The mean of K − V over the ends, at the new q.
-  T lagrangian(const X& y, const Vec<n, T>& v, const T& potential) const {
-    return 0.5 * (dot(v, velocity(problem_, y.q, v)) - (potential + potential_));
+  T lagrangian(const X& y, const Vec<n, T>& v, const T& before, const T& after) const {
+    return 0.5 * (dot(v, velocity(problem_, y.q, v)) - (before + after));
   }
 
   P problem_;
   const Weights<S>* weights_;
   PhaseClock<F, P, S> clock_;
-  Vec<n, T> slope_{};         ///< ∇V at the state
-  T potential_{};             ///< V there, where s is carried
-  A damping_{};               ///< α there
+  Seen seen_;
   S prepared_ = S(unusable);  ///< the step that factors_ are for
   std::array<Factors, ConstantDamping<P> ? compositions::most_stages : 1> factors_{};
   Work work_;

@@ -25,35 +25,44 @@ inline constexpr std::array<std::string_view, 3> splitting_names{"automatic", "p
 template <class A>
 struct ActionFlow {
   A e{}, f{};
+  template <class M>
+  friend ActionFlow select(const M& mask, const ActionFlow& yes, const ActionFlow& no) {
+    using least::select;
+    return {select(mask, yes.e, no.e), select(mask, yes.f, no.f)};
+  }
 };
 
-template <SeparableContact P, class X>
+/// Merged: whether A and B are taken as one, a mask where each lane has an α of its own.
+template <SeparableContact P, class X, class Merged>
 class ContactSplittingStepper {
  public:
   using T = typename X::Number;
   using S = typename X::Time;
   static constexpr std::size_t n = P::dof;
 
-  ContactSplittingStepper(const P& problem, const X& x, double step, const Weights<S>& weights, bool merged)
+  ContactSplittingStepper(const P& problem, const X& x, double step, const Weights<S>& weights, const Merged& merged)
       : problem_(problem),
         weights_(&weights),
         merged_(merged),
         clock_(problem, x.t, step, weights.middles(),
                [&](std::size_t i, const S& t) { return middle_of(weights.gamma[i] * S(step), t); }) {}
 
-  Status step(X& x, const S& h) noexcept {
+  StatusOf<T> step(X& x, const S& h) noexcept {
+    using least::any;
     if constexpr (constant) prepare(h);
     clock_.begin(x.t, h);
     X y = x;
+    StatusOf<T> status = Status::ok;
     const auto stages = static_cast<std::size_t>(weights_->stages);
     for (std::size_t i = 0; i < stages; ++i) {
       const S part = weights_->gamma[i] * h;
       drift(y, i == 0 ? part * 0.5 : (weights_->gamma[i - 1] + weights_->gamma[i]) * h * 0.5);
-      if (const Status status = middle(y, part, i, x.t + weights_->middle[i] * h); status != Status::ok) return status;
+      status = middle(y, status, part, i, x.t + weights_->middle[i] * h);
+      if (!any(succeeded(status))) return status;
     }
     drift(y, weights_->gamma[stages - 1] * h * 0.5);
-    x = y;
-    return Status::ok;
+    take(x, y, succeeded(status));
+    return status;
   }
   const Work& work() const { return work_; }
 
@@ -83,71 +92,74 @@ class ContactSplittingStepper {
     using least::sqrt;
     if constexpr (LinearContact<P>) {
       const R z = -(h * damping(problem_, f));
-      return {exp(z), merged_ ? R(h * phi1(z)) : R(h)};
+      return {exp(z), either(
+                          merged_, [&] { return R(h * phi1(z)); }, [&] { return R(h); })};
     } else {
       if (!merged_) return {R(1), R(h)};
       const R square = problem_.action_curvature() * problem_.offset() / 2, x = square * (h * h);  // (wh)²
-      if (abs(x) < R(0.25)) {
+      const R w = sqrt(abs(square)), turn = w * h;
+      const auto series = [&] {
         R even(1), odd(1);  // Σ xᵏ/(2k)! and Σ xᵏ/(2k + 1)!, to 36 digits
         for (int k = 15; k > 0; --k) {
           even = 1 + x * even / ((2 * k - 1) * (2 * k));
           odd = 1 + x * odd / ((2 * k) * (2 * k + 1));
         }
-        return {even, h * odd};
-      }
-      if (square < R(0)) {
-        const R w = sqrt(-square);
-        if (!(abs(w * h) < R(3.141592653589793))) return {R(-1), R(0)};  // a pole lies within the step whatever s is
-        return {cos(w * h), sin(w * h) / w};
-      }
-      const R w = sqrt(square), up = exp(w * h), down = exp(-(w * h));
-      return {(up + down) / 2, (up - down) / (2 * w)};
+        return ActionFlow<R>{even, h * odd};
+      };
+      const auto circular = [&] {
+        const auto pole = [] { return ActionFlow<R>{R(-1), R(0)}; };  // within the step whatever s is
+        return either(
+            abs(turn) < R(3.141592653589793),
+            [&] {
+              return ActionFlow<R>{cos(turn), sin(turn) / w};
+            },
+            pole);
+      };
+      const auto hyperbolic = [&] {
+        const R up = exp(turn), down = exp(-turn);
+        return ActionFlow<R>{(up + down) / 2, (up - down) / (2 * w)};
+      };
+      return either(abs(x) < R(0.25), series, [&] { return either(square < R(0), circular, hyperbolic); });
     }
   }
 
-  Middle middle_of(const S& h, const S& t) const {
+  template <class Time>
+  Middle middle_of(const S& h, const Time& t) const {
     const F f = phase(problem_, t);
     return {f, flow(h, f)};
   }
 
   /// B½ A B½, or AB.
-  Status middle(X& y, const S& h, std::size_t i, const S& t) {
-    const auto [f, c] = clock_.at(i, [&] {
+  StatusOf<T> middle(X& y, StatusOf<T> status, const S& h, std::size_t i, const S& t) {
+    const auto [f, c] = clock_.at(i, t, [&](const auto& time) {
       if constexpr (constant) {
-        return Middle{phase(problem_, t), flows_[i]};
+        return Middle{phase(problem_, time), flows_[i]};
       } else {
-        return middle_of(h, t);
+        return middle_of(h, time);
       }
     });
     const Vec<n, T> slope = gradient(problem_, y.q, f);
     ++work_.forces;
+    const S half = h * 0.5;
     if constexpr (LinearContact<P>) {
-      if (merged_) {
-        for (std::size_t k = 0; k < n; ++k) y.p[k] = c.e * y.p[k] - c.f * slope[k];
-      } else {
-        const S half = h * 0.5;
-        for (std::size_t k = 0; k < n; ++k) y.p[k] = c.e * (y.p[k] - half * slope[k]) - half * slope[k];
-      }
-      if constexpr (X::acting) {
-        const T potential = problem_.potential(y.q, f);
-        y.action.s = merged_ ? T(c.e * y.action.s - c.f * potential)
-                             : T(c.e * (y.action.s - (h * 0.5) * potential) - (h * 0.5) * potential);
-      }
-      return Status::ok;
+      const auto pushed = [&, &e = c.e, &over = c.f](const T& x, const T& push) {
+        return either(
+            merged_, [&] { return T(e * x - over * push); }, [&] { return T(e * (x - half * push) - half * push); });
+      };
+      for (std::size_t k = 0; k < n; ++k) y.p[k] = pushed(y.p[k], slope[k]);
+      if constexpr (X::acting) y.action.s = pushed(y.action.s, problem_.potential(y.q, f));
     } else {
-      using least::any;
-      const S half = h * 0.5;
       const auto offset = problem_.offset();
       T potential = problem_.potential(y.q, f);
       if (!merged_) potential = potential - offset;
       const T s = y.action.s - half * potential;
       const T d = c.e + (0.5 * problem_.action_curvature()) * (s * c.f);
-      if (any(!(d > T(0)))) return Status::singular;
+      if (all_failed(status, !(d > T(0)), Status::singular)) return status;
       for (std::size_t k = 0; k < n; ++k) y.p[k] = (y.p[k] - half * slope[k]) / (d * d) - half * slope[k];
       const T top = merged_ ? T(s * c.e + offset * c.f) : T(s * c.e);
       y.action.s = top / d - half * potential;
-      return Status::ok;
     }
+    return status;
   }
 
   void drift(X& y, const S& h) const {
@@ -158,7 +170,7 @@ class ContactSplittingStepper {
 
   P problem_;
   const Weights<S>* weights_;
-  bool merged_;
+  Merged merged_;
   PhaseClock<Middle, P, S> clock_;
   S prepared_ = S(std::numeric_limits<double>::quiet_NaN());  ///< the step that flows_ are for
   std::array<ActionFlow<R>, constant ? compositions::most_stages : 1> flows_{};
@@ -173,7 +185,7 @@ class PalindromeStepper {
 
   PalindromeStepper(const P& problem, const Weights<S>& weights) : problem_(problem), weights_(&weights) {}
 
-  Status step(X& x, const S& h) noexcept {
+  StatusOf<typename X::Number> step(X& x, const S& h) noexcept {
     auto y = x.y;
     const auto stages = static_cast<std::size_t>(weights_->stages);
     const auto start = phase(problem_, x.t);
@@ -239,10 +251,9 @@ struct ContactSplitting {
   }
   template <SeparableContact P, class X>
   auto bind(const P& problem, const X& x) const {
-    bool merged = splitting == Splitting::merged || (splitting == Splitting::automatic && QuadraticContact<P>);
-    if constexpr (ConstantDamping<P>)
-      merged = merged || (splitting == Splitting::automatic && problem.damping() * step > 0.5);
-    return ContactSplittingStepper<P, X>(problem, x, step, Weights<typename X::Time>::of(composition), merged);
+    const auto merged = takes_as_one(problem);
+    return ContactSplittingStepper<P, X, std::remove_const_t<decltype(merged)>>(
+        problem, x, step, Weights<typename X::Time>::of(composition), merged);
   }
   template <SplitFlow P, class X>
   auto bind(const P& problem, const X&) const {
@@ -253,6 +264,19 @@ struct ContactSplitting {
   template <class P>
   bool starts_at_singularity(const P&) const {
     return composition == Composition::none;
+  }
+
+ private:
+  template <class P>
+  auto takes_as_one(const P& problem) const {
+    if constexpr (ConstantDamping<P>) {
+      constexpr double ever = std::numeric_limits<double>::infinity();
+      return problem.damping() * step > (splitting == Splitting::merged  ? -ever
+                                         : splitting == Splitting::plain ? ever
+                                                                         : 0.5);
+    } else {
+      return splitting == Splitting::merged || (splitting == Splitting::automatic && QuadraticContact<P>);
+    }
   }
 };
 

@@ -1,4 +1,4 @@
-// The discrete Lagrangian of a conservative scene over a step h from q₀ to q₁, Δ = q₁ − q₀, v = Δ/h,
+// The discrete Lagrangian of a conservative autonomous scene over a step h from q₀ to q₁, Δ = q₁ − q₀, v = Δ/h,
 //   L_d(q₀, q₁; h) = ℓ²/(2h) − h V̄,  ℓ² = ḡ_ij Δ^iΔ^j
 // under two quadratures: trapezoid (g and V averaged over the ends) and midpoint (g and V at the middle). Its
 // derivatives are the momenta at the ends, p₀ = −D₁L_d = ḡv − (h/2)F₀ and p₁ = D₂L_d = ḡv + (h/2)F₁, where
@@ -24,7 +24,7 @@ struct Level {
   [[no_unique_address]] std::conditional_t<ConfigurationMetric<P>, Mat<n, T>, Flat> metric{};
 
   Level() = default;
-  Level(const P& problem, const Vec<n, T>& q) : potential(problem.potential(q, 0.0)) {
+  Level(const P& problem, const Vec<n, T>& q) : potential(least::potential(problem, q)) {
     if constexpr (ConfigurationMetric<P>) metric = problem.metric(q);
   }
   /// The mean of two.
@@ -66,10 +66,10 @@ struct Slopes : Level<P, T> {
   Slopes() = default;
   Slopes(const P& problem, const Vec<n, T>& q) {
     if constexpr (HasGradient<P>) {
-      this->potential = problem.potential(q, 0.0);
-      gradient = problem.gradient(q, 0.0);
+      this->potential = least::potential(problem, q);
+      gradient = least::gradient(problem, q);
     } else {
-      const auto v = problem.potential(seed<n, T>(q), 0.0);
+      const auto v = least::potential(problem, seed<n, T>(q));
       this->potential = v.value;
       gradient = v.slope;
     }

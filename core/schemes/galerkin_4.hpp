@@ -1,5 +1,5 @@
 // galerkin_4: the variational integrator of a quadratic path through q₀, b, q₁ and Simpson's rule,
-//   L_d = extremum over b of (h/6)(L(q₀,v₀) + 4 L(b,v_m) + L(q₁,v₁)),
+//   L_d = extremum over b of (h/6)(L(q₀,v₀,t) + 4 L(b,v_m,t+h/2) + L(q₁,v₁,t+h)),
 // v₀ = (4b−3q₀−q₁)/h, v_m = (q₁−q₀)/h, v₁ = (q₀+3q₁−4b)/h; implicit, for any kinetic metric, derivatives of the
 // Lagrangian by automatic differentiation. Order 4, symmetric, symplectic; momenta of symmetries are kept. Solved for
 // velocities, so that a step of any size and sign, also 0, is well posed. Linearly stable for ωh < 2√2. It assumes that

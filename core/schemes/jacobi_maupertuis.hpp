@@ -3,11 +3,11 @@
 // and the time reconstructed (core/schemes/jacobi_maupertuis_step.hpp). The steps follow the orbit's shape through a
 // fast passage at a length θ of the parameter coordinate q^σ, halved where the orbit turns:
 //   α = √n θ √g_σσ |∇V|_{g⁻¹} / (2(E₀ − V)) ≤ alpha_max
-// Enter where K > K_c, leave where E₀ − V < κ K_c. E₀ is that of the run's start. Orders 4 and 6 by composition; they
-// need the energy root, which gives p_σ back what its own equation would. Not symplectic or reversible on the whole
-// phase space, and angular momentum drifts: at fixed q^σ each step is symplectic in the other variables. A step that
-// cannot be solved is tried along the other coordinates, then at half the length, then in time. Source: Nair,
-// Ober-Blöbaum, Marsden 2009; without energy root, step control and hysteresis that publication's scheme.
+// Enter where K > K_c, leave where E₀ − V < κ K_c. E₀ is that of the run's start: V does not depend on time. Orders 4
+// and 6 by composition; they need the energy root, which gives p_σ back what its own equation would. Not symplectic or
+// reversible on the whole phase space, and angular momentum drifts: at fixed q^σ each step is symplectic in the other
+// variables. A step that cannot be solved is tried along the other coordinates, then at half the length, then in time.
+// Source: Nair, Ober-Blöbaum, Marsden 2009; without energy root, step control and hysteresis that publication's scheme.
 #pragma once
 
 #include <tuple>
@@ -166,7 +166,7 @@ struct JacobiMaupertuis {
         .fails_when =
             "long runs need angular momentum or reversibility (it keeps neither), or nothing is ever fast: "
             "time_transformed keeps both at less cost",
-        .needs = "a Lagrangian without s: a kinetic metric and a potential",
+        .needs = "a Lagrangian without s: a kinetic metric and a potential that does not depend on time",
         .references = {"Nair, Ober-Blöbaum, Marsden, The Jacobi–Maupertuis principle in variational integrators, 2009",
                        "Marsden, West, Acta Numerica 10, 357 (2001), 4"}};
   }
@@ -189,6 +189,7 @@ struct JacobiMaupertuis {
     return slow;
   }
   template <Conservative P, class X>
+  requires Autonomous<P>
   auto bind(const P& problem, const X& x, const typename X::Number& energy) const {
     return JacobiMaupertuisStepper<P, X>(problem, x, energy, *this);
   }

@@ -46,9 +46,11 @@ class Integrator {
   virtual const Work& work() const noexcept = 0;
 };
 
-/// For N components of which the first `moving` are the motion. What of these there is, odeint.cpp lists.
-template <std::size_t N, std::size_t moving>
-std::unique_ptr<Integrator> make_integrator(Method method, double tolerance);
+/// The most components of one motion, so that a step does not allocate.
+inline constexpr std::size_t most_components = 64;
+
+/// For `count` components of which the first `moving` are the motion.
+std::unique_ptr<Integrator> make_integrator(Method method, std::size_t count, std::size_t moving, double tolerance);
 
 /// States that are doubles at heart: plain, or with a tangent direction.
 template <class X>
@@ -63,7 +65,7 @@ template <VectorField P, odeint::Flat X>
 class AnyOdeintStepper {
  public:
   AnyOdeintStepper(const P& problem, odeint::Method method, double tolerance)
-      : problem_(problem), integrator_(odeint::make_integrator<size, StateOf<P>::size>(method, tolerance)) {}
+      : problem_(problem), integrator_(odeint::make_integrator(method, size, StateOf<P>::size, tolerance)) {}
   AnyOdeintStepper(const AnyOdeintStepper& other) : problem_(other.problem_), integrator_(other.integrator_->clone()) {}
   AnyOdeintStepper(AnyOdeintStepper&&) noexcept = default;
   AnyOdeintStepper& operator=(AnyOdeintStepper other) noexcept {
@@ -93,6 +95,8 @@ class AnyOdeintStepper {
 
  private:
   static constexpr std::size_t size = odeint::components<X>;
+  static_assert(size <= odeint::most_components,
+                "more components than `most_components` in core/schemes/odeint.hpp: raise it");
 
   /// Values, then slopes.
   static void read(const double* y, X& x) {

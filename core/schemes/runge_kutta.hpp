@@ -14,15 +14,15 @@ namespace least {
 
 /// Stages whose increments depend on the one before alone, weighted at the end.
 template <class P, class X, int Stages>
-class Chain {
+class ExplicitRungeKutta {
  public:
   struct Tableau {
     double node[Stages], weight[Stages];
     double divisor;  ///< common to the weights, so that 1/6 and 1/3 are exact in every number
   };
-  Chain(const P& problem, const Tableau& tableau) : problem_(problem), tableau_(tableau) {}
+  ExplicitRungeKutta(const P& problem, const Tableau& tableau) : problem_(problem), tableau_(tableau) {}
 
-  Status step(X& x, const typename X::Time& h) noexcept {
+  StatusOf<typename X::Number> step(X& x, const typename X::Time& h) noexcept {
     X slope = derivative(problem_, x), sum = shifted(X{}, typename X::Time(tableau_.weight[0]), slope);
     for (int i = 1; i < Stages; ++i) {
       X y = shifted(x, h * tableau_.node[i], slope);
@@ -58,7 +58,7 @@ struct ExplicitEuler {
   }
   template <VectorField P, class X>
   auto bind(const P& problem, const X&) const {
-    return Chain<P, X, 1>(problem, {{0}, {1}, 1});
+    return ExplicitRungeKutta<P, X, 1>(problem, {{0}, {1}, 1});
   }
 };
 
@@ -78,7 +78,7 @@ struct ExplicitMidpoint {
   }
   template <VectorField P, class X>
   auto bind(const P& problem, const X&) const {
-    return Chain<P, X, 2>(problem, {{0, 0.5}, {0, 1}, 1});
+    return ExplicitRungeKutta<P, X, 2>(problem, {{0, 0.5}, {0, 1}, 1});
   }
 };
 
@@ -98,7 +98,7 @@ struct RungeKutta4 {
   }
   template <VectorField P, class X>
   auto bind(const P& problem, const X&) const {
-    return Chain<P, X, 4>(problem, {{0, 0.5, 0.5, 1}, {1, 2, 2, 1}, 6});
+    return ExplicitRungeKutta<P, X, 4>(problem, {{0, 0.5, 0.5, 1}, {1, 2, 2, 1}, 6});
   }
 };
 

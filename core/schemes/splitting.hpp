@@ -1,7 +1,8 @@
-// Explicit splitting of a separable Hamiltonian H = K(p) + V(q, t) into kicks p −= b h ∇V(q) and drifts q += a h g⁻¹p:
+// Explicit splitting of a separable Hamiltonian H = K(p) + V(q, t) into kicks p −= b h ∇V(q, t), drifts q += a h g⁻¹p:
 //   symplectic_euler  kick h, drift h                            order 1
 //   leapfrog          kick h/2, drift h, kick h/2                order 2, symmetric (Störmer–Verlet, velocity form)
 //   ruth_3            (drift, kick) = (7/24, 2/3), (3/4, −2/3), (−1/24, 1)   order 3
+// The time goes with the drifts, so that a kick reads the potential where the drifts have come: leapfrog at both ends.
 // Symplectic; angular momentum is kept exactly; leapfrog and its compositions are time-reversible. The force at the end
 // of a step is the force at the start of the next: one evaluation per drift. They assume that the step resolves the
 // fastest oscillation and cannot check it: leapfrog is stable for ωh < 2. Look-alike: leapfrog in the drift–kick–drift
@@ -51,7 +52,7 @@ class KickDrift {
     ++work_.forces;
   }
 
-  Status step(X& x, const S& h) noexcept {
+  StatusOf<T> step(X& x, const S& h) noexcept {
     kick(x, h * sequence_->kick[0]);
     for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_->drifts); ++i) {
       drift(x, h * sequence_->drift[i]);

@@ -8,7 +8,7 @@
 // Order 2, symmetric. At fixed E₀ a symplectic map of (q, p); not so if E₀ is taken anew from each state. Momenta of
 // symmetries are kept. κ = −E₀ makes Kepler orbits exact but for time: a step advances the eccentric anomaly of an
 // ellipse by 2 arctan(σ√(−2E₀)/2μ); a hyperbola has tanh instead of tan, and no such step from σ√(2E₀) = 2μ on.
-// It assumes a potential that does not depend on time. It checks K + κ > 0 and D > 0, that a step goes forward in time,
+// It needs a potential that does not depend on time. It checks K + κ > 0 and D > 0, that a step goes forward in time,
 // and at each kick D²/((K₀ + κ)(K₁ + κ)), which is 1 on the energy level. Look-alike: leapfrog with steps chosen from
 // the state is neither symplectic nor symmetric.
 // Sources: Mikkola & Tanikawa, Celest. Mech. Dyn. Astron. 74, 287 (1999); Preto & Tremaine, Astron. J. 118, 2532
@@ -305,13 +305,14 @@ struct TimeTransformed {
         .fails_when =
             "E₀ − V + κ does not stay positive, or a step is too long for its curvature: it stops as singular; what "
             "is fast and has little kinetic energy gets no shorter steps",
-        .needs = "a Lagrangian without s: a kinetic metric and a potential",
+        .needs = "a Lagrangian without s: a kinetic metric and a potential that does not depend on time",
         .references = {"Mikkola, Tanikawa, Celestial Mechanics and Dynamical Astronomy 74, 287 (1999)",
                        "Preto, Tremaine, Astronomical Journal 118, 2532 (1999)",
                        "Hairer, Lubich, Wanner 2006, VIII.2.1"}};
   }
 
   template <Conservative P, class X>
+  requires Autonomous<P>
   auto bind(const P& problem, const X& x, const typename X::Number& energy) const {
     using T = typename X::Number;
     using Time = TransformedTime<P, X>;

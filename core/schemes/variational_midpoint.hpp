@@ -1,10 +1,10 @@
 // variational_midpoint: the discrete Euler–Lagrange equations p₀ = −D₁L_d, p₁ = D₂L_d of L_d = h L((q₀+q₁)/2,
-// (q₁−q₀)/h), for any kinetic metric; derivatives of the Lagrangian by automatic differentiation. Order 2, symmetric,
-// symplectic; momenta of symmetries are kept. Solved for the velocity, q₁ = q₀ + h v, so that a step of any size and
-// sign, also 0, is well posed. It assumes that Newton's method converges from an explicit half-step; where it does not
-// (ωh of order 1 on strongly curved potentials) the step fails by name. It cannot check that the solution found is the
-// one near the motion. Look-alikes: for a constant metric this is the implicit midpoint rule; explicit_midpoint is not
-// related. Source: Marsden & West, Acta Numerica 10, 357 (2001), 2.3.1.
+// (q₁−q₀)/h, t + h/2), for any kinetic metric; derivatives of the Lagrangian by automatic differentiation. Order 2,
+// symmetric, symplectic; momenta of symmetries are kept. Solved for the velocity, q₁ = q₀ + h v, so that a step of any
+// size and sign, also 0, is well posed. It assumes that Newton's method converges from an explicit half-step; where it
+// does not (ωh of order 1 on strongly curved potentials) the step fails by name. It cannot check that the solution
+// found is the one near the motion. Look-alikes: for a constant metric this is the implicit midpoint rule;
+// explicit_midpoint is not related. Source: Marsden & West, Acta Numerica 10, 357 (2001), 2.3.1.
 #pragma once
 
 #include <tuple>

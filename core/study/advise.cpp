@@ -13,7 +13,7 @@ class Contest {
  public:
   Contest(const Request& scene, const Keep& keep, double accuracy, double seconds, const std::atomic<bool>& cancelled)
       : cancelled_(cancelled), deadline_(seconds), subject_(scene, false, seconds / 2, cancelled) {
-    for (Choice& choice : candidates(scene.problem, keep))
+    for (Choice& choice : candidates(*scene.scene->mechanics, keep))
       searches_.emplace_back(subject_, std::move(choice), accuracy);
   }
 
@@ -89,7 +89,7 @@ class Contest {
 };
 
 std::string at(const Search& search, const Probe& probe) {
-  return fmt::format("{} at {} = {:.4g}", name(search.scheme()), search.dial().name, probe.value);
+  return fmt::format("{} at {} = {:.4g}", search.name(), search.dial().name, probe.value);
 }
 
 std::string measured_by(const Subject& subject) {
@@ -151,9 +151,11 @@ Advice cheapest(Contest& contest, double accuracy) {
                               at(*best, probe), probe.trial.error, measured_by(contest.subject()), probe.trial.forces,
                               contest.searches().size());
   if (!advice.alternatives.empty())
-    advice.reason += fmt::format("; {} takes {:.2f} times as many", name(advice.alternatives.front().scheme),
-                                 static_cast<double>(advice.alternatives.front().force_evaluations) /
-                                     static_cast<double>(std::max<std::int64_t>(probe.trial.forces, 1)));
+    advice.reason += fmt::format(
+        "; {} takes {:.2f} times as many",
+        name(contest.subject().card(advice.alternatives.front().scheme), advice.alternatives.front().scheme),
+        static_cast<double>(advice.alternatives.front().force_evaluations) /
+            static_cast<double>(std::max<std::int64_t>(probe.trial.forces, 1)));
   if (best->limited_by_stability()) advice.reason += "; longer steps are not stable (stiffness)";
   advice.reason += measured_up_to(contest.subject());
   if (contest.timed_out()) advice.reason += "; the time for the search ran out";
@@ -172,7 +174,7 @@ Advice best_within(Contest& contest, double seconds) {
     Search* next = nullptr;
     for (Search& search : contest.searches()) {
       const double error = search.best().trial.error, ahead = seconds / finest(search);
-      const int order = std::max(declared_order(search.scheme()), 1);
+      const int order = std::max(search.declared_order(), 1);
       // Longer than asked for, or so far behind that its order will not make up for it.
       if (2 * finest(search) > seconds || (error < 1e-2 && error * std::pow(ahead, -1.5 * order) > 10 * least_error))
         search.give_up();

@@ -17,7 +17,7 @@ double order(const Probe& coarse, const Probe& fine) {
 Search::Search(const Subject& subject, Choice choice, double accuracy)
     : subject_(subject),
       choice_(std::move(choice)),
-      dial_(choice_),
+      dial_(subject.card(choice_)),
       accuracy_(accuracy),
       longest_(subject.longest(choice_, dial_)) {}
 
@@ -30,7 +30,7 @@ double Search::least_cost() const {
 double Search::likely_cost() const {
   if (good_) return static_cast<double>(good_->trial.forces);
   if (!bad_ || !(bad_->trial.error < 1)) return std::numeric_limits<double>::infinity();
-  const int declared = declared_order(choice_);
+  const int declared = declared_order();
   return least_cost() * std::pow(bad_->trial.error / accuracy_, 1.0 / (declared > 0 ? declared : 6));
 }
 
@@ -48,7 +48,7 @@ double Search::next() const {
   const double stride = dial_.adaptive() ? 10 : 2;
   if (!before_ || accuracy_ == 0 || !(bad_->trial.error < 0.3) || !(bad_->trial.error < before_->trial.error))
     return coarsest / stride;
-  const int declared = declared_order(choice_);
+  const int declared = declared_order();
   const double seen = order(*before_, *bad_), p = declared > 0 ? std::min(seen, 1.2 * declared) : seen;
   return coarsest / std::clamp(std::pow(bad_->trial.error / (aim * accuracy_), 1 / p), 1.03, stride * stride);
 }

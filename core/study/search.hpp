@@ -32,6 +32,8 @@ class Search {
   Choice choice(const Probe& probe) const { return dial_.at(choice_, probe.value); }
   const Choice& scheme() const { return choice_; }
   const Dial& dial() const { return dial_; }
+  std::string name() const { return least::name(subject_.card(choice_), choice_); }
+  int declared_order() const { return least::declared_order(subject_.card(choice_), choice_); }
 
   /// What a run that is accurate enough costs at least, and about, in force evaluations.
   double least_cost() const;

@@ -25,7 +25,7 @@ class LongRun {
   LongRun(const Request& scene, const Choice& scheme, const std::atomic<bool>& cancelled)
       : request_(scene),
         cancelled_(cancelled),
-        motion_(conditioning(scene, [&] { return !cancelled.load(std::memory_order_relaxed); })) {
+        motion_(conditioning(*scene.scene, scene.end, [&] { return !cancelled.load(std::memory_order_relaxed); })) {
     if (motion_->ends) request_.end = motion_->reached;
     request_.scheme = scheme.scheme;
     request_.settings = scheme.settings;
@@ -35,7 +35,7 @@ class LongRun {
   }
 
   const Conditioning& motion() const { return *motion_; }
-  double span() const { return request_.end - request_.start; }
+  double span() const { return request_.end - request_.scene->start; }
 
   /// How a run of steps h fails; empty: it does not.
   std::string_view failure(std::size_t setting, double h) const {
@@ -49,10 +49,10 @@ class LongRun {
     if (motion_->ends) request.until_steps = false;
     request.record = {Record::Mode::every, std::max<std::int64_t>(request.steps / samples, 1), {}};
     Size size;
-    const Outcome outcome = least::run(request, size, cancelled_);
+    const Outcome outcome = request.scene->mechanics->run(request, size, cancelled_);
     for (std::size_t i = 0; i < motion_->variables; ++i) size.append({&outcome.final[i], 1});
     const auto flips = [](const Warning& warning) { return warning.code == "damping_sign"; };
-    const double spans = motion_->travels() ? std::max((outcome.t - request.start) / span(), 1.0) : 1;
+    const double spans = motion_->travels() ? std::max((outcome.t - request.scene->start) / span(), 1.0) : 1;
     if (!(size.most < far * spans * std::max(motion_->size, 1e-300))) return "energy_growth";
     switch (outcome.stop.reason) {
       case Reason::completed:
@@ -83,14 +83,13 @@ class LongRun {
 
 /// What linear theory says of the step at which it fails in this way, where the motion has one frequency: that of its
 /// small oscillations.
-double theory(const Conditioning& motion, const Choice& scheme, std::string_view failure, double most) {
-  const SchemeCard& card = schemes()[scheme.scheme];
+double theory(const Conditioning& motion, const SchemeCard& card, const Choice& scheme, std::string_view failure,
+              double most) {
   double bound = unknown;
   if (failure == "sign_flip") return 2 / motion.damping;
   if (failure == "pole" && motion.damping > 0) {
-    for (std::size_t i = 0; i < card.parameters.size(); ++i)
-      if (card.parameters[i].name == "composition")
-        bound = 2 / (motion.damping * largest_negative_weight(static_cast<Composition>(scheme.settings[i])));
+    if (const auto i = card.find("composition"))
+      bound = 2 / (motion.damping * largest_negative_weight(static_cast<Composition>(scheme.settings[*i])));
     return std::isfinite(bound) ? bound : unknown;
   }
   if (!(motion.fastest - motion.slowest <= 1e-12 * motion.fastest) || !(motion.fastest > 0)) return unknown;
@@ -108,8 +107,9 @@ double theory(const Conditioning& motion, const Choice& scheme, std::string_view
 StabilityLimit longest_stable_step_of(const Request& scene, const Choice& scheme, const std::atomic<bool>& cancelled) {
   StabilityLimit limit;
   limit.scheme = scheme;
-  const Dial dial(scheme);
-  if (schemes()[scheme.scheme].own_clock || dial.name != "step") return limit;
+  const SchemeCard& card = scene.scene->mechanics->schemes()[scheme.scheme];
+  const Dial dial(card);
+  if (card.own_clock || dial.name != "step") return limit;
   const LongRun run(scene, scheme, cancelled);
   const double most = std::min(run.span(), dial.range.high);
   // From below, so that what is found is the first limit and no island beyond it.
@@ -121,7 +121,7 @@ StabilityLimit longest_stable_step_of(const Request& scene, const Choice& scheme
     (limit.failure.empty() ? stable : failing) = h;
     if (cancelled.load(std::memory_order_relaxed)) return limit;
   }
-  limit.theory = theory(run.motion(), scheme, limit.failure, most);
+  limit.theory = theory(run.motion(), card, scheme, limit.failure, most);
   if (limit.failure.empty()) return limit;
   while (failing - stable > 5e-4 * failing && failing > 1e-6 * most && !cancelled.load(std::memory_order_relaxed)) {
     const double middle = (stable + failing) / 2;
@@ -130,7 +130,7 @@ StabilityLimit longest_stable_step_of(const Request& scene, const Choice& scheme
     (failure.empty() ? stable : failing) = middle;
   }
   limit.step = stable;
-  limit.theory = theory(run.motion(), scheme, limit.failure, most);
+  limit.theory = theory(run.motion(), card, scheme, limit.failure, most);
   return limit;
 }
 

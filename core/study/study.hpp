@@ -25,8 +25,8 @@ struct Choice {
   std::vector<double> settings;
 };
 
-/// The choice in words, as "leapfrog, kahan_li_6", without the setting that a study varies.
-std::string name(const Choice& choice);
+/// The choice of this scheme in words, as "leapfrog, kahan_li_6", without the setting that a study varies.
+std::string name(const SchemeCard& card, const Choice& choice);
 
 /// One run of a study.
 struct StudyPoint {
@@ -123,23 +123,10 @@ struct StabilityLimit {
 /// To one part in a thousand. Stable: over 2,000 steps and at least the span, the state stays bounded.
 StabilityLimit longest_stable_step_of(const Request& scene, const Choice& scheme, const std::atomic<bool>& cancelled);
 
-/// The true states of a scene at increasing times after its start, and how well they can be known.
-struct Truth {
-  std::vector<std::vector<double>> states;  ///< by time; the variables that the motion has
-  double uncertainty = 0;                   ///< in the measure of *error*
-  std::string_view how;                     ///< closed form | quad precision run
-  bool complete = false;                    ///< false: it was told to give up, or the solution ceased to be finite
-
-  std::size_t bytes() const {  ///< in memory, about
-    std::size_t numbers = 0;
-    for (const auto& state : states) numbers += state.size() + 3;  // a vector is as large as three
-    return sizeof(Truth) + numbers * sizeof(double);
-  }
-};
-
-/// Kept for the next question; at most 64 of them, of 16 MiB together. Thread-safe. `keep_going` is asked now and then;
-/// false gives up.
-std::shared_ptr<const Truth> truth(const Request& scene, const std::vector<double>& times,
-                                   const std::function<bool()>& keep_going);
+/// The true states of a scene at increasing times. Kept for the next question about a scene of the same content; at
+/// most 64 of them, of 16 MiB together. Thread-safe. `keep_going` is asked now and then; false gives up.
+std::shared_ptr<const Truth> truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going);
+/// Up to the time `end`; kept in the same way.
+std::shared_ptr<const Conditioning> conditioning(const Scene& scene, double end, const KeepGoing& keep_going);
 
 }  // namespace least

@@ -8,16 +8,10 @@
 
 #include "core/composition.hpp"
 #include "core/scene.hpp"
-#include "core/study/state_error.hpp"
+#include "core/state_error.hpp"
 
 namespace least {
 namespace {
-
-std::optional<std::size_t> position(const SchemeCard& card, std::string_view name) {
-  const auto found = std::ranges::find(card.parameters, name, &ParameterCard::name);
-  if (found == card.parameters.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - card.parameters.begin());
-}
 
 /// A value as a request would say it.
 std::string said(const ParameterCard& parameter, double value) {
@@ -39,9 +33,7 @@ std::vector<Choice> with_each(const std::vector<Choice>& choices, std::size_t in
 }
 
 bool keeps(const SchemeCard& scheme, const ProblemCard& problem, const Keep& keep) {
-  // Flows that are not mechanical have no form to keep.
-  const bool form =
-      scheme.structure != "none" && std::ranges::find(problem.diagnostics, "structure") != problem.diagnostics.end();
+  const bool form = scheme.structure != "none" && problem.keeps_form;
   if (keep.structure && !form) return false;
   if (keep.energy && !form && !(scheme.symmetric && problem.keeps_energy)) return false;
   return !keep.momenta || form || scheme.id == "adaptive_verlet";
@@ -49,8 +41,7 @@ bool keeps(const SchemeCard& scheme, const ProblemCard& problem, const Keep& kee
 
 }  // namespace
 
-std::string name(const Choice& choice) {
-  const SchemeCard& card = schemes()[choice.scheme];
+std::string name(const SchemeCard& card, const Choice& choice) {
   std::string words(card.id);
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
     const ParameterCard& parameter = card.parameters[i];
@@ -63,16 +54,15 @@ std::string name(const Choice& choice) {
   return words;
 }
 
-Dial::Dial(const Choice& choice) {
-  const SchemeCard& card = schemes()[choice.scheme];
+Dial::Dial(const SchemeCard& card) {
   for (const std::string_view candidate : {"tolerance", "theta", "sigma", "step"})
-    if (const auto found = position(card, candidate)) {
+    if (const auto found = card.find(candidate)) {
       name = candidate;
       index = *found;
       break;
     }
   range = card.parameters[index].range;
-  if (name == "theta") companion = position(card, "step");
+  if (name == "theta") companion = card.find("step");
 }
 
 Choice Dial::at(const Choice& choice, double value) const {
@@ -83,9 +73,8 @@ Choice Dial::at(const Choice& choice, double value) const {
   return turned;
 }
 
-int declared_order(const Choice& choice) {
-  const SchemeCard& card = schemes()[choice.scheme];
-  if (Dial(choice).adaptive() || card.orders.empty()) return 0;
+int declared_order(const SchemeCard& card, const Choice& choice) {
+  if (Dial(card).adaptive() || card.orders.empty()) return 0;
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
     if (card.parameters[i].kind != Kind::choice && card.parameters[i].kind != Kind::integer) continue;
     const std::string value = said(card.parameters[i], choice.settings[i]);
@@ -95,11 +84,11 @@ int declared_order(const Choice& choice) {
   return card.orders.front().second;
 }
 
-std::vector<Choice> candidates(std::size_t problem, const Keep& keep) {
-  const ProblemCard& problem_card = problems()[problem];
+std::vector<Choice> candidates(const Mechanics& mechanics, const Keep& keep) {
+  const ProblemCard& problem_card = mechanics.card();
   std::vector<Choice> all;
   for (const std::size_t scheme : problem_card.schemes) {
-    const SchemeCard& card = schemes()[scheme];
+    const SchemeCard& card = mechanics.schemes()[scheme];
     if (!keeps(card, problem_card, keep)) continue;
     Choice plain{scheme, {}};
     for (const ParameterCard& parameter : card.parameters) {
@@ -107,15 +96,15 @@ std::vector<Choice> candidates(std::size_t problem, const Keep& keep) {
       plain.settings.push_back(suggestion != problem_card.suggested.end() ? suggestion->second : parameter.value);
     }
     std::vector<Choice> variants{plain};
-    if (const auto kappa = position(card, "kappa"))
+    if (const auto kappa = card.find("kappa"))
       variants = with_each(variants, *kappa, {plain.settings[*kappa], unknown});
-    if (const auto stages = position(card, "stages")) {
+    if (const auto stages = card.find("stages")) {
       const Range& range = card.parameters[*stages].range;
       std::vector<double> counts(static_cast<std::size_t>(range.high - range.low) + 1);
       std::iota(counts.begin(), counts.end(), range.low);
       variants = with_each(variants, *stages, counts);
     }
-    if (const auto composition = position(card, "composition")) {
+    if (const auto composition = card.find("composition")) {
       const auto index = [](Composition c) { return static_cast<double>(c); };
       std::vector<double> useful{index(Composition::none)};
       for (const Composition c : {Composition::suzuki_4, Composition::kahan_li_6, Composition::kahan_li_8,
@@ -135,22 +124,22 @@ Subject::Subject(const Request& scene, bool at_end, double seconds, const std::a
     : scene_(scene), at_end_(at_end), cancelled_(cancelled) {
   const Deadline deadline(seconds);
   const auto keep_going = [&] { return deadline.left() > 0 && !cancelled.load(std::memory_order_relaxed); };
-  conditioning_ = least::conditioning(scene_, keep_going);
+  conditioning_ = least::conditioning(*scene_.scene, scene_.end, keep_going);
   if (conditioning_->ends) scene_.end = conditioning_->reached;
   if (!at_end) {
     constexpr int count = 64;
-    const double span = scene_.end - scene_.start;
+    const double span = scene_.end - scene_.scene->start;
     const auto& pace = conditioning_->pace;
-    for (int k = 1; k < count; ++k) times_.push_back(scene_.start + span * k / count);
+    for (int k = 1; k < count; ++k) times_.push_back(scene_.scene->start + span * k / count);
     // As many again that follow the motion, or a fast passage would not be seen.
     for (std::size_t k = 1; k < count && pace.size() > count; ++k) times_.push_back(pace[k * pace.size() / count]);
     std::ranges::sort(times_);
     const auto near = [&](double a, double b) { return b - a < 1e-6 * span; };
     times_.erase(std::unique(times_.begin(), times_.end(), near), times_.end());
-    std::erase_if(times_, [&](double t) { return near(scene_.start, t) || near(t, scene_.end); });
+    std::erase_if(times_, [&](double t) { return near(scene_.scene->start, t) || near(t, scene_.end); });
   }
   times_.push_back(scene_.end);
-  truth_ = least::truth(scene_, times_, keep_going);
+  truth_ = least::truth(*scene_.scene, times_, keep_going);
 }
 
 double Subject::floor() const {
@@ -173,17 +162,17 @@ Request Subject::request(const Choice& choice, double seconds, std::int64_t step
 
 double Subject::longest(const Choice& choice, const Dial& dial) const {
   if (dial.adaptive()) return dial.range.high;
-  const double span = scene_.end - scene_.start;
-  if (!schemes()[choice.scheme].own_clock) return std::min(span, dial.range.high);
+  const double span = scene_.end - scene_.scene->start;
+  if (!card(choice).own_clock) return std::min(span, dial.range.high);
   double value = dial.value(choice);
   for (int k = 0; k < 40; ++k, value /= 4) {  // where the first step fails, a shorter one may not
     Request one = request(dial.at(choice, value), 1, 1);
     one.until_steps = true;
     one.steps = 1;
     Samples none;
-    const Outcome outcome = least::run(one, none, cancelled_);
-    if (outcome.stop.reason == Reason::completed && outcome.t > scene_.start)
-      return std::min(value * (span / (outcome.t - scene_.start)), dial.range.high);
+    const Outcome outcome = scene_.scene->mechanics->run(one, none, cancelled_);
+    if (outcome.stop.reason == Reason::completed && outcome.t > scene_.scene->start)
+      return std::min(value * (span / (outcome.t - scene_.scene->start)), dial.range.high);
   }
   return dial.value(choice);
 }
@@ -196,7 +185,7 @@ Trial Subject::run(const Choice& choice, double seconds, std::int64_t step_limit
     for (std::size_t i = 0; i < size; ++i) measured.columns.push_back(i + 1);
   }
   Samples samples;
-  const Outcome outcome = least::run(measured, samples, cancelled_);
+  const Outcome outcome = scene_.scene->mechanics->run(measured, samples, cancelled_);
   for (std::size_t i = 0; i + size <= samples.values.size(); i += size)
     states.emplace_back(samples.values.begin() + static_cast<std::ptrdiff_t>(i),
                         samples.values.begin() + static_cast<std::ptrdiff_t>(i + size));
@@ -223,7 +212,7 @@ Trial Subject::run(const Choice& choice, double seconds, std::int64_t step_limit
     trial.error = error(states, truth_->states);
     return trial;
   }
-  const Dial dial(choice);
+  const Dial dial(card(choice));
   const double value = dial.value(choice) / (dial.adaptive() ? 100 : 2);
   const Trial half = run(dial.at(choice, value), seconds - trial.seconds, 2 * step_limit, finer);
   trial.error = half.status == Reason::completed ? error(states, finer) : unknown;
@@ -235,7 +224,7 @@ double Subject::time(const Choice& choice, double seconds, std::int64_t step_lim
   double together = 0, shortest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3 && together < 2e-3; ++k) {
     Samples none;
-    const double here = least::run(timed, none, cancelled_).cost.seconds;
+    const double here = scene_.scene->mechanics->run(timed, none, cancelled_).cost.seconds;
     shortest = std::min(shortest, here);
     together += here;
   }

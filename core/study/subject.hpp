@@ -5,7 +5,7 @@
 #include <chrono>
 #include <optional>
 
-#include "core/catalogue.hpp"
+#include "core/study/study.hpp"
 
 namespace least {
 
@@ -16,7 +16,7 @@ struct Dial {
   std::optional<std::size_t> companion;  ///< scaled with it: the step in time of a scheme with θ
   Range range{0, 0};
 
-  explicit Dial(const Choice& choice);
+  explicit Dial(const SchemeCard& card);
   bool adaptive() const { return name == "tolerance"; }
   double value(const Choice& choice) const { return choice.settings[index]; }
   /// The choice at another value, brought into its range.
@@ -24,10 +24,10 @@ struct Dial {
 };
 
 /// The order that the card declares for these settings; 0 where the dial is a tolerance.
-int declared_order(const Choice& choice);
+int declared_order(const SchemeCard& card, const Choice& choice);
 
 /// Every scheme that applies, with none and the recommended compositions, as the catalogue suggests it for the problem.
-std::vector<Choice> candidates(std::size_t problem, const Keep& keep);
+std::vector<Choice> candidates(const Mechanics& mechanics, const Keep& keep);
 
 /// A time that is not to be exceeded.
 class Deadline {
@@ -58,13 +58,14 @@ class Subject {
   /// Whether there is a truth to measure against. Where there is none, runs are held against their like of half the
   /// step.
   bool known() const { return truth_->complete; }
+  const SchemeCard& card(const Choice& choice) const { return scene_.scene->mechanics->schemes()[choice.scheme]; }
   const Truth& truth() const { return *truth_; }
   const Conditioning& conditioning() const { return *conditioning_; }
   /// Errors below mean nothing.
   double floor() const;
   /// Errors below that no longer fall are round-off: above, they may fall again.
   double plateau() const { return conditioning_->chaotic() ? 1 : std::max(1e-3, 100 * floor()); }
-  double start() const { return scene_.start; }
+  double start() const { return scene_.scene->start; }
   double end() const { return scene_.end; }
   bool ends_early() const { return conditioning_->ends; }
 

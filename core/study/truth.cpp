@@ -1,29 +1,20 @@
 // Truths and conditionings, kept for the next question about the same motion.
 #include <algorithm>
-#include <bit>
 #include <list>
 #include <mutex>
+#include <span>
+#include <string>
 #include <utility>
 
-#include "core/catalogue.hpp"
+#include "core/study/study.hpp"
 
 namespace least {
 namespace {
 
-/// What stands for a question: the bits of its numbers, so that NaN and −0 are themselves.
-using Key = std::vector<std::uint64_t>;
-
-void append(Key& key, const std::vector<double>& numbers) {
-  key.push_back(numbers.size());
-  for (const double x : numbers) key.push_back(std::bit_cast<std::uint64_t>(x));
-}
-
-Key key_of(const Request& scene, const std::vector<double>& times) {
-  Key key{scene.problem};
-  append(key, scene.parameters);
-  append(key, scene.initial);
-  append(key, {scene.start});
-  append(key, times);
+/// What stands for a question: the content of the scene and the bits of the times.
+std::string question(const Scene& scene, std::span<const double> times) {
+  std::string key = scene.key();
+  key.append(reinterpret_cast<const char*>(times.data()), times.size_bytes());
   return key;
 }
 
@@ -31,16 +22,16 @@ Key key_of(const Request& scene, const std::vector<double>& times) {
 template <class Answer>
 class Cache {
  public:
-  std::shared_ptr<const Answer> find(const Key& key) {
+  std::shared_ptr<const Answer> find(const std::string& key) {
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(entries_, key, &Entry::key);
     if (found == entries_.end()) return nullptr;
     entries_.splice(entries_.begin(), entries_, found);
     return found->answer;
   }
-  void keep(Key key, std::shared_ptr<const Answer> answer, std::size_t bytes) {
+  void keep(std::string key, std::shared_ptr<const Answer> answer, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
-    bytes += key.size() * sizeof(Key::value_type);
+    bytes += key.size();
     if (bytes > most_bytes) return;
     std::erase_if(entries_, [&](const Entry& entry) { return entry.key == key; });
     entries_.push_front({std::move(key), std::move(answer), bytes});
@@ -55,7 +46,7 @@ class Cache {
  private:
   static constexpr std::size_t most_entries = 64, most_bytes = 16 << 20;
   struct Entry {
-    Key key;
+    std::string key;
     std::shared_ptr<const Answer> answer;
     std::size_t bytes;
   };
@@ -65,7 +56,7 @@ class Cache {
 
 /// The answer to a question, from the cache or by compute(keep_going); one that was given up is not kept.
 template <class Answer, class Compute>
-std::shared_ptr<const Answer> answer(Cache<Answer>& cache, Key key, const std::function<bool()>& keep_going,
+std::shared_ptr<const Answer> answer(Cache<Answer>& cache, std::string key, const KeepGoing& keep_going,
                                      Compute&& compute) {
   if (auto known = cache.find(key)) return known;
   bool gave_up = false;
@@ -79,17 +70,16 @@ std::shared_ptr<const Answer> answer(Cache<Answer>& cache, Key key, const std::f
 
 }  // namespace
 
-std::shared_ptr<const Truth> truth(const Request& scene, const std::vector<double>& times,
-                                   const std::function<bool()>& keep_going) {
+std::shared_ptr<const Truth> truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) {
   static Cache<Truth> cache;
-  return answer(cache, key_of(scene, times), keep_going,
-                [&](const std::function<bool()>& going) { return compute_truth(scene, times, going); });
+  return answer(cache, question(scene, times), keep_going,
+                [&](const KeepGoing& going) { return scene.mechanics->truth(scene, times, going); });
 }
 
-std::shared_ptr<const Conditioning> conditioning(const Request& scene, const std::function<bool()>& keep_going) {
+std::shared_ptr<const Conditioning> conditioning(const Scene& scene, double end, const KeepGoing& keep_going) {
   static Cache<Conditioning> cache;
-  return answer(cache, key_of(scene, {scene.end}), keep_going,
-                [&](const std::function<bool()>& going) { return compute_conditioning(scene, going); });
+  return answer(cache, question(scene, {&end, 1}), keep_going,
+                [&](const KeepGoing& going) { return scene.mechanics->conditioning(scene, end, going); });
 }
 
 }  // namespace least

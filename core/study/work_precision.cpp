@@ -17,7 +17,7 @@ double slope(const StudyPoint& coarse, const StudyPoint& fine) {
 class Ladder {
  public:
   Ladder(const Subject& subject, const StudyPlan& plan, StudyCurve& curve)
-      : subject_(subject), plan_(plan), curve_(curve), dial_(curve.scheme) {
+      : subject_(subject), plan_(plan), curve_(curve), dial_(subject.card(curve.scheme)) {
     curve.setting = dial_.name;
     longest_ = value_ = subject.longest(curve.scheme, dial_) / (dial_.adaptive() ? 1 : 4);
   }
@@ -147,8 +147,9 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
   for (const Choice& scheme : plan.schemes) {
     StudyCurve& curve = study.curves.emplace_back();
     curve.scheme = scheme;
-    curve.expected_order = declared_order(scheme);
-    curve.setting = Dial(scheme).name;
+    const SchemeCard& card = plan.scene.scene->mechanics->schemes()[scheme.scheme];
+    curve.expected_order = declared_order(card, scheme);
+    curve.setting = Dial(card).name;
   }
   const Subject subject(plan.scene, plan.at_end, plan.budget_seconds, cancelled);
   study.end = subject.end();
@@ -183,7 +184,8 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
     ladders[i].close();
     if (!ladders[i].over())
       study.left_out.push_back(
-          fmt::format("{}: {} from {:.3g} on, because {}", name(curve.scheme), curve.setting, ladders[i].next(),
+          fmt::format("{}: {} from {:.3g} on, because {}", name(subject.card(curve.scheme), curve.scheme),
+                      curve.setting, ladders[i].next(),
                       deadline.left() > 0 ? "the study was cancelled"
                                           : fmt::format("the budget of {} s ran out", plan.budget_seconds)));
   }

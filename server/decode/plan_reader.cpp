@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/run/schedule.hpp"
+#include "core/run/save_schedule.hpp"
 
 namespace least::server {
 namespace {
@@ -50,7 +50,7 @@ void read_limits(const Json& root, const FieldPath& top, const Caps& caps, Limit
 
 // The end as it stands in the request, or the default one.
 void read_until(const Json& root, const FieldPath& top, double span, Request& request) {
-  request.end = request.start + span;
+  request.end = request.scene->start + span;
   const Json* json = find(root, "until");
   const FieldPath path = top.at("until");
   if (json == nullptr || !read_object(*json, path, {"t", "steps"}, "until")) return;
@@ -71,35 +71,35 @@ void read_until(const Json& root, const FieldPath& top, double span, Request& re
 Span span_until(const Request& request, std::optional<double> h, const FieldPath& until) {
   if (request.until_steps) {
     if (!h) return {std::nullopt, request.steps};
-    const double end = request.start + static_cast<double>(request.steps) * *h;
-    if (std::isfinite(end) && end > request.start) return {end, request.steps};
+    const double end = request.scene->start + static_cast<double>(request.steps) * *h;
+    if (std::isfinite(end) && end > request.scene->start) return {end, request.steps};
     until.at("steps").fault("the run would end at a time that is no finite number after the start",
                             Json(request.steps));
     return {};
   }
-  if (!(request.end > request.start)) {
-    until.at("t").fault(fmt::format("must be greater than the start, t = {}", shortest(request.start)),
-                        Json(request.end), interval({request.start, infinity, true, true}));
+  if (!(request.end > request.scene->start)) {
+    until.at("t").fault(fmt::format("must be greater than the start, t = {}", shortest(request.scene->start)),
+                        Json(request.end), interval({request.scene->start, infinity, true, true}));
     return {};
   }
-  if (!std::isfinite(request.end - request.start)) {
+  if (!std::isfinite(request.end - request.scene->start)) {
     until.at("t").fault("the span from the start does not fit a double", Json(request.end));
     return {};
   }
   if (!h) return {request.end, std::nullopt};
-  const double steps = (request.end - request.start) / *h;
+  const double steps = (request.end - request.scene->start) / *h;
   if (!(steps <= static_cast<double>(greatest_count))) {
     until.at("t").fault(
         fmt::format("would take {} steps of {}, more than can be counted", shortest(std::floor(steps)), shortest(*h)),
         Json(request.end));
     return {};
   }
-  if (request.start + *h == request.start || request.end - *h == request.end) {
+  if (request.scene->start + *h == request.scene->start || request.end - *h == request.end) {
     until.at("t").fault(fmt::format("a double cannot tell times apart there that lie a step of {} apart", shortest(*h)),
                         Json(request.end));
     return {};
   }
-  return {request.end, whole_steps(request.start, request.end, *h)};
+  return {request.end, whole_steps(request.scene->start, request.end, *h)};
 }
 
 void read_times(const Json& json, const FieldPath& path, const Request& request, const Span& span, Record& record) {
@@ -110,7 +110,7 @@ void read_times(const Json& json, const FieldPath& path, const Request& request,
   const double end = span.end.value_or(infinity);
   double last = -infinity;
   for (std::size_t i = 0; i < json.size(); ++i) {
-    const auto t = read_number(json[i], path.at(i), {request.start, end, false, !std::isfinite(end)});
+    const auto t = read_number(json[i], path.at(i), {request.scene->start, end, false, !std::isfinite(end)});
     if (!t) continue;
     if (!(*t > last)) path.at(i).fault("must be greater than the time before it", json[i]);
     last = *t;
@@ -176,28 +176,30 @@ void read_record(const Json& root, const FieldPath& top, const Span& span, Reque
   }
 }
 
-void add_name(const Names& known, std::string_view name, std::vector<std::size_t>& chosen) {
-  const auto it = std::find(known.begin(), known.end(), name);
-  if (it != known.end()) chosen.push_back(static_cast<std::size_t>(it - known.begin()));
+template <class Cards>
+Names names_in(const Cards& cards) {
+  Names names;
+  for (const auto& card : cards) names.push_back(card.name);
+  return names;
 }
 
 void read_columns(const Json& root, const FieldPath& top, const ProblemCard& problem, Request& request) {
   if (const Json* json = find(root, "columns")) {
-    request.columns = read_names(*json, top.at("columns"), problem.columns, "column");
+    const Names known = names_in(problem.columns);
+    request.columns = read_names(*json, top.at("columns"), known, "column");
     if (json->is_array() && json->empty()) {
       top.at("columns").fault("must name at least one column; {\"record\": {\"every\": 0}} keeps no trajectory", *json,
-                              listed(problem.columns));
+                              listed(known));
     }
   } else {
-    add_name(problem.columns, "t", request.columns);
-    for (const auto& variable : problem.variables) {
-      if (!variable.optional) add_name(problem.columns, variable.name, request.columns);
-    }
+    for (std::size_t i = 0; i < problem.columns.size(); ++i)
+      if (problem.columns[i].by_default) request.columns.push_back(i);
   }
   if (const Json* json = find(root, "diagnostics")) {
-    request.diagnostics = read_names(*json, top.at("diagnostics"), problem.diagnostics, "diagnostic");
+    request.diagnostics = read_names(*json, top.at("diagnostics"), names_in(problem.diagnostics), "diagnostic");
   } else {
-    add_name(problem.diagnostics, "energy", request.diagnostics);
+    for (std::size_t i = 0; i < problem.diagnostics.size(); ++i)
+      if (problem.diagnostics[i].by_default) request.diagnostics.push_back(i);
   }
 }
 

@@ -9,8 +9,6 @@
 namespace least::server {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 template <class Items>
 Names keys_of(const Items& items, std::initializer_list<std::string_view> more) {
   Names names(more);
@@ -74,9 +72,10 @@ NamedEntry read_entry(const Json* json, const FieldPath& path, std::string_view 
   return {read_name(*id, path.at("id"), ids, what), path.at("id")};
 }
 
-const PresetCard* read_scene(const Json& root, const FieldPath& top, const ProblemCard& card, Request& request) {
-  for (const auto& parameter : card.parameters) request.parameters.push_back(parameter.value);
-  for (const auto& variable : card.variables) request.initial.push_back(variable.value);
+const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene) {
+  const ProblemCard& card = scene.card();
+  for (const auto& parameter : card.parameters) scene.parameters.push_back(parameter.value);
+  for (const auto& variable : card.variables) scene.initial.push_back(variable.value);
 
   const FieldPath path = top.at("problem");
   const PresetCard* preset = nullptr;
@@ -84,14 +83,14 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, const Probl
     read_object(*json, path, keys_of(card.parameters, {"id", "preset"}), card.id);
     if ((preset = read_preset(*json, path, card)) != nullptr) {
       for (std::size_t i = 0; i < card.parameters.size(); ++i) {
-        request.parameters[i] = named(preset->parameters, card.parameters[i].name).value_or(request.parameters[i]);
+        scene.parameters[i] = named(preset->parameters, card.parameters[i].name).value_or(scene.parameters[i]);
       }
       for (std::size_t i = 0; i < card.variables.size(); ++i) {
-        request.initial[i] = named(preset->initial, card.variables[i].name).value_or(request.initial[i]);
+        scene.initial[i] = named(preset->initial, card.variables[i].name).value_or(scene.initial[i]);
       }
-      request.start = named(preset->initial, "t").value_or(request.start);
+      scene.start = named(preset->initial, "t").value_or(scene.start);
     }
-    read_parameters(*json, path, card.parameters, request.parameters);
+    read_parameters(*json, path, card.parameters, scene.parameters);
   }
 
   const Json* initial = find(root, "initial");
@@ -99,18 +98,18 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, const Probl
   const Names names = keys_of(card.variables, {"t"});
   if (initial == nullptr || !read_object(*initial, start, names, fmt::format("the start of {}", card.id)))
     return preset;
+  constexpr double unbounded = std::numeric_limits<double>::infinity();
   bool given = false;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* json = find(*initial, names[i]);
     const bool follows = i > 0 && std::isnan(card.variables[i - 1].value);  // null: from the others
     if (json == nullptr || (follows && json->is_null())) continue;
-    const auto value = read_number(*json, start.at(names[i]), {-infinity, infinity, true, true});
-    if (value) (i == 0 ? request.start : request.initial[i - 1]) = *value;
+    const auto value = read_number(*json, start.at(names[i]), {-unbounded, unbounded, true, true});
+    if (value) (i == 0 ? scene.start : scene.initial[i - 1]) = *value;
     given = given || i > 0;
   }
-  if (!given && card.regular_start != nullptr) {
-    if (auto state = card.regular_start(request.parameters, request.start)) request.initial = std::move(*state);
-  }
+  if (!given)
+    if (auto state = scene.mechanics->regular_start(scene.parameters, scene.start)) scene.initial = std::move(*state);
   return preset;
 }
 

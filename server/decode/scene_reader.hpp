@@ -11,10 +11,14 @@
 
 namespace least::server {
 
-template <class Card>
-Names names_of(std::span<const Card> cards) {
+inline Names names_of(std::span<const SchemeCard> cards) {
   Names names;
   for (const auto& card : cards) names.push_back(card.id);
+  return names;
+}
+inline Names names_of(std::span<const std::shared_ptr<const Mechanics>> problems) {
+  Names names;
+  for (const auto& problem : problems) names.push_back(problem->card().id);
   return names;
 }
 
@@ -26,8 +30,9 @@ struct NamedEntry {
 /// `what` says what they are ("problem"); null where there is no value at all.
 NamedEntry read_entry(const Json* json, const FieldPath& path, std::string_view what, const Names& ids);
 
-/// The problem's parameters and the start: card, then preset, then what the request says. The preset, if there is one.
-const PresetCard* read_scene(const Json& root, const FieldPath& top, const ProblemCard& card, Request& request);
+/// The parameters and the start of a scene whose mechanics is known: card, then preset, then what the request says. The
+/// preset, if there is one.
+const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene);
 
 /// A scheme's settings: card, then what the problem (or its preset `scene`) suggests, then the scheme's preset, then
 /// what the request says. `problem` and `scene` may be null.

@@ -23,10 +23,13 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   ids.push_back(auto_card().id);
   const NamedEntry problem = read_entry(find(root, "problem"), top.at("problem"), "problem", names_of(cards.problems));
   const NamedEntry scheme = read_entry(json, top.at("scheme"), "scheme", ids);
-  const ProblemCard* problem_card = problem.index ? &cards.problems[*problem.index] : nullptr;
+  const auto scene = std::make_shared<Scene>();
+  if (problem.index) scene->mechanics = cards.problems[*problem.index];
+  request.scene = scene;
+  const ProblemCard* problem_card = problem.index ? &scene->card() : nullptr;
   const bool automatic = scheme.index == cards.schemes.size();
   const SchemeCard* scheme_card = automatic ? &auto_card() : scheme.index ? &cards.schemes[*scheme.index] : nullptr;
-  const PresetCard* preset = problem_card ? read_scene(root, top, *problem_card, request) : nullptr;
+  const PresetCard* preset = problem_card ? read_scene(root, top, *scene) : nullptr;
   if (automatic) {
     decoded.wish = read_wish(*json, top.at("scheme"), caps);
     refuse_steps(root, top, "auto chooses the step: the end must be a time");
@@ -40,7 +43,6 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   read_plan(root, top, problem_card, scheme_card, problem_card ? span_of(*problem_card, preset) : 0, caps, request);
 
   if (!faults.empty()) return faults;
-  request.problem = *problem.index;
   request.scheme = automatic ? 0 : *scheme.index;
   return decoded;
 }

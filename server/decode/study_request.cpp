@@ -77,10 +77,12 @@ bool read_study(const Json& root, const FieldPath& top, const Names& keys, const
   if (root.is_null() && !top.faults->empty()) return false;
   if (!read_object(root, top, keys, "the request")) return false;
   const NamedEntry problem = read_entry(find(root, "problem"), top.at("problem"), "problem", names_of(cards.problems));
+  const auto scene = std::make_shared<Scene>();
+  study.scene.scene = scene;
   if (problem.index) {
-    study.problem = &cards.problems[*problem.index];
-    study.scene.problem = *problem.index;
-    study.preset = read_scene(root, top, *study.problem, study.scene);
+    scene->mechanics = cards.problems[*problem.index];
+    study.problem = &scene->card();
+    study.preset = read_scene(root, top, *scene);
   }
   read_schemes(root, top, cards, study);
   refuse_steps(root, top, "schemes are compared over a span of time: their steps have different lengths");

@@ -55,12 +55,13 @@ struct WriteValue {
 
 }  // namespace
 
-void write_scene(JsonWriter& json, const ProblemCard& card, const Request& request) {
+void write_scene(JsonWriter& json, const Scene& scene) {
+  const ProblemCard& card = scene.card();
   json.key("problem").open('{').key("id").text(card.id);
-  write_parameters(json, card.parameters, request.parameters);
-  json.close('}').key("initial").open('{').key("t").number(request.start);
+  write_parameters(json, card.parameters, scene.parameters);
+  json.close('}').key("initial").open('{').key("t").number(scene.start);
   for (std::size_t i = 0; i < card.variables.size(); ++i) {
-    json.key(card.variables[i].name).number(request.initial[i]);
+    json.key(card.variables[i].name).number(scene.initial[i]);
   }
   json.close('}');
 }
@@ -94,18 +95,18 @@ void write_choice(JsonWriter& json, const AdviceWithCards& choice) {
   json.close(']').close('}');
 }
 
-std::string_view word_of(const std::vector<std::string_view>& words, double code) {
+std::string_view word_of(const std::vector<std::string>& words, double code) {
   return code >= 0 && code < static_cast<double>(words.size()) ? words[static_cast<std::size_t>(code)]
                                                                : std::string_view();
 }
 
 void write_echo(JsonWriter& json, const FinishedRun& run) {
-  write_scene(json, run.problem, run.request);
+  write_scene(json, *run.request.scene);
   write_scheme(json.key("scheme"), run.scheme, run.request.settings);
   write_until(json.key("until"), run.request);
   write_record(json.key("record"), run);
   json.key("columns").open('[');
-  for (const auto column : run.request.columns) json.text(run.problem.columns[column]);
+  for (const auto column : run.request.columns) json.text(run.problem.columns[column].name);
   json.close(']');
   write_limits(json.key("limits"), run);
 }

@@ -10,7 +10,7 @@ namespace least::server {
 /// limits.
 void write_echo(JsonWriter& json, const FinishedRun& run);
 /// The members problem and initial.
-void write_scene(JsonWriter& json, const ProblemCard& card, const Request& request);
+void write_scene(JsonWriter& json, const Scene& scene);
 /// A scheme as a request spells it.
 void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings);
 void write_until(JsonWriter& json, const Request& request);
@@ -25,7 +25,7 @@ void write_cost(JsonWriter& json, const Cost& cost);
 void write_warnings(JsonWriter& json, const std::vector<Warning>& warnings);
 
 /// The word that a code stands for; empty where it stands for none.
-std::string_view word_of(const std::vector<std::string_view>& words, double code);
+std::string_view word_of(const std::vector<std::string>& words, double code);
 
 inline std::string_view status_of(const Outcome& outcome) {
   return outcome.stop.reason == Reason::completed ? "completed" : "stopped";

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {
@@ -12,6 +12,13 @@ template <class Items>
 void write_texts(JsonWriter& json, const Items& items) {
   json.open('[');
   for (const auto& item : items) json.text(item);
+  json.close(']');
+}
+
+template <class Items>
+void write_names(JsonWriter& json, const Items& items) {
+  json.open('[');
+  for (const auto& item : items) json.text(item.name);
   json.close(']');
 }
 
@@ -118,8 +125,8 @@ void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& 
   json.close(']').key("quantities").open('[');
   write_quantities(json, card.quantities);
   json.close(']');
-  write_texts(json.key("columns"), card.columns);
-  write_texts(json.key("diagnostics"), card.diagnostics);
+  write_names(json.key("columns"), card.columns);
+  write_names(json.key("diagnostics"), card.diagnostics);
   json.key("schemes").open('[');
   for (const auto index : card.schemes) json.text(cards.schemes[index].id);
   json.text(auto_card().id).close(']').key("offers").text(card.offers);
@@ -176,19 +183,19 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
 
 CatalogueText describe(const Cards& cards) {
   CatalogueText text;
-  for (const auto& card : cards.problems) {
-    JsonWriter json(text.problems[std::string(card.id)]);
-    write_problem_card(json, card, cards);
+  for (const auto& problem : cards.problems) {
+    JsonWriter json(text.problems[problem->card().id]);
+    write_problem_card(json, problem->card(), cards);
   }
   for (const auto& card : cards.schemes) {
-    JsonWriter json(text.schemes[std::string(card.id)]);
+    JsonWriter json(text.schemes[card.id]);
     write_scheme_card(json, card);
   }
-  JsonWriter automatic(text.schemes[std::string(auto_card().id)]);
+  JsonWriter automatic(text.schemes[auto_card().id]);
   write_scheme_card(automatic, auto_card());
   JsonWriter json(text.all);
   json.open('{').key("version").text(version).key("problems").open('[');
-  for (const auto& card : cards.problems) json.raw(text.problems.find(card.id)->second);
+  for (const auto& problem : cards.problems) json.raw(text.problems.find(problem->card().id)->second);
   json.close(']').key("schemes").open('[');
   for (const auto& card : cards.schemes) json.raw(text.schemes.find(card.id)->second);
   json.raw(text.schemes.find(auto_card().id)->second);

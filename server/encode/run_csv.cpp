@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {
@@ -44,17 +44,17 @@ Answer encode_csv(const FinishedRun& run) {
   const auto& values = run.samples.values;
   std::string& out = answer.body;
   out.reserve(256 + values.size() * 20);
-  std::vector<std::vector<std::string_view>> words;
+  std::vector<const std::vector<std::string>*> words;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (i > 0) out += ',';
-    out += run.problem.columns[columns[i]];
-    words.push_back(column_words(run.problem, columns[i]));
+    out += run.problem.columns[columns[i]].name;
+    words.push_back(&run.problem.columns[columns[i]].words);
   }
   out += '\n';
   for (std::size_t i = 0; i < values.size();) {
-    for (const auto& known : words) {
-      if (!known.empty()) {
-        out += word_of(known, values[i]);
+    for (const auto* known : words) {
+      if (!known->empty()) {
+        out += word_of(*known, values[i]);
       } else if (std::isfinite(values[i])) {
         append_number(out, values[i]);
       }

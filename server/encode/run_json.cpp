@@ -1,4 +1,4 @@
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {
@@ -25,8 +25,9 @@ void write_trajectory(JsonWriter& json, const FinishedRun& run) {
   const auto& values = run.samples.values;
   json.open('{');
   for (std::size_t column = 0; column < columns.size(); ++column) {
-    json.key(run.problem.columns[columns[column]]).open('[');
-    const auto words = column_words(run.problem, columns[column]);
+    const ColumnCard& card = run.problem.columns[columns[column]];
+    json.key(card.name).open('[');
+    const auto& words = card.words;
     if (words.empty()) write_numbers(json.buffer(), values, column, columns.size());
     for (std::size_t i = column; !words.empty() && i < values.size(); i += columns.size()) {
       const auto word = word_of(words, values[i]);

@@ -1,6 +1,6 @@
 #include "server/encode/study_json.hpp"
 
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {
@@ -80,7 +80,7 @@ void write_status(JsonWriter& json, Reason end) {
 void write_study_echo(JsonWriter& json, const PlanWithCards& planned) {
   const StudyPlan& plan = planned.plan;
   json.key("version").text(version);
-  write_scene(json, planned.cards.problems[plan.scene.problem], plan.scene);
+  write_scene(json, *plan.scene.scene);
   write_until(json.key("until"), plan.scene);
   json.key("error").text(plan.at_end ? "final" : "max").key("budget_seconds").number(plan.budget_seconds);
 }
@@ -147,7 +147,7 @@ std::string encode_stability(const StabilityFindings& findings, Reason end) {
   const auto& [scene, schemes, limits, cards] = findings;
   return line([&](JsonWriter& json) {
     json.key("version").text(version);
-    write_scene(json, cards.problems[scene.problem], scene);
+    write_scene(json, *scene.scene);
     json.key("limits").open('[');
     for (const StabilityLimit& limit : limits) {
       write(json.open('{').key("scheme"), cards, limit.scheme);
@@ -158,7 +158,7 @@ std::string encode_stability(const StabilityFindings& findings, Reason end) {
     json.close(']');
     std::vector<std::string> left_out;
     for (std::size_t i = limits.size(); i < schemes.size(); ++i) {
-      left_out.push_back(name(schemes[i]) + ": no time was left");
+      left_out.push_back(name(cards.schemes[schemes[i].scheme], schemes[i]) + ": no time was left");
     }
     write_left_out(json.key("left_out"), left_out);
     write_status(json, end);

@@ -10,12 +10,6 @@ namespace {
 
 bool same(std::string_view a, std::string_view b) { return lowered(a) == lowered(b); }
 
-std::string_view trimmed(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
-}
-
 // Cuts `s` at the first separator and returns what stood before it.
 std::string_view cut(std::string_view& s, char separator) {
   const auto at = std::min(s.find(separator), s.size());

@@ -13,6 +13,8 @@ namespace least::server {
 
 /// With the letters of ASCII in lower case.
 std::string lowered(std::string_view s);
+/// Without spaces and tabs at its ends.
+std::string_view trimmed(std::string_view s);
 
 /// A request that cannot be taken: what to answer before the connection is closed.
 struct Refusal {

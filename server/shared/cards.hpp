@@ -5,13 +5,13 @@
 #include <span>
 #include <string_view>
 
-#include "core/describe.hpp"
+#include "core/run/mechanics.hpp"
 #include "server/shared/json_writer.hpp"
 
 namespace least::server {
 
 struct Cards {
-  std::span<const ProblemCard> problems;
+  std::span<const std::shared_ptr<const Mechanics>> problems;
   std::span<const SchemeCard> schemes;
 };
 

@@ -6,12 +6,12 @@
 namespace least::server {
 namespace {
 
-struct Kind {
+struct Type {
   int status;
   std::string_view phrase, error;
 };
 
-constexpr Kind kinds[] = {{100, "Continue", ""},
+constexpr Type kinds[] = {{100, "Continue", ""},
                           {200, "OK", ""},
                           {204, "No Content", ""},
                           {304, "Not Modified", ""},
@@ -33,9 +33,9 @@ constexpr Kind kinds[] = {{100, "Continue", ""},
                           {503, "Service Unavailable", "busy"},
                           {505, "HTTP Version Not Supported", "version-not-supported"}};
 
-const Kind& kind(int status) {
-  static constexpr Kind unknown{0, "Error", "error"};
-  const auto it = std::find_if(std::begin(kinds), std::end(kinds), [=](const Kind& k) { return k.status == status; });
+const Type& kind(int status) {
+  static constexpr Type unknown{0, "Error", "error"};
+  const auto it = std::find_if(std::begin(kinds), std::end(kinds), [=](const Type& k) { return k.status == status; });
   return it == std::end(kinds) ? unknown : *it;
 }
 

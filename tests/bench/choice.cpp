@@ -1,4 +1,4 @@
-// Tables of the README: what each scheme makes of the same work on the same orbit, and how well every scene is solved.
+// Tables of RESULTS.md: what each scheme makes of the same work on the same orbit, and how well every scene is solved.
 // Printed before the benchmarks.
 #include <cmath>
 #include <cstdio>
@@ -18,7 +18,7 @@ struct Case {
 // Kepler, e = 0.6, from periapsis, 100 periods.
 Request orbit(const Case& c, double step) {
   Request request = runs::defaults("kepler", c.scheme);
-  request.initial = {0.4, 0, 0, 2};
+  runs::scene(request).initial = {0.4, 0, 0, 2};
   request.end = 200 * std::acos(-1.0);
   request.limits = {1e9, 1'000'000'000'000, 1'000'000};
   runs::only_final(request);
@@ -32,10 +32,10 @@ Request orbit(const Case& c, double step) {
 void scenes() {
   std::printf("| id | system | scheme | step | force evaluations | error | with kahan_li_6 | error |\n");
   std::printf("|---|---|---|---|---|---|---|---|\n");
-  for (const ProblemCard& problem : problems()) {
+  for (const ProblemCard& problem : runs::problem_cards()) {
     const char* scheme = nullptr;
     for (const char* id : {"leapfrog", "contact_leapfrog", "contact_splitting", "variational_midpoint"})
-      if (!scheme && fits(find_problem(problem.id).value(), find_scheme(id).value())) scheme = id;
+      if (!scheme && runs::fits(problem.id, id)) scheme = id;
     std::printf("| `%s` | %s | `%s` ", std::string(problem.id).c_str(), std::string(problem.title).c_str(), scheme);
     for (const bool composed : {false, true}) {
       Request request = runs::defaults(problem.id, scheme);
@@ -51,15 +51,16 @@ void scenes() {
     }
     std::printf("|\n");
   }
-  std::printf("\n");
 }
 
 }  // namespace
 
 void bench::choice() {
   constexpr double budget = 200'000;  // force evaluations
-  std::printf("Kepler, e = 0.6, 100 periods, the step chosen so that each scheme spends about %.0f force evaluations\n",
-              budget);
+  bench::heading("Equal work");
+  std::printf(
+      "Kepler, e = 0.6, 100 periods, the step chosen so that each scheme spends about %.0f force evaluations.\n\n",
+      budget);
   std::printf(
       "| scheme | composition | step | force evaluations | ms | error at the end | max. energy error | energy drift "
       "over the run |\n|---|---|---|---|---|---|---|---|\n");
@@ -86,6 +87,9 @@ void bench::choice() {
                 static_cast<long long>(result.outcome.cost.force_evaluations), ms, runs::number(d, "error/final"),
                 runs::number(d, "energy/max_abs_error"), runs::number(d, "energy/drift_per_time") * request.end);
   }
-  std::printf("\nEvery scene at its default start, span and step: the largest error along the run\n");
+  bench::heading("Every scene");
+  std::printf(
+      "At its default start, span and step: the largest error along the run, against a closed form or a run in quad\n"
+      "precision, as max |Δ| / max(1, |state|). A chaotic scene's states mean nothing after a while.\n\n");
   scenes();
 }

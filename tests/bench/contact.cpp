@@ -54,9 +54,9 @@ least::Request bare(std::string_view problem, std::string_view scheme, double st
 }
 /// With s among the columns the run carries it.
 least::Request with_action(least::Request request) {
-  const auto& columns = least::problems()[request.problem].columns;
+  const auto& columns = request.scene->card().columns;
   for (std::size_t i = 0; i < columns.size(); ++i)
-    if (columns[i] == "s") request.columns.push_back(i);
+    if (columns[i].name == "s") request.columns.push_back(i);
   return request;
 }
 
@@ -98,14 +98,14 @@ const bool registered = [] {
   ours("contact/damped", damped);
   ours("contact/damped with s", with_action(damped));
   bench::compare("contact_leapfrog damped_oscillator, by hand", "contact/damped", "hand/damped", 1.05);
-  bench::compare("  with s, without", "contact/damped with s", "contact/damped", 0);
+  bench::compare("… with s, without", "contact/damped with s", "contact/damped", 0);
 
   const least::Request kepler = bare("perturbed_kepler", "contact_splitting", 0.01);
   ours("contact/perturbed_kepler", kepler);
   ours("contact/perturbed_kepler with s", with_action(kepler));
   bench::compare("contact_splitting perturbed_kepler, by hand", "contact/perturbed_kepler", "hand/perturbed_kepler",
                  1.05);
-  bench::compare("  with s, without", "contact/perturbed_kepler with s", "contact/perturbed_kepler", 0);
+  bench::compare("… with s, without", "contact/perturbed_kepler with s", "contact/perturbed_kepler", 0);
 
   const double pi = std::acos(-1.0);
   for (const std::string scheme : {"contact_splitting", "contact_leapfrog"}) {

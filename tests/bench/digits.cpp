@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/study/state_error.hpp"
+#include "core/state_error.hpp"
 #include "core/study/subject.hpp"
 #include "tests/bench/peers.hpp"
 #include "tests/bench/table.hpp"
@@ -37,12 +37,12 @@ struct Course {
   explicit Course(const Request& of) : scene(of) {
     constexpr std::size_t count = 64;
     const auto always = [] { return true; };
-    const auto known = conditioning(scene, always);
+    const auto known = conditioning(*scene.scene, scene.end, always);
     if (known->ends) scene.end = known->reached;
     for (std::size_t k = 1; k < count; ++k) times.push_back(known->pace[k * known->pace.size() / count]);
     times.push_back(scene.end);
     times.erase(std::unique(times.begin(), times.end()), times.end());
-    truth = least::truth(scene, times, always);
+    truth = least::truth(*scene.scene, times, always);
     floor = std::max(truth->uncertainty, 0x1p-53 * known->most_growth);
   }
 
@@ -88,7 +88,7 @@ Contestant ours(const Course& course, const Choice& choice) {
     runs::at_times(made, course.times);
     for (std::size_t i = 1; i <= course.variables(); ++i) made.columns.push_back(i);
     Samples samples;
-    const Outcome outcome = least::run(made, samples, never);
+    const Outcome outcome = made.scene->mechanics->run(made, samples, never);
     const bool whole = outcome.stop.reason == Reason::completed;
     return {whole ? course.error(samples.values) : std::numeric_limits<double>::quiet_NaN(),
             outcome.cost.force_evaluations};
@@ -96,7 +96,7 @@ Contestant ours(const Course& course, const Choice& choice) {
   const auto prepared = [request](double value) -> std::function<void()> {
     return [made = request(value)] {
       Samples none;
-      least::run(made, none, never);
+      made.scene->mechanics->run(made, none, never);
     };
   };
   const SchemeCard& card = schemes()[choice.scheme];
@@ -257,7 +257,7 @@ void rows(const char* title, const Request& scene) {
   std::size_t above = 0;
   while (above < accuracies.size() && accuracies[above] >= 3 * course.floor) ++above;
   std::vector<Ladder> our, their;
-  for (const Choice& choice : candidates(scene.problem, {}))
+  for (const Choice& choice : candidates(*scene.scene->mechanics, {}))
     if (!is_baseline(choice)) our.push_back({ours(course, choice)});
   for (const bench::Peer& peer : bench::peers(course.scene)) their.push_back({theirs(course, peer)});
   if (above > 0) {
@@ -272,7 +272,7 @@ void rows(const char* title, const Request& scene) {
 
 /// From its default start, up to `end`; the scheme in it is any that fits.
 Request scene(std::string_view problem, double end) {
-  const ProblemCard& card = problems()[find_problem(problem).value()];
+  const ProblemCard& card = runs::problem_card(problem);
   Request request = runs::defaults(problem, schemes()[card.schemes.front()].id);
   if (end > 0) request.end = end;
   return request;
@@ -281,10 +281,12 @@ Request scene(std::string_view problem, double end) {
 }  // namespace
 
 void bench::digits() {
+  bench::heading("What a digit costs");
   std::printf(
-      "\nWhat a digit costs: force evaluations and time of a run whose largest error at 64 times along it is "
-      "at most so much, by our fastest scheme and by those of Boost.Odeint and GSL, each at the coarsest "
-      "setting that reaches it and keeps it when refined. –: reached at none\n"
+      "Force evaluations and time of a run whose largest error at 64 times along it is at most so much, by our "
+      "fastest\n"
+      "scheme and by those of Boost.Odeint and GSL, each at the coarsest setting that reaches it and keeps it when\n"
+      "refined. –: reached at none.\n\n"
       "| scene | error | ours | forces | µs | `fehlberg_78`: forces | µs | `dormand_prince_5`: µs | GSL rk8pd: µs | "
       "best peer / ours |\n|---|---|---|---|---|---|---|---|---|---|\n");
   const double pi = std::acos(-1.0);

@@ -1,4 +1,4 @@
-// Tables of the README: the Jacobi–Maupertuis hybrid beside leapfrog and beside the other schemes whose steps follow
+// Tables of RESULTS.md: the Jacobi–Maupertuis hybrid beside leapfrog and beside the other schemes whose steps follow
 // the motion, at equal work. Printed before the benchmarks.
 #include <cstdio>
 #include <string>
@@ -91,7 +91,8 @@ void print(const Comparison& all) {
 }  // namespace
 
 void bench::hybrid() {
-  std::printf("\nThe orbit of Nair, Ober-Blöbaum and Marsden, e = 0.96, 10 periods\n");
+  bench::heading("Steps that follow the motion");
+  std::printf("The orbit of Nair, Ober-Blöbaum and Marsden, e = 0.96, 10 periods.\n\n");
   print({"kepler",
          10 * 18.893743377439769,
          {{"leapfrog", nullptr, "none"},
@@ -109,7 +110,7 @@ void bench::hybrid() {
           {"apsidal rotation per revolution", "orbit/apsidal_rotation"},
           {"max. energy error", "energy/max_abs_error"},
           {"max. error of L", "momenta/angular_momentum/max_abs_error"}}});
-  std::printf("\nHénon–Heiles, t = 100\n");
+  std::printf("\nHénon–Heiles, t = 100.\n\n");
   print({"henon_heiles",
          100,
          {{"leapfrog", nullptr, "suzuki_4"},

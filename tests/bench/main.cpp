@@ -1,9 +1,16 @@
-// Google Benchmark, then a table of ratios within the run: the smallest of interleaved repetitions of each.
+// The results, as Markdown on the standard output: the machine, the tables, and last the ratios of Google Benchmark's
+// measurements within the run, the smallest of interleaved repetitions of each. What is measured is told on the way, on
+// the standard error.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <iostream>
 #include <map>
+#include <thread>
 #include <vector>
 
 #include "tests/bench/table.hpp"
@@ -42,7 +49,43 @@ class Reporter final : public benchmark::ConsoleReporter {
   std::map<std::string, double> units;  // steps or numbers per iteration
 };
 
+/// The processor as the kernel calls it.
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "an unnamed processor";
+}
+
+/// Which machine, compiler and commit, and when: numbers mean nothing without. LEAST_COMMIT is set by ./dev bench.
+void where_and_when() {
+  char date[32];
+  const std::time_t now = std::time(nullptr);
+  std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
+  const char* commit = std::getenv("LEAST_COMMIT");
+  std::printf("# Results of the benchmark\n\n%s, %u cores; g++ %s; commit %s; %s. Written by `./dev bench --write`.\n",
+              processor().c_str(), std::thread::hardware_concurrency(), __VERSION__, commit ? commit : "unknown", date);
+}
+
+void ratios(const std::map<std::string, double>& least, const std::map<std::string, double>& units) {
+  bench::heading("Ratios");
+  std::printf(
+      "Nanoseconds per step or number, the smallest of the repetitions; one run on one machine, ratios vary by a few\n"
+      "hundredths.\n\n| ours, baseline | ours | baseline | ratio | goal |\n|---|---|---|---|---|\n");
+  for (const Row& row : rows()) {
+    const auto ours = least.find(row.name), theirs = least.find(row.baseline);
+    if (ours == least.end() || theirs == least.end()) continue;
+    const double unit = ours->second / units.at(row.name), baseline = theirs->second / units.at(row.baseline),
+                 ratio = unit / baseline;
+    std::printf("| %s | %.2f | %.2f | %.3f | ", row.what.c_str(), unit, baseline, ratio);
+    if (row.goal > 0) std::printf("%.2f%s ", row.goal, ratio <= row.goal ? "" : ", over");
+    std::printf("|\n");
+  }
+}
+
 }  // namespace
+
+void bench::heading(const char* title) { std::printf("\n## %s\n\n", title); }
 
 void bench::compare(const std::string& what, const std::string& name, const std::string& baseline, double goal) {
   rows().push_back({what, name, baseline, goal});
@@ -57,22 +100,14 @@ int main(int argc, char** argv) {
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+  where_and_when();
   bench::choice();
   bench::hybrid();
   bench::digits();
   Reporter reporter;
+  reporter.SetOutputStream(&std::cerr);
   benchmark::RunSpecifiedBenchmarks(&reporter);
 
-  std::printf("\n%-58s %12s %12s %8s %8s\n", "smallest of the repetitions, ns per step or number", "ours", "baseline",
-              "ratio", "goal");
-  for (const Row& row : rows()) {
-    const auto ours = reporter.least.find(row.name), theirs = reporter.least.find(row.baseline);
-    if (ours == reporter.least.end() || theirs == reporter.least.end()) continue;
-    const double unit = ours->second / reporter.units[row.name],
-                 baseline = theirs->second / reporter.units[row.baseline], ratio = unit / baseline;
-    std::printf("%-58s %12.2f %12.2f %8.3f ", row.what.c_str(), unit, baseline, ratio);
-    if (row.goal > 0) std::printf("%8.2f %s\n", row.goal, ratio <= row.goal ? "" : "  over");
-    if (row.goal <= 0) std::printf("%8s\n", "");
-  }
+  ratios(reporter.least, reporter.units);
   return 0;
 }

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "core/assemble.hpp"
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "core/problems/damped_oscillator.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/problems/lane_emden.hpp"
@@ -27,6 +27,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using bench::Peer;
 using bench::Solver;
 namespace odeint = boost::numeric::odeint;
@@ -222,7 +223,7 @@ std::vector<Peer> peers_of(const Request& scene) {
 }  // namespace
 
 std::vector<Peer> bench::peers(const Request& scene) {
-  const std::string_view id = problems()[scene.problem].id;
+  const std::string_view id = scene.scene->card().id;
   if (id == "kepler") return peers_of<Kepler>(scene);
   if (id == "damped_oscillator") return peers_of<DampedOscillator>(scene);
   if (id == "perturbed_kepler") return peers_of<PerturbedKepler>(scene);

@@ -6,6 +6,9 @@
 
 namespace bench {
 
+/// A chapter of the results, which go to the standard output as Markdown.
+void heading(const char* title);
+
 /// `goal` 0: shown, not judged.
 void compare(const std::string& what, const std::string& name, const std::string& baseline, double goal);
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/study/reference.hpp"
+#include "core/reference/reference.hpp"
 #include "tests/support/runs.hpp"
 
 namespace {
@@ -12,9 +12,9 @@ using namespace least;
 
 Request asking(std::string_view problem, std::string_view scheme, std::string_view diagnostic) {
   Request request = runs::defaults(problem, scheme);
-  const auto& names = problems()[request.problem].diagnostics;
+  const auto& names = request.scene->card().diagnostics;
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == diagnostic) request.diagnostics = {i};
+    if (names[i].name == diagnostic) request.diagnostics = {i};
   EXPECT_EQ(request.diagnostics.size(), 1U);
   request.record.count = 0;
   return request;
@@ -47,21 +47,21 @@ TEST(Orbit, IsTheSameMirroredTurnedAndInSpace) {
   Request request = asking("kepler", "leapfrog", "orbit");
   request.end = 2.1 * period;
   const double plane = ask(request, "orbit/apsidal_rotation");
-  request.initial = {0, -4, 0.1, -0.1};
+  runs::scene(request).initial = {0, -4, 0.1, -0.1};
   EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), -plane, 1e-10) << "mirrored: the other way round";
-  request.initial = {4, 0, 0.1, -0.1};
+  runs::scene(request).initial = {4, 0, 0.1, -0.1};
   EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), plane, 1e-10) << "turned by a right angle";
   Request space = asking("kepler_3d", "leapfrog", "orbit");
   space.settings[0] = 0.01;
   space.end = 2.1 * period;
   const double c = 0.8, s = 0.6;
-  space.initial = {0, -4 * c, -4 * s, -0.1, -0.1 * c, -0.1 * s};
+  runs::scene(space).initial = {0, -4 * c, -4 * s, -0.1, -0.1 * c, -0.1 * s};
   EXPECT_NEAR(ask(space, "orbit/apsidal_rotation"), -plane, 1e-8) << "about L, along which the motion is positive";
 }
 
 TEST(Orbit, ClosesWhereTheSchemeIsAccurate) {
   Request request = asking("kepler", "leapfrog", "orbit");
-  request.initial = {1, 0, 0, 1.1};
+  runs::scene(request).initial = {1, 0, 0, 1.1};
   request.settings = {0.01, 7};  // kahan_li_8
   EXPECT_LT(ask(request, "orbit/closure"), 1e-10);
   EXPECT_LT(std::abs(ask(request, "orbit/apsidal_rotation")), 1e-11);
@@ -72,10 +72,10 @@ TEST(Orbit, ClosesWhereTheSchemeIsAccurate) {
 
 TEST(Orbit, OfACircleHasNoApsisToTurn) {
   Request request = asking("kepler", "leapfrog", "orbit");
-  request.initial = {1, 0, 0, 1};
+  runs::scene(request).initial = {1, 0, 0, 1};
   EXPECT_TRUE(std::isnan(ask(request, "orbit/apsidal_rotation")));
   EXPECT_GT(ask(request, "orbit/revolutions"), 5);
-  request.initial = {1, 0, 0, 1.001};
+  runs::scene(request).initial = {1, 0, 0, 1.001};
   EXPECT_FALSE(std::isnan(ask(request, "orbit/apsidal_rotation")));
 }
 
@@ -83,7 +83,7 @@ TEST(Orbit, IsNotDefinedBeforeARevolutionNorOnAStraightLine) {
   Request request = asking("kepler", "leapfrog", "orbit");
   request.end = 5;
   EXPECT_TRUE(std::isnan(ask(request, "orbit/closure")));
-  request.initial = {0, -4, 0, 0.5};
+  runs::scene(request).initial = {0, -4, 0, 0.5};
   request.end = 1;
   EXPECT_EQ(ask(request, "orbit/revolutions"), 0);
 }
@@ -137,7 +137,7 @@ TEST(Structure, IsThatOfTheStepsThatWereTaken) {
   EXPECT_EQ(none.outcome.cost.steps, 0);
   EXPECT_TRUE(std::isnan(runs::number(none.outcome.diagnostics, "structure/max_defect")));
   Request failing = asking("henon_heiles", "variational_midpoint", "structure");
-  failing.initial = {0, 0.1, 2, 0};
+  runs::scene(failing).initial = {0, 0.1, 2, 0};
   const auto some = runs::go(failing);
   EXPECT_NE(some.outcome.stop.reason, Reason::completed);
   EXPECT_GT(some.outcome.cost.steps, 10);
@@ -183,7 +183,7 @@ TEST(Error, CountsFromTheStartOfTheRun) {
   Request request = asking("henon_heiles", "leapfrog", "error");
   request.end = 20;
   const double early = ask(request, "error/max");
-  request.start = 1000;
+  runs::scene(request).start = 1000;
   request.end = 1020;
   EXPECT_NEAR(ask(request, "error/max"), early, 1e-9 * early);
 }

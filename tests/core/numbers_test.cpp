@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/number/linear.hpp"
+#include "core/number/quad.hpp"
 #include "core/problem.hpp"
 
 namespace {
@@ -124,6 +125,58 @@ TEST(LinearSolver, SolvesAndDifferentiates) {
   }
   const auto none = LinearSolver<double>::solve(Mat<2>{}, Vec<2>{1, 1});
   EXPECT_FALSE(std::isfinite(none[0]) && std::isfinite(none[1]));
+}
+
+/// A matrix without symmetry that needs pivots, and its solution known beforehand.
+template <class T, int N>
+void solves() {
+  Mat<N, T> a;
+  Vec<N, T> expected;
+  for (std::size_t i = 0; i < N; ++i) {
+    expected[i] = T(std::sin(3.0 + double(i)));
+    for (std::size_t j = 0; j < N; ++j) a[i][j] = T(std::sin(1.7 * double((i + 2) * (i + 2) + 5 * j * i)));
+  }
+  const auto x = LinearSolver<T>::solve(a, Vec<N, T>(a * expected));
+  for (std::size_t i = 0; i < N; ++i) {
+    const T error = x[i] - expected[i];
+    EXPECT_LT(std::abs(double(error)), 1e4 * N * Precision<T>::epsilon) << N;
+  }
+}
+template <class T>
+void solves_any_size() {
+  solves<T, 2>();
+  solves<T, 3>();
+  solves<T, 4>();
+  solves<T, 5>();
+  solves<T, 16>();  // the last one without blocks
+  solves<T, 17>();
+  solves<T, 30>();
+  solves<T, largest_system>();
+}
+TEST(LinearSolver, IsOfAnySize) {
+  solves_any_size<double>();
+  solves_any_size<long double>();
+  solves_any_size<Quad>();
+}
+
+/// A permutation of a triangular matrix.
+template <int N>
+void determinant_is_the_product() {
+  Mat<N> a{};
+  double product = 1;
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t j = i; j < N; ++j) a[i][j] = std::cos(double(i * j));
+    a[i][i] = i % 3 == 0 ? -1.5 : 1.25;
+    product *= a[i][i];
+  }
+  std::swap(a[0], a[N - 1]);
+  EXPECT_NEAR(determinant(a), -product, 1e-10 * std::abs(product)) << N;
+}
+TEST(Determinant, IsOfAnySize) {
+  determinant_is_the_product<3>();
+  determinant_is_the_product<7>();
+  determinant_is_the_product<17>();
+  determinant_is_the_product<33>();
 }
 
 TEST(SolveDefinite, AgreesWithTheGeneralSolver) {

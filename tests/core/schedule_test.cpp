@@ -1,22 +1,27 @@
-// Grids, marks and budgets: where a run steps, where it looks, where it ends.
-#include "core/run/schedule.hpp"
-
+// Grids, schedules and budgets: where a run steps, where it looks, where it ends.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <limits>
 #include <thread>
 
+#include "core/run/save_schedule.hpp"
 #include "tests/support/runs.hpp"
 
 namespace {
 
 using namespace least;
 
-Grid grid(double start, double end, double h) {
+Request span(double start, double end) {
   Request request;
-  request.start = start;
+  const auto scene = std::make_shared<Scene>();
+  scene->start = start;
+  request.scene = scene;
   request.end = end;
-  return Grid(request, h);
+  return request;
 }
+Grid grid(double start, double end, double h) { return Grid(span(start, end), h); }
 
 TEST(Grid, HasWholeStepsAndOneShorterOne) {
   EXPECT_EQ(grid(0, 20, 0.1).steps, 200);  // 0.1 is not a tenth, and 200 · 0.1 is 20 all the same
@@ -37,22 +42,42 @@ TEST(Grid, HasWholeStepsAndOneShorterOne) {
   }
 }
 
+TEST(Grid, KnowsTheStepBeforeATime) {
+  for (const auto& [start, end, h] : {std::array{0.0, 20.0, 0.1}, {2.5, 3.3, 0.01}, {1e6, 1e6 + 0.7, 1e-4}}) {
+    const Grid g = grid(start, end, h);
+    for (int k = 0; k <= 1000; ++k) {
+      const double t = start + (end - start) * k / 1000;
+      const std::int64_t n = g.step_before(t);
+      EXPECT_LE(g.time(n), t);
+      EXPECT_TRUE(n == g.steps || g.time(n + 1) > t) << t;
+    }
+    EXPECT_EQ(g.step_before(std::numeric_limits<double>::infinity()), g.steps);
+  }
+}
+
 std::vector<double> times(const Record& record, const Grid& g) {
+  Request request = span(g.start, g.end);
+  request.record = record;
   std::vector<double> all;
-  for (Marks marks(record, g); marks.step() != Marks::never && all.size() < 1000; marks.next())
-    all.push_back(g.time(marks.step()) + marks.rest());
+  for (SaveSchedule schedule(request, g.end); all.size() < 1000; schedule.next()) {
+    if (schedule.step() <= g.steps) {
+      all.push_back(g.time(schedule.step()));
+    } else if (std::isfinite(schedule.time())) {
+      all.push_back(schedule.time());
+    } else {
+      break;
+    }
+  }
   return all;
 }
 
-TEST(Marks, ByStrideByNumberAndByTime) {
+TEST(SaveSchedule, ByStrideByNumberAndByTime) {
   const Grid g = grid(1, 2, 0.3);  // 1, 1.3, 1.6, 1.9 and the end
   EXPECT_EQ(times({Record::Mode::every, 2, {}}, g), (std::vector<double>{1, 1.6}));
   EXPECT_TRUE(times({Record::Mode::every, 0, {}}, g).empty());
   EXPECT_EQ(times({Record::Mode::samples, 3, {}}, g), (std::vector<double>{1, 1.5, 2}));
   const std::vector<double> asked{1, 1.3, 1.45, 1.95, 2};
-  const auto got = times({Record::Mode::times, 0, asked}, g);
-  ASSERT_EQ(got.size(), asked.size());
-  for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_NEAR(got[i], asked[i], 1e-15);
+  EXPECT_EQ(times({Record::Mode::times, 0, asked}, g), asked);
 }
 
 // Where n·h rounds beyond the end, or short of it, the end stays what was asked for, and a sample there is the final
@@ -62,7 +87,7 @@ TEST(Run, EndsWhereItWasToldTo) {
     for (const double start : {0.0, 2.5}) {
       Request request = runs::defaults("harmonic_oscillator", "leapfrog");
       request.settings[0] = h;
-      request.start = start;
+      runs::scene(request).start = start;
       request.end = start + end;
       for (const auto& record : {Record{Record::Mode::samples, 3, {}}, Record{Record::Mode::times, 0, {request.end}}}) {
         request.record = record;
@@ -76,7 +101,7 @@ TEST(Run, EndsWhereItWasToldTo) {
   }
 }
 
-TEST(Marks, EndWhereTheClockCannotResolveTheStep) {
+TEST(SaveSchedule, EndsWhereTheClockCannotResolveTheStep) {
   const Grid g = grid(1e300, 1.5e300, 0.01);
   EXPECT_EQ(times({Record::Mode::samples, 5, {}}, g).size(), 5U);
   const Grid h = grid(1e17, 1e17 + 64, 0.01);
@@ -89,7 +114,7 @@ TEST(Marks, EndWhereTheClockCannotResolveTheStep) {
 
 TEST(Run, StandsOnTheGrid) {
   Request request = runs::defaults("kepler", "leapfrog");
-  request.start = 3;
+  runs::scene(request).start = 3;
   request.end = 4.005;
   const auto result = runs::go(request);
   ASSERT_EQ(result.rows.size(), 101U);  // the shorter last step is no grid point
@@ -137,7 +162,7 @@ TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
     cancelled = true;
   });
   Samples samples;
-  EXPECT_EQ(run(request, samples, cancelled).stop.reason, Reason::cancelled);
+  EXPECT_EQ(request.scene->mechanics->run(request, samples, cancelled).stop.reason, Reason::cancelled);
   later.join();
 
   struct Full final : Sink {
@@ -145,7 +170,7 @@ TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
   } full;
   request.record.count = 1;
   cancelled = false;
-  EXPECT_EQ(run(request, full, cancelled).stop.reason, Reason::cancelled);
+  EXPECT_EQ(request.scene->mechanics->run(request, full, cancelled).stop.reason, Reason::cancelled);
 }
 
 TEST(Budget, DeadlineHoldsBetweenGridPoints) {

@@ -12,18 +12,13 @@ namespace {
 using namespace least;
 using namespace asking;
 
-const double pi = std::acos(-1.0);
-
 template <class F>
 void for_each_adaptive(F&& f) {
-  for (const ProblemCard& problem : problems())
+  for (const ProblemCard& problem : runs::problem_cards())
     for (const std::string_view scheme : adaptive) f(of(problem.id, {scheme}, {}));
 }
 Request at_tolerance(const Request& request, double tolerance) { return set(request, {{"tolerance", tolerance}}); }
-std::string name(const Request& request) {
-  return std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
-}
-Request star(std::string_view scheme, double n, std::string_view after_zero = "stop") {
+Request lane_emden(std::string_view scheme, double n, std::string_view after_zero = "stop") {
   return choose(of("lane_emden", {scheme}, {{"n", n}}), {{"after_zero", after_zero}});
 }
 
@@ -44,7 +39,7 @@ TEST(Tolerance, AtTheLowEndOfItsRangeIsTheMotionToRoundOff) {
     ASSERT_TRUE(range.contains(low) && !range.contains(range.low)) << name(plain);
     const bool star = problem_of(plain).id == "lane_emden";
     Request request = at_tolerance(star ? set(plain, {{"n", 5}}) : plain, low);
-    request.end = std::min(request.end, request.start + 5);
+    request.end = std::min(request.end, runs::scene(request).start + 5);
     const auto result = go(ask(request, {"error"}));
     ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << name(request) << ": " << result.outcome.stop.detail;
     EXPECT_LT(runs::number(result.outcome.diagnostics, "error/max"), 1e-10) << name(request);
@@ -57,8 +52,8 @@ TEST(Tolerance, AtTheHighEndOfItsRangeEndsInAStatus) {
     ASSERT_TRUE(range.contains(range.high) && !range.contains(std::nextafter(range.high, 1))) << name(plain);
     Request request = everything(at_tolerance(plain, range.high), false);
     if (problem_of(plain).id == "lane_emden") {  // its energy at t = 0 is not defined
-      request.start = 0.1;
-      request.initial = *problem_of(request).regular_start(request.parameters, 0.1);
+      runs::scene(request).start = 0.1;
+      runs::scene(request).initial = *runs::regular_start(request, 0.1);
     }
     const auto result = go(request);  // however wrong it is, what is kept is finite
     const Reason why = result.outcome.stop.reason;
@@ -114,7 +109,7 @@ TEST(AdaptiveBudget, OfAStiffSceneIsKept) {
 TEST(WithinAStep, ZerosPolesAndCyclesAreFound) {
   for (const std::string_view scheme : adaptive)
     for (const double tolerance : {1e-12, 1e-8}) {
-      const Request sine = ask(at_tolerance(until(star(scheme, 1, "continue"), 40), tolerance), {"zeros"});
+      const Request sine = ask(at_tolerance(until(lane_emden(scheme, 1, "continue"), 40), tolerance), {"zeros"});
       const auto zeros = runs::list(go(sine).outcome.diagnostics, "zeros");  // of sin t/t
       ASSERT_EQ(zeros.size(), 12U) << scheme << ' ' << tolerance;
       for (std::size_t k = 0; k < zeros.size(); ++k)
@@ -144,7 +139,7 @@ TEST(WithinAStep, AnEndBeforeTheSurfaceIsReached) {
   for (const auto& [n, end, q] : {Row{1, 3.1, std::sin(3.1) / 3.1}, Row{1, 3.1415, std::sin(3.1415) / 3.1415},
                                   Row{0, 2.4, 1 - 2.4 * 2.4 / 6}, Row{0, 0.6, 1 - 0.06}, Row{3, 6.89, 2.908741e-4}})
     for (const std::string_view scheme : adaptive) {
-      Request request = until(star(scheme, n), end);
+      Request request = until(lane_emden(scheme, n), end);
       request.record = {Record::Mode::samples, 50, {}};
       const auto result = go(request);
       const std::string what = std::string(scheme) + ' ' + std::to_string(n) + ' ' + std::to_string(end);
@@ -170,9 +165,10 @@ TEST(WithinAStep, NoStateIsOutsideTheDomain) {
     for (const double n : {0.0, 0.5, 1.0, 1.5, 2.0, 3.0})
       for (const double start : {0.0, 1e-20, 1e-3, 0.02, 0.05, 0.1})
         for (const std::int64_t samples : {0, 2, 200}) {
-          Request request = at_tolerance(star(scheme, n), 0.1);
-          request.start = start;
-          request.initial[1] = -start / 3;  // close to the regular solution and not on it: no series stands in
+          Request request = at_tolerance(lane_emden(scheme, n), 0.1);
+          runs::scene(request).start = start;
+          runs::scene(request).initial[1] =
+              -start / 3;  // close to the regular solution and not on it: no series stands in
           if (samples > 0) request.record = {Record::Mode::samples, samples, {}};
           const auto result = go(request);
           const std::string what = std::string(scheme) + ' ' + std::to_string(n) + ' ' + std::to_string(start);
@@ -204,9 +200,9 @@ TEST(Tolerance, WhatLeapsOverACollisionIsSaid) {
       leapt += off > 10;
     }
   EXPECT_GT(leapt, 0);
-  for (const auto& problem : problems())
+  for (const auto& problem : runs::problem_cards())
     for (const std::string_view scheme : adaptive)
-      if (problem.keeps_energy && fits(find_problem(problem.id).value(), find_scheme(scheme).value())) {
+      if (problem.keeps_energy && runs::fits(problem.id, scheme)) {
         EXPECT_FALSE(warned(go(of(problem.id, {scheme}, {})), "off_energy_level")) << problem.id << ' ' << scheme;
       }
 }
@@ -215,7 +211,7 @@ TEST(Tolerance, WhatLeapsOverACollisionIsSaid) {
 TEST(WithinAStep, SamplesReachToTheSurface) {
   const double surface = std::sqrt(6.0);  // θ = 1 − ξ²/6
   for (const std::string_view scheme : adaptive) {
-    Request request = at_tolerance(star(scheme, 0), 1e-8);
+    Request request = at_tolerance(lane_emden(scheme, 0), 1e-8);
     std::vector<double> times;
     for (int k = 1; k <= 250; ++k) times.push_back(0.01 * k);
     runs::at_times(request, times);

@@ -20,6 +20,15 @@ using Names = std::initializer_list<std::pair<std::string_view, std::string_view
 
 inline const least::ProblemCard& problem_of(const Request& request) { return runs::card(request); }
 inline const least::SchemeCard& scheme_of(const Request& request) { return least::schemes()[request.scheme]; }
+inline const double pi = std::acos(-1.0), null = std::nan("");
+/// "kepler leapfrog"
+inline std::string name(const Request& request) {
+  return std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
+}
+inline double number(const runs::Result& result, std::string_view path) {
+  return runs::number(result.outcome.diagnostics, path);
+}
+
 /// Whether the scheme's first setting is not a step but an error that steps may make.
 inline bool is_adaptive(const least::SchemeCard& scheme) { return scheme.parameters.at(0).name == "tolerance"; }
 inline bool is_adaptive(const Request& request) { return is_adaptive(scheme_of(request)); }
@@ -45,7 +54,7 @@ inline Request ask(Request request, std::initializer_list<std::string_view> diag
 inline Request columns(Request request, std::initializer_list<std::string_view> names) {
   request.columns.clear();
   for (const std::string_view name : names)
-    request.columns.push_back(runs::position(problem_of(request).columns, name, std::identity{}));
+    request.columns.push_back(runs::position(problem_of(request).columns, name, &least::ColumnCard::name));
   return request;
 }
 inline Request steps(Request request, std::int64_t count) {
@@ -64,7 +73,7 @@ inline Request everything(Request request, bool error = true) {
   request.columns.clear();
   const auto& card = problem_of(request);
   for (std::size_t i = 0; i < card.diagnostics.size(); ++i)
-    if (error || card.diagnostics[i] != "error") request.diagnostics.push_back(i);
+    if (error || card.diagnostics[i].name != "error") request.diagnostics.push_back(i);
   for (std::size_t i = 0; i < card.columns.size(); ++i) request.columns.push_back(i);
   return request;
 }
@@ -87,7 +96,7 @@ inline std::vector<double> known(std::vector<double> numbers) {
 }
 /// Where the run begins, without what the motion does not read.
 inline std::vector<double> start_of_motion(const Request& request) {
-  std::vector<double> start = request.initial;
+  std::vector<double> start = runs::scene(request).initial;
   for (std::size_t i = 0; i < start.size(); ++i)
     if (problem_of(request).variables[i].optional) start[i] = std::nan("");
   return known(start);
@@ -97,19 +106,21 @@ inline bool warned(const runs::Result& result, std::string_view code) {
   return std::ranges::any_of(result.outcome.warnings, [&](const auto& warning) { return warning.code == code; });
 }
 
-inline bool slope(const Request& request, std::size_t column) { return problem_of(request).columns[column] == "slope"; }
+inline bool slope(const Request& request, std::size_t column) {
+  return problem_of(request).columns[column].name == "slope";
+}
 
 /// Whether a column may be unknown in this row: a slope, at its pole and where it is not carried; before the first step
 /// its length, where the scheme finds it; the mode of a scheme that has none; the parameter of a step in time.
 inline bool may_be_unknown(const Request& request, const runs::Result& result, std::size_t row, std::size_t column) {
-  const std::string_view name = problem_of(request).columns[request.columns[column]];
+  const std::string_view name = problem_of(request).columns[request.columns[column]].name;
   const bool hybrid = scheme_of(request).id == "jacobi_maupertuis";
   if (name == "step_size") return row == 0 && scheme_of(request).own_clock;
   if (name == "mode") return !hybrid;
   if (name != "parameter") return slope(request, request.columns[column]);
   const auto& columns = problem_of(request).columns;
   for (std::size_t i = 0; i < request.columns.size(); ++i)
-    if (columns[request.columns[i]] == "mode" && result.rows[row][i] == 1) return warned(result, "steps_in_time");
+    if (columns[request.columns[i]].name == "mode" && result.rows[row][i] == 1) return warned(result, "steps_in_time");
   return true;
 }
 
@@ -121,7 +132,7 @@ inline runs::Result go(const Request& request) {
     for (std::size_t i = 0; i < result.rows[k].size(); ++i) {
       const double x = result.rows[k][i];
       const bool good = std::isfinite(x) || (std::isnan(x) && may_be_unknown(request, result, k, i));
-      EXPECT_TRUE(good) << what << ": " << problem_of(request).columns[request.columns[i]] << " in row " << k;
+      EXPECT_TRUE(good) << what << ": " << problem_of(request).columns[request.columns[i]].name << " in row " << k;
       if (!good) return result;
     }
   for (std::size_t i = 0; i < result.outcome.final.size(); ++i) {
@@ -149,7 +160,7 @@ inline least::Reason reason(const Request& request) { return go(request).outcome
 /// The number of a row in the column of that name.
 inline double value(const Request& request, const std::vector<double>& row, std::string_view name) {
   const auto& known = problem_of(request).columns;
-  return row[runs::position(request.columns, name, [&](std::size_t column) { return known[column]; })];
+  return row[runs::position(request.columns, name, [&](std::size_t column) { return known[column].name; })];
 }
 inline double largest(const Request& request, const runs::Result& result, std::string_view name) {
   double most = 0;

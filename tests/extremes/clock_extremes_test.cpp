@@ -12,14 +12,9 @@ namespace {
 using namespace least;
 using namespace asking;
 
-const double pi = std::acos(-1.0), null = std::nan("");
-
 Request only_final(Request request) {
   runs::only_final(request);
   return ask(request, {"energy", "error"});
-}
-double number(const runs::Result& result, std::string_view path) {
-  return runs::number(result.outcome.diagnostics, path);
 }
 /// The planar orbit with a = 1 and μ = 1 from its apoapsis below the centre; the period is 2π.
 Request ellipse(double e, const Scheme& scheme) {
@@ -137,7 +132,7 @@ std::vector<Line> lines() {
 }
 Request along(const Line& line, const Scheme& scheme) {
   Request request = of(line.problem, scheme, {});
-  request.initial = line.start;
+  runs::scene(request).initial = line.start;
   request.limits.steps = 200'000;
   return until(only_final(request), collision(line.r, line.v) + 3);
 }

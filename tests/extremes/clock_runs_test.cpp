@@ -12,24 +12,16 @@ namespace {
 using namespace least;
 using namespace asking;
 
-const double pi = std::acos(-1.0), null = std::nan("");
-
 /// Every pair of a problem and a scheme that sets its own clock. No motion leaves its domain: a Plummer star has no
 /// surface.
 template <class F>
 void for_each_clock(F&& f) {
-  for (const ProblemCard& problem : problems())
+  for (const ProblemCard& problem : runs::problem_cards())
     for (const std::size_t index : problem.schemes) {
       if (!schemes()[index].own_clock) continue;
       Request request = of(problem.id, {schemes()[index].id}, {});
       f(problem.id == "lane_emden" ? set(request, {{"n", 5}}) : request);
     }
-}
-std::string name(const Request& request) {
-  return std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
-}
-double number(const runs::Result& result, std::string_view path) {
-  return runs::number(result.outcome.diagnostics, path);
 }
 
 // ── settings ────────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -56,8 +48,8 @@ TEST(ClockSettings, AStepOfNoLengthIsFoundOut) {
     Request request = plain;
     request.settings[0] = 0;
     if (problem_of(request).id == "lane_emden") {  // its own start is singular, and left along a series
-      request.start = 1;
-      request.initial = {0.9, -0.2, 0};
+      runs::scene(request).start = 1;
+      runs::scene(request).initial = {0.9, -0.2, 0};
     }
     if (scheme_of(request).id == "jacobi_maupertuis") request = set(request, {{"critical_kinetic_energy", null}});
     const auto result = go(request);
@@ -102,24 +94,26 @@ TEST(ClockSettings, AnyGravityIsTheSameOrbit) {  // lengths fixed, times scaled 
 // ── scenes ──────────────────────────────────────────────────────────────────────────────────────────────────────────
 
 TEST(ClockAtRest, AnEquilibriumStays) {
-  int still = 0;
+  int still = 0, scenes = 0;
   for_each_clock([&](const Request& plain) {
     // What is singular at 0, what is driven, and heat at no temperature.
     for (const std::string_view id : {"kepler", "kepler_3d", "perturbed_kepler", "lane_emden", "driven_oscillator",
                                       "spin_orbit", "generic_oscillator"})
       if (problem_of(plain).id == id) return;
+    ++scenes;
     Request request = plain;
-    std::ranges::fill(request.initial, 0.0);
+    std::ranges::fill(runs::scene(request).initial, 0.0);
     const auto result = go(everything(request));
     EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
-    for (std::size_t i = 0; i < request.initial.size(); ++i) {
+    for (std::size_t i = 0; i < runs::scene(request).initial.size(); ++i) {
       const auto& variable = problem_of(request).variables[i];
       if (variable.name == "s" || variable.optional) continue;  // moves on, or is no part of the motion
       EXPECT_EQ(result.outcome.final[i], 0) << name(request) << ' ' << variable.name;
       ++still;
     }
   });
-  EXPECT_GT(still, 80);
+  EXPECT_GT(scenes, 15);
+  EXPECT_GE(still, 2 * scenes);
 }
 
 TEST(ClockAtRest, OnASummitOrNextToIt) {
@@ -141,7 +135,7 @@ TEST(ClockAtRest, FromATurningPoint) {
     for (const std::string_view scheme : {"jacobi_maupertuis", "time_transformed", "adaptive_verlet"}) {
       if (id == "double_pendulum" && scheme == "adaptive_verlet") continue;
       Request request = of(id, {scheme}, {});
-      if (id == "henon_heiles") request.initial = {0.3, 0.2, 0, 0};
+      if (id == "henon_heiles") runs::scene(request).initial = {0.3, 0.2, 0, 0};
       const auto result = go(everything(until(request, 5)));
       EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << id << ' ' << scheme;
       EXPECT_LT(number(result, "error/max"), 0.05) << id << ' ' << scheme;
@@ -279,7 +273,7 @@ TEST(ClockSamples, FarFromTheTimeZero) {
       if (problem_of(plain).id == id) return;  // another motion at another time
     for (const double start : {1e3, -1e6, 1e10}) {
       Request request = until(plain, 5), late = request;
-      late.start = start;
+      runs::scene(late).start = start;
       late.end = start + 5;
       const auto here = go(request), there = go(late);
       EXPECT_EQ(there.outcome.stop.reason, Reason::completed) << name(request);
@@ -296,7 +290,7 @@ TEST(ClockSamples, FarFromTheTimeZero) {
 TEST(ClockSamples, ATimeTooLargeToAdvanceEndsInAStatus) {
   for_each_clock([](const Request& plain) {
     Request request = plain;
-    request.start = 1e300;
+    runs::scene(request).start = 1e300;
     request.end = 1e301;
     request.limits.steps = 1000;
     // A clock that is read cannot stand still; others add their steps up beside it.

@@ -39,7 +39,7 @@ void for_each_choice(const Request& request, F&& f) {
 /// their own clock.
 template <class F>
 void for_each_run(F&& f) {
-  for (const ProblemCard& problem : problems())
+  for (const ProblemCard& problem : runs::problem_cards())
     for (const std::size_t index : problem.schemes) {
       const SchemeCard& scheme = schemes()[index];
       Request request = of(problem.id, {scheme.id}, {});
@@ -58,8 +58,8 @@ void for_each_run(F&& f) {
 bool needs_negative_potential(const Request& request) {
   return scheme_of(request).id == "time_transformed" && std::isnan(request.settings[1]);
 }
-std::string name(const Request& request) {
-  std::string text = std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
+std::string described(const Request& request) {
+  std::string text = name(request);
   for (const double x : request.settings) text += ' ' + std::to_string(x);
   return text;
 }
@@ -69,29 +69,30 @@ TEST(EveryChoice, AnswersEverythingThatCanBeAskedOfIt) {
     Request request = everything(plain, false);
     if (problem_of(request).id == "lane_emden") {  // its energy at t = 0 is not defined; and a star with no surface
       request = set(request, {{"n", 5}});
-      request.start = 0.1;
-      request.initial = *problem_of(request).regular_start(request.parameters, 0.1);
+      runs::scene(request).start = 0.1;
+      runs::scene(request).initial = *runs::regular_start(request, 0.1);
     }
     const auto result = go(steps(request, 50));
     if (needs_negative_potential(request) && problem_of(request).id != "kepler") {
       const Reason why = result.outcome.stop.reason;
-      EXPECT_TRUE(why == Reason::completed || why == Reason::singular) << name(request);
+      EXPECT_TRUE(why == Reason::completed || why == Reason::singular) << described(request);
     } else {
-      ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << name(request) << ": " << result.outcome.stop.detail;
+      ASSERT_EQ(result.outcome.stop.reason, Reason::completed)
+          << described(request) << ": " << result.outcome.stop.detail;
     }
     const bool completed = result.outcome.stop.reason == Reason::completed;
     EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(completed ? 50 : result.outcome.stop.step) + 1)
-        << name(request);
-    EXPECT_EQ(result.outcome.diagnostics.size(), request.diagnostics.size()) << name(request);
+        << described(request);
+    EXPECT_EQ(result.outcome.diagnostics.size(), request.diagnostics.size()) << described(request);
     for (std::size_t i = 0; i < request.diagnostics.size(); ++i)
-      EXPECT_EQ(result.outcome.diagnostics[i].key, problem_of(request).diagnostics[request.diagnostics[i]]);
+      EXPECT_EQ(result.outcome.diagnostics[i].key, problem_of(request).diagnostics[request.diagnostics[i]].name);
     // What was looked at on the way changed nothing.
     Request blind = request;
     blind.diagnostics.clear();
     const auto same = runs::go(steps(blind, 50));
     for (std::size_t i = 0; i < result.outcome.final.size(); ++i) {
       if (std::isnan(result.outcome.final[i])) continue;  // not carried
-      EXPECT_EQ(same.outcome.final[i], result.outcome.final[i]) << name(request);
+      EXPECT_EQ(same.outcome.final[i], result.outcome.final[i]) << described(request);
     }
   });
 }
@@ -101,15 +102,15 @@ TEST(EveryChoice, TakesASingleStep) {
     const Request request = steps(plain, 1);
     const auto result = go(request);
     if (needs_negative_potential(request) && result.outcome.stop.reason == Reason::singular) return;
-    ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
-    EXPECT_EQ(result.rows.size(), 2U) << name(request);
+    ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << described(request);
+    EXPECT_EQ(result.rows.size(), 2U) << described(request);
     if (scheme_of(request).own_clock)
-      EXPECT_GT(result.outcome.t, 0) << name(request);
+      EXPECT_GT(result.outcome.t, 0) << described(request);
     else
-      EXPECT_EQ(result.outcome.t, request.settings[0]) << name(request);
-    EXPECT_EQ(result.outcome.cost.steps, 1) << name(request);
+      EXPECT_EQ(result.outcome.t, request.settings[0]) << described(request);
+    EXPECT_EQ(result.outcome.cost.steps, 1) << described(request);
     for (std::size_t i = 1; i < request.columns.size(); ++i)
-      EXPECT_EQ(result.rows[1][i], result.outcome.final[request.columns[i] - 1]) << name(request);
+      EXPECT_EQ(result.rows[1][i], result.outcome.final[request.columns[i] - 1]) << described(request);
   });
 }
 
@@ -129,26 +130,26 @@ TEST(EveryChoice, EndsForEveryStartAndParameter) {
     Request request = steps(everything(plain, false), 8);
     request.limits.seconds = 0.1;
     const double huge = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < request.initial.size(); ++i)
+    for (std::size_t i = 0; i < runs::scene(request).initial.size(); ++i)
       for (const double x : {0.0, 1e-300, -1e10, 1e70, 1e300, -huge}) {
         Request extreme = request;
-        extreme.initial[i] = x;
+        runs::scene(extreme).initial[i] = x;
         go(extreme);
       }
-    for (std::size_t i = 0; i < request.parameters.size(); ++i) {
+    for (std::size_t i = 0; i < runs::scene(request).parameters.size(); ++i) {
       const auto& card = problem_of(request).parameters[i];
       if (card.kind == Kind::choice) continue;
       const double low = card.range.low_open ? std::nextafter(card.range.low, huge) : card.range.low;
       for (const double x : {low, card.range.high, 0.0}) {
         if (!card.range.contains(x)) continue;
         Request extreme = request;
-        extreme.parameters[i] = x;
+        runs::scene(extreme).parameters[i] = x;
         go(extreme);
       }
     }
     for (const double t : {-1e10, -1e-3, 1e-300, 1e10, 1e300}) {
       Request extreme = request;
-      extreme.start = t;
+      runs::scene(extreme).start = t;
       go(extreme);
     }
   });

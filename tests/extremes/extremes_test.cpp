@@ -22,7 +22,7 @@ Request with_step(std::string_view problem, std::string_view scheme, double h) {
 
 template <class F>
 void for_each_pair(F&& f) {
-  for (const auto& problem : problems())
+  for (const auto& problem : runs::problem_cards())
     for (const std::size_t scheme : problem.schemes) f(problem, schemes()[scheme]);
 }
 
@@ -31,12 +31,12 @@ TEST(Step, ZeroIsTheIdentityAndEnds) {
     if (scheme.own_clock) return;  // ClockSettings.AStepOfNoLengthIsFoundOut
     Request request = with_step(problem.id, scheme.id, 0);
     if (problem.id == "lane_emden") {  // its own start is singular
-      request.start = 1;
-      request.initial = {0.9, -0.2, 0};
+      runs::scene(request).start = 1;
+      runs::scene(request).initial = {0.9, -0.2, 0};
     }
     request.until_steps = true;
     request.steps = 100;
-    auto start = request.initial;
+    auto start = runs::scene(request).initial;
     for (std::size_t i = 0; i < start.size(); ++i)
       if (problem.variables[i].optional) start[i] = std::nan("");
     runs::drop_unknown(start);
@@ -52,7 +52,7 @@ TEST(Step, ZeroIsTheIdentityAndEnds) {
     EXPECT_EQ(stuck.outcome.final, start);
 
     request.settings[0] = problem.suggested[0].second;
-    request.end = request.start + 100 * request.settings[0];
+    request.end = runs::scene(request).start + 100 * request.settings[0];
     EXPECT_EQ(reason(request), Reason::completed) << problem.id << ' ' << scheme.id;
   });
 }
@@ -130,13 +130,13 @@ TEST(StabilityBound, IsTheSchemesOwn) {
 
 TEST(StabilityBound, OfAFrequencyThatGrowsOnTheWay) {  // free fall towards the centre passes it in between
   Request request = with_step("kepler", "leapfrog", 0.05);
-  request.initial = {0, -4, -0.02, 0};
+  runs::scene(request).initial = {0, -4, -0.02, 0};
   const auto result = go(request);
   EXPECT_EQ(result.outcome.stop.reason, Reason::unstable_step);
   EXPECT_GT(result.outcome.stop.step, 50);
   ASSERT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1) << "all samples before it kept";
   EXPECT_EQ(std::vector<double>(result.rows.back().begin() + 1, result.rows.back().end()), result.outcome.final);
-  request.initial = {0, -4, -0.5, 0};
+  runs::scene(request).initial = {0, -4, -0.5, 0};
   EXPECT_EQ(reason(request), Reason::completed);
 }
 
@@ -146,13 +146,13 @@ TEST(Parameters, AtTheEndsOfTheirRanges) {
       for (const double value : {problem.parameters[i].range.low, problem.parameters[i].range.high, 1e300, 1e-300,
                                  5e-324, std::numeric_limits<double>::max()}) {
         Request request = everything(with_step(problem.id, scheme.id, problem.suggested[0].second), false);
-        request.parameters[i] = value;
+        runs::scene(request).parameters[i] = value;
         request.limits.steps = 300;
         go(request);  // without error: the reference run of an impossible scene only costs time
       }
   });
   Request twin = runs::defaults("harmonic_oscillator", "leapfrog");
-  twin.parameters = {2, 3};
+  runs::scene(twin).parameters = {2, 3};
   EXPECT_EQ(reason(twin), Reason::completed);
 }
 
@@ -161,7 +161,7 @@ TEST(Start, Extreme) {
     for (std::size_t i = 0; i < problem.variables.size(); ++i)
       for (const double value : {0.0, 1e-300, 5e-324, 1e10, 1e160, 1e300, -std::numeric_limits<double>::max()}) {
         Request request = everything(with_step(problem.id, scheme.id, problem.suggested[0].second), false);
-        request.initial[i] = value;
+        runs::scene(request).initial[i] = value;
         request.limits.steps = 300;
         go(request);
       }
@@ -170,18 +170,18 @@ TEST(Start, Extreme) {
 
 TEST(Start, AtTheSingularity) {
   for (const std::string_view id : {"kepler", "kepler_3d"}) {
-    for (const std::size_t index : problems()[find_problem(id).value()].schemes) {
+    for (const std::size_t index : runs::problem_card(id).schemes) {
       const SchemeCard& scheme = schemes()[index];
       Request request = with_step(id, scheme.id, 0.01);
-      const std::size_t n = request.initial.size() / 2;
-      for (std::size_t i = 0; i < n; ++i) request.initial[i] = 0;
+      const std::size_t n = runs::scene(request).initial.size() / 2;
+      for (std::size_t i = 0; i < n; ++i) runs::scene(request).initial[i] = 0;
       request = everything(request);
       const auto result = go(request);
       EXPECT_EQ(result.outcome.stop.reason, Reason::singular) << scheme.id;
       EXPECT_EQ(result.outcome.stop.singular_at, 0.0);
       EXPECT_EQ(result.outcome.stop.step, 0);
       EXPECT_TRUE(result.rows.empty());
-      EXPECT_EQ(result.outcome.final, request.initial);
+      EXPECT_EQ(result.outcome.final, runs::scene(request).initial);
       for (const std::string_view path :
            {"energy/initial", "energy/max_abs_error", "structure/max_defect", "error/max", "orbit/revolutions"})
         EXPECT_TRUE(std::isnan(runs::number(result.outcome.diagnostics, path))) << path << ": nothing was measured";
@@ -191,11 +191,11 @@ TEST(Start, AtTheSingularity) {
 }
 
 TEST(Start, RadialFallIsStoppedOrWarnedOf) {  // a fixed step can jump over the centre; never without a word
-  for (const std::size_t index : problems()[find_problem("kepler").value()].schemes) {
+  for (const std::size_t index : runs::problem_card("kepler").schemes) {
     const SchemeCard& scheme = schemes()[index];
     if (scheme.own_clock) continue;  // ClockCollision
     Request request = with_step("kepler", scheme.id, 1e-3);
-    request.initial = {1, 0, 0, 0};  // reaches r = 0 at t = π/√8 = 1.11
+    runs::scene(request).initial = {1, 0, 0, 0};  // reaches r = 0 at t = π/√8 = 1.11
     request.end = 3;
     const auto result = go(request);
     EXPECT_TRUE(result.outcome.stop.reason == Reason::unstable_step || !result.outcome.warnings.empty()) << scheme.id;
@@ -211,7 +211,7 @@ TEST(Eccentricity, NearlyOne) {
        {std::tuple{0.9999, 20'000, Reason::unstable_step}, std::tuple{0.5, 20'000, Reason::completed}}) {
     Request request =
         with_step("kepler", "leapfrog", 4 * std::acos(-1.0) / steps);  // two periods, a = 1, from apoapsis
-    request.initial = {0, -(1 + e), -std::sqrt((1 - e) / (1 + e)), 0};
+    runs::scene(request).initial = {0, -(1 + e), -std::sqrt((1 - e) / (1 + e)), 0};
     request.end = 4 * std::acos(-1.0);
     request = everything(request);
     const auto result = go(request);
@@ -220,7 +220,7 @@ TEST(Eccentricity, NearlyOne) {
   }
   // With the step that resolves its periapsis, ω = 1e6 there, the extreme orbit passes it.
   Request request = with_step("kepler", "leapfrog", 2e-8);
-  request.initial = {0, -1e-4, std::sqrt(1.9999 / 1e-4), 0};
+  runs::scene(request).initial = {0, -1e-4, std::sqrt(1.9999 / 1e-4), 0};
   request.end = 2e-4;
   const auto passed = go(request);
   EXPECT_EQ(passed.outcome.stop.reason, Reason::completed);
@@ -230,7 +230,7 @@ TEST(Eccentricity, NearlyOne) {
 TEST(Solver, FailsByNameAndKeepsWhatItHas) {
   for (const std::string_view scheme : {"variational_midpoint", "galerkin_4"}) {
     Request request = with_step("double_pendulum", scheme, 0.02);
-    request.initial = {2, 2.5, 0, 0};
+    runs::scene(request).initial = {2, 2.5, 0, 0};
     request.end = 10;
     EXPECT_EQ(reason(request), Reason::completed) << scheme;
     request.settings[0] = 5;
@@ -247,7 +247,7 @@ TEST(Solver, SucceedsFarFromTheOrigin) {
     for (const double turns : {0.0, 10.0, 1e3, 1e6})
       for (const double p : {1e-3, 0.1, 1e-320}) {
         Request request = with_step("pendulum", scheme, 0.1);
-        request.initial = {turns * 2 * std::acos(-1.0), p};
+        runs::scene(request).initial = {turns * 2 * std::acos(-1.0), p};
         request.until_steps = true;
         request.steps = 20'000;
         request.record.count = 0;
@@ -258,13 +258,13 @@ TEST(Solver, SucceedsFarFromTheOrigin) {
 TEST(Escape, OverTheSaddleOfHenonHeiles) {
   for (const std::string_view scheme : {"leapfrog", "runge_kutta_4", "variational_midpoint", "explicit_euler"}) {
     Request request = with_step("henon_heiles", scheme, 0.02);
-    request.initial = {0, 1.2, 0, 0.5};  // beyond the saddle at y = 1: runs off to infinity in finite time
+    runs::scene(request).initial = {0, 1.2, 0, 0.5};  // beyond the saddle at y = 1: runs off to infinity in finite time
     request = everything(request);
     const auto result = go(request);
     EXPECT_NE(result.outcome.stop.reason, Reason::completed) << scheme;
     EXPECT_GT(result.outcome.stop.step, 10);
     EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1);
-    request.initial = {0, 0.1, 0.49, 0};
+    runs::scene(request).initial = {0, 0.1, 0.49, 0};
     request.end = 10;
     EXPECT_EQ(reason(request), Reason::completed) << scheme;
   }
@@ -285,7 +285,7 @@ TEST(Growth, OfExplicitEulerIsStoppedWhereEnergiesOverflow) {
 // The last good state of a block that was taken back is the state that smaller blocks reach.
 TEST(TakenBack, BlocksEndWhereSingleStepsEnd) {
   Request request = with_step("henon_heiles", "leapfrog", 0.001);
-  request.initial = {0, 1.2, 0, 0.5};
+  runs::scene(request).initial = {0, 1.2, 0, 0.5};
   request.diagnostics = {0};
   request.record.count = 1;
   const auto fine = go(request);

@@ -43,7 +43,7 @@ TEST(Slope, HasAPoleAtEveryTurningPoint) {
 }
 
 TEST(Slope, AtItsPoleIsUnknownAndNeverInfinite) {
-  for (const std::size_t index : problems()[find_problem("van_der_pol").value()].schemes) {
+  for (const std::size_t index : runs::problem_card("van_der_pol").schemes) {
     const std::string_view scheme = schemes()[index].id;
     Request request = columns(of("van_der_pol", {scheme, {}}, {}), {"t", "slope"});
     const auto result = go(request);  // that nothing is infinite is seen there
@@ -102,7 +102,7 @@ TEST(NegativeStage, OnAGradientFlowEndsInAStatusOrIsHarmless) {
 
 TEST(GradientFlow, WithoutAnySlopeStaysWhereItIs) {
   const Request request = of("gradient_flow", {"contact_splitting", {}}, {{"a", 0}, {"b", 0}, {"c", 0}});
-  EXPECT_EQ(go(request).outcome.final, request.initial);
+  EXPECT_EQ(go(request).outcome.final, runs::scene(request).initial);
 }
 
 TEST(GradientFlow, OfASaddleRunsOff) {  // b = 0: U falls without bound along x y < 0
@@ -154,7 +154,7 @@ TEST(Heat, CapacityAtTheEndsOfItsRange) {
 // ── thermostat ──────────────────────────────────────────────────────────────────────────────────────────────────────
 
 TEST(Thermostat, AtTheEndsOfItsRanges) {
-  for (const std::size_t index : problems()[find_problem("thermostat").value()].schemes)
+  for (const std::size_t index : runs::problem_card("thermostat").schemes)
     for (const double beta : {1e-3, 1.0, 1e3})
       for (const double scale : {1e-3, 0.1, 1e3})
         for (const double kappa : {5e-324, 0.5, 1.0})
@@ -181,7 +181,7 @@ TEST(Thermostat, AtRestCoolsForEver) {  // q = p = 0 is never left, and s falls
 // ── Lorenz ──────────────────────────────────────────────────────────────────────────────────────────────────────────
 
 TEST(Lorenz, AtTheEndsOfItsRanges) {
-  for (const std::size_t index : problems()[find_problem("lorenz").value()].schemes)
+  for (const std::size_t index : runs::problem_card("lorenz").schemes)
     for (const double sigma : {0.0, 1e3})
       for (const double rho : {-1e3, 0.0, 1e3})
         for (const double beta : {0.0, 1e3})

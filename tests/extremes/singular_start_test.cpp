@@ -10,8 +10,6 @@ namespace {
 using namespace least;
 using namespace asking;
 
-const double pi = std::acos(-1.0);
-
 enum After : int { stop, go_on, with_sign, clamp };  // the choices of after_zero, in their order
 
 Request star(std::string_view scheme, double n, After after = stop) {
@@ -19,7 +17,7 @@ Request star(std::string_view scheme, double n, After after = stop) {
   runs::show_all(request);
   return request;
 }
-const ProblemCard& card() { return problems()[find_problem("lane_emden").value()]; }
+const ProblemCard& card() { return runs::problem_card("lane_emden"); }
 template <class F>
 void for_each_scheme(F&& f) {
   for (const std::size_t index : card().schemes) f(schemes()[index]);
@@ -29,7 +27,7 @@ template <class F>
 void for_each_composition(const Request& request, F&& f) {
   for (const auto& parameter : scheme_of(request).parameters)
     if (parameter.name == "composition") {
-      for (const auto name : parameter.choices) f(choose(request, {{"composition", name}}));
+      for (const auto& name : parameter.choices) f(choose(request, {{"composition", name}}));
       return;
     }
   f(request);
@@ -167,12 +165,12 @@ TEST(SingularStart, FromAnotherCentreIsRunOrRefused) {
 TEST(SingularStart, CloseToItEverySchemeEndsInAStatus) {
   for_each_scheme([](const SchemeCard& scheme) {
     for (const double t : {5e-324, 1e-300, 1e-8, 1e-3, 0.05, 0.1}) {
-      const auto start = card().regular_start(star(scheme.id, 3).parameters, t);
+      const auto start = runs::regular_start(star(scheme.id, 3), t);
       ASSERT_TRUE(start.has_value()) << t;
       EXPECT_NEAR((*start)[0], 1 - t * t / 6, 1e-5) << t;
       for_each_composition(star(scheme.id, 3), [&](Request request) {
-        request.start = t;
-        request.initial = *start;
+        runs::scene(request).start = t;
+        runs::scene(request).initial = *start;
         const auto result = go(everything(steps(request, 200), false));
         if (is_adaptive(scheme)) {
           if (t < 1e-300) return;  // 2/t is infinite, and so is the energy asked for
@@ -183,12 +181,12 @@ TEST(SingularStart, CloseToItEverySchemeEndsInAStatus) {
         }
       });
     }
-    EXPECT_FALSE(card().regular_start(star(scheme.id, 3).parameters, 0.11).has_value());
-    EXPECT_FALSE(card().regular_start(star(scheme.id, 3).parameters, -0.05).has_value());
+    EXPECT_FALSE(runs::regular_start(star(scheme.id, 3), 0.11).has_value());
+    EXPECT_FALSE(runs::regular_start(star(scheme.id, 3), -0.05).has_value());
   });
   Request close = star("runge_kutta_4", 3);
-  close.start = 0.05;
-  close.initial = *card().regular_start(close.parameters, 0.05);
+  runs::scene(close).start = 0.05;
+  runs::scene(close).initial = *runs::regular_start(close, 0.05);
   EXPECT_NEAR(go(close).outcome.stop.singular_at.value_or(0), 6.896848619376960, 1e-8);
 }
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/run/dense.hpp"
+#include "core/run/hermite.hpp"
 #include "tests/laws/scheme_laws.hpp"
 #include "tests/support/clocks.hpp"
 

@@ -3,15 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
-
 #include "tests/laws/scene.hpp"
-#include "tests/support/lanes.hpp"
+#include "tests/support/parameters.hpp"
 #include "tests/support/symbol.hpp"
 
 namespace laws {
-
-using toy::Lanes;
 
 /// The equations of motion and the energy written on a tape at compile time, time being a variable like any other.
 template <class P>
@@ -69,84 +65,19 @@ void parameters_can_be_dual() {
     EXPECT_EQ(stepper.step(x, h), Status::ok);
     return x;
   };
-  // An aggregate of parameters and nothing else (rule 1) is an array of them.
-  constexpr std::size_t count = std::tuple_size_v<std::remove_cvref_t<decltype(About<P>::fields)>>;
-  using Narrow = std::array<double, count>;
-  using Wide = std::array<D, count>;
-  static_assert(sizeof(P<double>) == sizeof(Narrow) && sizeof(P<D>) == sizeof(Wide));
   for_each_scheme<P, Schemes>([&](const auto& scheme) {
-    for (std::size_t k = 0; k < count; ++k) {
-      auto values = std::bit_cast<Narrow>(P<double>{});
-      const double value = values[k];
-      values[k] = value + small;
-      const auto up = step(scheme, std::bit_cast<P<double>>(values), start);
-      values[k] = value - small;
-      const auto down = step(scheme, std::bit_cast<P<double>>(values), start);
-      auto wide = std::bit_cast<Wide>(P<D>{});
-      wide[k].slope[0] = 1;
-      const auto y = step(scheme, std::bit_cast<P<D>>(wide), convert<D, double>(start));
+    parameters::for_each_number<P>([&](const auto& field) {
+      P<double> more, less;
+      more.*field.member += small;
+      less.*field.member -= small;
+      const auto up = step(scheme, more, start), down = step(scheme, less, start);
+      auto wide = parameters::in<D>(P<double>{});
+      parameters::with_member(wide, field, [](D& parameter) { parameter.slope[0] = 1; });
+      const auto y = step(scheme, wide, convert<D, double>(start));
       for (std::size_t i = 0; i < start.size; ++i)
         EXPECT_NEAR(y[i].slope[0], (up[i] - down[i]) / (2 * small), 1e-7 * (size(start) + std::abs(y[i].slope[0])))
-            << label(scheme);
-    }
-  });
-}
-
-/// All lanes share one time, that of the first state.
-template <template <class> class P>
-auto in_lanes() {
-  auto x = convert<Lanes, double>(states<P>()[0]);
-  for (std::size_t lane = 0; lane < toy::width; ++lane)
-    for (std::size_t i = 0; i < x.size; ++i) x[i].v[lane] = states<P>()[lane][i];
-  return x;
-}
-template <template <class> class P>
-auto in_lane(std::size_t lane) {
-  auto y = states<P>()[lane];
-  y.t = states<P>()[0].t;
-  return y;
-}
-template <class X, class Y>
-void expect_same_bits(const X& lanes, const Y& scalar, std::size_t lane, const std::string& what) {
-  for (std::size_t i = 0; i < Y::size; ++i) EXPECT_EQ(lanes[i].v[lane], scalar[i]) << what;
-}
-
-template <template <class> class P>
-void lanes_through_problem() {
-  const P<double> problem;
-  const auto x = in_lanes<P>();
-  const auto d = derivative(problem, x);
-  for (std::size_t lane = 0; lane < toy::width; ++lane) {
-    const auto y = in_lane<P>(lane);
-    expect_same_bits(d, derivative(problem, y), lane, "derivative");
-    if constexpr (HasEnergy<P<double>>) {
-      EXPECT_EQ(energy(problem, x).v[lane], energy(problem, y));
-    }
-    if constexpr (HasFrequency<P<double>>) {
-      EXPECT_EQ(problem.frequency_squared(position(x)).v[lane], problem.frequency_squared(position(y)));
-    }
-    if constexpr (HasInvariants<P<double>>) {
-      const auto wide = problem.invariants(x.q, x.p, 0.0);
-      const auto narrow = problem.invariants(y.q, y.p, 0.0);
-      for (std::size_t i = 0; i < wide.size(); ++i) EXPECT_EQ(wide[i].v[lane], narrow[i]);
-    }
-  }
-}
-
-template <template <class> class P, class Schemes = Probes>
-void lanes_through_schemes() {
-  const P<double> problem;
-  const double h = About<P>::card().suggested.at(0).second;
-  for_each_scheme<P, Schemes>([&](const auto& scheme) {
-    auto x = in_lanes<P>();
-    auto wide = scheme.bind(problem, x);
-    for (int k = 0; k < 3; ++k) ASSERT_EQ(wide.step(x, h), Status::ok) << label(scheme);
-    for (std::size_t lane = 0; lane < toy::width; ++lane) {
-      auto y = in_lane<P>(lane);
-      auto narrow = scheme.bind(problem, y);
-      for (int k = 0; k < 3; ++k) ASSERT_EQ(narrow.step(y, h), Status::ok);
-      expect_same_bits(x, y, lane, label(scheme));
-    }
+            << label(scheme) << ' ' << field.name;
+    });
   });
 }
 

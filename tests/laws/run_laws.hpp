@@ -5,7 +5,7 @@
 
 #include <cstdio>
 
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "tests/laws/scene.hpp"
 #include "tests/support/runs.hpp"
 
@@ -16,12 +16,7 @@ template <template <class> class P>
 void card_is_consistent(std::string_view id) {
   const ProblemCard written = About<P>::card();
   EXPECT_EQ(written.id, id) << "the id is the file's stem";
-  const auto index = find_problem(id);
-  ASSERT_TRUE(index);
-  const ProblemCard& card = problems()[*index];
-  const auto optional = std::ranges::count_if(card.variables, [](const auto& v) { return v.optional; });
-  EXPECT_EQ(card.variables.size(), StateOf<P<double>>::size + std::size_t(optional));
-  EXPECT_EQ(optional, LinearContact<P<double>> || CarriesSlope<P<double>> ? 1 : 0);
+  const ProblemCard& card = runs::problem_card(id);
   EXPECT_GT(card.span, 0);
   EXPECT_FALSE(card.title.empty() || card.summary.empty() || card.formula.empty() || card.references.empty());
   for (const auto& parameter : card.parameters) {
@@ -32,9 +27,6 @@ void card_is_consistent(std::string_view id) {
   }
   ASSERT_FALSE(card.suggested.empty());
   EXPECT_EQ(card.suggested.front().first, "step");
-  EXPECT_EQ(card.columns.size(), 2U + HasEnergy<P<double>> + Contact<P<double>> + card.variables.size() +
-                                     card.invariants.size() + card.quantities.size() +
-                                     (Conservative<P<double>> ? 2U : 0U));
   for (const auto& preset : card.presets) {
     EXPECT_FALSE(preset.name.empty() || preset.doc.empty());
     for (const auto& [name, value] : preset.parameters) {
@@ -46,28 +38,6 @@ void card_is_consistent(std::string_view id) {
       EXPECT_TRUE(name == "t" || std::ranges::count(card.variables, name, &VariableCard::name) == 1) << name;
   }
   EXPECT_GE(card.schemes.size(), 4U);
-}
-
-/// A scheme applies exactly where the compiler can bind it, and says what it needs where it does not.
-template <template <class> class P>
-void pairs_follow_from_concepts(std::string_view id) {
-  const std::size_t problem = find_problem(id).value();
-  [&]<class... Scheme>(std::tuple<Scheme...>*) {
-    const auto one = [&](bool can, const SchemeCard& card) {
-      EXPECT_EQ(fits(problem, find_scheme(card.id).value()), can) << card.id;
-      EXPECT_FALSE(card.needs.empty());
-    };
-    (one(SchemeFor<Scheme, P<double>> || ClockSchemeFor<Scheme, P<double>>, Scheme::card()), ...);
-  }(static_cast<SchemeList*>(nullptr));
-  constexpr bool contact = Contact<P<double>>;
-  EXPECT_EQ(fits(problem, find_scheme("leapfrog").value()), Separable<P<double>>);
-  EXPECT_EQ(fits(problem, find_scheme("adaptive_verlet").value()), Separable<P<double>>);
-  for (const auto* name : {"variational_midpoint", "jacobi_maupertuis", "time_transformed"})
-    EXPECT_EQ(fits(problem, find_scheme(name).value()), Conservative<P<double>>) << name;
-  for (const auto* name : {"contact_leapfrog", "contact_variational_midpoint", "contact_galerkin_4", "contact_gauss"})
-    EXPECT_EQ(fits(problem, find_scheme(name).value()), contact) << name;
-  EXPECT_EQ(fits(problem, find_scheme("contact_splitting").value()), contact || SplitFlow<P<double>>);
-  EXPECT_TRUE(fits(problem, find_scheme("runge_kutta_4").value()));
 }
 
 /// Every number of a list of reports, to the bit.
@@ -89,11 +59,11 @@ inline std::string text(const std::vector<Report>& reports) {
 template <template <class> class P>
 void recording_never_changes_the_run(std::string_view id) {
   for (std::size_t i = 0; i < schemes().size(); ++i) {
-    const std::size_t problem = find_problem(id).value();
-    if (!fits(problem, i)) continue;
+    const ProblemCard& problem = runs::problem_card(id);
+    if (!runs::fits(problem, i)) continue;
     Request request = runs::defaults(id, schemes()[i].id);
-    request.end = request.start + 150.5 * request.settings[0];  // half a step is left over
-    if (schemes()[i].own_clock) request.end = request.start + problems()[problem].span / 20;
+    request.end = runs::scene(request).start + 150.5 * request.settings[0];  // half a step is left over
+    if (schemes()[i].own_clock) request.end = runs::scene(request).start + problem.span / 20;
     request.diagnostics = {};
     request.record.count = 0;
     auto plain = runs::go(request);
@@ -109,13 +79,16 @@ void recording_never_changes_the_run(std::string_view id) {
     std::vector<Record> records;
     for (const std::int64_t every : {1, 7, 150}) records.push_back({Record::Mode::every, every, {}});
     for (const std::int64_t samples : {2, 61, 1000}) records.push_back({Record::Mode::samples, samples, {}});
-    records.push_back({Record::Mode::times, 0, {request.start, request.start + 1e-9, request.end * 0.77, request.end}});
+    records.push_back(
+        {Record::Mode::times,
+         0,
+         {runs::scene(request).start, runs::scene(request).start + 1e-9, request.end * 0.77, request.end}});
     for (const auto& record : records) {
       request.record = record;
       for (const bool diagnostics : {false, true}) {
         request.diagnostics.clear();
         if (diagnostics)
-          for (std::size_t d = 0; d < problems()[problem].diagnostics.size(); ++d) request.diagnostics.push_back(d);
+          for (std::size_t d = 0; d < problem.diagnostics.size(); ++d) request.diagnostics.push_back(d);
         auto other = runs::go(request);
         runs::drop_unknown(other.outcome.final);
         EXPECT_EQ(other.outcome.final, plain.outcome.final) << schemes()[i].id;

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/describe.hpp"
+#include "core/reference/reference.hpp"
 #include "core/schemes/list.hpp"
-#include "core/study/reference.hpp"
 
 namespace laws {
 

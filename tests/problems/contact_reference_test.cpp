@@ -7,13 +7,14 @@
 
 #include "core/assemble.hpp"
 #include "core/number/parse.hpp"
-#include "core/study/reference.hpp"
+#include "core/reference/reference.hpp"
 #include "least_problems.hpp"
 #include "tests/support/contact_data.hpp"
 
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using contact::data, contact::orbits, contact::request_for;
 using nlohmann::json;
 
@@ -28,7 +29,7 @@ Quad number(const std::string& text) {
   if (text == "sqrt2") return sqrt(Quad(2));
   return parse<Quad>(text);
 }
-Quad read(const json& text) { return number(text.get<std::string>()); }
+Quad quad(const json& text) { return number(text.get<std::string>()); }
 
 /// Which component of the state a column of the reference is; −1: none (s where the motion does not read it, a slope).
 template <template <class> class P>
@@ -53,7 +54,7 @@ auto with_exact_parameters(const json& entry, Solve&& solve) {
   std::vector<std::pair<std::size_t, Quad>> inexact;
   for (const auto& [name, text] : entry.at("parameters").items()) {
     const auto i = runs::position(parameter_cards(About<P>::fields), name, [](const auto& p) { return p.name; });
-    const Quad exact = read(text);
+    const Quad exact = quad(text);
     values[i] = static_cast<double>(exact);
     if (exact != values[i]) inexact.emplace_back(i, exact);
   }
@@ -75,7 +76,7 @@ StateOf<P<double>, Quad, Quad> start(const json& entry) {
   StateOf<P<double>, Quad, Quad> x;
   for (std::size_t i = 0; i < entry.at("variables").size(); ++i)
     if (const int c = component<P>(entry.at("variables").at(i)); c >= 0)
-      x[std::size_t(c)] = read(entry.at("start").at(i));
+      x[std::size_t(c)] = quad(entry.at("start").at(i));
   return x;
 }
 
@@ -85,7 +86,7 @@ double difference(const X& x, const json& variables, const json& state) {
   double most = 0, size = 1;
   for (std::size_t i = 0; i < variables.size(); ++i)
     if (const int c = component<P>(variables.at(i)); c >= 0) {
-      const Quad truth = read(state.at(i));
+      const Quad truth = quad(state.at(i));
       most = std::max(most, std::abs(static_cast<double>(Quad(x[std::size_t(c)] - truth))));
       size = std::max(size, std::abs(static_cast<double>(truth)));
     }
@@ -102,7 +103,7 @@ void check_integrator(const std::string& id, double last, double tolerance) {
       Path<X> states;
       Extrapolation<P<double>> run(problem, start<P>(*entry), 1e-27);
       for (const auto& state : entry->at("states"))
-        if (const Quad t = read(state.at("t")); t < last * (1 + 1e-9)) {
+        if (const Quad t = quad(state.at("t")); t < last * (1 + 1e-9)) {
           EXPECT_TRUE(run.advance(t, [] { return true; }));
           states.push_back(run.state());
         }
@@ -120,7 +121,7 @@ void check_closed_form(const std::string& id, double tolerance) {
     const auto path = with_exact_parameters<P>(*entry, [&](const P<double>& problem) {
       Path<StateOf<P<double>, Quad, Quad>> states;
       for (const auto& state : entry->at("states"))
-        states.push_back(problem.exact(start<P>(*entry), read(state.at("t"))));
+        states.push_back(problem.exact(start<P>(*entry), quad(state.at("t"))));
       return states;
     });
     for (std::size_t k = 0; k < path.size(); ++k)
@@ -136,14 +137,14 @@ void check_run(const json& entry, Request request, double last, double tolerance
   std::vector<std::size_t> columns;
   for (std::size_t i = 0; i < entry.at("variables").size(); ++i) {
     const std::string name = entry.at("variables").at(i);
-    runs::begin(request, name, static_cast<double>(read(entry.at("start").at(i))));
+    runs::begin(request, name, static_cast<double>(quad(entry.at("start").at(i))));
     columns.push_back(1 + runs::position(card.variables, name, [](const auto& v) { return v.name; }));
   }
   for (const auto& [name, text] : entry.at("parameters").items())
-    runs::set(request, name, static_cast<double>(read(text)));
+    runs::set(request, name, static_cast<double>(quad(text)));
   std::vector<double> times;
   for (const auto& state : entry.at("states"))
-    if (const double t = static_cast<double>(read(state.at("t"))); t < last * (1 + 1e-9)) times.push_back(t);
+    if (const double t = static_cast<double>(quad(state.at("t"))); t < last * (1 + 1e-9)) times.push_back(t);
   runs::at_times(request, times);
   const auto result = runs::go(request);
   ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << result.outcome.stop.detail;
@@ -151,7 +152,7 @@ void check_run(const json& entry, Request request, double last, double tolerance
   for (std::size_t k = 0; k < times.size(); ++k) {
     double most = 0, size = 1;
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      const double truth = static_cast<double>(read(entry.at("states").at(k).at("state").at(i)));
+      const double truth = static_cast<double>(quad(entry.at("states").at(k).at("state").at(i)));
       most = std::max(most, std::abs(result.rows[k][columns[i]] - truth));
       size = std::max(size, std::abs(truth));
     }
@@ -206,7 +207,7 @@ TEST(ContactReference, Cosmology) {
 TEST(ContactReference, VanDerPol) {
   check_integrator<VanDerPol>("van_der_pol", 5, 1e-20);
   for (const json* entry : orbits("van_der_pol")) {
-    const double fast = static_cast<double>(read(entry->at("parameters").at("epsilon")));
+    const double fast = static_cast<double>(quad(entry->at("parameters").at("epsilon")));
     check_run(*entry, request_for("van_der_pol", "runge_kutta_4", "", std::min(5e-4, 5e-3 / fast)), for_ever, 1e-10);
     check_run(*entry, request_for("van_der_pol", "contact_splitting", "kahan_li_8", std::min(0.01, 0.05 / fast)),
               for_ever, 1e-10);
@@ -231,11 +232,11 @@ TEST(ContactReference, LaneEmden) {
     const json entry = lane_emden(polytrope);
     const auto check = [&](auto&& solve, double tolerance) {
       for (const auto& state : entry.at("states"))
-        EXPECT_LT(difference<LaneEmden>(solve(read(state.at("t"))), entry.at("variables"), state.at("state")),
+        EXPECT_LT(difference<LaneEmden>(solve(quad(state.at("t"))), entry.at("variables"), state.at("state")),
                   tolerance)
             << n << " at " << state.at("t");
     };
-    const LaneEmden<> problem{n, whole ? 1.0 : 0.0};
+    const LaneEmden<> problem{n, whole ? AfterZero::continue_ : AfterZero::stop};
     State<1, Quad, Quad> x0;
     x0.q[0] = 1;
     Extrapolation<LaneEmden<>> integrator(problem, x0, 1e-27);

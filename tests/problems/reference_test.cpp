@@ -1,6 +1,6 @@
 // Closed forms and the quad-precision reference integrator against reference states of 20 digits that were computed
 // independently (tests/reference/conservative.json says how).
-#include "core/study/reference.hpp"
+#include "core/reference/reference.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +13,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using nlohmann::json;
 
 const json& system(const std::string& name) {

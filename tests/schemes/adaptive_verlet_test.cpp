@@ -7,15 +7,16 @@
 #include "core/problems/double_pendulum.hpp"
 #include "core/problems/harmonic_oscillator.hpp"
 #include "core/problems/henon_heiles.hpp"
-#include "core/run/structure.hpp"
+#include "core/reference/reference.hpp"
+#include "core/run/tangent.hpp"
 #include "core/schemes/splitting.hpp"
-#include "core/study/reference.hpp"
 #include "tests/support/clocks.hpp"
 #include "tests/support/lanes.hpp"
 
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 
 static_assert(ClockSchemeFor<AdaptiveVerlet, Kepler<>> && !SchemeFor<AdaptiveVerlet, Kepler<>>);

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/run/structure.hpp"
+#include "core/run/tangent.hpp"
 #include "core/schemes/list.hpp"
 #include "least_problems.hpp"
 #include "tests/support/runs.hpp"
@@ -12,6 +12,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 
 template <class Scheme, class P, class X>
 X after(const Scheme& scheme, const P& problem, X x, double h, int steps = 1) {
@@ -244,7 +245,7 @@ void check_same_bits(const Request& lean, const Request& full) {
 // Asking for s, the energy or the slope of the orbit never changes a bit of what the motion is made of.
 TEST(ContactMap, TheMotionHasTheSameBitsWithAndWithoutTheRest) {
   int pairs = 0;
-  for (const auto& card : problems()) {
+  for (const auto& card : runs::problem_cards()) {
     if (std::ranges::none_of(card.variables, [](const auto& v) { return v.optional; })) continue;
     for (const std::size_t scheme : card.schemes) {
       const bool composable =
@@ -258,7 +259,7 @@ TEST(ContactMap, TheMotionHasTheSameBitsWithAndWithoutTheRest) {
         Request full = lean;
         runs::show_all(full);
         check_same_bits(lean, full);
-        const auto energy = std::ranges::find(card.columns, "energy");
+        const auto energy = std::ranges::find(card.columns, "energy", &ColumnCard::name);
         if (energy != card.columns.end()) {
           full = lean;
           full.columns.push_back(std::size_t(energy - card.columns.begin()));

@@ -11,10 +11,9 @@
 namespace {
 
 using namespace least;
-using contact::data, contact::orbits, contact::request_for;
+using namespace least::problems;
+using contact::data, contact::pi, contact::orbits, contact::request_for;
 using nlohmann::json;
-
-const double pi = std::acos(-1.0);
 
 double read(const json& text) { return std::stod(text.get<std::string>()); }
 
@@ -71,7 +70,7 @@ TEST(ContactScene, CosmologicalFixedPoint) {
     runs::set(request, "splitting", splitting);
     runs::set(request, "gamma", gamma);
     runs::set(request, "R", source);
-    request.initial = {0, 0, s};
+    runs::scene(request).initial = {0, 0, s};
     request.end = 200;
     double last = 0;
     const auto result = runs::go(request);
@@ -94,7 +93,7 @@ TEST(ContactScene, CosmologicalEllipsoid) {
     if (read(entry->at("start").at(2)) < -1.1)
       for (const char* scheme : {"contact_leapfrog", "contact_splitting"}) {
         Request request = request_for("cosmological_oscillator", scheme, "none", 0.1);
-        for (std::size_t i = 0; i < 3; ++i) request.initial[i] = read(entry->at("start").at(i));
+        for (std::size_t i = 0; i < 3; ++i) runs::scene(request).initial[i] = read(entry->at("start").at(i));
         request.end = 50;
         runs::ask(request, "energy");
         const auto result = runs::go(request);
@@ -107,7 +106,7 @@ TEST(ContactScene, CosmologicalBlowUp) {
   const double truth = read(data().at("cosmological_blow_up").at("t"));
   const auto error = [&](std::string_view scheme, std::string_view composition, double h) {
     Request request = request_for("cosmological_oscillator", scheme, composition, h);
-    request.initial = {0, 0, -2};
+    runs::scene(request).initial = {0, 0, -2};
     const auto result = runs::go(request);
     EXPECT_EQ(result.outcome.stop.reason, Reason::singular) << scheme << ' ' << h;
     EXPECT_TRUE(result.outcome.stop.singular_at) << scheme << ' ' << h;
@@ -160,7 +159,7 @@ TEST(ContactScene, SpinOrbitCapture) {
   Request request = request_for("spin_orbit", "contact_splitting", "kahan_li_6", pi / 10);
   for (const auto& [name, value] : {std::pair{"lambda", 1e-4}, {"damping", 1e-3}, {"torque", 1e-3}})
     runs::set(request, name, value);
-  request.initial = {2.7, 3, 0};
+  runs::scene(request).initial = {2.7, 3, 0};
   request.end = 5000;
   double last = 0;
   for (const auto& row : runs::go(request).rows)
@@ -172,7 +171,7 @@ TEST(ContactScene, SpinOrbitIsland) {
   const json& edge = data().at("spin_orbit_separatrix");
   const auto librates = [&](double p) {
     Request request = request_for("spin_orbit", "contact_splitting", "kahan_li_6", pi / 10);
-    request.initial = {0, p, 0};
+    runs::scene(request).initial = {0, p, 0};
     request.end = 1200 * pi;
     double most = 0;
     for (const auto& row : runs::go(request).rows) most = std::max(most, std::abs(row[1] - row[0]));

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/run/structure.hpp"
+#include "core/run/tangent.hpp"
 #include "core/schemes/list.hpp"
 #include "least_problems.hpp"
 #include "tests/support/runs.hpp"
@@ -13,9 +13,10 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 
 bool is_contact(const ProblemCard& card) {
-  return std::ranges::find(card.diagnostics, "volume") != card.diagnostics.end();
+  return std::ranges::find(card.diagnostics, "volume", &DiagnosticCard::name) != card.diagnostics.end();
 }
 Request measured(const ProblemCard& card, std::size_t scheme, double step, std::int64_t steps) {
   Request request = runs::defaults(card.id, schemes()[scheme].id);
@@ -23,9 +24,9 @@ Request measured(const ProblemCard& card, std::size_t scheme, double step, std::
   request.until_steps = true;
   request.steps = steps;
   runs::only_final(request);
-  if (card.regular_start) {  // away from the singular start
-    request.start = 0.05;
-    request.initial = card.regular_start(request.parameters, request.start).value();
+  if (runs::regular_start(request, 0.05)) {  // away from the singular start
+    runs::scene(request).start = 0.05;
+    runs::scene(request).initial = *runs::regular_start(request, 0.05);
   }
   for (const char* diagnostic : {"structure", "volume", "decay"}) runs::ask(request, diagnostic);
   return request;
@@ -35,7 +36,7 @@ Request measured(const ProblemCard& card, std::size_t scheme, double step, std::
 // splitting and number of stages; and by no other.
 TEST(ContactStructure, IsKeptByContactSchemesAndNoOthers) {
   int kept = 0, lost = 0, unknown = 0;
-  for (const auto& card : problems()) {
+  for (const auto& card : runs::problem_cards()) {
     if (!is_contact(card)) continue;
     const double step = card.suggested[0].second;
     for (const std::size_t scheme : card.schemes) {

@@ -12,9 +12,8 @@
 namespace {
 
 using namespace least;
-using contact::data, contact::request_for;
-
-const double pi = std::acos(-1.0);
+using namespace least::problems;
+using contact::data, contact::pi, contact::request_for;
 
 /// The k-th reference orbit of a problem at the time t.
 std::vector<double> reference(const std::string& problem, std::size_t k, double t) {
@@ -207,7 +206,7 @@ double lane_emden_error(std::string_view scheme, double n, double end) {
   request.end = end;
   const auto result = runs::go(request);
   EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
-  const LaneEmden<> problem{n, 1};
+  const LaneEmden<> problem{n, AfterZero::continue_};
   double most = 0;
   for (const auto& row : result.rows)
     most = std::max(most, std::abs(row[1] - problem.exact(State<1>{0, {1}, {0}, {}}, row[0]).q[0]));

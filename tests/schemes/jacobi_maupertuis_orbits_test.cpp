@@ -3,7 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/run/dense.hpp"
+#include "core/run/hermite.hpp"
 #include "core/schemes/jacobi_maupertuis.hpp"
 #include "tests/support/clocks.hpp"
 #include "tests/support/runs.hpp"
@@ -11,10 +11,10 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 
-constexpr double off = std::numeric_limits<double>::quiet_NaN();
-const Kepler<> kepler;
+const Kepler<> planet;
 
 /// As published, but for the exit: order 2, slope rule, no root, no step control, no hysteresis.
 JacobiMaupertuis published(Quadrature quadrature, double h) {
@@ -43,9 +43,9 @@ template <class T = double>
 Passage passage(const JacobiMaupertuis& scheme, const State<2>& start = paper, int revolutions = 1) {
   using X = State<2, T, T>;
   auto x = convert<T, T>(start);
-  const auto first = kepler.invariants(x.q, x.p, T(0));
-  const T level = energy(kepler, x);
-  auto stepper = scheme.bind(kepler, x, level);
+  const auto first = planet.invariants(x.q, x.p, T(0));
+  const T level = energy(planet, x);
+  auto stepper = scheme.bind(planet, x, level);
   Passage found;
   Course course;
   for (X before = x; revolutions > 0 && found.slow + found.fast < 100'000; before = x) {
@@ -66,12 +66,12 @@ Passage passage(const JacobiMaupertuis& scheme, const State<2>& start = paper, i
     T low = before.t, high = x.t;
     for (int k = 0; k < 60; ++k) {
       const T middle = (low + high) / 2;
-      (hermite(kepler, before, x, middle).q[0] > 0 ? low : high) = middle;
+      (hermite(planet, before, x, middle).q[0] > 0 ? low : high) = middle;
     }
-    const X y = hermite(kepler, before, x, low);
-    const auto last = kepler.invariants(y.q, y.p, T(0));
+    const X y = hermite(planet, before, x, low);
+    const auto last = planet.invariants(y.q, y.p, T(0));
     found.t = double(low);
-    found.energy = double(energy(kepler, y) - level);
+    found.energy = double(energy(planet, y) - level);
     found.momentum = double(last[0] - first[0]);
     found.apsis = double(std::atan2(first[1] * last[2] - first[2] * last[1], first[1] * last[1] + first[2] * last[2]));
   }
@@ -141,7 +141,7 @@ TEST(JacobiMaupertuisOrbits, HysteresisEndsTheChatterOfNearlyCircularOrbits) {
 template <class Map>
 void is_equivariant(const JacobiMaupertuis& scheme, Map&& map) {
   auto x = paper, y = map(paper);
-  auto one = bound(scheme, kepler, x), other = bound(scheme, kepler, y);
+  auto one = bound(scheme, planet, x), other = bound(scheme, planet, y);
   double most = 0;
   for (int k = 0; k < 7000; ++k) {
     ASSERT_EQ(one.step(x), Status::ok);
@@ -177,7 +177,7 @@ void has_order(JacobiMaupertuis scheme, double order, const std::vector<double>&
     scheme.step = scheme.theta = h;
     double turned = 0, late = 0;
     for (int k = 0; k < 8; ++k) {
-      const auto found = passage<T>(scheme, kepler.exact(paper, 1.237 * k));
+      const auto found = passage<T>(scheme, planet.exact(paper, 1.237 * k));
       turned += found.apsis * found.apsis / 8;
       late += (found.t - paper_period) * (found.t - paper_period) / 8;
     }
@@ -221,18 +221,18 @@ TEST(JacobiMaupertuisOrbits, ThousandPeriodsKeepTheEnergyAndNotTheAngularMomentu
 // Known: there through the passage and back again misses the start by more than rounding.
 TEST(JacobiMaupertuisOrbits, IsNotReversible) {
   auto x = paper;
-  auto there = bound(composed(4, 0.01, 0.1), kepler, x);
+  auto there = bound(composed(4, 0.01, 0.1), planet, x);
   ASSERT_EQ(steps(there, x, 1600), 1600);
   ASSERT_GT(x.t, 12);
   x = reversed(x);
   const double back = 2 * x.t;
-  auto stepper = composed(4, 0.01, 0.1).bind(kepler, x, energy(kepler, paper));
+  auto stepper = composed(4, 0.01, 0.1).bind(planet, x, energy(planet, paper));
   auto before = x;
   while (x.t < back) {
     before = x;
     ASSERT_EQ(stepper.step(x), Status::ok);
   }
-  const double miss = distance(reversed(hermite(kepler, before, x, back)), paper);
+  const double miss = distance(reversed(hermite(planet, before, x, back)), paper);
   EXPECT_GT(miss, 1e-9);
   EXPECT_LT(miss, 1e-4);
 }
@@ -241,7 +241,7 @@ TEST(JacobiMaupertuisOrbits, IsNotReversible) {
 
 Request request_for(std::string_view problem) { return runs::defaults(problem, "jacobi_maupertuis"); }
 void show(Request& request, std::string_view column) {
-  request.columns.push_back(runs::position(runs::card(request).columns, column, std::identity{}));
+  request.columns.push_back(runs::position(runs::card(request).columns, column, &least::ColumnCard::name));
 }
 std::string text(const Report& event, std::string_view key) {
   for (const auto& part : std::get<std::vector<Report>>(event.value))
@@ -294,7 +294,7 @@ TEST(JacobiMaupertuisRuns, SamplesAreAsGoodAsSteps) {
   const auto worst = [](const runs::Result& run) {
     double most = 0;
     for (const auto& row : run.rows) {
-      const auto truth = kepler.exact(paper, row[0]);
+      const auto truth = planet.exact(paper, row[0]);
       for (std::size_t i = 0; i < 4; ++i) most = std::max(most, std::abs(row[i + 1] - truth[i]));
     }
     return most;
@@ -384,8 +384,9 @@ TEST(JacobiMaupertuisRuns, ReferenceStates) {
     auto request = request_for(row.problem);
     const auto number = [](const nlohmann::json& text) { return std::stod(text.get<std::string>()); };
     const auto& last = entry.at("states")[row.state];
-    const std::size_t n = request.initial.size() / 2;
-    for (std::size_t i = 0; i < 2 * n; ++i) request.initial[i] = number(entry.at(i < n ? "q0" : "p0")[i % n]);
+    const std::size_t n = runs::scene(request).initial.size() / 2;
+    for (std::size_t i = 0; i < 2 * n; ++i)
+      runs::scene(request).initial[i] = number(entry.at(i < n ? "q0" : "p0")[i % n]);
     request.end = number(last.at("t"));
     const auto run = runs::go(request);
     ASSERT_EQ(run.outcome.stop.reason, Reason::completed) << row.system;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <complex>
 
-#include "core/catalogue.hpp"
+#include "core/catalogue/catalogue.hpp"
 #include "core/number/quad.hpp"
 #include "core/run/stability.hpp"
 #include "core/schemes/list.hpp"
@@ -13,6 +13,7 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 
 template <class Scheme, class P>
 StateOf<P> after_one(const Scheme& scheme, const P& problem, StateOf<P> x, double h) {

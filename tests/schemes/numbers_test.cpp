@@ -3,11 +3,13 @@
 #include "core/problems/double_pendulum.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/problems/perturbed_kepler.hpp"
+#include "tests/laws/lane_laws.hpp"
 #include "tests/laws/number_laws.hpp"
 
 namespace {
 
 using namespace least;
+using namespace least::problems;
 
 TEST(Numbers, LanesPassThroughEveryScheme) {
   laws::lanes_through_schemes<Kepler, SchemeList>();

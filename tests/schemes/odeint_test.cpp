@@ -16,13 +16,14 @@
 #include "core/problems/kepler_3d.hpp"
 #include "core/problems/lorenz.hpp"
 #include "core/problems/van_der_pol.hpp"
+#include "core/reference/reference.hpp"
 #include "core/schemes/runge_kutta.hpp"
-#include "core/study/reference.hpp"
 #include "tests/support/clocks.hpp"
 
 namespace {
 
 using namespace least;
+using namespace least::problems;
 namespace library = boost::numeric::odeint;
 using clocks::larger, clocks::past, clocks::steps;
 

@@ -12,11 +12,11 @@
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 
 const double minus_energy = std::numeric_limits<double>::quiet_NaN();
 const State<2> hyperbola{0, {0, -4}, {-0.1, 1.2}, {}};
-const State<2> swing{0, {1, 0.5}, {0.3, -0.2}, {}};  ///< of the double pendulum
 
 // ---- Kepler orbits at κ = −E₀
 

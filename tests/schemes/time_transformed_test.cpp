@@ -6,20 +6,19 @@
 #include "core/problems/double_pendulum.hpp"
 #include "core/problems/harmonic_oscillator.hpp"
 #include "core/problems/henon_heiles.hpp"
-#include "core/run/structure.hpp"
-#include "core/study/reference.hpp"
+#include "core/reference/reference.hpp"
+#include "core/run/tangent.hpp"
 #include "tests/support/clocks.hpp"
 #include "tests/support/lanes.hpp"
 
 namespace {
 
 using namespace least;
+using namespace least::problems;
 using namespace clocks;
 
 static_assert(ClockSchemeFor<TimeTransformed, Kepler<>> && ClockSchemeFor<TimeTransformed, DoublePendulum<>>);
 static_assert(!SchemeFor<TimeTransformed, Kepler<>>);
-
-const State<2> swing{0, {1, 0.5}, {0.3, -0.2}, {}};  ///< of the double pendulum
 
 // ---- the maps
 

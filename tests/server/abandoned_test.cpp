@@ -43,7 +43,7 @@ struct LongRequest {
 };
 void PrintTo(const LongRequest& request, std::ostream* out) { *out << request.name; }
 
-constexpr const char* csv = "Accept: text/csv\r\n";
+constexpr const char* as_table = "Accept: text/csv\r\n";
 constexpr const char* lines = "Accept: application/x-ndjson\r\n";
 constexpr const char* fixed_steps =
     R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},"record":{"every":0},
@@ -77,7 +77,7 @@ TEST_P(AbandonedWhile, ItIsComputedFreesItsPlaceSoon) {
 
 INSTANTIATE_TEST_SUITE_P(All, AbandonedWhile,
                          testing::Values(LongRequest{"simulate", post("/v1/simulate", fixed_steps)},
-                                         LongRequest{"simulate_csv", post("/v1/simulate", fixed_steps, csv)},
+                                         LongRequest{"simulate_csv", post("/v1/simulate", fixed_steps, as_table)},
                                          LongRequest{"own_clock", post("/v1/simulate", own_clock)},
                                          LongRequest{"automatic", post("/v1/simulate", automatic)},
                                          LongRequest{"work_precision", post("/v1/work-precision", work_precision)},
@@ -102,7 +102,7 @@ TEST_F(Abandoned, InTheMiddleOfALargeAnswer) {
   settings.connections = 1;
   settings.bounds.stall = 20s;
   start();
-  for (const char* accept : {"", csv}) {
+  for (const char* accept : {"", as_table}) {
     {
       Client client(service->port());
       client.send(post("/v1/simulate",

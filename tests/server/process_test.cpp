@@ -89,17 +89,17 @@ class Process {
 
 int port_in(const std::string& line) { return std::stoi(line.substr(line.rfind(':') + 1)); }
 
-const std::string kepler = R"({"problem":"kepler","scheme":"leapfrog","until":{"t":1}})";
+const std::string kepler_run = R"({"problem":"kepler","scheme":"leapfrog","until":{"t":1}})";
 
 TEST(Command, RunAnswersAsHttpWould) {
-  Process run({"run", "-"}, kepler);
+  Process run({"run", "-"}, kepler_run);
   const Json json = Json::parse(run.output());
   EXPECT_EQ(json["status"], "completed");
   EXPECT_EQ(run.errors(), "");
   EXPECT_EQ(run.wait(), 0);
 
   const std::string file = testing::TempDir() + "least_request.json";
-  std::ofstream(file) << kepler;
+  std::ofstream(file) << kepler_run;
   Process from_file({"run", file});
   Json again = Json::parse(from_file.output()), first = json;
   again.erase("cost");
@@ -166,7 +166,7 @@ TEST(Command, ServeSaysWhereAndLogsEachRequest) {
   const std::string line = serve.line();
   EXPECT_EQ(line.find("listening on http://127.0.0.1:"), 0u) << line;
   EXPECT_EQ(ask(port_in(line), get("/")).status, 200);
-  const Reply reply = ask(port_in(line), post("/v1/simulate", kepler));
+  const Reply reply = ask(port_in(line), post("/v1/simulate", kepler_run));
   EXPECT_EQ(reply.status, 200);
   serve.signal(SIGINT);
   EXPECT_EQ(serve.output(), "");

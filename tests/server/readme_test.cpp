@@ -1,39 +1,78 @@
-// The README's curl line gives the answer that stands under it.
+// Every request that the README shows is answered, and the first gives the answer that stands under it.
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <regex>
 #include <string>
 
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
 namespace {
 
-std::string between(const std::string& text, const std::string& from, const std::string& to) {
-  const auto begin = text.find(from) + from.size();
-  return text.substr(begin, text.find(to, begin) - begin);
+using Json = nlohmann::json;
+
+std::string readme() {
+  std::ifstream file(LEAST_SOURCE_DIR "/README.md");
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(Readme, ShowsTheAnswerToItsRequest) {
-  std::ifstream file(LEAST_SOURCE_DIR "/README.md");
-  const std::string readme((std::istreambuf_iterator<char>(file)), {});
-  const std::string request = between(readme, "-d '", "'\n```"), shown = between(readme, "```json\n", "\n```");
-  ASSERT_NE(request.find("leapfrog"), std::string::npos);
+struct Shown {
+  std::string path, body;
+};
+/// What its lines of curl send.
+std::vector<Shown> requests(const std::string& text) {
+  static const std::regex curl(R"(\ncurl http://127\.0\.0\.1:8080(/v1/\S+) -d '([^']*)')");
+  std::vector<Shown> all;
+  for (std::sregex_iterator it(text.begin(), text.end(), curl), end; it != end; ++it)
+    all.push_back({(*it)[1].str(), (*it)[2].str()});
+  return all;
+}
 
-  const std::string path = testing::TempDir() + "readme_request.json";
-  std::ofstream(path) << request;
-  FILE* pipe = popen((std::string(LEAST_BINARY) + " run " + path).c_str(), "r");
-  ASSERT_TRUE(pipe);
-  std::string answer;
-  char block[4096];
-  while (const auto n = fread(block, 1, sizeof block, pipe)) answer.append(block, n);
-  ASSERT_EQ(pclose(pipe), 0);
+class Readme : public Serving {};
 
-  auto got = nlohmann::json::parse(answer), expected = nlohmann::json::parse(shown);
+TEST_F(Readme, EveryRequestIsAnswered) {
+  const std::string text = readme();
+  std::size_t lines = 0;
+  for (auto at = text.find("\ncurl "); at != text.npos; at = text.find("\ncurl ", at + 1)) ++lines;
+  const auto all = requests(text);
+  EXPECT_EQ(all.size(), lines) << "a line of curl is written as no other";
+  EXPECT_GE(all.size(), 4U);
+  for (const auto& [path, body] : all) {
+    const Reply reply = ask(port(), post(path, body));
+    ASSERT_EQ(reply.status, 200) << body << reply.body;
+    const Json answer = Json::parse(reply.body);
+    EXPECT_EQ(answer.value("status", "completed"), "completed") << body;
+  }
+}
+
+TEST_F(Readme, ShowsTheAnswerToItsRequest) {
+  const std::string text = readme(), fence = "```json\n";
+  const auto begin = text.find(fence) + fence.size();
+  const auto all = requests(text);
+  ASSERT_FALSE(all.empty());
+  Json expected = Json::parse(text.substr(begin, text.find("\n```", begin) - begin));
+  Json got = Json::parse(ask(port(), post(all[0].path, all[0].body)).body);
   EXPECT_TRUE(got.contains("cost") && expected.contains("cost"));
   got.erase("cost");
   expected.erase("cost");
   EXPECT_EQ(got, expected);
 }
 
+/// A complete request by itself: the members that the README names.
+TEST_F(Readme, TheEchoIsARequest) {
+  const auto all = requests(readme());
+  ASSERT_FALSE(all.empty());
+  const Json first = Json::parse(ask(port(), post(all[0].path, all[0].body)).body);
+  Json echo;
+  for (const auto* member : {"problem", "initial", "scheme", "until", "record", "columns", "limits"})
+    echo[member] = first.at(member);
+  const Json again = Json::parse(ask(port(), post(all[0].path, echo.dump())).body);
+  EXPECT_EQ(again.at("trajectory"), first.at("trajectory"));
+  EXPECT_EQ(again.at("final"), first.at("final"));
+}
+
 }  // namespace
+}  // namespace least::server::test

@@ -21,7 +21,7 @@ double spacing() {
 double exhaustive(const Subject& subject, const std::vector<Choice>& all, double accuracy, double most) {
   double fewest = most;
   for (const Choice& choice : all) {
-    const Dial dial(choice);
+    const Dial dial = dial_of(choice);
     const double ratio = dial.adaptive() ? 2 * spacing() : spacing();
     double value = subject.longest(choice, dial);
     if (dial.name == "step") value = std::min(value, 50 * (subject.end() - subject.start()) / most);
@@ -48,20 +48,21 @@ void hold_against_all(std::string_view problem, std::initializer_list<double> ac
     EXPECT_EQ(run.error, advice.estimated_error);
     EXPECT_LE(run.error, accuracy) << advice.reason;
     const auto cost = static_cast<double>(run.forces);
-    EXPECT_LE(cost, 1.5 * exhaustive(subject, candidates(request.problem, {}), accuracy, cost)) << advice.reason;
+    EXPECT_LE(cost, 1.5 * exhaustive(subject, candidates(*request.scene->mechanics, {}), accuracy, cost))
+        << advice.reason;
   }
 }
 
 class Advised : public testing::TestWithParam<std::size_t> {};
 TEST_P(Advised, MeetsTheAccuracyAtTheLeastCost) {
-  const auto& card = problems()[GetParam()];
+  const auto& card = runs::problem_cards()[GetParam()];
   // Chaotic, and out of reach of every scheme at its default end.
   const double end = card.id == "thermostat" ? 10 : 0;
   if (card.id == "double_pendulum" && spacing() > 1.2) return hold_against_all(card.id, {1e-3, 1e-6}, 10);
   hold_against_all(card.id, {1e-3, 1e-6, 1e-9}, end);
 }
-INSTANTIATE_TEST_SUITE_P(AllProblems, Advised, testing::Range<std::size_t>(0, problems().size()),
-                         [](const auto& which) { return std::string(problems()[which.param].id); });
+INSTANTIATE_TEST_SUITE_P(AllProblems, Advised, testing::Range<std::size_t>(0, runs::problem_cards().size()),
+                         [](const auto& which) { return std::string(runs::problem_cards()[which.param].id); });
 
 std::string id(const Choice& choice) { return std::string(schemes()[choice.scheme].id); }
 
@@ -74,7 +75,7 @@ TEST(Advice, KeepsWhatIsToBeKept) {
   for (const Alternative& other : energy.alternatives) EXPECT_EQ(structure(other.scheme), "symplectic");
   const auto ids = [](std::string_view problem, const Keep& keep) {
     std::string all;
-    for (const Choice& choice : candidates(find_problem(problem).value(), keep)) all += id(choice) + " ";
+    for (const Choice& choice : candidates(*find_problem(problem), keep)) all += id(choice) + " ";
     return all;
   };
   const auto has = [](const std::string& all, std::string_view scheme) {

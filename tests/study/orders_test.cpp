@@ -16,14 +16,15 @@ using namespace studies;
 /// not grown much. Where the equations of motion are singular at the start, and orders fall, from further on.
 Request ordinary(std::string_view problem) {
   Request request = scene(problem);
-  const double span = request.end - request.start;
-  request.end = request.start + 0.37 * span;
-  while (conditioning(request, always)->most_growth > 300) request.end -= 0.5 * (request.end - request.start);
-  if (!problems()[request.problem].regular_start) return request;
-  const double later = request.start + 0.1 * span;
+  const double span = request.end - runs::scene(request).start;
+  request.end = runs::scene(request).start + 0.37 * span;
+  while (conditioning(request, always)->most_growth > 300)
+    request.end -= 0.5 * (request.end - runs::scene(request).start);
+  if (!runs::regular_start(request, 0.05)) return request;
+  const double later = runs::scene(request).start + 0.1 * span;
   const auto there = truth(request, {later}, always);
-  std::ranges::copy(there->states.at(0), request.initial.begin());
-  request.start = later;
+  std::ranges::copy(there->states.at(0), runs::scene(request).initial.begin());
+  runs::scene(request).start = later;
   return request;
 }
 
@@ -31,8 +32,8 @@ class Orders : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Orders, AreTheDeclaredOnes) {
   StudyPlan plan;
-  plan.scene = ordinary(problems()[GetParam()].id);
-  plan.schemes = candidates(GetParam(), {});
+  plan.scene = ordinary(runs::problem_cards()[GetParam()].id);
+  plan.schemes = candidates(*plan.scene.scene->mechanics, {});
   plan.at_end = false;
   plan.budget_seconds = 100;
   plan.most_forces = 100'000;
@@ -41,7 +42,7 @@ TEST_P(Orders, AreTheDeclaredOnes) {
   int measured = 0, waived = 0;
   for (const StudyCurve& curve : study.curves) {
     if (curve.expected_order == 0) continue;
-    const std::string pair = std::string(problems()[GetParam()].id) + " " + name(curve.scheme);
+    const std::string pair = std::string(runs::problem_cards()[GetParam()].id) + " " + name(curve.scheme);
     if (std::isnan(curve.observed_order)) {
       std::cout << "waived: " << pair << ": " << curve.why << '\n';
       waived += curve.expected_order <= 6 && curve.points.size() > 1;
@@ -56,7 +57,7 @@ TEST_P(Orders, AreTheDeclaredOnes) {
   }
   EXPECT_GE(measured, 2 * waived) << "hardly an order could be measured";
 }
-INSTANTIATE_TEST_SUITE_P(AllProblems, Orders, testing::Range<std::size_t>(0, problems().size()),
-                         [](const auto& which) { return std::string(problems()[which.param].id); });
+INSTANTIATE_TEST_SUITE_P(AllProblems, Orders, testing::Range<std::size_t>(0, runs::problem_cards().size()),
+                         [](const auto& which) { return std::string(runs::problem_cards()[which.param].id); });
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/study/study.hpp"
+#include "core/study/subject.hpp"
 #include "tests/support/runs.hpp"
 
 namespace studies {
@@ -15,11 +15,19 @@ using namespace least;
 
 inline const std::atomic<bool> never{false};
 inline bool always() { return true; }
+inline auto truth(const Request& request, const std::vector<double>& times, const KeepGoing& keep_going) {
+  return least::truth(*request.scene, times, keep_going);
+}
+inline auto conditioning(const Request& request, const KeepGoing& keep_going) {
+  return least::conditioning(*request.scene, request.end, keep_going);
+}
+inline std::string name(const Choice& choice) { return least::name(schemes()[choice.scheme], choice); }
+inline Dial dial_of(const Choice& choice) { return Dial(schemes()[choice.scheme]); }
 inline bool watch(std::size_t, const StudyCurve&) { return true; }
 
 /// A problem's default scene; the scheme in it is any that fits.
 inline Request scene(std::string_view problem, double end = 0) {
-  const std::size_t first = problems()[find_problem(problem).value()].schemes.front();
+  const std::size_t first = runs::problem_card(problem).schemes.front();
   Request request = runs::defaults(problem, schemes()[first].id);
   if (end > 0) request.end = end;
   return request;
@@ -27,7 +35,7 @@ inline Request scene(std::string_view problem, double end = 0) {
 
 /// A scheme as the catalogue suggests it for the scene's problem.
 inline Choice choice(const Request& scene, std::string_view scheme, std::string_view composition = "") {
-  Request request = runs::defaults(problems()[scene.problem].id, scheme);
+  Request request = runs::defaults(scene.scene->card().id, scheme);
   if (!composition.empty()) runs::set(request, "composition", composition);
   return {request.scheme, request.settings};
 }

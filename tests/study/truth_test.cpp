@@ -3,8 +3,7 @@
 #include <numbers>
 #include <thread>
 
-#include "core/study/conditioning.hpp"
-#include "core/study/state_error.hpp"
+#include "core/state_error.hpp"
 #include "core/study/subject.hpp"
 #include "tests/study/studies.hpp"
 
@@ -31,9 +30,9 @@ TEST(Truth, IsTheClosedFormWhereThereIsOne) {
 TEST(Truth, IsARunInQuadPrecisionElsewhere) {
   Request star = scene("lane_emden", 3);
   runs::set(star, "n", 1);
-  star.start = 1;
-  star.initial[0] = std::sin(1.0);
-  star.initial[1] = std::cos(1.0) - std::sin(1.0);
+  runs::scene(star).start = 1;
+  runs::scene(star).initial[0] = std::sin(1.0);
+  runs::scene(star).initial[1] = std::cos(1.0) - std::sin(1.0);
   const auto known = truth(star, {2, 3}, always);
   ASSERT_TRUE(known->complete);
   EXPECT_EQ(known->how, "quad precision run");
@@ -47,7 +46,7 @@ TEST(Truth, IsKeptAndGivenUpAndForgotten) {
   EXPECT_EQ(once, truth(heiles, {5}, always)) << "computed twice";
   EXPECT_NE(once, truth(heiles, {4}, always));
   Request moved = heiles;
-  moved.initial[0] = -0.0;
+  runs::scene(moved).initial[0] = -0.0;
   EXPECT_NE(once, truth(moved, {5}, always)) << "−0 is another start";
   moved = heiles;
   moved.scheme = runs::defaults("henon_heiles", "leapfrog").scheme;
@@ -95,10 +94,10 @@ double spread(const Request& scene, double delta) {
   const std::vector<double> end{scene.end};
   const auto here = truth(scene, end, always);
   double most = 0, size = 0;
-  for (const double x : scene.initial) size = std::max(size, std::abs(x));
+  for (const double x : scene.scene->initial) size = std::max(size, std::abs(x));
   for (std::size_t i = 0; i < here->states[0].size(); ++i) {
     Request moved = scene;
-    moved.initial[i] += delta * size;
+    runs::scene(moved).initial[i] += delta * size;
     most = std::max(most, state_error(truth(moved, end, always)->states[0], here->states[0], here->states[0].size()));
   }
   return most / delta;
@@ -111,8 +110,8 @@ TEST(Conditioning, IsTheGrowthOfDifferences) {
     SCOPED_TRACE(problem);
     Request request = scene(problem, end);
     if (std::string_view(problem) == "lane_emden") {  // its regular start has no neighbours
-      request.start = 0.5;
-      request.initial = {0.96, -0.16, 0};
+      runs::scene(request).start = 0.5;
+      runs::scene(request).initial = {0.96, -0.16, 0};
     }
     const double measured = std::max(spread(request, 1e-9), 1.0);
     EXPECT_NEAR(conditioning(request, always)->growth, measured, 0.02 * measured);
@@ -147,7 +146,7 @@ TEST(Conditioning, FindsWhereAMotionEnds) {
   EXPECT_NEAR(star->reached, 6.89684861937696, 0.01 * 6.9);
   EXPECT_LT(star->reached, 6.89684861937696);
   Request cosmos = scene("cosmological_oscillator");
-  cosmos.initial = {0, 0, -2};
+  runs::scene(cosmos).initial = {0, 0, -2};
   EXPECT_NEAR(conditioning(cosmos, always)->reached, 1.24645048028, 0.01 * 1.25);
   EXPECT_FALSE(conditioning(scene("pendulum"), always)->ends);
 }
@@ -156,7 +155,7 @@ TEST(Conditioning, FindsWhereAMotionEnds) {
 TEST(Conditioning, FloorIsWhereErrorsEnd) {
   const auto check = [](const Request& request, const Choice& scheme) {
     const Subject subject(request, false, 20, never);
-    const Dial dial(scheme);
+    const Dial dial = dial_of(scheme);
     double best = 1;
     for (double value = dial.value(scheme); value > dial.value(scheme) / 100; value /= 1.5)
       best = std::fmin(best, subject.run(dial.at(scheme, value), 5, 1'000'000).error);

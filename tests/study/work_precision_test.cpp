@@ -22,7 +22,7 @@ TEST(WorkPrecision, FindsTheDeclaredOrders) {
   const auto check = [](const StudyPlan& p) {
     const Study study = work_precision(p, watch, never);
     for (const StudyCurve& curve : study.curves) {
-      SCOPED_TRACE(std::string(problems()[p.scene.problem].id) + " " + name(curve.scheme) + " " + curve.why);
+      SCOPED_TRACE(std::string(p.scene.scene->card().id) + " " + name(curve.scheme) + " " + curve.why);
       EXPECT_GT(curve.expected_order, 0);
       EXPECT_NEAR(curve.observed_order, curve.expected_order, curve.expected_order > 6 ? 0.5 : 0.25);
     }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 namespace clocks {
 
 using namespace least;
+using namespace least::problems;
 
 template <class P, class T>
 using Moving = State<P::dof, T, T>;
@@ -83,6 +85,10 @@ double distance(const X& a, const Y& b) {
 
 /// The paper's orbit, and its period.
 inline constexpr State<2> paper{0, {0, -4}, {-0.1, -0.1}, {}};
+/// A setting that is off.
+inline constexpr double off = std::numeric_limits<double>::quiet_NaN();
+/// Of the double pendulum.
+inline const State<2> swing{0, {1, 0.5}, {0.3, -0.2}, {}};
 inline constexpr double paper_period = 18.893743377439769;
 
 /// What a run on a Kepler orbit lost of it.

@@ -2,6 +2,7 @@
 // and requests for such scenes.
 #pragma once
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,6 +12,8 @@
 #include "tests/support/runs.hpp"
 
 namespace contact {
+
+inline const double pi = std::acos(-1.0);
 
 inline const nlohmann::json& data() {
   static const nlohmann::json all = [] {

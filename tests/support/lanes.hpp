@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/number/linear.hpp"
+#include "core/status.hpp"
 
 namespace toy {
 
@@ -102,6 +103,12 @@ inline Lanes sqrt(const Lanes& a) {
 inline Lanes pow(const Lanes& a, double y) {
   return map(a, [y](double x) { return std::pow(x, y); });
 }
+inline Lanes pow(const Lanes& a, const Lanes& b) {
+  return zip(a, b, [](double x, double y) { return std::pow(x, y); });
+}
+inline Lanes floor(const Lanes& a) {
+  return map(a, [](double x) { return std::floor(x); });
+}
 inline Lanes tanh(const Lanes& a) {
   return map(a, [](double x) { return std::tanh(x); });
 }
@@ -112,8 +119,37 @@ inline Lanes abs(const Lanes& a) {
   return map(a, [](double x) { return std::fabs(x); });
 }
 
+/// A status for each lane.
+struct Statuses {
+  std::array<least::Status, width> of{};
+  Statuses(least::Status all) { of.fill(all); }  // NOLINT: one for all
+};
+inline Mask succeeded(const Statuses& status) {
+  Mask r;
+  for (std::size_t i = 0; i < width; ++i) r.on[i] = least::succeeded(status.of[i]);
+  return r;
+}
+inline bool all_failed(Statuses& status, const Mask& where, least::Status why) {
+  bool all = true;
+  for (std::size_t i = 0; i < width; ++i) {
+    if (where.on[i] && status.of[i] == least::Status::ok) status.of[i] = why;
+    all = all && status.of[i] != least::Status::ok;
+  }
+  return all;
+}
+/// What does not depend on the lane fails all of them.
+inline bool all_failed(Statuses& status, bool where, least::Status why) {
+  Mask all;
+  all.on.fill(where);
+  return all_failed(status, all, why);
+}
+
 }  // namespace toy
 
+template <>
+struct least::StatusFor<toy::Lanes> {
+  using type = toy::Statuses;
+};
 template <>
 struct least::Precision<toy::Lanes> : least::Precision<double> {};
 

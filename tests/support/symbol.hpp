@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 #include <utility>
 
 namespace toy {
@@ -165,6 +166,9 @@ constexpr Symbol select(const Recorded& mask, const Symbol& yes, const Symbol& n
   r.line = r.tape->write({Op::choose, mask.bit.line, first, double(second)});
   return r;
 }
+/// Mechanics that branch on what moves do not compile.
+static_assert(!std::is_constructible_v<bool, Recorded> && !std::is_constructible_v<bool, Symbol> &&
+              !std::is_constructible_v<double, Symbol>);
 constexpr Symbol abs(const Symbol& a) { return select(a < Symbol(0.0), -a, a); }
 
 }  // namespace toy

@@ -47,10 +47,10 @@ Fault fault_at(const Faults& faults, const std::string& pointer) {
 
 TEST(Decode, TwoIdsAreACompleteRequest) {
   const Request request = good(R"({"problem":"swing","scheme":"leapfrog"})");
-  EXPECT_EQ(request.parameters, (std::vector<double>{1, 3}));
-  EXPECT_EQ(request.initial, (std::vector<double>{1, 0}));
+  EXPECT_EQ(request.scene->parameters, (std::vector<double>{1, 3}));
+  EXPECT_EQ(request.scene->initial, (std::vector<double>{1, 0}));
   EXPECT_EQ(request.settings, (std::vector<double>{0.1, 0}));  // the step is the problem's suggestion
-  EXPECT_EQ(request.start, 0);
+  EXPECT_EQ(request.scene->start, 0);
   EXPECT_FALSE(request.until_steps);
   EXPECT_EQ(request.end, 20);
   EXPECT_EQ(request.record.mode, Record::Mode::every);
@@ -65,7 +65,7 @@ TEST(Decode, TwoIdsAreACompleteRequest) {
 TEST(Decode, ReadsEveryKindOfParameter) {
   const Request request =
       good(R"({"problem":{"id":"swing","level":5.0},"scheme":{"id":"own_clock","keep":false,"critical":null}})");
-  EXPECT_EQ(request.parameters, (std::vector<double>{1, 5}));
+  EXPECT_EQ(request.scene->parameters, (std::vector<double>{1, 5}));
   EXPECT_EQ(request.settings[0], 0);
   EXPECT_TRUE(std::isnan(request.settings[1]));
   EXPECT_EQ(request.settings[2], 2);
@@ -76,13 +76,13 @@ TEST(Decode, ReadsEveryKindOfParameter) {
 
 TEST(Decode, PresetsYieldToWhatIsSaid) {
   Request request = good(R"({"problem":{"id":"swing","preset":"heavy"},"scheme":"leapfrog"})");
-  EXPECT_EQ(request.parameters[0], 10);
-  EXPECT_EQ(request.initial[0], 2);
-  EXPECT_EQ(request.start, 5);
+  EXPECT_EQ(request.scene->parameters[0], 10);
+  EXPECT_EQ(request.scene->initial[0], 2);
+  EXPECT_EQ(request.scene->start, 5);
   EXPECT_EQ(request.end, 25);
   request = good(R"({"problem":{"id":"swing","preset":"heavy","mass":4},"initial":{"q":3},"scheme":"leapfrog"})");
-  EXPECT_EQ(request.parameters[0], 4);
-  EXPECT_EQ(request.initial[0], 3);
+  EXPECT_EQ(request.scene->parameters[0], 4);
+  EXPECT_EQ(request.scene->initial[0], 3);
   EXPECT_NE(fault_at(bad(R"({"problem":{"id":"swing","preset":"haevy"},"scheme":"leapfrog"})"), "/problem/preset")
                 .detail.find("heavy"),
             std::string::npos);

@@ -8,7 +8,7 @@
 namespace least::server {
 namespace {
 
-constexpr Caps caps{60, 1'000'000, 10'000};
+constexpr Caps study_caps{60, 1'000'000, 10'000};
 
 template <class Plan>
 Plan good(const Result<Plan, Faults>& plan) {
@@ -19,20 +19,20 @@ Plan good(const Result<Plan, Faults>& plan) {
 }
 
 Result<StudyPlan, Faults> study(std::string_view text) {
-  return decode_work_precision(std::move(*parse_json(text)), test::cards(), caps);
+  return decode_work_precision(std::move(*parse_json(text)), test::cards(), study_caps);
 }
 Result<StabilityPlan, Faults> stability(std::string_view text) {
-  return decode_stability(std::move(*parse_json(text)), test::cards(), caps);
+  return decode_stability(std::move(*parse_json(text)), test::cards(), study_caps);
 }
 
 TEST(DecodeStudy, ReadsAPlan) {
   StudyPlan plan = good(study(R"({"problem":{"id":"swing","preset":"heavy","level":5},"initial":{"p":3},"until":{"t":9},
     "schemes":["runge_kutta_4",{"id":"leapfrog","composition":"yoshida_4"},{"id":"own_clock","preset":"paper"},
                {"id":"leapfrog","step":0.5}],"error":"max","budget_seconds":7})"));
-  EXPECT_EQ(plan.scene.problem, 0u);
-  EXPECT_EQ(plan.scene.parameters, (std::vector<double>{10, 5}));
-  EXPECT_EQ(plan.scene.initial, (std::vector<double>{2, 3}));
-  EXPECT_EQ(plan.scene.start, 5);
+  EXPECT_EQ(plan.scene.scene->card().id, "swing");
+  EXPECT_EQ(plan.scene.scene->parameters, (std::vector<double>{10, 5}));
+  EXPECT_EQ(plan.scene.scene->initial, (std::vector<double>{2, 3}));
+  EXPECT_EQ(plan.scene.scene->start, 5);
   EXPECT_EQ(plan.scene.end, 9);
   EXPECT_FALSE(plan.scene.until_steps);
   EXPECT_FALSE(plan.at_end);
@@ -61,7 +61,7 @@ TEST(DecodeStudy, AllIsEverySchemeThatFitsBareAndAsRecommended) {
   }();
   const Cards cards{test::cards().problems, schemes};
   const auto plan =
-      good(decode_work_precision(std::move(*parse_json(R"({"problem":"swing","schemes":"all"})")), cards, caps));
+      good(decode_work_precision(std::move(*parse_json(R"({"problem":"swing","schemes":"all"})")), cards, study_caps));
   ASSERT_EQ(plan.schemes.size(), 4u);
   EXPECT_EQ(plan.schemes[0].settings, (std::vector<double>{0.1, 0}));
   EXPECT_EQ(plan.schemes[1].scheme, 0u);
@@ -69,7 +69,7 @@ TEST(DecodeStudy, AllIsEverySchemeThatFitsBareAndAsRecommended) {
   EXPECT_EQ(plan.schemes[2].scheme, 1u);
   EXPECT_EQ(plan.schemes[3].scheme, 2u);
   const auto flow =
-      good(decode_work_precision(std::move(*parse_json(R"({"problem":"flow","schemes":"all"})")), cards, caps));
+      good(decode_work_precision(std::move(*parse_json(R"({"problem":"flow","schemes":"all"})")), cards, study_caps));
   ASSERT_EQ(flow.schemes.size(), 1u);
   EXPECT_EQ(flow.schemes[0].scheme, 1u);
 }
@@ -126,7 +126,7 @@ TEST(DecodeStudy, FindsFaultsAtTheirPlaceAndAlone) {
 TEST(DecodeStability, ReadsSceneAndSchemes) {
   const auto plan =
       good(stability(R"({"problem":{"id":"swing","preset":"heavy"},"schemes":["leapfrog","own_clock"]})"));
-  EXPECT_EQ(plan.scene.start, 5);
+  EXPECT_EQ(plan.scene.scene->start, 5);
   EXPECT_EQ(plan.scene.end, 25);
   EXPECT_EQ(plan.schemes.size(), 2u);
   EXPECT_EQ(plan.scene.limits.seconds, 10);

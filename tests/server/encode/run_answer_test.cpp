@@ -16,7 +16,7 @@ struct Example {
   Request request;
   Outcome outcome;
   Samples samples;
-  const ProblemCard& problem = test::cards().problems.data()[0];
+  const ProblemCard& problem = test::cards().problems.data()[0]->card();
   const SchemeCard& scheme = test::cards().schemes.data()[2];
 
   Example() {
@@ -72,7 +72,7 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
   }
   const auto again = decode({request, {}}, test::cards(), {});
   ASSERT_TRUE(again);
-  EXPECT_EQ(std::signbit(again->run.start), true);
+  EXPECT_EQ(std::signbit(again->run.scene->start), true);
   EXPECT_EQ(
       Json::parse(encode_json({again->run, example.problem, example.scheme, example.outcome, example.samples}).body),
       first);

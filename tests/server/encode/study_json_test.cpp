@@ -13,12 +13,12 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-struct Example {
+struct StudyExample {
   StudyPlan plan;
   least::Study study;
   PlanWithCards asked{plan, test::cards()};
 
-  Example() {
+  StudyExample() {
     auto parsed = parse_json(R"({"problem":"swing","schemes":[{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},
       {"id":"own_clock","kappa":"energy"}],"error":"max"})");
     plan = *decode_work_precision(std::move(*parsed), test::cards(), {});
@@ -48,7 +48,7 @@ constexpr const char* found =
     R"("left_out":["own_clock below 0.5: the budget was over"],)";
 
 TEST(EncodeStudy, WritesTheWholeAnswer) {
-  const Example example;
+  const StudyExample example;
   EXPECT_EQ(encode_study(example.asked, example.study, Reason::completed),
             std::string(echo) + R"("curves":[{)" + first +
                 R"("points":[{"value":1,"step":1,"error":null,"force_evaluations":40,"seconds":1e-06,)"
@@ -61,7 +61,7 @@ TEST(EncodeStudy, WritesTheWholeAnswer) {
 }
 
 TEST(EncodeStudy, WritesLines) {
-  const Example example;
+  const StudyExample example;
   EXPECT_EQ(encode_study_head(example.asked, example.study),
             std::string(echo) + R"("schemes":[{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},)" +
                 R"({"id":"own_clock","keep":true,"critical":0.5,"stages":2,"kappa":"energy","step":0.1}]})" + "\n");

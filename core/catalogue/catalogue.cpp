@@ -1,0 +1,73 @@
+#include "core/catalogue/catalogue.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "core/catalogue/compiled.hpp"
+
+namespace least {
+namespace {
+
+/// A description with what follows from the type.
+template <class Scheme>
+SchemeCard complete_card() {
+  SchemeCard card = Scheme::card();
+  card.parameters = parameter_cards(Scheme::fields);
+  card.own_clock = OwnClock<Scheme>;
+  if constexpr (requires(const Scheme& scheme, const ProblemCard& problem) { scheme.conflicts(problem); })
+    card.conflicts = [](std::span<const double> settings, const ProblemCard& problem) {
+      return assemble<Scheme>(Scheme::fields, settings).conflicts(problem);
+    };
+  return card;
+}
+template <class... Scheme>
+std::vector<SchemeCard> complete_cards(std::tuple<Scheme...>*) {
+  return {complete_card<Scheme>()...};
+}
+
+}  // namespace
+
+std::span<const SchemeCard> scheme_cards() {
+  static const std::vector<SchemeCard> cards = complete_cards(static_cast<SchemeList*>(nullptr));
+  return cards;
+}
+
+std::span<const SchemeCard> schemes() { return scheme_cards(); }
+
+std::shared_ptr<const Mechanics> find_problem(std::string_view id) {
+  const auto all = problem_list();
+  const auto found = std::ranges::find_if(all, [&](const auto& problem) { return problem->card().id == id; });
+  return found == all.end() ? nullptr : *found;
+}
+
+std::optional<std::size_t> find_scheme(std::string_view id) {
+  const auto found = std::ranges::find(schemes(), id, &SchemeCard::id);
+  if (found == schemes().end()) return std::nullopt;
+  return static_cast<std::size_t>(found - schemes().begin());
+}
+
+Request default_request(std::string_view problem, std::string_view scheme) {
+  const auto mechanics = find_problem(problem);
+  const auto index = find_scheme(scheme);
+  if (!mechanics || !index) throw std::out_of_range(std::string(mechanics ? scheme : problem));
+  const ProblemCard& card = mechanics->card();
+  Scene scene{mechanics, {}, {}, 0};
+  for (const auto& parameter : card.parameters) scene.parameters.push_back(parameter.value);
+  for (const auto& variable : card.variables) scene.initial.push_back(variable.value);
+  Request request;
+  request.scene = std::make_shared<const Scene>(std::move(scene));
+  request.scheme = *index;
+  for (const auto& parameter : schemes()[*index].parameters) {
+    const auto suggestion = std::ranges::find(card.suggested, parameter.suggested, &NamedValue::first);
+    request.settings.push_back(suggestion == card.suggested.end() ? parameter.value : suggestion->second);
+  }
+  request.end = card.span;
+  for (std::size_t i = 0; i < card.columns.size(); ++i)
+    if (card.columns[i].by_default) request.columns.push_back(i);
+  for (std::size_t i = 0; i < card.diagnostics.size(); ++i)
+    if (card.diagnostics[i].by_default) request.diagnostics.push_back(i);
+  return request;
+}
+
+}  // namespace least

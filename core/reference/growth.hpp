@@ -1,0 +1,178 @@
+// How fast small differences grow along a motion. By dual numbers, one direction after the other, through the classical
+// Runge–Kutta scheme with steps halved for comparison (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations
+// I, II.4).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/run/mechanics.hpp"
+#include "core/scene.hpp"
+#include "core/schemes/runge_kutta.hpp"
+
+namespace least {
+
+/// Follows a motion and its derivative by one component of the start.
+template <class P>
+class Differences {
+ public:
+  using D = Dual<double, 1>;
+  using X = StateOf<P, D, D>;
+
+  Differences(const P& problem, const StateOf<P>& x, double end, std::size_t direction, double tolerance)
+      : problem_(problem),
+        x_(convert<D, D>(x)),
+        end_(end),
+        scale_(largest(x_).first),
+        tolerance_(tolerance),
+        step_((end - x.t) / 100) {
+    x_[direction].slope[0] = 1;
+  }
+
+  StateOf<P> state() const {
+    StateOf<P> x;
+    x.t = time();
+    for (std::size_t i = 0; i < X::size; ++i) x[i] = x_[i].value;
+    return x;
+  }
+  double time() const { return x_.t.value; }
+  double growth() const {
+    const auto [value, slope] = largest(x_);
+    return slope * scale_ / std::max(1.0, value);
+  }
+
+  /// One step that is accurate enough. False: the motion ends here.
+  bool advance() {
+    const double shortest = 1e-13 * std::max(std::abs(time()), end_ - time());
+    for (;;) {
+      const double left = end_ - time(), h = std::min(step_, left);
+      X whole = x_, halves = x_;
+      move(whole, h);
+      move(halves, h / 2);
+      halves.t = x_.t + h / 2;
+      move(halves, h / 2);
+      const auto [value, slope] = largest(halves);
+      double error = 0;
+      for (std::size_t i = 0; i < X::size; ++i) {
+        error = larger(error, std::abs(whole[i].value - halves[i].value) / value);
+        error = larger(error, std::abs(whole[i].slope[0] - halves[i].slope[0]) / slope);
+      }
+      error /= 15 * tolerance_;
+      if (error <= 1 && inside(halves)) {
+        halves.t = D(h < left ? time() + h : end_);
+        x_ = halves;
+        step_ = h * std::min(4.0, 0.9 / std::pow(std::max(error, 1e-6), 0.2));
+        return true;
+      }
+      const bool left_domain = error <= 1;
+      step_ = error > 1 ? h * std::max(0.2, 0.9 / std::pow(error, 0.2)) : h / 4;  // NaN: a quarter
+      if (step_ < (left_domain ? 1e-3 * left : shortest)) return false;
+    }
+  }
+
+ private:
+  /// NaN stays.
+  static double larger(double most, double x) { return std::isnan(most) || x <= most ? most : x; }
+  void move(X& x, double h) { RungeKutta4{}.bind(problem_, x).step(x, D(h)); }
+  bool inside(const X& x) const {
+    if constexpr (HasDomain<P>) return !problem_.bounded() || problem_.inside(position(x)) >= D(0);
+    return std::isfinite(x[0].value);
+  }
+  static std::pair<double, double> largest(const X& x) {
+    double value = 1e-300, slope = 1e-300;  // divisors
+    for (std::size_t i = 0; i < X::size; ++i) {
+      value = std::max(value, std::abs(x[i].value));
+      slope = std::max(slope, std::abs(x[i].slope[0]));
+    }
+    return {value, slope};
+  }
+
+  const P& problem_;
+  X x_;
+  double end_, scale_, tolerance_, step_;
+};
+
+template <class P>
+class GrowthOfDifferences {
+  using X = StateOf<P>;
+
+ public:
+  GrowthOfDifferences(const P& problem, X start, double end, const KeepGoing& keep_going)
+      : problem_(problem), keep_going_(keep_going), from_(start.t) {
+    if constexpr (HasSeries<P>)
+      if (starts_series(problem_, start) && end > P::series_until) start = series_state<X>(problem_, P::series_until);
+    // Where differences grow far, the motion that is followed is the true one only if it is followed closely.
+    follow(start, end, 1e-9);
+    if (!found_.complete || found_.most_growth * tolerance_ < 1e-2) return;
+    const Conditioning known = found_;
+    follow(start, end, 1e-12);
+    if (!found_.complete) found_ = known;
+  }
+
+  const Conditioning& found() const { return found_; }
+
+ private:
+  static constexpr std::size_t patience = 200'000;  ///< in steps, so that the answer does not depend on the machine
+
+  /// In all directions. Where the motion ends early, again up to shortly before that.
+  void follow(const X& start, double end, double tolerance) {
+    tolerance_ = tolerance;
+    begin(end, false);
+    for (std::size_t direction = 0; direction < X::size && found_.reached > start.t;)
+      direction = from_start(start, direction) ? direction + 1 : 0;
+  }
+  void begin(double end, bool ends) {
+    found_ = {};
+    found_.variables = X::size;
+    found_.reached = end;
+    found_.ends = ends;
+    found_.so_far.fill(1);
+    if constexpr (ConstantDamping<P>) found_.damping = problem_.damping();
+  }
+
+  /// False: the motion ends before `reached`, which is set back.
+  bool from_start(const X& start, std::size_t direction) {
+    Differences<P> motion(problem_, start, found_.reached, direction, tolerance_);
+    look(motion, direction == 0);
+    for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {
+      if (!motion.advance()) {
+        begin(from_ + 0.995 * (motion.time() - from_), true);
+        return false;
+      }
+      look(motion, direction == 0);
+      found_.complete = step < patience && (step % 64 != 0 || keep_going_());
+    }
+    found_.growth = std::max(found_.growth, motion.growth());
+    return true;
+  }
+  void look(const Differences<P>& motion, bool first) {
+    const double done = (motion.time() - from_) / (found_.reached - from_), growth = motion.growth();
+    for (auto k = static_cast<std::size_t>(std::max(done * Conditioning::parts - 1e-9, 0.0)); k < Conditioning::parts;
+         ++k)
+      found_.so_far[k] = std::max(found_.so_far[k], growth);
+    found_.most_growth = std::max(found_.most_growth, growth);
+    if (!first) return;
+    const X x = motion.state();
+    found_.pace.push_back(x.t);
+    for (std::size_t i = 0; i < X::size; ++i) found_.size = std::max(found_.size, std::abs(x[i]));
+    if (done <= 0.5) found_.size_halfway = found_.size;
+    if constexpr (HasFrequency<P>) {
+      const double here = std::sqrt(problem_.frequency_squared(position(x)));
+      found_.slowest = std::fmin(found_.slowest, here);
+      found_.fastest = std::fmax(found_.fastest, here);
+    }
+  }
+
+  const P& problem_;
+  const KeepGoing& keep_going_;
+  double from_, tolerance_ = 0;
+  Conditioning found_;
+};
+
+template <class P>
+Conditioning conditioning_of(const P& problem, const StateOf<P>& start, double end, const KeepGoing& keep_going) {
+  return GrowthOfDifferences<P>(problem, start, end, keep_going).found();
+}
+
+}  // namespace least

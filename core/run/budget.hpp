@@ -1,0 +1,47 @@
+// The clock of a run: measures its cost, keeps its deadline, hears its cancellation. Asked between blocks of steps.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+
+#include "core/status.hpp"
+
+namespace least {
+
+class Budget {
+ public:
+  Budget(double seconds, const std::atomic<bool>& cancelled) : budget_(seconds), cancelled_(cancelled) {}
+
+  /// Begins to count; what came before was preparation.
+  void start() { start_ = Clock::now(); }
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  /// How many steps may pass before the clock is read again: about a millisecond's worth.
+  std::int64_t block() const { return block_; }
+
+  /// To be told of every block that passed. `completed` while the run may go on, else why it may not.
+  Reason passed(std::int64_t steps) {
+    unseen_ += steps;
+    return unseen_ < block_ ? Reason::completed : look();
+  }
+  Reason look() {
+    const double now = seconds();
+    if (now - last_ < 5e-4 && unseen_ >= block_) block_ = std::min<std::int64_t>(2 * block_, 1 << 20);
+    if (now - last_ > 4e-3) block_ = std::max<std::int64_t>(block_ / 2, 1);
+    last_ = now;
+    unseen_ = 0;
+    if (cancelled_.load(std::memory_order_relaxed)) return Reason::cancelled;
+    return now > budget_ ? Reason::deadline : Reason::completed;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+  double budget_, last_ = 0;
+  std::int64_t block_ = 16, unseen_ = 0;
+  const std::atomic<bool>& cancelled_;
+};
+
+}  // namespace least

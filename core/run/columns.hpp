@@ -1,0 +1,69 @@
+// The columns that can be asked of a scene, one row each: the card, and the value at a state.
+#pragma once
+
+#include <vector>
+
+#include "core/describe.hpp"
+#include "core/scene.hpp"
+#include "core/scheme.hpp"
+
+namespace least {
+
+/// How a state was reached. Unknown: it was not reached by a step, or the scheme has no modes.
+struct StepInfo {
+  double step_size = unknown, mode = unknown, parameter = unknown;
+};
+
+template <class P, class X>
+struct Column {
+  ColumnCard card;
+  double (*value)(const P& problem, const X& x, const StepInfo& step, std::size_t index);
+  std::size_t index = 0;  ///< among those of its kind
+};
+
+/// Every column, in the order of the catalogue. `card` names variables, invariants and quantities.
+template <class P, class X>
+std::vector<Column<P, X>> columns_of(const ProblemCard& card) {
+  std::vector<Column<P, X>> all;
+  all.push_back({{"t", true}, [](const P&, const X& x, const StepInfo&, std::size_t) { return double(x.t); }});
+  for (std::size_t i = 0; i < card.variables.size(); ++i) {
+    const VariableCard& variable = card.variables[i];
+    const bool pole = CarriesSlope<P> && variable.optional;  // a slope at its pole is unknown, not infinite
+    all.push_back({{variable.name, !variable.optional, variable.optional, pole},
+                   [](const P&, const X& x, const StepInfo&, std::size_t k) { return least::variable(x, k); },
+                   i});
+  }
+  all.push_back({{"step_size", false, false, true},
+                 [](const P&, const X&, const StepInfo& step, std::size_t) { return step.step_size; }});
+  if constexpr (HasEnergy<P>)
+    all.push_back({{"energy", false, true}, [](const P& m, const X& x, const StepInfo&, std::size_t) {
+                     if constexpr (std::is_same_v<X, FullRunState<P>>) return energy_of(m, x);
+                     return unknown;
+                   }});
+  if constexpr (Contact<P>)
+    all.push_back({{"mechanical_energy"}, [](const P& m, const X& x, const StepInfo&, std::size_t) {
+                     return mechanical_energy(m, x.q, x.p, phase(m, x.t));
+                   }});
+  if constexpr (HasInvariants<P>)
+    for (std::size_t i = 0; i < card.invariants.size(); ++i)
+      all.push_back(
+          {{card.invariants[i].name},
+           [](const P& m, const X& x, const StepInfo&, std::size_t k) { return m.invariants(x.q, x.p, x.t)[k]; },
+           i});
+  if constexpr (HasQuantities<P>)
+    for (std::size_t i = 0; i < card.quantities.size(); ++i)
+      all.push_back({{card.quantities[i].name},
+                     [](const P& m, const X& x, const StepInfo&, std::size_t k) { return m.quantities(x.y, x.t)[k]; },
+                     i});
+  if constexpr (Conservative<P>) {
+    std::vector<std::string> modes(mode_names.begin(), mode_names.end()), coordinates;
+    for (std::size_t i = 0; i < std::size_t(P::dof); ++i) coordinates.push_back(card.variables[i].name);
+    all.push_back({{"mode", false, false, true, modes},
+                   [](const P&, const X&, const StepInfo& step, std::size_t) { return step.mode; }});
+    all.push_back({{"parameter", false, false, true, coordinates},
+                   [](const P&, const X&, const StepInfo& step, std::size_t) { return step.parameter; }});
+  }
+  return all;
+}
+
+}  // namespace least

@@ -1,0 +1,53 @@
+// What happens between steps: the zeros of a scene's sections, located within the step, and what follows from them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/run/outcome.hpp"
+#include "core/run/root.hpp"
+#include "core/scene.hpp"
+
+namespace least {
+
+/// The crossings of a run. Sections by number: 0 a coordinate, 1 its velocity, 2 the denominator of a slope.
+class Events {
+ public:
+  /// Lists grow no longer than `most`.
+  explicit Events(std::size_t most) : most_(most) {}
+
+  /// Every change of sign between the states `left` and `right` of a step; `at(t)` is the state in between.
+  template <class P, class X, class At>
+  void locate(const P& problem, const X& left, const X& right, At&& at) {
+    const auto was = sections(problem, left), is = sections(problem, right);
+    for (std::size_t i = 0; i < was.size(); ++i) {
+      if ((was[i] < 0) == (is[i] < 0)) continue;
+      const double ahead =
+          root([&](double part) { return sections(problem, at(left.t + part))[i]; }, 0, right.t - left.t);
+      const X x = at(left.t + ahead);
+      add(i, is[i] > 0, x.t, value_of(x[0]));
+    }
+  }
+  /// The same at a point that is known by other means: the time, and the first component there.
+  void add(std::size_t section, bool upwards, double t, double first);
+  /// Whether a list of this length may grow.
+  bool room(std::size_t length);
+  /// Something was left out.
+  bool full() const { return full_; }
+
+  const std::vector<double>& zeros() const { return zeros_; }
+  const std::vector<double>& poles() const { return poles_; }
+  /// Of the last whole cycle; null before there is one.
+  Report cycle() const;
+
+ private:
+  void note(std::vector<double>& list, double t);
+
+  std::size_t most_;
+  bool full_ = false;
+  std::vector<double> zeros_, poles_;
+  std::int64_t rises_ = 0;
+  double last_rise_ = 0, period_ = 0, amplitude_ = 0;
+};
+
+}  // namespace least

@@ -1,0 +1,270 @@
+// Steps of equal length: t = t₀ + n·h, the last one shorter. What can go wrong inside a block is looked for at its end,
+// and a block that went wrong is taken back and run again step by step, so that the last good state is exact and a good
+// step pays nothing.
+#pragma once
+
+#include <utility>
+
+#include "core/run/integrator.hpp"
+#include "core/run/save_schedule.hpp"
+
+namespace least {
+
+template <class P, class Scheme, class X>
+class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
+  using Base = BoundIntegrator<P, Scheme, X>;
+  using Base::is_finite_state, Base::problem_, Base::scheme_;
+  using typename Base::Full;
+  using State = IntegrationState<X>;
+
+ public:
+  FixedStepIntegrator(const P& problem, const Scheme& scheme, const X& x, const Grid& grid)
+      : Base(problem, scheme), grid_(grid), stepper_(scheme.bind(problem, x)), left_stepper_(stepper_), left_(x) {}
+
+  BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) override {
+    std::int64_t count = std::min(target.n, grid_.step_before(target.t)) - state.n;
+    if (count <= 0) return {};
+    if (on_series(state.n)) return advance_on_series(state, count, diagnostics);
+    if (diagnostics && diagnostics->watches_sections()) count = std::min<std::int64_t>(count, 256);
+    const Kept before = keep(state, guard, diagnostics);
+    if (block(state, count, guard, diagnostics) && !(diagnostics && diagnostics->crossed)) return {};
+    take_back(before, state, guard, diagnostics);
+    return replay(state, count, guard, diagnostics);
+  }
+
+  BlockResult finish(State& state, double end, StepGuard& guard) override {
+    if (!(state.x.t < end)) return {};
+    const State last = state;
+    left_ = last.x;
+    left_stepper_ = stepper_;
+    BlockResult result;
+    if (covered_by_series(state.n, end)) {
+      result.status = from_series(state.x, end);
+    } else {
+      result.status = stepper_.step(state.x, grid_.tail);
+    }
+    state.x.t = end;
+    ++state.n;
+    if constexpr (Sloped<X>) normalise(state.x);
+    if (result.status != Status::ok) result.end = BlockEnd::step_failed;
+    if (result && !is_finite_state(state.x)) result.end = BlockEnd::not_finite;
+    if (result && this->left_domain(state.x)) result.end = BlockEnd::left_domain;
+    if (!result) {
+      const Work tried = work();
+      state = last;
+      stepper_ = left_stepper_;
+      count_tried(tried);
+    } else if constexpr (HasFrequency<P>) {
+      guard.see(problem_.frequency_squared(position(state.x)) * grid_.step * grid_.step);
+    }
+    return result;
+  }
+
+  const X& left() const override { return left_; }
+  bool reaches(const State& state, double t) const override { return grid_.step_before(t) <= state.n; }
+  /// By the step's own map over a shorter step, which is as accurate as the scheme.
+  Status state_at(const State& state, double t, X& x) const override {
+    const bool ahead = !(t < state.x.t);
+    if (ahead && covered_by_series(state.n, t)) return from_series(x, t);
+    x = ahead ? state.x : left_;
+    const double part = t - x.t;
+    Status status = Status::ok;
+    if (part > 0) {
+      auto stepper = ahead ? stepper_ : left_stepper_;
+      status = stepper.step(x, part);
+    }
+    x.t = t;
+    return status;
+  }
+
+  bool starts_regularly(const X& x) override {
+    if constexpr (HasSeries<P>) {
+      bool by_itself = false;
+      if constexpr (requires { scheme_.starts_at_singularity(problem_); })
+        by_itself = scheme_.starts_at_singularity(problem_);
+      if (by_itself) return x.t == 0 && dot(x.p, x.p) == 0;
+      along_series_ = starts_series(problem_, x);
+      if (along_series_)
+        series_steps_ = std::max<std::int64_t>(whole_steps(grid_.start, P::series_until, grid_.step), 1);
+    }
+    return along_series_;
+  }
+  BlockResult check_start(const X& x, StepGuard& guard) const override {
+    if constexpr (QuadraticContact<P>)
+      if (pole_ratio(x) > 2 && grid_.steps > 0) return BlockResult::failed(Status::singular);
+    if constexpr (HasFrequency<P>) {
+      guard.see(problem_.frequency_squared(position(x)) * grid_.step * grid_.step);
+      if (grid_.steps > 0 && guard.exceeded()) return {BlockEnd::too_fast};
+    }
+    return {};
+  }
+  std::string unsupported_reason() const override {
+    if constexpr (requires { scheme_.objection(problem_); }) return scheme_.objection(problem_);
+    return {};
+  }
+
+  StepInfo step_info(const State&) const override { return {grid_.step}; }
+  /// Looked at over the span, not at each step.
+  std::optional<double> flips_momentum([[maybe_unused]] std::int64_t n) const override {
+    if constexpr (requires { scheme_.flips_momentum(problem_, 0.0); }) {
+      constexpr std::int64_t most = 1000;
+      n = std::min(n, grid_.steps);
+      const std::int64_t looks = std::min(n, most);
+      for (std::int64_t k = 1; k <= looks; ++k) {
+        const auto step =
+            static_cast<std::int64_t>(static_cast<double>(n) * static_cast<double>(k) / static_cast<double>(looks));
+        const double t = grid_.time(std::max<std::int64_t>(step, 2));  // the first may begin where damping is singular
+        if (scheme_.flips_momentum(problem_, t)) return t;
+      }
+    }
+    return std::nullopt;
+  }
+  Work work() const override {
+    const Work here = stepper_.work();
+    return {before_.forces + here.forces, before_.iterations + here.iterations};
+  }
+  std::optional<Tangent<Full>> tangent([[maybe_unused]] const Full& x) const override {
+    if constexpr (Potential<P>) return tangent_map(scheme_, problem_, x, grid_.step);
+    return std::nullopt;
+  }
+
+ private:
+  using Stepper = StepperOf<Scheme, P, X>;
+
+  /// −γ s h, where H has γs²/2: from 2 on a step reaches the pole of ṡ = −γs²/2.
+  double pole_ratio(const X& x) const requires QuadraticContact<P> {
+    return -problem_.action_curvature() * x.action.s * grid_.step;
+  }
+
+  /// `count` steps; what went wrong, at any of them.
+  BlockResult block(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
+    return diagnostics ? loop<true>(state, count, guard, diagnostics) : loop<false>(state, count, guard, nullptr);
+  }
+  template <bool Observed>
+  BlockResult loop(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) noexcept {
+    auto stepper = stepper_;
+    auto x = state.x;
+    [[maybe_unused]] double frequency = 0;  // the largest, squared
+    [[maybe_unused]] bool left = false;
+    [[maybe_unused]] double lowest = 0;  // action
+    Status status = Status::ok;
+    std::int64_t n = state.n;
+    const std::int64_t end = n + count;
+    while (n < end) {
+      status = stepper.step(x, grid_.step);
+      if (status != Status::ok) break;
+      x.t = grid_.time(++n);
+      if constexpr (HasFrequency<P>) {
+        const double here = problem_.frequency_squared(position(x));
+        frequency = here > frequency ? here : frequency;
+      }
+      if constexpr (QuadraticContact<P>) lowest = x.action.s < lowest ? x.action.s : lowest;
+      if constexpr (HasDomain<P>) left = left || !(problem_.inside(position(x)) >= 0);
+      if constexpr (Sloped<X>) normalise(x);
+      if constexpr (Observed) diagnostics->see(problem_, x);
+    }
+    if (n == grid_.steps && grid_.tail == 0) x.t = grid_.end;
+    stepper_ = stepper;
+    state = {x, n};
+    if constexpr (HasFrequency<P>) guard.see(frequency * grid_.step * grid_.step);
+    if (status != Status::ok) return BlockResult::failed(status);
+    if constexpr (QuadraticContact<P>)
+      if (-problem_.action_curvature() * lowest * grid_.step > 2) return BlockResult::failed(Status::singular);
+    const bool finite = is_finite_state(x);
+    if constexpr (HasDomain<P>)
+      if (left && finite && problem_.bounded()) return {BlockEnd::left_domain};
+    if (!finite) return {BlockEnd::not_finite};
+    return guard.exceeded() ? BlockResult{BlockEnd::too_fast} : BlockResult{};
+  }
+
+  /// The same steps one by one, up to the first in which something happened.
+  BlockResult replay(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
+    for (; count > 0; --count) {
+      const Kept before = keep(state, guard, diagnostics);
+      left_ = state.x;
+      const BlockResult result = block(state, 1, guard, diagnostics);
+      if (result && !(diagnostics && diagnostics->crossed)) continue;
+      if (!result) {
+        const StepGuard seen = guard;  // also of the step that went wrong
+        const Work tried = work();
+        take_back(before, state, guard, diagnostics);
+        guard = seen;
+        count_tried(tried);
+      }
+      return result;
+    }
+    return {};
+  }
+
+  /// What a block changes.
+  struct Kept {
+    State state;
+    StepGuard guard;
+    std::optional<DiagnosticSet<P, X>> diagnostics;
+  };
+  Kept keep(const State& state, const StepGuard& guard, const DiagnosticSet<P, X>* diagnostics) {
+    left_stepper_ = stepper_;
+    return {state, guard, diagnostics ? std::optional(*diagnostics) : std::nullopt};
+  }
+  void take_back(const Kept& before, State& state, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
+    stepper_ = left_stepper_;
+    state = before.state;
+    guard = before.guard;
+    if (diagnostics) *diagnostics = *before.diagnostics;
+  }
+
+  /// A step that was taken back has cost what it cost.
+  void count_tried(const Work& tried) {
+    const Work here = stepper_.work();
+    before_ = {tried.forces - here.forces, tried.iterations - here.iterations};
+  }
+
+  // The regular solution from a time at which the equations of motion are singular stands in for the steps as far as
+  // its series reaches; of a first step that reaches further, the rest is the scheme's.
+  static constexpr double series_reach() {
+    if constexpr (HasSeries<P>) return P::series_until;
+    return 0;
+  }
+  bool on_series(std::int64_t n) const { return along_series_ && n < std::min(series_steps_, grid_.steps); }
+  bool covered_by_series(std::int64_t n, double t) const { return along_series_ && (n == 0 || t <= series_reach()); }
+  Status from_series([[maybe_unused]] X& x, [[maybe_unused]] double t) const {
+    if constexpr (HasSeries<P>) {
+      const double until = std::min(t, series_reach());
+      x = series_state<X>(problem_, until);
+      if (t > until) {
+        auto stepper = scheme_.bind(problem_, x);
+        if (const Status status = stepper.step(x, t - until); status != Status::ok) return status;
+      }
+      x.t = t;
+    }
+    return Status::ok;
+  }
+  BlockResult advance_on_series(State& state, std::int64_t count, DiagnosticSet<P, X>* diagnostics) {
+    for (; count > 0 && on_series(state.n); --count) {
+      X x = state.x;
+      const bool last = state.n + 1 == grid_.steps && grid_.tail == 0;
+      if (const Status status = from_series(x, last ? grid_.end : grid_.time(state.n + 1)); status != Status::ok)
+        return BlockResult::failed(status);
+      if (!is_finite_state(x)) return {BlockEnd::not_finite};
+      state = {x, state.n + 1};
+      if (diagnostics) {
+        diagnostics->see(problem_, x);
+        diagnostics->crossed = false;
+      }
+    }
+    if (!on_series(state.n)) {
+      before_ = work();
+      stepper_ = scheme_.bind(problem_, state.x);
+    }
+    return {};
+  }
+
+  Grid grid_;
+  Stepper stepper_, left_stepper_;  ///< at the state, and at left_
+  X left_;
+  bool along_series_ = false;
+  std::int64_t series_steps_ = 0;
+  Work before_;  ///< of steppers that were put aside
+};
+
+}  // namespace least

@@ -1,0 +1,113 @@
+// A scheme bound to a problem, erased: called once per block of steps, so that what a run does around its steps is
+// compiled once per problem and not once per pair. Two policies of the clock stand behind it: steps of equal length
+// (fixed_step.hpp) and schemes that set their own clock (self_timed.hpp).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/run/columns.hpp"
+#include "core/run/diagnostics/table.hpp"
+#include "core/run/step_guard.hpp"
+#include "core/run/tangent.hpp"
+#include "core/scheme.hpp"
+
+namespace least {
+
+/// Fourth powers of what is smaller do not overflow: an energy can be said.
+inline constexpr double largest_component = 1e75;
+
+/// Where a run is: a state, and how many steps it has behind it.
+template <class X>
+struct IntegrationState {
+  X x;
+  std::int64_t n = 0;
+};
+
+/// How far a block of steps goes: to the n-th step, or as far as the state at the time t asks for, whichever comes
+/// first.
+struct StepTarget {
+  std::int64_t n;
+  double t;
+};
+
+/// What ended a block of steps.
+enum class BlockEnd : std::uint8_t { target, step_failed, not_finite, left_domain, too_fast };
+struct BlockResult {
+  BlockEnd end = BlockEnd::target;
+  Status status = Status::ok;  ///< of the step that failed
+
+  static BlockResult failed(Status why) { return {BlockEnd::step_failed, why}; }
+  explicit operator bool() const { return end == BlockEnd::target; }
+};
+
+template <class P, class X>
+class Integrator {
+ public:
+  using Full = FullStateOf<P>;
+  virtual ~Integrator() = default;
+
+  /// Takes steps towards the target and shows them to the diagnostics, where there are any. Returns early after a step
+  /// in which a section changed its sign, or that was taken by another method than the one before it, and where the
+  /// next step goes wrong. In every case the state is the last good one.
+  virtual BlockResult advance(IntegrationState<X>& state, StepTarget target, StepGuard& guard,
+                              DiagnosticSet<P, X>* diagnostics) = 0;
+  /// Brings the state to the time `end`, which lies within the last step or one step ahead.
+  virtual BlockResult finish(IntegrationState<X>& state, double end, StepGuard& guard) = 0;
+
+  /// The state before the last step: where steps are of equal length, only after a step that ended a block early, or
+  /// the run.
+  virtual const X& left() const = 0;
+  /// Whether the state at t can be told from here: it lies no further than steps have come, or will come by the next.
+  virtual bool reaches(const IntegrationState<X>& state, double t) const = 0;
+  /// x becomes the state at the time t: within the last step, or ahead by a trial step. Never part of the run.
+  virtual Status state_at(const IntegrationState<X>& state, double t, X& x) const = 0;
+  /// To the last state that is known to lie before what went wrong within the last step.
+  virtual void step_back(IntegrationState<X>&) {}
+
+  /// Whether the motion from x is regular although its equations may not be; decides how the first steps are taken.
+  virtual bool starts_regularly(const X& x) = 0;
+  /// What already speaks against a first step from x.
+  virtual BlockResult check_start(const X&, StepGuard&) const { return {}; }
+  /// What the scheme has against this scene, in words; empty: nothing.
+  virtual std::string unsupported_reason() const = 0;
+
+  /// How the last step, which ended in x, was taken.
+  virtual StepInfo step_info(const IntegrationState<X>& state) const = 0;
+  /// By which method the last step was taken; empty where there is but one.
+  virtual std::optional<Course> method() const { return std::nullopt; }
+  /// Steps that had to be taken in another way than the scheme's.
+  virtual std::int64_t fallback_steps() const { return 0; }
+  /// What of the energy says that the run has gone wrong, in words; empty: nothing.
+  virtual std::string accuracy_warning() const { return {}; }
+  /// Whether, and when first, one of so many first steps turns the momentum over where the motion only damps it.
+  virtual std::optional<double> flips_momentum(std::int64_t) const { return std::nullopt; }
+  virtual Work work() const = 0;
+  /// Derivatives of a step from x by its state; empty where the step fails, or where steps remember more than the
+  /// state.
+  virtual std::optional<Tangent<Full>> tangent(const Full& x) const = 0;
+};
+
+/// What both policies share.
+template <class P, class Scheme, class X>
+class BoundIntegrator : public Integrator<P, X> {
+ public:
+  BoundIntegrator(const P& problem, const Scheme& scheme) : problem_(problem), scheme_(scheme) {}
+
+ protected:
+  static bool is_finite_state(const X& x) {
+    bool good = std::isfinite(x.t);
+    for (std::size_t i = 0; i < X::size; ++i) good = good && std::abs(value_of(x[i])) < largest_component;
+    return good;
+  }
+  bool left_domain([[maybe_unused]] const X& x) const {
+    if constexpr (HasDomain<P>) return problem_.bounded() && !(problem_.inside(position(x)) >= 0);
+    return false;
+  }
+
+  P problem_;
+  Scheme scheme_;
+};
+
+}  // namespace least

@@ -1,0 +1,101 @@
+// A scene as a value, and what can be asked of the mechanics it is a scene of, erased: cards, runs and the true motion.
+// Problems of the catalogue are one kind of mechanics (core/catalogue/compiled.hpp).
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/describe.hpp"
+#include "core/run/outcome.hpp"
+
+namespace least {
+
+class Mechanics;
+struct Request;
+
+/// Asked now and then by what may take long; false gives up.
+using KeepGoing = std::function<bool()>;
+
+/// Shared, and never changed once it is shared.
+struct Scene {
+  std::shared_ptr<const Mechanics> mechanics;
+  std::vector<double> parameters;  ///< in the order of the card
+  std::vector<double> initial;     ///< in the order of the card's variables
+  double start = 0;                ///< t at the start
+
+  const ProblemCard& card() const;
+  /// The same for scenes of the same content and for no others, whatever holds them.
+  std::string key() const;
+};
+
+/// The true states of a scene at increasing times.
+struct Truth {
+  std::vector<std::vector<double>> states;  ///< by time; the variables that the motion has
+  double uncertainty = 0;                   ///< in the measure of *error*
+  std::string_view how;                     ///< closed form | quad precision run
+  bool complete = false;                    ///< false: it was told to give up, or the solution ceased to be finite
+
+  std::size_t bytes() const;  ///< in memory, about
+};
+
+/// How well the states of a motion can be known: how fast small differences of its start grow. Growth is
+/// ‖∂x(t)/∂x_j(0)‖ · ‖x(0)‖ / max(1, ‖x(t)‖), the largest of all directions j, with ‖x‖ = max|x_i|: how many times a
+/// relative error of the start appears in the error at t.
+struct Conditioning {
+  static constexpr std::size_t parts = 8;
+  std::size_t variables = 0;           ///< of the card, that the motion has
+  double growth = 1, most_growth = 1;  ///< at the end, and the largest
+  std::array<double, parts> so_far{};  ///< the largest growth up to each eighth of the span
+  double size = 0;                     ///< the largest ‖x(t)‖
+  double size_halfway = 0;             ///< the same up to half the span
+  double reached = 0;                  ///< time up to which the motion goes on, if not to the end that was asked for
+  bool ends = false;                   ///< it leaves its domain there, or ceases to be finite
+  bool complete = true;                ///< false: given up on the way
+  std::vector<double> pace;            ///< times that follow the motion: dense where it is fast
+  /// The least and the largest local frequency that the problem estimates along the motion; NaN: it does not.
+  double slowest = std::numeric_limits<double>::quiet_NaN(), fastest = std::numeric_limits<double>::quiet_NaN();
+  double damping = std::numeric_limits<double>::quiet_NaN();  ///< α where it does not change in time
+
+  /// Whether differences grow exponentially all along the span: by far in each of its last quarters. What grows as a
+  /// power of time, or in a single close passage, does not.
+  bool chaotic() const;
+  /// Whether the motion goes ever further, as an angle that turns.
+  bool travels() const { return size > 1.5 * size_halfway; }
+  std::size_t bytes() const;  ///< in memory, about
+};
+
+class Mechanics {
+ public:
+  virtual ~Mechanics() = default;
+
+  virtual const ProblemCard& card() const = 0;
+  /// Its content, which tells it from every other mechanics.
+  virtual std::string_view key() const = 0;
+  /// The cards of all schemes; a request's scheme is a position among them.
+  virtual std::span<const SchemeCard> schemes() const = 0;
+
+  /// Runs a checked request (every value within its card's range, the pair fits). Samples go to the sink as they come;
+  /// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.
+  virtual Outcome run(const Request& request, Sink& sink, const std::atomic<bool>& cancelled) const = 0;
+
+  /// The state of a run that names a time near a singular start but none itself; empty where it has to.
+  virtual std::optional<std::vector<double>> regular_start(std::span<const double> parameters, double t) const = 0;
+
+  // The true motion, computed anew.
+  virtual Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const = 0;
+  /// From the start to `end`.
+  virtual Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const = 0;
+  /// When it becomes infinite, if it does so before `latest`, else NaN. `step`: a length of time in which little
+  /// happens.
+  virtual double blow_up_time(const Scene& scene, double latest, double step, const KeepGoing& keep_going) const = 0;
+};
+
+}  // namespace least

@@ -1,0 +1,26 @@
+// What a run says of its end, in words. Kept out of the templates.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace least::messages {
+
+/// `ratio` is hω as met, `bound` the scheme's, `step` the longest stable step at this frequency.
+std::string unstable(double ratio, double bound, double step);
+/// `careful` is the hω from which a run warns; `bound` 0 or infinite: the scheme has none to name.
+std::string near_bound(double ratio, double careful, double bound);
+std::string column(std::string_view name);
+std::string left_domain(double t);
+std::string blow_up(double t);
+/// `ratio` is the rate of damping times the step.
+std::string stiff(double ratio);
+std::string damping_sign(double t);
+std::string rescues(std::int64_t steps);
+std::string strain(double strain);
+std::string energy_jump(double before, double now);
+std::string step_limit(std::int64_t steps);
+std::string deadline(double seconds);
+
+}  // namespace least::messages

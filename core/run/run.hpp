@@ -1,0 +1,382 @@
+// One run of one problem by one scheme, whatever sets its clock: the samples, the diagnostics and the end, around
+// blocks of steps that an integrator takes.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/run/budget.hpp"
+#include "core/run/course_event.hpp"
+#include "core/run/integrator.hpp"
+#include "core/run/messages.hpp"
+#include "core/run/save_schedule.hpp"
+#include "core/run/trajectory_writer.hpp"
+
+namespace least {
+
+template <class P, class X>
+class Run {
+ public:
+  /// `step`: the length of every step; empty where the scheme sets its own clock.
+  Run(const P& problem, const Request& request, std::optional<double> step, Sink& sink,
+      const std::atomic<bool>& cancelled)
+      : problem_(problem),
+        scene_(*request.scene),
+        card_(scene_.card()),
+        scheme_(scene_.mechanics->schemes()[request.scheme]),
+        request_(request),
+        fixed_(step.has_value()),
+        grid_(request, step.value_or(0)),
+        loop_end_(fixed_ || request.until_steps ? infinite : request.end),
+        end_(fixed_ ? grid_.end : loop_end_),
+        last_step_(fixed_                ? grid_.steps
+                   : request.until_steps ? request.steps
+                                         : SaveSchedule::never),
+        schedule_(request, end_),
+        writer_(problem_, card_, request.columns, sink),
+        budget_(request.limits.seconds, cancelled),
+        diagnostics_(request.diagnostics),
+        events_(static_cast<std::size_t>(request.limits.samples)),
+        guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>) {}
+
+  const Grid& grid() const { return grid_; }
+  /// The last time of which the run knows before it starts; infinite where there is none.
+  double end() const { return end_; }
+
+  Outcome solve(Integrator<P, X>& integrator, const X& start) {
+    integrator_ = &integrator;
+    state_.x = start;
+    method_ = integrator.method();
+    budget_.start();
+    if (initialize()) {
+      while (going() && !arrived() && advance_block()) {
+      }
+      if (going()) finish();
+    }
+    return conclude();
+  }
+
+ private:
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+  static double damping_of([[maybe_unused]] const P& problem) {
+    if constexpr (HasFrequency<P> && ConstantDamping<P>) return std::max<double>(problem.damping(), 0.0);
+    return 0;
+  }
+
+  bool going() const { return outcome_.stop.reason == Reason::completed; }
+  bool arrived() const { return state_.n == last_step_ || !(state_.x.t < loop_end_); }
+  bool stop(Reason reason, std::string detail, double singular_at = unknown) {
+    if (going()) outcome_.stop = {reason, std::move(detail), state_.x.t, state_.n, {}};
+    if (std::isfinite(singular_at)) outcome_.stop.singular_at = singular_at;
+    return false;
+  }
+  void warn(std::string_view code, std::string detail) { outcome_.warnings.push_back({code, std::move(detail)}); }
+  bool keep_going() { return budget_.look() == Reason::completed; }
+  bool within_budget(std::int64_t steps) {
+    const Reason reason = budget_.passed(steps);
+    if (reason == Reason::deadline) return stop(reason, messages::deadline(request_.limits.seconds));
+    return reason == Reason::completed || stop(reason, "the run was cancelled");
+  }
+  bool within_step_limit() {
+    return state_.n != request_.limits.steps || stop(Reason::step_limit, messages::step_limit(request_.limits.steps));
+  }
+
+  // ---- the start
+
+  bool initialize() {
+    if (!check_start()) return false;
+    if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(Reason::singular, why);
+    diagnostics_.start(problem_, state_.x);
+    save_snapshot();
+    if (!save_due()) return false;
+    const BlockResult result = integrator_->check_start(state_.x, guard_);
+    return result || fail(result);
+  }
+
+  /// What no run can begin with.
+  bool check_start() {
+    const X& x = state_.x;
+    const bool regular = integrator_->starts_regularly(x);
+    if constexpr (HasSeries<P>)
+      if (x.t < 0 && end_ >= 0)
+        return stop(Reason::singular, "the equations of motion are singular at t = 0, which lies ahead", 0);
+    bool small = std::isfinite(x.t);
+    for (std::size_t i = 0; i < X::size; ++i) small = small && std::abs(value_of(x[i])) < largest_component;
+    if (!small) return stop(Reason::not_finite, "the start lies beyond 1e75, where energies overflow");
+    if constexpr (HasDomain<P>)
+      if (problem_.bounded() && problem_.inside(x.q) < 0)
+        return stop(Reason::left_domain, "the start lies outside the domain of the motion");
+    const auto slope = derivative(problem_, plain(x));
+    bool finite = std::isfinite(slope.t);
+    for (std::size_t i = 0; i < X::size; ++i) finite = finite && std::isfinite(slope[i]);
+    if constexpr (SaysEnergy<P, X>) finite = finite && std::isfinite(energy_of(problem_, x));
+    if (!finite && !regular) return stop(Reason::singular, "the equations of motion are not finite at the start", x.t);
+    return true;
+  }
+
+  // ---- on the way
+
+  /// One block of steps and what falls due at its end.
+  bool advance_block() {
+    const std::int64_t n = state_.n;
+    if (!within_step_limit()) return false;
+    const StepTarget target{
+        std::min({n + budget_.block(), request_.limits.steps, last_step_, schedule_.step(), next_snapshot()}),
+        std::min(loop_end_, schedule_.time() < end_ ? schedule_.time() : infinite)};
+    const BlockResult result =
+        integrator_->advance(state_, target, guard_, diagnostics_.sees_steps() ? &diagnostics_ : nullptr);
+    locate_events();
+    record_method_switch();
+    if (state_.n > n && state_.x.t <= end_) save_snapshot();
+    return save_due() && (result || fail(result)) && within_budget(state_.n - n);
+  }
+
+  /// What crossed zero within the last step.
+  void locate_events() {
+    if (!std::exchange(diagnostics_.crossed, false)) return;
+    events_.locate(problem_, integrator_->left(), state_.x, [this](double t) {
+      X x = state_.x;
+      integrator_->state_at(state_, t, x);
+      return x;
+    });
+  }
+
+  /// A step that was taken by another method than the one before it is an event, at the state it began with.
+  void record_method_switch() {
+    const auto now = integrator_->method();
+    if (now == method_) return;
+    const auto was = std::exchange(method_, now);
+    if (state_.n == 1 && now->mode == was->mode) return;  // the first step only made its choice
+    if (!events_.room(outcome_.events.size())) return;
+    const X& x = integrator_->left();
+    if constexpr (Conservative<P>) outcome_.events.push_back(course_event(card_, x.t, x.q, *was, *now));
+  }
+
+  /// Keeps a state for the diagnostics that need whole ones: at every stride-th step, the stride doubling whenever
+  /// there are too many, so that what is kept depends on where the run got to and on no plan.
+  void save_snapshot() {
+    if (!diagnostics_.keeps_states() || state_.n % stride_ != 0) return;
+    assign(snapshots_.emplace_back(), plain(state_.x));
+    if (snapshots_.size() <= most_snapshots) return;
+    for (std::size_t i = 0; 2 * i < snapshots_.size(); ++i) snapshots_[i] = snapshots_[2 * i];
+    snapshots_.resize((snapshots_.size() + 1) / 2);
+    stride_ *= 2;
+  }
+  /// The step up to which no snapshot is due.
+  std::int64_t next_snapshot() const {
+    return diagnostics_.keeps_states() ? (state_.n / stride_ + 1) * stride_ : SaveSchedule::never;
+  }
+
+  /// The samples before the end that can be told from here.
+  bool save_due() {
+    for (; schedule_.time() < end_ && integrator_->reaches(state_, schedule_.time()); schedule_.next()) {
+      X x = state_.x;
+      const Status status = integrator_->state_at(state_, schedule_.time(), x);
+      if (status != Status::ok || outside(x)) {  // a long step may lead out of the domain and back
+        integrator_->step_back(state_);
+        return fail(status == Status::ok ? BlockResult{BlockEnd::left_domain} : BlockResult::failed(status));
+      }
+      if (!save(x, integrator_->step_info(state_)) || !within_budget(1)) return false;
+    }
+    for (; schedule_.step() == state_.n && state_.x.t <= end_; schedule_.next())
+      if (kept_++ < request_.limits.samples && !save(state_.x, integrator_->step_info(state_))) return false;
+    return true;
+  }
+  bool save(const X& x, const StepInfo& step) {
+    using Writer = TrajectoryWriter<P, X>;
+    const auto written = writer_.write_row(x, step);
+    if (written == Writer::Written::not_finite)
+      return stop(Reason::not_finite, messages::column(writer_.wrong_column()));
+    return written == Writer::Written::yes || receiver_is_gone();
+  }
+  bool receiver_is_gone() { return stop(Reason::cancelled, "the receiver of the samples went away"); }
+
+  bool outside([[maybe_unused]] const X& x) const {
+    if constexpr (HasDomain<P>) return problem_.bounded() && !(problem_.inside(position(x)) >= 0);
+    return false;
+  }
+
+  // ---- the end
+
+  /// The state at the end, by a shorter step or within the last one, and the samples there.
+  void finish() {
+    if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
+    const double before = state_.x.t;
+    const StepInfo step = integrator_->step_info(state_);
+    if (const BlockResult result = integrator_->finish(state_, end_, guard_); !result) {
+      integrator_->step_back(state_);
+      if (!fail(result)) return;
+    } else if (state_.x.t != before && diagnostics_.sees_steps()) {
+      diagnostics_.see(problem_, state_.x);
+      locate_events();
+    }
+    while (end_ < infinite && schedule_.time() <= end_ && save(state_.x, step)) schedule_.next();
+  }
+
+  /// What lies ahead of the state went wrong.
+  bool fail(const BlockResult& result) {
+    if (result.end == BlockEnd::left_domain) return leave_domain();
+    if (result.end == BlockEnd::too_fast) return stop_as_unstable();
+    if (result.status == Status::underflow && method_)
+      return stop(
+          Reason::parameter_step_underflow,
+          "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in "
+          "a collision or where the motion comes to rest");
+    const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
+    if (result.status == Status::solver_failed)
+      return stop(Reason::solver_failed,
+                  fixed_ ? "Newton's method found no solution of the implicit step; a shorter step may"
+                         : "the equations of the step have no solution near here; a shorter step may",
+                  when);
+    if (result.status == Status::singular || std::isfinite(when))
+      return stop(Reason::singular,
+                  std::isfinite(when) ? messages::blow_up(when) : "the step is singular here; a shorter one may not be",
+                  when);
+    if (result.status == Status::underflow)
+      return stop(Reason::singular,
+                  "a step within the tolerance is too short to advance the time: the motion is singular near here, or "
+                  "the time too large");
+    return stop(Reason::not_finite, fixed_ ? "the next state is not finite, or beyond 1e75 where energies overflow"
+                                           : "the next state is not finite, or beyond 1e75 where energies overflow, or "
+                                             "time stood still");
+  }
+
+  /// When the motion that began at the start becomes infinite, if it does so near here; else unknown.
+  double true_singularity() {
+    if constexpr (QuadraticContact<P>) {
+      // Of steps that adapt the mean: the last ones before an end are as short as time can tell.
+      double step = grid_.step;
+      if (!fixed_ && state_.n > 0) step = (state_.x.t - scene_.start) / static_cast<double>(state_.n);
+      if (step > 0)
+        return scene_.mechanics->blow_up_time(scene_, state_.x.t + 10 * step, step, [this] { return keep_going(); });
+    }
+    return unknown;
+  }
+
+  bool stop_as_unstable() {
+    const double ratio = guard_.largest(), most = guard_.bound();
+    double longest = nominal_step() * most / ratio;
+    if constexpr (ConstantDamping<P>)
+      longest = longest_stable_step(request_.scheme, request_.settings, ratio / nominal_step(), problem_.damping(),
+                                    nominal_step());
+    return stop(Reason::unstable_step, messages::unstable(ratio, most, longest));
+  }
+  /// What the setting `step` says.
+  double nominal_step() const {
+    const auto at = scheme_.find("step");
+    return at ? request_.settings[*at] : unknown;
+  }
+
+  /// The next step leads out of the domain: where it does, or at the end of the run if that comes first.
+  bool leave_domain() {
+    const double when = exit_time(), until = std::min(when, end_);
+    StepInfo partial = integrator_->step_info(state_);
+    if (!fixed_) partial.step_size = until - state_.x.t;
+    X x = state_.x;
+    for (; schedule_.time() < until; schedule_.next()) {
+      const Status status = integrator_->state_at(state_, schedule_.time(), x);
+      if (status != Status::ok) return fail(BlockResult::failed(status));
+      if (outside(x)) break;
+      if (!save(x, partial) || !within_budget(1)) return false;
+    }
+    if (const Status status = integrator_->state_at(state_, until, x); status != Status::ok)
+      return fail(BlockResult::failed(status));
+    if (when > end_) {
+      state_ = {x, state_.n + 1};
+      if (diagnostics_.sees_steps()) diagnostics_.see(problem_, x);
+      return true;
+    }
+    if (diagnostics_.watches_sections()) events_.add(0, false, when, value_of(x[0]));
+    return stop(Reason::left_domain, messages::left_domain(when), when);
+  }
+  /// By trial steps from the state.
+  double exit_time() const {
+    if constexpr (HasDomain<P>) {
+      const auto inside = [&](double ahead) {
+        X x = state_.x;
+        if (ahead > 0 && integrator_->state_at(state_, state_.x.t + ahead, x) != Status::ok) return -1.0;
+        return problem_.inside(position(x));
+      };
+      const double step = integrator_->step_info(state_).step_size;
+      double reach = step > 0 ? step : 1e-3;
+      for (int k = 0; k < 60 && inside(reach) > 0; ++k) reach *= 2;
+      return state_.x.t + root(inside, 0, reach);
+    }
+    return state_.x.t;
+  }
+
+  Outcome conclude() {
+    if (!writer_.flush()) receiver_is_gone();
+    const Work work = integrator_->work();
+    outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
+    warn_of_the_run();
+    outcome_.t = state_.x.t;
+    for (std::size_t i = 0; i < card_.variables.size(); ++i) {
+      const bool shown =
+          !card_.variables[i].optional || std::ranges::find(request_.columns, i + 1) != request_.columns.end();
+      outcome_.final.push_back(shown ? variable(state_.x, i) : unknown);
+    }
+    const RunEnd<P, X> end{problem_,
+                           scene_,
+                           scheme_,
+                           state_.x,
+                           snapshots_,
+                           events_,
+                           [this](const auto& x) { return integrator_->tangent(x); },
+                           [this] { return keep_going(); },
+                           outcome_.warnings};
+    outcome_.diagnostics = diagnostics_.reports(request_.diagnostics, end);
+    return std::move(outcome_);
+  }
+
+  void warn_of_the_run() {
+    if (kept_ > request_.limits.samples)
+      warn("samples_truncated", "more steps than limits.samples; the first are kept");
+    if constexpr (HasFrequency<P>) warn_of_step();
+    if constexpr (requires { problem_.stiffness_rate(); }) {
+      const double ratio = problem_.stiffness_rate() * grid_.step;
+      if (ratio > 0.5) warn("stiff_step", messages::stiff(ratio));
+    }
+    if (const auto t = integrator_->flips_momentum(state_.n)) warn("damping_sign", messages::damping_sign(*t));
+    if (const auto steps = integrator_->fallback_steps(); steps > 0) warn("steps_in_time", messages::rescues(steps));
+    if (const std::string why = integrator_->accuracy_warning(); !why.empty()) warn("off_energy_level", why);
+    if (events_.full()) warn("events_truncated", "more events than limits.samples; the first are listed");
+  }
+  /// From half the bound on, or from where the problem says that accuracy suffers.
+  void warn_of_step() {
+    const double fastest = guard_.largest(), most = guard_.bound(2 * fastest);
+    double careful = most > 0 ? most / 2 : infinite;
+    if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
+    if (fastest > careful) warn("step_near_stability_bound", messages::near_bound(fastest, careful, guard_.bound()));
+  }
+
+  static constexpr std::size_t most_snapshots = 256;
+
+  P problem_;
+  const Scene& scene_;
+  const ProblemCard& card_;
+  const SchemeCard& scheme_;
+  const Request& request_;
+  bool fixed_;  ///< steps are of equal length, those of grid_; else its step is 0
+  Grid grid_;
+  double loop_end_;         ///< steps go on until one reaches this time; infinite where their number says when to end
+  double end_;              ///< the time of the final state; infinite where it is not known beforehand
+  std::int64_t last_step_;  ///< or until there are this many
+  SaveSchedule schedule_;
+  TrajectoryWriter<P, X> writer_;
+  Budget budget_;
+  DiagnosticSet<P, X> diagnostics_;
+  Events events_;
+  StepGuard guard_;
+  Integrator<P, X>* integrator_ = nullptr;
+  IntegrationState<X> state_;
+  std::optional<Course> method_;
+  Outcome outcome_;
+  std::int64_t kept_ = 0;
+  std::int64_t stride_ = 1;                ///< of snapshots, in steps
+  std::vector<FullStateOf<P>> snapshots_;  ///< states along the run, for the diagnostics that need whole states
+};
+
+}  // namespace least

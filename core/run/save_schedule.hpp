@@ -1,0 +1,87 @@
+// Where a run stops to look: the grid t₀ + n·h of whole steps with the shorter step to the end, and the samples.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/run/request.hpp"
+
+namespace least {
+
+/// Steps beyond which n + 1 and n are the same double.
+inline constexpr double most_steps = 9.0e15;
+
+/// How many whole steps h > 0 stand between two times; a last one that rounding has cut short counts as whole.
+inline std::int64_t whole_steps(double start, double end, double h) {
+  constexpr double slack = 4 * std::numeric_limits<double>::epsilon();
+  const double whole = std::floor((end - start) / h * (1 + slack));
+  return whole > 0 ? static_cast<std::int64_t>(std::min(whole, most_steps)) : 0;  // NaN counts as none
+}
+
+/// The grid of a run of fixed steps. `tail` is what is left to the end after the last whole step, 0 where nothing is.
+struct Grid {
+  double start = 0, step = 0, end = 0, tail = 0;
+  std::int64_t steps = 0;
+
+  double time(std::int64_t n) const { return start + static_cast<double>(n) * step; }
+  /// The last whole step at or before the time t.
+  std::int64_t step_before(double t) const {
+    if (!(t < time(steps))) return steps;
+    // The grid is the truth; the quotient is off by one step at most.
+    std::int64_t n = std::clamp<std::int64_t>(whole_steps(start, t, step), 0, steps);
+    if (n < steps && time(n + 1) <= t) ++n;
+    if (n > 0 && time(n) > t) --n;
+    return n;
+  }
+
+  Grid(const Request& request, double h) : start(request.scene->start), step(h) {
+    if (request.until_steps) {
+      steps = request.steps;
+      end = time(steps);
+      return;
+    }
+    end = request.end;
+    steps = whole_steps(start, end, h);
+    const double span = end - start, left = span - static_cast<double>(steps) * step;
+    if (steps == 0 || left > 4 * std::numeric_limits<double>::epsilon() * span) tail = std::max(left, 0.0);
+  }
+};
+
+/// The samples that a run keeps before its end, one after the other: every so many steps, or by time.
+class SaveSchedule {
+ public:
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+
+  /// `end`: of the run; infinite where a number of steps that set their own clock makes it.
+  SaveSchedule(const Request& request, double end) : record_(request.record), start_(request.scene->start), end_(end) {}
+
+  /// The step of the next sample; `never` where samples go by time.
+  std::int64_t step() const {
+    if (record_.mode != Record::Mode::every || record_.count == 0) return never;
+    return index_ * record_.count;
+  }
+  /// The time of the next sample; infinite where there is none, or samples go by steps. Where it is the end, it is the
+  /// end to the bit.
+  double time() const {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    if (record_.mode == Record::Mode::every || index_ >= count()) return infinite;
+    if (record_.mode == Record::Mode::times) return record_.times[static_cast<std::size_t>(index_)];
+    if (index_ + 1 == count()) return end_;
+    return start_ + (end_ - start_) * (static_cast<double>(index_) / static_cast<double>(count() - 1));
+  }
+  void next() { ++index_; }
+
+ private:
+  std::int64_t count() const {
+    return record_.mode == Record::Mode::times ? static_cast<std::int64_t>(record_.times.size()) : record_.count;
+  }
+
+  const Record& record_;
+  double start_, end_;
+  std::int64_t index_ = 0;
+};
+
+}  // namespace least

@@ -1,0 +1,233 @@
+// Schemes that set their own clock: a step says how long it took, the end is overshot, and the states in between come
+// from the dense output of the step they lie in. Every step is looked at: they are few and dear.
+#pragma once
+
+#include <limits>
+
+#include "core/run/hermite.hpp"
+#include "core/run/integrator.hpp"
+#include "core/run/messages.hpp"
+
+namespace least {
+
+template <class P, class Scheme, class X>
+class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
+  using Base = BoundIntegrator<P, Scheme, X>;
+  using Base::is_finite_state, Base::problem_, Base::scheme_;
+  using typename Base::Full;
+  using State = IntegrationState<X>;
+
+ public:
+  /// `end`: diagnostics see no state beyond it.
+  SelfTimedIntegrator(const P& problem, const Scheme& scheme, const X& x, double end)
+      : Base(problem, scheme),
+        energy_(level(problem, x)),
+        stepper_(scheme.bind(problem, x, energy_)),
+        left_(x),
+        end_(end) {}
+
+  BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) override {
+    if (along_series_ && state.n == 0 && advance_on_series(state, diagnostics)) return {};
+    auto stepper = stepper_;
+    X x = state.x, left = left_;
+    double late = late_;
+    BlockResult result;
+    std::int64_t n = state.n;
+    const Course method = method_of(stepper);
+    [[maybe_unused]] double last_frequency = 0;
+    if constexpr (hybrid && HasFrequency<P>) last_frequency = problem_.frequency_squared(x.q);
+    while (n < target.n && x.t < target.t) {
+      X y = x;
+      if (!reads_time) y.t = 0;  // the step says how long it took, and the sum is compensated
+      result = step(stepper, y);
+      if (!result) break;
+      const double h = reads_time ? y.t - x.t : y.t, part = h - late, t = reads_time ? y.t : x.t + part;
+      result = judge(y, h, t);
+      if constexpr (hybrid && HasFrequency<P>) {  // steps in time, at either end of which the motion may be too fast
+        const double frequency = problem_.frequency_squared(y.q);
+        const bool in_time = stepper.course().mode == Mode::hamilton || stepper.course().parameter < 0;
+        if (result && in_time) guard.see((frequency > last_frequency ? frequency : last_frequency) * h * h);
+        last_frequency = frequency;
+        if (result && guard.exceeded()) result = {BlockEnd::too_fast};
+      }
+      if (!result) break;
+      if (!reads_time) late = (t - x.t) - part;
+      left = x;
+      x = y;
+      x.t = t;
+      if constexpr (Sloped<X>) normalise(x);
+      ++n;
+      if (diagnostics && x.t <= end_) diagnostics->see(problem_, x);
+      if (method_of(stepper) != method || (diagnostics && diagnostics->crossed)) break;
+    }
+    stepper_ = stepper;
+    left_ = left;
+    late_ = late;
+    state = {x, n};
+    return result;
+  }
+
+  BlockResult finish(State& state, double end, StepGuard&) override {
+    if (!(state.x.t > end)) return {};
+    X x = state.x;
+    const Status status = interpolate(state, end, x, &between_);
+    if (status != Status::ok) return BlockResult::failed(status);
+    if (this->left_domain(x)) return {BlockEnd::left_domain};
+    state.x = x;
+    return {};
+  }
+
+  const X& left() const override { return left_; }
+  bool reaches(const State& state, double t) const override { return t <= state.x.t; }
+  Status state_at(const State& state, double t, X& x) const override {
+    if (t <= state.x.t) return interpolate(state, t, x, nullptr);
+    if constexpr (requires(Stepper s) { s.reach(x, t); }) {
+      x = state.x;
+      auto stepper = scheme_.bind(problem_, x, energy_);
+      return stepper.reach(x, t);
+    } else {
+      return Status::solver_failed;
+    }
+  }
+  void step_back(State& state) override { state = {left_, state.n - 1}; }
+
+  bool starts_regularly(const X& x) override { return along_series_ = starts_series(problem_, x); }
+  std::string unsupported_reason() const override {
+    if constexpr (requires { scheme_.objection(problem_, energy_); }) return scheme_.objection(problem_, energy_);
+    return {};
+  }
+
+  StepInfo step_info(const State& state) const override {
+    StepInfo info;
+    if (state.n > 0) info.step_size = state.x.t - left_.t;
+    if constexpr (hybrid) {
+      const Course course = stepper_.course();
+      info.mode = static_cast<double>(course.mode);
+      if (course.parameter >= 0) info.parameter = course.parameter;
+    }
+    return info;
+  }
+  std::optional<Course> method() const override {
+    if constexpr (hybrid) return stepper_.course();
+    return std::nullopt;
+  }
+  std::int64_t fallback_steps() const override {
+    if constexpr (requires { stepper_.rescues(); }) return stepper_.rescues();
+    return 0;
+  }
+  std::string accuracy_warning() const override {
+    constexpr double most = 0.5;
+    if constexpr (requires { stepper_.strain(); }) {
+      if (stepper_.strain() > most) return messages::strain(stepper_.strain());
+    } else if constexpr (reads_time && Conservative<P> && Autonomous<P>) {
+      const double now = energy(problem_, left_), potential = least::potential(problem_, position(left_));
+      const double off = std::abs(now - energy_) / (std::abs(potential) + std::abs(now - potential));
+      if (off > most) return messages::energy_jump(energy_, now);
+    }
+    return {};
+  }
+  Work work() const override {
+    const Work here = stepper_.work();
+    return {here.forces + between_.forces, here.iterations + between_.iterations};
+  }
+  /// On the run's energy level.
+  std::optional<Tangent<Full>> tangent([[maybe_unused]] const Full& x) const override {
+    if constexpr (reads_time || requires { requires Scheme::remembers; }) {
+      return std::nullopt;
+    } else {
+      return tangent_of(x, [&](auto& y) {
+        using D = typename std::remove_cvref_t<decltype(y)>::Number;
+        auto z = convert<D, D>(y);
+        auto stepper = scheme_.bind(problem_, z, D(energy_));
+        const Status status = stepper.step(z);
+        y.t = z.t.value;
+        for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
+        return status;
+      });
+    }
+  }
+
+ private:
+  using Stepper = ClockStepperOf<Scheme, P, X>;
+  static constexpr bool hybrid = requires(const Stepper& s) { s.course(); };
+  static constexpr bool reads_time = requires { requires Scheme::reads_time; };
+
+  static Course method_of(const Stepper& stepper) {
+    if constexpr (hybrid) return stepper.course();
+    return {};
+  }
+  /// E₀; of a scene whose schemes do not ask for it nothing.
+  static double level([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+    if constexpr (Conservative<P>) {
+      return energy(problem, x);
+    } else {
+      return 0;
+    }
+  }
+
+  static BlockResult step(Stepper& stepper, X& y) {
+    const Status status = stepper.step(y);
+    return status == Status::ok ? BlockResult{} : BlockResult::failed(status);
+  }
+  /// Of a step of length h that ended in y at the time t.
+  BlockResult judge(const X& y, double h, double t) const {
+    constexpr double largest_square = largest_component * largest_component;
+    double size = 0;
+    for (std::size_t i = 0; i < X::size; ++i) size += value_of(y[i]) * value_of(y[i]);
+    if (!(size < largest_square) || !(h > 0) || !std::isfinite(t)) return {BlockEnd::not_finite};
+    return this->left_domain(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
+  }
+
+  /// x at a time within the last step, which ended in `state`. `work`: what that cost, where it counts.
+  Status interpolate([[maybe_unused]] const State& state, double t, X& x, Work* work) const {
+    x = state.x;
+    if (!(t < x.t)) return Status::ok;
+    if constexpr (HasSeries<P>)
+      if (along_series_ && state.n == 1) {
+        x = t > left_.t ? series_state<X>(problem_, t) : left_;
+        return Status::ok;
+      }
+    if constexpr (requires(const Stepper& s) { s.interpolate(x, t); })
+      if (stepper_.interpolate(x, t)) return Status::ok;
+    if constexpr (requires(Stepper s) { s.reach(x, t); }) {
+      auto stepper = scheme_.bind(problem_, left_, energy_);
+      X y = left_;
+      if (!reads_time) y.t = 0;
+      if (const Status status = stepper.reach(y, reads_time ? t : t - left_.t); status != Status::ok) return status;
+      x = y;
+      if (work) *work = stepper.work();
+    } else {
+      x = hermite(problem_, left_, x, t);
+      if (work) *work = {4, 0};
+    }
+    x.t = t;
+    return Status::ok;
+  }
+
+  /// The first step from a time at which the equations of motion are singular: along the regular solution, as far as
+  /// its series reaches or the run goes. False where it reaches no further than the start.
+  bool advance_on_series([[maybe_unused]] State& state, [[maybe_unused]] DiagnosticSet<P, X>* diagnostics) {
+    if constexpr (HasSeries<P>) {
+      const X x = series_state<X>(problem_, std::min(P::series_until, end_));
+      if (!(x.t > state.x.t)) return along_series_ = false;
+      left_ = state.x;
+      stepper_ = scheme_.bind(problem_, x, energy_);
+      state = {x, 1};
+      if (diagnostics) {
+        diagnostics->see(problem_, x);
+        diagnostics->crossed = false;
+      }
+    }
+    return true;
+  }
+
+  double energy_;
+  Stepper stepper_;
+  X left_;
+  double end_;
+  double late_ = 0;  ///< what rounding has kept from the sum of the steps
+  bool along_series_ = false;
+  Work between_;
+};
+
+}  // namespace least

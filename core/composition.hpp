@@ -139,18 +139,18 @@ class Composed {
   Composed(const Base& base, Composition composition) : base_(base), weights_(&Weights<S>::of(composition)) {}
 
   template <class X>
-  Status step(X& x, const S& h) noexcept {
+  StepStatus step(X& x, const S& h) noexcept {
     X y = x;
     S done(0);
     for (int i = 0; i < weights_->stages; ++i) {
       const S& gamma = weights_->gamma[static_cast<std::size_t>(i)];
       y.t = x.t + done * h;
-      if (const Status status = base_.step(y, gamma * h); status != Status::ok) return status;
+      if (const StepStatus status = base_.step(y, gamma * h); status != StepStatus::ok) return status;
       done = done + gamma;
     }
     y.t = x.t;
     x = y;
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return base_.work(); }
 

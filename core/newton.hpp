@@ -24,7 +24,7 @@ T grain_of(const std::array<T, N>& q, const S& h) {
 /// update is below ε^¾·scale + grain, where the next one would be below round-off; derivatives that ride along have
 /// converged with it. `evaluations`: force evaluations per residual. On failure x is not a solution.
 template <int N, class T, class F>
-Status newton(Vec<N, T>& x, const T& scale, const T& grain, F&& residual, int evaluations, Work& work) {
+StepStatus newton(Vec<N, T>& x, const T& scale, const T& grain, F&& residual, int evaluations, Work& work) {
   using least::abs;
   using least::any;
   using least::select;
@@ -48,9 +48,9 @@ Status newton(Vec<N, T>& x, const T& scale, const T& grain, F&& residual, int ev
     for (std::size_t i = 1; i < N; ++i) size = size + abs(update[i]);
     for (std::size_t i = 0; i < N; ++i) x[i] = select(active, x[i] - update[i], x[i]);
     active = active & !(size <= tolerance * scale + grain);
-    if (!any(active)) return Status::ok;
+    if (!any(active)) return StepStatus::ok;
   }
-  return Status::solver_failed;
+  return StepStatus::solver_failed;
 }
 
 }  // namespace least

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/scene.hpp"
+#include "core/problem_traits.hpp"
 
 namespace least {
 

@@ -1,7 +1,8 @@
 // What a scheme is: a value with its parameters, able to bind itself to a problem that offers what it needs.
 //   scheme.bind(problem, x) → stepper       constrained by the concept the scheme asks for; evaluates at x what the
 //                                           first step re-uses (a force)
-//   stepper.step(x, h) noexcept → Status    one attempt: x.q and x.p move by h; x.t is read, the clock is the driver's;
+//   stepper.step(x, h) noexcept → StepStatus    one attempt: x.q and x.p move by h; x.t is read, the clock is the
+//   driver's;
 //                                           of a state in lanes StatusOf<Number>, one for each lane
 //   stepper.work()                          what it cost so far, exactly
 // A stepper is a value: copy it with the state to try a step and take it back. What it keeps between steps depends on
@@ -44,7 +45,7 @@ using StepperOf = decltype(std::declval<const S&>().bind(std::declval<const P&>(
 
 /// S can run P on states X: derived by the compiler from what bind asks for.
 template <class S, class P, class X = StateOf<P>>
-concept SchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const typename X::Time& h) {
+concept FixedStepSchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const typename X::Time& h) {
   { stepper.step(x, h) }
   noexcept->std::convertible_to<StatusOf<typename X::Number>>;
   { stepper.work() } -> std::convertible_to<Work>;
@@ -52,36 +53,37 @@ concept SchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const typename X:
 
 /// A scheme that sets its own clock: a step moves x.t as well, by what the scheme finds right.
 ///   scheme.bind(problem, x, energy) → stepper   `energy` is the level that the run began with
-///   stepper.step(x) noexcept → Status           leaves x as it was where it fails
+///   stepper.step(x) noexcept → StepStatus           leaves x as it was where it fails
 ///   stepper.work()
-///   stepper.course()                            optional: how the last step was taken
-///   stepper.reach(x, t) → Status                optional: x moved to the time t, which lies within one step from x, by
+///   stepper.active_method()                            optional: how the last step was taken
+///   stepper.reach(x, t) → StepStatus                optional: x moved to the time t, which lies within one step from
+///   x, by
 ///                                               a part of a step; else quintic Hermite interpolation fills in
 /// Time is part of what a step computes, so it is made of the same number as the state.
 template <class S>
-concept OwnClock = requires {
+concept SelfTimed = requires {
   requires S::own_clock;
 };
 template <class S, class P, class X>
-using ClockStepperOf = decltype(std::declval<const S&>().bind(std::declval<const P&>(), std::declval<const X&>(),
-                                                              std::declval<const typename X::Number&>()));
+using SelfTimedStepperOf = decltype(std::declval<const S&>().bind(std::declval<const P&>(), std::declval<const X&>(),
+                                                                  std::declval<const typename X::Number&>()));
 template <class S, class P, class X = StateOf<P>>
-concept ClockSchemeFor = OwnClock<S> && requires(ClockStepperOf<S, P, X> stepper, X& x) {
+concept SelfTimedSchemeFor = SelfTimed<S> && requires(SelfTimedStepperOf<S, P, X> stepper, X& x) {
   { stepper.step(x) }
-  noexcept->std::same_as<Status>;
+  noexcept->std::same_as<StepStatus>;
   { stepper.work() } -> std::convertible_to<Work>;
 };
 
 /// How a step of a hybrid was taken.
 enum class Mode : std::uint8_t { hamilton, jacobi_maupertuis };
 inline constexpr std::array<std::string_view, 2> mode_names{"hamilton", "jacobi_maupertuis"};
-struct Course {
+struct ActiveMethod {
   Mode mode = Mode::hamilton;
   int parameter = -1;  ///< which coordinate is the parameter in jacobi_maupertuis
-  friend constexpr bool operator==(const Course&, const Course&) = default;
+  friend constexpr bool operator==(const ActiveMethod&, const ActiveMethod&) = default;
 };
 
-// A scheme may also say, as const members: objection(problem) → what it has against a scene, in words;
+// A scheme may also say, as const members: unsupported_reason(problem) → what it has against a scene, in words;
 // flips_momentum(problem, t); starts_at_singularity(problem). See Engine.
 
 /// The parameters that most schemes share.

@@ -32,9 +32,9 @@ Answer busy(const HttpRequest& request) {
   return answer;
 }
 
-Reason end_of(const CancellationWatch& watch) {
-  if (!watch.cancelled()) return Reason::completed;
-  return watch.timed_out() ? Reason::deadline : Reason::cancelled;
+ReturnCode end_of(const CancellationWatch& watch) {
+  if (!watch.cancelled()) return ReturnCode::completed;
+  return watch.timed_out() ? ReturnCode::deadline : ReturnCode::cancelled;
 }
 
 Cards catalogue_cards() { return {problem_list(), schemes()}; }

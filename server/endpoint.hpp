@@ -37,7 +37,7 @@ std::optional<Admission::Pass> admit(const Context& context);
 Answer busy(const HttpRequest& request);
 
 /// Why a watched computation ended: `deadline`, `cancelled`, or `completed` where it was left alone.
-Reason end_of(const CancellationWatch& watch);
+ReturnCode end_of(const CancellationWatch& watch);
 
 /// The catalogue of the library.
 Cards catalogue_cards();

@@ -13,16 +13,16 @@ Answer run_and_encode(const Context& context, const HttpRequest& question, const
   Samples samples;
   const Mechanics& mechanics = *request.scene->mechanics;
   const CancellationWatch watch(context.cancelled, question.gone);
-  const Outcome outcome = mechanics.run(request, samples, watch.cancelled());
+  const Solution outcome = mechanics.run(request, samples, watch.cancelled());
   return form.encode({request, mechanics.card(), context.cards.schemes[request.scheme], outcome, samples, choice});
 }
 
 // Why there is nothing to run.
-Answer no_choice(const HttpRequest& request, const SimulateRequest& asked, const Advice& advice, Reason end) {
+Answer no_choice(const HttpRequest& request, const SimulateRequest& asked, const Advice& advice, ReturnCode end) {
   Faults faults;
   const FieldPath top{"", &faults};
-  if (end == Reason::cancelled) return busy(request);
-  if (end == Reason::deadline) {
+  if (end == ReturnCode::cancelled) return busy(request);
+  if (end == ReturnCode::deadline) {
     top.at("limits").at("seconds").fault("is too short to choose a scheme in", Json(asked.run.limits.seconds));
   } else {
     top.at("scheme").lacks(advice.reason);
@@ -32,7 +32,7 @@ Answer no_choice(const HttpRequest& request, const SimulateRequest& asked, const
 
 Answer choose_and_run(const Context& context, const HttpRequest& request, const Form& form, SimulateRequest& asked) {
   Advice advice;
-  Reason end;
+  ReturnCode end;
   {
     constexpr double margin = 1;  // the core keeps the limit itself; what it cannot interrupt is cut off
     const CancellationWatch watch(context.cancelled, request.gone, asked.run.limits.seconds + margin);

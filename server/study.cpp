@@ -84,7 +84,7 @@ Answer measure_stability(const Context& context, const HttpRequest& request) {
   if (!pass) return busy(request);
   const CancellationWatch watch(context.cancelled, request.gone, plan->scene.limits.seconds);
   std::vector<StabilityLimit> limits;
-  for (const Choice& scheme : plan->schemes) {
+  for (const SchemeConfig& scheme : plan->schemes) {
     auto limit = longest_stable_step_of(plan->scene, scheme, watch.cancelled());
     if (watch.cancelled()) break;  // a search that was cut off found nothing
     limits.push_back(std::move(limit));

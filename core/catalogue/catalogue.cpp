@@ -14,10 +14,10 @@ template <class Scheme>
 SchemeCard complete_card() {
   SchemeCard card = Scheme::card();
   card.parameters = parameter_cards(Scheme::fields);
-  card.own_clock = OwnClock<Scheme>;
+  card.own_clock = SelfTimed<Scheme>;
   if constexpr (requires(const Scheme& scheme, const ProblemCard& problem) { scheme.conflicts(problem); })
     card.conflicts = [](std::span<const double> settings, const ProblemCard& problem) {
-      return assemble<Scheme>(Scheme::fields, settings).conflicts(problem);
+      return from_values<Scheme>(Scheme::fields, settings).conflicts(problem);
     };
   return card;
 }

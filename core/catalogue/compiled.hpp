@@ -4,7 +4,7 @@
 #include <array>
 #include <tuple>
 
-#include "core/assemble.hpp"
+#include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
 #include "core/run/fixed_step.hpp"
@@ -20,7 +20,7 @@ std::span<const SchemeCard> scheme_cards();
 /// The one way from a scene to a problem.
 template <template <class> class P>
 P<double> problem_of(const Scene& scene) {
-  return assemble<P<double>>(About<P>::fields, scene.parameters);
+  return from_values<P<double>>(About<P>::fields, scene.parameters);
 }
 
 /// Whether the caller asks for what only the full state can say: s or what depends on it, a slope or its poles.
@@ -32,18 +32,18 @@ inline bool asks_for_full_state(const ProblemCard& card, const Request& request)
 /// Schemes that differ in nothing that has to be compiled are run as one.
 template <class Scheme>
 auto compiled_scheme(const Scheme& scheme) {
-  if constexpr (requires { scheme.common(); }) {
-    return scheme.common();
+  if constexpr (requires { scheme.compiled_as(); }) {
+    return scheme.compiled_as();
   } else {
     return scheme;
   }
 }
 
 template <class X, class P, class Scheme>
-Outcome solve(const P& problem, const Scheme& scheme, const Request& request, Sink& sink,
-              const std::atomic<bool>& cancelled) {
+Solution solve(const P& problem, const Scheme& scheme, const Request& request, RowSink& sink,
+               const std::atomic<bool>& cancelled) {
   const X x = start_of<X>(problem, request.scene->initial, request.scene->start);
-  if constexpr (OwnClock<Scheme>) {
+  if constexpr (SelfTimed<Scheme>) {
     Run<P, X> run(problem, request, std::nullopt, sink, cancelled);
     SelfTimedIntegrator<P, Scheme, X> integrator(problem, scheme, x, run.end());
     return run.solve(integrator, x);
@@ -55,9 +55,9 @@ Outcome solve(const P& problem, const Scheme& scheme, const Request& request, Si
 }
 
 template <template <class> class P, class Scheme>
-Outcome run_pair(const Request& request, Sink& sink, const std::atomic<bool>& cancelled) {
+Solution run_pair(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) {
   const auto problem = problem_of<P>(*request.scene);
-  const auto scheme = compiled_scheme(assemble<Scheme>(Scheme::fields, request.settings));
+  const auto scheme = compiled_scheme(from_values<Scheme>(Scheme::fields, request.settings));
   using Motion = StateOf<P<double>>;
   using Full = FullRunState<P<double>>;
   if constexpr (!std::is_same_v<Motion, Full>)
@@ -66,10 +66,10 @@ Outcome run_pair(const Request& request, Sink& sink, const std::atomic<bool>& ca
   return solve<Motion>(problem, scheme, request, sink, cancelled);
 }
 
-using RunFunction = Outcome (*)(const Request&, Sink&, const std::atomic<bool>&);
+using RunFunction = Solution (*)(const Request&, RowSink&, const std::atomic<bool>&);
 template <template <class> class P, class Scheme>
 constexpr RunFunction run_function() {
-  if constexpr (SchemeFor<Scheme, P<double>> || ClockSchemeFor<Scheme, P<double>>) {
+  if constexpr (FixedStepSchemeFor<Scheme, P<double>> || SelfTimedSchemeFor<Scheme, P<double>>) {
     return &run_pair<P, Scheme>;
   } else {
     return nullptr;  // the pair does not exist
@@ -118,7 +118,7 @@ class CompiledMechanics final : public Mechanics {
   std::string_view key() const override { return card_.id; }
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
-  Outcome run(const Request& request, Sink& sink, const std::atomic<bool>& cancelled) const override {
+  Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
     static constexpr auto runs = run_functions<P>(static_cast<SchemeList*>(nullptr));
     return runs.at(request.scheme)(request, sink, cancelled);
   }
@@ -126,7 +126,7 @@ class CompiledMechanics final : public Mechanics {
                                                    [[maybe_unused]] double t) const override {
     if constexpr (HasSeries<Problem>)
       if (t > 0 && t <= Problem::series_until) {
-        const auto x = series_state<FullStateOf<Problem>>(assemble<Problem>(About<P>::fields, parameters), t);
+        const auto x = series_state<FullStateOf<Problem>>(from_values<Problem>(About<P>::fields, parameters), t);
         std::vector<double> variables;
         for (std::size_t i = 0; i < x.size; ++i) variables.push_back(x[i]);
         return variables;

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/problem_traits.hpp"
 #include "core/run/mechanics.hpp"
-#include "core/scene.hpp"
 #include "core/schemes/runge_kutta.hpp"
 
 namespace least {

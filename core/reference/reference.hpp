@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/number/quad.hpp"
+#include "core/problem_traits.hpp"
 #include "core/run/mechanics.hpp"
-#include "core/scene.hpp"
 #include "core/state_error.hpp"
 
 namespace least {

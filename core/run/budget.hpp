@@ -22,18 +22,18 @@ class Budget {
   std::int64_t block() const { return block_; }
 
   /// To be told of every block that passed. `completed` while the run may go on, else why it may not.
-  Reason passed(std::int64_t steps) {
+  ReturnCode passed(std::int64_t steps) {
     unseen_ += steps;
-    return unseen_ < block_ ? Reason::completed : look();
+    return unseen_ < block_ ? ReturnCode::completed : look();
   }
-  Reason look() {
+  ReturnCode look() {
     const double now = seconds();
     if (now - last_ < 5e-4 && unseen_ >= block_) block_ = std::min<std::int64_t>(2 * block_, 1 << 20);
     if (now - last_ > 4e-3) block_ = std::max<std::int64_t>(block_ / 2, 1);
     last_ = now;
     unseen_ = 0;
-    if (cancelled_.load(std::memory_order_relaxed)) return Reason::cancelled;
-    return now > budget_ ? Reason::deadline : Reason::completed;
+    if (cancelled_.load(std::memory_order_relaxed)) return ReturnCode::cancelled;
+    return now > budget_ ? ReturnCode::deadline : ReturnCode::completed;
   }
 
  private:

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/describe.hpp"
-#include "core/scene.hpp"
+#include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
 
 namespace least {

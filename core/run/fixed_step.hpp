@@ -46,7 +46,7 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     state.x.t = end;
     ++state.n;
     if constexpr (Sloped<X>) normalise(state.x);
-    if (result.status != Status::ok) result.end = BlockEnd::step_failed;
+    if (result.status != StepStatus::ok) result.end = BlockEnd::step_failed;
     if (result && !is_finite_state(state.x)) result.end = BlockEnd::not_finite;
     if (result && this->left_domain(state.x)) result.end = BlockEnd::left_domain;
     if (!result) {
@@ -63,12 +63,12 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   const X& left() const override { return left_; }
   bool reaches(const State& state, double t) const override { return grid_.step_before(t) <= state.n; }
   /// By the step's own map over a shorter step, which is as accurate as the scheme.
-  Status state_at(const State& state, double t, X& x) const override {
+  StepStatus state_at(const State& state, double t, X& x) const override {
     const bool ahead = !(t < state.x.t);
     if (ahead && covered_by_series(state.n, t)) return from_series(x, t);
     x = ahead ? state.x : left_;
     const double part = t - x.t;
-    Status status = Status::ok;
+    StepStatus status = StepStatus::ok;
     if (part > 0) {
       auto stepper = ahead ? stepper_ : left_stepper_;
       status = stepper.step(x, part);
@@ -91,7 +91,7 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
   BlockResult check_start(const X& x, StepGuard& guard) const override {
     if constexpr (QuadraticContact<P>)
-      if (pole_ratio(x) > 2 && grid_.steps > 0) return BlockResult::failed(Status::singular);
+      if (pole_ratio(x) > 2 && grid_.steps > 0) return BlockResult::failed(StepStatus::singular);
     if constexpr (HasFrequency<P>) {
       guard.see(problem_.frequency_squared(position(x)) * grid_.step * grid_.step);
       if (grid_.steps > 0 && guard.exceeded()) return {BlockEnd::too_fast};
@@ -99,7 +99,7 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return {};
   }
   std::string unsupported_reason() const override {
-    if constexpr (requires { scheme_.objection(problem_); }) return scheme_.objection(problem_);
+    if constexpr (requires { scheme_.unsupported_reason(problem_); }) return scheme_.unsupported_reason(problem_);
     return {};
   }
 
@@ -147,12 +147,12 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     [[maybe_unused]] double frequency = 0;  // the largest, squared
     [[maybe_unused]] bool left = false;
     [[maybe_unused]] double lowest = 0;  // action
-    Status status = Status::ok;
+    StepStatus status = StepStatus::ok;
     std::int64_t n = state.n;
     const std::int64_t end = n + count;
     while (n < end) {
       status = stepper.step(x, grid_.step);
-      if (status != Status::ok) break;
+      if (status != StepStatus::ok) break;
       x.t = grid_.time(++n);
       if constexpr (HasFrequency<P>) {
         const double here = problem_.frequency_squared(position(x));
@@ -167,9 +167,9 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     stepper_ = stepper;
     state = {x, n};
     if constexpr (HasFrequency<P>) guard.see(frequency * grid_.step * grid_.step);
-    if (status != Status::ok) return BlockResult::failed(status);
+    if (status != StepStatus::ok) return BlockResult::failed(status);
     if constexpr (QuadraticContact<P>)
-      if (-problem_.action_curvature() * lowest * grid_.step > 2) return BlockResult::failed(Status::singular);
+      if (-problem_.action_curvature() * lowest * grid_.step > 2) return BlockResult::failed(StepStatus::singular);
     const bool finite = is_finite_state(x);
     if constexpr (HasDomain<P>)
       if (left && finite && problem_.bounded()) return {BlockEnd::left_domain};
@@ -227,23 +227,24 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
   bool on_series(std::int64_t n) const { return along_series_ && n < std::min(series_steps_, grid_.steps); }
   bool covered_by_series(std::int64_t n, double t) const { return along_series_ && (n == 0 || t <= series_reach()); }
-  Status from_series([[maybe_unused]] X& x, [[maybe_unused]] double t) const {
+  StepStatus from_series([[maybe_unused]] X& x, [[maybe_unused]] double t) const {
     if constexpr (HasSeries<P>) {
       const double until = std::min(t, series_reach());
       x = series_state<X>(problem_, until);
       if (t > until) {
         auto stepper = scheme_.bind(problem_, x);
-        if (const Status status = stepper.step(x, t - until); status != Status::ok) return status;
+        if (const StepStatus status = stepper.step(x, t - until); status != StepStatus::ok) return status;
       }
       x.t = t;
     }
-    return Status::ok;
+    return StepStatus::ok;
   }
   BlockResult advance_on_series(State& state, std::int64_t count, DiagnosticSet<P, X>* diagnostics) {
     for (; count > 0 && on_series(state.n); --count) {
       X x = state.x;
       const bool last = state.n + 1 == grid_.steps && grid_.tail == 0;
-      if (const Status status = from_series(x, last ? grid_.end : grid_.time(state.n + 1)); status != Status::ok)
+      if (const StepStatus status = from_series(x, last ? grid_.end : grid_.time(state.n + 1));
+          status != StepStatus::ok)
         return BlockResult::failed(status);
       if (!is_finite_state(x)) return {BlockEnd::not_finite};
       state = {x, state.n + 1};

@@ -36,9 +36,9 @@ struct StepTarget {
 enum class BlockEnd : std::uint8_t { target, step_failed, not_finite, left_domain, too_fast };
 struct BlockResult {
   BlockEnd end = BlockEnd::target;
-  Status status = Status::ok;  ///< of the step that failed
+  StepStatus status = StepStatus::ok;  ///< of the step that failed
 
-  static BlockResult failed(Status why) { return {BlockEnd::step_failed, why}; }
+  static BlockResult failed(StepStatus why) { return {BlockEnd::step_failed, why}; }
   explicit operator bool() const { return end == BlockEnd::target; }
 };
 
@@ -62,7 +62,7 @@ class Integrator {
   /// Whether the state at t can be told from here: it lies no further than steps have come, or will come by the next.
   virtual bool reaches(const IntegrationState<X>& state, double t) const = 0;
   /// x becomes the state at the time t: within the last step, or ahead by a trial step. Never part of the run.
-  virtual Status state_at(const IntegrationState<X>& state, double t, X& x) const = 0;
+  virtual StepStatus state_at(const IntegrationState<X>& state, double t, X& x) const = 0;
   /// To the last state that is known to lie before what went wrong within the last step.
   virtual void step_back(IntegrationState<X>&) {}
 
@@ -76,7 +76,7 @@ class Integrator {
   /// How the last step, which ended in x, was taken.
   virtual StepInfo step_info(const IntegrationState<X>& state) const = 0;
   /// By which method the last step was taken; empty where there is but one.
-  virtual std::optional<Course> method() const { return std::nullopt; }
+  virtual std::optional<ActiveMethod> method() const { return std::nullopt; }
   /// Steps that had to be taken in another way than the scheme's.
   virtual std::int64_t fallback_steps() const { return 0; }
   /// What of the energy says that the run has gone wrong, in words; empty: nothing.

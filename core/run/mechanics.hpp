@@ -84,7 +84,7 @@ class Mechanics {
 
   /// Runs a checked request (every value within its card's range, the pair fits). Samples go to the sink as they come;
   /// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.
-  virtual Outcome run(const Request& request, Sink& sink, const std::atomic<bool>& cancelled) const = 0;
+  virtual Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const = 0;
 
   /// The state of a run that names a time near a singular start but none itself; empty where it has to.
   virtual std::optional<std::vector<double>> regular_start(std::span<const double> parameters, double t) const = 0;

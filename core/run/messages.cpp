@@ -36,7 +36,7 @@ std::string damping_sign(double t) {
   return fmt::format("αh ≥ 2 at t = {:.6g}: each step turns the momentum over where the motion only damps it", t);
 }
 
-std::string rescues(std::int64_t steps) {
+std::string fallback_steps(std::int64_t steps) {
   return fmt::format("{} {} could not be taken along any coordinate and went in time instead", steps,
                      steps == 1 ? "step" : "steps");
 }

@@ -17,7 +17,7 @@ std::string blow_up(double t);
 /// `ratio` is the rate of damping times the step.
 std::string stiff(double ratio);
 std::string damping_sign(double t);
-std::string rescues(std::int64_t steps);
+std::string fallback_steps(std::int64_t steps);
 std::string strain(double strain);
 std::string energy_jump(double before, double now);
 std::string step_limit(std::int64_t steps);

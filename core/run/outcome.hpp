@@ -32,15 +32,15 @@ Report words(std::string_view key, std::string_view text);
 void insert(Report& report, std::size_t place, Report part);
 
 /// Receives blocks of samples as they are computed.
-class Sink {
+class RowSink {
  public:
-  virtual ~Sink() = default;
+  virtual ~RowSink() = default;
   /// rows: whole rows in row-major order, one number per column asked for. False ends the run as cancelled.
   virtual bool append(std::span<const double> rows) = 0;
 };
 
 /// Keeps all samples in memory, row-major.
-class Samples final : public Sink {
+class Samples final : public RowSink {
  public:
   bool append(std::span<const double> rows) override {
     values.insert(values.end(), rows.begin(), rows.end());
@@ -49,8 +49,8 @@ class Samples final : public Sink {
   std::vector<double> values;
 };
 
-struct Stop {
-  Reason reason = Reason::completed;
+struct Termination {
+  ReturnCode reason = ReturnCode::completed;
   std::string detail;
   double t = 0;           ///< last good time
   std::int64_t step = 0;  ///< last good step
@@ -67,8 +67,8 @@ struct Cost {
   double seconds = 0;
 };
 
-struct Outcome {
-  Stop stop;                        ///< reason completed: the run reached its end
+struct Solution {
+  Termination stop;                 ///< reason completed: the run reached its end
   double t = 0;                     ///< time of the final state
   std::vector<double> final;        ///< in the order of the problem's variables
   std::vector<Report> diagnostics;  ///< one entry per diagnostic asked for

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/run/budget.hpp"
-#include "core/run/course_event.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/messages.hpp"
+#include "core/run/method_switch.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/trajectory_writer.hpp"
 
@@ -19,7 +19,7 @@ template <class P, class X>
 class Run {
  public:
   /// `step`: the length of every step; empty where the scheme sets its own clock.
-  Run(const P& problem, const Request& request, std::optional<double> step, Sink& sink,
+  Run(const P& problem, const Request& request, std::optional<double> step, RowSink& sink,
       const std::atomic<bool>& cancelled)
       : problem_(problem),
         scene_(*request.scene),
@@ -44,7 +44,7 @@ class Run {
   /// The last time of which the run knows before it starts; infinite where there is none.
   double end() const { return end_; }
 
-  Outcome solve(Integrator<P, X>& integrator, const X& start) {
+  Solution solve(Integrator<P, X>& integrator, const X& start) {
     integrator_ = &integrator;
     state_.x = start;
     method_ = integrator.method();
@@ -65,29 +65,30 @@ class Run {
     return 0;
   }
 
-  bool going() const { return outcome_.stop.reason == Reason::completed; }
+  bool going() const { return outcome_.stop.reason == ReturnCode::completed; }
   bool arrived() const { return state_.n == last_step_ || !(state_.x.t < loop_end_); }
-  bool stop(Reason reason, std::string detail, double singular_at = unknown) {
+  bool stop(ReturnCode reason, std::string detail, double singular_at = unknown) {
     if (going()) outcome_.stop = {reason, std::move(detail), state_.x.t, state_.n, {}};
     if (std::isfinite(singular_at)) outcome_.stop.singular_at = singular_at;
     return false;
   }
   void warn(std::string_view code, std::string detail) { outcome_.warnings.push_back({code, std::move(detail)}); }
-  bool keep_going() { return budget_.look() == Reason::completed; }
+  bool keep_going() { return budget_.look() == ReturnCode::completed; }
   bool within_budget(std::int64_t steps) {
-    const Reason reason = budget_.passed(steps);
-    if (reason == Reason::deadline) return stop(reason, messages::deadline(request_.limits.seconds));
-    return reason == Reason::completed || stop(reason, "the run was cancelled");
+    const ReturnCode reason = budget_.passed(steps);
+    if (reason == ReturnCode::deadline) return stop(reason, messages::deadline(request_.limits.seconds));
+    return reason == ReturnCode::completed || stop(reason, "the run was cancelled");
   }
   bool within_step_limit() {
-    return state_.n != request_.limits.steps || stop(Reason::step_limit, messages::step_limit(request_.limits.steps));
+    return state_.n != request_.limits.steps ||
+           stop(ReturnCode::step_limit, messages::step_limit(request_.limits.steps));
   }
 
   // ---- the start
 
   bool initialize() {
     if (!check_start()) return false;
-    if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(Reason::singular, why);
+    if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(ReturnCode::singular, why);
     diagnostics_.start(problem_, state_.x);
     save_snapshot();
     if (!save_due()) return false;
@@ -101,18 +102,19 @@ class Run {
     const bool regular = integrator_->starts_regularly(x);
     if constexpr (HasSeries<P>)
       if (x.t < 0 && end_ >= 0)
-        return stop(Reason::singular, "the equations of motion are singular at t = 0, which lies ahead", 0);
+        return stop(ReturnCode::singular, "the equations of motion are singular at t = 0, which lies ahead", 0);
     bool small = std::isfinite(x.t);
     for (std::size_t i = 0; i < X::size; ++i) small = small && std::abs(value_of(x[i])) < largest_component;
-    if (!small) return stop(Reason::not_finite, "the start lies beyond 1e75, where energies overflow");
+    if (!small) return stop(ReturnCode::not_finite, "the start lies beyond 1e75, where energies overflow");
     if constexpr (HasDomain<P>)
       if (problem_.bounded() && problem_.inside(x.q) < 0)
-        return stop(Reason::left_domain, "the start lies outside the domain of the motion");
+        return stop(ReturnCode::left_domain, "the start lies outside the domain of the motion");
     const auto slope = derivative(problem_, plain(x));
     bool finite = std::isfinite(slope.t);
     for (std::size_t i = 0; i < X::size; ++i) finite = finite && std::isfinite(slope[i]);
     if constexpr (SaysEnergy<P, X>) finite = finite && std::isfinite(energy_of(problem_, x));
-    if (!finite && !regular) return stop(Reason::singular, "the equations of motion are not finite at the start", x.t);
+    if (!finite && !regular)
+      return stop(ReturnCode::singular, "the equations of motion are not finite at the start", x.t);
     return true;
   }
 
@@ -151,7 +153,7 @@ class Run {
     if (state_.n == 1 && now->mode == was->mode) return;  // the first step only made its choice
     if (!events_.room(outcome_.events.size())) return;
     const X& x = integrator_->left();
-    if constexpr (Conservative<P>) outcome_.events.push_back(course_event(card_, x.t, x.q, *was, *now));
+    if constexpr (Conservative<P>) outcome_.events.push_back(method_switch(card_, x.t, x.q, *was, *now));
   }
 
   /// Keeps a state for the diagnostics that need whole ones: at every stride-th step, the stride doubling whenever
@@ -173,10 +175,10 @@ class Run {
   bool save_due() {
     for (; schedule_.time() < end_ && integrator_->reaches(state_, schedule_.time()); schedule_.next()) {
       X x = state_.x;
-      const Status status = integrator_->state_at(state_, schedule_.time(), x);
-      if (status != Status::ok || outside(x)) {  // a long step may lead out of the domain and back
+      const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
+      if (status != StepStatus::ok || outside(x)) {  // a long step may lead out of the domain and back
         integrator_->step_back(state_);
-        return fail(status == Status::ok ? BlockResult{BlockEnd::left_domain} : BlockResult::failed(status));
+        return fail(status == StepStatus::ok ? BlockResult{BlockEnd::left_domain} : BlockResult::failed(status));
       }
       if (!save(x, integrator_->step_info(state_)) || !within_budget(1)) return false;
     }
@@ -188,10 +190,10 @@ class Run {
     using Writer = TrajectoryWriter<P, X>;
     const auto written = writer_.write_row(x, step);
     if (written == Writer::Written::not_finite)
-      return stop(Reason::not_finite, messages::column(writer_.wrong_column()));
+      return stop(ReturnCode::not_finite, messages::column(writer_.wrong_column()));
     return written == Writer::Written::yes || receiver_is_gone();
   }
-  bool receiver_is_gone() { return stop(Reason::cancelled, "the receiver of the samples went away"); }
+  bool receiver_is_gone() { return stop(ReturnCode::cancelled, "the receiver of the samples went away"); }
 
   bool outside([[maybe_unused]] const X& x) const {
     if constexpr (HasDomain<P>) return problem_.bounded() && !(problem_.inside(position(x)) >= 0);
@@ -219,28 +221,29 @@ class Run {
   bool fail(const BlockResult& result) {
     if (result.end == BlockEnd::left_domain) return leave_domain();
     if (result.end == BlockEnd::too_fast) return stop_as_unstable();
-    if (result.status == Status::underflow && method_)
+    if (result.status == StepStatus::underflow && method_)
       return stop(
-          Reason::parameter_step_underflow,
+          ReturnCode::parameter_step_underflow,
           "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in "
           "a collision or where the motion comes to rest");
     const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
-    if (result.status == Status::solver_failed)
-      return stop(Reason::solver_failed,
+    if (result.status == StepStatus::solver_failed)
+      return stop(ReturnCode::solver_failed,
                   fixed_ ? "Newton's method found no solution of the implicit step; a shorter step may"
                          : "the equations of the step have no solution near here; a shorter step may",
                   when);
-    if (result.status == Status::singular || std::isfinite(when))
-      return stop(Reason::singular,
+    if (result.status == StepStatus::singular || std::isfinite(when))
+      return stop(ReturnCode::singular,
                   std::isfinite(when) ? messages::blow_up(when) : "the step is singular here; a shorter one may not be",
                   when);
-    if (result.status == Status::underflow)
-      return stop(Reason::singular,
+    if (result.status == StepStatus::underflow)
+      return stop(ReturnCode::singular,
                   "a step within the tolerance is too short to advance the time: the motion is singular near here, or "
                   "the time too large");
-    return stop(Reason::not_finite, fixed_ ? "the next state is not finite, or beyond 1e75 where energies overflow"
-                                           : "the next state is not finite, or beyond 1e75 where energies overflow, or "
-                                             "time stood still");
+    return stop(ReturnCode::not_finite,
+                fixed_ ? "the next state is not finite, or beyond 1e75 where energies overflow"
+                       : "the next state is not finite, or beyond 1e75 where energies overflow, or "
+                         "time stood still");
   }
 
   /// When the motion that began at the start becomes infinite, if it does so near here; else unknown.
@@ -261,7 +264,7 @@ class Run {
     if constexpr (ConstantDamping<P>)
       longest = longest_stable_step(request_.scheme, request_.settings, ratio / nominal_step(), problem_.damping(),
                                     nominal_step());
-    return stop(Reason::unstable_step, messages::unstable(ratio, most, longest));
+    return stop(ReturnCode::unstable_step, messages::unstable(ratio, most, longest));
   }
   /// What the setting `step` says.
   double nominal_step() const {
@@ -276,12 +279,12 @@ class Run {
     if (!fixed_) partial.step_size = until - state_.x.t;
     X x = state_.x;
     for (; schedule_.time() < until; schedule_.next()) {
-      const Status status = integrator_->state_at(state_, schedule_.time(), x);
-      if (status != Status::ok) return fail(BlockResult::failed(status));
+      const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
+      if (status != StepStatus::ok) return fail(BlockResult::failed(status));
       if (outside(x)) break;
       if (!save(x, partial) || !within_budget(1)) return false;
     }
-    if (const Status status = integrator_->state_at(state_, until, x); status != Status::ok)
+    if (const StepStatus status = integrator_->state_at(state_, until, x); status != StepStatus::ok)
       return fail(BlockResult::failed(status));
     if (when > end_) {
       state_ = {x, state_.n + 1};
@@ -289,14 +292,14 @@ class Run {
       return true;
     }
     if (diagnostics_.watches_sections()) events_.add(0, false, when, value_of(x[0]));
-    return stop(Reason::left_domain, messages::left_domain(when), when);
+    return stop(ReturnCode::left_domain, messages::left_domain(when), when);
   }
   /// By trial steps from the state.
   double exit_time() const {
     if constexpr (HasDomain<P>) {
       const auto inside = [&](double ahead) {
         X x = state_.x;
-        if (ahead > 0 && integrator_->state_at(state_, state_.x.t + ahead, x) != Status::ok) return -1.0;
+        if (ahead > 0 && integrator_->state_at(state_, state_.x.t + ahead, x) != StepStatus::ok) return -1.0;
         return problem_.inside(position(x));
       };
       const double step = integrator_->step_info(state_).step_size;
@@ -307,7 +310,7 @@ class Run {
     return state_.x.t;
   }
 
-  Outcome conclude() {
+  Solution conclude() {
     if (!writer_.flush()) receiver_is_gone();
     const Work work = integrator_->work();
     outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
@@ -340,7 +343,8 @@ class Run {
       if (ratio > 0.5) warn("stiff_step", messages::stiff(ratio));
     }
     if (const auto t = integrator_->flips_momentum(state_.n)) warn("damping_sign", messages::damping_sign(*t));
-    if (const auto steps = integrator_->fallback_steps(); steps > 0) warn("steps_in_time", messages::rescues(steps));
+    if (const auto steps = integrator_->fallback_steps(); steps > 0)
+      warn("steps_in_time", messages::fallback_steps(steps));
     if (const std::string why = integrator_->accuracy_warning(); !why.empty()) warn("off_energy_level", why);
     if (events_.full()) warn("events_truncated", "more events than limits.samples; the first are listed");
   }
@@ -372,8 +376,8 @@ class Run {
   StepGuard guard_;
   Integrator<P, X>* integrator_ = nullptr;
   IntegrationState<X> state_;
-  std::optional<Course> method_;
-  Outcome outcome_;
+  std::optional<ActiveMethod> method_;
+  Solution outcome_;
   std::int64_t kept_ = 0;
   std::int64_t stride_ = 1;                ///< of snapshots, in steps
   std::vector<FullStateOf<P>> snapshots_;  ///< states along the run, for the diagnostics that need whole states

@@ -21,7 +21,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   /// `end`: diagnostics see no state beyond it.
   SelfTimedIntegrator(const P& problem, const Scheme& scheme, const X& x, double end)
       : Base(problem, scheme),
-        energy_(level(problem, x)),
+        energy_(starting_energy(problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         left_(x),
         end_(end) {}
@@ -33,7 +33,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     double late = late_;
     BlockResult result;
     std::int64_t n = state.n;
-    const Course method = method_of(stepper);
+    const ActiveMethod method = method_of(stepper);
     [[maybe_unused]] double last_frequency = 0;
     if constexpr (hybrid && HasFrequency<P>) last_frequency = problem_.frequency_squared(x.q);
     while (n < target.n && x.t < target.t) {
@@ -45,7 +45,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       result = judge(y, h, t);
       if constexpr (hybrid && HasFrequency<P>) {  // steps in time, at either end of which the motion may be too fast
         const double frequency = problem_.frequency_squared(y.q);
-        const bool in_time = stepper.course().mode == Mode::hamilton || stepper.course().parameter < 0;
+        const bool in_time = stepper.active_method().mode == Mode::hamilton || stepper.active_method().parameter < 0;
         if (result && in_time) guard.see((frequency > last_frequency ? frequency : last_frequency) * h * h);
         last_frequency = frequency;
         if (result && guard.exceeded()) result = {BlockEnd::too_fast};
@@ -70,8 +70,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   BlockResult finish(State& state, double end, StepGuard&) override {
     if (!(state.x.t > end)) return {};
     X x = state.x;
-    const Status status = interpolate(state, end, x, &between_);
-    if (status != Status::ok) return BlockResult::failed(status);
+    const StepStatus status = interpolate(state, end, x, &between_);
+    if (status != StepStatus::ok) return BlockResult::failed(status);
     if (this->left_domain(x)) return {BlockEnd::left_domain};
     state.x = x;
     return {};
@@ -79,21 +79,22 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
 
   const X& left() const override { return left_; }
   bool reaches(const State& state, double t) const override { return t <= state.x.t; }
-  Status state_at(const State& state, double t, X& x) const override {
+  StepStatus state_at(const State& state, double t, X& x) const override {
     if (t <= state.x.t) return interpolate(state, t, x, nullptr);
     if constexpr (requires(Stepper s) { s.reach(x, t); }) {
       x = state.x;
       auto stepper = scheme_.bind(problem_, x, energy_);
       return stepper.reach(x, t);
     } else {
-      return Status::solver_failed;
+      return StepStatus::solver_failed;
     }
   }
   void step_back(State& state) override { state = {left_, state.n - 1}; }
 
   bool starts_regularly(const X& x) override { return along_series_ = starts_series(problem_, x); }
   std::string unsupported_reason() const override {
-    if constexpr (requires { scheme_.objection(problem_, energy_); }) return scheme_.objection(problem_, energy_);
+    if constexpr (requires { scheme_.unsupported_reason(problem_, energy_); })
+      return scheme_.unsupported_reason(problem_, energy_);
     return {};
   }
 
@@ -101,18 +102,18 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     StepInfo info;
     if (state.n > 0) info.step_size = state.x.t - left_.t;
     if constexpr (hybrid) {
-      const Course course = stepper_.course();
+      const ActiveMethod course = stepper_.active_method();
       info.mode = static_cast<double>(course.mode);
       if (course.parameter >= 0) info.parameter = course.parameter;
     }
     return info;
   }
-  std::optional<Course> method() const override {
-    if constexpr (hybrid) return stepper_.course();
+  std::optional<ActiveMethod> method() const override {
+    if constexpr (hybrid) return stepper_.active_method();
     return std::nullopt;
   }
   std::int64_t fallback_steps() const override {
-    if constexpr (requires { stepper_.rescues(); }) return stepper_.rescues();
+    if constexpr (requires { stepper_.fallback_steps(); }) return stepper_.fallback_steps();
     return 0;
   }
   std::string accuracy_warning() const override {
@@ -139,7 +140,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
         using D = typename std::remove_cvref_t<decltype(y)>::Number;
         auto z = convert<D, D>(y);
         auto stepper = scheme_.bind(problem_, z, D(energy_));
-        const Status status = stepper.step(z);
+        const StepStatus status = stepper.step(z);
         y.t = z.t.value;
         for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
         return status;
@@ -148,16 +149,16 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
 
  private:
-  using Stepper = ClockStepperOf<Scheme, P, X>;
-  static constexpr bool hybrid = requires(const Stepper& s) { s.course(); };
+  using Stepper = SelfTimedStepperOf<Scheme, P, X>;
+  static constexpr bool hybrid = requires(const Stepper& s) { s.active_method(); };
   static constexpr bool reads_time = requires { requires Scheme::reads_time; };
 
-  static Course method_of(const Stepper& stepper) {
-    if constexpr (hybrid) return stepper.course();
+  static ActiveMethod method_of(const Stepper& stepper) {
+    if constexpr (hybrid) return stepper.active_method();
     return {};
   }
   /// E₀; of a scene whose schemes do not ask for it nothing.
-  static double level([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+  static double starting_energy([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
     if constexpr (Conservative<P>) {
       return energy(problem, x);
     } else {
@@ -166,8 +167,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
 
   static BlockResult step(Stepper& stepper, X& y) {
-    const Status status = stepper.step(y);
-    return status == Status::ok ? BlockResult{} : BlockResult::failed(status);
+    const StepStatus status = stepper.step(y);
+    return status == StepStatus::ok ? BlockResult{} : BlockResult::failed(status);
   }
   /// Of a step of length h that ended in y at the time t.
   BlockResult judge(const X& y, double h, double t) const {
@@ -179,21 +180,22 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
 
   /// x at a time within the last step, which ended in `state`. `work`: what that cost, where it counts.
-  Status interpolate([[maybe_unused]] const State& state, double t, X& x, Work* work) const {
+  StepStatus interpolate([[maybe_unused]] const State& state, double t, X& x, Work* work) const {
     x = state.x;
-    if (!(t < x.t)) return Status::ok;
+    if (!(t < x.t)) return StepStatus::ok;
     if constexpr (HasSeries<P>)
       if (along_series_ && state.n == 1) {
         x = t > left_.t ? series_state<X>(problem_, t) : left_;
-        return Status::ok;
+        return StepStatus::ok;
       }
     if constexpr (requires(const Stepper& s) { s.interpolate(x, t); })
-      if (stepper_.interpolate(x, t)) return Status::ok;
+      if (stepper_.interpolate(x, t)) return StepStatus::ok;
     if constexpr (requires(Stepper s) { s.reach(x, t); }) {
       auto stepper = scheme_.bind(problem_, left_, energy_);
       X y = left_;
       if (!reads_time) y.t = 0;
-      if (const Status status = stepper.reach(y, reads_time ? t : t - left_.t); status != Status::ok) return status;
+      if (const StepStatus status = stepper.reach(y, reads_time ? t : t - left_.t); status != StepStatus::ok)
+        return status;
       x = y;
       if (work) *work = stepper.work();
     } else {
@@ -201,7 +203,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       if (work) *work = {4, 0};
     }
     x.t = t;
-    return Status::ok;
+    return StepStatus::ok;
   }
 
   /// The first step from a time at which the equations of motion are singular: along the regular solution, as far as

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-#include "core/assemble.hpp"
+#include "core/from_values.hpp"
 #include "core/problems/damped_oscillator.hpp"
 #include "core/problems/harmonic_oscillator.hpp"
 #include "core/schemes/list.hpp"
@@ -18,8 +18,8 @@ namespace {
 
 /// A step of length 1 of a scheme whose parameter `step` is 1.
 template <class Scheme, class P>
-Status unit_step(const Scheme& scheme, const P& oscillator, State<1>& x) {
-  if constexpr (OwnClock<Scheme>) {
+StepStatus unit_step(const Scheme& scheme, const P& oscillator, State<1>& x) {
+  if constexpr (SelfTimed<Scheme>) {
     return scheme.bind(oscillator, x, energy(oscillator, x)).step(x);
   } else {
     return scheme.bind(oscillator, x).step(x, 1);
@@ -32,7 +32,7 @@ bool stable(const Scheme& scheme, const P& oscillator, double z) {
   double m[2][2];
   for (int k = 0; k < 2; ++k) {
     State<1> x{0, {k == 0 ? 1.0 : 0.0}, {k == 1 ? 1.0 : 0.0}, {}};
-    if (unit_step(scheme, oscillator, x) != Status::ok) return false;
+    if (unit_step(scheme, oscillator, x) != StepStatus::ok) return false;
     m[0][k] = x.q[0];
     m[1][k] = x.p[0];
   }
@@ -52,19 +52,19 @@ struct Known {
 template <class Scheme>
 Known measure(std::span<const double> settings, double damping_step, Known known, double needed) {
   constexpr double most = 20, spacing = 0.01;
-  auto scheme = assemble<Scheme>(Scheme::fields, settings);
+  auto scheme = from_values<Scheme>(Scheme::fields, settings);
   if constexpr (requires { scheme.step; }) scheme.step = 1;
   if constexpr (requires { scheme.in_time(); }) {
     scheme = scheme.in_time();
-  } else if constexpr (OwnClock<Scheme>) {
+  } else if constexpr (SelfTimed<Scheme>) {
     return {std::numeric_limits<double>::infinity(), true};
   }
   const auto holds = [&](double z) {
-    if constexpr (SchemeFor<Scheme, problems::HarmonicOscillator<>> ||
-                  ClockSchemeFor<Scheme, problems::HarmonicOscillator<>>) {
+    if constexpr (FixedStepSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
+                  SelfTimedSchemeFor<Scheme, problems::HarmonicOscillator<>>) {
       if (damping_step == 0) return stable(scheme, problems::HarmonicOscillator<>{1, z * z}, z);
     }
-    if constexpr (SchemeFor<Scheme, problems::DampedOscillator<>>) {
+    if constexpr (FixedStepSchemeFor<Scheme, problems::DampedOscillator<>>) {
       return stable(scheme, problems::DampedOscillator<>{z * z, damping_step}, z);
     } else {
       return false;

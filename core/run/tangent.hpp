@@ -25,7 +25,7 @@ std::optional<Tangent<X>> tangent_of(const X& x, Step&& step) {
   using D = Dual<double, int(X::size)>;
   auto y = convert<D, double>(x);
   for (std::size_t i = 0; i < X::size; ++i) y[i] = D::variable(x[i], int(i));
-  if (step(y) != Status::ok) return std::nullopt;
+  if (step(y) != StepStatus::ok) return std::nullopt;
   Tangent<X> tangent;
   tangent.image.t = y.t;
   for (std::size_t i = 0; i < X::size; ++i) {
@@ -38,7 +38,7 @@ template <class Scheme, class P, class X>
 std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, const X& x, double h) {
   return tangent_of(x, [&](auto& y) {
     auto stepper = scheme.bind(problem, y);
-    const Status status = stepper.step(y, h);
+    const StepStatus status = stepper.step(y, h);
     y.t = x.t + h;
     return status;
   });

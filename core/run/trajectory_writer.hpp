@@ -14,7 +14,7 @@ template <class P, class X>
 class TrajectoryWriter {
  public:
   /// `columns`: positions among the card's columns. A problem without samples has none.
-  TrajectoryWriter(const P& problem, const ProblemCard& card, const std::vector<std::size_t>& columns, Sink& sink)
+  TrajectoryWriter(const P& problem, const ProblemCard& card, const std::vector<std::size_t>& columns, RowSink& sink)
       : problem_(problem), sink_(sink) {
     const auto all = columns_of<P, X>(card);
     for (const std::size_t index : columns) columns_.push_back(all.at(index));
@@ -49,7 +49,7 @@ class TrajectoryWriter {
   static constexpr std::size_t block = 512;
 
   const P& problem_;
-  Sink& sink_;
+  RowSink& sink_;
   std::vector<Column<P, X>> columns_;
   std::vector<double> rows_;
   std::string_view wrong_;

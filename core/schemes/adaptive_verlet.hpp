@@ -53,7 +53,7 @@ class AdaptiveVerletStepper {
     ++work_.forces;
   }
 
-  Status step(X& x) noexcept {
+  StepStatus step(X& x) noexcept {
     using least::all;
     X y = x;
     T dt = half_ / density_;
@@ -66,12 +66,12 @@ class AdaptiveVerletStepper {
     kick(y, after, slope);
     dt = dt + after;
     // Where the density swings by more than half of U about it, the recursion follows nothing any more.
-    if (!all((5.0 * density >= 3.0 * density_) & (3.0 * density <= 5.0 * density_))) return Status::singular;
+    if (!all((5.0 * density >= 3.0 * density_) & (3.0 * density <= 5.0 * density_))) return StepStatus::singular;
     y.t = x.t + dt;
     x = y;
     density_ = density;
     slope_ = slope;
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return work_; }
   /// ρ, 1 at the start.

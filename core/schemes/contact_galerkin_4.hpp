@@ -27,7 +27,7 @@ class ContactGalerkin4Stepper {
   explicit ContactGalerkin4Stepper(const P& problem) : problem_(problem) {}
 
   /// Unknowns u = (b − q₀)/h and w = (q₁ − q₀)/h.
-  Status step(X& x, const S& h) noexcept {
+  StepStatus step(X& x, const S& h) noexcept {
     using least::abs;
     using least::any;
     const Times times{phase(problem_, x.t), phase(problem_, x.t + h / 2), phase(problem_, x.t + h)};
@@ -54,12 +54,12 @@ class ContactGalerkin4Stepper {
       z[n + i] = mean[i];
       scale = scale + abs(v[i]) + abs(mean[i]);
     }
-    if (const Status status = newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, nodes, work_);
-        status != Status::ok)
+    if (const StepStatus status = newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, nodes, work_);
+        status != StepStatus::ok)
       return status;
     const auto path = walk(x, h, times, z);
     work_.forces += nodes;
-    if (any(!(abs(path.factor) > T(least_denominator)))) return Status::singular;
+    if (any(!(abs(path.factor) > T(least_denominator)))) return StepStatus::singular;
     // p₁ = Z_q₁ = λp₀ + (Z_q₀ + Z_b + Z_q₁): a shift of the whole path changes no velocity, so the increment vanishes
     // with h.
     for (std::size_t i = 0; i < n; ++i) {
@@ -67,7 +67,7 @@ class ContactGalerkin4Stepper {
       x.p[i] = path.factor * x.p[i] + path.by_shift[i];
     }
     if constexpr (X::acting) x.action.s = x.action.s + path.gain;
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return work_; }
 

@@ -54,7 +54,7 @@ class ContactGaussStepper {
 
   ContactGaussStepper(const P& problem, int stages) : problem_(problem), stages_(stages) {}
 
-  Status step(X& x, const S& h) noexcept {
+  StepStatus step(X& x, const S& h) noexcept {
     return stages_ == 1 ? take<1>(x, h) : stages_ == 2 ? take<2>(x, h) : take<3>(x, h);
   }
   const Work& work() const { return work_; }
@@ -124,7 +124,7 @@ class ContactGaussStepper {
   }
 
   template <int M>
-  Status take(X& x, const S& h) noexcept {
+  StepStatus take(X& x, const S& h) noexcept {
     using least::abs;
     using least::any;
     const auto& rule = GaussRule<M, S>::get();
@@ -165,7 +165,7 @@ class ContactGaussStepper {
     grain = grain_of(x.p, h) + grain_of(x.q, h);
     if constexpr (QuadraticContact<P>) grain = grain + grain_of(Vec<1, T>{x.action.s}, h);
     work_.forces += 1;
-    if (const Status status = newton<int(M * width)>(z, scale, grain, residual, M, work_); status != Status::ok)
+    if (const StepStatus status = newton<int(M * width)>(z, scale, grain, residual, M, work_); status != StepStatus::ok)
       return status;
 
     const auto at = stages<M, T>(x, h, f, z);
@@ -181,7 +181,7 @@ class ContactGaussStepper {
       }
       if constexpr (QuadraticContact<P>) gained = gained + weight * z[i * width + n];
     }
-    if (any(!(abs(end) > T(least_denominator)))) return Status::singular;
+    if (any(!(abs(end) > T(least_denominator)))) return StepStatus::singular;
     for (std::size_t k = 0; k < n; ++k) y.p[k] = (x.p[k] - pulled[k]) / end;
     if constexpr (QuadraticContact<P>) {
       y.action.s = x.action.s + gained;
@@ -189,7 +189,7 @@ class ContactGaussStepper {
       y.action.s = linear_action<M>(x, h, f, at);
     }
     x = y;
-    return Status::ok;
+    return StepStatus::ok;
   }
 
   /// s′ = p·H_p − H at a stage

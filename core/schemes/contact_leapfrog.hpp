@@ -42,7 +42,7 @@ class ContactLeapfrogStepper {
     clock_.begin(x.t, h);
     X y = x;
     Seen seen = seen_;
-    StatusOf<T> status = Status::ok;
+    StatusOf<T> status = StepStatus::ok;
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
       const S part = weights_->gamma[i] * h, t = x.t + weights_->end[i] * h;
       status = stage(y, seen, status, part, i, t);
@@ -108,7 +108,7 @@ class ContactLeapfrogStepper {
       c = factors(h, seen.damping, next);
       seen.damping = next;
     }
-    if (all_failed(status, !(c.after > A(0)), Status::singular)) return status;  // a pole is no number
+    if (all_failed(status, !(c.after > A(0)), StepStatus::singular)) return status;  // a pole is no number
     Vec<n, T> v;
     for (std::size_t k = 0; k < n; ++k) v[k] = c.before * y.p[k] - (h * 0.5) * seen.slope[k];
     const T potential = seen.potential;
@@ -131,9 +131,9 @@ class ContactLeapfrogStepper {
     look(seen, y.q, phase(problem_, t));
     const T r = s - (h / 4) * (gamma * (s * s)) + h * (lagrangian(y, v, potential, seen.potential) + problem_.offset());
     const T under = 1 + h * (gamma * r);
-    if (all_failed(status, !(under > T(0)), Status::singular)) return status;
+    if (all_failed(status, !(under > T(0)), StepStatus::singular)) return status;
     const T next = 2 * r / (1 + sqrt(under)), after = 1 + (h / 2) * (gamma * next);
-    if (all_failed(status, !(after > T(least_denominator)), Status::singular)) return status;
+    if (all_failed(status, !(after > T(least_denominator)), StepStatus::singular)) return status;
     for (std::size_t k = 0; k < n; ++k) y.p[k] = (v[k] - (h * 0.5) * seen.slope[k]) / after;
     y.action.s = next;
     return status;
@@ -151,7 +151,7 @@ class ContactLeapfrogStepper {
     for (std::size_t k = 0; k < n; ++k) x.p[k] = (v[k] - (h / 2) * seen_.slope[k]) / 2;
     if constexpr (X::acting)
       x.action.s = ((h / 3) * start.potential + h * lagrangian(x, v, start.potential, seen_.potential)) / 2;
-    return Status::ok;
+    return StepStatus::ok;
   }
 
   void drift(X& y, const Vec<n, T>& v, const S& h) const {
@@ -205,8 +205,8 @@ struct ContactLeapfrog {
     return composition == Composition::none;
   }
   template <class P>
-  std::string objection(const P& problem) const {
-    return pole_objection(problem, composition, step);
+  std::string unsupported_reason(const P& problem) const {
+    return unsupported_by_pole(problem, composition, step);
   }
   template <class P>
   bool flips_momentum(const P& problem, double t) const {

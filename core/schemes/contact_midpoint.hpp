@@ -25,7 +25,7 @@ class ContactMidpointStepper {
   explicit ContactMidpointStepper(const P& problem) : problem_(problem) {}
 
   /// Unknowns: v, and where the motion reads it σ = (s₁ − s₀)/h.
-  Status step(X& x, const S& h) noexcept {
+  StepStatus step(X& x, const S& h) noexcept {
     using least::abs;
     using least::any;
     const S half = h / 2;
@@ -82,14 +82,14 @@ class ContactMidpointStepper {
     ++work_.forces;
     T grain = grain_of(x.q, h);
     if constexpr (QuadraticContact<P>) grain = grain + grain_of(Vec<1, T>{x.action.s}, h);
-    if (const Status status = newton<unknowns>(z, scale, grain, residual, 1, work_); status != Status::ok)
+    if (const StepStatus status = newton<unknowns>(z, scale, grain, residual, 1, work_); status != StepStatus::ok)
       return status;
 
     const auto m = at(z);
     const auto v = velocity_of(z);
     const auto loss = half * action_slope(problem_, action(z), f);
     const auto end = 1 + loss;
-    if (any(!(end > decltype(end)(least_denominator)))) return Status::singular;
+    if (any(!(end > decltype(end)(least_denominator)))) return StepStatus::singular;
     const auto force = lagrangian_force(problem_, m, v, f);
     ++work_.forces;
     for (std::size_t i = 0; i < n; ++i) {
@@ -102,7 +102,7 @@ class ContactMidpointStepper {
       const T lagrangian = 0.5 * dot(momentum(problem_, m, v), v) - problem_.potential(m, f);
       x.action.s = ((1 - loss) * x.action.s + h * lagrangian) / end;
     }
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return work_; }
 
@@ -148,8 +148,8 @@ struct ContactVariationalMidpoint {
   }
 
   template <class P>
-  std::string objection(const P& problem) const {
-    return pole_objection(problem, composition, step);
+  std::string unsupported_reason(const P& problem) const {
+    return unsupported_by_pole(problem, composition, step);
   }
   template <class P>
   bool flips_momentum(const P& problem, double t) const {

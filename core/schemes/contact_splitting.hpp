@@ -52,7 +52,7 @@ class ContactSplittingStepper {
     if constexpr (constant) prepare(h);
     clock_.begin(x.t, h);
     X y = x;
-    StatusOf<T> status = Status::ok;
+    StatusOf<T> status = StepStatus::ok;
     const auto stages = static_cast<std::size_t>(weights_->stages);
     for (std::size_t i = 0; i < stages; ++i) {
       const S part = weights_->gamma[i] * h;
@@ -154,7 +154,7 @@ class ContactSplittingStepper {
       if (!merged_) potential = potential - offset;
       const T s = y.action.s - half * potential;
       const T d = c.e + (0.5 * problem_.action_curvature()) * (s * c.f);
-      if (all_failed(status, !(d > T(0)), Status::singular)) return status;
+      if (all_failed(status, !(d > T(0)), StepStatus::singular)) return status;
       for (std::size_t k = 0; k < n; ++k) y.p[k] = (y.p[k] - half * slope[k]) / (d * d) - half * slope[k];
       const T top = merged_ ? T(s * c.e + offset * c.f) : T(s * c.e);
       y.action.s = top / d - half * potential;
@@ -197,7 +197,7 @@ class PalindromeStepper {
     }
     x.y = problem_.flow(Piece<0>{}, y, S(weights_->gamma[stages - 1] * h * 0.5), start);
     work_.forces += weights_->stages;
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return work_; }
 

@@ -17,18 +17,18 @@ inline constexpr std::array<std::string_view, 2> quadrature_names{"trapezoid", "
 
 /// V at a point and g, where it depends on the point.
 template <Conservative P, class T>
-struct Level {
+struct LagrangianTerms {
   static constexpr int n = P::dof;
   struct Flat {};
   T potential{};
   [[no_unique_address]] std::conditional_t<ConfigurationMetric<P>, Mat<n, T>, Flat> metric{};
 
-  Level() = default;
-  Level(const P& problem, const Vec<n, T>& q) : potential(least::potential(problem, q)) {
+  LagrangianTerms() = default;
+  LagrangianTerms(const P& problem, const Vec<n, T>& q) : potential(least::potential(problem, q)) {
     if constexpr (ConfigurationMetric<P>) metric = problem.metric(q);
   }
   /// The mean of two.
-  Level(const Level& a, const Level& b) : potential((a.potential + b.potential) * 0.5) {
+  LagrangianTerms(const LagrangianTerms& a, const LagrangianTerms& b) : potential((a.potential + b.potential) * 0.5) {
     if constexpr (ConfigurationMetric<P>)
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j) metric[i][j] = (a.metric[i][j] + b.metric[i][j]) * 0.5;
@@ -57,10 +57,11 @@ struct Level {
 
 /// The same with the derivatives by the point: one force evaluation.
 template <Conservative P, class T>
-struct Slopes : Level<P, T> {
-  using Level<P, T>::n;
+struct Slopes : LagrangianTerms<P, T> {
+  using LagrangianTerms<P, T>::n;
   Vec<n, T> gradient{};  ///< ∇V
-  [[no_unique_address]] std::conditional_t<ConfigurationMetric<P>, Vec<n, Mat<n, T>>, typename Level<P, T>::Flat>
+  [[no_unique_address]] std::conditional_t<ConfigurationMetric<P>, Vec<n, Mat<n, T>>,
+                                           typename LagrangianTerms<P, T>::Flat>
       metric_slope{};  ///< ∂_k g, by k
 
   Slopes() = default;
@@ -100,15 +101,15 @@ struct Slopes : Level<P, T> {
 /// slopes at q: they are those at the new q afterwards. Order 2, symmetric, symplectic. Where the metric is constant
 /// the trapezoid is leapfrog.
 template <Conservative P, class T>
-Status variational_step(const P& problem, Quadrature quadrature, Vec<P::dof, T>& q, Vec<P::dof, T>& p,
-                        Slopes<P, T>& here, const T& h, Work& work) {
+StepStatus variational_step(const P& problem, Quadrature quadrature, Vec<P::dof, T>& q, Vec<P::dof, T>& p,
+                            Slopes<P, T>& here, const T& h, Work& work) {
   using least::abs;
   static constexpr int n = P::dof;
   if (quadrature == Quadrature::midpoint) {
     using X = State<n, T, T>;
     MidpointStepper<P, X> stepper(problem);
     X x{T(0), q, p, {}};
-    const Status status = stepper.step(x, h);
+    const StepStatus status = stepper.step(x, h);
     work.forces += stepper.work().forces;
     work.iterations += stepper.work().iterations;
     q = x.q;
@@ -125,13 +126,13 @@ Status variational_step(const P& problem, Quadrature quadrature, Vec<P::dof, T>&
       using U = std::remove_cvref_t<decltype(w[0])>;
       auto end = w;
       for (std::size_t i = 0; i < n; ++i) end[i] = q[i] + h * w[i];
-      const auto left = here.lower(problem, w), right = Level<P, U>(problem, end).lower(problem, w);
+      const auto left = here.lower(problem, w), right = LagrangianTerms<P, U>(problem, end).lower(problem, w);
       const auto f = here.force(w);
       auto r = w;
       for (std::size_t i = 0; i < n; ++i) r[i] = (left[i] + right[i]) * 0.5 - half * f[i] - p[i];
       return r;
     };
-    if (const Status status = newton<n>(v, scale, grain_of(q, h), residual, 1, work); status != Status::ok)
+    if (const StepStatus status = newton<n>(v, scale, grain_of(q, h), residual, 1, work); status != StepStatus::ok)
       return status;
     const auto f = here.force(v);
     for (std::size_t i = 0; i < n; ++i) kicked[i] = p[i] + half * f[i];
@@ -144,7 +145,7 @@ Status variational_step(const P& problem, Quadrature quadrature, Vec<P::dof, T>&
   ++work.forces;
   const auto f = here.force(v);
   for (std::size_t i = 0; i < n; ++i) p[i] = kicked[i] + half * f[i];
-  return Status::ok;
+  return StepStatus::ok;
 }
 
 }  // namespace least

@@ -26,7 +26,7 @@ class Galerkin4Stepper {
   /// Unknowns u = (b − q₀)/h and w = (q₁ − q₀)/h; velocities at the nodes v₀ = 4u − w, v_m = w, v₁ = 3w − 4u. With π =
   /// g v:
   ///   ∂/∂b:   π₀ − π₁ + h L_q(b, v_m) = 0,    −∂/∂q₀ = p₀:   (3π₀ + 4π_m − π₁ − h L_q(q₀, v₀))/6 = p₀.
-  Status step(X& x, const S& h) noexcept {
+  StepStatus step(X& x, const S& h) noexcept {
     using least::abs;
     const auto residual = [&](const auto& z) {
       const Path path(*this, x, h, z);
@@ -51,7 +51,8 @@ class Galerkin4Stepper {
       z[n + i] = mean[i];
       scale = scale + abs(v[i]) + abs(mean[i]);
     }
-    if (const Status status = newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, 3, work_); status != Status::ok)
+    if (const StepStatus status = newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, 3, work_);
+        status != StepStatus::ok)
       return status;
     const Path path(*this, x, h, z);
     work_.forces += 3;
@@ -60,7 +61,7 @@ class Galerkin4Stepper {
       x.q[i] = x.q[i] + h * z[n + i];
       x.p[i] = x.p[i] + (h / 6) * (path.f0[i] + 4.0 * path.fm[i] + path.f1[i]);
     }
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return work_; }
 

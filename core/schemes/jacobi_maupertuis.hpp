@@ -31,12 +31,12 @@ class JacobiMaupertuisStepper {
 
   JacobiMaupertuisStepper(const P& problem, const X& x, const T& energy, const JacobiMaupertuis& settings);
 
-  Status step(X& x) noexcept;
+  StepStatus step(X& x) noexcept;
   /// How the last step was taken.
-  const Course& course() const { return course_; }
+  const ActiveMethod& active_method() const { return course_; }
   Work work() const { return work_; }
   /// Steps that had to be taken in time because none along a coordinate could be.
-  std::int64_t rescues() const { return rescues_; }
+  std::int64_t fallback_steps() const { return rescues_; }
 
  private:
   using Site = Station<P, T>;
@@ -47,11 +47,11 @@ class JacobiMaupertuisStepper {
     x.here = Slopes<P, T>(problem_, x.q);
     ++work_.forces;
   }
-  Status fast_step(Site& x, Course& course);
+  StepStatus fast_step(Site& x, ActiveMethod& course);
   /// With θ halved k times.
   bool try_step(Site& x, std::size_t sigma, int k);
-  Status slow_step(Site& x, const T& h);
-  Status rescue(Site& x, Course& course, int k);
+  StepStatus slow_step(Site& x, const T& h);
+  StepStatus rescue(Site& x, ActiveMethod& course, int k);
   std::size_t parameter(const Vec<P::dof, T>& weight, const Vec<P::dof, T>& v, int present) const;
   int halvings(const Site& x, std::size_t sigma, const Vec<P::dof, T>& weight) const;
   /// √g_σσ, by σ: lengths along the coordinates.
@@ -68,7 +68,7 @@ class JacobiMaupertuisStepper {
   Slopes<P, T> here_;  ///< at the state's q
   T length_;           ///< of a step in time
   T last_fast_{};      ///< time of the last fast step
-  Course course_;
+  ActiveMethod course_;
   Work work_;
   std::int64_t rescues_ = 0;
 };
@@ -220,9 +220,9 @@ JacobiMaupertuisStepper<P, X>::JacobiMaupertuisStepper(const P& problem, const X
 }
 
 template <Conservative P, class X>
-Status JacobiMaupertuisStepper<P, X>::step(X& x) noexcept {
+StepStatus JacobiMaupertuisStepper<P, X>::step(X& x) noexcept {
   Site y{x.q, x.p, here_, T(0)};
-  Course course = course_;
+  ActiveMethod course = course_;
   T length = length_;
   if (course.mode == Mode::hamilton && kinetic(y) > T(critical_)) {
     course = {Mode::jacobi_maupertuis, -1};
@@ -234,8 +234,8 @@ Status JacobiMaupertuisStepper<P, X>::step(X& x) noexcept {
       if (const auto h = paper_exit_step(problem_, quadrature_, y, energy_, last_fast_, work_)) length = *h;
   }
   const bool fast = course.mode == Mode::jacobi_maupertuis;
-  const Status status = fast ? fast_step(y, course) : slow_step(y, length);
-  if (status != Status::ok) return status;
+  const StepStatus status = fast ? fast_step(y, course) : slow_step(y, length);
+  if (status != StepStatus::ok) return status;
   if (fast) last_fast_ = y.elapsed;
   course_ = course;
   length_ = length;
@@ -243,19 +243,19 @@ Status JacobiMaupertuisStepper<P, X>::step(X& x) noexcept {
   x.q = y.q;
   x.p = y.p;
   x.t = x.t + y.elapsed;
-  return Status::ok;
+  return StepStatus::ok;
 }
 
 template <Conservative P, class X>
-Status JacobiMaupertuisStepper<P, X>::slow_step(Site& x, const T& h) {
+StepStatus JacobiMaupertuisStepper<P, X>::slow_step(Site& x, const T& h) {
   for (int i = 0; i < weights_->stages; ++i) {
     const T part = weights_->gamma[static_cast<std::size_t>(i)] * h;
-    if (const Status status = variational_step(problem_, quadrature_, x.q, x.p, x.here, part, work_);
-        status != Status::ok)
+    if (const StepStatus status = variational_step(problem_, quadrature_, x.q, x.p, x.here, part, work_);
+        status != StepStatus::ok)
       return status;
   }
   x.elapsed = x.elapsed + h;
-  return Status::ok;
+  return StepStatus::ok;
 }
 
 template <Conservative P, class X>
@@ -308,29 +308,29 @@ bool JacobiMaupertuisStepper<P, X>::try_step(Site& x, std::size_t sigma, int k) 
   const T v = x.here.raise(problem_, x.p)[sigma];
   const double length = std::ldexp(theta_, -k);
   const T delta = v < T(0) ? T(-length) : T(length);
-  if constexpr (n == 1) return principle.step(x, 0, delta, 1, work_) == Status::ok;
+  if constexpr (n == 1) return principle.step(x, 0, delta, 1, work_) == StepStatus::ok;
   for (int i = 0; i < weights_->stages; ++i) {
     const Scalar gamma = weights_->gamma[static_cast<std::size_t>(i)];
-    if (principle.step(x, sigma, gamma * delta, gamma < Scalar(0) ? -1 : 1, work_) != Status::ok) return false;
+    if (principle.step(x, sigma, gamma * delta, gamma < Scalar(0) ? -1 : 1, work_) != StepStatus::ok) return false;
     if (root_ && !principle.energy_root(x, sigma)) return false;
   }
   return x.elapsed > T(0);
 }
 
 template <Conservative P, class X>
-Status JacobiMaupertuisStepper<P, X>::fast_step(Site& x, Course& course) {
+StepStatus JacobiMaupertuisStepper<P, X>::fast_step(Site& x, ActiveMethod& course) {
   using least::abs;
   const auto v = x.here.raise(problem_, x.p), scale = scales(x);
   Vec<P::dof, T> weight;
   for (std::size_t i = 0; i < n; ++i) weight[i] = scale[i] * abs(v[i]);
   const std::size_t first = parameter(weight, v, course.parameter);
   const int k = halvings(x, first, weight);
-  if (k > 30) return Status::underflow;
+  if (k > 30) return StepStatus::underflow;
   Site y = x;
   if (try_step(y, first, k)) {
     course.parameter = static_cast<int>(first);
     x = y;
-    return Status::ok;
+    return StepStatus::ok;
   }
   // The other coordinates by weight, then all of them at half the length.
   for (int shorter = 0; shorter < 2; ++shorter) {
@@ -345,7 +345,7 @@ Status JacobiMaupertuisStepper<P, X>::fast_step(Site& x, Course& course) {
       if (!try_step(y, best, halvings(x, best, weight) + shorter)) continue;
       course.parameter = static_cast<int>(best);
       x = y;
-      return Status::ok;
+      return StepStatus::ok;
     }
   }
   return rescue(x, course, k);
@@ -353,13 +353,13 @@ Status JacobiMaupertuisStepper<P, X>::fast_step(Site& x, Course& course) {
 
 /// One step in time, as short as the step along the orbit would have been.
 template <Conservative P, class X>
-Status JacobiMaupertuisStepper<P, X>::rescue(Site& x, Course& course, int k) {
+StepStatus JacobiMaupertuisStepper<P, X>::rescue(Site& x, ActiveMethod& course, int k) {
   using least::sqrt;
   T h = std::ldexp(theta_, -k) / sqrt(2 * kinetic(x));
   if (!(h < T(step_))) h = T(step_);
   course.parameter = -1;
   ++rescues_;
-  const Status status = slow_step(x, h);
+  const StepStatus status = slow_step(x, h);
   if (quadrature_ == Quadrature::midpoint) look(x);
   return status;
 }

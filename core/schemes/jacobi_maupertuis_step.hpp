@@ -51,7 +51,7 @@ class JacobiMaupertuisStep {
       : problem_(problem), quadrature_(quadrature), energy_(energy) {}
 
   /// Moves q^σ by δ, and everything else with it. A station that a step failed from is spoilt.
-  Status step(Station<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
+  StepStatus step(Station<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
     if constexpr (n == 1) {
       return quadrature_step(x, delta, work);
     } else {
@@ -80,11 +80,11 @@ class JacobiMaupertuisStep {
     T length_squared{}, h{};
     Vec<P::dof, T> velocity{}, lowered{}, force{};  ///< Δ/h, ḡΔ, F₀
     Vec<P::dof, T> residual{};                      ///< −D₁A_d − p; its component σ is nobody's equation
-    Level<P, T> mean{};
+    LagrangianTerms<P, T> mean{};
   };
   /// `force` is taken at the left end, or at the middle: `mean` comes from the same points.
-  Trial trial(const Station<P, T>& x, const Vec<P::dof, T>& end, const Level<P, T>& mean, const Slopes<P, T>& at,
-              double sign) const {
+  Trial trial(const Station<P, T>& x, const Vec<P::dof, T>& end, const LagrangianTerms<P, T>& mean,
+              const Slopes<P, T>& at, double sign) const {
     using least::sqrt;
     Trial t;
     t.mean = mean;
@@ -103,7 +103,7 @@ class JacobiMaupertuisStep {
   Trial trial(const Station<P, T>& x, const Vec<P::dof, T>& end, double sign, Work& work) const {
     ++work.forces;
     if (quadrature_ == Quadrature::trapezoid)
-      return trial(x, end, Level<P, T>(x.here, Level<P, T>(problem_, end)), x.here, sign);
+      return trial(x, end, LagrangianTerms<P, T>(x.here, LagrangianTerms<P, T>(problem_, end)), x.here, sign);
     const Slopes<P, T> middle(problem_, middle_of(x.q, end));
     return trial(x, end, middle, middle, sign);
   }
@@ -113,7 +113,7 @@ class JacobiMaupertuisStep {
     return m;
   }
 
-  Status solve(Station<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
+  StepStatus solve(Station<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
     using least::abs;
     constexpr int unknowns = P::dof - 1;
     const auto place = [sigma](std::size_t k) { return k < sigma ? k : k + 1; };  // of the k-th unknown
@@ -126,11 +126,11 @@ class JacobiMaupertuisStep {
     for (std::size_t i = 0; i < n; ++i) p[i] = p[i] + 0.5 * a * kick[i];
     v = x.here.raise(problem_, p);
     a = delta / v[sigma];
-    if (!(sign * a > T(0))) return Status::solver_failed;
+    if (!(sign * a > T(0))) return StepStatus::solver_failed;
     auto end = x.q;
     for (std::size_t i = 0; i < n; ++i) end[i] = i == sigma ? x.q[i] + delta : x.q[i] + a * v[i];
     Trial here = trial(x, end, sign, work);
-    if (!here.admissible) return Status::solver_failed;
+    if (!here.admissible) return StepStatus::solver_failed;
 
     Mat<unknowns, T> jacobian;
     for (std::size_t i = 0; i < unknowns; ++i) {
@@ -145,7 +145,7 @@ class JacobiMaupertuisStep {
     const T tolerance = std::pow(Precision<T>::epsilon, 0.75) * size + Precision<T>::epsilon * norm(x.q);
 
     for (int k = 0;; ++k) {
-      if (k == most_iterations) return Status::solver_failed;
+      if (k == most_iterations) return StepStatus::solver_failed;
       Vec<unknowns, T> right;
       for (std::size_t i = 0; i < unknowns; ++i) right[i] = here.residual[place(i)];
       auto update = LinearSolver<T>::solve(jacobian, right);
@@ -160,7 +160,7 @@ class JacobiMaupertuisStep {
       if (precise) break;
       Trial next = trial(x, end, sign, work);
       for (int halvings = 0; !next.admissible; ++halvings) {
-        if (halvings == 30) return Status::solver_failed;
+        if (halvings == 30) return StepStatus::solver_failed;
         for (std::size_t i = 0; i < unknowns; ++i) {
           update[i] = 0.5 * update[i];
           end[place(i)] = from[place(i)] - update[i];
@@ -181,34 +181,34 @@ class JacobiMaupertuisStep {
   }
 
   /// The momentum at the end that was found.
-  Status arrive(Station<P, T>& x, const Vec<P::dof, T>& end, const T& a, double sign, Work& work) const {
+  StepStatus arrive(Station<P, T>& x, const Vec<P::dof, T>& end, const T& a, double sign, Work& work) const {
     const Slopes<P, T> there(problem_, end);
     ++work.forces;
     Trial last;
     auto force = Vec<P::dof, T>{};
     if (quadrature_ == Quadrature::trapezoid) {
-      last = trial(x, end, Level<P, T>(x.here, there), x.here, sign);
+      last = trial(x, end, LagrangianTerms<P, T>(x.here, there), x.here, sign);
       force = there.force(last.velocity);
     } else {
       last = trial(x, end, sign, work);
       force = last.force;
     }
     const T ratio = last.h / a;
-    if (!last.admissible || !(ratio >= T(0.25) && ratio <= T(4))) return Status::solver_failed;
+    if (!last.admissible || !(ratio >= T(0.25) && ratio <= T(4))) return StepStatus::solver_failed;
     x.q = end;
     for (std::size_t i = 0; i < n; ++i) x.p[i] = last.lowered[i] / last.h + 0.5 * last.h * force[i];
     x.here = there;
     x.elapsed = x.elapsed + last.h;
-    return Status::ok;
+    return StepStatus::ok;
   }
 
   /// One degree of freedom: the way is known, the time is ∫√(g/2(E₀ − V)) dq by Gauss's rule of three points.
-  Status quadrature_step(Station<P, T>& x, const T& delta, Work& work) const {
+  StepStatus quadrature_step(Station<P, T>& x, const T& delta, Work& work) const {
     using least::sqrt;
     const T node = sqrt(T(15)) / 10;
     const bool forward = x.p[0] > T(0);
     const auto slowness = [&](const T& part, bool& admissible) {  // dt/dq
-      const Level<P, T> at(problem_, {x.q[0] + part * delta});
+      const LagrangianTerms<P, T> at(problem_, {x.q[0] + part * delta});
       ++work.forces;
       const T gap = energy_ - at.potential, root = sqrt(at.lower(problem_, Vec<P::dof, T>{T(1)})[0] / (2 * gap));
       admissible = admissible && gap > T(0);
@@ -220,13 +220,13 @@ class JacobiMaupertuisStep {
     const Slopes<P, T> there(problem_, {x.q[0] + delta});
     ++work.forces;
     const T gap = energy_ - there.potential;
-    if (!admissible || !(gap > T(0))) return Status::solver_failed;
+    if (!admissible || !(gap > T(0))) return StepStatus::solver_failed;
     const T speed = sqrt(2 * gap * there.lower(problem_, Vec<P::dof, T>{T(1)})[0]);
     x.q[0] = x.q[0] + delta;
     x.p[0] = forward ? speed : -speed;
     x.here = there;
     x.elapsed = x.elapsed + delta * (5 * left + 8 * middle + 5 * right) / 18;
-    return Status::ok;
+    return StepStatus::ok;
   }
 
   static T norm(const Vec<P::dof, T>& q) {
@@ -250,7 +250,7 @@ std::optional<T> paper_exit_step(const P& problem, Quadrature quadrature, const 
   using least::abs;
   const auto excess = [&](const T& h, bool& solved) {
     Station<P, T> y = x;
-    solved = solved && variational_step(problem, quadrature, y.q, y.p, y.here, h, work) == Status::ok;
+    solved = solved && variational_step(problem, quadrature, y.q, y.p, y.here, h, work) == StepStatus::ok;
     // The momentum ḡv at the middle from those at the ends, which loses no digits where (q₁ − q₀)/h would.
     Vec<P::dof, T> middle = x.q, rate, carried;
     for (std::size_t i = 0; i < rate.size(); ++i) {
@@ -259,12 +259,12 @@ std::optional<T> paper_exit_step(const P& problem, Quadrature quadrature, const 
       carried[i] = (y.p[i] + x.p[i]) * 0.5;
     }
     if (quadrature == Quadrature::midpoint) {
-      const Level<P, T> mean(problem, middle);
+      const LagrangianTerms<P, T> mean(problem, middle);
       return T(0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential - energy);
     }
     const auto f0 = x.here.force(rate), f1 = y.here.force(rate);
     for (std::size_t i = 0; i < rate.size(); ++i) carried[i] = carried[i] - 0.25 * h * (f1[i] - f0[i]);
-    const Level<P, T> mean(x.here, y.here);
+    const LagrangianTerms<P, T> mean(x.here, y.here);
     return T(0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential - energy);
   };
   const T tolerance = std::sqrt(Precision<T>::epsilon) * h0;  // the secant method squares it, or nearly

@@ -169,29 +169,29 @@ class Adaptive final : public Integrator {
 
   std::unique_ptr<Integrator> clone() const override { return std::make_unique<Adaptive>(*this); }
 
-  Status step(const Field& field, double* y, double& t) noexcept override {
+  StepStatus step(const Field& field, double* y, double& t) noexcept override {
     const Vector start = vector(y);
     if (!(step_ > 0)) {
-      if (const Status status = choose_first_step(field, start, t); status != Status::ok) return status;
+      if (const StepStatus status = choose_first_step(field, start, t); status != StepStatus::ok) return status;
       stepper_.initialize(start, t, step_);
     } else if (stepper_.current_time() != t || stepper_.current_state() != start) {
       stepper_.initialize(start, t, step_);
     }
     const double before = t;
-    const Status status = attempt(field, start, y, t);
-    if (status == Status::ok) {
+    const StepStatus status = attempt(field, start, y, t);
+    if (status == StepStatus::ok) {
       step_ = stepper_.current_time_step();
       start_ = before;
     } else {
       stepper_.initialize(start, t, step_);
     }
-    dense_ = status == Status::ok;
+    dense_ = status == StepStatus::ok;
     return status;
   }
 
-  Status reach(const Field& field, double* y, double& t, double end) noexcept override {
-    if (end == t) return Status::ok;
-    const Status status = parts(field, y, t, end);
+  StepStatus reach(const Field& field, double* y, double& t, double end) noexcept override {
+    if (end == t) return StepStatus::ok;
+    const StepStatus status = parts(field, y, t, end);
     if (step_ > 0) stepper_.initialize(vector(y), t, step_);  // parts say nothing of what comes next
     dense_ = false;
     return status;
@@ -227,27 +227,27 @@ class Adaptive final : public Integrator {
     return zero == 0;
   }
 
-  Status parts(const Field& field, double* y, double& t, double end) {
+  StepStatus parts(const Field& field, double* y, double& t, double end) {
     const double close = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
     Vector here = vector(y);
     double now = t, h = end - t;
     for (int count = 0; count < most_parts; ++count) {
       stepper_.initialize(here, now, h);
-      if (const Status status = attempt(field, here, here.data(), now); status != Status::ok) return status;
+      if (const StepStatus status = attempt(field, here, here.data(), now); status != StepStatus::ok) return status;
       if (end - now <= close) {
         std::copy(here.begin(), here.end(), y);
         t = end;
-        return Status::ok;
+        return StepStatus::ok;
       }
       h = std::min(stepper_.current_time_step(), end - now);
     }
-    return Status::solver_failed;
+    return StepStatus::solver_failed;
   }
 
   /// One accepted step from (t, start), where the stepper stands. Odeint's measure of an error leaves out what is not a
   /// number, so that such a step is accepted: it is undone here and tried again at a fifth of its length. In line
   /// twice, it would take twice as long to compile.
-  [[gnu::noinline]] Status attempt(const Field& field, const Vector& from, double* y, double& t) noexcept {
+  [[gnu::noinline]] StepStatus attempt(const Field& field, const Vector& from, double* y, double& t) noexcept {
     const Vector start = from;     // NOLINT(performance-unnecessary-copy-initialization): y may be its place
     const Vector* rate = nullptr;  // the last one evaluated: that at the end of the step
     const auto system = [&](const Vector& x, Vector& dx, double time) {
@@ -263,28 +263,28 @@ class Adaptive final : public Integrator {
         const double reached = stepper_.current_time();
         const auto& end = stepper_.current_state();
         if (std::isfinite(reached) && finite(end) && finite(*rate)) {
-          if (!(reached > t)) return Status::underflow;
+          if (!(reached > t)) return StepStatus::underflow;
           std::copy(end.begin(), end.end(), y);
           t = reached;
-          return Status::ok;
+          return StepStatus::ok;
         }
         const double shorter = 0.2 * std::min(h, reached - t);
         if (!(t + shorter > t)) break;
         stepper_.initialize(start, t, shorter);
       }
     } catch (...) {  // Odeint gave up on finding a step, or memory ran out
-      return Status::solver_failed;
+      return StepStatus::solver_failed;
     }
-    return Status::singular;
+    return StepStatus::singular;
   }
 
   /// Hairer, Nørsett, Wanner I, II.4: as long as an Euler step and a guess of ÿ allow. In the largest component, as
   /// Odeint measures errors.
-  Status choose_first_step(const Field& field, const Vector& y, double t) {
+  StepStatus choose_first_step(const Field& field, const Vector& y, double t) {
     Vector rate = shape_.blank(), other = rate, ahead = rate;
     field.rate(field.problem, t, y.data(), rate.data());
     ++work_.forces;
-    if (!finite(y) || !finite(rate) || !std::isfinite(t)) return Status::singular;
+    if (!finite(y) || !finite(rate) || !std::isfinite(t)) return StepStatus::singular;
     const auto size = [&](const Vector& v) {
       double most = 0;
       for (std::size_t i = 0; i < shape_.moving; ++i)
@@ -300,9 +300,9 @@ class Adaptive final : public Integrator {
     const double d2 = finite(other) ? size(other) / guess : 0, most = std::max(d1, d2);
     const double h = most <= 1e-15 ? std::max(1e-6, 1e-3 * guess) : std::pow(0.01 / most, 1.0 / (order(M) + 1));
     const double step = std::min(100 * guess, h);
-    if (!(t + step > t)) return Status::underflow;
+    if (!(t + step > t)) return StepStatus::underflow;
     step_ = step;
-    return Status::ok;
+    return StepStatus::ok;
   }
 
   [[no_unique_address]] Shape shape_;

@@ -13,7 +13,7 @@
 #include <memory>
 #include <tuple>
 
-#include "core/scene.hpp"
+#include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
 
 namespace least {
@@ -37,9 +37,9 @@ class Integrator {
   virtual std::unique_ptr<Integrator> clone() const = 0;
   /// One accepted step from (t, y); trials that are refused, or come to what is not finite, are repeated shorter. Where
   /// it fails, y and t stay. singular: every trial comes to what is not finite; underflow: t + h = t.
-  virtual Status step(const Field& field, double* y, double& t) noexcept = 0;
+  virtual StepStatus step(const Field& field, double* y, double& t) noexcept = 0;
   /// Steps from (t, y) to the time `end`, not before t, the first of them the whole way if its error allows.
-  virtual Status reach(const Field& field, double* y, double& t, double end) noexcept = 0;
+  virtual StepStatus reach(const Field& field, double* y, double& t, double end) noexcept = 0;
   /// y at the time t within the last step. False where there is no saying: no step yet, one failed since, no dense
   /// output.
   virtual bool between(double t, double* y) const noexcept = 0;
@@ -75,11 +75,11 @@ class AnyOdeintStepper {
   }
 
   /// x.t is the time itself. A state that is not the one the last step ended in costs an evaluation.
-  Status step(X& x) noexcept {
+  StepStatus step(X& x) noexcept {
     return moved(x, [&](double* y, double& t) { return integrator_->step(field(), y, t); });
   }
   /// x moved to the time t, which lies within one step from x, by a step that ends there: as accurate as steps are.
-  Status reach(X& x, double t) noexcept {
+  StepStatus reach(X& x, double t) noexcept {
     return moved(x, [&](double* y, double& now) { return integrator_->reach(field(), y, now, t); });
   }
   /// x set to the state at t, which lies within the last step; false where a step failed since, or the method cannot:
@@ -124,12 +124,12 @@ class AnyOdeintStepper {
             &problem_};
   }
   template <class Move>
-  Status moved(X& x, Move&& move) noexcept {
+  StepStatus moved(X& x, Move&& move) noexcept {
     std::array<double, size> y;
     write(x, y.data());
     double t = x.t;
-    const Status status = move(y.data(), t);
-    if (status != Status::ok) return status;
+    const StepStatus status = move(y.data(), t);
+    if (status != StepStatus::ok) return status;
     read(y.data(), x);
     x.t = t;
     return status;
@@ -173,7 +173,7 @@ struct DormandPrince5 {
 
   static constexpr bool own_clock = true, reads_time = true;
   static constexpr std::tuple fields{tolerance_field<DormandPrince5>()};
-  AnyOdeintScheme common() const { return {odeint::Method::dormand_prince_5, tolerance}; }
+  AnyOdeintScheme compiled_as() const { return {odeint::Method::dormand_prince_5, tolerance}; }
   static SchemeCard card() {
     return {.id = "dormand_prince_5",
             .title = "Dormand–Prince 5(4)",
@@ -201,7 +201,7 @@ struct Fehlberg78 {
 
   static constexpr bool own_clock = true, reads_time = true;
   static constexpr std::tuple fields{tolerance_field<Fehlberg78>()};
-  AnyOdeintScheme common() const { return {odeint::Method::fehlberg_78, tolerance}; }
+  AnyOdeintScheme compiled_as() const { return {odeint::Method::fehlberg_78, tolerance}; }
   static SchemeCard card() {
     return {.id = "fehlberg_78",
             .title = "Runge–Kutta–Fehlberg 7(8)",
@@ -230,7 +230,7 @@ struct BulirschStoer {
 
   static constexpr bool own_clock = true, reads_time = true;
   static constexpr std::tuple fields{tolerance_field<BulirschStoer>()};
-  AnyOdeintScheme common() const { return {odeint::Method::bulirsch_stoer, tolerance}; }
+  AnyOdeintScheme compiled_as() const { return {odeint::Method::bulirsch_stoer, tolerance}; }
   static SchemeCard card() {
     return {.id = "bulirsch_stoer",
             .title = "Bulirsch–Stoer",

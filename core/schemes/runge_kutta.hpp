@@ -32,7 +32,7 @@ class ExplicitRungeKutta {
     }
     x = shifted(x, h / tableau_.divisor, sum);
     work_.forces += Stages;
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return work_; }
 

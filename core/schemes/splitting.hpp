@@ -60,7 +60,7 @@ class KickDrift {
       ++work_.forces;
       kick(x, h * sequence_->kick[i + 1]);
     }
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return work_; }
 

@@ -20,7 +20,7 @@
 #include <string>
 #include <tuple>
 
-#include "core/scene.hpp"
+#include "core/problem_traits.hpp"
 #include "core/schemes/discrete_lagrangian.hpp"
 
 namespace least {
@@ -63,7 +63,7 @@ class TransformedLeapfrog {
   int stages() const { return time_.weights->stages; }
 
   /// Moves q and p by the parameter σ; `elapsed` is the time that takes. A state that it fails on is spoilt.
-  Status move(X& x, const T& sigma, T& elapsed, Work& work) {
+  StepStatus move(X& x, const T& sigma, T& elapsed, Work& work) {
     using least::abs;
     using least::all;
     using least::select;
@@ -85,7 +85,7 @@ class TransformedLeapfrog {
       sound = sound & (gap > T(0)) & near_level<T>(square);  // keeps the pace positive
     }
     drift(x, half * before, elapsed);
-    return all(sound) ? Status::ok : Status::singular;
+    return all(sound) ? StepStatus::ok : StepStatus::singular;
   }
 
  private:
@@ -115,12 +115,12 @@ class TransformedMidpoint {
   const T& strain() const { return strain_; }
   int stages() const { return time_.weights->stages; }
 
-  Status move(X& x, const T& sigma, T& elapsed, Work& work) {
+  StepStatus move(X& x, const T& sigma, T& elapsed, Work& work) {
     elapsed = T(0);
     for (std::size_t i = 0; i < static_cast<std::size_t>(time_.weights->stages); ++i)
-      if (const Status status = stage(x, sigma * time_.weights->gamma[i], elapsed, work); status != Status::ok)
+      if (const StepStatus status = stage(x, sigma * time_.weights->gamma[i], elapsed, work); status != StepStatus::ok)
         return status;
-    return Status::ok;
+    return StepStatus::ok;
   }
 
  private:
@@ -144,7 +144,7 @@ class TransformedMidpoint {
     return at;
   }
 
-  Status stage(X& x, const T& sigma, T& elapsed, Work& work) {
+  StepStatus stage(X& x, const T& sigma, T& elapsed, Work& work) {
     using least::abs;
     using least::all;
     using least::select;
@@ -167,7 +167,8 @@ class TransformedMidpoint {
     u = velocity(time_.problem, x.q, p);
     for (T& c : u) c = c / begin.gap;
     for (const T& c : u) scale = scale + abs(c);
-    if (const Status status = newton<n>(u, scale, grain_of(x.q, sigma), residual, 1, work); status != Status::ok)
+    if (const StepStatus status = newton<n>(u, scale, grain_of(x.q, sigma), residual, 1, work);
+        status != StepStatus::ok)
       return status;
 
     const auto at = middle(x, half, u);
@@ -179,7 +180,7 @@ class TransformedMidpoint {
     elapsed = elapsed + sigma / at.gap;
     const T square = at.ratio * at.ratio, off = abs(square - 1.0);
     strain_ = select(off > strain_, off, strain_);
-    return all((at.gap > T(0)) & (at.ratio > T(0)) & near_level<T>(square)) ? Status::ok : Status::singular;
+    return all((at.gap > T(0)) & (at.ratio > T(0)) & near_level<T>(square)) ? StepStatus::ok : StepStatus::singular;
   }
 
   Time time_;
@@ -193,29 +194,29 @@ class TransformedStepper {
 
   TransformedStepper(const Kernel& kernel, double sigma) : kernel_(kernel), sigma_(sigma) {}
 
-  Status step(X& x) noexcept {
+  StepStatus step(X& x) noexcept {
     X y = x;
     T elapsed;
-    const Status status = attempt(y, sigma_, elapsed);
-    if (status != Status::ok) {
+    const StepStatus status = attempt(y, sigma_, elapsed);
+    if (status != StepStatus::ok) {
       kernel_.settle(x);
       return status;
     }
     y.t = x.t + elapsed;
     x = y;
-    return Status::ok;
+    return StepStatus::ok;
   }
 
   /// x moved to the time t by a shorter σ, to round-off of t: Newton's method for the time taken, whose slope by σ is
   /// the pace at the end as far as the step is exact, within a bracket. solver_failed where t is beyond the end of a
   /// step.
-  Status reach(X& x, const T& t) noexcept requires std::numeric_limits<T>::is_specialized {
+  StepStatus reach(X& x, const T& t) noexcept requires std::numeric_limits<T>::is_specialized {
     using least::abs;
     constexpr int most_iterations = 100;
     const T wait = t - x.t, tolerance = 4 * Precision<T>::epsilon * (abs(x.t) + abs(t)) * kernel_.stages();
-    if (!(wait > T(0))) return Status::ok;
+    if (!(wait > T(0))) return StepStatus::ok;
     T low(0), high = sigma_, sigma = wait / kernel_.pace(x);
-    Status status = Status::solver_failed;
+    StepStatus status = StepStatus::solver_failed;
     for (int k = 0; k < most_iterations; ++k) {
       if (sigma > sigma_) sigma = sigma_;
       if (!(low < sigma && sigma <= high)) sigma = 0.5 * (low + high);
@@ -223,14 +224,14 @@ class TransformedStepper {
       T elapsed;
       kernel_.settle(x);
       status = attempt(y, sigma, elapsed);
-      if (status != Status::ok) break;
+      if (status != StepStatus::ok) break;
       const T excess = elapsed - wait;
       if (abs(excess) <= tolerance) {
         y.t = t;
         x = y;
-        return Status::ok;
+        return StepStatus::ok;
       }
-      status = Status::solver_failed;
+      status = StepStatus::solver_failed;
       (excess < T(0) ? low : high) = sigma;
       sigma = sigma - excess / kernel_.pace(y);
     }
@@ -243,11 +244,11 @@ class TransformedStepper {
 
  private:
   /// Fails also where the time does not advance.
-  Status attempt(X& x, const T& sigma, T& elapsed) {
+  StepStatus attempt(X& x, const T& sigma, T& elapsed) {
     using least::all;
-    const Status status = kernel_.move(x, sigma, elapsed, work_);
-    if (status != Status::ok) return status;
-    return all(elapsed > T(0)) ? Status::ok : Status::singular;
+    const StepStatus status = kernel_.move(x, sigma, elapsed, work_);
+    if (status != StepStatus::ok) return status;
+    return all(elapsed > T(0)) ? StepStatus::ok : StepStatus::singular;
   }
 
   Kernel kernel_;
@@ -328,7 +329,7 @@ struct TimeTransformed {
     }
   }
   template <class P>
-  std::string objection(const P& problem, double energy) const {
+  std::string unsupported_reason(const P& problem, double energy) const {
     if constexpr (TwoBody<P>)
       if (std::isnan(kappa) || kappa == -energy)
         return kepler_objection(composition, sigma, problem.gravitational_parameter(), energy);

@@ -24,7 +24,7 @@ class MidpointStepper {
   explicit MidpointStepper(const P& problem) : problem_(problem) {}
 
   /// Solves g(m) v − (h/2) L_q(m, v) = p₀ with m = q₀ + h v/2.
-  Status step(X& x, const S& h) noexcept {
+  StepStatus step(X& x, const S& h) noexcept {
     using least::abs;
     const S half = h / 2;
     const auto middle = phase(problem_, x.t + half);
@@ -50,7 +50,7 @@ class MidpointStepper {
     for (const T& c : v) scale = scale + abs(c);
 
     ++work_.forces;
-    if (const Status status = newton<n>(v, scale, grain_of(x.q, h), residual, 1, work_); status != Status::ok)
+    if (const StepStatus status = newton<n>(v, scale, grain_of(x.q, h), residual, 1, work_); status != StepStatus::ok)
       return status;
     const auto force = lagrangian_force(problem_, at(v), v, middle);
     ++work_.forces;
@@ -58,7 +58,7 @@ class MidpointStepper {
       x.q[i] = x.q[i] + h * v[i];
       x.p[i] = x.p[i] + h * force[i];
     }
-    return Status::ok;
+    return StepStatus::ok;
   }
   const Work& work() const { return work_; }
 

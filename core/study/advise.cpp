@@ -13,11 +13,11 @@ class Contest {
  public:
   Contest(const Request& scene, const Keep& keep, double accuracy, double seconds, const std::atomic<bool>& cancelled)
       : cancelled_(cancelled), deadline_(seconds), subject_(scene, false, seconds / 2, cancelled) {
-    for (Choice& choice : candidates(*scene.scene->mechanics, keep))
+    for (SchemeConfig& choice : candidates(*scene.scene->mechanics, keep))
       searches_.emplace_back(subject_, std::move(choice), accuracy);
   }
 
-  const Subject& subject() const { return subject_; }
+  const ErrorStudy& subject() const { return subject_; }
   std::vector<Search>& searches() { return searches_; }
   double left() const { return cancelled_.load(std::memory_order_relaxed) ? 0 : deadline_.left(); }
   bool timed_out() const { return !(left() > 0); }
@@ -84,7 +84,7 @@ class Contest {
 
   const std::atomic<bool>& cancelled_;
   Deadline deadline_;
-  Subject subject_;
+  ErrorStudy subject_;
   std::vector<Search> searches_;
 };
 
@@ -92,19 +92,19 @@ std::string at(const Search& search, const Probe& probe) {
   return fmt::format("{} at {} = {:.4g}", search.name(), search.dial().name, probe.value);
 }
 
-std::string measured_by(const Subject& subject) {
+std::string measured_by(const ErrorStudy& subject) {
   if (!subject.known()) return "by halving its step, as the reference solution was not finished";
   return fmt::format("against the {}", subject.truth().how);
 }
 
-std::string measured_up_to(const Subject& subject) {
+std::string measured_up_to(const ErrorStudy& subject) {
   if (!subject.ends_early()) return {};
   return fmt::format("; measured up to t = {:.6g}, shortly before the motion ends", subject.end());
 }
 
 /// What keeps every scheme from the accuracy.
 std::string obstacle(const Contest& contest, const Search& best, double accuracy) {
-  const Subject& subject = contest.subject();
+  const ErrorStudy& subject = contest.subject();
   if (subject.floor() > accuracy)
     return fmt::format(
         "conditioning: differences of the start grow {:.2g} times{}, so that errors below {:.1e} mean nothing",

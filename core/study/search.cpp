@@ -14,7 +14,7 @@ double order(const Probe& coarse, const Probe& fine) {
 
 }  // namespace
 
-Search::Search(const Subject& subject, Choice choice, double accuracy)
+Search::Search(const ErrorStudy& subject, SchemeConfig choice, double accuracy)
     : subject_(subject),
       choice_(std::move(choice)),
       dial_(subject.card(choice_)),
@@ -56,7 +56,7 @@ double Search::next() const {
 void Search::advance(double seconds) {
   const double value = next();
   const Trial trial = subject_.run(dial_.at(choice_, value), seconds, static_cast<std::int64_t>(most_forces));
-  if (trial.status == Reason::deadline || trial.status == Reason::cancelled) return;
+  if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return;
   settle({value, trial});
 }
 
@@ -76,7 +76,7 @@ void Search::settle(const Probe& probe) {
     over_ = !bad_ || bad_->value < near * good_->value || good_->trial.error > accuracy_ / 1.2;
     return;
   }
-  too_dear_ = trial.status == Reason::step_limit || 1.5 * least_cost() > most_forces;
+  too_dear_ = trial.status == ReturnCode::step_limit || 1.5 * least_cost() > most_forces;
   over_ =
       stalled() || too_dear_ || trial.error < subject_.floor() || next() < std::max(dial_.range.low, 1e-12 * longest_);
 }

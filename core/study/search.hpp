@@ -1,7 +1,7 @@
 // The search for the coarsest setting of one scheme that is accurate enough.
 #pragma once
 
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 
 namespace least {
 
@@ -14,7 +14,7 @@ struct Probe {
 class Search {
  public:
   /// accuracy 0: ever finer runs, none of them good.
-  Search(const Subject& subject, Choice choice, double accuracy);
+  Search(const ErrorStudy& subject, SchemeConfig choice, double accuracy);
 
   /// The run to be made next: coarse ones first, then where the order seen so far predicts the accuracy, then between
   /// the coarsest that is good and the finest that is not.
@@ -29,9 +29,9 @@ class Search {
   const std::optional<Probe>& bad() const { return bad_; }
   /// The most accurate that completed; the error of none is NaN.
   const Probe& best() const { return best_; }
-  Choice choice(const Probe& probe) const { return dial_.at(choice_, probe.value); }
-  const Choice& scheme() const { return choice_; }
-  const Dial& dial() const { return dial_; }
+  SchemeConfig choice(const Probe& probe) const { return dial_.at(choice_, probe.value); }
+  const SchemeConfig& scheme() const { return choice_; }
+  const ResolutionParameter& dial() const { return dial_; }
   std::string name() const { return least::name(subject_.card(choice_), choice_); }
   int declared_order() const { return least::declared_order(subject_.card(choice_), choice_); }
 
@@ -42,7 +42,7 @@ class Search {
   bool stalled() const { return flat_ >= 2; }
   bool too_dear() const { return too_dear_; }
   /// What is not good enough fails, it is not inaccurate.
-  bool limited_by_stability() const { return good_ && bad_ && bad_->trial.status != Reason::completed; }
+  bool limited_by_stability() const { return good_ && bad_ && bad_->trial.status != ReturnCode::completed; }
 
  private:
   double next() const;
@@ -50,9 +50,9 @@ class Search {
 
   static constexpr double most_forces = 2e7;
 
-  const Subject& subject_;
-  Choice choice_;
-  Dial dial_;
+  const ErrorStudy& subject_;
+  SchemeConfig choice_;
+  ResolutionParameter dial_;
   double accuracy_, longest_;
   std::optional<Probe> good_, bad_, before_;  ///< before_: the bad one before the last
   Probe best_;

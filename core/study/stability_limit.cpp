@@ -2,15 +2,15 @@
 #include <cmath>
 
 #include "core/composition.hpp"
+#include "core/problem_traits.hpp"
 #include "core/run/stability.hpp"
-#include "core/scene.hpp"
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 
 namespace least {
 namespace {
 
 /// Looks at every sample as it comes: how far the state gets from zero.
-class Size final : public Sink {
+class Size final : public RowSink {
  public:
   bool append(std::span<const double> rows) override {
     for (const double x : rows) most = std::isnan(x) || std::abs(x) > most ? std::abs(x) : most;
@@ -22,7 +22,7 @@ class Size final : public Sink {
 /// Long runs at constant steps.
 class LongRun {
  public:
-  LongRun(const Request& scene, const Choice& scheme, const std::atomic<bool>& cancelled)
+  LongRun(const Request& scene, const SchemeConfig& scheme, const std::atomic<bool>& cancelled)
       : request_(scene),
         cancelled_(cancelled),
         motion_(conditioning(*scene.scene, scene.end, [&] { return !cancelled.load(std::memory_order_relaxed); })) {
@@ -49,24 +49,24 @@ class LongRun {
     if (motion_->ends) request.until_steps = false;
     request.record = {Record::Mode::every, std::max<std::int64_t>(request.steps / samples, 1), {}};
     Size size;
-    const Outcome outcome = request.scene->mechanics->run(request, size, cancelled_);
+    const Solution outcome = request.scene->mechanics->run(request, size, cancelled_);
     for (std::size_t i = 0; i < motion_->variables; ++i) size.append({&outcome.final[i], 1});
     const auto flips = [](const Warning& warning) { return warning.code == "damping_sign"; };
     const double spans = motion_->travels() ? std::max((outcome.t - request.scene->start) / span(), 1.0) : 1;
     if (!(size.most < far * spans * std::max(motion_->size, 1e-300))) return "energy_growth";
     switch (outcome.stop.reason) {
-      case Reason::completed:
-      case Reason::deadline:
-      case Reason::cancelled:
-      case Reason::step_limit:
-      case Reason::left_domain:  // the motion itself ends
+      case ReturnCode::completed:
+      case ReturnCode::deadline:
+      case ReturnCode::cancelled:
+      case ReturnCode::step_limit:
+      case ReturnCode::left_domain:  // the motion itself ends
         return std::ranges::any_of(outcome.warnings, flips) ? "sign_flip" : "";
-      case Reason::unstable_step:
+      case ReturnCode::unstable_step:
         return "energy_growth";
-      case Reason::singular:
+      case ReturnCode::singular:
         return "pole";
-      case Reason::solver_failed:
-      case Reason::parameter_step_underflow:
+      case ReturnCode::solver_failed:
+      case ReturnCode::parameter_step_underflow:
         return "solver_failed";
       default:
         return "not_finite";
@@ -83,7 +83,7 @@ class LongRun {
 
 /// What linear theory says of the step at which it fails in this way, where the motion has one frequency: that of its
 /// small oscillations.
-double theory(const Conditioning& motion, const SchemeCard& card, const Choice& scheme, std::string_view failure,
+double theory(const Conditioning& motion, const SchemeCard& card, const SchemeConfig& scheme, std::string_view failure,
               double most) {
   double bound = unknown;
   if (failure == "sign_flip") return 2 / motion.damping;
@@ -104,11 +104,12 @@ double theory(const Conditioning& motion, const SchemeCard& card, const Choice& 
 
 }  // namespace
 
-StabilityLimit longest_stable_step_of(const Request& scene, const Choice& scheme, const std::atomic<bool>& cancelled) {
+StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& scheme,
+                                      const std::atomic<bool>& cancelled) {
   StabilityLimit limit;
   limit.scheme = scheme;
   const SchemeCard& card = scene.scene->mechanics->schemes()[scheme.scheme];
-  const Dial dial(card);
+  const ResolutionParameter dial(card);
   if (card.own_clock || dial.name != "step") return limit;
   const LongRun run(scene, scheme, cancelled);
   const double most = std::min(run.span(), dial.range.high);

@@ -20,13 +20,13 @@
 namespace least {
 
 /// A scheme with all its settings, in the order of its card.
-struct Choice {
+struct SchemeConfig {
   std::size_t scheme = 0;
   std::vector<double> settings;
 };
 
 /// The choice of this scheme in words, as "leapfrog, kahan_li_6", without the setting that a study varies.
-std::string name(const SchemeCard& card, const Choice& choice);
+std::string name(const SchemeCard& card, const SchemeConfig& choice);
 
 /// One run of a study.
 struct StudyPoint {
@@ -35,11 +35,11 @@ struct StudyPoint {
   double error = 0;  ///< NaN where the run did not complete
   std::int64_t force_evaluations = 0;
   double seconds = 0;  ///< the smallest of some runs, on this machine
-  Reason status = Reason::completed;
+  ReturnCode status = ReturnCode::completed;
 };
 
 struct StudyCurve {
-  Choice scheme;             ///< as it was asked for
+  SchemeConfig scheme;       ///< as it was asked for
   std::string_view setting;  ///< step | sigma | theta | tolerance
   std::vector<StudyPoint> points;
   double observed_order = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured, `why` says why not
@@ -66,9 +66,9 @@ struct Study {
 };
 
 struct StudyPlan {
-  Request scene;                ///< problem, parameters, start, end in time; nothing else of it is read
-  std::vector<Choice> schemes;  ///< the varied setting is where the search for the first point begins
-  bool at_end = true;           ///< error of the final state, else the largest along the span
+  Request scene;                      ///< problem, parameters, start, end in time; nothing else of it is read
+  std::vector<SchemeConfig> schemes;  ///< the varied setting is where the search for the first point begins
+  bool at_end = true;                 ///< error of the final state, else the largest along the span
   double budget_seconds = 10;
   std::int64_t most_forces = 20'000'000;      ///< of one run
   std::function<void(const Study&)> begun{};  ///< told once how, floor, growth and end are known; may be empty
@@ -95,14 +95,14 @@ struct Wish {
 
 /// A measured run that grants the wish.
 struct Alternative {
-  Choice scheme;
+  SchemeConfig scheme;
   std::int64_t force_evaluations = 0;
   double estimated_error = 0, seconds = 0;
 };
 
 struct Advice {
-  std::optional<Choice> choice;  ///< empty where no scheme fits the wish's `keep`, or none completes
-  std::string reason;            ///< in words: why this one; or what the best is, and why there is nothing better
+  std::optional<SchemeConfig> choice;  ///< empty where no scheme fits the wish's `keep`, or none completes
+  std::string reason;                  ///< in words: why this one; or what the best is, and why there is nothing better
   double estimated_error = std::numeric_limits<double>::quiet_NaN();  ///< against the reference, or at half the step
   bool met = false;
   std::vector<Alternative> alternatives;  ///< cheapest first, without the choice
@@ -114,14 +114,15 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
 
 /// The largest stable step of a scheme on a scene.
 struct StabilityLimit {
-  Choice scheme;
+  SchemeConfig scheme;
   double step = std::numeric_limits<double>::quiet_NaN();  ///< NaN: stable at every step tried, or no fixed steps
   std::string_view failure;  ///< just beyond: energy_growth | sign_flip | solver_failed | pole | not_finite; or empty
   double theory = std::numeric_limits<double>::quiet_NaN();  ///< NaN: none; 0: it grows at every step
 };
 
 /// To one part in a thousand. Stable: over 2,000 steps and at least the span, the state stays bounded.
-StabilityLimit longest_stable_step_of(const Request& scene, const Choice& scheme, const std::atomic<bool>& cancelled);
+StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& scheme,
+                                      const std::atomic<bool>& cancelled);
 
 /// The true states of a scene at increasing times. Kept for the next question about a scene of the same content; at
 /// most 64 of them, of 16 MiB together. Thread-safe. `keep_going` is asked now and then; false gives up.

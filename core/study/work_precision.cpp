@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 
 namespace least {
 namespace {
@@ -16,7 +16,7 @@ double slope(const StudyPoint& coarse, const StudyPoint& fine) {
 /// The runs of one scheme, from coarse to fine.
 class Ladder {
  public:
-  Ladder(const Subject& subject, const StudyPlan& plan, StudyCurve& curve)
+  Ladder(const ErrorStudy& subject, const StudyPlan& plan, StudyCurve& curve)
       : subject_(subject), plan_(plan), curve_(curve), dial_(subject.card(curve.scheme)) {
     curve.setting = dial_.name;
     longest_ = value_ = subject.longest(curve.scheme, dial_) / (dial_.adaptive() ? 1 : 4);
@@ -30,7 +30,7 @@ class Ladder {
   /// One run. True where the curve has a new point.
   bool climb(double seconds) {
     const Trial trial = subject_.run(dial_.at(curve_.scheme, value_), seconds, plan_.most_forces);
-    if (trial.status == Reason::deadline || trial.status == Reason::cancelled) return false;  // to be run again
+    if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return false;  // to be run again
     StudyPoint point{value_,        dial_.name == "step" ? value_ : std::numeric_limits<double>::quiet_NaN(),
                      trial.error,   trial.forces,
                      trial.seconds, trial.status};
@@ -60,7 +60,7 @@ class Ladder {
   void move_on(const Trial& trial) {
     const double finer = dial_.adaptive() ? std::sqrt(10.0) : 1.5;
     // One that ended early says little of what a whole one costs.
-    const bool whole = trial.status == Reason::completed;
+    const bool whole = trial.status == ReturnCode::completed;
     const double growth = !whole ? 1 : dial_.adaptive() ? 1.3 : finer;
     cost_ = std::max(cost_, static_cast<double>(trial.forces) * growth);
     flat_ = whole && trial.error > 0.9 * last_ ? flat_ + 1 : 0;
@@ -68,7 +68,7 @@ class Ladder {
     value_ /= finer;
     if (dial_.name == "step") cost_ = std::max(cost_, (subject_.end() - subject_.start()) / value_);
     const bool at_floor = trial.error < 3 * subject_.floor() || (flat_ >= 2 && trial.error < subject_.plateau());
-    const bool dear = cost_ > static_cast<double>(plan_.most_forces) || trial.status == Reason::step_limit;
+    const bool dear = cost_ > static_cast<double>(plan_.most_forces) || trial.status == ReturnCode::step_limit;
     over_ = at_floor || dear || value_ < std::max(dial_.range.low, 1e-12 * longest_);
   }
 
@@ -107,10 +107,10 @@ class Ladder {
                              std::max(points.front().error, 30 * subject_.floor()));
   }
 
-  const Subject& subject_;
+  const ErrorStudy& subject_;
   const StudyPlan& plan_;
   StudyCurve& curve_;
-  Dial dial_;
+  ResolutionParameter dial_;
   double value_, longest_, cost_ = 0, last_ = std::numeric_limits<double>::infinity();
   std::optional<StudyPoint> before_;  ///< the last run before the first that means something
   int flat_ = 0;
@@ -144,14 +144,14 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
                      const std::atomic<bool>& cancelled) {
   const Deadline deadline(plan.budget_seconds);
   Study study;
-  for (const Choice& scheme : plan.schemes) {
+  for (const SchemeConfig& scheme : plan.schemes) {
     StudyCurve& curve = study.curves.emplace_back();
     curve.scheme = scheme;
     const SchemeCard& card = plan.scene.scene->mechanics->schemes()[scheme.scheme];
     curve.expected_order = declared_order(card, scheme);
-    curve.setting = Dial(card).name;
+    curve.setting = ResolutionParameter(card).name;
   }
-  const Subject subject(plan.scene, plan.at_end, plan.budget_seconds, cancelled);
+  const ErrorStudy subject(plan.scene, plan.at_end, plan.budget_seconds, cancelled);
   study.end = subject.end();
   study.growth = plan.at_end ? subject.conditioning().growth : subject.conditioning().most_growth;
   study.chaotic = subject.conditioning().chaotic();

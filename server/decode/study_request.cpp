@@ -16,12 +16,12 @@ struct StudyRequest {
   const ProblemCard* problem = nullptr;
   const PresetCard* preset = nullptr;
   Request scene;
-  std::vector<Choice> schemes;
+  std::vector<SchemeConfig> schemes;
 };
 
 // The settings with a composition, where the scheme takes it here.
-void add_composed(const SchemeCard& card, const ProblemCard& problem, Choice choice, std::string_view composition,
-                  std::vector<Choice>& all) {
+void add_composed(const SchemeCard& card, const ProblemCard& problem, SchemeConfig choice, std::string_view composition,
+                  std::vector<SchemeConfig>& all) {
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
     const auto& parameter = card.parameters[i];
     const auto found = std::find(parameter.choices.begin(), parameter.choices.end(), composition);
@@ -35,7 +35,7 @@ void add_composed(const SchemeCard& card, const ProblemCard& problem, Choice cho
 void add_all(const Cards& cards, const FieldPath& top, StudyRequest& study) {
   for (const auto index : study.problem->schemes) {
     const SchemeCard& card = cards.schemes[index];
-    const Choice plain{index, read_settings({}, top, card, study.problem, study.preset)};
+    const SchemeConfig plain{index, read_settings({}, top, card, study.problem, study.preset)};
     study.schemes.push_back(plain);
     if (card.recommended.empty() || card.recommended == "none") continue;
     add_composed(card, *study.problem, plain, card.recommended, study.schemes);

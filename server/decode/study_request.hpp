@@ -16,7 +16,7 @@ Result<StudyPlan, Faults> decode_work_precision(ParsedJson body, const Cards& ca
 /// The question for the longest stable steps; the scene's `limits.seconds` are for all of it.
 struct StabilityPlan {
   Request scene;
-  std::vector<Choice> schemes;
+  std::vector<SchemeConfig> schemes;
 };
 Result<StabilityPlan, Faults> decode_stability(ParsedJson body, const Cards& cards, const Caps& caps);
 

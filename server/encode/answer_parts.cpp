@@ -111,7 +111,7 @@ void write_echo(JsonWriter& json, const FinishedRun& run) {
   write_limits(json.key("limits"), run);
 }
 
-void write_stop(JsonWriter& json, const Stop& stop) {
+void write_stop(JsonWriter& json, const Termination& stop) {
   json.open('{').key("reason").text(name(stop.reason)).key("detail").text(stop.detail);
   json.key("t").number(stop.t).key("step").integer(stop.step).key("singular_at");
   stop.singular_at ? json.number(*stop.singular_at) : json.null();

@@ -16,7 +16,7 @@ void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<do
 void write_until(JsonWriter& json, const Request& request);
 /// Why a scheme was chosen, and what else there was.
 void write_choice(JsonWriter& json, const AdviceWithCards& choice);
-void write_stop(JsonWriter& json, const Stop& stop);
+void write_stop(JsonWriter& json, const Termination& stop);
 void write_final(JsonWriter& json, const FinishedRun& run);
 /// Entries with names are an object, entries without are a list.
 void write_reports(JsonWriter& json, const std::vector<Report>& reports);
@@ -27,8 +27,8 @@ void write_warnings(JsonWriter& json, const std::vector<Warning>& warnings);
 /// The word that a code stands for; empty where it stands for none.
 std::string_view word_of(const std::vector<std::string>& words, double code);
 
-inline std::string_view status_of(const Outcome& outcome) {
-  return outcome.stop.reason == Reason::completed ? "completed" : "stopped";
+inline std::string_view status_of(const Solution& outcome) {
+  return outcome.stop.reason == ReturnCode::completed ? "completed" : "stopped";
 }
 
 }  // namespace least::server

@@ -1,4 +1,4 @@
-// Outcome of a run → bytes. Written straight from the samples, no tree in between.
+// Solution of a run → bytes. Written straight from the samples, no tree in between.
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ struct FinishedRun {
   const Request& request;
   const ProblemCard& problem;
   const SchemeCard& scheme;
-  const Outcome& outcome;
+  const Solution& outcome;
   const Samples& samples;
   const AdviceWithCards* choice = nullptr;  ///< where it was not the client who chose
 };
@@ -32,7 +32,7 @@ struct FinishedRun {
 Answer encode_json(const FinishedRun& run);
 
 /// `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands
-/// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-Choice`, `-Final`,
+/// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-SchemeConfig`, `-Final`,
 /// `-Diagnostics`,
 /// `-Events`, `-Cost` and `-Warnings`; one that would be longer than 4 KiB says `{"omitted":true}`.
 Answer encode_csv(const FinishedRun& run);

@@ -21,9 +21,9 @@ void add_field(Answer& answer, const char* name, Write write) {
 Answer encode_csv(const FinishedRun& run) {
   Answer answer;
   answer.type = "text/csv; charset=utf-8; header=present";
-  const Outcome& outcome = run.outcome;
+  const Solution& outcome = run.outcome;
   answer.headers.emplace_back("Leastaction-Status", status_of(outcome));
-  if (outcome.stop.reason != Reason::completed) {
+  if (outcome.stop.reason != ReturnCode::completed) {
     add_field(answer, "Leastaction-Stop", [&](JsonWriter& json) { write_stop(json, outcome.stop); });
   }
   add_field(answer, "Leastaction-Request", [&](JsonWriter& json) {

@@ -46,7 +46,7 @@ Answer encode_json(const FinishedRun& run) {
   answer.body.reserve(4096 + run.samples.values.size() * 20);
   JsonWriter json(answer.body);
   json.open('{').key("version").text(version).key("status").text(status_of(run.outcome));
-  if (run.outcome.stop.reason != Reason::completed) write_stop(json.key("stop"), run.outcome.stop);
+  if (run.outcome.stop.reason != ReturnCode::completed) write_stop(json.key("stop"), run.outcome.stop);
   write_echo(json, run);
   if (run.choice) write_choice(json.key("choice"), *run.choice);
   write_trajectory(json.key("trajectory"), run);

@@ -6,13 +6,13 @@
 namespace least::server {
 namespace {
 
-void write(JsonWriter& json, const Cards& cards, const Choice& choice) {
+void write(JsonWriter& json, const Cards& cards, const SchemeConfig& choice) {
   write_scheme(json, cards.schemes[choice.scheme], choice.settings);
 }
 
 // The scheme as it ran for a point: with the setting that was varied; the step in time goes along with θ.
-Choice ran(const Cards& cards, const StudyCurve& curve, const StudyPoint& point) {
-  Choice choice = curve.scheme;
+SchemeConfig ran(const Cards& cards, const StudyCurve& curve, const StudyPoint& point) {
+  SchemeConfig choice = curve.scheme;
   const auto& parameters = cards.schemes[choice.scheme].parameters;
   double ratio = 1;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -72,9 +72,9 @@ void write_left_out(JsonWriter& json, const std::vector<std::string>& left_out) 
   json.close(']');
 }
 
-void write_status(JsonWriter& json, Reason end) {
-  json.key("status").text(end == Reason::completed ? "completed" : "stopped");
-  if (end != Reason::completed) json.key("stop").open('{').key("reason").text(name(end)).close('}');
+void write_status(JsonWriter& json, ReturnCode end) {
+  json.key("status").text(end == ReturnCode::completed ? "completed" : "stopped");
+  if (end != ReturnCode::completed) json.key("stop").open('{').key("reason").text(name(end)).close('}');
 }
 
 void write_study_echo(JsonWriter& json, const PlanWithCards& planned) {
@@ -91,7 +91,7 @@ void write_truth(JsonWriter& json, const least::Study& study) {
   json.key("end").number(study.end);
 }
 
-void write_findings(JsonWriter& json, const PlanWithCards& planned, const least::Study& study, Reason end,
+void write_findings(JsonWriter& json, const PlanWithCards& planned, const least::Study& study, ReturnCode end,
                     bool points) {
   write_curves(json.key("curves"), planned, study, points);
   write_pareto(json.key("pareto"), planned, study);
@@ -112,7 +112,7 @@ std::string line(WriteMembers write_members) {
 
 }  // namespace
 
-std::string encode_study(const PlanWithCards& planned, const least::Study& study, Reason end) {
+std::string encode_study(const PlanWithCards& planned, const least::Study& study, ReturnCode end) {
   return line([&](JsonWriter& json) {
     write_study_echo(json, planned);
     write_truth(json, study);
@@ -125,7 +125,7 @@ std::string encode_study_head(const PlanWithCards& planned, const least::Study& 
     write_study_echo(json, planned);
     write_truth(json, study);
     json.key("schemes").open('[');
-    for (const Choice& choice : planned.plan.schemes) write(json, planned.cards, choice);
+    for (const SchemeConfig& choice : planned.plan.schemes) write(json, planned.cards, choice);
     json.close(']');
   });
 }
@@ -139,11 +139,11 @@ std::string encode_study_point(const PlanWithCards& planned, std::size_t index, 
   });
 }
 
-std::string encode_study_end(const PlanWithCards& planned, const least::Study& study, Reason end) {
+std::string encode_study_end(const PlanWithCards& planned, const least::Study& study, ReturnCode end) {
   return line([&](JsonWriter& json) { write_findings(json, planned, study, end, false); });
 }
 
-std::string encode_stability(const StabilityFindings& findings, Reason end) {
+std::string encode_stability(const StabilityFindings& findings, ReturnCode end) {
   const auto& [scene, schemes, limits, cards] = findings;
   return line([&](JsonWriter& json) {
     json.key("version").text(version);

@@ -9,7 +9,7 @@
 namespace least::server {
 namespace {
 
-constexpr std::chrono::milliseconds glance{50};
+constexpr std::chrono::milliseconds between_looks{50};
 
 }  // namespace
 
@@ -37,7 +37,7 @@ class CancellationWatch::Watcher {
   void work(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     while (came_.wait(lock, stop, [this] { return !watches_.empty(); }) && !stop.stop_requested()) {
-      pause_.wait_for(lock, stop, glance, [] { return false; });
+      pause_.wait_for(lock, stop, between_looks, [] { return false; });
       for (CancellationWatch* watch : watches_) watch->look();
     }
   }
@@ -56,7 +56,7 @@ CancellationWatch::~CancellationWatch() { Watcher::instance().remove(*this); }
 
 void CancellationWatch::look() {
   const auto passed = Clock::now() - start_;
-  if (cancelled_ || passed < glance) return;
+  if (cancelled_ || passed < between_looks) return;
   const bool late = std::chrono::duration<double>(passed).count() > seconds_;
   if (!late && !ended_ && !(gone_ && gone_())) return;
   timed_out_ = late;

@@ -47,7 +47,7 @@ void scenes() {
       if (!composed) std::printf("| %g ", request.settings[0]);
       std::printf("| %lld | %.1e%s ", static_cast<long long>(outcome.cost.force_evaluations),
                   runs::number(outcome.diagnostics, "error/max"),
-                  outcome.stop.reason == Reason::left_domain ? ", to its surface" : "");
+                  outcome.stop.reason == ReturnCode::left_domain ? ", to its surface" : "");
     }
     std::printf("|\n");
   }

@@ -94,7 +94,7 @@ const bool registered = [] {
     state.counters["units"] = steps;
   });
   least::Request damped = bare("damped_oscillator", "contact_leapfrog", 0.01);
-  damped.parameters[1] = 1e-6;  // a motion that has not died away, whose numbers have not become subnormal
+  runs::scene(damped).parameters[1] = 1e-6;  // a motion that has not died away, whose numbers have not become subnormal
   ours("contact/damped", damped);
   ours("contact/damped with s", with_action(damped));
   bench::compare("contact_leapfrog damped_oscillator, by hand", "contact/damped", "hand/damped", 1.05);

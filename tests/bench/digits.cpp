@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/state_error.hpp"
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 #include "tests/bench/peers.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/support/runs.hpp"
@@ -28,13 +28,13 @@ constexpr std::int64_t most_forces = 2'000'000;  // of a run
 const std::atomic<bool> never{false};
 
 /// A scene with its true states at 64 times that follow the motion, dense where that is fast. The last is the end.
-struct Course {
+struct TrueOrbit {
   Request scene;  ///< up to where the motion goes
   std::vector<double> times;
   std::shared_ptr<const Truth> truth;
   double floor;  ///< errors below mean nothing
 
-  explicit Course(const Request& of) : scene(of) {
+  explicit TrueOrbit(const Request& of) : scene(of) {
     constexpr std::size_t count = 64;
     const auto always = [] { return true; };
     const auto known = conditioning(*scene.scene, scene.end, always);
@@ -72,10 +72,10 @@ struct Contestant {
   std::string_view symbol{};                              ///< of the setting; empty: no scheme of ours
 };
 
-Contestant ours(const Course& course, const Choice& choice) {
-  const Dial dial(choice);
-  const auto request = [&course, choice, dial](double value) {
-    Request made = course.scene;
+Contestant ours(const TrueOrbit& orbit, const SchemeConfig& choice) {
+  const ResolutionParameter dial(schemes()[choice.scheme]);
+  const auto request = [&orbit, choice, dial](double value) {
+    Request made = orbit.scene;
     made.scheme = choice.scheme;
     made.settings = dial.at(choice, value).settings;
     made.columns.clear();
@@ -83,14 +83,14 @@ Contestant ours(const Course& course, const Choice& choice) {
     runs::only_final(made);
     return made;
   };
-  const auto measured = [&course, request](double value) -> Run {
+  const auto measured = [&orbit, request](double value) -> Run {
     Request made = request(value);
-    runs::at_times(made, course.times);
-    for (std::size_t i = 1; i <= course.variables(); ++i) made.columns.push_back(i);
+    runs::at_times(made, orbit.times);
+    for (std::size_t i = 1; i <= orbit.variables(); ++i) made.columns.push_back(i);
     Samples samples;
-    const Outcome outcome = made.scene->mechanics->run(made, samples, never);
-    const bool whole = outcome.stop.reason == Reason::completed;
-    return {whole ? course.error(samples.values) : std::numeric_limits<double>::quiet_NaN(),
+    const Solution outcome = made.scene->mechanics->run(made, samples, never);
+    const bool whole = outcome.stop.reason == ReturnCode::completed;
+    return {whole ? orbit.error(samples.values) : std::numeric_limits<double>::quiet_NaN(),
             outcome.cost.force_evaluations};
   };
   const auto prepared = [request](double value) -> std::function<void()> {
@@ -100,7 +100,7 @@ Contestant ours(const Course& course, const Choice& choice) {
     };
   };
   const SchemeCard& card = schemes()[choice.scheme];
-  const std::string words = name(choice);
+  const std::string words = name(card, choice);
   const double coarsest = dial.adaptive() ? dial.range.high : std::min(1e3 * dial.value(choice), dial.range.high);
   return {"`" + words.substr(0, card.id.size()) + "`" + words.substr(card.id.size()),
           coarsest,
@@ -111,15 +111,15 @@ Contestant ours(const Course& course, const Choice& choice) {
           card.parameters[dial.index].symbol};
 }
 
-Contestant theirs(const Course& course, const bench::Peer& peer) {
-  const auto measured = [&course, peer](double tolerance) -> Run {
-    std::vector<double> states(course.times.size() * course.variables());
-    const std::int64_t forces = peer.prepared(tolerance)(course.times, states.data());
-    return {forces > 0 ? course.error(states) : std::numeric_limits<double>::quiet_NaN(), forces};
+Contestant theirs(const TrueOrbit& orbit, const bench::Peer& peer) {
+  const auto measured = [&orbit, peer](double tolerance) -> Run {
+    std::vector<double> states(orbit.times.size() * orbit.variables());
+    const std::int64_t forces = peer.prepared(tolerance)(orbit.times, states.data());
+    return {forces > 0 ? orbit.error(states) : std::numeric_limits<double>::quiet_NaN(), forces};
   };
-  const auto prepared = [&course, peer](double tolerance) -> std::function<void()> {
-    return [&course, solver = peer.prepared(tolerance), state = std::vector<double>(course.variables())]() mutable {
-      solver({&course.scene.end, 1}, state.data());
+  const auto prepared = [&orbit, peer](double tolerance) -> std::function<void()> {
+    return [&orbit, solver = peer.prepared(tolerance), state = std::vector<double>(orbit.variables())]() mutable {
+      solver({&orbit.scene.end, 1}, state.data());
     };
   };
   return {std::string(peer.name), 1, 1e-16, std::pow(10, 0.25), measured, prepared};
@@ -247,19 +247,19 @@ void row(const char* title, std::size_t accuracy, const std::vector<Ladder>& our
 }
 
 /// What others have made is a measure of ours, also where it stands in the catalogue.
-bool is_baseline(const Choice& choice) {
+bool is_baseline(const SchemeConfig& choice) {
   const std::string_view id = schemes()[choice.scheme].id;
   return id == "dormand_prince_5" || id == "fehlberg_78" || id == "bulirsch_stoer";
 }
 
 void rows(const char* title, const Request& scene) {
-  const Course course(scene);
+  const TrueOrbit orbit(scene);
   std::size_t above = 0;
-  while (above < accuracies.size() && accuracies[above] >= 3 * course.floor) ++above;
+  while (above < accuracies.size() && accuracies[above] >= 3 * orbit.floor) ++above;
   std::vector<Ladder> our, their;
-  for (const Choice& choice : candidates(*scene.scene->mechanics, {}))
-    if (!is_baseline(choice)) our.push_back({ours(course, choice)});
-  for (const bench::Peer& peer : bench::peers(course.scene)) their.push_back({theirs(course, peer)});
+  for (const SchemeConfig& choice : candidates(*scene.scene->mechanics, {}))
+    if (!is_baseline(choice)) our.push_back({ours(orbit, choice)});
+  for (const bench::Peer& peer : bench::peers(orbit.scene)) their.push_back({theirs(orbit, peer)});
   if (above > 0) {
     descend(our, above, 5);
     descend(their, above, std::numeric_limits<double>::infinity());
@@ -267,7 +267,7 @@ void rows(const char* title, const Request& scene) {
   for (std::size_t i = 0; i < above; ++i) row(title, i, our, their);
   for (std::size_t i = above; i < accuracies.size(); ++i)
     std::printf("| %s | %.0e | below the floor, %.0e | – | – | – | – | – | – | – |\n", title, accuracies[i],
-                course.floor);
+                orbit.floor);
 }
 
 /// From its default start, up to `end`; the scheme in it is any that fits.
@@ -291,7 +291,7 @@ void bench::digits() {
       "best peer / ours |\n|---|---|---|---|---|---|---|---|---|---|\n");
   const double pi = std::acos(-1.0);
   Request round = scene("kepler", 200 * pi);
-  round.initial = {0.4, 0, 0, 2};
+  runs::scene(round).initial = {0.4, 0, 0, 2};
   rows("Kepler, e = 0.6, 100 periods", round);
   rows("Kepler, e = 0.961, 10 periods", scene("kepler", 10 * 18.893743377439769));
   rows("damped oscillator, t = 100", scene("damped_oscillator", 100));

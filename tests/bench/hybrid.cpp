@@ -83,7 +83,7 @@ void print(const Comparison& all) {
       std::printf("| `%s` | %s | %lld | %.2f |", c.scheme, described(c, request).c_str(),
                   static_cast<long long>(outcome.cost.force_evaluations), ms);
       for (const Column& column : all.columns) std::printf(" %.1e |", runs::number(outcome.diagnostics, column.path));
-      std::printf("%s\n", outcome.stop.reason == Reason::completed ? "" : " stopped");
+      std::printf("%s\n", outcome.stop.reason == ReturnCode::completed ? "" : " stopped");
     }
   }
 }

@@ -10,14 +10,14 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/assemble.hpp"
 #include "core/catalogue/catalogue.hpp"
+#include "core/from_values.hpp"
+#include "core/problem_traits.hpp"
 #include "core/problems/damped_oscillator.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/problems/lane_emden.hpp"
 #include "core/problems/perturbed_kepler.hpp"
 #include "core/problems/van_der_pol.hpp"
-#include "core/scene.hpp"
 
 #ifdef LEAST_HAS_GSL
 #include <gsl/gsl_errno.h>
@@ -52,7 +52,7 @@ struct Motion {
   double start;
 
   Motion(const P& of, const Request& scene) : problem(of) {
-    X x = start_of<X>(problem, scene.initial, scene.start);
+    X x = start_of<X>(problem, scene.scene->initial, scene.scene->start);
     if constexpr (HasSeries<P>)
       if (starts_series(problem, x)) x = series_state<X>(problem, P::series_until);
     start = x.t;
@@ -204,7 +204,7 @@ Solver with_gsl(const Motion<P>& motion, const Setup& setup) {
 
 template <template <class> class P>
 std::vector<Peer> peers_of(const Request& scene) {
-  const Motion<P<double>> motion(assemble<P<double>>(About<P>::fields, scene.parameters), scene);
+  const Motion<P<double>> motion(from_values<P<double>>(About<P>::fields, scene.scene->parameters), scene);
   std::vector<Peer> all;
   const auto add = [&](std::string_view name, auto* solver) {
     for (const double first_step : {1e-3, 1e-1})

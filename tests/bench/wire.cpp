@@ -39,13 +39,13 @@ void end_to_end(benchmark::State& state) {
 struct Ready {
   Request request;
   Samples samples;
-  Outcome outcome;
+  Solution outcome;
   Ready() {
     request = runs::defaults("kepler", "leapfrog");
     request.until_steps = true;
     request.steps = 99'999;
     const std::atomic<bool> cancelled{false};
-    outcome = run(request, samples, cancelled);
+    outcome = request.scene->mechanics->run(request, samples, cancelled);
   }
 };
 const Ready& ready() {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "core/scene.hpp"
+#include "core/problem_traits.hpp"
 #include "least_problems.hpp"
 
 namespace least::problems {}

@@ -21,7 +21,7 @@ Request asking(std::string_view problem, std::string_view scheme, std::string_vi
 }
 double ask(const Request& request, std::string_view path) {
   const auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << result.outcome.stop.detail;
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << result.outcome.stop.detail;
   return runs::number(result.outcome.diagnostics, path);
 }
 
@@ -139,7 +139,7 @@ TEST(Structure, IsThatOfTheStepsThatWereTaken) {
   Request failing = asking("henon_heiles", "variational_midpoint", "structure");
   runs::scene(failing).initial = {0, 0.1, 2, 0};
   const auto some = runs::go(failing);
-  EXPECT_NE(some.outcome.stop.reason, Reason::completed);
+  EXPECT_NE(some.outcome.stop.reason, ReturnCode::completed);
   EXPECT_GT(some.outcome.cost.steps, 10);
   EXPECT_GE(runs::number(some.outcome.diagnostics, "structure/max_defect"), 0);
 }
@@ -196,7 +196,7 @@ TEST(Error, OfARunThatWasCutShortIsThatOfTheShortRun) {
   request.steps = 10'000'000;
   request.limits.steps = 1015;
   const auto cut = runs::go(request);
-  EXPECT_EQ(cut.outcome.stop.reason, Reason::step_limit);
+  EXPECT_EQ(cut.outcome.stop.reason, ReturnCode::step_limit);
   EXPECT_EQ(runs::number(cut.outcome.diagnostics, "error/max"), asked);
 }
 

@@ -139,11 +139,11 @@ TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
   Request request = runs::defaults("kepler", "leapfrog");
   request.limits.steps = 1234;
   auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::step_limit);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::step_limit);
   EXPECT_EQ(result.outcome.stop.step, 1234);
   EXPECT_EQ(result.rows.size(), 1235U);
   request.limits.steps = 4000;  // exactly enough
-  EXPECT_EQ(runs::go(request).outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(runs::go(request).outcome.stop.reason, ReturnCode::completed);
 
   request.limits.steps = std::int64_t{1} << 60;
   request.until_steps = true;
@@ -151,7 +151,7 @@ TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
   request.record.count = std::int64_t{1} << 49;
   request.limits.seconds = 0.05;
   result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::deadline);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline);
   EXPECT_LT(result.outcome.cost.seconds, 1);
   EXPECT_GT(result.outcome.stop.step, 1000);
 
@@ -162,15 +162,15 @@ TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
     cancelled = true;
   });
   Samples samples;
-  EXPECT_EQ(request.scene->mechanics->run(request, samples, cancelled).stop.reason, Reason::cancelled);
+  EXPECT_EQ(request.scene->mechanics->run(request, samples, cancelled).stop.reason, ReturnCode::cancelled);
   later.join();
 
-  struct Full final : Sink {
+  struct Full final : RowSink {
     bool append(std::span<const double>) override { return false; }
   } full;
   request.record.count = 1;
   cancelled = false;
-  EXPECT_EQ(request.scene->mechanics->run(request, full, cancelled).stop.reason, Reason::cancelled);
+  EXPECT_EQ(request.scene->mechanics->run(request, full, cancelled).stop.reason, ReturnCode::cancelled);
 }
 
 TEST(Budget, DeadlineHoldsBetweenGridPoints) {
@@ -180,7 +180,7 @@ TEST(Budget, DeadlineHoldsBetweenGridPoints) {
   request.record = {Record::Mode::samples, 1'000'000, {}};
   request.limits.seconds = 0.05;
   const auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::deadline);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline);
   EXPECT_LT(result.outcome.cost.seconds, 1);
 }
 
@@ -189,7 +189,7 @@ TEST(Budget, DeadlineHoldsForSlowSteps) {
   request.settings = {1e-6, 8};  // 35 implicit stages a step
   request.limits.seconds = 0.05;
   const auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::deadline);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline);
   EXPECT_LT(result.outcome.cost.seconds, 1);
 }
 

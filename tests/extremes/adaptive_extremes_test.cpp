@@ -41,7 +41,7 @@ TEST(Tolerance, AtTheLowEndOfItsRangeIsTheMotionToRoundOff) {
     Request request = at_tolerance(star ? set(plain, {{"n", 5}}) : plain, low);
     request.end = std::min(request.end, runs::scene(request).start + 5);
     const auto result = go(ask(request, {"error"}));
-    ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << name(request) << ": " << result.outcome.stop.detail;
+    ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << name(request) << ": " << result.outcome.stop.detail;
     EXPECT_LT(runs::number(result.outcome.diagnostics, "error/max"), 1e-10) << name(request);
   });
 }
@@ -56,11 +56,11 @@ TEST(Tolerance, AtTheHighEndOfItsRangeEndsInAStatus) {
       runs::scene(request).initial = *runs::regular_start(request, 0.1);
     }
     const auto result = go(request);  // however wrong it is, what is kept is finite
-    const Reason why = result.outcome.stop.reason;
+    const ReturnCode why = result.outcome.stop.reason;
     // Energy that piles up throws a bounded orbit to infinity, or uses up all heat.
-    const bool lost = why == Reason::singular || why == Reason::not_finite;
-    EXPECT_TRUE(why == Reason::completed || why == Reason::left_domain || lost) << name(request);
-    if (why == Reason::completed) {
+    const bool lost = why == ReturnCode::singular || why == ReturnCode::not_finite;
+    EXPECT_TRUE(why == ReturnCode::completed || why == ReturnCode::left_domain || lost) << name(request);
+    if (why == ReturnCode::completed) {
       EXPECT_EQ(result.outcome.t, request.end) << name(request);
     }
   });
@@ -75,11 +75,11 @@ TEST(AdaptiveBudget, OfALongSpanAtTheLowestToleranceIsKept) {
       request.record = {Record::Mode::samples, 1000, {}};
       request.limits = {0.02, 1'000'000'000'000, 1'000'000};
       const auto result = go(request);
-      EXPECT_EQ(result.outcome.stop.reason, Reason::deadline) << name(request);
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline) << name(request);
       EXPECT_GT(result.outcome.stop.step, 10) << name(request);
       EXPECT_LT(result.outcome.cost.seconds, 0.5) << name(request);
       request.limits = {2, 500, 1'000'000};
-      EXPECT_EQ(reason(request), Reason::step_limit) << name(request);
+      EXPECT_EQ(reason(request), ReturnCode::step_limit) << name(request);
     }
 }
 
@@ -90,16 +90,16 @@ TEST(AdaptiveBudget, OfAStiffSceneIsKept) {
       const Request stiff = at_tolerance(of("van_der_pol", {scheme}, {{"epsilon", 1000}}), tolerance);
       Request request = until(stiff, 1);
       const auto whole = go(request);
-      EXPECT_EQ(whole.outcome.stop.reason, Reason::completed) << scheme << ' ' << tolerance;
+      EXPECT_EQ(whole.outcome.stop.reason, ReturnCode::completed) << scheme << ' ' << tolerance;
       EXPECT_GT(whole.outcome.cost.steps, 300) << scheme << ' ' << tolerance;
       EXPECT_NEAR(whole.outcome.final[0], 2 - 2.0 / 3000, 1e-4) << scheme << ' ' << tolerance;
       request.limits.steps = 100;
-      EXPECT_EQ(reason(request), Reason::step_limit) << scheme << ' ' << tolerance;
+      EXPECT_EQ(reason(request), ReturnCode::step_limit) << scheme << ' ' << tolerance;
       request = until(stiff, 1e6);
       runs::only_final(request);
       request.limits = {0.01, 1'000'000'000'000, 1'000'000};
       const auto stopped = go(request);
-      EXPECT_EQ(stopped.outcome.stop.reason, Reason::deadline) << scheme << ' ' << tolerance;
+      EXPECT_EQ(stopped.outcome.stop.reason, ReturnCode::deadline) << scheme << ' ' << tolerance;
       EXPECT_LT(stopped.outcome.cost.seconds, 0.5) << scheme << ' ' << tolerance;
     }
 }
@@ -143,7 +143,7 @@ TEST(WithinAStep, AnEndBeforeTheSurfaceIsReached) {
       request.record = {Record::Mode::samples, 50, {}};
       const auto result = go(request);
       const std::string what = std::string(scheme) + ' ' + std::to_string(n) + ' ' + std::to_string(end);
-      ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << what;
+      ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << what;
       EXPECT_EQ(result.outcome.t, end) << what;
       EXPECT_NEAR(result.outcome.final[0], q, 1e-7) << what;
       ASSERT_EQ(result.rows.size(), 50U) << what;
@@ -174,10 +174,10 @@ TEST(WithinAStep, NoStateIsOutsideTheDomain) {
           const std::string what = std::string(scheme) + ' ' + std::to_string(n) + ' ' + std::to_string(start);
           EXPECT_GE(result.outcome.final[0], 0) << what;
           for (const auto& row : result.rows) EXPECT_GE(row[1], 0) << what << ' ' << row[0];
-          const Stop& stop = result.outcome.stop;
-          if (stop.reason == Reason::completed) continue;
+          const Termination& stop = result.outcome.stop;
+          if (stop.reason == ReturnCode::completed) continue;
           ++stopped;
-          EXPECT_EQ(stop.reason, Reason::left_domain) << what;
+          EXPECT_EQ(stop.reason, ReturnCode::left_domain) << what;
           EXPECT_GT(stop.singular_at.value_or(0), stop.t) << what;
           if (samples == 0) {
             EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(stop.step) + 1) << what;
@@ -194,7 +194,7 @@ TEST(Tolerance, WhatLeapsOverACollisionIsSaid) {
       Request fall = ask(at_tolerance(of("kepler", {scheme}, {}), tolerance), {"energy"});
       fall = until(at(fall, {{"x", 1}, {"y", 0}, {"px", 0}, {"py", 0}}), 20);
       const auto result = go(fall);
-      if (result.outcome.stop.reason != Reason::completed) continue;
+      if (result.outcome.stop.reason != ReturnCode::completed) continue;
       const double off = std::abs(runs::number(result.outcome.diagnostics, "energy/final") + 1);
       EXPECT_TRUE(off < 10 || warned(result, "off_energy_level")) << scheme << ' ' << tolerance << ": " << off;
       leapt += off > 10;
@@ -216,7 +216,7 @@ TEST(WithinAStep, SamplesReachToTheSurface) {
     for (int k = 1; k <= 250; ++k) times.push_back(0.01 * k);
     runs::at_times(request, times);
     const auto result = go(request);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::left_domain) << scheme;
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain) << scheme;
     EXPECT_NEAR(result.outcome.stop.singular_at.value_or(0), surface, 1e-6) << scheme;
     ASSERT_EQ(result.rows.size(), 244U) << scheme;  // to 2.44
     for (const auto& row : result.rows) EXPECT_NEAR(row[1], 1 - row[0] * row[0] / 6, 1e-6) << scheme << ' ' << row[0];

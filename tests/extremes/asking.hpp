@@ -142,8 +142,8 @@ inline runs::Result go(const Request& request) {
         << what << ": final " << problem_of(request).variables[i].name;
   }
   EXPECT_TRUE(std::isfinite(result.outcome.cost.seconds));
-  const least::Stop& stop = result.outcome.stop;
-  if (stop.reason != least::Reason::completed) {
+  const least::Termination& stop = result.outcome.stop;
+  if (stop.reason != least::ReturnCode::completed) {
     EXPECT_FALSE(stop.detail.empty()) << what;
     EXPECT_EQ(stop.t, result.outcome.t) << what;
   }
@@ -155,7 +155,7 @@ inline runs::Result go(const Request& request) {
   }
   return result;
 }
-inline least::Reason reason(const Request& request) { return go(request).outcome.stop.reason; }
+inline least::ReturnCode reason(const Request& request) { return go(request).outcome.stop.reason; }
 
 /// The number of a row in the column of that name.
 inline double value(const Request& request, const std::vector<double>& row, std::string_view name) {

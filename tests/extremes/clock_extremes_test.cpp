@@ -48,7 +48,7 @@ TEST(ClockEccentricity, NearlyOne) {
     for (const double e : {0.99, 0.999, 0.9999}) {
       const auto result = go(only_final(until(ellipse(e, scheme), 2 * pi)));
       const std::string what = std::string(scheme.id) + ' ' + std::to_string(e);
-      EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << what;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << what;
       EXPECT_LT(number(result, "error/final"), error) << what;
       EXPECT_LT(number(result, "energy/max_abs_error"), energy) << what;
       EXPECT_TRUE(result.outcome.warnings.empty()) << what;
@@ -82,7 +82,7 @@ TEST(ClockUnbound, AndRetrogradeOrbits) {
     Request request = only_final(until(hyperbola(scheme), 10));
     const auto there = go(request), mirrored = go(only_final(until(hyperbola(scheme, -1), 10)));
     for (const auto* result : {&there, &mirrored}) {
-      EXPECT_EQ(result->outcome.stop.reason, Reason::completed) << scheme.id;
+      EXPECT_EQ(result->outcome.stop.reason, ReturnCode::completed) << scheme.id;
       EXPECT_LT(number(*result, "error/max"), error) << scheme.id;
     }
     for (std::size_t i = 0; i < 4; ++i)
@@ -98,13 +98,13 @@ TEST(ClockUnbound, NoStepLeadsToTheOtherBranch) {
   for (const double kappa : {null, -level, -level * (1 + 1e-12), -level * (1 + 1e-6), -level * (1 - 1e-6)})
     for (const double sigma : {1.001 * bound, 1.5 * bound, 2 * bound, 10.0, 1e3, 1e100, 1e300}) {
       const auto result = go(only_final(hyperbola({"time_transformed", {{"sigma", sigma}, {"kappa", kappa}}})));
-      EXPECT_EQ(result.outcome.stop.reason, Reason::singular) << kappa << ' ' << sigma;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::singular) << kappa << ' ' << sigma;
     }
   for (double composition = 0; composition < 9; ++composition)
     for (const double sigma : {0.01, 0.1, 1.0, 2.0, 3.0, 5.0}) {
       const Scheme scheme{"time_transformed", {{"sigma", sigma}, {"kappa", null}, {"composition", composition}}};
       const auto result = go(only_final(hyperbola(scheme)));
-      if (result.outcome.stop.reason == Reason::completed) {
+      if (result.outcome.stop.reason == ReturnCode::completed) {
         EXPECT_LT(number(result, "error/final"), 0.05) << composition << ' ' << sigma;
       } else {
         EXPECT_GE(sigma, 1) << composition;
@@ -146,9 +146,9 @@ TEST(ClockCollision, EndsInAnUnderflow) {
         const auto result = go(request);
         const std::string what =
             std::string(line.problem) + ' ' + std::to_string(line.start[0]) + " order " + std::to_string(order);
-        ASSERT_EQ(result.outcome.stop.reason, Reason::parameter_step_underflow) << what;
+        ASSERT_EQ(result.outcome.stop.reason, ReturnCode::parameter_step_underflow) << what;
         EXPECT_NEAR(result.outcome.t, collision(line.r, line.v), 1e-5) << what;
-        EXPECT_EQ(reason(until(request, collision(line.r, line.v) - 0.1)), Reason::completed) << what;
+        EXPECT_EQ(reason(until(request, collision(line.r, line.v) - 0.1)), ReturnCode::completed) << what;
       }
 }
 
@@ -159,18 +159,18 @@ TEST(ClockCollision, TurnsBackOrEnds) {
     for (const double sigma : {0.01, 0.05}) {
       const Scheme scheme{"time_transformed", {{"sigma", sigma}, {"kappa", null}, {"composition", 4}}};
       const auto result = go(along(line, scheme));
-      EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << line.start[0];
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << line.start[0];
       EXPECT_LT(number(result, "error/final"), 1e-9) << line.start[0];
     }
     for (const Scheme& scheme : {Scheme{"time_transformed"}, Scheme{"time_transformed", {{"composition", 4}}},
                                  Scheme{"adaptive_verlet"}, Scheme{"adaptive_verlet", {{"monitor", 0}}}}) {
       const auto result = go(along(line, scheme));
-      const Reason why = result.outcome.stop.reason;
-      if (why == Reason::completed) {
+      const ReturnCode why = result.outcome.stop.reason;
+      if (why == ReturnCode::completed) {
         EXPECT_EQ(scheme.id, "time_transformed");
         EXPECT_LT(number(result, "error/final"), 2e-3) << line.start[0];
       } else {
-        EXPECT_TRUE(why == Reason::singular || why == Reason::not_finite || why == Reason::unstable_step);
+        EXPECT_TRUE(why == ReturnCode::singular || why == ReturnCode::not_finite || why == ReturnCode::unstable_step);
         EXPECT_NEAR(result.outcome.t, collision(line.r, line.v), 0.05) << line.start[0];
       }
     }
@@ -187,11 +187,11 @@ TEST(ClockCollision, OfAdaptiveStepsEndsWhereItHappens) {
         const auto result = go(request);
         const std::string what = std::string(line.problem) + ' ' + std::string(scheme) + std::to_string(tolerance);
         const double when = collision(line.r, line.v);
-        ASSERT_EQ(result.outcome.stop.reason, Reason::singular) << what;
+        ASSERT_EQ(result.outcome.stop.reason, ReturnCode::singular) << what;
         EXPECT_NEAR(result.outcome.t, when, when * std::max(10 * tolerance, 1e-10)) << what;
         EXPECT_FALSE(result.outcome.stop.singular_at.has_value()) << what << ": the time is not known that well";
         EXPECT_NE(result.outcome.stop.detail.find("tolerance"), std::string::npos) << result.outcome.stop.detail;
-        EXPECT_EQ(reason(until(request, when - 0.1)), Reason::completed) << what;
+        EXPECT_EQ(reason(until(request, when - 0.1)), ReturnCode::completed) << what;
       }
 }
 
@@ -201,7 +201,7 @@ TEST(ClockCollision, AlongAnyLineEndsOrTurnsBack) {
   for (int k = 0; k < 24; ++k) {  // every third a diagonal
     const double angle = (k % 3 == 0 ? 0 : 0.13) + pi / 4 + k * pi / 6, c = std::cos(angle), s = std::sin(angle);
     const auto result = go(along({"kepler", {2 * c, 2 * s, -0.1 * c, -0.1 * s}, 2, -0.1}, {"jacobi_maupertuis"}));
-    if (result.outcome.stop.reason == Reason::parameter_step_underflow)
+    if (result.outcome.stop.reason == ReturnCode::parameter_step_underflow)
       ++ended;
     else
       EXPECT_LT(number(result, "error/final"), 2e-3) << angle;
@@ -218,7 +218,7 @@ TEST(ClockThreshold, BelowEveryKineticEnergyOfTheOrbit) {
   };
   const Request request = ask(with(0.0047), {"error"});
   const auto result = go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
   EXPECT_EQ(switches(result), 1);
   for (std::size_t i = 1; i < result.rows.size(); ++i) {
     EXPECT_EQ(value(request, result.rows[i], "mode"), 1) << i;
@@ -254,9 +254,9 @@ TEST(ClockThreshold, AMotionThatComesToRestBelowIt) {  // with none there is no 
     return go(of("harmonic_oscillator", {"jacobi_maupertuis", {{"critical_kinetic_energy", threshold}}}, {}));
   };
   const auto result = with(0);
-  ASSERT_EQ(result.outcome.stop.reason, Reason::parameter_step_underflow);
+  ASSERT_EQ(result.outcome.stop.reason, ReturnCode::parameter_step_underflow);
   EXPECT_NEAR(result.outcome.t, pi, 1e-3) << "the turning point";
-  EXPECT_EQ(with(0.1).outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(with(0.1).outcome.stop.reason, ReturnCode::completed);
 }
 
 TEST(ClockThreshold, IsNotCrossedToAndFro) {  // K swings between 0.4999 and 0.5001
@@ -267,7 +267,7 @@ TEST(ClockThreshold, IsNotCrossedToAndFro) {  // K swings between 0.4999 and 0.5
     const double fast = std::sqrt((1 + e) / (1 - e));
     const auto result =
         go(only_final(until(at(of("kepler", scheme, {}), {{"x", 1 - e}, {"y", 0}, {"px", 0}, {"py", fast}}), 20 * pi)));
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
     return switches(result);
   };
   for (const double order : {2, 4, 6}) EXPECT_LE(chattering(0.9, order), 4) << order;

@@ -53,13 +53,13 @@ TEST(ClockSettings, AStepOfNoLengthIsFoundOut) {
     }
     if (scheme_of(request).id == "jacobi_maupertuis") request = set(request, {{"critical_kinetic_energy", null}});
     const auto result = go(request);
-    const Reason why = result.outcome.stop.reason;
-    EXPECT_TRUE(why == Reason::singular ||
-                (!is_adaptive(request) && (why == Reason::not_finite || why == Reason::unstable_step)))
+    const ReturnCode why = result.outcome.stop.reason;
+    EXPECT_TRUE(why == ReturnCode::singular ||
+                (!is_adaptive(request) && (why == ReturnCode::not_finite || why == ReturnCode::unstable_step)))
         << name(request);
     EXPECT_EQ(result.outcome.stop.step, 0) << name(request);
     EXPECT_EQ(known(result.outcome.final), start_of_motion(request)) << name(request);
-    EXPECT_EQ(reason(steps(plain, 20)), Reason::completed) << name(request);
+    EXPECT_EQ(reason(steps(plain, 20)), ReturnCode::completed) << name(request);
   });
 }
 
@@ -67,12 +67,12 @@ TEST(ClockSettings, WhatTurnsALittleTooMuchIsHalvedAsOftenAsItTakes) {
   for (const double alpha : {1e-6, 1e-4, 1.0}) {
     const Scheme scheme{"jacobi_maupertuis", {{"alpha_max", alpha}, {"critical_kinetic_energy", 0.1}}};
     const auto result = go(ask(steps(of("kepler_3d", scheme, {}), 2000), {"energy"}));
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << alpha;
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << alpha;
     EXPECT_LT(number(result, "energy/max_abs_error"), 1e-6) << alpha;
     EXPECT_GT(result.outcome.t, 100 * alpha * 1e-2) << alpha;
   }
   const Scheme tiny{"jacobi_maupertuis", {{"alpha_max", 1e-12}, {"critical_kinetic_energy", 0.1}}};
-  EXPECT_EQ(reason(of("kepler_3d", tiny, {})), Reason::parameter_step_underflow);
+  EXPECT_EQ(reason(of("kepler_3d", tiny, {})), ReturnCode::parameter_step_underflow);
 }
 
 TEST(ClockSettings, AnyGravityIsTheSameOrbit) {  // lengths fixed, times scaled by 1/√μ
@@ -84,7 +84,7 @@ TEST(ClockSettings, AnyGravityIsTheSameOrbit) {  // lengths fixed, times scaled 
           Scheme{"adaptive_verlet", {{"step", 0.01 / w}}}}) {
       Request request = at(of("kepler", scheme, {{"mu", mu}}), {{"x", 0}, {"y", -1.6}, {"px", -p}, {"py", 0}});
       const auto result = go(until(request, period));
-      EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << scheme.id << ' ' << mu;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme.id << ' ' << mu;
       EXPECT_NEAR(result.outcome.final[0], 0, 2e-4) << scheme.id << ' ' << mu;
       EXPECT_NEAR(result.outcome.final[1], -1.6, 2e-4) << scheme.id << ' ' << mu;
     }
@@ -104,7 +104,7 @@ TEST(ClockAtRest, AnEquilibriumStays) {
     Request request = plain;
     std::ranges::fill(runs::scene(request).initial, 0.0);
     const auto result = go(everything(request));
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << name(request);
     for (std::size_t i = 0; i < runs::scene(request).initial.size(); ++i) {
       const auto& variable = problem_of(request).variables[i];
       if (variable.name == "s" || variable.optional) continue;  // moves on, or is no part of the motion
@@ -123,7 +123,7 @@ TEST(ClockAtRest, OnASummitOrNextToIt) {
         return go(everything(until(at(of("pendulum", with, {}), {{"q", pi}, {"p", p}}), 5)));
       };
       const auto result = fall({scheme});
-      EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << scheme << ' ' << p;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme << ' ' << p;
       EXPECT_LT(number(result, "error/final"), 0.01) << scheme << ' ' << p;
       for (const double threshold : {0.0, 1e-300, 1e-30})
         if (scheme == "jacobi_maupertuis") fall({scheme, {{"critical_kinetic_energy", threshold}}});
@@ -137,7 +137,7 @@ TEST(ClockAtRest, FromATurningPoint) {
       Request request = of(id, {scheme}, {});
       if (id == "henon_heiles") runs::scene(request).initial = {0.3, 0.2, 0, 0};
       const auto result = go(everything(until(request, 5)));
-      EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << id << ' ' << scheme;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << id << ' ' << scheme;
       EXPECT_LT(number(result, "error/max"), 0.05) << id << ' ' << scheme;
     }
 }
@@ -145,7 +145,7 @@ TEST(ClockAtRest, FromATurningPoint) {
 TEST(ClockAtRest, AlongTheSeparatrix) {  // to the summit, which it takes for ever to reach
   for (const std::string_view scheme : {"jacobi_maupertuis", "time_transformed", "adaptive_verlet"}) {
     const auto result = go(until(at(of("pendulum", {scheme}, {}), {{"q", 0}, {"p", 2}}), 5));
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme;
     EXPECT_NEAR(result.outcome.final[0], 4 * std::atan(std::exp(5.0)) - pi, 0.2) << scheme;
   }
 }
@@ -155,10 +155,10 @@ TEST(ClockRunaway, OverTheSaddleOfHenonHeilesIsStopped) {
                                         "fehlberg_78", "bulirsch_stoer"}) {
     Request request = at(of("henon_heiles", {scheme}, {}), {{"x", 0}, {"y", 1.2}, {"px", 0}, {"py", 0.5}});
     const auto result = go(request);
-    EXPECT_NE(result.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_NE(result.outcome.stop.reason, ReturnCode::completed) << scheme;
     EXPECT_GT(result.outcome.t, 2.5) << scheme;
     EXPECT_LT(result.outcome.t, 3.06) << scheme << ": the orbit is at infinity at t = 3.05";
-    EXPECT_EQ(reason(until(request, 1)), Reason::completed) << scheme;
+    EXPECT_EQ(reason(until(request, 1)), ReturnCode::completed) << scheme;
   }
 }
 
@@ -173,7 +173,7 @@ TEST(ClockBudget, OfTimeIsKept) {
     if (kept) request = ask(request, {"energy"});
     request.limits = {kept ? 0.03 : 0.005, 1'000'000'000'000, 1'000'000};
     const auto result = go(request);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::deadline) << name(request);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline) << name(request);
     EXPECT_GT(result.outcome.stop.step, kept ? 1000 : 10) << name(request);
     EXPECT_LT(result.outcome.cost.seconds, 1.3 * 0.03 + 0.5) << name(request);
     if (kept) {
@@ -189,13 +189,13 @@ TEST(ClockBudget, OfStepsAndSamplesIsKept) {
     const std::int64_t few = std::min<std::int64_t>(17, whole.outcome.cost.steps / 2);
     request.limits.steps = few;
     const auto stopped = go(request);
-    EXPECT_EQ(stopped.outcome.stop.reason, Reason::step_limit) << name(request);
+    EXPECT_EQ(stopped.outcome.stop.reason, ReturnCode::step_limit) << name(request);
     EXPECT_EQ(stopped.outcome.stop.step, few) << name(request);
     EXPECT_EQ(stopped.rows.size(), static_cast<std::size_t>(few) + 1) << name(request);
     request = plain;
     request.limits.samples = 5;
     const auto kept = go(request);
-    EXPECT_EQ(kept.outcome.stop.reason, Reason::completed) << name(request);
+    EXPECT_EQ(kept.outcome.stop.reason, ReturnCode::completed) << name(request);
     EXPECT_EQ(kept.rows.size(), 5U) << name(request);
     EXPECT_TRUE(warned(kept, "samples_truncated")) << name(request);
     EXPECT_FALSE(warned(whole, "samples_truncated")) << name(request);
@@ -215,7 +215,7 @@ TEST(ClockSamples, LieOnTheMotionHoweverManyAStepHolds) {
     Request dense = ask(request, {"error"});
     runs::at_times(dense, times);
     const auto result = go(dense);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << name(request);
     EXPECT_EQ(known(result.outcome.final), known(whole.outcome.final))
         << name(request) << ": recording changes nothing";
     EXPECT_EQ(result.outcome.cost.steps, whole.outcome.cost.steps) << name(request);
@@ -255,7 +255,7 @@ TEST(ClockSamples, OfAGivenNumberOfSteps) {
     Request request = steps(plain, 40);
     request.record.count = 7;
     const auto result = go(request);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << name(request);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << name(request);
     EXPECT_EQ(result.outcome.cost.steps, 40) << name(request);
     ASSERT_EQ(result.rows.size(), 6U) << name(request);
     EXPECT_GT(result.outcome.t, result.rows.back()[0]) << name(request);
@@ -276,7 +276,7 @@ TEST(ClockSamples, FarFromTheTimeZero) {
       runs::scene(late).start = start;
       late.end = start + 5;
       const auto here = go(request), there = go(late);
-      EXPECT_EQ(there.outcome.stop.reason, Reason::completed) << name(request);
+      EXPECT_EQ(there.outcome.stop.reason, ReturnCode::completed) << name(request);
       EXPECT_EQ(there.outcome.t, start + 5) << name(request);
       const auto far = known(there.outcome.final), near = known(here.outcome.final);
       // A clock that is read is rounded at every step.
@@ -294,7 +294,7 @@ TEST(ClockSamples, ATimeTooLargeToAdvanceEndsInAStatus) {
     request.end = 1e301;
     request.limits.steps = 1000;
     // A clock that is read cannot stand still; others add their steps up beside it.
-    EXPECT_EQ(reason(request), is_adaptive(request) ? Reason::singular : Reason::step_limit) << name(request);
+    EXPECT_EQ(reason(request), is_adaptive(request) ? ReturnCode::singular : ReturnCode::step_limit) << name(request);
   });
 }
 
@@ -304,7 +304,7 @@ TEST(ClockSamples, ATimeTooLargeToAdvanceEndsInAStatus) {
 void expect_said(const Request& request) {
   const auto result = go(ask(request, {"energy"}));
   const double defect = number(result, "energy/max_rel_error");
-  const bool wrong = !(defect < 10) && result.outcome.stop.reason == Reason::completed;
+  const bool wrong = !(defect < 10) && result.outcome.stop.reason == ReturnCode::completed;
   EXPECT_FALSE(wrong && result.outcome.warnings.empty()) << "not said: energy off by " << defect;
   EXPECT_FALSE(wrong && warned(result, "steps_in_time")) << "not stopped: energy off by " << defect;
 }
@@ -314,9 +314,9 @@ TEST(ClockRun, AFirstStepInTimeOutOfTheDepthOfAWellIsSeen) {
   const Scheme scheme{"jacobi_maupertuis", {{"critical_kinetic_energy", null}}};
   const Request deep = at(of("kepler", scheme, {}), {{"x", 1e-3}, {"y", 0}, {"px", 0}, {"py", 20}});
   expect_said(deep);
-  EXPECT_EQ(reason(deep), Reason::unstable_step);
+  EXPECT_EQ(reason(deep), ReturnCode::unstable_step);
   EXPECT_EQ(reason(at(of("kepler", {"leapfrog"}, {}), {{"x", 1e-3}, {"y", 0}, {"px", 0}, {"py", 20}})),
-            Reason::unstable_step);
+            ReturnCode::unstable_step);
 }
 
 TEST(ClockRun, AStepThatStandsInIsWatchedLikeOneInTime) {
@@ -330,7 +330,7 @@ TEST(ClockRun, ADensityThatSwingsEndsTheRun) {
   const Scheme scheme{"adaptive_verlet", {{"monitor", 0}}};
   const Request request = until(at(of("kepler", scheme, {}), {{"x", 0}, {"y", -1.999}, {"px", -0.0224}, {"py", 0}}), 6);
   expect_said(request);
-  EXPECT_EQ(reason(request), Reason::singular);
+  EXPECT_EQ(reason(request), ReturnCode::singular);
 }
 
 // By the rules of the plane the parameter's share of the motion may be anything.
@@ -339,7 +339,7 @@ TEST(ClockRun, StepControlKnowsHowFastTheParameterIs) {
     const Scheme scheme{"jacobi_maupertuis", {{"parameter_rule", rule}}};
     Request request = at(of("kepler", scheme, {}), {{"x", 3}, {"y", -1}, {"px", -0.3}, {"py", 0.1}});
     const auto result = go(ask(until(request, 12), {"error"}));
-    return result.outcome.stop.reason == Reason::completed ? number(result, "error/final") : 0;
+    return result.outcome.stop.reason == ReturnCode::completed ? number(result, "error/final") : 0;
   };
   EXPECT_LT(off(2), 0.1);  // a slow parameter lets L drift: the fall misses the centre, and is nowhere near it nonsense
   EXPECT_LT(off(0), 1e-2);

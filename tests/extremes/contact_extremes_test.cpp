@@ -25,7 +25,7 @@ TEST(DampingSign, IsWarnedOfAndMeansThatTheMomentumAlternates) {
       Request request = at(damped(scheme, h, alpha, 1e-12), {{"q", 0}, {"p", 1}});
       request.steps = 6;
       const auto result = go(request);
-      EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << scheme << ' ' << alpha;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme << ' ' << alpha;
       ASSERT_TRUE(warned(result, "damping_sign")) << scheme << ' ' << alpha;
       const double factor = (2 - alpha * h) / (2 + alpha * h);
       for (std::size_t i = 1; i < result.rows.size(); ++i)
@@ -66,10 +66,10 @@ TEST(DampingSign, OfADampingThatVariesIsFoundOnTheWay) {
 /// Runs on both sides of a bound: below it completed and bounded, beyond it stopped at the start.
 void expect_bound(const Request& below, const Request& above, const std::string& what) {
   const auto inside = go(below);
-  EXPECT_EQ(inside.outcome.stop.reason, Reason::completed) << what << ": " << inside.outcome.stop.detail;
+  EXPECT_EQ(inside.outcome.stop.reason, ReturnCode::completed) << what << ": " << inside.outcome.stop.detail;
   EXPECT_TRUE(warned(inside, "step_near_stability_bound")) << what;
   const auto beyond = go(above);
-  EXPECT_EQ(beyond.outcome.stop.reason, Reason::unstable_step) << what;
+  EXPECT_EQ(beyond.outcome.stop.reason, ReturnCode::unstable_step) << what;
   EXPECT_EQ(beyond.outcome.stop.step, 0) << what;
   EXPECT_EQ(beyond.rows.size(), 1U) << what << ": the start is a good state";
   // Just below the bound the ellipse of the motion is long, but closed.
@@ -100,15 +100,15 @@ TEST(StabilityBound, OfTheMergedSplitting) {  // 2√(x/tanh x), x = αh/2
 }
 
 TEST(StabilityBound, OfRungeKuttaIsItsIntervalOnEitherAxis) {
-  EXPECT_EQ(reason(damped("runge_kutta_4", 2.82, 0)), Reason::completed);
-  EXPECT_EQ(reason(damped("runge_kutta_4", 2.84, 0)), Reason::unstable_step);
-  EXPECT_EQ(reason(damped("runge_kutta_4", 0.0278, 100)), Reason::completed);
-  EXPECT_EQ(reason(damped("runge_kutta_4", 0.0279, 100)), Reason::unstable_step);
-  EXPECT_EQ(reason(damped("contact_galerkin_4", 2.82, 0)), Reason::completed);
-  EXPECT_EQ(reason(damped("contact_galerkin_4", 2.84, 0)), Reason::unstable_step);
-  EXPECT_EQ(reason(damped("contact_variational_midpoint", 500, 0.1)), Reason::completed);  // no bound
+  EXPECT_EQ(reason(damped("runge_kutta_4", 2.82, 0)), ReturnCode::completed);
+  EXPECT_EQ(reason(damped("runge_kutta_4", 2.84, 0)), ReturnCode::unstable_step);
+  EXPECT_EQ(reason(damped("runge_kutta_4", 0.0278, 100)), ReturnCode::completed);
+  EXPECT_EQ(reason(damped("runge_kutta_4", 0.0279, 100)), ReturnCode::unstable_step);
+  EXPECT_EQ(reason(damped("contact_galerkin_4", 2.82, 0)), ReturnCode::completed);
+  EXPECT_EQ(reason(damped("contact_galerkin_4", 2.84, 0)), ReturnCode::unstable_step);
+  EXPECT_EQ(reason(damped("contact_variational_midpoint", 500, 0.1)), ReturnCode::completed);  // no bound
   for (const double stages : {1, 2, 3})
-    EXPECT_EQ(reason(set(damped("contact_gauss", 500, 0.1), {{"stages", stages}})), Reason::completed) << stages;
+    EXPECT_EQ(reason(set(damped("contact_gauss", 500, 0.1), {{"stages", stages}})), ReturnCode::completed) << stages;
 }
 
 TEST(StabilityBound, HoldsWhateverTheProblemCallsItsFrequency) {
@@ -125,8 +125,8 @@ TEST(StabilityBound, HoldsWhateverTheProblemCallsItsFrequency) {
         if (parameter == "epsilon") x *= 0.999 / 2;  // its estimate of ω² is 2ε/(1 − |λ|)
         return reason(steps(of(problem, {scheme, {{"step", h}}}, {{std::string(parameter), x}}), 50));
       };
-      EXPECT_EQ(with(1.99 / h), Reason::completed) << problem << ' ' << scheme;
-      EXPECT_EQ(with(2.01 / h), Reason::unstable_step) << problem << ' ' << scheme;
+      EXPECT_EQ(with(1.99 / h), ReturnCode::completed) << problem << ' ' << scheme;
+      EXPECT_EQ(with(2.01 / h), ReturnCode::unstable_step) << problem << ' ' << scheme;
     }
 }
 
@@ -135,9 +135,9 @@ TEST(StabilityBound, OfASelfInteractingField) {  // ω² = m² + 3λq², met whe
     const auto with = [&](double q) {
       return go(at(of("scalar_field_cosmology", {scheme, {{"step", 0.05}}}, {{"lambda", 1000}}), {{"q", q}, {"p", 0}}));
     };
-    EXPECT_EQ(with(0.5).outcome.stop.reason, Reason::completed) << scheme;
-    EXPECT_EQ(with(0.75).outcome.stop.reason, Reason::unstable_step) << scheme;
-    EXPECT_EQ(with(1e60).outcome.stop.reason, Reason::unstable_step) << scheme;
+    EXPECT_EQ(with(0.5).outcome.stop.reason, ReturnCode::completed) << scheme;
+    EXPECT_EQ(with(0.75).outcome.stop.reason, ReturnCode::unstable_step) << scheme;
+    EXPECT_EQ(with(1e60).outcome.stop.reason, ReturnCode::unstable_step) << scheme;
   }
 }
 
@@ -154,7 +154,7 @@ TEST(Pole, OfANegativeWeightIsRefusedWithItsBound) {
       const double alpha = 100, bound = 2 / (alpha * weight);
       const Request beyond = choose(damped(scheme, 1.0001 * bound, alpha, 1e-6), {{"composition", composition}});
       const auto refused = go(beyond);
-      EXPECT_EQ(refused.outcome.stop.reason, Reason::singular) << scheme << ' ' << composition;
+      EXPECT_EQ(refused.outcome.stop.reason, ReturnCode::singular) << scheme << ' ' << composition;
       EXPECT_EQ(refused.outcome.stop.step, 0);
       EXPECT_TRUE(refused.rows.empty());
       EXPECT_EQ(refused.outcome.final[0], beyond.scene->initial[0]);
@@ -162,7 +162,7 @@ TEST(Pole, OfANegativeWeightIsRefusedWithItsBound) {
       const auto number = detail.rfind("αh = ");
       ASSERT_NE(number, std::string::npos) << detail;
       EXPECT_NEAR(std::stod(detail.substr(number + std::string("αh = ").size())), alpha * bound, 1e-3) << detail;
-      EXPECT_NE(reason(set(beyond, {{"step", 0.999 * bound}})), Reason::singular) << scheme << ' ' << composition;
+      EXPECT_NE(reason(set(beyond, {{"step", 0.999 * bound}})), ReturnCode::singular) << scheme << ' ' << composition;
     }
 }
 
@@ -170,14 +170,14 @@ TEST(Pole, OfDrivingIsRefusedAndSplittingGrowsAsTheMotionDoes) {
   for (const std::string_view scheme : {"contact_leapfrog", "contact_variational_midpoint"}) {
     for (const double alpha : {-20.0, -20.1, -1000.0}) {
       const auto refused = go(damped(scheme, 0.1, alpha));
-      EXPECT_EQ(refused.outcome.stop.reason, Reason::singular) << scheme << ' ' << alpha;
+      EXPECT_EQ(refused.outcome.stop.reason, ReturnCode::singular) << scheme << ' ' << alpha;
       EXPECT_EQ(refused.outcome.stop.step, 0);
       EXPECT_TRUE(refused.rows.empty());
       EXPECT_NE(refused.outcome.stop.detail.find("αh = −2"), std::string::npos) << refused.outcome.stop.detail;
     }
     Request near = damped(scheme, 0.1, -19.9);
     near.steps = 3;
-    EXPECT_EQ(reason(near), Reason::completed) << scheme;
+    EXPECT_EQ(reason(near), ReturnCode::completed) << scheme;
   }
   // H e^{αt} is kept while the amplitude grows by e^{−αt/2}: 1e11 here.
   for (const std::string_view splitting : {"plain", "merged"}) {
@@ -187,7 +187,7 @@ TEST(Pole, OfDrivingIsRefusedAndSplittingGrowsAsTheMotionDoes) {
     request.record.count = 0;
     request = ask(request, {"error", "energy"});
     const auto result = go(request);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
     EXPECT_GT(std::abs(result.outcome.final[0]), 1e9);
     EXPECT_LT(runs::number(result.outcome.diagnostics, "error/max"), 1e-5) << splitting;
     EXPECT_NEAR(runs::number(result.outcome.diagnostics, "energy/final") /
@@ -200,10 +200,10 @@ TEST(Pole, OfADampingThatVariesEndsTheRunWhereItIsMet) {
   Request request = of("modulated_oscillator", {"contact_leapfrog", {{"step", 0.1}}}, {{"alpha", 100}});
   request.end = 10;  // the damping turns into driving at t = 1
   const auto result = go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::singular);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::singular);
   EXPECT_NEAR(result.outcome.stop.t, 1, 0.11);
   EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1);
-  EXPECT_EQ(reason(set(request, {{"alpha", 10}})), Reason::completed);
+  EXPECT_EQ(reason(set(request, {{"alpha", 10}})), ReturnCode::completed);
 }
 
 // ── the action blows up ─────────────────────────────────────────────────────────────────────────────────────────────
@@ -214,8 +214,8 @@ Request falling(std::string_view scheme, double s, std::initializer_list<Named> 
 
 void expect_blow_up(const Request& request, double when, double tolerance, const std::string& what) {
   const auto result = go(request);
-  const Stop& stop = result.outcome.stop;
-  EXPECT_EQ(stop.reason, Reason::singular) << what << ": " << stop.detail;
+  const Termination& stop = result.outcome.stop;
+  EXPECT_EQ(stop.reason, ReturnCode::singular) << what << ": " << stop.detail;
   ASSERT_TRUE(stop.singular_at.has_value()) << what;
   EXPECT_NEAR(*stop.singular_at, when, tolerance) << what;
   EXPECT_GE(*stop.singular_at, stop.t - (is_adaptive(request) ? when * std::max(request.settings[0], 1e-12) : 0))
@@ -240,7 +240,7 @@ TEST(BlowUp, IsFoundInTime) {
       expect_blow_up(set(falling(scheme, -2), {{"tolerance", tolerance}}), when, 1e-10, std::string(scheme));
   // What lies above the repelling point is pulled to the attracting one.
   const Request benign = falling("contact_splitting", -1.4);
-  EXPECT_EQ(reason(benign), Reason::completed);
+  EXPECT_EQ(reason(benign), ReturnCode::completed);
   EXPECT_NEAR(go(benign).outcome.final[2], std::sqrt(2.0), 1e-6);
 }
 
@@ -257,7 +257,7 @@ TEST(BlowUp, WithoutSourceWithASinkAndOfWeakCurvature) {
   Request field =
       at(of("scalar_field_cosmology", {"contact_splitting", {}}, {{"gamma", 1}}), {{"q", 0}, {"p", 0}, {"s", -2.03}});
   expect_blow_up(field, 2 / 2.03, 1e-12, "field");
-  EXPECT_EQ(reason(falling("contact_splitting", -2, {{"gamma", 0}})), Reason::completed) << "without curvature";
+  EXPECT_EQ(reason(falling("contact_splitting", -2, {{"gamma", 0}})), ReturnCode::completed) << "without curvature";
 }
 
 // With a sink the action falls to −∞ once in every π/w, w = √(γ|R|/2) = 707: steps longer than that cannot miss it.
@@ -278,7 +278,7 @@ TEST(BlowUp, OffTheAxisIsATurnThatAShortStepPasses) {
     const auto long_steps = go(set(request, {{"step", 0.1}}));
     EXPECT_FALSE(long_steps.outcome.stop.singular_at.has_value()) << scheme << ": it does not blow up";
     const auto a = go(set(request, {{"step", 2e-4}})), b = go(set(request, {{"step", 1e-4}}));
-    ASSERT_EQ(a.outcome.stop.reason, Reason::completed) << scheme;
+    ASSERT_EQ(a.outcome.stop.reason, ReturnCode::completed) << scheme;
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a.outcome.final[i], b.outcome.final[i], 2e-3) << scheme << ' ' << i;
   }
 }
@@ -286,7 +286,7 @@ TEST(BlowUp, OffTheAxisIsATurnThatAShortStepPasses) {
 TEST(BlowUp, EndsEverySchemeInAStatus) {
   for (const std::size_t index : runs::problem_card("cosmological_oscillator").schemes) {
     const auto result = go(falling(schemes()[index].id, -2));
-    EXPECT_NE(result.outcome.stop.reason, Reason::completed) << schemes()[index].id;
+    EXPECT_NE(result.outcome.stop.reason, ReturnCode::completed) << schemes()[index].id;
     EXPECT_LT(result.outcome.stop.t, 2) << schemes()[index].id;
     EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1);
   }
@@ -303,21 +303,22 @@ TEST(Collision, OfThePerturbedKeplerProblemIsStoppedOrWarnedOf) {
     request.end = 3;  // reaches r = 0 at t = π/√8 = 1.11
     const auto result = go(request);
     if (is_adaptive(request)) {
-      EXPECT_EQ(result.outcome.stop.reason, Reason::singular) << scheme;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::singular) << scheme;
       EXPECT_NEAR(result.outcome.t, 1.1118010326, 1e-8) << scheme << ": a little later, being damped";
     } else {
-      EXPECT_TRUE(result.outcome.stop.reason == Reason::unstable_step || !result.outcome.warnings.empty()) << scheme;
+      EXPECT_TRUE(result.outcome.stop.reason == ReturnCode::unstable_step || !result.outcome.warnings.empty())
+          << scheme;
     }
     request.end = 0.5;
     const auto benign = go(request);
-    EXPECT_EQ(benign.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_EQ(benign.outcome.stop.reason, ReturnCode::completed) << scheme;
     EXPECT_TRUE(benign.outcome.warnings.empty()) << scheme;
     const auto centre = go(at(request, {{"x", 0}}));
-    EXPECT_EQ(centre.outcome.stop.reason, Reason::singular) << scheme;
+    EXPECT_EQ(centre.outcome.stop.reason, ReturnCode::singular) << scheme;
     EXPECT_EQ(centre.outcome.stop.step, 0) << scheme;
     EXPECT_TRUE(centre.rows.empty()) << scheme;
     const auto repelled = go(set(request, {{"gamma", 1}}));
-    EXPECT_EQ(repelled.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_EQ(repelled.outcome.stop.reason, ReturnCode::completed) << scheme;
   }
 }
 

@@ -74,13 +74,13 @@ TEST(EveryChoice, AnswersEverythingThatCanBeAskedOfIt) {
     }
     const auto result = go(steps(request, 50));
     if (needs_negative_potential(request) && problem_of(request).id != "kepler") {
-      const Reason why = result.outcome.stop.reason;
-      EXPECT_TRUE(why == Reason::completed || why == Reason::singular) << described(request);
+      const ReturnCode why = result.outcome.stop.reason;
+      EXPECT_TRUE(why == ReturnCode::completed || why == ReturnCode::singular) << described(request);
     } else {
-      ASSERT_EQ(result.outcome.stop.reason, Reason::completed)
+      ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed)
           << described(request) << ": " << result.outcome.stop.detail;
     }
-    const bool completed = result.outcome.stop.reason == Reason::completed;
+    const bool completed = result.outcome.stop.reason == ReturnCode::completed;
     EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(completed ? 50 : result.outcome.stop.step) + 1)
         << described(request);
     EXPECT_EQ(result.outcome.diagnostics.size(), request.diagnostics.size()) << described(request);
@@ -101,8 +101,8 @@ TEST(EveryChoice, TakesASingleStep) {
   for_each_run([](const Request& plain) {
     const Request request = steps(plain, 1);
     const auto result = go(request);
-    if (needs_negative_potential(request) && result.outcome.stop.reason == Reason::singular) return;
-    ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << described(request);
+    if (needs_negative_potential(request) && result.outcome.stop.reason == ReturnCode::singular) return;
+    ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << described(request);
     EXPECT_EQ(result.rows.size(), 2U) << described(request);
     if (scheme_of(request).own_clock)
       EXPECT_GT(result.outcome.t, 0) << described(request);

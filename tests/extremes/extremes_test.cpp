@@ -42,18 +42,18 @@ TEST(Step, ZeroIsTheIdentityAndEnds) {
     runs::drop_unknown(start);
     auto still = go(request);
     runs::drop_unknown(still.outcome.final);
-    EXPECT_EQ(still.outcome.stop.reason, Reason::completed) << problem.id << ' ' << scheme.id;
+    EXPECT_EQ(still.outcome.stop.reason, ReturnCode::completed) << problem.id << ' ' << scheme.id;
     EXPECT_EQ(still.outcome.final, start) << problem.id << ' ' << scheme.id;
 
     request.until_steps = false;  // never gets there
     auto stuck = go(request);
     runs::drop_unknown(stuck.outcome.final);
-    EXPECT_EQ(stuck.outcome.stop.reason, Reason::step_limit) << problem.id << ' ' << scheme.id;
+    EXPECT_EQ(stuck.outcome.stop.reason, ReturnCode::step_limit) << problem.id << ' ' << scheme.id;
     EXPECT_EQ(stuck.outcome.final, start);
 
     request.settings[0] = problem.suggested[0].second;
     request.end = runs::scene(request).start + 100 * request.settings[0];
-    EXPECT_EQ(reason(request), Reason::completed) << problem.id << ' ' << scheme.id;
+    EXPECT_EQ(reason(request), ReturnCode::completed) << problem.id << ' ' << scheme.id;
   });
 }
 
@@ -70,7 +70,7 @@ TEST(Step, HugeEndsInAStatus) {
       // An implicit step may have a solution however long it is (the midpoint rule turns by almost π), and so has a
       // rotation.
       EXPECT_TRUE(h <= 1e10 || scheme.implicit || problem.id == "generic_oscillator" ||
-                  result.outcome.stop.reason != Reason::completed)
+                  result.outcome.stop.reason != ReturnCode::completed)
           << problem.id << ' ' << scheme.id;
       request.until_steps = false;
       request.end = std::numeric_limits<double>::max();
@@ -81,9 +81,9 @@ TEST(Step, HugeEndsInAStatus) {
 
 TEST(Step, TinyIsStoppedByItsBudget) {
   Request request = with_step("kepler", "leapfrog", 1e-300);
-  EXPECT_EQ(reason(request), Reason::step_limit);
+  EXPECT_EQ(reason(request), ReturnCode::step_limit);
   request.settings[0] = 0.01;
-  EXPECT_EQ(reason(request), Reason::completed);
+  EXPECT_EQ(reason(request), ReturnCode::completed);
 }
 
 // Leapfrog on the harmonic oscillator: stable iff ωh < 2; stopped only beyond; warned from half of it on.
@@ -96,16 +96,17 @@ TEST(StabilityBound, OfLeapfrogOnTheOscillator) {
     return go(request);
   };
   const auto benign = at(0.9);
-  EXPECT_EQ(benign.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(benign.outcome.stop.reason, ReturnCode::completed);
   EXPECT_TRUE(benign.outcome.warnings.empty());
   const auto close = at(1.9);
-  EXPECT_EQ(close.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(close.outcome.stop.reason, ReturnCode::completed);
   ASSERT_EQ(close.outcome.warnings.size(), 1U);
   EXPECT_EQ(close.outcome.warnings[0].code, "step_near_stability_bound");
   EXPECT_LT(runs::number(close.outcome.diagnostics, "energy/max_abs_error"), 10) << "bounded below the bound";
-  EXPECT_EQ(at(2).outcome.stop.reason, Reason::completed) << "on the bound it grows, but only in proportion to time";
+  EXPECT_EQ(at(2).outcome.stop.reason, ReturnCode::completed)
+      << "on the bound it grows, but only in proportion to time";
   const auto beyond = at(2.001);
-  EXPECT_EQ(beyond.outcome.stop.reason, Reason::unstable_step);
+  EXPECT_EQ(beyond.outcome.stop.reason, ReturnCode::unstable_step);
   EXPECT_EQ(beyond.outcome.stop.step, 0);
   EXPECT_EQ(beyond.rows.size(), 1U) << "the start is a good state";
 }
@@ -118,26 +119,26 @@ TEST(StabilityBound, IsTheSchemesOwn) {
     request.steps = 1000;
     return reason(request);
   };
-  EXPECT_EQ(at("runge_kutta_4", 2.8), Reason::completed);
-  EXPECT_EQ(at("runge_kutta_4", 2.9), Reason::unstable_step);
-  EXPECT_EQ(at("leapfrog", 1.5, 1), Reason::completed);  // yoshida_4: 1.573
-  EXPECT_EQ(at("leapfrog", 1.7, 1), Reason::unstable_step);
-  EXPECT_EQ(at("galerkin_4", 2.8), Reason::completed);  // 2√2
-  EXPECT_EQ(at("galerkin_4", 2.9), Reason::unstable_step);
-  EXPECT_EQ(at("variational_midpoint", 50), Reason::completed);  // none
-  EXPECT_EQ(at("explicit_euler", 0.1), Reason::completed);       // grows at every step, and is the control for that
+  EXPECT_EQ(at("runge_kutta_4", 2.8), ReturnCode::completed);
+  EXPECT_EQ(at("runge_kutta_4", 2.9), ReturnCode::unstable_step);
+  EXPECT_EQ(at("leapfrog", 1.5, 1), ReturnCode::completed);  // yoshida_4: 1.573
+  EXPECT_EQ(at("leapfrog", 1.7, 1), ReturnCode::unstable_step);
+  EXPECT_EQ(at("galerkin_4", 2.8), ReturnCode::completed);  // 2√2
+  EXPECT_EQ(at("galerkin_4", 2.9), ReturnCode::unstable_step);
+  EXPECT_EQ(at("variational_midpoint", 50), ReturnCode::completed);  // none
+  EXPECT_EQ(at("explicit_euler", 0.1), ReturnCode::completed);       // grows at every step, and is the control for that
 }
 
 TEST(StabilityBound, OfAFrequencyThatGrowsOnTheWay) {  // free fall towards the centre passes it in between
   Request request = with_step("kepler", "leapfrog", 0.05);
   runs::scene(request).initial = {0, -4, -0.02, 0};
   const auto result = go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::unstable_step);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::unstable_step);
   EXPECT_GT(result.outcome.stop.step, 50);
   ASSERT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1) << "all samples before it kept";
   EXPECT_EQ(std::vector<double>(result.rows.back().begin() + 1, result.rows.back().end()), result.outcome.final);
   runs::scene(request).initial = {0, -4, -0.5, 0};
-  EXPECT_EQ(reason(request), Reason::completed);
+  EXPECT_EQ(reason(request), ReturnCode::completed);
 }
 
 TEST(Parameters, AtTheEndsOfTheirRanges) {
@@ -153,7 +154,7 @@ TEST(Parameters, AtTheEndsOfTheirRanges) {
   });
   Request twin = runs::defaults("harmonic_oscillator", "leapfrog");
   runs::scene(twin).parameters = {2, 3};
-  EXPECT_EQ(reason(twin), Reason::completed);
+  EXPECT_EQ(reason(twin), ReturnCode::completed);
 }
 
 TEST(Start, Extreme) {
@@ -177,7 +178,7 @@ TEST(Start, AtTheSingularity) {
       for (std::size_t i = 0; i < n; ++i) runs::scene(request).initial[i] = 0;
       request = everything(request);
       const auto result = go(request);
-      EXPECT_EQ(result.outcome.stop.reason, Reason::singular) << scheme.id;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::singular) << scheme.id;
       EXPECT_EQ(result.outcome.stop.singular_at, 0.0);
       EXPECT_EQ(result.outcome.stop.step, 0);
       EXPECT_TRUE(result.rows.empty());
@@ -187,7 +188,7 @@ TEST(Start, AtTheSingularity) {
         EXPECT_TRUE(std::isnan(runs::number(result.outcome.diagnostics, path))) << path << ": nothing was measured";
     }
   }
-  EXPECT_EQ(reason(with_step("kepler", "leapfrog", 0.01)), Reason::completed);
+  EXPECT_EQ(reason(with_step("kepler", "leapfrog", 0.01)), ReturnCode::completed);
 }
 
 TEST(Start, RadialFallIsStoppedOrWarnedOf) {  // a fixed step can jump over the centre; never without a word
@@ -198,17 +199,18 @@ TEST(Start, RadialFallIsStoppedOrWarnedOf) {  // a fixed step can jump over the 
     runs::scene(request).initial = {1, 0, 0, 0};  // reaches r = 0 at t = π/√8 = 1.11
     request.end = 3;
     const auto result = go(request);
-    EXPECT_TRUE(result.outcome.stop.reason == Reason::unstable_step || !result.outcome.warnings.empty()) << scheme.id;
+    EXPECT_TRUE(result.outcome.stop.reason == ReturnCode::unstable_step || !result.outcome.warnings.empty())
+        << scheme.id;
     request.end = 0.5;
     const auto benign = go(request);
-    EXPECT_EQ(benign.outcome.stop.reason, Reason::completed) << scheme.id;
+    EXPECT_EQ(benign.outcome.stop.reason, ReturnCode::completed) << scheme.id;
     EXPECT_TRUE(benign.outcome.warnings.empty()) << scheme.id;
   }
 }
 
 TEST(Eccentricity, NearlyOne) {
   for (const auto& [e, steps, expected] :
-       {std::tuple{0.9999, 20'000, Reason::unstable_step}, std::tuple{0.5, 20'000, Reason::completed}}) {
+       {std::tuple{0.9999, 20'000, ReturnCode::unstable_step}, std::tuple{0.5, 20'000, ReturnCode::completed}}) {
     Request request =
         with_step("kepler", "leapfrog", 4 * std::acos(-1.0) / steps);  // two periods, a = 1, from apoapsis
     runs::scene(request).initial = {0, -(1 + e), -std::sqrt((1 - e) / (1 + e)), 0};
@@ -223,7 +225,7 @@ TEST(Eccentricity, NearlyOne) {
   runs::scene(request).initial = {0, -1e-4, std::sqrt(1.9999 / 1e-4), 0};
   request.end = 2e-4;
   const auto passed = go(request);
-  EXPECT_EQ(passed.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(passed.outcome.stop.reason, ReturnCode::completed);
   EXPECT_TRUE(passed.outcome.warnings.empty());
 }
 
@@ -232,11 +234,11 @@ TEST(Solver, FailsByNameAndKeepsWhatItHas) {
     Request request = with_step("double_pendulum", scheme, 0.02);
     runs::scene(request).initial = {2, 2.5, 0, 0};
     request.end = 10;
-    EXPECT_EQ(reason(request), Reason::completed) << scheme;
+    EXPECT_EQ(reason(request), ReturnCode::completed) << scheme;
     request.settings[0] = 5;
     request.end = 1000;
     const auto result = go(request);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::solver_failed) << scheme;
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::solver_failed) << scheme;
     EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1);
   }
 }
@@ -251,7 +253,7 @@ TEST(Solver, SucceedsFarFromTheOrigin) {
         request.until_steps = true;
         request.steps = 20'000;
         request.record.count = 0;
-        EXPECT_EQ(reason(request), Reason::completed) << scheme << ' ' << turns << ' ' << p;
+        EXPECT_EQ(reason(request), ReturnCode::completed) << scheme << ' ' << turns << ' ' << p;
       }
 }
 
@@ -261,12 +263,12 @@ TEST(Escape, OverTheSaddleOfHenonHeiles) {
     runs::scene(request).initial = {0, 1.2, 0, 0.5};  // beyond the saddle at y = 1: runs off to infinity in finite time
     request = everything(request);
     const auto result = go(request);
-    EXPECT_NE(result.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_NE(result.outcome.stop.reason, ReturnCode::completed) << scheme;
     EXPECT_GT(result.outcome.stop.step, 10);
     EXPECT_EQ(result.rows.size(), static_cast<std::size_t>(result.outcome.stop.step) + 1);
     runs::scene(request).initial = {0, 0.1, 0.49, 0};
     request.end = 10;
-    EXPECT_EQ(reason(request), Reason::completed) << scheme;
+    EXPECT_EQ(reason(request), ReturnCode::completed) << scheme;
   }
 }
 
@@ -276,10 +278,10 @@ TEST(Growth, OfExplicitEulerIsStoppedWhereEnergiesOverflow) {
   request.steps = 5000;
   request.record.count = 1;
   const auto result = go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::not_finite);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::not_finite);
   EXPECT_NEAR(static_cast<double>(result.outcome.stop.step), 75 / std::log10(std::sqrt(2.0)), 10);
   request.steps = 400;
-  EXPECT_EQ(reason(request), Reason::completed);
+  EXPECT_EQ(reason(request), ReturnCode::completed);
 }
 
 // The last good state of a block that was taken back is the state that smaller blocks reach.
@@ -291,7 +293,7 @@ TEST(TakenBack, BlocksEndWhereSingleStepsEnd) {
   const auto fine = go(request);
   request.record.count = 0;
   const auto coarse = go(request);
-  EXPECT_NE(fine.outcome.stop.reason, Reason::completed);
+  EXPECT_NE(fine.outcome.stop.reason, ReturnCode::completed);
   EXPECT_EQ(fine.outcome.stop.reason, coarse.outcome.stop.reason);
   EXPECT_EQ(fine.outcome.stop.step, coarse.outcome.stop.step);
   EXPECT_EQ(fine.outcome.final, coarse.outcome.final);

@@ -26,7 +26,7 @@ TEST(Slope, HasAPoleAtEveryTurningPoint) {
   Request request = columns(of("van_der_pol", {"contact_splitting", {{"step", 0.002}}}, {}), {"t", "x", "v", "slope"});
   request = ask(at(request, {{"x", 0.5}, {"v", 1}}), {"poles", "cycle"});
   const auto result = go(request);
-  ASSERT_EQ(result.outcome.stop.reason, Reason::completed);
+  ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed);
   std::vector<double> turns;
   for (std::size_t i = 1; i < result.rows.size(); ++i) {
     const auto &a = result.rows[i - 1], &b = result.rows[i];
@@ -47,16 +47,16 @@ TEST(Slope, AtItsPoleIsUnknownAndNeverInfinite) {
     const std::string_view scheme = schemes()[index].id;
     Request request = columns(of("van_der_pol", {scheme, {}}, {}), {"t", "slope"});
     const auto result = go(request);  // that nothing is infinite is seen there
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme;
     EXPECT_TRUE(std::isnan(result.rows[0][1])) << scheme << ": at rest at the turning point x = 2";
     for (std::size_t i = 1; i < result.rows.size(); ++i) EXPECT_TRUE(std::isfinite(result.rows[i][1])) << scheme;
     const auto still = go(at(request, {{"x", 0}, {"v", 0}}));
-    EXPECT_EQ(still.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_EQ(still.outcome.stop.reason, ReturnCode::completed) << scheme;
     for (const auto& row : still.rows) EXPECT_TRUE(std::isnan(row[1])) << scheme << ": a fixed point has no slope";
     EXPECT_EQ(go(at(request, {{"slope", 0.25}})).rows[0][1], 0.25) << scheme;
     for (const double steep : {0.0, 1e-300, -1e70, 1e150}) {
       const auto given = go(at(request, {{"slope", steep}}));
-      EXPECT_EQ(given.outcome.stop.reason, Reason::completed) << scheme << ' ' << steep;
+      EXPECT_EQ(given.outcome.stop.reason, ReturnCode::completed) << scheme << ' ' << steep;
       EXPECT_NEAR(given.rows[0][1], steep, 1e-15 * std::abs(steep)) << scheme;
     }
   }
@@ -71,8 +71,8 @@ TEST(Stiffness, IsWarnedOfAboveAHalf) {
       EXPECT_FALSE(warned(with(scheme, epsilon, 0.49 / epsilon), "stiff_step")) << scheme << ' ' << epsilon;
       EXPECT_TRUE(warned(with(scheme, epsilon, 0.51 / epsilon), "stiff_step")) << scheme << ' ' << epsilon;
     }
-  EXPECT_EQ(with("runge_kutta_4", 100, 0.05).outcome.stop.reason, Reason::not_finite);
-  EXPECT_EQ(with("contact_splitting", 100, 0.05).outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(with("runge_kutta_4", 100, 0.05).outcome.stop.reason, ReturnCode::not_finite);
+  EXPECT_EQ(with("contact_splitting", 100, 0.05).outcome.stop.reason, ReturnCode::completed);
 }
 
 // ── gradient flow ───────────────────────────────────────────────────────────────────────────────────────────────────
@@ -88,16 +88,16 @@ TEST(NegativeStage, OnAGradientFlowEndsInAStatusOrIsHarmless) {
         const auto result = go(steps(request, 200));
         const std::string what = std::string(composition) + ' ' + std::to_string(h) + ' ' + std::to_string(x);
         if (h < 0.1 && std::abs(x) < 10) {
-          EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << what;
+          EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << what;
           EXPECT_NEAR(std::abs(result.outcome.final[0]), std::sqrt(1.09), 1e-3) << what << ": U′ = 0 in either well";
-        } else if (result.outcome.stop.reason != Reason::completed) {
-          EXPECT_EQ(result.outcome.stop.reason, Reason::not_finite) << what;
+        } else if (result.outcome.stop.reason != ReturnCode::completed) {
+          EXPECT_EQ(result.outcome.stop.reason, ReturnCode::not_finite) << what;
         }
       }
   // Without negative stages the fall from far away is exact in the well.
   Request request = at(of("gradient_flow", {"contact_splitting", {}}, {{"c", 0}}), {{"x", 1e70}});
   EXPECT_NEAR(value(request, go(request).rows[1], "x"), 1 / std::sqrt(1 - std::exp(-0.1)), 1e-12);
-  EXPECT_EQ(reason(at(of("gradient_flow", {"runge_kutta_4", {}}, {}), {{"x", 1e70}})), Reason::not_finite);
+  EXPECT_EQ(reason(at(of("gradient_flow", {"runge_kutta_4", {}}, {}), {{"x", 1e70}})), ReturnCode::not_finite);
 }
 
 TEST(GradientFlow, WithoutAnySlopeStaysWhereItIs) {
@@ -107,7 +107,7 @@ TEST(GradientFlow, WithoutAnySlopeStaysWhereItIs) {
 
 TEST(GradientFlow, OfASaddleRunsOff) {  // b = 0: U falls without bound along x y < 0
   const auto result = go(of("gradient_flow", {"contact_splitting", {}}, {{"b", 0}, {"c", 1000}}));
-  EXPECT_EQ(result.outcome.stop.reason, Reason::not_finite);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::not_finite);
 }
 
 // ── GENERIC ─────────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -116,7 +116,7 @@ TEST(Heat, FromColdToHot) {
   for (const std::string_view scheme : {"contact_splitting", "runge_kutta_4"})
     for (const double u : {5e-324, 1e-300, 1e-6, 1.0, 1e60}) {
       const auto result = go(everything(at(of("generic_oscillator", {scheme, {}}, {}), {{"U", u}})));
-      EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << scheme << ' ' << u;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme << ' ' << u;
       EXPECT_TRUE(monotone(result)) << scheme << ' ' << u;
       if (scheme == "contact_splitting") {
         EXPECT_LT(runs::number(result.outcome.diagnostics, "energy/max_abs_error"), 2e-14 * std::max(1.0, u));
@@ -127,9 +127,9 @@ TEST(Heat, FromColdToHot) {
 TEST(Heat, OfNoneHasNoEntropyToRecord) {
   for (const double u : {0.0, -1.0}) {
     const Request request = at(of("generic_oscillator", {"contact_splitting", {}}, {}), {{"U", u}});
-    EXPECT_EQ(reason(request), Reason::completed) << u << ": the motion does not read U";
+    EXPECT_EQ(reason(request), ReturnCode::completed) << u << ": the motion does not read U";
     const auto asked = go(columns(request, {"t", "entropy"}));
-    EXPECT_EQ(asked.outcome.stop.reason, Reason::not_finite) << u;
+    EXPECT_EQ(asked.outcome.stop.reason, ReturnCode::not_finite) << u;
     EXPECT_EQ(asked.outcome.stop.step, 0) << u;
     EXPECT_TRUE(asked.rows.empty()) << u;
     EXPECT_FALSE(std::isfinite(runs::number(go(ask(request, {"entropy"})).outcome.diagnostics, "entropy/initial")));
@@ -141,14 +141,14 @@ TEST(Heat, CapacityAtTheEndsOfItsRange) {
     const Request request = columns(of("generic_oscillator", {"contact_splitting", {}}, {{"heat_capacity", c}}),
                                     {"t", "U", "entropy", "temperature"});
     const auto result = go(request);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
     for (const auto& row : result.rows) {
       EXPECT_EQ(row[2], c * std::log(row[1]));
       EXPECT_EQ(row[3], row[1] / c);
     }
   }
-  EXPECT_EQ(reason(of("generic_oscillator", {"contact_splitting", {}}, {{"gamma", 1000}})), Reason::completed);
-  EXPECT_EQ(reason(of("generic_oscillator", {"runge_kutta_4", {}}, {{"gamma", 1000}})), Reason::not_finite);
+  EXPECT_EQ(reason(of("generic_oscillator", {"contact_splitting", {}}, {{"gamma", 1000}})), ReturnCode::completed);
+  EXPECT_EQ(reason(of("generic_oscillator", {"runge_kutta_4", {}}, {{"gamma", 1000}})), ReturnCode::not_finite);
 }
 
 // ── thermostat ──────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -173,7 +173,7 @@ TEST(Thermostat, AtTheEndsOfItsRanges) {
 
 TEST(Thermostat, AtRestCoolsForEver) {  // q = p = 0 is never left, and s falls
   const auto result = go(at(of("thermostat", {"contact_splitting", {}}, {}), {{"q", 0}, {"p", 0}}));
-  EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
   EXPECT_EQ(result.outcome.final[0], 0);
   EXPECT_NEAR(result.outcome.final[2], -100, 1e-10);
 }

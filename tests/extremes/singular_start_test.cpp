@@ -42,9 +42,9 @@ TEST(AfterZero, StopEndsAtTheSurfaceAndSaysWhere) {
       for_each_composition(star(scheme.id, n), [&](const Request& plain) {
         const Request request = ask(plain, {"zeros"});
         const auto result = go(request);
-        const Stop& end = result.outcome.stop;
+        const Termination& end = result.outcome.stop;
         const std::string what = std::string(scheme.id) + ' ' + std::to_string(n);
-        ASSERT_EQ(end.reason, Reason::left_domain) << what;
+        ASSERT_EQ(end.reason, ReturnCode::left_domain) << what;
         ASSERT_TRUE(end.singular_at.has_value()) << what;
         const double tolerance = scheme.id == "explicit_euler" ? 0.03 : is_adaptive(scheme) ? 1e-6 : 1e-3;
         EXPECT_NEAR(*end.singular_at, zero, tolerance) << what;
@@ -63,25 +63,25 @@ TEST(AfterZero, StopEndsAtTheSurfaceAndSaysWhere) {
     });
   Request inside = star("contact_splitting", 1);
   inside.end = 3.1;
-  EXPECT_EQ(reason(inside), Reason::completed);
-  EXPECT_EQ(reason(star("contact_splitting", 5)), Reason::completed) << "no surface";
+  EXPECT_EQ(reason(inside), ReturnCode::completed);
+  EXPECT_EQ(reason(star("contact_splitting", 5)), ReturnCode::completed) << "no surface";
 }
 
 TEST(AfterZero, EveryChoiceEndsInAStatusForEveryIndex) {
   for_each_scheme([](const SchemeCard& scheme) {
     for (const double n : {0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.9, 20.0})
       for (const After after : {stop, go_on, with_sign, clamp}) {
-        const Reason why =
+        const ReturnCode why =
             go(everything(at(star(scheme.id, n, after), {{"t", 0.05}, {"q", 0.9}}), false)).outcome.stop.reason;
         const std::string what = std::string(scheme.id) + ' ' + std::to_string(n) + ' ' + std::to_string(after);
         const bool whole = n == std::floor(n), ends = n < 4;  // q reaches zero before t = 10
         if (after == clamp || after == with_sign || !ends || (after == go_on && whole)) {
-          EXPECT_EQ(why, Reason::completed) << what;
+          EXPECT_EQ(why, ReturnCode::completed) << what;
         } else if (after == stop) {
-          EXPECT_EQ(why, Reason::left_domain) << what;
+          EXPECT_EQ(why, ReturnCode::left_domain) << what;
         } else {
-          EXPECT_TRUE(is_adaptive(scheme) ? why == Reason::singular
-                                          : why == Reason::not_finite || why == Reason::solver_failed)
+          EXPECT_TRUE(is_adaptive(scheme) ? why == ReturnCode::singular
+                                          : why == ReturnCode::not_finite || why == ReturnCode::solver_failed)
               << what;
         }
       }
@@ -94,9 +94,9 @@ TEST(AfterZero, ThePlainSquareRunsToInfinity) {
     Request request = star(scheme, 2, go_on);
     request.end = 20;
     const auto result = go(request);
-    EXPECT_NE(result.outcome.stop.reason, Reason::completed) << scheme;
+    EXPECT_NE(result.outcome.stop.reason, ReturnCode::completed) << scheme;
     EXPECT_NEAR(result.outcome.stop.t, 12.431, 0.05) << scheme;
-    EXPECT_EQ(reason(set(request, {{"after_zero", with_sign}})), Reason::completed) << scheme;
+    EXPECT_EQ(reason(set(request, {{"after_zero", with_sign}})), ReturnCode::completed) << scheme;
   }
 }
 
@@ -104,7 +104,7 @@ TEST(AfterZero, IsReachedWithinTheLastShorterStepToo) {
   Request request = ask(star("contact_splitting", 1), {"zeros"});
   request.end = 3.1419;  // the surface lies between the last grid point, 3.14, and the end
   const auto result = go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::left_domain);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain);
   EXPECT_NEAR(result.outcome.stop.singular_at.value_or(0), pi, 1e-4);
   EXPECT_EQ(result.outcome.stop.step, 314);
   EXPECT_EQ(result.outcome.t, 3.14);
@@ -122,7 +122,7 @@ TEST(SingularStart, OfEverySchemeFollowsTheRegularSolution) {
         // A stage back in time may meet, or leap over, the pole of the variational schemes.
         const bool variational = scheme.id == "contact_leapfrog" || scheme.id == "contact_variational_midpoint";
         if (h > 0.05 && variational && request.settings[1] > 0) continue;
-        ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << what;
+        ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << what;
         const double square = scheme.id == "contact_splitting" ? 1.5 : scheme.id == "contact_leapfrog" ? 0.06 : 0.3;
         const double slack = is_adaptive(scheme)             ? 10 * request.settings[0]
                              : scheme.id == "explicit_euler" ? 0.3 * h
@@ -144,13 +144,13 @@ TEST(SingularStart, FromAnotherCentreIsRunOrRefused) {
         for_each_composition(at(star(scheme.id, 3, with_sign), {{"q", q}, {"p", p}}), [&](const Request& request) {
           const auto result = go(steps(request, 300));
           const std::string what = std::string(scheme.id) + ' ' + std::to_string(q) + ' ' + std::to_string(p);
-          if (result.outcome.stop.reason == Reason::singular) {
+          if (result.outcome.stop.reason == ReturnCode::singular) {
             EXPECT_EQ(result.outcome.stop.step, 0) << what;
             EXPECT_EQ(result.outcome.stop.singular_at, 0.0) << what;
             EXPECT_TRUE(result.rows.empty()) << what;
           } else if (p == 0 && q < 10) {
             // q(t; q₀) = q₀ q(q₀ t; 1) for n = 3
-            EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << what;
+            EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << what;
             Request regular = set(star("contact_splitting", 3, with_sign), {{"step", 1e-3}});
             regular.end = q * result.outcome.t;
             const double expected = q > 0 ? q * go(regular).outcome.final[0] : 0;
@@ -158,8 +158,8 @@ TEST(SingularStart, FromAnotherCentreIsRunOrRefused) {
           }
         });
   });
-  EXPECT_EQ(reason(at(star("contact_leapfrog", 3), {{"q", 2}})), Reason::left_domain) << "runs to its surface";
-  EXPECT_EQ(reason(at(star("runge_kutta_4", 3), {{"q", 2}})), Reason::singular);
+  EXPECT_EQ(reason(at(star("contact_leapfrog", 3), {{"q", 2}})), ReturnCode::left_domain) << "runs to its surface";
+  EXPECT_EQ(reason(at(star("runge_kutta_4", 3), {{"q", 2}})), ReturnCode::singular);
 }
 
 TEST(SingularStart, CloseToItEverySchemeEndsInAStatus) {
@@ -174,10 +174,10 @@ TEST(SingularStart, CloseToItEverySchemeEndsInAStatus) {
         const auto result = go(everything(steps(request, 200), false));
         if (is_adaptive(scheme)) {
           if (t < 1e-300) return;  // 2/t is infinite, and so is the energy asked for
-          EXPECT_EQ(result.outcome.stop.reason, Reason::left_domain) << scheme.id << ' ' << t;
+          EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain) << scheme.id << ' ' << t;
           EXPECT_NEAR(result.outcome.stop.singular_at.value_or(0), 6.896848619376960, 1e-6) << scheme.id << ' ' << t;
         } else if (t >= 0.05 && scheme.id != "explicit_euler") {
-          EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << scheme.id << ' ' << t;
+          EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme.id << ' ' << t;
         }
       });
     }

@@ -13,10 +13,10 @@ void allocates_nothing(const Scheme& scheme) {
   auto stepper = scheme.bind(problem, x);
   const std::size_t before = counting::allocations();
   for (int k = 0; k < 3; ++k) {
-    if constexpr (OwnClock<Scheme>) {
-      ASSERT_EQ(stepper.step(x), Status::ok) << laws::label(scheme);
+    if constexpr (SelfTimed<Scheme>) {
+      ASSERT_EQ(stepper.step(x), StepStatus::ok) << laws::label(scheme);
     } else {
-      ASSERT_EQ(stepper.step(x, 0.01), Status::ok) << laws::label(scheme);
+      ASSERT_EQ(stepper.step(x, 0.01), StepStatus::ok) << laws::label(scheme);
     }
   }
   EXPECT_EQ(counting::allocations(), before) << laws::label(scheme);

@@ -66,20 +66,20 @@ Scheme resized(Scheme scheme, const P& problem, const X& x, double h) {
 
 /// The state at the time t, from the step it lies in.
 template <class Scheme, class P, class X>
-Status arrive(const Scheme& scheme, const P& problem, X& x, const typename X::Time& t) {
+StepStatus arrive(const Scheme& scheme, const P& problem, X& x, const typename X::Time& t) {
   auto stepper = clocks::bound(scheme, problem, x);
   const auto energy_level = energy(problem, x);
   for (X before = x;; before = x) {
-    if (const Status status = stepper.step(x); status != Status::ok) return status;
+    if (const StepStatus status = stepper.step(x); status != StepStatus::ok) return status;
     if (x.t < t) continue;
     if constexpr (requires { stepper.reach(before, t); }) {
       auto again = scheme.bind(problem, before, energy_level);
-      const Status status = again.reach(before, t);
+      const StepStatus status = again.reach(before, t);
       x = before;
       return status;
     } else {
       x = hermite(problem, before, x, t);
-      return Status::ok;
+      return StepStatus::ok;
     }
   }
 }
@@ -98,7 +98,7 @@ void clocks_have_their_order() {
       std::vector<Measured> points;
       for (double ladder = 3; ladder < 400; ladder *= 1.35) {
         auto x = convert<T, T>(start);
-        if (arrive(resized(scheme, problem, start, span / ladder), problem, x, T(span)) != Status::ok) continue;
+        if (arrive(resized(scheme, problem, start, span / ladder), problem, x, T(span)) != StepStatus::ok) continue;
         const double error = distance(x, end) / size(end);
         if (error < 1e-17) break;
         points.push_back({span / ladder, error});

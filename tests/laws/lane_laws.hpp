@@ -131,12 +131,12 @@ toy::Statuses expect_lone_runs(const Scheme& scheme, const std::array<P<double>,
   };
   auto wide = scheme.bind(together<P>(scenes), x);
   std::array narrow{bind(0), bind(1), bind(2), bind(3)};
-  toy::Statuses alone = Status::ok;
+  toy::Statuses alone = StepStatus::ok;
   for (int k = 0; k < steps; ++k) {
     const toy::Statuses all = wide.step(x, h);
     x.t += h;
     for (std::size_t lane = 0; lane < toy::width; ++lane) {
-      if (alone.of[lane] == Status::ok) alone.of[lane] = narrow[lane].step(y[lane], h);
+      if (alone.of[lane] == StepStatus::ok) alone.of[lane] = narrow[lane].step(y[lane], h);
       y[lane].t = x.t;
       EXPECT_EQ(all.of[lane], alone.of[lane]) << label(scheme) << ", lane " << lane << ", step " << k;
       expect_same_bits(x, y[lane], lane, label(scheme));
@@ -187,7 +187,7 @@ void lanes_through_schemes() {
     for (std::size_t lane = 0; lane < toy::width; ++lane) {
       auto y = in_lane<P>(lane);
       auto narrow = scheme.bind(problem, y);
-      for (int k = 0; k < 3; ++k) ASSERT_EQ(narrow.step(y, h), Status::ok);
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(narrow.step(y, h), StepStatus::ok);
       expect_same_bits(x, y, lane, label(scheme));
     }
   });

@@ -62,7 +62,7 @@ void parameters_can_be_dual() {
   const auto start = states<P>()[0];
   const auto step = [&](const auto& scheme, const auto& problem, auto x) {
     auto stepper = scheme.bind(problem, x);
-    EXPECT_EQ(stepper.step(x, h), Status::ok);
+    EXPECT_EQ(stepper.step(x, h), StepStatus::ok);
     return x;
   };
   for_each_scheme<P, Schemes>([&](const auto& scheme) {

@@ -70,8 +70,8 @@ TEST_P(Pairs, KeepTheFormThatTheySay) {
     for (std::size_t k = 0; k < times.size(); ++k) {
       runs::scene(request).start = times[k];
       std::ranges::copy(orbit->states[k], runs::scene(request).initial.begin());
-      const Outcome outcome = runs::go(request).outcome;
-      ASSERT_EQ(outcome.stop.reason, Reason::completed) << label(request) << outcome.stop.detail;
+      const Solution outcome = runs::go(request).outcome;
+      ASSERT_EQ(outcome.stop.reason, ReturnCode::completed) << label(request) << outcome.stop.detail;
       double size = 1;
       for (const double x : orbit->states[k]) size = std::max(size, std::abs(x));
       const double defect = runs::number(outcome.diagnostics, "structure/max_defect");
@@ -104,9 +104,9 @@ TEST_P(Pairs, AllocateNothingInTheLoop) {
     const auto allocations = [&](std::int64_t steps) {
       request.steps = steps;
       const std::size_t before = counting::allocations();
-      const Outcome outcome = runs::go(request).outcome;
+      const Solution outcome = runs::go(request).outcome;
       const std::size_t after = counting::allocations();
-      EXPECT_EQ(outcome.stop.reason, Reason::completed) << label(request) << outcome.stop.detail;
+      EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << label(request) << outcome.stop.detail;
       events = outcome.events.size();
       return after - before;
     };

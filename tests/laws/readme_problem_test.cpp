@@ -1,5 +1,5 @@
 // The problem that the README shows how to add: the build takes its block of C++ as it is printed.
-#include "core/assemble.hpp"
+#include "core/from_values.hpp"
 #include "duffing.hpp"
 #include "tests/laws/laws.hpp"
 
@@ -8,8 +8,8 @@ namespace {
 using namespace least;
 using least::problems::Duffing;
 
-static_assert(LinearContact<Duffing<>> && SchemeFor<ContactLeapfrog, Duffing<>>);
-static_assert(SchemeFor<ContactSplitting, Duffing<>> && !SchemeFor<Leapfrog, Duffing<>>);
+static_assert(LinearContact<Duffing<>> && FixedStepSchemeFor<ContactLeapfrog, Duffing<>>);
+static_assert(FixedStepSchemeFor<ContactSplitting, Duffing<>> && !FixedStepSchemeFor<Leapfrog, Duffing<>>);
 
 TEST(ReadmeProblem, IsDescribed) {
   EXPECT_EQ(About<Duffing>::card().id, "duffing");

@@ -68,7 +68,7 @@ void recording_never_changes_the_run(std::string_view id) {
     request.record.count = 0;
     auto plain = runs::go(request);
     runs::drop_unknown(plain.outcome.final);
-    ASSERT_EQ(plain.outcome.stop.reason, Reason::completed) << schemes()[i].id << plain.outcome.stop.detail;
+    ASSERT_EQ(plain.outcome.stop.reason, ReturnCode::completed) << schemes()[i].id << plain.outcome.stop.detail;
     if (!schemes()[i].own_clock) {
       EXPECT_EQ(plain.outcome.cost.steps, 151);
     }

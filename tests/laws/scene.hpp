@@ -74,7 +74,7 @@ double coarse_step() {
 template <template <class> class P, class Schemes = SchemeList, class F>
 void for_each_scheme(F&& f) {
   const auto one = [&]<class Scheme>(Scheme*) {
-    if constexpr (SchemeFor<Scheme, P<double>>) {
+    if constexpr (FixedStepSchemeFor<Scheme, P<double>>) {
       Scheme scheme;
       if constexpr (requires { scheme.composition; }) {
         for (std::size_t i = 0; i < compositions::names.size(); ++i) {

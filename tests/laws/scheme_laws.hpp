@@ -27,13 +27,13 @@ std::vector<Measured> convergence(const P& problem, const Scheme& scheme, const 
     auto x = convert<T, T>(start);
     const T h = (truth.t - x.t) / n;
     auto stepper = scheme.bind(problem, x);
-    Status status = Status::ok;
-    for (int k = 0; k < n && status == Status::ok; ++k) {
+    StepStatus status = StepStatus::ok;
+    for (int k = 0; k < n && status == StepStatus::ok; ++k) {
       status = stepper.step(x, h);
       x.t = T(start.t) + T(k + 1) * h;
     }
     work += static_cast<double>(stepper.work().forces);
-    if (status != Status::ok) continue;  // too long a step for the solver
+    if (status != StepStatus::ok) continue;  // too long a step for the solver
     const double error = distance(x, truth) / size(truth);
     if (error < floor) break;
     if (error < 3e-2) points.push_back({static_cast<double>(h), error});
@@ -88,10 +88,10 @@ void symmetric_schemes_return() {
     for (const auto& start : states<P>()) {
       auto x = start;
       auto there = scheme.bind(problem, x);
-      ASSERT_EQ(there.step(x, h), Status::ok) << label(scheme);
+      ASSERT_EQ(there.step(x, h), StepStatus::ok) << label(scheme);
       x.t += h;
       auto back = scheme.bind(problem, x);
-      ASSERT_EQ(back.step(x, -h), Status::ok) << label(scheme);
+      ASSERT_EQ(back.step(x, -h), StepStatus::ok) << label(scheme);
       most = std::max(most, distance(x, start) / size(start));
     }
     if (scheme.card().symmetric) {
@@ -109,7 +109,7 @@ void no_step_is_the_identity() {
     for (const auto& start : states<P>()) {
       auto x = start;
       auto stepper = scheme.bind(problem, x);
-      ASSERT_EQ(stepper.step(x, 0.0), Status::ok) << label(scheme);
+      ASSERT_EQ(stepper.step(x, 0.0), StepStatus::ok) << label(scheme);
       EXPECT_EQ(x, start) << label(scheme);
     }
   });

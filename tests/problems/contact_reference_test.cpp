@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "core/assemble.hpp"
+#include "core/from_values.hpp"
 #include "core/number/parse.hpp"
 #include "core/reference/reference.hpp"
 #include "least_problems.hpp"
@@ -58,13 +58,13 @@ auto with_exact_parameters(const json& entry, Solve&& solve) {
     values[i] = static_cast<double>(exact);
     if (exact != values[i]) inexact.emplace_back(i, exact);
   }
-  const auto states = solve(assemble<M>(About<P>::fields, values));
+  const auto states = solve(from_values<M>(About<P>::fields, values));
   auto corrected = states;
   for (const auto& [i, exact] : inexact) {
     auto others = values;
     others[i] = std::nextafter(values[i], exact > values[i] ? INFINITY : -INFINITY);
     const Quad part = (exact - values[i]) / (Quad(others[i]) - values[i]);
-    const auto beside = solve(assemble<M>(About<P>::fields, others));
+    const auto beside = solve(from_values<M>(About<P>::fields, others));
     for (std::size_t k = 0; k < std::min(states.size(), beside.size()); ++k)
       for (std::size_t c = 0; c < states[k].size; ++c) corrected[k][c] += part * (beside[k][c] - states[k][c]);
   }
@@ -147,7 +147,7 @@ void check_run(const json& entry, Request request, double last, double tolerance
     if (const double t = static_cast<double>(quad(state.at("t"))); t < last * (1 + 1e-9)) times.push_back(t);
   runs::at_times(request, times);
   const auto result = runs::go(request);
-  ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << result.outcome.stop.detail;
+  ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << result.outcome.stop.detail;
   ASSERT_EQ(result.rows.size(), times.size());
   for (std::size_t k = 0; k < times.size(); ++k) {
     double most = 0, size = 1;

@@ -19,8 +19,8 @@ using namespace least;
 using namespace least::problems;
 using namespace clocks;
 
-static_assert(ClockSchemeFor<AdaptiveVerlet, Kepler<>> && !SchemeFor<AdaptiveVerlet, Kepler<>>);
-static_assert(!ClockSchemeFor<AdaptiveVerlet, DoublePendulum<>>);
+static_assert(SelfTimedSchemeFor<AdaptiveVerlet, Kepler<>> && !FixedStepSchemeFor<AdaptiveVerlet, Kepler<>>);
+static_assert(!SelfTimedSchemeFor<AdaptiveVerlet, DoublePendulum<>>);
 
 constexpr std::array both{Monitor::arclength, Monitor::frequency};
 
@@ -64,7 +64,7 @@ TEST(AdaptiveVerlet, IsItsRecursion) {
       drift(after);
       kick(after);
       y.t += before + after;
-      ASSERT_EQ(stepper.step(x), Status::ok);
+      ASSERT_EQ(stepper.step(x), StepStatus::ok);
       EXPECT_LT(distance(x, y), 1e-14);
       EXPECT_NEAR(x.t, y.t, 1e-14);
       EXPECT_NEAR(stepper.density(), rho, 1e-14);
@@ -80,8 +80,8 @@ TEST(AdaptiveVerlet, IsLeapfrogAtAConstantFrequency) {
   auto adaptive = bound(AdaptiveVerlet{0.1, Monitor::frequency}, m, x);
   auto leapfrog = Leapfrog{0.1}.bind(m, y);
   for (int k = 0; k < 20; ++k) {
-    ASSERT_EQ(adaptive.step(x), Status::ok);
-    ASSERT_EQ(leapfrog.step(y, 0.1), Status::ok);
+    ASSERT_EQ(adaptive.step(x), StepStatus::ok);
+    ASSERT_EQ(leapfrog.step(y, 0.1), StepStatus::ok);
   }
   EXPECT_LT(distance(x, y), 1e-14);
   EXPECT_NEAR(x.t, 2, 1e-14);
@@ -224,13 +224,13 @@ TEST(AdaptiveVerlet, StopsWhereTheDensityIsLost) {
     auto stepper = bound(scheme, problem, x);
     for (int k = 0; k < 1000; ++k) {
       const auto before = x;
-      if (stepper.step(x) == Status::ok) {
+      if (stepper.step(x) == StepStatus::ok) {
         EXPECT_TRUE(std::isfinite(distance(x, before) + x.t));
         continue;
       }
       EXPECT_EQ(std::memcmp(&x, &before, sizeof x), 0);
       const double density = stepper.density();
-      EXPECT_EQ(stepper.step(x), Status::singular);
+      EXPECT_EQ(stepper.step(x), StepStatus::singular);
       EXPECT_EQ(std::memcmp(&x, &before, sizeof x), 0);
       EXPECT_EQ(std::memcmp(&density, &stepper.density(), sizeof density), 0);
       return true;

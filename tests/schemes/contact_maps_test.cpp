@@ -19,7 +19,7 @@ X after(const Scheme& scheme, const P& problem, X x, double h, int steps = 1) {
   auto stepper = scheme.bind(problem, x);
   const double start = x.t;
   for (int n = 1; n <= steps; ++n) {
-    EXPECT_EQ(stepper.step(x, h), Status::ok);
+    EXPECT_EQ(stepper.step(x, h), StepStatus::ok);
     x.t = start + n * h;
   }
   return x;

@@ -30,7 +30,7 @@ std::pair<double, double> cycle(double epsilon, double h, double end) {
   runs::ask(request, "cycle");
   runs::only_final(request);
   const auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
   EXPECT_GE(runs::number(result.outcome.diagnostics, "cycle/cycles"), 1);
   return {runs::number(result.outcome.diagnostics, "cycle/period"),
           runs::number(result.outcome.diagnostics, "cycle/amplitude")};
@@ -74,7 +74,7 @@ TEST(ContactScene, CosmologicalFixedPoint) {
     request.end = 200;
     double last = 0;
     const auto result = runs::go(request);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
     for (const auto& row : result.rows)
       if (row[0] > 100) last = std::max(last, std::abs(row[3] - std::sqrt(2 * source / gamma)));
     return last;
@@ -108,7 +108,7 @@ TEST(ContactScene, CosmologicalBlowUp) {
     Request request = request_for("cosmological_oscillator", scheme, composition, h);
     runs::scene(request).initial = {0, 0, -2};
     const auto result = runs::go(request);
-    EXPECT_EQ(result.outcome.stop.reason, Reason::singular) << scheme << ' ' << h;
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::singular) << scheme << ' ' << h;
     EXPECT_TRUE(result.outcome.stop.singular_at) << scheme << ' ' << h;
     EXPECT_LT(result.outcome.t, truth);
     return std::abs(result.outcome.stop.singular_at.value_or(0) - truth);
@@ -142,8 +142,8 @@ void expect_own_steps_only() {
   auto tabulated = Scheme{h}.bind(problem, x);
   auto computed = Scheme{shorter}.bind(problem, y);
   const auto step = [&](double length) {
-    EXPECT_EQ(tabulated.step(x, length), Status::ok);
-    EXPECT_EQ(computed.step(y, length), Status::ok);
+    EXPECT_EQ(tabulated.step(x, length), StepStatus::ok);
+    EXPECT_EQ(computed.step(y, length), StepStatus::ok);
     EXPECT_EQ(x, y) << "a step of " << length << " from " << x.t;
     x.t = y.t = x.t + length;
   };
@@ -200,7 +200,7 @@ TEST(ContactScene, ThermostatKeepsTheEnsemble) {
     Point<3> x{0, {r * std::cos(2 * pi * u[1]), r * std::sin(2 * pi * u[1]), std::log(u[2] / (1 - u[2]))}};
     auto stepper = ContactSplitting{h}.bind(problem, x);
     for (int n = 0; n < steps; ++n) {
-      ASSERT_EQ(stepper.step(x, h), Status::ok);
+      ASSERT_EQ(stepper.step(x, h), StepStatus::ok);
       if (n < steps / 2) continue;
       const auto m = problem.moments(x.y);
       for (std::size_t i = 0; i < 4; ++i) mean[i] += m[i] / (starts * (steps / 2));

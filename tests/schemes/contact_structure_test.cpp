@@ -44,7 +44,7 @@ TEST(ContactStructure, IsKeptByContactSchemesAndNoOthers) {
       Request request = measured(card, scheme, step, 40);
       const auto check = [&](const Request& asked) {
         const auto result = runs::go(asked);
-        ASSERT_EQ(result.outcome.stop.reason, Reason::completed) << card.id << ' ' << about.id;
+        ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << card.id << ' ' << about.id;
         EXPECT_LT(runs::number(result.outcome.diagnostics, "structure/max_defect"), 1e-12)
             << card.id << ' ' << about.id;
         EXPECT_LT(runs::number(result.outcome.diagnostics, "volume/max_defect"), 1e-12) << card.id << ' ' << about.id;
@@ -89,7 +89,7 @@ struct PlainMidpoint {
   template <class P, class X>
   struct Stepper {
     P problem;
-    Status step(X& x, const typename X::Time& h) noexcept {
+    StepStatus step(X& x, const typename X::Time& h) noexcept {
       X middle = x;
       middle.t = x.t + 0.5 * h;
       X rate{};
@@ -98,7 +98,7 @@ struct PlainMidpoint {
         for (std::size_t i = 0; i < X::size; ++i) middle[i] = x[i] + (0.5 * h) * rate[i];
       }
       for (std::size_t i = 0; i < X::size; ++i) x[i] = x[i] + h * rate[i];
-      return Status::ok;
+      return StepStatus::ok;
     }
   };
   template <class P, class X>
@@ -142,7 +142,7 @@ Residuals residuals(std::string_view problem, std::string_view scheme, std::stri
   runs::ask(request, "decay");
   runs::ask(request, "volume");
   const auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
   return {runs::number(result.outcome.diagnostics, "decay/max_residual"),
           runs::number(result.outcome.diagnostics, "volume/invariant_residual")};
 }

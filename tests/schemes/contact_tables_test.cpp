@@ -30,7 +30,7 @@ std::vector<double> final_of(Request request, double end) {
   request.end = end;
   runs::only_final(request);
   const auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << result.outcome.stop.detail;
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << result.outcome.stop.detail;
   return result.outcome.final;
 }
 
@@ -105,11 +105,11 @@ double there_and_back(const Scheme& scheme, int steps, double h) {
   auto stepper = scheme.bind(problem, x);
   for (int n = 0; n < steps; ++n) {
     x.t = n * h;
-    EXPECT_EQ(stepper.step(x, h), Status::ok);
+    EXPECT_EQ(stepper.step(x, h), StepStatus::ok);
   }
   for (int n = steps; n > 0; --n) {
     x.t = n * h;
-    EXPECT_EQ(stepper.step(x, -h), Status::ok);
+    EXPECT_EQ(stepper.step(x, -h), StepStatus::ok);
   }
   double most = 0;
   for (std::size_t i = 0; i < X::size; ++i) most = std::max(most, std::abs(x[i] - start[i]));
@@ -139,7 +139,7 @@ double damped_error(std::string_view scheme, double alpha, double end) {
   runs::set(request, "damping", alpha);
   request.end = end;
   const auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
   const DampedOscillator<> problem{1, alpha};
   double most = 0;
   for (const auto& row : result.rows) {
@@ -205,7 +205,7 @@ double lane_emden_error(std::string_view scheme, double n, double end) {
   runs::set(request, "after_zero", "continue");
   request.end = end;
   const auto result = runs::go(request);
-  EXPECT_EQ(result.outcome.stop.reason, Reason::completed);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
   const LaneEmden<> problem{n, AfterZero::continue_};
   double most = 0;
   for (const auto& row : result.rows)
@@ -251,7 +251,7 @@ TEST(ContactTable, LaneEmdenZeros) {
       ASSERT_EQ(zeros.size(), 1U) << n << ' ' << after;
       EXPECT_NEAR(zeros[0], truth, 1e-10) << n << ' ' << after;
       if (after == std::string("stop")) {
-        EXPECT_EQ(result.outcome.stop.reason, Reason::left_domain);
+        EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain);
         EXPECT_EQ(result.outcome.stop.singular_at, zeros[0]);
       }
     }

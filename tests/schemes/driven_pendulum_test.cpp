@@ -43,13 +43,14 @@ namespace {
 using P = DrivenPendulum<>;
 static_assert(Conservative<P> && Separable<P>, "no s anywhere");
 static_assert(!Autonomous<P> && !KeepsEnergy<P>);
-static_assert(!ClockSchemeFor<JacobiMaupertuis, P> && !ClockSchemeFor<TimeTransformed, P> &&
-              !ClockSchemeFor<AdaptiveVerlet, P>);
+static_assert(!SelfTimedSchemeFor<JacobiMaupertuis, P> && !SelfTimedSchemeFor<TimeTransformed, P> &&
+              !SelfTimedSchemeFor<AdaptiveVerlet, P>);
 
 TEST(DrivenPendulum, IsRunByWhatReadsTheTime) {
   std::set<std::string> found;
   [&]<class... Scheme>(std::tuple<Scheme...>*) {
-    ((SchemeFor<Scheme, P> || ClockSchemeFor<Scheme, P> ? void(found.insert(Scheme::card().id)) : void()), ...);
+    ((FixedStepSchemeFor<Scheme, P> || SelfTimedSchemeFor<Scheme, P> ? void(found.insert(Scheme::card().id)) : void()),
+     ...);
   }(static_cast<SchemeList*>(nullptr));
   const std::set<std::string> expected{"explicit_euler",   "explicit_midpoint", "runge_kutta_4",        "ruth_3",
                                        "symplectic_euler", "leapfrog",          "variational_midpoint", "galerkin_4",

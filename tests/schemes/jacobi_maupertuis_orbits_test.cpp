@@ -47,13 +47,13 @@ Passage passage(const JacobiMaupertuis& scheme, const State<2>& start = paper, i
   const T level = energy(planet, x);
   auto stepper = scheme.bind(planet, x, level);
   Passage found;
-  Course course;
+  ActiveMethod course;
   for (X before = x; revolutions > 0 && found.slow + found.fast < 100'000; before = x) {
-    if (stepper.step(x) != Status::ok) {
+    if (stepper.step(x) != StepStatus::ok) {
       ADD_FAILURE() << "stopped at t = " << double(x.t);
       return found;
     }
-    const Course now = stepper.course();
+    const ActiveMethod now = stepper.active_method();
     ++(now.mode == Mode::hamilton ? found.slow : found.fast);
     if (now.mode != course.mode) {
       ++found.switches;
@@ -144,8 +144,8 @@ void is_equivariant(const JacobiMaupertuis& scheme, Map&& map) {
   auto one = bound(scheme, planet, x), other = bound(scheme, planet, y);
   double most = 0;
   for (int k = 0; k < 7000; ++k) {
-    ASSERT_EQ(one.step(x), Status::ok);
-    ASSERT_EQ(other.step(y), Status::ok);
+    ASSERT_EQ(one.step(x), StepStatus::ok);
+    ASSERT_EQ(other.step(y), StepStatus::ok);
     most = std::max({most, distance(map(x), y), std::abs(x.t - y.t)});
   }
   EXPECT_GT(x.t, 3 * paper_period);
@@ -212,7 +212,7 @@ TEST(JacobiMaupertuisOrbits, ThousandPeriodsKeepTheEnergyAndNotTheAngularMomentu
   runs::ask(request, "energy");
   runs::ask(request, "momenta");
   const auto run = runs::go(request);
-  ASSERT_EQ(run.outcome.stop.reason, Reason::completed);
+  ASSERT_EQ(run.outcome.stop.reason, ReturnCode::completed);
   const auto number = [&](std::string_view path) { return runs::number(run.outcome.diagnostics, path); };
   EXPECT_LE(number("energy/max_abs_error"), 1e-9);
   EXPECT_LE(number("momenta/angular_momentum/max_abs_error"), 4e-4);
@@ -230,7 +230,7 @@ TEST(JacobiMaupertuisOrbits, IsNotReversible) {
   auto before = x;
   while (x.t < back) {
     before = x;
-    ASSERT_EQ(stepper.step(x), Status::ok);
+    ASSERT_EQ(stepper.step(x), StepStatus::ok);
   }
   const double miss = distance(reversed(hermite(planet, before, x, back)), paper);
   EXPECT_GT(miss, 1e-9);
@@ -258,7 +258,7 @@ TEST(JacobiMaupertuisRuns, EventsTellWhatTheColumnsTell) {
   show(request, "mode");
   show(request, "parameter");
   const auto run = runs::go(request);
-  ASSERT_EQ(run.outcome.stop.reason, Reason::completed);
+  ASSERT_EQ(run.outcome.stop.reason, ReturnCode::completed);
   ASSERT_EQ(run.rows.size(), std::size_t(run.outcome.cost.steps));  // the start; the last step goes past the end
   std::size_t seen = 0;
   const auto& events = run.outcome.events;
@@ -355,7 +355,7 @@ TEST(JacobiMaupertuisRuns, DefaultsComplete) {
     runs::ask(request, "error");
     runs::ask(request, "energy");
     const auto run = runs::go(request);
-    ASSERT_EQ(run.outcome.stop.reason, Reason::completed) << row.problem;
+    ASSERT_EQ(run.outcome.stop.reason, ReturnCode::completed) << row.problem;
     EXPECT_EQ(run.outcome.t, runs::card(request).span);
     EXPECT_TRUE(run.outcome.warnings.empty()) << row.problem;
     const double error = runs::number(run.outcome.diagnostics, "error/max");
@@ -389,7 +389,7 @@ TEST(JacobiMaupertuisRuns, ReferenceStates) {
       runs::scene(request).initial[i] = number(entry.at(i < n ? "q0" : "p0")[i % n]);
     request.end = number(last.at("t"));
     const auto run = runs::go(request);
-    ASSERT_EQ(run.outcome.stop.reason, Reason::completed) << row.system;
+    ASSERT_EQ(run.outcome.stop.reason, ReturnCode::completed) << row.system;
     double most = 0;
     for (std::size_t i = 0; i < 2 * n; ++i)
       most = std::max(most, std::abs(run.outcome.final[i] - number(last.at("state")[i])));

@@ -20,8 +20,8 @@ using namespace least::problems;
 using namespace clocks;
 using nlohmann::json;
 
-static_assert(ClockSchemeFor<JacobiMaupertuis, Kepler<>> && ClockSchemeFor<JacobiMaupertuis, Pendulum<>>);
-static_assert(!SchemeFor<JacobiMaupertuis, Kepler<>>);
+static_assert(SelfTimedSchemeFor<JacobiMaupertuis, Kepler<>> && SelfTimedSchemeFor<JacobiMaupertuis, Pendulum<>>);
+static_assert(!FixedStepSchemeFor<JacobiMaupertuis, Kepler<>>);
 
 constexpr Quadrature quadratures[] = {Quadrature::trapezoid, Quadrature::midpoint};
 
@@ -47,14 +47,15 @@ Quadrature quadrature(const json& text) { return text == "mid" ? Quadrature::mid
 template <class P>
 struct Secant {
   Vec<P::dof> v, middle;
-  Level<P, double> mean;  ///< V̄ and ḡ
+  LagrangianTerms<P, double> mean;  ///< V̄ and ḡ
   Secant(const P& problem, Quadrature rule, const Vec<P::dof>& a, const Vec<P::dof>& b, double h) {
     for (std::size_t i = 0; i < v.size(); ++i) {
       v[i] = (b[i] - a[i]) / h;
       middle[i] = (b[i] + a[i]) / 2;
     }
-    const Level<P, double> left(problem, a), right(problem, b);
-    mean = rule == Quadrature::midpoint ? Level<P, double>(problem, middle) : Level<P, double>(left, right);
+    const LagrangianTerms<P, double> left(problem, a), right(problem, b);
+    mean = rule == Quadrature::midpoint ? LagrangianTerms<P, double>(problem, middle)
+                                        : LagrangianTerms<P, double>(left, right);
   }
 };
 /// (−D₁A_d)_σ − p_σ of a step that was taken: what the equation left out is off by.
@@ -76,7 +77,7 @@ void is_the_reference_step(const P& problem, const json& entry) {
   auto x = from;
   Work work;
   const JacobiMaupertuisStep<P, double> principle(problem, rule, number(entry.at("E0")));
-  ASSERT_EQ(principle.step(x, sigma, number(entry.at("dtheta")), 1, work), Status::ok);
+  ASSERT_EQ(principle.step(x, sigma, number(entry.at("dtheta")), 1, work), StepStatus::ok);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_NEAR(x.q[i], q1[i], 1e-12);
     EXPECT_NEAR(x.p[i], p1[i], 1e-12);
@@ -102,7 +103,7 @@ TEST(JacobiMaupertuis, PaperExitSolvesItsEquation) {
     const auto h = paper_exit_step(kepler, rule, x, number(entry.at("E0")), number(entry.at("h0")), work);
     ASSERT_TRUE(h);
     EXPECT_NEAR(*h, number(entry.at("h")), 1e-12);
-    ASSERT_EQ(variational_step(kepler, rule, x.q, x.p, x.here, *h, work), Status::ok);
+    ASSERT_EQ(variational_step(kepler, rule, x.q, x.p, x.here, *h, work), StepStatus::ok);
     for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(x.q[i], pair(entry.at("q2"))[i], 1e-12);
   }
 }
@@ -121,9 +122,9 @@ std::pair<double, int> energy_of_steps(const P& problem, Quadrature rule, State<
   while (t < span) {
     auto y = x;
     y.t = 0;
-    if (stepper.step(y) != Status::ok) return {off, fast};
+    if (stepper.step(y) != StepStatus::ok) return {off, fast};
     t += y.t;
-    if (stepper.course().mode == Mode::jacobi_maupertuis) {
+    if (stepper.active_method().mode == Mode::jacobi_maupertuis) {
       const Secant<P> step(problem, rule, x.q, y.q, y.t);
       const double found = dot(step.v, step.mean.lower(problem, step.v)) / 2 + step.mean.potential;
       most = std::max(most, std::abs(found - level) / std::max(1.0, std::abs(step.mean.potential)));
@@ -157,7 +158,7 @@ double defect_without(const P& problem, const State<P::dof>& x, std::size_t sigm
     if (i % n != sigma) kept.push_back(i);
   auto y = convert<D, D>(x);
   for (std::size_t k = 0; k < kept.size(); ++k) y[kept[k]] = D::variable(x[kept[k]], int(k));
-  if (step(problem, y) != Status::ok) return off;
+  if (step(problem, y) != StepStatus::ok) return off;
   EXPECT_EQ(y.q[sigma].slope, Vec<others>{});
   Mat<others> m;
   for (std::size_t k = 0; k < kept.size(); ++k) m[k] = y[kept[k]].slope;
@@ -179,14 +180,14 @@ double defect_of_steps(const P& problem, State<P::dof> x) {
           Station<P, D> s{y.q, y.p, Slopes<P, D>(m, y.q), D(0)};
           Work work;
           const double delta = std::copysign(0.02, v[sigma]);
-          const Status status = JacobiMaupertuisStep<P, D>(m, rule, D(level)).step(s, sigma, D(delta), 1, work);
+          const StepStatus status = JacobiMaupertuisStep<P, D>(m, rule, D(level)).step(s, sigma, D(delta), 1, work);
           y.q = s.q;
           y.p = s.p;
           return status;
         });
         most = found > most || std::isnan(found) ? found : most;
       }
-    if (stepper.step(x) != Status::ok) return off;
+    if (stepper.step(x) != StepStatus::ok) return off;
   }
   return most;
 }
@@ -206,13 +207,13 @@ TEST(JacobiMaupertuis, ComposedWithTheEnergyRootToo) {
     auto stepper = scheme.bind(kepler, x, level);
     for (int k = 0; k < 8; ++k) {
       auto next = x;
-      ASSERT_EQ(stepper.step(next), Status::ok);
-      const auto sigma = std::size_t(stepper.course().parameter);
+      ASSERT_EQ(stepper.step(next), StepStatus::ok);
+      const auto sigma = std::size_t(stepper.active_method().parameter);
       const auto step = [&](const Kepler3d<>& m, auto& y) {
         using D = typename std::remove_cvref_t<decltype(y)>::Number;
         auto again = scheme.bind(m, y, D(level));
-        const Status status = again.step(y);
-        EXPECT_EQ(again.course().parameter, int(sigma));
+        const StepStatus status = again.step(y);
+        EXPECT_EQ(again.active_method().parameter, int(sigma));
         return status;
       };
       EXPECT_LE(defect_without(kepler, x, sigma, step), 1e-12);
@@ -237,9 +238,9 @@ int follows_the_rules(const P& problem, const JacobiMaupertuis& scheme, State<P:
   int most = 0;
   while (x.t < span) {
     const auto before = x;
-    const Course was = stepper.course();
-    if (stepper.step(x) != Status::ok) return -1;
-    if (stepper.course().mode == Mode::hamilton) continue;
+    const ActiveMethod was = stepper.active_method();
+    if (stepper.step(x) != StepStatus::ok) return -1;
+    if (stepper.active_method().mode == Mode::hamilton) continue;
     const Slopes<P, double> here(problem, before.q);
     const auto v = here.raise(problem, before.p);
     Vec<P::dof> scale, weight;
@@ -252,7 +253,7 @@ int follows_the_rules(const P& problem, const JacobiMaupertuis& scheme, State<P:
     auto sigma = std::size_t(std::ranges::max_element(weight) - weight.begin());
     if (was.parameter >= 0 && weight[sigma] <= 1.25 * weight[std::size_t(was.parameter)])
       sigma = std::size_t(was.parameter);
-    EXPECT_EQ(stepper.course().parameter, int(sigma));
+    EXPECT_EQ(stepper.active_method().parameter, int(sigma));
     const double slope = std::sqrt(dot(here.gradient, here.raise(problem, here.gradient)));
     double alpha = std::sqrt(P::dof) * scheme.theta * scale[sigma] * slope / (2 * (level - here.potential));
     int halvings = 0;
@@ -289,23 +290,23 @@ TEST(JacobiMaupertuis, CountsItsForces) {
   while (x.t < 12.5) {
     const Work before = stepper.work();
     Watched::calls = 0;
-    ASSERT_EQ(stepper.step(x), Status::ok);
+    ASSERT_EQ(stepper.step(x), StepStatus::ok);
     const std::int64_t iterations = stepper.work().iterations - before.iterations;
-    const bool along = stepper.course().mode == Mode::jacobi_maupertuis;
+    const bool along = stepper.active_method().mode == Mode::jacobi_maupertuis;
     EXPECT_EQ(stepper.work().forces - before.forces, iterations + 1);  // trial ends count; the last has derivatives
     EXPECT_EQ(Watched::calls, 1);
     EXPECT_EQ(iterations > 0, along);
     fast += along;
   }
   EXPECT_GT(fast, 150);
-  EXPECT_EQ(stepper.rescues(), 0);
+  EXPECT_EQ(stepper.fallback_steps(), 0);
 }
 TEST(JacobiMaupertuis, SolvesASubstepInFewIterations) {
   auto x = paper;
   auto stepper = bound(JacobiMaupertuis{0.01, 0.01, 0.75}, Kepler<>{}, x);
   int fast = 0;
   EXPECT_TRUE(past(stepper, x, paper_period,
-                   [&](const State<2>&) { fast += stepper.course().mode == Mode::jacobi_maupertuis; }));
+                   [&](const State<2>&) { fast += stepper.active_method().mode == Mode::jacobi_maupertuis; }));
   EXPECT_NEAR(double(stepper.work().iterations) / (5 * fast), 3.15, 0.05);  // without Broyden's update: 3.25
 }
 
@@ -323,8 +324,8 @@ TEST(JacobiMaupertuis, TimeIsASixthOrderQuadratureInOneDimension) {
     auto x = start;
     auto stepper = bound(scheme, pendulum, x);
     for (int k = 0; k < n; ++k) {
-      ASSERT_EQ(stepper.step(x), Status::ok);
-      EXPECT_EQ(stepper.course().mode, Mode::jacobi_maupertuis);
+      ASSERT_EQ(stepper.step(x), StepStatus::ok);
+      EXPECT_EQ(stepper.active_method().mode, Mode::jacobi_maupertuis);
       EXPECT_NEAR(energy(pendulum, x), 2.125, 2e-15);
     }
     EXPECT_NEAR(x.q[0], q1, 1e-13);
@@ -340,11 +341,11 @@ TEST(JacobiMaupertuis, CollisionsAndRests) {
   auto request = runs::defaults("kepler", "jacobi_maupertuis");
   runs::scene(request).initial = {0, -1, 0, 0};
   const auto run = runs::go(request);
-  EXPECT_EQ(run.outcome.stop.reason, Reason::parameter_step_underflow);
+  EXPECT_EQ(run.outcome.stop.reason, ReturnCode::parameter_step_underflow);
   EXPECT_NEAR(run.outcome.stop.t, M_PI / std::sqrt(8.0), 1e-4);  // free fall from r = 1
   request = runs::defaults("pendulum", "jacobi_maupertuis");
   runs::set(request, "critical_kinetic_energy", 0);
-  EXPECT_EQ(runs::go(request).outcome.stop.reason, Reason::parameter_step_underflow);
+  EXPECT_EQ(runs::go(request).outcome.stop.reason, ReturnCode::parameter_step_underflow);
 }
 
 // A coordinate's step that is far too long ends in steps of time, which are counted, and the passage is left again.
@@ -355,7 +356,7 @@ TEST(JacobiMaupertuis, StepsThatCannotBeTakenAreTakenInTime) {
   runs::set(request, "alpha_max", off);
   request.end = 18.8;
   const auto run = runs::go(request);
-  ASSERT_EQ(run.outcome.stop.reason, Reason::completed);
+  ASSERT_EQ(run.outcome.stop.reason, ReturnCode::completed);
   EXPECT_EQ(run.rows.back()[0], 0);
   ASSERT_GE(run.outcome.warnings.size(), 1U);
   EXPECT_EQ(run.outcome.warnings.back().code, "steps_in_time");

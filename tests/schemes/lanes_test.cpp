@@ -20,7 +20,7 @@ using Scenes = std::array<P<double>, toy::width>;
 template <template <class> class P>
 using Starts = std::array<FullStateOf<P<double>>, toy::width>;
 
-using Said = std::array<Status, toy::width>;
+using Said = std::array<StepStatus, toy::width>;
 
 /// What each lane says of itself in the end.
 template <template <class> class P, class Scheme>
@@ -64,7 +64,7 @@ TEST(Lanes, FlowOfTheActionIsChosenForEach) {  // by its series, cos, cosh; γR 
   const ContactSplitting scheme{0.2};
   EXPECT_EQ(said<CosmologicalOscillator>(scheme, {{{1, 1}, {2, -8}, {3, 50}, {0.1, 0}}}, {x, x, x, x}, 2), Said{});
   EXPECT_EQ(said<CosmologicalOscillator>(scheme, {{{1, 1}, {1, -800}, {1, 40}, {1, 0}}}, {x, x, x, x}, 3),
-            (Said{Status::ok, Status::singular, Status::ok, Status::ok}));
+            (Said{StepStatus::ok, StepStatus::singular, StepStatus::ok, StepStatus::ok}));
 }
 
 TEST(Lanes, PowerOfAStarIsOfEach) {  // on both sides of the zero
@@ -94,7 +94,8 @@ void expect_third_fails(const Scenes<P>& scenes, const Starts<P>& starts) {
     scheme.step = 0.05;
     const Said all = said<P>(scheme, scenes, starts, 60);
     if (scheme.composition == Composition::none) {
-      EXPECT_EQ(all, (Said{Status::ok, Status::ok, Status::singular, Status::ok})) << laws::label(scheme);
+      EXPECT_EQ(all, (Said{StepStatus::ok, StepStatus::ok, StepStatus::singular, StepStatus::ok}))
+          << laws::label(scheme);
     }
   });
 }
@@ -113,7 +114,7 @@ TEST(Lanes, APoleOfTheDampingFailsOneAlone) {  // αh = −2.5
   const FullStateOf<DampedOscillator<>> x{0, {1}, {0.3}, {0.1}};
   const Said all =
       said<DampedOscillator>(ContactLeapfrog{0.1}, {{{1, 0.1}, {1, -25}, {2, 3}, {1, -19}}}, {x, x, x, x}, 5);
-  EXPECT_EQ(all, (Said{Status::ok, Status::singular, Status::ok, Status::ok}));
+  EXPECT_EQ(all, (Said{StepStatus::ok, StepStatus::singular, StepStatus::ok, StepStatus::ok}));
 }
 
 /// What a stepper keeps of the state is the state's: a shorter step after one that failed is that of a new stepper.
@@ -123,7 +124,7 @@ TEST(Lanes, AFailedLaneCanGoOn) {
   const ContactLeapfrog scheme{0.1};
   auto x = laws::together(std::array{start, start, start, start});
   auto wide = scheme.bind(laws::together<DampedOscillator>(scenes), x);
-  EXPECT_EQ(wide.step(x, 0.1).of[1], Status::singular);
+  EXPECT_EQ(wide.step(x, 0.1).of[1], StepStatus::singular);
   const auto between = x;
   EXPECT_TRUE(all(succeeded(wide.step(x, 0.01))));
   for (std::size_t lane = 0; lane < toy::width; ++lane) {
@@ -131,7 +132,7 @@ TEST(Lanes, AFailedLaneCanGoOn) {
     for (std::size_t i = 0; i < y.size; ++i) y[i] = between[i].v[lane];
     EXPECT_EQ(y == start, lane == 1);
     auto narrow = scheme.bind(scenes[lane], y);
-    EXPECT_EQ(narrow.step(y, 0.01), Status::ok);
+    EXPECT_EQ(narrow.step(y, 0.01), StepStatus::ok);
     laws::expect_same_bits(x, y, lane, "after a failure");
   }
 }

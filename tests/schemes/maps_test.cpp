@@ -18,7 +18,7 @@ using namespace least::problems;
 template <class Scheme, class P>
 StateOf<P> after_one(const Scheme& scheme, const P& problem, StateOf<P> x, double h) {
   auto stepper = scheme.bind(problem, x);
-  EXPECT_EQ(stepper.step(x, h), Status::ok);
+  EXPECT_EQ(stepper.step(x, h), StepStatus::ok);
   return x;
 }
 
@@ -40,7 +40,7 @@ TEST(Map, LeapfrogIsStoermersTwoStepScheme) {
   auto stepper = Leapfrog{}.bind(pendulum, x);
   double q[3] = {q0, 0, 0};
   for (int k = 1; k < 3; ++k) {
-    ASSERT_EQ(stepper.step(x, h), Status::ok);
+    ASSERT_EQ(stepper.step(x, h), StepStatus::ok);
     q[k] = x.q[0];
   }
   EXPECT_NEAR(q[2] - 2 * q[1] + q[0], h * h * force(q[1]), 1e-15);

@@ -29,14 +29,15 @@ using clocks::larger, clocks::past, clocks::steps;
 
 template <class Scheme>
 constexpr bool runs_everything =
-    ClockSchemeFor<Scheme, Kepler<>>&& ClockSchemeFor<Scheme, Kepler3d<>>&& ClockSchemeFor<Scheme, DampedOscillator<>>&&
-        ClockSchemeFor<Scheme, DampedOscillator<>, State<1, double, double, Action<double>>>&&
-            ClockSchemeFor<Scheme, CosmologicalOscillator<>>&& ClockSchemeFor<Scheme, Lorenz<>>&&
-                ClockSchemeFor<Scheme, VanDerPol<>, Point<2, Slope>> &&
-    !SchemeFor<Scheme, Kepler<>> && Scheme::reads_time;
+    SelfTimedSchemeFor<Scheme, Kepler<>>&& SelfTimedSchemeFor<Scheme, Kepler3d<>>&&
+        SelfTimedSchemeFor<Scheme, DampedOscillator<>>&&
+            SelfTimedSchemeFor<Scheme, DampedOscillator<>, State<1, double, double, Action<double>>>&&
+                SelfTimedSchemeFor<Scheme, CosmologicalOscillator<>>&& SelfTimedSchemeFor<Scheme, Lorenz<>>&&
+                    SelfTimedSchemeFor<Scheme, VanDerPol<>, Point<2, Slope>> &&
+    !FixedStepSchemeFor<Scheme, Kepler<>> && Scheme::reads_time;
 static_assert(runs_everything<DormandPrince5> && runs_everything<Fehlberg78> && runs_everything<BulirschStoer>);
 // Only what is doubles at heart: no derivatives of a step, no other numbers.
-static_assert(!ClockSchemeFor<DormandPrince5, Kepler<>, State<2, Dual<double, 4>, Dual<double, 4>>>);
+static_assert(!SelfTimedSchemeFor<DormandPrince5, Kepler<>, State<2, Dual<double, 4>, Dual<double, 4>>>);
 
 template <class F>
 void for_each_scheme(double tolerance, F&& f) {
@@ -81,7 +82,7 @@ void steps_are(const Scheme& scheme, Stepper theirs, int order) {
   double t = 0, h = first_step(scheme.tolerance, order);
   if constexpr (stepper.has_dense) theirs.initialize(y, t, h);
   for (int k = 0; k < 200; ++k) {
-    ASSERT_EQ(stepper.step(x), Status::ok);
+    ASSERT_EQ(stepper.step(x), StepStatus::ok);
     if constexpr (stepper.has_dense) {
       const auto [from, to] = theirs.do_step(kepler_rate);
       const double between = from + 0.3 * (to - from);
@@ -135,7 +136,7 @@ Errors errors_of(const Scheme& scheme, const P& problem, const X& start, double 
     if (y.t < start.t + span) before = y;
   }));
   auto last = scheme.bind(problem, before);
-  EXPECT_EQ(last.reach(before, start.t + span), Status::ok);
+  EXPECT_EQ(last.reach(before, start.t + span), StepStatus::ok);
   EXPECT_EQ(before.t, start.t + span);
   errors.reached = state_error(before, truth(before.t));
   return errors;
@@ -210,7 +211,7 @@ TEST(Odeint, CarriesATangentDirection) {
     auto x = along, y = across;
     auto stepper = scheme.bind(problem, x), other = scheme.bind(problem, y);
     ASSERT_TRUE(past(other, y, 2.0, [](const auto&) {}));
-    EXPECT_TRUE(stepper.reach(x, 3) == Status::ok && other.reach(y, 3) == Status::ok);
+    EXPECT_TRUE(stepper.reach(x, 3) == StepStatus::ok && other.reach(y, 3) == StepStatus::ok);
     const auto rate = derivative(problem, plain(x));
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_NEAR(x[i].slope[0], rate[i], 1e-7) << scheme.card().id;
@@ -220,7 +221,7 @@ TEST(Odeint, CarriesATangentDirection) {
     auto z = across;
     auto again = scheme.bind(problem, z);
     ASSERT_TRUE(past(again, z, 2.0, [&](const auto&) { normalise(z); }));  // as drivers do
-    EXPECT_EQ(again.reach(z, 3), Status::ok);
+    EXPECT_EQ(again.reach(z, 3), StepStatus::ok);
     EXPECT_NEAR(z[1].slope[0] / z[0].slope[0], truth[1].slope[0] / truth[0].slope[0], 1e-6) << scheme.card().id;
   });
 }
@@ -246,16 +247,16 @@ TEST(Odeint, CountsEveryEvaluation) {
     EXPECT_GT(Counted::calls, 20 * 5);
     const auto copy = stepper;
     x.y[0] *= 2;  // not where the last step ended
-    ASSERT_EQ(stepper.step(x), Status::ok);
+    ASSERT_EQ(stepper.step(x), StepStatus::ok);
     agrees();
-    ASSERT_EQ(stepper.reach(x, x.t + 0.5), Status::ok);
+    ASSERT_EQ(stepper.reach(x, x.t + 0.5), StepStatus::ok);
     agrees();
     const double t = x.t + 1e-9;
-    ASSERT_TRUE(stepper.reach(x, t) == Status::ok && stepper.step(x) == Status::ok);
+    ASSERT_TRUE(stepper.reach(x, t) == StepStatus::ok && stepper.step(x) == StepStatus::ok);
     EXPECT_GT(x.t, t + 1e-4);  // a short way says nothing of the next step
     EXPECT_LT(copy.work().forces, stepper.work().forces);
     x.y[0] = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_EQ(stepper.step(x), Status::singular);
+    EXPECT_EQ(stepper.step(x), StepStatus::singular);
     agrees();
   });
   // First same as last: six evaluations a trial, after one for the start and two for the length of its step.
@@ -264,7 +265,7 @@ TEST(Odeint, CountsEveryEvaluation) {
   ASSERT_EQ(steps(stepper, x, 5), 5);
   EXPECT_EQ(stepper.work().forces % 6, 3);
   x.y[0] *= 0.5;  // a state of one's own costs one more
-  ASSERT_EQ(stepper.step(x), Status::ok);
+  ASSERT_EQ(stepper.step(x), StepStatus::ok);
   EXPECT_EQ(stepper.work().forces % 6, 4);
 }
 
@@ -273,10 +274,10 @@ TEST(Odeint, StepsEndWhereTheFieldIsKnown) {
   for_each_scheme(1e-6, [](const auto& scheme) {
     Point<1> x{0, {1}}, y = x;
     Counted::calls = 0;
-    ASSERT_EQ(scheme.bind(Counted{}, x).step(x), Status::ok);
+    ASSERT_EQ(scheme.bind(Counted{}, x).step(x), StepStatus::ok);
     Counted::fails_at = Counted::calls;
     Counted::calls = 0;
-    ASSERT_EQ(scheme.bind(Counted{}, y).step(y), Status::ok);
+    ASSERT_EQ(scheme.bind(Counted{}, y).step(y), StepStatus::ok);
     EXPECT_LT(y.t, 0.5 * x.t) << scheme.card().id;
     Counted::fails_at = 0;
   });
@@ -285,7 +286,7 @@ TEST(Odeint, StepsEndWhereTheFieldIsKnown) {
 TEST(Odeint, CopiesGoOnWithTheSameBits) {
   for_each_scheme(1e-9, [](const auto& scheme) {
     State<2> x{0, {0.5, 0}, {0, 2}, {}};
-    using Stepper = ClockStepperOf<std::remove_cvref_t<decltype(scheme)>, Kepler<>, State<2>>;
+    using Stepper = SelfTimedStepperOf<std::remove_cvref_t<decltype(scheme)>, Kepler<>, State<2>>;
     auto stepper = std::make_unique<Stepper>(scheme.bind(Kepler<>{1.5}, x));
     ASSERT_EQ(steps(*stepper, x, 9), 9);
     auto copy = *stepper;
@@ -301,7 +302,7 @@ TEST(Odeint, CopiesGoOnWithTheSameBits) {
     ASSERT_EQ(steps(*stepper, x, 30, [&](const auto& now) { orbit.push_back(now); }), 30);
     stepper.reset();  // a copy needs nothing of what it was copied from
     for (const auto& now : orbit) {
-      ASSERT_TRUE(copy.step(y) == Status::ok && assigned.step(z) == Status::ok);
+      ASSERT_TRUE(copy.step(y) == StepStatus::ok && assigned.step(z) == StepStatus::ok);
       ASSERT_TRUE(same(y, now) && same(z, now)) << scheme.card().id;
     }
   });
@@ -313,15 +314,15 @@ TEST(Odeint, InterpolatesWithinTheLastStepOnly) {
   EXPECT_FALSE(stepper.interpolate(y, 0));
   ASSERT_EQ(steps(stepper, x, 3), 3);
   const double start = x.t;
-  ASSERT_EQ(stepper.step(x), Status::ok);
+  ASSERT_EQ(stepper.step(x), StepStatus::ok);
   EXPECT_FALSE(stepper.interpolate(y, start - 1e-9) || stepper.interpolate(y, x.t + 1e-9));
   ASSERT_TRUE(stepper.interpolate(y, x.t));
   EXPECT_LT(clocks::distance(x, y), 1e-14);
   auto bad = x;
   bad.p[0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(stepper.step(bad), Status::singular);
-  EXPECT_FALSE(stepper.interpolate(y, x.t));  // its memory of the good step is gone
-  EXPECT_EQ(stepper.step(x), Status::ok);     // and it goes on
+  EXPECT_EQ(stepper.step(bad), StepStatus::singular);
+  EXPECT_FALSE(stepper.interpolate(y, x.t));   // its memory of the good step is gone
+  EXPECT_EQ(stepper.step(x), StepStatus::ok);  // and it goes on
   EXPECT_TRUE(stepper.interpolate(y, x.t));
 }
 
@@ -329,18 +330,18 @@ TEST(Odeint, InterpolatesWithinTheLastStepOnly) {
 
 /// Steps until one fails; how, and the state it began from, which has to be left as it was.
 template <class Scheme, class P, class X>
-std::pair<Status, X> end_of(const Scheme& scheme, const P& problem, X x, std::int64_t most_forces = 200'000) {
+std::pair<StepStatus, X> end_of(const Scheme& scheme, const P& problem, X x, std::int64_t most_forces = 200'000) {
   auto stepper = scheme.bind(problem, x);
   for (;;) {
     const auto before = x;
-    if (const Status status = stepper.step(x); status != Status::ok) {
+    if (const StepStatus status = stepper.step(x); status != StepStatus::ok) {
       EXPECT_TRUE(same(x, before)) << scheme.card().id;
       EXPECT_LT(stepper.work().forces, most_forces) << scheme.card().id;
       return {status, x};
     }
     for (std::size_t i = 0; i < X::size; ++i) EXPECT_TRUE(std::isfinite(x[i])) << scheme.card().id;
     EXPECT_GT(x.t, before.t);
-    if (!(stepper.work().forces < most_forces)) return {Status::ok, x};
+    if (!(stepper.work().forces < most_forces)) return {StepStatus::ok, x};
   }
 }
 
@@ -349,7 +350,7 @@ TEST(Odeint, StopsAtOnceWhereThereIsNoForce) {
   for_each_scheme(1e-8, [&](const auto& scheme) {
     for (const State<2>& x : {State<2>{0, {0, 0}, {0, 1}, {}}, State<2>{0, {1, 0}, {nan, 1}, {}},
                               State<2>{0, {infinity, 0}, {0, 1}, {}}, State<2>{nan, {1, 0}, {0, 1}, {}}})
-      EXPECT_EQ(end_of(scheme, Kepler<>{}, x, 100).first, Status::singular);
+      EXPECT_EQ(end_of(scheme, Kepler<>{}, x, 100).first, StepStatus::singular);
   });
 }
 TEST(Odeint, BlowUpEndsWithItsTime) {
@@ -357,14 +358,14 @@ TEST(Odeint, BlowUpEndsWithItsTime) {
     for_each_scheme(tolerance, [&](const auto& scheme) {
       const StateOf<CosmologicalOscillator<>> start{0, {0}, {0}, {-2}};
       const auto [status, x] = end_of(scheme, CosmologicalOscillator<>{}, start);
-      EXPECT_NE(status, Status::ok) << scheme.card().id;
+      EXPECT_NE(status, StepStatus::ok) << scheme.card().id;
       EXPECT_NEAR(x.t, 1.24645048028, 1e-9 + 10 * tolerance) << scheme.card().id << ' ' << tolerance;
     });
 }
 TEST(Odeint, CollisionEnds) {
   for_each_scheme(1e-8, [&](const auto& scheme) {
     const auto [status, x] = end_of(scheme, Kepler<>{}, State<2>{0, {1, 0}, {0, 0}, {}}, 1'000'000);
-    EXPECT_NE(status, Status::ok) << scheme.card().id;
+    EXPECT_NE(status, StepStatus::ok) << scheme.card().id;
     EXPECT_NEAR(x.t, std::acos(-1.0) / std::sqrt(8.0), 1e-7) << scheme.card().id;
   });
 }
@@ -382,7 +383,7 @@ TEST(Odeint, EndsAtTheEdgeOfTheField) {
   for (const double tolerance : {1e-2, 1e-5, 1e-10})
     for_each_scheme(tolerance, [&](const auto& scheme) {
       const auto [status, x] = end_of(scheme, Edge{}, Point<1>{0, {1}});
-      EXPECT_EQ(status, Status::singular) << scheme.card().id;
+      EXPECT_EQ(status, StepStatus::singular) << scheme.card().id;
       EXPECT_GE(x.y[0], 0);
       EXPECT_LT(x.y[0], 1e-12) << scheme.card().id << ' ' << tolerance;
       EXPECT_NEAR(x.t, 2 - 2 * std::log(2.0), 100 * tolerance) << scheme.card().id << ' ' << tolerance;

@@ -128,12 +128,12 @@ void reaches(const P& problem, const State<P::dof>& start, const TimeTransformed
   for (int k = 0; k < 60; ++k) {
     auto end = x;
     auto ahead = stepper;
-    ASSERT_EQ(ahead.step(end), Status::ok);
+    ASSERT_EQ(ahead.step(end), StepStatus::ok);
     for (const double part : {1e-6, 0.01, 0.3, 0.7, 0.99, 0.999999, 1.0}) {
       const double t = x.t + part * (end.t - x.t);
       auto y = x, back = x;
       auto there = stepper;
-      ASSERT_EQ(there.reach(y, t), Status::ok) << part;
+      ASSERT_EQ(there.reach(y, t), StepStatus::ok) << part;
       EXPECT_EQ(y.t, t);
       EXPECT_GT(there.work().forces, stepper.work().forces);
       EXPECT_LE(there.work().forces, stepper.work().forces + 12 * (ahead.work().forces - stepper.work().forces));
@@ -143,18 +143,18 @@ void reaches(const P& problem, const State<P::dof>& start, const TimeTransformed
       // The way there is a step of some σ: it turns round, and the state it leads to is the stepper's.
       auto z = y;
       auto fresh = scheme.bind(problem, z, energy(problem, start));
-      ASSERT_EQ(there.step(y), Status::ok);
-      ASSERT_EQ(fresh.step(z), Status::ok);
+      ASSERT_EQ(there.step(y), StepStatus::ok);
+      ASSERT_EQ(fresh.step(z), StepStatus::ok);
       EXPECT_EQ(y, z);
       // Nothing is done where there is nowhere to go; beyond the end it says so, and leaves x.
-      EXPECT_EQ(stepper.reach(back, x.t), Status::ok);
+      EXPECT_EQ(stepper.reach(back, x.t), StepStatus::ok);
       EXPECT_EQ(back, x);
     }
     auto y = x;
     auto beyond = stepper;
-    EXPECT_EQ(beyond.reach(y, end.t + (end.t - x.t) * 1e-3), Status::solver_failed);
+    EXPECT_EQ(beyond.reach(y, end.t + (end.t - x.t) * 1e-3), StepStatus::solver_failed);
     EXPECT_EQ(y, x);
-    ASSERT_EQ(beyond.step(y), Status::ok);
+    ASSERT_EQ(beyond.step(y), StepStatus::ok);
     EXPECT_EQ(y, end);
     x = end;
     stepper = ahead;
@@ -170,7 +170,7 @@ TEST(TimeTransformed, ReachedStatesAreAsAccurateAsSteps) {
   for (const double t : {5.0, 10.3, 11.155, 17.77}) {  // the periapsis is at 11.157
     auto x = paper;
     auto stepper = bound(TimeTransformed{0.04, minus_energy, Composition::kahan_li_6}, kepler, x);
-    ASSERT_EQ(until(stepper, x, t), Status::ok);
+    ASSERT_EQ(until(stepper, x, t), StepStatus::ok);
     EXPECT_LT(distance(x, kepler.exact(paper, t)), 1e-9) << t;
     EXPECT_NEAR(energy(kepler, x), energy(kepler, paper), 1e-12);
   }
@@ -183,21 +183,21 @@ TEST(TimeTransformed, StopsWhereTheTransformationEnds) {
   const auto status = [&](double kappa, double sigma = 0.01, State<1> x = State<1>{0, {0.5}, {1}, {}}) {
     const auto before = x;
     auto stepper = bound(TimeTransformed{sigma, kappa}, m, x);
-    const Status result = stepper.step(x);
-    if (result != Status::ok) {
+    const StepStatus result = stepper.step(x);
+    if (result != StepStatus::ok) {
       EXPECT_EQ(std::memcmp(&x, &before, sizeof x), 0);
     }
     return result;
   };
-  EXPECT_EQ(status(0.5), Status::ok);
-  EXPECT_EQ(status(-0.4), Status::ok);                // K = .5, E₀ − V = .5
-  EXPECT_EQ(status(-0.5), Status::singular);          // K + κ = 0
-  EXPECT_EQ(status(-0.6), Status::singular);          // K + κ < 0
-  EXPECT_EQ(status(minus_energy), Status::singular);  // −V < 0
-  EXPECT_EQ(status(0.5, 0.01, {0, {0.5}, {minus_energy}, {}}), Status::singular);
-  EXPECT_EQ(status(0.5, 10), Status::singular);  // far off the level
-  EXPECT_EQ(status(0.5, 1e300), Status::singular);
-  EXPECT_EQ(status(1e30, 1e-300), Status::singular);  // time stands still
+  EXPECT_EQ(status(0.5), StepStatus::ok);
+  EXPECT_EQ(status(-0.4), StepStatus::ok);                // K = .5, E₀ − V = .5
+  EXPECT_EQ(status(-0.5), StepStatus::singular);          // K + κ = 0
+  EXPECT_EQ(status(-0.6), StepStatus::singular);          // K + κ < 0
+  EXPECT_EQ(status(minus_energy), StepStatus::singular);  // −V < 0
+  EXPECT_EQ(status(0.5, 0.01, {0, {0.5}, {minus_energy}, {}}), StepStatus::singular);
+  EXPECT_EQ(status(0.5, 10), StepStatus::singular);  // far off the level
+  EXPECT_EQ(status(0.5, 1e300), StepStatus::singular);
+  EXPECT_EQ(status(1e30, 1e-300), StepStatus::singular);  // time stands still
 }
 // What a stepper knows after a step that failed is what it knew before.
 TEST(TimeTransformed, GoesOnAfterAStepThatFailed) {
@@ -207,12 +207,12 @@ TEST(TimeTransformed, GoesOnAfterAStepThatFailed) {
     for (double sigma = 0.5; sigma < 20; sigma *= 1.1) {
       State<1> x{0, {q}, {1}, {}}, y = x;
       auto stepper = bound(TimeTransformed{sigma, 0.5}, m, x), fresh = stepper;
-      if (stepper.step(x) == Status::ok) continue;
+      if (stepper.step(x) == StepStatus::ok) continue;
       ++failures;
-      EXPECT_EQ(stepper.step(x), Status::singular);
+      EXPECT_EQ(stepper.step(x), StepStatus::singular);
       EXPECT_EQ(x, y);
-      ASSERT_EQ(stepper.reach(x, 0.01), Status::ok);
-      ASSERT_EQ(fresh.reach(y, 0.01), Status::ok);
+      ASSERT_EQ(stepper.reach(x, 0.01), StepStatus::ok);
+      ASSERT_EQ(fresh.reach(y, 0.01), StepStatus::ok);
       EXPECT_EQ(x, y);
     }
   EXPECT_GT(failures, 100);
@@ -226,7 +226,7 @@ TEST(TimeTransformed, StopsBeforeKineticEnergyFallsToMinusKappa) {
   EXPECT_LT(taken, 10'000);
   EXPECT_LT(x.t, 1);  // K = 0.3 at t = 0.685
   const auto last = x;
-  EXPECT_EQ(stepper.step(x), Status::singular);
+  EXPECT_EQ(stepper.step(x), StepStatus::singular);
   EXPECT_EQ(x, last);
 }
 TEST(TimeTransformed, MetricStopsWhereTheTransformationEnds) {
@@ -235,7 +235,7 @@ TEST(TimeTransformed, MetricStopsWhereTheTransformationEnds) {
   const double kinetic = 0.5 * dot(x.p, velocity(m, x.q, x.p));
   for (const auto& scheme : {TimeTransformed{0.01, -1.5 * kinetic}, TimeTransformed{1000, 0.5}}) {
     auto stepper = bound(scheme, m, x);
-    EXPECT_NE(stepper.step(x), Status::ok);
+    EXPECT_NE(stepper.step(x), StepStatus::ok);
     EXPECT_EQ(x, swing);
   }
 }
@@ -249,7 +249,7 @@ void stops_off_the_level(const P& problem, const State<P::dof>& x) {
       auto y = x;
       const TimeTransformed scheme{1e-4, kappa};
       const bool near = slow > 0 && ratio > 0.5 && ratio < 2;
-      EXPECT_EQ(scheme.bind(problem, y, level + gap - slow).step(y), near ? Status::ok : Status::singular)
+      EXPECT_EQ(scheme.bind(problem, y, level + gap - slow).step(y), near ? StepStatus::ok : StepStatus::singular)
           << slow << ' ' << ratio;
     }
 }
@@ -268,11 +268,11 @@ TEST(TimeTransformed, HyperbolaIsFollowedOrRefused) {
   for (double t = 0; t < 20; t += 0.5)
     for (double sigma = 2.0 / std::sqrt(2 * level) + 1e-9; sigma < 1000; sigma *= 1.1) {
       auto x = kepler.exact(hyperbola, t);
-      EXPECT_EQ((TimeTransformed{sigma, minus_energy}.bind(kepler, x, level).step(x)), Status::singular) << sigma;
+      EXPECT_EQ((TimeTransformed{sigma, minus_energy}.bind(kepler, x, level).step(x)), StepStatus::singular) << sigma;
     }
 }
 
-// The objection holds exactly where the guard would stop the first step.
+// The unsupported_reason holds exactly where the guard would stop the first step.
 TEST(TimeTransformed, ObjectsToWhatTheGuardWouldStop) {
   for (const double mu : {1.0, 0.3})
     for (const auto& start : {paper, hyperbola})
@@ -283,20 +283,20 @@ TEST(TimeTransformed, ObjectsToWhatTheGuardWouldStop) {
         for (double sigma = 0.05; sigma < 20; sigma *= 1.07) {
           const TimeTransformed scheme{sigma, minus_energy, composition};
           auto x = start;
-          const bool refused = !scheme.objection(kepler, level).empty();
-          const bool named = !TimeTransformed{sigma, -level, composition}.objection(kepler, level).empty();
-          const bool stops = scheme.bind(kepler, x, level).step(x) != Status::ok;
+          const bool refused = !scheme.unsupported_reason(kepler, level).empty();
+          const bool named = !TimeTransformed{sigma, -level, composition}.unsupported_reason(kepler, level).empty();
+          const bool stops = scheme.bind(kepler, x, level).step(x) != StepStatus::ok;
           EXPECT_EQ(refused, named);
           EXPECT_EQ(refused, stops) << sigma;
           objections += refused;
         }
         EXPECT_GT(objections, 5);
       }
-  EXPECT_EQ((TimeTransformed{3, minus_energy}.objection(Kepler<>{}, energy(Kepler<>{}, hyperbola))),
+  EXPECT_EQ((TimeTransformed{3, minus_energy}.unsupported_reason(Kepler<>{}, energy(Kepler<>{}, hyperbola))),
             "σ = 3: with κ = −E₀ on this hyperbola and this composition σ has to be less than 1.777");
-  EXPECT_EQ((TimeTransformed{3, 0.75}.objection(Kepler<>{}, 0.475)), "");
-  EXPECT_EQ((TimeTransformed{3, minus_energy}.objection(HenonHeiles<>{}, 0.475)), "");
-  EXPECT_EQ((TimeTransformed{3, minus_energy}.objection(Kepler<>{}, 0.0)), "");
+  EXPECT_EQ((TimeTransformed{3, 0.75}.unsupported_reason(Kepler<>{}, 0.475)), "");
+  EXPECT_EQ((TimeTransformed{3, minus_energy}.unsupported_reason(HenonHeiles<>{}, 0.475)), "");
+  EXPECT_EQ((TimeTransformed{3, minus_energy}.unsupported_reason(Kepler<>{}, 0.0)), "");
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ using namespace least;
 using namespace least::problems;
 using namespace clocks;
 
-static_assert(ClockSchemeFor<TimeTransformed, Kepler<>> && ClockSchemeFor<TimeTransformed, DoublePendulum<>>);
-static_assert(!SchemeFor<TimeTransformed, Kepler<>>);
+static_assert(SelfTimedSchemeFor<TimeTransformed, Kepler<>> && SelfTimedSchemeFor<TimeTransformed, DoublePendulum<>>);
+static_assert(!FixedStepSchemeFor<TimeTransformed, Kepler<>>);
 
 // ---- the maps
 
@@ -39,7 +39,7 @@ TEST(TimeTransformed, ConstantMetricIsLeapfrogForTheLogarithms) {
     drift();
     p -= sigma * 3 * q / (level - 1.5 * q * q + kappa);
     drift();
-    ASSERT_EQ(stepper.step(x), Status::ok);
+    ASSERT_EQ(stepper.step(x), StepStatus::ok);
     EXPECT_NEAR(x.q[0], q, 1e-15);
     EXPECT_NEAR(x.p[0], p, 1e-15);
     EXPECT_NEAR(x.t, t, 1e-15);
@@ -51,7 +51,7 @@ TEST(TimeTransformed, MetricIsTheMidpointRuleWithAStepOfThePosition) {
   const DoublePendulum<> m{1.3, 0.7, 0.9, 1.2, 1.1};
   const double sigma = 0.4, kappa = 0.6, level = energy(m, swing);
   auto x = swing;
-  ASSERT_EQ((TimeTransformed{sigma, kappa}.bind(m, x, level).step(x)), Status::ok);
+  ASSERT_EQ((TimeTransformed{sigma, kappa}.bind(m, x, level).step(x)), StepStatus::ok);
   using D = Dual<double, 4>;
   const Vec<4> ends{swing.q[0], swing.q[1], x.q[0], x.q[1]};
   const auto s = seed<4, double>(ends);
@@ -74,16 +74,16 @@ void composition_is_the_base_by_weights(const P& problem, const State<P::dof>& s
   const double level = energy(problem, start), sigma = 0.1;
   for (const auto composition : {Composition::suzuki_4, Composition::kahan_li_8}) {
     auto x = start, y = start;
-    ASSERT_EQ((TimeTransformed{sigma, 0.8, composition}.bind(problem, x, level).step(x)), Status::ok);
+    ASSERT_EQ((TimeTransformed{sigma, 0.8, composition}.bind(problem, x, level).step(x)), StepStatus::ok);
     const auto& weights = Weights<double>::of(composition);
     for (std::size_t i = 0; i < std::size_t(weights.stages); ++i) {
       const double gamma = weights.gamma[i];
       if (gamma > 0) {
-        ASSERT_EQ((TimeTransformed{gamma * sigma, 0.8}.bind(problem, y, level).step(y)), Status::ok);
+        ASSERT_EQ((TimeTransformed{gamma * sigma, 0.8}.bind(problem, y, level).step(y)), StepStatus::ok);
       } else {  // back: the step is symmetric and reversible
         const double t = y.t;
         y = reversed(y);
-        ASSERT_EQ((TimeTransformed{-gamma * sigma, 0.8}.bind(problem, y, level).step(y)), Status::ok);
+        ASSERT_EQ((TimeTransformed{-gamma * sigma, 0.8}.bind(problem, y, level).step(y)), StepStatus::ok);
         y = reversed(y);
         y.t = 2 * t - y.t;
       }
@@ -159,7 +159,7 @@ void lanes_move_as_doubles(const P& problem, const State<P::dof>& start) {
   }
   wide.p[0].v[2] = std::numeric_limits<double>::quiet_NaN();  // one lane that fails is a step that fails
   auto spoilt = scheme.bind(problem, wide, level);
-  EXPECT_NE(spoilt.step(wide), Status::ok);
+  EXPECT_NE(spoilt.step(wide), StepStatus::ok);
 }
 TEST(TimeTransformed, LanesMoveAsDoubles) {
   lanes_move_as_doubles(Kepler<>{}, paper);
@@ -196,7 +196,7 @@ TEST(TimeTransformed, IsNotSymplecticWhereTheLevelFollowsTheState) {
   auto y = convert<D, D>(swing);
   for (std::size_t i = 0; i < 4; ++i) y[i] = D::variable(swing[i], int(i));
   auto stepper = bound(TimeTransformed{0.3, 0.5}, m, y);
-  ASSERT_EQ(stepper.step(y), Status::ok);
+  ASSERT_EQ(stepper.step(y), StepStatus::ok);
   Mat<4> tangent;
   for (std::size_t i = 0; i < 4; ++i) tangent[i] = y[i].slope;
   EXPECT_GT(symplectic_defect(tangent), 1e-3);
@@ -236,7 +236,7 @@ void has_order(const P& problem, const State<P::dof>& start, double span, const 
   for (int k = 0; k < 40 && points.size() < 7; ++k, scheme.sigma /= 1.25) {
     auto x = convert<T, T>(start);
     auto stepper = bound(scheme, problem, x);
-    ASSERT_EQ(until(stepper, x, T(span)), Status::ok);
+    ASSERT_EQ(until(stepper, x, T(span)), StepStatus::ok);
     const double error = distance(x, convert<T, T>(truth.state()));
     if (error < floor) break;
     if (error < 1e-5 * std::pow(10, -0.5 * order)) points.emplace_back(scheme.sigma, error);

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <thread>
 
+#include "least_version.hpp"
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
 
@@ -143,7 +144,7 @@ TEST(Command, CatalogueVersionAndHelp) {
                                                     {"run", "--version"},
                                                     {"catalogue", "--version"}}) {
     Process version(arguments);
-    EXPECT_EQ(version.output(), "leastaction 0.1.0\n");
+    EXPECT_EQ(version.output(), "leastaction " + std::string(least::version) + "\n");
     EXPECT_EQ(version.wait(), 0);
   }
   Process help({"serve", "--help"});

@@ -58,6 +58,8 @@ TEST_F(Readme, ShowsTheAnswerToItsRequest) {
   EXPECT_TRUE(got.contains("cost") && expected.contains("cost"));
   got.erase("cost");
   expected.erase("cost");
+  got.erase("version");  // the project's, said in CMakeLists.txt alone
+  expected.erase("version");
   EXPECT_EQ(got, expected);
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 #include "tests/study/studies.hpp"
 
 namespace {
@@ -18,10 +18,10 @@ double spacing() {
 }
 
 /// The fewest force evaluations, `most` at most, with which any candidate is as accurate.
-double exhaustive(const Subject& subject, const std::vector<Choice>& all, double accuracy, double most) {
+double exhaustive(const ErrorStudy& subject, const std::vector<SchemeConfig>& all, double accuracy, double most) {
   double fewest = most;
-  for (const Choice& choice : all) {
-    const Dial dial = dial_of(choice);
+  for (const SchemeConfig& choice : all) {
+    const ResolutionParameter dial = dial_of(choice);
     const double ratio = dial.adaptive() ? 2 * spacing() : spacing();
     double value = subject.longest(choice, dial);
     if (dial.name == "step") value = std::min(value, 50 * (subject.end() - subject.start()) / most);
@@ -29,7 +29,7 @@ double exhaustive(const Subject& subject, const std::vector<Choice>& all, double
       const Trial trial = subject.run(dial.at(choice, value), 20, static_cast<std::int64_t>(most));
       const auto forces = static_cast<double>(trial.forces);
       if (trial.error <= accuracy) fewest = std::min(fewest, forces);
-      if (forces >= fewest || trial.error <= accuracy || trial.status == Reason::step_limit) break;
+      if (forces >= fewest || trial.error <= accuracy || trial.status == ReturnCode::step_limit) break;
     }
   }
   return fewest;
@@ -37,7 +37,7 @@ double exhaustive(const Subject& subject, const std::vector<Choice>& all, double
 
 void hold_against_all(std::string_view problem, std::initializer_list<double> accuracies, double end = 0) {
   const Request request = scene(problem, end);
-  const Subject subject(request, false, 20, never);
+  const ErrorStudy subject(request, false, 20, never);
   for (const double accuracy : accuracies) {
     SCOPED_TRACE(std::string(problem) + " " + std::to_string(std::log10(accuracy)));
     if (accuracy < 3 * subject.floor()) continue;
@@ -64,18 +64,18 @@ TEST_P(Advised, MeetsTheAccuracyAtTheLeastCost) {
 INSTANTIATE_TEST_SUITE_P(AllProblems, Advised, testing::Range<std::size_t>(0, runs::problem_cards().size()),
                          [](const auto& which) { return std::string(runs::problem_cards()[which.param].id); });
 
-std::string id(const Choice& choice) { return std::string(schemes()[choice.scheme].id); }
+std::string id(const SchemeConfig& choice) { return std::string(schemes()[choice.scheme].id); }
 
 TEST(Advice, KeepsWhatIsToBeKept) {
   const Request pendulum = scene("double_pendulum", 5);
-  const auto structure = [](const Choice& choice) { return schemes()[choice.scheme].structure; };
+  const auto structure = [](const SchemeConfig& choice) { return schemes()[choice.scheme].structure; };
   EXPECT_EQ(structure(*advise(pendulum, {1e-4, 0, {}}, never).choice), "none") << "the cheapest of all keeps nothing";
   const Advice energy = advise(pendulum, {1e-4, 0, {.energy = true}}, never);
   EXPECT_EQ(structure(*energy.choice), "symplectic");
   for (const Alternative& other : energy.alternatives) EXPECT_EQ(structure(other.scheme), "symplectic");
   const auto ids = [](std::string_view problem, const Keep& keep) {
     std::string all;
-    for (const Choice& choice : candidates(*find_problem(problem), keep)) all += id(choice) + " ";
+    for (const SchemeConfig& choice : candidates(*find_problem(problem), keep)) all += id(choice) + " ";
     return all;
   };
   const auto has = [](const std::string& all, std::string_view scheme) {
@@ -138,7 +138,7 @@ TEST(Advice, FindsTheBestWithinATime) {
   ASSERT_TRUE(quick.choice && slow.choice);
   EXPECT_GT(quick.estimated_error, slow.estimated_error) << quick.reason << slow.reason;
   EXPECT_LT(slow.estimated_error, 1e-8) << slow.reason;
-  const Subject subject(heiles, false, 20, never);
+  const ErrorStudy subject(heiles, false, 20, never);
   EXPECT_LT(subject.time(*slow.choice, 1, 100'000'000), 2 * 3e-3);
   EXPECT_FALSE(advise(heiles, {std::nan(""), 1e-9, {}}, never).choice);
 }
@@ -146,10 +146,10 @@ TEST(Advice, FindsTheBestWithinATime) {
 // Where the reference cannot be had, runs are held against their like of half the step.
 TEST(Advice, DoesWithoutAReference) {
   const Request heiles = scene("henon_heiles", 30);
-  const Subject blind(heiles, false, 0, never), seeing(heiles, false, 20, never);
+  const ErrorStudy blind(heiles, false, 0, never), seeing(heiles, false, 20, never);
   ASSERT_FALSE(blind.known());
   ASSERT_TRUE(seeing.known());
-  const Choice leapfrog = choice(heiles, "leapfrog", "suzuki_4");
+  const SchemeConfig leapfrog = choice(heiles, "leapfrog", "suzuki_4");
   const Trial guessed = blind.run(leapfrog, 20, 1'000'000), measured = seeing.run(leapfrog, 20, 1'000'000);
   EXPECT_EQ(guessed.forces, measured.forces);
   EXPECT_NEAR(guessed.error, measured.error, 0.2 * measured.error);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 #include "tests/study/studies.hpp"
 
 namespace {

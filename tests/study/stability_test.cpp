@@ -39,7 +39,7 @@ TEST(StabilityLimit, OfTheSplittingsWithDamping) {
   for (const double damping : {0.1, 1.0}) {
     Request request = scene("damped_oscillator");
     runs::set(request, "damping", damping);
-    Choice scheme = choice(request, "contact_splitting", "none");
+    SchemeConfig scheme = choice(request, "contact_splitting", "none");
     Request probe = with(request, scheme);
     runs::set(probe, "splitting", "plain");
     expect_limit(longest_stable_step_of(request, {scheme.scheme, probe.settings}, never), 2, "energy_growth");
@@ -91,7 +91,7 @@ TEST(StabilityLimit, RunsBelowAreStable) {
       request.until_steps = true;
       request.steps = 2000;
       const auto result = runs::go(request);
-      EXPECT_EQ(result.outcome.stop.reason, Reason::completed) << factor;
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << factor;
       for (std::size_t i = 0; i < 2; ++i) EXPECT_LT(std::abs(result.outcome.final[i]), 1e4) << factor;
     }
   }

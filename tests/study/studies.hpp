@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 #include "tests/support/runs.hpp"
 
 namespace studies {
@@ -21,8 +21,8 @@ inline auto truth(const Request& request, const std::vector<double>& times, cons
 inline auto conditioning(const Request& request, const KeepGoing& keep_going) {
   return least::conditioning(*request.scene, request.end, keep_going);
 }
-inline std::string name(const Choice& choice) { return least::name(schemes()[choice.scheme], choice); }
-inline Dial dial_of(const Choice& choice) { return Dial(schemes()[choice.scheme]); }
+inline std::string name(const SchemeConfig& choice) { return least::name(schemes()[choice.scheme], choice); }
+inline ResolutionParameter dial_of(const SchemeConfig& choice) { return ResolutionParameter(schemes()[choice.scheme]); }
 inline bool watch(std::size_t, const StudyCurve&) { return true; }
 
 /// A problem's default scene; the scheme in it is any that fits.
@@ -34,14 +34,14 @@ inline Request scene(std::string_view problem, double end = 0) {
 }
 
 /// A scheme as the catalogue suggests it for the scene's problem.
-inline Choice choice(const Request& scene, std::string_view scheme, std::string_view composition = "") {
+inline SchemeConfig choice(const Request& scene, std::string_view scheme, std::string_view composition = "") {
   Request request = runs::defaults(scene.scene->card().id, scheme);
   if (!composition.empty()) runs::set(request, "composition", composition);
   return {request.scheme, request.settings};
 }
 
 /// The scene run by a scheme.
-inline Request with(Request scene, const Choice& choice) {
+inline Request with(Request scene, const SchemeConfig& choice) {
   scene.scheme = choice.scheme;
   scene.settings = choice.settings;
   return scene;

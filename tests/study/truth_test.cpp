@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "core/state_error.hpp"
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 #include "tests/study/studies.hpp"
 
 namespace {
@@ -153,9 +153,9 @@ TEST(Conditioning, FindsWhereAMotionEnds) {
 
 // Below the floor nothing is to be had: the best runs come near it and not far below.
 TEST(Conditioning, FloorIsWhereErrorsEnd) {
-  const auto check = [](const Request& request, const Choice& scheme) {
-    const Subject subject(request, false, 20, never);
-    const Dial dial = dial_of(scheme);
+  const auto check = [](const Request& request, const SchemeConfig& scheme) {
+    const ErrorStudy subject(request, false, 20, never);
+    const ResolutionParameter dial = dial_of(scheme);
     double best = 1;
     for (double value = dial.value(scheme); value > dial.value(scheme) / 100; value /= 1.5)
       best = std::fmin(best, subject.run(dial.at(scheme, value), 5, 1'000'000).error);
@@ -164,7 +164,7 @@ TEST(Conditioning, FloorIsWhereErrorsEnd) {
   };
   check(scene("lorenz", 30), choice(scene("lorenz"), "contact_splitting", "kahan_li_8"));
   check(scene("pendulum"), choice(scene("pendulum"), "leapfrog", "kahan_li_8"));
-  Choice exact = choice(scene("kepler"), "time_transformed", "kahan_li_8");
+  SchemeConfig exact = choice(scene("kepler"), "time_transformed", "kahan_li_8");
   exact.settings[1] = std::numeric_limits<double>::quiet_NaN();  // κ = −E₀
   exact.settings[0] = 1;
   check(scene("kepler", 189), exact);

@@ -85,7 +85,7 @@ TEST(WorkPrecision, RepeatsItselfToTheBit) {
   EXPECT_GT(once.size(), 100u);
   EXPECT_EQ(once, numbers(work_precision(p, watch, never)));
   StudyPlan other = p;  // where a setting begins does not matter
-  for (Choice& scheme : other.schemes)
+  for (SchemeConfig& scheme : other.schemes)
     if (schemes()[scheme.scheme].id == "leapfrog") scheme.settings[0] *= 17;
   EXPECT_EQ(once, numbers(work_precision(other, watch, never)));
 }
@@ -107,7 +107,7 @@ TEST(WorkPrecision, PointsAreRunsOfTheirOwn) {
       runs::set(request, curve.setting, point.value);
       runs::only_final(request);
       runs::ask(request, "error");
-      const Outcome outcome = runs::go(request).outcome;
+      const Solution outcome = runs::go(request).outcome;
       EXPECT_EQ(outcome.cost.force_evaluations, point.force_evaluations);
       if (at_end)
         EXPECT_NEAR(runs::number(outcome.diagnostics, "error/final"), point.error, 1e-12 * point.error);
@@ -129,7 +129,7 @@ TEST(WorkPrecision, CurvesBeginWhereRunsMeanSomethingAndEndAtRoundOff) {
     }
     EXPECT_FALSE(curve.points[0].error < 1) << "what fails is told once";
     EXPECT_LT(curve.points[1].error, 1);
-    EXPECT_EQ(curve.points[1].status, Reason::completed);
+    EXPECT_EQ(curve.points[1].status, ReturnCode::completed);
     EXPECT_LT(curve.points.back().error, 1e-12);
     for (const StudyPoint& point : curve.points) EXPECT_LE(point.force_evaluations, 300'000 * 3 / 2);
   }

@@ -106,7 +106,7 @@ Names fixed_steps_have_their_order(double span, Kept&& kept) {
       auto x = from;
       auto stepper = scheme.bind(problem, x);
       for (int k = 0; k < n; ++k) {
-        EXPECT_EQ(stepper.step(x, span / n), Status::ok) << what;
+        EXPECT_EQ(stepper.step(x, span / n), StepStatus::ok) << what;
         x.t = (k + 1) * span / n;
       }
       EXPECT_NEAR(kept(x), kept(from), 1e-13) << what;
@@ -130,7 +130,7 @@ Names tolerances_are_met(double span) {
   const auto from = start<FullStateOf<P<double>>>(), end = truth(problem, from, span);
   Names names;
   const auto one = [&]<class Scheme>(Scheme scheme) {
-    if constexpr (requires { scheme.tolerance; } && ClockSchemeFor<Scheme, P<double>>) {
+    if constexpr (requires { scheme.tolerance; } && SelfTimedSchemeFor<Scheme, P<double>>) {
       names.insert(std::string(scheme.card().id));
       for (const double tolerance : {1e-5, 1e-8, 1e-11}) {
         scheme.tolerance = tolerance;
@@ -139,11 +139,11 @@ Names tolerances_are_met(double span) {
         while (x.t < end.t) {
           const auto before = stepper;
           const auto last = x;
-          ASSERT_EQ(stepper.step(x), Status::ok);
+          ASSERT_EQ(stepper.step(x), StepStatus::ok);
           if (!(x.t > end.t)) continue;
           stepper = before;
           x = last;
-          ASSERT_EQ(stepper.reach(x, end.t), Status::ok);
+          ASSERT_EQ(stepper.reach(x, end.t), StepStatus::ok);
         }
         const double error = laws::distance(x, end) / laws::size(end);
         EXPECT_LT(error, 100 * tolerance) << scheme.card().id;
@@ -165,7 +165,7 @@ Names clocks_have_their_order(double span) {
     names.insert(std::string(scheme.card().id));
     const auto error = [&](double h) {
       auto x = from;
-      EXPECT_EQ(laws::arrive(laws::resized(scheme, problem, from, h), problem, x, end.t), Status::ok)
+      EXPECT_EQ(laws::arrive(laws::resized(scheme, problem, from, h), problem, x, end.t), StepStatus::ok)
           << laws::label(scheme);
       return laws::distance(x, end);
     };

@@ -30,7 +30,7 @@ auto bound(const Scheme& scheme, const P& problem, const X& x) {
 template <class Stepper, class X, class Look>
 int steps(Stepper& stepper, X& x, int n, Look&& look) {
   for (int k = 0; k < n; ++k) {
-    if (stepper.step(x) != Status::ok) return k;
+    if (stepper.step(x) != StepStatus::ok) return k;
     look(x);
   }
   return n;
@@ -44,7 +44,7 @@ int steps(Stepper& stepper, X& x, int n) {
 template <class Stepper, class X, class Look>
 bool past(Stepper& stepper, X& x, const typename X::Time& t, Look&& look) {
   while (x.t < t) {
-    if (stepper.step(x) != Status::ok) return false;
+    if (stepper.step(x) != StepStatus::ok) return false;
     look(x);
   }
   return true;
@@ -52,18 +52,18 @@ bool past(Stepper& stepper, X& x, const typename X::Time& t, Look&& look) {
 
 /// Whole steps as long as they stay before t, then `finish(stepper, x)` from the last of them.
 template <class Stepper, class X, class Finish>
-Status until(Stepper& stepper, X& x, const typename X::Time& t, Finish&& finish) {
+StepStatus until(Stepper& stepper, X& x, const typename X::Time& t, Finish&& finish) {
   for (;;) {
     X next = x;
     Stepper ahead = stepper;
-    if (const Status status = ahead.step(next); status != Status::ok) return status;
+    if (const StepStatus status = ahead.step(next); status != StepStatus::ok) return status;
     if (!(next.t < t)) return finish(stepper, x);
     x = next;
     stepper = ahead;
   }
 }
 template <class Stepper, class X>
-Status until(Stepper& stepper, X& x, const typename X::Time& t) {
+StepStatus until(Stepper& stepper, X& x, const typename X::Time& t) {
   return until(stepper, x, t, [&](Stepper& last, X& y) { return last.reach(y, t); });
 }
 
@@ -142,7 +142,7 @@ std::optional<Mat<2 * P::dof>> tangent_at_level(const Scheme& scheme, const P& p
   auto y = convert<D, D>(x);
   for (std::size_t i = 0; i < y.size; ++i) y[i] = D::variable(x[i], static_cast<int>(i));
   auto stepper = scheme.bind(problem, y, D(level));
-  if (stepper.step(y) != Status::ok) return std::nullopt;
+  if (stepper.step(y) != StepStatus::ok) return std::nullopt;
   Mat<2 * P::dof> m;
   for (std::size_t i = 0; i < y.size; ++i) m[i] = y[i].slope;
   return m;

@@ -121,24 +121,24 @@ inline Lanes abs(const Lanes& a) {
 
 /// A status for each lane.
 struct Statuses {
-  std::array<least::Status, width> of{};
-  Statuses(least::Status all) { of.fill(all); }  // NOLINT: one for all
+  std::array<least::StepStatus, width> of{};
+  Statuses(least::StepStatus all) { of.fill(all); }  // NOLINT: one for all
 };
 inline Mask succeeded(const Statuses& status) {
   Mask r;
   for (std::size_t i = 0; i < width; ++i) r.on[i] = least::succeeded(status.of[i]);
   return r;
 }
-inline bool all_failed(Statuses& status, const Mask& where, least::Status why) {
+inline bool all_failed(Statuses& status, const Mask& where, least::StepStatus why) {
   bool all = true;
   for (std::size_t i = 0; i < width; ++i) {
-    if (where.on[i] && status.of[i] == least::Status::ok) status.of[i] = why;
-    all = all && status.of[i] != least::Status::ok;
+    if (where.on[i] && status.of[i] == least::StepStatus::ok) status.of[i] = why;
+    all = all && status.of[i] != least::StepStatus::ok;
   }
   return all;
 }
 /// What does not depend on the lane fails all of them.
-inline bool all_failed(Statuses& status, bool where, least::Status why) {
+inline bool all_failed(Statuses& status, bool where, least::StepStatus why) {
   Mask all;
   all.on.fill(where);
   return all_failed(status, all, why);

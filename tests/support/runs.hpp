@@ -20,7 +20,7 @@
 namespace runs {
 
 struct Result {
-  least::Outcome outcome;
+  least::Solution outcome;
   std::vector<std::vector<double>> rows;
 };
 

@@ -14,11 +14,11 @@
 #include <span>
 #include <vector>
 
+#include "core/problem_traits.hpp"
 #include "core/run/diagnostics/events.hpp"
 #include "core/run/mechanics.hpp"
 #include "core/run/outcome.hpp"
 #include "core/run/tangent.hpp"
-#include "core/scene.hpp"
 
 namespace least {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/problem_traits.hpp"
 #include "core/run/outcome.hpp"
 #include "core/run/root.hpp"
-#include "core/scene.hpp"
 
 namespace least {
 

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "least_version.hpp"
 #include "tests/server/cards.hpp"
 
 namespace least::server {
@@ -14,7 +15,7 @@ using Json = nlohmann::ordered_json;
 TEST(Catalogue, SaysAllThatAFormNeeds) {
   const CatalogueText catalogue = describe(test::cards());
   const Json json = Json::parse(catalogue.all);
-  EXPECT_EQ(json["version"], "0.1.0");
+  EXPECT_EQ(json["version"], version);
   const Json& swing = json["problems"][0];
   EXPECT_EQ(swing, Json::parse(catalogue.problems.at("swing")));
   for (const char* key : {"id", "title", "summary", "formula", "variables", "parameters", "until", "suggested",

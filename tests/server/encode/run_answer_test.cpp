@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "least_version.hpp"
 #include "server/decode/simulate_request.hpp"
 #include "tests/server/cards.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 // A run as the core would leave it, of the scheme with its own clock: every kind of parameter and of report.
 struct Example {
   Request request;
-  Outcome outcome;
+  Solution outcome;
   Samples samples;
   const ProblemCard& problem = test::cards().problems.data()[0]->card();
   const SchemeCard& scheme = test::cards().schemes.data()[2];
@@ -50,17 +51,18 @@ TEST(EncodeJson, WritesTheResponseOfTheContract) {
   EXPECT_EQ(answer.type, "application/json");
   EXPECT_EQ(
       answer.body,
-      R"({"version":"0.1.0","status":"completed","problem":{"id":"swing","mass":1,"level":7},)"
-      R"("initial":{"t":-0.0,"q":1e-09,"p":0},"scheme":{"id":"own_clock","keep":false,"critical":null,"stages":null,"kappa":"energy","step":0.1},)"
-      R"("until":{"t":20},"record":{"times":[0,2.5]},"columns":["t","energy"],)"
-      R"("limits":{"seconds":10,"steps":100000000,"samples":1000000},)"
-      R"("trajectory":{"t":[0,2.5],"energy":[1.5,null]},"final":{"t":20,"q":0.25,"p":null},)"
-      R"("diagnostics":{"energy":{"initial":1,"kind":"a\"b"},"zeros":[1,2.5],"poles":[1,true],"none":null},)"
-      R"("cost":{"steps":4,"force_evaluations":8,"iterations":2,"seconds":1e-06,"nanoseconds_per_step":250},)"
-      R"("events":[{"t":1,"kind":"switch","from":"hamilton","to":"jacobi_maupertuis","parameter":"q"},)"
-      R"({"t":1.5,"kind":"parameter","parameter":null}],)"
-      R"("warnings":[{"code":"damping_sign","detail":"θ < 0\u000d\u000aX-Evil: 1"}]})"
-      "\n");
+      R"({"version":")" + std::string(version) +
+          R"(","status":"completed","problem":{"id":"swing","mass":1,"level":7},)"
+          R"("initial":{"t":-0.0,"q":1e-09,"p":0},"scheme":{"id":"own_clock","keep":false,"critical":null,"stages":null,"kappa":"energy","step":0.1},)"
+          R"("until":{"t":20},"record":{"times":[0,2.5]},"columns":["t","energy"],)"
+          R"("limits":{"seconds":10,"steps":100000000,"samples":1000000},)"
+          R"("trajectory":{"t":[0,2.5],"energy":[1.5,null]},"final":{"t":20,"q":0.25,"p":null},)"
+          R"("diagnostics":{"energy":{"initial":1,"kind":"a\"b"},"zeros":[1,2.5],"poles":[1,true],"none":null},)"
+          R"("cost":{"steps":4,"force_evaluations":8,"iterations":2,"seconds":1e-06,"nanoseconds_per_step":250},)"
+          R"("events":[{"t":1,"kind":"switch","from":"hamilton","to":"jacobi_maupertuis","parameter":"q"},)"
+          R"({"t":1.5,"kind":"parameter","parameter":null}],)"
+          R"("warnings":[{"code":"damping_sign","detail":"θ < 0\u000d\u000aX-Evil: 1"}]})"
+          "\n");
 }
 
 TEST(EncodeJson, TheEchoIsACompleteRequest) {
@@ -80,7 +82,8 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
 
 TEST(EncodeJson, SaysHowASchemeWasChosen) {
   const Example example;
-  const Advice advice{Choice{0, {0.5, 1}}, "the \"cheapest\"", 1e-7, true, {{{1, {0.25}}, 500, std::nan(""), 1e-3}}};
+  const Advice advice{
+      SchemeConfig{0, {0.5, 1}}, "the \"cheapest\"", 1e-7, true, {{{1, {0.25}}, 500, std::nan(""), 1e-3}}};
   const AdviceWithCards chosen{advice, test::cards().schemes};
   least::server::FinishedRun run = example.run();
   EXPECT_FALSE(Json::parse(encode_json(run).body).contains("choice"));
@@ -122,7 +125,7 @@ TEST(EncodeCsv, ColumnsOfCodesAreWords) {
 
 TEST(EncodeJson, SaysWhyARunStopped) {
   Example example;
-  example.outcome.stop = {Reason::singular, "r = 0", 1.25, 125, 1.26};
+  example.outcome.stop = {ReturnCode::singular, "r = 0", 1.25, 125, 1.26};
   Json json = Json::parse(encode_json(example.run()).body);
   EXPECT_EQ(json["status"], "stopped");
   EXPECT_EQ(json["stop"].dump(), R"({"reason":"singular","detail":"r = 0","t":1.25,"step":125,"singular_at":1.26})");

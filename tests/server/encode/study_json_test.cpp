@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "least_version.hpp"
 #include "server/decode/study_request.hpp"
 #include "tests/server/cards.hpp"
 
@@ -28,15 +29,16 @@ struct StudyExample {
     study.growth = 12.5;
     study.end = 19;
     study.curves = {{plan.schemes[0], "step", {}, 3.99, 4, ""}, {plan.schemes[1], "sigma", {}, nan, 0, "too few"}};
-    study.curves[0].points = {{1, 1, nan, 40, 1e-6, Reason::unstable_step}, {0.25, 0.25, 1e-3, 160, 2e-6, {}}};
+    study.curves[0].points = {{1, 1, nan, 40, 1e-6, ReturnCode::unstable_step}, {0.25, 0.25, 1e-3, 160, 2e-6, {}}};
     study.curves[1].points = {{0.5, nan, 0.5, 99, 3e-6, {}}};
     study.pareto = {{0, 1, true, false}};
     study.left_out = {"own_clock below 0.5: the budget was over"};
   }
 };
 
-constexpr const char* echo =
-    R"({"version":"0.1.0","problem":{"id":"swing","mass":1,"level":3},"initial":{"t":0,"q":1,"p":0},"until":{"t":20},)"
+const std::string echo =
+    R"({"version":")" + std::string(version) +
+    R"(","problem":{"id":"swing","mass":1,"level":3},"initial":{"t":0,"q":1,"p":0},"until":{"t":20},)"
     R"("error":"max","budget_seconds":10,"reference":{"how":"closed form","uncertainty":1e-16},"floor":1e-14,)"
     R"("growth":12.5,"chaotic":false,"end":19,)";
 constexpr const char* first = R"("scheme":{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},"setting":"step",)";
@@ -49,7 +51,7 @@ constexpr const char* found =
 
 TEST(EncodeStudy, WritesTheWholeAnswer) {
   const StudyExample example;
-  EXPECT_EQ(encode_study(example.asked, example.study, Reason::completed),
+  EXPECT_EQ(encode_study(example.asked, example.study, ReturnCode::completed),
             std::string(echo) + R"("curves":[{)" + first +
                 R"("points":[{"value":1,"step":1,"error":null,"force_evaluations":40,"seconds":1e-06,)"
                 R"("status":"unstable_step"},{"value":0.25,"step":0.25,"error":0.001,"force_evaluations":160,)"
@@ -70,7 +72,7 @@ TEST(EncodeStudy, WritesLines) {
                 R"("point":{"value":0.25,"step":0.25,"error":0.001,"force_evaluations":160,"seconds":2e-06,)"
                 R"("status":"completed"}})" +
                 "\n");
-  EXPECT_EQ(encode_study_end(example.asked, example.study, Reason::deadline),
+  EXPECT_EQ(encode_study_end(example.asked, example.study, ReturnCode::deadline),
             std::string(R"({"curves":[{)") + first + R"("observed_order":3.99,"expected_order":4},{)" + second +
                 R"("observed_order":null,"expected_order":null,"why":"too few"}],)" + found +
                 R"("status":"stopped","stop":{"reason":"deadline"}})" + "\n");
@@ -81,7 +83,7 @@ TEST(EncodeStability, WritesLimitsAndWhatIsMissing) {
   auto parsed = parse_json(R"({"problem":"swing","schemes":["leapfrog","own_clock","runge_kutta_4"]})");
   const auto plan = *decode_stability(std::move(*parsed), cards, {});
   const std::vector<StabilityLimit> limits{{plan.schemes[0], 2, "energy_growth", 2}, {plan.schemes[1], nan, {}, nan}};
-  const Json json = Json::parse(encode_stability({plan.scene, plan.schemes, limits, cards}, Reason::deadline));
+  const Json json = Json::parse(encode_stability({plan.scene, plan.schemes, limits, cards}, ReturnCode::deadline));
   EXPECT_EQ(json["limits"][0].dump(), R"({"scheme":{"id":"leapfrog","step":0.1,"composition":"none"},"step":2,)"
                                       R"("failure":"energy_growth","theory":2})");
   EXPECT_EQ(json["limits"].size(), 2u);

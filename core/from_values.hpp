@@ -11,7 +11,7 @@ namespace least {
 
 /// An aggregate with the values of a card's parameters.
 template <class C, class Fields>
-C assemble(const Fields& fields, std::span<const double> values) {
+C from_values(const Fields& fields, std::span<const double> values) {
   C c;
   std::apply(
       [&](const auto&... field) {

@@ -1,18 +1,18 @@
-#include "core/run/course_event.hpp"
+#include "core/run/method_switch.hpp"
 
 namespace least {
 namespace {
 
-std::string_view coordinate(const ProblemCard& problem, const Course& course) {
+std::string_view coordinate(const ProblemCard& problem, const ActiveMethod& course) {
   if (course.parameter < 0) return {};
   return problem.variables[static_cast<std::size_t>(course.parameter)].name;
 }
-std::string_view mode(const Course& course) { return mode_names[static_cast<std::size_t>(course.mode)]; }
+std::string_view mode(const ActiveMethod& course) { return mode_names[static_cast<std::size_t>(course.mode)]; }
 
 }  // namespace
 
-Report course_event(const ProblemCard& problem, double t, std::span<const double> q, const Course& was,
-                    const Course& now) {
+Report method_switch(const ProblemCard& problem, double t, std::span<const double> q, const ActiveMethod& was,
+                     const ActiveMethod& now) {
   const bool switched = was.mode != now.mode;
   std::vector<Report> event, at;
   event.push_back({"t", t});

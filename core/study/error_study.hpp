@@ -10,24 +10,24 @@
 namespace least {
 
 /// The setting that decides how fine a scheme is, from coarse to fine.
-struct Dial {
+struct ResolutionParameter {
   std::string_view name;                 ///< step | sigma | theta | tolerance
   std::size_t index = 0;                 ///< among the scheme's parameters
   std::optional<std::size_t> companion;  ///< scaled with it: the step in time of a scheme with θ
   Range range{0, 0};
 
-  explicit Dial(const SchemeCard& card);
+  explicit ResolutionParameter(const SchemeCard& card);
   bool adaptive() const { return name == "tolerance"; }
-  double value(const Choice& choice) const { return choice.settings[index]; }
+  double value(const SchemeConfig& choice) const { return choice.settings[index]; }
   /// The choice at another value, brought into its range.
-  Choice at(const Choice& choice, double value) const;
+  SchemeConfig at(const SchemeConfig& choice, double value) const;
 };
 
 /// The order that the card declares for these settings; 0 where the dial is a tolerance.
-int declared_order(const SchemeCard& card, const Choice& choice);
+int declared_order(const SchemeCard& card, const SchemeConfig& choice);
 
 /// Every scheme that applies, with none and the recommended compositions, as the catalogue suggests it for the problem.
-std::vector<Choice> candidates(const Mechanics& mechanics, const Keep& keep);
+std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep);
 
 /// A time that is not to be exceeded.
 class Deadline {
@@ -44,21 +44,21 @@ class Deadline {
 
 /// What one run said.
 struct Trial {
-  Reason status = Reason::completed;
+  ReturnCode status = ReturnCode::completed;
   double error = std::numeric_limits<double>::quiet_NaN();  ///< NaN where the run did not complete
   std::int64_t forces = 0;
   double seconds = 0;
 };
 
-class Subject {
+class ErrorStudy {
  public:
   /// Finds out about the motion: that may take `seconds`, and ends where `cancelled` says so.
-  Subject(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled);
+  ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled);
 
   /// Whether there is a truth to measure against. Where there is none, runs are held against their like of half the
   /// step.
   bool known() const { return truth_->complete; }
-  const SchemeCard& card(const Choice& choice) const { return scene_.scene->mechanics->schemes()[choice.scheme]; }
+  const SchemeCard& card(const SchemeConfig& choice) const { return scene_.scene->mechanics->schemes()[choice.scheme]; }
   const Truth& truth() const { return *truth_; }
   const Conditioning& conditioning() const { return *conditioning_; }
   /// Errors below mean nothing.
@@ -70,17 +70,17 @@ class Subject {
   bool ends_early() const { return conditioning_->ends; }
 
   /// The dial's value at which a run takes about one step.
-  double longest(const Choice& choice, const Dial& dial) const;
+  double longest(const SchemeConfig& choice, const ResolutionParameter& dial) const;
   /// A run, at most so many seconds and steps long.
-  Trial run(const Choice& choice, double seconds, std::int64_t step_limit) const;
+  Trial run(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
   /// The smallest time of runs that keep nothing: of three, or as many as take two milliseconds.
-  double time(const Choice& choice, double seconds, std::int64_t step_limit) const;
+  double time(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
 
  private:
   using States = std::vector<std::vector<double>>;
 
-  Request request(const Choice& choice, double seconds, std::int64_t step_limit) const;
-  Trial run(const Choice& choice, double seconds, std::int64_t step_limit, States& states) const;
+  Request request(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
+  Trial run(const SchemeConfig& choice, double seconds, std::int64_t step_limit, States& states) const;
   double error(const States& states, const States& truth) const;
 
   Request scene_;  ///< up to where the motion goes

@@ -1,4 +1,4 @@
-#include "core/study/subject.hpp"
+#include "core/study/error_study.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/composition.hpp"
-#include "core/scene.hpp"
+#include "core/problem_traits.hpp"
 #include "core/state_error.hpp"
 
 namespace least {
@@ -21,10 +21,10 @@ std::string said(const ParameterCard& parameter, double value) {
 }
 
 /// Every one of them with each of these values; those that the card has something against are left out by the caller.
-std::vector<Choice> with_each(const std::vector<Choice>& choices, std::size_t index,
-                              const std::vector<double>& values) {
-  std::vector<Choice> all;
-  for (const Choice& choice : choices)
+std::vector<SchemeConfig> with_each(const std::vector<SchemeConfig>& choices, std::size_t index,
+                                    const std::vector<double>& values) {
+  std::vector<SchemeConfig> all;
+  for (const SchemeConfig& choice : choices)
     for (const double value : values) {
       all.push_back(choice);
       all.back().settings[index] = value;
@@ -41,7 +41,7 @@ bool keeps(const SchemeCard& scheme, const ProblemCard& problem, const Keep& kee
 
 }  // namespace
 
-std::string name(const SchemeCard& card, const Choice& choice) {
+std::string name(const SchemeCard& card, const SchemeConfig& choice) {
   std::string words(card.id);
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
     const ParameterCard& parameter = card.parameters[i];
@@ -54,7 +54,7 @@ std::string name(const SchemeCard& card, const Choice& choice) {
   return words;
 }
 
-Dial::Dial(const SchemeCard& card) {
+ResolutionParameter::ResolutionParameter(const SchemeCard& card) {
   for (const std::string_view candidate : {"tolerance", "theta", "sigma", "step"})
     if (const auto found = card.find(candidate)) {
       name = candidate;
@@ -65,16 +65,16 @@ Dial::Dial(const SchemeCard& card) {
   if (name == "theta") companion = card.find("step");
 }
 
-Choice Dial::at(const Choice& choice, double value) const {
-  Choice turned = choice;
+SchemeConfig ResolutionParameter::at(const SchemeConfig& choice, double value) const {
+  SchemeConfig turned = choice;
   value = std::clamp(value, range.low, range.high);
   if (companion) turned.settings[*companion] *= value / choice.settings[index];
   turned.settings[index] = value;
   return turned;
 }
 
-int declared_order(const SchemeCard& card, const Choice& choice) {
-  if (Dial(card).adaptive() || card.orders.empty()) return 0;
+int declared_order(const SchemeCard& card, const SchemeConfig& choice) {
+  if (ResolutionParameter(card).adaptive() || card.orders.empty()) return 0;
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
     if (card.parameters[i].kind != Kind::choice && card.parameters[i].kind != Kind::integer) continue;
     const std::string value = said(card.parameters[i], choice.settings[i]);
@@ -84,18 +84,18 @@ int declared_order(const SchemeCard& card, const Choice& choice) {
   return card.orders.front().second;
 }
 
-std::vector<Choice> candidates(const Mechanics& mechanics, const Keep& keep) {
+std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep) {
   const ProblemCard& problem_card = mechanics.card();
-  std::vector<Choice> all;
+  std::vector<SchemeConfig> all;
   for (const std::size_t scheme : problem_card.schemes) {
     const SchemeCard& card = mechanics.schemes()[scheme];
     if (!keeps(card, problem_card, keep)) continue;
-    Choice plain{scheme, {}};
+    SchemeConfig plain{scheme, {}};
     for (const ParameterCard& parameter : card.parameters) {
       const auto suggestion = std::ranges::find(problem_card.suggested, parameter.suggested, &NamedValue::first);
       plain.settings.push_back(suggestion != problem_card.suggested.end() ? suggestion->second : parameter.value);
     }
-    std::vector<Choice> variants{plain};
+    std::vector<SchemeConfig> variants{plain};
     if (const auto kappa = card.find("kappa"))
       variants = with_each(variants, *kappa, {plain.settings[*kappa], unknown});
     if (const auto stages = card.find("stages")) {
@@ -112,7 +112,7 @@ std::vector<Choice> candidates(const Mechanics& mechanics, const Keep& keep) {
         if (card.orders[static_cast<std::size_t>(c)].second > card.orders.front().second) useful.push_back(index(c));
       variants = with_each(variants, *composition, useful);
     }
-    std::erase_if(variants, [&](const Choice& choice) {
+    std::erase_if(variants, [&](const SchemeConfig& choice) {
       return card.conflicts && !card.conflicts(choice.settings, problem_card).empty();
     });
     all.insert(all.end(), variants.begin(), variants.end());
@@ -120,7 +120,7 @@ std::vector<Choice> candidates(const Mechanics& mechanics, const Keep& keep) {
   return all;
 }
 
-Subject::Subject(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled)
+ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled)
     : scene_(scene), at_end_(at_end), cancelled_(cancelled) {
   const Deadline deadline(seconds);
   const auto keep_going = [&] { return deadline.left() > 0 && !cancelled.load(std::memory_order_relaxed); };
@@ -142,13 +142,13 @@ Subject::Subject(const Request& scene, bool at_end, double seconds, const std::a
   truth_ = least::truth(*scene_.scene, times_, keep_going);
 }
 
-double Subject::floor() const {
+double ErrorStudy::floor() const {
   const double growth = at_end_ ? conditioning_->growth : conditioning_->most_growth;
   const double rounding = 0x1p-53 * growth;
   return known() ? std::max(truth_->uncertainty, rounding) : rounding;
 }
 
-Request Subject::request(const Choice& choice, double seconds, std::int64_t step_limit) const {
+Request ErrorStudy::request(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const {
   Request request = scene_;
   request.scheme = choice.scheme;
   request.settings = choice.settings;
@@ -160,7 +160,7 @@ Request Subject::request(const Choice& choice, double seconds, std::int64_t step
   return request;
 }
 
-double Subject::longest(const Choice& choice, const Dial& dial) const {
+double ErrorStudy::longest(const SchemeConfig& choice, const ResolutionParameter& dial) const {
   if (dial.adaptive()) return dial.range.high;
   const double span = scene_.end - scene_.scene->start;
   if (!card(choice).own_clock) return std::min(span, dial.range.high);
@@ -170,14 +170,14 @@ double Subject::longest(const Choice& choice, const Dial& dial) const {
     one.until_steps = true;
     one.steps = 1;
     Samples none;
-    const Outcome outcome = scene_.scene->mechanics->run(one, none, cancelled_);
-    if (outcome.stop.reason == Reason::completed && outcome.t > scene_.scene->start)
+    const Solution outcome = scene_.scene->mechanics->run(one, none, cancelled_);
+    if (outcome.stop.reason == ReturnCode::completed && outcome.t > scene_.scene->start)
       return std::min(value * (span / (outcome.t - scene_.scene->start)), dial.range.high);
   }
   return dial.value(choice);
 }
 
-Trial Subject::run(const Choice& choice, double seconds, std::int64_t step_limit, States& states) const {
+Trial ErrorStudy::run(const SchemeConfig& choice, double seconds, std::int64_t step_limit, States& states) const {
   Request measured = request(choice, seconds, step_limit);
   const std::size_t size = conditioning_->variables;
   if (!at_end_) {
@@ -185,7 +185,7 @@ Trial Subject::run(const Choice& choice, double seconds, std::int64_t step_limit
     for (std::size_t i = 0; i < size; ++i) measured.columns.push_back(i + 1);
   }
   Samples samples;
-  const Outcome outcome = scene_.scene->mechanics->run(measured, samples, cancelled_);
+  const Solution outcome = scene_.scene->mechanics->run(measured, samples, cancelled_);
   for (std::size_t i = 0; i + size <= samples.values.size(); i += size)
     states.emplace_back(samples.values.begin() + static_cast<std::ptrdiff_t>(i),
                         samples.values.begin() + static_cast<std::ptrdiff_t>(i + size));
@@ -193,7 +193,7 @@ Trial Subject::run(const Choice& choice, double seconds, std::int64_t step_limit
   return {outcome.stop.reason, unknown, outcome.cost.force_evaluations, outcome.cost.seconds};
 }
 
-double Subject::error(const States& states, const States& truth) const {
+double ErrorStudy::error(const States& states, const States& truth) const {
   if (states.size() != truth.size()) return unknown;
   double most = 0;
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -204,22 +204,22 @@ double Subject::error(const States& states, const States& truth) const {
   return most;
 }
 
-Trial Subject::run(const Choice& choice, double seconds, std::int64_t step_limit) const {
+Trial ErrorStudy::run(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const {
   States states, finer;
   Trial trial = run(choice, seconds, step_limit, states);
-  if (trial.status != Reason::completed) return trial;
+  if (trial.status != ReturnCode::completed) return trial;
   if (known()) {
     trial.error = error(states, truth_->states);
     return trial;
   }
-  const Dial dial(card(choice));
+  const ResolutionParameter dial(card(choice));
   const double value = dial.value(choice) / (dial.adaptive() ? 100 : 2);
   const Trial half = run(dial.at(choice, value), seconds - trial.seconds, 2 * step_limit, finer);
-  trial.error = half.status == Reason::completed ? error(states, finer) : unknown;
+  trial.error = half.status == ReturnCode::completed ? error(states, finer) : unknown;
   return trial;
 }
 
-double Subject::time(const Choice& choice, double seconds, std::int64_t step_limit) const {
+double ErrorStudy::time(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const {
   const Request timed = request(choice, seconds, step_limit);
   double together = 0, shortest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3 && together < 2e-3; ++k) {

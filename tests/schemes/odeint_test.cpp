@@ -1,5 +1,4 @@
-// Boost.Odeint's schemes: the steps are Odeint's own to the bit; errors follow the tolerance, on closed forms and on
-// reference runs, for every kind of scene; dense output; what happens where there is no going on.
+// Boost.Odeint's schemes: steps are Odeint's own to the bit; errors follow the tolerance; dense output; what ends them.
 #include "core/schemes/odeint.hpp"
 
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>

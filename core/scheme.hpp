@@ -84,7 +84,7 @@ struct ActiveMethod {
 };
 
 // A scheme may also say, as const members: unsupported_reason(problem) → what it has against a scene, in words;
-// flips_momentum(problem, t); starts_at_singularity(problem). See Engine.
+// flips_momentum(problem, t); starts_at_singularity(problem). See Integrator.
 
 /// The parameters that most schemes share.
 template <class C>

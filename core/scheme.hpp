@@ -55,10 +55,9 @@ concept FixedStepSchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const ty
 ///   scheme.bind(problem, x, energy) → stepper   `energy` is the level that the run began with
 ///   stepper.step(x) noexcept → StepStatus           leaves x as it was where it fails
 ///   stepper.work()
-///   stepper.active_method()                            optional: how the last step was taken
-///   stepper.reach(x, t) → StepStatus                optional: x moved to the time t, which lies within one step from
-///   x, by
-///                                               a part of a step; else quintic Hermite interpolation fills in
+///   stepper.active_method()                     optional: how the last step was taken
+///   stepper.reach(x, t) → StepStatus            optional: x moved to the time t, which lies within one step from x,
+///                                               by a part of a step; else quintic Hermite interpolation fills in
 /// Time is part of what a step computes, so it is made of the same number as the state.
 template <class S>
 concept SelfTimed = requires {
@@ -73,6 +72,16 @@ concept SelfTimedSchemeFor = SelfTimed<S> && requires(SelfTimedStepperOf<S, P, X
   noexcept->std::same_as<StepStatus>;
   { stepper.work() } -> std::convertible_to<Work>;
 };
+
+/// The energy that such a run begins with; of a scene whose schemes do not ask for it nothing.
+template <class P, class X>
+double energy_level([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+  if constexpr (Conservative<P>) {
+    return energy(problem, x);
+  } else {
+    return 0;
+  }
+}
 
 /// How a step of a hybrid was taken.
 enum class Mode : std::uint8_t { hamilton, jacobi_maupertuis };

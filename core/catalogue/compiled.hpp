@@ -1,15 +1,15 @@
-// A problem of the catalogue as mechanics: made by the compiler from its description and the list of schemes.
+// A problem of the catalogue as mechanics: made by the compiler from its description and the list of schemes. Steps are
+// compiled elsewhere, with more optimisation: core/catalogue/pairs.hpp, which one unit per problem has to instantiate.
 #pragma once
 
-#include <array>
+#include <functional>
+#include <optional>
 #include <tuple>
 
 #include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
-#include "core/run/fixed_step.hpp"
 #include "core/run/run.hpp"
-#include "core/run/self_timed.hpp"
 #include "core/schemes/list.hpp"
 
 namespace least {
@@ -29,55 +29,34 @@ inline bool asks_for_full_state(const ProblemCard& card, const Request& request)
          std::ranges::any_of(request.diagnostics, [&](std::size_t i) { return card.diagnostics[i].full_state; });
 }
 
-/// Schemes that differ in nothing that has to be compiled are run as one.
-template <class Scheme>
-auto compiled_scheme(const Scheme& scheme) {
-  if constexpr (requires { scheme.compiled_as(); }) {
-    return scheme.compiled_as();
-  } else {
-    return scheme;
-  }
+template <class Scheme, class P>
+concept Fits = FixedStepSchemeFor<Scheme, P> || SelfTimedSchemeFor<Scheme, P>;
+
+/// Calls f with the scheme of a request, which fits.
+template <class P, class F, class... Scheme>
+void with_scheme(const Request& request, F&& f, std::tuple<Scheme...>*) {
+  std::size_t i = 0;
+  const auto called = [&]<class S>(S*) {
+    if (i++ != request.scheme) return false;
+    if constexpr (Fits<S, P>) f(from_values<S>(S::fields, request.settings));
+    return true;
+  };
+  (called(static_cast<Scheme*>(nullptr)) || ...);
+}
+template <class P, class F>
+void with_scheme(const Request& request, F&& f) {
+  with_scheme<P>(request, f, static_cast<SchemeList*>(nullptr));
 }
 
-template <class X, class P, class Scheme>
-Solution solve(const P& problem, const Scheme& scheme, const Request& request, RowSink& sink,
-               const std::atomic<bool>& cancelled) {
-  const X x = start_of<X>(problem, request.scene->initial, request.scene->start);
-  if constexpr (SelfTimed<Scheme>) {
-    Run<P, X> run(problem, request, std::nullopt, sink, cancelled);
-    SelfTimedIntegrator<P, Scheme, X> integrator(problem, scheme, x, run.end());
-    return run.solve(integrator, x);
-  } else {
-    Run<P, X> run(problem, request, scheme.step, sink, cancelled);
-    FixedStepIntegrator<P, Scheme, X> integrator(problem, scheme, x, run.grid());
-    return run.solve(integrator, x);
-  }
-}
-
-template <template <class> class P, class Scheme>
-Solution run_pair(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) {
-  const auto problem = problem_of<P>(*request.scene);
-  const auto scheme = compiled_scheme(from_values<Scheme>(Scheme::fields, request.settings));
-  using Motion = StateOf<P<double>>;
-  using Full = FullRunState<P<double>>;
-  if constexpr (!std::is_same_v<Motion, Full>)
-    if (asks_for_full_state(request.scene->card(), request))
-      return solve<Full>(problem, scheme, request, sink, cancelled);
-  return solve<Motion>(problem, scheme, request, sink, cancelled);
-}
-
-using RunFunction = Solution (*)(const Request&, RowSink&, const std::atomic<bool>&);
-template <template <class> class P, class Scheme>
-constexpr RunFunction run_function() {
-  if constexpr (FixedStepSchemeFor<Scheme, P<double>> || SelfTimedSchemeFor<Scheme, P<double>>) {
-    return &run_pair<P, Scheme>;
-  } else {
-    return nullptr;  // the pair does not exist
-  }
-}
-template <template <class> class P, class... Scheme>
-constexpr auto run_functions(std::tuple<Scheme...>*) {
-  return std::array{run_function<P, Scheme>()...};
+template <class X, class P>
+Solution solve(const P& problem, const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) {
+  using Full = FullStateOf<P>;
+  const X start = start_of<X>(problem, request.scene->initial, request.scene->start);
+  std::function<std::optional<Tangent<Full>>(const Full&)> tangent;
+  with_scheme<P>(request, [&](const auto& scheme) {
+    tangent = [&problem, scheme, start](const Full& x) { return step_tangent(scheme, problem, start, x); };
+  });
+  return Run<P, X>(problem, request, sink, cancelled).solve(start, tangent);
 }
 
 template <class P>
@@ -103,11 +82,10 @@ ProblemCard complete_card() {
   for (const auto& column : columns_of<P<double>, FullRunState<P<double>>>(card)) card.columns.push_back(column.card);
   card.diagnostics = diagnostic_cards<P<double>>();
   card.offers = offers<P<double>>();
-  std::size_t i = 0;
-  for (const RunFunction run : run_functions<P>(static_cast<SchemeList*>(nullptr))) {
-    if (run) card.schemes.push_back(i);
-    ++i;
-  }
+  [&]<class... Scheme>(std::tuple<Scheme...>*) {
+    std::size_t i = 0;
+    ((Fits<Scheme, P<double>> ? card.schemes.push_back(i++) : void(++i)), ...);
+  }(static_cast<SchemeList*>(nullptr));
   return card;
 }
 
@@ -119,8 +97,11 @@ class CompiledMechanics final : public Mechanics {
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
-    static constexpr auto runs = run_functions<P>(static_cast<SchemeList*>(nullptr));
-    return runs.at(request.scheme)(request, sink, cancelled);
+    const Problem problem = problem_of<P>(*request.scene);
+    using Full = FullRunState<Problem>;
+    if constexpr (!std::is_same_v<State, Full>)
+      if (asks_for_full_state(card_, request)) return solve<Full>(problem, request, sink, cancelled);
+    return solve<State>(problem, request, sink, cancelled);
   }
   std::optional<std::vector<double>> regular_start([[maybe_unused]] std::span<const double> parameters,
                                                    [[maybe_unused]] double t) const override {

@@ -14,7 +14,6 @@ template <class P, class Scheme, class X>
 class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   using Base = BoundIntegrator<P, Scheme, X>;
   using Base::is_finite_state, Base::problem_, Base::scheme_;
-  using typename Base::Full;
   using State = IntegrationState<X>;
 
  public:
@@ -122,10 +121,6 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   Work work() const override {
     const Work here = stepper_.work();
     return {before_.forces + here.forces, before_.iterations + here.iterations};
-  }
-  std::optional<Tangent<Full>> tangent([[maybe_unused]] const Full& x) const override {
-    if constexpr (Potential<P>) return tangent_map(scheme_, problem_, x, grid_.step);
-    return std::nullopt;
   }
 
  private:

@@ -4,13 +4,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "core/run/columns.hpp"
 #include "core/run/diagnostics/table.hpp"
+#include "core/run/save_schedule.hpp"
 #include "core/run/step_guard.hpp"
-#include "core/run/tangent.hpp"
 #include "core/scheme.hpp"
 
 namespace least {
@@ -45,7 +46,6 @@ struct BlockResult {
 template <class P, class X>
 class Integrator {
  public:
-  using Full = FullStateOf<P>;
   virtual ~Integrator() = default;
 
   /// Takes steps towards the target and shows them to the diagnostics, where there are any. Returns early after a step
@@ -84,10 +84,14 @@ class Integrator {
   /// Whether, and when first, one of so many first steps turns the momentum over where the motion only damps it.
   virtual std::optional<double> flips_momentum(std::int64_t) const { return std::nullopt; }
   virtual Work work() const = 0;
-  /// Derivatives of a step from x by its state; empty where the step fails, or where steps remember more than the
-  /// state.
-  virtual std::optional<Tangent<Full>> tangent(const Full& x) const = 0;
 };
+
+/// The scheme of a request bound to a problem at x: steps of the grid, or by the scheme's own clock up to `end`.
+/// Defined in core/catalogue/pairs.hpp and compiled in a unit of its own: steps deserve optimisation that what
+/// surrounds them does not, and that costs half of the compilation.
+template <class P, class X>
+std::unique_ptr<Integrator<P, X>> bind_scheme(const P& problem, const Request& request, const X& x, const Grid& grid,
+                                              double end);
 
 /// What both policies share.
 template <class P, class Scheme, class X>

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "core/run/budget.hpp"
@@ -18,16 +20,14 @@ namespace least {
 template <class P, class X>
 class Run {
  public:
-  /// `step`: the length of every step; empty where the scheme sets its own clock.
-  Run(const P& problem, const Request& request, std::optional<double> step, RowSink& sink,
-      const std::atomic<bool>& cancelled)
+  Run(const P& problem, const Request& request, RowSink& sink, const std::atomic<bool>& cancelled)
       : problem_(problem),
         scene_(*request.scene),
         card_(scene_.card()),
         scheme_(scene_.mechanics->schemes()[request.scheme]),
         request_(request),
-        fixed_(step.has_value()),
-        grid_(request, step.value_or(0)),
+        fixed_(!scheme_.own_clock),
+        grid_(request, fixed_ ? nominal_step() : 0),
         loop_end_(fixed_ || request.until_steps ? infinite : request.end),
         end_(fixed_ ? grid_.end : loop_end_),
         last_step_(fixed_                ? grid_.steps
@@ -40,21 +40,19 @@ class Run {
         events_(static_cast<std::size_t>(request.limits.samples)),
         guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>) {}
 
-  const Grid& grid() const { return grid_; }
-  /// The last time of which the run knows before it starts; infinite where there is none.
-  double end() const { return end_; }
-
-  Solution solve(Integrator<P, X>& integrator, const X& start) {
-    integrator_ = &integrator;
+  using StepTangent = std::function<std::optional<Tangent<FullStateOf<P>>>(const FullStateOf<P>&)>;
+  /// `tangent`: of a step of the scheme, for the diagnostics.
+  Solution solve(const X& start, const StepTangent& tangent) {
+    integrator_ = bind_scheme(problem_, request_, start, grid_, end_);
     state_.x = start;
-    method_ = integrator.method();
+    method_ = integrator_->method();
     budget_.start();
     if (initialize()) {
       while (going() && !arrived() && advance_block()) {
       }
       if (going()) finish();
     }
-    return conclude();
+    return conclude(tangent);
   }
 
  private:
@@ -310,7 +308,7 @@ class Run {
     return state_.x.t;
   }
 
-  Solution conclude() {
+  Solution conclude(const StepTangent& tangent) {
     if (!writer_.flush()) receiver_is_gone();
     const Work work = integrator_->work();
     outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
@@ -321,14 +319,8 @@ class Run {
           !card_.variables[i].optional || std::ranges::find(request_.columns, i + 1) != request_.columns.end();
       outcome_.final.push_back(shown ? variable(state_.x, i) : unknown);
     }
-    const RunEnd<P, X> end{problem_,
-                           scene_,
-                           scheme_,
-                           state_.x,
-                           snapshots_,
-                           events_,
-                           [this](const auto& x) { return integrator_->tangent(x); },
-                           [this] { return keep_going(); },
+    const RunEnd<P, X> end{problem_,         scene_,  scheme_, state_.x,
+                           snapshots_,       events_, tangent, [this] { return keep_going(); },
                            outcome_.warnings};
     outcome_.diagnostics = diagnostics_.reports(request_.diagnostics, end);
     return std::move(outcome_);
@@ -374,7 +366,7 @@ class Run {
   DiagnosticSet<P, X> diagnostics_;
   Events events_;
   StepGuard guard_;
-  Integrator<P, X>* integrator_ = nullptr;
+  std::unique_ptr<Integrator<P, X>> integrator_;
   IntegrationState<X> state_;
   std::optional<ActiveMethod> method_;
   Solution outcome_;

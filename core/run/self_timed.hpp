@@ -14,14 +14,13 @@ template <class P, class Scheme, class X>
 class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   using Base = BoundIntegrator<P, Scheme, X>;
   using Base::is_finite_state, Base::problem_, Base::scheme_;
-  using typename Base::Full;
   using State = IntegrationState<X>;
 
  public:
   /// `end`: diagnostics see no state beyond it.
   SelfTimedIntegrator(const P& problem, const Scheme& scheme, const X& x, double end)
       : Base(problem, scheme),
-        energy_(starting_energy(problem, x)),
+        energy_(energy_level(problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         left_(x),
         end_(end) {}
@@ -131,22 +130,6 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     const Work here = stepper_.work();
     return {here.forces + between_.forces, here.iterations + between_.iterations};
   }
-  /// On the run's energy level.
-  std::optional<Tangent<Full>> tangent([[maybe_unused]] const Full& x) const override {
-    if constexpr (reads_time || requires { requires Scheme::remembers; }) {
-      return std::nullopt;
-    } else {
-      return tangent_of(x, [&](auto& y) {
-        using D = typename std::remove_cvref_t<decltype(y)>::Number;
-        auto z = convert<D, D>(y);
-        auto stepper = scheme_.bind(problem_, z, D(energy_));
-        const StepStatus status = stepper.step(z);
-        y.t = z.t.value;
-        for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
-        return status;
-      });
-    }
-  }
 
  private:
   using Stepper = SelfTimedStepperOf<Scheme, P, X>;
@@ -157,15 +140,6 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if constexpr (hybrid) return stepper.active_method();
     return {};
   }
-  /// E₀; of a scene whose schemes do not ask for it nothing.
-  static double starting_energy([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
-    if constexpr (Conservative<P>) {
-      return energy(problem, x);
-    } else {
-      return 0;
-    }
-  }
-
   static BlockResult step(Stepper& stepper, X& y) {
     const StepStatus status = stepper.step(y);
     return status == StepStatus::ok ? BlockResult{} : BlockResult::failed(status);

@@ -44,6 +44,28 @@ std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, co
   });
 }
 
+/// Of a step that a scheme takes from x in a run from `start`. Empty where the step fails, and where it remembers more
+/// than the state or adapts to it.
+template <class Scheme, class P, class X, class Start>
+std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const Start& start, const X& x) {
+  if constexpr (
+      !Potential<P> || requires { requires Scheme::reads_time; } || requires { requires Scheme::remembers; }) {
+    return std::nullopt;
+  } else if constexpr (SelfTimed<Scheme>) {  // on the run's energy level
+    return tangent_of(x, [&](auto& y) {
+      using D = typename std::remove_cvref_t<decltype(y)>::Number;
+      auto z = convert<D, D>(y);
+      auto stepper = scheme.bind(problem, z, D(energy_level(problem, start)));
+      const StepStatus status = stepper.step(z);
+      y.t = z.t.value;
+      for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
+      return status;
+    });
+  } else {
+    return tangent_map(scheme, problem, x, scheme.step);
+  }
+}
+
 /// max |MᵀJM − J| over its entries.
 template <std::size_t M>
 double symplectic_defect(const std::array<std::array<double, M>, M>& m) {

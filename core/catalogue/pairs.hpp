@@ -1,0 +1,45 @@
+// The pairs of a problem with the schemes that fit, as integrators: what is compiled with every optimisation.
+#pragma once
+
+#include <memory>
+
+#include "core/catalogue/compiled.hpp"
+#include "core/run/fixed_step.hpp"
+#include "core/run/self_timed.hpp"
+
+namespace least {
+
+/// Schemes that differ in nothing that has to be compiled are run as one.
+template <class Scheme>
+auto compiled_scheme(const Scheme& scheme) {
+  if constexpr (requires { scheme.compiled_as(); }) {
+    return scheme.compiled_as();
+  } else {
+    return scheme;
+  }
+}
+
+template <class P, class X>
+std::unique_ptr<Integrator<P, X>> bind_scheme(const P& problem, const Request& request, const X& x, const Grid& grid,
+                                              double end) {
+  std::unique_ptr<Integrator<P, X>> bound;
+  with_scheme<P>(request, [&]<class Scheme>(const Scheme& chosen) {
+    const auto scheme = compiled_scheme(chosen);
+    using Compiled = std::remove_const_t<decltype(scheme)>;
+    if constexpr (SelfTimed<Compiled>) {
+      bound = std::make_unique<SelfTimedIntegrator<P, Compiled, X>>(problem, scheme, x, end);
+    } else {
+      bound = std::make_unique<FixedStepIntegrator<P, Compiled, X>>(problem, scheme, x, grid);
+    }
+  });
+  return bound;
+}
+
+/// For each of the states that a run can carry.
+template <class P>
+struct Pairs {
+  static constexpr auto motion = &bind_scheme<P, StateOf<P>>;
+  static constexpr auto full = &bind_scheme<P, FullRunState<P>>;
+};
+
+}  // namespace least

@@ -46,6 +46,7 @@ template <class P, class X>
 class Integrator {
  public:
   using Full = FullStateOf<P>;
+  using ExtendedStep = ExtendedStepOf<P>;
   virtual ~Integrator() = default;
 
   /// Takes steps towards the target and shows them to the diagnostics, where there are any. Returns early after a step
@@ -87,6 +88,10 @@ class Integrator {
   /// Derivatives of a step from x by its state; empty where the step fails, or where steps remember more than the
   /// state.
   virtual std::optional<Tangent<Full>> tangent(const Full& x) const = 0;
+  /// The same on the extended space from p_t = −H, of steps that are contact maps there and not of the state alone.
+  virtual std::optional<ExtendedStep> extended_tangent(const Full&) const { return std::nullopt; }
+  /// What the scheme says of the step that failed, in words; empty: nothing.
+  virtual std::string failure() const { return {}; }
 };
 
 /// What both policies share.

@@ -226,15 +226,19 @@ class Run {
           ReturnCode::parameter_step_underflow,
           "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in "
           "a collision or where the motion comes to rest");
+    const std::string why = integrator_->failure();
     const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
     if (result.status == StepStatus::solver_failed)
       return stop(ReturnCode::solver_failed,
-                  fixed_ ? "Newton's method found no solution of the implicit step; a shorter step may"
-                         : "the equations of the step have no solution near here; a shorter step may",
+                  !why.empty() ? why
+                  : fixed_     ? "Newton's method found no solution of the implicit step; a shorter step may"
+                               : "the equations of the step have no solution near here; a shorter step may",
                   when);
     if (result.status == StepStatus::singular || std::isfinite(when))
       return stop(ReturnCode::singular,
-                  std::isfinite(when) ? messages::blow_up(when) : "the step is singular here; a shorter one may not be",
+                  std::isfinite(when) ? messages::blow_up(when)
+                  : !why.empty()      ? why
+                                      : "the step is singular here; a shorter one may not be",
                   when);
     if (result.status == StepStatus::underflow)
       return stop(ReturnCode::singular,
@@ -328,6 +332,7 @@ class Run {
                            snapshots_,
                            events_,
                            [this](const auto& x) { return integrator_->tangent(x); },
+                           [this](const auto& x) { return integrator_->extended_tangent(x); },
                            [this] { return keep_going(); },
                            outcome_.warnings};
     outcome_.diagnostics = diagnostics_.reports(request_.diagnostics, end);

@@ -30,6 +30,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if (along_series_ && state.n == 0 && advance_on_series(state, diagnostics)) return {};
     auto stepper = stepper_;
     X x = state.x, left = left_;
+    auto memory = memory_, left_memory = left_memory_;
     double late = late_;
     BlockResult result;
     std::int64_t n = state.n;
@@ -38,10 +39,10 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if constexpr (hybrid && HasFrequency<P>) last_frequency = problem_.frequency_squared(x.q);
     while (n < target.n && x.t < target.t) {
       X y = x;
-      if (!reads_time) y.t = 0;  // the step says how long it took, and the sum is compensated
+      if (compensated && !told_time) y.t = 0;
       result = step(stepper, y);
       if (!result) break;
-      const double h = reads_time ? y.t - x.t : y.t, part = h - late, t = reads_time ? y.t : x.t + part;
+      const double h = duration(stepper, x, y), part = h - late, t = compensated ? x.t + part : y.t;
       result = judge(y, h, t);
       if constexpr (hybrid && HasFrequency<P>) {  // steps in time, at either end of which the motion may be too fast
         const double frequency = problem_.frequency_squared(y.q);
@@ -51,8 +52,10 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
         if (result && guard.exceeded()) result = {BlockEnd::too_fast};
       }
       if (!result) break;
-      if (!reads_time) late = (t - x.t) - part;
+      if (compensated) late = (t - x.t) - part;
       left = x;
+      left_memory = memory;
+      memory = memory_of(stepper);
       x = y;
       x.t = t;
       if constexpr (Sloped<X>) normalise(x);
@@ -62,6 +65,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     }
     stepper_ = stepper;
     left_ = left;
+    memory_ = memory;
+    left_memory_ = left_memory;
     late_ = late;
     state = {x, n};
     return result;
@@ -83,8 +88,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if (t <= state.x.t) return interpolate(state, t, x, nullptr);
     if constexpr (requires(Stepper s) { s.reach(x, t); }) {
       x = state.x;
-      auto stepper = scheme_.bind(problem_, x, energy_);
-      return stepper.reach(x, t);
+      return stepper_at(x, memory_).reach(x, t);
     } else {
       return StepStatus::solver_failed;
     }
@@ -127,13 +131,17 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     }
     return {};
   }
+  std::string failure() const override {
+    if constexpr (requires { stepper_.failure(); }) return stepper_.failure();
+    return {};
+  }
   Work work() const override {
     const Work here = stepper_.work();
     return {here.forces + between_.forces, here.iterations + between_.iterations};
   }
   /// On the run's energy level.
   std::optional<Tangent<Full>> tangent([[maybe_unused]] const Full& x) const override {
-    if constexpr (reads_time || requires { requires Scheme::remembers; }) {
+    if constexpr (reads_time || extends || requires { requires Scheme::remembers; }) {
       return std::nullopt;
     } else {
       return tangent_of(x, [&](auto& y) {
@@ -147,20 +155,72 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       });
     }
   }
+  std::optional<typename Base::ExtendedStep> extended_tangent([[maybe_unused]] const Full& x) const override {
+    if constexpr (extends) {
+      Extended<P> z;
+      constexpr std::size_t n = P::dof;
+      for (std::size_t i = 0; i < n; ++i) {
+        z.q[i] = x.q[i];
+        z.p[i] = x.p[i];
+      }
+      z.q[n] = x.t;
+      z.p[n] = -energy(problem_, x);
+      z.action = x.action;
+      const auto tangent = tangent_of(z, [&](auto& y) {
+        using D = typename std::remove_cvref_t<decltype(y)>::Number;
+        return scheme_.step_extended(problem_, y, D(energy_));
+      });
+      if (tangent) return typename Base::ExtendedStep{z, *tangent};
+    }
+    return std::nullopt;
+  }
 
  private:
   using Stepper = SelfTimedStepperOf<Scheme, P, X>;
   static constexpr bool hybrid = requires(const Stepper& s) { s.active_method(); };
   static constexpr bool reads_time = requires { requires Scheme::reads_time; };
 
+  /// The scheme says of each step how long it took: the sum is compensated.
+  static constexpr bool compensated = !reads_time;
+  /// Its steps ask for the time they begin at.
+  static constexpr bool told_time = requires { requires Stepper::reads_time; };
+  static constexpr bool extends = requires(const Scheme& s, const P& problem, Extended<P>& z) {
+    s.step_extended(problem, z, 0.0);
+  };
+
   static ActiveMethod method_of(const Stepper& stepper) {
     if constexpr (hybrid) return stepper.active_method();
     return {};
+  }
+  struct NoMemory {};
+  /// What steps remember beside the state.
+  static auto memory_of([[maybe_unused]] const Stepper& stepper) {
+    if constexpr (requires { stepper.memory(); }) {
+      return stepper.memory();
+    } else {
+      return NoMemory{};
+    }
+  }
+  using Memory = decltype(memory_of(std::declval<const Stepper&>()));
+  /// A stepper that goes on from x.
+  Stepper stepper_at(const X& x, [[maybe_unused]] const Memory& memory) const {
+    Stepper stepper = scheme_.bind(problem_, x, energy_);
+    if constexpr (requires { stepper.resume(x, memory); }) stepper.resume(x, memory);
+    return stepper;
+  }
+  static double duration([[maybe_unused]] const Stepper& stepper, const X& x, const X& y) {
+    if constexpr (compensated && told_time) {
+      return stepper.elapsed();
+    } else {
+      return compensated ? y.t : y.t - x.t;
+    }
   }
   /// E₀; of a scene whose schemes do not ask for it nothing.
   static double starting_energy([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
     if constexpr (Conservative<P>) {
       return energy(problem, x);
+    } else if constexpr (LinearContact<P>) {
+      return mechanical_energy(problem, x.q, x.p, phase(problem, x.t));
     } else {
       return 0;
     }
@@ -191,10 +251,11 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if constexpr (requires(const Stepper& s) { s.interpolate(x, t); })
       if (stepper_.interpolate(x, t)) return StepStatus::ok;
     if constexpr (requires(Stepper s) { s.reach(x, t); }) {
-      auto stepper = scheme_.bind(problem_, left_, energy_);
+      auto stepper = stepper_at(left_, left_memory_);
       X y = left_;
-      if (!reads_time) y.t = 0;
-      if (const StepStatus status = stepper.reach(y, reads_time ? t : t - left_.t); status != StepStatus::ok)
+      const bool from_zero = compensated && !told_time;
+      if (from_zero) y.t = 0;
+      if (const StepStatus status = stepper.reach(y, from_zero ? t - left_.t : t); status != StepStatus::ok)
         return status;
       x = y;
       if (work) *work = stepper.work();
@@ -214,6 +275,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       if (!(x.t > state.x.t)) return along_series_ = false;
       left_ = state.x;
       stepper_ = scheme_.bind(problem_, x, energy_);
+      memory_ = memory_of(stepper_);
       state = {x, 1};
       if (diagnostics) {
         diagnostics->see(problem_, x);
@@ -226,6 +288,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   double energy_;
   Stepper stepper_;
   X left_;
+  Memory memory_ = memory_of(stepper_), left_memory_ = memory_;  ///< at the last state, and at left_
   double end_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;

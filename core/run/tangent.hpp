@@ -44,6 +44,26 @@ std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, co
   });
 }
 
+/// A step on the extended space of a contact scene: where it began, and its tangent.
+template <class Z>
+struct StepTangent {
+  Z start;
+  Tangent<Z> tangent;
+};
+namespace detail {
+template <class P>
+struct ExtendedStepFor {
+  struct type {};
+};
+template <LinearContact P>
+struct ExtendedStepFor<P> {
+  using type = StepTangent<Extended<P>>;
+};
+}  // namespace detail
+/// Empty for a scene that has none.
+template <class P>
+using ExtendedStepOf = typename detail::ExtendedStepFor<P>::type;
+
 /// max |MᵀJM − J| over its entries.
 template <std::size_t M>
 double symplectic_defect(const std::array<std::array<double, M>, M>& m) {

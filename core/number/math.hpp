@@ -65,13 +65,13 @@ constexpr auto either(const M& mask, F&& yes, G&& no) {
   }
 }
 
-/// ln(1 + x): scalars the compiler knows have it to the last digits for small x, too.
-inline double log1p(double x) { return std::log1p(x); }
-inline long double log1p(long double x) { return std::log1p(x); }
+/// ln(1 − z): scalars the compiler knows have it to the last digits for small z, too.
+inline double log1m(double z) { return std::log1p(-z); }
+inline long double log1m(long double z) { return std::log1p(-z); }
 template <class T>
-T log1p(const T& x) {
+T log1m(const T& z) {
   using least::log;
-  return log(T(1) + x);
+  return log(T(1) - z);
 }
 
 /// φ₁(z) = (eᶻ − 1)/z, 1 at 0. For any number; scalars the compiler knows have it to the last digit or two.

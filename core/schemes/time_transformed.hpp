@@ -8,9 +8,9 @@
 // Order 2, symmetric. At fixed E₀ a symplectic map of (q, p); not so if E₀ is taken anew from each state. Momenta of
 // symmetries are kept. κ = −E₀ makes Kepler orbits exact but for time: a step advances the eccentric anomaly of an
 // ellipse by 2 arctan(σ√(−2E₀)/2μ); a hyperbola has tanh instead of tan, and no such step from σ√(2E₀) = 2μ on.
-// It needs a potential that does not depend on time. It checks K + κ > 0 and D > 0, that a step goes forward in time,
-// and at each kick D²/((K₀ + κ)(K₁ + κ)), which is 1 on the energy level. Look-alike: leapfrog with steps chosen from
-// the state is neither symplectic nor symmetric.
+// It needs a potential that does not depend on time; where there is damping see time_transformed_contact.hpp. It checks
+// K + κ > 0 and D > 0, that a step goes forward in time, and at each kick D²/((K₀ + κ)(K₁ + κ)), which is 1 on the
+// energy level. Look-alike: leapfrog with steps chosen from the state is neither symplectic nor symmetric.
 // Sources: Mikkola & Tanikawa, Celest. Mech. Dyn. Astron. 74, 287 (1999); Preto & Tremaine, Astron. J. 118, 2532
 // (1999); for any metric Poincaré's transformation, Hairer, Lubich, Wanner 2006, VIII.2.1.
 #pragma once
@@ -244,7 +244,7 @@ struct TimeTransformed {
         .structure = "symplectic",
         .recommended = "kahan_li_6",
         .presets = {{"kepler",
-                     "κ = −E₀: Kepler orbits are exact but for time",
+                     "κ = −E₀, where V < 0: Kepler orbits without drag are exact but for time",
                      {{"kappa", std::numeric_limits<double>::quiet_NaN()}}}},
         .good_for =
             "eccentric orbits and other motions that are fast for a short time only, damped or not, over long runs",
@@ -256,7 +256,8 @@ struct TimeTransformed {
             "metric, a damping α(t) s and any potential",
         .references = {"Mikkola, Tanikawa, Celestial Mechanics and Dynamical Astronomy 74, 287 (1999)",
                        "Preto, Tremaine, Astronomical Journal 118, 2532 (1999)",
-                       "Hairer, Lubich, Wanner 2006, VIII.2.1"}};
+                       "Hairer, Lubich, Wanner 2006, VIII.2.1",
+                       "with damping derived here, from Bravetti, Entropy 19, 535 (2017), and Preto, Tremaine 1999"}};
   }
 
   template <Conservative P, class X>
@@ -282,8 +283,8 @@ struct TimeTransformed {
     using Kernel = TransformedContact<P, X>;
     const T level = std::isnan(kappa) ? T(0) : energy + kappa;
     const auto& weights = Weights<typename Kernel::S>::of(composition);
-    return TransformedStepper<Kernel, X>(
-        Kernel(problem, x, level, std::isnan(kappa) ? -value_of(energy) : kappa, exponent, weights), sigma);
+    const T threshold = std::isnan(kappa) ? T(-energy) : T(kappa);
+    return TransformedStepper<Kernel, X>(Kernel(problem, x, level, threshold, exponent, weights), sigma);
   }
   /// The same step, of a run at this level, on the extended space (q, t; p, p_t; s), where it is a contact map.
   template <LinearContact P, class Z>
@@ -303,7 +304,7 @@ struct TimeTransformed {
     const T level = std::isnan(kappa) ? T(0) : energy + kappa;
     const auto gap = [&] { return level - problem.potential(x.q, phase(problem, x.t)); };
     auto stepper = bind(problem, x, energy);
-    stepper.resume(x, {gap() + off()});
+    stepper.resume(x, stepper.kernel().at(gap() + off()));
     const StepStatus status = stepper.step(x);
     for (std::size_t i = 0; i < n; ++i) {
       z.q[i] = x.q[i];

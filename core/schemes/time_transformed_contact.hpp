@@ -11,8 +11,8 @@
 //       E = e^{−αΔt}: q += (1 − E)/α g⁻¹p, p and p_t are multiplied by E. z ≥ 1 is a pole that α < 0 has.
 //     α(t): with a = ∫α the form times eᵃ is dS − π·dq − Π dt, π = eᵃp, Π = eᵃ(p_t + αs), and eᵃF(A), which does not
 //       contain S, generates the discrete Lagrangian of t, F* being the Legendre transform of F,
-//         L = ½τ(eᵃ⁰ + eᵃ¹) F*(δ/τ) − ½δ[c(eᵃ⁰ + eᵃ¹) + K(π)(e⁻ᵃ⁰ + e⁻ᵃ¹)],  δ = t₁ − t₀
-//       of order 2 and symmetric; Π₀ = −∂L/∂t₀ is one equation for δ, solved by Newton's method.
+//         L = eᵃτF*(δ/τ) − δ(c eᵃ + K(π)e⁻ᵃ),  a at the middle of t₀ and t₁ = t₀ + δ,
+//       of order 2 in τ and symmetric; Π₀ = −∂L/∂t₀ is one equation for δ, solved by Newton's method.
 // What a stage reads of p_t and s is A alone, which is kept from step to step: s, where asked for, goes along. With
 // λ = e^{−∫α} a step φ fulfils φ*η = λη; p is only ever multiplied and pushed along ∇V: in a central force with
 // constant α the angular momentum decays by e^{−αt} to round-off. κ = −E₀ where V < 0, else κ > max V − E₀ along the
@@ -39,7 +39,7 @@ class PowerSlope {
   T operator()(const T& x) const {
     using least::pow;
     using least::sqrt;
-    return k_ == -0.5 ? T(1.0 / (x * sqrt(x))) : T(pow(x, k_ - 1));
+    return k_ == -0.5 ? T(sqrt(x) / (x * x)) : T(pow(x, k_ - 1));
   }
 
  private:
@@ -81,13 +81,13 @@ class TransformedContact {
   using S = std::conditional_t<std::numeric_limits<Constant>::is_specialized, Constant, double>;
   static constexpr bool constant = ConstantDamping<P>;
   static constexpr bool reads_time = !Autonomous<P>;
-  /// A, which p_t + αs makes a quantity of its own.
+  /// A, which p_t + αs makes a quantity of its own, and Aᵏ⁻¹, which a flow hands on.
   struct Memory {
-    T a;
+    T a, pace;
   };
 
-  /// `level`: c = κ + E₀. The run begins at x: A = B there.
-  TransformedContact(const P& problem, const X& x, const T& level, double kappa, double exponent,
+  /// `level`: c = κ + E₀; `kappa` is for words. The run begins at x: A = B there.
+  TransformedContact(const P& problem, const X& x, const T& level, const T& kappa, double exponent,
                      const Weights<S>& weights)
       : problem_(problem),
         level_(level),
@@ -98,18 +98,20 @@ class TransformedContact {
         way_(S(exponent / (1 - exponent))),
         way2_(S(2 * exponent / (1 - exponent))),
         fall_(S(1 / (1 - exponent))) {
-    settle(x, {level - problem.potential(x.q, phase(problem, x.t))});
+    settle(x, at(level - problem.potential(x.q, phase(problem, x.t))));
   }
   void settle(const X& x, const Memory& memory) {
-    a_ = memory.a;
+    now_ = memory;
     if constexpr (!constant) here_ = damping_at(problem_, x.t);
   }
-  Memory memory() const { return {a_}; }
-  T pace(const X&) const { return slope_(a_); }
+  const Memory& memory() const { return now_; }
+  /// What is to be remembered where A is this.
+  Memory at(const T& a) const { return {a, slope_(a)}; }
+  const T& pace(const X&) const { return now_.pace; }
   /// The largest |B²/(A₀A₁) − 1| of a kick.
   const T& strain() const { return strain_; }
   int stages() const { return weights_->stages; }
-  std::string failure() const { return words_of(fault_, kappa_, value_of(room_)); }
+  std::string failure() const { return words_of(fault_, value_of(kappa_), value_of(room_)); }
 
   StepStatus move(X& x, const T& sigma, T& elapsed, Work& work) {
     elapsed = T(0);
@@ -161,16 +163,16 @@ class TransformedContact {
     using least::all;
     const double k = slope_.k();
     const auto alpha = problem_.damping();
-    const T r = tau * slope_(a_), z = (alpha * ((1 - k) / k)) * r;
+    const T r = tau * now_.pace, z = (alpha * ((1 - k) / k)) * r;
     const auto series = [&] {
       Passage by{r * time_(z), r * way_(z), T(0), (r * fall_(z)) / k};
       if constexpr (X::acting) by.way2 = r * way2_(z);
       return by;
     };
     const auto closed = [&] {
-      using least::log1p;
+      using least::log1m;
       using least::phi1;
-      const T time = -(r * log1p(T(-z)) / z), decay = -(alpha * time);
+      const T time = -(r * log1m(z) / z), decay = -(alpha * time);
       Passage by{time, time * phi1(decay), T(0), time * phi1(T(decay / k)) / k};
       if constexpr (X::acting) by.way2 = time * phi1(T(2.0 * decay));
       return by;
@@ -183,13 +185,14 @@ class TransformedContact {
     if constexpr (X::acting) {
       const T kinetic = 0.5 * dot(x.p, v);
       T& s = x.action.s;
-      s = e * s + 2.0 * kinetic * by.way2 + (a_ - kinetic - level_) * by.way - a_ * by.fall;
+      s = e * s + 2.0 * kinetic * by.way2 + (now_.a - kinetic - level_) * by.way - now_.a * by.fall;
     }
     for (std::size_t i = 0; i < x.q.size(); ++i) {
       x.q[i] = x.q[i] + by.way * v[i];
       x.p[i] = e * x.p[i];
     }
-    a_ = a_ - (alpha * a_) * by.fall;
+    now_.a = now_.a - (alpha * now_.a) * by.fall;
+    now_.pace = now_.pace / (1.0 - z);
     elapsed = elapsed + by.time;
     return true;
   }
@@ -199,55 +202,56 @@ class TransformedContact {
     using least::abs;
     using least::all;
     using least::phi1;
-    using least::sqrt;
     constexpr int most_iterations = 30;
-    const double k = slope_.k(), legendre = 1 - 1 / k;
+    const double k = slope_.k(), legendre = 1 - 1 / k;  // F*(F′(A)) = legendre A F′(A)
     const auto v = velocity(problem_, x.q, x.p);
-    const T kinetic = 0.5 * dot(x.p, v), t0 = x.t + elapsed, r = tau * slope_(a_);
+    const T kinetic = 0.5 * dot(x.p, v), bound = now_.a - kinetic - level_, t0 = x.t + elapsed, r = tau * now_.pace;
     const T near(4 * std::sqrt(Precision<S>::epsilon));
-    T delta = r * (1.0 + here_.rate * (((1 - k) / (2 * k)) * r)), mean, e;
-    DampingAt<T> there;
+    T delta = r * (1.0 + here_.rate * (((1 - k) / (2 * k)) * r));
     int last = std::is_same_v<T, Constant> ? 0 : 1;  // derivatives lag behind by an iteration
-    for (int iteration = 0;; ++iteration) {
-      if (iteration == most_iterations) return fail(TransformedFault::unsolved, delta);
+    for (int iteration = 0; iteration < most_iterations; ++iteration) {
       ++work.iterations;
-      there = damping_after(problem_, here_, t0, T(t0 + delta));
-      const T exponent = there.integral - here_.integral, gain = exponent * phi1(exponent),
-              y = 0.5 * delta * here_.rate;
-      e = 1.0 + gain;
-      const T top = a_ + level_ * (0.5 * gain - y) - kinetic * (0.5 * gain / e - y),
-              bottom = 1.0 + 0.5 * gain - y * legendre;
-      mean = top / bottom;
+      DampingAt<T> middle = damping_after(problem_, here_, t0, T(t0 + 0.5 * delta));
+      const T exponent = here_.integral - middle.integral, loss = exponent * phi1(exponent);
+      T e = 1.0 + loss, slow = kinetic * (e * e);  // what is left of p, of K
+      const T y = 0.5 * delta * middle.rate, rise = 0.5 * (middle.rate + 0.5 * delta * middle.slope);
+      const T top = now_.a + loss * (bound + kinetic * (1.0 + e)) - y * (level_ - slow), bottom = 1.0 - legendre * y;
+      T mean = top / bottom;
       if (!all(mean > T(0))) [[unlikely]]
         return fail(TransformedFault::pole, mean);
       const T g = tau * slope_(mean);
-      const T rise = there.rate * e - here_.rate, loss = there.rate / e - here_.rate;
-      const T turn = 0.5 * ((level_ * rise - kinetic * loss) / top -
-                            (there.rate * e - legendre * here_.rate) / bottom);  // of ln(mean) by δ
+      const T turn = legendre * rise / bottom -
+                     (0.5 * middle.rate * (e * bound) + middle.rate * (slow * (1.0 + y)) + rise * (level_ - slow)) /
+                         top;  // of ln(mean) by δ
       const T change = (g - delta) / (1.0 - (k - 1) * (g * turn));
       delta = delta + change;
       if (!all(abs(change) <= near * abs(delta)) || last-- > 0) continue;
       // The rest by Taylor's formula: its square is below round-off.
+      const T wait = 0.5 * change;
       mean = mean + mean * turn * change;
-      there.integral = there.integral + change * (there.rate + 0.5 * change * there.slope);
-      e = e + e * there.rate * change;
-      there.rate = there.rate + there.slope * change;
-      break;
+      middle.integral = middle.integral + wait * (middle.rate + 0.5 * wait * middle.slope);
+      e = e - e * middle.rate * wait;
+      middle.rate = middle.rate + middle.slope * wait;
+      arrive(x, v, kinetic, delta, mean, e, middle, damping_after(problem_, here_, t0, T(t0 + delta)));
+      elapsed = elapsed + delta;
+      return true;
     }
-    const T back = 1.0 / e, y = 0.5 * delta * there.rate, way = 0.5 * delta * (1.0 + back);
-    const T left = kinetic * (back * back);
-    if constexpr (X::acting) {
-      const T lagrangian = 0.5 * delta * ((1.0 + e) * (legendre * mean - level_) - kinetic * (1.0 + back));
-      x.action.s = back * (x.action.s + 2.0 * kinetic * way + lagrangian);
-    }
-    a_ = mean * (0.5 * (1.0 + back) + legendre * y) + level_ * (0.5 * (1.0 - back) - y) + left * (0.5 * (1.0 - e) + y);
+    return fail(TransformedFault::unsolved, delta);
+  }
+  /// The end of that part, after the time δ; `e`: what is left of p in the middle.
+  void arrive(X& x, const Vec<P::dof, T>& v, const T& kinetic, const T& delta, const T& mean, const T& e,
+              const DampingAt<T>& middle, const DampingAt<T>& there) {
+    using least::phi1;
+    const double legendre = 1 - 1 / slope_.k();
+    const T exponent = middle.integral - there.integral, loss = exponent * phi1(exponent), after = 1.0 + loss;
+    const T slow = kinetic * (e * e), y = 0.5 * delta * middle.rate, way = delta * e, left = e * after;
+    if constexpr (X::acting) x.action.s = after * (e * x.action.s + delta * (slow - level_ + legendre * mean));
+    now_ = at(mean * (after * (1.0 + legendre * y)) - level_ * (loss + y * after) + slow * (after * (loss + y)));
     for (std::size_t i = 0; i < x.q.size(); ++i) {
       x.q[i] = x.q[i] + way * v[i];
-      x.p[i] = back * x.p[i];
+      x.p[i] = left * x.p[i];
     }
-    elapsed = elapsed + delta;
     here_ = there;
-    return true;
   }
 
   /// The part −F(B).
@@ -267,36 +271,36 @@ class TransformedContact {
       gradient = at.slope;
     }
     ++work.forces;
-    const T before = 0.5 * dot(x.p, velocity(problem_, x.q, x.p)), b = level_ - potential;
-    const T push = tau * slope_(b), gain = push * b / slope_.k();  // gain: τF(B)
+    const T b = level_ - potential, push = tau * slope_(b), gain = push * b / slope_.k();  // gain: τF(B)
+    const Vec<P::dof, T> rate = velocity(problem_, x.q, gradient);
+    T a = now_.a + push * (push * (0.5 * dot(rate, gradient)) - dot(rate, x.p));  // by the change of K
     for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - push * gradient[i];
     if constexpr (X::acting) x.action.s = x.action.s + gain;
-    T a = a_ + (0.5 * dot(x.p, velocity(problem_, x.q, x.p)) - before);
     if constexpr (constant) {
       a = a + problem_.damping() * gain;
     } else {
       a = a + here_.rate * gain;
     }
     if constexpr (PotentialReadsTime<P>) a = a - push * potential_rate(problem_, x.q, T(x.t + elapsed));
-    const T square = b * b / (a_ * a), off = abs(square - 1.0);
+    const T square = b * b / (now_.a * a), off = abs(square - 1.0);
     strain_ = select(off > strain_, off, strain_);
     if (!all(b > T(0))) [[unlikely]]
       return fail(TransformedFault::potential, b);
-    if (!all(a_ > T(0))) [[unlikely]]
-      return fail(TransformedFault::kinetic, a_);
+    if (!all(now_.a > T(0))) [[unlikely]]
+      return fail(TransformedFault::kinetic, now_.a);
     if (!all((a > T(0)) & near_level<T>(square))) [[unlikely]]
       return fail(TransformedFault::level, square);
-    a_ = a;
+    now_ = at(a);
     return true;
   }
 
   P problem_;
-  T level_;
-  double kappa_;
+  T level_, kappa_;
   PowerSlope slope_;
   const Weights<S>* weights_;
   Quotient time_, way_, way2_, fall_;
-  T a_{}, strain_ = T(0), room_{};
+  Memory now_{};
+  T strain_ = T(0), room_{};
   struct Nothing {};
   [[no_unique_address]] std::conditional_t<constant, Nothing, DampingAt<T>> here_{};  ///< at the time of the state
   TransformedFault fault_ = TransformedFault::standstill;

@@ -84,6 +84,7 @@ class TransformedStepper {
   /// What steps remember beside the state; with it another stepper goes on from the state x.
   Memory memory() const { return kernel_.memory(); }
   void resume(const X& x, const Memory& memory) { kernel_.settle(x, memory); }
+  const Kernel& kernel() const { return kernel_; }
   /// The largest |(D/(K + κ))² − 1| of a kick.
   const T& strain() const { return kernel_.strain(); }
   /// What the kernel has to say of the last step, which failed; empty: nothing.

@@ -16,6 +16,7 @@
 //   invariants(q, p, t)   what the exact motion conserves besides energy
 // Contact, the same with one of
 //   damping() or damping(t)           α: H = K + V + α(t) s; the motion in (q, p) never reads s
+//   damping_integral(t)               ∫α up to the time t itself, where α(t) has a closed one (a law checks it)
 //   action_curvature() and offset()   γ and R: H = K + V + γs²/2 − R
 // Flow, `dim` variables, not mechanical:
 //   field(y, t)                       ẏ
@@ -107,17 +108,25 @@ template <template <class> class P, class R>
 struct InDoubles<P<R>> {
   using type = P<double>;
 };
-/// Whether the mechanics of P, evaluated at a time and a state that the time has not touched, is touched by it.
+/// Whether V, evaluated at a time and a state that the time has not touched, is touched by it.
+template <Potential P>
+constexpr bool potential_reads_time() {
+  const typename InDoubles<P>::type m{};
+  const auto f = phase(m, Dependence::on_time());
+  const Vec<P::dof, Dependence> q{};
+  Dependence seen = m.potential(q, f);
+  if constexpr (requires { m.gradient(q, f); })
+    for (const Dependence& slope : m.gradient(q, f)) seen = seen | slope;
+  return seen.touched;
+}
+/// The same of the mechanics of P.
 template <class P>
 constexpr bool reads_time() {
   const typename InDoubles<P>::type m{};
   const auto f = phase(m, Dependence::on_time());
   Dependence seen;
   if constexpr (Potential<P>) {
-    const Vec<P::dof, Dependence> q{};
-    seen = m.potential(q, f);
-    if constexpr (requires { m.gradient(q, f); })
-      for (const Dependence& slope : m.gradient(q, f)) seen = seen | slope;
+    seen.touched = potential_reads_time<P>();
     if constexpr (LinearContact<P> && !ConstantDamping<P>) seen = seen | m.damping(f);
   } else {
     for (const Dependence& rate : m.field(Vec<P::dim, Dependence>{}, f)) seen = seen | rate;
@@ -130,6 +139,9 @@ constexpr bool reads_time() {
 /// matter of their form, not of their parameters: a drive of amplitude 0 is one.
 template <class P>
 concept Autonomous = VectorField<P> && !detail::reads_time<P>();
+/// V changes in time.
+template <class P>
+concept PotentialReadsTime = Potential<P> && detail::potential_reads_time<P>();
 
 /// One of the parts a field is split into.
 template <int I>
@@ -166,6 +178,10 @@ using FullStateOf = typename detail::StateFor<P, T, S, true>::type;
 template <class P>
 concept HasGradient = requires(const P& m, const Vec<P::dof>& q) {
   m.gradient(q, phase(m, 0.0));
+};
+template <class P>
+concept HasDampingIntegral = LinearContact<P> && requires(const P& m) {
+  m.damping_integral(0.0);
 };
 template <class P>
 concept HasInverseMass = requires(const P& m) {

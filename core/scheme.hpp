@@ -78,6 +78,8 @@ template <class P, class X>
 double energy_level([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
   if constexpr (Conservative<P>) {
     return energy(problem, x);
+  } else if constexpr (LinearContact<P>) {
+    return mechanical_energy(problem, x.q, x.p, phase(problem, x.t));
   } else {
     return 0;
   }

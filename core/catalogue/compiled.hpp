@@ -52,11 +52,12 @@ template <class X, class P>
 Solution solve(const P& problem, const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) {
   using Full = FullStateOf<P>;
   const X start = start_of<X>(problem, request.scene->initial, request.scene->start);
-  std::function<std::optional<Tangent<Full>>(const Full&)> tangent;
+  StepTangents<P> tangents;
   with_scheme<P>(request, [&](const auto& scheme) {
-    tangent = [&problem, scheme, start](const Full& x) { return step_tangent(scheme, problem, start, x); };
+    tangents = {[&problem, scheme, start](const Full& x) { return step_tangent(scheme, problem, start, x); },
+                [&problem, scheme, start](const Full& x) { return extended_step_tangent(scheme, problem, start, x); }};
   });
-  return Run<P, X>(problem, request, sink, cancelled).solve(start, tangent);
+  return Run<P, X>(problem, request, sink, cancelled).solve(start, tangents);
 }
 
 template <class P>

@@ -56,7 +56,7 @@ struct About<problems::DampedPendulum> {
                       {"p", "p", "rad/time", "angular velocity", 0},
                       {"s", "s", "rad²/time", "action", 0, true}},
         .span = 60,
-        .suggested = {{"step", 0.1}},
+        .suggested = {{"step", 0.1}, {"sigma", 0.2}},
         .presets = {{"over_the_top", "starts fast enough to turn over several times", {}, {{"q", 0}, {"p", 5}}}},
         .references = {"Vermeeren, Bravetti, Seri, Contact variational integrators, J. Phys. A 52, 445206 (2019)"},
     };

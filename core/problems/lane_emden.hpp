@@ -54,6 +54,11 @@ struct LaneEmden {
   constexpr auto damping(const S& t) const {
     return 2.0 / t;
   }
+  template <class S>
+  constexpr auto damping_integral(const S& t) const {
+    using least::log;
+    return 2.0 * log(t);
+  }
   /// The zeros of q are reported: the first is the surface of the star.
   template <class T>
   constexpr T section(const Vec<1, T>& q) const {

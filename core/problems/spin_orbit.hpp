@@ -93,6 +93,13 @@ struct SpinOrbit {
   constexpr auto damping(const F& f) const {
     return f.alpha;
   }
+  /// ct + ln C
+  template <class S>
+  constexpr auto damping_integral(const S& t) const {
+    using least::cos;
+    using least::log;
+    return friction * t + log(1.0 + lambda * cos(frequency * t));
+  }
   /// From above, for small e.
   template <class T>
   constexpr T frequency_squared(const Vec<1, T>&) const {
@@ -134,7 +141,7 @@ struct About<problems::SpinOrbit> {
                       {"p", "p", "rad/time", "rate of the spin; 1 is once per revolution", 1},
                       {"s", "s", "1", "action", 0, true}},
         .span = 62.83185307179586,
-        .suggested = {{"step", 0.3141592653589793}},
+        .suggested = {{"step", 0.3141592653589793}, {"sigma", 0.5}},
         .presets = {{"resonant_1",
                      "figure and orbit in step, the shape hardly changes",
                      {{"eccentricity", 0.01}, {"epsilon", 0.0075}, {"frequency", 1}, {"lambda", 0.001}},

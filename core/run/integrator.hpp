@@ -84,6 +84,8 @@ class Integrator {
   /// Whether, and when first, one of so many first steps turns the momentum over where the motion only damps it.
   virtual std::optional<double> flips_momentum(std::int64_t) const { return std::nullopt; }
   virtual Work work() const = 0;
+  /// What the scheme says of the step that failed, in words; empty: nothing.
+  virtual std::string failure() const { return {}; }
 };
 
 /// The scheme of a request bound to a problem at x: steps of the grid, or by the scheme's own clock up to `end`.

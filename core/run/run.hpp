@@ -40,9 +40,8 @@ class Run {
         events_(static_cast<std::size_t>(request.limits.samples)),
         guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>) {}
 
-  using StepTangent = std::function<std::optional<Tangent<FullStateOf<P>>>(const FullStateOf<P>&)>;
-  /// `tangent`: of a step of the scheme, for the diagnostics.
-  Solution solve(const X& start, const StepTangent& tangent) {
+  /// `tangents`: of steps of the scheme, for the diagnostics.
+  Solution solve(const X& start, const StepTangents<P>& tangents) {
     integrator_ = bind_scheme(problem_, request_, start, grid_, end_);
     state_.x = start;
     method_ = integrator_->method();
@@ -52,7 +51,7 @@ class Run {
       }
       if (going()) finish();
     }
-    return conclude(tangent);
+    return conclude(tangents);
   }
 
  private:
@@ -224,15 +223,19 @@ class Run {
           ReturnCode::parameter_step_underflow,
           "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in "
           "a collision or where the motion comes to rest");
+    const std::string why = integrator_->failure();
     const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
     if (result.status == StepStatus::solver_failed)
       return stop(ReturnCode::solver_failed,
-                  fixed_ ? "Newton's method found no solution of the implicit step; a shorter step may"
-                         : "the equations of the step have no solution near here; a shorter step may",
+                  !why.empty() ? why
+                  : fixed_     ? "Newton's method found no solution of the implicit step; a shorter step may"
+                               : "the equations of the step have no solution near here; a shorter step may",
                   when);
     if (result.status == StepStatus::singular || std::isfinite(when))
       return stop(ReturnCode::singular,
-                  std::isfinite(when) ? messages::blow_up(when) : "the step is singular here; a shorter one may not be",
+                  std::isfinite(when) ? messages::blow_up(when)
+                  : !why.empty()      ? why
+                                      : "the step is singular here; a shorter one may not be",
                   when);
     if (result.status == StepStatus::underflow)
       return stop(ReturnCode::singular,
@@ -308,7 +311,7 @@ class Run {
     return state_.x.t;
   }
 
-  Solution conclude(const StepTangent& tangent) {
+  Solution conclude(const StepTangents<P>& tangents) {
     if (!writer_.flush()) receiver_is_gone();
     const Work work = integrator_->work();
     outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
@@ -319,8 +322,15 @@ class Run {
           !card_.variables[i].optional || std::ranges::find(request_.columns, i + 1) != request_.columns.end();
       outcome_.final.push_back(shown ? variable(state_.x, i) : unknown);
     }
-    const RunEnd<P, X> end{problem_,         scene_,  scheme_, state_.x,
-                           snapshots_,       events_, tangent, [this] { return keep_going(); },
+    const RunEnd<P, X> end{problem_,
+                           scene_,
+                           scheme_,
+                           state_.x,
+                           snapshots_,
+                           events_,
+                           tangents.plain,
+                           tangents.extended,
+                           [this] { return keep_going(); },
                            outcome_.warnings};
     outcome_.diagnostics = diagnostics_.reports(request_.diagnostics, end);
     return std::move(outcome_);

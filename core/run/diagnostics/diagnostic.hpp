@@ -42,6 +42,8 @@ struct RunEnd {
   const Events& events;             ///< found along the run, where a diagnostic sees sections
   /// Derivatives of a step from a state; empty where there are none.
   std::function<std::optional<Tangent<Full>>(const Full&)> tangent;
+  /// The same on the extended space, for schemes whose steps are contact maps there.
+  std::function<std::optional<ExtendedStepOf<P>>(const Full&)> extended_tangent;
   KeepGoing keep_going;
   std::vector<Warning>& warnings;  ///< what a report cannot say
 };

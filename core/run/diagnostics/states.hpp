@@ -11,16 +11,37 @@
 
 namespace least {
 
-/// Calls f(state, tangent of a step from it) at no more than 32 of the states before the end.
+/// Calls f(state, tangent of a step from it) at no more than 32 of the states before the end; both are of the extended
+/// space where it is there that the scheme's steps are contact maps.
 template <class P, class X, class F>
 void for_each_tangent(const RunEnd<P, X>& end, F&& f) {
   const auto& states = end.states;
-  for (std::size_t i = 0; i < states.size() && states[i].t < end.x.t; i += 1 + states.size() / 32)
+  for (std::size_t i = 0; i < states.size() && states[i].t < end.x.t; i += 1 + states.size() / 32) {
     if (const auto tangent = end.tangent(states[i])) f(states[i], *tangent);
+    if constexpr (LinearContact<P>)
+      if (const auto step = end.extended_tangent(states[i])) f(step->start, step->tangent);
+  }
+}
+/// H at a state, or at a point of the extended space.
+template <class P, class Z>
+double energy_at(const P& problem, const Z& z) {
+  if constexpr (Z::dof == P::dof) {
+    return energy(problem, z);
+  } else {
+    FullStateOf<P> x;
+    x.t = z.q[P::dof];
+    for (std::size_t i = 0; i < P::dof; ++i) {
+      x.q[i] = z.q[i];
+      x.p[i] = z.p[i];
+    }
+    x.action = z.action;
+    return energy(problem, x);
+  }
 }
 
 /// The largest defect of the form that the exact motion keeps over single steps that the run took: MᵀJM − J, or
-/// φ*η − λη with λ of the first of them as `factor`. Null where there is no such step.
+/// φ*η − λη with λ of the first of them as `factor`. Null where there is no such step. A scheme that keeps the form of
+/// a scene keeps that which the scene has.
 struct StructureRow {
   static constexpr DiagnosticCard info{"structure",
                                        "defect of the symplectic or the contact form over steps of the run"};
@@ -42,14 +63,16 @@ struct StructureRow {
         }
       });
       Report report = numbers("structure", {{"max_defect", most}, {"factor", factor}});
-      insert(report, 0, words("kind", end.scheme.structure));
+      const bool contact = Contact<P> && end.scheme.structure != "none";
+      insert(report, 0, words("kind", contact ? "contact" : end.scheme.structure));
       return report;
     }
   };
 };
 
-/// max_defect: of det DΦ = λⁿ⁺¹, which every contact map keeps. invariant_residual: of the volume H^−(n+1) η∧(dη)ⁿ,
-/// which the exact autonomous flow keeps, that is of λH₀ = H₁; falls with the order. Over single steps the run took.
+/// max_defect: of det DΦ = λⁿ⁺¹ (λⁿ⁺² on the extended space), which every contact map keeps. invariant_residual: of the
+/// volume H^−(n+1) η∧(dη)ⁿ, which the exact autonomous flow keeps, that is of λH₀ = H₁; falls with the order. Over
+/// single steps the run took.
 struct VolumeRow {
   static constexpr DiagnosticCard info{"volume", "defect of the contact volume over steps of the run", false, true};
   static constexpr Sees sees = Sees::states;
@@ -60,12 +83,12 @@ struct VolumeRow {
   struct Seen {
     Report report(const RunEnd<P, X>& end) const {
       double most = unknown, residual = unknown;
-      constexpr int n = P::dof;
       for_each_tangent(end, [&](const auto& x, const auto& tangent) {
+        constexpr int n = std::remove_cvref_t<decltype(x)>::dof;
         const double factor = contact_defect(x, tangent).factor;
         most = std::fmax(most, std::abs(determinant(tangent.m) - std::pow(factor, n + 1)));
-        const double before = energy(end.problem, x), after = energy(end.problem, tangent.image);
-        residual = std::fmax(residual, std::abs(std::pow(factor * before / after, n + 1) - 1));
+        const double before = energy_at(end.problem, x), after = energy_at(end.problem, tangent.image);
+        residual = std::fmax(residual, std::abs(std::pow(factor * before / after, P::dof + 1) - 1));
       });
       return numbers("volume", {{"max_defect", most}, {"invariant_residual", residual}});
     }

@@ -38,7 +38,8 @@ class Run {
         budget_(request.limits.seconds, cancelled),
         diagnostics_(request.diagnostics),
         events_(static_cast<std::size_t>(request.limits.samples)),
-        guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>) {}
+        guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>,
+               ConstantFrequency<P>) {}
 
   const Grid& grid() const { return grid_; }
   /// The last time of which the run knows before it starts; infinite where there is none.
@@ -259,12 +260,10 @@ class Run {
   }
 
   bool stop_as_unstable() {
-    const double ratio = guard_.largest(), most = guard_.bound();
-    double longest = nominal_step() * most / ratio;
-    if constexpr (ConstantDamping<P>)
-      longest = longest_stable_step(request_.scheme, request_.settings, ratio / nominal_step(), problem_.damping(),
-                                    nominal_step());
-    return stop(ReturnCode::unstable_step, messages::unstable(ratio, most, longest));
+    const double ratio = guard_.largest();
+    const auto known =
+        stable_steps(request_.scheme, request_.settings, ratio / nominal_step(), damping_of(problem_), nominal_step());
+    return stop(ReturnCode::unstable_step, messages::unstable(ratio, guard_.bound(), known.limit));
   }
   /// What the setting `step` says.
   double nominal_step() const {
@@ -342,7 +341,12 @@ class Run {
       const double ratio = problem_.stiffness_rate() * grid_.step;
       if (ratio > 0.5) warn("stiff_step", messages::stiff(ratio));
     }
-    if (const auto t = integrator_->flips_momentum(state_.n)) warn("damping_sign", messages::damping_sign(*t));
+    if (const auto found = integrator_->strong_damping(state_.n)) {
+      if (found->flips)
+        warn("damping_sign", messages::damping_sign(found->damping_step, found->t));
+      else
+        warn("stiff_step", messages::stiff_damping(found->damping_step, found->t));
+    }
     if (const auto steps = integrator_->fallback_steps(); steps > 0)
       warn("steps_in_time", messages::fallback_steps(steps));
     if (const std::string why = integrator_->accuracy_warning(); !why.empty()) warn("off_energy_level", why);

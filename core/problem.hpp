@@ -99,14 +99,14 @@ template <class P>
 concept VectorField = Potential<P> || Flow<P>;
 
 namespace detail {
-/// The problem with parameters that are doubles.
-template <class P>
-struct InDoubles {
+/// The problem with parameters that are numbers R.
+template <class P, class R>
+struct WithParameters {
   using type = P;
 };
-template <template <class> class P, class R>
-struct InDoubles<P<R>> {
-  using type = P<double>;
+template <template <class> class P, class Own, class R>
+struct WithParameters<P<Own>, R> {
+  using type = P<R>;
 };
 /// Whether V, evaluated at a time and a state that the time has not touched, is touched by it.
 template <Potential P>
@@ -122,8 +122,8 @@ constexpr bool potential_reads_time() {
 /// The same of the mechanics of P.
 template <class P>
 constexpr bool reads_time() {
-  const typename InDoubles<P>::type m{};
-  const auto f = phase(m, Dependence::on_time());
+  const typename WithParameters<P, double>::type m{};
+  const auto f = phase(m, Dependence::touching());
   Dependence seen;
   if constexpr (Potential<P>) {
     seen.touched = potential_reads_time<P>();
@@ -200,6 +200,17 @@ template <class P>
 concept HasFrequency = requires(const P& m, const StateOf<P>& x) {
   m.frequency_squared(position(x));
 };
+namespace detail {
+template <class P>
+constexpr bool frequency_reads_place() {
+  std::remove_cvref_t<decltype(position(StateOf<P, Dependence>{}))> q;
+  q.fill(Dependence::touching());
+  return Dependence(typename WithParameters<P, Dependence>::type{}.frequency_squared(q)).touched;
+}
+}  // namespace detail
+/// It is the same everywhere: that of a linear oscillation, or a bound that does not look where it is.
+template <class P>
+concept ConstantFrequency = HasFrequency<P> && !detail::frequency_reads_place<P>();
 template <class P>
 concept HasInvariants = requires(const P& m, const Vec<P::dof>& q) {
   m.invariants(q, q, 0.0);

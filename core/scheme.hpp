@@ -95,7 +95,8 @@ struct ActiveMethod {
 };
 
 // A scheme may also say, as const members: unsupported_reason(problem) → what it has against a scene, in words;
-// flips_momentum(problem, t); starts_at_singularity(problem). See Integrator.
+// flips_from() and stiff_from(problem) → the αh from which a step turns the momentum over, or no longer resolves the
+// damping; starts_at_singularity(problem). See Integrator.
 
 /// The parameters that most schemes share.
 template <class C>

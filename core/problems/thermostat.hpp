@@ -63,8 +63,12 @@ struct Thermostat {
     const T log_f = -u - 2.0 * log(0.5 * (1.0 + exp(-u)));
     return (1.0 - kappa) * (log_f - 0.5 * beta * (y[0] * y[0] + y[1] * y[1]));
   }
-  /// How fast the bath can damp.
-  constexpr R stiffness_rate() const { return kappa / scale; }
+  /// How fast the bath can damp, or the oscillator turn.
+  constexpr R stiffness_rate() const {
+    using least::select;
+    const R damping = 1.0 / scale;
+    return kappa * select(beta > damping, beta, damping);
+  }
 };
 
 }  // namespace least::problems

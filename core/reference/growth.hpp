@@ -129,6 +129,7 @@ class GrowthOfDifferences {
     found_.ends = ends;
     found_.so_far.fill(1);
     if constexpr (ConstantDamping<P>) found_.damping = problem_.damping();
+    if constexpr (Conservative<P>) found_.damping = 0;
   }
 
   /// False: the motion ends before `reached`, which is set back.
@@ -157,6 +158,12 @@ class GrowthOfDifferences {
     found_.pace.push_back(x.t);
     for (std::size_t i = 0; i < X::size; ++i) found_.size = std::max(found_.size, std::abs(x[i]));
     if (done <= 0.5) found_.size_halfway = found_.size;
+    if constexpr (KeepsEnergy<P>) {
+      const double level = energy(problem_, x);
+      found_.energy = std::max(found_.energy, std::abs(level));
+      if constexpr (Potential<P>)
+        found_.energy = std::max(found_.energy, level - problem_.potential(x.q, phase(problem_, x.t)));
+    }
     if constexpr (HasFrequency<P>) {
       const double here = std::sqrt(problem_.frequency_squared(position(x)));
       found_.slowest = std::fmin(found_.slowest, here);

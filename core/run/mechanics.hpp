@@ -62,7 +62,9 @@ struct Conditioning {
   std::vector<double> pace;            ///< times that follow the motion: dense where it is fast
   /// The least and the largest local frequency that the problem estimates along the motion; NaN: it does not.
   double slowest = std::numeric_limits<double>::quiet_NaN(), fastest = std::numeric_limits<double>::quiet_NaN();
-  double damping = std::numeric_limits<double>::quiet_NaN();  ///< α where it does not change in time
+  double damping = std::numeric_limits<double>::quiet_NaN();  ///< α where it does not change in time; 0: none
+  /// What changes of a kept energy are measured by: the largest |energy| or kinetic energy; 0 where none is kept.
+  double energy = 0;
 
   /// Whether differences grow exponentially all along the span: by far in each of its last quarters. What grows as a
   /// power of time, or in a single close passage, does not.

@@ -16,7 +16,15 @@ std::string left_domain(double t);
 std::string blow_up(double t);
 /// `ratio` is the rate of damping times the step.
 std::string stiff(double ratio);
-std::string damping_sign(double t);
+/// `damping_step` is αh at the time t.
+std::string damping_sign(double damping_step, double t);
+std::string stiff_damping(double damping_step, double t);
+/// `rate` is γ|s|h.
+std::string stiff_action(double rate);
+/// By what a step multiplies an oscillation, and all of them.
+std::string grows(double by_step, double together);
+std::string grows_by_energy(double before, double now);
+std::string departs(double error, double t, double reached);
 std::string fallback_steps(std::int64_t steps);
 std::string strain(double strain);
 std::string energy_jump(double before, double now);

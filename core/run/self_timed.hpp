@@ -121,13 +121,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
   std::string accuracy_warning() const override {
     constexpr double most = 0.5;
-    if constexpr (requires { stepper_.strain(); }) {
+    if constexpr (requires { stepper_.strain(); })
       if (stepper_.strain() > most) return messages::strain(stepper_.strain());
-    } else if constexpr (reads_time && Conservative<P> && Autonomous<P>) {
-      const double now = energy(problem_, left_), potential = least::potential(problem_, position(left_));
-      const double off = std::abs(now - energy_) / (std::abs(potential) + std::abs(now - potential));
-      if (off > most) return messages::energy_jump(energy_, now);
-    }
     return {};
   }
   std::string failure() const override {

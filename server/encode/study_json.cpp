@@ -153,7 +153,9 @@ std::string encode_stability(const StabilityFindings& findings, ReturnCode end) 
       write(json.open('{').key("scheme"), cards, limit.scheme);
       json.key("step").number(limit.step).key("failure");
       limit.failure.empty() ? json.null() : json.text(limit.failure);
-      json.key("theory").number(limit.theory).close('}');
+      json.key("theory").number(limit.theory).key("islands").open('[');
+      for (const Interval& island : limit.islands) json.open('[').number(island.low).number(island.high).close(']');
+      json.close(']').close('}');
     }
     json.close(']');
     std::vector<std::string> left_out;

@@ -111,8 +111,8 @@ struct WithParameters<P<Own>, R> {
 /// Whether V, evaluated at a time and a state that the time has not touched, is touched by it.
 template <Potential P>
 constexpr bool potential_reads_time() {
-  const typename InDoubles<P>::type m{};
-  const auto f = phase(m, Dependence::on_time());
+  const typename WithParameters<P, double>::type m{};
+  const auto f = phase(m, Dependence::touching());
   const Vec<P::dof, Dependence> q{};
   Dependence seen = m.potential(q, f);
   if constexpr (requires { m.gradient(q, f); })

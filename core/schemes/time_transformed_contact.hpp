@@ -161,6 +161,8 @@ class TransformedContact {
   bool flow(X& x, const T& tau, T& elapsed) {
     using least::abs;
     using least::all;
+    if (!all(now_.a > T(0))) [[unlikely]]
+      return fail(TransformedFault::kinetic, now_.a);
     const S k(slope_.k());
     const auto alpha = problem_.damping();
     const T r = tau * now_.pace, z = (alpha * ((1 - k) / k)) * r;
@@ -203,6 +205,8 @@ class TransformedContact {
     using least::all;
     using least::phi1;
     constexpr int most_iterations = 30;
+    if (!all(now_.a > T(0))) [[unlikely]]
+      return fail(TransformedFault::kinetic, now_.a);
     const S k(slope_.k()), legendre = 1 - 1 / k;  // F*(F′(A)) = legendre A F′(A)
     const auto v = velocity(problem_, x.q, x.p);
     const T kinetic = 0.5 * dot(x.p, v), bound = now_.a - kinetic - level_, t0 = x.t + elapsed, r = tau * now_.pace;
@@ -286,8 +290,6 @@ class TransformedContact {
     strain_ = select(off > strain_, off, strain_);
     if (!all(b > T(0))) [[unlikely]]
       return fail(TransformedFault::potential, b);
-    if (!all(now_.a > T(0))) [[unlikely]]
-      return fail(TransformedFault::kinetic, now_.a);
     if (!all((a > T(0)) & near_level<T>(square))) [[unlikely]]
       return fail(TransformedFault::level, square);
     now_ = at(a);

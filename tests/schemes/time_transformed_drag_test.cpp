@@ -52,11 +52,12 @@ TEST(TimeTransformedDrag, AnEvaluationBuysWhatIsPublished) {
   const auto check = [](const auto& problem, const State<2>& start, double span, std::initializer_list<Row> rows) {
     for (const Row& row : rows) {
       const auto found = bought(problem, start, span, {row.sigma, follows_energy, row.composition},
-                                row.composition == C::none ? 11 : 2);
+                                row.composition == C::none ? 11 : 1);
       const std::string what = std::string(compositions::names[std::size_t(row.composition)]) + ' ' +
                                std::to_string(found.forces) + " -> " + std::to_string(found.error * 1e9) + "e-9";
       EXPECT_NEAR(double(found.forces), double(row.forces), 0.01 * double(row.forces)) << what;
-      EXPECT_NEAR(found.error, row.error, 0.2 * row.error) << what;
+      EXPECT_LT(found.error, 1.2 * row.error) << what;
+      EXPECT_GT(found.error, 0.6 * row.error) << what;
     }
   };
   check(DampedKepler<>{1, 0.002}, eccentric, 60,
@@ -179,7 +180,7 @@ TEST(TimeTransformedDrag, StopsAtThePoleOfStrongDriving) {
   Request request = asked("damped_oscillator", 10);
   runs::set(request, "damping", -3);
   const std::string why = detail_of(request, ReturnCode::singular);
-  EXPECT_TRUE(has(why, "driving")) << why;
+  EXPECT_TRUE(has(why, "pole")) << why;
   runs::set(request, "damping", 3);
   runs::set(request, "sigma", 0.1);
   detail_of(request, ReturnCode::completed);
@@ -191,12 +192,13 @@ TEST(TimeTransformedDrag, StopsWhereTimeStandsStill) {
   EXPECT_TRUE(has(why, "time does not advance")) << why;
 }
 TEST(TimeTransformedDrag, LaneEmdenBeginsAtTheEndOfItsSeries) {
-  Request request = asked("lane_emden", 0.02);
+  Request request = asked("lane_emden", 0.005);
   runs::set(request, "composition", "kahan_li_6");
   runs::ask(request, "zeros");
   const auto result = runs::go(request);
   EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain);
-  EXPECT_NEAR(result.outcome.t, 6.896848619376960, 1e-9);  // the surface of n = 3
+  EXPECT_NEAR(*result.outcome.stop.singular_at, 6.896848619376960, 1e-8);  // the surface of n = 3
+  EXPECT_NEAR(runs::list(result.outcome.diagnostics, "zeros").at(0), 6.896848619376960, 1e-8);
   EXPECT_EQ(result.rows[1][0], 0.1);
   runs::begin(request, "q", 0.7);
   const std::string why = detail_of(request, ReturnCode::singular);

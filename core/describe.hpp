@@ -112,6 +112,7 @@ struct SchemeCard {
   std::vector<std::pair<std::string, int>> orders{};  ///< by composition; one entry without a name: no composition
   bool implicit = false, symmetric = false;
   std::string structure{};                  ///< symplectic | contact | none
+  double flips_from = 2;                    ///< the αh from which damping turns the momentum over, where it does
   std::vector<ParameterCard> parameters{};  ///< filled in from the description
   std::string recommended{};                ///< the recommended composition, or empty
   std::vector<SchemePresetCard> presets{};

@@ -32,8 +32,9 @@ std::string stiff(double ratio) {
       "the fastest rate of damping times the step is {:.3g}: above 0.5 expect large errors, above 1 nonsense", ratio);
 }
 
-std::string damping_sign(double t) {
-  return fmt::format("αh ≥ 2 at t = {:.6g}: each step turns the momentum over where the motion only damps it", t);
+std::string damping_sign(double t, double from) {
+  return fmt::format("αh ≥ {} at t = {:.6g}: each step turns the momentum over where the motion only damps it", from,
+                     t);
 }
 
 std::string fallback_steps(std::int64_t steps) {

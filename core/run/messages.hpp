@@ -16,7 +16,8 @@ std::string left_domain(double t);
 std::string blow_up(double t);
 /// `ratio` is the rate of damping times the step.
 std::string stiff(double ratio);
-std::string damping_sign(double t);
+/// `from`: the αh from which the scheme does so.
+std::string damping_sign(double t, double from);
 std::string fallback_steps(std::int64_t steps);
 std::string strain(double strain);
 std::string energy_jump(double before, double now);

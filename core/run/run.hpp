@@ -334,7 +334,8 @@ class Run {
       const double ratio = problem_.stiffness_rate() * grid_.step;
       if (ratio > 0.5) warn("stiff_step", messages::stiff(ratio));
     }
-    if (const auto t = integrator_->flips_momentum(state_.n)) warn("damping_sign", messages::damping_sign(*t));
+    if (const auto t = integrator_->flips_momentum(state_.n))
+      warn("damping_sign", messages::damping_sign(*t, scheme_.flips_from));
     if (const auto steps = integrator_->fallback_steps(); steps > 0)
       warn("steps_in_time", messages::fallback_steps(steps));
     if (const std::string why = integrator_->accuracy_warning(); !why.empty()) warn("off_energy_level", why);

@@ -210,7 +210,7 @@ struct ContactLeapfrog {
   }
   template <class P>
   bool flips_momentum(const P& problem, double t) const {
-    return turns_momentum_over(problem, t, step);
+    return turns_momentum_over(problem, t, step, 2);
   }
 };
 

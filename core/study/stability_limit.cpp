@@ -86,7 +86,7 @@ class LongRun {
 double theory(const Conditioning& motion, const SchemeCard& card, const SchemeConfig& scheme, std::string_view failure,
               double most) {
   double bound = unknown;
-  if (failure == "sign_flip") return 2 / motion.damping;
+  if (failure == "sign_flip") return card.flips_from / motion.damping;
   if (failure == "pole" && motion.damping > 0) {
     if (const auto i = card.find("composition"))
       bound = 2 / (motion.damping * largest_negative_weight(static_cast<Composition>(scheme.settings[*i])));

@@ -18,7 +18,8 @@ std::string blow_up(double t);
 std::string stiff(double ratio);
 /// `from`: the αh from which the scheme does so.
 std::string damping_sign(double t, double from);
-std::string fallback_steps(std::int64_t steps);
+/// Of a hybrid, or of a scheme that solves for the length of its steps.
+std::string fallback_steps(std::int64_t steps, bool hybrid);
 std::string strain(double strain);
 std::string energy_jump(double before, double now);
 std::string step_limit(std::int64_t steps);

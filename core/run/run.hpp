@@ -337,7 +337,7 @@ class Run {
     if (const auto t = integrator_->flips_momentum(state_.n))
       warn("damping_sign", messages::damping_sign(*t, scheme_.flips_from));
     if (const auto steps = integrator_->fallback_steps(); steps > 0)
-      warn("steps_in_time", messages::fallback_steps(steps));
+      warn("steps_in_time", messages::fallback_steps(steps, method_.has_value()));
     if (const std::string why = integrator_->accuracy_warning(); !why.empty()) warn("off_energy_level", why);
     if (events_.full()) warn("events_truncated", "more events than limits.samples; the first are listed");
   }

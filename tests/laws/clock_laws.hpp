@@ -23,6 +23,7 @@ void for_each_clock(F&& f) {
       soft.composition = composition;
       f(soft, order(soft));
     }
+    f(EnergyMomentum{}, 2);
     if constexpr (Separable<P<double>>)
       for (const Monitor monitor : {Monitor::arclength, Monitor::frequency}) f(AdaptiveVerlet{0.01, monitor}, 2);
     JacobiMaupertuis hybrid;
@@ -68,12 +69,12 @@ Scheme resized(Scheme scheme, const P& problem, const X& x, double h) {
 template <class Scheme, class P, class X>
 StepStatus arrive(const Scheme& scheme, const P& problem, X& x, const typename X::Time& t) {
   auto stepper = clocks::bound(scheme, problem, x);
-  const auto energy_level = energy(problem, x);
+  const auto level = energy_level(scheme, problem, x);
   for (X before = x;; before = x) {
     if (const StepStatus status = stepper.step(x); status != StepStatus::ok) return status;
     if (x.t < t) continue;
     if constexpr (requires { stepper.reach(before, t); }) {
-      auto again = scheme.bind(problem, before, energy_level);
+      auto again = scheme.bind(problem, before, level);
       const StepStatus status = again.reach(before, t);
       x = before;
       return status;

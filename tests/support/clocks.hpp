@@ -23,7 +23,7 @@ using Moving = State<P::dof, T, T>;
 /// A stepper with the level of the state x.
 template <class Scheme, class P, class X>
 auto bound(const Scheme& scheme, const P& problem, const X& x) {
-  return scheme.bind(problem, x, energy(problem, x));
+  return scheme.bind(problem, x, energy_level(scheme, problem, x));
 }
 
 /// How far n steps come; `look(x)` after each.

@@ -65,9 +65,10 @@ std::string departs(double error, double t, double reached) {
       t, error, reached);
 }
 
-std::string fallback_steps(std::int64_t steps) {
-  return fmt::format("{} {} could not be taken along any coordinate and went in time instead", steps,
-                     steps == 1 ? "step" : "steps");
+std::string fallback_steps(std::int64_t steps, bool hybrid) {
+  return fmt::format("{} {} could not be taken {}", steps, steps == 1 ? "step" : "steps",
+                     hybrid ? "along any coordinate and went in time instead"
+                            : "at a length that keeps the discrete energy and went at the nominal one instead");
 }
 
 std::string strain(double strain) {

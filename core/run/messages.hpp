@@ -25,7 +25,8 @@ std::string stiff_action(double rate);
 std::string grows(double by_step, double together);
 std::string grows_by_energy(double before, double now);
 std::string departs(double error, double t, double reached);
-std::string fallback_steps(std::int64_t steps);
+/// Of a hybrid, or of a scheme that solves for the length of its steps.
+std::string fallback_steps(std::int64_t steps, bool hybrid);
 std::string strain(double strain);
 std::string energy_jump(double before, double now);
 std::string step_limit(std::int64_t steps);

@@ -20,7 +20,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   /// `end`: diagnostics see no state beyond it.
   SelfTimedIntegrator(const P& problem, const Scheme& scheme, const X& x, double end)
       : Base(problem, scheme),
-        energy_(energy_level(problem, x)),
+        energy_(energy_level(scheme, problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         left_(x),
         end_(end) {}

@@ -81,7 +81,7 @@ std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, c
     return tangent_of(x, [&](auto& y) {
       using D = typename std::remove_cvref_t<decltype(y)>::Number;
       auto z = convert<D, D>(y);
-      auto stepper = scheme.bind(problem, z, D(energy_level(problem, start)));
+      auto stepper = scheme.bind(problem, z, D(energy_level(scheme, problem, start)));
       const StepStatus status = stepper.step(z);
       y.t = z.t.value;
       for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
@@ -109,7 +109,7 @@ std::optional<ExtendedStepOf<P>> extended_step_tangent([[maybe_unused]] const Sc
     z.action = x.action;
     const auto tangent = tangent_of(z, [&](auto& y) {
       using D = typename std::remove_cvref_t<decltype(y)>::Number;
-      return scheme.step_extended(problem, y, D(energy_level(problem, start)));
+      return scheme.step_extended(problem, y, D(energy_level(scheme, problem, start)));
     });
     if (tangent) return ExtendedStepOf<P>{z, *tangent};
   }

@@ -74,7 +74,7 @@ void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
   if constexpr (HasFrequency<P>) warn_of_step<P>(run.guard, warnings);
   warn_of_damping(run, warnings);
   if (const auto steps = run.integrator.fallback_steps(); steps > 0)
-    warnings.push_back({"steps_in_time", messages::fallback_steps(steps)});
+    warnings.push_back({"steps_in_time", messages::fallback_steps(steps, run.integrator.method().has_value())});
   warn_of_energy(run, warnings);
 }
 

@@ -29,6 +29,7 @@ void for_each_clock(F&& f) {
     }
   }
   if constexpr (Conservative<P<double>>) {
+    f(EnergyMomentum{}, 2);
     if constexpr (Separable<P<double>>)
       for (const Monitor monitor : {Monitor::arclength, Monitor::frequency}) f(AdaptiveVerlet{0.01, monitor}, 2);
     JacobiMaupertuis hybrid;
@@ -76,13 +77,13 @@ Scheme resized(Scheme scheme, const P& problem, const X& x, double h) {
 template <class Scheme, class P, class X>
 StepStatus arrive(const Scheme& scheme, const P& problem, X& x, const typename X::Time& t) {
   auto stepper = clocks::bound(scheme, problem, x);
-  const auto energy_level = clocks::level_of(problem, x);
+  const auto level = energy_level(scheme, problem, x);
   for (X before = x;; before = x) {
     const auto last = stepper;
     if (const StepStatus status = stepper.step(x); status != StepStatus::ok) return status;
     if (x.t < t) continue;
     if constexpr (requires { stepper.reach(before, t); }) {
-      auto again = scheme.bind(problem, before, energy_level);
+      auto again = scheme.bind(problem, before, level);
       if constexpr (requires { last.memory(); }) again.resume(before, last.memory());
       const StepStatus status = again.reach(before, t);
       x = before;
@@ -150,12 +151,11 @@ void symmetric_clocks_return() {
   if constexpr (Transforms<P<double>>) {
     const P<double> problem;
     const auto start = fast_state<P>();
-    const double level = clocks::level_of(problem, start);
     for_each_clock<P>([&](const auto& chosen, int) {
       const auto scheme = resized(chosen, problem, start, 0.1 * rhythm(problem, start));
       if (!scheme.card().symmetric) return;
       auto x = start;
-      auto stepper = scheme.bind(problem, x, level);
+      auto stepper = clocks::bound(scheme, problem, x);
       if constexpr (LinearContact<P<double>>) return goes_and_returns(stepper.kernel(), x, scheme.sigma, label(scheme));
       ASSERT_EQ(clocks::steps(stepper, x, 4), 4) << label(scheme);
       x = clocks::reversed(x);

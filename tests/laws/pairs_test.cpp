@@ -19,11 +19,11 @@ Ids together(Ids a, const Ids& b) {
 
 const Ids anything{"explicit_euler",   "explicit_midpoint", "runge_kutta_4",
                    "dormand_prince_5", "fehlberg_78",       "bulirsch_stoer"};
-const Ids lagrangian =
-    together(anything, {"variational_midpoint", "galerkin_4", "jacobi_maupertuis", "time_transformed"});
+const Ids lagrangian = together(
+    anything, {"variational_midpoint", "galerkin_4", "jacobi_maupertuis", "energy_momentum", "time_transformed"});
 const Ids separable = together(lagrangian, {"symplectic_euler", "leapfrog", "ruth_3", "adaptive_verlet"});
-const Ids contact = together(anything, {"contact_leapfrog", "contact_variational_midpoint", "contact_galerkin_4",
-                                        "contact_splitting", "contact_gauss"});
+const Ids contact = together(anything, {"contact_symplectic_euler", "contact_leapfrog", "contact_variational_midpoint",
+                                        "contact_galerkin_4", "contact_splitting", "contact_gauss"});
 const Ids damped = together(contact, {"time_transformed"});
 const Ids split = together(anything, {"contact_splitting"});
 

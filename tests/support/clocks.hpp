@@ -28,7 +28,7 @@ auto level_of(const P& problem, const X& x) {
 /// A stepper with the level of the state x.
 template <class Scheme, class P, class X>
 auto bound(const Scheme& scheme, const P& problem, const X& x) {
-  return scheme.bind(problem, x, level_of(problem, x));
+  return scheme.bind(problem, x, energy_level(scheme, problem, x));
 }
 
 /// How far n steps come; `look(x)` after each.

@@ -157,6 +157,27 @@ TEST(Structure, IsThatOfTheStepsThatWereTaken) {
   EXPECT_GE(runs::number(some.outcome.diagnostics, "structure/max_defect"), 0);
 }
 
+// H^−(n+1) η∧(dη)ⁿ is kept where H is a constant of the form and not zero; elsewhere there is nothing to measure.
+TEST(Volume, HasNoResidualWhereThereIsNoInvariant) {
+  for (const char* driven : {"driven_oscillator", "modulated_oscillator", "lane_emden", "perturbed_kepler"}) {
+    Request request = asking(driven, "contact_splitting", "volume");
+    request.end = 5;
+    EXPECT_TRUE(std::isnan(ask(request, "volume/invariant_residual"))) << driven;
+    EXPECT_NE(word(request, "volume/reason").find("time"), std::string::npos) << driven;
+  }
+  Request request = asking("cosmological_oscillator", "contact_splitting", "volume");
+  runs::scene(request).initial = {0.6, 0.8, 1};  // p²/2 + q²/2 + s²/2 = R
+  EXPECT_TRUE(std::isnan(ask(request, "volume/invariant_residual")));
+  EXPECT_NE(word(request, "volume/reason").find("zero"), std::string::npos);
+  EXPECT_LT(ask(request, "volume/max_defect"), 1e-12) << "of the map, which is there all the same";
+  runs::scene(request).initial = {0.5, 0.3, 0.1};
+  request.end = 2;
+  EXPECT_GT(ask(request, "volume/invariant_residual"), 1e-9);
+  EXPECT_LT(ask(request, "volume/invariant_residual"), 1e-2);
+  EXPECT_EQ(word(request, "volume/reason"), "");
+  EXPECT_NE(word(asking("damped_oscillator", "bulirsch_stoer", "volume"), "volume/reason"), "") << "no derivatives";
+}
+
 TEST(Error, OfTheOscillatorUnderLeapfrogIsItsPhaseError) {
   // cos(ω′t) against cos t with ω′ = (2/h) asin(h/2) = 1 + h²/24 + …; the momentum carries the factor √(1 − h²/4).
   Request request = asking("harmonic_oscillator", "leapfrog", "error");

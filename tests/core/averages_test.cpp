@@ -74,4 +74,37 @@ TEST(Moments, SeeTheStepToTheEnd) {
   EXPECT_NEAR(ask(request, "moments/p4") / averages(1, 0.05)[0][2], 1, 1e-4) << "and where it is the only one";
 }
 
+bool converged(const Request& request) {
+  const auto reports = runs::go(request).outcome.diagnostics;
+  for (const auto& part : std::get<std::vector<Report>>(reports.at(0).value))
+    if (part.key == "converged") return std::get<bool>(part.value);
+  throw std::out_of_range("converged");
+}
+Request cycles(double epsilon, double x, double end) {
+  Request request = asking("van_der_pol", "contact_splitting", "cycle");
+  runs::set(request, "epsilon", epsilon);
+  runs::begin(request, "x", x);
+  runs::set(request, "step", 0.02);
+  request.end = end;
+  return request;
+}
+
+TEST(Cycle, SaysWhetherItHasConverged) {
+  EXPECT_TRUE(converged(cycles(1, 2, 60)));
+  EXPECT_TRUE(converged(cycles(5, 0.1, 200)));
+  EXPECT_FALSE(converged(cycles(0.01, 0.1, 30))) << "of amplitude 0.115, on its way to 2";
+  EXPECT_FALSE(converged(cycles(0.01, 0.1, 700))) << "still on its way";
+  EXPECT_TRUE(converged(cycles(0.01, 0.1, 4000)));
+  EXPECT_NEAR(ask(cycles(0.01, 0.1, 4000), "cycle/amplitude"), 2, 1e-3);
+  EXPECT_FALSE(converged(cycles(1e-5, 0.1, 60))) << "hardly changes from cycle to cycle, and has far to go";
+  EXPECT_TRUE(converged(cycles(0, 0.1, 60))) << "every orbit is a cycle";
+  Request chaos = cycles(5, 2, 500);
+  runs::set(chaos, "amplitude", 5);
+  runs::set(chaos, "frequency", 2.463);
+  runs::begin(chaos, "v", 2);
+  EXPECT_GT(ask(chaos, "cycle/cycles"), 10);
+  EXPECT_FALSE(converged(chaos)) << "driven into chaos it has none";
+  EXPECT_THROW(converged(cycles(1, 2, 15)), std::bad_variant_access) << "two cycles cannot tell";
+}
+
 }  // namespace

@@ -9,6 +9,7 @@
 #include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
+#include "core/reference/regular_state.hpp"
 #include "core/run/run.hpp"
 #include "core/schemes/list.hpp"
 
@@ -104,15 +105,10 @@ class CompiledMechanics final : public Mechanics {
       if (asks_for_full_state(card_, request)) return solve<Full>(problem, request, sink, cancelled);
     return solve<State>(problem, request, sink, cancelled);
   }
-  std::optional<std::vector<double>> regular_start([[maybe_unused]] std::span<const double> parameters,
-                                                   [[maybe_unused]] double t) const override {
+  std::optional<RegularStart> regular_start([[maybe_unused]] std::span<const double> parameters,
+                                            [[maybe_unused]] double t) const override {
     if constexpr (HasSeries<Problem>)
-      if (t > 0 && t <= Problem::series_until) {
-        const auto x = series_state<FullStateOf<Problem>>(from_values<Problem>(About<P>::fields, parameters), t);
-        std::vector<double> variables;
-        for (std::size_t i = 0; i < x.size; ++i) variables.push_back(x[i]);
-        return variables;
-      }
+      if (t != 0) return regular_state(from_values<Problem>(About<P>::fields, parameters), t);
     return std::nullopt;
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {

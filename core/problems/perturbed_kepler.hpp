@@ -30,6 +30,7 @@ struct PerturbedKepler {
     using least::sin;
     return alpha * sin(frequency * t);
   }
+  constexpr R gravitational_parameter() const { return -gamma; }
   /// (2α/Ω) sin² Ωt/2; nothing where Ω = 0.
   template <class S>
   constexpr auto damping_integral(const S& t) const {

@@ -22,11 +22,11 @@ void for_each_tangent(const RunEnd<P, X>& end, F&& f) {
       if (const auto step = end.extended_tangent(states[i])) f(step->start, step->tangent);
   }
 }
-/// H at a state, or at a point of the extended space.
+/// The state at a state, or at a point of the extended space.
 template <class P, class Z>
-double energy_at(const P& problem, const Z& z) {
+FullStateOf<P> state_at(const P&, const Z& z) {
   if constexpr (Z::dof == P::dof) {
-    return energy(problem, z);
+    return z;
   } else {
     FullStateOf<P> x;
     x.t = z.q[P::dof];
@@ -35,7 +35,7 @@ double energy_at(const P& problem, const Z& z) {
       x.p[i] = z.p[i];
     }
     x.action = z.action;
-    return energy(problem, x);
+    return x;
   }
 }
 
@@ -71,8 +71,9 @@ struct StructureRow {
 };
 
 /// max_defect: of det DΦ = λⁿ⁺¹ (λⁿ⁺² on the extended space), which every contact map keeps. invariant_residual: of the
-/// volume H^−(n+1) η∧(dη)ⁿ, which the exact autonomous flow keeps, that is of λH₀ = H₁; falls with the order. Over
-/// single steps the run took.
+/// volume H^−(n+1) η∧(dη)ⁿ, which the exact autonomous flow keeps where H is not zero, that is of λH₀ = H₁; falls with
+/// the order. Over single steps the run took. Where there is no such volume the residual is null, and `reason` says
+/// why.
 struct VolumeRow {
   static constexpr DiagnosticCard info{"volume", "defect of the contact volume over steps of the run", false, true};
   static constexpr Sees sees = Sees::states;
@@ -83,14 +84,39 @@ struct VolumeRow {
   struct Seen {
     Report report(const RunEnd<P, X>& end) const {
       double most = unknown, residual = unknown;
+      const std::string_view why = objection(end);
       for_each_tangent(end, [&](const auto& x, const auto& tangent) {
         constexpr int n = std::remove_cvref_t<decltype(x)>::dof;
         const double factor = contact_defect(x, tangent).factor;
         most = std::fmax(most, std::abs(determinant(tangent.m) - std::pow(factor, n + 1)));
-        const double before = energy_at(end.problem, x), after = energy_at(end.problem, tangent.image);
-        residual = std::fmax(residual, std::abs(std::pow(factor * before / after, P::dof + 1) - 1));
+        const auto from = state_at(end.problem, x), to = state_at(end.problem, tangent.image);
+        if (!why.empty() || vanishes(end.problem, from)) return;
+        residual = std::fmax(
+            residual, std::abs(std::pow(factor * energy(end.problem, from) / energy(end.problem, to), P::dof + 1) - 1));
       });
-      return numbers("volume", {{"max_defect", most}, {"invariant_residual", residual}});
+      Report report = numbers("volume", {{"max_defect", most}, {"invariant_residual", residual}});
+      const bool none = std::isnan(residual);
+      insert(report, 2, words("reason", !none ? "" : !why.empty() ? why : "no step with derivatives was taken"));
+      return report;
+    }
+
+   private:
+    static std::string_view objection(const RunEnd<P, X>& end) {
+      if constexpr (!Autonomous<P>) {
+        return "H depends on time: the flow keeps no volume of this form";
+      } else {
+        const bool zero = !end.states.empty() && vanishes(end.problem, end.states.front());
+        return zero ? "H is zero, and stays so: the volume is not defined there" : "";
+      }
+    }
+    /// H is zero among its terms.
+    template <class Y>
+    static bool vanishes(const P& problem, const Y& x) {
+      const auto f = phase(problem, x.t);
+      double terms = 0.5 * dot(x.p, velocity(problem, x.q, x.p)) + std::abs(problem.potential(x.q, f));
+      if constexpr (QuadraticContact<P>) terms += std::abs(problem.offset());
+      terms += std::abs(action_slope(problem, x.action.s, f) * x.action.s);
+      return !(std::abs(energy(problem, x)) > 1e-9 * terms);
     }
   };
 };

@@ -41,7 +41,7 @@ class Run {
         events_(static_cast<std::size_t>(request.limits.samples)),
         guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>,
                ConstantFrequency<P>),
-        evidence_(fixed_ ? std::optional(grid_.steps) : std::nullopt, false) {}
+        evidence_(fixed_ ? std::optional(grid_.steps) : std::nullopt, request.control) {}
 
   const Grid& grid() const { return grid_; }
   /// The last time of which the run knows before it starts; infinite where there is none.

@@ -104,6 +104,7 @@ int main(int argc, char** argv) {
   bench::choice();
   bench::hybrid();
   bench::digits();
+  bench::warnings();
   Reporter reporter;
   reporter.SetOutputStream(&std::cerr);
   benchmark::RunSpecifiedBenchmarks(&reporter);

@@ -36,6 +36,7 @@ struct Request {
   std::vector<std::size_t> columns;      ///< indices into the problem card's columns
   std::vector<std::size_t> diagnostics;  ///< indices into the problem card's diagnostics
   Limits limits;
+  bool control = false;  ///< afterwards a second, short run by another scheme, and a warning where they disagree
 };
 
 }  // namespace least

@@ -41,7 +41,7 @@ class Run {
         events_(static_cast<std::size_t>(request.limits.samples)),
         guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>,
                ConstantFrequency<P>),
-        evidence_(fixed_ ? std::optional(grid_.steps) : std::nullopt, false) {}
+        evidence_(fixed_ ? std::optional(grid_.steps) : std::nullopt, request.control) {}
 
   /// `tangents`: of steps of the scheme, for the diagnostics.
   Solution solve(const X& start, const StepTangents<P>& tangents) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/run/control.hpp"
 #include "core/run/evidence.hpp"
 #include "core/run/messages.hpp"
 #include "core/run/request.hpp"
@@ -69,6 +70,19 @@ void warn_of_energy(const FinishedRun<P, X>& run, std::vector<Warning>& warnings
   if (!why.empty()) warnings.push_back({"off_energy_level", why});
 }
 
+/// Another scheme comes to another motion.
+template <class P, class X>
+void warn_of_departure(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
+  constexpr double large = 0.1;
+  constexpr std::int64_t few = 2000, many = 20'000;  // force evaluations: half a millisecond at the most
+  const std::int64_t allowed = std::clamp<std::int64_t>(2 * run.integrator.work().forces, few, many);
+  const Scene& scene = *run.request.scene;
+  const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
+  const Departure found = departure<P>(run.problem, start, run.evidence.states(), allowed);
+  if (!(found.error <= large))
+    warnings.push_back({"large_error", messages::departs(found.error, found.t, found.reached)});
+}
+
 template <class P, class X>
 void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
   if constexpr (HasFrequency<P>) warn_of_step<P>(run.guard, warnings);
@@ -76,6 +90,7 @@ void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
   if (const auto steps = run.integrator.fallback_steps(); steps > 0)
     warnings.push_back({"steps_in_time", messages::fallback_steps(steps, run.integrator.method().has_value())});
   warn_of_energy(run, warnings);
+  if (run.request.control) warn_of_departure(run, warnings);
 }
 
 }  // namespace least

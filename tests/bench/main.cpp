@@ -105,6 +105,7 @@ int main(int argc, char** argv) {
   bench::hybrid();
   bench::drag();
   bench::digits();
+  bench::warnings();
   Reporter reporter;
   reporter.SetOutputStream(&std::cerr);
   benchmark::RunSpecifiedBenchmarks(&reporter);

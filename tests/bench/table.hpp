@@ -24,4 +24,7 @@ void drag();
 /// Prints what each accuracy costs on some scenes, by our fastest scheme and by those of other libraries.
 void digits();
 
+/// Prints how often runs are wrong without a word, and right with one.
+void warnings();
+
 }  // namespace bench

@@ -235,7 +235,7 @@ TEST(BlindEstimate, OfFehlbergsPairIsSeenThrough) {
     }
     for (const double n : {1.0, 1.5, 3.0}) {  // a force that ends at the surface
       const Request star = ask(choose(of("lane_emden", scheme, {{"n", n}}), {{"after_zero", "clamp"}}), {"error"});
-      EXPECT_LT(number(go(star), "error/max"), 40 * std::pow(tolerance, 0.8)) << n << ' ' << tolerance;
+      EXPECT_LT(number(go(star), "error/max"), 100 * std::pow(tolerance, 0.8)) << n << ' ' << tolerance;
     }
   }
 }

@@ -38,7 +38,8 @@ export function schemeCards(scheme, { suggested = {} }, preset, refine) {
 
 /** A few words that tell a scheme with its settings from another. */
 export function title({ parameters }, scheme) {
-  const variant = [scheme.preset, scheme.composition].filter((name) => name && name !== "default" && name !== "none");
+  const composition = scheme.composition?.weights ? `${scheme.composition.weights.length} weights` : scheme.composition;
+  const variant = [scheme.preset, composition].filter((name) => name && name !== "default" && name !== "none");
   const sizes = parameters.filter(({ name }) => fineness.includes(name) && name in scheme);
   return [words(scheme.id) + (variant.length ? ` (${variant.map(words).join(", ")})` : ""),
           ...sizes.map(({ name, symbol }) => `${symbol || words(name)} = ${shortest(scheme[name])}`)].join(", ");

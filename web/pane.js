@@ -167,7 +167,7 @@ function counted(events) {
 function traits({ id, order, implicit, symmetric, structure }, scheme) {
   if (id === "auto") return "chosen by measurements of this scene";
   const byChoice = order !== null && typeof order === "object";
-  const p = byChoice ? order[scheme.composition ?? scheme.order] ?? Object.values(order)[0] : order;
+  const p = byChoice ? scheme.composition?.order ?? order[scheme.composition ?? scheme.order] ?? Object.values(order)[0] : order;
   return [p === null ? "adaptive" : `order ${p}`, implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not symmetric",
           structure === "none" ? "keeps no structure" : structure].join(" · ");
 }

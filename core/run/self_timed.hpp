@@ -51,6 +51,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       }
       if (!result) break;
       if (!reads_time) late = (t - x.t) - part;
+      if constexpr (hybrid) before_left_ = left;
       left = x;
       x = y;
       x.t = t;
@@ -107,6 +108,20 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     }
     return info;
   }
+  double discrete_energy(const State& state) const override {
+    if (state.n > 0) {
+      if constexpr (hybrid) return stepper_.discrete_energy(left_, state.x, stepper_.active_method());
+      if constexpr (requires { stepper_.discrete_energy(left_, left_); })
+        return stepper_.discrete_energy(left_, state.x);
+    }
+    return unknown;
+  }
+  double discrete_energy_jump([[maybe_unused]] const State& state,
+                              [[maybe_unused]] const ActiveMethod& was) const override {
+    if constexpr (hybrid)
+      if (state.n > 1) return discrete_energy(state) - stepper_.discrete_energy(before_left_, left_, was);
+    return unknown;
+  }
   std::optional<ActiveMethod> method() const override {
     if constexpr (hybrid) return stepper_.active_method();
     return std::nullopt;
@@ -135,6 +150,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   using Stepper = SelfTimedStepperOf<Scheme, P, X>;
   static constexpr bool hybrid = requires(const Stepper& s) { s.active_method(); };
   static constexpr bool reads_time = requires { requires Scheme::reads_time; };
+
+  struct Nothing {};
 
   static ActiveMethod method_of(const Stepper& stepper) {
     if constexpr (hybrid) return stepper.active_method();
@@ -200,6 +217,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   double energy_;
   Stepper stepper_;
   X left_;
+  [[no_unique_address]] std::conditional_t<hybrid, X, Nothing>
+      before_left_{};  ///< where the step before the last began
   double end_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;

@@ -89,7 +89,8 @@ double theory(const Conditioning& motion, const SchemeCard& card, const SchemeCo
   if (failure == "sign_flip") return card.flips_from / motion.damping;
   if (failure == "pole" && motion.damping > 0) {
     if (const auto i = card.find("composition"))
-      bound = 2 / (motion.damping * largest_negative_weight(static_cast<Composition>(scheme.settings[*i])));
+      bound = 2 / (motion.damping *
+                   largest_negative_weight(Composition(scheme.settings[*i], weights_of(card, scheme.settings))));
     return std::isfinite(bound) ? bound : unknown;
   }
   if (!(motion.fastest - motion.slowest <= 1e-12 * motion.fastest) || !(motion.fastest > 0)) return unknown;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/composition.hpp"
+
 namespace least::server {
 namespace {
 
@@ -14,6 +16,30 @@ std::string beyond(double x, const Range& range) {
     return fmt::format("must be {} {}", range.low_open ? "greater than" : "at least", shortest(range.low));
   }
   return fmt::format("must be {} {}", range.high_open ? "less than" : "at most", shortest(range.high));
+}
+
+// {"weights": [w₁, …]}, beside which an answer says their order.
+bool read_weights(const Json& json, const FieldPath& path, std::vector<double>& weights) {
+  constexpr std::string_view shape = "{\"weights\": [w1, …, wn]}, symmetric, of sum 1";
+  if (!read_object(json, path, {"weights", "order"}, "a composition")) return false;
+  const Json* list = find(json, "weights");
+  const FieldPath place = path.at("weights");
+  if (list == nullptr || !list->is_array()) {
+    list ? place.fault("must be a list of numbers", *list, std::string(shape))
+         : place.lacks("is required", std::string(shape));
+    return false;
+  }
+  constexpr Range range{-compositions::largest_weight, compositions::largest_weight};
+  for (std::size_t i = 0; i < list->size() && i <= compositions::most_stages; ++i) {
+    const auto weight = read_number((*list)[i], place.at(i), range);
+    if (!weight) return false;
+    weights.push_back(*weight);
+  }
+  if (std::string why = compositions::objection(weights); !why.empty()) {
+    place.fault(std::move(why), *list, std::string(shape));
+    return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -89,7 +115,8 @@ std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, con
   return chosen;
 }
 
-std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card) {
+std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card,
+                                     std::vector<double>& weights) {
   std::string absent;  // what stands for no number
   if (card.nullable) {
     const Json none = card.word.empty() ? Json() : Json(card.word);
@@ -102,6 +129,10 @@ std::optional<double> read_parameter(const Json& json, const FieldPath& path, co
     case Kind::integer:
       return read_whole(json, path, card.range, absent);
     case Kind::choice: {
+      if (card.weights && json.is_object()) {
+        if (!read_weights(json, path, weights)) return std::nullopt;
+        return static_cast<double>(card.choices.size());
+      }
       const auto index = read_name(json, path, Names(card.choices.begin(), card.choices.end()), card.name);
       if (!index) return std::nullopt;
       return static_cast<double>(*index);

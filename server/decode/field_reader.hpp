@@ -59,7 +59,8 @@ std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, co
 std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, const Names& known, std::string_view what);
 
 /// The value of a parameter as the core holds it: a choice by its index, a flag as 0 or 1, null or the card's word for
-/// it as NaN.
-std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card);
+/// it as NaN; {"weights": […]} by the index after the last choice, the list itself in `weights`.
+std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card,
+                                     std::vector<double>& weights);
 
 }  // namespace least::server

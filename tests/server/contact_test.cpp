@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/composition.hpp"
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
 #include "tests/server/fixture.hpp"
@@ -252,6 +253,34 @@ TEST_F(ContactHttp, SettingsOfTheContactSchemes) {
   EXPECT_EQ(refused({{"id", "contact_splitting"}, {"splitting", "mergd"}})["allowed"], "automatic, plain, merged");
   EXPECT_EQ(refused({{"id", "contact_leapfrog"}, {"splitting", "plain"}})["pointer"], "/scheme/splitting");
   EXPECT_EQ(refused({{"id", "contact_galerkin_4"}, {"composition", "none"}})["pointer"], "/scheme/composition");
+}
+
+// ── compositions of one's own ───────────────────────────────────────────────────────────────────────────────────────
+
+TEST_F(ContactHttp, WeightsStandForAComposition) {
+  const auto& gamma = Weights<double>::of(Composition::kahan_li_6);
+  const std::vector<double> weights(gamma.gamma.begin(), gamma.gamma.begin() + gamma.stages);
+  const auto request = [](const char* scheme, const Json& composition) {
+    return Json{{"problem", "damped_oscillator"}, {"scheme", {{"id", scheme}, {"composition", composition}}}};
+  };
+  for (const char* scheme : {"contact_leapfrog", "contact_splitting"}) {
+    const Json named = answer(port(), request(scheme, "kahan_li_6"));
+    const std::string own = simulate(port(), request(scheme, {{"weights", weights}})).body;
+    const Json whole = Json::parse(own);
+    EXPECT_EQ(whole["scheme"]["composition"], (Json{{"weights", weights}, {"order", 6}}));
+    EXPECT_EQ(whole["trajectory"], named["trajectory"]);
+    EXPECT_EQ(timeless(simulate(port(), echo(whole)).body), timeless(own));
+  }
+  const auto refused = [&](const Json& composition) { return fault(port(), request("contact_leapfrog", composition)); };
+  EXPECT_TRUE(says(refused({{"weights", {0.6, 0.4}}}), "symmetric"));
+  EXPECT_TRUE(says(refused({{"weights", {0.3, 0.3}}}), "add up"));
+  EXPECT_TRUE(says(refused({{"weights", Json::array()}}), "1 to 64"));
+  EXPECT_EQ(refused({{"weights", {0.5, "x"}}})["pointer"], "/scheme/composition/weights/1");
+  EXPECT_EQ(refused({{"weights", 1}})["pointer"], "/scheme/composition/weights");
+  EXPECT_EQ(refused({{"weight", {1}}, {"weights", {1}}})["pointer"], "/scheme/composition/weight");
+  const Json order = refused({{"weights", {0.5, 0.5}}, {"order", 4}});
+  EXPECT_EQ(order["pointer"], "/scheme/composition/order");
+  EXPECT_EQ(order["allowed"], "2");
 }
 
 TEST_F(ContactHttp, ImpossiblePairsNameBothSides) {

@@ -151,7 +151,10 @@ struct ContactVariationalMidpoint {
   std::string unsupported_reason(const P& problem) const {
     return unsupported_by_pole(problem, composition, step);
   }
-  double flips_from() const { return 2; }
+  template <class P>
+  bool flips_momentum(const P& problem, double t) const {
+    return turns_momentum_over(problem, t, step);
+  }
 };
 
 }  // namespace least

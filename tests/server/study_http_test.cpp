@@ -168,7 +168,7 @@ TEST(Study, AClientThatTakesNoMoreEndsIt) {
   const auto from = Clock::now();
   EXPECT_FALSE(answer.stream([&](std::string_view) { return ++written < 4; }));
   EXPECT_EQ(written, 4);
-  EXPECT_LT(Clock::now() - from, 10s);
+  EXPECT_LT(Clock::now() - from, 25s) << "what it was given is not used up";
   EXPECT_TRUE(admit(context).has_value());
 }
 

@@ -7,6 +7,7 @@
 #include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
+#include "core/reference/regular_state.hpp"
 #include "core/run/fixed_step.hpp"
 #include "core/run/run.hpp"
 #include "core/run/self_timed.hpp"
@@ -122,15 +123,10 @@ class CompiledMechanics final : public Mechanics {
     static constexpr auto runs = run_functions<P>(static_cast<SchemeList*>(nullptr));
     return runs.at(request.scheme)(request, sink, cancelled);
   }
-  std::optional<std::vector<double>> regular_start([[maybe_unused]] std::span<const double> parameters,
-                                                   [[maybe_unused]] double t) const override {
+  std::optional<RegularStart> regular_start([[maybe_unused]] std::span<const double> parameters,
+                                            [[maybe_unused]] double t) const override {
     if constexpr (HasSeries<Problem>)
-      if (t > 0 && t <= Problem::series_until) {
-        const auto x = series_state<FullStateOf<Problem>>(from_values<Problem>(About<P>::fields, parameters), t);
-        std::vector<double> variables;
-        for (std::size_t i = 0; i < x.size; ++i) variables.push_back(x[i]);
-        return variables;
-      }
+      if (t != 0) return regular_state(from_values<Problem>(About<P>::fields, parameters), t);
     return std::nullopt;
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {

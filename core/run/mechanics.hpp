@@ -72,6 +72,13 @@ struct Conditioning {
   std::size_t bytes() const;  ///< in memory, about
 };
 
+/// The state of a run that names a time after a singular start but none itself: that of the one regular motion from
+/// there. Where there is an objection, the state has to be given.
+struct RegularStart {
+  std::vector<double> state;  ///< in the order of the card's variables
+  std::string objection;      ///< why that motion has no state at this time; empty: it has
+};
+
 class Mechanics {
  public:
   virtual ~Mechanics() = default;
@@ -86,8 +93,8 @@ class Mechanics {
   /// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.
   virtual Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const = 0;
 
-  /// The state of a run that names a time near a singular start but none itself; empty where it has to.
-  virtual std::optional<std::vector<double>> regular_start(std::span<const double> parameters, double t) const = 0;
+  /// At the time t; empty where the card's own start stands for every time.
+  virtual std::optional<RegularStart> regular_start(std::span<const double> parameters, double t) const = 0;
 
   // The true motion, computed anew.
   virtual Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const = 0;

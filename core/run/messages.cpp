@@ -55,6 +55,8 @@ std::string energy_jump(double before, double now) {
       before, now);
 }
 
+std::string number(double x) { return fmt::format("{}", x); }
+
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }
 
 std::string deadline(double seconds) { return fmt::format("limits.seconds = {} ran out", seconds); }

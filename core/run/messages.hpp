@@ -20,6 +20,8 @@ std::string damping_sign(double t);
 std::string fallback_steps(std::int64_t steps);
 std::string strain(double strain);
 std::string energy_jump(double before, double now);
+/// The shortest text that reads back as x.
+std::string number(double x);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 

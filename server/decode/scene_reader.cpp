@@ -108,8 +108,14 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     if (value) (i == 0 ? scene.start : scene.initial[i - 1]) = *value;
     given = given || i > 0;
   }
-  if (!given)
-    if (auto state = scene.mechanics->regular_start(scene.parameters, scene.start)) scene.initial = std::move(*state);
+  if (given) return preset;
+  if (auto regular = scene.mechanics->regular_start(scene.parameters, scene.start)) {
+    if (regular->objection.empty()) {
+      scene.initial = std::move(regular->state);
+    } else {
+      start.at("t").fault(regular->objection, Json(scene.start), listed(keys_of(card.variables, {})));
+    }
+  }
   return preset;
 }
 

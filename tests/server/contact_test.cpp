@@ -200,8 +200,16 @@ TEST_F(ContactHttp, AStartNearASingularTimeIsFilledInWhereNoStateIsGiven) {
   Json other = request;
   other["initial"]["q"] = 0.75;  // a state is given: the rest of it takes its defaults
   EXPECT_EQ(answer(port(), other)["initial"], (Json{{"t", 0.05}, {"q", 0.75}, {"p", 0}, {"s", 0}}));
-  other["initial"] = {{"t", 0.2}};
-  EXPECT_EQ(answer(port(), other)["initial"]["q"], 1) << "beyond the reach of the series";
+  other["initial"] = {{"t", 0.5}};
+  EXPECT_EQ(answer(port(), other)["initial"]["q"], 1 / std::sqrt(1 + 0.25 / 3)) << "beyond the reach of the series";
+  for (const double t : {-0.5, 4.0}) {
+    other["problem"]["n"] = 1;  // whose surface is at π
+    other["initial"]["t"] = t;
+    const Json refused = fault(port(), other);
+    EXPECT_EQ(refused["pointer"], "/initial/t");
+    EXPECT_TRUE(says(refused, "the state must be given"));
+    EXPECT_EQ(refused["allowed"], "q, p, s");
+  }
 }
 
 // ── choices and whole numbers ───────────────────────────────────────────────────────────────────────────────────────

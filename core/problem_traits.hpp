@@ -10,6 +10,7 @@
 //   log_weight(y), log_rate(y)  with a weight, and over a physical time that passes at a rate, by their logarithms
 //   stiffness_rate()            a run warns where a step is half its inverse
 //   quantities(y, t)            further columns
+//   gravitational_parameter()   μ of an orbit about the origin, p being the velocity: its elements are said
 #pragma once
 
 #include <cmath>

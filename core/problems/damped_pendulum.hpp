@@ -52,7 +52,7 @@ struct About<problems::DampedPendulum> {
         .formula =
             "<math><mi>H</mi><mo>=</mo><mfrac><msup><mi>p</mi><mn>2</mn></msup><mn>2</mn></mfrac><mo>−</mo>"
             "<mfrac><mi>g</mi><mi>l</mi></mfrac><mi>cos</mi><mi>q</mi><mo>+</mo><mi>α</mi><mi>s</mi></math>",
-        .variables = {{"q", "q", "rad", "angle from the vertical", 2.5},
+        .variables = {angle("q", "q", "angle from the vertical", 2.5),
                       {"p", "p", "rad/time", "angular velocity", 0},
                       {"s", "s", "rad²/time", "action", 0, true}},
         .span = 60,

@@ -30,6 +30,7 @@ struct PerturbedKepler {
     using least::sin;
     return alpha * sin(frequency * t);
   }
+  constexpr R gravitational_parameter() const { return -gamma; }
   /// A periapsis passage loses accuracy long before it loses stability: ωh from which a run warns.
   static constexpr double careful_step = 0.3;
   /// |γ|/r³, the square of the angular velocity of a circular orbit here.

@@ -130,7 +130,7 @@ struct About<problems::SpinOrbit> {
             "</munder><msub><mi>W</mi><mi>k</mi></msub><mrow><mo>(</mo><mi>e</mi><mo>)</mo></mrow>"
             "<mi>sin</mi><mrow><mo>(</mo><mn>2</mn><mi>q</mi><mo>−</mo><mi>k</mi><mi>t</mi><mo>)</mo></mrow>"
             "<mo>=</mo><mi>μ</mi></math>",
-        .variables = {{"q", "q", "rad", "angle of the long axis", 0},
+        .variables = {angle("q", "q", "angle of the long axis", 0),
                       {"p", "p", "rad/time", "rate of the spin; 1 is once per revolution", 1},
                       {"s", "s", "1", "action", 0, true}},
         .span = 62.83185307179586,

@@ -309,8 +309,7 @@ TEST_F(ContactHttp, ASlopeAtItsPoleIsNullAndInCsvAnEmptyCell) {
 
 TEST_F(ContactHttp, NoAnswerHoldsANumberThatIsNone) {
   for (const Json& request :
-       {Json{{"problem", "generic_oscillator"}, {"initial", {{"U", 0}}}, {"diagnostics", {"entropy", "energy"}}},
-        Json{{"problem", "generic_oscillator"}, {"initial", {{"U", -1}}}, {"columns", {"t", "entropy"}}},
+       {Json{{"problem", "generic_oscillator"}, {"initial", {{"U", 1e-300}}}, {"diagnostics", {"entropy", "energy"}}},
         Json{{"problem", "lane_emden"}, {"diagnostics", {"energy", "decay", "volume", "structure"}}},
         Json{{"problem", "cosmological_oscillator"}, {"initial", {{"s", -2}, {"q", 0}, {"p", 0}}}},
         Json{{"problem", {{"id", "thermostat"}, {"scale", 0.001}, {"kappa", 0.5}}}, {"diagnostics", {"moments"}}},
@@ -328,6 +327,24 @@ TEST_F(ContactHttp, NoAnswerHoldsANumberThatIsNone) {
       EXPECT_TRUE(accept[0] == 't' || Json::accept(reply.body));
     }
   }
+}
+
+TEST_F(ContactHttp, AVariableHasItsRange) {
+  for (const double u : {0.0, -1.0}) {
+    const Json found =
+        fault(port(), {{"problem", "generic_oscillator"}, {"initial", {{"U", u}}}, {"scheme", "contact_splitting"}});
+    EXPECT_EQ(found["pointer"], "/initial/U");
+    EXPECT_TRUE(says(found, "must be greater than 0")) << found;
+  }
+  const auto variables = [&](const char* id) {
+    return Json::parse(ask(port(), get("/v1/problems/" + std::string(id))).body)["variables"];
+  };
+  const Json heat = variables("generic_oscillator"), swing = variables("pendulum");
+  EXPECT_EQ(heat[2]["minimum"], 0);
+  EXPECT_EQ(heat[2]["exclusive_minimum"], true);
+  EXPECT_TRUE(heat[2]["maximum"].is_null() && heat[0]["minimum"].is_null());
+  EXPECT_EQ(swing[0]["angle"], true);
+  EXPECT_EQ(swing[1]["angle"], false);
 }
 
 TEST_F(ContactHttp, ABlowUpIsAnAnswerWithItsTime) {

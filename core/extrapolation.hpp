@@ -19,9 +19,15 @@ class Extrapolation {
   using T = typename X::Number;
   static constexpr std::size_t size = X::size;
 
-  /// `tolerance`: relative to the largest component, or to 1 where that is less. `step`: the first to be tried.
+  /// `tolerance`: relative to the largest component, now or at the start, or to 1 where the start is larger. `step`:
+  /// the first to be tried.
   Extrapolation(const P& problem, const X& x, double tolerance, T step = T(0.1))
-      : problem_(problem), x_(x), tolerance_(tolerance), regular_(starts_series(problem, x)), step_(step) {}
+      : problem_(problem), x_(x), tolerance_(tolerance), regular_(starts_series(problem, x)), step_(step) {
+    using least::abs;
+    T largest(0);
+    for (std::size_t i = 0; i < size; ++i) largest = std::max(largest, T(abs(x[i])));
+    if (largest > T(0) && largest < T(1)) least_size_ = largest;
+  }
 
   const X& state() const { return x_; }
 
@@ -84,7 +90,7 @@ class Extrapolation {
 
   bool close(const X& a, const X& b) const {
     using least::abs;
-    T difference(0), most(1);
+    T difference(0), most = least_size_;
     for (std::size_t i = 0; i < size; ++i) {
       difference = difference + abs(a[i] - b[i]);
       most = std::max(most, abs(a[i]));
@@ -112,6 +118,7 @@ class Extrapolation {
   double tolerance_;
   bool regular_;  ///< from t = 0, where the equations of motion are singular and the solution is not
   T step_;
+  T least_size_ = T(1);  ///< of a state that small differences are held against
   std::array<X, columns> table_{};
 };
 

@@ -137,6 +137,10 @@ class CompiledMechanics final : public Mechanics {
     const Problem problem = problem_of<P>(scene);
     return conditioning_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going);
   }
+  std::vector<PaceMark> pace(const Scene& scene, double end, const KeepGoing& keep_going) const override {
+    const Problem problem = problem_of<P>(scene);
+    return pace_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going);
+  }
   double blow_up_time([[maybe_unused]] const Scene& scene, [[maybe_unused]] double latest, [[maybe_unused]] double step,
                       [[maybe_unused]] const KeepGoing& keep_going) const override {
     if constexpr (QuadraticContact<Problem>) {

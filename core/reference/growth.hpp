@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/problem_traits.hpp"
+#include "core/run/landmarks.hpp"
 #include "core/run/mechanics.hpp"
 #include "core/schemes/runge_kutta.hpp"
 
@@ -37,9 +38,9 @@ class Differences {
     return x;
   }
   double time() const { return x_.t.value; }
-  double growth() const {
+  double growth(Norm norm) const {
     const auto [value, slope] = largest(x_);
-    return slope * scale_ / std::max(1.0, value);
+    return slope * scale_ / (norm == Norm::absolute ? std::max(1.0, value) : value);
   }
 
   /// One step that is accurate enough. False: the motion ends here.
@@ -93,6 +94,32 @@ class Differences {
   double end_, scale_, tolerance_, step_;
 };
 
+/// A start from which steps can be taken, where the equations of motion are singular at the first.
+template <class P>
+StateOf<P> after_series([[maybe_unused]] const P& problem, const StateOf<P>& start, [[maybe_unused]] double end) {
+  if constexpr (HasSeries<P>)
+    if (starts_series(problem, start) && end > P::series_until)
+      return series_state<StateOf<P>>(problem, P::series_until);
+  return start;
+}
+
+/// Landmarks of the true motion.
+template <class P>
+std::vector<PaceMark> pace_of(const P& problem, const StateOf<P>& start, double end, const KeepGoing& keep_going) {
+  std::vector<PaceMark> marks;
+  const auto first = after_series(problem, start, end);
+  if (!(first.t < end)) return marks;
+  Landmarks<StateOf<P>> landmarks{64};
+  landmarks.start(first);
+  Differences<P> motion(problem, first, end, 0, 1e-9);
+  for (std::size_t step = 1; motion.time() < end && motion.advance(); ++step) {
+    landmarks.see(motion.state());
+    if (step % 64 == 0 && !keep_going()) break;
+  }
+  for (const auto& [x, speed] : landmarks.list()) marks.push_back({x.t, speed});
+  return marks;
+}
+
 template <class P>
 class GrowthOfDifferences {
   using X = StateOf<P>;
@@ -100,8 +127,7 @@ class GrowthOfDifferences {
  public:
   GrowthOfDifferences(const P& problem, X start, double end, const KeepGoing& keep_going)
       : problem_(problem), keep_going_(keep_going), from_(start.t) {
-    if constexpr (HasSeries<P>)
-      if (starts_series(problem_, start) && end > P::series_until) start = series_state<X>(problem_, P::series_until);
+    start = after_series(problem_, start, end);
     // Where differences grow far, the motion that is followed is the true one only if it is followed closely.
     follow(start, end, 1e-9);
     if (!found_.complete || found_.most_growth * tolerance_ < 1e-2) return;
@@ -135,26 +161,31 @@ class GrowthOfDifferences {
   bool from_start(const X& start, std::size_t direction) {
     Differences<P> motion(problem_, start, found_.reached, direction, tolerance_);
     look(motion, direction == 0);
+    if (direction == 0) landmarks_.start(motion.state());
     for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {
       if (!motion.advance()) {
         begin(from_ + 0.995 * (motion.time() - from_), true);
         return false;
       }
       look(motion, direction == 0);
+      if (direction == 0) landmarks_.see(motion.state());
       found_.complete = step < patience && (step % 64 != 0 || keep_going_());
     }
-    found_.growth = std::max(found_.growth, motion.growth());
+    found_.growth = std::max(found_.growth, motion.growth(Norm::absolute));
+    found_.relative_growth = std::max(found_.relative_growth, motion.growth(Norm::relative));
+    if (direction == 0)
+      for (const auto& mark : landmarks_.list()) found_.pace.push_back(mark.x.t);
     return true;
   }
   void look(const Differences<P>& motion, bool first) {
-    const double done = (motion.time() - from_) / (found_.reached - from_), growth = motion.growth();
+    const double done = (motion.time() - from_) / (found_.reached - from_), growth = motion.growth(Norm::absolute);
     for (auto k = static_cast<std::size_t>(std::max(done * Conditioning::parts - 1e-9, 0.0)); k < Conditioning::parts;
          ++k)
       found_.so_far[k] = std::max(found_.so_far[k], growth);
     found_.most_growth = std::max(found_.most_growth, growth);
+    found_.most_relative_growth = std::max(found_.most_relative_growth, motion.growth(Norm::relative));
     if (!first) return;
     const X x = motion.state();
-    found_.pace.push_back(x.t);
     for (std::size_t i = 0; i < X::size; ++i) found_.size = std::max(found_.size, std::abs(x[i]));
     if (done <= 0.5) found_.size_halfway = found_.size;
     if constexpr (HasFrequency<P>) {
@@ -167,6 +198,7 @@ class GrowthOfDifferences {
   const P& problem_;
   const KeepGoing& keep_going_;
   double from_, tolerance_ = 0;
+  Landmarks<X> landmarks_{48};
   Conditioning found_;
 };
 

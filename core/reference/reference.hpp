@@ -17,8 +17,9 @@ namespace least {
 
 template <class P>
 struct Reference {
-  std::vector<StateOf<P>> states;  ///< at the times asked for, rounded to double
-  double uncertainty = 0x1p-53;    ///< in the measure of state_error
+  std::vector<StateOf<P>> states;         ///< at the times asked for, rounded to double
+  double uncertainty = 0x1p-53;           ///< as a state_error in the absolute norm
+  double relative_uncertainty = 0x1p-53;  ///< in the relative one
   std::string_view how = "closed form";
   bool complete = true;  ///< false: it was told to give up, or the solution ceased to be finite
 };
@@ -59,6 +60,8 @@ Reference<P> quad_precision_run(const P& problem, const StateOf<P>& x0, const st
     for (std::size_t i = 0; i < StateOf<P>::size; ++i)
       difference[i] = truth[i] + static_cast<double>(coarse.state()[i] - fine.state()[i]);
     result.uncertainty = std::max(result.uncertainty, 0x1p-53 + state_error(difference, truth));
+    result.relative_uncertainty =
+        std::max(result.relative_uncertainty, 0x1p-53 + state_error(difference, truth, Norm::relative));
     result.states.push_back(truth);
   }
   return result;
@@ -86,7 +89,7 @@ template <class P>
 Truth true_states(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
                   const KeepGoing& keep_going) {
   const auto reference = reference_solution(problem, x0, times, keep_going);
-  Truth truth{{}, reference.uncertainty, reference.how, reference.complete};
+  Truth truth{{}, reference.uncertainty, reference.relative_uncertainty, reference.how, reference.complete};
   for (const auto& x : reference.states) {
     auto& state = truth.states.emplace_back();
     for (std::size_t i = 0; i < StateOf<P>::size; ++i) state.push_back(x[i]);

@@ -25,6 +25,9 @@ struct Column {
   std::size_t index = 0;  ///< among those of its kind
 };
 
+/// Of the state at each sample, against the truth: what a state alone cannot say, and the writer fills in.
+inline constexpr std::string_view error_column = "error";
+
 /// An angle in [−π, π).
 inline double wrapped(double angle) {
   constexpr double pi = std::numbers::pi;
@@ -76,6 +79,8 @@ std::vector<Column<P, X>> columns_of(const ProblemCard& card) {
                      },
                      i});
     }
+  all.push_back({{std::string(error_column), false, false, true},
+                 [](const P&, const X&, const StepInfo&, std::size_t) { return unknown; }});
   for (std::size_t i = 0; i < card.variables.size(); ++i)
     if (card.variables[i].angle)
       all.push_back(

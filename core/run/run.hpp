@@ -34,7 +34,7 @@ class Run {
                    : request.until_steps ? request.steps
                                          : SaveSchedule::never),
         schedule_(request, end_),
-        writer_(problem_, card_, request.columns, sink),
+        writer_(problem_, request, sink),
         budget_(request.limits.seconds, cancelled),
         diagnostics_(request.diagnostics),
         events_(static_cast<std::size_t>(request.limits.samples)),
@@ -311,10 +311,11 @@ class Run {
   }
 
   Solution conclude() {
-    if (!writer_.flush()) receiver_is_gone();
     const Work work = integrator_->work();
     outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
+    if (!writer_.finish([this] { return keep_going(); })) receiver_is_gone();
     warn_of_the_run();
+    if (writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
     outcome_.t = state_.x.t;
     for (std::size_t i = 0; i < card_.variables.size(); ++i) {
       const bool shown =
@@ -323,12 +324,14 @@ class Run {
     }
     const RunEnd<P, X> end{problem_,
                            scene_,
+                           request_,
                            scheme_,
                            state_.x,
                            snapshots_,
                            events_,
                            [this](const auto& x) { return integrator_->tangent(x); },
-                           [this] { return keep_going(); },
+                           {[this] { return keep_going(); },
+                            [this] { return request_.limits.seconds - budget_.seconds(); }, budget_.cancelled()},
                            outcome_.warnings};
     outcome_.diagnostics = diagnostics_.reports(request_.diagnostics, end);
     return std::move(outcome_);

@@ -1,6 +1,6 @@
 // Studies: what accuracy costs on a scene with each scheme, which scheme to take, how long a step may be. Everything is
-// found by measured runs against a reference solution. *Error* is the contract's: the largest component-wise difference
-// of the state from the true one, divided by max(1, the largest component of the true one).
+// found by measured runs against a reference solution. *Error* is the contract's, in the norm that the scene's request
+// names (core/state_error.hpp).
 #pragma once
 
 #include <atomic>

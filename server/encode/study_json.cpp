@@ -82,7 +82,9 @@ void write_study_echo(JsonWriter& json, const PlanWithCards& planned) {
   json.key("version").text(version);
   write_scene(json, *plan.scene.scene);
   write_until(json.key("until"), plan.scene);
-  json.key("error").text(plan.at_end ? "final" : "max").key("budget_seconds").number(plan.budget_seconds);
+  json.key("error").text(plan.at_end ? "final" : "max");
+  write_norm(json, plan.scene);
+  json.key("budget_seconds").number(plan.budget_seconds);
 }
 
 void write_truth(JsonWriter& json, const least::Study& study) {

@@ -18,6 +18,7 @@ class Described final : public Mechanics {
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return {}; }
   Truth truth(const Scene&, const std::vector<double>&, const KeepGoing&) const override { return {}; }
   Conditioning conditioning(const Scene&, double, const KeepGoing&) const override { return {}; }
+  std::vector<PaceMark> pace(const Scene&, double, const KeepGoing&) const override { return {}; }
   double blow_up_time(const Scene&, double, double, const KeepGoing&) const override { return 0; }
 
  private:

@@ -45,7 +45,7 @@ std::vector<std::string> keys(const Json& object) {
 /// The fields of an answer that make a complete request.
 Json echo(const Json& whole) {
   Json request;
-  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits"})
+  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
     request[key] = whole.at(key);
   return request;
 }
@@ -345,6 +345,31 @@ TEST_F(ContactHttp, AVariableHasItsRange) {
   EXPECT_TRUE(heat[2]["maximum"].is_null() && heat[0]["minimum"].is_null());
   EXPECT_EQ(swing[0]["angle"], true);
   EXPECT_EQ(swing[1]["angle"], false);
+}
+
+// q₀ = 1e-6 is known to 1e-6 in the absolute norm before a step is taken.
+TEST_F(ContactHttp, TheNormOfErrorsIsARequest) {
+  Json request{
+      {"problem", "harmonic_oscillator"}, {"initial", {{"q", 1e-6}}},  {"scheme", {{"id", "auto"}, {"accuracy", 1e-6}}},
+      {"record", {{"samples", 3}}},       {"columns", {"t", "error"}}, {"diagnostics", {"error"}}};
+  const Json absolute = answer(port(), request);
+  EXPECT_EQ(absolute["norm"], "absolute");
+  EXPECT_LT(absolute["diagnostics"]["error"]["max"], 1e-6);
+  request["norm"] = "relative";
+  const Json relative = answer(port(), request);
+  EXPECT_EQ(relative["norm"], "relative");
+  EXPECT_TRUE(relative["choice"]["met"].get<bool>());
+  EXPECT_LE(relative["choice"]["estimated_error"], 1e-6);
+  const double most = relative["diagnostics"]["error"]["max"];
+  EXPECT_LT(most, 1.1e-6);
+  EXPECT_GT(most, 1e-8) << "no more digits than were asked for";
+  EXPECT_EQ(relative["trajectory"]["error"].size(), 3U);
+  EXPECT_EQ(relative["trajectory"]["error"][0], 0);
+  Json again = echo(relative);
+  again["diagnostics"] = {"error"};
+  EXPECT_EQ(answer(port(), again)["diagnostics"]["error"]["max"], most) << "the echo has the norm";
+  request["norm"] = "max";
+  EXPECT_EQ(fault(port(), request)["allowed"], "absolute, relative");
 }
 
 TEST_F(ContactHttp, ABlowUpIsAnAnswerWithItsTime) {

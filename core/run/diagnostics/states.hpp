@@ -1,4 +1,4 @@
-// structure, volume, error: diagnostics made from whole states kept along the run, after it.
+// structure, volume: diagnostics made from whole states kept along the run, after it.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,6 @@
 
 #include "core/number/linear.hpp"
 #include "core/run/diagnostics/diagnostic.hpp"
-#include "core/state_error.hpp"
 
 namespace least {
 
@@ -93,50 +92,6 @@ struct VolumeRow {
       if constexpr (QuadraticContact<P>) terms += std::abs(problem.offset());
       terms += std::abs(action_slope(problem, x.action.s, f) * x.action.s);
       return !(std::abs(energy(problem, x)) > 1e-9 * terms);
-    }
-  };
-};
-
-/// Errors against the true motion, at the states kept (max) and at the final state. Null, with a warning, where that
-/// could not be had.
-struct ErrorRow {
-  static constexpr DiagnosticCard info{"error", "against the closed form or a quad-precision run"};
-  static constexpr Sees sees = Sees::states;
-  template <class P>
-  static constexpr bool applies = VectorField<P>;
-
-  template <class P, class X>
-  struct Seen {
-    Report report(const RunEnd<P, X>& end) const {
-      const std::size_t size = StateOf<P>::size;
-      std::vector<FullStateOf<P>> states;
-      for (const auto& x : end.states)
-        if (x.t < end.x.t) states.push_back(x);
-      assign(states.emplace_back(), plain(end.x));
-      std::vector<double> times;
-      for (const auto& x : states) times.push_back(x.t);
-      Truth truth;
-      truth.complete = true;
-      const bool known = !end.states.empty();  // the run got as far as its start
-      if (known) truth = end.scene.mechanics->truth(end.scene, times, end.keep_going);
-      double most = unknown, last = unknown;
-      if (!truth.complete)
-        end.warnings.push_back(
-            {"reference_not_finished", "the reference solution met the time limit, or is not finite"});
-      if (known && truth.complete) {
-        most = 0;
-        for (std::size_t i = 0; i < times.size(); ++i) {
-          last = state_error(states[i], truth.states[i], size);
-          if (!(last <= most)) most = last;
-        }
-      }
-      std::string how;
-      if (known) how = std::string(truth.how) + (truth.complete ? "" : ", not finished");
-      Report report = numbers(
-          "error",
-          {{"final", last}, {"max", most}, {"uncertainty", known && truth.complete ? truth.uncertainty : unknown}});
-      insert(report, 2, words("reference", how));
-      return report;
     }
   };
 };

@@ -39,7 +39,7 @@ struct StudyExample {
 const std::string echo =
     R"({"version":")" + std::string(version) +
     R"(","problem":{"id":"swing","mass":1,"level":3},"initial":{"t":0,"q":1,"p":0},"until":{"t":20},)"
-    R"("error":"max","budget_seconds":10,"reference":{"how":"closed form","uncertainty":1e-16},"floor":1e-14,)"
+    R"("error":"max","norm":"absolute","budget_seconds":10,"reference":{"how":"closed form","uncertainty":1e-16},"floor":1e-14,)"
     R"("growth":12.5,"chaotic":false,"end":19,)";
 constexpr const char* first = R"("scheme":{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},"setting":"step",)";
 constexpr const char* second =

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +23,10 @@ struct Range {
   }
 };
 
+/// Every finite number.
+inline constexpr Range anywhere{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), true,
+                                true};
+
 /// What values a parameter takes. All are held as double: a choice by its index, a flag as 0 or 1, null (or the word
 /// that stands for it) as NaN.
 enum class Kind { number, integer, choice, flag };
@@ -40,9 +45,15 @@ struct ParameterCard {
 
 struct VariableCard {
   std::string name, symbol, unit, doc;
-  double value;           ///< the default start; NaN: follows from the others
-  bool optional = false;  ///< not part of the motion: carried along where it is asked for
+  double value;            ///< the default start; NaN: follows from the others
+  bool optional = false;   ///< not part of the motion: carried along where it is asked for
+  Range range = anywhere;  ///< where a run may start
+  bool angle = false;      ///< the same after a whole turn, 2π
 };
+/// A variable that is an angle.
+inline VariableCard angle(std::string name, std::string symbol, std::string doc, double value) {
+  return {std::move(name), std::move(symbol), "rad", std::move(doc), value, false, anywhere, true};
+}
 
 /// A quantity of the problem's own.
 struct QuantityCard {

@@ -16,6 +16,7 @@
 //   invariants(q, p, t)   what the exact motion conserves besides energy
 // Contact, the same with one of
 //   damping() or damping(t)           α: H = K + V + α(t) s; the motion in (q, p) never reads s
+//   damping_integral(t)               ∫α up to the time t itself, where α(t) has a closed one (a law checks it)
 //   action_curvature() and offset()   γ and R: H = K + V + γs²/2 − R
 // Flow, `dim` variables, not mechanical:
 //   field(y, t)                       ẏ
@@ -98,26 +99,34 @@ template <class P>
 concept VectorField = Potential<P> || Flow<P>;
 
 namespace detail {
-/// The problem with parameters that are doubles.
-template <class P>
-struct InDoubles {
+/// The problem with parameters that are numbers R.
+template <class P, class R>
+struct WithParameters {
   using type = P;
 };
-template <template <class> class P, class R>
-struct InDoubles<P<R>> {
-  using type = P<double>;
+template <template <class> class P, class Own, class R>
+struct WithParameters<P<Own>, R> {
+  using type = P<R>;
 };
-/// Whether the mechanics of P, evaluated at a time and a state that the time has not touched, is touched by it.
+/// Whether V, evaluated at a time and a state that the time has not touched, is touched by it.
+template <Potential P>
+constexpr bool potential_reads_time() {
+  const typename WithParameters<P, double>::type m{};
+  const auto f = phase(m, Dependence::touching());
+  const Vec<P::dof, Dependence> q{};
+  Dependence seen = m.potential(q, f);
+  if constexpr (requires { m.gradient(q, f); })
+    for (const Dependence& slope : m.gradient(q, f)) seen = seen | slope;
+  return seen.touched;
+}
+/// The same of the mechanics of P.
 template <class P>
 constexpr bool reads_time() {
-  const typename InDoubles<P>::type m{};
-  const auto f = phase(m, Dependence::on_time());
+  const typename WithParameters<P, double>::type m{};
+  const auto f = phase(m, Dependence::touching());
   Dependence seen;
   if constexpr (Potential<P>) {
-    const Vec<P::dof, Dependence> q{};
-    seen = m.potential(q, f);
-    if constexpr (requires { m.gradient(q, f); })
-      for (const Dependence& slope : m.gradient(q, f)) seen = seen | slope;
+    seen.touched = potential_reads_time<P>();
     if constexpr (LinearContact<P> && !ConstantDamping<P>) seen = seen | m.damping(f);
   } else {
     for (const Dependence& rate : m.field(Vec<P::dim, Dependence>{}, f)) seen = seen | rate;
@@ -130,6 +139,9 @@ constexpr bool reads_time() {
 /// matter of their form, not of their parameters: a drive of amplitude 0 is one.
 template <class P>
 concept Autonomous = VectorField<P> && !detail::reads_time<P>();
+/// V changes in time.
+template <class P>
+concept PotentialReadsTime = Potential<P> && detail::potential_reads_time<P>();
 
 /// One of the parts a field is split into.
 template <int I>
@@ -168,6 +180,10 @@ concept HasGradient = requires(const P& m, const Vec<P::dof>& q) {
   m.gradient(q, phase(m, 0.0));
 };
 template <class P>
+concept HasDampingIntegral = LinearContact<P> && requires(const P& m) {
+  m.damping_integral(0.0);
+};
+template <class P>
 concept HasInverseMass = requires(const P& m) {
   m.inverse_mass();
 };
@@ -184,6 +200,17 @@ template <class P>
 concept HasFrequency = requires(const P& m, const StateOf<P>& x) {
   m.frequency_squared(position(x));
 };
+namespace detail {
+template <class P>
+constexpr bool frequency_reads_place() {
+  std::remove_cvref_t<decltype(position(StateOf<P, Dependence>{}))> q;
+  q.fill(Dependence::touching());
+  return Dependence(typename WithParameters<P, Dependence>::type{}.frequency_squared(q)).touched;
+}
+}  // namespace detail
+/// It is the same everywhere: that of a linear oscillation, or a bound that does not look where it is.
+template <class P>
+concept ConstantFrequency = HasFrequency<P> && !detail::frequency_reads_place<P>();
 template <class P>
 concept HasInvariants = requires(const P& m, const Vec<P::dof>& q) {
   m.invariants(q, q, 0.0);

@@ -6,9 +6,11 @@
 //   inside(q), bounded()        a quantity that must not become negative where bounded() says so
 //   series(t), series_until     the regular solution from t = 0, where the equations of motion are singular there
 //   entropy(y)                  never falls
-//   moments(y), moment_names, log_weight(y)   averages along the orbit, weighted
+//   moments(y), moment_names    averages over time along the orbit,
+//   log_weight(y), log_rate(y)  with a weight, and over a physical time that passes at a rate, by their logarithms
 //   stiffness_rate()            a run warns where a step is half its inverse
 //   quantities(y, t)            further columns
+//   gravitational_parameter()   μ of an orbit about the origin, p being the velocity: its elements are said
 #pragma once
 
 #include <cmath>
@@ -52,6 +54,7 @@ template <class P>
 concept HasMoments = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
   m.moments(y);
   m.log_weight(y);
+  m.log_rate(y);
 };
 template <class P>
 concept HasQuantities = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {

@@ -56,6 +56,7 @@ concept FixedStepSchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const ty
 ///   stepper.step(x) noexcept → StepStatus           leaves x as it was where it fails
 ///   stepper.work()
 ///   stepper.active_method()                     optional: how the last step was taken
+///   scheme.level(problem, x)                    optional: what stands for the energy of a run from x instead of H
 ///   stepper.reach(x, t) → StepStatus            optional: x moved to the time t, which lies within one step from x,
 ///                                               by a part of a step; else quintic Hermite interpolation fills in
 /// Time is part of what a step computes, so it is made of the same number as the state.
@@ -73,13 +74,18 @@ concept SelfTimedSchemeFor = SelfTimed<S> && requires(SelfTimedStepperOf<S, P, X
   { stepper.work() } -> std::convertible_to<Work>;
 };
 
-/// The energy that such a run begins with; of a scene whose schemes do not ask for it nothing.
-template <class P, class X>
-double energy_level([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
-  if constexpr (Conservative<P>) {
+/// The energy that such a run from x begins with, or what the scheme puts in its place; of a scene whose schemes do not
+/// ask for it nothing.
+template <class S, class P, class X>
+auto energy_level([[maybe_unused]] const S& scheme, [[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+  if constexpr (requires { scheme.level(problem, x); }) {
+    return scheme.level(problem, x);
+  } else if constexpr (Conservative<P>) {
     return energy(problem, x);
+  } else if constexpr (LinearContact<P>) {
+    return mechanical_energy(problem, x.q, x.p, phase(problem, x.t));
   } else {
-    return 0;
+    return 0.0;
   }
 }
 
@@ -93,7 +99,8 @@ struct ActiveMethod {
 };
 
 // A scheme may also say, as const members: unsupported_reason(problem) → what it has against a scene, in words;
-// flips_momentum(problem, t); starts_at_singularity(problem). See Integrator.
+// flips_from() and stiff_from(problem) → the αh from which a step turns the momentum over, or no longer resolves the
+// damping; starts_at_singularity(problem). See Integrator.
 
 /// The parameters that most schemes share.
 template <class C>

@@ -53,6 +53,11 @@ struct State {
 };
 static_assert(sizeof(State<1>) == 3 * sizeof(double));
 
+/// The extended space of a contact scene with n degrees of freedom: (q, t; p, p_t; s), of which its own time is no
+/// part.
+template <class P, class T = double>
+using Extended = State<P::dof + 1, T, T, Action<T>>;
+
 /// Time t and a point y of the phase space of a system that is not mechanical.
 template <int N, class T = double, class S = double>
 struct Point {

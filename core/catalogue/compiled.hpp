@@ -9,6 +9,7 @@
 #include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
+#include "core/reference/regular_state.hpp"
 #include "core/run/run.hpp"
 #include "core/schemes/list.hpp"
 
@@ -52,11 +53,12 @@ template <class X, class P>
 Solution solve(const P& problem, const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) {
   using Full = FullStateOf<P>;
   const X start = start_of<X>(problem, request.scene->initial, request.scene->start);
-  std::function<std::optional<Tangent<Full>>(const Full&)> tangent;
+  StepTangents<P> tangents;
   with_scheme<P>(request, [&](const auto& scheme) {
-    tangent = [&problem, scheme, start](const Full& x) { return step_tangent(scheme, problem, start, x); };
+    tangents = {[&problem, scheme, start](const Full& x) { return step_tangent(scheme, problem, start, x); },
+                [&problem, scheme, start](const Full& x) { return extended_step_tangent(scheme, problem, start, x); }};
   });
-  return Run<P, X>(problem, request, sink, cancelled).solve(start, tangent);
+  return Run<P, X>(problem, request, sink, cancelled).solve(start, tangents);
 }
 
 template <class P>
@@ -103,15 +105,10 @@ class CompiledMechanics final : public Mechanics {
       if (asks_for_full_state(card_, request)) return solve<Full>(problem, request, sink, cancelled);
     return solve<State>(problem, request, sink, cancelled);
   }
-  std::optional<std::vector<double>> regular_start([[maybe_unused]] std::span<const double> parameters,
-                                                   [[maybe_unused]] double t) const override {
+  std::optional<RegularStart> regular_start([[maybe_unused]] std::span<const double> parameters,
+                                            [[maybe_unused]] double t) const override {
     if constexpr (HasSeries<Problem>)
-      if (t > 0 && t <= Problem::series_until) {
-        const auto x = series_state<FullStateOf<Problem>>(from_values<Problem>(About<P>::fields, parameters), t);
-        std::vector<double> variables;
-        for (std::size_t i = 0; i < x.size; ++i) variables.push_back(x[i]);
-        return variables;
-      }
+      if (t != 0) return regular_state(from_values<Problem>(About<P>::fields, parameters), t);
     return std::nullopt;
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
@@ -121,6 +118,10 @@ class CompiledMechanics final : public Mechanics {
   Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const override {
     const Problem problem = problem_of<P>(scene);
     return conditioning_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going);
+  }
+  std::vector<PaceMark> pace(const Scene& scene, double end, const KeepGoing& keep_going) const override {
+    const Problem problem = problem_of<P>(scene);
+    return pace_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going);
   }
   double blow_up_time([[maybe_unused]] const Scene& scene, [[maybe_unused]] double latest, [[maybe_unused]] double step,
                       [[maybe_unused]] const KeepGoing& keep_going) const override {

@@ -1,5 +1,5 @@
-// A number that knows one thing of itself: whether the time has touched it. Mechanics evaluated in it, at compile time,
-// say whether they depend on the time, whatever the values: 0·t is touched.
+// A number that knows one thing of itself: whether something, as the time, has touched it. Mechanics evaluated in it,
+// at compile time, say whether they depend on that, whatever the values: 0·t is touched.
 #pragma once
 
 #include <concepts>
@@ -15,7 +15,7 @@ struct Dependence {
   template <class U>
   requires std::is_arithmetic_v<U>
   constexpr Dependence(const U&) {}  // NOLINT: a constant depends on nothing
-  static constexpr Dependence on_time() {
+  static constexpr Dependence touching() {
     Dependence t;
     t.touched = true;
     return t;

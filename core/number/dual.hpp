@@ -128,6 +128,11 @@ constexpr Dual<T, K> log(const Dual<T, K>& x) {
   return x.chain(log(x.value), [&](const T& d) { return d / x.value; });
 }
 template <class T, int K>
+Dual<T, K> log1m(const Dual<T, K>& x) {
+  using least::log1m;
+  return x.chain(log1m(x.value), [&](const T& d) { return -(d / (1 - x.value)); });
+}
+template <class T, int K>
 constexpr Dual<T, K> sqrt(const Dual<T, K>& x) {
   using least::sqrt;
   const T r = sqrt(x.value);

@@ -65,6 +65,15 @@ constexpr auto either(const M& mask, F&& yes, G&& no) {
   }
 }
 
+/// ln(1 − z): scalars the compiler knows have it to the last digits for small z, too.
+inline double log1m(double z) { return std::log1p(-z); }
+inline long double log1m(long double z) { return std::log1p(-z); }
+template <class T>
+T log1m(const T& z) {
+  using least::log;
+  return log(T(1) - z);
+}
+
 /// φ₁(z) = (eᶻ − 1)/z, 1 at 0. For any number; scalars the compiler knows have it to the last digit or two.
 /// Source: Hochbruck & Ostermann, Acta Numerica 19, 209 (2010), 2.1.
 inline double phi1(double z) { return z == 0 ? 1 : std::expm1(z) / z; }

@@ -81,7 +81,7 @@ struct About<problems::DampedOscillator> {
                       {"p", "p", "length/time", "momentum per mass", 0.75},
                       {"s", "s", "length²/time", "action", 0, true}},
         .span = 50,
-        .suggested = {{"step", 0.1}},
+        .suggested = {{"step", 0.1}, {"sigma", 0.15}},
         .presets =
             {{"critical", "at the edge between swinging and creeping", {{"damping", 2}}, {}},
              {"overdamped", "a fast and a slow decay side by side: stiff", {{"damping", 100}}, {{"q", 1}, {"p", 0}}}},

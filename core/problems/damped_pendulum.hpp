@@ -52,11 +52,11 @@ struct About<problems::DampedPendulum> {
         .formula =
             "<math><mi>H</mi><mo>=</mo><mfrac><msup><mi>p</mi><mn>2</mn></msup><mn>2</mn></mfrac><mo>−</mo>"
             "<mfrac><mi>g</mi><mi>l</mi></mfrac><mi>cos</mi><mi>q</mi><mo>+</mo><mi>α</mi><mi>s</mi></math>",
-        .variables = {{"q", "q", "rad", "angle from the vertical", 2.5},
+        .variables = {angle("q", "q", "angle from the vertical", 2.5),
                       {"p", "p", "rad/time", "angular velocity", 0},
                       {"s", "s", "rad²/time", "action", 0, true}},
         .span = 60,
-        .suggested = {{"step", 0.1}},
+        .suggested = {{"step", 0.1}, {"sigma", 0.2}},
         .presets = {{"over_the_top", "starts fast enough to turn over several times", {}, {{"q", 0}, {"p", 5}}}},
         .references = {"Vermeeren, Bravetti, Seri, Contact variational integrators, J. Phys. A 52, 445206 (2019)"},
     };

@@ -59,8 +59,8 @@ struct About<problems::DoublePendulum> {
             "<msub><mi>l</mi><mn>1</mn></msub><mi>cos</mi><msub><mi>θ</mi><mn>1</mn></msub><mo>+</mo><msub>"
             "<mi>m</mi><mn>2</mn></msub><mi>γ</mi><msub><mi>l</mi><mn>2</mn></msub><mi>cos</mi><msub><mi>θ</mi>"
             "<mn>2</mn></msub></math>",
-        .variables = {{"theta1", "θ₁", "rad", "angle of the upper rod from the vertical", 1},
-                      {"theta2", "θ₂", "rad", "angle of the lower rod from the vertical", 0.5},
+        .variables = {angle("theta1", "θ₁", "angle of the upper rod from the vertical", 1),
+                      angle("theta2", "θ₂", "angle of the lower rod from the vertical", 0.5),
                       {"p1", "p₁", "mass·length²/time", "momentum conjugate to θ₁", 0},
                       {"p2", "p₂", "mass·length²/time", "momentum conjugate to θ₂", 0}},
         .span = 50,

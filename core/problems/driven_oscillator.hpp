@@ -103,7 +103,7 @@ struct About<problems::DrivenOscillator> {
                       {"p", "p", "length/time", "momentum per mass", 0},
                       {"s", "s", "length²/time", "action", 0, true}},
         .span = 50,
-        .suggested = {{"step", 0.1}},
+        .suggested = {{"step", 0.1}, {"sigma", 1}, {"critical_kinetic_energy", 5}},
         .presets =
             {{"resonance", "no friction, driven at its own frequency: grows", {{"damping", 0}, {"frequency", 1}}, {}}},
         .references = {"Vermeeren, Bravetti, Seri, Contact variational integrators, J. Phys. A 52, 445206 (2019)"},

@@ -77,7 +77,7 @@ struct About<problems::GenericOscillator> {
             "</msup></math>",
         .variables = {{"q", "q", "1", "displacement", 1},
                       {"p", "p", "1", "momentum", 0},
-                      {"U", "U", "1", "internal energy", 1}},
+                      {"U", "U", "1", "internal energy", 1, false, {0, anywhere.high, true, true}}},
         .span = 50,
         .suggested = {{"step", 0.1}},
         .quantities = {{"entropy", "S", "entropy c ln U: never falls"}, {"temperature", "T", "temperature U/c"}},

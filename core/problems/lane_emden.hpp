@@ -54,6 +54,11 @@ struct LaneEmden {
   constexpr auto damping(const S& t) const {
     return 2.0 / t;
   }
+  template <class S>
+  constexpr auto damping_integral(const S& t) const {
+    using least::log;
+    return 2.0 * log(t);
+  }
   /// The zeros of q are reported: the first is the surface of the star.
   template <class T>
   constexpr T section(const Vec<1, T>& q) const {
@@ -159,7 +164,7 @@ struct About<problems::LaneEmden> {
                       {"p", "p", "1", "its slope", 0},
                       {"s", "s", "1", "action", 0, true}},
         .span = 10,
-        .suggested = {{"step", 0.01}},
+        .suggested = {{"step", 0.01}, {"sigma", 0.01}},
         .presets = {{"uniform", "constant density: 1 − t²/6", {{"n", 0}}, {}},
                     {"sine", "sin t/t, surface at π", {{"n", 1}}, {}},
                     {"convective", "a small cool star", {{"n", 1.5}}, {}},

@@ -27,6 +27,17 @@ struct ModulatedOscillator {
     using least::sin;
     return alpha * sin(frequency * t);
   }
+  /// (2α/Ω) sin² Ωt/2; nothing where Ω = 0.
+  template <class S>
+  constexpr auto damping_integral(const S& t) const {
+    using least::either;
+    using least::sin;
+    const auto sine = sin(0.5 * frequency * t);
+    const auto twice = 2.0 * alpha * (sine * sine);
+    using N = std::remove_const_t<decltype(twice)>;
+    return either(
+        frequency > 0, [&] { return N(twice / frequency); }, [&] { return twice; });
+  }
   template <class T>
   constexpr T frequency_squared(const Vec<1, T>&) const {
     return T(stiffness);
@@ -60,7 +71,7 @@ struct About<problems::ModulatedOscillator> {
                       {"p", "p", "length/time", "momentum per mass", 0},
                       {"s", "s", "length²/time", "action", 0.2, true}},
         .span = 10,
-        .suggested = {{"step", 0.05}},
+        .suggested = {{"step", 0.05}, {"sigma", 0.1}},
         .references = {"Vermeeren, Bravetti, Seri, Contact variational integrators, J. Phys. A 52, 445206 (2019)"},
     };
   }

@@ -89,7 +89,7 @@ struct About<problems::Pendulum> {
         .formula =
             "<math><mi>H</mi><mo>=</mo><mfrac><msup><mi>p</mi><mn>2</mn></msup><mn>2</mn></mfrac><mo>−</mo>"
             "<mfrac><mi>g</mi><mi>l</mi></mfrac><mi>cos</mi><mi>q</mi></math>",
-        .variables = {{"q", "q", "rad", "angle from the vertical", 1.5}, {"p", "p", "rad/time", "angular velocity", 0}},
+        .variables = {angle("q", "q", "angle from the vertical", 1.5), {"p", "p", "rad/time", "angular velocity", 0}},
         .span = 30,
         .suggested = {{"step", 0.1}, {"theta", 0.02}, {"critical_kinetic_energy", 0.3}},
         .references = {"Abramowitz, Stegun, Handbook of Mathematical Functions, 1964, chapter 16"},

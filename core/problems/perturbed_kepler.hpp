@@ -30,6 +30,18 @@ struct PerturbedKepler {
     using least::sin;
     return alpha * sin(frequency * t);
   }
+  constexpr R gravitational_parameter() const { return -gamma; }
+  /// (2α/Ω) sin² Ωt/2; nothing where Ω = 0.
+  template <class S>
+  constexpr auto damping_integral(const S& t) const {
+    using least::either;
+    using least::sin;
+    const auto sine = sin(0.5 * frequency * t);
+    const auto twice = 2.0 * alpha * (sine * sine);
+    using N = std::remove_const_t<decltype(twice)>;
+    return either(
+        frequency > 0, [&] { return N(twice / frequency); }, [&] { return twice; });
+  }
   /// A periapsis passage loses accuracy long before it loses stability: ωh from which a run warns.
   static constexpr double careful_step = 0.3;
   /// |γ|/r³, the square of the angular velocity of a circular orbit here.
@@ -71,7 +83,7 @@ struct About<problems::PerturbedKepler> {
                       {"py", "p_y", "length/time", "velocity along y", 1.7320508075688772},
                       {"s", "s", "length²/time", "action", 0, true}},
         .span = 50,
-        .suggested = {{"step", 0.02}},
+        .suggested = {{"step", 0.02}, {"sigma", 0.03}, {"critical_kinetic_energy", 0.5}},
         .presets = {{"circular",
                      "starts on a circle, the friction changes twice in 2 time units",
                      {{"alpha", 0.01}, {"frequency", 3.141592653589793}},
@@ -80,6 +92,11 @@ struct About<problems::PerturbedKepler> {
                      "e = 0.5 and the same friction",
                      {{"alpha", 0.01}, {"frequency", 3.141592653589793}},
                      {{"x", 0.5}, {"y", 0}, {"px", 0}, {"py", 1.7320508075688772}}},
+                    {"eccentric_nine_tenths",
+                     "e = 0.9: fast for a short time only, for steps that follow the motion",
+                     {{"alpha", 0.01}, {"frequency", 3.141592653589793}},
+                     {{"x", 0.1}, {"y", 0}, {"px", 0}, {"py", 4.358898943540674}},
+                     {{"step", 0.001}}},
                     {"eccentric_fifth_fast",
                      "e = 0.2, friction of period 1",
                      {{"alpha", 0.01}, {"frequency", 6.283185307179586}},

@@ -93,6 +93,13 @@ struct SpinOrbit {
   constexpr auto damping(const F& f) const {
     return f.alpha;
   }
+  /// ct + ln C
+  template <class S>
+  constexpr auto damping_integral(const S& t) const {
+    using least::cos;
+    using least::log;
+    return friction * t + log(1.0 + lambda * cos(frequency * t));
+  }
   /// From above, for small e.
   template <class T>
   constexpr T frequency_squared(const Vec<1, T>&) const {
@@ -130,11 +137,11 @@ struct About<problems::SpinOrbit> {
             "</munder><msub><mi>W</mi><mi>k</mi></msub><mrow><mo>(</mo><mi>e</mi><mo>)</mo></mrow>"
             "<mi>sin</mi><mrow><mo>(</mo><mn>2</mn><mi>q</mi><mo>−</mo><mi>k</mi><mi>t</mi><mo>)</mo></mrow>"
             "<mo>=</mo><mi>μ</mi></math>",
-        .variables = {{"q", "q", "rad", "angle of the long axis", 0},
+        .variables = {angle("q", "q", "angle of the long axis", 0),
                       {"p", "p", "rad/time", "rate of the spin; 1 is once per revolution", 1},
                       {"s", "s", "1", "action", 0, true}},
         .span = 62.83185307179586,
-        .suggested = {{"step", 0.3141592653589793}},
+        .suggested = {{"step", 0.3141592653589793}, {"sigma", 0.5}},
         .presets = {{"resonant_1",
                      "figure and orbit in step, the shape hardly changes",
                      {{"eccentricity", 0.01}, {"epsilon", 0.0075}, {"frequency", 1}, {"lambda", 0.001}},

@@ -1,7 +1,7 @@
 // Contact density dynamics: a thermostat that makes one oscillator visit its states as heat would.
-// H = ρ^{−1/2} with ρ ∝ e^{−βh(q,p)} f(s), h = p²/2 + q²/2 and f logistic of scale Q. In the time τ, dt = dτ/H:
+// H = ρ^{−κ} with ρ ∝ e^{−βh(q,p)} f(s), h = p²/2 + q²/2 and f logistic of scale Q. In the time τ, dt = dτ/H:
 // q′ = κβp, p′ = −κβq + κ g(s) p, s′ = κβp² − 1 with g = (ln f)′ = −tanh(s/2Q)/Q. The motion keeps the density ρ^κ: κ =
-// ½ is the contact flow itself, κ = 1 keeps ρ.
+// ½ is the published flow, whose averages over the physical time t are those of ρ, κ = 1 keeps ρ itself in τ.
 #pragma once
 
 #include <array>
@@ -53,18 +53,32 @@ struct Thermostat {
     const T p2 = y[1] * y[1];
     return {y[0] * y[0], p2, p2 * p2, y[2] * y[2]};
   }
-  /// ln ρ^{1−κ}: turns averages along the motion into those of ρ.
+  /// ln ρ, but for a constant.
   template <class T>
-  constexpr T log_weight(const Vec<3, T>& y) const {
+  constexpr T log_density(const Vec<3, T>& y) const {
     using least::abs;
     using least::exp;
     using least::log;
     const T u = abs(y[2]) / scale;
     const T log_f = -u - 2.0 * log(0.5 * (1.0 + exp(-u)));
-    return (1.0 - kappa) * (log_f - 0.5 * beta * (y[0] * y[0] + y[1] * y[1]));
+    return log_f - 0.5 * beta * (y[0] * y[0] + y[1] * y[1]);
   }
-  /// How fast the bath can damp.
-  constexpr R stiffness_rate() const { return kappa / scale; }
+  /// ln ρ^{1−κ}: turns averages over τ, whose motion keeps ρ^κ, into those of ρ.
+  template <class T>
+  constexpr T log_weight(const Vec<3, T>& y) const {
+    return (1.0 - kappa) * log_density(y);
+  }
+  /// ln dt/dτ = −ln H: the contact flow of H = ρ^{−κ} is the one that runs in the time t.
+  template <class T>
+  constexpr T log_rate(const Vec<3, T>& y) const {
+    return kappa * log_density(y);
+  }
+  /// How fast the bath can damp, or the oscillator turn.
+  constexpr R stiffness_rate() const {
+    using least::select;
+    const R damping = 1.0 / scale;
+    return kappa * select(beta > damping, beta, damping);
+  }
 };
 
 }  // namespace least::problems

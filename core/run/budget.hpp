@@ -18,6 +18,8 @@ class Budget {
   void start() { start_ = Clock::now(); }
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
+  const std::atomic<bool>& cancelled() const { return cancelled_; }
+
   /// How many steps may pass before the clock is read again: about a millisecond's worth.
   std::int64_t block() const { return block_; }
 

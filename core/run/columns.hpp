@@ -1,9 +1,13 @@
 // The columns that can be asked of a scene, one row each: the card, and the value at a state.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "core/describe.hpp"
+#include "core/exact/elements.hpp"
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
 
@@ -20,6 +24,16 @@ struct Column {
   double (*value)(const P& problem, const X& x, const StepInfo& step, std::size_t index);
   std::size_t index = 0;  ///< among those of its kind
 };
+
+/// Of the state at each sample, against the truth: what a state alone cannot say, and the writer fills in.
+inline constexpr std::string_view error_column = "error";
+
+/// An angle in [−π, π).
+inline double wrapped(double angle) {
+  constexpr double pi = std::numbers::pi;
+  const double rest = std::remainder(angle, 2 * pi);
+  return rest < pi ? rest : -pi;
+}
 
 /// Every column, in the order of the catalogue. `card` names variables, invariants and quantities.
 template <class P, class X>
@@ -55,6 +69,24 @@ std::vector<Column<P, X>> columns_of(const ProblemCard& card) {
       all.push_back({{card.quantities[i].name},
                      [](const P& m, const X& x, const StepInfo&, std::size_t k) { return m.quantities(x.y, x.t)[k]; },
                      i});
+  if constexpr (TwoBody<P>)
+    for (std::size_t i = 0; i < two_body::elements_in<P::dof>; ++i) {
+      const std::string name(two_body::element_names[i]);
+      if (std::ranges::find(card.invariants, name, &QuantityCard::name) != card.invariants.end()) continue;
+      all.push_back({{name, false, false, true},
+                     [](const P& m, const X& x, const StepInfo&, std::size_t k) {
+                       return two_body::element(two_body::elements(x.q, x.p, m.gravitational_parameter()), k);
+                     },
+                     i});
+    }
+  all.push_back({{std::string(error_column), false, false, true},
+                 [](const P&, const X&, const StepInfo&, std::size_t) { return unknown; }});
+  for (std::size_t i = 0; i < card.variables.size(); ++i)
+    if (card.variables[i].angle)
+      all.push_back(
+          {{card.variables[i].name + "_wrapped"},
+           [](const P&, const X& x, const StepInfo&, std::size_t k) { return wrapped(least::variable(x, k)); },
+           i});
   if constexpr (Conservative<P>) {
     std::vector<std::string> modes(mode_names.begin(), mode_names.end()), coordinates;
     for (std::size_t i = 0; i < std::size_t(P::dof); ++i) coordinates.push_back(card.variables[i].name);

@@ -3,6 +3,7 @@
 // step pays nothing.
 #pragma once
 
+#include <limits>
 #include <utility>
 
 #include "core/run/integrator.hpp"
@@ -103,20 +104,27 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
 
   StepInfo step_info(const State&) const override { return {grid_.step}; }
-  /// Looked at over the span, not at each step.
-  std::optional<double> flips_momentum([[maybe_unused]] std::int64_t n) const override {
-    if constexpr (requires { scheme_.flips_momentum(problem_, 0.0); }) {
+  /// Looked at over the span, not at each step. The first that turns the momentum over, else the first that is stiff.
+  std::optional<StrongDamping> strong_damping([[maybe_unused]] std::int64_t n) const override {
+    std::optional<StrongDamping> found;
+    if constexpr (LinearContact<P>) {
+      constexpr double never = std::numeric_limits<double>::infinity();
+      double flips = never, stiff = never;
+      if constexpr (requires { scheme_.flips_from(); }) flips = scheme_.flips_from();
+      if constexpr (requires { scheme_.stiff_from(problem_); }) stiff = scheme_.stiff_from(problem_);
+      if (flips == never && stiff == never) return found;
       constexpr std::int64_t most = 1000;
       n = std::min(n, grid_.steps);
       const std::int64_t looks = std::min(n, most);
-      for (std::int64_t k = 1; k <= looks; ++k) {
+      for (std::int64_t k = 1; k <= looks && !(found && found->flips); ++k) {
         const auto step =
             static_cast<std::int64_t>(static_cast<double>(n) * static_cast<double>(k) / static_cast<double>(looks));
         const double t = grid_.time(std::max<std::int64_t>(step, 2));  // the first may begin where damping is singular
-        if (scheme_.flips_momentum(problem_, t)) return t;
+        const double strength = damping(problem_, phase(problem_, t)) * grid_.step;
+        if (strength >= flips || (strength > stiff && !found)) found = {t, strength, strength >= flips};
       }
     }
-    return std::nullopt;
+    return found;
   }
   Work work() const override {
     const Work here = stepper_.work();

@@ -43,6 +43,12 @@ struct BlockResult {
   explicit operator bool() const { return end == BlockEnd::target; }
 };
 
+/// A step that turns the momentum over where the motion only damps it, or does not resolve the damping.
+struct StrongDamping {
+  double t, damping_step;  ///< αh
+  bool flips;
+};
+
 template <class P, class X>
 class Integrator {
  public:
@@ -81,9 +87,11 @@ class Integrator {
   virtual std::int64_t fallback_steps() const { return 0; }
   /// What of the energy says that the run has gone wrong, in words; empty: nothing.
   virtual std::string accuracy_warning() const { return {}; }
-  /// Whether, and when first, one of so many first steps turns the momentum over where the motion only damps it.
-  virtual std::optional<double> flips_momentum(std::int64_t) const { return std::nullopt; }
+  /// Where the damping is too strong for one of so many first steps.
+  virtual std::optional<StrongDamping> strong_damping(std::int64_t) const { return std::nullopt; }
   virtual Work work() const = 0;
+  /// What the scheme says of the step that failed, in words; empty: nothing.
+  virtual std::string failure() const { return {}; }
 };
 
 /// The scheme of a request bound to a problem at x: steps of the grid, or by the scheme's own clock up to `end`.

@@ -15,6 +15,7 @@
 
 #include "core/describe.hpp"
 #include "core/run/outcome.hpp"
+#include "core/state_error.hpp"
 
 namespace least {
 
@@ -39,37 +40,59 @@ struct Scene {
 /// The true states of a scene at increasing times.
 struct Truth {
   std::vector<std::vector<double>> states;  ///< by time; the variables that the motion has
-  double uncertainty = 0;                   ///< in the measure of *error*
+  double uncertainty = 0;                   ///< as an *error* in the absolute norm
+  double relative_uncertainty = 0;          ///< in the relative one
   std::string_view how;                     ///< closed form | quad precision run
   bool complete = false;                    ///< false: it was told to give up, or the solution ceased to be finite
 
+  double uncertainty_in(Norm norm) const { return norm == Norm::absolute ? uncertainty : relative_uncertainty; }
   std::size_t bytes() const;  ///< in memory, about
 };
 
 /// How well the states of a motion can be known: how fast small differences of its start grow. Growth is
 /// ‖∂x(t)/∂x_j(0)‖ · ‖x(0)‖ / max(1, ‖x(t)‖), the largest of all directions j, with ‖x‖ = max|x_i|: how many times a
-/// relative error of the start appears in the error at t.
+/// relative error of the start appears in the error at t. In the relative norm the divisor is ‖x(t)‖.
 struct Conditioning {
   static constexpr std::size_t parts = 8;
-  std::size_t variables = 0;           ///< of the card, that the motion has
-  double growth = 1, most_growth = 1;  ///< at the end, and the largest
-  std::array<double, parts> so_far{};  ///< the largest growth up to each eighth of the span
-  double size = 0;                     ///< the largest ‖x(t)‖
-  double size_halfway = 0;             ///< the same up to half the span
-  double reached = 0;                  ///< time up to which the motion goes on, if not to the end that was asked for
-  bool ends = false;                   ///< it leaves its domain there, or ceases to be finite
-  bool complete = true;                ///< false: given up on the way
-  std::vector<double> pace;            ///< times that follow the motion: dense where it is fast
+  std::size_t variables = 0;                             ///< of the card, that the motion has
+  double growth = 1, most_growth = 1;                    ///< at the end, and the largest
+  double relative_growth = 1, most_relative_growth = 1;  ///< in the relative norm
+  std::array<double, parts> so_far{};                    ///< the largest growth up to each eighth of the span
+  double size = 0;                                       ///< the largest ‖x(t)‖
+  double size_halfway = 0;                               ///< the same up to half the span
+  double reached = 0;        ///< time up to which the motion goes on, if not to the end that was asked for
+  bool ends = false;         ///< it leaves its domain there, or ceases to be finite
+  bool complete = true;      ///< false: given up on the way
+  std::vector<double> pace;  ///< times that follow the motion: evenly by its steps, and where it is fastest
   /// The least and the largest local frequency that the problem estimates along the motion; NaN: it does not.
   double slowest = std::numeric_limits<double>::quiet_NaN(), fastest = std::numeric_limits<double>::quiet_NaN();
-  double damping = std::numeric_limits<double>::quiet_NaN();  ///< α where it does not change in time
+  double damping = std::numeric_limits<double>::quiet_NaN();  ///< α where it does not change in time; 0: none
+  /// What changes of a kept energy are measured by: the largest |energy| or kinetic energy; 0 where none is kept.
+  double energy = 0;
 
+  /// At the end, or the largest.
+  double growth_in(Norm norm, bool at_end) const {
+    if (norm == Norm::absolute) return at_end ? growth : most_growth;
+    return at_end ? relative_growth : most_relative_growth;
+  }
   /// Whether differences grow exponentially all along the span: by far in each of its last quarters. What grows as a
   /// power of time, or in a single close passage, does not.
   bool chaotic() const;
   /// Whether the motion goes ever further, as an angle that turns.
   bool travels() const { return size > 1.5 * size_halfway; }
   std::size_t bytes() const;  ///< in memory, about
+};
+
+/// The state of a run that names a time after a singular start but none itself: that of the one regular motion from
+/// there. Where there is an objection, the state has to be given.
+struct RegularStart {
+  std::vector<double> state;  ///< in the order of the card's variables
+  std::string objection;      ///< why that motion has no state at this time; empty: it has
+};
+
+/// A time at which a motion should be looked at, and how fast it is there: of core/run/landmarks.hpp.
+struct PaceMark {
+  double t = 0, speed = 0;
 };
 
 class Mechanics {
@@ -86,13 +109,15 @@ class Mechanics {
   /// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.
   virtual Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const = 0;
 
-  /// The state of a run that names a time near a singular start but none itself; empty where it has to.
-  virtual std::optional<std::vector<double>> regular_start(std::span<const double> parameters, double t) const = 0;
+  /// At the time t; empty where the card's own start stands for every time.
+  virtual std::optional<RegularStart> regular_start(std::span<const double> parameters, double t) const = 0;
 
   // The true motion, computed anew.
   virtual Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const = 0;
   /// From the start to `end`.
   virtual Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const = 0;
+  /// Where to look at it, from the start to `end` or as far as it goes: no more than 128 times, in their order.
+  virtual std::vector<PaceMark> pace(const Scene& scene, double end, const KeepGoing& keep_going) const = 0;
   /// When it becomes infinite, if it does so before `latest`, else NaN. `step`: a length of time in which little
   /// happens.
   virtual double blow_up_time(const Scene& scene, double latest, double step, const KeepGoing& keep_going) const = 0;

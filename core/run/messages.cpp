@@ -32,13 +32,43 @@ std::string stiff(double ratio) {
       "the fastest rate of damping times the step is {:.3g}: above 0.5 expect large errors, above 1 nonsense", ratio);
 }
 
-std::string damping_sign(double t) {
-  return fmt::format("αh ≥ 2 at t = {:.6g}: each step turns the momentum over where the motion only damps it", t);
+std::string damping_sign(double damping_step, double t) {
+  return fmt::format("αh = {:.3g} at t = {:.6g}: each step turns the momentum over where the motion only damps it",
+                     damping_step, t);
 }
 
-std::string fallback_steps(std::int64_t steps) {
-  return fmt::format("{} {} could not be taken along any coordinate and went in time instead", steps,
-                     steps == 1 ? "step" : "steps");
+std::string stiff_damping(double damping_step, double t) {
+  return fmt::format("αh = {:.3g} at t = {:.6g}: above 2 a step of this scheme does not resolve the damping",
+                     damping_step, t);
+}
+
+std::string stiff_action(double rate) {
+  return fmt::format("γ|s|h reached {:.3g}: a step does not resolve the damping γs; take a shorter one", rate);
+}
+
+std::string grows(double by_step, double together) {
+  return fmt::format(
+      "each step multiplies the oscillation by {:.6g}, all of them by {:.3g}: this scheme does so at any "
+      "step",
+      by_step, together);
+}
+
+std::string grows_by_energy(double before, double now) {
+  return fmt::format("the energy went from {:.4g} to {:.4g}: this scheme adds to it at every step, however short",
+                     before, now);
+}
+
+std::string departs(double error, double t, double reached) {
+  return fmt::format(
+      "at t = {:.4g} it is off by {:.2g}, by a control run of Dormand–Prince 5(4) that went as far as t = "
+      "{:.4g}",
+      t, error, reached);
+}
+
+std::string fallback_steps(std::int64_t steps, bool hybrid) {
+  return fmt::format("{} {} could not be taken {}", steps, steps == 1 ? "step" : "steps",
+                     hybrid ? "along any coordinate and went in time instead"
+                            : "at a length that keeps the discrete energy and went at the nominal one instead");
 }
 
 std::string strain(double strain) {
@@ -50,10 +80,12 @@ std::string strain(double strain) {
 
 std::string energy_jump(double before, double now) {
   return fmt::format(
-      "the energy went from {:.4g} to {:.4g}: steps leapt over what they should have followed; take a smaller "
-      "tolerance",
+      "the energy went from {:.4g} to {:.4g}, where the motion keeps it: the result is worthless; take a shorter step "
+      "or a smaller tolerance",
       before, now);
 }
+
+std::string number(double x) { return fmt::format("{}", x); }
 
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }
 

@@ -16,10 +16,21 @@ std::string left_domain(double t);
 std::string blow_up(double t);
 /// `ratio` is the rate of damping times the step.
 std::string stiff(double ratio);
-std::string damping_sign(double t);
-std::string fallback_steps(std::int64_t steps);
+/// `damping_step` is αh at the time t.
+std::string damping_sign(double damping_step, double t);
+std::string stiff_damping(double damping_step, double t);
+/// `rate` is γ|s|h.
+std::string stiff_action(double rate);
+/// By what a step multiplies an oscillation, and all of them.
+std::string grows(double by_step, double together);
+std::string grows_by_energy(double before, double now);
+std::string departs(double error, double t, double reached);
+/// Of a hybrid, or of a scheme that solves for the length of its steps.
+std::string fallback_steps(std::int64_t steps, bool hybrid);
 std::string strain(double strain);
 std::string energy_jump(double before, double now);
+/// The shortest text that reads back as x.
+std::string number(double x);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/run/mechanics.hpp"
+#include "core/state_error.hpp"
 
 namespace least {
 
@@ -33,9 +34,11 @@ struct Request {
   double end = 0;
   std::int64_t steps = 0;
   Record record;
+  Norm norm = Norm::absolute;            ///< of every error that is asked for
   std::vector<std::size_t> columns;      ///< indices into the problem card's columns
   std::vector<std::size_t> diagnostics;  ///< indices into the problem card's diagnostics
   Limits limits;
+  bool control = false;  ///< afterwards a second, short run by another scheme, and a warning where they disagree
 };
 
 }  // namespace least

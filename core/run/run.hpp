@@ -14,6 +14,7 @@
 #include "core/run/method_switch.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/trajectory_writer.hpp"
+#include "core/run/warnings.hpp"
 
 namespace least {
 
@@ -34,15 +35,16 @@ class Run {
                    : request.until_steps ? request.steps
                                          : SaveSchedule::never),
         schedule_(request, end_),
-        writer_(problem_, card_, request.columns, sink),
+        writer_(problem_, request, sink),
         budget_(request.limits.seconds, cancelled),
         diagnostics_(request.diagnostics),
         events_(static_cast<std::size_t>(request.limits.samples)),
-        guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>) {}
+        guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>,
+               ConstantFrequency<P>),
+        evidence_(fixed_ ? std::optional(grid_.steps) : std::nullopt, request.control) {}
 
-  using StepTangent = std::function<std::optional<Tangent<FullStateOf<P>>>(const FullStateOf<P>&)>;
-  /// `tangent`: of a step of the scheme, for the diagnostics.
-  Solution solve(const X& start, const StepTangent& tangent) {
+  /// `tangents`: of steps of the scheme, for the diagnostics.
+  Solution solve(const X& start, const StepTangents<P>& tangents) {
     integrator_ = bind_scheme(problem_, request_, start, grid_, end_);
     state_.x = start;
     method_ = integrator_->method();
@@ -52,7 +54,7 @@ class Run {
       }
       if (going()) finish();
     }
-    return conclude(tangent);
+    return conclude(tangents);
   }
 
  private:
@@ -88,6 +90,7 @@ class Run {
     if (!check_start()) return false;
     if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(ReturnCode::singular, why);
     diagnostics_.start(problem_, state_.x);
+    evidence_.start(problem_, state_.x);
     save_snapshot();
     if (!save_due()) return false;
     const BlockResult result = integrator_->check_start(state_.x, guard_);
@@ -122,14 +125,17 @@ class Run {
   bool advance_block() {
     const std::int64_t n = state_.n;
     if (!within_step_limit()) return false;
-    const StepTarget target{
-        std::min({n + budget_.block(), request_.limits.steps, last_step_, schedule_.step(), next_snapshot()}),
-        std::min(loop_end_, schedule_.time() < end_ ? schedule_.time() : infinite)};
+    const StepTarget target{std::min({n + budget_.block(), request_.limits.steps, last_step_, schedule_.step(),
+                                      next_snapshot(), evidence_.next(n)}),
+                            std::min(loop_end_, schedule_.time() < end_ ? schedule_.time() : infinite)};
     const BlockResult result =
         integrator_->advance(state_, target, guard_, diagnostics_.sees_steps() ? &diagnostics_ : nullptr);
     locate_events();
     record_method_switch();
-    if (state_.n > n && state_.x.t <= end_) save_snapshot();
+    if (state_.n > n && state_.x.t <= end_) {
+      save_snapshot();
+      evidence_.see(problem_, state_);
+    }
     return save_due() && (result || fail(result)) && within_budget(state_.n - n);
   }
 
@@ -224,15 +230,19 @@ class Run {
           ReturnCode::parameter_step_underflow,
           "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in "
           "a collision or where the motion comes to rest");
+    const std::string why = integrator_->failure();
     const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
     if (result.status == StepStatus::solver_failed)
       return stop(ReturnCode::solver_failed,
-                  fixed_ ? "Newton's method found no solution of the implicit step; a shorter step may"
-                         : "the equations of the step have no solution near here; a shorter step may",
+                  !why.empty() ? why
+                  : fixed_     ? "Newton's method found no solution of the implicit step; a shorter step may"
+                               : "the equations of the step have no solution near here; a shorter step may",
                   when);
     if (result.status == StepStatus::singular || std::isfinite(when))
       return stop(ReturnCode::singular,
-                  std::isfinite(when) ? messages::blow_up(when) : "the step is singular here; a shorter one may not be",
+                  std::isfinite(when) ? messages::blow_up(when)
+                  : !why.empty()      ? why
+                                      : "the step is singular here; a shorter one may not be",
                   when);
     if (result.status == StepStatus::underflow)
       return stop(ReturnCode::singular,
@@ -257,12 +267,10 @@ class Run {
   }
 
   bool stop_as_unstable() {
-    const double ratio = guard_.largest(), most = guard_.bound();
-    double longest = nominal_step() * most / ratio;
-    if constexpr (ConstantDamping<P>)
-      longest = longest_stable_step(request_.scheme, request_.settings, ratio / nominal_step(), problem_.damping(),
-                                    nominal_step());
-    return stop(ReturnCode::unstable_step, messages::unstable(ratio, most, longest));
+    const double ratio = guard_.largest();
+    const auto known =
+        stable_steps(request_.scheme, request_.settings, ratio / nominal_step(), damping_of(problem_), nominal_step());
+    return stop(ReturnCode::unstable_step, messages::unstable(ratio, guard_.bound(), known.limit));
   }
   /// What the setting `step` says.
   double nominal_step() const {
@@ -308,19 +316,29 @@ class Run {
     return state_.x.t;
   }
 
-  Solution conclude(const StepTangent& tangent) {
-    if (!writer_.flush()) receiver_is_gone();
+  Solution conclude(const StepTangents<P>& tangents) {
     const Work work = integrator_->work();
     outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
+    if (!writer_.finish([this] { return keep_going(); })) receiver_is_gone();
     warn_of_the_run();
+    if (writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
     outcome_.t = state_.x.t;
     for (std::size_t i = 0; i < card_.variables.size(); ++i) {
       const bool shown =
           !card_.variables[i].optional || std::ranges::find(request_.columns, i + 1) != request_.columns.end();
       outcome_.final.push_back(shown ? variable(state_.x, i) : unknown);
     }
-    const RunEnd<P, X> end{problem_,         scene_,  scheme_, state_.x,
-                           snapshots_,       events_, tangent, [this] { return keep_going(); },
+    const RunEnd<P, X> end{problem_,
+                           scene_,
+                           request_,
+                           scheme_,
+                           state_.x,
+                           snapshots_,
+                           events_,
+                           tangents.plain,
+                           tangents.extended,
+                           {[this] { return keep_going(); },
+                            [this] { return request_.limits.seconds - budget_.seconds(); }, budget_.cancelled()},
                            outcome_.warnings};
     outcome_.diagnostics = diagnostics_.reports(request_.diagnostics, end);
     return std::move(outcome_);
@@ -329,23 +347,10 @@ class Run {
   void warn_of_the_run() {
     if (kept_ > request_.limits.samples)
       warn("samples_truncated", "more steps than limits.samples; the first are kept");
-    if constexpr (HasFrequency<P>) warn_of_step();
-    if constexpr (requires { problem_.stiffness_rate(); }) {
-      const double ratio = problem_.stiffness_rate() * grid_.step;
-      if (ratio > 0.5) warn("stiff_step", messages::stiff(ratio));
-    }
-    if (const auto t = integrator_->flips_momentum(state_.n)) warn("damping_sign", messages::damping_sign(*t));
-    if (const auto steps = integrator_->fallback_steps(); steps > 0)
-      warn("steps_in_time", messages::fallback_steps(steps));
-    if (const std::string why = integrator_->accuracy_warning(); !why.empty()) warn("off_energy_level", why);
+    evidence_.finish(problem_, state_);
+    warn_of_run<P, X>({problem_, request_, scheme_, state_, grid_.step, *integrator_, guard_, evidence_},
+                      outcome_.warnings);
     if (events_.full()) warn("events_truncated", "more events than limits.samples; the first are listed");
-  }
-  /// From half the bound on, or from where the problem says that accuracy suffers.
-  void warn_of_step() {
-    const double fastest = guard_.largest(), most = guard_.bound(2 * fastest);
-    double careful = most > 0 ? most / 2 : infinite;
-    if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
-    if (fastest > careful) warn("step_near_stability_bound", messages::near_bound(fastest, careful, guard_.bound()));
   }
 
   static constexpr std::size_t most_snapshots = 256;
@@ -366,6 +371,7 @@ class Run {
   DiagnosticSet<P, X> diagnostics_;
   Events events_;
   StepGuard guard_;
+  Evidence<P, X> evidence_;
   std::unique_ptr<Integrator<P, X>> integrator_;
   IntegrationState<X> state_;
   std::optional<ActiveMethod> method_;

@@ -20,7 +20,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   /// `end`: diagnostics see no state beyond it.
   SelfTimedIntegrator(const P& problem, const Scheme& scheme, const X& x, double end)
       : Base(problem, scheme),
-        energy_(energy_level(problem, x)),
+        energy_(energy_level(scheme, problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         left_(x),
         end_(end) {}
@@ -29,6 +29,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if (along_series_ && state.n == 0 && advance_on_series(state, diagnostics)) return {};
     auto stepper = stepper_;
     X x = state.x, left = left_;
+    auto memory = memory_, left_memory = left_memory_;
     double late = late_;
     BlockResult result;
     std::int64_t n = state.n;
@@ -37,10 +38,10 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if constexpr (hybrid && HasFrequency<P>) last_frequency = problem_.frequency_squared(x.q);
     while (n < target.n && x.t < target.t) {
       X y = x;
-      if (!reads_time) y.t = 0;  // the step says how long it took, and the sum is compensated
+      if (compensated && !told_time) y.t = 0;
       result = step(stepper, y);
       if (!result) break;
-      const double h = reads_time ? y.t - x.t : y.t, part = h - late, t = reads_time ? y.t : x.t + part;
+      const double h = duration(stepper, x, y), part = h - late, t = compensated ? x.t + part : y.t;
       result = judge(y, h, t);
       if constexpr (hybrid && HasFrequency<P>) {  // steps in time, at either end of which the motion may be too fast
         const double frequency = problem_.frequency_squared(y.q);
@@ -50,8 +51,10 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
         if (result && guard.exceeded()) result = {BlockEnd::too_fast};
       }
       if (!result) break;
-      if (!reads_time) late = (t - x.t) - part;
+      if (compensated) late = (t - x.t) - part;
       left = x;
+      left_memory = memory;
+      memory = memory_of(stepper);
       x = y;
       x.t = t;
       if constexpr (Sloped<X>) normalise(x);
@@ -61,6 +64,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     }
     stepper_ = stepper;
     left_ = left;
+    memory_ = memory;
+    left_memory_ = left_memory;
     late_ = late;
     state = {x, n};
     return result;
@@ -82,8 +87,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if (t <= state.x.t) return interpolate(state, t, x, nullptr);
     if constexpr (requires(Stepper s) { s.reach(x, t); }) {
       x = state.x;
-      auto stepper = scheme_.bind(problem_, x, energy_);
-      return stepper.reach(x, t);
+      return stepper_at(x, memory_).reach(x, t);
     } else {
       return StepStatus::solver_failed;
     }
@@ -117,13 +121,12 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
   std::string accuracy_warning() const override {
     constexpr double most = 0.5;
-    if constexpr (requires { stepper_.strain(); }) {
+    if constexpr (requires { stepper_.strain(); })
       if (stepper_.strain() > most) return messages::strain(stepper_.strain());
-    } else if constexpr (reads_time && Conservative<P> && Autonomous<P>) {
-      const double now = energy(problem_, left_), potential = least::potential(problem_, position(left_));
-      const double off = std::abs(now - energy_) / (std::abs(potential) + std::abs(now - potential));
-      if (off > most) return messages::energy_jump(energy_, now);
-    }
+    return {};
+  }
+  std::string failure() const override {
+    if constexpr (requires { stepper_.failure(); }) return stepper_.failure();
     return {};
   }
   Work work() const override {
@@ -136,10 +139,39 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   static constexpr bool hybrid = requires(const Stepper& s) { s.active_method(); };
   static constexpr bool reads_time = requires { requires Scheme::reads_time; };
 
+  /// The scheme says of each step how long it took: the sum is compensated.
+  static constexpr bool compensated = !reads_time;
+  /// Its steps ask for the time they begin at.
+  static constexpr bool told_time = requires { requires Stepper::reads_time; };
+
   static ActiveMethod method_of(const Stepper& stepper) {
     if constexpr (hybrid) return stepper.active_method();
     return {};
   }
+  struct NoMemory {};
+  /// What steps remember beside the state.
+  static auto memory_of([[maybe_unused]] const Stepper& stepper) {
+    if constexpr (requires { stepper.memory(); }) {
+      return stepper.memory();
+    } else {
+      return NoMemory{};
+    }
+  }
+  using Memory = decltype(memory_of(std::declval<const Stepper&>()));
+  /// A stepper that goes on from x.
+  Stepper stepper_at(const X& x, [[maybe_unused]] const Memory& memory) const {
+    Stepper stepper = scheme_.bind(problem_, x, energy_);
+    if constexpr (requires { stepper.resume(x, memory); }) stepper.resume(x, memory);
+    return stepper;
+  }
+  static double duration([[maybe_unused]] const Stepper& stepper, const X& x, const X& y) {
+    if constexpr (compensated && told_time) {
+      return stepper.elapsed();
+    } else {
+      return compensated ? y.t : y.t - x.t;
+    }
+  }
+
   static BlockResult step(Stepper& stepper, X& y) {
     const StepStatus status = stepper.step(y);
     return status == StepStatus::ok ? BlockResult{} : BlockResult::failed(status);
@@ -165,10 +197,11 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if constexpr (requires(const Stepper& s) { s.interpolate(x, t); })
       if (stepper_.interpolate(x, t)) return StepStatus::ok;
     if constexpr (requires(Stepper s) { s.reach(x, t); }) {
-      auto stepper = scheme_.bind(problem_, left_, energy_);
+      auto stepper = stepper_at(left_, left_memory_);
       X y = left_;
-      if (!reads_time) y.t = 0;
-      if (const StepStatus status = stepper.reach(y, reads_time ? t : t - left_.t); status != StepStatus::ok)
+      const bool from_zero = compensated && !told_time;
+      if (from_zero) y.t = 0;
+      if (const StepStatus status = stepper.reach(y, from_zero ? t - left_.t : t); status != StepStatus::ok)
         return status;
       x = y;
       if (work) *work = stepper.work();
@@ -188,6 +221,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       if (!(x.t > state.x.t)) return along_series_ = false;
       left_ = state.x;
       stepper_ = scheme_.bind(problem_, x, energy_);
+      memory_ = memory_of(stepper_);
       state = {x, 1};
       if (diagnostics) {
         diagnostics->see(problem_, x);
@@ -200,6 +234,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   double energy_;
   Stepper stepper_;
   X left_;
+  Memory memory_ = memory_of(stepper_), left_memory_ = memory_;  ///< at the last state, and at left_
   double end_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;

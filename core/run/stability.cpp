@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
-#include <vector>
+#include <optional>
 
 #include "core/from_values.hpp"
 #include "core/problems/damped_oscillator.hpp"
@@ -16,69 +16,63 @@
 namespace least {
 namespace {
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// The trace and the determinant of a step's matrix; not finite where the step fails.
+struct StepMap {
+  double trace = infinite, determinant = infinite;
+
+  /// Schur's and Cohn's conditions for eigenvalues within the unit circle, each not negative: at 1, at −1, and complex.
+  std::array<double, 3> margins() const { return {1 + determinant - trace, 1 + determinant + trace, 1 - determinant}; }
+  bool stable() const {
+    constexpr double accuracy = 1e-11;
+    const auto all = margins();
+    return std::ranges::all_of(all, [](double x) { return x >= -accuracy && std::isfinite(x); });
+  }
+  double radius() const {
+    const double half = trace / 2, root = half * half - determinant;  // eigenvalues half ± √root
+    return std::isfinite(root) ? root > 0 ? std::abs(half) + std::sqrt(root) : std::sqrt(determinant) : infinite;
+  }
+};
+
 /// A step of length 1 of a scheme whose parameter `step` is 1.
 template <class Scheme, class P>
-StepStatus unit_step(const Scheme& scheme, const P& oscillator, State<1>& x) {
-  if constexpr (SelfTimed<Scheme>) {
-    return scheme.bind(oscillator, x, energy(oscillator, x)).step(x);
-  } else {
-    return scheme.bind(oscillator, x).step(x, 1);
-  }
-}
-
-/// Whether the powers of one step of length 1 from (1, 0) and (0, 1) stay bounded.
-template <class Scheme, class P>
-bool stable(const Scheme& scheme, const P& oscillator, double z) {
+StepMap unit_step(const Scheme& scheme, const P& oscillator) {
   double m[2][2];
   for (int k = 0; k < 2; ++k) {
     State<1> x{0, {k == 0 ? 1.0 : 0.0}, {k == 1 ? 1.0 : 0.0}, {}};
-    if (unit_step(scheme, oscillator, x) != StepStatus::ok) return false;
+    StepStatus status;
+    if constexpr (SelfTimed<Scheme>) {
+      status = scheme.bind(oscillator, x, energy(oscillator, x)).step(x);
+    } else {
+      status = scheme.bind(oscillator, x).step(x, 1);
+    }
+    if (status != StepStatus::ok) return {};
     m[0][k] = x.q[0];
     m[1][k] = x.p[0];
   }
-  const double half = (m[0][0] + m[1][1]) / 2, det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-  const double root = half * half - det;  // eigenvalues half ± √root
-  const double radius = root > 0 ? std::abs(half) + std::sqrt(root) : std::sqrt(det);
-  return radius <= 1 + 1e-9 * z;
+  return {m[0][0] + m[1][1], m[0][0] * m[1][1] - m[0][1] * m[1][0]};
 }
 
-/// What is known of a bound: it lies beyond `cleared`, or there.
-struct Known {
-  double cleared = 0;
-  bool found = false;
-};
-
-/// More of it: up to the bound, or to `needed`.
+/// The identity stands for a scheme that has no bound of its own: its steps are not of time.
 template <class Scheme>
-Known measure(std::span<const double> settings, double damping_step, Known known, double needed) {
-  constexpr double most = 20, spacing = 0.01;
+StepMap step_map(std::span<const double> settings, double z, double a) {
   auto scheme = from_values<Scheme>(Scheme::fields, settings);
   if constexpr (requires { scheme.step; }) scheme.step = 1;
   if constexpr (requires { scheme.in_time(); }) {
     scheme = scheme.in_time();
   } else if constexpr (SelfTimed<Scheme>) {
-    return {std::numeric_limits<double>::infinity(), true};
+    return {2, 1};
   }
-  const auto holds = [&](double z) {
-    if constexpr (FixedStepSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
-                  SelfTimedSchemeFor<Scheme, problems::HarmonicOscillator<>>) {
-      if (damping_step == 0) return stable(scheme, problems::HarmonicOscillator<>{1, z * z}, z);
-    }
-    if constexpr (FixedStepSchemeFor<Scheme, problems::DampedOscillator<>>) {
-      return stable(scheme, problems::DampedOscillator<>{z * z, damping_step}, z);
-    } else {
-      return false;
-    }
-  };
-  double low = known.cleared, high = low + spacing;
-  while (holds(high)) {
-    if (high > most) return {std::numeric_limits<double>::infinity(), true};
-    low = high;
-    high += spacing;
-    if (low > needed) return {low, false};
+  if constexpr (FixedStepSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
+                SelfTimedSchemeFor<Scheme, problems::HarmonicOscillator<>>) {
+    if (a == 0) return unit_step(scheme, problems::HarmonicOscillator<>{1, z * z});
   }
-  while (low > 0 && high - low > 1e-7) (holds((low + high) / 2) ? low : high) = (low + high) / 2;
-  return {low, true};
+  if constexpr (FixedStepSchemeFor<Scheme, problems::DampedOscillator<>>) {
+    return unit_step(scheme, problems::DampedOscillator<>{z * z, a});
+  } else {
+    return {};
+  }
 }
 
 /// The setting that everything is scaled by; beyond the last where there is none.
@@ -89,48 +83,157 @@ constexpr std::size_t step_setting() {
   return i;
 }
 
-struct Measure {
-  Known (*measure)(std::span<const double>, double, Known, double);
+template <class Scheme>
+double flip(std::span<const double> settings) {
+  const auto scheme = from_values<Scheme>(Scheme::fields, settings);
+  if constexpr (requires { scheme.flips_from(); }) return scheme.flips_from();
+  return infinite;
+}
+
+struct Entry {
+  StepMap (*map)(std::span<const double>, double, double);
+  double (*flip)(std::span<const double>);
   std::size_t step;
 };
 template <class... Scheme>
-constexpr std::array<Measure, sizeof...(Scheme)> measures(std::tuple<Scheme...>*) {
-  return {Measure{&measure<Scheme>, step_setting<Scheme>()}...};
+constexpr std::array<Entry, sizeof...(Scheme)> entries(std::tuple<Scheme...>*) {
+  return {Entry{&step_map<Scheme>, &flip<Scheme>, step_setting<Scheme>()}...};
 }
+constexpr auto table = entries(static_cast<SchemeList*>(nullptr));
 
-}  // namespace
+/// Where along a line in (z, a) steps are stable.
+class Line {
+ public:
+  Line(std::size_t scheme, std::span<const double> settings, double z, double a0, double a)
+      : map_(table[scheme].map), settings_(settings), z_(z), a0_(a0), a_(a) {}
 
-double stability_bound(std::size_t scheme, std::span<const double> settings, double damping_step, double needed) {
-  static constexpr auto table = measures(static_cast<SchemeList*>(nullptr));
+  /// The stable intervals up to u = most. One that reaches that end goes on to infinity.
+  std::vector<Interval> stable(double most) const {
+    std::vector<Interval> found;
+    // Without damping what grows as a power of the step is known by a step that is not too small.
+    double u = damped() ? 1e-6 : spacing(0);
+    std::array<Look, 3> last{};  // the newest first
+    bool open = false;           // the last interval goes on
+    for (int k = 0; last[0].u < most; ++k) {
+      last = {Look{u, map_at(u)}, last[0], last[1]};
+      if (k > 1 && open)
+        if (const auto gap = gap_between(last)) {
+          found.back().high = border(last[2].u, *gap);
+          found.push_back({border(last[0].u, *gap), infinite});
+        }
+      const bool holds = last[0].map.stable();
+      if (holds && !open) found.push_back({k == 0 ? 0 : border(u, last[1].u), infinite});
+      if (!holds && open) found.back().high = border(last[1].u, u);
+      open = holds;
+      u += damped() && u < spacing(0) ? u : spacing(u);
+    }
+    return found;
+  }
+
+ private:
+  struct Look {
+    double u = 0;
+    StepMap map;
+  };
+  bool damped() const { return a0_ > 0 || a_ > 0; }
+  static double spacing(double u) { return std::max(0.01, u / 400); }
+  StepMap map_at(double u) const { return map_(settings_, z_ * u, a0_ + a_ * u); }
+
+  /// Between a stable u and one that is not.
+  double border(double stable, double failing) const {
+    while (std::abs(failing - stable) > 1e-9 * std::abs(stable)) {
+      const double middle = (stable + failing) / 2;
+      if (middle == stable || middle == failing) break;
+      (map_at(middle).stable() ? stable : failing) = middle;
+    }
+    return stable;
+  }
+  /// A u that is not stable between three that are: where a margin has its minimum, if it comes near 0 between them.
+  std::optional<double> gap_between(const std::array<Look, 3>& last) const {
+    for (const Look& look : last)
+      if (!look.map.stable()) return std::nullopt;
+    const std::size_t margins = damped() ? 3 : 2;  // without damping the determinant is 1 to round-off, or nowhere
+    for (std::size_t i = 0; i < margins; ++i) {
+      const double left = last[2].map.margins()[i], here = last[1].map.margins()[i], right = last[0].map.margins()[i];
+      if (!(here <= left && here < right && here < left + right - 2 * here)) continue;
+      double low = last[2].u, high = last[0].u;
+      while (high - low > 1e-9 * high) {
+        const double u = low + (high - low) / 3, v = high - (high - low) / 3;
+        const StepMap at_u = map_at(u), at_v = map_at(v);
+        if (!at_u.stable()) return u;
+        if (!at_v.stable()) return v;
+        (at_u.margins()[i] < at_v.margins()[i] ? high : low) = at_u.margins()[i] < at_v.margins()[i] ? v : u;
+      }
+    }
+    return std::nullopt;
+  }
+
+  StepMap (*map_)(std::span<const double>, double, double);
+  std::span<const double> settings_;
+  double z_, a0_, a_;
+};
+
+/// What is known of a line: everything up to `searched`.
+struct Known {
+  double searched = 0;
+  std::vector<Interval> stable;
+};
+
+/// The stable intervals along z = z₁u, a = a₀ + a₁u up to u = needed and somewhat further.
+std::vector<Interval> along(std::size_t scheme, std::span<const double> settings, double z, double a0, double a,
+                            double needed) {
   static std::mutex mutex;
   static std::map<std::vector<double>, Known> all;
   std::vector<double> key(settings.begin(), settings.end());
   if (table[scheme].step < key.size()) key[table[scheme].step] = 0;
   for (double& x : key)
-    if (std::isnan(x)) x = std::numeric_limits<double>::infinity();  // keys are ordered
-  key.push_back(static_cast<double>(scheme));
-  key.push_back(damping_step);
-  Known known;
+    if (std::isnan(x)) x = infinite;  // keys are ordered
+  key.insert(key.end(), {static_cast<double>(scheme), z, a0, a});
   {
     const std::lock_guard lock(mutex);
-    if (const auto found = all.find(key); found != all.end()) known = found->second;
+    if (const auto found = all.find(key); found != all.end() && found->second.searched >= needed)
+      return found->second.stable;
   }
-  if (!known.found && !(known.cleared > needed)) {
-    known = table[scheme].measure(settings, damping_step, known, needed);
-    const std::lock_guard lock(mutex);
-    if (all.size() > 1000) all.clear();
-    all.insert_or_assign(std::move(key), known);
-  }
-  return known.found ? known.cleared : std::numeric_limits<double>::infinity();
+  double most = 0.25;
+  while (most < needed) most *= 2;
+  Known known{most, Line(scheme, settings, z, a0, a).stable(most)};
+  const std::lock_guard lock(mutex);
+  if (all.size() > 1000) all.clear();
+  return all.insert_or_assign(std::move(key), std::move(known)).first->second.stable;
 }
 
-double longest_stable_step(std::size_t scheme, std::span<const double> settings, double omega, double alpha, double h) {
-  double low = 0, high = h;
-  for (int k = 0; k < 30; ++k) {
-    const double middle = (low + high) / 2;
-    (stability_bound(scheme, settings, std::max(alpha * middle, 0.0)) > omega * middle ? low : high) = middle;
+}  // namespace
+
+double growth_per_step(std::size_t scheme, std::span<const double> settings, double z, double a) {
+  return table[scheme].map(settings, z, a).radius();
+}
+bool is_stable(std::size_t scheme, std::span<const double> settings, double z, double a) {
+  return table[scheme].map(settings, z, a).stable();
+}
+
+double flips_from(std::size_t scheme, std::span<const double> settings) { return table[scheme].flip(settings); }
+
+double stability_bound(std::size_t scheme, std::span<const double> settings, double a, double needed) {
+  const auto stable = along(scheme, settings, 1, a, 0, needed);
+  return stable.empty() ? 0 : stable.front().high;
+}
+
+StableSteps stable_steps(std::size_t scheme, std::span<const double> settings, double omega, double alpha,
+                         double longest) {
+  const double rate = std::max(omega, alpha);
+  StableSteps steps;
+  if (!(rate > 0)) return steps;
+  auto stable = along(scheme, settings, omega / rate, 0, alpha / rate, longest * rate);
+  for (auto& [low, high] : stable) {
+    low /= rate;
+    high /= rate;
   }
-  return low;
+  const bool from_start = !stable.empty() && stable.front().low == 0;
+  steps.limit = from_start ? stable.front().high : 0;
+  if (from_start) stable.erase(stable.begin());
+  for (const Interval& island : stable)
+    if (island.low < longest) steps.islands.push_back(island);
+  return steps;
 }
 
 }  // namespace least

@@ -13,35 +13,54 @@ namespace least {
 
 class StepGuard {
  public:
-  /// `damping_step`: a constant damping times the step. Where the scheme grows at every step even without damping it is
+  /// `damping_step`: a constant damping times the step. `constant`: ω is the same everywhere, so that a step is stable
+  /// or not; else every ω up to the largest has to be. Where the scheme grows at every step even without damping it is
   /// not unstable, it is what it is: nothing is too fast for it.
-  StepGuard(std::size_t scheme, std::span<const double> settings, double damping_step, bool watches)
-      : scheme_(scheme), settings_(settings), damping_step_(damping_step) {
-    if (watches && stability_bound(scheme, settings, 0, 0) > 0) cleared_ = 0;
+  StepGuard(std::size_t scheme, std::span<const double> settings, double damping_step, bool watches, bool constant)
+      : scheme_(scheme), settings_(settings), damping_step_(damping_step), constant_(constant) {
+    grows_ = stability_bound(scheme, settings, 0, 0) == 0;
+    if (watches && !grows_) cleared_ = 0;
   }
 
   void see(double turn_squared) { largest_ = std::max(largest_, turn_squared); }
   /// Whether what was seen is beyond the bound, which is measured as far as it is asked for.
-  bool exceeded() { return exceeded(largest_); }
-  bool exceeded(double turn_squared) {
-    if (!(turn_squared > cleared_)) return false;
-    const double needed = 4 * std::sqrt(turn_squared), limit = std::min(bound(needed), needed);
-    cleared_ = limit * limit * (1 + 1e-6);
-    return turn_squared > cleared_;
+  bool exceeded() {
+    if (!(largest_ > cleared_)) return false;
+    if (constant_) {
+      if (const double z = largest(); z < bound(2 * z) || is_stable(scheme_, settings_, largest(), damping_step_))
+        cleared_ = largest_;
+    } else {
+      const double needed = 4 * largest(),
+                   limit = std::min(stability_bound(scheme_, settings_, damping_step_, needed), needed);
+      cleared_ = limit * limit * (1 + 1e-6);
+    }
+    return largest_ > cleared_;
+  }
+  /// Whether the scheme grows at every step where nothing is damped.
+  bool grows_undamped() const { return grows_; }
+  /// Of such a scheme, by what a step at the ω seen multiplies an oscillation, if that is the same everywhere; else 1.
+  double growth() const {
+    return grows_ && constant_ ? growth_per_step(scheme_, settings_, largest(), damping_step_) : 1;
   }
   /// The largest ωh seen.
   double largest() const { return std::sqrt(largest_); }
-  /// The bound; infinite where it lies beyond `needed`.
-  double bound(double needed = std::numeric_limits<double>::infinity()) const {
-    return stability_bound(scheme_, settings_, damping_step_, needed);
+  /// The first ωh at which a step grows, that at the largest ω seen; infinite where it lies beyond `needed`, and 0
+  /// where the scheme grows at every step.
+  double bound(double needed = far_turn) const {
+    if (!constant_) return stability_bound(scheme_, settings_, damping_step_, needed);
+    const double z = largest();
+    return z > 0 ? z * stable_steps(scheme_, settings_, z, damping_step_, needed / z).limit : infinite;
   }
 
  private:
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
+
   std::size_t scheme_;
   std::span<const double> settings_;
   double damping_step_;
-  double largest_ = 0;                                        ///< (ωh)²
-  double cleared_ = std::numeric_limits<double>::infinity();  ///< up to here steps are stable
+  bool constant_, grows_ = false;
+  double largest_ = 0;         ///< (ωh)²
+  double cleared_ = infinite;  ///< up to here steps are stable
 };
 
 }  // namespace least

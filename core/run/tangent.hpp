@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "core/scheme.hpp"
@@ -44,18 +45,43 @@ std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, co
   });
 }
 
+/// A step on the extended space of a contact scene: where it began, and its tangent.
+template <class Z>
+struct StepTangent {
+  Z start;
+  Tangent<Z> tangent;
+};
+namespace detail {
+template <class P>
+struct ExtendedStepFor {
+  struct type {};
+};
+template <LinearContact P>
+struct ExtendedStepFor<P> {
+  using type = StepTangent<Extended<P>>;
+};
+}  // namespace detail
+/// Empty for a scene that has none.
+template <class P>
+using ExtendedStepOf = typename detail::ExtendedStepFor<P>::type;
+template <class Scheme, class P>
+concept ExtendsTo = LinearContact<P> && requires(const Scheme& scheme, const P& problem, Extended<P>& z) {
+  scheme.step_extended(problem, z, 0.0);
+};
+
 /// Of a step that a scheme takes from x in a run from `start`. Empty where the step fails, and where it remembers more
 /// than the state or adapts to it.
 template <class Scheme, class P, class X, class Start>
 std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const Start& start, const X& x) {
-  if constexpr (
-      !Potential<P> || requires { requires Scheme::reads_time; } || requires { requires Scheme::remembers; }) {
+  constexpr bool adapts = requires { requires Scheme::reads_time; }
+  || requires { requires Scheme::remembers; };
+  if constexpr (!Potential<P> || adapts || ExtendsTo<Scheme, P>) {
     return std::nullopt;
   } else if constexpr (SelfTimed<Scheme>) {  // on the run's energy level
     return tangent_of(x, [&](auto& y) {
       using D = typename std::remove_cvref_t<decltype(y)>::Number;
       auto z = convert<D, D>(y);
-      auto stepper = scheme.bind(problem, z, D(energy_level(problem, start)));
+      auto stepper = scheme.bind(problem, z, D(energy_level(scheme, problem, start)));
       const StepStatus status = stepper.step(z);
       y.t = z.t.value;
       for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
@@ -65,6 +91,38 @@ std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, c
     return tangent_map(scheme, problem, x, scheme.step);
   }
 }
+/// The same on the extended space from p_t = −H, of steps that are contact maps there and not of the state alone.
+template <class Scheme, class P, class X, class Start>
+std::optional<ExtendedStepOf<P>> extended_step_tangent([[maybe_unused]] const Scheme& scheme,
+                                                       [[maybe_unused]] const P& problem,
+                                                       [[maybe_unused]] const Start& start,
+                                                       [[maybe_unused]] const X& x) {
+  if constexpr (ExtendsTo<Scheme, P>) {
+    Extended<P> z;
+    constexpr std::size_t n = P::dof;
+    for (std::size_t i = 0; i < n; ++i) {
+      z.q[i] = x.q[i];
+      z.p[i] = x.p[i];
+    }
+    z.q[n] = x.t;
+    z.p[n] = -energy(problem, x);
+    z.action = x.action;
+    const auto tangent = tangent_of(z, [&](auto& y) {
+      using D = typename std::remove_cvref_t<decltype(y)>::Number;
+      return scheme.step_extended(problem, y, D(energy_level(scheme, problem, start)));
+    });
+    if (tangent) return ExtendedStepOf<P>{z, *tangent};
+  }
+  return std::nullopt;
+}
+
+/// Both, of a run.
+template <class P>
+struct StepTangents {
+  using Full = FullStateOf<P>;
+  std::function<std::optional<Tangent<Full>>(const Full&)> plain;
+  std::function<std::optional<ExtendedStepOf<P>>(const Full&)> extended;
+};
 
 /// max |MᵀJM − J| over its entries.
 template <std::size_t M>

@@ -153,7 +153,7 @@ struct ContactGalerkin4 {
             .implicit = true,
             .structure = "contact",
             .good_for = "order 4 with the contact form kept, without negative substeps",
-            .fails_when = "Newton's method finds no solution, or ωh > 2√2",
+            .fails_when = "Newton's method finds no solution; ωh > 2√2; αh > 1.5, where steps can grow",
             .needs = "a Lagrangian that depends on s: a kinetic metric, a potential, and α(t)s or γs²/2",
             .references = {"Vermeeren, Bravetti, Seri, Journal of Physics A 52, 445206 (2019)",
                            "Simões, Martín de Diego, Lainz Valcázar, de León, J. Nonlinear Sci. 31, 35 (2021)"}};
@@ -161,6 +161,11 @@ struct ContactGalerkin4 {
   template <Contact P, class X>
   auto bind(const P& problem, const X&) const {
     return ContactGalerkin4Stepper<P, X>(problem);
+  }
+
+  template <class P>
+  double stiff_from(const P&) const {
+    return 2;
   }
 };
 

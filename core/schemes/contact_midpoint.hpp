@@ -151,10 +151,7 @@ struct ContactVariationalMidpoint {
   std::string unsupported_reason(const P& problem) const {
     return unsupported_by_pole(problem, composition, step);
   }
-  template <class P>
-  bool flips_momentum(const P& problem, double t) const {
-    return turns_momentum_over(problem, t, step);
-  }
+  double flips_from() const { return 2; }
 };
 
 }  // namespace least

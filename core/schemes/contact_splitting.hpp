@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "core/phases.hpp"
@@ -260,6 +261,11 @@ struct ContactSplitting {
     return PalindromeStepper<P, X>(problem, Weights<typename X::Time>::of(composition));
   }
 
+  /// Merged, the flow of the damping with the force is exact.
+  template <class P>
+  double stiff_from(const P& problem) const {
+    return takes_as_one(problem) ? std::numeric_limits<double>::infinity() : 2;
+  }
   /// Everything is taken at the middle of a step.
   template <class P>
   bool starts_at_singularity(const P&) const {

@@ -23,11 +23,4 @@ std::string unsupported_by_pole(const P& problem, Composition composition, doubl
   return {};
 }
 
-/// Whether a step from the time t turns the momentum over where the motion only damps it.
-template <class P>
-bool turns_momentum_over(const P& problem, double t, double step) {
-  if constexpr (LinearContact<P>) return damping(problem, phase(problem, t)) * step >= 2;
-  return false;
-}
-
 }  // namespace least

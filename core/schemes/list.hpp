@@ -9,6 +9,8 @@
 #include "core/schemes/contact_leapfrog.hpp"
 #include "core/schemes/contact_midpoint.hpp"
 #include "core/schemes/contact_splitting.hpp"
+#include "core/schemes/contact_symplectic_euler.hpp"
+#include "core/schemes/energy_momentum.hpp"
 #include "core/schemes/galerkin_4.hpp"
 #include "core/schemes/jacobi_maupertuis.hpp"
 #include "core/schemes/odeint.hpp"
@@ -19,9 +21,10 @@
 
 namespace least {
 
-using SchemeList = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog,
-                              VariationalMidpoint, Galerkin4, JacobiMaupertuis, TimeTransformed, AdaptiveVerlet,
-                              ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting,
-                              ContactGauss, DormandPrince5, Fehlberg78, BulirschStoer>;
+using SchemeList =
+    std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
+               Galerkin4, JacobiMaupertuis, EnergyMomentum, TimeTransformed, AdaptiveVerlet, ContactSymplecticEuler,
+               ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss,
+               DormandPrince5, Fehlberg78, BulirschStoer>;
 
 }  // namespace least

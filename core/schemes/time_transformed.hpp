@@ -8,9 +8,9 @@
 // Order 2, symmetric. At fixed E₀ a symplectic map of (q, p); not so if E₀ is taken anew from each state. Momenta of
 // symmetries are kept. κ = −E₀ makes Kepler orbits exact but for time: a step advances the eccentric anomaly of an
 // ellipse by 2 arctan(σ√(−2E₀)/2μ); a hyperbola has tanh instead of tan, and no such step from σ√(2E₀) = 2μ on.
-// It needs a potential that does not depend on time. It checks K + κ > 0 and D > 0, that a step goes forward in time,
-// and at each kick D²/((K₀ + κ)(K₁ + κ)), which is 1 on the energy level. Look-alike: leapfrog with steps chosen from
-// the state is neither symplectic nor symmetric.
+// It needs a potential that does not depend on time; where there is damping see time_transformed_contact.hpp. It checks
+// K + κ > 0 and D > 0, that a step goes forward in time, and at each kick D²/((K₀ + κ)(K₁ + κ)), which is 1 on the
+// energy level. Look-alike: leapfrog with steps chosen from the state is neither symplectic nor symmetric.
 // Sources: Mikkola & Tanikawa, Celest. Mech. Dyn. Astron. 74, 287 (1999); Preto & Tremaine, Astron. J. 118, 2532
 // (1999); for any metric Poincaré's transformation, Hairer, Lubich, Wanner 2006, VIII.2.1.
 #pragma once
@@ -22,6 +22,8 @@
 
 #include "core/problem_traits.hpp"
 #include "core/schemes/discrete_lagrangian.hpp"
+#include "core/schemes/time_transformed_contact.hpp"
+#include "core/schemes/transformed_stepper.hpp"
 
 namespace least {
 
@@ -41,12 +43,6 @@ struct TransformedTime {
   T pace(const X& x) const { return 1.0 / (0.5 * dot(x.p, velocity(problem, x.q, x.p)) + kappa); }
 };
 
-/// Whether (D/(K + κ))², at a kick, is near 1.
-template <class T>
-auto near_level(const T& ratio_squared) {
-  return (ratio_squared >= T(0.25)) & (ratio_squared <= T(4));
-}
-
 /// Drift, kick, drift; drifts that meet in a composition are one.
 template <Separable P, class X>
 class TransformedLeapfrog {
@@ -54,9 +50,13 @@ class TransformedLeapfrog {
   using T = typename X::Number;
   using Time = TransformedTime<P, X>;
 
-  TransformedLeapfrog(const Time& time, const X& x) : time_(time) { settle(x); }
+  using Memory = NoMemory;
+  static constexpr bool reads_time = false;
+
+  TransformedLeapfrog(const Time& time, const X& x) : time_(time) { settle(x, {}); }
   /// Takes x for the state that the next move begins at.
-  void settle(const X& x) { pace_ = time_.pace(x); }
+  void settle(const X& x, NoMemory) { pace_ = time_.pace(x); }
+  static NoMemory memory() { return {}; }
   const T& pace(const X&) const { return pace_; }
   /// The largest |(D/(K + κ))² − 1| of a kick.
   const T& strain() const { return strain_; }
@@ -107,10 +107,13 @@ class TransformedMidpoint {
  public:
   using T = typename X::Number;
   using Time = TransformedTime<P, X>;
+  using Memory = NoMemory;
+  static constexpr bool reads_time = false;
   static constexpr int n = P::dof;
 
   TransformedMidpoint(const Time& time, const X&) : time_(time) {}
-  void settle(const X&) {}
+  void settle(const X&, NoMemory) {}
+  static NoMemory memory() { return {}; }
   T pace(const X& x) const { return time_.pace(x); }
   const T& strain() const { return strain_; }
   int stages() const { return time_.weights->stages; }
@@ -187,75 +190,6 @@ class TransformedMidpoint {
   T strain_ = T(0);
 };
 
-template <class Kernel, class X>
-class TransformedStepper {
- public:
-  using T = typename X::Number;
-
-  TransformedStepper(const Kernel& kernel, double sigma) : kernel_(kernel), sigma_(sigma) {}
-
-  StepStatus step(X& x) noexcept {
-    X y = x;
-    T elapsed;
-    const StepStatus status = attempt(y, sigma_, elapsed);
-    if (status != StepStatus::ok) {
-      kernel_.settle(x);
-      return status;
-    }
-    y.t = x.t + elapsed;
-    x = y;
-    return StepStatus::ok;
-  }
-
-  /// x moved to the time t by a shorter σ, to round-off of t: Newton's method for the time taken, whose slope by σ is
-  /// the pace at the end as far as the step is exact, within a bracket. solver_failed where t is beyond the end of a
-  /// step.
-  StepStatus reach(X& x, const T& t) noexcept requires std::numeric_limits<T>::is_specialized {
-    using least::abs;
-    constexpr int most_iterations = 100;
-    const T wait = t - x.t, tolerance = 4 * Precision<T>::epsilon * (abs(x.t) + abs(t)) * kernel_.stages();
-    if (!(wait > T(0))) return StepStatus::ok;
-    T low(0), high = sigma_, sigma = wait / kernel_.pace(x);
-    StepStatus status = StepStatus::solver_failed;
-    for (int k = 0; k < most_iterations; ++k) {
-      if (sigma > sigma_) sigma = sigma_;
-      if (!(low < sigma && sigma <= high)) sigma = 0.5 * (low + high);
-      X y = x;
-      T elapsed;
-      kernel_.settle(x);
-      status = attempt(y, sigma, elapsed);
-      if (status != StepStatus::ok) break;
-      const T excess = elapsed - wait;
-      if (abs(excess) <= tolerance) {
-        y.t = t;
-        x = y;
-        return StepStatus::ok;
-      }
-      status = StepStatus::solver_failed;
-      (excess < T(0) ? low : high) = sigma;
-      sigma = sigma - excess / kernel_.pace(y);
-    }
-    kernel_.settle(x);
-    return status;
-  }
-  const Work& work() const { return work_; }
-  /// The largest |(D/(K + κ))² − 1| of a kick.
-  const T& strain() const { return kernel_.strain(); }
-
- private:
-  /// Fails also where the time does not advance.
-  StepStatus attempt(X& x, const T& sigma, T& elapsed) {
-    using least::all;
-    const StepStatus status = kernel_.move(x, sigma, elapsed, work_);
-    if (status != StepStatus::ok) return status;
-    return all(elapsed > T(0)) ? StepStatus::ok : StepStatus::singular;
-  }
-
-  Kernel kernel_;
-  T sigma_;
-  Work work_;
-};
-
 /// What κ = −E₀ has against σ on a Kepler orbit of this energy, in words; empty: nothing. There a stage of weight γ has
 /// (D/(K + κ))² = 1/(1 − z²), z = γσ√(2E₀)/2μ, at every kick, on ellipses with imaginary z: outside [¼, 4] it is
 /// refused before it would be found out. (From |z| = 1 on the stage of a hyperbola leads to its other branch.)
@@ -264,6 +198,7 @@ std::string kepler_objection(Composition composition, double sigma, double mu, d
 struct TimeTransformed {
   double sigma = 0.02, kappa = 1;  ///< κ: NaN for −E₀
   Composition composition = Composition::none;
+  double exponent = -0.5;  ///< read where there is damping
 
   static constexpr bool own_clock = true;
   using Self = TimeTransformed;
@@ -271,7 +206,7 @@ struct TimeTransformed {
       Field<Self>{"sigma",
                   "σ",
                   "energy·time",
-                  "length of a step in the parameter; in time it is σ/(K + κ)",
+                  "length of a step in the parameter; in time it is σ/(K + κ), with damping σ(K + κ)ᵏ⁻¹",
                   &Self::sigma,
                   {0, 1e3, true, false},
                   {},
@@ -286,6 +221,14 @@ struct TimeTransformed {
                   "critical_kinetic_energy",
                   "energy"},
       composition_field<Self>(),
+      Field<Self>{
+          "exponent",
+          "k",
+          "1",
+          "with damping: how steps follow the motion, dt = (K + κ)ᵏ⁻¹ dτ. Without damping it is not read: steps "
+          "follow the logarithm, its limit 0",
+          &Self::exponent,
+          {-2, 0, false, true}},
   };
   static SchemeCard card() {
     return {
@@ -293,23 +236,28 @@ struct TimeTransformed {
         .title = "Time-transformed leapfrog",
         .summary =
             "Leapfrog at constant steps of a parameter that runs with the motion, so that steps of time are short "
-            "where it is fast. Symplectic at the energy level of the run's start. Explicit; implicit (the midpoint "
-            "rule) where the kinetic metric depends on the configuration.",
+            "where it is fast. Symplectic at the energy level of the run's start; with damping, a contact map of the "
+            "space that has the time and its momentum, too. Explicit; implicit (the midpoint rule) where the kinetic "
+            "metric depends on the configuration, and in one unknown where the damping changes in time.",
         .orders = orders_from(2),
         .symmetric = true,
         .structure = "symplectic",
         .recommended = "kahan_li_6",
         .presets = {{"kepler",
-                     "κ = −E₀: Kepler orbits are exact but for time",
+                     "κ = −E₀, where V < 0: Kepler orbits without drag are exact but for time",
                      {{"kappa", std::numeric_limits<double>::quiet_NaN()}}}},
-        .good_for = "eccentric orbits and other motions that are fast for a short time only, over long runs",
+        .good_for =
+            "eccentric orbits and other motions that are fast for a short time only, damped or not, over long runs",
         .fails_when =
             "E₀ − V + κ does not stay positive, or a step is too long for its curvature: it stops as singular; what "
             "is fast and has little kinetic energy gets no shorter steps",
-        .needs = "a Lagrangian without s: a kinetic metric and a potential that does not depend on time",
+        .needs =
+            "a Lagrangian without s and a potential that does not depend on time; or, with a constant kinetic "
+            "metric, a damping α(t) s and any potential",
         .references = {"Mikkola, Tanikawa, Celestial Mechanics and Dynamical Astronomy 74, 287 (1999)",
                        "Preto, Tremaine, Astronomical Journal 118, 2532 (1999)",
-                       "Hairer, Lubich, Wanner 2006, VIII.2.1"}};
+                       "Hairer, Lubich, Wanner 2006, VIII.2.1",
+                       "with damping derived here, from Bravetti, Entropy 19, 535 (2017), and Preto, Tremaine 1999"}};
   }
 
   template <Conservative P, class X>
@@ -328,9 +276,50 @@ struct TimeTransformed {
       return TransformedStepper<Kernel, X>(Kernel(time, x), sigma);
     }
   }
+  template <LinearContact P, class X>
+  requires SeparableContact<P>
+  auto bind(const P& problem, const X& x, const typename X::Number& energy) const {
+    using T = typename X::Number;
+    using Kernel = TransformedContact<P, X>;
+    const T level = std::isnan(kappa) ? T(0) : energy + kappa;
+    const auto& weights = Weights<typename Kernel::S>::of(composition);
+    const T threshold = std::isnan(kappa) ? T(-energy) : T(kappa);
+    return TransformedStepper<Kernel, X>(Kernel(problem, x, level, threshold, exponent, weights), sigma);
+  }
+  /// The same step, of a run at this level, on the extended space (q, t; p, p_t; s), where it is a contact map.
+  template <LinearContact P, class Z>
+  requires SeparableContact<P> StepStatus step_extended(const P& problem, Z& z, const typename Z::Number& energy)
+  const {
+    using T = typename Z::Number;
+    State<P::dof, T, T, Action<T>> x;
+    constexpr std::size_t n = P::dof;
+    x.t = z.q[n];
+    for (std::size_t i = 0; i < n; ++i) {
+      x.q[i] = z.q[i];
+      x.p[i] = z.p[i];
+    }
+    x.action = z.action;
+    // p_t + H, and from it A.
+    const auto off = [&] { return z.p[n] + least::energy(problem, x); };
+    const T level = std::isnan(kappa) ? T(0) : energy + kappa;
+    const auto gap = [&] { return level - problem.potential(x.q, phase(problem, x.t)); };
+    auto stepper = bind(problem, x, energy);
+    stepper.resume(x, stepper.kernel().at(gap() + off()));
+    const StepStatus status = stepper.step(x);
+    for (std::size_t i = 0; i < n; ++i) {
+      z.q[i] = x.q[i];
+      z.p[i] = x.p[i];
+    }
+    z.q[n] = x.t;
+    z.action = x.action;
+    z.p[n] = T(0);
+    z.p[n] = stepper.memory().a - gap() - off();
+    return status;
+  }
+
   template <class P>
   std::string unsupported_reason(const P& problem, double energy) const {
-    if constexpr (TwoBody<P>)
+    if constexpr (TwoBody<P> && Conservative<P>)
       if (std::isnan(kappa) || kappa == -energy)
         return kepler_objection(composition, sigma, problem.gravitational_parameter(), energy);
     return {};

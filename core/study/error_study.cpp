@@ -129,12 +129,10 @@ ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const 
   if (!at_end) {
     constexpr int count = 64;
     const double span = scene_.end - scene_.scene->start;
-    const auto& pace = conditioning_->pace;
+    times_ = conditioning_->pace;  // or a fast passage would not be seen
     for (int k = 1; k < count; ++k) times_.push_back(scene_.scene->start + span * k / count);
-    // As many again that follow the motion, or a fast passage would not be seen.
-    for (std::size_t k = 1; k < count && pace.size() > count; ++k) times_.push_back(pace[k * pace.size() / count]);
     std::ranges::sort(times_);
-    const auto near = [&](double a, double b) { return b - a < 1e-6 * span; };
+    const auto near = [&](double a, double b) { return b - a < 1e-9 * span; };
     times_.erase(std::unique(times_.begin(), times_.end(), near), times_.end());
     std::erase_if(times_, [&](double t) { return near(scene_.scene->start, t) || near(t, scene_.end); });
   }
@@ -143,9 +141,8 @@ ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const 
 }
 
 double ErrorStudy::floor() const {
-  const double growth = at_end_ ? conditioning_->growth : conditioning_->most_growth;
-  const double rounding = 0x1p-53 * growth;
-  return known() ? std::max(truth_->uncertainty, rounding) : rounding;
+  const double rounding = 0x1p-53 * conditioning_->growth_in(scene_.norm, at_end_);
+  return known() ? std::max(truth_->uncertainty_in(scene_.norm), rounding) : rounding;
 }
 
 Request ErrorStudy::request(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const {
@@ -197,7 +194,7 @@ double ErrorStudy::error(const States& states, const States& truth) const {
   if (states.size() != truth.size()) return unknown;
   double most = 0;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const double here = state_error(states[i], truth[i], truth[i].size());
+    const double here = state_error(states[i], truth[i], truth[i].size(), scene_.norm);
     if (!(here <= most)) most = here;
     if (std::isnan(most)) break;
   }

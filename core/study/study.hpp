@@ -1,6 +1,6 @@
 // Studies: what accuracy costs on a scene with each scheme, which scheme to take, how long a step may be. Everything is
-// found by measured runs against a reference solution. *Error* is the contract's: the largest component-wise difference
-// of the state from the true one, divided by max(1, the largest component of the true one).
+// found by measured runs against a reference solution. *Error* is the contract's, in the norm that the scene's request
+// names (core/state_error.hpp).
 #pragma once
 
 #include <atomic>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/run/request.hpp"
+#include "core/run/stability.hpp"
 #include "core/status.hpp"
 
 namespace least {
@@ -117,10 +118,14 @@ struct StabilityLimit {
   SchemeConfig scheme;
   double step = std::numeric_limits<double>::quiet_NaN();  ///< NaN: stable at every step tried, or no fixed steps
   std::string_view failure;  ///< just beyond: energy_growth | sign_flip | solver_failed | pole | not_finite; or empty
-  double theory = std::numeric_limits<double>::quiet_NaN();  ///< NaN: none; 0: it grows at every step
+  double theory = std::numeric_limits<double>::quiet_NaN();   ///< NaN: none; 0: it grows at every step
+  std::vector<Interval> islands{};                            ///< of stable steps beyond `theory`
+  double failing = std::numeric_limits<double>::quiet_NaN();  ///< the shortest step found to fail, just beyond
 };
 
-/// To one part in a thousand. Stable: over 2,000 steps and at least the span, the state stays bounded.
+/// To one part in a thousand: every shorter step that was looked at is accepted by a run and does not grow over 2,000
+/// steps and at least the span: the energy's range over the second half is at most twice that over the first, or the
+/// state's size where no energy is kept, relative to that of the true motion; or both are below 1e-3.
 StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& scheme,
                                       const std::atomic<bool>& cancelled);
 

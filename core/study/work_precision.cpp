@@ -153,7 +153,7 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
   }
   const ErrorStudy subject(plan.scene, plan.at_end, plan.budget_seconds, cancelled);
   study.end = subject.end();
-  study.growth = plan.at_end ? subject.conditioning().growth : subject.conditioning().most_growth;
+  study.growth = subject.conditioning().growth_in(plan.scene.norm, plan.at_end);
   study.chaotic = subject.conditioning().chaotic();
   if (!subject.known()) {
     study.left_out.push_back(fmt::format(
@@ -162,7 +162,7 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
     return study;
   }
   study.how = subject.truth().how;
-  study.uncertainty = subject.truth().uncertainty;
+  study.uncertainty = subject.truth().uncertainty_in(plan.scene.norm);
   study.floor = subject.floor();
   if (subject.ends_early())
     study.left_out.push_back(fmt::format("times after t = {:.6g}, where the motion nears its end", subject.end()));

@@ -223,6 +223,12 @@ void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem
   }
 }
 
+void read_norm(const Json& root, const FieldPath& top, Request& request) {
+  const Json* json = find(root, "norm");
+  const Names names(norm_names.begin(), norm_names.end());
+  if (json) request.norm = static_cast<Norm>(read_name(*json, top.at("norm"), names, "norm").value_or(0));
+}
+
 void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,
                double default_span, const Caps& caps, Request& request) {
   read_limits(root, top, caps, request.limits);

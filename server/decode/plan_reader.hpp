@@ -18,6 +18,9 @@ void refuse_steps(const Json& root, const FieldPath& top, std::string_view reaso
 void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem, const PresetCard* preset,
               Request& request);
 
+/// Reads the `norm` of errors.
+void read_norm(const Json& root, const FieldPath& top, Request& request);
+
 /// Reads `until`, `record`, `columns`, `diagnostics` and `limits` into the request, whose start and settings are set.
 /// Cards are null where they are not known; what depends on them is then left alone.
 void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,

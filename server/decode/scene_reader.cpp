@@ -98,18 +98,23 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   const Names names = keys_of(card.variables, {"t"});
   if (initial == nullptr || !read_object(*initial, start, names, fmt::format("the start of {}", card.id)))
     return preset;
-  constexpr double unbounded = std::numeric_limits<double>::infinity();
   bool given = false;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* json = find(*initial, names[i]);
     const bool follows = i > 0 && std::isnan(card.variables[i - 1].value);  // null: from the others
     if (json == nullptr || (follows && json->is_null())) continue;
-    const auto value = read_number(*json, start.at(names[i]), {-unbounded, unbounded, true, true});
+    const auto value = read_number(*json, start.at(names[i]), i == 0 ? anywhere : card.variables[i - 1].range);
     if (value) (i == 0 ? scene.start : scene.initial[i - 1]) = *value;
     given = given || i > 0;
   }
-  if (!given)
-    if (auto state = scene.mechanics->regular_start(scene.parameters, scene.start)) scene.initial = std::move(*state);
+  if (given) return preset;
+  if (auto regular = scene.mechanics->regular_start(scene.parameters, scene.start)) {
+    if (regular->objection.empty()) {
+      scene.initial = std::move(regular->state);
+    } else {
+      start.at("t").fault(regular->objection, Json(scene.start), listed(keys_of(card.variables, {})));
+    }
+  }
   return preset;
 }
 

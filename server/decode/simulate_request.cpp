@@ -15,7 +15,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   Request& request = decoded.run;
 
   if (root.is_null() && !faults.empty()) return faults;  // a bound was broken: there is nothing to read
-  const Names keys{"problem", "initial", "scheme", "until", "record", "columns", "diagnostics", "limits"};
+  const Names keys{"problem", "initial", "scheme", "until", "record", "columns", "diagnostics", "limits", "norm"};
   if (!read_object(root, top, keys, "the request")) return faults;
 
   const Json* const json = find(root, "scheme");
@@ -40,9 +40,11 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
       check_settings(*scheme_card, *problem_card, request.settings, top.at("scheme"));
     }
   }
+  read_norm(root, top, request);
   read_plan(root, top, problem_card, scheme_card, problem_card ? span_of(*problem_card, preset) : 0, caps, request);
 
   if (!faults.empty()) return faults;
+  request.control = !request.diagnostics.empty();  // what is not asked for is not computed
   request.scheme = automatic ? 0 : *scheme.index;
   return decoded;
 }

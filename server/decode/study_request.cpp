@@ -102,13 +102,14 @@ Result<StudyPlan, Faults> decode_work_precision(ParsedJson body, const Cards& ca
   Faults faults = std::move(body.faults);
   const Json& root = body.tree;
   const FieldPath top{"", &faults};
-  const Names keys{"problem", "initial", "until", "schemes", "error", "budget_seconds"};
+  const Names keys{"problem", "initial", "until", "schemes", "error", "norm", "budget_seconds"};
   StudyRequest study;
   if (!read_study(root, top, keys, cards, caps, study)) return faults;
   StudyPlan plan;
   if (const Json* error = find(root, "error")) {
     plan.at_end = read_name(*error, top.at("error"), {"final", "max"}, "measure") == 0;
   }
+  read_norm(root, top, study.scene);
   if (!faults.empty()) return faults;
   plan.budget_seconds = study.scene.limits.seconds;
   plan.scene = std::move(study.scene);

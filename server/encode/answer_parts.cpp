@@ -82,6 +82,10 @@ void write_until(JsonWriter& json, const Request& request) {
   json.close('}');
 }
 
+void write_norm(JsonWriter& json, const Request& request) {
+  json.key("norm").text(norm_names[static_cast<std::size_t>(request.norm)]);
+}
+
 void write_choice(JsonWriter& json, const AdviceWithCards& choice) {
   const Advice& advice = choice.advice;
   json.open('{').key("reason").text(advice.reason).key("met").boolean(advice.met);
@@ -109,6 +113,7 @@ void write_echo(JsonWriter& json, const FinishedRun& run) {
   for (const auto column : run.request.columns) json.text(run.problem.columns[column].name);
   json.close(']');
   write_limits(json.key("limits"), run);
+  write_norm(json, run.request);
 }
 
 void write_stop(JsonWriter& json, const Termination& stop) {

@@ -7,13 +7,15 @@
 namespace least::server {
 
 /// The members of a complete request that gives this run again: problem, initial, scheme, until, record, columns,
-/// limits.
+/// limits, norm.
 void write_echo(JsonWriter& json, const FinishedRun& run);
 /// The members problem and initial.
 void write_scene(JsonWriter& json, const Scene& scene);
 /// A scheme as a request spells it.
 void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings);
 void write_until(JsonWriter& json, const Request& request);
+/// The member norm.
+void write_norm(JsonWriter& json, const Request& request);
 /// Why a scheme was chosen, and what else there was.
 void write_choice(JsonWriter& json, const AdviceWithCards& choice);
 void write_stop(JsonWriter& json, const Termination& stop);

@@ -50,15 +50,18 @@ std::string_view type_of(Kind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
+// An end that is infinite is null: there is none.
+void write_range(JsonWriter& json, const Range& range) {
+  json.key("minimum").number(range.low).key("maximum").number(range.high);
+  json.key("exclusive_minimum").boolean(range.low_open).key("exclusive_maximum").boolean(range.high_open);
+}
+
 void write_parameter_card(JsonWriter& json, const ParameterCard& card) {
   json.open('{').key("name").text(card.name).key("symbol").text(card.symbol).key("doc").text(card.doc);
   json.key("unit").text(card.unit).key("type").text(type_of(card.kind)).key("default");
   write_parameter(json, card, card.value);
   if (card.kind == Kind::number || card.kind == Kind::integer) {
-    // An end that is infinite is null: there is none.
-    json.key("minimum").number(card.range.low).key("maximum").number(card.range.high);
-    json.key("exclusive_minimum").boolean(card.range.low_open);
-    json.key("exclusive_maximum").boolean(card.range.high_open);
+    write_range(json, card.range);
   }
   if (card.kind == Kind::choice) write_texts(json.key("choices"), card.choices);
   json.key("nullable").boolean(card.nullable);
@@ -83,7 +86,9 @@ void write_variables(JsonWriter& json, const std::vector<VariableCard>& variable
   json.open('[');
   for (const auto& v : variables) {
     json.open('{').key("name").text(v.name).key("symbol").text(v.symbol).key("doc").text(v.doc);
-    json.key("unit").text(v.unit).key("default").number(v.value).key("optional").boolean(v.optional).close('}');
+    json.key("unit").text(v.unit).key("default").number(v.value).key("optional").boolean(v.optional);
+    write_range(json, v.range);
+    json.key("angle").boolean(v.angle).close('}');
   }
   json.close(']');
 }

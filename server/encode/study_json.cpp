@@ -82,7 +82,9 @@ void write_study_echo(JsonWriter& json, const PlanWithCards& planned) {
   json.key("version").text(version);
   write_scene(json, *plan.scene.scene);
   write_until(json.key("until"), plan.scene);
-  json.key("error").text(plan.at_end ? "final" : "max").key("budget_seconds").number(plan.budget_seconds);
+  json.key("error").text(plan.at_end ? "final" : "max");
+  write_norm(json, plan.scene);
+  json.key("budget_seconds").number(plan.budget_seconds);
 }
 
 void write_truth(JsonWriter& json, const least::Study& study) {
@@ -153,7 +155,9 @@ std::string encode_stability(const StabilityFindings& findings, ReturnCode end) 
       write(json.open('{').key("scheme"), cards, limit.scheme);
       json.key("step").number(limit.step).key("failure");
       limit.failure.empty() ? json.null() : json.text(limit.failure);
-      json.key("theory").number(limit.theory).close('}');
+      json.key("theory").number(limit.theory).key("islands").open('[');
+      for (const Interval& island : limit.islands) json.open('[').number(island.low).number(island.high).close(']');
+      json.close(']').close('}');
     }
     json.close(']');
     std::vector<std::string> left_out;

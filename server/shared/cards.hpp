@@ -22,6 +22,9 @@ const SchemeCard& auto_card();
 /// What `keep` may ask for.
 inline constexpr std::array<std::string_view, 3> keep_names{"energy", "structure", "momenta"};
 
+/// How an error may be asked for, in the order of Norm.
+inline constexpr std::array<std::string_view, 2> norm_names{"absolute", "relative"};
+
 /// A parameter's value the way a request spells it: choices by name, flags as booleans, NaN as null or the card's word
 /// for it.
 void write_parameter(JsonWriter& json, const ParameterCard& card, double value);

@@ -295,7 +295,11 @@ void bench::digits() {
   rows("Kepler, e = 0.6, 100 periods", round);
   rows("Kepler, e = 0.961, 10 periods", scene("kepler", 10 * 18.893743377439769));
   rows("damped oscillator, t = 100", scene("damped_oscillator", 100));
-  rows("perturbed Kepler, t = 50", scene("perturbed_kepler", 0));
+  rows("perturbed Kepler, e = 0.5, t = 50", scene("perturbed_kepler", 0));
+  Request eccentric = scene("perturbed_kepler", 0);
+  runs::scene(eccentric).initial = {0.1, 0, 0, std::sqrt(19.0), 0};
+  rows("perturbed Kepler, e = 0.9, t = 50", eccentric);
+  rows("damped Kepler, e = 0.9, t = 60", scene("damped_kepler", 0));
   rows("Lane–Emden, n = 3, to its surface", scene("lane_emden", 0));
   Request relaxation = scene("van_der_pol", 100);
   runs::set(relaxation, "epsilon", 10);

@@ -98,6 +98,7 @@ void bench::hybrid() {
          {{"leapfrog", nullptr, "none"},
           {"leapfrog", nullptr, "suzuki_4"},
           {"adaptive_verlet", nullptr, nullptr},
+          {"energy_momentum", nullptr, nullptr},
           {"jacobi_maupertuis", "paper", nullptr, "`paper`"},
           {"jacobi_maupertuis", "default", nullptr, "`default`"},
           {"time_transformed", nullptr, "kahan_li_6", "κ = 0.75"},

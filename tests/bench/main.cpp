@@ -103,7 +103,9 @@ int main(int argc, char** argv) {
   where_and_when();
   bench::choice();
   bench::hybrid();
+  bench::drag();
   bench::digits();
+  bench::warnings();
   Reporter reporter;
   reporter.SetOutputStream(&std::cerr);
   benchmark::RunSpecifiedBenchmarks(&reporter);

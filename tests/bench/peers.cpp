@@ -13,6 +13,7 @@
 #include "core/catalogue/catalogue.hpp"
 #include "core/from_values.hpp"
 #include "core/problem_traits.hpp"
+#include "core/problems/damped_kepler.hpp"
 #include "core/problems/damped_oscillator.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/problems/lane_emden.hpp"
@@ -225,6 +226,7 @@ std::vector<Peer> peers_of(const Request& scene) {
 std::vector<Peer> bench::peers(const Request& scene) {
   const std::string_view id = scene.scene->card().id;
   if (id == "kepler") return peers_of<Kepler>(scene);
+  if (id == "damped_kepler") return peers_of<DampedKepler>(scene);
   if (id == "damped_oscillator") return peers_of<DampedOscillator>(scene);
   if (id == "perturbed_kepler") return peers_of<PerturbedKepler>(scene);
   if (id == "lane_emden") return peers_of<LaneEmden>(scene);

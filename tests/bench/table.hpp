@@ -18,7 +18,13 @@ void choice();
 /// Prints what schemes with steps that follow the motion gain on an eccentric orbit, and where they gain nothing.
 void hybrid();
 
+/// Prints what long runs of a weakly damped orbit lose, at equal work.
+void drag();
+
 /// Prints what each accuracy costs on some scenes, by our fastest scheme and by those of other libraries.
 void digits();
+
+/// Prints how often runs are wrong without a word, and right with one.
+void warnings();
 
 }  // namespace bench

@@ -121,6 +121,14 @@ void agrees_with_its_equations(const char* id) {
   }
   EXPECT_EQ(Autonomous<P<double>>, same) << id;
 
+  if constexpr (HasFrequency<P<double>>) {
+    auto elsewhere = somewhere<P>(0.4);
+    for (std::size_t i = 0; i < elsewhere.size; ++i) elsewhere[i] += 0.3;
+    EXPECT_EQ(ConstantFrequency<P<double>>,
+              problem.frequency_squared(position(elsewhere)) == problem.frequency_squared(position(somewhere<P>(0.4))))
+        << id;
+  }
+
   if constexpr (HasEnergy<P<double>>) {  // dH/dt along the motion
     using D = Dual<double, 1>;
     double most = 0;

@@ -223,4 +223,21 @@ TEST(WithinAStep, SamplesReachToTheSurface) {
   }
 }
 
+// ── estimates that are blind ────────────────────────────────────────────────────────────────────────────────────────
+
+TEST(BlindEstimate, OfFehlbergsPairIsSeenThrough) {
+  for (const double tolerance : {1e-6, 1e-8, 1e-10, 1e-12}) {
+    const Scheme scheme{"fehlberg_78", {{"tolerance", tolerance}}};
+    for (const double frequency : {0.3, 1.0471975511965976, 6.283185307179586, 25.0}) {  // q̈ = A cos(Ωt + φ)
+      const Request free = ask(
+          of("driven_oscillator", scheme, {{"stiffness", 1e-12}, {"damping", 0}, {"frequency", frequency}}), {"error"});
+      EXPECT_LT(number(go(free), "error/max"), 500 * tolerance) << frequency << ' ' << tolerance;
+    }
+    for (const double n : {1.0, 1.5, 3.0}) {  // a force that ends at the surface
+      const Request star = ask(choose(of("lane_emden", scheme, {{"n", n}}), {{"after_zero", "clamp"}}), {"error"});
+      EXPECT_LT(number(go(star), "error/max"), 100 * std::pow(tolerance, 0.8)) << n << ' ' << tolerance;
+    }
+  }
+}
+
 }  // namespace

@@ -169,14 +169,14 @@ TEST(ClockBudget, OfTimeIsKept) {
     if (problem_of(plain).id == "lane_emden") return;  // comes to rest, in ever longer steps
     Request request = until(plain, 1e9);
     runs::only_final(request);
-    const bool kept = !is_adaptive(request);  // else energy drifts, or there is none
+    const bool kept = !is_adaptive(request) && problem_of(plain).keeps_energy;  // else it drifts, or there is none
     if (kept) request = ask(request, {"energy"});
     request.limits = {kept ? 0.03 : 0.005, 1'000'000'000'000, 1'000'000};
     const auto result = go(request);
     EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline) << name(request);
     EXPECT_GT(result.outcome.stop.step, 10) << name(request);
     EXPECT_LT(result.outcome.cost.seconds, 10) << name(request) << ": the whole would take hours";
-    if (kept) {
+    if (kept && scheme_of(request).id != "energy_momentum") {  // which leaves its level where it finds no length
       EXPECT_LT(std::abs(number(result, "energy/final") - number(result, "energy/initial")), 0.01) << name(request);
     }
   });
@@ -303,7 +303,7 @@ TEST(ClockSamples, ATimeTooLargeToAdvanceEndsInAStatus) {
 /// Expects a run that has gone wrong to have stopped or, at the least, to warn.
 void expect_said(const Request& request) {
   const auto result = go(ask(request, {"energy"}));
-  const double defect = number(result, "energy/max_rel_error");
+  const double defect = number(result, "energy/max_abs_error") / std::abs(number(result, "energy/initial"));
   const bool wrong = !(defect < 10) && result.outcome.stop.reason == ReturnCode::completed;
   EXPECT_FALSE(wrong && result.outcome.warnings.empty()) << "not said: energy off by " << defect;
   EXPECT_FALSE(wrong && warned(result, "steps_in_time")) << "not stopped: energy off by " << defect;

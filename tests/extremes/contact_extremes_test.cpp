@@ -34,6 +34,24 @@ TEST(DampingSign, IsWarnedOfAndMeansThatTheMomentumAlternates) {
     }
 }
 
+/// Of the first-order scheme from αh = 1 on, where it loses the momentum.
+TEST(DampingSign, OfTheFirstOrderSchemeIsWarnedOfFromOneOn) {
+  const double h = 0.1;
+  for (const double alpha : {9.9, 10.0, 15.0}) {
+    Request request = at(damped("contact_symplectic_euler", h, alpha, 1e-12), {{"q", 0}, {"p", 1}});
+    request.steps = 6;
+    const auto result = go(request);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << alpha;
+    EXPECT_EQ(warned(result, "damping_sign"), alpha >= 10) << alpha;
+    if (alpha >= 10) {
+      EXPECT_TRUE(result.outcome.warnings.back().detail.starts_with("αh ≥ 1 at")) << alpha;
+    }
+    for (std::size_t i = 1; i < result.rows.size(); ++i)
+      EXPECT_NEAR(value(request, result.rows[i], "p"), (1 - alpha * h) * value(request, result.rows[i - 1], "p"), 1e-12)
+          << alpha << ' ' << i;
+  }
+}
+
 TEST(DampingSign, IsNotWarnedOfBelowTwoNorWhereNothingTurnsOver) {
   for (const std::string_view scheme : {"contact_leapfrog", "contact_variational_midpoint"})
     EXPECT_FALSE(warned(go(damped(scheme, 0.1, 19.9)), "damping_sign")) << scheme;
@@ -41,7 +59,8 @@ TEST(DampingSign, IsNotWarnedOfBelowTwoNorWhereNothingTurnsOver) {
     const Request request =
         choose(at(damped("contact_splitting", 0.1, 30, 1e-12), {{"q", 0}, {"p", 1}}), {{"splitting", splitting}});
     const auto result = go(request);
-    EXPECT_TRUE(result.outcome.warnings.empty());
+    EXPECT_FALSE(warned(result, "damping_sign")) << splitting;
+    EXPECT_EQ(warned(result, "stiff_step"), splitting == "plain") << splitting;
     for (std::size_t i = 1; i < 20; ++i)
       EXPECT_NEAR(value(request, result.rows[i], "p"), std::exp(-3.0) * value(request, result.rows[i - 1], "p"), 1e-12);
   }

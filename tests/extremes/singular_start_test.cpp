@@ -33,6 +33,8 @@ void for_each_composition(const Request& request, F&& f) {
   f(request);
 }
 
+bool first_order(const SchemeCard& scheme) { return !scheme.orders.empty() && scheme.orders.front().second == 1; }
+
 TEST(AfterZero, StopEndsAtTheSurfaceAndSaysWhere) {
   struct Row {
     double n, zero;
@@ -46,7 +48,7 @@ TEST(AfterZero, StopEndsAtTheSurfaceAndSaysWhere) {
         const std::string what = std::string(scheme.id) + ' ' + std::to_string(n);
         ASSERT_EQ(end.reason, ReturnCode::left_domain) << what;
         ASSERT_TRUE(end.singular_at.has_value()) << what;
-        const double tolerance = scheme.id == "explicit_euler" ? 0.03 : is_adaptive(scheme) ? 1e-6 : 1e-3;
+        const double tolerance = first_order(scheme) ? 0.04 : is_adaptive(scheme) ? 1e-6 : 1e-3;
         EXPECT_NEAR(*end.singular_at, zero, tolerance) << what;
         EXPECT_LT(end.t, *end.singular_at) << what;
         if (!is_adaptive(scheme)) {
@@ -124,9 +126,9 @@ TEST(SingularStart, OfEverySchemeFollowsTheRegularSolution) {
         if (h > 0.05 && variational && request.settings[1] > 0) continue;
         ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << what;
         const double square = scheme.id == "contact_splitting" ? 1.5 : scheme.id == "contact_leapfrog" ? 0.06 : 0.3;
-        const double slack = is_adaptive(scheme)             ? 10 * request.settings[0]
-                             : scheme.id == "explicit_euler" ? 0.3 * h
-                                                             : square * h * h + 1e-12;
+        const double slack = is_adaptive(scheme)   ? 10 * request.settings[0]
+                             : first_order(scheme) ? 0.3 * h
+                                                   : square * h * h + 1e-12;
         double most = 0;
         for (const auto& row : result.rows)
           most = std::max(most, std::abs(row[1] - 1 / std::sqrt(1 + row[0] * row[0] / 3)));
@@ -181,7 +183,7 @@ TEST(SingularStart, CloseToItEverySchemeEndsInAStatus) {
         }
       });
     }
-    EXPECT_FALSE(runs::regular_start(star(scheme.id, 3), 0.11).has_value());
+    EXPECT_FALSE(runs::regular_start(star(scheme.id, 3), 7).has_value()) << "beyond the surface";
     EXPECT_FALSE(runs::regular_start(star(scheme.id, 3), -0.05).has_value());
   });
   Request close = star("runge_kutta_4", 3);

@@ -15,14 +15,21 @@ namespace laws {
 
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
+/// Time-transformed steps take conservative scenes, and damped ones with a constant metric.
+template <class P>
+concept Transforms = SelfTimedSchemeFor<TimeTransformed, P>;
+
 template <template <class> class P, class F>
 void for_each_clock(F&& f) {
-  if constexpr (Conservative<P<double>>) {
+  if constexpr (Transforms<P<double>>) {
     TimeTransformed soft;
     for (const auto composition : {Composition::none, Composition::suzuki_4, Composition::kahan_li_6}) {
       soft.composition = composition;
       f(soft, order(soft));
     }
+  }
+  if constexpr (Conservative<P<double>>) {
+    f(EnergyMomentum{}, 2);
     if constexpr (Separable<P<double>>)
       for (const Monitor monitor : {Monitor::arclength, Monitor::frequency}) f(AdaptiveVerlet{0.01, monitor}, 2);
     JacobiMaupertuis hybrid;
@@ -43,10 +50,10 @@ template <template <class> class P>
 auto fast_state() {
   const P<double> problem;
   auto fastest = states<P>()[0];
-  const auto kinetic = [&](const auto& x) { return energy(problem, x) - problem.potential(x.q, 0.0); };
+  const auto kinetic = [&](const auto& x) { return dot(x.p, velocity(problem, x.q, x.p)); };
   for (const auto& x : states<P>())
     if (kinetic(x) > kinetic(fastest)) fastest = x;
-  fastest.t = 0;
+  if (Autonomous<P<double>>) fastest.t = 0;
   return fastest;
 }
 
@@ -54,7 +61,9 @@ auto fast_state() {
 template <class Scheme, class P, class X>
 Scheme resized(Scheme scheme, const P& problem, const X& x, double h) {
   const auto v = velocity(problem, x.q, x.p);
-  if constexpr (requires { scheme.sigma; }) scheme.sigma = h * (0.5 * dot(x.p, v) + scheme.kappa);
+  if constexpr (requires { scheme.sigma; })
+    scheme.sigma =
+        h * std::pow(0.5 * dot(x.p, v) + scheme.kappa, Conservative<P> ? 1 : 1 - scheme.exponent);  // of dt/dτ
   if constexpr (requires { scheme.step; }) scheme.step = h;
   if constexpr (requires { scheme.theta; }) {
     double most = 0;
@@ -68,12 +77,14 @@ Scheme resized(Scheme scheme, const P& problem, const X& x, double h) {
 template <class Scheme, class P, class X>
 StepStatus arrive(const Scheme& scheme, const P& problem, X& x, const typename X::Time& t) {
   auto stepper = clocks::bound(scheme, problem, x);
-  const auto energy_level = energy(problem, x);
+  const auto level = energy_level(scheme, problem, x);
   for (X before = x;; before = x) {
+    const auto last = stepper;
     if (const StepStatus status = stepper.step(x); status != StepStatus::ok) return status;
     if (x.t < t) continue;
     if constexpr (requires { stepper.reach(before, t); }) {
-      auto again = scheme.bind(problem, before, energy_level);
+      auto again = scheme.bind(problem, before, level);
+      if constexpr (requires { last.memory(); }) again.resume(before, last.memory());
       const StepStatus status = again.reach(before, t);
       x = before;
       return status;
@@ -87,18 +98,19 @@ StepStatus arrive(const Scheme& scheme, const P& problem, X& x, const typename X
 template <template <class> class P>
 void clocks_have_their_order() {
   const P<double> problem;
-  if constexpr (Conservative<P<double>>) {
+  if constexpr (Transforms<P<double>>) {
     const auto start = fast_state<P>();
     const double span = 0.35 * rhythm(problem, start);
     Orbit<P> truth(problem, convert<Quad, Quad>(start), 1e-28);
-    ASSERT_TRUE(truth.advance(Quad(span), [] { return true; }));
+    ASSERT_TRUE(truth.advance(Quad(start.t + span), [] { return true; }));
     using T = long double;
     const auto end = convert<T, T>(truth.state());
     for_each_clock<P>([&](const auto& scheme, int order) {
       std::vector<Measured> points;
       for (double ladder = 3; ladder < 400; ladder *= 1.35) {
         auto x = convert<T, T>(start);
-        if (arrive(resized(scheme, problem, start, span / ladder), problem, x, T(span)) != StepStatus::ok) continue;
+        if (arrive(resized(scheme, problem, start, span / ladder), problem, x, T(start.t + span)) != StepStatus::ok)
+          continue;
         const double error = distance(x, end) / size(end);
         if (error < 1e-17) break;
         points.push_back({span / ladder, error});
@@ -117,19 +129,34 @@ void clocks_have_their_order() {
   }
 }
 
+/// Some steps of a kernel and as many back along the parameter: the same for damped motion, which does not turn round
+/// with its momentum.
+template <class Kernel, class X>
+void goes_and_returns(Kernel kernel, const X& start, double sigma, const std::string& what) {
+  auto x = start;
+  Work work;
+  for (const double part : {sigma, sigma, sigma, -sigma, -sigma, -sigma}) {
+    double elapsed = 0;
+    ASSERT_EQ(kernel.move(x, part, elapsed, work), StepStatus::ok) << what;
+    x.t += elapsed;
+  }
+  EXPECT_LT(distance(x, start) / size(start), 1e-13) << what;
+  EXPECT_NEAR(x.t, start.t, 1e-13 * (1 + start.t)) << what;
+}
+
 /// Some steps, the momentum turned over, as many steps: back at the start for what says it is symmetric. What does not
 /// say so may be so at times: the hybrid returns until it switches.
 template <template <class> class P>
 void symmetric_clocks_return() {
-  if constexpr (Conservative<P<double>>) {
+  if constexpr (Transforms<P<double>>) {
     const P<double> problem;
     const auto start = fast_state<P>();
-    const double level = energy(problem, start);
     for_each_clock<P>([&](const auto& chosen, int) {
       const auto scheme = resized(chosen, problem, start, 0.1 * rhythm(problem, start));
       if (!scheme.card().symmetric) return;
       auto x = start;
-      auto stepper = scheme.bind(problem, x, level);
+      auto stepper = clocks::bound(scheme, problem, x);
+      if constexpr (LinearContact<P<double>>) return goes_and_returns(stepper.kernel(), x, scheme.sigma, label(scheme));
       ASSERT_EQ(clocks::steps(stepper, x, 4), 4) << label(scheme);
       x = clocks::reversed(x);
       ASSERT_EQ(clocks::steps(stepper, x, 4), 4) << label(scheme);

@@ -28,6 +28,7 @@ inline constexpr std::tuple exempt{
     Because<ContactGalerkin4>{newton},
     Because<ContactGauss>{newton},
     Because<JacobiMaupertuis>{"a hybrid: changes its unknowns from step to step, each lane would at other times"},
+    Because<EnergyMomentum>{own_clock},
     Because<TimeTransformed>{own_clock},
     Because<AdaptiveVerlet>{own_clock},
     Because<DormandPrince5>{boost},

@@ -106,6 +106,19 @@ void force_is_minus_gradient() {
     }
 }
 
+template <template <class> class P>
+void damping_is_the_slope_of_its_integral() {
+  if constexpr (HasDampingIntegral<P<double>>) {
+    const P<double> problem;
+    for (const auto& x : states<P>()) {
+      const double rate = damping(problem, phase(problem, x.t)), d = 1e-5;
+      const double derived = problem.damping_integral(Dual<double, 1>(x.t, {1.0})).slope[0];
+      EXPECT_NEAR(rate, derived, 1e-13 * (1 + std::abs(rate)));
+      EXPECT_NEAR(rate, (problem.damping_integral(x.t + d) - problem.damping_integral(x.t - d)) / (2 * d), 1e-8);
+    }
+  }
+}
+
 /// q̇ = H_p, ṗ = −H_q − p H_s, ṡ = p·H_p − H, by differentiating the Hamiltonian itself. A flow that is split is the sum
 /// of its pieces, each of which is a flow: over h and then over h it goes where it goes over 2h, and back again.
 template <template <class> class P>

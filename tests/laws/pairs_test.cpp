@@ -19,11 +19,12 @@ Ids together(Ids a, const Ids& b) {
 
 const Ids anything{"explicit_euler",   "explicit_midpoint", "runge_kutta_4",
                    "dormand_prince_5", "fehlberg_78",       "bulirsch_stoer"};
-const Ids lagrangian =
-    together(anything, {"variational_midpoint", "galerkin_4", "jacobi_maupertuis", "time_transformed"});
+const Ids lagrangian = together(
+    anything, {"variational_midpoint", "galerkin_4", "jacobi_maupertuis", "energy_momentum", "time_transformed"});
 const Ids separable = together(lagrangian, {"symplectic_euler", "leapfrog", "ruth_3", "adaptive_verlet"});
-const Ids contact = together(anything, {"contact_leapfrog", "contact_variational_midpoint", "contact_galerkin_4",
-                                        "contact_splitting", "contact_gauss"});
+const Ids contact = together(anything, {"contact_symplectic_euler", "contact_leapfrog", "contact_variational_midpoint",
+                                        "contact_galerkin_4", "contact_splitting", "contact_gauss"});
+const Ids damped = together(contact, {"time_transformed"});
 const Ids split = together(anything, {"contact_splitting"});
 
 const std::map<std::string, Ids> expected{
@@ -33,13 +34,14 @@ const std::map<std::string, Ids> expected{
     {"kepler_3d", separable},
     {"henon_heiles", separable},
     {"double_pendulum", lagrangian},
-    {"damped_oscillator", contact},
-    {"modulated_oscillator", contact},
-    {"driven_oscillator", contact},
-    {"damped_pendulum", contact},
-    {"perturbed_kepler", contact},
-    {"lane_emden", contact},
-    {"spin_orbit", contact},
+    {"damped_oscillator", damped},
+    {"modulated_oscillator", damped},
+    {"driven_oscillator", damped},
+    {"damped_pendulum", damped},
+    {"perturbed_kepler", damped},
+    {"damped_kepler", damped},
+    {"lane_emden", damped},
+    {"spin_orbit", damped},
     {"cosmological_oscillator", contact},
     {"scalar_field_cosmology", contact},
     {"van_der_pol", split},

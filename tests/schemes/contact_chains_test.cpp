@@ -6,8 +6,9 @@ namespace {
 
 using namespace chains;
 
-const Names those_that_fit{"explicit_euler",     "explicit_midpoint", "runge_kutta_4", "contact_variational_midpoint",
-                           "contact_galerkin_4", "contact_splitting", "contact_gauss", "contact_leapfrog"};
+const Names those_that_fit{
+    "explicit_euler",    "explicit_midpoint", "runge_kutta_4",    "contact_variational_midpoint", "contact_galerkin_4",
+    "contact_splitting", "contact_gauss",     "contact_leapfrog", "contact_symplectic_euler"};
 const Names with_tolerance{"dormand_prince_5", "fehlberg_78", "bulirsch_stoer"};
 const auto nothing = [](const auto&) { return 0; };
 

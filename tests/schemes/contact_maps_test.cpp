@@ -41,6 +41,63 @@ double potential(const P& m, double q, double t) {
   return m.potential(Vec<1>{q}, t);
 }
 
+// ---- contact_symplectic_euler
+
+/// h L(q₀, (q₁ − q₀)/h, s₀, t₀), in the number of its arguments q₀, q₁, s₀ of a problem of one degree of freedom.
+template <class P, class T>
+T first_order_action(const P& m, const Vec<3, T>& y) {
+  const Vec<1, T> q{y[0]}, v{(y[1] - y[0]) / h};
+  return h * (0.5 * dot(v, momentum(m, q, v)) - m.potential(q, phase(m, t0)) - action_energy(m, y[2], phase(m, t0)));
+}
+template <class P>
+void check_symplectic_euler(const P& m) {
+  const auto x = after(ContactSymplecticEuler{}, m, start, h);
+  const auto z = first_order_action(m, seed<3, double>({q0, x.q[0], s0}));
+  EXPECT_NEAR(-z.slope[0] / (1 + z.slope[2]), p0, 1e-14);
+  EXPECT_NEAR(x.p[0], z.slope[1], 1e-14);
+  EXPECT_NEAR(x.action.s, s0 + z.value, 1e-15);
+  const auto tangent = tangent_map(ContactSymplecticEuler{}, m, start, h);
+  ASSERT_TRUE(tangent);
+  const auto [defect, factor] = contact_defect(start, *tangent);
+  EXPECT_LT(defect, 1e-14);
+  EXPECT_NEAR(factor, 1 + z.slope[2], 1e-14);
+}
+/// A mass that grows with q, with friction.
+template <class R = double>
+struct HeavierAway {
+  R alpha{0.3};
+  static constexpr int dof = 1;
+  template <class T, class S>
+  T potential(const Vec<1, T>& q, const S&) const {
+    using least::cos;
+    return -cos(q[0]);
+  }
+  template <class T>
+  Mat<1, T> metric(const Vec<1, T>& q) const {
+    Mat<1, T> g;
+    g[0][0] = 1.0 + 0.4 * q[0] * q[0];
+    return g;
+  }
+  R damping() const { return alpha; }
+};
+TEST(ContactMap, SymplecticEulerIsTheFirstOrderHerglotzScheme) {
+  check_symplectic_euler(driven);
+  check_symplectic_euler(modulated);
+  check_symplectic_euler(cosmology);
+  check_symplectic_euler(HeavierAway<>{});
+}
+/// Its factor is a property of the state where H is quadratic in s: without a positive one there is no contact map.
+TEST(ContactMap, SymplecticEulerHasNoStepWhereItsFactorIsNotPositive) {
+  const auto status = [](double s) {
+    auto x = start;
+    x.action.s = s;
+    auto stepper = ContactSymplecticEuler{}.bind(cosmology, x);
+    return stepper.step(x, h);
+  };
+  EXPECT_EQ(status(0.99 / (0.7 * h)), StepStatus::ok);
+  EXPECT_EQ(status(1.01 / (0.7 * h)), StepStatus::singular);
+}
+
 // ---- contact_leapfrog
 
 template <class P, class Damping>
@@ -218,6 +275,8 @@ void check_twins(const P& damped, const Twin& twin) {
     EXPECT_LT(most(after(Leapfrog{step, Composition::kahan_li_6}, twin, x, step),
                    after(ContactLeapfrog{step, Composition::kahan_li_6}, damped, x, step)),
               1e-14);
+    EXPECT_EQ(after(SymplecticEuler{step}, twin, x, step, 100),
+              after(ContactSymplecticEuler{step}, damped, x, step, 100));
     EXPECT_LT(most(after(VariationalMidpoint{step}, twin, x, step),  //
                    after(ContactVariationalMidpoint{step}, damped, y, step)),
               1e-14);

@@ -15,9 +15,10 @@ class Described final : public Mechanics {
   std::string_view key() const override { return card_.id; }
   std::span<const SchemeCard> schemes() const override { return schemes_; }
   Solution run(const Request&, RowSink&, const std::atomic<bool>&) const override { return {}; }
-  std::optional<std::vector<double>> regular_start(std::span<const double>, double) const override { return {}; }
+  std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return {}; }
   Truth truth(const Scene&, const std::vector<double>&, const KeepGoing&) const override { return {}; }
   Conditioning conditioning(const Scene&, double, const KeepGoing&) const override { return {}; }
+  std::vector<PaceMark> pace(const Scene&, double, const KeepGoing&) const override { return {}; }
   double blow_up_time(const Scene&, double, double, const KeepGoing&) const override { return 0; }
 
  private:

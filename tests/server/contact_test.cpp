@@ -45,7 +45,7 @@ std::vector<std::string> keys(const Json& object) {
 /// The fields of an answer that make a complete request.
 Json echo(const Json& whole) {
   Json request;
-  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits"})
+  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
     request[key] = whole.at(key);
   return request;
 }
@@ -200,8 +200,16 @@ TEST_F(ContactHttp, AStartNearASingularTimeIsFilledInWhereNoStateIsGiven) {
   Json other = request;
   other["initial"]["q"] = 0.75;  // a state is given: the rest of it takes its defaults
   EXPECT_EQ(answer(port(), other)["initial"], (Json{{"t", 0.05}, {"q", 0.75}, {"p", 0}, {"s", 0}}));
-  other["initial"] = {{"t", 0.2}};
-  EXPECT_EQ(answer(port(), other)["initial"]["q"], 1) << "beyond the reach of the series";
+  other["initial"] = {{"t", 0.5}};
+  EXPECT_EQ(answer(port(), other)["initial"]["q"], 1 / std::sqrt(1 + 0.25 / 3)) << "beyond the reach of the series";
+  for (const double t : {-0.5, 4.0}) {
+    other["problem"]["n"] = 1;  // whose surface is at π
+    other["initial"]["t"] = t;
+    const Json refused = fault(port(), other);
+    EXPECT_EQ(refused["pointer"], "/initial/t");
+    EXPECT_TRUE(says(refused, "the state must be given"));
+    EXPECT_EQ(refused["allowed"], "q, p, s");
+  }
 }
 
 // ── choices and whole numbers ───────────────────────────────────────────────────────────────────────────────────────
@@ -301,8 +309,7 @@ TEST_F(ContactHttp, ASlopeAtItsPoleIsNullAndInCsvAnEmptyCell) {
 
 TEST_F(ContactHttp, NoAnswerHoldsANumberThatIsNone) {
   for (const Json& request :
-       {Json{{"problem", "generic_oscillator"}, {"initial", {{"U", 0}}}, {"diagnostics", {"entropy", "energy"}}},
-        Json{{"problem", "generic_oscillator"}, {"initial", {{"U", -1}}}, {"columns", {"t", "entropy"}}},
+       {Json{{"problem", "generic_oscillator"}, {"initial", {{"U", 1e-300}}}, {"diagnostics", {"entropy", "energy"}}},
         Json{{"problem", "lane_emden"}, {"diagnostics", {"energy", "decay", "volume", "structure"}}},
         Json{{"problem", "cosmological_oscillator"}, {"initial", {{"s", -2}, {"q", 0}, {"p", 0}}}},
         Json{{"problem", {{"id", "thermostat"}, {"scale", 0.001}, {"kappa", 0.5}}}, {"diagnostics", {"moments"}}},
@@ -320,6 +327,49 @@ TEST_F(ContactHttp, NoAnswerHoldsANumberThatIsNone) {
       EXPECT_TRUE(accept[0] == 't' || Json::accept(reply.body));
     }
   }
+}
+
+TEST_F(ContactHttp, AVariableHasItsRange) {
+  for (const double u : {0.0, -1.0}) {
+    const Json found =
+        fault(port(), {{"problem", "generic_oscillator"}, {"initial", {{"U", u}}}, {"scheme", "contact_splitting"}});
+    EXPECT_EQ(found["pointer"], "/initial/U");
+    EXPECT_TRUE(says(found, "must be greater than 0")) << found;
+  }
+  const auto variables = [&](const char* id) {
+    return Json::parse(ask(port(), get("/v1/problems/" + std::string(id))).body)["variables"];
+  };
+  const Json heat = variables("generic_oscillator"), swing = variables("pendulum");
+  EXPECT_EQ(heat[2]["minimum"], 0);
+  EXPECT_EQ(heat[2]["exclusive_minimum"], true);
+  EXPECT_TRUE(heat[2]["maximum"].is_null() && heat[0]["minimum"].is_null());
+  EXPECT_EQ(swing[0]["angle"], true);
+  EXPECT_EQ(swing[1]["angle"], false);
+}
+
+// q₀ = 1e-6 is known to 1e-6 in the absolute norm before a step is taken.
+TEST_F(ContactHttp, TheNormOfErrorsIsARequest) {
+  Json request{
+      {"problem", "harmonic_oscillator"}, {"initial", {{"q", 1e-6}}},  {"scheme", {{"id", "auto"}, {"accuracy", 1e-6}}},
+      {"record", {{"samples", 3}}},       {"columns", {"t", "error"}}, {"diagnostics", {"error"}}};
+  const Json absolute = answer(port(), request);
+  EXPECT_EQ(absolute["norm"], "absolute");
+  EXPECT_LT(absolute["diagnostics"]["error"]["max"], 1e-6);
+  request["norm"] = "relative";
+  const Json relative = answer(port(), request);
+  EXPECT_EQ(relative["norm"], "relative");
+  EXPECT_TRUE(relative["choice"]["met"].get<bool>());
+  EXPECT_LE(relative["choice"]["estimated_error"], 1e-6);
+  const double most = relative["diagnostics"]["error"]["max"];
+  EXPECT_LT(most, 1.1e-6);
+  EXPECT_GT(most, 1e-8) << "no more digits than were asked for";
+  EXPECT_EQ(relative["trajectory"]["error"].size(), 3U);
+  EXPECT_EQ(relative["trajectory"]["error"][0], 0);
+  Json again = echo(relative);
+  again["diagnostics"] = {"error"};
+  EXPECT_EQ(answer(port(), again)["diagnostics"]["error"]["max"], most) << "the echo has the norm";
+  request["norm"] = "max";
+  EXPECT_EQ(fault(port(), request)["allowed"], "absolute, relative");
 }
 
 TEST_F(ContactHttp, ABlowUpIsAnAnswerWithItsTime) {

@@ -69,7 +69,7 @@ TEST_F(Readme, TheEchoIsARequest) {
   ASSERT_FALSE(all.empty());
   const Json first = Json::parse(ask(port(), post(all[0].path, all[0].body)).body);
   Json echo;
-  for (const auto* member : {"problem", "initial", "scheme", "until", "record", "columns", "limits"})
+  for (const auto* member : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
     echo[member] = first.at(member);
   const Json again = Json::parse(ask(port(), post(all[0].path, echo.dump())).body);
   EXPECT_EQ(again.at("trajectory"), first.at("trajectory"));

@@ -53,6 +53,42 @@ void hold_against_all(std::string_view problem, std::initializer_list<double> ac
   }
 }
 
+// Accuracy of states far below 1: digits of theirs, not of 1.
+TEST(Advice, InTheRelativeNormIsForSmallStates) {
+  Request request = scene("pendulum", 20);
+  runs::scene(request).initial = {1e-6, 0};
+  const Advice loose = advise(request, {1e-6, 0, {}}, never);
+  request.norm = Norm::relative;
+  const Advice advice = advise(request, {1e-6, 0, {}}, never);
+  ASSERT_TRUE(advice.choice && loose.choice);
+  EXPECT_TRUE(advice.met) << advice.reason;
+  EXPECT_LE(advice.estimated_error, 1e-6);
+  const auto error = [&](const Advice& chosen) {
+    Request run = with(request, *chosen.choice);
+    runs::ask(run, "error");
+    return runs::number(runs::go(run).outcome.diagnostics, "error/max");
+  };
+  EXPECT_LT(error(advice), 1.1e-6);
+  EXPECT_GT(error(loose), 1e-2) << "which is why it is asked for";
+}
+
+// What it says of its choice is what the run says of itself, where the error peaks.
+TEST(Advice, EstimatesTheLargestErrorOfTheRun) {
+  for (const double e : {0.9, 0.99}) {
+    Request request = scene("kepler", 6.5 * 2 * std::acos(-1.0));
+    runs::scene(request).initial = {1 - e, 0, 0, std::sqrt((1 + e) / (1 - e))};
+    for (const double accuracy : {1e-3, 1e-6}) {
+      const Advice advice = advise(request, {accuracy, 0, {}}, never);
+      ASSERT_TRUE(advice.choice) << advice.reason;
+      Request run = with(request, *advice.choice);
+      runs::ask(run, "error");
+      runs::only_final(run);
+      const double error = runs::number(runs::go(run).outcome.diagnostics, "error/max");
+      EXPECT_NEAR(advice.estimated_error / error, 1, 0.1) << e << ' ' << advice.reason;
+    }
+  }
+}
+
 class Advised : public testing::TestWithParam<std::size_t> {};
 TEST_P(Advised, MeetsTheAccuracyAtTheLeastCost) {
   const auto& card = runs::problem_cards()[GetParam()];

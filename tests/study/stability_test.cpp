@@ -69,11 +69,107 @@ TEST(StabilityLimit, SaysHowItFails) {
   EXPECT_EQ(limit("damped_pendulum", "contact_variational_midpoint", "none").failure, "solver_failed");
   const StabilityLimit euler = limit("harmonic_oscillator", "explicit_euler");
   EXPECT_EQ(euler.theory, 0) << "it grows at every step";
+  EXPECT_EQ(euler.step, 0);
   EXPECT_EQ(euler.failure, "energy_growth");
   EXPECT_TRUE(std::isnan(limit("kepler", "time_transformed").step)) << "no fixed steps";
   EXPECT_LT(limit("kepler", "leapfrog").step, 0.2);
   EXPECT_EQ(limit("kepler", "explicit_euler").failure, "energy_growth") << "it flies away";
+  EXPECT_EQ(limit("kepler", "explicit_euler").step, 0);
   EXPECT_TRUE(std::isnan(limit("kepler", "leapfrog").theory));
+}
+
+// ── linear theory ───────────────────────────────────────────────────────────────────────────────────────────────────
+
+StableSteps theory(std::string_view scheme, std::vector<double> settings, double alpha) {
+  return stable_steps(find_scheme(scheme).value(), settings, 1, alpha, 50);
+}
+double composed(std::string_view composition) {
+  return static_cast<double>(std::ranges::find(compositions::names, composition) - compositions::names.begin());
+}
+
+TEST(StableStepsTest, OfWhatIsDampedAreOnTheRayOfTheStep) {
+  EXPECT_NEAR(theory("explicit_euler", {1}, 0.1).limit, 0.1, 1e-8) << "h = α/ω²";
+  EXPECT_NEAR(theory("explicit_euler", {1}, 2).limit, 2, 1e-8);
+  EXPECT_NEAR(theory("explicit_midpoint", {1}, 2).limit, 2, 1e-8);
+  EXPECT_NEAR(theory("runge_kutta_4", {1}, 2).limit, 2.785293563405282, 1e-8) << "its interval on the real axis";
+  for (const std::string_view scheme : {"explicit_euler", "explicit_midpoint"})
+    EXPECT_EQ(theory(scheme, {1}, 0).limit, 0) << scheme;
+  // Where it is critical, z = 0 is not stable at the a of the step that is: no matter, no step gets there.
+  EXPECT_FALSE(is_stable(find_scheme("runge_kutta_4").value(), std::vector{1.0}, 0, 3));
+  EXPECT_TRUE(is_stable(find_scheme("runge_kutta_4").value(), std::vector{1.0}, 1.5, 3));
+}
+
+TEST(StableStepsTest, ThinGapsAreFound) {
+  const auto gap = [](const StableSteps& steps) { return Interval{steps.limit, steps.islands.at(0).low}; };
+  const Interval galerkin = gap(theory("galerkin_4", {1, composed("kahan_li_8")}, 0)),
+                 leapfrog = gap(theory("leapfrog", {1, composed("sofroniou_spaletta_10")}, 0)),
+                 thinnest = gap(theory("galerkin_4", {1, composed("sofroniou_spaletta_10")}, 0));
+  EXPECT_NEAR(galerkin.low, 3.1405, 1e-4);
+  EXPECT_NEAR(galerkin.high, 3.1422, 1e-4);
+  EXPECT_LT(leapfrog.low, 3.1412);
+  EXPECT_GT(leapfrog.high, 3.1412);
+  EXPECT_NEAR(thinnest.high - thinnest.low, 3.5e-5, 1e-6);
+  const StableSteps plain = theory("galerkin_4", {1, 0}, 0);
+  EXPECT_NEAR(plain.limit, 2 * std::sqrt(2.0), 1e-8);
+  ASSERT_EQ(plain.islands.size(), 1U);
+  EXPECT_NEAR(plain.islands[0].low, 2 * std::sqrt(3.0), 1e-8);
+  EXPECT_NEAR(plain.islands[0].high, 2 * std::sqrt(6.0), 1e-8);
+  const StableSteps gauss = theory("contact_gauss", {1, 2}, 1);
+  EXPECT_NEAR(gauss.limit, 2.6467, 1e-4);
+  ASSERT_EQ(gauss.islands.size(), 1U);
+  EXPECT_NEAR(gauss.islands[0].low, 2 * std::sqrt(3.0), 1e-6);
+  EXPECT_TRUE(std::isinf(gauss.islands[0].high));
+}
+
+// Inside every interval and outside of all, by the spectral radius; a margin of 1e-11 is one of 3e-6 in the radius
+// where two eigenvalues meet.
+TEST(StableStepsTest, AreWhereStepsDoNotGrow) {
+  int borders = 0;
+  const auto check = [&](std::string_view scheme, const std::vector<double>& settings, double alpha) {
+    const StableSteps steps = theory(scheme, settings, alpha);
+    const auto radius = [&](double h) { return growth_per_step(find_scheme(scheme).value(), settings, h, alpha * h); };
+    std::vector<Interval> all{{0, steps.limit}};
+    all.insert(all.end(), steps.islands.begin(), steps.islands.end());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto [low, high] = all[i];
+      if (!(high < 20)) continue;
+      ++borders;
+      SCOPED_TRACE(std::string(scheme) + ' ' + std::to_string(settings.back()) + ' ' + std::to_string(alpha));
+      for (int k = 1; k < 1000; ++k) EXPECT_LT(radius(low + (high - low) * k / 1000), 1 + 4e-6) << k;
+      const double next = i + 1 < all.size() ? all[i + 1].low : 1.5 * high;
+      EXPECT_GT(radius(std::min(high * (1 + 1e-3), (high + next) / 2)), 1 + 4e-6) << high;
+      for (int k = 1; k < 10; ++k) EXPECT_GT(radius(high + (next - high) * k / 10), 1 + 4e-6) << high << ' ' << k;
+    }
+  };
+  for (double composition = 0; composition < 9; ++composition) {
+    check("leapfrog", {1, composition}, 0);
+    check("galerkin_4", {1, composition}, 0);
+    check("variational_midpoint", {1, composition}, 0);
+    for (const double alpha : {0.1, 1.0}) {
+      check("contact_leapfrog", {1, composition}, alpha);
+      check("contact_splitting", {1, composition, 1}, alpha);
+    }
+  }
+  for (const double alpha : {0.1, 1.0, 2.0, 10.0})
+    for (const std::string_view scheme : {"explicit_euler", "explicit_midpoint", "runge_kutta_4", "contact_galerkin_4"})
+      check(scheme, {1}, alpha);
+  EXPECT_GT(borders, 60);
+}
+
+TEST(StabilityLimit, StopsAtAThinGap) {
+  const StabilityLimit found = limit("harmonic_oscillator", "leapfrog", "sofroniou_spaletta_10");
+  EXPECT_NEAR(found.step, 3.14108, 2e-3);
+  EXPECT_NEAR(found.theory, 3.14108, 1e-5);
+  ASSERT_GE(found.islands.size(), 1U);
+  EXPECT_NEAR(found.islands[0].high, 5.9737, 1e-3);
+}
+
+TEST(StabilityLimit, OfCriticalDampingIsTheRealInterval) {
+  const auto critical = [](std::string_view scheme) {
+    return limit("damped_oscillator", scheme, "", {{"damping", 2}});
+  };
+  expect_limit(critical("runge_kutta_4"), 2.785293563405282, "energy_growth");
+  expect_limit(critical("explicit_midpoint"), 2, "energy_growth");
 }
 
 // Where the motion is not linear, the limit is ragged; well below it runs are stable.

@@ -40,6 +40,42 @@ TEST(Truth, IsARunInQuadPrecisionElsewhere) {
   EXPECT_LT(known->uncertainty, 1e-15);
 }
 
+// A run of the star that names a time and no state: the closed forms, with s = t⁻² ∫₀ᵗ τ² (p²/2 − V) dτ.
+TEST(Truth, KnowsTheStateOfAStarWhereARunBegins) {
+  struct Star {
+    double q, p;
+  };
+  const auto star = [](double n, double t) -> Star {
+    if (n == 0) return {1 - t * t / 6, -t / 3};
+    if (n == 1) return {std::sin(t) / t, (std::cos(t) - std::sin(t) / t) / t};
+    return {1 / std::sqrt(1 + t * t / 3), -t / 3 * std::pow(1 + t * t / 3, -1.5)};
+  };
+  for (const double n : {0.0, 1.0, 5.0})
+    for (const double t : {0.05, 0.1, 0.1000001, 0.5, 2.0, 3.1, 40.0}) {
+      if (t > (n == 0 ? std::sqrt(6.0) : n == 1 ? std::numbers::pi : 1e9)) continue;
+      Request request = scene("lane_emden", 50);
+      runs::set(request, "n", n);
+      const auto state = runs::regular_start(request, t);
+      ASSERT_TRUE(state.has_value()) << n << ' ' << t;
+      const auto [q, p] = star(n, t);
+      EXPECT_NEAR((*state)[0], q, 1e-15) << n << ' ' << t;
+      EXPECT_NEAR((*state)[1], p, 1e-15) << n << ' ' << t;
+      double sum = 0;  // Simpson's rule; at τ = 0 there is nothing
+      constexpr int parts = 4000;
+      for (int k = 1; k <= parts; ++k) {
+        const double tau = t * k / parts;
+        const auto [a, b] = star(n, tau);
+        sum += (k == parts ? 1 : k % 2 == 1 ? 4 : 2) * tau * tau * (b * b / 2 - std::pow(a, n + 1) / (n + 1));
+      }
+      EXPECT_NEAR((*state)[2], sum * t / (3 * parts) / (t * t), 1e-9 * (1 + t)) << n << ' ' << t;
+    }
+  Request request = scene("lane_emden", 50);
+  EXPECT_FALSE(runs::regular_start(request, 6.9).has_value()) << "n = 3: its surface is at 6.8968";
+  EXPECT_TRUE(runs::regular_start(request, 6.89).has_value());
+  EXPECT_FALSE(runs::regular_start(request, -1).has_value());
+  EXPECT_FALSE(runs::problem_called("kepler")->regular_start({}, 1).has_value()) << "nothing is singular there";
+}
+
 TEST(Truth, IsKeptAndGivenUpAndForgotten) {
   const Request heiles = scene("henon_heiles", 5);
   const auto once = truth(heiles, {5}, always);

@@ -20,10 +20,15 @@ using namespace least::problems;
 template <class P, class T>
 using Moving = State<P::dof, T, T>;
 
+/// K + V at x: the level of a run that begins there.
+template <class P, class X>
+auto level_of(const P& problem, const X& x) {
+  return mechanical_energy(problem, x.q, x.p, phase(problem, x.t));
+}
 /// A stepper with the level of the state x.
 template <class Scheme, class P, class X>
 auto bound(const Scheme& scheme, const P& problem, const X& x) {
-  return scheme.bind(problem, x, energy(problem, x));
+  return scheme.bind(problem, x, energy_level(scheme, problem, x));
 }
 
 /// How far n steps come; `look(x)` after each.

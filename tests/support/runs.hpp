@@ -96,9 +96,11 @@ std::size_t position(const Named& all, std::string_view name, Name&& name_of) {
 }
 inline const least::ProblemCard& card(const least::Request& request) { return request.scene->card(); }
 
-/// The start of the scene's regular solution at a time near its singular start; empty where there is none.
+/// The state of the scene's regular motion at a time after its singular start; empty where there is none.
 inline std::optional<std::vector<double>> regular_start(const least::Request& request, double t) {
-  return request.scene->mechanics->regular_start(request.scene->parameters, t);
+  const auto regular = request.scene->mechanics->regular_start(request.scene->parameters, t);
+  if (!regular || !regular->objection.empty()) return std::nullopt;
+  return regular->state;
 }
 
 /// A parameter of the problem or a setting of the scheme, by name.

@@ -1,8 +1,10 @@
 // energy, momenta: how far a run departs from what its motion keeps; drift apart from oscillation.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include "core/run/diagnostics/diagnostic.hpp"
 
@@ -39,6 +41,8 @@ struct LinearTrend {
   double slope() const { return (n * ty - t * y) / (n * tt - t * t); }
 };
 
+/// Where an energy begins at zero its errors are still small or large: against the largest kinetic energy of the run,
+/// or, of a flow, which has none, against the largest size of the energy itself. `relative_to` says against what.
 struct EnergyRow {
   static constexpr DiagnosticCard info{"energy", "extremes and drift of the energy", true, true};
   static constexpr Sees sees = Sees::every_step;
@@ -49,24 +53,41 @@ struct EnergyRow {
   struct Seen {
     DriftExtremes energy;
     LinearTrend trend;
-    double start_time = 0;
+    double start_time = 0, largest = 0;  ///< of the kinetic energy
 
     void start(const P& problem, const X& x) {
       start_time = x.t;
       energy.start(energy_of(problem, x));
+      largest = size(problem, x, energy.initial);
       trend.see(0, 0);
     }
     void see(const P& problem, const X& x) {
       const double h = least::energy(problem, x);
       energy.see(h);
+      largest = std::max(largest, size(problem, x, h));
       trend.see(x.t - start_time, h - energy.initial);
     }
     Report report(const RunEnd<P, X>&) const {
-      return numbers("energy", {{"initial", energy.initial},
-                                {"final", energy.final},
-                                {"max_abs_error", energy.most},
-                                {"max_rel_error", energy.most / std::abs(energy.initial)},
-                                {"drift_per_time", trend.slope()}});
+      const double initial = std::abs(energy.initial), scale = std::max(initial, largest);
+      Report report = numbers("energy", {{"initial", energy.initial},
+                                         {"final", energy.final},
+                                         {"max_abs_error", energy.most},
+                                         {"max_rel_error", scale > 0 ? energy.most / scale : unknown},
+                                         {"drift_per_time", trend.slope()}});
+      const std::string_view what = !Potential<P>       ? "largest energy"
+                                    : largest > initial ? "largest kinetic energy"
+                                                        : "initial energy";
+      insert(report, 4, words("relative_to", scale > 0 ? what : ""));
+      return report;
+    }
+
+   private:
+    static double size(const P& problem, [[maybe_unused]] const X& x, [[maybe_unused]] double h) {
+      if constexpr (Potential<P>) {
+        return 0.5 * dot(x.p, velocity(problem, x.q, x.p));
+      } else {
+        return std::abs(h);
+      }
     }
   };
 };

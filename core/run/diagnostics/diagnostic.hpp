@@ -16,8 +16,10 @@
 
 #include "core/problem_traits.hpp"
 #include "core/run/diagnostics/events.hpp"
+#include "core/run/diagnostics/largest_error.hpp"
 #include "core/run/mechanics.hpp"
 #include "core/run/outcome.hpp"
+#include "core/run/request.hpp"
 #include "core/run/tangent.hpp"
 
 namespace least {
@@ -36,13 +38,16 @@ struct RunEnd {
   using Full = FullStateOf<P>;
   const P& problem;
   const Scene& scene;
+  const Request& request;
   const SchemeCard& scheme;
   const X& x;                       ///< the final state
   const std::vector<Full>& states;  ///< kept along the run, where a diagnostic sees states
   const Events& events;             ///< found along the run, where a diagnostic sees sections
   /// Derivatives of a step from a state; empty where there are none.
   std::function<std::optional<Tangent<Full>>(const Full&)> tangent;
-  KeepGoing keep_going;
+  /// The same on the extended space, for schemes whose steps are contact maps there.
+  std::function<std::optional<ExtendedStepOf<P>>(const Full&)> extended_tangent;
+  TimeLeft left;
   std::vector<Warning>& warnings;  ///< what a report cannot say
 };
 

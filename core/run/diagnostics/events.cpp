@@ -1,13 +1,16 @@
 #include "core/run/diagnostics/events.hpp"
 
 #include <cmath>
+#include <iterator>
 
 namespace least {
 
 void Events::add(std::size_t section, bool upwards, double t, double first) {
   if (section == 0) note(zeros_, t);
   if (section == 0 && upwards) {
-    if (rises_++ > 0) period_ = t - last_rise_;
+    constexpr std::ptrdiff_t most = 4096;
+    if (rises_++ > 0) cycles_.push_back({t - last_rise_, amplitude_});
+    if (std::ssize(cycles_) > most) cycles_.erase(cycles_.begin(), cycles_.begin() + most / 2);
     last_rise_ = t;
   }
   if (section == 1) amplitude_ = std::abs(first);
@@ -23,11 +26,27 @@ void Events::note(std::vector<double>& list, double t) {
   if (room(list.size())) list.push_back(t);
 }
 
+bool Events::converged(double Cycle::*number) const {
+  constexpr double tolerance = 1e-3;
+  const std::size_t last = cycles_.size() - 1, third = cycles_.size() / 3;
+  const double now = cycles_[last].*number, most = tolerance * std::abs(now);
+  for (std::size_t i = last - third; i < last; ++i)
+    if (!(std::abs(cycles_[i].*number - now) <= most)) return false;
+  // Where a geometric sequence through three of them ends (Aitken): slow growth looks like rest from cycle to cycle.
+  const double change = now - cycles_[last - third].*number;
+  const double before = cycles_[last - third].*number - cycles_[last - 2 * third].*number;
+  return change == 0 || std::abs(change * change / (before - change)) <= most;
+}
+
 Report Events::cycle() const {
-  const bool whole = rises_ > 1;
-  return numbers("cycle", {{"period", whole ? period_ : unknown},
-                           {"amplitude", whole ? amplitude_ : unknown},
-                           {"cycles", rises_ > 0 ? static_cast<double>(rises_ - 1) : 0}});
+  const bool whole = !cycles_.empty();
+  Report converging{"converged", std::monostate{}};
+  if (cycles_.size() >= 3) converging.value = converged(&Cycle::period) && converged(&Cycle::amplitude);
+  Report report = numbers("cycle", {{"period", whole ? cycles_.back().period : unknown},
+                                    {"amplitude", whole ? cycles_.back().amplitude : unknown},
+                                    {"cycles", rises_ > 0 ? static_cast<double>(rises_ - 1) : 0}});
+  insert(report, 3, std::move(converging));
+  return report;
 }
 
 }  // namespace least

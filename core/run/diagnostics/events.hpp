@@ -37,17 +37,25 @@ class Events {
 
   const std::vector<double>& zeros() const { return zeros_; }
   const std::vector<double>& poles() const { return poles_; }
-  /// Of the last whole cycle; null before there is one.
+  /// Of the last whole cycle; null before there is one. `converged`: over the last third of the cycles neither their
+  /// period nor their amplitude changed by more than one part in a thousand, nor will they if they go on to converge as
+  /// they did over the last two thirds; null before there are three.
   Report cycle() const;
 
  private:
+  struct Cycle {
+    double period, amplitude;
+  };
   void note(std::vector<double>& list, double t);
+  /// Of one of the two numbers of a cycle.
+  bool converged(double Cycle::*number) const;
 
   std::size_t most_;
   bool full_ = false;
   std::vector<double> zeros_, poles_;
   std::int64_t rises_ = 0;
-  double last_rise_ = 0, period_ = 0, amplitude_ = 0;
+  double last_rise_ = 0, amplitude_ = 0;
+  std::vector<Cycle> cycles_;  ///< the last ones
 };
 
 }  // namespace least

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/exact/elements.hpp"
 #include "core/run/diagnostics/diagnostic.hpp"
 
 namespace least {
@@ -30,7 +31,7 @@ class OrbitTrack {
     if constexpr (P::dof == 2) sense_ = e1_[0] * e2_[1] - e1_[1] * e2_[0] < 0 ? -1 : 1;
     const Elements e = elements(x);
     apsis_ = apsis(e);
-    has_apsis_ = dot(e.lenz, e.lenz) > 1e-16 * mu_ * mu_;  // e > 1e-8
+    has_apsis_ = e.eccentricity > two_body::least_eccentricity;
     before_ = 0;
   }
 
@@ -42,39 +43,31 @@ class OrbitTrack {
       rotation_ += std::remainder(now - apsis_, 8 * std::atan(1.0));
       apsis_ = now;
       // Where the osculating ellipse cuts the direction of the start.
-      closure_ = std::abs(e.angular_momentum_squared / (mu_ + dot(e.lenz, e1_)) - radius_);
+      closure_ = std::abs(e.angular_momentum * e.angular_momentum / (mu_ + dot(e.lenz, e1_)) - radius_);
       ++revolutions_;
     }
     before_ = across;
   }
 
   /// closure: distance by which the last whole revolution misses the start; apsidal_rotation: of the Laplace–Runge–Lenz
-  /// vector, mean per revolution, counter-clockwise positive (about L in space); elements: osculating at the end.
+  /// vector, mean per revolution, counter-clockwise positive (about L in space); elements: osculating at the end. All
+  /// null where the centre does not attract.
   Report report(const RunEnd<P, X>& end) const {
     const X& x = end.x;
-    const bool started = mu_ > 0, closed = revolutions_ > 0;
+    const bool started = mu_ > 0, closed = started && revolutions_ > 0;
     const auto k = static_cast<double>(revolutions_);
     const Elements now = elements(x);
     return numbers("orbit", {{"revolutions", started ? k : unknown},
                              {"closure", closed ? closure_ : unknown},
                              {"apsidal_rotation", closed && has_apsis_ ? sense_ * rotation_ / k : unknown},
                              {"semi_major_axis", started ? now.semi_major_axis : unknown},
-                             {"eccentricity", started ? std::sqrt(dot(now.lenz, now.lenz)) / mu_ : unknown}});
+                             {"eccentricity", started ? now.eccentricity : unknown},
+                             {"angular_momentum", started ? now.angular_momentum : unknown}});
   }
 
  private:
-  struct Elements {
-    Vec<P::dof> lenz;  ///< p × L − μ q/r = (p² − μ/r) q − (q·p) p, of length μe
-    double semi_major_axis, angular_momentum_squared;
-  };
-  Elements elements(const X& x) const {
-    const double r = std::sqrt(dot(x.q, x.q)), pp = dot(x.p, x.p), qp = dot(x.q, x.p);
-    Elements e;
-    for (std::size_t i = 0; i < x.q.size(); ++i) e.lenz[i] = (pp - mu_ / r) * x.q[i] - qp * x.p[i];
-    e.semi_major_axis = 1 / (2 / r - pp / mu_);
-    e.angular_momentum_squared = r * r * pp - qp * qp;
-    return e;
-  }
+  using Elements = two_body::Elements<P::dof>;
+  Elements elements(const X& x) const { return two_body::elements(x.q, x.p, mu_); }
   double apsis(const Elements& e) const { return std::atan2(dot(e.lenz, e2_), dot(e.lenz, e1_)); }
 
   Vec<P::dof> e1_{}, e2_{};
@@ -84,7 +77,7 @@ class OrbitTrack {
 };
 
 struct OrbitRow {
-  static constexpr DiagnosticCard info{"orbit", "closure, apsidal rotation and elements of a Kepler orbit"};
+  static constexpr DiagnosticCard info{"orbit", "closure, apsidal rotation and osculating elements of an orbit"};
   static constexpr Sees sees = Sees::every_step;
   template <class P>
   static constexpr bool applies = TwoBody<P>;

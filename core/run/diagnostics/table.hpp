@@ -7,6 +7,7 @@
 
 #include "core/run/diagnostics/conserved.hpp"
 #include "core/run/diagnostics/decay.hpp"
+#include "core/run/diagnostics/error.hpp"
 #include "core/run/diagnostics/flows.hpp"
 #include "core/run/diagnostics/orbit.hpp"
 #include "core/run/diagnostics/sections.hpp"

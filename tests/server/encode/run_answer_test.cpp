@@ -55,7 +55,7 @@ TEST(EncodeJson, WritesTheResponseOfTheContract) {
           R"(","status":"completed","problem":{"id":"swing","mass":1,"level":7},)"
           R"("initial":{"t":-0.0,"q":1e-09,"p":0},"scheme":{"id":"own_clock","keep":false,"critical":null,"stages":null,"kappa":"energy","step":0.1},)"
           R"("until":{"t":20},"record":{"times":[0,2.5]},"columns":["t","energy"],)"
-          R"("limits":{"seconds":10,"steps":100000000,"samples":1000000},)"
+          R"("limits":{"seconds":10,"steps":100000000,"samples":1000000},"norm":"absolute",)"
           R"("trajectory":{"t":[0,2.5],"energy":[1.5,null]},"final":{"t":20,"q":0.25,"p":null},)"
           R"("diagnostics":{"energy":{"initial":1,"kind":"a\"b"},"zeros":[1,2.5],"poles":[1,true],"none":null},)"
           R"("cost":{"steps":4,"force_evaluations":8,"iterations":2,"seconds":1e-06,"nanoseconds_per_step":250},)"
@@ -69,7 +69,7 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
   Example example;
   const Json first = Json::parse(encode_json(example.run()).body);
   Json request;
-  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits"}) {
+  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"}) {
     request[key] = first.at(key);
   }
   const auto again = decode({request, {}}, test::cards(), {});

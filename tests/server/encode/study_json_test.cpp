@@ -39,7 +39,7 @@ struct StudyExample {
 const std::string echo =
     R"({"version":")" + std::string(version) +
     R"(","problem":{"id":"swing","mass":1,"level":3},"initial":{"t":0,"q":1,"p":0},"until":{"t":20},)"
-    R"("error":"max","budget_seconds":10,"reference":{"how":"closed form","uncertainty":1e-16},"floor":1e-14,)"
+    R"("error":"max","norm":"absolute","budget_seconds":10,"reference":{"how":"closed form","uncertainty":1e-16},"floor":1e-14,)"
     R"("growth":12.5,"chaotic":false,"end":19,)";
 constexpr const char* first = R"("scheme":{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},"setting":"step",)";
 constexpr const char* second =
@@ -82,10 +82,11 @@ TEST(EncodeStability, WritesLimitsAndWhatIsMissing) {
   const Cards cards = test::cards();
   auto parsed = parse_json(R"({"problem":"swing","schemes":["leapfrog","own_clock","runge_kutta_4"]})");
   const auto plan = *decode_stability(std::move(*parsed), cards, {});
-  const std::vector<StabilityLimit> limits{{plan.schemes[0], 2, "energy_growth", 2}, {plan.schemes[1], nan, {}, nan}};
+  const std::vector<StabilityLimit> limits{{plan.schemes[0], 2, "energy_growth", 2, {{2.5, 3}}},
+                                           {plan.schemes[1], nan, {}, nan}};
   const Json json = Json::parse(encode_stability({plan.scene, plan.schemes, limits, cards}, ReturnCode::deadline));
   EXPECT_EQ(json["limits"][0].dump(), R"({"scheme":{"id":"leapfrog","step":0.1,"composition":"none"},"step":2,)"
-                                      R"("failure":"energy_growth","theory":2})");
+                                      R"("failure":"energy_growth","theory":2,"islands":[[2.5,3]]})");
   EXPECT_EQ(json["limits"].size(), 2u);
   for (const char* key : {"step", "failure", "theory"}) EXPECT_EQ(json["limits"][1][key], nullptr);
   EXPECT_EQ(json["left_out"].size(), 1u);

@@ -1,0 +1,125 @@
+// The explicit midpoint rule, extrapolated as far as a number goes: the exact flow of equations of motion, in quad for
+// reference solutions, in double for what a single step of a scheme should have done. Source: Gragg, SIAM J. Numer.
+// Anal. 2, 384 (1965); Bulirsch & Stoer 1966; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.9.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "core/number/quad.hpp"
+#include "core/problem_traits.hpp"
+
+namespace least {
+
+/// The explicit midpoint rule extrapolated in h², order and step chosen as it goes.
+template <class P, class Y = StateOf<P, Quad, Quad>>
+class Extrapolation {
+ public:
+  using X = Y;
+  using T = typename X::Number;
+  static constexpr std::size_t size = X::size;
+
+  /// `tolerance`: relative to the largest component, now or at the start, or to 1 where the start is larger. `step`:
+  /// the first to be tried.
+  Extrapolation(const P& problem, const X& x, double tolerance, T step = T(0.1))
+      : problem_(problem), x_(x), tolerance_(tolerance), regular_(starts_series(problem, x)), step_(step) {
+    using least::abs;
+    T largest(0);
+    for (std::size_t i = 0; i < size; ++i) largest = std::max(largest, T(abs(x[i])));
+    if (largest > T(0) && largest < T(1)) least_size_ = largest;
+  }
+
+  const X& state() const { return x_; }
+
+  /// Moves on to t. False where keep_going() says so or the steps become too small.
+  template <class KeepGoing>
+  bool advance(const T& t, KeepGoing&& keep_going) {
+    using least::abs;
+    if constexpr (HasSeries<P>) {
+      const T until(P::series_until);
+      if (regular_ && x_.t < until) {
+        x_.t = std::min(t, until);
+        assign(x_, series_state<X>(problem_, x_.t));
+      }
+    }
+    while (x_.t < t) {
+      const T left = t - x_.t;
+      const bool last = !(step_ < left);
+      const T h = last ? left : step_;
+      const int column = attempt(h);
+      if (column < 0) {
+        step_ = h / 4;
+        if (!keep_going() || !(step_ > T(shortest) * (1 + abs(t)))) return false;
+        continue;
+      }
+      const T reached = last ? t : x_.t + h;
+      x_ = table_[static_cast<std::size_t>(column)];
+      x_.t = reached;
+      // Converged early: the step was short. Late: long. A step cut to fit says little.
+      if (column < target) step_ = last ? std::max(step_, T(1.5) * h) : T(1.5) * h;
+      if (column > target + 1) step_ = h * T(0.8);
+      if (!keep_going()) return false;
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int columns = 15, target = 10;
+  static constexpr double shortest = Precision<T>::epsilon < 1e-30 ? 1e-25 : 1e-12;  ///< of steps, relative to the time
+
+  /// Fills the diagonal of the extrapolation table until two neighbours agree; the column reached, or −1.
+  int attempt(const T& h) {
+    for (int j = 0; j < columns; ++j) {
+      X next = midpoint(h, 2 * (j + 1));
+      X coarse = next;
+      for (int k = 1; k <= j; ++k) {  // Aitken–Neville, table_[k − 1] holding the row above
+        const T ratio = T(j + 1) / T(j + 1 - k);
+        const T w = 1 / (ratio * ratio - 1);
+        X better = next;
+        auto& above = table_[static_cast<std::size_t>(k - 1)];
+        for (std::size_t i = 0; i < size; ++i) better[i] = next[i] + (next[i] - above[i]) * w;
+        above = next;
+        coarse = next;
+        next = better;
+      }
+      table_[static_cast<std::size_t>(j)] = next;
+      if (j > 1 && close(next, coarse)) return j;
+    }
+    return -1;
+  }
+
+  bool close(const X& a, const X& b) const {
+    using least::abs;
+    T difference(0), most = least_size_;
+    for (std::size_t i = 0; i < size; ++i) {
+      difference = difference + abs(a[i] - b[i]);
+      most = std::max(most, abs(a[i]));
+    }
+    return difference < T(tolerance_) * most;  // false for NaN
+  }
+
+  X midpoint(const T& h, int n) const {
+    const T d = h / n;
+    X before = x_, now = shifted(x_, d, derivative(problem_, x_));
+    now.t = x_.t + d;
+    for (int m = 1; m < n; ++m) {
+      X next = shifted(before, T(2) * d, derivative(problem_, now));
+      next.t = x_.t + T(m + 1) * d;
+      before = now;
+      now = next;
+    }
+    const X end = shifted(before, d, derivative(problem_, now));  // Gragg's smoothing: the mean of now and end
+    for (std::size_t i = 0; i < size; ++i) now[i] = (now[i] + end[i]) / 2;
+    return now;
+  }
+
+  const P& problem_;
+  X x_;
+  double tolerance_;
+  bool regular_;  ///< from t = 0, where the equations of motion are singular and the solution is not
+  T step_;
+  T least_size_ = T(1);  ///< of a state that small differences are held against
+  std::array<X, columns> table_{};
+};
+
+}  // namespace least

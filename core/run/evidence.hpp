@@ -1,0 +1,91 @@
+// What the states of a run say of its worth, whatever was asked for: looked at between blocks of steps, at a 32nd of a
+// short run's, at every 64th of a long one's and at longer strides as it goes on, so that no step pays for it and what
+// is seen depends on the run alone.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/problem_traits.hpp"
+#include "core/run/integrator.hpp"
+
+namespace least {
+
+template <class P, class X>
+class Evidence {
+ public:
+  /// `steps`: how many there are to be, where that is known. `keeps`: the states that are looked at are kept.
+  Evidence(std::optional<std::int64_t> steps, bool keeps)
+      : keeps_(keeps), stride_(steps ? std::clamp<std::int64_t>(*steps / 32, 1, 64) : 8) {}
+
+  /// The next step to be looked at after the n-th.
+  std::int64_t next(std::int64_t n) const {
+    return looks() ? (n / stride_ + 1) * stride_ : std::numeric_limits<std::int64_t>::max();
+  }
+  void start(const P& problem, const X& x) {
+    if constexpr (KeepsEnergy<P>) level_ = found_.before = found_.now = energy_of(problem, x);
+    look(problem, x);
+  }
+  /// The state after a block.
+  void see(const P& problem, const IntegrationState<X>& state) {
+    if (!looks() || state.n % stride_ != 0) return;
+    look(problem, state.x);
+    keep(state.x);
+    if (++seen_ < most_looks) return;
+    seen_ /= 2;
+    stride_ *= 2;
+    for (std::size_t i = 0; 2 * i + 1 < states_.size(); ++i) states_[i] = states_[2 * i + 1];
+    states_.resize(states_.size() / 2);
+  }
+  void finish(const P& problem, const IntegrationState<X>& state) {
+    look(problem, state.x);
+    if (states_.empty() || states_.back().t < state.x.t) keep(state.x);
+  }
+
+  /// The largest change of a kept energy, in units of max(|E₀|, |V| + |E − V|) where it was found; 0 where none is
+  /// kept.
+  struct Energy {
+    double off = 0, before = 0, now = 0;
+  };
+  const Energy& energy() const { return found_; }
+  /// The largest rate of damping |γs|, where the action makes it.
+  double damping() const { return damping_; }
+  /// What was looked at after the start, in the order of time.
+  std::span<const StateOf<P>> states() const { return states_; }
+
+ private:
+  bool looks() const { return keeps_ || KeepsEnergy<P> || QuadraticContact<P>; }
+  static constexpr std::int64_t most_looks = 256;
+
+  void look([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+    if constexpr (KeepsEnergy<P>) {
+      const double now = value_of(least::energy(problem, x));
+      double size = std::abs(now);
+      if constexpr (Potential<P>) {
+        const double potential = value_of(least::potential(problem, x.q));
+        size = std::abs(potential) + std::abs(now - potential);
+      }
+      const double off = std::abs(now - level_) / std::max({std::abs(level_), size, 1e-300});
+      if (off > found_.off) found_ = {off, level_, now};
+    }
+    if constexpr (QuadraticContact<P>)
+      damping_ = std::max(damping_, std::abs(value_of(x.action.s) * double(problem.action_curvature())));
+  }
+
+  void keep(const X& x) {
+    if (keeps_) assign(states_.emplace_back(), plain(x));
+  }
+
+  bool keeps_;
+  std::int64_t stride_, seen_ = 0;
+  std::vector<StateOf<P>> states_;
+  double level_ = 0, damping_ = 0;
+  Energy found_;
+};
+
+}  // namespace least

@@ -1,0 +1,96 @@
+// What a run says against itself when it is over: a code and a sentence where its own evidence is that the result is
+// worthless, or soon will be.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/run/control.hpp"
+#include "core/run/evidence.hpp"
+#include "core/run/messages.hpp"
+#include "core/run/request.hpp"
+
+namespace least {
+
+/// A run that is over.
+template <class P, class X>
+struct FinishedRun {
+  const P& problem;
+  const Request& request;
+  const SchemeCard& scheme;
+  const IntegrationState<X>& state;
+  double step;  ///< the length of every step; 0 where the scheme sets its own clock
+  const Integrator<P, X>& integrator;
+  const StepGuard& guard;
+  const Evidence<P, X>& evidence;
+};
+
+/// ωh from half the bound on, or from where the problem says that accuracy suffers.
+template <class P>
+void warn_of_step(const StepGuard& guard, std::vector<Warning>& warnings) {
+  const double fastest = guard.largest(), most = guard.bound(2 * fastest);
+  double careful = most > 0 ? most / 2 : std::numeric_limits<double>::infinity();
+  if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
+  if (fastest > careful)
+    warnings.push_back({"step_near_stability_bound", messages::near_bound(fastest, careful, guard.bound())});
+}
+
+/// Rates of damping that a step does not resolve.
+template <class P, class X>
+void warn_of_damping(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
+  if constexpr (requires { run.problem.stiffness_rate(); }) {
+    const double ratio = run.problem.stiffness_rate() * run.step;
+    if (ratio > 0.5) warnings.push_back({"stiff_step", messages::stiff(ratio)});
+  }
+  if (const auto found = run.integrator.strong_damping(run.state.n)) {
+    if (found->flips)
+      warnings.push_back({"damping_sign", messages::damping_sign(found->damping_step, found->t)});
+    else
+      warnings.push_back({"stiff_step", messages::stiff_damping(found->damping_step, found->t)});
+  }
+  // Schemes without structure do not even damp.
+  const double rate = run.evidence.damping() * run.step, most = run.scheme.structure == "none" ? 1 : 2;
+  if (rate > most) warnings.push_back({"stiff_step", messages::stiff_action(rate)});
+}
+
+/// Energy that left its level, and schemes that add to it at every step.
+template <class P, class X>
+void warn_of_energy(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
+  constexpr double large = 0.3, small = 0.05;
+  const double by_step = run.guard.growth(), together = std::pow(by_step, static_cast<double>(run.state.n));
+  const auto [off, before, now] = run.evidence.energy();
+  if (together > 1 + small)
+    warnings.push_back({"grows_at_every_step", messages::grows(by_step, together)});
+  else if (run.guard.grows_undamped() && off > small)
+    warnings.push_back({"grows_at_every_step", messages::grows_by_energy(before, now)});
+  std::string why = run.integrator.accuracy_warning();
+  if (off > large) why = messages::energy_jump(before, now);
+  if (!why.empty()) warnings.push_back({"off_energy_level", why});
+}
+
+/// Another scheme comes to another motion.
+template <class P, class X>
+void warn_of_departure(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
+  constexpr double large = 0.1;
+  constexpr std::int64_t few = 2000, many = 20'000;  // force evaluations: half a millisecond at the most
+  const std::int64_t allowed = std::clamp<std::int64_t>(2 * run.integrator.work().forces, few, many);
+  const Scene& scene = *run.request.scene;
+  const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
+  const Departure found = departure<P>(run.problem, start, run.evidence.states(), allowed);
+  if (!(found.error <= large))
+    warnings.push_back({"large_error", messages::departs(found.error, found.t, found.reached)});
+}
+
+template <class P, class X>
+void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
+  if constexpr (HasFrequency<P>) warn_of_step<P>(run.guard, warnings);
+  warn_of_damping(run, warnings);
+  if (const auto steps = run.integrator.fallback_steps(); steps > 0)
+    warnings.push_back({"steps_in_time", messages::fallback_steps(steps, run.integrator.method().has_value())});
+  warn_of_energy(run, warnings);
+  if (run.request.control) warn_of_departure(run, warnings);
+}
+
+}  // namespace least

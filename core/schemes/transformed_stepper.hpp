@@ -1,0 +1,110 @@
+// Steps of constant length σ in a parameter τ that runs with the motion, whatever takes them. A kernel is
+//   kernel.move(x, σ, elapsed, work) → StepStatus   moves q, p and s by σ; `elapsed` is the time that takes. x.t is the
+//                                                   time it begins at, read where `reads_time`. Spoils what it fails on
+//   kernel.memory(), kernel.settle(x, memory)       what it keeps beside the state, and to go on from x with it
+//   kernel.pace(x)                                  dt/dτ at x
+//   kernel.strain(), kernel.stages()
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "core/scheme.hpp"
+
+namespace least {
+
+/// Of kernels that keep nothing but what follows from the state.
+struct NoMemory {};
+
+/// Whether the square of a ratio that is 1 on the motion's level, at a kick, is near 1.
+template <class T>
+auto near_level(const T& ratio_squared) {
+  return (ratio_squared >= T(0.25)) & (ratio_squared <= T(4));
+}
+
+template <class Kernel, class X>
+class TransformedStepper {
+ public:
+  using T = typename X::Number;
+  using Memory = typename Kernel::Memory;
+  static constexpr bool reads_time = Kernel::reads_time;
+
+  TransformedStepper(const Kernel& kernel, double sigma) : kernel_(kernel), sigma_(sigma) {}
+
+  StepStatus step(X& x) noexcept {
+    X y = x;
+    const Memory memory = kernel_.memory();
+    T elapsed;
+    const StepStatus status = attempt(y, sigma_, elapsed);
+    if (status != StepStatus::ok) {
+      kernel_.settle(x, memory);
+      return status;
+    }
+    y.t = x.t + elapsed;
+    elapsed_ = elapsed;
+    x = y;
+    return StepStatus::ok;
+  }
+
+  /// x moved to the time t by a shorter σ, to round-off of t: Newton's method for the time taken, whose slope by σ is
+  /// the pace at the end as far as the step is exact, within a bracket. solver_failed where t is beyond the end of a
+  /// step.
+  StepStatus reach(X& x, const T& t) noexcept requires std::numeric_limits<T>::is_specialized {
+    using least::abs;
+    constexpr int most_iterations = 100;
+    const T wait = t - x.t, tolerance = 4 * Precision<T>::epsilon * (abs(x.t) + abs(t)) * kernel_.stages();
+    if (!(wait > T(0))) return StepStatus::ok;
+    T low(0), high = sigma_, sigma = wait / kernel_.pace(x);
+    const Memory memory = kernel_.memory();
+    StepStatus status = StepStatus::solver_failed;
+    for (int k = 0; k < most_iterations; ++k) {
+      if (sigma > sigma_) sigma = sigma_;
+      if (!(low < sigma && sigma <= high)) sigma = 0.5 * (low + high);
+      X y = x;
+      T elapsed;
+      kernel_.settle(x, memory);
+      status = attempt(y, sigma, elapsed);
+      if (status != StepStatus::ok) break;
+      const T excess = elapsed - wait;
+      if (abs(excess) <= tolerance) {
+        y.t = t;
+        x = y;
+        return StepStatus::ok;
+      }
+      status = StepStatus::solver_failed;
+      (excess < T(0) ? low : high) = sigma;
+      sigma = sigma - excess / kernel_.pace(y);
+    }
+    kernel_.settle(x, memory);
+    return status;
+  }
+  const Work& work() const { return work_; }
+  /// How long the last step took.
+  const T& elapsed() const { return elapsed_; }
+  /// What steps remember beside the state; with it another stepper goes on from the state x.
+  Memory memory() const { return kernel_.memory(); }
+  void resume(const X& x, const Memory& memory) { kernel_.settle(x, memory); }
+  const Kernel& kernel() const { return kernel_; }
+  /// The largest |(D/(K + κ))² − 1| of a kick.
+  const T& strain() const { return kernel_.strain(); }
+  /// What the kernel has to say of the last step, which failed; empty: nothing.
+  std::string failure() const {
+    if constexpr (requires { kernel_.failure(); }) return kernel_.failure();
+    return {};
+  }
+
+ private:
+  /// Fails also where the time does not advance.
+  StepStatus attempt(X& x, const T& sigma, T& elapsed) {
+    using least::all;
+    const StepStatus status = kernel_.move(x, sigma, elapsed, work_);
+    if (status != StepStatus::ok) return status;
+    return all(elapsed > T(0)) ? StepStatus::ok : StepStatus::singular;
+  }
+
+  Kernel kernel_;
+  T sigma_, elapsed_{};
+  Work work_;
+};
+
+}  // namespace least

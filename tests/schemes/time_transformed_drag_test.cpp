@@ -1,0 +1,233 @@
+// Time-transformed steps on damped orbits: what an evaluation buys, laws of decay, long runs, and where they end.
+#include "core/problems/damped_kepler.hpp"
+#include "core/problems/perturbed_kepler.hpp"
+#include "core/reference/reference.hpp"
+#include "core/schemes/contact_splitting.hpp"
+#include "core/schemes/time_transformed.hpp"
+#include "core/study/study.hpp"
+#include "tests/support/clocks.hpp"
+#include "tests/support/runs.hpp"
+
+namespace {
+
+using namespace least;
+using namespace least::problems;
+using namespace clocks;
+
+const double follows_energy = std::numeric_limits<double>::quiet_NaN();  // κ = −E₀
+const State<2> eccentric{0, {0.1, 0}, {0, std::sqrt(19.0)}, {}};         // e = 0.9, a = 1
+const State<2> sharp{0, {0.039, 0}, {0, std::sqrt(1.961 / 0.039)}, {}};  // e = 0.961, a = 1
+const State<2> moderate{0, {0.5, 0}, {0, std::sqrt(3.0)}, {}};           // e = 0.5, a = 1
+
+struct Bought {
+  std::int64_t forces = 0;
+  double error = 0;  ///< max |q − q(t)| over steps, every `stride`-th
+};
+template <class P>
+Bought bought(const P& problem, const State<2>& start, double span, const TimeTransformed& scheme, int stride) {
+  Extrapolation<P, State<2, Quad, Quad>> truth(problem, convert<Quad, Quad>(start), 1e-16);
+  auto x = start;
+  auto stepper = bound(scheme, problem, x);
+  Bought all;
+  int n = 0;
+  EXPECT_TRUE(past(stepper, x, start.t + span, [&](const State<2>& y) {
+    if (++n % stride != 0) return;
+    ASSERT_TRUE(truth.advance(Quad(y.t), [] { return true; }));
+    const auto& q = truth.state().q;
+    all.error = larger(all.error, std::hypot(double(y.q[0] - q[0]), double(y.q[1] - q[1])));
+  }));
+  all.forces = stepper.work().forces;
+  return all;
+}
+
+// METHODS, section 3c. There a map that is not contact takes α(t): 2.1e-8, 3.1e-9, 1.9e-7 and 6.6e-8 by Kahan and Li.
+TEST(TimeTransformedDrag, AnEvaluationBuysWhatIsPublished) {
+  struct Row {
+    Composition composition;
+    double sigma;
+    std::int64_t forces;
+    double error;
+  };
+  using C = Composition;
+  const auto check = [](const auto& problem, const State<2>& start, double span, std::initializer_list<Row> rows) {
+    for (const Row& row : rows) {
+      const auto found = bought(problem, start, span, {row.sigma, follows_energy, row.composition},
+                                row.composition == C::none ? 11 : 1);
+      const std::string what = std::string(compositions::names[std::size_t(row.composition)]) + ' ' +
+                               std::to_string(found.forces) + " -> " + std::to_string(found.error * 1e9) + "e-9";
+      EXPECT_NEAR(double(found.forces), double(row.forces), 0.01 * double(row.forces)) << what;
+      EXPECT_LT(found.error, 1.2 * row.error) << what;
+      EXPECT_GT(found.error, 0.6 * row.error) << what;
+    }
+  };
+  check(DampedKepler<>{1, 0.002}, eccentric, 60,
+        {{C::none, 0.0075, 12830, 3.7e-4},
+         {C::suzuki_4, 0.0375, 12830, 1.4e-7},
+         {C::kahan_li_6, 0.135, 6417, 1.2e-7},
+         {C::kahan_li_6, 0.0675, 12834, 2.3e-9}});
+  check(DampedKepler<>{1, 0.001}, sharp, 60,
+        {{C::none, 0.0075, 13413, 4.6e-4},
+         {C::suzuki_4, 0.0375, 13415, 2.5e-7},
+         {C::kahan_li_6, 0.135, 6714, 2.0e-7},
+         {C::kahan_li_6, 0.0675, 13419, 4.8e-9}});
+  check(PerturbedKepler<>{}, moderate, 50,
+        {{C::none, 0.015, 3693, 1.1e-3},
+         {C::suzuki_4, 0.075, 3695, 1.9e-7},
+         {C::kahan_li_6, 0.135, 3699, 1.7e-8},
+         {C::kahan_li_8, 0.255, 3706, 2.7e-9}});
+  check(PerturbedKepler<>{}, eccentric, 50,
+        {{C::none, 0.015, 4688, 1.3e-3},
+         {C::suzuki_4, 0.075, 4690, 2.0e-6},
+         {C::kahan_li_6, 0.135, 4689, 1.5e-7},
+         {C::kahan_li_8, 0.255, 4692, 1.9e-7}});
+}
+
+// The maps multiply p and push it along q, and move q along p: what q × p loses is the factor, e^{−αΔt}.
+TEST(TimeTransformedDrag, AngularMomentumDecaysAsItShould) {
+  for (const double alpha : {0.002, 0.3, -0.005})
+    for (const auto composition : {Composition::none, Composition::kahan_li_8}) {
+      const DampedKepler<> problem{1, alpha};
+      const auto first = problem.invariants(moderate.q, moderate.p, 0.0)[0];
+      auto x = moderate;
+      auto stepper = bound(TimeTransformed{0.05, follows_energy, composition}, problem, x);
+      double most = 0;
+      EXPECT_EQ(steps(stepper, x, 300,
+                      [&](const State<2>& y) {
+                        most = larger(most, std::abs(problem.invariants(y.q, y.p, y.t)[0] / first - 1));
+                      }),
+                300)
+          << alpha;
+      EXPECT_LT(most, 1e-13) << alpha;
+    }
+  // α(t): as far as e^∫α is.
+  const PerturbedKepler<> swept{-1, 0.3};
+  auto x = moderate;
+  auto stepper = bound(TimeTransformed{0.05, follows_energy, Composition::kahan_li_6}, swept, x);
+  EXPECT_EQ(steps(stepper, x, 300,
+                  [&](const State<2>& y) {
+                    const double l = (y.q[0] * y.p[1] - y.q[1] * y.p[0]) * std::exp(swept.damping_integral(y.t));
+                    EXPECT_NEAR(l / std::sqrt(0.75), 1, 1e-12);
+                  }),
+            300);
+}
+
+// H e^{αt} stays on the true motion; off it by what s is off, which grows with the time.
+TEST(TimeTransformedDrag, EnergyDecaysAsItShould) {
+  const DampedKepler<> problem{1, 0.01};
+  FullStateOf<DampedKepler<>> x{0, moderate.q, moderate.p, {0.3}};
+  const double first = energy(problem, x);
+  double early = 0, late = 0;
+  auto stepper = bound(TimeTransformed{0.2, follows_energy, Composition::kahan_li_6}, problem, x);
+  EXPECT_TRUE(past(stepper, x, 100, [&](const auto& y) {
+    double& most = y.t < 10 ? early : late;
+    most = larger(most, std::abs(energy(problem, y) * std::exp(0.01 * y.t) / first - 1));
+  }));
+  EXPECT_LT(early, 1e-6);
+  EXPECT_LT(late, 20 * early);
+}
+
+// 300 revolutions under a weak drag; 1e4 are printed by the benchmark. Elements have no drift of their own, and the
+// error along the orbit grows linearly.
+TEST(TimeTransformedDrag, LongRunsDriftByTheDragAlone) {
+  const double pi = std::acos(-1.0), alpha = 1e-6;
+  const DampedKepler<> problem{1, alpha};
+  const auto elements = [&](const State<2>& x) {
+    const double r = std::hypot(x.q[0], x.q[1]), pp = dot(x.p, x.p), qp = dot(x.q, x.p);
+    const double ex = (pp - 1 / r) * x.q[0] - qp * x.p[0], ey = (pp - 1 / r) * x.q[1] - qp * x.p[1];
+    return std::array{1 / (2 / r - pp), std::hypot(ex, ey), std::atan2(ey, ex)};
+  };
+  using T = Quad;
+  Extrapolation<DampedKepler<>, State<2, T, T>> truth(problem, convert<T, T>(moderate), 1e-16);
+  auto x = moderate;
+  auto stepper = bound(TimeTransformed{0.3, follows_energy, Composition::kahan_li_8}, problem, x);
+  std::array<double, 2> errors{};
+  for (int part = 0; part < 2; ++part) {
+    const double t = (part + 1) * 300 * pi;
+    ASSERT_EQ(until(stepper, x, t), StepStatus::ok);
+    ASSERT_TRUE(truth.advance(T(t), [] { return true; }));
+    const auto is = elements(x), should = elements(convert<double, double>(truth.state()));
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(is[i], should[i], 1e-10) << i;
+    EXPECT_NEAR(is[2], should[2], 2e-10 * 150 * (part + 1));  // precession by the length of a step
+    errors[std::size_t(part)] = distance(x, truth.state());
+  }
+  EXPECT_LT(errors[1], 2.5 * errors[0]);
+}
+
+// ---- runs
+
+Request asked(std::string_view problem, double sigma) {
+  Request request = runs::defaults(problem, "time_transformed");
+  runs::set(request, "sigma", sigma);
+  return request;
+}
+std::string detail_of(const Request& request, ReturnCode reason) {
+  const auto outcome = runs::go(request).outcome;
+  EXPECT_EQ(outcome.stop.reason, reason) << outcome.stop.detail;
+  return outcome.stop.detail;
+}
+const auto has = [](const std::string& text, std::string_view words) { return text.find(words) != std::string::npos; };
+
+TEST(TimeTransformedDrag, SaysWhichThresholdWouldDo) {
+  // V = 2 at the start's far side: E₀ − V + κ falls to 0 where V = E₀ + κ.
+  Request request = asked("driven_oscillator", 0.1);
+  runs::set(request, "kappa", 0.2);
+  const std::string why = detail_of(request, ReturnCode::singular);
+  EXPECT_TRUE(has(why, "E₀ − V + κ") && has(why, "κ = 0.2 has to be more than")) << why;
+  runs::set(request, "kappa", 5);
+  EXPECT_EQ(detail_of(request, ReturnCode::completed), "");
+}
+TEST(TimeTransformedDrag, StopsAtThePoleOfStrongDriving) {
+  Request request = asked("damped_oscillator", 10);
+  runs::set(request, "damping", -3);
+  const std::string why = detail_of(request, ReturnCode::singular);
+  EXPECT_TRUE(has(why, "pole")) << why;
+  runs::set(request, "damping", 3);
+  runs::set(request, "sigma", 0.1);
+  detail_of(request, ReturnCode::completed);
+}
+TEST(TimeTransformedDrag, StopsWhereTimeStandsStill) {
+  Request request = asked("damped_kepler", 1e-300);
+  runs::set(request, "kappa", 1e30);
+  const std::string why = detail_of(request, ReturnCode::singular);
+  EXPECT_TRUE(has(why, "time does not advance")) << why;
+}
+TEST(TimeTransformedDrag, LaneEmdenBeginsAtTheEndOfItsSeries) {
+  Request request = asked("lane_emden", 0.005);
+  runs::set(request, "composition", "kahan_li_6");
+  runs::ask(request, "zeros");
+  const auto result = runs::go(request);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain);
+  EXPECT_NEAR(*result.outcome.stop.singular_at, 6.896848619376960, 1e-8);  // the surface of n = 3
+  EXPECT_NEAR(runs::list(result.outcome.diagnostics, "zeros").at(0), 6.896848619376960, 1e-8);
+  EXPECT_EQ(result.rows[1][0], 0.1);
+  runs::begin(request, "q", 0.7);
+  const std::string why = detail_of(request, ReturnCode::singular);
+  EXPECT_TRUE(has(why, "not finite at the start")) << why;
+}
+// `until`, samples and the end of a run lie within steps and are as accurate as they are.
+TEST(TimeTransformedDrag, AnyTimeIsAsAccurateAsSteps) {
+  for (const std::string_view problem : {"damped_kepler", "perturbed_kepler", "driven_oscillator"}) {
+    Request request = asked(problem, 0.2);
+    runs::set(request, "composition", "sofroniou_spaletta_10");
+    runs::ask(request, "error");
+    runs::at_times(request, {1.1, 3.3, 5.7, 8.01});
+    const auto result = runs::go(request);
+    ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << problem;
+    EXPECT_EQ(result.rows.size(), 4U);
+    EXPECT_EQ(result.outcome.t, 8.01);
+    EXPECT_LT(runs::number(result.outcome.diagnostics, "error/final"), 1e-11) << problem;
+    const auto known = least::truth(*request.scene, {1.1, 3.3, 5.7}, [] { return true; });
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(result.rows[i][1], known->states[i][0], 1e-10) << problem << ' ' << i;
+    EXPECT_EQ(result.rows[3][1], result.outcome.final[0]);
+  }
+}
+TEST(TimeTransformedDrag, WarnsOffTheLevel) {
+  Request request = asked("damped_kepler", 2.5);
+  const auto result = runs::go(request);
+  EXPECT_TRUE(result.outcome.stop.reason == ReturnCode::singular ||
+              std::ranges::any_of(result.outcome.warnings,
+                                  [](const Warning& warning) { return warning.code == "off_energy_level"; }));
+}
+
+}  // namespace

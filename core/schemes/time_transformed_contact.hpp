@@ -211,7 +211,7 @@ class TransformedContact {
     const auto v = velocity(problem_, x.q, x.p);
     const T kinetic = 0.5 * dot(x.p, v), bound = now_.a - kinetic - level_, t0 = x.t + elapsed, r = tau * now_.pace;
     const T near(4 * std::sqrt(Precision<S>::epsilon));
-    T delta = r * (1.0 + here_.rate * (((1 - k) / (2 * k)) * r));
+    T delta = r * (1.0 + (here_.rate + 0.5 * r * here_.slope) * (((1 - k) / (2 * k)) * r));
     int last = std::is_same_v<T, Constant> ? 0 : 1;  // derivatives lag behind by an iteration
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
       ++work.iterations;

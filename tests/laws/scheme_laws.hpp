@@ -85,16 +85,20 @@ void symmetric_schemes_return() {
   const double h = coarse_step<P>();
   for_each_scheme<P>([&](const auto& scheme) {
     double most = 0;
-    for (const auto& start : states<P>()) {
-      auto x = start;
-      auto there = scheme.bind(problem, x);
-      ASSERT_EQ(there.step(x, h), StepStatus::ok) << label(scheme);
-      x.t += h;
-      auto back = scheme.bind(problem, x);
-      ASSERT_EQ(back.step(x, -h), StepStatus::ok) << label(scheme);
-      most = std::max(most, distance(x, start) / size(start));
-    }
-    if (scheme.card().symmetric) {
+    const bool symmetric = scheme.card().symmetric;
+    // Where the damping is weak, what is not symmetric is seen to be so at longer steps only.
+    for (const double step : symmetric ? std::vector{h} : std::vector{h, 4 * h, 16 * h})
+      for (const auto& start : states<P>()) {
+        auto x = start;
+        auto there = scheme.bind(problem, x);
+        const bool went = there.step(x, step) == StepStatus::ok;
+        x.t += step;
+        auto back = scheme.bind(problem, x);
+        const bool returned = went && back.step(x, -step) == StepStatus::ok;
+        ASSERT_TRUE(returned || step > h) << label(scheme);
+        if (returned) most = std::max(most, distance(x, start) / size(start));
+      }
+    if (symmetric) {
       EXPECT_LT(most, 1e-13) << label(scheme);
     } else {
       EXPECT_GT(most, 1e-12) << label(scheme) << " returns but does not say that it is symmetric";

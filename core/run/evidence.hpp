@@ -1,6 +1,6 @@
-// What the states of a run say of its worth, whatever was asked for: looked at between blocks of steps, at a 32nd of a
-// short run's, at every 64th of a long one's and at longer strides as it goes on, so that no step pays for it and what
-// is seen depends on the run alone.
+// What the states of a run say of its worth, whatever was asked for: looked at between blocks of steps, 16 times in a
+// short run, at every 256th step of a long one and at longer strides as it goes on, so that no step pays for it and
+// what is seen depends on the run alone.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ class Evidence {
  public:
   /// `steps`: how many there are to be, where that is known. `keeps`: the states that are looked at are kept.
   Evidence(std::optional<std::int64_t> steps, bool keeps)
-      : keeps_(keeps), stride_(steps ? std::clamp<std::int64_t>(*steps / 32, 1, 64) : 8) {}
+      : keeps_(keeps), stride_(steps ? std::clamp<std::int64_t>(*steps / 16, 1, 256) : 16) {}
 
   /// The next step to be looked at after the n-th.
   std::int64_t next(std::int64_t n) const {

@@ -65,6 +65,8 @@ TEST(Silence, WhatGrowsAtEveryStepSaysSo) {
     EXPECT_FALSE(warned(go(of("harmonic_oscillator", {scheme, {{"step", 1e-3}}}, {})), "grows_at_every_step") &&
                  scheme == "explicit_midpoint")
         << "not where it has hardly grown";
+    EXPECT_TRUE(warned(go(of("driven_oscillator", {scheme, {{"step", 1}}}, {{"damping", 0}})), "grows_at_every_step"))
+        << scheme << ": no energy is kept";
     const auto orbit = go(of("kepler", {scheme, {{"step", 0.05}}}, {}));
     EXPECT_TRUE(warned(orbit, "grows_at_every_step")) << scheme;
     EXPECT_FALSE(

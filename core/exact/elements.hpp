@@ -39,7 +39,7 @@ Elements<int(N)> elements(const std::array<double, N>& q, const std::array<doubl
 inline constexpr double least_eccentricity = 1e-8;
 
 /// By number: those that an orbit has in the plane, and but for the last in space. Not a number where it is not
-/// defined.
+/// defined, or where squares of what is large overflow.
 inline constexpr std::array<std::string_view, 4> element_names{"angular_momentum", "semi_major_axis", "eccentricity",
                                                                "periapsis"};
 template <int N>
@@ -49,7 +49,7 @@ double element(const Elements<N>& e, std::size_t number) {
   const bool apsis = e.eccentricity > least_eccentricity;  // its angle, in (−π, π]
   const double all[] = {e.angular_momentum, e.semi_major_axis, e.eccentricity,
                         apsis ? std::atan2(e.lenz[1], e.lenz[0]) : std::numeric_limits<double>::quiet_NaN()};
-  return all[number];
+  return std::isfinite(all[number]) ? all[number] : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace least::two_body

@@ -14,6 +14,7 @@ using namespace asks;
 /// The columns of this name, one after the other, of every row.
 std::vector<std::vector<double>> with_columns(Request request, std::initializer_list<std::string_view> names) {
   request.columns.clear();
+  request.record.count = 1;
   for (const auto name : names)
     request.columns.push_back(
         runs::position(runs::card(request).columns, name, [](const auto& column) { return column.name; }));

@@ -79,7 +79,7 @@ struct About<problems::DampedKepler> {
               {{"alpha", 1e-6}},
               {{"x", 0.5}, {"y", 0}, {"px", 0}, {"py", 1.7320508075688772}}},
              {"spiral", "a circle that winds inwards", {{"alpha", 0.02}}, {{"x", 1}, {"y", 0}, {"px", 0}, {"py", 1}}}},
-        .invariants = {{"angular_momentum", "L e^{αt}", "angular momentum about the centre, freed of its decay"}},
+        .invariants = {{"undamped_angular_momentum", "L e^{αt}", "angular momentum freed of its decay"}},
         .references = {"Bravetti, Seri, Vermeeren, Zadra, Numerical integration in celestial mechanics: a case for "
                        "contact geometry, Cel. Mech. Dyn. Astr. 132, 7 (2020)"},
     };

@@ -75,7 +75,7 @@ template <class P, class X>
 void warn_of_departure(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
   constexpr double large = 0.1;
   constexpr std::int64_t few = 2000, many = 20'000;  // force evaluations: half a millisecond at the most
-  const std::int64_t allowed = std::clamp<std::int64_t>(2 * run.integrator.work().forces, few, many);
+  const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
   const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
   const Departure found = departure<P>(run.problem, start, run.evidence.states(), allowed);

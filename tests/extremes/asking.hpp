@@ -75,7 +75,8 @@ inline Request everything(Request request, bool error = true) {
   const auto& card = problem_of(request);
   for (std::size_t i = 0; i < card.diagnostics.size(); ++i)
     if (error || card.diagnostics[i].name != "error") request.diagnostics.push_back(i);
-  for (std::size_t i = 0; i < card.columns.size(); ++i) request.columns.push_back(i);
+  for (std::size_t i = 0; i < card.columns.size(); ++i)
+    if (error || card.columns[i].name != "error") request.columns.push_back(i);
   return request;
 }
 
@@ -112,13 +113,14 @@ inline bool slope(const Request& request, std::size_t column) {
 }
 
 /// Whether a column may be unknown in this row: a slope, at its pole and where it is not carried; before the first step
-/// its length, where the scheme finds it; the elements of an orbit, which squares of what is large overflow; the mode
-/// of a scheme that has none; the parameter of a step in time.
+/// its length, where the scheme finds it; the error where there is no truth; the elements of an orbit, which squares of
+/// what is large overflow; the mode of a scheme that has none; the parameter of a step in time.
 inline bool may_be_unknown(const Request& request, const runs::Result& result, std::size_t row, std::size_t column) {
   const std::string_view name = problem_of(request).columns[request.columns[column]].name;
   const bool hybrid = scheme_of(request).id == "jacobi_maupertuis";
   if (name == "step_size") return row == 0 && scheme_of(request).own_clock;
   if (name == "mode") return !hybrid;
+  if (name == "error") return true;
   if (std::ranges::find(least::two_body::element_names, name) != least::two_body::element_names.end())
     return true;  // they overflow
   if (name != "parameter") return slope(request, request.columns[column]);

@@ -48,7 +48,10 @@ TEST(AfterZero, StopEndsAtTheSurfaceAndSaysWhere) {
         const std::string what = std::string(scheme.id) + ' ' + std::to_string(n);
         ASSERT_EQ(end.reason, ReturnCode::left_domain) << what;
         ASSERT_TRUE(end.singular_at.has_value()) << what;
-        const double tolerance = first_order(scheme) ? 0.04 : is_adaptive(scheme) ? 1e-6 : 1e-3;
+        const double tolerance = first_order(scheme)   ? 0.04
+                                 : is_adaptive(scheme) ? 1e-6
+                                 : scheme.own_clock    ? 3e-3  // whose steps are longer where little moves
+                                                       : 1e-3;
         EXPECT_NEAR(*end.singular_at, zero, tolerance) << what;
         EXPECT_LT(end.t, *end.singular_at) << what;
         if (!is_adaptive(scheme)) {
@@ -124,8 +127,16 @@ TEST(SingularStart, OfEverySchemeFollowsTheRegularSolution) {
         // A stage back in time may meet, or leap over, the pole of the variational schemes.
         const bool variational = scheme.id == "contact_leapfrog" || scheme.id == "contact_variational_midpoint";
         if (h > 0.05 && variational && request.settings[1] > 0) continue;
+        if (h > 0.05 && scheme.own_clock && !is_adaptive(scheme) &&
+            result.outcome.stop.reason == ReturnCode::singular) {  // its clock and the damping 2/t disagree
+          EXPECT_NE(result.outcome.stop.detail.find("a shorter step is needed"), std::string::npos) << what;
+          continue;
+        }
         ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << what;
-        const double square = scheme.id == "contact_splitting" ? 1.5 : scheme.id == "contact_leapfrog" ? 0.06 : 0.3;
+        const double square = scheme.id == "contact_splitting"           ? 1.5
+                              : scheme.own_clock && !is_adaptive(scheme) ? 1.8
+                              : scheme.id == "contact_leapfrog"          ? 0.06
+                                                                         : 0.3;
         const double slack = is_adaptive(scheme)   ? 10 * request.settings[0]
                              : first_order(scheme) ? 0.3 * h
                                                    : square * h * h + 1e-12;

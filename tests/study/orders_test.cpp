@@ -16,6 +16,8 @@ using namespace studies;
 /// not grown much. Where the equations of motion are singular at the start, and orders fall, from further on.
 Request ordinary(std::string_view problem) {
   Request request = scene(problem);
+  if (problem == "damped_kepler")  // at e = .9 powers of eight and ten are lost in rounding before they are pure
+    for (const auto& [name, value] : {std::pair{"x", 0.5}, {"py", std::sqrt(3.0)}}) runs::begin(request, name, value);
   const double span = request.end - runs::scene(request).start;
   request.end = runs::scene(request).start + 0.37 * span;
   while (conditioning(request, always)->most_growth > 300)

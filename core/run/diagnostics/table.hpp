@@ -9,6 +9,7 @@
 #include "core/run/diagnostics/decay.hpp"
 #include "core/run/diagnostics/error.hpp"
 #include "core/run/diagnostics/flows.hpp"
+#include "core/run/diagnostics/lyapunov.hpp"
 #include "core/run/diagnostics/orbit.hpp"
 #include "core/run/diagnostics/sections.hpp"
 #include "core/run/diagnostics/states.hpp"
@@ -18,7 +19,7 @@ namespace least {
 
 /// In the order of the catalogue.
 using DiagnosticTable = std::tuple<EnergyRow, MomentaRow, StructureRow, ErrorRow, OrbitRow, DecayRow, VolumeRow,
-                                   EntropyRow, ZerosRow, CycleRow, PolesRow, MomentsRow>;
+                                   EntropyRow, ZerosRow, CycleRow, PolesRow, MomentsRow, LyapunovRow>;
 
 namespace detail {
 template <class P, class Row>

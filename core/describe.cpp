@@ -1,6 +1,7 @@
 #include "core/describe.hpp"
 
 #include <algorithm>
+#include <string>
 
 namespace least {
 
@@ -8,6 +9,18 @@ std::optional<std::size_t> SchemeCard::find(std::string_view parameter) const {
   const auto found = std::ranges::find(parameters, parameter, &ParameterCard::name);
   if (found == parameters.end()) return std::nullopt;
   return static_cast<std::size_t>(found - parameters.begin());
+}
+
+int SchemeCard::order(std::span<const double> settings) const {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const ParameterCard& parameter = parameters[i];
+    if (parameter.kind != Kind::choice && parameter.kind != Kind::integer) continue;
+    const auto value = static_cast<std::size_t>(settings[i]);
+    const std::string word = parameter.kind == Kind::choice ? parameter.choices[value] : std::to_string(value);
+    for (const auto& [key, order] : orders)
+      if (key == word) return order;
+  }
+  return orders.empty() ? 0 : orders.front().second;
 }
 
 }  // namespace least

@@ -134,6 +134,8 @@ struct SchemeCard {
 
   /// The position of a parameter.
   std::optional<std::size_t> find(std::string_view parameter) const;
+  /// With these settings; 0 where none is declared.
+  int order(std::span<const double> settings) const;
 };
 
 /// One parameter of the aggregate C: where its value lives and what may stand there. Its default is that of C{}.

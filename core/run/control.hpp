@@ -1,10 +1,13 @@
-// A control run: how far states of a run are from those of Dormand–Prince 5(4) at a tolerance of 1e-8, from the same
-// start, as far as a bounded number of force evaluations goes. Where two schemes that share nothing disagree, one of
-// them is wrong, and it is hardly this one; where they agree nothing is proven beyond the time it came to.
+// A control run: how far states of a run are from those of Dormand–Prince 5(4), from the same start, as far as a
+// bounded number of force evaluations goes. Where two schemes that share nothing disagree, one of them is wrong; that
+// it is not the control is believed only where a second one, at a tolerance a hundred times smaller, agrees with it.
+// Where they agree nothing is proven beyond the time it came to.
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/problem_traits.hpp"
 #include "core/schemes/odeint.hpp"
@@ -18,27 +21,51 @@ struct Departure {
   double reached = 0;       ///< the time that the control run came to
 };
 
-/// `states` have increasing times. At most so many force evaluations, and those of a step.
+/// The motion at the times of states, which increase, as far as it gets with so many force evaluations and those of a
+/// step.
 template <class P>
-Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states, std::int64_t most_forces) {
-  constexpr double tolerance = 1e-8;
-  Departure found;
-  if constexpr (HasSeries<P>)
-    if (starts_series(problem, x)) x = series_state<StateOf<P>>(problem, P::series_until);
+std::vector<StateOf<P>> control_run(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states,
+                                    double tolerance, std::int64_t most_forces) {
+  std::vector<StateOf<P>> motion;
   auto stepper = AnyOdeintScheme{odeint::Method::dormand_prince_5, tolerance}.bind(problem, x);
   for (const StateOf<P>& state : states) {
-    if (state.t < x.t && found.reached == 0) continue;  // along a series
     while (x.t < state.t && stepper.work().forces < most_forces)
-      if (stepper.step(x) != StepStatus::ok) return found;
+      if (stepper.step(x) != StepStatus::ok) return motion;
     StateOf<P> here = x;
-    if (x.t < state.t || (x.t > state.t && !stepper.interpolate(here, state.t))) return found;
+    if (x.t < state.t || (x.t > state.t && !stepper.interpolate(here, state.t))) return motion;
     if constexpr (HasDomain<P>)
-      if (problem.bounded() && !(problem.inside(here.q) >= 0)) return found;
-    found.reached = state.t;
-    if (const double error = state_error(state, here); error > found.error) {
+      if (problem.bounded() && !(problem.inside(here.q) >= 0)) return motion;
+    motion.push_back(here);
+  }
+  return motion;
+}
+
+/// `large`: the error from which a second control has to agree. `most_forces`: of the first.
+template <class P>
+Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states, Norm norm, double large,
+                    std::int64_t most_forces) {
+  if constexpr (HasSeries<P>)
+    if (starts_series(problem, x)) x = series_state<StateOf<P>>(problem, P::series_until);
+  while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // along a series
+  double tolerance = 1e-8, size = 0;
+  for (std::size_t i = 0; i < StateOf<P>::size; ++i) size = std::max(size, std::abs(x[i]));
+  if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
+  const auto motion = control_run(problem, x, states, tolerance, most_forces);
+  Departure found;
+  const auto hold = [&](std::size_t i, const StateOf<P>& truth) {
+    found.reached = truth.t;
+    if (const double error = state_error(states[i], truth, norm); !(error <= found.error)) {
       found.error = error;
-      found.t = state.t;
+      found.t = truth.t;
     }
+  };
+  for (std::size_t i = 0; i < motion.size(); ++i) hold(i, motion[i]);
+  if (found.error <= large) return found;
+  const auto closer = control_run(problem, x, states, tolerance / 100, 4 * most_forces);
+  found = {};
+  for (std::size_t i = 0; i < closer.size() && i < motion.size(); ++i) {
+    if (!(state_error(motion[i], closer[i], norm) < 0.1 * large)) break;
+    hold(i, closer[i]);
   }
   return found;
 }

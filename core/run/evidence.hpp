@@ -28,6 +28,7 @@ class Evidence {
     return looks() ? (n / stride_ + 1) * stride_ : std::numeric_limits<std::int64_t>::max();
   }
   void start(const P& problem, const X& x) {
+    started_ = true;
     if constexpr (KeepsEnergy<P>) level_ = found_.before = found_.now = energy_of(problem, x);
     look(problem, x);
   }
@@ -43,12 +44,13 @@ class Evidence {
     states_.resize(states_.size() / 2);
   }
   void finish(const P& problem, const IntegrationState<X>& state) {
+    if (!started_) return;
     look(problem, state.x);
     if (states_.empty() || states_.back().t < state.x.t) keep(state.x);
   }
 
-  /// The largest change of a kept energy, in units of max(|E₀|, |V| + |E − V|) where it was found; 0 where none is
-  /// kept.
+  /// A kept energy: the largest of its changes in units of max(|E₀|, |V| + |E − V|) where they were found, and where it
+  /// was farthest away; 0 where none is kept.
   struct Energy {
     double off = 0, before = 0, now = 0;
   };
@@ -71,7 +73,8 @@ class Evidence {
         size = std::abs(potential) + std::abs(now - potential);
       }
       const double off = std::abs(now - level_) / std::max({std::abs(level_), size, 1e-300});
-      if (off > found_.off) found_ = {off, level_, now};
+      found_.off = std::max(found_.off, off);
+      if (std::abs(now - level_) > std::abs(found_.now - level_)) found_.now = now;
     }
     if constexpr (QuadraticContact<P>)
       damping_ = std::max(damping_, std::abs(value_of(x.action.s) * double(problem.action_curvature())));
@@ -81,7 +84,7 @@ class Evidence {
     if (keeps_) assign(states_.emplace_back(), plain(x));
   }
 
-  bool keeps_;
+  bool keeps_, started_ = false;
   std::int64_t stride_, seen_ = 0;
   std::vector<StateOf<P>> states_;
   double level_ = 0, damping_ = 0;

@@ -9,9 +9,10 @@ namespace least::messages {
 std::string unstable(double ratio, double bound, double step) {
   if (bound == 0)
     return fmt::format("the damping makes this scheme unstable; here a step below {:.3g} is stable", step);
+  const double below = step * (1 - 5e-7);  // not rounded up
   return fmt::format(
-      "hω = {:.4g} exceeds the stability bound {:.6g} of this scheme; here a step below {:.3g} is stable", ratio, bound,
-      step);
+      "hω = {:.6g} exceeds the stability bound {:.6g} of this scheme; here a step below {:.6g} is stable", ratio, bound,
+      below);
 }
 
 std::string near_bound(double ratio, double careful, double bound) {
@@ -42,20 +43,28 @@ std::string stiff_damping(double damping_step, double t) {
                      damping_step, t);
 }
 
+std::string stiff_action_sum(double damping_step) {
+  return fmt::format(
+      "αh = {:.3g}: this scheme does not damp the action s, which grows at every step, and with it the energy",
+      damping_step);
+}
+
 std::string stiff_action(double rate) {
   return fmt::format("γ|s|h reached {:.3g}: a step does not resolve the damping γs; take a shorter one", rate);
 }
 
-std::string grows(double by_step, double together) {
-  return fmt::format(
-      "each step multiplies the oscillation by {:.6g}, all of them by {:.3g}: this scheme does so at any "
-      "step",
-      by_step, together);
+std::string grows(double by_step, double together, bool damped) {
+  return fmt::format("each step multiplies the oscillation by {:.6g}, all of them by {:.3g}: {}", by_step, together,
+                     damped ? "take a shorter step" : "this scheme does so at any step");
 }
 
 std::string grows_by_energy(double before, double now) {
   return fmt::format("the energy went from {:.4g} to {:.4g}: this scheme adds to it at every step, however short",
                      before, now);
+}
+
+std::string error(double most, double t) {
+  return fmt::format("at t = {:.4g} it is off by {:.2g} from the true motion", t, most);
 }
 
 std::string departs(double error, double t, double reached) {

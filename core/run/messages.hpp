@@ -20,10 +20,12 @@ std::string stiff(double ratio);
 std::string damping_sign(double damping_step, double t);
 std::string stiff_damping(double damping_step, double t);
 /// `rate` is γ|s|h.
+std::string stiff_action_sum(double damping_step);
 std::string stiff_action(double rate);
 /// By what a step multiplies an oscillation, and all of them.
-std::string grows(double by_step, double together);
+std::string grows(double by_step, double together, bool damped);
 std::string grows_by_energy(double before, double now);
+std::string error(double most, double t);
 std::string departs(double error, double t, double reached);
 /// Of a hybrid, or of a scheme that solves for the length of its steps.
 std::string fallback_steps(std::int64_t steps, bool hybrid);

@@ -38,6 +38,7 @@ class StepGuard {
   }
   /// Whether the scheme grows at every step where nothing is damped.
   bool grows_undamped() const { return grows_; }
+  bool damped() const { return damping_step_ > 0; }
   /// Of such a scheme, by what a step at the ω seen multiplies an oscillation, if that is the same everywhere; else 1.
   double growth() const {
     return grows_ && constant_ ? growth_per_step(scheme_, settings_, largest(), damping_step_) : 1;

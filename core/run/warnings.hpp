@@ -27,12 +27,14 @@ struct FinishedRun {
   const Evidence<P, X>& evidence;
 };
 
-/// ωh from half the bound on, or from where the problem says that accuracy suffers.
-template <class P>
-void warn_of_step(const StepGuard& guard, std::vector<Warning>& warnings) {
+/// ωh from half the bound on, or from where the problem says that the accuracy of a scheme of low order suffers.
+template <class P, class X>
+void warn_of_step(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
+  const StepGuard& guard = run.guard;
   const double fastest = guard.largest(), most = guard.bound(2 * fastest);
   double careful = most > 0 ? most / 2 : std::numeric_limits<double>::infinity();
-  if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
+  if constexpr (requires { P::careful_step; })
+    if (run.scheme.order(run.request.settings) < 4) careful = std::min(careful, P::careful_step);
   if (fastest > careful)
     warnings.push_back({"step_near_stability_bound", messages::near_bound(fastest, careful, guard.bound())});
 }
@@ -53,44 +55,65 @@ void warn_of_damping(const FinishedRun<P, X>& run, std::vector<Warning>& warning
   // Schemes without structure do not even damp.
   const double rate = run.evidence.damping() * run.step, most = run.scheme.structure == "none" ? 1 : 2;
   if (rate > most) warnings.push_back({"stiff_step", messages::stiff_action(rate)});
+  if constexpr (ConstantDamping<P> && std::is_same_v<X, FullRunState<P>>) {
+    constexpr double still = 1e-6;  // ωh of next to no oscillation: the other eigenvalue is that of s
+    const double damping_step = run.problem.damping() * run.step;
+    if (run.scheme.structure == "none" && damping_step > 1 &&
+        !is_stable(run.request.scheme, run.request.settings, still, damping_step))
+      warnings.push_back({"stiff_step", messages::stiff_action_sum(damping_step)});
+  }
 }
 
-/// Energy that left its level, and schemes that add to it at every step.
+/// Schemes that add to the energy at every step.
 template <class P, class X>
-void warn_of_energy(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
-  constexpr double large = 0.3, small = 0.05;
+void warn_of_growth(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
+  constexpr double small = 0.05;
   const double by_step = run.guard.growth(), together = std::pow(by_step, static_cast<double>(run.state.n));
   const auto [off, before, now] = run.evidence.energy();
   if (together > 1 + small)
-    warnings.push_back({"grows_at_every_step", messages::grows(by_step, together)});
+    warnings.push_back({"grows_at_every_step", messages::grows(by_step, together, run.guard.damped())});
   else if (run.guard.grows_undamped() && off > small)
     warnings.push_back({"grows_at_every_step", messages::grows_by_energy(before, now)});
+}
+
+/// Energy that left its level.
+template <class P, class X>
+void warn_of_energy(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
+  constexpr double large = 0.3;
+  const auto [off, before, now] = run.evidence.energy();
   std::string why = run.integrator.accuracy_warning();
   if (off > large) why = messages::energy_jump(before, now);
   if (!why.empty()) warnings.push_back({"off_energy_level", why});
 }
 
-/// Another scheme comes to another motion.
+/// How far another scheme comes to another motion.
+inline constexpr double large_error = 0.1;
 template <class P, class X>
-void warn_of_departure(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
-  constexpr double large = 0.1;
-  constexpr std::int64_t few = 2000, many = 20'000;  // force evaluations: half a millisecond at the most
+Departure departure_of(const FinishedRun<P, X>& run) {
+  constexpr std::int64_t few = 5000, many = 40'000;  // force evaluations: a millisecond at the most
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
   const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
-  const Departure found = departure<P>(run.problem, start, run.evidence.states(), allowed);
-  if (!(found.error <= large))
-    warnings.push_back({"large_error", messages::departs(found.error, found.t, found.reached)});
+  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, large_error, allowed);
 }
 
+/// What a control run is asked for first: where it agrees up to the end, steps that look long were short enough.
 template <class P, class X>
 void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
-  if constexpr (HasFrequency<P>) warn_of_step<P>(run.guard, warnings);
-  warn_of_damping(run, warnings);
+  constexpr double right = 0.01;
+  Departure control;
+  if (run.request.control) control = departure_of(run);
+  const auto states = run.evidence.states();
+  if (states.empty() || !(control.error <= right && control.reached == states.back().t)) {
+    if constexpr (HasFrequency<P>) warn_of_step(run, warnings);
+    warn_of_damping(run, warnings);
+    warn_of_growth(run, warnings);
+  }
   if (const auto steps = run.integrator.fallback_steps(); steps > 0)
     warnings.push_back({"steps_in_time", messages::fallback_steps(steps, run.integrator.method().has_value())});
   warn_of_energy(run, warnings);
-  if (run.request.control) warn_of_departure(run, warnings);
+  if (!(control.error <= large_error))
+    warnings.push_back({"large_error", messages::departs(control.error, control.t, control.reached)});
 }
 
 }  // namespace least

@@ -212,8 +212,8 @@ struct Fehlberg78 {
             .structure = "none",
             .good_for = "smooth systems at high accuracy and few samples",
             .fails_when =
-                "runs are long (energy drifts), the motion is stiff, forces are not smooth, or the time "
-                "alone drives it: its estimate of the error does not see a plain integral over time",
+                "runs are long (energy drifts), the motion is stiff, or forces are not smooth; its estimate of the "
+                "error does not see a plain integral over time, so steps are looked at a second time",
             .needs = "equations of motion",
             .references = {"Fehlberg, NASA TR R-287 (1968)",
                            "Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.5",

@@ -74,14 +74,7 @@ SchemeConfig ResolutionParameter::at(const SchemeConfig& choice, double value) c
 }
 
 int declared_order(const SchemeCard& card, const SchemeConfig& choice) {
-  if (ResolutionParameter(card).adaptive() || card.orders.empty()) return 0;
-  for (std::size_t i = 0; i < card.parameters.size(); ++i) {
-    if (card.parameters[i].kind != Kind::choice && card.parameters[i].kind != Kind::integer) continue;
-    const std::string value = said(card.parameters[i], choice.settings[i]);
-    for (const auto& [key, order] : card.orders)
-      if (key == value) return order;
-  }
-  return card.orders.front().second;
+  return ResolutionParameter(card).adaptive() ? 0 : card.order(choice.settings);
 }
 
 std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep) {

@@ -88,9 +88,11 @@ class LongRun {
       case ReturnCode::cancelled:
       case ReturnCode::step_limit:
       case ReturnCode::left_domain:  // the motion itself ends
-        return std::ranges::any_of(outcome.warnings, [](const auto& w) { return w.code == "damping_sign"; })
-                   ? "sign_flip"
-                   : "";
+        for (const Warning& warning : outcome.warnings) {
+          if (warning.code == "damping_sign") return "sign_flip";
+          if (warning.code == "grows_at_every_step") return "energy_growth";
+        }
+        return "";
       case ReturnCode::unstable_step:
         return "energy_growth";
       case ReturnCode::singular:
@@ -208,7 +210,7 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
   double gap = unknown;
   if (motion.damping >= 0 && motion.fastest > 0 && motion.fastest - motion.slowest <= 1e-12 * motion.fastest) {
     const StableSteps steps = stable_steps(scheme.scheme, scheme.settings, motion.fastest, motion.damping, most);
-    if (std::isfinite(steps.limit)) limit.theory = steps.limit;
+    if (motion.fastest * steps.limit < far_turn) limit.theory = steps.limit;
     limit.islands = steps.islands;
     gap = (steps.limit + (steps.islands.empty() ? 1.01 * steps.limit : steps.islands.front().low)) / 2;
   }

@@ -44,7 +44,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   read_plan(root, top, problem_card, scheme_card, problem_card ? span_of(*problem_card, preset) : 0, caps, request);
 
   if (!faults.empty()) return faults;
-  request.control = !request.diagnostics.empty();  // what is not asked for is not computed
+  request.control = !find(root, "diagnostics") || !request.diagnostics.empty();  // unless nothing is to be said
   request.scheme = automatic ? 0 : *scheme.index;
   return decoded;
 }

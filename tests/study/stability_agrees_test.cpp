@@ -24,7 +24,7 @@ std::string wrong(const Request& scene, const SchemeConfig& scheme, double step)
   const auto result = runs::go(request);
   const ReturnCode reason = result.outcome.stop.reason;
   for (const Warning& warning : result.outcome.warnings)
-    if (warning.code == "damping_sign") return "turns the momentum over";
+    if (warning.code == "damping_sign" || warning.code == "grows_at_every_step") return std::string(warning.code);
   if (reason != ReturnCode::completed && reason != ReturnCode::left_domain) return std::string(name(reason));
   double sizes[2] = {0, 0}, low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
   const double middle = (result.rows.front()[0] + result.rows.back()[0]) / 2;

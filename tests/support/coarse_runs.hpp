@@ -27,6 +27,21 @@ class Draw {
   std::mt19937_64 bits_;
 };
 
+/// With its motion at 64 times, a control run, and bounds.
+inline Request watched(Request request) {
+  const double start = runs::scene(request).start;
+  std::vector<double> times;
+  constexpr int looks = 64;
+  for (int j = 0; j <= looks; ++j) times.push_back(start + (request.end - start) * j / looks);
+  runs::at_times(request, times);
+  request.columns.clear();
+  for (std::size_t i = 0; i < runs::card(request).variables.size(); ++i)
+    if (!runs::card(request).variables[i].optional) request.columns.push_back(i + 1);
+  request.limits = {2, 2'000'000, 1'000'000};
+  request.control = true;
+  return request;
+}
+
 /// A number of parameters and start values up to twice or half their default, a tenth to all of the span, and steps up
 /// to 64 times as long as the catalogue suggests.
 inline Request request(std::uint64_t k) {
@@ -60,16 +75,7 @@ inline Request request(std::uint64_t k) {
   }
   if (scheme.conflicts && !scheme.conflicts(request.settings, problem).empty())
     request.settings = runs::defaults(problem.id, scheme.id).settings;
-  std::vector<double> times;
-  constexpr int looks = 64;
-  for (int j = 0; j <= looks; ++j) times.push_back(scene.start + (request.end - scene.start) * j / looks);
-  runs::at_times(request, times);
-  request.columns.clear();
-  for (std::size_t i = 0; i < problem.variables.size(); ++i)
-    if (!problem.variables[i].optional) request.columns.push_back(i + 1);
-  request.limits = {2, 2'000'000, 1'000'000};
-  request.control = true;
-  return request;
+  return watched(std::move(request));
 }
 
 struct Verdict {

@@ -8,6 +8,7 @@
 
 #include "core/run/diagnostics/diagnostic.hpp"
 #include "core/run/diagnostics/largest_error.hpp"
+#include "core/run/messages.hpp"
 
 namespace least {
 
@@ -50,6 +51,10 @@ struct ErrorRow {
         add(needed(end.x), marks.back().speed);
         found = largest_error(end.request, std::move(seen), landmarks.longest_move() > 0.2, end.left);
         if (!found.complete) warn_of_missing_reference(end.warnings);
+        constexpr double large = 0.1;
+        if (found.complete && !(found.most <= large) &&
+            std::ranges::find(end.warnings, "large_error", &Warning::code) == end.warnings.end())
+          end.warnings.push_back({"large_error", messages::error(found.most, found.at)});
       }
       std::string how(found.how);
       if (known && !found.complete) how += ", not finished";

@@ -55,17 +55,24 @@ class PeakSearch {
     return error;
   }
 
-  /// Around the largest and its rivals elsewhere: as far as the state moves by a few times its own size, and no further
-  /// than to the neighbours that were looked at.
+  /// Around the largest, its rivals elsewhere, and where the run was fastest: as far as the state moves by a few times
+  /// its own size, and no further than to the neighbours that were looked at.
   std::vector<Window> around_the_largest(const std::vector<double>& errors, const Truth& truth) const {
     constexpr std::size_t most = 3;
     constexpr double reach = 4, rival = 0.7;
     std::vector<std::size_t> order(errors.size());
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return errors[a] > errors[b]; });
+    const auto fastest =
+        static_cast<std::size_t>(std::ranges::max_element(seen_, {}, &SeenState::speed) - seen_.begin());
+    if (fastest != order[0]) {
+      std::erase(order, fastest);
+      order.insert(order.begin() + 1, fastest);
+    }
     std::vector<Window> windows;
     for (const std::size_t i : order) {
-      if (windows.size() == most || errors[i] < rival * errors[order[0]]) break;
+      if (windows.size() == most) break;
+      if (errors[i] < rival * errors[order[0]] && i != fastest) continue;
       const std::size_t left = i > 0 ? i - 1 : 0, right = std::min(i + 1, seen_.size() - 1);
       const double t = seen_[i].t, far = reach / seen_[i].speed;  // of a speed of 0 infinite
       Window window{

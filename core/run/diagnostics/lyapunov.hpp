@@ -32,7 +32,7 @@ struct LyapunovRow {
     bool followed = true;
 
     void start(const P& problem, const X& x) {
-      assign(before, x);
+      assign(before, plain(x));
       double size = 0;  // no component is left out, and none is as large as another
       for (std::size_t i = 0; i < Motion::size; ++i) size += 1 / double(i + 1);
       for (std::size_t i = 0; i < Motion::size; ++i) u[i] = 1 / std::sqrt(size * double(i + 1));
@@ -40,7 +40,7 @@ struct LyapunovRow {
     }
     void see(const P& problem, const X& x) {
       const Motion from = before;
-      assign(before, x);
+      assign(before, plain(x));
       if (!followed || !(before.t > from.t)) return;
       if (std::isnan(begun)) {  // along the regular solution from a singular start nothing is carried
         if (!singular(problem, before)) begun = before.t;

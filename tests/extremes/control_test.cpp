@@ -46,7 +46,7 @@ Request preset(const ProblemCard& problem, const SchemeCard& scheme, const Prese
   return request;
 }
 
-// Every scene as it is offered: what is right to 1 % raises no alarm of any kind, and what is wrong by 30 % does.
+// Every scene as it is offered: of what is right to 1 % hardly anything is warned of, and what is wrong by 30 % is.
 TEST(Control, ScenesOfTheCatalogueSayWhatTheyAreWorth) {
   int runs = 0, right = 0, alarmed = 0, wrong = 0, silent = 0;
   for (const ProblemCard& problem : runs::problem_cards())

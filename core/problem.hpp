@@ -1,4 +1,4 @@
-// What a problem can offer, as concepts, and the mechanics that follows from it.
+// What a problem can offer, as concepts.
 //
 // A problem is `template <class R = double> struct X` in namespace least::problems, holding its parameters and nothing
 // else: numbers R, which may be lanes or dual numbers too, and enumerations for choices. It states its mechanics once,
@@ -28,16 +28,15 @@
 //                         function above, and is computed once a step. `period()`: how often it repeats.
 //   frequency_squared(q)  estimate of the largest squared local frequency, where a step can be too long for it
 //   careful_step          ωh from which a run warns, where half the stability bound is too late
-// Everything else (vector field, Hamiltonian, Lagrangian, their derivatives) is derived here.
+// Everything else (vector field, Hamiltonian, Lagrangian, their derivatives) follows: core/equations.hpp.
 // Notation: K = ½ g_ij v^i v^j = ½ pᵀg⁻¹p, H = K + V (+ αs | + γs²/2 − R), L = p·v − H. Contact form η = ds − p·dq.
-// Contact Hamilton equations: q̇ = H_p, ṗ = −H_q − p H_s, ṡ = p·H_p − H (Bravetti, Entropy 19, 535 (2017), eq. 43).
 #pragma once
 
 #include <concepts>
 #include <type_traits>
 
 #include "core/number/dependence.hpp"
-#include "core/number/dual.hpp"
+#include "core/number/vector.hpp"
 #include "core/state.hpp"
 
 namespace least {
@@ -228,194 +227,5 @@ template <class P>
 concept KeepsEnergy = (Conservative<P> && Autonomous<P>) || requires {
   requires P::keeps_energy;
 };
-
-/// The coordinates as independent variables of a dual number.
-template <int N, class T>
-constexpr Vec<N, Dual<T, N>> seed(const Vec<N, T>& q) {
-  Vec<N, Dual<T, N>> x;
-  for (int i = 0; i < N; ++i) x[std::size_t(i)] = Dual<T, N>::variable(q[std::size_t(i)], i);
-  return x;
-}
-
-template <std::size_t N, class T>
-constexpr std::array<T, N> operator*(const std::array<std::array<T, N>, N>& a, const std::array<T, N>& x) {
-  std::array<T, N> y;
-  for (std::size_t i = 0; i < N; ++i) {
-    y[i] = a[i][0] * x[0];
-    for (std::size_t j = 1; j < N; ++j) y[i] = y[i] + a[i][j] * x[j];
-  }
-  return y;
-}
-
-template <std::size_t N, class T>
-constexpr T dot(const std::array<T, N>& a, const std::array<T, N>& b) {
-  T sum = a[0] * b[0];
-  for (std::size_t i = 1; i < N; ++i) sum = sum + a[i] * b[i];
-  return sum;
-}
-
-/// Solves g x = b for a symmetric positive definite g by elimination: no pivots, so no branch for any number.
-template <std::size_t N, class T>
-constexpr std::array<T, N> solve_definite(std::array<std::array<T, N>, N> g, std::array<T, N> b) {
-  for (std::size_t k = 0; k < N; ++k)
-    for (std::size_t i = k + 1; i < N; ++i) {
-      const T f = g[i][k] / g[k][k];
-      for (std::size_t j = k + 1; j < N; ++j) g[i][j] = g[i][j] - f * g[k][j];
-      b[i] = b[i] - f * b[k];
-    }
-  for (std::size_t i = N; i-- > 0;) {
-    for (std::size_t j = i + 1; j < N; ++j) b[i] = b[i] - g[i][j] * b[j];
-    b[i] = b[i] / g[i][i];
-  }
-  return b;
-}
-
-/// α(t)
-template <LinearContact P, class F>
-constexpr auto damping(const P& m, const F& f) {
-  if constexpr (ConstantDamping<P>) {
-    return m.damping();
-  } else {
-    return m.damping(f);
-  }
-}
-
-/// ∇V at q and the phase f.
-template <Potential P, class T, class F>
-constexpr Vec<P::dof, T> gradient(const P& m, const Vec<P::dof, T>& q, const F& f) {
-  if constexpr (HasGradient<P>) {
-    return m.gradient(q, f);
-  } else {
-    return m.potential(seed<P::dof, T>(q), f).slope;
-  }
-}
-
-/// V and ∇V at q of a scene where they are the same at all times.
-template <Potential P, class T>
-requires Autonomous<P>
-constexpr T potential(const P& m, const Vec<P::dof, T>& q) { return m.potential(q, phase(m, 0.0)); }
-template <Potential P, class T>
-requires Autonomous<P>
-constexpr Vec<P::dof, T> gradient(const P& m, const Vec<P::dof, T>& q) { return gradient(m, q, phase(m, 0.0)); }
-
-/// v = g⁻¹ p
-template <Potential P, class T>
-constexpr Vec<P::dof, T> velocity(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& p) {
-  if constexpr (ConfigurationMetric<P>) {
-    return solve_definite(m.metric(q), p);
-  } else if constexpr (HasInverseMass<P>) {
-    const auto w = m.inverse_mass();
-    Vec<P::dof, T> v;
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] = w[i] * p[i];
-    return v;
-  } else {
-    return p;
-  }
-}
-
-/// p = g v
-template <Potential P, class T>
-constexpr Vec<P::dof, T> momentum(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& v) {
-  if constexpr (ConfigurationMetric<P>) {
-    return m.metric(q) * v;
-  } else if constexpr (HasInverseMass<P>) {
-    const auto w = m.inverse_mass();
-    Vec<P::dof, T> p;
-    for (std::size_t i = 0; i < p.size(); ++i) p[i] = v[i] / w[i];
-    return p;
-  } else {
-    return v;
-  }
-}
-
-/// K + V, the mechanical energy.
-template <Potential P, class T, class F>
-constexpr T mechanical_energy(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& p, const F& f) {
-  return T(0.5) * dot(p, velocity(m, q, p)) + m.potential(q, f);
-}
-
-/// H − K − V: what s adds to the Hamiltonian.
-template <Contact P, class T, class F>
-constexpr T action_energy(const P& m, const T& s, const F& f) {
-  if constexpr (LinearContact<P>) {
-    return damping(m, f) * s;
-  } else {
-    return 0.5 * m.action_curvature() * (s * s) - m.offset();
-  }
-}
-/// H_s
-template <Contact P, class T, class F>
-constexpr auto action_slope(const P& m, const T& s, const F& f) {
-  if constexpr (LinearContact<P>) {
-    return damping(m, f);
-  } else {
-    return m.action_curvature() * s;
-  }
-}
-
-/// H at a state that says enough: with s where H depends on it. For a flow its energy.
-template <HasEnergy P, class X>
-constexpr typename X::Number energy(const P& m, const X& x) {
-  if constexpr (Flow<P>) {
-    return m.energy(x.y, x.t);
-  } else {
-    const auto f = phase(m, x.t);
-    if constexpr (Contact<P>) {
-      static_assert(X::acting, "the energy of a contact scene depends on s");
-      return mechanical_energy(m, x.q, x.p, f) + action_energy(m, x.action.s, f);
-    } else {
-      return mechanical_energy(m, x.q, x.p, f);
-    }
-  }
-}
-
-/// ∂L/∂q at fixed velocity v: the force, with the metric's own part where it depends on q.
-template <Potential P, class T, class F>
-constexpr Vec<P::dof, T> lagrangian_force(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& v, const F& f) {
-  Vec<P::dof, T> force;
-  if constexpr (ConfigurationMetric<P>) {
-    const auto x = seed<P::dof, T>(q);
-    Vec<P::dof, Dual<T, P::dof>> w;
-    for (std::size_t i = 0; i < w.size(); ++i) w[i] = v[i];
-    force = (T(0.5) * dot(w, m.metric(x) * w) - m.potential(x, f)).slope;
-  } else {
-    force = gradient(m, q, f);
-    for (auto& c : force) c = -c;
-  }
-  return force;
-}
-
-/// Equations of motion. Hamilton's: q̇ = ∂H/∂p, ṗ = −∂H/∂q = ∂L/∂q at v = ∂H/∂p; for a contact scene with −p H_s, and
-/// ṡ = p·q̇ − H where s is carried. One force evaluation.
-template <VectorField P, class X>
-constexpr X derivative(const P& m, const X& x) {
-  X d;
-  d.t = typename X::Time(1);
-  const auto f = phase(m, x.t);
-  if constexpr (Flow<P>) {
-    d.y = m.field(x.y, f);
-  } else {
-    d.q = velocity(m, x.q, x.p);
-    d.p = lagrangian_force(m, x.q, d.q, f);
-    if constexpr (LinearContact<P>) {
-      const auto alpha = damping(m, f);
-      for (std::size_t i = 0; i < d.p.size(); ++i) d.p[i] = d.p[i] - alpha * x.p[i];
-    }
-    if constexpr (QuadraticContact<P>) {
-      const auto slope = action_slope(m, x.action.s, f);
-      for (std::size_t i = 0; i < d.p.size(); ++i) d.p[i] = d.p[i] - slope * x.p[i];
-    }
-    if constexpr (X::acting) d.action.s = 0.5 * dot(x.p, d.q) - m.potential(x.q, f) - action_energy(m, x.action.s, f);
-  }
-  return d;
-}
-
-/// x + h d, component by component; t is left to the caller.
-template <class X>
-constexpr X shifted(const X& x, const typename X::Time& h, const X& d) {
-  X y = x;
-  for (std::size_t i = 0; i < X::size; ++i) y[i] = y[i] + h * d[i];
-  return y;
-}
 
 }  // namespace least

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "core/describe.hpp"
-#include "core/problem.hpp"
+#include "core/equations.hpp"
 
 namespace least {
 

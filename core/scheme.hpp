@@ -18,7 +18,7 @@
 
 #include "core/composition.hpp"
 #include "core/describe.hpp"
-#include "core/problem.hpp"
+#include "core/equations.hpp"
 #include "core/status.hpp"
 
 namespace least {

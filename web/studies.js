@@ -126,8 +126,8 @@ export class Studies {
     const { outcome, faults } = await api.stability({ ...scene, schemes: "all" }, this.#underWay.stability.signal);
     if (faults) return { faults };
     const cells = (tag, ...texts) => texts.map((textContent) => element(tag, { textContent }));
-    const rows = outcome.limits.map(({ scheme, step, failure, theory }) => {
-      const beyond = failure ? failures[failure] ?? failure.replaceAll("_", " ") : step === null ? "none was found" : "";
+    const rows = outcome.limits.map(({ scheme, step, failure, theory, why = "" }) => {
+      const beyond = failure ? failures[failure] ?? failure.replaceAll("_", " ") : why;
       return element("tr", {}, element("th", { scope: "row", textContent: this.#title(scheme, varied(scheme)) }),
                      ...cells("td", format(step), format(theory), beyond));
     });

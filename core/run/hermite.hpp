@@ -2,7 +2,7 @@
 // motion. Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.6.
 #pragma once
 
-#include "core/problem.hpp"
+#include "core/equations.hpp"
 
 namespace least {
 

@@ -1,7 +1,7 @@
 // What a step along time reads of α(t) and V(q, t): the rate of damping with its integral, and how V changes.
 #pragma once
 
-#include "core/problem.hpp"
+#include "core/equations.hpp"
 
 namespace least {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/composition.hpp"
-#include "core/problem.hpp"
+#include "core/equations.hpp"
 
 namespace least {
 

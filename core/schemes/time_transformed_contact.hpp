@@ -30,40 +30,49 @@
 
 namespace least {
 
-/// xᵏ⁻¹ of F(x) = xᵏ/k; k = −½ by a square root.
+/// xᵏ⁻¹ of F(x) = xᵏ/k; k = −½ by a square root that the division does not wait for.
 class PowerSlope {
  public:
   explicit PowerSlope(double k) : k_(k) {}
-  double k() const { return k_; }
   template <class T>
   T operator()(const T& x) const {
     using least::pow;
     using least::sqrt;
-    return k_ == -0.5 ? T(sqrt(x) / (x * x)) : T(pow(x, k_ - 1));
+    return k_ == -0.5 ? T(sqrt(x) * (1.0 / (x * x))) : T(pow(x, k_ - 1));
   }
 
  private:
   double k_;
 };
 
-/// (1 − (1 − z)ᵐ)/(mz) for small z, 1 at 0; its limit −ln(1 − z)/z for m = 0. N terms, N a multiple of 4.
+/// The first N terms, N a multiple of 4, of what is 1 at 0, for small z.
 template <class S, std::size_t N>
-class PowerQuotient {
+class Series {
  public:
-  explicit PowerQuotient(const S& m) {
-    c_[0] = S(1);
-    for (std::size_t j = 1; j < N; ++j) c_[j] = c_[j - 1] * (S(double(j)) - m) / S(double(j + 1));
+  /// (1 − (1 − z)ᵐ)/(mz); its limit −ln(1 − z)/z for m = 0.
+  static Series power(const S& m) {
+    return Series([&](const S& j) { return j - m; });
+  }
+  /// (eᶻ − 1)/z
+  static Series exponential() {
+    return Series([](const S&) { return S(1); });
   }
   template <class T>
   T operator()(const T& z) const {
     const T z2 = z * z, z4 = z2 * z2;
-    T sum(0);
-    for (std::size_t j = N; j > 0; j -= 4)
-      sum = sum * z4 + ((c_[j - 4] + c_[j - 3] * z) + (c_[j - 2] + c_[j - 1] * z) * z2);
+    const auto four = [&](std::size_t j) { return (c_[j] + c_[j + 1] * z) + (c_[j + 2] + c_[j + 3] * z) * z2; };
+    T sum = four(N - 4);
+    for (std::size_t j = N - 4; j > 0; j -= 4) sum = sum * z4 + four(j - 4);
     return sum;
   }
 
  private:
+  /// c_j/c_{j−1} = rise(j)/(j + 1)
+  template <class F>
+  explicit Series(const F& rise) {
+    c_[0] = S(1);
+    for (std::size_t j = 1; j < N; ++j) c_[j] = c_[j - 1] * rise(S(double(j))) / S(double(j + 1));
+  }
   std::array<S, N> c_;
 };
 
@@ -93,11 +102,13 @@ class TransformedContact {
         level_(level),
         kappa_(kappa),
         slope_(exponent),
+        inverse_(1 / S(exponent)),
         weights_(&weights),
-        time_(S(0)),
-        way_(S(exponent) / (1 - S(exponent))),
-        way2_(2 * S(exponent) / (1 - S(exponent))),
-        fall_(1 / (1 - S(exponent))) {
+        time_(Powers::power(S(0))),
+        way_(Powers::power(S(exponent) / (1 - S(exponent)))),
+        way2_(Powers::power(2 * S(exponent) / (1 - S(exponent)))),
+        fall_(Powers::power(1 / (1 - S(exponent)))),
+        growth_(Powers::exponential()) {
     settle(x, at(level - problem.potential(x.q, phase(problem, x.t))));
   }
   void settle(const X& x, const Memory& memory) {
@@ -139,7 +150,7 @@ class TransformedContact {
  private:
   static constexpr std::size_t terms = Precision<S>::epsilon > 1e-17 ? 8 : 16;
   static constexpr double small = 1.0 / 256;
-  using Quotient = PowerQuotient<S, terms>;
+  using Powers = Series<S, terms>;
 
   /// The part F(A) with constant α: Δt, (1 − E)/α, (1 − E²)/2α and (A₀ − A₁)/(αA₀).
   struct Passage {
@@ -163,11 +174,10 @@ class TransformedContact {
     using least::all;
     if (!all(now_.a > T(0))) [[unlikely]]
       return fail(TransformedFault::kinetic, now_.a);
-    const S k(slope_.k());
     const auto alpha = problem_.damping();
-    const T r = tau * now_.pace, z = (alpha * ((1 - k) / k)) * r;
+    const T r = tau * now_.pace, z = (alpha * (inverse_ - 1) * tau) * now_.pace;
     const auto series = [&] {
-      Passage by{r * time_(z), r * way_(z), T(0), (r * fall_(z)) / k};
+      Passage by{r * time_(z), r * way_(z), T(0), r * inverse_ * fall_(z)};
       if constexpr (X::acting) by.way2 = r * way2_(z);
       return by;
     };
@@ -175,7 +185,7 @@ class TransformedContact {
       using least::log1m;
       using least::phi1;
       const T time = -(r * log1m(z) / z), decay = -(alpha * time);
-      Passage by{time, time * phi1(decay), T(0), time * phi1(T(decay / k)) / k};
+      Passage by{time, time * phi1(decay), T(0), time * phi1(T(decay * inverse_)) * inverse_};
       if constexpr (X::acting) by.way2 = time * phi1(T(2.0 * decay));
       return by;
     };
@@ -199,24 +209,35 @@ class TransformedContact {
     return true;
   }
 
+  /// eᶻ − 1
+  T grown(const T& z) const {
+    using least::abs;
+    using least::phi1;
+    const auto series = [&] { return growth_(z); };
+    const auto closed = [&] { return phi1(z); };
+    return z * either(abs(z) < T(small), series, closed);
+  }
+
   /// The part F(A) with α(t), by its discrete Lagrangian.
   bool generated(X& x, const T& tau, T& elapsed, Work& work) {
     using least::abs;
     using least::all;
-    using least::phi1;
     constexpr int most_iterations = 30;
     if (!all(now_.a > T(0))) [[unlikely]]
       return fail(TransformedFault::kinetic, now_.a);
-    const S k(slope_.k()), legendre = 1 - 1 / k;  // F*(F′(A)) = legendre A F′(A)
+    const S legendre = 1 - inverse_, bend = 1 / inverse_ - 1;  // F*(F′(A)) = legendre A F′(A); k − 1
     const auto v = velocity(problem_, x.q, x.p);
     const T kinetic = 0.5 * dot(x.p, v), bound = now_.a - kinetic - level_, t0 = x.t + elapsed, r = tau * now_.pace;
     const T near(4 * std::sqrt(Precision<S>::epsilon));
-    T delta = r * (1.0 + (here_.rate + 0.5 * r * here_.slope) * (((1 - k) / (2 * k)) * r));
+    // To the third order in r.
+    const T h = 0.5 * r * here_.rate, inverse = 1.0 / now_.a;
+    T delta = r * (1.0 - legendre * h + (h * h) * (legendre * (legendre - 0.5) + (0.5 * bend) * (bound * inverse)) +
+                   (0.125 * bend * (r * r) * here_.slope) * (2.0 * legendre - 1.0 + (kinetic - level_) * inverse));
     int last = std::is_same_v<T, Constant> ? 0 : 1;  // derivatives lag behind by an iteration
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
       ++work.iterations;
       DampingAt<T> middle = damping_after(problem_, here_, t0, T(t0 + 0.5 * delta));
-      const T exponent = here_.integral - middle.integral, loss = exponent * phi1(exponent);
+      const T exponent = here_.integral - middle.integral, loss = grown(exponent);
       T e = 1.0 + loss, slow = kinetic * (e * e);  // what is left of p, of K
       const T y = 0.5 * delta * middle.rate, rise = 0.5 * (middle.rate + 0.5 * delta * middle.slope);
       const T top = now_.a + loss * (bound + kinetic * (1.0 + e)) - y * (level_ - slow), bottom = 1.0 - legendre * y;
@@ -224,10 +245,10 @@ class TransformedContact {
       if (!all(mean > T(0))) [[unlikely]]
         return fail(TransformedFault::pole, mean);
       const T g = tau * slope_(mean);
-      const T turn = legendre * rise / bottom -
-                     (0.5 * middle.rate * (e * bound) + middle.rate * (slow * (1.0 + y)) + rise * (level_ - slow)) /
-                         top;  // of ln(mean) by δ
-      const T change = (g - delta) / (1.0 - (k - 1) * (g * turn));
+      // By Newton's method: `turn` is what ln(mean) changes by with δ, which stands for g, as that comes late.
+      const T lost = 0.5 * middle.rate * (e * bound) + middle.rate * (slow * (1.0 + y)) + rise * (level_ - slow);
+      const T turn = legendre * rise / bottom - lost / top;
+      const T change = (g - delta) / (1.0 - bend * (delta * turn));
       delta = delta + change;
       if (!all(abs(change) <= near * abs(delta)) || last-- > 0) continue;
       // The rest by Taylor's formula: its square is below round-off.
@@ -245,9 +266,8 @@ class TransformedContact {
   /// The end of that part, after the time δ; `e`: what is left of p in the middle.
   void arrive(X& x, const Vec<P::dof, T>& v, const T& kinetic, const T& delta, const T& mean, const T& e,
               const DampingAt<T>& middle, const DampingAt<T>& there) {
-    using least::phi1;
-    const S legendre = 1 - 1 / S(slope_.k());
-    const T exponent = middle.integral - there.integral, loss = exponent * phi1(exponent), after = 1.0 + loss;
+    const S legendre = 1 - inverse_;
+    const T exponent = middle.integral - there.integral, loss = grown(exponent), after = 1.0 + loss;
     const T slow = kinetic * (e * e), y = 0.5 * delta * middle.rate, way = delta * e, left = e * after;
     if constexpr (X::acting) x.action.s = after * (e * x.action.s + delta * (slow - level_ + legendre * mean));
     now_ = at(mean * (after * (1.0 + legendre * y)) - level_ * (loss + y * after) + slow * (after * (loss + y)));
@@ -275,17 +295,19 @@ class TransformedContact {
       gradient = at.slope;
     }
     ++work.forces;
-    const T b = level_ - potential, push = tau * slope_(b), gain = push * b / slope_.k();  // gain: τF(B)
+    const T b = level_ - potential, push = tau * slope_(b), lift = b * inverse_;  // push·lift = τF(B)
     const Vec<P::dof, T> rate = velocity(problem_, x.q, gradient);
-    T a = now_.a + push * (push * (0.5 * dot(rate, gradient)) - dot(rate, x.p));  // by the change of K
-    for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - push * gradient[i];
-    if constexpr (X::acting) x.action.s = x.action.s + gain;
+    // A by what K, αs and p_t change by: all that does not need `push` is there when it comes.
+    T change = -dot(rate, x.p);
     if constexpr (constant) {
-      a = a + problem_.damping() * gain;
+      change = change + problem_.damping() * lift;
     } else {
-      a = a + here_.rate * gain;
+      change = change + here_.rate * lift;
     }
-    if constexpr (PotentialReadsTime<P>) a = a - push * potential_rate(problem_, x.q, T(x.t + elapsed));
+    if constexpr (PotentialReadsTime<P>) change = change - potential_rate(problem_, x.q, T(x.t + elapsed));
+    const T a = now_.a + push * (push * (0.5 * dot(rate, gradient)) + change);
+    for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - push * gradient[i];
+    if constexpr (X::acting) x.action.s = x.action.s + push * lift;
     const T square = b * b / (now_.a * a), off = abs(square - 1.0);
     strain_ = select(off > strain_, off, strain_);
     if (!all(b > T(0))) [[unlikely]]
@@ -299,8 +321,9 @@ class TransformedContact {
   P problem_;
   T level_, kappa_;
   PowerSlope slope_;
+  S inverse_;  ///< 1/k
   const Weights<S>* weights_;
-  Quotient time_, way_, way2_, fall_;
+  Powers time_, way_, way2_, fall_, growth_;
   Memory now_{};
   T strain_ = T(0), room_{};
   struct Nothing {};

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -197,7 +199,10 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
   limit.scheme = scheme;
   const SchemeCard& card = scene.scene->mechanics->schemes()[scheme.scheme];
   const ResolutionParameter dial(card);
-  if (card.own_clock || dial.name != "step") return limit;
+  if (card.own_clock || dial.name != "step") {
+    limit.why = "it chooses its steps in time itself";
+    return limit;
+  }
   const LongRun run(scene, scheme, cancelled);
   const Conditioning& motion = run.motion();
   if (motion.damping == 0 && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0) {
@@ -217,7 +222,10 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
   FirstFailure first(run, dial.index, most, cancelled);
   first.search(gap);
   limit.failure = first.failure;
-  if (limit.failure.empty()) return limit;
+  if (limit.failure.empty()) {
+    limit.why = fmt::format("every step that was tried is stable, up to {:.4g}", most);
+    return limit;
+  }
   limit.step = first.stable();
   limit.failing = first.failing();
   if (limit.failure == "sign_flip") limit.theory = flips_from(scheme.scheme, scheme.settings) / motion.damping;

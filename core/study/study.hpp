@@ -116,11 +116,12 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
 /// The largest stable step of a scheme on a scene.
 struct StabilityLimit {
   SchemeConfig scheme;
-  double step = std::numeric_limits<double>::quiet_NaN();  ///< NaN: stable at every step tried, or no fixed steps
+  double step = std::numeric_limits<double>::quiet_NaN();  ///< NaN: there is none, see `why`
   std::string_view failure;  ///< just beyond: energy_growth | sign_flip | solver_failed | pole | not_finite; or empty
   double theory = std::numeric_limits<double>::quiet_NaN();   ///< NaN: none; 0: it grows at every step
   std::vector<Interval> islands{};                            ///< of stable steps beyond `theory`
   double failing = std::numeric_limits<double>::quiet_NaN();  ///< the shortest step found to fail, just beyond
+  std::string why{};                                          ///< there is no limit, in words; or empty
 };
 
 /// To one part in a thousand: every shorter step that was looked at is accepted by a run and does not grow over 2,000

@@ -157,7 +157,9 @@ std::string encode_stability(const StabilityFindings& findings, ReturnCode end) 
       limit.failure.empty() ? json.null() : json.text(limit.failure);
       json.key("theory").number(limit.theory).key("islands").open('[');
       for (const Interval& island : limit.islands) json.open('[').number(island.low).number(island.high).close(']');
-      json.close(']').close('}');
+      json.close(']');
+      if (!limit.why.empty()) json.key("why").text(limit.why);
+      json.close('}');
     }
     json.close(']');
     std::vector<std::string> left_out;

@@ -100,6 +100,25 @@ TEST_F(StudyHttp, PointsOfTheFrontAreRunsThatCanBeMade) {
   EXPECT_TRUE(settings.contains("theta"));
 }
 
+// Where there is damping, too, steps that follow the motion are measured, and have no longest one.
+TEST_F(StudyHttp, StepsThatFollowADampedMotion) {
+  const std::string asked =
+      R"({"problem":"damped_kepler","until":{"t":7},"schemes":[{"id":"time_transformed","composition":"kahan_li_6"}])";
+  const Json study = Json::parse(ask(port(), post("/v1/work-precision", asked + "}")).body);
+  const Json& curve = study.at("curves").at(0);
+  EXPECT_EQ(curve.at("setting"), "sigma");
+  EXPECT_NEAR(curve.at("observed_order").get<double>(), 6, 0.3) << curve;
+  for (const Json& point : curve.at("points")) EXPECT_EQ(point.at("step"), nullptr);
+  EXPECT_LT(study.at("pareto").back().at("error").get<double>(), 1e-9);
+  const Json longest =
+      Json::parse(
+          ask(port(), post("/v1/stability", R"({"problem":"damped_kepler","schemes":["time_transformed"]})")).body)
+          .at("limits")
+          .at(0);
+  for (const char* key : {"step", "failure", "theory"}) EXPECT_EQ(longest.at(key), nullptr) << key;
+  EXPECT_EQ(longest.at("why"), "it chooses its steps in time itself");
+}
+
 TEST_F(StudyHttp, ClientsOfTheFirstVersionReadUntilTheEnd) {
   Client client(port());
   client.send("POST /v1/work-precision HTTP/1.0\r\nConnection: keep-alive\r\n" + std::string(lines) +

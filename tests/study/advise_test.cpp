@@ -148,6 +148,36 @@ TEST(Advice, GivesReasonsAndAlternatives) {
   EXPECT_EQ(again.reason, advice.reason);
 }
 
+// Eccentric orbits with drag, constant or not: steps that follow the motion, contact maps or not asked for.
+TEST(Advice, TakesStepsThatFollowADampedMotion) {
+  for (const std::string_view problem : {"damped_kepler", "perturbed_kepler"}) {
+    Request orbit = scene(problem, 20);
+    runs::scene(orbit).initial = {0.1, 0, 0, std::sqrt(19.0)};
+    for (const Keep& keep : {Keep{}, Keep{.structure = true}}) {
+      const Advice advice = advise(orbit, {1e-8, 0, keep}, never);
+      ASSERT_TRUE(advice.choice) << problem;
+      EXPECT_TRUE(advice.met) << advice.reason;
+      EXPECT_EQ(id(*advice.choice), "time_transformed") << advice.reason;
+      Request run = with(orbit, *advice.choice);
+      runs::ask(run, "error");
+      runs::only_final(run);
+      const double error = runs::number(runs::go(run).outcome.diagnostics, "error/max");
+      EXPECT_NEAR(advice.estimated_error / error, 1, 0.1) << advice.reason;
+    }
+    // The best that takes equal steps is far behind.
+    std::int64_t equal = 0;
+    const ErrorStudy subject(orbit, false, 20, never);
+    SchemeConfig splitting = choice(orbit, "contact_splitting", "kahan_li_8");
+    const ResolutionParameter dial = dial_of(splitting);
+    for (double step = 0.1; step > 1e-5 && equal == 0; step /= 1.3) {
+      const Trial trial = subject.run(dial.at(splitting, step), 20, 10'000'000);
+      if (trial.error <= 1e-8) equal = trial.forces;
+    }
+    const Trial chosen = subject.run(*advise(orbit, {1e-8, 0, {}}, never).choice, 20, 10'000'000);
+    EXPECT_GT(equal, 4 * chosen.forces) << problem;
+  }
+}
+
 TEST(Advice, SaysWhatKeepsItFromTheAccuracy) {
   const Advice rounded = advise(scene("henon_heiles", 20), {1e-17, 0, {}}, never);
   EXPECT_FALSE(rounded.met);

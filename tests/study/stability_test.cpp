@@ -71,7 +71,17 @@ TEST(StabilityLimit, SaysHowItFails) {
   EXPECT_EQ(euler.theory, 0) << "it grows at every step";
   EXPECT_EQ(euler.step, 0);
   EXPECT_EQ(euler.failure, "energy_growth");
-  EXPECT_TRUE(std::isnan(limit("kepler", "time_transformed").step)) << "no fixed steps";
+  EXPECT_NE(limit("harmonic_oscillator", "variational_midpoint", "none").why.find("every step that was tried"),
+            std::string::npos);
+  EXPECT_EQ(euler.why, "");
+  for (const auto& [problem, scheme] :
+       {std::pair("kepler", "time_transformed"), std::pair("damped_oscillator", "time_transformed"),
+        std::pair("damped_kepler", "time_transformed"), std::pair("perturbed_kepler", "time_transformed"),
+        std::pair("kepler", "fehlberg_78")}) {
+    const StabilityLimit none = limit(problem, scheme);
+    EXPECT_TRUE(std::isnan(none.step) && std::isnan(none.theory) && none.failure.empty()) << problem;
+    EXPECT_EQ(none.why, "it chooses its steps in time itself") << problem;
+  }
   EXPECT_LT(limit("kepler", "leapfrog").step, 0.2);
   EXPECT_EQ(limit("kepler", "explicit_euler").failure, "energy_growth") << "it flies away";
   EXPECT_EQ(limit("kepler", "explicit_euler").step, 0);

@@ -28,7 +28,7 @@ const lines = [
 ];
 const limits = [
   { scheme: schemes[0], step: 2, failure: "energy_growth", theory: 2 },
-  { scheme: schemes[2], step: null, failure: null, theory: null },
+  { scheme: schemes[2], step: null, failure: null, theory: null, why: "every step is stable" },
 ];
 
 /** Answers studies with what is made up, and keeps what was asked. */
@@ -113,7 +113,7 @@ studyTest("the longest steps are a table, with failures in words", { more: answe
   assert.deepEqual(await all(page, "#stability tbody tr:nth-child(1) > *", "textContent"),
                    ["leapfrog", "2", "2", "the energy grows"]);
   assert.deepEqual(await all(page, "#stability tbody tr:nth-child(2) > *", "textContent"),
-                   ["runge kutta 4", "–", "–", "none was found"]);
+                   ["runge kutta 4", "–", "–", "every step is stable"]);
 });
 
 const refused = { status: 422, title: "no", errors: [{ pointer: "/until/t", detail: "must be later", allowed: "(0, inf)" }] };

@@ -83,12 +83,13 @@ TEST(EncodeStability, WritesLimitsAndWhatIsMissing) {
   auto parsed = parse_json(R"({"problem":"swing","schemes":["leapfrog","own_clock","runge_kutta_4"]})");
   const auto plan = *decode_stability(std::move(*parsed), cards, {});
   const std::vector<StabilityLimit> limits{{plan.schemes[0], 2, "energy_growth", 2, {{2.5, 3}}},
-                                           {plan.schemes[1], nan, {}, nan}};
+                                           {plan.schemes[1], nan, {}, nan, {}, nan, "no fixed steps"}};
   const Json json = Json::parse(encode_stability({plan.scene, plan.schemes, limits, cards}, ReturnCode::deadline));
   EXPECT_EQ(json["limits"][0].dump(), R"({"scheme":{"id":"leapfrog","step":0.1,"composition":"none"},"step":2,)"
                                       R"("failure":"energy_growth","theory":2,"islands":[[2.5,3]]})");
   EXPECT_EQ(json["limits"].size(), 2u);
   for (const char* key : {"step", "failure", "theory"}) EXPECT_EQ(json["limits"][1][key], nullptr);
+  EXPECT_EQ(json["limits"][1]["why"], "no fixed steps");
   EXPECT_EQ(json["left_out"].size(), 1u);
   EXPECT_EQ(json["stop"]["reason"], "deadline");
 }

@@ -121,7 +121,8 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
             static_cast<std::int64_t>(static_cast<double>(n) * static_cast<double>(k) / static_cast<double>(looks));
         const double t = grid_.time(std::max<std::int64_t>(step, 2));  // the first may begin where damping is singular
         const double strength = damping(problem_, phase(problem_, t)) * grid_.step;
-        if (strength > flips || (strength > stiff && !found)) found = {t, strength, strength > flips};
+        const bool over = strength >= flips;
+        if (over || (strength > stiff && !found)) found = {t, strength, over ? flips : stiff, over};
       }
     }
     return found;

@@ -46,6 +46,7 @@ struct BlockResult {
 /// A step that turns the momentum over where the motion only damps it, or does not resolve the damping.
 struct StrongDamping {
   double t, damping_step;  ///< αh
+  double limit;            ///< the αh from which on it does
   bool flips;
 };
 

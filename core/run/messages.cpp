@@ -33,14 +33,15 @@ std::string stiff(double ratio) {
       "the fastest rate of damping times the step is {:.3g}: above 0.5 expect large errors, above 1 nonsense", ratio);
 }
 
-std::string damping_sign(double damping_step, double t) {
-  return fmt::format("αh = {:.3g} at t = {:.6g}: each step turns the momentum over where the motion only damps it",
-                     damping_step, t);
+std::string damping_sign(double limit, double damping_step, double t) {
+  return fmt::format(
+      "αh ≥ {:.3g} at t = {:.6g}, it is {:.3g}: a step turns the momentum over, the motion only damps it", limit, t,
+      damping_step);
 }
 
-std::string stiff_damping(double damping_step, double t) {
-  return fmt::format("αh = {:.3g} at t = {:.6g}: above 2 a step of this scheme does not resolve the damping",
-                     damping_step, t);
+std::string stiff_damping(double limit, double damping_step, double t) {
+  return fmt::format("αh > {:.3g} at t = {:.6g}, it is {:.3g}: a step of this scheme does not resolve the damping",
+                     limit, t, damping_step);
 }
 
 std::string stiff_action_sum(double damping_step) {

@@ -16,9 +16,9 @@ std::string left_domain(double t);
 std::string blow_up(double t);
 /// `ratio` is the rate of damping times the step.
 std::string stiff(double ratio);
-/// `damping_step` is αh at the time t.
-std::string damping_sign(double damping_step, double t);
-std::string stiff_damping(double damping_step, double t);
+/// `damping_step` is αh at the time t, `limit` what it may not reach.
+std::string damping_sign(double limit, double damping_step, double t);
+std::string stiff_damping(double limit, double damping_step, double t);
 /// `rate` is γ|s|h.
 std::string stiff_action_sum(double damping_step);
 std::string stiff_action(double rate);

@@ -47,10 +47,11 @@ void warn_of_damping(const FinishedRun<P, X>& run, std::vector<Warning>& warning
     if (ratio > 0.5) warnings.push_back({"stiff_step", messages::stiff(ratio)});
   }
   if (const auto found = run.integrator.strong_damping(run.state.n)) {
-    if (found->flips)
-      warnings.push_back({"damping_sign", messages::damping_sign(found->damping_step, found->t)});
+    const auto [t, strength, limit, flips] = *found;
+    if (flips)
+      warnings.push_back({"damping_sign", messages::damping_sign(limit, strength, t)});
     else
-      warnings.push_back({"stiff_step", messages::stiff_damping(found->damping_step, found->t)});
+      warnings.push_back({"stiff_step", messages::stiff_damping(limit, strength, t)});
   }
   // Schemes without structure do not even damp.
   const double rate = run.evidence.damping() * run.step, most = run.scheme.structure == "none" ? 1 : 2;

@@ -113,7 +113,8 @@ TEST_P(Pairs, AllocateNothingInTheLoop) {
     };
     allocations(4);  // what is kept from run to run is there now
     const std::size_t few = allocations(4), many = allocations(54);
-    EXPECT_LE(many, few + 8 * said) << label(request);  // an event is a list, a warning a text
+    // An event is a list, a warning a text, and so is what the largest error of the energy is relative to.
+    EXPECT_LE(many, few + 8 * said + 1) << label(request);
   });
 }
 

@@ -124,8 +124,10 @@ class TransformedContact {
   int stages() const { return weights_->stages; }
   std::string failure() const { return words_of(fault_, value_of(kappa_), value_of(room_)); }
 
-  StepStatus move(X& x, const T& sigma, T& elapsed, Work& work) {
-    elapsed = T(0);
+  StepStatus move(X& state, const T& sigma, T& time, Work& work) {
+    X x = state;  // locals, which stay in registers from stage to stage as long as stages are inlined
+    Memory now = now_;
+    T elapsed(0);
     fault_ = TransformedFault::standstill;  // where all stages succeed and the time does not advance
     const auto stages = static_cast<std::size_t>(weights_->stages);
     const T half = 0.5 * sigma;
@@ -133,17 +135,20 @@ class TransformedContact {
     for (std::size_t i = 0; i < stages; ++i) {
       const S& gamma = weights_->gamma[i];
       if constexpr (constant) {  // flows: two that meet are one
-        if (!flow(x, half * (before + gamma), elapsed)) return StepStatus::singular;
-        if (!kick(x, sigma * gamma, elapsed, work)) return StepStatus::singular;
+        if (!flow(x, now, half * (before + gamma), elapsed)) return StepStatus::singular;
+        if (!kick(x, now, sigma * gamma, elapsed, work)) return StepStatus::singular;
       } else {
-        if (!generated(x, half * gamma, elapsed, work) || !kick(x, sigma * gamma, elapsed, work) ||
-            !generated(x, half * gamma, elapsed, work))
+        if (!generated(x, now, half * gamma, elapsed, work) || !kick(x, now, sigma * gamma, elapsed, work) ||
+            !generated(x, now, half * gamma, elapsed, work))
           return fault_ == TransformedFault::unsolved ? StepStatus::solver_failed : StepStatus::singular;
       }
       before = gamma;
     }
     if constexpr (constant)
-      if (!flow(x, half * before, elapsed)) return StepStatus::singular;
+      if (!flow(x, now, half * before, elapsed)) return StepStatus::singular;
+    state = x;
+    now_ = now;
+    time = elapsed;
     return StepStatus::ok;
   }
 
@@ -169,13 +174,13 @@ class TransformedContact {
     return false;
   }
 
-  bool flow(X& x, const T& tau, T& elapsed) {
+  [[gnu::always_inline]] bool flow(X& x, Memory& now, const T& tau, T& elapsed) {
     using least::abs;
     using least::all;
-    if (!all(now_.a > T(0))) [[unlikely]]
-      return fail(TransformedFault::kinetic, now_.a);
+    if (!all(now.a > T(0))) [[unlikely]]
+      return fail(TransformedFault::kinetic, now.a);
     const auto alpha = problem_.damping();
-    const T r = tau * now_.pace, z = (alpha * (inverse_ - 1) * tau) * now_.pace;
+    const T r = tau * now.pace, z = (alpha * (inverse_ - 1) * tau) * now.pace;
     const auto series = [&] {
       Passage by{r * time_(z), r * way_(z), T(0), r * inverse_ * fall_(z)};
       if constexpr (X::acting) by.way2 = r * way2_(z);
@@ -197,14 +202,14 @@ class TransformedContact {
     if constexpr (X::acting) {
       const T kinetic = 0.5 * dot(x.p, v);
       T& s = x.action.s;
-      s = e * s + 2.0 * kinetic * by.way2 + (now_.a - kinetic - level_) * by.way - now_.a * by.fall;
+      s = e * s + 2.0 * kinetic * by.way2 + (now.a - kinetic - level_) * by.way - now.a * by.fall;
     }
     for (std::size_t i = 0; i < x.q.size(); ++i) {
       x.q[i] = x.q[i] + by.way * v[i];
       x.p[i] = e * x.p[i];
     }
-    now_.a = now_.a - (alpha * now_.a) * by.fall;
-    now_.pace = now_.pace / (1.0 - z);
+    now.a = now.a - (alpha * now.a) * by.fall;
+    now.pace = now.pace / (1.0 - z);
     elapsed = elapsed + by.time;
     return true;
   }
@@ -219,18 +224,18 @@ class TransformedContact {
   }
 
   /// The part F(A) with α(t), by its discrete Lagrangian.
-  bool generated(X& x, const T& tau, T& elapsed, Work& work) {
+  bool generated(X& x, Memory& now, const T& tau, T& elapsed, Work& work) {
     using least::abs;
     using least::all;
     constexpr int most_iterations = 30;
-    if (!all(now_.a > T(0))) [[unlikely]]
-      return fail(TransformedFault::kinetic, now_.a);
+    if (!all(now.a > T(0))) [[unlikely]]
+      return fail(TransformedFault::kinetic, now.a);
     const S legendre = 1 - inverse_, bend = 1 / inverse_ - 1;  // F*(F′(A)) = legendre A F′(A); k − 1
     const auto v = velocity(problem_, x.q, x.p);
-    const T kinetic = 0.5 * dot(x.p, v), bound = now_.a - kinetic - level_, t0 = x.t + elapsed, r = tau * now_.pace;
+    const T kinetic = 0.5 * dot(x.p, v), bound = now.a - kinetic - level_, t0 = x.t + elapsed, r = tau * now.pace;
     const T near(4 * std::sqrt(Precision<S>::epsilon));
     // To the third order in r.
-    const T h = 0.5 * r * here_.rate, inverse = 1.0 / now_.a;
+    const T h = 0.5 * r * here_.rate, inverse = 1.0 / now.a;
     T delta = r * (1.0 - legendre * h + (h * h) * (legendre * (legendre - 0.5) + (0.5 * bend) * (bound * inverse)) +
                    (0.125 * bend * (r * r) * here_.slope) * (2.0 * legendre - 1.0 + (kinetic - level_) * inverse));
     int last = std::is_same_v<T, Constant> ? 0 : 1;  // derivatives lag behind by an iteration
@@ -240,7 +245,7 @@ class TransformedContact {
       const T exponent = here_.integral - middle.integral, loss = grown(exponent);
       T e = 1.0 + loss, slow = kinetic * (e * e);  // what is left of p, of K
       const T y = 0.5 * delta * middle.rate, rise = 0.5 * (middle.rate + 0.5 * delta * middle.slope);
-      const T top = now_.a + loss * (bound + kinetic * (1.0 + e)) - y * (level_ - slow), bottom = 1.0 - legendre * y;
+      const T top = now.a + loss * (bound + kinetic * (1.0 + e)) - y * (level_ - slow), bottom = 1.0 - legendre * y;
       T mean = top / bottom;
       if (!all(mean > T(0))) [[unlikely]]
         return fail(TransformedFault::pole, mean);
@@ -257,20 +262,20 @@ class TransformedContact {
       middle.integral = middle.integral + wait * (middle.rate + 0.5 * wait * middle.slope);
       e = e - e * middle.rate * wait;
       middle.rate = middle.rate + middle.slope * wait;
-      arrive(x, v, kinetic, delta, mean, e, middle, damping_after(problem_, here_, t0, T(t0 + delta)));
+      arrive(x, now, v, kinetic, delta, mean, e, middle, damping_after(problem_, here_, t0, T(t0 + delta)));
       elapsed = elapsed + delta;
       return true;
     }
     return fail(TransformedFault::unsolved, delta);
   }
   /// The end of that part, after the time δ; `e`: what is left of p in the middle.
-  void arrive(X& x, const Vec<P::dof, T>& v, const T& kinetic, const T& delta, const T& mean, const T& e,
+  void arrive(X& x, Memory& now, const Vec<P::dof, T>& v, const T& kinetic, const T& delta, const T& mean, const T& e,
               const DampingAt<T>& middle, const DampingAt<T>& there) {
     const S legendre = 1 - inverse_;
     const T exponent = middle.integral - there.integral, loss = grown(exponent), after = 1.0 + loss;
     const T slow = kinetic * (e * e), y = 0.5 * delta * middle.rate, way = delta * e, left = e * after;
     if constexpr (X::acting) x.action.s = after * (e * x.action.s + delta * (slow - level_ + legendre * mean));
-    now_ = at(mean * (after * (1.0 + legendre * y)) - level_ * (loss + y * after) + slow * (after * (loss + y)));
+    now = at(mean * (after * (1.0 + legendre * y)) - level_ * (loss + y * after) + slow * (after * (loss + y)));
     for (std::size_t i = 0; i < x.q.size(); ++i) {
       x.q[i] = x.q[i] + way * v[i];
       x.p[i] = left * x.p[i];
@@ -279,7 +284,7 @@ class TransformedContact {
   }
 
   /// The part −F(B).
-  bool kick(X& x, const T& tau, const T& elapsed, Work& work) {
+  [[gnu::always_inline]] bool kick(X& x, Memory& now, const T& tau, const T& elapsed, Work& work) {
     using least::abs;
     using least::all;
     using least::select;
@@ -305,16 +310,16 @@ class TransformedContact {
       change = change + here_.rate * lift;
     }
     if constexpr (PotentialReadsTime<P>) change = change - potential_rate(problem_, x.q, T(x.t + elapsed));
-    const T a = now_.a + push * (push * (0.5 * dot(rate, gradient)) + change);
+    const T a = now.a + push * (push * (0.5 * dot(rate, gradient)) + change);
     for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - push * gradient[i];
     if constexpr (X::acting) x.action.s = x.action.s + push * lift;
-    const T square = b * b / (now_.a * a), off = abs(square - 1.0);
+    const T square = b * b / (now.a * a), off = abs(square - 1.0);
     strain_ = select(off > strain_, off, strain_);
     if (!all(b > T(0))) [[unlikely]]
       return fail(TransformedFault::potential, b);
     if (!all((a > T(0)) & near_level<T>(square))) [[unlikely]]
       return fail(TransformedFault::level, square);
-    now_ = at(a);
+    now = at(a);
     return true;
   }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 
 #include "tests/bench/table.hpp"
@@ -113,6 +114,28 @@ const bool registered = [] {
     ours("computed/" + scheme, bare("spin_orbit", scheme, 0.3141));
     bench::compare(scheme + " spin_orbit, h = π/10, h = .3141", "tabulated/" + scheme, "computed/" + scheme, 0);
   }
+  // Steps that follow the motion, by the force: constant damping, and one that changes in time, which is an equation
+  // more a part.
+  for (const std::string problem : {"damped_kepler", "perturbed_kepler"})
+    for (const std::string composition : {"none", "kahan_li_8"}) {
+      least::Request request = bare(problem, "time_transformed", composition == "none" ? 0.015 : 0.2);
+      runs::set(request, "kappa", std::numeric_limits<double>::quiet_NaN());
+      runs::set(request, "composition", composition);
+      request.steps = 20'000;
+      if (problem == "damped_kepler") runs::set(request, "alpha", 1e-6);  // the star stays where it is
+      const std::string name = "transformed/" + problem + " " + composition;
+      add(name, [request](benchmark::State& state) {
+        std::int64_t forces = 0;
+        for (auto _ : state) {
+          const auto result = runs::go(request);
+          if (result.outcome.cost.steps != request.steps) state.SkipWithError("the run did not complete");
+          forces = result.outcome.cost.force_evaluations;
+        }
+        state.counters["units"] = static_cast<double>(forces);
+      });
+      bench::compare("time_transformed " + problem + ", " + composition + ", a force; leapfrog kepler", name,
+                     "step/kepler", 0);
+    }
   return true;
 }();
 

@@ -50,7 +50,8 @@ TEST_P(Orders, AreTheDeclaredOnes) {
       waived += curve.expected_order <= 6 && curve.points.size() > 1;
       continue;
     }
-    const double slack = curve.expected_order <= 6 ? 0.45 : 1.5;
+    // At order 10 a periapsis passage is at round-off after a few steps more than it is resolved with.
+    const double slack = curve.expected_order <= 6 ? 0.45 : curve.expected_order <= 8 ? 1.5 : 2.5;
     EXPECT_GT(curve.observed_order, curve.expected_order - slack) << pair;
     EXPECT_LT(curve.observed_order,
               curve.expected_order + (curve.expected_order <= 6 ? slack : 0.4 * curve.expected_order))

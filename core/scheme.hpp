@@ -109,7 +109,7 @@ constexpr Field<C> step_field() {
 }
 template <class C>
 constexpr Field<C, Composition> composition_field() {
-  return {"composition",      "", "", "symmetric composition that raises the order", &C::composition, {0, 0},
+  return {"composition",      "", "", "raises the order: a symmetric one, or its weights", &C::composition, {0, 0},
           compositions::names};
 }
 

@@ -4,7 +4,7 @@
 
 namespace least {
 
-std::string unsupported_by_pole(Composition composition, double damping_step) {
+std::string unsupported_by_pole(const Composition& composition, double damping_step) {
   const double negative = largest_negative_weight(composition);
   if (damping_step <= -2)
     return fmt::format("αh = {:.4g}: the scheme has a pole at αh = −2, take a shorter step", damping_step);

@@ -14,11 +14,11 @@ namespace least {
 inline constexpr double least_denominator = 1e-8;
 
 /// What the scheme has against αh, in words; empty: nothing. A stage of weight γ has the pole at γαh = −2.
-std::string unsupported_by_pole(Composition composition, double damping_step);
+std::string unsupported_by_pole(const Composition& composition, double damping_step);
 
 /// The same for a scene, as far as it is known before the run: where the damping does not change in time.
 template <class P>
-std::string unsupported_by_pole(const P& problem, Composition composition, double step) {
+std::string unsupported_by_pole(const P& problem, const Composition& composition, double step) {
   if constexpr (ConstantDamping<P>) return unsupported_by_pole(composition, problem.damping() * step);
   return {};
 }

@@ -130,14 +130,20 @@ struct Leapfrog {
 
  private:
   template <class S>
-  static const Sequence<S>& sequence(Composition composition) {
-    static const auto table = [] {
+  static const Sequence<S>& sequence(const Composition& composition) {
+    const auto composed = [](const Weights<S>& weights) {
+      Sequence<S> all;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(weights.stages); ++i)
+        all.append({weights.gamma[i] / 2, weights.gamma[i], weights.gamma[i] / 2});
+      return all;
+    };
+    if (!composition.weights().empty()) {
+      const auto& weights = Weights<S>::of(composition);
+      return composition.kept<Sequence<S>>([&] { return composed(weights); });
+    }
+    static const auto table = [&] {
       std::array<Sequence<S>, compositions::names.size()> all;
-      for (std::size_t c = 0; c < all.size(); ++c) {
-        const auto& weights = Weights<S>::of(static_cast<Composition>(c));
-        for (std::size_t i = 0; i < static_cast<std::size_t>(weights.stages); ++i)
-          all[c].append({weights.gamma[i] / 2, weights.gamma[i], weights.gamma[i] / 2});
-      }
+      for (std::size_t c = 0; c < all.size(); ++c) all[c] = composed(Weights<S>::of(static_cast<Composition>(c)));
       return all;
     }();
     return table[static_cast<std::size_t>(composition)];

@@ -15,6 +15,7 @@ namespace {
 
 /// A value as a request would say it.
 std::string said(const ParameterCard& parameter, double value) {
+  if (has_weights(parameter, value)) return "weights";
   if (parameter.kind == Kind::choice) return std::string(parameter.choices[static_cast<std::size_t>(value)]);
   if (std::isnan(value)) return std::string(parameter.word.empty() ? "null" : parameter.word);
   return fmt::format("{}", value);
@@ -77,6 +78,7 @@ int declared_order(const SchemeCard& card, const SchemeConfig& choice) {
   if (ResolutionParameter(card).adaptive() || card.orders.empty()) return 0;
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
     if (card.parameters[i].kind != Kind::choice && card.parameters[i].kind != Kind::integer) continue;
+    if (has_weights(card.parameters[i], choice.settings[i])) return order_with_weights(card, choice.settings);
     const std::string value = said(card.parameters[i], choice.settings[i]);
     for (const auto& [key, order] : card.orders)
       if (key == value) return order;

@@ -8,29 +8,90 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <span>
+#include <string>
 #include <string_view>
+#include <type_traits>
+#include <typeindex>
+#include <vector>
 
 #include "core/number/parse.hpp"
 #include "core/status.hpp"
 
 namespace least {
 
-enum class Composition : std::uint8_t {
-  none,
-  yoshida_4,
-  suzuki_4,
-  yoshida_6,
-  kahan_li_6,
-  yoshida_8,
-  suzuki_umeno_8,
-  kahan_li_8,
-  sofroniou_spaletta_10,
+/// One of the named compositions, or weights of one's own. Copies share the list, and steppers point into what is made
+/// of it: whoever holds a stepper holds its scheme.
+class Composition {
+ public:
+  enum Name : std::uint8_t {
+    none,
+    yoshida_4,
+    suzuki_4,
+    yoshida_6,
+    kahan_li_6,
+    yoshida_8,
+    suzuki_umeno_8,
+    kahan_li_8,
+    sofroniou_spaletta_10,
+    custom,  ///< weights of one's own, without which it is none
+  };
+
+  Composition(Name name = none) : name_(name) {}  // NOLINT(google-explicit-constructor): a name is a composition
+  /// The position among the names, as settings hold it; for `custom` with its weights.
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  explicit Composition(Number index, std::span<const double> weights = {}) : name_(static_cast<Name>(index)) {
+    if (name_ == custom) list_ = std::make_shared<const List>(weights);
+  }
+  /// Weights that `compositions::objection` has nothing against.
+  explicit Composition(std::span<const double> weights) : Composition(static_cast<int>(custom), weights) {}
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  explicit operator Number() const { return static_cast<Number>(name_); }
+
+  /// Weights of one's own; empty: it is a named one.
+  std::span<const double> weights() const { return list_ ? list_->weights : std::span<const double>(); }
+  /// What follows from the weights of `custom`: made once, and there as long as the list.
+  template <class V, class Make>
+  const V& kept(Make&& make) const {
+    const std::lock_guard lock(list_->mutex);
+    auto& place = list_->made[typeid(V)];
+    if (!place) place = std::make_shared<const V>(make());
+    return *static_cast<const V*>(place.get());
+  }
+
+  friend bool operator==(const Composition& a, const Composition& b) {
+    return a.name_ == b.name_ && std::ranges::equal(a.weights(), b.weights());
+  }
+
+ private:
+  struct List {
+    explicit List(std::span<const double> all) : weights(all.begin(), all.end()) {}
+    std::vector<double> weights;
+    mutable std::mutex mutex;
+    mutable std::map<std::type_index, std::shared_ptr<const void>> made;
+  };
+
+  Name name_;
+  std::shared_ptr<const List> list_;
 };
 
 namespace compositions {
 
 inline constexpr int most_stages = 35;
+inline constexpr double largest_weight = 100;
+
+/// What speaks against a list of weights, in words; empty: nothing. They have to be as many as fit, finite, symmetric
+/// and of the sum 1 to a rounding of each to 15 digits.
+std::string objection(std::span<const double> weights);
+/// The order of the composition of a symmetric scheme with such weights, as far as 10, from the order conditions: with
+/// the scheme as exp(hX₁ + h³X₃ + h⁵X₅ + …), the coefficients of the words in X₁, X₃, … of the product against those of
+/// exp(hX₁). `base` is the order of the scheme, 2, or 4 where X₃ = 0. Source: Hairer, Lubich, Wanner 2006, III.3.
+int order_of(std::span<const double> weights, int base = 2);
 
 inline constexpr std::array<std::string_view, 9> names{"none",           "yoshida_4",  "suzuki_4",
                                                        "yoshida_6",      "kahan_li_6", "yoshida_8",
@@ -100,33 +161,45 @@ struct Weights {
   std::array<S, compositions::most_stages> gamma{};
   std::array<S, compositions::most_stages> end{}, middle{};  ///< times of the stages, as fractions of the step
 
+  Weights() = default;
   std::span<const S> ends() const { return {end.data(), static_cast<std::size_t>(stages)}; }
   std::span<const S> middles() const { return {middle.data(), static_cast<std::size_t>(stages)}; }
 
-  /// The text is read once per number.
-  static const Weights& of(Composition composition) {
+  /// Of a named one the text is read once per number.
+  static const Weights& of(const Composition& composition) {
+    if (!composition.weights().empty())
+      return composition.kept<Weights>([&] {
+        const auto list = composition.weights();
+        return Weights(static_cast<int>(list.size()), [&](std::size_t i) { return S(list[i]); });
+      });
     static const auto table = [] {
       std::array<Weights, compositions::names.size()> all;
       for (std::size_t c = 0; c < all.size(); ++c) {
         const auto half = compositions::halves[c];
-        all[c].stages = static_cast<int>(2 * half.size() - 1);
-        for (std::size_t i = 0; i < half.size(); ++i)
-          all[c].gamma[i] = all[c].gamma[2 * half.size() - 2 - i] = parse<S>(half[i]);
-        S done(0);
-        for (std::size_t i = 0; i < 2 * half.size() - 1; ++i) {
-          all[c].middle[i] = done + all[c].gamma[i] / 2;
-          all[c].end[i] = done = done + all[c].gamma[i];
-        }
-        all[c].end[2 * half.size() - 2] = S(1);
+        const std::size_t last = 2 * half.size() - 2;
+        all[c] =
+            Weights(static_cast<int>(last + 1), [&](std::size_t i) { return parse<S>(half[std::min(i, last - i)]); });
       }
       return all;
     }();
     return table[static_cast<std::size_t>(composition)];
   }
+
+ private:
+  template <class Weight>
+  Weights(int count, Weight&& weight) : stages(count) {
+    S done(0);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(stages); ++i) {
+      gamma[i] = weight(i);
+      middle[i] = done + gamma[i] / 2;
+      end[i] = done = done + gamma[i];
+    }
+    end[static_cast<std::size_t>(stages) - 1] = S(1);
+  }
 };
 
 /// The size of the largest negative weight; 0 where there is none.
-inline double largest_negative_weight(Composition composition) {
+inline double largest_negative_weight(const Composition& composition) {
   double most = 0;
   for (const double gamma : Weights<double>::of(composition).gamma) most = std::max(most, -gamma);
   return most;
@@ -136,7 +209,7 @@ inline double largest_negative_weight(Composition composition) {
 template <class Base, class S>
 class Composed {
  public:
-  Composed(const Base& base, Composition composition) : base_(base), weights_(&Weights<S>::of(composition)) {}
+  Composed(const Base& base, const Composition& composition) : base_(base), weights_(&Weights<S>::of(composition)) {}
 
   template <class X>
   StepStatus step(X& x, const S& h) noexcept {

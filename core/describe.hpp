@@ -40,7 +40,8 @@ struct ParameterCard {
   std::vector<std::string> choices{};  ///< names by index, for Kind::choice
   std::string suggested{};  ///< not empty: the default is the problem's suggestion of this name, where it has one
   bool nullable = false;
-  std::string word{};  ///< what stands for NaN where it is nullable; empty: null
+  std::string word{};    ///< what stands for NaN where it is nullable; empty: null
+  bool weights = false;  ///< a list of numbers may stand instead of a choice: the choice after the last
 };
 
 struct VariableCard {
@@ -138,8 +139,14 @@ struct SchemeCard {
   int order(std::span<const double> settings) const;
 };
 
+/// A choice that may be weights of the caller's own instead.
+template <class M>
+concept MayBeWeights = requires(const M& choice) {
+  choice.weights();
+};
+
 /// One parameter of the aggregate C: where its value lives and what may stand there. Its default is that of C{}.
-/// M is the member's type: double, int, bool, or an enumeration for a choice.
+/// M is the member's type: double, int, bool, or for a choice an enumeration or what may be weights.
 template <class C, class M = double>
 struct Field {
   std::string_view name, symbol, unit, doc;
@@ -164,11 +171,22 @@ struct Field {
             .choices = {choices.begin(), choices.end()},
             .suggested = std::string(suggested),
             .nullable = !absent.empty(),
-            .word = std::string(absent == "null" ? std::string_view() : absent)};
+            .word = std::string(absent == "null" ? std::string_view() : absent),
+            .weights = MayBeWeights<M>};
   }
   /// Sets the member from a value that the card allows.
   void set(C& c, double value) const { c.*member = static_cast<M>(value); }
 };
+
+/// Whether the value of a parameter stands for weights of the caller's own, which then stand after all settings.
+inline bool has_weights(const ParameterCard& card, double value) {
+  return card.weights && value == static_cast<double>(card.choices.size());
+}
+inline std::span<const double> weights_of(const SchemeCard& card, std::span<const double> settings) {
+  return settings.subspan(card.parameters.size());
+}
+/// The order of a scheme with such weights.
+int order_with_weights(const SchemeCard& card, std::span<const double> settings);
 
 /// What a problem's file says about itself beside its mechanics: `fields`, a tuple of Field, and `card()`.
 template <template <class> class P>

@@ -9,7 +9,7 @@
 
 namespace least {
 
-/// An aggregate with the values of a card's parameters.
+/// An aggregate with the values of a card's parameters, and what stands after them.
 template <class C, class Fields>
 C from_values(const Fields& fields, std::span<const double> values) {
   C c;
@@ -19,6 +19,9 @@ C from_values(const Fields& fields, std::span<const double> values) {
         (field.set(c, values[i++]), ...);
       },
       fields);
+  if constexpr (requires { c.composition; })  // after them its weights, where it has its own
+    c.composition =
+        decltype(c.composition)(static_cast<double>(c.composition), values.subspan(std::tuple_size_v<Fields>));
   return c;
 }
 

@@ -100,7 +100,8 @@ struct ActiveMethod {
 
 // A scheme may also say, as const members: unsupported_reason(problem) → what it has against a scene, in words;
 // flips_from() and stiff_from(problem) → the αh from which a step turns the momentum over, or no longer resolves the
-// damping; starts_at_singularity(problem). See Integrator.
+// damping; starts_at_singularity(problem), see Integrator; and if it is variational, of its step of length h from a to
+// b without composition, step_energy(problem, a, b, h) → its discrete energy, see discrete_energy.
 
 /// The parameters that most schemes share.
 template <class C>
@@ -109,7 +110,7 @@ constexpr Field<C> step_field() {
 }
 template <class C>
 constexpr Field<C, Composition> composition_field() {
-  return {"composition",      "", "", "symmetric composition that raises the order", &C::composition, {0, 0},
+  return {"composition",      "", "", "raises the order: a symmetric one, or its weights", &C::composition, {0, 0},
           compositions::names};
 }
 

@@ -15,7 +15,7 @@ namespace least {
 
 /// How a state was reached. Unknown: it was not reached by a step, or the scheme has no modes.
 struct StepInfo {
-  double step_size = unknown, mode = unknown, parameter = unknown;
+  double step_size = unknown, mode = unknown, parameter = unknown, discrete_energy = unknown;
 };
 
 template <class P, class X>
@@ -95,6 +95,9 @@ std::vector<Column<P, X>> columns_of(const ProblemCard& card) {
     all.push_back({{"parameter", false, false, true, coordinates},
                    [](const P&, const X&, const StepInfo& step, std::size_t) { return step.parameter; }});
   }
+  if constexpr (Potential<P>)
+    all.push_back({{"discrete_energy", false, Contact<P>, true},
+                   [](const P&, const X&, const StepInfo& step, std::size_t) { return step.discrete_energy; }});
   return all;
 }
 

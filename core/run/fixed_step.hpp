@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/run/discrete_energy.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/save_schedule.hpp"
 
@@ -26,10 +27,15 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if (count <= 0) return {};
     if (on_series(state.n)) return advance_on_series(state, count, diagnostics);
     if (diagnostics && diagnostics->watches_sections()) count = std::min<std::int64_t>(count, 256);
-    const Kept before = keep(state, guard, diagnostics);
-    if (block(state, count, guard, diagnostics) && !(diagnostics && diagnostics->crossed)) return {};
-    take_back(before, state, guard, diagnostics);
-    return replay(state, count, guard, diagnostics);
+    if (keeps_last_step_) {  // where the last one begins is to be known
+      if (count > 1)
+        if (const BlockResult result = take_steps(state, count - 1, guard, diagnostics);
+            !result || (diagnostics && diagnostics->crossed))
+          return result;
+      left_ = state.x;
+      count = 1;
+    }
+    return take_steps(state, count, guard, diagnostics);
   }
 
   BlockResult finish(State& state, double end, StepGuard& guard) override {
@@ -104,6 +110,11 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
 
   StepInfo step_info(const State&) const override { return {grid_.step}; }
+  void keep_last_step() override { keeps_last_step_ = true; }
+  double discrete_energy(const State& state) const override {
+    if (state.n == 0 || (along_series_ && state.n <= series_steps_)) return unknown;
+    return least::discrete_energy(scheme_, problem_, left_, state.n > grid_.steps ? grid_.tail : grid_.step);
+  }
   /// Looked at over the span, not at each step. The first that turns the momentum over, else the first that is stiff.
   std::optional<StrongDamping> strong_damping([[maybe_unused]] std::int64_t n) const override {
     std::optional<StrongDamping> found;
@@ -140,6 +151,12 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return -problem_.action_curvature() * x.action.s * grid_.step;
   }
 
+  BlockResult take_steps(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
+    const Kept before = keep(state, guard, diagnostics);
+    if (block(state, count, guard, diagnostics) && !(diagnostics && diagnostics->crossed)) return {};
+    take_back(before, state, guard, diagnostics);
+    return replay(state, count, guard, diagnostics);
+  }
   /// `count` steps; what went wrong, at any of them.
   BlockResult block(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
     return diagnostics ? loop<true>(state, count, guard, diagnostics) : loop<false>(state, count, guard, nullptr);
@@ -270,7 +287,7 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   Grid grid_;
   Stepper stepper_, left_stepper_;  ///< at the state, and at left_
   X left_;
-  bool along_series_ = false;
+  bool along_series_ = false, keeps_last_step_ = false;
   std::int64_t series_steps_ = 0;
   Work before_;  ///< of steppers that were put aside
 };

@@ -82,6 +82,12 @@ class Integrator {
 
   /// How the last step, which ended in x, was taken.
   virtual StepInfo step_info(const IntegrationState<X>& state) const = 0;
+  /// To be called before the first step where `discrete_energy` is going to be asked for.
+  virtual void keep_last_step() {}
+  /// E_d of the last step, which ended in the state; unknown before the first one, and where the scheme has none.
+  virtual double discrete_energy(const IntegrationState<X>&) const { return unknown; }
+  /// How much more it is than that of the step before, which was taken in this way: of a hybrid that has just switched.
+  virtual double discrete_energy_jump(const IntegrationState<X>&, const ActiveMethod&) const { return unknown; }
   /// By which method the last step was taken; empty where there is but one.
   virtual std::optional<ActiveMethod> method() const { return std::nullopt; }
   /// Steps that had to be taken in another way than the scheme's.

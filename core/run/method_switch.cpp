@@ -12,9 +12,11 @@ std::string_view mode(const ActiveMethod& course) { return mode_names[static_cas
 }  // namespace
 
 Report method_switch(const ProblemCard& problem, double t, std::span<const double> q, const ActiveMethod& was,
-                     const ActiveMethod& now) {
+                     const ActiveMethod& now, const SwitchJumps& jumps) {
   const bool switched = was.mode != now.mode;
   std::vector<Report> event, at;
+  event.reserve(9);
+  at.reserve(q.size());
   event.push_back({"t", t});
   event.push_back(words("kind", switched ? "switch" : "parameter"));
   event.push_back(words("from", switched ? mode(was) : coordinate(problem, was)));
@@ -22,6 +24,15 @@ Report method_switch(const ProblemCard& problem, double t, std::span<const doubl
   event.push_back(words("parameter", coordinate(problem, now)));
   for (std::size_t i = 0; i < q.size(); ++i) at.push_back({problem.variables[i].name, q[i]});
   event.push_back({"at", std::move(at)});
+  if (switched) {
+    std::vector<Report> momenta;
+    momenta.reserve(jumps.invariants.size());
+    for (std::size_t i = 0; i < jumps.invariants.size(); ++i)
+      momenta.push_back({problem.invariants[i].name, jumps.invariants[i]});
+    event.push_back({"energy_jump", jumps.energy});
+    event.push_back({"discrete_energy_jump", jumps.discrete_energy});
+    event.push_back({"momentum_jumps", std::move(momenta)});
+  }
   return {"", std::move(event)};
 }
 

@@ -48,6 +48,9 @@ class Run {
     integrator_ = bind_scheme(problem_, request_, start, grid_, end_);
     state_.x = start;
     method_ = integrator_->method();
+    shows_discrete_energy_ = std::ranges::any_of(
+        request_.columns, [&](std::size_t i) { return card_.columns[i].name == "discrete_energy"; });
+    if (shows_discrete_energy_) integrator_->keep_last_step();
     budget_.start();
     if (initialize()) {
       while (going() && !arrived() && advance_block()) {
@@ -156,8 +159,9 @@ class Run {
     const auto was = std::exchange(method_, now);
     if (state_.n == 1 && now->mode == was->mode) return;  // the first step only made its choice
     if (!events_.room(outcome_.events.size())) return;
-    const X& x = integrator_->left();
-    if constexpr (Conservative<P>) outcome_.events.push_back(method_switch(card_, x.t, x.q, *was, *now));
+    if constexpr (Conservative<P>)
+      outcome_.events.push_back(method_switch(card_, problem_, integrator_->left(), state_.x, *was, *now,
+                                              integrator_->discrete_energy_jump(state_, *was)));
   }
 
   /// Keeps a state for the diagnostics that need whole ones: at every stride-th step, the stride doubling whenever
@@ -184,11 +188,17 @@ class Run {
         integrator_->step_back(state_);
         return fail(status == StepStatus::ok ? BlockResult{BlockEnd::left_domain} : BlockResult::failed(status));
       }
-      if (!save(x, integrator_->step_info(state_)) || !within_budget(1)) return false;
+      if (!save(x, last_step()) || !within_budget(1)) return false;
     }
     for (; schedule_.step() == state_.n && state_.x.t <= end_; schedule_.next())
-      if (kept_++ < request_.limits.samples && !save(state_.x, integrator_->step_info(state_))) return false;
+      if (kept_++ < request_.limits.samples && !save(state_.x, last_step())) return false;
     return true;
+  }
+  /// How the last step, which ended in the state, was taken.
+  StepInfo last_step() const {
+    StepInfo step = integrator_->step_info(state_);
+    if (shows_discrete_energy_) step.discrete_energy = integrator_->discrete_energy(state_);
+    return step;
   }
   bool save(const X& x, const StepInfo& step) {
     using Writer = TrajectoryWriter<P, X>;
@@ -210,7 +220,7 @@ class Run {
   void finish() {
     if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
     const double before = state_.x.t;
-    const StepInfo step = integrator_->step_info(state_);
+    StepInfo step = last_step();
     if (const BlockResult result = integrator_->finish(state_, end_, guard_); !result) {
       integrator_->step_back(state_);
       if (!fail(result)) return;
@@ -218,6 +228,7 @@ class Run {
       diagnostics_.see(problem_, state_.x);
       locate_events();
     }
+    if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
     while (end_ < infinite && schedule_.time() <= end_ && save(state_.x, step)) schedule_.next();
   }
 
@@ -281,7 +292,7 @@ class Run {
   /// The next step leads out of the domain: where it does, or at the end of the run if that comes first.
   bool leave_domain() {
     const double when = exit_time(), until = std::min(when, end_);
-    StepInfo partial = integrator_->step_info(state_);
+    StepInfo partial = last_step();
     if (!fixed_) partial.step_size = until - state_.x.t;
     X x = state_.x;
     for (; schedule_.time() < until; schedule_.next()) {
@@ -375,6 +386,7 @@ class Run {
   std::unique_ptr<Integrator<P, X>> integrator_;
   IntegrationState<X> state_;
   std::optional<ActiveMethod> method_;
+  bool shows_discrete_energy_ = false;
   Solution outcome_;
   std::int64_t kept_ = 0;
   std::int64_t stride_ = 1;                ///< of snapshots, in steps

@@ -52,6 +52,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       }
       if (!result) break;
       if (compensated) late = (t - x.t) - part;
+      if constexpr (hybrid) before_left_ = left;
       left = x;
       left_memory = memory;
       memory = memory_of(stepper);
@@ -111,6 +112,20 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     }
     return info;
   }
+  double discrete_energy(const State& state) const override {
+    if (state.n > 0) {
+      if constexpr (hybrid) return stepper_.discrete_energy(left_, state.x, stepper_.active_method());
+      if constexpr (requires { stepper_.discrete_energy(left_, left_); })
+        return stepper_.discrete_energy(left_, state.x);
+    }
+    return unknown;
+  }
+  double discrete_energy_jump([[maybe_unused]] const State& state,
+                              [[maybe_unused]] const ActiveMethod& was) const override {
+    if constexpr (hybrid)
+      if (state.n > 1) return discrete_energy(state) - stepper_.discrete_energy(before_left_, left_, was);
+    return unknown;
+  }
   std::optional<ActiveMethod> method() const override {
     if constexpr (hybrid) return stepper_.active_method();
     return std::nullopt;
@@ -143,6 +158,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   static constexpr bool compensated = !reads_time;
   /// Its steps ask for the time they begin at.
   static constexpr bool told_time = requires { requires Stepper::reads_time; };
+
+  struct Nothing {};
 
   static ActiveMethod method_of(const Stepper& stepper) {
     if constexpr (hybrid) return stepper.active_method();
@@ -235,6 +252,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   Stepper stepper_;
   X left_;
   Memory memory_ = memory_of(stepper_), left_memory_ = memory_;  ///< at the last state, and at left_
+  [[no_unique_address]] std::conditional_t<hybrid, X, Nothing>
+      before_left_{};  ///< where the step before the last began
   double end_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;

@@ -30,33 +30,9 @@ class ContactGalerkin4Stepper {
   StepStatus step(X& x, const S& h) noexcept {
     using least::abs;
     using least::any;
-    const Times times{phase(problem_, x.t), phase(problem_, x.t + h / 2), phase(problem_, x.t + h)};
-    const auto residual = [&](const auto& z) {
-      const auto path = walk(x, h, times, z);
-      auto r = z;
-      for (std::size_t i = 0; i < n; ++i) {
-        r[i] = path.by_middle[i] / 4.0;
-        r[n + i] = path.by_start[i] + path.factor * x.p[i];
-      }
-      return r;
-    };
-    // Guess: constant acceleration over the step.
-    const Vec<P::dof, T> v = velocity(problem_, x.q, x.p);
-    Vec<P::dof, T> p = x.p;
-    const auto kick = lagrangian_force(problem_, x.q, v, times.start);
-    ++work_.forces;
-    for (std::size_t i = 0; i < n; ++i) p[i] = p[i] + (h / 2) * kick[i];
-    const auto mean = velocity(problem_, x.q, p);
+    const Times times = times_of(x, h);
     Vec<2 * P::dof, T> z;
-    T scale(0);
-    for (std::size_t i = 0; i < n; ++i) {
-      z[i] = (v[i] + mean[i]) / 4.0;
-      z[n + i] = mean[i];
-      scale = scale + abs(v[i]) + abs(mean[i]);
-    }
-    if (const StepStatus status = newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, nodes, work_);
-        status != StepStatus::ok)
-      return status;
+    if (const StepStatus status = solve(x, h, times, z); status != StepStatus::ok) return status;
     const auto path = walk(x, h, times, z);
     work_.forces += nodes;
     if (any(!(abs(path.factor) > T(least_denominator)))) return StepStatus::singular;
@@ -71,7 +47,49 @@ class ContactGalerkin4Stepper {
   }
   const Work& work() const { return work_; }
 
+  /// E_d of the step from x, the mean of v·L_v − L over the stages; not a number where there is none.
+  T energy(const X& x, const S& h) noexcept requires X::acting {
+    const Times times = times_of(x, h);
+    Vec<2 * P::dof, T> z;
+    if (solve(x, h, times, z) != StepStatus::ok) return T(std::numeric_limits<double>::quiet_NaN());
+    const auto stages = stages_of(x, h, times, z);
+    const auto& [k1, k2, k3, k4] = stages.k;
+    const auto at = [](const auto& k, const auto& v) { return T(dot(k.pi, v) - k.lagrangian); };
+    return (at(k1, stages.v0) + 2.0 * at(k2, stages.vm) + 2.0 * at(k3, stages.vm) + at(k4, stages.v1)) / 6.0;
+  }
+
  private:
+  struct Times;
+  Times times_of(const X& x, const S& h) const {
+    return {phase(problem_, x.t), phase(problem_, x.t + h / 2), phase(problem_, x.t + h)};
+  }
+  StepStatus solve(const X& x, const S& h, const Times& times, Vec<2 * P::dof, T>& z) noexcept {
+    using least::abs;
+    const auto residual = [&](const auto& trial) {
+      const auto path = walk(x, h, times, trial);
+      auto r = trial;
+      for (std::size_t i = 0; i < n; ++i) {
+        r[i] = path.by_middle[i] / 4.0;
+        r[n + i] = path.by_start[i] + path.factor * x.p[i];
+      }
+      return r;
+    };
+    // Guess: constant acceleration over the step.
+    const Vec<P::dof, T> v = velocity(problem_, x.q, x.p);
+    Vec<P::dof, T> p = x.p;
+    const auto kick = lagrangian_force(problem_, x.q, v, times.start);
+    ++work_.forces;
+    for (std::size_t i = 0; i < n; ++i) p[i] = p[i] + (h / 2) * kick[i];
+    const auto mean = velocity(problem_, x.q, p);
+    T scale(0);
+    for (std::size_t i = 0; i < n; ++i) {
+      z[i] = (v[i] + mean[i]) / 4.0;
+      z[n + i] = mean[i];
+      scale = scale + abs(v[i]) + abs(mean[i]);
+    }
+    return newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, nodes, work_);
+  }
+
   /// With L linear in s the middle is met once, else twice.
   static constexpr int nodes = LinearContact<P> ? 3 : 4;
   using F = decltype(phase(std::declval<const P&>(), std::declval<const S&>()));
@@ -100,25 +118,41 @@ class ContactGalerkin4Stepper {
     return at;
   }
 
+  /// The stages of Runge–Kutta's scheme along the path, and the velocities that they are at.
+  template <class U>
+  struct Stages {
+    Vec<P::dof, U> v0, vm, v1;
+    std::array<Node<U>, 4> k;
+  };
   template <std::size_t M, class U>
-  Path<U> walk(const X& x, const S& h, const Times& times, const std::array<U, M>& z) const {
-    Vec<P::dof, U> q0, b, q1, v0, vm, v1;
+  Stages<U> stages_of(const X& x, const S& h, const Times& times, const std::array<U, M>& z) const {
+    Vec<P::dof, U> q0, b, q1;
+    Stages<U> at;
     for (std::size_t i = 0; i < n; ++i) {
       const U &u = z[i], &w = z[n + i];
       q0[i] = U(x.q[i]);
       b[i] = x.q[i] + h * u;
       q1[i] = x.q[i] + h * w;
-      v0[i] = 4.0 * u - w;
-      vm[i] = w;
-      v1[i] = 3.0 * w - 4.0 * u;
+      at.v0[i] = 4.0 * u - w;
+      at.vm[i] = w;
+      at.v1[i] = 3.0 * w - 4.0 * u;
     }
     U s0(0);
     if constexpr (X::acting) s0 = U(x.action.s);
     const S half = h / 2;
-    const Node<U> k1 = node(q0, v0, s0, times.start);
-    const Node<U> k2 = node(b, vm, U(s0 + half * k1.lagrangian), times.middle);
-    const Node<U> k3 = node(b, vm, U(s0 + half * k2.lagrangian), times.middle);
-    const Node<U> k4 = node(q1, v1, U(s0 + h * k3.lagrangian), times.end);
+    auto& [k1, k2, k3, k4] = at.k;
+    k1 = node(q0, at.v0, s0, times.start);
+    k2 = node(b, at.vm, U(s0 + half * k1.lagrangian), times.middle);
+    k3 = node(b, at.vm, U(s0 + half * k2.lagrangian), times.middle);
+    k4 = node(q1, at.v1, U(s0 + h * k3.lagrangian), times.end);
+    return at;
+  }
+
+  template <std::size_t M, class U>
+  Path<U> walk(const X& x, const S& h, const Times& times, const std::array<U, M>& z) const {
+    const Stages<U> stages = stages_of(x, h, times, z);
+    const auto& [k1, k2, k3, k4] = stages.k;
+    const S half = h / 2;
 
     // Each derivative runs through the stages: dk_{j+1} = own part + L_s · (part of h) · dk_j. All are h times dk.
     Path<U> path;
@@ -161,6 +195,10 @@ struct ContactGalerkin4 {
   template <Contact P, class X>
   auto bind(const P& problem, const X&) const {
     return ContactGalerkin4Stepper<P, X>(problem);
+  }
+  template <Contact P, class X>
+  requires X::acting auto step_energy(const P& problem, const X& a, const X&, const typename X::Time& h) const {
+    return ContactGalerkin4Stepper<P, X>(problem).energy(a, h);
   }
 
   template <class P>

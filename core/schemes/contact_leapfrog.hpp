@@ -199,6 +199,18 @@ struct ContactLeapfrog {
     return ContactLeapfrogStepper<P, X>(problem, x, step, Weights<typename X::Time>::of(composition));
   }
 
+  /// With s at either end where V is.
+  template <SeparableContact P, class X>
+  requires X::acting auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
+    const auto left = phase(problem, a.t), right = phase(problem, a.t + h);
+    const auto slope = gradient(problem, a.q, left);
+    const auto factor = 1 - (h / 2) * action_slope(problem, a.action.s, left);
+    auto v = a.p;
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] = factor * a.p[i] - (h / 2) * slope[i];
+    return 0.5 * (dot(v, velocity(problem, a.q, v)) + problem.potential(a.q, left) + problem.potential(b.q, right) +
+                  action_energy(problem, a.action.s, left) + action_energy(problem, b.action.s, right));
+  }
+
   /// Its first step from t = 0 is its own; a composition's stages are not.
   template <class P>
   bool starts_at_singularity(const P&) const {
@@ -208,7 +220,7 @@ struct ContactLeapfrog {
   std::string unsupported_reason(const P& problem) const {
     return unsupported_by_pole(problem, composition, step);
   }
-  double flips_from() const { return 2; }
+  double flips_from() const { return least::flips_from(composition); }
 };
 
 }  // namespace least

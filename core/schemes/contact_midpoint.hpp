@@ -146,12 +146,25 @@ struct ContactVariationalMidpoint {
     using Stepper = ContactMidpointStepper<P, X>;
     return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
   }
+  /// The momentum in the middle is the mean of what λ's factors make of those at the ends.
+  template <Contact P, class X>
+  requires X::acting auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
+    const auto f = phase(problem, a.t + h / 2);
+    const auto s = 0.5 * (a.action.s + b.action.s);
+    const auto loss = (h / 2) * action_slope(problem, s, f);
+    auto q = a.q, p = a.p;
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      q[i] = 0.5 * (a.q[i] + b.q[i]);
+      p[i] = 0.5 * ((1 - loss) * a.p[i] + (1 + loss) * b.p[i]);
+    }
+    return mechanical_energy(problem, q, p, f) + action_energy(problem, s, f);
+  }
 
   template <class P>
   std::string unsupported_reason(const P& problem) const {
     return unsupported_by_pole(problem, composition, step);
   }
-  double flips_from() const { return 2; }
+  double flips_from() const { return least::flips_from(composition); }
 };
 
 }  // namespace least

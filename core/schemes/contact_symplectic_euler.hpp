@@ -127,6 +127,11 @@ struct ContactSymplecticEuler {
   auto bind(const P& problem, const X& x) const {
     return ContactSymplecticEulerStepper<P, X>(problem, x, step);
   }
+  template <Contact P, class X>
+  requires X::acting auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time&) const {
+    const auto f = phase(problem, a.t);
+    return mechanical_energy(problem, a.q, b.p, f) + action_energy(problem, a.action.s, f);
+  }
   double flips_from() const { return 1; }
 };
 

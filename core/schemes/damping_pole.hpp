@@ -14,11 +14,16 @@ namespace least {
 inline constexpr double least_denominator = 1e-8;
 
 /// What the scheme has against αh, in words; empty: nothing. A stage of weight γ has the pole at γαh = −2.
-std::string unsupported_by_pole(Composition composition, double damping_step);
+std::string unsupported_by_pole(const Composition& composition, double damping_step);
 
-/// The same for a scene, as far as it is known before the run: where the damping does not change in time.
+/// The αh from which on such a step turns the momentum over: its factor is the product of those of the stages, and
+/// changes its sign at 2/γ where an odd number of stages has the weight γ > 0. Infinite: it has no such stage.
+double flips_from(const Composition& composition);
+
+/// What the scheme has against the damping of a scene, as far as it is known before the run: where the damping does not
+/// change in time.
 template <class P>
-std::string unsupported_by_pole(const P& problem, Composition composition, double step) {
+std::string unsupported_by_pole(const P& problem, const Composition& composition, double step) {
   if constexpr (ConstantDamping<P>) return unsupported_by_pole(composition, problem.damping() * step);
   return {};
 }

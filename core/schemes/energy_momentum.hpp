@@ -35,6 +35,8 @@ class EnergyMomentumStepper {
     return status;
   }
   const Work& work() const { return work_; }
+  /// Of the step from a to b.
+  T discrete_energy(const X& a, const X& b) const { return midpoint_energy(problem_, a, b, b.t - a.t); }
   /// Steps of the nominal length, because there is none that keeps the discrete energy.
   std::int64_t fallback_steps() const { return fallbacks_; }
 

@@ -27,10 +27,45 @@ class Galerkin4Stepper {
   /// g v:
   ///   ∂/∂b:   π₀ − π₁ + h L_q(b, v_m) = 0,    −∂/∂q₀ = p₀:   (3π₀ + 4π_m − π₁ − h L_q(q₀, v₀))/6 = p₀.
   StepStatus step(X& x, const S& h) noexcept {
+    Vec<2 * P::dof, T> z;
+    if (const StepStatus status = solve(x, h, z); status != StepStatus::ok) return status;
+    const Path path(*this, x, h, z);
+    work_.forces += 3;
+    // p₁ = ∂/∂q₁, written as p₀ and an increment that vanishes with h.
+    for (std::size_t i = 0; i < n; ++i) {
+      x.q[i] = x.q[i] + h * z[n + i];
+      x.p[i] = x.p[i] + (h / 6) * (path.f0[i] + 4.0 * path.fm[i] + path.f1[i]);
+    }
+    return StepStatus::ok;
+  }
+  const Work& work() const { return work_; }
+
+  /// E_d of the step from x; not a number where there is none.
+  T energy(const X& x, const S& h) noexcept {
+    Vec<2 * P::dof, T> z;
+    if (solve(x, h, z) != StepStatus::ok) return T(std::numeric_limits<double>::quiet_NaN());
+    const Path path(*this, x, h, z);
+    const auto at = [&](const auto& pi, const T& u, const T& w, const auto& q, const S& t) {
+      Vec<P::dof, T> v;
+      for (std::size_t i = 0; i < n; ++i) v[i] = u * z[i] + w * z[n + i];
+      return T(0.5 * dot(v, pi) + problem_.potential(q, phase(problem_, t)));
+    };
+    auto middle = x.q, end = x.q;
+    for (std::size_t i = 0; i < n; ++i) {
+      middle[i] = x.q[i] + h * z[i];
+      end[i] = x.q[i] + h * z[n + i];
+    }
+    return (at(path.pi0, T(4), T(-1), x.q, x.t) + 4.0 * at(path.pim, T(0), T(1), middle, x.t + h / 2) +
+            at(path.pi1, T(-4), T(3), end, x.t + h)) /
+           6.0;
+  }
+
+ private:
+  StepStatus solve(const X& x, const S& h, Vec<2 * P::dof, T>& z) noexcept {
     using least::abs;
-    const auto residual = [&](const auto& z) {
-      const Path path(*this, x, h, z);
-      auto r = z;
+    const auto residual = [&](const auto& trial) {
+      const Path path(*this, x, h, trial);
+      auto r = trial;
       for (std::size_t i = 0; i < n; ++i) {
         r[i] = path.pi0[i] - path.pi1[i] + h * path.fm[i];
         r[n + i] = 3.0 * path.pi0[i] + 4.0 * path.pim[i] - path.pi1[i] - h * path.f0[i] - 6.0 * x.p[i];
@@ -44,28 +79,15 @@ class Galerkin4Stepper {
     ++work_.forces;
     for (std::size_t i = 0; i < n; ++i) p[i] = p[i] + (h / 2) * kick[i];
     const auto mean = velocity(problem_, x.q, p);
-    Vec<2 * P::dof, T> z;
     T scale(0);
     for (std::size_t i = 0; i < n; ++i) {
       z[i] = (v[i] + mean[i]) / 4.0;
       z[n + i] = mean[i];
       scale = scale + abs(v[i]) + abs(mean[i]);
     }
-    if (const StepStatus status = newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, 3, work_);
-        status != StepStatus::ok)
-      return status;
-    const Path path(*this, x, h, z);
-    work_.forces += 3;
-    // p₁ = ∂/∂q₁, written as p₀ and an increment that vanishes with h.
-    for (std::size_t i = 0; i < n; ++i) {
-      x.q[i] = x.q[i] + h * z[n + i];
-      x.p[i] = x.p[i] + (h / 6) * (path.f0[i] + 4.0 * path.fm[i] + path.f1[i]);
-    }
-    return StepStatus::ok;
+    return newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, 3, work_);
   }
-  const Work& work() const { return work_; }
 
- private:
   /// Momenta g v and forces L_q at the three nodes, in the number U of the unknowns.
   template <class U>
   struct Path {
@@ -120,6 +142,10 @@ struct Galerkin4 {
   auto bind(const P& problem, const X&) const {
     using Stepper = Galerkin4Stepper<P, X>;
     return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
+  }
+  template <Conservative P, class X>
+  auto step_energy(const P& problem, const X& a, const X&, const typename X::Time& h) const {
+    return Galerkin4Stepper<P, X>(problem).energy(a, h);
   }
 };
 

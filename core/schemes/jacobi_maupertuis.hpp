@@ -35,6 +35,8 @@ class JacobiMaupertuisStepper {
   /// How the last step was taken.
   const ActiveMethod& active_method() const { return course_; }
   Work work() const { return work_; }
+  /// Of the step from a to b, taken in this way: along a coordinate it is E₀ by the length that the step has.
+  T discrete_energy(const X& a, const X& b, const ActiveMethod& course) const;
   /// Steps that had to be taken in time because none along a coordinate could be.
   std::int64_t fallback_steps() const { return rescues_; }
 
@@ -349,6 +351,25 @@ StepStatus JacobiMaupertuisStepper<P, X>::fast_step(Site& x, ActiveMethod& cours
     }
   }
   return rescue(x, course, k);
+}
+
+template <Conservative P, class X>
+typename X::Number JacobiMaupertuisStepper<P, X>::discrete_energy(const X& a, const X& b,
+                                                                  const ActiveMethod& course) const {
+  if (course.parameter >= 0) return energy_;
+  Site x{a.q, a.p, Slopes<P, T>(problem_, a.q), T(0)};
+  T sum(0);
+  Work work;
+  for (int i = 0; i < weights_->stages; ++i) {
+    const Scalar gamma = weights_->gamma[static_cast<std::size_t>(i)];
+    const T part = gamma * (b.t - a.t);
+    Site y = x;
+    if (variational_step(problem_, quadrature_, y.q, y.p, y.here, part, work) != StepStatus::ok)
+      return T(std::numeric_limits<double>::quiet_NaN());
+    sum = sum + gamma * step_energy(problem_, quadrature_, x, y, part);
+    x = y;
+  }
+  return sum;
 }
 
 /// One step in time, as short as the step along the orbit would have been.

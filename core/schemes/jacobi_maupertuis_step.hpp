@@ -241,6 +241,26 @@ class JacobiMaupertuisStep {
   T energy_;
 };
 
+/// E_d of a variational step of length h from x to y.
+template <Conservative P, class T>
+T step_energy(const P& problem, Quadrature quadrature, const Station<P, T>& x, const Station<P, T>& y, const T& h) {
+  // The momentum ḡv at the middle from those at the ends, which loses no digits where (q₁ − q₀)/h would.
+  Vec<P::dof, T> middle = x.q, rate, carried;
+  for (std::size_t i = 0; i < rate.size(); ++i) {
+    middle[i] = (y.q[i] + x.q[i]) * 0.5;
+    rate[i] = (y.q[i] - x.q[i]) / h;
+    carried[i] = (y.p[i] + x.p[i]) * 0.5;
+  }
+  if (quadrature == Quadrature::midpoint) {
+    const LagrangianTerms<P, T> mean(problem, middle);
+    return 0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential;
+  }
+  const auto f0 = x.here.force(rate), f1 = y.here.force(rate);
+  for (std::size_t i = 0; i < rate.size(); ++i) carried[i] = carried[i] - 0.25 * h * (f1[i] - f0[i]);
+  const LagrangianTerms<P, T> mean(x.here, y.here);
+  return 0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential;
+}
+
 /// The step h of Hamilton's principle from x at which E_d(q, q₁(h); h) = E₀, near h₀: the last step of the
 /// Jacobi–Maupertuis principle goes on in time. By the secant method from h₀ and 1.02 h₀; empty where it finds none
 /// within [h₀/4, 4h₀].
@@ -251,21 +271,7 @@ std::optional<T> paper_exit_step(const P& problem, Quadrature quadrature, const 
   const auto excess = [&](const T& h, bool& solved) {
     Station<P, T> y = x;
     solved = solved && variational_step(problem, quadrature, y.q, y.p, y.here, h, work) == StepStatus::ok;
-    // The momentum ḡv at the middle from those at the ends, which loses no digits where (q₁ − q₀)/h would.
-    Vec<P::dof, T> middle = x.q, rate, carried;
-    for (std::size_t i = 0; i < rate.size(); ++i) {
-      middle[i] = (y.q[i] + x.q[i]) * 0.5;
-      rate[i] = (y.q[i] - x.q[i]) / h;
-      carried[i] = (y.p[i] + x.p[i]) * 0.5;
-    }
-    if (quadrature == Quadrature::midpoint) {
-      const LagrangianTerms<P, T> mean(problem, middle);
-      return T(0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential - energy);
-    }
-    const auto f0 = x.here.force(rate), f1 = y.here.force(rate);
-    for (std::size_t i = 0; i < rate.size(); ++i) carried[i] = carried[i] - 0.25 * h * (f1[i] - f0[i]);
-    const LagrangianTerms<P, T> mean(x.here, y.here);
-    return T(0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential - energy);
+    return T(step_energy(problem, quadrature, x, y, h) - energy);
   };
   const T tolerance = std::sqrt(Precision<T>::epsilon) * h0;  // the secant method squares it, or nearly
   bool solved = true;

@@ -83,6 +83,18 @@ class KickDrift {
   Work work_;
 };
 
+/// E_d of a step of length h of the trapezoidal rule from a to b: the momentum ḡv of its drift is what half a kick
+/// makes of p₀, and undoes to p₁.
+template <Separable P, class X>
+typename X::Number trapezoid_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) {
+  using T = typename X::Number;
+  const auto left = phase(problem, a.t), right = phase(problem, a.t + h);
+  const auto before = gradient(problem, a.q, left), after = gradient(problem, b.q, right);
+  auto p = a.p;
+  for (std::size_t i = 0; i < p.size(); ++i) p[i] = 0.5 * (a.p[i] + b.p[i]) + (0.25 * h) * (after[i] - before[i]);
+  return T(0.5) * (dot(p, velocity(problem, a.q, p)) + (problem.potential(a.q, left) + problem.potential(b.q, right)));
+}
+
 struct SymplecticEuler {
   double step = 0.01;
   static constexpr std::tuple fields{step_field<SymplecticEuler>()};
@@ -102,6 +114,11 @@ struct SymplecticEuler {
     using S = typename X::Time;
     static const Sequence<S> sequence{{S(1), S(1), S(0)}};
     return KickDrift<P, X>(problem, x, sequence);
+  }
+  /// L_d = h L(q₀, v, t₀).
+  template <Separable P, class X>
+  auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time&) const {
+    return mechanical_energy(problem, a.q, b.p, phase(problem, a.t));
   }
 };
 
@@ -127,17 +144,27 @@ struct Leapfrog {
   auto bind(const P& problem, const X& x) const {
     return KickDrift<P, X>(problem, x, sequence<typename X::Time>(composition));
   }
+  template <Separable P, class X>
+  auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
+    return trapezoid_energy(problem, a, b, h);
+  }
 
  private:
   template <class S>
-  static const Sequence<S>& sequence(Composition composition) {
-    static const auto table = [] {
+  static const Sequence<S>& sequence(const Composition& composition) {
+    const auto composed = [](const Weights<S>& weights) {
+      Sequence<S> all;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(weights.stages); ++i)
+        all.append({weights.gamma[i] / 2, weights.gamma[i], weights.gamma[i] / 2});
+      return all;
+    };
+    if (!composition.weights().empty()) {
+      const auto& weights = Weights<S>::of(composition);
+      return composition.kept<Sequence<S>>([&] { return composed(weights); });
+    }
+    static const auto table = [&] {
       std::array<Sequence<S>, compositions::names.size()> all;
-      for (std::size_t c = 0; c < all.size(); ++c) {
-        const auto& weights = Weights<S>::of(static_cast<Composition>(c));
-        for (std::size_t i = 0; i < static_cast<std::size_t>(weights.stages); ++i)
-          all[c].append({weights.gamma[i] / 2, weights.gamma[i], weights.gamma[i] / 2});
-      }
+      for (std::size_t c = 0; c < all.size(); ++c) all[c] = composed(Weights<S>::of(static_cast<Composition>(c)));
       return all;
     }();
     return table[static_cast<std::size_t>(composition)];

@@ -8,7 +8,7 @@
 
 namespace least {
 
-std::string kepler_objection(Composition composition, double sigma, double mu, double energy) {
+std::string kepler_objection(const Composition& composition, double sigma, double mu, double energy) {
   double weight = 0;
   for (const double gamma : Weights<double>::of(composition).gamma) weight = std::max(weight, std::abs(gamma));
   const double most = energy > 0 ? std::sqrt(3.0) / 2 : std::sqrt(3.0);  // of |z|

@@ -193,7 +193,7 @@ class TransformedMidpoint {
 /// What κ = −E₀ has against σ on a Kepler orbit of this energy, in words; empty: nothing. There a stage of weight γ has
 /// (D/(K + κ))² = 1/(1 − z²), z = γσ√(2E₀)/2μ, at every kick, on ellipses with imaginary z: outside [¼, 4] it is
 /// refused before it would be found out. (From |z| = 1 on the stage of a hyperbola leads to its other branch.)
-std::string kepler_objection(Composition composition, double sigma, double mu, double energy);
+std::string kepler_objection(const Composition& composition, double sigma, double mu, double energy);
 
 struct TimeTransformed {
   double sigma = 0.02, kappa = 1;  ///< κ: NaN for −E₀

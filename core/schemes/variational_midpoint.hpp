@@ -104,6 +104,10 @@ struct VariationalMidpoint {
     using Stepper = MidpointStepper<P, X>;
     return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
   }
+  template <Conservative P, class X>
+  auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
+    return midpoint_energy(problem, a, b, h);
+  }
 };
 
 }  // namespace least

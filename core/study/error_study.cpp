@@ -15,6 +15,7 @@ namespace {
 
 /// A value as a request would say it.
 std::string said(const ParameterCard& parameter, double value) {
+  if (has_weights(parameter, value)) return "weights";
   if (parameter.kind == Kind::choice) return std::string(parameter.choices[static_cast<std::size_t>(value)]);
   if (std::isnan(value)) return std::string(parameter.word.empty() ? "null" : parameter.word);
   return fmt::format("{}", value);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/composition.hpp"
+
 namespace least::server {
 namespace {
 
@@ -14,6 +16,30 @@ std::string beyond(double x, const Range& range) {
     return fmt::format("must be {} {}", range.low_open ? "greater than" : "at least", shortest(range.low));
   }
   return fmt::format("must be {} {}", range.high_open ? "less than" : "at most", shortest(range.high));
+}
+
+constexpr std::string_view weights_shape = "{\"weights\": [w1, …, wn]}, symmetric, of sum 1";
+
+// {"weights": [w₁, …]}, beside which an answer says their order.
+bool read_weights(const Json& json, const FieldPath& path, std::vector<double>& weights) {
+  if (!read_object(json, path, {"weights", "order"}, "a composition")) return false;
+  const Json* list = find(json, "weights");
+  const FieldPath place = path.at("weights");
+  if (list == nullptr || !list->is_array()) {
+    list ? place.fault("must be a list of numbers", *list, std::string(weights_shape))
+         : place.lacks("is required", std::string(weights_shape));
+    return false;
+  }
+  constexpr Range range{-compositions::largest_weight, compositions::largest_weight};
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    if (const auto weight = read_number((*list)[i], place.at(i), range)) weights.push_back(*weight);
+  }
+  if (weights.size() < list->size()) return false;
+  if (std::string why = compositions::objection(weights); !why.empty()) {
+    place.fault(std::move(why), *list, std::string(weights_shape));
+    return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -56,16 +82,17 @@ std::optional<std::int64_t> read_integer(const Json& json, const FieldPath& path
   return static_cast<std::int64_t>(*x);
 }
 
-std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, const Names& names,
-                                     std::string_view what) {
+std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, const Names& names, std::string_view what,
+                                     std::string_view other) {
+  const auto allowed = [&] { return listed(names).append(other); };
   if (!json.is_string()) {
-    path.fault(fmt::format("must be a string, the name of a {}", what), json, listed(names));
+    path.fault(fmt::format("must be a string, the name of a {}", what), json, allowed());
     return std::nullopt;
   }
   const auto& word = json.get_ref<const std::string&>();
   const auto it = std::find(names.begin(), names.end(), word);
   if (it == names.end()) {
-    path.fault(fmt::format("unknown {}{}", what, did_you_mean(word, names)), json, listed(names));
+    path.fault(fmt::format("unknown {}{}", what, did_you_mean(word, names)), json, allowed());
     return std::nullopt;
   }
   return static_cast<std::size_t>(it - names.begin());
@@ -89,7 +116,8 @@ std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, con
   return chosen;
 }
 
-std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card) {
+std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card,
+                                     std::vector<double>& weights) {
   std::string absent;  // what stands for no number
   if (card.nullable) {
     const Json none = card.word.empty() ? Json() : Json(card.word);
@@ -102,7 +130,12 @@ std::optional<double> read_parameter(const Json& json, const FieldPath& path, co
     case Kind::integer:
       return read_whole(json, path, card.range, absent);
     case Kind::choice: {
-      const auto index = read_name(json, path, Names(card.choices.begin(), card.choices.end()), card.name);
+      if (card.weights && json.is_object()) {
+        if (!read_weights(json, path, weights)) return std::nullopt;
+        return static_cast<double>(card.choices.size());
+      }
+      const auto index = read_name(json, path, Names(card.choices.begin(), card.choices.end()), card.name,
+                                   card.weights ? fmt::format(" or {}", weights_shape) : "");
       if (!index) return std::nullopt;
       return static_cast<double>(*index);
     }

@@ -51,15 +51,16 @@ std::optional<double> read_whole(const Json& json, const FieldPath& path, const 
                                  std::string_view other = {});
 std::optional<std::int64_t> read_integer(const Json& json, const FieldPath& path, std::int64_t low, std::int64_t high);
 
-/// The position of a string among the names; `what` says what they are ("problem").
-std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, const Names& names,
-                                     std::string_view what);
+/// The position of a string among the names; `what` says what they are ("problem"), `other` what else may stand there.
+std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, const Names& names, std::string_view what,
+                                     std::string_view other = {});
 
 /// A list of names without repetition, as positions among the known ones.
 std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, const Names& known, std::string_view what);
 
 /// The value of a parameter as the core holds it: a choice by its index, a flag as 0 or 1, null or the card's word for
-/// it as NaN.
-std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card);
+/// it as NaN; {"weights": […]} by the index after the last choice, the list itself in `weights`.
+std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card,
+                                     std::vector<double>& weights);
 
 }  // namespace least::server

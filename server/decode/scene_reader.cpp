@@ -23,14 +23,16 @@ std::optional<double> named(const std::vector<NamedValue>& values, std::string_v
   return std::nullopt;
 }
 
-// Flat parameters beside an id; `values` comes with the defaults.
+// Flat parameters beside an id; `values` comes with the defaults, and goes with the weights that stand for a choice.
 void read_parameters(const Json& object, const FieldPath& path, const std::vector<ParameterCard>& cards,
                      std::vector<double>& values) {
+  std::vector<double> weights;
   for (std::size_t i = 0; i < cards.size(); ++i) {
     const Json* json = find(object, cards[i].name);
     if (json == nullptr) continue;
-    if (const auto value = read_parameter(*json, path.at(cards[i].name), cards[i])) values[i] = *value;
+    if (const auto value = read_parameter(*json, path.at(cards[i].name), cards[i], weights)) values[i] = *value;
   }
+  values.insert(values.end(), weights.begin(), weights.end());
 }
 
 // The preset of a problem's or a scheme's card that the request names.
@@ -50,6 +52,17 @@ auto read_preset(const Json& object, const FieldPath& path, const Card& card) ->
 std::optional<double> suggestion(const std::vector<NamedValue>& suggested, std::string_view name) {
   const auto value = named(suggested, name);
   return value && std::isnan(*value) ? std::nullopt : value;
+}
+
+// The order that an answer says of weights of one's own: whoever sends it back may leave it out, but not change it.
+void check_order(const Json& scheme, const FieldPath& path, const SchemeCard& card, const std::vector<double>& settings,
+                 std::size_t i) {
+  if (!has_weights(card.parameters[i], settings[i])) return;
+  const Json& composition = scheme[std::string(card.parameters[i].name)];
+  const Json* said = find(composition, "order");
+  const int order = order_with_weights(card, settings);
+  if (said == nullptr || *said == order) return;
+  path.at(card.parameters[i].name).at("order").fault("is not the order of these weights", *said, std::to_string(order));
 }
 
 }  // namespace
@@ -135,6 +148,7 @@ std::vector<double> read_settings(const Json& json, const FieldPath& path, const
     }
   }
   read_parameters(json, path, card.parameters, settings);
+  for (std::size_t i = 0; i < card.parameters.size(); ++i) check_order(json, path, card, settings, i);
   return settings;
 }
 
@@ -154,8 +168,8 @@ void check_settings(const SchemeCard& card, const ProblemCard& problem, const st
   for (auto& conflict : card.conflicts(settings, problem)) {
     std::string value;
     JsonWriter json(value);
-    for (std::size_t i = 0; i < settings.size(); ++i) {
-      if (card.parameters[i].name == conflict.parameter) write_parameter(json, card.parameters[i], settings[i]);
+    for (std::size_t i = 0; i < card.parameters.size(); ++i) {
+      if (card.parameters[i].name == conflict.parameter) write_setting(json, card, settings, i);
     }
     path.faults->add({path.at(conflict.parameter).pointer, std::move(conflict.detail), std::move(value),
                       std::move(conflict.allowed)});

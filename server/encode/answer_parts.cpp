@@ -6,13 +6,6 @@
 namespace least::server {
 namespace {
 
-void write_parameters(JsonWriter& json, const std::vector<ParameterCard>& cards, const std::vector<double>& values) {
-  for (std::size_t i = 0; i < cards.size(); ++i) {
-    json.key(cards[i].name);
-    write_parameter(json, cards[i], values[i]);
-  }
-}
-
 void write_numbers(JsonWriter& json, const std::vector<double>& values) {
   json.open('[');
   for (const double x : values) json.number(x);
@@ -58,7 +51,9 @@ struct WriteValue {
 void write_scene(JsonWriter& json, const Scene& scene) {
   const ProblemCard& card = scene.card();
   json.key("problem").open('{').key("id").text(card.id);
-  write_parameters(json, card.parameters, scene.parameters);
+  for (std::size_t i = 0; i < card.parameters.size(); ++i) {
+    write_parameter(json.key(card.parameters[i].name), card.parameters[i], scene.parameters[i]);
+  }
   json.close('}').key("initial").open('{').key("t").number(scene.start);
   for (std::size_t i = 0; i < card.variables.size(); ++i) {
     json.key(card.variables[i].name).number(scene.initial[i]);
@@ -68,7 +63,9 @@ void write_scene(JsonWriter& json, const Scene& scene) {
 
 void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings) {
   json.open('{').key("id").text(card.id);
-  write_parameters(json, card.parameters, settings);
+  for (std::size_t i = 0; i < card.parameters.size(); ++i) {
+    write_setting(json.key(card.parameters[i].name), card, settings, i);
+  }
   json.close('}');
 }
 

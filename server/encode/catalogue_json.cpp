@@ -64,6 +64,7 @@ void write_parameter_card(JsonWriter& json, const ParameterCard& card) {
     write_range(json, card.range);
   }
   if (card.kind == Kind::choice) write_texts(json.key("choices"), card.choices);
+  if (card.weights) json.key("weights").boolean(true);
   json.key("nullable").boolean(card.nullable);
   if (!card.word.empty()) json.key("word").text(card.word);
   if (!card.suggested.empty()) json.key("suggested").text(card.suggested);

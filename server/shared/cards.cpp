@@ -49,4 +49,12 @@ void write_parameter(JsonWriter& json, const ParameterCard& card, double value) 
   }
 }
 
+void write_setting(JsonWriter& json, const SchemeCard& card, std::span<const double> settings, std::size_t i) {
+  if (!has_weights(card.parameters[i], settings[i])) return write_parameter(json, card.parameters[i], settings[i]);
+  json.open('{').key("weights").open('[');
+  for (const double weight : weights_of(card, settings)) json.number(weight);
+  json.close(']').key("order").integer(order_with_weights(card, settings));
+  json.close('}');
+}
+
 }  // namespace least::server

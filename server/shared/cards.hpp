@@ -28,5 +28,7 @@ inline constexpr std::array<std::string_view, 2> norm_names{"absolute", "relativ
 /// A parameter's value the way a request spells it: choices by name, flags as booleans, NaN as null or the card's word
 /// for it.
 void write_parameter(JsonWriter& json, const ParameterCard& card, double value);
+/// The same of the i-th setting of a scheme: also {"weights": […], "order": …} of a composition of one's own.
+void write_setting(JsonWriter& json, const SchemeCard& card, std::span<const double> settings, std::size_t i);
 
 }  // namespace least::server

@@ -122,7 +122,8 @@ inline bool may_be_unknown(const Request& request, const runs::Result& result, s
   if (name == "mode") return !hybrid;
   if (name == "error") return true;
   if (std::ranges::find(least::two_body::element_names, name) != least::two_body::element_names.end())
-    return true;  // they overflow
+    return true;                               // they overflow
+  if (name == "discrete_energy") return true;  // DiscreteEnergy
   if (name != "parameter") return slope(request, request.columns[column]);
   const auto& columns = problem_of(request).columns;
   for (std::size_t i = 0; i < request.columns.size(); ++i)

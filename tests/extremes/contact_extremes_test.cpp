@@ -34,6 +34,22 @@ TEST(DampingSign, IsWarnedOfAndMeansThatTheMomentumAlternates) {
     }
 }
 
+/// A composition turns the momentum over where an odd number of its stages does, and not where the longest of them
+/// does.
+TEST(DampingSign, OfACompositionIsThatOfItsStages) {
+  for (const char* scheme : {"contact_leapfrog", "contact_variational_midpoint"})
+    for (const auto& [composition, alpha, turns] :
+         {std::tuple{"suzuki_4", 25.0, false}, {"yoshida_6", 15.0, false}, {"yoshida_6", 16.0, true}}) {
+      Request request =
+          choose(at(damped(scheme, 0.1, alpha, 1e-9), {{"q", 0}, {"p", 1}}), {{"composition", composition}});
+      request.steps = 3;
+      const auto result = go(request);
+      ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << composition << ' ' << alpha;
+      EXPECT_EQ(warned(result, "damping_sign"), turns) << composition << ' ' << alpha;
+      EXPECT_EQ(value(request, result.rows[1], "p") < 0, turns) << composition << ' ' << alpha;
+    }
+}
+
 /// Of the first-order scheme from αh = 1 on, where it loses the momentum.
 TEST(DampingSign, OfTheFirstOrderSchemeIsWarnedOfFromOneOn) {
   const double h = 0.1;

@@ -76,6 +76,17 @@ TEST(EnergyMomentum, KeepsDiscreteEnergyAndAngularMomentum) {
   EXPECT_GT(off, 1e-5);
 }
 
+/// Of short steps the last digits of E_d say little about h: what they do say is enough.
+TEST(EnergyMomentum, GoesOnWhereRoundOffBlursTheLength) {
+  for (const double h : {1e-3, 1e-4, 1e-5}) {
+    auto x = ellipse;
+    auto stepper = clocks::bound(EnergyMomentum{h}, Kepler<>{}, x);
+    ASSERT_EQ(clocks::steps(stepper, x, 1000), 1000);
+    EXPECT_EQ(stepper.fallback_steps(), 0) << h;
+    EXPECT_LT(stepper.work().iterations, 6 * 1000) << h;
+  }
+}
+
 /// At fixed E₀, to round-off: the derivatives grow as 1/h, and the defect is their square's.
 TEST(EnergyMomentum, IsSymplecticAtFixedEnergy) {
   const auto check = [](const auto& problem, State<2> x, double h) {

@@ -25,7 +25,7 @@ constexpr std::array all_compositions{
     Composition::none,           Composition::yoshida_4,  Composition::suzuki_4,
     Composition::yoshida_6,      Composition::kahan_li_6, Composition::yoshida_8,
     Composition::suzuki_umeno_8, Composition::kahan_li_8, Composition::sofroniou_spaletta_10};
-constexpr const char* called(Composition c) { return compositions::names[std::size_t(c)].data(); }
+const char* called(const Composition& c) { return compositions::names[std::size_t(c)].data(); }
 
 /// α(t) without its integral, beside a force that changes in time.
 template <class R = double>

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,8 @@ namespace least {
 struct Departure {
   double error = 0, t = 0;  ///< and when
   double reached = 0;       ///< the time that the control run came to
+  /// From here on the run is far from either control, and they from each other.
+  std::optional<double> parted_at{};
 };
 
 /// The motion at the times of states, which increase, as far as it gets with so many force evaluations and those of a
@@ -64,8 +67,12 @@ Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> 
   const auto closer = control_run(problem, x, states, tolerance / 100, 4 * most_forces);
   found = {};
   for (std::size_t i = 0; i < closer.size() && i < motion.size(); ++i) {
-    if (!(state_error(motion[i], closer[i], norm) < 0.1 * large)) break;
-    hold(i, closer[i]);
+    if (state_error(motion[i], closer[i], norm) < 0.1 * large) {
+      hold(i, closer[i]);
+    } else if (!(state_error(states[i], closer[i], norm) <= large)) {
+      found.parted_at = states[i].t;
+      break;
+    }
   }
   return found;
 }

@@ -68,6 +68,14 @@ std::string error(double most, double t) {
   return fmt::format("at t = {:.4g} it is off by {:.2g} from the true motion", t, most);
 }
 
+std::string sensitive(double t) {
+  return fmt::format(
+      "from t = {:.4g} on control runs of Dormand–Prince 5(4) at tolerances of 1e-8 and 1e-10 part from it and from "
+      "each "
+      "other: the motion depends on the last digits, and no state beyond is sure",
+      t);
+}
+
 std::string departs(double error, double t, double reached) {
   return fmt::format(
       "at t = {:.4g} it is off by {:.2g}, by a control run of Dormand–Prince 5(4) that went as far as t = "

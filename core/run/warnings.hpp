@@ -27,14 +27,13 @@ struct FinishedRun {
   const Evidence<P, X>& evidence;
 };
 
-/// ωh from half the bound on, or from where the problem says that the accuracy of a scheme of low order suffers.
+/// ωh from half the bound on, or from where the problem says that accuracy suffers.
 template <class P, class X>
 void warn_of_step(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
   const StepGuard& guard = run.guard;
   const double fastest = guard.largest(), most = guard.bound(2 * fastest);
   double careful = most > 0 ? most / 2 : std::numeric_limits<double>::infinity();
-  if constexpr (requires { P::careful_step; })
-    if (run.scheme.order(run.request.settings) < 4) careful = std::min(careful, P::careful_step);
+  if constexpr (requires { P::careful_step; }) careful = std::min(careful, P::careful_step);
   if (fastest > careful)
     warnings.push_back({"step_near_stability_bound", messages::near_bound(fastest, careful, guard.bound())});
 }
@@ -91,7 +90,7 @@ void warn_of_energy(const FinishedRun<P, X>& run, std::vector<Warning>& warnings
 inline constexpr double large_error = 0.1;
 template <class P, class X>
 Departure departure_of(const FinishedRun<P, X>& run) {
-  constexpr std::int64_t few = 5000, many = 40'000;  // force evaluations: a millisecond at the most
+  constexpr std::int64_t few = 5000, many = 40'000;  // force evaluations: a millisecond
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
   const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
@@ -115,6 +114,8 @@ void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
   warn_of_energy(run, warnings);
   if (!(control.error <= large_error))
     warnings.push_back({"large_error", messages::departs(control.error, control.t, control.reached)});
+  else if (control.parted_at)
+    warnings.push_back({"sensitive", messages::sensitive(*control.parted_at)});
 }
 
 }  // namespace least

@@ -151,7 +151,7 @@ class ContactGalerkin4Stepper {
   template <std::size_t M, class U>
   Path<U> walk(const X& x, const S& h, const Times& times, const std::array<U, M>& z) const {
     const Stages<U> stages = stages_of(x, h, times, z);
-    const auto& [k1, k2, k3, k4] = stages.k;
+    const auto &k1 = stages.k[0], &k2 = stages.k[1], &k3 = stages.k[2], &k4 = stages.k[3];
     const S half = h / 2;
 
     // Each derivative runs through the stages: dk_{j+1} = own part + L_s · (part of h) · dk_j. All are h times dk.

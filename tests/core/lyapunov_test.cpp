@@ -33,7 +33,7 @@ TEST(Lyapunov, OnASummitIsTheRateOfTheFall) {
 TEST(Lyapunov, OfADampedOscillatorIsHalfItsDamping) {
   for (const char* scheme : {"contact_leapfrog", "contact_splitting", "dormand_prince_5"}) {
     Request request = asking("damped_oscillator", scheme, "lyapunov");
-    runs::set(request, "alpha", 0.3);
+    runs::set(request, "damping", 0.3);
     EXPECT_NEAR(lyapunov(request, 100).exponent, -0.15, 0.005) << scheme;
   }
 }

@@ -63,7 +63,8 @@ TEST(StabilityLimit, OfCompositionsIsTheMeasuredBound) {
 
 TEST(StabilityLimit, SaysHowItFails) {
   expect_limit(limit("damped_oscillator", "contact_leapfrog", "none", {{"damping", 10}}), 0.2, "sign_flip");
-  expect_limit(limit("damped_oscillator", "contact_leapfrog", "suzuki_4", {{"damping", 100}}), 0.0304, "pole");
+  expect_limit(limit("damped_oscillator", "contact_leapfrog", "suzuki_4", {{"damping", 100}}), 0.030228,
+               "energy_growth");
   EXPECT_TRUE(std::isnan(limit("harmonic_oscillator", "variational_midpoint", "none").step));
   EXPECT_TRUE(limit("harmonic_oscillator", "variational_midpoint", "none").failure.empty());
   EXPECT_EQ(limit("damped_pendulum", "contact_variational_midpoint", "none").failure, "solver_failed");

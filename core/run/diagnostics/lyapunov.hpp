@@ -23,8 +23,8 @@ struct LyapunovRow {
   template <class P, class X>
   struct Seen {
     using Motion = StateOf<P>;
-    static constexpr double tolerance = 1e-8;
-    static constexpr int patience = 1000;  ///< in parts of a step, whatever its length
+    static constexpr double tolerance = 1e-7;
+    static constexpr int patience = 100;  ///< in parts of a step, whatever its length
 
     Motion before{};
     Vec<Motion::size> u{};

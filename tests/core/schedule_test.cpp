@@ -152,7 +152,7 @@ TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
   request.limits.seconds = 0.05;
   result = runs::go(request);
   EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline);
-  EXPECT_LT(result.outcome.cost.seconds, 1);
+  EXPECT_LT(result.outcome.cost.seconds, runs::slow_machine);
   EXPECT_GT(result.outcome.stop.step, 1000);
 
   request.limits.seconds = 60;
@@ -181,7 +181,7 @@ TEST(Budget, DeadlineHoldsBetweenGridPoints) {
   request.limits.seconds = 0.05;
   const auto result = runs::go(request);
   EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline);
-  EXPECT_LT(result.outcome.cost.seconds, 1);
+  EXPECT_LT(result.outcome.cost.seconds, runs::slow_machine);
 }
 
 TEST(Budget, DeadlineHoldsForSlowSteps) {
@@ -190,7 +190,7 @@ TEST(Budget, DeadlineHoldsForSlowSteps) {
   request.limits.seconds = 0.05;
   const auto result = runs::go(request);
   EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline);
-  EXPECT_LT(result.outcome.cost.seconds, 1);
+  EXPECT_LT(result.outcome.cost.seconds, runs::slow_machine);
 }
 
 }  // namespace

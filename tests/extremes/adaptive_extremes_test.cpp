@@ -77,7 +77,7 @@ TEST(AdaptiveBudget, OfALongSpanAtTheLowestToleranceIsKept) {
       const auto result = go(request);
       EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline) << name(request);
       EXPECT_GT(result.outcome.stop.step, 10) << name(request);
-      EXPECT_LT(result.outcome.cost.seconds, 0.5) << name(request);
+      EXPECT_LT(result.outcome.cost.seconds, runs::slow_machine) << name(request);
       request.limits = {2, 500, 1'000'000};
       EXPECT_EQ(reason(request), ReturnCode::step_limit) << name(request);
     }
@@ -100,7 +100,7 @@ TEST(AdaptiveBudget, OfAStiffSceneIsKept) {
       request.limits = {0.01, 1'000'000'000'000, 1'000'000};
       const auto stopped = go(request);
       EXPECT_EQ(stopped.outcome.stop.reason, ReturnCode::deadline) << scheme << ' ' << tolerance;
-      EXPECT_LT(stopped.outcome.cost.seconds, 0.5) << scheme << ' ' << tolerance;
+      EXPECT_LT(stopped.outcome.cost.seconds, runs::slow_machine) << scheme << ' ' << tolerance;
     }
 }
 

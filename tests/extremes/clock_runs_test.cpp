@@ -182,7 +182,7 @@ TEST(ClockBudget, OfTimeIsKept) {
     const auto result = go(request);
     EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline) << name(request);
     EXPECT_GT(result.outcome.stop.step, 10) << name(request);
-    EXPECT_LT(result.outcome.cost.seconds, 10) << name(request) << ": the whole would take hours";
+    EXPECT_LT(result.outcome.cost.seconds, runs::slow_machine) << name(request);
     if (kept && scheme_of(request).id != "energy_momentum") {  // which leaves its level where it finds no length
       EXPECT_LT(std::abs(number(result, "energy/final") - number(result, "energy/initial")), 0.01) << name(request);
     }

@@ -113,7 +113,7 @@ TEST_F(Abandoned, InTheMiddleOfALargeAnswer) {
     }
     const auto from = Clock::now();
     EXPECT_EQ(run(), 200);
-    EXPECT_LT(Clock::now() - from, 3s);
+    EXPECT_LT(Clock::now() - from, 15s);
   }
 }
 

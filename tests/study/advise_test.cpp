@@ -227,7 +227,7 @@ TEST(Advice, EndsInTime) {
   relaxation.limits.seconds = 0.5;
   const auto start = std::chrono::steady_clock::now();
   const Advice advice = advise(relaxation, {1e-6, 0, {}}, never);
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 1.5);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), runs::slow_machine);
   EXPECT_FALSE(advice.met) << advice.reason;
   EXPECT_FALSE(advice.reason.empty());
 }

@@ -202,7 +202,7 @@ TEST(WorkPrecision, KeepsItsBudgetAndSaysWhatIsMissing) {
   p.most_forces = 1'000'000'000;
   const auto start = std::chrono::steady_clock::now();
   const Study study = work_precision(p, watch, never);
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 1);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), runs::slow_machine);
   ASSERT_EQ(study.left_out.size(), 3u);
   EXPECT_NE(study.left_out[0].find("explicit_euler: step from"), std::string::npos) << study.left_out[0];
   EXPECT_NE(study.left_out[0].find("budget"), std::string::npos);

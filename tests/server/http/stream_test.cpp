@@ -85,13 +85,13 @@ TEST_F(Stream, AClientThatTakesNothingIsLetGo) {
   const std::string piece(10'000, 'x');
   const auto from = Clock::now();
   EXPECT_FALSE(connection.send(streaming([&](const Write& write) {
-                                 while (Clock::now() - from < 5s) {
+                                 while (Clock::now() - from < 50s) {
                                    if (!write(piece)) return false;
                                  }
                                  return true;
                                }),
                                true, true));
-  EXPECT_LT(Clock::now() - from, 4s);
+  EXPECT_LT(Clock::now() - from, 40s);
   EXPECT_LT(connection.sent(), 10'000'000u);
 }
 
@@ -105,9 +105,10 @@ TEST_F(Stream, SeesThatTheClientWentAway) {
 
 TEST(CancellationWatch, SaysWhyItEndedAComputation) {
   enum class End { none, late, gone };
-  const auto end = [](const std::atomic<bool>& ended, const std::function<bool()>& gone, double seconds) {
+  const auto end = [](const std::atomic<bool>& ended, const std::function<bool()>& gone, double seconds,
+                      std::chrono::milliseconds patience = 20s) {
     const CancellationWatch watch(ended, gone, seconds);
-    for (const auto from = Clock::now(); !watch.cancelled() && Clock::now() - from < 300ms;) {
+    for (const auto from = Clock::now(); !watch.cancelled() && Clock::now() - from < patience;) {
       std::this_thread::sleep_for(5ms);
     }
     return !watch.cancelled() ? End::none : watch.timed_out() ? End::late : End::gone;
@@ -115,14 +116,14 @@ TEST(CancellationWatch, SaysWhyItEndedAComputation) {
   const std::atomic<bool> no{false}, yes{true};
   const auto always = [] { return true; };
   const auto never = [] { return false; };
-  EXPECT_EQ(end(no, {}, 10), End::none);
-  EXPECT_EQ(end(no, never, 10), End::none);
+  EXPECT_EQ(end(no, {}, 100, 300ms), End::none);
+  EXPECT_EQ(end(no, never, 100, 300ms), End::none);
   EXPECT_EQ(end(no, {}, 0.05), End::late);
-  EXPECT_EQ(end(no, always, 10), End::gone);
-  EXPECT_EQ(end(yes, {}, 10), End::gone);
+  EXPECT_EQ(end(no, always, 100), End::gone);
+  EXPECT_EQ(end(yes, {}, 100), End::gone);
   const auto from = Clock::now();
-  { const CancellationWatch watch(no, {}, 10); }
-  EXPECT_LT(Clock::now() - from, 40ms) << "its end waits for nothing";
+  for (int k = 0; k < 100; ++k) const CancellationWatch watch(no, {}, 100);
+  EXPECT_LT(Clock::now() - from, 5s) << "its end waits for nothing";
 }
 
 }  // namespace

@@ -205,7 +205,7 @@ class StudyLoad : public testing::Test {
   int run() const { return ask(service->port(), post("/v1/simulate", simple)).status; }
   // Whether the place becomes free soon.
   bool is_free_soon() const {
-    for (const auto from = Clock::now(); Clock::now() - from < 3s; std::this_thread::sleep_for(20ms)) {
+    for (const auto from = Clock::now(); Clock::now() - from < 15s; std::this_thread::sleep_for(20ms)) {
       if (run() == 200) return true;
     }
     return false;

@@ -22,7 +22,6 @@ namespace runs {
 /// Seconds within which a run with a budget of parts of one is over on any machine, where without it it takes hours.
 inline constexpr double slow_machine = 60;
 
-
 struct Result {
   least::Solution outcome;
   std::vector<std::vector<double>> rows;

@@ -4,10 +4,13 @@
 // Where they agree nothing is proven beyond the time it came to.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/problem_traits.hpp"
@@ -25,14 +28,14 @@ struct Departure {
 };
 
 /// The motion at the times of states, which increase, as far as it gets with so many force evaluations and those of a
-/// step.
+/// step, and before it is cancelled.
 template <class P>
 std::vector<StateOf<P>> control_run(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states,
-                                    double tolerance, std::int64_t most_forces) {
+                                    double tolerance, std::int64_t most_forces, const std::atomic<bool>& cancelled) {
   std::vector<StateOf<P>> motion;
   auto stepper = AnyOdeintScheme{odeint::Method::dormand_prince_5, tolerance}.bind(problem, x);
   for (const StateOf<P>& state : states) {
-    while (x.t < state.t && stepper.work().forces < most_forces)
+    while (x.t < state.t && stepper.work().forces < most_forces && !cancelled.load(std::memory_order_relaxed))
       if (stepper.step(x) != StepStatus::ok) return motion;
     StateOf<P> here = x;
     if (x.t < state.t || (x.t > state.t && !stepper.interpolate(here, state.t))) return motion;
@@ -43,36 +46,43 @@ std::vector<StateOf<P>> control_run(const P& problem, StateOf<P> x, std::span<co
   return motion;
 }
 
-/// `large`: the error from which a second control has to agree. `most_forces`: of the first.
+/// `large`: the error from which closer controls have to agree. `most_forces`: of the first; each closer one has four
+/// times as many.
 template <class P>
 Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states, Norm norm, double large,
-                    std::int64_t most_forces) {
+                    std::int64_t most_forces, const std::atomic<bool>& cancelled) {
   if constexpr (HasSeries<P>)
     if (starts_series(problem, x)) x = series_state<StateOf<P>>(problem, P::series_until);
   while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // along a series
   double tolerance = 1e-8, size = 0;
   for (std::size_t i = 0; i < StateOf<P>::size; ++i) size = std::max(size, std::abs(x[i]));
   if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
-  const auto motion = control_run(problem, x, states, tolerance, most_forces);
+  auto motion = control_run(problem, x, states, tolerance, most_forces, cancelled);
   Departure found;
-  const auto hold = [&](std::size_t i, const StateOf<P>& truth) {
-    found.reached = truth.t;
-    if (const double error = state_error(states[i], truth, norm); !(error <= found.error)) {
+  const auto hold = [&](std::size_t count, const std::vector<StateOf<P>>& truth) {
+    found = {};
+    for (std::size_t i = 0; i < count; ++i) {
+      found.reached = truth[i].t;
+      const double error = state_error(states[i], truth[i], norm);
+      if (error <= found.error || std::isnan(found.error)) continue;
       found.error = error;
-      found.t = truth.t;
+      found.t = truth[i].t;
     }
   };
-  for (std::size_t i = 0; i < motion.size(); ++i) hold(i, motion[i]);
+  hold(motion.size(), motion);
   if (found.error <= large) return found;
-  const auto closer = control_run(problem, x, states, tolerance / 100, 4 * most_forces);
-  found = {};
-  for (std::size_t i = 0; i < closer.size() && i < motion.size(); ++i) {
-    if (state_error(motion[i], closer[i], norm) < 0.1 * large) {
-      hold(i, closer[i]);
-    } else if (!(state_error(states[i], closer[i], norm) <= large)) {
-      found.parted_at = states[i].t;
-      break;
-    }
+  for (int closer_ones = 0; closer_ones < 2; ++closer_ones) {
+    tolerance /= 100;
+    most_forces *= 4;
+    auto closer = control_run(problem, x, states, tolerance, most_forces, cancelled);
+    const std::size_t both = std::min(closer.size(), motion.size());
+    std::size_t agreed = 0;
+    while (agreed < both && state_error(motion[agreed], closer[agreed], norm) < 0.1 * large) ++agreed;
+    hold(agreed, closer);
+    if (agreed == both || !(found.error <= large) || state_error(states[agreed], closer[agreed], norm) <= large)
+      return found;
+    found.parted_at = states[agreed].t;
+    motion = std::move(closer);
   }
   return found;
 }

@@ -1,9 +1,11 @@
 // What the states of a run say of its worth, whatever was asked for: looked at between blocks of steps, 16 times in a
-// short run, at every 256th step of a long one and at longer strides as it goes on, so that no step pays for it and
-// what is seen depends on the run alone.
+// short run, at every 256th step of a long one and at longer strides as it goes on, and after 1, 2, 4, … steps before
+// the first of these: what decays is wrong at once or not at all. No step pays for it, and what is seen depends on the
+// run alone.
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -21,11 +23,12 @@ class Evidence {
  public:
   /// `steps`: how many there are to be, where that is known. `keeps`: the states that are looked at are kept.
   Evidence(std::optional<std::int64_t> steps, bool keeps)
-      : keeps_(keeps), stride_(steps ? std::clamp<std::int64_t>(*steps / 16, 1, 256) : 16) {}
+      : keeps_(keeps), stride_(steps ? std::clamp<std::int64_t>(*steps / 16, 1, 256) : 16), begun_(stride_) {}
 
   /// The next step to be looked at after the n-th.
   std::int64_t next(std::int64_t n) const {
-    return looks() ? (n / stride_ + 1) * stride_ : std::numeric_limits<std::int64_t>::max();
+    if (!looks()) return std::numeric_limits<std::int64_t>::max();
+    return n < begun_ ? std::min(std::max<std::int64_t>(2 * n, 1), begun_) : (n / stride_ + 1) * stride_;
   }
   void start(const P& problem, const X& x) {
     started_ = true;
@@ -34,14 +37,21 @@ class Evidence {
   }
   /// The state after a block.
   void see(const P& problem, const IntegrationState<X>& state) {
-    if (!looks() || state.n % stride_ != 0) return;
+    const bool early = state.n < begun_ && std::has_single_bit(static_cast<std::uint64_t>(state.n));
+    if (!looks() || (!early && state.n % stride_ != 0)) return;
     look(problem, state.x);
     keep(state.x);
+    if (early) {
+      ++early_;
+      return;
+    }
     if (++seen_ < most_looks) return;
     seen_ /= 2;
     stride_ *= 2;
-    for (std::size_t i = 0; 2 * i + 1 < states_.size(); ++i) states_[i] = states_[2 * i + 1];
-    states_.resize(states_.size() / 2);
+    if (!keeps_) return;
+    const auto later = states_.begin() + early_;
+    for (std::ptrdiff_t i = 0; i < seen_; ++i) later[i] = later[2 * i + 1];
+    states_.resize(static_cast<std::size_t>(early_ + seen_));
   }
   void finish(const P& problem, const IntegrationState<X>& state) {
     if (!started_) return;
@@ -85,7 +95,8 @@ class Evidence {
   }
 
   bool keeps_, started_ = false;
-  std::int64_t stride_, seen_ = 0;
+  std::int64_t stride_, begun_;  ///< at first, and never longer before that step
+  std::int64_t seen_ = 0, early_ = 0;
   std::vector<StateOf<P>> states_;
   double level_ = 0, damping_ = 0;
   Energy found_;

@@ -70,9 +70,8 @@ std::string error(double most, double t) {
 
 std::string sensitive(double t) {
   return fmt::format(
-      "from t = {:.4g} on control runs of Dormand–Prince 5(4) at tolerances of 1e-8 and 1e-10 part from it and from "
-      "each "
-      "other: the motion depends on the last digits, and no state beyond is sure",
+      "from t = {:.4g} on control runs of Dormand–Prince 5(4) at tolerances of 1e-10 and 1e-12 part from it and from "
+      "each other: no state beyond is sure",
       t);
 }
 

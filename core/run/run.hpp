@@ -359,8 +359,9 @@ class Run {
     if (kept_ > request_.limits.samples)
       warn("samples_truncated", "more steps than limits.samples; the first are kept");
     evidence_.finish(problem_, state_);
-    warn_of_run<P, X>({problem_, request_, scheme_, state_, grid_.step, *integrator_, guard_, evidence_},
-                      outcome_.warnings);
+    warn_of_run<P, X>(
+        {problem_, request_, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, budget_.cancelled()},
+        outcome_.warnings);
     if (events_.full()) warn("events_truncated", "more events than limits.samples; the first are listed");
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@ struct FinishedRun {
   const Integrator<P, X>& integrator;
   const StepGuard& guard;
   const Evidence<P, X>& evidence;
+  const std::atomic<bool>& cancelled;
 };
 
 /// ωh from half the bound on, or from where the problem says that accuracy suffers.
@@ -94,7 +96,7 @@ Departure departure_of(const FinishedRun<P, X>& run) {
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
   const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
-  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, large_error, allowed);
+  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, large_error, allowed, run.cancelled);
 }
 
 /// What a control run is asked for first: where it agrees up to the end, steps that look long were short enough.

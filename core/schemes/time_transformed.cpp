@@ -20,9 +20,10 @@ std::string kepler_objection(const Composition& composition, double sigma, doubl
 
 std::string words_of(TransformedFault fault, double kappa, double room) {
   const auto raise = [&](std::string_view what) {
+    if (!std::isfinite(room)) return fmt::format("{} is not finite", what);
     return fmt::format(
-        "{} = {:.4g} is not positive: here κ = {:.4g} has to be more than {:.4g}, by something of the "
-        "order of the kinetic energy",
+        "{} = {:.4g} is not positive: a shorter step is needed, or κ = {:.4g} has to be more than {:.4g}, by something "
+        "of the order of the kinetic energy",
         what, room, kappa, kappa - room);
   };
   switch (fault) {

@@ -228,7 +228,7 @@ struct TimeTransformed {
           "with damping: how steps follow the motion, dt = (K + κ)ᵏ⁻¹ dτ. Without damping it is not read: steps "
           "follow the logarithm, its limit 0",
           &Self::exponent,
-          {-2, 0, false, true}},
+          {-2, -0.01}},
   };
   static SchemeCard card() {
     return {

@@ -314,11 +314,13 @@ class TransformedContact {
     for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - push * gradient[i];
     if constexpr (X::acting) x.action.s = x.action.s + push * lift;
     const T square = b * b / (now.a * a), off = abs(square - 1.0);
-    strain_ = select(off > strain_, off, strain_);
     if (!all(b > T(0))) [[unlikely]]
       return fail(TransformedFault::potential, b);
-    if (!all((a > T(0)) & near_level<T>(square))) [[unlikely]]
+    if (!all(a > T(0))) [[unlikely]]
+      return fail(TransformedFault::kinetic, a);
+    if (!all(near_level<T>(square))) [[unlikely]]
       return fail(TransformedFault::level, square);
+    strain_ = select(off > strain_, off, strain_);
     now = at(a);
     return true;
   }

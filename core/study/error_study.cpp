@@ -99,7 +99,7 @@ std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& kee
       variants = with_each(variants, *stages, counts);
     }
     if (const auto composition = card.find("composition")) {
-      const auto index = [](Composition c) { return static_cast<double>(c); };
+      const auto index = [](const Composition& c) { return static_cast<double>(c); };
       std::vector<double> useful{index(Composition::none)};
       for (const Composition c : {Composition::suzuki_4, Composition::kahan_li_6, Composition::kahan_li_8,
                                   Composition::sofroniou_spaletta_10})
@@ -147,6 +147,7 @@ Request ErrorStudy::request(const SchemeConfig& choice, double seconds, std::int
   request.record = {Record::Mode::every, 0, {}};
   request.columns.clear();
   request.diagnostics.clear();
+  request.control = false;
   request.limits = {seconds, step_limit, 1'000'000};
   return request;
 }

@@ -65,7 +65,7 @@ TEST(Step, HugeEndsInAStatus) {
       request.until_steps = true;
       request.steps = 50;
       request.limits.seconds = 0.02;
-      request = everything(request);
+      request = everything(request, h == 1e3);
       const auto result = go(request);
       // An implicit step may have a solution however long it is (the midpoint rule turns by almost π), and so has a
       // rotation.

@@ -92,6 +92,7 @@ class PeakSearch {
       return !(mark.t < end) || std::ranges::find(seen_, mark.t, &SeenState::t) != seen_.end();
     });
     std::vector<double> times;
+    times.reserve(marks.size());
     for (const PaceMark& mark : marks) times.push_back(mark.t);
     std::vector<SeenState> more = run_again(std::move(times));
     for (std::size_t i = 0; i < more.size(); ++i) more[i].speed = marks[i].speed;
@@ -112,6 +113,7 @@ class PeakSearch {
     again.columns.resize(width);
     std::iota(again.columns.begin(), again.columns.end(), 0);  // t and the variables
     again.diagnostics.clear();
+    again.control = false;
     Samples samples;
     mechanics().run(again, samples, left_.cancelled);
     for (std::size_t at = 0; at + width <= samples.values.size(); at += width) {
@@ -161,6 +163,7 @@ class PeakSearch {
     local.start = before.t;
     std::ranges::copy(before.x, local.initial.begin());
     std::vector<double> times;
+    times.reserve(which.size());
     for (const std::size_t i : which) times.push_back(states[i].t);
     Truth truth = mechanics().truth(local, times, left_.keep_going);
     std::vector<Compared> all;

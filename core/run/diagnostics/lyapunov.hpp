@@ -64,7 +64,9 @@ struct LyapunovRow {
     }
     Report report(const RunEnd<P, X>&) const {
       const double time = followed ? before.t - begun : unknown;
-      return numbers("lyapunov", {{"exponent", grown / time}, {"megno", averaged / time}});
+      Report report = numbers("lyapunov", {{"exponent", grown / time}, {"megno", averaged / time}});
+      if (!followed) insert(report, 2, words("reason", "a step is too long for the derivative to be followed"));
+      return report;
     }
 
    private:

@@ -78,7 +78,7 @@ TEST(Control, ScenesOfTheCatalogueSayWhatTheyAreWorth) {
   EXPECT_GT(right, 200);
   EXPECT_GT(wrong, 10);
   EXPECT_LE(50 * alarmed, right);
-  EXPECT_LE(200 * silent, runs);
+  EXPECT_LE(100 * silent, runs);
 }
 
 // The rule for all, on a sample; the benchmark takes ten times as many.

@@ -26,6 +26,8 @@ class DecayLaw {
   }
 
   void see(const P& problem, const X& x) {
+    if (std::isnan(residual_))
+      return;  // nothing more can be learnt, and where a flow is not followed it is dear to try
     exponent_ += damping_between(problem, before_, x);
     if constexpr (closed) {
       change_ = energy(problem, x) * std::exp(exponent_) - initial_;
@@ -62,7 +64,7 @@ class DecayLaw {
   /// H where the exact flow leads from the last state; not a number where it cannot be followed.
   double energy_of_exact_step(const P& problem, double t) const {
     Extrapolation<P, X> flow(problem, before_, 1e-14, t - before_.t);
-    int patience = 200;
+    int patience = 20;
     return flow.advance(t, [&] { return --patience > 0; }) ? energy(problem, flow.state()) : unknown;
   }
 

@@ -68,15 +68,17 @@ inline Request until(Request request, double end) {
   request.end = end;
   return request;
 }
-/// Every column and every diagnostic at once, but for the error where its reference run would only cost time.
-inline Request everything(Request request, bool error = true) {
+/// Every column and every diagnostic at once, but for those with motions of their own to follow where these would only
+/// cost time.
+inline Request everything(Request request, bool dear = true) {
   request.diagnostics.clear();
   request.columns.clear();
   const auto& card = problem_of(request);
   for (std::size_t i = 0; i < card.diagnostics.size(); ++i)
-    if (error || card.diagnostics[i].name != "error") request.diagnostics.push_back(i);
+    if (dear || (card.diagnostics[i].name != "error" && card.diagnostics[i].name != "lyapunov"))
+      request.diagnostics.push_back(i);
   for (std::size_t i = 0; i < card.columns.size(); ++i)
-    if (error || card.columns[i].name != "error") request.columns.push_back(i);
+    if (dear || card.columns[i].name != "error") request.columns.push_back(i);
   return request;
 }
 

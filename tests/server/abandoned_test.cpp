@@ -54,7 +54,7 @@ constexpr const char* own_clock =
 constexpr const char* automatic =
     R"({"problem":"kepler","scheme":{"id":"auto","accuracy":1e-13},"until":{"t":4000},"limits":{"seconds":20}})";
 constexpr const char* work_precision =
-    R"({"problem":"kepler","until":{"t":4000},"schemes":"all","error":"max","budget_seconds":20})";
+    R"({"problem":"kepler","until":{"t":400},"schemes":"all","error":"max","budget_seconds":20})";
 std::string stability() {
   constexpr const char* slow = R"({"id":"galerkin_4","composition":"kahan_li_8"})";
   std::string schemes = slow;

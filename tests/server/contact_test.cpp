@@ -8,6 +8,7 @@
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
 #include "tests/server/fixture.hpp"
+#include "tests/support/runs.hpp"
 
 namespace least::server::test {
 namespace {
@@ -330,6 +331,7 @@ TEST_F(ContactHttp, NoAnswerHoldsANumberThatIsNone) {
 }
 
 TEST_F(ContactHttp, AVariableHasItsRange) {
+  for (const char* id : {"generic_oscillator", "pendulum"}) runs::problem_called(id);
   for (const double u : {0.0, -1.0}) {
     const Json found =
         fault(port(), {{"problem", "generic_oscillator"}, {"initial", {{"U", u}}}, {"scheme", "contact_splitting"}});

@@ -9,6 +9,7 @@
 #include "server/study.hpp"
 #include "tests/server/client.hpp"
 #include "tests/server/fixture.hpp"
+#include "tests/support/runs.hpp"
 
 namespace least::server::test {
 namespace {
@@ -102,6 +103,7 @@ TEST_F(StudyHttp, PointsOfTheFrontAreRunsThatCanBeMade) {
 
 // Where there is damping, too, steps that follow the motion are measured, and have no longest one.
 TEST_F(StudyHttp, StepsThatFollowADampedMotion) {
+  runs::problem_called("damped_kepler");
   const std::string asked =
       R"({"problem":"damped_kepler","until":{"t":7},"schemes":[{"id":"time_transformed","composition":"kahan_li_6"}])";
   const Json study = Json::parse(ask(port(), post("/v1/work-precision", asked + "}")).body);
@@ -179,7 +181,7 @@ TEST(Study, AClientThatTakesNoMoreEndsIt) {
   Admission admission(1, 0);
   const std::atomic<bool> cancelled{false};
   const Context context{catalogue_cards(), {}, admission, cancelled};
-  const std::string body = R"({"problem":"kepler","until":{"t":4000},"schemes":"all","budget_seconds":30})";
+  const std::string body = R"({"problem":"kepler","until":{"t":400},"schemes":"all","budget_seconds":30})";
   const Answer answer = measure_work_precision(context, {body, "application/x-ndjson", "id"});
   ASSERT_EQ(answer.status, 200);
   EXPECT_FALSE(admit(context).has_value()) << "it holds the place from the first line on";

@@ -1,10 +1,6 @@
-// Boost.Odeint's schemes: steps are Odeint's own to the bit; errors follow the tolerance; dense output; what ends them.
+// Boost.Odeint's schemes: errors follow the tolerance; dense output; what ends them.
 #include "core/schemes/odeint.hpp"
 
-#include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
-#include <boost/numeric/odeint/stepper/generation.hpp>
-#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
-#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -23,7 +19,6 @@ namespace {
 
 using namespace least;
 using namespace least::problems;
-namespace library = boost::numeric::odeint;
 using clocks::larger, clocks::past, clocks::steps;
 
 template <class Scheme>
@@ -52,69 +47,6 @@ bool same(const X& a, const X& b) {
 }
 
 const State<2> ellipse{0, {0.4, 0}, {0, 2}, {}};  // e = .6 from its periapsis
-
-// ---- what Odeint does, and nothing else
-
-const auto kepler_rate = [](const std::array<double, 4>& y, std::array<double, 4>& rate, double t) {
-  const auto d = derivative(Kepler<>{}, State<2>{t, {y[0], y[1]}, {y[2], y[3]}, {}});
-  for (std::size_t i = 0; i < 4; ++i) rate[i] = d[i];
-};
-/// Hairer, Nørsett, Wanner I, II.4, in the largest component.
-double first_step(double tolerance, int order) {
-  const auto size = [&](const State<2>& v) {
-    double most = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      most = std::max(most, std::abs(v[i]) / (tolerance * (1 + std::abs(ellipse[i]))));
-    return most;
-  };
-  const auto rate = derivative(Kepler<>{}, ellipse);
-  const double h0 = 0.01 * (size(ellipse) / size(rate));
-  const auto bend = shifted(derivative(Kepler<>{}, shifted(ellipse, h0, rate)), -1, rate);
-  return std::min(100 * h0, std::pow(0.01 / std::max(size(rate), size(bend) / h0), 1.0 / (order + 1)));
-}
-/// Steps of a scheme and of one of the library's own steppers, from the same start.
-template <class Scheme, class Stepper>
-void steps_are(const Scheme& scheme, Stepper theirs, int order) {
-  auto x = ellipse;
-  auto stepper = scheme.bind(Kepler<>{}, x);
-  std::array<double, 4> y{0.4, 0, 0, 2};
-  double t = 0, h = first_step(scheme.tolerance, order);
-  if constexpr (stepper.has_dense) theirs.initialize(y, t, h);
-  for (int k = 0; k < 200; ++k) {
-    ASSERT_EQ(stepper.step(x), StepStatus::ok);
-    if constexpr (stepper.has_dense) {
-      const auto [from, to] = theirs.do_step(kepler_rate);
-      const double between = from + 0.3 * (to - from);
-      auto z = x;
-      ASSERT_TRUE(stepper.interpolate(z, between));
-      EXPECT_EQ(z.t, between);
-      theirs.calc_state(between, y);
-      for (std::size_t i = 0; i < 4; ++i) ASSERT_EQ(z[i], y[i]) << k;
-      y = theirs.current_state();
-      t = to;
-    } else if constexpr (requires { theirs.try_step(kepler_rate, y, t, h); }) {
-      while (theirs.try_step(kepler_rate, y, t, h) != library::success) {
-      }
-    } else {  // a second look shortens steps: the library's step of that length, to the rounding of the length
-      theirs.do_step(kepler_rate, y, t, x.t - t);
-      t = x.t;
-      for (std::size_t i = 0; i < 4; ++i) {
-        ASSERT_NEAR(x[i], y[i], 1e-13) << k;
-        y[i] = x[i];
-      }
-    }
-    ASSERT_EQ(x.t, t) << k;
-    for (std::size_t i = 0; i < 4; ++i) ASSERT_EQ(x[i], y[i]) << k;
-  }
-}
-TEST(Odeint, StepsAreTheLibrarysOwn) {
-  using Y = std::array<double, 4>;
-  for (const double e : {1e-3, 1e-8, 1e-13}) {
-    steps_are(DormandPrince5{e}, library::make_dense_output(e, e, library::runge_kutta_dopri5<Y>()), 5);
-    steps_are(Fehlberg78{e}, library::runge_kutta_fehlberg78<Y>(), 8);
-    steps_are(BulirschStoer{e}, library::bulirsch_stoer<Y>(e, e), 8);
-  }
-}
 
 // ---- errors
 

@@ -7,6 +7,7 @@
 #include "core/catalogue/catalogue.hpp"
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
 #include "tests/server/fixture.hpp"
 #include "tests/support/runs.hpp"
 
@@ -24,20 +25,7 @@ Json answer(int port, const Json& request) {
   return reply.status == 200 ? Json::parse(reply.body) : Json::object();
 }
 /// The only fault of a request.
-Json fault(int port, const Json& request) {
-  const Reply reply = simulate(port, request);
-  EXPECT_EQ(reply.status, 422) << request << reply.body;
-  const Json document = Json::parse(reply.body, nullptr, false);
-  const auto errors = document.find("errors");
-  if (errors == document.end() || errors->size() != 1) {
-    ADD_FAILURE() << reply.body;
-    return {{"pointer", ""}, {"detail", ""}, {"allowed", ""}};
-  }
-  return (*errors)[0];
-}
-bool says(const Json& fault, std::string_view part) {
-  return fault["detail"].get<std::string>().find(part) != std::string::npos;
-}
+Json fault(int port, const Json& request) { return only_fault(simulate(port, request)); }
 std::vector<std::string> keys(const Json& object) {
   std::vector<std::string> names;
   for (const auto& [key, value] : object.items()) names.push_back(key);

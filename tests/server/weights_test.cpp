@@ -4,6 +4,7 @@
 #include "core/composition.hpp"
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
 #include "tests/server/fixture.hpp"
 
 namespace least::server::test {
@@ -22,18 +23,7 @@ std::vector<double> weights_of_kahan_li_6() {
 }
 /// The only fault of such a request.
 Json fault_of_weights(int port, const Json& composition, const char* scheme = "contact_leapfrog") {
-  const Reply reply = ask(port, post("/v1/simulate", weighted(scheme, composition).dump()));
-  EXPECT_EQ(reply.status, 422) << reply.body;
-  const Json document = Json::parse(reply.body, nullptr, false);
-  const auto errors = document.find("errors");
-  if (errors == document.end() || errors->size() != 1) {
-    ADD_FAILURE() << reply.body;
-    return {{"pointer", ""}, {"detail", ""}, {"allowed", ""}};
-  }
-  return (*errors)[0];
-}
-bool tells(const Json& fault, std::string_view part) {
-  return fault["detail"].get<std::string>().find(part) != std::string::npos;
+  return only_fault(ask(port, post("/v1/simulate", weighted(scheme, composition).dump())));
 }
 
 TEST_F(WeightsHttp, StandForAComposition) {
@@ -55,12 +45,12 @@ TEST_F(WeightsHttp, StandForAComposition) {
 }
 
 TEST_F(WeightsHttp, AreRefusedAtTheirPlace) {
-  EXPECT_TRUE(tells(fault_of_weights(port(), {{"weights", {0.6, 0.4}}}), "symmetric: weight 1 is 0.6"));
-  EXPECT_TRUE(tells(fault_of_weights(port(), {{"weights", {0.3, 0.3}}}), "add up to 1 - 0.4"));
+  EXPECT_TRUE(says(fault_of_weights(port(), {{"weights", {0.6, 0.4}}}), "symmetric: weight 1 is 0.6"));
+  EXPECT_TRUE(says(fault_of_weights(port(), {{"weights", {0.3, 0.3}}}), "add up to 1 - 0.4"));
   for (const Json& list : {Json::array(), Json(std::vector<double>(100, 0.01))}) {
     const Json fault = fault_of_weights(port(), {{"weights", list}});
     EXPECT_EQ(fault["pointer"], "/scheme/composition/weights");
-    EXPECT_TRUE(tells(fault, "1 to 35"));
+    EXPECT_TRUE(says(fault, "1 to 35"));
     EXPECT_EQ(fault["allowed"], "{\"weights\": [w1, …, wn]}, symmetric, of sum 1");
   }
   EXPECT_EQ(fault_of_weights(port(), {{"weights", {0.5, "x"}}})["pointer"], "/scheme/composition/weights/1");

@@ -12,10 +12,13 @@ namespace least {
 /// state where the step began, and shortened to length 1 after each. `exponent`: the mean of ln |u|' over time, which
 /// tends to the largest Lyapunov exponent λ, in 1/time. `megno`: the mean over time of Y(t) = 2/t ∫ (ln |u|)' t' dt',
 /// with t from the start of the run, which tends to 2 on regular motion and grows as λt/2 on chaotic motion. Null where
-/// the derivative cannot be followed. Sources: Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15, 9 (1980);
-/// Cincotta, Giordano, Simó, Physica D 182, 151 (2003), equations 8 and 10.
+/// the derivative cannot be followed. Known fault: the states of a coarse run lie on no one orbit, and derivatives of
+/// the flow along them can grow where neither the motion nor the scheme is chaotic (kepler, leapfrog, h = 0.01).
+/// Sources: Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15, 9 (1980); Cincotta, Giordano, Simó, Physica D 182,
+/// 151 (2003), equations 8 and 10.
 struct LyapunovRow {
-  static constexpr DiagnosticCard info{"lyapunov", "largest Lyapunov exponent of the run and its MEGNO"};
+  static constexpr DiagnosticCard info{"lyapunov",
+                                       "largest Lyapunov exponent of the run and its MEGNO; of accurate runs only"};
   static constexpr Sees sees = Sees::every_step;
   template <class P>
   static constexpr bool applies = true;

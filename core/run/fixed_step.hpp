@@ -71,7 +71,7 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
   /// By the step's own map over a shorter step, which is as accurate as the scheme.
   StepStatus state_at(const State& state, double t, X& x) const override {
     const bool ahead = !(t < state.x.t);
-    if (ahead && covered_by_series(state.n, t)) return from_series(x, t);
+    if (ahead ? covered_by_series(state.n, t) : along_series_ && state.n <= series_steps_) return from_series(x, t);
     x = ahead ? state.x : left_;
     const double part = t - x.t;
     StepStatus status = StepStatus::ok;

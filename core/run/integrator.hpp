@@ -10,6 +10,7 @@
 
 #include "core/run/columns.hpp"
 #include "core/run/diagnostics/table.hpp"
+#include "core/run/root.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/step_guard.hpp"
 #include "core/scheme.hpp"
@@ -18,6 +19,13 @@ namespace least {
 
 /// Fourth powers of what is smaller do not overflow: an energy can be said.
 inline constexpr double largest_component = 1e75;
+
+/// Of the domain of the motion.
+template <class P, class X>
+bool outside([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+  if constexpr (HasDomain<P>) return problem.bounded() && !(problem.inside(position(x)) >= 0);
+  return false;
+}
 
 /// Where a run is: a state, and how many steps it has behind it.
 template <class X>
@@ -108,6 +116,24 @@ template <class P, class X>
 std::unique_ptr<Integrator<P, X>> bind_scheme(const P& problem, const Request& request, const X& x, const Grid& grid,
                                               double end);
 
+/// When the step ahead of the state leads out of the domain, by trial steps.
+template <class P, class X>
+double exit_time([[maybe_unused]] const P& problem, [[maybe_unused]] const Integrator<P, X>& integrator,
+                 const IntegrationState<X>& state) {
+  if constexpr (HasDomain<P>) {
+    const auto inside = [&](double ahead) {
+      X x = state.x;
+      if (ahead > 0 && integrator.state_at(state, state.x.t + ahead, x) != StepStatus::ok) return -1.0;
+      return problem.inside(position(x));
+    };
+    const double step = integrator.step_info(state).step_size;
+    double reach = step > 0 ? step : 1e-3;
+    for (int k = 0; k < 60 && inside(reach) > 0; ++k) reach *= 2;
+    return state.x.t + root(inside, 0, reach);
+  }
+  return state.x.t;
+}
+
 /// What both policies share.
 template <class P, class Scheme, class X>
 class BoundIntegrator : public Integrator<P, X> {
@@ -120,10 +146,7 @@ class BoundIntegrator : public Integrator<P, X> {
     for (std::size_t i = 0; i < X::size; ++i) good = good && std::abs(value_of(x[i])) < largest_component;
     return good;
   }
-  bool left_domain([[maybe_unused]] const X& x) const {
-    if constexpr (HasDomain<P>) return problem_.bounded() && !(problem_.inside(position(x)) >= 0);
-    return false;
-  }
+  bool left_domain(const X& x) const { return outside(problem_, x); }
 
   P problem_;
   Scheme scheme_;

@@ -13,9 +13,10 @@ namespace least {
 
 /// Which states are kept.
 struct Record {
-  enum class Mode { every, samples, times };
+  enum class Mode { every, samples, times, curve };
   Mode mode = Mode::every;
-  std::int64_t count = 1;     ///< every: the stride in steps, 0 keeps nothing; samples: how many, uniform, both ends
+  /// every: the stride in steps, 0 keeps nothing; samples, curve: how many, both ends, uniform in time or in arc
+  std::int64_t count = 1;
   std::vector<double> times;  ///< times: increasing, within the span
 };
 

@@ -35,6 +35,7 @@ class Run {
                    : request.until_steps ? request.steps
                                          : SaveSchedule::never),
         schedule_(request, end_),
+        drawn_(request.record.mode == Record::Mode::curve ? scene_.start : infinite),
         writer_(problem_, request, sink),
         budget_(request.limits.seconds, cancelled),
         diagnostics_(request.diagnostics),
@@ -50,9 +51,9 @@ class Run {
     method_ = integrator_->method();
     shows_discrete_energy_ = std::ranges::any_of(
         request_.columns, [&](std::size_t i) { return card_.columns[i].name == "discrete_energy"; });
-    if (shows_discrete_energy_) integrator_->keep_last_step();
+    if (shows_discrete_energy_ || drawn_ < infinite) integrator_->keep_last_step();
     budget_.start();
-    if (initialize()) {
+    if (initialize(tangents)) {
       while (going() && !arrived() && advance_block()) {
       }
       if (going()) finish();
@@ -89,13 +90,13 @@ class Run {
 
   // ---- the start
 
-  bool initialize() {
+  bool initialize(const StepTangents<P>& tangents) {
     if (!check_start()) return false;
     if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(ReturnCode::singular, why);
-    diagnostics_.start(problem_, state_.x);
+    diagnostics_.start(problem_, state_.x, tangents);
     evidence_.start(problem_, state_.x);
     save_snapshot();
-    if (!save_due()) return false;
+    if (!save_due() || (drawn_ < infinite && !save(state_.x, last_step()))) return false;
     const BlockResult result = integrator_->check_start(state_.x, guard_);
     return result || fail(result);
   }
@@ -128,8 +129,8 @@ class Run {
   bool advance_block() {
     const std::int64_t n = state_.n;
     if (!within_step_limit()) return false;
-    const StepTarget target{std::min({n + budget_.block(), request_.limits.steps, last_step_, schedule_.step(),
-                                      next_snapshot(), evidence_.next(n)}),
+    const StepTarget target{std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_,
+                                      schedule_.step(), next_snapshot(), evidence_.next(n)}),
                             std::min(loop_end_, schedule_.time() < end_ ? schedule_.time() : infinite)};
     const BlockResult result =
         integrator_->advance(state_, target, guard_, diagnostics_.sees_steps() ? &diagnostics_ : nullptr);
@@ -139,7 +140,8 @@ class Run {
       save_snapshot();
       evidence_.see(problem_, state_);
     }
-    return save_due() && (result || fail(result)) && within_budget(state_.n - n);
+    const bool drawn = state_.n == n || state_.x.t > end_ || draw(state_.x.t);
+    return drawn && save_due() && (result || fail(result)) && within_budget(state_.n - n);
   }
 
   /// What crossed zero within the last step.
@@ -184,7 +186,7 @@ class Run {
     for (; schedule_.time() < end_ && integrator_->reaches(state_, schedule_.time()); schedule_.next()) {
       X x = state_.x;
       const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
-      if (status != StepStatus::ok || outside(x)) {  // a long step may lead out of the domain and back
+      if (status != StepStatus::ok || outside(problem_, x)) {  // a long step may lead out of the domain and back
         integrator_->step_back(state_);
         return fail(status == StepStatus::ok ? BlockResult{BlockEnd::left_domain} : BlockResult::failed(status));
       }
@@ -207,18 +209,32 @@ class Run {
       return stop(ReturnCode::not_finite, messages::column(writer_.wrong_column()));
     return written == Writer::Written::yes || receiver_is_gone();
   }
-  bool receiver_is_gone() { return stop(ReturnCode::cancelled, "the receiver of the samples went away"); }
-
-  bool outside([[maybe_unused]] const X& x) const {
-    if constexpr (HasDomain<P>) return problem_.bounded() && !(problem_.inside(position(x)) >= 0);
-    return false;
+  /// Samples along the way from the last one to the time t, which lies within the last step or one step ahead, where
+  /// they are to draw a curve.
+  bool draw(double t) {
+    if (!(t > drawn_)) return true;
+    X x = state_.x;
+    const StepStatus status = t == x.t ? StepStatus::ok : integrator_->state_at(state_, t, x);
+    if (status != StepStatus::ok || outside(problem_, x)) return true;  // is told of by what comes next
+    const StepInfo step = last_step();
+    const std::size_t parts = writer_.parts(x, step);
+    for (std::size_t k = 1; k < parts; ++k) {
+      X y = state_.x;
+      const double between = drawn_ + (t - drawn_) * (double(k) / double(parts));
+      if (integrator_->state_at(state_, between, y) != StepStatus::ok || outside(problem_, y)) continue;
+      if (!save(y, step) || !within_budget(1)) return false;
+    }
+    drawn_ = t;
+    return save(x, step);
   }
+  bool receiver_is_gone() { return stop(ReturnCode::cancelled, "the receiver of the samples went away"); }
 
   // ---- the end
 
   /// The state at the end, by a shorter step or within the last one, and the samples there.
   void finish() {
     if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
+    if (!fixed_ && end_ < infinite && !draw(end_)) return;
     const double before = state_.x.t;
     StepInfo step = last_step();
     if (const BlockResult result = integrator_->finish(state_, end_, guard_); !result) {
@@ -229,6 +245,7 @@ class Run {
       locate_events();
     }
     if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
+    if (fixed_ && !draw(end_)) return;
     while (end_ < infinite && schedule_.time() <= end_ && save(state_.x, step)) schedule_.next();
   }
 
@@ -291,18 +308,19 @@ class Run {
 
   /// The next step leads out of the domain: where it does, or at the end of the run if that comes first.
   bool leave_domain() {
-    const double when = exit_time(), until = std::min(when, end_);
+    const double when = exit_time(problem_, *integrator_, state_), until = std::min(when, end_);
     StepInfo partial = last_step();
     if (!fixed_) partial.step_size = until - state_.x.t;
     X x = state_.x;
     for (; schedule_.time() < until; schedule_.next()) {
       const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
       if (status != StepStatus::ok) return fail(BlockResult::failed(status));
-      if (outside(x)) break;
+      if (outside(problem_, x)) break;
       if (!save(x, partial) || !within_budget(1)) return false;
     }
     if (const StepStatus status = integrator_->state_at(state_, until, x); status != StepStatus::ok)
       return fail(BlockResult::failed(status));
+    if (!draw(until)) return false;
     if (when > end_) {
       state_ = {x, state_.n + 1};
       if (diagnostics_.sees_steps()) diagnostics_.see(problem_, x);
@@ -311,22 +329,6 @@ class Run {
     if (diagnostics_.watches_sections()) events_.add(0, false, when, value_of(x[0]));
     return stop(ReturnCode::left_domain, messages::left_domain(when), when);
   }
-  /// By trial steps from the state.
-  double exit_time() const {
-    if constexpr (HasDomain<P>) {
-      const auto inside = [&](double ahead) {
-        X x = state_.x;
-        if (ahead > 0 && integrator_->state_at(state_, state_.x.t + ahead, x) != StepStatus::ok) return -1.0;
-        return problem_.inside(position(x));
-      };
-      const double step = integrator_->step_info(state_).step_size;
-      double reach = step > 0 ? step : 1e-3;
-      for (int k = 0; k < 60 && inside(reach) > 0; ++k) reach *= 2;
-      return state_.x.t + root(inside, 0, reach);
-    }
-    return state_.x.t;
-  }
-
   Solution conclude(const StepTangents<P>& tangents) {
     const Work work = integrator_->work();
     outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
@@ -378,6 +380,7 @@ class Run {
   double end_;              ///< the time of the final state; infinite where it is not known beforehand
   std::int64_t last_step_;  ///< or until there are this many
   SaveSchedule schedule_;
+  double drawn_;  ///< until when samples draw a curve; infinite where they do not
   TrajectoryWriter<P, X> writer_;
   Budget budget_;
   DiagnosticSet<P, X> diagnostics_;

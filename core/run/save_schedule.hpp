@@ -67,7 +67,8 @@ class SaveSchedule {
   /// end to the bit.
   double time() const {
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    if (record_.mode == Record::Mode::every || index_ >= count()) return infinite;
+    if (record_.mode == Record::Mode::every || record_.mode == Record::Mode::curve || index_ >= count())
+      return infinite;
     if (record_.mode == Record::Mode::times) return record_.times[static_cast<std::size_t>(index_)];
     if (index_ + 1 == count()) return end_;
     return start_ + (end_ - start_) * (static_cast<double>(index_) / static_cast<double>(count() - 1));

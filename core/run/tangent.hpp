@@ -75,7 +75,7 @@ template <class Scheme, class P, class X, class Start>
 std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const Start& start, const X& x) {
   constexpr bool adapts = requires { requires Scheme::reads_time; }
   || requires { requires Scheme::remembers; };
-  if constexpr (!Potential<P> || adapts || ExtendsTo<Scheme, P>) {
+  if constexpr (adapts || ExtendsTo<Scheme, P>) {
     return std::nullopt;
   } else if constexpr (SelfTimed<Scheme>) {  // on the run's energy level
     return tangent_of(x, [&](auto& y) {

@@ -1,13 +1,16 @@
 // Turns states into rows of the columns asked for and hands them to the sink in blocks; all at the end where a column
-// says the error, for the truth is found in one sweep.
+// says the error, for the truth is found in one sweep, and where they lie evenly along a curve, which must be whole.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "core/run/columns.hpp"
+#include "core/run/curve.hpp"
 #include "core/run/outcome.hpp"
 #include "core/run/request.hpp"
 
@@ -22,8 +25,11 @@ class TrajectoryWriter {
     const auto all = columns_of<P, X>(request.scene->card());
     for (const std::size_t index : request.columns) {
       if (all.at(index).card.name == error_column) error_ = columns_.size();
+      if (all.at(index).card.name != "t") drawn_.push_back(columns_.size());
       columns_.push_back(all.at(index));
     }
+    if (drawn_.empty() && !columns_.empty()) drawn_ = {0};  // only the time
+    if (request.record.mode == Record::Mode::curve) curve_.emplace(static_cast<std::size_t>(request.record.count));
     rows_.reserve(columns_.size() * block);
   }
 
@@ -42,9 +48,25 @@ class TrajectoryWriter {
     if (error_) {
       times_.push_back(x.t);
       for (std::size_t i = 0; i < StateOf<P>::size; ++i) states_.push_back(value_of(x[i]));
-      return Written::yes;
     }
+    if (curve_) {
+      const std::size_t n = rows_.size() / columns_.size();
+      if (curve_->add(n > 1 ? chord(n - 2, n - 1) : 0)) drop_next_to_last();
+      if (curve_->full()) keep_rows(curve_->thin());
+    }
+    if (error_ || curve_) return Written::yes;
     return rows_.size() + columns_.size() <= rows_.capacity() || flush() ? Written::yes : Written::refused;
+  }
+
+  /// Into how many parts the way to x has to be divided, where rows lie along a curve.
+  std::size_t parts(const X& x, const StepInfo& step) const {
+    double square = 0;
+    if (!rows_.empty())
+      for (const std::size_t i : drawn_) {
+        const double d = columns_[i].value(problem_, x, step, columns_[i].index) - rows_.end()[row_place(i)];
+        if (std::isfinite(d)) square += d * d;
+      }
+    return curve_->parts(std::sqrt(square));
   }
 
   /// The column that was not finite.
@@ -52,6 +74,7 @@ class TrajectoryWriter {
 
   /// What is still kept. `keep_going` is asked while the truth is sought; false leaves the rest of the errors unknown.
   bool finish(const KeepGoing& keep_going) {
+    if (curve_ && !rows_.empty()) keep_rows(curve_->choose());
     if (error_ && !times_.empty()) fill_errors(keep_going);
     return flush();
   }
@@ -59,6 +82,43 @@ class TrajectoryWriter {
   bool lacks_truth() const { return lacks_truth_; }
 
  private:
+  /// Where the i-th column of the last row stands, from the end of the rows.
+  std::ptrdiff_t row_place(std::size_t i) const {
+    return static_cast<std::ptrdiff_t>(i) - static_cast<std::ptrdiff_t>(columns_.size());
+  }
+  /// Between two rows, in the space of the columns but the time; what is unknown counts for nothing.
+  double chord(std::size_t from, std::size_t to) const {
+    double square = 0;
+    for (const std::size_t i : drawn_) {
+      const double d = rows_[to * columns_.size() + i] - rows_[from * columns_.size() + i];
+      if (std::isfinite(d)) square += d * d;
+    }
+    return std::sqrt(square);
+  }
+  /// Of rows of `width` numbers those that are named stay, in their order.
+  static void keep(std::vector<double>& numbers, std::size_t width, std::span<const std::size_t> kept) {
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      std::copy_n(numbers.begin() + std::ptrdiff_t(kept[i] * width), width,
+                  numbers.begin() + std::ptrdiff_t(i * width));
+    numbers.resize(kept.size() * width);
+  }
+  void keep_rows(std::span<const std::size_t> kept) {
+    keep(rows_, columns_.size(), kept);
+    if (!error_) return;
+    keep(times_, 1, kept);
+    keep(states_, StateOf<P>::size, kept);
+  }
+  /// The last row takes the place of the one before it.
+  static void drop_next_to_last(std::vector<double>& numbers, std::size_t width) {
+    const auto last = numbers.end() - std::ptrdiff_t(width);
+    numbers.erase(last - std::ptrdiff_t(width), last);
+  }
+  void drop_next_to_last() {
+    drop_next_to_last(rows_, columns_.size());
+    if (!error_) return;
+    drop_next_to_last(times_, 1);
+    drop_next_to_last(states_, StateOf<P>::size);
+  }
   bool flush() {
     const bool accepted = rows_.empty() || sink_.append(rows_);
     rows_.clear();
@@ -78,6 +138,8 @@ class TrajectoryWriter {
   const Request& request_;
   RowSink& sink_;
   std::vector<Column<P, X>> columns_;
+  std::vector<std::size_t> drawn_;  ///< which of them span the space of the curve: not the time
+  std::optional<CurveThinner> curve_;
   std::vector<double> rows_;
   std::optional<std::size_t> error_;    ///< the column of errors
   std::vector<double> times_, states_;  ///< of every row, where there is one

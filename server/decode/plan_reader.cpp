@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/run/curve.hpp"
 #include "core/run/save_schedule.hpp"
 
 namespace least::server {
@@ -121,7 +122,7 @@ void read_times(const Json& json, const FieldPath& path, const Request& request,
 // Rows the run would keep; nothing where it cannot be said beforehand.
 std::optional<std::int64_t> rows(const Request& request, const Span& span) {
   const Record& record = request.record;
-  if (record.mode == Record::Mode::samples) return record.count;
+  if (record.mode == Record::Mode::samples || record.mode == Record::Mode::curve) return record.count;
   if (record.mode == Record::Mode::times) return static_cast<std::int64_t>(record.times.size());
   if (record.count == 0) return 0;
   if (!span.steps) return std::nullopt;
@@ -144,10 +145,12 @@ void read_record(const Json& root, const FieldPath& top, const Span& span, Reque
   default_record(span, request);
   const Json* json = find(root, "record");
   const FieldPath path = top.at("record");
-  if (json == nullptr || !read_object(*json, path, {"every", "samples", "times"}, "record")) return;
-  const Json *every = find(*json, "every"), *samples = find(*json, "samples"), *times = find(*json, "times");
-  if ((every != nullptr) + (samples != nullptr) + (times != nullptr) != 1) {
-    path.lacks("must hold one of every, samples and times", "{\"every\": …}, {\"samples\": …}, {\"times\": …}");
+  if (json == nullptr || !read_object(*json, path, {"every", "samples", "times", "curve"}, "record")) return;
+  const Json *every = find(*json, "every"), *samples = find(*json, "samples"), *times = find(*json, "times"),
+             *curve = find(*json, "curve");
+  if ((every != nullptr) + (samples != nullptr) + (times != nullptr) + (curve != nullptr) != 1) {
+    path.lacks("must hold one of every, samples, times and curve",
+               "{\"every\": …}, {\"samples\": …}, {\"times\": …}, {\"curve\": …}");
     return;
   }
   Record& record = request.record;
@@ -165,6 +168,10 @@ void read_record(const Json& root, const FieldPath& top, const Span& span, Reque
           *samples, "{\"every\": …}, {\"times\": […]}");
     }
     record = {Record::Mode::samples, *count, {}};
+  } else if (curve) {
+    constexpr auto most = static_cast<std::int64_t>(CurveThinner::most_asked);
+    const auto count = read_integer(*curve, path.at("curve"), 2, std::min(request.limits.samples, most));
+    if (count) record = {Record::Mode::curve, *count, {}};
   } else {
     record = {Record::Mode::times, 0, {}};
     read_times(*times, path.at("times"), request, span, record);

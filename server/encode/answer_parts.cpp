@@ -22,6 +22,9 @@ void write_record(JsonWriter& json, const FinishedRun& run) {
     case Record::Mode::samples:
       json.key("samples").integer(record.count);
       break;
+    case Record::Mode::curve:
+      json.key("curve").integer(record.count);
+      break;
     case Record::Mode::times:
       json.key("times");
       write_numbers(json, record.times);

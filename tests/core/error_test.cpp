@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/state.hpp"
 #include "core/state_error.hpp"
 #include "tests/core/asking.hpp"
 

@@ -79,6 +79,7 @@ void recording_never_changes_the_run(std::string_view id) {
     std::vector<Record> records;
     for (const std::int64_t every : {1, 7, 150}) records.push_back({Record::Mode::every, every, {}});
     for (const std::int64_t samples : {2, 61, 1000}) records.push_back({Record::Mode::samples, samples, {}});
+    for (const std::int64_t curve : {2, 61}) records.push_back({Record::Mode::curve, curve, {}});
     records.push_back(
         {Record::Mode::times,
          0,

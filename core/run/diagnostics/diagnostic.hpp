@@ -3,7 +3,7 @@
 //   sees               what it sees of a run
 //   applies<P>         whether it means something on a scene
 //   Seen<P, X>         a value, so that a block of steps can be taken back; where it sees every step
-//                        start(problem, x), see(problem, x)
+//                        start(problem, x) or start(problem, x, tangents of steps), see(problem, x)
 //                      and in every case
 //                        report(end) → Report, asked once, when the run is over
 // A new diagnostic is its row and a line in the table; the catalogue, the decoder and the page follow.

@@ -8,17 +8,20 @@
 
 namespace least {
 
-/// A small difference is carried along the run by the derivative of the exact motion over each of its steps, from the
-/// state where the step began, and shortened to length 1 after each. `exponent`: the mean of ln |u|' over time, which
-/// tends to the largest Lyapunov exponent λ, in 1/time. `megno`: the mean over time of Y(t) = 2/t ∫ (ln |u|)' t' dt',
-/// with t from the start of the run, which tends to 2 on regular motion and grows as λt/2 on chaotic motion. Null where
-/// the derivative cannot be followed. Known fault: the states of a coarse run lie on no one orbit, and derivatives of
-/// the flow along them can grow where neither the motion nor the scheme is chaotic (kepler, leapfrog, h = 0.01).
+/// A small difference is carried along the run and shortened to length 1 after each step: by the derivative of the
+/// scheme's own step where that can be had, so that a regular map is called regular however coarse it is, else by the
+/// derivative of the exact motion over the step, from the state where it began. `exponent`: the mean of ln |u|' over
+/// time, which tends to the largest Lyapunov exponent λ, in 1/time. `megno`: the mean over time of
+/// Y(t) = 2/t ∫ (ln |u|)' t' dt', with t from the start of the run, which tends to 2 on regular motion and grows as
+/// λt/2 on chaotic motion. `derivative`: of what, "scheme" or "motion", or "both" where some steps had to do without
+/// the first; a last step that was cut short is the motion's in either case. Exponent and MEGNO are null where the
+/// derivative cannot be followed. The states of a coarse run lie on no one orbit, and the motion's derivatives along
+/// them can grow where neither the motion nor the scheme is chaotic: of schemes without a tangent of their own, only
+/// accurate runs mean something.
 /// Sources: Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15, 9 (1980); Cincotta, Giordano, Simó, Physica D 182,
 /// 151 (2003), equations 8 and 10.
 struct LyapunovRow {
-  static constexpr DiagnosticCard info{"lyapunov",
-                                       "largest Lyapunov exponent of the run and its MEGNO; of accurate runs only"};
+  static constexpr DiagnosticCard info{"lyapunov", "largest Lyapunov exponent of the run and its MEGNO"};
   static constexpr Sees sees = Sees::every_step;
   template <class P>
   static constexpr bool applies = true;
@@ -31,10 +34,13 @@ struct LyapunovRow {
 
     Motion before{};
     Vec<Motion::size> u{};
+    const StepTangents<P>* tangents = nullptr;
     double begun = unknown, grown = 0, weighed = 0, averaged = 0;
-    bool followed = true;
+    bool followed = true, of_scheme = false, of_motion = false;
+    bool last_of_motion = false;  ///< the last step, which is not told of before there is one more
 
-    void start(const P& problem, const X& x) {
+    void start(const P& problem, const X& x, const StepTangents<P>& of_steps) {
+      tangents = &of_steps;
       assign(before, plain(x));
       double size = 0;  // no component is left out, and none is as large as another
       for (std::size_t i = 0; i < Motion::size; ++i) size += 1 / double(i + 1);
@@ -49,13 +55,13 @@ struct LyapunovRow {
         if (!singular(problem, before)) begun = before.t;
         return;
       }
-      Differences<P> motion(problem, from, u, before.t, tolerance, before.t - from.t);
-      for (int part = 0; motion.time() < before.t; ++part)
-        if (part == patience || !motion.advance()) {
-          followed = false;
-          return;
-        }
-      u = motion.derivative();
+      of_motion = of_motion || last_of_motion;
+      last_of_motion = !carry_by_scheme(from);
+      of_scheme = of_scheme || !last_of_motion;
+      if (last_of_motion && !carry_by_motion(problem, from)) {
+        followed = false;
+        return;
+      }
       double size = 0;
       for (const double component : u) size = std::hypot(size, component);
       for (double& component : u) component /= size;
@@ -68,11 +74,42 @@ struct LyapunovRow {
     Report report(const RunEnd<P, X>&) const {
       const double time = followed ? before.t - begun : unknown;
       Report report = numbers("lyapunov", {{"exponent", grown / time}, {"megno", averaged / time}});
-      if (!followed) insert(report, 2, words("reason", "a step is too long for the derivative to be followed"));
+      const bool motion = of_motion || (last_of_motion && !of_scheme);
+      insert(report, 2,
+             words("derivative", of_scheme && motion ? "both"
+                                 : of_scheme         ? "scheme"
+                                 : motion            ? "motion"
+                                                     : ""));
+      if (!followed) insert(report, 3, words("reason", "a step is too long for the derivative to be followed"));
       return report;
     }
 
    private:
+    /// False where the scheme has none, and where the run took its step in another way, as the last one.
+    bool carry_by_scheme(const Motion& from) {
+      FullStateOf<P> x{};
+      assign(x, from);
+      const auto tangent = tangents->plain(x);
+      if (!tangent) return false;
+      constexpr double grain = 1e-9;
+      bool same = std::abs(tangent->image.t - before.t) <= grain * (before.t - from.t) + 1e-15 * std::abs(before.t);
+      for (std::size_t i = 0; i < Motion::size; ++i)
+        same = same && std::abs(tangent->image[i] - before[i]) <= grain * std::max(1.0, std::abs(before[i]));
+      if (!same) return false;
+      const auto old = u;
+      for (std::size_t i = 0; i < Motion::size; ++i) {
+        u[i] = 0;
+        for (std::size_t j = 0; j < Motion::size; ++j) u[i] += tangent->m[i][j] * old[j];
+      }
+      return true;
+    }
+    bool carry_by_motion(const P& problem, const Motion& from) {
+      Differences<P> motion(problem, from, u, before.t, tolerance, before.t - from.t);
+      for (int part = 0; motion.time() < before.t; ++part)
+        if (part == patience || !motion.advance()) return false;
+      u = motion.derivative();
+      return true;
+    }
     static bool singular([[maybe_unused]] const P& problem, [[maybe_unused]] const Motion& x) {
       if constexpr (HasSeries<P>) return starts_series(problem, x);
       return false;

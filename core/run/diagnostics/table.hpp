@@ -54,9 +54,11 @@ class DiagnosticSet {
   bool watches_sections() const { return sees(Sees::sections); }
   bool keeps_states() const { return sees(Sees::states); }
 
-  void start(const P& problem, const X& x) {
+  /// `tangents`: of steps of the scheme; they outlive the set.
+  void start(const P& problem, const X& x, const StepTangents<P>& tangents) {
     for_each([&](auto, auto& seen) {
       if constexpr (requires { seen.start(problem, x); }) seen.start(problem, x);
+      if constexpr (requires { seen.start(problem, x, tangents); }) seen.start(problem, x, tangents);
     });
     before_ = sections(problem, x);
   }

@@ -1,0 +1,144 @@
+// record.curve: samples that lie evenly along the curve in the space of the columns asked for.
+#include "core/run/curve.hpp"
+
+#include <cmath>
+
+#include "tests/core/asking.hpp"
+
+namespace {
+
+using namespace least;
+using namespace asks;
+using Rows = std::vector<std::vector<double>>;
+
+Request drawing(std::string_view problem, std::string_view scheme, std::int64_t count,
+                std::initializer_list<std::string_view> names) {
+  Request request = runs::defaults(problem, scheme);
+  request.record = {Record::Mode::curve, count, {}};
+  request.columns.clear();
+  for (const auto name : names)
+    request.columns.push_back(
+        runs::position(runs::card(request).columns, name, [](const auto& column) { return column.name; }));
+  return request;
+}
+/// The longest and the shortest way between neighbours, in units of the mean.
+std::pair<double, double> distances(const Rows& rows, std::size_t first = 1) {
+  double least = 1e300, most = 0, sum = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    double square = 0;
+    for (std::size_t k = first; k < rows[i].size(); ++k) square += std::pow(rows[i][k] - rows[i - 1][k], 2);
+    least = std::min(least, std::sqrt(square));
+    most = std::max(most, std::sqrt(square));
+    sum += std::sqrt(square);
+  }
+  const double mean = sum / double(rows.size() - 1);
+  return {most / mean, least / mean};
+}
+
+// An ellipse of eccentricity .9: at equal times neighbours lie 19 times farther apart at the periapsis than at the
+// apoapsis. Short steps, long ones, and steps that adapt.
+TEST(Curve, IsEvenWhateverTheSteps) {
+  struct Case {
+    const char *scheme, *setting;
+    double value;
+  };
+  for (const auto& [scheme, setting, value] : {Case{"leapfrog", "step", 1e-4},
+                                               {"runge_kutta_4", "step", 0.01},
+                                               {"dormand_prince_5", "tolerance", 1e-9},
+                                               {"bulirsch_stoer", "tolerance", 1e-9},
+                                               {"time_transformed", "sigma", 0.05},
+                                               {"jacobi_maupertuis", "step", 1e-3}}) {
+    Request request = drawing("kepler", scheme, 400, {"t", "x", "y"});
+    runs::set(request, setting, value);
+    runs::scene(request).initial = {0.1, 0, 0, std::sqrt(19.0)};
+    request.end = runs::scene(request).start + 6.2;
+    const auto result = runs::go(request);
+    ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme;
+    ASSERT_EQ(result.rows.size(), 400U) << scheme;
+    EXPECT_EQ(result.rows.front()[1], 0.1);
+    EXPECT_EQ(result.rows.back()[0], request.end);
+    EXPECT_EQ(result.rows.back()[1], result.outcome.final[0]) << scheme;
+    const auto [most, least] = distances(result.rows);
+    EXPECT_LT(most, 1.15) << scheme;
+    EXPECT_GT(least, 0.85) << scheme;
+  }
+}
+
+// On the orbit, not on chords between steps.
+TEST(Curve, IsMadeOfStatesOfTheMotion) {
+  Request request = drawing("harmonic_oscillator", "dormand_prince_5", 300, {"q", "p", "energy", "error"});
+  runs::set(request, "tolerance", 1e-10);
+  const auto rows = runs::go(request).rows;
+  for (const auto& row : rows) {
+    EXPECT_NEAR(row[2], rows[0][2], 1e-7);
+    EXPECT_LT(row[3], 1e-6);
+  }
+}
+
+TEST(Curve, OfOneStepHasAllItsSamples) {
+  Request request = drawing("pendulum", "leapfrog", 1000, {"t", "q", "p"});
+  runs::set(request, "step", 0.5);
+  for (const double end : {0.5, 0.2}) {  // a whole step, and a shorter one
+    request.end = runs::scene(request).start + end;
+    const auto rows = runs::go(request).rows;
+    ASSERT_EQ(rows.size(), 1000U);
+    for (std::size_t i = 1; i < rows.size(); ++i) EXPECT_GT(rows[i][0], rows[i - 1][0]);
+    EXPECT_EQ(rows.back()[0], request.end);
+  }
+}
+
+// The time is no part of the space, unless there is nothing else.
+TEST(Curve, OfWhatDoesNotMoveIsThereToo) {
+  Request request = drawing("pendulum", "leapfrog", 50, {"t", "q"});
+  runs::begin(request, "q", 0);
+  runs::begin(request, "p", 0);
+  EXPECT_EQ(runs::go(request).rows.size(), 50U);
+  const auto times = runs::go(drawing("pendulum", "leapfrog", 50, {"t"})).rows;
+  ASSERT_EQ(times.size(), 50U);
+  const auto [most, least] = distances(times, 0);
+  EXPECT_LT(most, 1.15);
+  EXPECT_GT(least, 0.85);
+}
+
+TEST(Curve, BeginsOnASeriesAndEndsWithTheDomain) {
+  Request request = drawing("lane_emden", "contact_leapfrog", 200, {"t", "q", "p"});
+  runs::set(request, "n", 1);
+  runs::set(request, "after_zero", "stop");
+  runs::set(request, "step", 0.05);
+  request.end = 10;
+  const auto result = runs::go(request);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain) << result.outcome.stop.detail;
+  ASSERT_EQ(result.rows.size(), 200U);
+  EXPECT_NEAR(result.rows.back()[0], std::acos(-1.0), 2e-3);
+  for (const auto& row : result.rows) {
+    EXPECT_GE(row[1], -1e-12);
+    EXPECT_NEAR(row[1], row[0] > 0 ? std::sin(row[0]) / row[0] : 1, 1e-3) << row[0];
+  }
+  const auto [most, least] = distances(result.rows);
+  EXPECT_LT(most, 1.2);
+  EXPECT_GT(least, 0.8);
+}
+
+// However long the run, a bounded number of rows is held, and what comes first is not seen better than what comes last.
+TEST(Curve, OfALongRunIsEven) {
+  Request request = drawing("kepler", "leapfrog", 100, {"t", "x", "y"});
+  request.end = runs::scene(request).start + 2000;
+  const auto rows = runs::go(request).rows;
+  ASSERT_EQ(rows.size(), 100U);
+  EXPECT_NEAR(rows[50][0] - rows[0][0], 1000, 60);
+}
+
+TEST(CurveThinner, HoldsNoMoreThanItSays) {
+  CurveThinner thinner(10);
+  std::size_t rows = 0, most = 0;
+  for (int i = 0; i < 100000; ++i) {
+    if (!thinner.add(i == 0 ? 0 : 1 + i % 7)) ++rows;
+    most = std::max(most, rows);
+    if (thinner.full()) rows = thinner.thin().size();
+  }
+  EXPECT_LE(most, 320U);
+  EXPECT_GE(rows, 150U);
+  EXPECT_EQ(thinner.choose().size(), 10U);
+}
+
+}  // namespace

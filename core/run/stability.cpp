@@ -179,9 +179,12 @@ struct Known {
   std::vector<Interval> stable;
 };
 
-/// The stable intervals along z = z₁u, a = a₀ + a₁u up to u = needed and somewhat further.
+/// The stable intervals along z = z₁u, a = a₀ + a₁u up to u = needed and somewhat further, or as far as is looked:
+/// beyond, what is stable there goes on. (A step of 1e100 would ask for 10⁵ maps.)
 std::vector<Interval> along(std::size_t scheme, std::span<const double> settings, double z, double a0, double a,
                             double needed) {
+  constexpr double farthest = 4096;
+  needed = std::min(needed, farthest);
   static std::mutex mutex;
   static std::map<std::vector<double>, Known> all;
   std::vector<double> key(settings.begin(), settings.end());

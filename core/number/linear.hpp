@@ -14,7 +14,8 @@ inline constexpr int largest_system = 64;
 
 namespace detail {
 
-/// x with A x = b, for double, long double and Quad. A, row by row, is spoilt; x is none of the others.
+/// x with A x = b, for double, and by refinement for long double and Quad, where the condition of A is below 1e15. A,
+/// row by row, is spoilt; x is none of the others.
 template <class T>
 void solve_by_lu(std::size_t n, T* a, const T* b, T* x);
 /// Of A, row by row, which is spoilt.

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdint>
 
+#include "core/clock.hpp"
 #include "core/status.hpp"
 
 namespace least {
@@ -15,8 +15,8 @@ class Budget {
   Budget(double seconds, const std::atomic<bool>& cancelled) : budget_(seconds), cancelled_(cancelled) {}
 
   /// Begins to count; what came before was preparation.
-  void start() { start_ = Clock::now(); }
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  void start() { start_ = read_clock(); }
+  double seconds() const { return read_clock() - start_; }
 
   const std::atomic<bool>& cancelled() const { return cancelled_; }
 
@@ -39,8 +39,7 @@ class Budget {
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
+  double start_ = read_clock();
   double budget_, last_ = 0;
   std::int64_t block_ = 16, unseen_ = 0;
   const std::atomic<bool>& cancelled_;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
+#include "core/clock.hpp"
 #include "core/study/study.hpp"
 
 namespace least {
@@ -33,13 +33,11 @@ std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& kee
 class Deadline {
  public:
   explicit Deadline(double seconds) : seconds_(seconds) {}
-  double passed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  double passed() const { return read_clock() - start_; }
   double left() const { return seconds_ - passed(); }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-  double seconds_;
+  double start_ = read_clock(), seconds_;
 };
 
 /// What one run said.

@@ -12,15 +12,13 @@
 #include <vector>
 
 #include "core/catalogue/catalogue.hpp"
+#include "tests/support/turned_clock.hpp"
 
 #ifdef LEAST_LEFT_OUT
 #include <gtest/gtest.h>
 #endif
 
 namespace runs {
-
-/// Seconds within which a run with a budget of parts of one is over on any machine, where without it it takes hours.
-inline constexpr double slow_machine = 60;
 
 struct Result {
   least::Solution outcome;

@@ -124,6 +124,7 @@ struct SchemeCard {
   std::vector<std::pair<std::string, int>> orders{};  ///< by composition; one entry without a name: no composition
   bool implicit = false, symmetric = false;
   std::string structure{};                  ///< symplectic | contact | none
+  bool keeps_momenta = false;               ///< of symmetries, whatever its structure; with a structure it always does
   std::vector<ParameterCard> parameters{};  ///< filled in from the description
   std::string recommended{};                ///< the recommended composition, or empty
   std::vector<SchemePresetCard> presets{};

@@ -44,7 +44,7 @@ std::string stiff_damping(double limit, double damping_step, double t) {
                      limit, t, damping_step);
 }
 
-std::string stiff_action_sum(double damping_step) {
+std::string undamped_action(double damping_step) {
   return fmt::format(
       "αh = {:.3g}: this scheme does not damp the action s, which grows at every step, and with it the energy",
       damping_step);

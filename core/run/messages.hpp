@@ -20,7 +20,7 @@ std::string stiff(double ratio);
 std::string damping_sign(double limit, double damping_step, double t);
 std::string stiff_damping(double limit, double damping_step, double t);
 /// `rate` is γ|s|h.
-std::string stiff_action_sum(double damping_step);
+std::string undamped_action(double damping_step);
 std::string stiff_action(double rate);
 /// By what a step multiplies an oscillation, and all of them.
 std::string grows(double by_step, double together, bool damped);

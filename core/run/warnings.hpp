@@ -62,7 +62,7 @@ void warn_of_damping(const FinishedRun<P, X>& run, std::vector<Warning>& warning
     const double damping_step = run.problem.damping() * run.step;
     if (run.scheme.structure == "none" && damping_step > 1 &&
         !is_stable(run.request.scheme, run.request.settings, still, damping_step))
-      warnings.push_back({"stiff_step", messages::stiff_action_sum(damping_step)});
+      warnings.push_back({"stiff_step", messages::undamped_action(damping_step)});
   }
 }
 

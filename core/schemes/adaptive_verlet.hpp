@@ -125,6 +125,7 @@ struct AdaptiveVerlet {
             .orders = {{"", 2}},
             .symmetric = true,
             .structure = "none",
+            .keeps_momenta = true,
             .good_for = "eccentric orbits of any potential at moderate accuracy, explicit",
             .fails_when =
                 "the step changes much from one step to the next (ρ oscillates, then it stops as singular), or digits "

@@ -161,6 +161,7 @@ struct EnergyMomentum {
             .orders = {{"", 2}},
             .implicit = true,
             .structure = "none",
+            .keeps_momenta = true,
             .good_for = "comparison: discrete energy and momenta kept at once",
             .fails_when =
                 "the motion turns or rests: there no step keeps the discrete energy, and steps go at the nominal "

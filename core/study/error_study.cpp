@@ -37,7 +37,7 @@ bool keeps(const SchemeCard& scheme, const ProblemCard& problem, const Keep& kee
   const bool form = scheme.structure != "none" && problem.keeps_form;
   if (keep.structure && !form) return false;
   if (keep.energy && !form && !(scheme.symmetric && problem.keeps_energy)) return false;
-  return !keep.momenta || form || scheme.id == "adaptive_verlet";
+  return !keep.momenta || form || (scheme.keeps_momenta && problem.keeps_form);
 }
 
 }  // namespace

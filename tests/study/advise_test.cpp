@@ -118,7 +118,10 @@ TEST(Advice, KeepsWhatIsToBeKept) {
   };
   EXPECT_TRUE(has(ids("kepler", {.energy = true}), "adaptive_verlet"));
   EXPECT_FALSE(has(ids("kepler", {.structure = true}), "adaptive_verlet"));
-  EXPECT_TRUE(has(ids("kepler", {.momenta = true}), "adaptive_verlet"));
+  for (const char* scheme : {"adaptive_verlet", "energy_momentum"}) {
+    EXPECT_TRUE(has(ids("kepler", {.momenta = true}), scheme));
+    EXPECT_FALSE(has(ids("kepler", {.structure = true}), scheme));
+  }
   for (const Keep& keep : {Keep{.energy = true}, Keep{.structure = true}, Keep{.momenta = true}}) {
     EXPECT_FALSE(has(ids("kepler", keep), "jacobi_maupertuis"));
     EXPECT_FALSE(has(ids("kepler", keep), "runge_kutta_4"));

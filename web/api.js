@@ -19,7 +19,7 @@ async function post(path, request, accept, signal) {
   }
 }
 
-const silent = { faults: [{ detail: "The service does not answer. Is it still running?" }] };
+const silent = { faults: [{ detail: "The service does not answer. Is it still running?", lost: true }] };
 
 /** What a response says that is no success. */
 function refusal(response, answer) {
@@ -81,10 +81,4 @@ function parsed(text) {
   } catch {
     return null;
   }
-}
-
-/** A command line that makes the same run. */
-export function curl(request) {
-  const quoted = JSON.stringify(request).replaceAll("'", "'\\''");
-  return `curl -s ${new URL("v1/simulate", document.baseURI)} -d '${quoted}'`;
 }

@@ -4,9 +4,16 @@ import { words } from "./forms.js";
 /** The variables of the motion. The optional ones are only ways to start it, and are neither asked for nor drawn. */
 export const motion = (problem) => problem.variables.filter((variable) => !variable.optional);
 
-/** What may stand on an axis of the plane, as the options of a select. The first two are the usual choice. */
-export const axes = (problem) =>
-  [...motion(problem), { name: "t" }].map(({ name, symbol }) => ({ id: name, title: symbol || name }));
+/**
+ * What may stand on an axis of the plane, as the options of a select: any column that is a number. The first two are the
+ * usual choice.
+ */
+export function axes(problem) {
+  const moving = [...motion(problem), { name: "t" }].map(({ name, symbol }) => ({ id: name, title: symbol || name }));
+  const others = problem.columns.filter((name) => !["mode", "parameter"].includes(name) && !moving.some(({ id }) => id === name));
+  const derived = problem.columns.includes("energy") ? [{ id: "error_of_energy", title: "|H − H₀| / |H₀|" }] : [];
+  return [...moving, ...others.map((name) => ({ id: name, title: words(name) })), ...derived];
+}
 
 /** The preset of a problem or a scheme by its name. */
 export const presetOf = ({ presets }, name) => presets.find((preset) => preset.name === name);
@@ -14,7 +21,9 @@ export const presetOf = ({ presets }, name) => presets.find((preset) => preset.n
 /** The cards of the forms, with a preset's values for defaults where one is named. */
 export function cards(problem, preset = { parameters: {}, initial: {} }) {
   const start = { name: "t", doc: "when the run starts", default: 0 };
-  const given = (list, values) => list.map((card) => ({ ...card, default: values[card.name] ?? card.default }));
+  const slides = (card) => Number.isFinite(card.default) && (card.type ?? "number") === "number" && !card.optional;
+  const given = (list, values) => list.map((card) => ({ ...card, default: values[card.name] ?? card.default }))
+    .map((card) => ({ ...card, slides: slides(card) && card !== start && card.name !== "t" }));
   return { parameters: given(problem.parameters, preset.parameters),
            initial: given([...problem.variables, start], preset.initial) };
 }
@@ -60,11 +69,14 @@ export function energyKind({ columns, invariants }) {
   return invariants.some((invariant) => invariant.name === "energy") ? "error" : "value";
 }
 
-/** The columns to ask for: of schemes that set their own clock, also how each sample was reached. */
-export const columns = (problem, scheme) =>
-  ["t", ...motion(problem).map((variable) => variable.name), ...(energyKind(problem) === "none" ? [] : ["energy"]),
-   ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : [])];
+/** The columns to ask for, with `more`: of schemes that set their own clock, also how each sample was reached. */
+export const columns = (problem, scheme, more = []) => [...new Set([
+  "t", ...motion(problem).map((variable) => variable.name), ...(energyKind(problem) === "none" ? [] : ["energy"]),
+  ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : []), ...more.filter((name) => problem.columns.includes(name))])];
 
 /** Those of its diagnostics that the page shows: the others cost more than the run itself. */
 export const diagnostics = (problem) =>
   ["energy", "momenta", "orbit", "decay", "entropy", "zeros", "cycle"].filter((kind) => problem.diagnostics.includes(kind));
+
+/** The colour of the i-th run. */
+export const colourOf = (i) => `--run-${"abcdef"[i]}`;

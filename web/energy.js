@@ -90,7 +90,7 @@ export class EnergyPlot {
       ],
       series: [
         { label: "t", value: (_, v) => format(v, 5) },
-        ...runs.map((run, i) => ({ label: run.title, stroke: ink(run.colour), width: widths[i], points: { show: false },
+        ...runs.map((run, i) => ({ label: run.title, stroke: ink(run.colour), width: widths[i] ?? widths.at(-1), points: { show: false },
                                    value })),
       ],
       cursor: { points: { size: 7 }, drag: { x: true, y: false } },

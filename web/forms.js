@@ -1,4 +1,5 @@
 // Forms made from the catalogue's cards: fields, their values, and the service's faults at the field they point to.
+import { rangeOf, scaleOf, tidy } from "./scales.js";
 
 export const element = (tag, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), properties);
@@ -8,6 +9,9 @@ export const element = (tag, properties = {}, ...children) => {
 
 /** An id for people. */
 export const words = (id) => id.replaceAll("_", " ");
+
+/** A text of the catalogue, its powers, `e^{−αt}`, raised. */
+export const prose = (text) => text.split(/\^\{([^}]*)\}/).map((part, i) => (i % 2 ? element("sup", { textContent: part }) : part));
 
 /** A symbol of the catalogue, `p_y` with its index below. */
 export function symbol(text) {
@@ -31,7 +35,7 @@ export function build(container, cards, pointer, values = {}) {
 
 function field(card, pointer, value = card.default) {
   const input = control(card, value);
-  Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number" });
+  Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number", usual: String(card.default ?? "") });
   if (card.nullable) input.dataset.nullable = card.word ?? "";
   if (card.optional) input.dataset.optional = "";
   const unit = card.unit && card.unit !== "1" ? `in ${card.unit}` : "";
@@ -39,7 +43,25 @@ function field(card, pointer, value = card.default) {
   input.title = [card.doc, unit, range(card), empty].filter(Boolean).join("; ");
   const name = element("span", { className: "name", textContent: card.label ?? words(card.name) });
   if (card.symbol && card.symbol !== card.name) name.append(" ", symbol(card.symbol));
-  return element("label", { className: `field ${input.dataset.kind}` }, name, input);
+  const label = element("label", { className: `field ${input.dataset.kind}` }, name, input);
+  return card.slides ? element("div", { className: "sliding" }, label, track(input, card, name.textContent)) : label;
+}
+
+/** A slider that moves the number of a field; the field tells of it by "slide", and by "change" in the end. */
+function track(input, card, label) {
+  const range = rangeOf(card), scale = scaleOf(range);
+  const made = element("input", { type: "range", min: 0, max: 1000, step: 1, ariaLabel: label });
+  const follow = () => {
+    const value = Number(input.value);
+    if (Number.isFinite(value)) made.value = scale.of(value);
+  };
+  made.addEventListener("input", () => {
+    input.value = tidy(scale.at(Number(made.value)), range);
+    input.dispatchEvent(new CustomEvent("slide", { bubbles: true }));
+  });
+  input.addEventListener("input", follow);
+  follow();
+  return made;
 }
 
 function control(card, value) {
@@ -68,14 +90,18 @@ function range(card) {
   return `${open}${card.minimum ?? "−∞"}, ${card.maximum ?? "∞"}${close}`;
 }
 
+const shown = (input) => (input.type === "checkbox" ? String(input.checked)
+  : input.multiple ? [...input.selectedOptions].map((option) => option.value).join(",") : input.value.trim());
+
 /**
  * The values of a container by name. What is not a number is passed on as text: the service says what is wrong. An
- * optional value is there only where it is another than its default.
+ * optional value is there only where it is another than its default; with `changed` so is any.
  */
-export function values(container) {
+export function values(container, changed = false) {
   const read = {};
   for (const input of container.querySelectorAll("[data-name]")) {
     const { name, kind } = input.dataset, text = input.value.trim();
+    if (changed && shown(input) === input.dataset.usual) continue;
     if ("optional" in input.dataset && text === input.placeholder) continue;
     if (kind === "flag") read[name] = input.checked;
     else if (kind === "list") read[name] = [...input.selectedOptions].map((option) => option.value);
@@ -102,7 +128,7 @@ export function showFault(containers, fault) {
     if (input.hasAttribute("aria-invalid")) return input;
     const note = element("span", { className: "fault", id: `fault-${document.querySelectorAll(".fault").length}`,
                                    textContent: faultText(fault) });
-    input.parentElement.append(note);
+    input.closest(".field").append(note);
     input.setAttribute("aria-invalid", "true");
     input.setAttribute("aria-describedby", note.id);
     return input;

@@ -1,6 +1,10 @@
-// The experiment as the part of the address behind `#`, and back: `problem=kepler&problem.mu=1&initial.x=0&A=leapfrog…`.
-// An experiment has the sections of a request, with the two schemes under the names of the runs:
-// {problem: {id, …}, preset: {id}, initial: {…}, until: {t}, record: {samples}, axes: {x, y}, A: {id, …}, B: {id, …}}.
+// What is on the screen as the part of the address behind `#`, and back: `lesson=orbit`, or an experiment,
+// `problem=kepler&initial.x=0&A=leapfrog&A.step=0.01…`, which has the sections of a request and its schemes under the names
+// of the runs: {problem: {id, …}, preset: {id}, initial: {…}, until: {t}, record: {samples}, axes: {x, y}, A: {id, …}, …}.
+// What has its default is left out.
+
+export const names = ["A", "B", "C", "D", "E", "F"];
+const sections = ["problem", "preset", "initial", "until", "record", "axes", "view", "study", ...names];
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();
@@ -9,15 +13,37 @@ export function toHash(experiment) {
       pairs.append(name === "id" ? section : `${section}.${name}`, value === null ? "" : String(value));
     }
   }
-  return `#${pairs}`;
+  return `#${pairs}`.replaceAll("%2C", ",");
 }
 
-/** Values come back as text; the fields they go to know what they are. */
+/** Values come back as text; the fields they go to know what they are. `unread`: what means nothing. */
 export function fromHash(hash) {
-  const experiment = {};
+  const experiment = {}, unread = [];
   for (const [key, value] of new URLSearchParams(hash.replace(/^#/, ""))) {
     const [section, name = "id"] = key.split(".");
-    (experiment[section] ??= {})[name] = value;
+    if (sections.includes(section)) (experiment[section] ??= {})[name] = value;
+    else unread.push(key);
   }
-  return experiment;
+  return { experiment, unread };
+}
+
+/** `lesson=orbit&set=0.1` as `{id, state}`, or null where the link is to no lesson. */
+export function lessonOf(hash) {
+  const pairs = new URLSearchParams(hash.replace(/^#/, "")), id = pairs.get("lesson");
+  if (id === null) return null;
+  const numbers = (name) => pairs.get(name)?.split(",").map(Number);
+  const set = numbers("set")?.[0], steps = numbers("steps");
+  return { id, state: { ...(Number.isFinite(set) ? { set } : {}), ...(steps?.every((v) => v > 0) ? { steps } : {}) } };
+}
+
+export const lessonHash = (id, { set, steps } = {}) =>
+  `#lesson=${id}${set === undefined ? "" : `&set=${set}`}${steps ? `&steps=${steps.join(",")}` : ""}`;
+
+/** The workbench with these requests, as far as they are of one scene: that of the first. */
+export function benchLink(requests) {
+  const scene = ({ problem, initial, until }) => ({ problem, initial, until }), first = JSON.stringify(scene(requests[0]));
+  const { problem: { preset, ...problem }, ...rest } = scene(requests[0]);
+  const schemes = requests.filter((request) => JSON.stringify(scene(request)) === first).map(({ scheme }) => scheme);
+  return toHash({ problem, ...(preset ? { preset: { id: preset } } : {}), ...rest,
+                  ...Object.fromEntries(schemes.map((scheme, i) => [names[i], typeof scheme === "string" ? { id: scheme } : scheme])) });
 }

@@ -35,7 +35,10 @@ export function multiples(low, high, step) {
 export function tickLabel(x, step) {
   if (x === 0) return "0";
   const decimals = -Math.floor(Math.log10(step) + 1e-9);
-  if (decimals > 4 || Math.abs(x) >= 1e5) return format(x, 3);
+  if (decimals > 4 || Math.abs(x) >= 1e5) {
+    const [mantissa, exponent] = x.toExponential(2).split("e");
+    return `${minus(String(Number(mantissa)))}·${powerOfTen(+exponent)}`;
+  }
   return minus(x.toFixed(Math.max(decimals, 0)));
 }
 

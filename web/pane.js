@@ -1,30 +1,40 @@
 // One run of the comparison: its scheme and the form for it, its request, its picture and what went wrong.
-import { curl, simulate } from "./api.js";
-import { fineness, presetOf, schemeCards, schemePresets, title } from "./card.js";
-import { build, choose, clearFaults, element, faultText, showFault, values, words } from "./forms.js";
+import { simulate } from "./api.js";
+import { colourOf, fineness, presetOf, schemeCards, schemePresets, title } from "./card.js";
+import { build, choose, clearFaults, element, faultText, prose, showFault, values, words } from "./forms.js";
+import { names } from "./link.js";
 import { count, format } from "./numbers.js";
 import { Plane } from "./plane.js";
+import { forms } from "./take.js";
+import { workSetting } from "./work.js";
 
 export class Pane {
   #schemes = [];
   #problem = null;
   #part;
+  #request = null;
 
-  /** `name` is A or B; `refine` divides the suggested step, of whatever kind it is. */
-  constructor(name, refine) {
+  /**
+   * `name` is A to F; `refine` divides the suggested step, of whatever kind it is; `hovered(t)` hears at which time of the
+   * run a hand points.
+   */
+  constructor(name, refine, hovered) {
     this.name = name;
     this.refine = refine;
-    this.colour = `--run-${name.toLowerCase()}`;
+    this.colour = colourOf(names.indexOf(name));
     this.node = document.querySelector("#pane").content.cloneNode(true).firstElementChild;
     this.node.dataset.run = name;
     const find = (selector) => this.node.querySelector(selector);
     this.#part = { scheme: find(".scheme"), preset: find(".preset"), fields: find(".parameters"), traits: find(".traits"),
                    messages: find(".messages"), caption: find("figcaption .title"), canvas: find("canvas"),
                    stretches: find("figcaption .stretches"),
-                   about: find(".about div"), curl: find(".curl pre") };
+                   about: find(".about div"), curl: find(".curl pre"),
+                   language: find(".curl select") };
     find(".badge").textContent = name;
     find(".badge").setAttribute("aria-label", `Run ${name}`);
-    this.plane = new Plane(this.#part.canvas);
+    choose(this.#part.language, Object.keys(forms).map((id) => ({ id, title: id })));
+    this.#part.language.addEventListener("change", () => this.#spell());
+    this.plane = new Plane(this.#part.canvas, hovered);
     this.#part.scheme.addEventListener("change", () => this.#rebuild(this.chosen()));
     this.#part.preset.addEventListener("change", () => this.#rebuild(this.#keptBeside(this.#part.preset.value)));
     find(".curl button").addEventListener("click", (event) => this.#copy(event.target));
@@ -47,9 +57,15 @@ export class Pane {
   }
 
   /** The scheme as it stands in a request. */
-  chosen() {
-    const preset = this.#part.preset.value;
-    return { id: this.#part.scheme.value, ...(preset ? { preset } : {}), ...values(this.#part.fields) };
+  chosen(changed = false) {
+    const preset = this.#part.preset.value, usual = schemePresets(this.#scheme)[0].id;
+    return { id: this.#part.scheme.value, ...(preset && !(changed && preset === usual) ? { preset } : {}),
+             ...values(this.#part.fields, changed) };
+  }
+
+  /** Sets how fine the run is, in the setting that its work goes with. */
+  refineTo(value) {
+    this.#part.fields.querySelector(`[data-name=${workSetting(this.chosen())}]`).value = String(value);
   }
 
   /** The choice of another preset: of what is set, only how fine the run is stays, unless the preset says that too. */
@@ -65,18 +81,19 @@ export class Pane {
     this.#part.preset.title = preset?.doc ?? "";
     this.#part.preset.parentElement.hidden = scheme.presets.length === 0;
     build(this.#part.fields, schemeCards(scheme, this.#problem, preset, this.refine), "/scheme", chosen);
-    const say = (title, text) => (text ? element("p", {}, element("b", { textContent: `${title} ` }), text) : "");
+    const say = (title, text) => (text ? element("p", {}, element("b", { textContent: `${title} ` }), ...prose(text)) : "");
     const composed = scheme.recommended ? words(Object.values(scheme.recommended).join(", ")) : "";
     this.#part.about.replaceChildren(
-      element("p", { textContent: scheme.summary }), say("Good for:", scheme.good_for), say("Fails when:", scheme.fails_when),
+      element("p", {}, ...prose(scheme.summary)), say("Good for:", scheme.good_for), say("Fails when:", scheme.fails_when),
       say("Order:", orders(scheme.order)), say("Recommended composition:", composed),
       say("Source:", (scheme.references ?? []).join("; ")));
   }
 
-  /** Runs `request`; the outcome, or null when the service refused it. */
+  /** Runs `request`: `{outcome}`, null when the service refused it, and whether it is `lost`. */
   async run(request, sceneFields, signal) {
     this.#entitle(request.scheme);
-    this.#part.curl.textContent = curl(request);
+    this.#request = request;
+    this.#spell();
     const { outcome, faults = [] } = await simulate(request, signal);
     if (outcome?.choice) this.#entitle(outcome.scheme, "auto: ");
     const notes = faults.map((fault) => this.#fault(fault, [this.#part.fields, ...sceneFields]));
@@ -85,14 +102,18 @@ export class Pane {
     if (outcome?.events?.length) notes.push(note("events", counted(outcome.events)));
     for (const warning of outcome?.warnings ?? []) notes.push(note("warning", warning.detail || warning.code));
     this.#part.messages.replaceChildren(...(notes.length ? [element("ul", {}, ...notes)] : []));
-    return outcome ?? null;
+    return { outcome: outcome ?? null, lost: faults.some(({ lost }) => lost) };
+  }
+
+  #spell() {
+    if (this.#request) this.#part.curl.textContent = forms[this.#part.language.value](this.#request);
   }
 
   /** Says what is run: the scheme as a request spells it. */
   #entitle(scheme, who = "") {
     const card = this.#schemes.find(({ id }) => id === scheme.id);
     this.title = who + title(card, scheme);
-    this.#part.traits.textContent = traits(card, scheme);
+    this.#part.traits.textContent = traits(card, scheme, this.#problem);
     this.#part.caption.replaceChildren(element("b", { textContent: this.name }), ` ${this.title}`);
   }
 
@@ -121,12 +142,13 @@ export class Pane {
     clearFaults(this.#part.fields);
   }
 
-  /** Shows the curve `{x, y, stretched}` with the labels `[x, y]` in a view, or nothing. */
-  show(curve, [x, y], view) {
+  /** Shows a picture of the run's curve, or nothing. */
+  show(picture) {
+    const curve = picture?.curves[0];
     this.#part.canvas.setAttribute("aria-label", curve
-      ? `${y} over ${x} of run ${this.name}: ${this.title}` : `Run ${this.name}: nothing to show`);
+      ? `${picture.labels[1]} over ${picture.labels[0]} of run ${this.name}: ${this.title}` : `Run ${this.name}: nothing to show`);
     this.#part.stretches.hidden = !curve?.x.some((_, i) => curve.stretched(i));
-    this.plane.show(curve && { curve, view, labels: [x, y], colour: this.colour });
+    this.plane.show(picture);
   }
 
   async #copy(button) {
@@ -164,10 +186,11 @@ function counted(events) {
 }
 
 /** The order is by composition, or by a parameter that says it. */
-function traits({ id, order, implicit, symmetric, structure }, scheme) {
+function traits({ id, order, implicit, symmetric, structure }, scheme, { diagnostics }) {
   if (id === "auto") return "chosen by measurements of this scene";
   const byChoice = order !== null && typeof order === "object";
   const p = byChoice ? order[scheme.composition ?? scheme.order] ?? Object.values(order)[0] : order;
   return [p === null ? "adaptive" : `order ${p}`, implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not symmetric",
-          structure === "none" ? "keeps no structure" : structure].join(" · ");
+          ...(!diagnostics.includes("structure") && structure !== "none" ? []
+            : [structure === "none" ? "keeps no structure" : structure])].join(" · ");
 }

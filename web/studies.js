@@ -13,6 +13,9 @@ const failures = {
   solver_failed: "the equations of a step find no solution", pole: "the step meets a pole", not_finite: "numbers overflow",
 };
 
+const choices = ["measured", "measure", "cost", "budget"];
+const usual = (select) => ([...select.options].find((option) => option.defaultSelected) ?? select.options[0]).value;
+
 export class Studies {
   #schemes = [];
   #ask; // → {problem, initial, until} of a request, and the schemes of the panes
@@ -45,6 +48,19 @@ export class Studies {
 
   draw() {
     this.#plot.draw();
+  }
+
+  /** What is chosen to be measured, as far as it is not the usual. */
+  get choices() {
+    return Object.fromEntries(choices.map((id) => find(`#${id}`)).filter((select) => select.value !== usual(select))
+      .map((select) => [select.id, select.value]));
+  }
+  set choices(wanted) {
+    for (const select of choices.map((id) => find(`#${id}`))) {
+      const known = [...select.options].some(({ value }) => value === wanted[select.id]);
+      select.value = known ? wanted[select.id] : usual(select);
+    }
+    this.#plot.over(find("#cost").value);
   }
 
   /** The button begins a study, or ends the one under way. */
@@ -106,7 +122,10 @@ export class Studies {
     const { faults } = await api.workPrecision(request, this.#underWay.precision.signal, take);
     if (faults) return { faults };
     const notes = [...concerning(head), ...end.curves.flatMap((curve) => this.#ordered(curve)), ...end.left_out];
-    find("#precision-notes").replaceChildren(...notes.map((textContent) => element("li", { textContent })));
+    const listed = (some) => element("ul", { className: "messages" }, ...some.map((textContent) => element("li", { textContent })));
+    const [first, ...more] = notes;
+    find("#precision-notes").replaceChildren(listed([first]), ...(more.length ? [
+      element("details", {}, element("summary", { textContent: `${more.length} more notes` }), listed(more))] : []));
     return { said: `${points} runs. Times are those of this machine.` +
                    (end.status === "stopped" ? " The study was cut short." : "") };
   }

@@ -42,11 +42,25 @@ bool read_weights(const Json& json, const FieldPath& path, std::vector<double>& 
   return true;
 }
 
+// `, like {"t": 20}`: the object that a number or a list seems to have meant, by the names it might hold. A list is a
+// state, which the time is no part of.
+std::string example(const Json& json, const Names& known) {
+  const std::size_t first = json.is_array() && known.size() > 1 && known.front() == "t" ? 1 : 0;
+  const std::size_t count = json.is_array() ? std::max<std::size_t>(json.size(), 1) : 1;
+  std::string entries;
+  for (std::size_t i = 0; i < count && first + i < known.size(); ++i) {
+    const Json value = !json.is_array() ? json : i < json.size() ? json[i] : Json();
+    if (i > 0) entries += ", ";
+    entries += fmt::format("\"{}\": {}", known[first + i], value.is_number() ? value.dump() : "…");
+  }
+  return entries.empty() ? entries : fmt::format(", like {{{}}}", entries);
+}
+
 }  // namespace
 
 bool read_object(const Json& json, const FieldPath& path, const Names& known, std::string_view owner) {
   if (!json.is_object()) {
-    path.fault("must be an object", json);
+    path.fault("must be an object" + example(json, known), json);
     return false;
   }
   for (const auto& [key, value] : json.items()) {
@@ -102,7 +116,10 @@ std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, con
                                     std::string_view what) {
   std::vector<std::size_t> chosen;
   if (!json.is_array()) {
-    path.fault(fmt::format("must be a list of {}s", what), json, listed(known));
+    const bool one =
+        json.is_string() && std::find(known.begin(), known.end(), json.get_ref<const std::string&>()) != known.end();
+    path.fault(fmt::format("must be a list of {}s{}", what, one ? ", like [" + json.dump() + "]" : ""), json,
+               listed(known));
     return chosen;
   }
   for (std::size_t i = 0; i < json.size(); ++i) {

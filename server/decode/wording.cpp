@@ -30,6 +30,29 @@ std::size_t distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+struct Alias {
+  std::string_view said, name;
+};
+
+// What other programs and books call things; no misspelling leads from these to ours.
+constexpr Alias aliases[] = {
+    {"rk4", "runge_kutta_4"},
+    {"verlet", "leapfrog"},
+    {"stormer_verlet", "leapfrog"},
+    {"velocity_verlet", "leapfrog"},
+    {"euler", "explicit_euler"},
+    {"midpoint", "explicit_midpoint"},
+    {"rk45", "dormand_prince_5"},
+    {"dopri5", "dormand_prince_5"},
+    {"gauss", "contact_gauss"},
+    {"dt", "step"},
+    {"h", "step"},
+};
+
+bool same(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return folded(x) == folded(y); });
+}
+
 }  // namespace
 
 std::string shortest(double x) {
@@ -62,6 +85,9 @@ std::string listed(std::span<const std::string_view> names) {
 
 std::string_view closest(std::string_view word, std::span<const std::string_view> names) {
   if (word.empty() || word.size() > 64) return {};
+  for (const auto& [said, name] : aliases) {
+    if (same(word, said) && std::find(names.begin(), names.end(), name) != names.end()) return name;
+  }
   std::string_view best;
   std::size_t least = std::max<std::size_t>(word.size() / 3, 1) + 1;
   for (const auto name : names) {

@@ -21,8 +21,8 @@ std::string interval(const Range& range);
 /// `a, b, c`
 std::string listed(std::span<const std::string_view> names);
 
-/// The name closest to a misspelt one, or empty when none is close. Case does not count, a swap of neighbours counts
-/// once.
+/// The name that others call by this word (`rk4`, `dt`), else the one closest to a misspelt one, or empty when none is
+/// close. Case does not count, a swap of neighbours counts once.
 std::string_view closest(std::string_view word, std::span<const std::string_view> names);
 
 /// `; did you mean "leapfrog"?` or nothing.

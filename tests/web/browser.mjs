@@ -2,7 +2,8 @@
 //   LEAST_BINARY      the program (required)
 //   LEAST_BROWSER     a Chromium; else the first one found on the PATH
 //   LEAST_PAGE        a folder whose files stand for those that the program holds, to test the page without building it
-//   LEAST_SCREENSHOT  where to leave a picture of the page as it opens
+//   LEAST_SCREENSHOT  where to leave a picture of the page as it opens; LEAST_SCREENSHOTS: a folder for pictures of every
+//                     lesson and of the workbench, on screens of four sizes, light and dark
 // Without a browser the tests are skipped, loudly; under CI that is a failure.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
@@ -21,6 +22,8 @@ export const options = { skip: browserPath ? false : "no browser", timeout: 60_0
 const switches = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
                   "--disable-component-update", "--disable-sync"];
 export let origin, catalogue;
+/** Where tests begin that say nothing else: the paper's orbit, one revolution of it, in the workbench. */
+const workbench = "#problem=kepler&until.t=20";
 let service, browser;
 
 before(async () => {
@@ -74,9 +77,10 @@ async function servePage(context) {
 
 /**
  * Runs `body(page)` on a page at `hash` and fails when the browser complained about anything or asked any other origin
- * for anything. `expected` matches complaints that belong to the case; `prepare(context)` may change what is answered.
+ * for anything. `ready` is what tells that the page has settled; `expected` matches complaints that belong to the case; `prepare(context)` may change what is answered.
  */
-export function pageTest(name, { hash = "", expected = /^$/, prepare = () => {}, ...context }, body) {
+export function pageTest(name, { hash = workbench, ready = "#results[aria-busy=false]", expected = /^$/, prepare = () => {}, ...context },
+                         body) {
   test(name, options, async () => {
     const opened = await browser.newContext({ viewport: { width: 1600, height: 1000 }, ...context });
     await servePage(opened);
@@ -93,8 +97,8 @@ export function pageTest(name, { hash = "", expected = /^$/, prepare = () => {},
     page.on("requestfailed", (request) => failures.push(`request failed: ${request.url()}: ${request.failure().errorText}`));
     page.setDefaultTimeout(15_000);
     try {
-      await page.goto(`${origin}/${hash}`);
-      await settled(page);
+      await page.goto(`${origin}/${ready.startsWith("#lesson") && hash === workbench ? "" : hash}`);
+      await page.waitForSelector(ready);
       await body(page, opened);
     } catch (error) {
       for (const complaint of [...complaints, ...failures]) console.error(complaint); // they may be the cause
@@ -109,7 +113,7 @@ export function pageTest(name, { hash = "", expected = /^$/, prepare = () => {},
 export const settled = (page) => page.waitForSelector("#results[aria-busy=false]");
 export const pane = (page, name) => page.locator(`.pane[data-run=${name}]`);
 export const stepOf = (page, name) => pane(page, name).locator("[data-pointer='/scheme/step']");
-export const plane = (name) => `.pane[data-run=${name}] canvas`;
+export const plane = (name) => `.pane[data-run=${name}] canvas.plane`;
 export const all = (page, selector, property) =>
   page.locator(selector).evaluateAll((found, path) => found.map((node) => path.reduce((at, key) => at[key], node)),
                                      property.split("."));

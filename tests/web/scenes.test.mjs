@@ -83,7 +83,7 @@ sceneTest("an optional variable is sent when it is given, and is no column", {},
   assert.equal(await fieldAt(page, "/initial/s").inputValue(), "");
   assert.deepEqual(asked.at(-1).initial, { t: 0, q: 1, p: 0 });
   assert.deepEqual(asked.at(-1).columns, ["t", "q", "p", "energy"]);
-  assert.deepEqual(await all(page, "#axes [name=x] option", "value"), ["q", "p", "t"]);
+  assert.deepEqual(await all(page, "#axes [name=x] option", "value"), ["q", "p", "t", "s", "energy", "error_of_energy"]);
   await enter(page, "/initial/s", "0.25");
   assert.equal(asked.at(-1).initial.s, 0.25);
   assert.deepEqual(asked.at(-1).columns, ["t", "q", "p", "energy"]);

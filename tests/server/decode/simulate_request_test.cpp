@@ -45,6 +45,15 @@ Fault fault_at(const Faults& faults, const std::string& pointer) {
   return {};
 }
 
+TEST(Decode, WhatIsNoObjectIsToldTheObjectItMeant) {
+  const Faults faults = bad(R"({"problem":"swing","scheme":"leapfrog","initial":[1,0.5],"until":20,"columns":"q"})");
+  EXPECT_EQ(fault_at(faults, "/until").detail, R"(must be an object, like {"t": 20})");
+  EXPECT_EQ(fault_at(faults, "/initial").detail, R"(must be an object, like {"q": 1, "p": 0.5})");
+  EXPECT_EQ(fault_at(faults, "/columns").detail, R"(must be a list of columns, like ["q"])");
+  const Faults more = bad(R"({"problem":"swing","scheme":"leapfrog","record":100})");
+  EXPECT_EQ(fault_at(more, "/record").detail, R"(must be an object, like {"every": 100})");
+}
+
 TEST(Decode, TwoIdsAreACompleteRequest) {
   const Request request = good(R"({"problem":"swing","scheme":"leapfrog"})");
   EXPECT_EQ(request.scene->parameters, (std::vector<double>{1, 3}));

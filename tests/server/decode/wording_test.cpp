@@ -30,5 +30,16 @@ TEST(Wording, FindsWhatWasMeant) {
   EXPECT_EQ(closest(std::string(100'000, 'l'), names), "");
 }
 
+TEST(Wording, KnowsWhatOthersCallThings) {
+  const Names schemes{"explicit_euler", "explicit_midpoint", "leapfrog", "runge_kutta_4"};
+  EXPECT_EQ(closest("rk4", schemes), "runge_kutta_4");
+  EXPECT_EQ(closest("RK4", schemes), "runge_kutta_4");
+  EXPECT_EQ(closest("stormer_verlet", schemes), "leapfrog");
+  EXPECT_EQ(closest("euler", schemes), "explicit_euler");
+  EXPECT_EQ(closest("midpoint", schemes), "explicit_midpoint");
+  EXPECT_EQ(closest("dt", Names{"id", "step"}), "step");
+  EXPECT_NE(closest("dt", Names{"id", "tolerance"}), "step") << "only what there is";
+}
+
 }  // namespace
 }  // namespace least::server

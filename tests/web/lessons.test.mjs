@@ -1,0 +1,279 @@
+// The lessons: each runs, and what it claims is true of the data that the page shows.
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { all, drawn, origin, pageTest } from "./browser.mjs";
+import { lessons } from "../../web/lessons.js";
+
+const ready = "#lesson[aria-busy=false]";
+const calm = { ready, reducedMotion: "reduce" };
+
+/** Keeps the data of each lesson that the page shows. */
+const listening = (opened) => opened.addInitScript(() =>
+  document.addEventListener("shown", ({ detail }) => {
+    window.said = detail;
+    const { dataset } = document.documentElement;
+    dataset.shown = detail.lesson;
+    dataset.times = Number(dataset.times ?? 0) + 1;
+  }));
+const said = (page) => page.evaluate(() => window.said);
+const times = async (page) => Number(await page.getAttribute("html", "data-times"));
+const opened = (page, id) => page.waitForSelector(`html[data-shown=${id}]`);
+
+const end = (values) => values.findLast((v) => v !== null);
+const largest = (values) => Math.max(...values.map(Math.abs));
+const falls = (values) => values.every((v, i) => i === 0 || v <= values[i - 1] + 1e-6);
+const share = (values, wanted) => values.filter(wanted).length / values.length;
+
+/** What each lesson says, as a condition on its runs (of a study: on its curves). */
+const claims = {
+  orbit([good, bad]) {
+    assert.ok(Math.abs(good.cost.force_evaluations / bad.cost.force_evaluations - 1) < 0.01, "equal work");
+    assert.ok(Math.abs(good.diagnostics.orbit.semi_major_axis - 1) < 0.01 && bad.diagnostics.orbit.semi_major_axis < 0.8);
+    assert.ok(largest(good.trajectory.energy.map((e) => e + 0.5)) < 0.002 && end(bad.trajectory.energy) < -0.6);
+  },
+  spiral([euler, midpoint, leapfrog]) {
+    assert.ok(largest(euler.trajectory.q) > 1000 && end(midpoint.trajectory.energy) > 0.7);
+    assert.ok(largest(leapfrog.trajectory.q) < 1.05);
+  },
+  pendulum([good, bad]) {
+    const late = ({ trajectory: { q } }) => largest(q.slice(-400));
+    assert.ok(Math.abs(good.cost.force_evaluations / bad.cost.force_evaluations - 1) < 0.01, "equal work");
+    assert.ok(late(good) > 1.95 && late(bad) < 0.5);
+  },
+  paper(runs) {
+    const [long, short, hybrid, timed] = runs.map(({ diagnostics }) => Math.abs(diagnostics.orbit.apsidal_rotation));
+    assert.ok(Math.abs(long / 0.0454 - 1) < 0.02 && Math.abs(long / short - 4) < 0.3 && hybrid < 1e-4 && timed < 1e-10);
+    assert.ok(runs[2].trajectory.mode.includes("jacobi_maupertuis"));
+  },
+  damped([contact, other]) {
+    const off = ({ trajectory: { mechanical_energy: e } }) => end(e) / (0.5 * Math.exp(-0.1 * 300));
+    assert.ok(Math.abs(off(contact) - 1) < 0.2 && off(other) < 0.01, `${off(contact)}, ${off(other)}`);
+  },
+  driven: (runs) => assert.ok(Math.max(...runs.map(({ final: { q } }) => q)) - Math.min(...runs.map(({ final: { q } }) => q)) < 0.02),
+  orders(runs) {
+    const truth = runs[3].final, [second, fourth, sixth] = runs.map(({ final: { x, y } }) => Math.hypot(x - truth.x, y - truth.y));
+    assert.ok(second > 50 * fourth && fourth > 50 * sixth, `${second}, ${fourth}, ${sixth}`);
+  },
+  stars(runs) {
+    const [flat, sine, plummer, own] = runs.map(({ diagnostics }) => diagnostics.zeros[0]);
+    assert.ok(Math.abs(flat - Math.sqrt(6)) < 1e-3 && Math.abs(sine - Math.PI) < 1e-3 && plummer === undefined && own > sine);
+    const { t, q } = runs[2].trajectory;
+    assert.ok(largest(t.map((r, i) => q[i] - 1 / Math.sqrt(1 + (r * r) / 3))) < 1e-4, "the formula");
+  },
+  relaxation(runs) {
+    const [one, ten, hundred, thousand] = runs.map(({ diagnostics }) => diagnostics.cycle);
+    assert.ok([one, ten, hundred, thousand].every(({ amplitude }) => Math.abs(amplitude - 2) < 0.02));
+    assert.ok(one.period < 7 && ten.period < 20 && Math.abs(thousand.period / hundred.period / 10 - 1) < 0.02);
+  },
+  capture: (runs) => assert.ok(runs.every(({ trajectory: { p } }) => Math.abs(p.slice(-1000).reduce((a, b) => a + b) / 1000 - 1) < 0.02)),
+  cosmos([first, second, euler]) {
+    const off = ({ trajectory: { q, p, s } }) => largest(q.map((_, i) => Math.hypot(q[i], p[i], s[i]) - Math.SQRT2));
+    assert.ok(off(first) < 1e-3 && off(second) < 1e-3 && off(euler) > 0.05);
+    assert.ok(first.trajectory.s[0] < -1.2 && Math.abs(first.final.s - Math.SQRT2) < 1e-3, "from pole to pole");
+  },
+  bath([narrow, wide]) {
+    const inner = ({ trajectory: { q } }) => share(q, (v) => Math.abs(v) < 0.6745); // of a Gaussian 0.5
+    const far = ({ trajectory: { q } }) => share(q, (v) => Math.abs(v) > 2.3); // of a Gaussian 0.021
+    assert.ok(Math.abs(inner(narrow) - 0.5) < 0.02 && Math.abs(far(narrow) - 0.021) < 0.006, `${inner(narrow)} ${far(narrow)}`);
+    assert.equal(far(wide), 0);
+  },
+  downhill(runs) {
+    assert.ok(runs.every(({ trajectory: { potential } }) => falls(potential)));
+    assert.deepEqual([...new Set(runs.map(({ final: { x } }) => Math.sign(x)))].sort(), [-1, 1], "both wells");
+  },
+  heat([splitting, euler]) {
+    assert.ok(largest(splitting.trajectory.energy.map((e) => e - 1.5)) < 1e-12 && end(euler.trajectory.energy) > 10);
+    assert.ok(splitting.diagnostics.entropy.monotone && splitting.diagnostics.entropy.final > 0.3);
+  },
+  butterfly([a, b]) {
+    const apart = a.trajectory.x.map((x, i) => Math.abs(x - b.trajectory.x[i])), part = Math.floor(apart.length / 5);
+    assert.ok(largest(apart.slice(0, part)) < 1e-2 && largest(apart.slice(-2 * part)) > 10);
+  },
+  digits(curves) {
+    assert.equal(curves.length, 5);
+    const slope = ({ points }) => {
+      const good = points.filter(({ error }) => error > 1e-10 && error < 1e-2), [a, b] = [good[0], good.at(-1)];
+      return -Math.log(b.error / a.error) / Math.log(b.force_evaluations / a.force_evaluations);
+    };
+    assert.ok(Math.abs(slope(curves[0]) - 2) < 0.4, `leapfrog pays threefold for a digit: ${slope(curves[0])}`);
+    assert.ok(slope(curves[2]) > 6, `order 8: ${slope(curves[2])}`);
+  },
+};
+
+pageTest("every lesson runs, and its claim is true", { ...calm, viewport: { width: 1280, height: 720 }, prepare: listening }, async (page) => {
+  for (const [i, lesson] of lessons.entries()) {
+    if (i > 0) await page.keyboard.press("ArrowRight");
+    await opened(page, lesson.id);
+    const { runs, study } = await said(page);
+    claims[lesson.id](study ?? runs);
+    if (i === 0 && process.env.LEAST_SCREENSHOT) await page.screenshot({ path: process.env.LEAST_SCREENSHOT });
+    assert.equal(await page.textContent("#claim"), lesson.title);
+    assert.equal(await page.textContent("#lesson .wrong"), "");
+    assert.equal(await page.locator("#legend tbody tr").count(), lesson.runs?.length ?? 0);
+    const forces = (await all(page, "#legend td:nth-child(2) data", "value")).map(Number);
+    assert.deepEqual(forces, runs.map(({ cost }) => cost.force_evaluations), "the work stands beside each run");
+    for (const colour of ["a", "b"]) {
+      if (!study) assert.ok(await seen(page, `--run-${colour}`), `${lesson.id}: run ${colour} is drawn`);
+    }
+  }
+  assert.equal(lessons.length, Object.keys(claims).length);
+  assert.ok(await page.isDisabled("#next"));
+});
+
+/** Whether some picture has a colour. */
+async function seen(page, colour) {
+  const pictures = await page.locator("#stage figure").count();
+  for (let i = 1; i <= pictures; i++) {
+    if ((await drawn(page, `#stage figure:nth-child(${i}) canvas:not(.over)`, colour)).count > 40) return true;
+  }
+  return false;
+}
+
+// 640 × 360 is 1280 × 720 at twice the size.
+const screens = [[1280, 720], [1024, 768], [360, 740], [640, 360]];
+for (const colorScheme of process.env.LEAST_SCREENSHOTS ? ["light", "dark"] : ["light"]) {
+  pageTest(`the first screen shows a picture, ${colorScheme}`, { ...calm, colorScheme, prepare: listening }, async (page) => {
+    const folder = process.env.LEAST_SCREENSHOTS;
+    if (folder) mkdirSync(folder, { recursive: true });
+    const visible = async (where, width, height) => {
+      const selector = where.startsWith("#problem") ? ".pane canvas.plane" : "#stage :is(canvas.plane, .precision)";
+      const { y, height: high, width: wide } = await page.locator(selector).first().boundingBox();
+      const shown = Math.min(y + high, height) - y;
+      assert.ok(shown > Math.min(0.75 * high, 0.35 * height) && wide > 0.25 * width, `${where} at ${width} × ${height}: ${shown} of ${high}`);
+      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `${where} is not cut off at ${width}`);
+    };
+    for (const [width, height] of screens) {
+      await page.setViewportSize({ width, height });
+      for (const { id } of folder ? lessons : [lessons[0]]) {
+        await page.evaluate((to) => (location.hash = `lesson=${to}`), id);
+        await opened(page, id);
+        await visible(id, width, height);
+        if (folder) await page.screenshot({ path: `${folder}/${id}-${width}x${height}-${colorScheme}.png` });
+      }
+      await page.evaluate(() => (location.hash = "problem=kepler&until.t=95"));
+      await page.waitForSelector("#experiment:not([hidden]) #results[aria-busy=false]");
+      await visible("#problem=kepler", width, height);
+      if (folder) await page.screenshot({ path: `${folder}/workbench-${width}x${height}-${colorScheme}.png` });
+    }
+  });
+}
+
+pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#lesson=pendulum", prepare: listening }, async (page) => {
+  const forces = async () => (await said(page)).runs.map(({ cost }) => cost.force_evaluations);
+  const click = async (button) => {
+    const before = await times(page);
+    await page.click(button);
+    await page.waitForSelector(`html[data-times="${before + 1}"]`);
+  };
+  await click("#equal-step");
+  assert.deepEqual((await said(page)).runs.map(({ scheme }) => scheme.step), [0.2, 0.2]);
+  const [one, four] = await forces();
+  assert.ok(four > 3.9 * one, "Runge–Kutta is nearly perfect at four times the work, and the page says so");
+  assert.match(page.url(), /lesson=pendulum&steps=0.2,0.2/);
+  await click("#equal-work");
+  const [a, b] = await forces();
+  assert.ok(Math.abs(a / b - 1) < 0.01, `${a}, ${b}`);
+  await page.goBack();
+});
+
+pageTest("the control answers while it is dragged, with fewer points, one request at a time", { ...calm, hash: "#lesson=damped", prepare: listening },
+  async (page) => {
+    let flying = 0, most = 0;
+    const sizes = [];
+    await page.route("**/v1/simulate", async (route) => {
+      most = Math.max(most, ++flying);
+      sizes.push(route.request().postDataJSON().record.samples);
+      await new Promise((resolve) => setTimeout(resolve, 60));
+      await route.continue().catch(() => {});
+      flying--;
+    });
+    const before = await times(page);
+    const track = page.locator("#control input[type=range]"), { x, y, width, height } = await track.boundingBox();
+    await page.mouse.move(x + width / 3, y + height / 2);
+    await page.mouse.down();
+    for (let i = 1; i <= 20; i++) await page.mouse.move(x + width / 3 + (i * width) / 40, y + height / 2);
+    await page.mouse.up();
+    await page.waitForSelector(ready);
+    const shown = (await times(page)) - before;
+    assert.equal(most, 2, "the two runs of one question");
+    assert.ok(shown >= 2 && sizes.length < 40, `${shown} pictures, ${sizes.length} requests for twenty moves`);
+    assert.ok(sizes[0] < 1000 && sizes.at(-1) >= 4000, `${sizes}`);
+    const value = Number(await page.inputValue("#control input[type=text]"));
+    assert.equal((await said(page)).runs[0].problem.damping, value, "the newest wins");
+  });
+
+pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready, hash: "#lesson=pendulum", prepare: listening }, async (page) => {
+  const body = () => page.locator("#stage canvas.body").evaluate((canvas) => canvas.toDataURL());
+  const time = async () => Number((await page.textContent("#lesson .player output")).replace("t = ", ""));
+  assert.match(await page.textContent("#lesson .play"), /Pause/, "it plays by itself");
+  const first = await body(), early = await time();
+  await page.waitForTimeout(300);
+  assert.notEqual(await body(), first);
+  assert.ok((await time()) > early);
+  await page.locator("#claim").focus();
+  await page.keyboard.press("Space");
+  const stopped = await time();
+  await page.waitForTimeout(150);
+  assert.equal(await time(), stopped, "space stops it");
+  await page.locator("#lesson .time input").fill("500");
+  assert.equal(await time(), 600);
+});
+
+pageTest("who wishes for less motion sees all at once", { ...calm, hash: "#lesson=pendulum" }, async (page) => {
+  assert.match(await page.textContent("#lesson .play"), /Play/);
+  assert.equal(await page.textContent("#lesson .player output"), "t = 1200");
+});
+
+pageTest("presentation: one picture, large type, keys; and back goes back", { ...calm, viewport: { width: 1280, height: 720 }, prepare: listening },
+  async (page) => {
+    await page.click("#present");
+    assert.equal(await page.locator("#stage figure:visible").count(), 2, "the two that are compared");
+    const sizes = await page.evaluate(() => [...document.querySelectorAll("#claim, #legend td, #see, canvas.plane")]
+      .map((node) => parseFloat(getComputedStyle(node).fontSize)));
+    assert.ok(Math.min(...sizes) >= 20, `${sizes}`);
+    const { y, height } = await page.locator("#stage canvas.plane").first().boundingBox();
+    assert.ok(height > 250 && y + height <= 720);
+    await page.keyboard.press("ArrowRight");
+    await opened(page, "spiral");
+    assert.equal(await page.locator("#stage figure:visible").count(), 1);
+    await page.keyboard.press("ArrowLeft");
+    await opened(page, "orbit");
+    await page.keyboard.press("Escape");
+    assert.ok((await page.locator("#stage figure:visible").count()) > 1);
+    await page.goBack();
+    await opened(page, "spiral");
+    await page.click("#to-bench");
+    await page.waitForSelector("#results[aria-busy=false]");
+    assert.deepEqual(await all(page, ".pane .scheme", "value"), ["explicit_euler", "explicit_midpoint", "leapfrog"]);
+    assert.equal(await page.inputValue("[data-pointer='/until/t']"), "60", "the same scene");
+    await page.goBack();
+    await opened(page, "spiral");
+  });
+
+pageTest("a link to no lesson is said", { ...calm, hash: "#lesson=nothing" }, async (page) => {
+  assert.match(await page.textContent("#notice"), /no lesson “nothing”/);
+  assert.equal(await page.textContent("#claim"), lessons[0].title);
+});
+
+pageTest("a view in space is turned by hand", { ...calm, hash: "#lesson=cosmos" }, async (page) => {
+  const look = () => page.locator("#stage canvas.plane").first().evaluate((canvas) => canvas.toDataURL());
+  const before = await look(), { x, y, width, height } = await page.locator("#stage canvas.plane").first().boundingBox();
+  await page.mouse.move(x + width / 2, y + height / 2);
+  await page.mouse.down();
+  await page.mouse.move(x + width / 2 + 80, y + height / 2 + 20);
+  await page.mouse.up();
+  await page.mouse.move(2, 2); // no cross-hair, which shows a time of its own
+  assert.notEqual(await look(), before);
+});
+
+pageTest("the page is small", calm, async () => {
+  let bytes = 0;
+  const { gzipSync } = await import("node:zlib");
+  const files = ["", "page.css", "uPlot.min.css", "uPlot.iife.min.js", "main.js"], seen = new Set(files);
+  for (let i = 0; i < files.length; i++) {
+    const text = await (await fetch(`${origin}/${files[i]}`)).text();
+    bytes += gzipSync(text).length;
+    for (const [, name] of text.matchAll(/from "\.\/([\w-]+\.js)"/g)) if (!seen.has(name)) files.push(name) && seen.add(name);
+  }
+  assert.ok(files.length > 15 && bytes < 150_000, `${bytes} bytes in ${files.length} files`);
+});

@@ -1,0 +1,243 @@
+// One lesson on the screen: its words, its runs, one control to move, and the way to the next.
+import { simulate } from "./api.js";
+import { Bodies } from "./bodies.js";
+import { colourOf, title } from "./card.js";
+import { element, faultText } from "./forms.js";
+import { lessons } from "./lessons.js";
+import { benchLink } from "./link.js";
+import { fill } from "./legend.js";
+import { Live } from "./live.js";
+import { count } from "./numbers.js";
+import { pictureOf } from "./pictures.js";
+import { coarse, controlled, requestOf } from "./asked.js";
+import { Plane } from "./plane.js";
+import { Player } from "./player.js";
+import { slider } from "./sliders.js";
+import { Study } from "./study.js";
+import { equalWork, rounded, workSetting } from "./work.js";
+
+const find = (selector) => document.querySelector(`#lesson ${selector}`);
+export class Lesson {
+  #catalogue;
+  #go; // (id, state, kept) of another lesson, or of this one with another state
+  #lesson = null;
+  #state = {};
+  #planes = [];
+  #bodies = [];
+  #angles = { around: 0.6, up: 0.35 };
+  #runs = [];
+  #control = null;
+  #study = null;
+  #live = new Live((asked, signal) => Promise.all(asked.requests.map((request) => simulate(request, signal))),
+                   (answers, asked) => this.#show(answers, asked));
+  #player = new Player(find(".player"), (t) => [...this.#planes, ...this.#bodies].forEach((part) => part.at(t)));
+
+  constructor(catalogue, go) {
+    this.#catalogue = catalogue;
+    this.#go = go;
+    find("#which").append(...lessons.map(({ id, title: claim }, i) => element("option", { value: id, textContent: `${i + 1}. ${claim}` })));
+    find("#gallery").append(...lessons.map(({ id, title: claim }) =>
+      element("li", {}, element("a", { href: `#lesson=${id}`, textContent: claim }))));
+    find("#which").addEventListener("change", (event) => go(event.target.value));
+    find("#previous").addEventListener("click", () => this.turn(-1));
+    find("#next").addEventListener("click", () => this.turn(1));
+    find("#present").addEventListener("click", () => this.present());
+    find("#equal-work").addEventListener("click", () => this.#even(equalWork(this.#runs)));
+    find("#equal-step").addEventListener("click", () =>
+      this.#even(this.#lesson.runs.map(() => this.#runs[0].scheme[workSetting(this.#runs[0].scheme)])));
+  }
+
+  /** Shows the lesson `id`, the control as `state` says: `{set, steps}`. */
+  open(id, state = {}) {
+    const again = this.#lesson?.id === id;
+    this.#lesson = lessons.find((lesson) => lesson.id === id) ?? lessons[0];
+    this.#state = state;
+    this.#busy(true);
+    if (!again) this.#build();
+    else this.#control?.set(this.#setting());
+    this.#ask(true);
+    return this.#lesson.id === id;
+  }
+
+  close() {
+    this.#live.stop();
+    this.#study?.stop();
+    this.#player.rest();
+    this.present(false);
+  }
+
+  turn(by) {
+    const at = lessons.indexOf(this.#lesson) + by;
+    if (lessons[at]) this.#go(lessons[at].id);
+  }
+
+  present(on = !document.documentElement.classList.contains("present")) {
+    document.documentElement.classList.toggle("present", on);
+    find("#present").textContent = on ? "Leave" : "Present";
+    if (on) find("#claim").focus();
+  }
+
+  /** Keys of a lecture: arrows turn, space plays, Escape leaves. */
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("input, select, textarea")) return;
+    const acts = { ArrowRight: () => this.turn(1), ArrowLeft: () => this.turn(-1), PageDown: () => this.turn(1),
+                   PageUp: () => this.turn(-1), Escape: () => this.present(false) };
+    if (!event.target.closest("button, a, summary")) acts[" "] = () => this.#player.toggle();
+    if (!acts[event.key]) return;
+    event.preventDefault();
+    acts[event.key]();
+  }
+
+  draw() {
+    [...this.#planes, ...this.#bodies].forEach((part) => part.draw());
+    this.#study?.draw();
+  }
+
+  // ---- what there is
+
+  get #problem() {
+    return this.#catalogue.problems.find(({ id }) => id === (this.#lesson.study ?? this.#lesson.scene).problem.id);
+  }
+
+  #build() {
+    const { title: claim, look, see, views = [], runs, control, apart, layout, study } = this.#lesson, at = lessons.indexOf(this.#lesson);
+    find("#which").value = this.#lesson.id;
+    find("#previous").disabled = at === 0;
+    find("#next").disabled = at === lessons.length - 1;
+    find("#claim").textContent = claim;
+    find("#look").textContent = look;
+    find("#see").textContent = see;
+    find("#legend").replaceChildren();
+    this.#runs = [];
+    this.#player.rest();
+    this.#planes = [];
+    this.#bodies = [];
+    this.#study?.stop();
+    const figure = (name, canvas, caption = "") => element("figure", { className: name }, element("figcaption", { textContent: caption }), canvas);
+    const plane = (name, caption) => {
+      const canvas = element("canvas", { className: "plane", role: "img" }), made = figure(name, canvas, caption);
+      this.#planes.push(new Plane(canvas, (t) => this.#hover(t)));
+      return made;
+    };
+    find("#stage").className = apart ? "apart" : layout ?? "";
+    find("#stage").dataset.views = apart ? runs.length : views.length || 1;
+    find("#stage").replaceChildren(...(apart ? runs.map((_, i) => plane("of-run", this.#titleOf(i))) : views.map((view) => {
+      if (!view.body) return plane(view.run === undefined ? "of-all" : "of-run", view.run === undefined ? "" : this.#titleOf(view.run));
+      const canvas = element("canvas", { className: "body", role: "img", ariaLabel: `The ${view.body.replace("_", " ")} of each run` });
+      this.#bodies.push(new Bodies(canvas));
+      return figure("of-body", canvas);
+    })));
+    this.#study = this.#lesson.study ? new Study(find("#stage"), this.#catalogue.schemes) : null;
+    find(".player").hidden = views.every(({ bins }) => bins);
+    find("#to-bench").href = this.#study ? benchLink(study.schemes.map((scheme) => ({ ...study, scheme }))) : "#problem=kepler";
+    this.#control = control ? slider(control.label, control, this.#setting(), (value, done) => this.#move(value, done)) : null;
+    find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));
+    const comparable = !this.#study && runs.length > 1 && control.sets === "steps";
+    find("#equal-work").hidden = find("#equal-step").hidden = !comparable;
+  }
+
+  #titleOf(i) {
+    const { name, scheme } = this.#lesson.runs[i], request = requestOf(this.#lesson, i, this.#state);
+    return name ?? title(this.#catalogue.schemes.find(({ id }) => id === scheme.id), request.scheme);
+  }
+
+  /** Where the control stands. */
+  #setting() {
+    return controlled(this.#lesson, this.#state, this.#problem);
+  }
+
+  #move(value, done) {
+    if (this.#lesson.control.sets === "steps") {
+      const own = this.#lesson.runs.map(({ scheme }) => scheme[workSetting(scheme)]), now = this.#state.steps ?? own;
+      this.#state = { steps: now.map((step) => rounded((step / now[0]) * value, 4)) };
+    } else {
+      this.#state = { set: value };
+    }
+    if (done) this.#go(this.#lesson.id, this.#state, true);
+    this.#ask(false, done ? undefined : coarse);
+  }
+
+  #even(steps) {
+    if (!this.#runs.length || steps.includes(null)) return;
+    this.#state = { steps };
+    this.#control.set(steps[0]);
+    this.#go(this.#lesson.id, this.#state, true);
+    this.#ask(true);
+  }
+
+  // ---- what is run
+
+  #busy(busy) {
+    document.querySelector("#lesson").setAttribute("aria-busy", String(busy));
+  }
+
+  #ask(urgent, samples) {
+    this.#busy(true);
+    const study = this.#study;
+    if (study) return void study.run(this.#lesson.study).then(() => study === this.#study && this.#shown());
+    const requests = this.#lesson.runs.map((_, i) => requestOf(this.#lesson, i, this.#state, samples));
+    this.#live.ask({ requests, first: !this.#runs.length, lesson: this.#lesson }, urgent);
+  }
+
+  #show(answers, { requests, first, lesson }) {
+    if (lesson !== this.#lesson) return;
+    const refused = answers.flatMap(({ faults = [] }) => faults);
+    find(".wrong").textContent = refused.map(faultText)[0] ?? "";
+    if (refused.length) {
+      if (refused.some(({ lost }) => lost)) setTimeout(() => lesson === this.#lesson && this.#ask(true), 2000);
+      return this.#busy(false); // the last good picture stays
+    }
+    this.#runs = answers.map(({ outcome }, i) => ({
+      title: this.#titleOf(i), colour: colourOf(i), outcome, trajectory: outcome.trajectory, scheme: outcome.scheme,
+      parameters: outcome.problem, request: requests[i],
+    }));
+    this.#drawViews();
+    fill(find("#legend"), this.#runs, lesson.tells);
+    const times = this.#runs.flatMap(({ trajectory: { t } }) => [t[0], t.at(-1)]);
+    if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times));
+    if (first) this.#player.begin();
+    find("#to-bench").href = benchLink(requests);
+    this.#shown();
+  }
+
+  #shown() {
+    this.#busy(this.#live.waiting);
+    document.dispatchEvent(new CustomEvent("shown", { detail: { lesson: this.#lesson.id, runs: this.#runs.map(({ outcome }) => outcome),
+                                                                study: this.#study?.outcome } }));
+  }
+
+  #drawViews() {
+    const { views, apart } = this.#lesson, variable = (name) =>
+      this.#problem.variables.find((card) => card.name === name)?.symbol || name;
+    const settings = { angles: this.#angles, symbol: variable };
+    const shown = apart ? this.#runs.map((run) => pictureOf(views[0], [run], settings))
+      : views.filter(({ body }) => !body).map((view) => pictureOf(view, this.#runs, settings));
+    if (apart && views[0].x !== "t") { // one view for all
+      const seen = shown.filter(Boolean).map(({ view }) => view);
+      const box = (axis) => [Math.min(...seen.map((v) => v[axis][0])), Math.max(...seen.map((v) => v[axis][1]))];
+      for (const picture of shown) if (picture) picture.view = { ...picture.view, x: box("x"), y: box("y") };
+    }
+    this.#planes.forEach((plane, i) => {
+      const picture = shown[i];
+      if (picture?.bare) picture.turn = (right, down) => this.#rotate(right, down);
+      plane.show(picture);
+      document.querySelectorAll("#stage canvas.plane")[i].setAttribute("aria-label", picture
+        ? `${picture.labels[1]} over ${picture.labels[0]}: ${picture.curves.map((curve) => curve.title).join(", ")}` : "Nothing to show");
+    });
+    const seen = apart ? this.#runs.map((_, i) => i) : views.map(({ run }) => run);
+    document.querySelectorAll("#stage figcaption").forEach((caption, i) => {
+      const { title: name = "", outcome } = this.#runs[seen[i]] ?? {};
+      caption.textContent = outcome ? `${name}: ${count(outcome.cost.force_evaluations)} force evaluations` : "";
+    });
+    this.#bodies.forEach((body) => body.show(views.find((view) => view.body).body, this.#runs));
+  }
+
+  #rotate(right, down) {
+    this.#angles = { around: this.#angles.around + right / 120, up: Math.max(-1.57, Math.min(1.57, this.#angles.up + down / 120)) };
+    this.#drawViews();
+  }
+
+  #hover(t) {
+    if (!this.#player.playing) [...this.#planes, ...this.#bodies].forEach((part) => part.at(t ?? this.#player.time));
+  }
+}

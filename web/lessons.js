@@ -1,0 +1,191 @@
+// The lessons: each a claim, the runs that show it, and the words beside them.
+//   scene, runs   a request and what each run has of its own; a run may bear a `name`
+//   views         columns `x`, `y` (`error_of_energy`: |H − H₀| / |H₀|), `z` for a view in space; `log`: the axes that are
+//                 logarithmic; `box`: what is seen; `exact`: known curves, functions of x or, with a range, to points; `bins`: a
+//                 histogram of x; `run`: one run only; `thin`: of thin lines; `body`: the thing itself
+//   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one
+//   curve, points states evenly along the curve instead of in time; how many
+//   control       one slider: what it sets (`steps`: of all runs, in proportion), from where to where
+//   tells         numbers beside each run: a name and the path to it in the answer
+const h = (id, step, more = {}) => ({ scheme: { id, step, ...more } });
+const steps = (low, high) => ({ sets: "steps", label: "step h", low, high, log: true });
+const drift = { x: "t", y: "error_of_energy", log: "y" };
+const tau = 2 * Math.PI;
+const ellipse = ["the true orbit", (w) => [Math.cos(w) - 0.6, 0.8 * Math.sin(w)], [0, tau]];
+
+export const lessons = [
+  {
+    id: "orbit", title: "At equal work, one scheme keeps the orbit and the other loses it",
+    look: "Both runs evaluate the force equally often, over fifty revolutions. Watch the orbit of Runge–Kutta shrink.",
+    see: "The energy error of the symplectic scheme swings, and stays bounded for ever; that of Runge–Kutta grows with every " +
+         "revolution. A longer step makes both worse and the difference larger.",
+    scene: { problem: { id: "kepler" }, initial: { x: 0.4, y: 0, px: 0, py: 2 }, until: { t: 50 * tau } },
+    runs: [h("leapfrog", 0.15, { composition: "suzuki_4" }), h("runge_kutta_4", 0.12)],
+    views: [{ x: "x", y: "y", run: 0, exact: [ellipse], thin: true }, { x: "x", y: "y", run: 1, exact: [ellipse], thin: true }, drift],
+    layout: "pair", curve: true, control: steps(0.05, 0.2), tells: [["semi-major axis (true: 1)", "diagnostics.orbit.semi_major_axis"]],
+  },
+  {
+    id: "spiral", title: "Euler spirals out; leapfrog comes back to its circle",
+    look: "A mass on a spring, seen by its place and momentum: the true curve is the circle. The step is long, to see what " +
+          "each scheme does.",
+    see: "Euler gains energy at every step, the midpoint rule slowly; leapfrog's curve closes, slightly out of round.",
+    scene: { problem: { id: "harmonic_oscillator" }, initial: { q: 1, p: 0 }, until: { t: 60 } },
+    runs: [h("explicit_euler", 0.3), h("explicit_midpoint", 0.3), h("leapfrog", 0.3)],
+    views: [{ x: "q", y: "p", box: { x: [-2, 2], y: [-2, 2] } }, { body: "spring" }, drift], control: steps(0.02, 1),
+  },
+  {
+    id: "pendulum", title: "A pendulum without friction does not come to rest, unless the scheme brakes it",
+    look: "The same number of force evaluations again, over some hundred and forty swings. Play it and see who still swings high.",
+    see: "Runge–Kutta's swings shrink as if there were friction. Leapfrog's stay, at a step four times as short.",
+    scene: { problem: { id: "pendulum" }, initial: { q: 2, p: 0 }, until: { t: 1200 } },
+    runs: [h("leapfrog", 0.2), h("runge_kutta_4", 0.8)],
+    views: [{ x: "q", y: "p", thin: true }, { body: "pendulum" }, drift], control: steps(0.05, 0.25),
+  },
+  {
+    id: "paper", title: "An ellipse that turns is an error of the scheme; a hybrid holds it still",
+    look: "The orbit of Nair, Ober-Blöbaum and Marsden, five revolutions with four schemes. The true ellipse does not turn.",
+    see: "Half the step turns the apsis a quarter as much. The hybrid steps in space where the planet is fast (the marked " +
+         "stretch), transformed time slows down there: both hold the ellipse.",
+    scene: { problem: { id: "kepler" }, until: { t: 95 } }, apart: true, curve: true,
+    runs: [h("leapfrog", 0.01), h("leapfrog", 0.005), h("jacobi_maupertuis", 0.01, { theta: 0.01 }),
+           { scheme: { id: "time_transformed", preset: "kepler", sigma: 0.05 } }],
+    views: [{ x: "x", y: "y" }], control: { sets: "until.t", label: "until t", low: 19, high: 190 },
+    tells: [["apsis turns, rad a revolution", "diagnostics.orbit.apsidal_rotation"]],
+  },
+  {
+    id: "damped", title: "Friction takes energy at a rate of its own, and a contact scheme keeps that rate",
+    look: "A damped oscillator at long steps and equal work. The dashed line is the law of decay, e^(−αt).",
+    see: "Runge–Kutta damps faster than the friction does. The contact scheme follows the law over thirteen decades.",
+    scene: { problem: { id: "damped_oscillator", damping: 0.1 }, initial: { q: 1, p: 0 }, until: { t: 300 } },
+    runs: [h("contact_leapfrog", 0.3), h("runge_kutta_4", 1.2)],
+    views: [{ x: "t", y: "mechanical_energy", log: "y", exact: [["½ e^(−αt)", (t, { damping }) => 0.5 * Math.exp(-damping * t)]] },
+            { x: "q", y: "p" }],
+    control: { sets: "problem.damping", label: "damping α", low: 0.02, high: 0.5, log: true },
+    tells: [["mechanical energy at the end", "trajectory.mechanical_energy.last"]],
+  },
+  {
+    id: "driven", title: "Whatever the start, the drive has the last word",
+    look: "A damped oscillator that is pushed in a steady rhythm, from three starts. They fall together.",
+    see: "After some ten swings the starts are forgotten, and all three move in the rhythm of the drive. Near its own " +
+         "frequency, 1, the swing is largest.",
+    scene: { problem: { id: "driven_oscillator", damping: 0.2, amplitude: 0.3, frequency: 1.5 }, until: { t: 60 },
+             scheme: { id: "contact_leapfrog", step: 0.05 } },
+    runs: [{ name: "start at q = −1.5", initial: { q: -1.5, p: 0 } }, { name: "start at rest", initial: { q: 0, p: 0 } },
+           { name: "start with a kick", initial: { q: 1, p: 1.5 } }],
+    views: [{ x: "t", y: "q" }, { body: "spring" }, { x: "q", y: "p" }],
+    control: { sets: "problem.frequency", label: "frequency Ω", low: 0.3, high: 3 },
+    tells: [["q at the end", "final.q"]],
+  },
+  {
+    id: "orders", title: "Each higher order buys digits, if the motion is smooth",
+    look: "A planet whose medium brakes and pushes it by turns; one step size, contact schemes of order 2, 4, 6, " +
+          "and 8, which the others are measured against.",
+    see: "At this step two more orders buy two more digits, and cost more force evaluations. With long steps the orders lie " +
+         "close together: a high order wants a step short enough.",
+    scene: { problem: { id: "perturbed_kepler", preset: "circular" }, until: { t: 20 } },
+    runs: [h("contact_splitting", 0.1), h("contact_splitting", 0.1, { composition: "suzuki_4" }),
+           h("contact_splitting", 0.1, { composition: "kahan_li_6" }), h("contact_splitting", 0.1, { composition: "kahan_li_8" })],
+    views: [{ x: "t", y: "distance", between: ["x", "y"], log: "y" }, { x: "x", y: "y" }], control: steps(0.02, 0.5),
+    tells: [["x at the end", "final.x"]],
+  },
+  {
+    id: "stars", title: "How a star ends depends on one number",
+    look: "The density of a star from its centre outward, for n = 0, 1 and 5, where formulas are known, and for an n of yours.",
+    see: "The dashed formulas lie under the runs. The surface, where a curve meets zero, moves outward with n; from n = 5 on " +
+         "there is none.",
+    scene: { problem: { id: "lane_emden", n: 3 }, until: { t: 10 }, scheme: { id: "contact_splitting", step: 0.01 } },
+    runs: [{ name: "n = 0", problem: { n: 0 } }, { name: "n = 1", problem: { n: 1 } }, { name: "n = 5", problem: { n: 5 } },
+           { name: "your n" }],
+    views: [{ x: "t", y: "q", labels: ["radius ξ", "θ"],
+              exact: [["1 − ξ²/6", (t) => (t < Math.sqrt(6) ? 1 - (t * t) / 6 : null)],
+                      ["sin ξ / ξ", (t) => (t < Math.PI ? Math.sin(t || 1e-9) / (t || 1e-9) : null)],
+                      ["(1 + ξ²/3)^(−½)", (t) => 1 / Math.sqrt(1 + (t * t) / 3)]] }],
+    control: { sets: "problem.n", label: "n", low: 0, high: 6, run: 3 }, tells: [["surface at ξ", "diagnostics.zeros.0"]],
+  },
+  {
+    id: "relaxation", title: "The same equation swings, or creeps and jumps",
+    look: "The van der Pol oscillator over two of its cycles, from ε = 1 to ε = 1000. Compare the shapes.",
+    see: "A sine becomes a slow creep with sudden jumps; the height stays 2, the period grows in proportion to ε.",
+    scene: { problem: { id: "van_der_pol" }, initial: { x: 2, v: 0 }, scheme: { id: "dormand_prince_5", tolerance: 1e-6 } },
+    apart: true,
+    runs: [{ name: "ε = 1", problem: { epsilon: 1 }, until: { t: 14 } }, { name: "ε = 10", problem: { epsilon: 10 }, until: { t: 40 } },
+           { name: "ε = 100", problem: { epsilon: 100 }, until: { t: 330 } },
+           { name: "ε = 1000", problem: { epsilon: 1000 }, until: { t: 3300 } }],
+    views: [{ x: "t", y: "x" }], control: { sets: "problem.epsilon", label: "ε of the first", low: 0.1, high: 20, log: true, run: 0 },
+    tells: [["period", "diagnostics.cycle.period"], ["amplitude", "diagnostics.cycle.amplitude"]],
+  },
+  {
+    id: "capture", title: "A moon that turns too fast is braked until it shows one face",
+    look: "Spin of a moon against time, in units of its revolutions: three moons begin at different spins, and tides brake them.",
+    see: "All three slow down to one turn per revolution, are captured there and sway about it.",
+    scene: { problem: { id: "spin_orbit", preset: "capture" }, until: { t: 4000 }, scheme: { id: "contact_leapfrog", step: tau / 40 } },
+    points: 16000,
+    runs: [{ name: "from three turns", initial: { q: 2.7, p: 3 } }, { name: "from two turns", initial: { q: 1, p: 2 } },
+           { name: "from half a turn", initial: { q: 0, p: 0.5 } }],
+    views: [{ x: "t", y: "p", labels: ["time", "spin"] }, { body: "moon" }],
+    control: { sets: "problem.epsilon", label: "how oblong, ε", low: 0.001, high: 0.1, log: true }, tells: [["spin at the end", "final.p"]],
+  },
+  {
+    id: "cosmos", title: "Where H = 0, every orbit runs on one sphere, from pole to pole",
+    look: "An oscillator in an expanding universe: place, momentum and action are a space of three. Drag it to turn it.",
+    see: "The surface H = 0 is a sphere, and a contact scheme holds orbits on it, from the repelling pole below to the " +
+         "attracting one above.",
+    scene: { problem: { id: "cosmological_oscillator", gamma: 1, R: 1 }, until: { t: 20 } },
+    runs: [{ ...h("contact_splitting", 0.02), initial: { q: 0.5, p: 0.3, s: -1.2884098726725126 } },
+           { ...h("contact_splitting", 0.02), initial: { q: -0.05, p: 0, s: -1.4133294025102578 } },
+           { ...h("explicit_euler", 0.1), initial: { q: 0.5, p: 0.3, s: -1.2884098726725126 } }],
+    views: [{ x: "q", y: "p", z: "s", ball: Math.SQRT2 }, { x: "t", y: "energy" }], curve: true,
+    control: { sets: "until.t", label: "until t", low: 2, high: 20 }, tells: [["H at the end", "trajectory.energy.last"]],
+  },
+  {
+    id: "bath", title: "One long orbit can stand for a heat bath, or fail to",
+    look: "How often a thermostatted oscillator is found at each place, over a long time, against the Gaussian it should give.",
+    see: "With the narrow bath the orbit wanders everywhere and its histogram is the Gaussian; with the wide one it stays on " +
+         "a torus, for ever.",
+    scene: { problem: { id: "thermostat", beta: 1 }, until: { t: 20000 }, scheme: { id: "contact_splitting", step: 0.05 } },
+    points: 40000,
+    runs: [{ name: "scale 0.1", problem: { scale: 0.1 } }, { name: "scale 1", problem: { scale: 1 } }],
+    views: [{ x: "q", bins: [-4, 4, 40], labels: ["q", "density"],
+              exact: [["Gaussian", (q, { beta }) => Math.sqrt(beta / tau) * Math.exp((-beta * q * q) / 2)]] }],
+    control: { sets: "until.t", label: "until t", low: 200, high: 20000, log: true }, tells: [],
+  },
+  {
+    id: "downhill", title: "Without inertia everything runs straight downhill, into one of two wells",
+    look: "Six starts in a landscape with two wells; the height along each path is drawn beside.",
+    see: "The height falls along every path and never rises. Which well is reached is decided on the ridge between them.",
+    scene: { problem: { id: "gradient_flow" }, until: { t: 12 }, scheme: { id: "contact_splitting", step: 0.05 } },
+    runs: [[0.1, 1], [-1.6, 1.2], [1.6, 1], [-1.2, -1.2], [1, -1.3], [-0.2, 1.4]].map(([x, y]) => (
+      { name: `from (${x}, ${y})`.replaceAll("-", "−"), initial: { x, y } })),
+    views: [{ x: "x", y: "y" }, { x: "t", y: "potential" }],
+    control: { sets: "problem.c", label: "tilt c", low: -0.9, high: 0.9 }, tells: [["ends at x", "final.x"]],
+  },
+  {
+    id: "heat", title: "Energy stays and entropy never falls: a scheme can respect both, or neither",
+    look: "A mass on a spring whose friction warms its surroundings; long steps. Total energy on the left, entropy on the right.",
+    see: "The splitting keeps the energy in bounds and lets entropy only rise; Euler makes energy out of nothing.",
+    scene: { problem: { id: "generic_oscillator" }, until: { t: 50 } },
+    runs: [h("contact_splitting", 0.2), h("explicit_euler", 0.2), h("explicit_midpoint", 0.4)],
+    views: [{ x: "t", y: "energy", box: { y: [1.4, 2] } }, { x: "t", y: "entropy", box: { y: [0, 0.8] } }], control: steps(0.02, 0.5),
+    tells: [["entropy gained", "diagnostics.entropy.final"]],
+  },
+  {
+    id: "butterfly", title: "Weathers that differ by a millionth are soon strangers",
+    look: "Lorenz's equations, three starts that differ by a millionth in x. Follow the curves over time.",
+    see: "For a while they are one curve. The distance grows tenfold every 2.5 units of time, and then each goes its own way " +
+         "on the same wings.",
+    scene: { problem: { id: "lorenz" }, until: { t: 40 }, scheme: { id: "runge_kutta_4", step: 0.005 } },
+    runs: [{ name: "x = 1", initial: { x: 1 } }, { name: "x = 1.000001", initial: { x: 1.000001 } },
+           { name: "x = 1.000002", initial: { x: 1.000002 } }],
+    views: [{ x: "x", y: "z" }, { x: "t", y: "x" }], control: { sets: "problem.rho", label: "heating ρ", low: 0.5, high: 40 },
+    tells: [["x at the end", "final.x"]],
+  },
+  {
+    id: "digits", title: "What a digit costs depends on how many you want",
+    look: "Kepler's ellipse over ten revolutions: the error against the number of force evaluations, each point a run made now.",
+    see: "For two digits it is cheapest to slow time down near the sun; for more, to raise the order. Each further digit " +
+         "costs leapfrog three times as much, a scheme of order 8 a third more.",
+    study: { problem: { id: "kepler" }, initial: { x: 0.4, y: 0, px: 0, py: 2 }, until: { t: 20 * Math.PI }, error: "max",
+             schemes: ["leapfrog", { id: "leapfrog", composition: "suzuki_4" }, { id: "leapfrog", composition: "kahan_li_8" },
+                       "runge_kutta_4", "time_transformed"], budget_seconds: 2 },
+  },
+];

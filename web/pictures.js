@@ -1,0 +1,117 @@
+// What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms, views in space.
+import { stroke } from "./draw.js";
+import { commonView, curveOf, extent } from "./scale.js";
+
+const names = { error_of_energy: "|H − H₀| / |H₀|", mechanical_energy: "p²/2 + V", energy: "H", distance: "distance to order 8", entropy: "S",
+                potential: "U", step_size: "step" };
+
+/** The columns that a view needs of the service. */
+export const columnsOf = (view) => [...["x", "y", "z"].map((axis) => view[axis]), ...(view.between ?? [])]
+  .filter((name) => name && name !== "t" && name !== "distance").map((name) => (name === "error_of_energy" ? "energy" : name));
+
+/** The error of the energy against its start, as a part of that where it is not zero; null where it is exact. */
+export function errorOfEnergy({ energy }, relative = true) {
+  const start = energy.find((v) => v !== null), scale = relative && start ? Math.abs(start) : 1;
+  return energy.map((v) => (v === null || v === start ? null : Math.abs(v - start) / scale));
+}
+
+/** A trajectory with the columns that the page derives: the `distance` is to the last run, in the columns `between`. */
+function whole(trajectory, { y, between }, last) {
+  if (y === "distance") {
+    const apart = (i) => Math.hypot(...between.map((name) => trajectory[name][i] - last[name][i]));
+    return { ...trajectory, distance: trajectory.t.map((_, i) => apart(i) || null) };
+  }
+  return y === "error_of_energy" ? { ...trajectory, error_of_energy: errorOfEnergy(trajectory) } : trajectory;
+}
+
+/** How often a column's values fall in each bin, as a density, drawn as stairs. */
+function histogram(values, [low, high, n]) {
+  const width = (high - low) / n, bins = Array(n).fill(0), found = values.filter((v) => v !== null);
+  for (const v of found) {
+    const bin = Math.floor((v - low) / width);
+    if (bin >= 0 && bin < n) bins[bin]++;
+  }
+  const x = [low], y = [0];
+  bins.forEach((count, i) => {
+    const density = count / found.length / width;
+    x.push(low + i * width, low + (i + 1) * width);
+    y.push(density, density);
+  });
+  return { x: [...x, high], y: [...y, 0], series: false, unmarked: true };
+}
+
+/** A known curve over an axis, or of points over a range of its own, as dense as a screen. */
+function known([title, of, range], parameters, span, log) {
+  const [low, high] = range ?? span, n = 600, x = Array.from({ length: n + 1 }, (_, i) => low + ((high - low) * i) / n);
+  if (range) {
+    const points = x.map((v) => of(v, parameters));
+    return { x: points.map(([a]) => a), y: points.map(([, b]) => b), title, colour: "--ink", dash: [7, 6], exact: true };
+  }
+  const y = x.map((v) => of(v, parameters)).map((v) => (v !== null && log.includes("y") ? Math.log10(v) : v));
+  return { x: x.map((v, i) => (y[i] === null ? null : v)), y, title, colour: "--ink", dash: [7, 6], exact: true };
+}
+
+// ---- space: turned by two angles, seen from far away
+
+const turned = ({ around, up }) => {
+  const [c, s, u, v] = [Math.cos(around), Math.sin(around), Math.cos(up), Math.sin(up)];
+  return (x, y, z) => [c * x - s * y, v * (s * x + c * y) + u * z];
+};
+
+function ringsOf(radius, seen) {
+  const circle = (of) => {
+    const points = Array.from({ length: 61 }, (_, i) => seen(...of((i / 60) * 2 * Math.PI)));
+    return { x: points.map(([a]) => a), y: points.map(([, b]) => b) };
+  };
+  const rings = [-0.7, 0, 0.7].map((level) => {
+    const r = radius * Math.sqrt(1 - level * level);
+    return circle((w) => [r * Math.cos(w), r * Math.sin(w), radius * level]);
+  });
+  const meridians = [0, 1, 2].map((i) => circle((w) => {
+    const a = (i * Math.PI) / 3;
+    return [radius * Math.sin(w) * Math.cos(a), radius * Math.sin(w) * Math.sin(a), radius * Math.cos(w)];
+  }));
+  return [...rings, ...meridians];
+}
+
+function inSpace(view, runs, angles) {
+  const seen = turned(angles);
+  const curves = runs.map(({ trajectory, ...run }) => {
+    const points = trajectory.t.map((_, i) => seen(...[view.x, view.y, view.z].map((name) => trajectory[name][i])));
+    return { ...run, t: trajectory.t, x: points.map(([a]) => a), y: points.map(([, b]) => b) };
+  });
+  const size = view.ball ?? Math.max(...curves.flatMap(({ x, y }) => [...extent(x), ...extent(y)].map(Math.abs)));
+  const rings = view.ball ? ringsOf(view.ball, seen) : [];
+  const arms = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((arm) => seen(...arm.map((v) => v * size * 1.2)));
+  const backdrop = (pen, map, colour) => {
+    for (const ring of rings) stroke(pen, map, ring, colour("--axis"), 0.7);
+    arms.forEach(([a, b], i) => {
+      stroke(pen, map, { x: [0, a], y: [0, b] }, colour("--soft-ink"), 1);
+      pen.fillStyle = colour("--ink");
+      pen.fillText([view.x, view.y, view.z][i], map.x(a), map.y(b));
+    });
+  };
+  return { curves, view: { x: [-size * 1.2, size * 1.2], y: [-size * 1.2, size * 1.2], free: false },
+           labels: ["drag to turn", ""], backdrop, bare: true };
+}
+
+/** The picture that a `view` of a lesson gives of `runs`: `[{title, colour, trajectory, parameters}]` that have one. */
+export function pictureOf(view, runs, { angles, symbol = (name) => name } = {}) {
+  if (!runs.length) return null;
+  if (view.z) return inSpace(view, runs, angles);
+  const { log = "", box = {}, exact = [] } = view;
+  const curves = runs.filter((_, i) => i === (view.run ?? i)).flatMap(({ trajectory, ...run }) => {
+    const curve = view.bins ? histogram(trajectory[view.x], view.bins) : curveOf(whole(trajectory, view, runs.at(-1).trajectory), view.x, view.y, log);
+    return curve ? [{ series: view.x === "t", thin: view.thin, ...curve, ...run }] : [];
+  });
+  if (!curves.length) return null;
+  const timed = view.x === "t" || Boolean(view.bins);
+  const span = view.bins ? view.bins.slice(0, 2) : [Math.min(...curves.map(({ x }) => extent(x)[0])),
+                                                    Math.max(...curves.map(({ x }) => extent(x)[1]))];
+  const free = timed || log !== "";
+  const seen = { ...commonView(curves, ["x", "y"], free), ...box };
+  const truths = exact.map((one) => known(one, runs[0].parameters, span, log));
+  if (truths.length && timed && !box.y && !log) seen.y = [Math.min(seen.y[0], 0), seen.y[1]];
+  const labels = view.labels ?? [view.x, view.y].map((name) => names[name] ?? symbol(name));
+  return { curves: timed ? [...truths, ...curves] : [...curves, ...truths], view: seen, labels, log };
+}

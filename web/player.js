@@ -1,0 +1,96 @@
+// The clock of a picture: play, pause, speed, and a slider for the time. It tells `moved(t)` what to show, null for all.
+import { element } from "./forms.js";
+import { format } from "./numbers.js";
+
+const whole = 20; // seconds that all of a run takes at speed 1
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+export class Player {
+  #moved;
+  #span = [0, 1];
+  #time = null;
+  #frame = 0;
+  #last = 0;
+  #button = element("button", { type: "button", textContent: "▶ Play", className: "play" });
+  #slider = element("input", { type: "range", min: 0, max: 1000, step: 1, value: 1000 });
+  #speed = element("select");
+  #said = element("output");
+
+  constructor(container, moved) {
+    this.#moved = moved;
+    for (const by of [0.25, 1, 4]) this.#speed.append(element("option", { value: by, textContent: `${by} ×`, selected: by === 1 }));
+    container.append(this.#button, element("label", { className: "time" }, element("span", { textContent: "time" }), this.#slider),
+                     this.#said, element("label", {}, "speed ", this.#speed));
+    this.#button.addEventListener("click", () => this.toggle());
+    this.#slider.addEventListener("input", () => {
+      this.pause();
+      const [from, to] = this.#span, part = this.#slider.value / 1000;
+      this.#set(part === 1 ? null : from + part * (to - from));
+    });
+  }
+
+  get playing() {
+    return this.#frame !== 0;
+  }
+
+  get time() {
+    return this.#time;
+  }
+
+  /** The times of the runs that are shown; a time within them stays. */
+  span(from, to) {
+    this.#span = [from, to];
+    if (this.#time !== null && !(this.#time >= from && this.#time < to)) this.#time = from;
+    this.#set(this.#time);
+  }
+
+  /** Starts by itself, unless less motion is wished for. */
+  begin() {
+    if (still.matches) return this.rest();
+    this.#time = this.#span[0];
+    this.play();
+  }
+
+  /** Shows all. */
+  rest() {
+    this.pause();
+    this.#set(null);
+  }
+
+  toggle() {
+    if (this.playing) this.pause();
+    else this.play();
+  }
+
+  play() {
+    if (this.playing) return;
+    if (this.#time === null) this.#time = this.#span[0];
+    this.#last = performance.now();
+    this.#button.textContent = "❚❚ Pause";
+    this.#frame = requestAnimationFrame((now) => this.#tick(now));
+  }
+
+  pause() {
+    cancelAnimationFrame(this.#frame);
+    this.#frame = 0;
+    this.#button.textContent = "▶ Play";
+  }
+
+  #tick(now) {
+    const [from, to] = this.#span, passed = Math.max(0, Math.min(0.1, (now - this.#last) / 1000));
+    this.#last = now;
+    const time = this.#time + (passed / whole) * this.#speed.value * (to - from);
+    if (time >= to) return this.rest();
+    this.#set(time);
+    this.#frame = requestAnimationFrame((next) => this.#tick(next));
+  }
+
+  #set(time) {
+    this.#time = time;
+    const [from, to] = this.#span;
+    this.#slider.value = time === null ? 1000 : ((time - from) / (to - from)) * 1000;
+    this.#said.textContent = `t = ${format(time ?? to, 4)}`;
+    this.#slider.setAttribute("aria-valuetext", this.#said.textContent);
+    this.#moved(time);
+  }
+}

@@ -1,0 +1,112 @@
+// What a hand does with a picture: it drags it (or the start of a run), enlarges it, points at a place.
+import { element } from "./forms.js";
+
+const reach = 16; // pixels from which a start is taken hold of
+
+/** Where on a curve of the picture a place lies: the time of the nearest sample within reach, or null. */
+function timeNear(plane, { left, top }) {
+  let nearest = 40 ** 2, at = null;
+  for (const { t, x, y, exact } of plane.picture.curves) {
+    if (exact || !t) continue;
+    const every = Math.max(1, Math.floor(t.length / 4000));
+    for (let i = 0; i < t.length; i += every) {
+      if (x[i] === null) continue;
+      const d = (plane.map.x(x[i]) - left) ** 2 + (plane.map.y(y[i]) - top) ** 2;
+      if (d < nearest) [nearest, at] = [d, t[i]];
+    }
+  }
+  return at;
+}
+
+function onStart(plane, { left, top }) {
+  const { curves, grab } = plane.picture;
+  if (!grab) return false;
+  return curves.some(({ x, y, exact }) =>
+    !exact && x[0] !== null && Math.hypot(plane.map.x(x[0]) - left, plane.map.y(y[0]) - top) < reach);
+}
+
+/** Enlarges by a factor, the place staying where it is. */
+function enlarge(plane, factor, place) {
+  const { map, frame } = plane, by = (plane.zoom?.by ?? 1) * factor;
+  if (!map || by > 1e6 || by < 1e-3) return;
+  const at = place ?? { left: frame.left + frame.width / 2, top: frame.top + frame.height / 2 };
+  const { x, y } = map.at(at.left, at.top), { centre } = map;
+  plane.zoom = { by, x: x + (centre.x - x) / factor, y: y + (centre.y - y) / factor };
+  plane.draw();
+}
+
+function shift(plane, right, down) {
+  const { map } = plane;
+  if (!map) return;
+  plane.zoom = { by: plane.zoom?.by ?? 1, x: map.centre.x - right / map.scale.x, y: map.centre.y + down / map.scale.y };
+  plane.draw();
+}
+
+function whole(plane) {
+  plane.zoom = null;
+  plane.draw();
+}
+
+/** Listens to pointer and wheel over `stage`, whose `canvas` shows `plane`. */
+export function follow(plane, stage, canvas, hovered) {
+  const button = (textContent, title, act) => {
+    const made = element("button", { type: "button", textContent, title, ariaLabel: title });
+    made.addEventListener("click", act);
+    return made;
+  };
+  stage.append(element("div", { className: "lens" }, button("+", "enlarge", () => enlarge(plane, 1.5)),
+                       button("−", "make smaller", () => enlarge(plane, 1 / 1.5)), button("⟲", "show all", () => whole(plane))));
+  const placeOf = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return { left: event.clientX - box.left, top: event.clientY - box.top };
+  };
+  let drag = null;
+  stage.addEventListener("pointerdown", (event) => {
+    if (!plane.map || event.button !== 0 || event.target.closest("button")) return;
+    const place = placeOf(event);
+    const start = onStart(plane, place);
+    if (event.pointerType === "touch" && !start && !plane.zoom && !plane.picture.turn) return; // the page is scrolled
+    drag = { ...place, start };
+    stage.setPointerCapture(event.pointerId);
+    plane.hold(drag.start);
+    plane.hair(null);
+  });
+  stage.addEventListener("pointermove", (event) => {
+    if (!plane.map) return;
+    const place = placeOf(event);
+    if (!drag) {
+      plane.hair(place);
+      stage.classList.toggle("grabbing", onStart(plane, place));
+      return hovered(timeNear(plane, place));
+    }
+    const { x, y } = plane.map.at(place.left, place.top);
+    if (drag.start) plane.picture.grab(x, y, false);
+    else if (plane.picture.turn) plane.picture.turn(place.left - drag.left, place.top - drag.top);
+    else shift(plane, place.left - drag.left, place.top - drag.top);
+    Object.assign(drag, place);
+  });
+  const release = (event) => {
+    if (!drag) return;
+    const { start } = drag, { left, top } = placeOf(event);
+    drag = null;
+    plane.hold(false);
+    if (!start) return;
+    const { x, y } = plane.map.at(left, top);
+    plane.picture.grab(x, y, true);
+  };
+  stage.addEventListener("pointerup", release);
+  stage.addEventListener("pointercancel", release);
+  stage.addEventListener("pointerleave", () => {
+    if (drag) return;
+    plane.hair(null);
+    hovered(null);
+  });
+  stage.addEventListener("dblclick", (event) => {
+    if (!event.target.closest("button")) whole(plane);
+  });
+  stage.addEventListener("wheel", (event) => {
+    if (!event.ctrlKey && !event.metaKey) return; // the page is scrolled
+    event.preventDefault();
+    enlarge(plane, Math.exp(-event.deltaY / 300), placeOf(event));
+  }, { passive: false });
+}

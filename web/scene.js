@@ -1,0 +1,129 @@
+// The form of a scene: its problem with parameters, its start, its span.
+import { axes, cards, presetOf } from "./card.js";
+import { build, choose, clearFaults, element, prose, values, words } from "./forms.js";
+
+const find = (selector) => document.querySelector(selector);
+const forms = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record") };
+export const samples = { name: "samples", label: "points drawn", default: 10000,
+                         doc: "how many points of each run are drawn, at most" };
+const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]") };
+const logs = { x: find("#axes [name=logx]"), y: find("#axes [name=logy]") };
+
+/** A formula in as many lines as its equations, for none to be cut off. */
+function formulaOf(text) {
+  const math = new DOMParser().parseFromString(text, "text/html").querySelector("math");
+  if (!math) return [];
+  const lines = [[]];
+  for (const part of math.childNodes) {
+    const said = part.textContent, long = lines.at(-1).reduce((n, { textContent }) => n + textContent.length, 0) > 10;
+    const sum = part.localName === "mo" && ["+", "−"].includes(said) && long;
+    if (sum) lines.push([]);
+    if (part.localName === "mo" && said === ",") lines.push([]);
+    else lines.at(-1).push(part);
+  }
+  return lines.filter((line) => line.length).map((line) => {
+    const one = document.createElementNS("http://www.w3.org/1998/Math/MathML", "math");
+    one.setAttribute("display", "block");
+    one.append(...line.map((part) => document.importNode(part, true)));
+    return one;
+  });
+}
+
+export class Scene {
+  problem = null;
+  fields = Object.values(forms);
+
+  /** Sets every form to an experiment as a link holds it; what it leaves out takes its default. */
+  load(problem, experiment) {
+    this.problem = problem;
+    const preset = this.#offerPresets(experiment.preset?.id);
+    const { parameters, initial } = cards(problem, preset);
+    build(forms.problem, parameters, "/problem", experiment.problem);
+    build(forms.initial, initial, "/initial", experiment.initial);
+    const until = { name: "t", label: "until t", default: this.start + problem.until.t, doc: "when the run ends" };
+    build(forms.until, [until], "/until", experiment.until);
+    build(forms.record, [samples], "/record", experiment.record);
+    forms.problem.parentElement.hidden = problem.parameters.length === 0;
+    this.#offerAxes(experiment.axes);
+    find("#formula").replaceChildren(...formulaOf(problem.formula));
+    find("#summary").replaceChildren(...prose(problem.summary));
+    find("#references ul").replaceChildren(...problem.references.map((textContent) => element("li", { textContent })));
+  }
+
+  /** Offers the problem's presets and picks one by name; the preset, or undefined for the problem's own values. */
+  #offerPresets(name) {
+    const preset = presetOf(this.problem, name);
+    const options = this.problem.presets.map((offered) => ({ id: offered.name, title: words(offered.name) }));
+    choose(find("#preset"), [{ id: "", title: "default" }, ...options], preset?.name);
+    find("#presets").hidden = options.length === 0;
+    find("#preset-doc").replaceChildren(...prose(preset?.doc ?? ""));
+    return preset;
+  }
+
+  #offerAxes(chosen = {}) {
+    const options = axes(this.problem), known = (id) => options.some((option) => option.id === id);
+    choose(axis.x, options, known(chosen.x) ? chosen.x : options[0].id);
+    choose(axis.y, options, known(chosen.y) ? chosen.y : options[1].id);
+    for (const name of ["x", "y"]) logs[name].checked = (chosen.log ?? "").includes(name);
+  }
+
+  /** When the run starts, as the form says or else its default. */
+  get start() {
+    const field = forms.initial.querySelector("[data-name=t]"), given = Number(field.value.trim() || field.placeholder);
+    return Number.isFinite(given) ? given : 0;
+  }
+
+  /** The default end follows the start; an end of one's own stays. */
+  moveEnd() {
+    const field = forms.until.querySelector("[data-name=t]"), own = this.ownEnd;
+    field.placeholder = field.dataset.usual = String(this.start + this.problem.until.t);
+    if (!own) field.value = field.placeholder;
+  }
+
+  /** The end, where it is not the default one. */
+  get ownEnd() {
+    const { value, placeholder } = forms.until.querySelector("[data-name=t]");
+    return value.trim() === placeholder ? undefined : values(forms.until);
+  }
+
+  /** `[x, y]`: what stands on the axes; their labels; which are logarithmic. */
+  get axes() {
+    return [axis.x.value, axis.y.value];
+  }
+  get labels() {
+    return [axis.x, axis.y].map((select) => select.selectedOptions[0].textContent);
+  }
+  get log() {
+    return ["x", "y"].filter((name) => logs[name].checked).join("");
+  }
+
+  /** The sections of an experiment as the forms stand; of `changed` ones, only what has not its default. */
+  values(changed = false) {
+    const { problem, ...rest } = Object.fromEntries(Object.entries(forms).map(([name, form]) => [name, values(form, changed)]));
+    const preset = find("#preset").value, [x, y] = this.axes, options = [...axis.x.options].map(({ value }) => value), log = this.log;
+    const seen = { ...(changed && x === options[0] ? {} : { x }), ...(changed && y === options[1] ? {} : { y }), ...(log ? { log } : {}) };
+    return { problem: { id: this.problem.id, ...problem }, ...(preset ? { preset: { id: preset } } : {}), ...rest, axes: seen };
+  }
+
+  /** Moves the start to values by name. */
+  begin(at) {
+    for (const [name, value] of Object.entries(at)) {
+      const field = forms.initial.querySelector(`[data-name="${CSS.escape(name)}"]`);
+      if (!field) continue;
+      field.value = String(value);
+      field.dispatchEvent(new Event("input"));
+    }
+    if ("t" in at) this.moveEnd();
+  }
+
+  /** Starts where a run ended, for as long again. */
+  goOn(final) {
+    const end = forms.until.querySelector("[data-name=t]"), span = Number(end.value) - this.start;
+    this.begin(final);
+    end.value = String(final.t + span);
+  }
+
+  clearFaults() {
+    this.fields.forEach(clearFaults);
+  }
+}

@@ -1,0 +1,88 @@
+// What the workbench shows of its runs: pictures apart or together, energy, numbers, the scene in motion.
+import { Bodies, bodyOf } from "./bodies.js";
+import { energyKind } from "./card.js";
+import { EnergyPlot } from "./energy.js";
+import { errorOfEnergy } from "./pictures.js";
+import { Plane } from "./plane.js";
+import { Player } from "./player.js";
+import { commonView, curveOf } from "./scale.js";
+import { fill } from "./table.js";
+
+const find = (selector) => document.querySelector(selector);
+const column = (trajectory, name) => (name === "error_of_energy" ? trajectory.energy && errorOfEnergy(trajectory) : trajectory[name]);
+
+export class Sight {
+  #energy = new EnergyPlot(find("#energy"));
+  #together = new Plane(find("#all-runs"), (t) => this.point(t));
+  #bodies = new Bodies(find("#bodies"));
+  #panes = [];
+  #player = new Player(find("#motion .player"), (t) => this.#at(t));
+
+  /**
+   * Runs `[{name, title, colour, trajectory}]` over the axes of the scene, each in its pane. A start is dragged by
+   * `grab({name: value…}, done)`.
+   */
+  show(scene, panes, runs, grab) {
+    this.#panes = panes;
+    const { axes, log, labels, problem } = scene;
+    const curves = runs.map(({ trajectory, colour, title }) => {
+      const [x, y] = trajectory ? axes.map((name) => column(trajectory, name)) : [];
+      const curve = x && y && curveOf({ ...trajectory, [axes[0]]: x, [axes[1]]: y }, ...axes, log);
+      return curve && { ...curve, series: axes[0] === "t", colour, title };
+    });
+    const here = curves.filter(Boolean), moving = problem.variables.map(({ name }) => name);
+    const length = (name, i) => moving.includes(name) && !log.includes("xy"[i]);
+    const whole = ["x", "y"].filter((axis, i) => axes[i] === "t" || log.includes(axis));
+    const view = commonView(here, whole, !axes.every(length));
+    const picture = (drawn) => (drawn.length ? {
+      curves: drawn, view, labels, log,
+      grab: axes.every(length) ? (x, y, done) => grab({ [axes[0]]: x, [axes[1]]: y }, done) : undefined } : null);
+    panes.forEach((pane, i) => pane.show(picture([curves[i]].filter(Boolean))));
+    this.#together.show(picture(here));
+    this.#move(problem, runs.filter(({ trajectory }) => trajectory?.t.length > 1));
+  }
+
+  #move(problem, runs) {
+    const body = bodyOf(problem.id);
+    find("#motion").hidden = runs.length === 0;
+    find("#bodies").hidden = !body;
+    this.#bodies.show(body, runs);
+    const times = runs.flatMap(({ trajectory: { t } }) => [t[0], t.at(-1)]);
+    if (times.length) this.#player.span(Math.min(...times), Math.max(...times));
+  }
+
+  /** The energy and the numbers of runs that have an `outcome`. */
+  tell(problem, runs) {
+    const { title, what, note } = this.#energy.show(energyKind(problem), runs);
+    find("#energy-name").textContent = title;
+    find("#energy-what").textContent = what;
+    find("#energy-note").textContent = note;
+    fill(find("#numbers"), runs, problem);
+  }
+
+  /** The pictures that are in sight, by name. */
+  planes(panes) {
+    return find("#together").checked ? [["all", this.#together]] : panes.map(({ name, plane }) => [name, plane]);
+  }
+
+  /** A hand points at time t of a run, null: at none. */
+  point(t) {
+    if (!this.#player.playing) this.#at(t ?? this.#player.time);
+  }
+
+  toggle() {
+    this.#player.toggle();
+  }
+
+  rest() {
+    this.#player.rest();
+  }
+
+  draw() {
+    [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies, this.#energy].forEach((part) => part.draw());
+  }
+
+  #at(t) {
+    [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies].forEach((part) => part.at(t));
+  }
+}

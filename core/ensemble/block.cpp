@@ -15,16 +15,16 @@ void append(std::vector<T>& to, const std::vector<T>& from, std::size_t count) {
 
 Moments Moments::of(const std::vector<double>& values) {
   Moments all;
-  double sum = 0;
+  double origin = 0, sum = 0;  // from the first value on, so that what is close together has an exact mean
   for (const double x : values) {
     if (!std::isfinite(x)) continue;
-    sum += x;
-    ++all.count;
+    if (all.count++ == 0) origin = x;
+    sum += x - origin;
     all.minimum = std::min(all.minimum, x);
     all.maximum = std::max(all.maximum, x);
   }
   if (all.count == 0) return all;
-  all.mean = sum / static_cast<double>(all.count);
+  all.mean = origin + sum / static_cast<double>(all.count);
   for (const double x : values)
     if (std::isfinite(x)) all.squares += (x - all.mean) * (x - all.mean);
   return all;

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "core/ensemble/lane_members.hpp"
 #include "core/ensemble/lone_members.hpp"
 #include "core/run/budget.hpp"
 #include "core/run/save_schedule.hpp"
@@ -111,7 +112,7 @@ class Blocks {
     block.index = index;
     block.first = std::max(plan_.first, index * block_size);
     block.count = std::min(plan_.last, (index + 1) * block_size) - block.first;
-    run_lone_members(plan_, block, stop_);
+    if (!run_lane_members(plan_, block, stop_)) run_lone_members(plan_, block, stop_);
     sum_up(plan_, block.harvest);
     return block;
   }

@@ -14,7 +14,7 @@ FROM debian:trixie-slim
 RUN case $(dpkg --print-architecture) in amd64 | i386 | ppc64el) quad=libquadmath0 ;; esac \
  && apt-get update -q \
  && DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends \
-      libcpp-httplib0.18 libfmt10 libspdlog1.15 libssl3t64 libstdc++6 $quad \
+      libcpp-httplib0.18 libfmt10 libsleef3 libspdlog1.15 libssl3t64 libstdc++6 $quad \
  && rm -rf /var/lib/apt/lists/* \
  && useradd --system --user-group --no-create-home --home-dir /nonexistent --shell /usr/sbin/nologin leastaction
 COPY --from=build /src/build/release/leastaction /usr/local/bin/

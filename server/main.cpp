@@ -1,4 +1,4 @@
-// leastaction serve | run FILE|- | catalogue
+// leastaction serve | run FILE|- | ensemble FILE|- | merge PART… | catalogue
 #include <fmt/format.h>
 #include <pthread.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -12,10 +12,13 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <thread>
 
 #include "server/encode/catalogue_json.hpp"
 #include "server/encode/problem_document.hpp"
+#include "server/ensemble.hpp"
 #include "server/options.hpp"
+#include "server/shards.hpp"
 #include "server/simulate.hpp"
 
 namespace least::server {
@@ -51,27 +54,60 @@ int serve(const Options& options) {
   return asked ? 0 : 1;
 }
 
-int run(const Options& options) {
-  constexpr std::string_view id = "run";
-  std::string body;
-  if (options.file == "-") {
-    body.assign(std::istreambuf_iterator<char>(std::cin), {});
-  } else if (std::filesystem::is_directory(options.file) || !std::ifstream(options.file)) {
-    return print(problem_document(400, "cannot read " + options.file, id).body, 2);
-  } else {
-    std::ifstream file(options.file, std::ios::binary);
-    body.assign(std::istreambuf_iterator<char>(file), {});
-  }
-  const std::atomic<bool> cancelled{false};
-  Admission admission(1, 0);
+// What a command says, and 0 where HTTP would say 200.
+template <class Compute>
+int answer_with(std::string_view id, Compute&& compute) {
   Answer answer;
   try {
-    answer = simulate({catalogue_cards(), options.settings.caps, admission, cancelled}, {body, "", id});
+    answer = compute();
   } catch (const std::exception& e) {
     spdlog::error("request id={} failed: {}", id, e.what());
     answer = problem_document(500, "", id);
   }
   return print(answer.body, answer.status == 200 ? 0 : 2);
+}
+
+// The text of the request, or why there is none.
+Result<std::string, Answer> request_text(const Options& options, std::string_view id) {
+  if (options.file == "-") return std::string(std::istreambuf_iterator<char>(std::cin), {});
+  if (std::filesystem::is_directory(options.file) || !std::ifstream(options.file)) {
+    return problem_document(400, "cannot read " + options.file, id);
+  }
+  std::ifstream file(options.file, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+int run(const Options& options) {
+  constexpr std::string_view id = "run";
+  const std::atomic<bool> cancelled{false};
+  Admission admission(1, 0);
+  return answer_with(id, [&] {
+    const auto body = request_text(options, id);
+    if (!body) return body.error();
+    return simulate({catalogue_cards(), options.settings.caps, admission, cancelled}, {*body, "", id});
+  });
+}
+
+int ensemble(const Options& options) {
+  constexpr std::string_view id = "ensemble";
+  const std::atomic<bool> cancelled{false};
+  const unsigned cores = std::max(std::thread::hardware_concurrency(), 1U);
+  const unsigned threads = options.settings.threads > 0 ? options.settings.threads : cores;
+  Admission admission(threads, 0);
+  const bool part = !options.output.empty() || options.shard != Options{}.shard;
+  return answer_with(id, [&] {
+    const auto body = request_text(options, id);
+    if (!body) return body.error();
+    const Context context{catalogue_cards(), options.settings.caps, admission, cancelled};
+    const HttpRequest request{*body, "", id};
+    return part ? write_part(context, request, options.shard, options.output, threads)
+                : run_ensemble_request(context, request);
+  });
+}
+
+int merge(const Options& options) {
+  constexpr std::string_view id = "merge";
+  return answer_with(id, [&] { return merge_parts(catalogue_cards(), options.parts, id); });
 }
 
 int main(int argc, char** argv) {
@@ -85,6 +121,10 @@ int main(int argc, char** argv) {
       return serve(*options);
     case Command::run:
       return run(*options);
+    case Command::ensemble:
+      return ensemble(*options);
+    case Command::merge:
+      return merge(*options);
     case Command::catalogue:
       return print(describe(catalogue_cards()).all + '\n', 0);
   }

@@ -60,19 +60,33 @@ Result<Options, int> parse_options(int argc, char** argv) {
   app.require_subcommand(1);
   CLI::App* serve = app.add_subcommand("serve", "listen for requests, serve the page");
   CLI::App* run = app.add_subcommand("run", "answer one request: JSON in, JSON out");
+  CLI::App* ensemble = app.add_subcommand("ensemble", "many runs of one scene: JSON in, JSON or a part out");
+  CLI::App* merge = app.add_subcommand("merge", "the answer of an ensemble from all of its parts");
   CLI::App* catalogue = app.add_subcommand("catalogue", "print every problem and scheme as JSON");
   app.set_version_flag("--version", title);
-  for (CLI::App* command : {serve, run, catalogue}) command->set_version_flag("--version", title);
+  for (CLI::App* command : {serve, run, ensemble, merge, catalogue}) command->set_version_flag("--version", title);
   add_serve(*serve, options);
   add_common(*serve, options);
   add_common(*run, options);
-  run->add_option("file", options.file, "the request, - is standard input")->required();
+  for (CLI::App* command : {run, ensemble})
+    command->add_option("file", options.file, "the request, - is standard input")->required();
+  add_common(*ensemble, options);
+  add(*ensemble, "--threads", options.settings.threads, "threads that compute, 0 is one per core")
+      ->check(CLI::Range(0u, 4096u));
+  add(*ensemble, "--shard", options.shard, "I/N: the blocks whose number leaves I when divided by N");
+  add(*ensemble, "--output", options.output, "the part to write; needed where there are several shards");
+  add_common(*merge, options);
+  merge->add_option("parts", options.parts, "parts, in any order")->required();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 1;
   }
-  options.command = serve->parsed() ? Command::serve : run->parsed() ? Command::run : Command::catalogue;
+  options.command = serve->parsed()      ? Command::serve
+                    : run->parsed()      ? Command::run
+                    : ensemble->parsed() ? Command::ensemble
+                    : merge->parsed()    ? Command::merge
+                                         : Command::catalogue;
   return options;
 }
 

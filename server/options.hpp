@@ -8,12 +8,15 @@
 
 namespace least::server {
 
-enum class Command { serve, run, catalogue };
+enum class Command { serve, run, ensemble, merge, catalogue };
 
 struct Options {
   Command command = Command::serve;
   Settings settings;
-  std::string file;  ///< of `run`; `-` is standard input
+  std::string file;                ///< of `run` and `ensemble`; `-` is standard input
+  std::string shard = "0/1";       ///< of `ensemble`: which blocks
+  std::string output;              ///< of `ensemble`: the part that is written; empty: the answer, on standard output
+  std::vector<std::string> parts;  ///< of `merge`
   std::string log_level = "info";
 };
 

@@ -2,6 +2,7 @@
 
 #include "server/encode/catalogue_json.hpp"
 #include "server/encode/problem_document.hpp"
+#include "server/ensemble.hpp"
 #include "server/simulate.hpp"
 #include "server/study.hpp"
 
@@ -12,8 +13,10 @@ struct ComputedRoute {
   std::string_view path;
   Endpoint answer;
 };
-constexpr ComputedRoute computed_routes[] = {
-    {"/v1/simulate", simulate}, {"/v1/work-precision", measure_work_precision}, {"/v1/stability", measure_stability}};
+constexpr ComputedRoute computed_routes[] = {{"/v1/simulate", simulate},
+                                             {"/v1/work-precision", measure_work_precision},
+                                             {"/v1/stability", measure_stability},
+                                             {"/v1/ensemble", run_ensemble_request}};
 
 void add_texts(Router& router, const Cards& cards) {
   constexpr std::string_view json = "application/json";

@@ -9,6 +9,10 @@
 #include <type_traits>
 #include <utility>
 
+#ifdef LEAST_LANE_BYTES
+#include <sleef.h>
+#endif
+
 namespace least {
 
 template <int N, class T = double>
@@ -18,14 +22,27 @@ using Vec = std::array<T, static_cast<std::size_t>(N)>;
 template <int N, class T = double>
 using Mat = Vec<N, Vec<N, T>>;
 
+#ifdef LEAST_LANE_BYTES  // a unit of lanes: those whose bits are the same in lanes and alone, core/number/lanes.hpp
+inline double sin(double x) { return Sleef_cinz_sind1_u35purec(x); }
+inline double cos(double x) { return Sleef_cinz_cosd1_u35purec(x); }
+inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
+inline double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
+inline double tanh(double x) { return Sleef_cinz_tanhd1_u10purec(x); }
+inline double pow(double x, double y) { return Sleef_cinz_powd1_u10purec(x, y); }
+inline double expm1(double x) { return Sleef_cinz_expm1d1_u10purec(x); }
+inline double log1p(double x) { return Sleef_cinz_log1pd1_u10purec(x); }
+#else
 inline double sin(double x) { return std::sin(x); }
 inline double cos(double x) { return std::cos(x); }
 inline double exp(double x) { return std::exp(x); }
 inline double log(double x) { return std::log(x); }
 inline double tanh(double x) { return std::tanh(x); }
+inline double pow(double x, double y) { return std::pow(x, y); }
+inline double expm1(double x) { return std::expm1(x); }
+inline double log1p(double x) { return std::log1p(x); }
+#endif
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double abs(double x) { return std::fabs(x); }
-inline double pow(double x, double y) { return std::pow(x, y); }
 inline double atan2(double y, double x) { return std::atan2(y, x); }
 inline double floor(double x) { return std::floor(x); }
 inline bool isfinite(double x) { return std::isfinite(x); }
@@ -66,7 +83,7 @@ constexpr auto either(const M& mask, F&& yes, G&& no) {
 }
 
 /// ln(1 − z): scalars the compiler knows have it to the last digits for small z, too.
-inline double log1m(double z) { return std::log1p(-z); }
+inline double log1m(double z) { return log1p(-z); }
 inline long double log1m(long double z) { return std::log1p(-z); }
 template <class T>
 T log1m(const T& z) {
@@ -76,7 +93,7 @@ T log1m(const T& z) {
 
 /// φ₁(z) = (eᶻ − 1)/z, 1 at 0. For any number; scalars the compiler knows have it to the last digit or two.
 /// Source: Hochbruck & Ostermann, Acta Numerica 19, 209 (2010), 2.1.
-inline double phi1(double z) { return z == 0 ? 1 : std::expm1(z) / z; }
+inline double phi1(double z) { return z == 0 ? 1 : expm1(z) / z; }
 inline long double phi1(long double z) { return z == 0 ? 1 : std::expm1(z) / z; }
 template <class T>
 T phi1(const T& z) {

@@ -21,7 +21,7 @@ const std::map<std::string, Names>& rooms() {
     };
     const Names run = beside(base, {"core/exact", "core/problems", "core/schemes"});
     const Names reference = beside(run, {"core/run"}), study = beside(reference, {"core/reference"});
-    const Names catalogue = beside(study, {"core/study"}), core = beside(catalogue, {"core/catalogue"});
+    const Names catalogue = beside(study, {"core/study", "core/ensemble"}), core = beside(catalogue, {"core/catalogue"});
     return std::map<std::string, Names>{
         {"core/number", {}},
         {"core", {"core/number"}},
@@ -31,6 +31,7 @@ const std::map<std::string, Names>& rooms() {
         {"core/run", run},
         {"core/reference", reference},
         {"core/study", study},
+        {"core/ensemble", study},
         {"core/catalogue", catalogue},
         {"server/shared", core},
         {"server/http", {"server/shared"}},  // the transport knows nothing of simulations: see below

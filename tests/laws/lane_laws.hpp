@@ -5,7 +5,7 @@
 
 #include "tests/laws/scene.hpp"
 #include "tests/support/lanes.hpp"
-#include "tests/support/parameters.hpp"
+#include "core/parameters.hpp"
 
 namespace laws {
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/laws/scene.hpp"
-#include "tests/support/parameters.hpp"
+#include "core/parameters.hpp"
 #include "tests/support/symbol.hpp"
 
 namespace laws {

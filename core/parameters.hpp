@@ -8,12 +8,12 @@
 
 #include "core/describe.hpp"
 
-namespace parameters {
+namespace least::parameters {
 
 template <class P>
 inline constexpr std::size_t count = 0;
 template <template <class> class P, class R>
-inline constexpr std::size_t count<P<R>> = std::tuple_size_v<std::remove_cvref_t<decltype(least::About<P>::fields)>>;
+inline constexpr std::size_t count<P<R>> = std::tuple_size_v<std::remove_cvref_t<decltype(About<P>::fields)>>;
 
 /// The members, as references, in the order of their declaration. Each has a field in the card, or this does not
 /// compile.
@@ -62,15 +62,15 @@ constexpr P<R> in(const P<double>& problem) {
 /// f(field) for each parameter that is a number.
 template <template <class> class P, class F>
 constexpr void for_each_number(F&& f) {
-  const auto one = [&]<class M>(const least::Field<P<double>, M>& field) {
+  const auto one = [&]<class M>(const Field<P<double>, M>& field) {
     if constexpr (std::is_same_v<M, double>) f(field);
   };
-  std::apply([&](const auto&... field) { (one(field), ...); }, least::About<P>::fields);
+  std::apply([&](const auto&... field) { (one(field), ...); }, About<P>::fields);
 }
 
 /// f(the member that the field means), in a problem of another number.
 template <template <class> class P, class R, class F>
-constexpr void with_member(P<R>& wide, const least::Field<P<double>>& field, F&& f) {
+constexpr void with_member(P<R>& wide, const Field<P<double>>& field, F&& f) {
   P<double> narrow;
   for_each_pair(narrow, wide, [&](auto& from, auto& to) {
     if constexpr (std::is_same_v<decltype(from), double&>)
@@ -78,4 +78,4 @@ constexpr void with_member(P<R>& wide, const least::Field<P<double>>& field, F&&
   });
 }
 
-}  // namespace parameters
+}  // namespace least::parameters

@@ -1,0 +1,95 @@
+#include "core/ensemble/block.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace least {
+namespace {
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from, std::size_t count) {
+  to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+}  // namespace
+
+Moments Moments::of(const std::vector<double>& values) {
+  Moments all;
+  double origin = 0, sum = 0;  // from the first value on, so that what is close together has an exact mean
+  for (const double x : values) {
+    if (!std::isfinite(x)) continue;
+    if (all.count++ == 0) origin = x;
+    sum += x - origin;
+    all.minimum = std::min(all.minimum, x);
+    all.maximum = std::max(all.maximum, x);
+  }
+  if (all.count == 0) return all;
+  all.mean = origin + sum / static_cast<double>(all.count);
+  for (const double x : values)
+    if (std::isfinite(x)) all.squares += (x - all.mean) * (x - all.mean);
+  return all;
+}
+
+void Moments::add(const Moments& more) {
+  if (more.count == 0) return;
+  if (count == 0) {
+    *this = more;
+    return;
+  }
+  const auto a = static_cast<double>(count), b = static_cast<double>(more.count);
+  const double apart = more.mean - mean;
+  mean += apart * (b / (a + b));
+  squares += more.squares + apart * apart * (a * b / (a + b));
+  count += more.count;
+  minimum = std::min(minimum, more.minimum);
+  maximum = std::max(maximum, more.maximum);
+}
+
+double Moments::variance() const {
+  return count > 1 ? squares / static_cast<double>(count - 1) : std::numeric_limits<double>::quiet_NaN();
+}
+
+void Histogram::count(const HistogramAsked& asked, double value) {
+  counts.resize(static_cast<std::size_t>(asked.bins));
+  if (std::isnan(value)) return;
+  if (value < asked.low) {
+    ++below;
+  } else if (!(value < asked.high)) {
+    ++above;
+  } else {
+    const double part = (value - asked.low) / (asked.high - asked.low) * static_cast<double>(asked.bins);
+    ++counts[static_cast<std::size_t>(std::min(std::floor(part), static_cast<double>(asked.bins - 1)))];
+  }
+}
+
+void Histogram::add(const Histogram& more) {
+  counts.resize(std::max(counts.size(), more.counts.size()));
+  for (std::size_t i = 0; i < more.counts.size(); ++i) counts[i] += more.counts[i];
+  below += more.below;
+  above += more.above;
+}
+
+void SectionPoints::append(const SectionPoints& more, std::size_t most, std::size_t columns) {
+  const std::size_t count = std::min(more.t.size(), most - std::min(most, t.size()));
+  least::append(member, more.member, count);
+  least::append(crossing, more.crossing, count);
+  least::append(t, more.t, count);
+  least::append(values, more.values, count * columns);
+}
+
+void Harvest::add(const Harvest& more, std::size_t most) {
+  for (std::size_t i = 0; i < ended.size(); ++i) ended[i] += more.ended[i];
+  columns.resize(std::max(columns.size(), more.columns.size()));
+  for (std::size_t i = 0; i < more.columns.size(); ++i) columns[i].add(more.columns[i]);
+  histograms.resize(std::max(histograms.size(), more.histograms.size()));
+  for (std::size_t i = 0; i < more.histograms.size(); ++i) histograms[i].add(more.histograms[i]);
+  append(final_member, more.final_member, more.final_member.size());
+  append(final, more.final, more.final.size());
+  truncated = truncated || more.truncated || section.t.size() + more.section.t.size() > most;
+  if (!more.section.t.empty()) section.append(more.section, most, more.section.values.size() / more.section.t.size());
+  cost.steps += more.cost.steps;
+  cost.force_evaluations += more.cost.force_evaluations;
+  cost.iterations += more.cost.iterations;
+}
+
+}  // namespace least

@@ -1,0 +1,78 @@
+// What blocks of members leave behind, and how it adds up: blocks of 4,096 at absolute indices, each summed in the
+// order of its members, the blocks in theirs. So the sums do not depend on who computed which block, nor when.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "core/run/outcome.hpp"
+
+namespace least {
+
+inline constexpr std::int64_t block_size = 4096;
+
+/// Of the values of a column: how many there are, their mean, the sum of squares about it, and the extremes.
+struct Moments {
+  std::int64_t count = 0;
+  double mean = 0, squares = 0;
+  double minimum = std::numeric_limits<double>::infinity(), maximum = -minimum;
+
+  /// Of all that are numbers.
+  static Moments of(const std::vector<double>& values);
+  /// Adds those of further values. Source: Chan, Golub, LeVeque, Am. Stat. 37, 242 (1983).
+  void add(const Moments& more);
+  /// Unbiased; NaN for fewer than two.
+  double variance() const;
+};
+
+/// A histogram that is asked for, of a column of the ensemble, in bins [low + i·w, low + (i + 1)·w).
+struct HistogramAsked {
+  std::size_t column = 0;
+  double low = 0, high = 1;
+  std::int64_t bins = 1;
+};
+/// Counts by bin, and of the values on either side of the range.
+struct Histogram {
+  std::vector<std::int64_t> counts;
+  std::int64_t below = 0, above = 0;
+
+  void count(const HistogramAsked& asked, double value);
+  void add(const Histogram& more);
+};
+
+/// The states at which members met a section: one entry of `values` per column and point, row by row.
+struct SectionPoints {
+  std::vector<std::int64_t> member, crossing;
+  std::vector<double> t, values;
+
+  void append(const SectionPoints& more, std::size_t most, std::size_t columns);
+};
+
+/// How members ended, by the name of the reason; `completed` among them.
+using Endings = std::array<std::int64_t, static_cast<std::size_t>(ReturnCode::cancelled) + 1>;
+
+/// What the members of one block, or of all of them, leave behind. What is not asked for is empty.
+struct Harvest {
+  Endings ended{};
+  std::vector<Moments> columns;
+  std::vector<Histogram> histograms;
+  std::vector<std::int64_t> final_member;  ///< of those that completed
+  std::vector<double> final;               ///< row by row, a number per column
+  SectionPoints section;
+  bool truncated = false;  ///< there were more points than may be kept
+  Cost cost;               ///< steps of all members
+
+  /// Adds a later block's; no more than `most` points of sections are kept.
+  void add(const Harvest& more, std::size_t most);
+};
+
+struct Block {
+  std::int64_t index = 0;  ///< members [4096·index, 4096·(index + 1)), as far as they are within the range asked for
+  std::int64_t first = 0, count = 0;
+  Harvest harvest;
+};
+
+}  // namespace least

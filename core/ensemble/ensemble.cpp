@@ -1,0 +1,174 @@
+#include "core/ensemble/ensemble.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "core/ensemble/lane_members.hpp"
+#include "core/ensemble/lone_members.hpp"
+#include "core/run/budget.hpp"
+#include "core/run/save_schedule.hpp"
+
+namespace least {
+namespace {
+
+/// Statistics of a block whose final states are there, row by row.
+void sum_up(const EnsemblePlan& plan, Harvest& harvest) {
+  const std::size_t columns = plan.request.columns.size();
+  std::vector<double> values(harvest.final_member.size());
+  const auto column = [&](std::size_t k) -> const std::vector<double>& {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = harvest.final[i * columns + k];
+    return values;
+  };
+  for (std::size_t k = 0; plan.statistics && k < columns; ++k) harvest.columns.push_back(Moments::of(column(k)));
+  for (const HistogramAsked& asked : plan.histograms) {
+    Histogram& histogram = harvest.histograms.emplace_back();
+    for (const double x : column(asked.column)) histogram.count(asked, x);
+  }
+  if (plan.final) return;
+  harvest.final.clear();
+  harvest.final_member.clear();
+}
+
+/// Blocks go to threads as these ask for them, and to the receiver in their order.
+class Blocks {
+ public:
+  Blocks(const EnsemblePlan& plan, const Shard& shard, unsigned threads, const std::atomic<bool>& cancelled)
+      : plan_(plan),
+        shard_(shard),
+        ahead_(4 * std::int64_t{threads}),
+        budget_(plan.request.limits.seconds, stop_),
+        cancelled_(cancelled) {
+    next_ = plan.first_block();
+    while (next_ % shard.of != shard.index) ++next_;
+    awaited_ = next_;
+    for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+  }
+  ~Blocks() {
+    end(ReturnCode::cancelled);
+    for (auto& thread : threads_) thread.join();
+  }
+  Blocks(const Blocks&) = delete;
+  Blocks& operator=(const Blocks&) = delete;
+
+  /// The next one; nothing at the end, of which `reason` speaks.
+  std::optional<Block> take() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      if (awaited_ >= plan_.end_block() || reason_ != ReturnCode::completed) return std::nullopt;
+      if (const auto found = done_.find(awaited_); found != done_.end()) {
+        Block block = std::move(found->second);
+        done_.erase(found);
+        awaited_ += shard_.of;
+        changed_.notify_all();
+        return block;
+      }
+      changed_.wait_for(lock, std::chrono::milliseconds(20));
+      if (cancelled_.load(std::memory_order_relaxed)) end_locked(ReturnCode::cancelled);
+      if (budget_.seconds() > plan_.request.limits.seconds) end_locked(ReturnCode::deadline);
+      if (failure_) std::rethrow_exception(failure_);
+    }
+  }
+  ReturnCode reason() const { return reason_; }
+
+ private:
+  void end_locked(ReturnCode reason) {
+    if (reason_ == ReturnCode::completed) reason_ = reason;
+    stop_ = true;
+    changed_.notify_all();
+  }
+  void end(ReturnCode reason) {
+    const std::lock_guard lock(mutex_);
+    end_locked(reason);
+  }
+
+  void work() {
+    try {
+      while (const auto index = claim()) {
+        Block block = compute(*index);
+        const std::lock_guard lock(mutex_);
+        if (stop_) return;
+        done_.emplace(*index, std::move(block));
+        changed_.notify_all();
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      failure_ = std::current_exception();
+      changed_.notify_all();
+    }
+  }
+  /// No thread runs far ahead of what was received: memory does not grow with the number of members.
+  std::optional<std::int64_t> claim() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return stop_ || next_ - awaited_ < ahead_ * shard_.of; });
+    if (stop_ || next_ >= plan_.end_block()) return std::nullopt;
+    return std::exchange(next_, next_ + shard_.of);
+  }
+  Block compute(std::int64_t index) const {
+    Block block;
+    block.index = index;
+    block.first = std::max(plan_.first, index * block_size);
+    block.count = std::min(plan_.last, (index + 1) * block_size) - block.first;
+    if (!run_lane_members(plan_, block, stop_)) run_lone_members(plan_, block, stop_);
+    sum_up(plan_, block.harvest);
+    return block;
+  }
+
+  const EnsemblePlan& plan_;
+  const Shard shard_;
+  const std::int64_t ahead_;  ///< blocks
+  std::atomic<bool> stop_{false};
+  Budget budget_;
+  const std::atomic<bool>& cancelled_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::int64_t next_ = 0, awaited_ = 0;
+  std::map<std::int64_t, Block> done_;
+  ReturnCode reason_ = ReturnCode::completed;
+  std::exception_ptr failure_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace
+
+std::string ensemble_objection(const SchemeCard& scheme) {
+  if (scheme.own_clock) return "sets its own clock, and every member would have a time of its own";
+  if (scheme.implicit) return "solves equations at each step, and every member would need its own number of iterations";
+  return {};
+}
+
+bool is_of_state(const ColumnCard& column) {
+  constexpr std::array<std::string_view, 5> of_a_step{"step_size", "mode", "parameter", "discrete_energy", "error"};
+  return std::ranges::find(of_a_step, column.name) == of_a_step.end();
+}
+
+std::vector<double> section_times(const EnsemblePlan& plan) {
+  std::vector<double> times;
+  if (!plan.section || plan.section->plane) return times;
+  const auto& [plane, period, phase, variable, level, direction] = *plan.section;
+  const Request& request = plan.request;
+  const double start = request.scene->start;
+  double end = request.end;
+  if (request.until_steps) {
+    const SchemeCard& scheme = request.scene->mechanics->schemes()[request.scheme];
+    end = Grid(request, request.settings[*scheme.find("step")]).end;
+  }
+  double k = std::floor((start - phase) / period);
+  while (!(phase + k * period > start)) ++k;
+  for (; phase + k * period <= end && times.size() < static_cast<std::size_t>(request.limits.samples); ++k)
+    times.push_back(phase + k * period);
+  return times;
+}
+
+ReturnCode run_ensemble(const EnsemblePlan& plan, const Shard& shard, unsigned threads,
+                        const std::atomic<bool>& cancelled, const TakeBlock& take) {
+  Blocks blocks(plan, shard, std::max(threads, 1U), cancelled);
+  while (const auto block = blocks.take())
+    if (!take(*block)) return ReturnCode::cancelled;
+  return blocks.reason();
+}
+
+}  // namespace least

@@ -1,0 +1,56 @@
+// Many runs of one scene: what is asked, and its way through blocks of members on several threads.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+
+#include "core/ensemble/block.hpp"
+#include "core/ensemble/members.hpp"
+
+namespace least {
+
+/// Where the states of a member are looked at: at the times phase + k·period, or where a variable passes a level.
+struct Section {
+  bool plane = false;
+  double period = 0, phase = 0;
+  std::size_t variable = 0;  ///< of the card
+  double level = 0;
+  int direction = 0;  ///< of the passage: 1 up, −1 down, 0 both
+};
+
+/// Every number of the members stays within the range of its card.
+struct EnsemblePlan {
+  Request request;  ///< the scene that the members vary, the columns, the limits; `steps` of each, `seconds` of all
+  Members members;
+  std::int64_t first = 0, last = 0;  ///< members [first, last)
+  bool statistics = true, final = false;
+  std::optional<Section> section;  ///< its points are kept
+  std::vector<HistogramAsked> histograms;
+
+  std::int64_t first_block() const { return first / block_size; }
+  std::int64_t end_block() const { return (last + block_size - 1) / block_size; }
+};
+
+/// Whether a scheme can run ensembles, or what it has against it, in words.
+std::string ensemble_objection(const SchemeCard& scheme);
+/// Whether a column follows from a state alone.
+bool is_of_state(const ColumnCard& column);
+
+/// The times after the start, up to the end, at which a stroboscopic section looks.
+std::vector<double> section_times(const EnsemblePlan& plan);
+
+/// Which blocks are computed: those whose number leaves `index` when divided by `of`.
+struct Shard {
+  std::int64_t index = 0, of = 1;
+};
+
+/// Receives the blocks in their order; false ends the ensemble.
+using TakeBlock = std::function<bool(const Block&)>;
+
+/// Runs the members of the shard on so many threads. `completed`, or why it ended early (deadline, cancelled): then the
+/// blocks that were received are whole, and the first ones.
+ReturnCode run_ensemble(const EnsemblePlan& plan, const Shard& shard, unsigned threads,
+                        const std::atomic<bool>& cancelled, const TakeBlock& take);
+
+}  // namespace least

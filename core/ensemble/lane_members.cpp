@@ -1,0 +1,192 @@
+#include "core/ensemble/lane_members.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "core/run/save_schedule.hpp"
+#include "core/run/step_guard.hpp"
+
+namespace least {
+namespace {
+
+/// A block on its way through lanes.
+class LaneBlock final : public LaneHost {
+ public:
+  LaneBlock(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled)
+      : plan_(plan), block_(block), request_(plan.request), card_(request_.scene->card()) {
+    const auto count = static_cast<std::size_t>(block.count);
+    const SchemeCard& scheme = request_.scene->mechanics->schemes()[request_.scheme];
+    const Grid grid(request_, request_.settings[*scheme.find("step")]);
+    times_ = section_times(plan);
+    task_.scheme = static_cast<std::size_t>(std::ranges::find(lane_schemes, scheme.id) - lane_schemes.begin());
+    task_.settings = request_.settings;
+    task_.parameters = request_.scene->parameters;
+    task_.count = count;
+    task_.full = std::ranges::any_of(request_.columns, [&](std::size_t i) { return card_.columns[i].full_state; });
+    task_.start_time = grid.start;
+    task_.step = grid.step;
+    task_.end = grid.end;
+    task_.tail = grid.tail;
+    task_.steps = grid.steps;
+    task_.step_limit = request_.limits.steps;
+    task_.times = times_;
+    if (plan.section && plan.section->plane) {
+      task_.watched = static_cast<int>(plan.section->variable);
+      task_.level = plan.section->level;
+      task_.direction = plan.section->direction;
+    }
+    task_.host = this;
+    task_.cancelled = &cancelled;
+
+    fill_tables();
+    ended_.assign(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
+    final_.assign(card_.variables.size() * count, 0);
+    crossings_.assign(count, 0);
+    task_.final = final_.data();
+    task_.ended = ended_.data();
+  }
+
+  bool run(std::span<const LaneUnit> units) {
+    states_ = lane_units().back().mechanics(card_.id);
+    if (task_.scheme == lane_schemes.size() || !states_.columns) return false;
+    return std::ranges::any_of(units, [&](const LaneUnit& unit) {
+      const auto run = unit.mechanics(card_.id).run;
+      return run && run(task_);
+    });
+  }
+  void gather() {
+    Harvest& harvest = block_.harvest;
+    for (std::size_t m = 0; m < task_.count; ++m) {
+      ++harvest.ended[ended_[m]];
+      if (static_cast<ReturnCode>(ended_[m]) != ReturnCode::completed) continue;
+      std::vector<double> state(task_.variables);
+      for (std::size_t i = 0; i < state.size(); ++i) state[i] = final_[i * task_.count + m];
+      harvest.final_member.push_back(block_.first + static_cast<std::int64_t>(m));
+      append_columns(m, task_.end, state.data(), harvest.final);
+    }
+    harvest.cost.steps = task_.taken;
+    harvest.cost.force_evaluations = task_.forces;
+    keep_first_points();
+  }
+
+  double turn_limit(double damping_step) override {
+    const auto known = limits_.find(damping_step);
+    if (known != limits_.end()) return known->second;
+    const auto bound = [&](double a) { return stability_bound(request_.scheme, request_.settings, a); };
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    const bool grows = stability_bound(request_.scheme, request_.settings, 0, 0) == 0;
+    const double most = grows ? infinite : bound(damping_step);
+    return limits_[damping_step] = most * most * (1 + 1e-6);
+  }
+  bool is_too_fast(double turn_squared, double damping_step) override {
+    const auto [known, fresh] = too_fast_.try_emplace({turn_squared, damping_step});
+    if (fresh) {
+      StepGuard guard(request_.scheme, request_.settings, damping_step, true, true);
+      guard.see(turn_squared);
+      known->second = guard.exceeded();
+    }
+    return known->second;
+  }
+  void at_time(std::size_t m, double t, const double* state) override { add_point(m, t, state); }
+  void at_step(std::size_t m, double t_before, const double* before, double t, const double* after) override {
+    std::vector<double> state(card_.variables.size());
+    const auto parameters = parameters_of(m);
+    LaneCrossing crossing{parameters,  task_.full,  t_before, t, before, after, plan_.section->variable,
+                          task_.level, state.data()};
+    states_.locate(crossing);
+    add_point(m, crossing.t, state.data());
+  }
+
+ private:
+  std::vector<double> parameters_of(std::size_t m) const {
+    std::vector<double> parameters = request_.scene->parameters;
+    for (std::size_t k = 0; k < varied_.size(); ++k) parameters[varied_[k]] = values_[k * task_.count + m];
+    return parameters;
+  }
+
+  void fill_tables() {
+    const std::size_t count = task_.count;
+    start_.resize(card_.variables.size() * count);
+    for (std::size_t i = 0; i < card_.variables.size(); ++i)
+      std::fill_n(start_.begin() + static_cast<std::ptrdiff_t>(i * count), count, request_.scene->initial[i]);
+    for (const Variation& variation : plan_.members.vary)
+      if (variation.parameter) varied_.push_back(variation.index);
+    values_.resize(varied_.size() * count);
+    for (std::size_t m = 0; m < count; ++m) {
+      const auto of = plan_.members.of(block_.first + static_cast<std::int64_t>(m));
+      std::size_t row = 0;
+      for (std::size_t k = 0; k < of.size(); ++k) {
+        const Variation& variation = plan_.members.vary[k];
+        (variation.parameter ? values_[row++ * count + m] : start_[variation.index * count + m]) = of[k];
+      }
+    }
+    task_.varied = varied_;
+    task_.values = values_.data();
+    task_.start = start_.data();
+  }
+
+  void append_columns(std::size_t m, double t, const double* state, std::vector<double>& to) {
+    const std::size_t size = to.size();
+    to.resize(size + request_.columns.size());
+    const auto parameters = parameters_of(m);
+    states_.columns({parameters, task_.full, t, state, request_.columns, to.data() + size});
+  }
+  void add_point(std::size_t m, double t, const double* state) {
+    SectionPoints& points = block_.harvest.section;
+    points.member.push_back(block_.first + static_cast<std::int64_t>(m));
+    points.crossing.push_back(crossings_[m]++);
+    points.t.push_back(t);
+    append_columns(m, t, state, points.values);
+    if (points.t.size() >= 4 * static_cast<std::size_t>(request_.limits.samples)) keep_first_points();
+  }
+  /// In the order of members and crossings, as many as may be kept.
+  void keep_first_points() {
+    SectionPoints& all = block_.harvest.section;
+    const std::size_t columns = request_.columns.size();
+    const auto most = static_cast<std::size_t>(request_.limits.samples);
+    std::vector<std::size_t> order(all.t.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::sort(order, {}, [&](std::size_t i) { return std::pair(all.member[i], all.crossing[i]); });
+    SectionPoints kept;
+    if (order.size() > most) {
+      block_.harvest.truncated = true;
+      order.resize(most);
+    }
+    for (const std::size_t i : order) {
+      kept.member.push_back(all.member[i]);
+      kept.crossing.push_back(all.crossing[i]);
+      kept.t.push_back(all.t[i]);
+      const auto row = all.values.begin() + static_cast<std::ptrdiff_t>(i * columns);
+      kept.values.insert(kept.values.end(), row, row + static_cast<std::ptrdiff_t>(columns));
+    }
+    all = std::move(kept);
+  }
+
+  const EnsemblePlan& plan_;
+  Block& block_;
+  const Request& request_;
+  const ProblemCard& card_;
+  LaneTask task_;
+  LaneMechanics states_;
+  std::vector<double> times_, start_, values_, final_;
+  std::vector<std::size_t> varied_;
+  std::vector<std::uint8_t> ended_;
+  std::vector<std::int64_t> crossings_;
+  std::map<double, double> limits_;
+  std::map<std::pair<double, double>, bool> too_fast_;
+};
+
+}  // namespace
+
+bool run_lane_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled,
+                      std::span<const LaneUnit> units) {
+  LaneBlock lanes(plan, block, cancelled);
+  if (!lanes.run(units)) return false;
+  lanes.gather();
+  return true;
+}
+
+}  // namespace least

@@ -1,0 +1,14 @@
+// Members one after the other, each a run of its own.
+#pragma once
+
+#include "core/ensemble/ensemble.hpp"
+
+namespace least {
+
+/// The scene of the i-th member.
+std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t i);
+
+/// Runs the members of the block: their endings, the columns at the ends of those that completed, their sections.
+void run_lone_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled);
+
+}  // namespace least

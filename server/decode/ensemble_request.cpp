@@ -1,0 +1,388 @@
+#include "server/decode/ensemble_request.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/decode/plan_reader.hpp"
+#include "server/decode/scene_reader.hpp"
+
+namespace least::server {
+namespace {
+
+constexpr double most_grid = 1e12;
+constexpr std::int64_t most_bins = 100'000;
+
+// What a variation may change, by its pointer.
+struct Variable {
+  std::string pointer;
+  bool parameter = false;
+  std::size_t index = 0;
+  Range range;
+};
+std::vector<Variable> variables_of(const ProblemCard& problem) {
+  std::vector<Variable> all;
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    all.push_back({"/initial/" + problem.variables[i].name, false, i, problem.variables[i].range});
+  }
+  for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+    if (problem.parameters[i].kind != Kind::number) continue;
+    all.push_back({"/problem/" + problem.parameters[i].name, true, i, problem.parameters[i].range});
+  }
+  return all;
+}
+
+// What a client may have meant that members cannot have: each in words of its own.
+std::string why_fixed(std::string_view pointer, const ProblemCard& problem) {
+  if (pointer.starts_with("/scheme")) return "the scheme and its settings are the same for all members";
+  if (pointer == "/initial/t") return "all members start at the same time";
+  for (const auto& parameter : problem.parameters) {
+    if (pointer == "/problem/" + parameter.name) return parameter.name + " is no number, and the same for all members";
+  }
+  return {};
+}
+
+constexpr std::string_view shapes[] = {"{\"grid\": [first, last, how many]}", "{\"values\": [x1, x2, …]}",
+                                       "{\"uniform\": [from, to]}", "{\"normal\": [mean, deviation]}",
+                                       "{\"logistic\": [mean, scale]}"};
+
+std::vector<double> read_list(const Json& json, const FieldPath& path, const Range& range) {
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    if (const auto x = read_number(json[i], path.at(i), range)) numbers.push_back(*x);
+  }
+  return numbers;
+}
+
+// False: a fault was noted.
+bool read_numbers(const Json& json, const FieldPath& path, const Range& range, Variation& variation) {
+  const std::string shape(shapes[static_cast<std::size_t>(variation.spread)]);
+  const std::size_t wanted = variation.spread == Spread::values ? json.size()
+                             : variation.spread == Spread::grid ? 3
+                                                                : 2;
+  if (!json.is_array() || json.empty() || json.size() != wanted) {
+    path.fault("must be a list of numbers: " + shape, json, shape);
+    return false;
+  }
+  const bool within = variation.spread == Spread::values || variation.spread == Spread::uniform;
+  variation.numbers = read_list(json, path, within ? range : anywhere);
+  if (variation.numbers.size() != json.size()) return false;
+  const auto& n = variation.numbers;
+  switch (variation.spread) {
+    case Spread::values:
+      return true;
+    case Spread::uniform:
+      if (n[0] < n[1]) return true;
+      path.fault(fmt::format("goes the wrong way: from {} to {}", shortest(n[0]), shortest(n[1])), json, shape);
+      return false;
+    case Spread::grid:
+      if (!read_number(json[0], path.at(0), range) || !read_number(json[1], path.at(1), range)) return false;
+      if (!read_whole(json[2], path.at(2), {1, most_grid})) return false;
+      if (n[2] == 1 ? n[0] <= n[1] : n[0] < n[1]) return true;
+      path.fault(fmt::format("goes the wrong way: from {} to {}", shortest(n[0]), shortest(n[1])), json, shape);
+      return false;
+    case Spread::normal:
+    case Spread::logistic:
+      if (!read_number(json[1], path.at(1), {0, anywhere.high, true, true})) return false;
+      if (!std::isfinite(range.low) && !std::isfinite(range.high)) return true;
+      path.fault("reaches any number, and here only " + interval(range) + " is allowed: take uniform, grid or values",
+                 json, interval(range));
+      return false;
+  }
+  return false;
+}
+
+void read_vary(const Json& json, const FieldPath& path, const ProblemCard& problem, Members& members) {
+  if (!json.is_object()) {
+    path.fault("must be an object of pointers and how they vary", json, "{\"/initial/q\": {\"uniform\": [-1, 1]}, …}");
+    return;
+  }
+  const auto variables = variables_of(problem);
+  Names pointers;
+  for (const auto& variable : variables) pointers.push_back(variable.pointer);
+  for (const auto& [pointer, how] : json.items()) {
+    const FieldPath place = path.at(pointer);
+    const auto found = std::ranges::find(variables, pointer, &Variable::pointer);
+    if (found == variables.end()) {
+      const std::string fixed = why_fixed(pointer, problem);
+      place.fault(!fixed.empty() ? fixed : "names nothing that can vary" + did_you_mean(pointer, pointers), how,
+                  listed(pointers));
+      continue;
+    }
+    if (!how.is_object() || how.size() != 1) {
+      place.fault("must say in one way how it varies", how, fmt::format("{}", fmt::join(shapes, " or ")));
+      continue;
+    }
+    const std::string& spread = how.begin().key();
+    const auto kind = read_name(spread, place.at(spread), Names(spread_names.begin(), spread_names.end()), "variation");
+    if (!kind) continue;
+    Variation variation{found->parameter, found->index, static_cast<Spread>(*kind), {}};
+    if (read_numbers(how.begin().value(), place.at(spread), found->range, variation)) {
+      members.vary.push_back(std::move(variation));
+    }
+  }
+}
+
+void read_members(const Json& root, const FieldPath& top, const ProblemCard* problem, EnsemblePlan& plan) {
+  const Json* json = find(root, "members");
+  const FieldPath path = top.at("members");
+  const std::string shape = "{\"count\": …, \"seed\": …, \"vary\": {…}}";
+  if (json == nullptr) {
+    path.lacks("is required", shape);
+    return;
+  }
+  if (!read_object(*json, path, {"count", "seed", "vary"}, "members")) return;
+  Members& members = plan.members;
+  if (const Json* seed = find(*json, "seed")) {
+    members.seed = static_cast<std::uint64_t>(read_integer(*seed, path.at("seed"), 0, greatest_count).value_or(0));
+  }
+  const Json* vary = find(*json, "vary");
+  if (vary != nullptr && problem != nullptr) read_vary(*vary, path.at("vary"), *problem, members);
+  if (path.faults->within(path.at("vary").pointer)) return;
+  double product = 1;
+  bool listed_values = false;
+  for (const Variation& variation : members.vary) {
+    if (variation.drawn()) continue;
+    listed_values = true;
+    product *= static_cast<double>(variation.size());
+  }
+  if (product > static_cast<double>(greatest_count)) {
+    path.at("vary").lacks(fmt::format("the grids make {} members, more than can be counted", shortest(product)));
+    return;
+  }
+  const Json* count = find(*json, "count");
+  if (count == nullptr) {
+    if (!listed_values) path.at("count").lacks("is required where no grid and no values make it", "[1, 2^53]");
+    members.count = static_cast<std::int64_t>(product);
+    return;
+  }
+  members.count = read_integer(*count, path.at("count"), 1, greatest_count).value_or(1);
+  if (listed_values && static_cast<double>(members.count) != product) {
+    path.at("count").fault(fmt::format("grids and values make {} members", shortest(product)), *count,
+                           shortest(product));
+  }
+}
+
+void read_range(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
+  plan.first = 0;
+  plan.last = plan.members.count;
+  const Json* json = find(root, "range");
+  if (json == nullptr) return;
+  const FieldPath path = top.at("range");
+  const std::string allowed = fmt::format("[first, last], 0 <= first < last <= {}", plan.members.count);
+  if (!json->is_array() || json->size() != 2) {
+    path.fault("must be the first member and the one after the last", *json, allowed);
+    return;
+  }
+  const auto first = read_integer((*json)[0], path.at(0), 0, greatest_count);
+  const auto last = read_integer((*json)[1], path.at(1), 0, greatest_count);
+  if (!first || !last) return;
+  if (!(*first < *last && *last <= plan.members.count)) {
+    path.fault(fmt::format("is none of members 0 to {}", plan.members.count), *json, allowed);
+    return;
+  }
+  plan.first = *first;
+  plan.last = *last;
+}
+
+// `r`, `r - 0.5` or `r + 2`: a variable, or one minus a number.
+bool read_expression(const Json& json, const FieldPath& path, const ProblemCard& problem, Section& section) {
+  Names names;
+  for (const auto& variable : problem.variables) {
+    if (!variable.optional) names.push_back(variable.name);
+  }
+  const std::string allowed =
+      listed(names) + ", or one of them minus a number: \"" + std::string(names[0]) + " - 0.5\"";
+  if (!json.is_string()) {
+    path.fault("must be a string", json, allowed);
+    return false;
+  }
+  std::string text = json.get<std::string>();
+  std::erase(text, ' ');
+  const std::size_t sign = text.find_first_of("+-", 1);
+  const std::string name = text.substr(0, sign);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) {
+    path.fault("must begin with a variable" + did_you_mean(name, names), json, allowed);
+    return false;
+  }
+  const auto at = std::ranges::find(problem.variables, name, &VariableCard::name);
+  section.variable = static_cast<std::size_t>(at - problem.variables.begin());
+  if (sign == std::string::npos) return true;
+  const Json level = Json::parse(text.substr(sign + 1), nullptr, false);
+  if (!level.is_number() || !std::isfinite(level.get<double>())) {
+    path.fault("only a number may stand after the variable, for now", json, allowed);
+    return false;
+  }
+  section.level = (text[sign] == '-' ? 1 : -1) * level.get<double>();
+  return true;
+}
+
+void read_section(const Json& root, const FieldPath& top, const ProblemCard& problem, EnsemblePlan& plan) {
+  const Json* json = find(root, "section");
+  const FieldPath path = top.at("section");
+  const std::string shape = "{\"period\": …, \"phase\": …}, {\"expression\": …, \"direction\": …}";
+  if (json == nullptr) {
+    if (plan.section) path.lacks("is required where sections are kept", shape);
+    return;
+  }
+  Section section;
+  Names keys{"period", "phase", "expression", "direction", "member", "crossing"};  // the last two: of an answer
+  for (const auto& column : problem.columns) keys.push_back(column.name);
+  if (!read_object(*json, path, keys, "a section")) return;
+  const Json *period = find(*json, "period"), *expression = find(*json, "expression");
+  if ((period == nullptr) == (expression == nullptr)) {
+    path.fault("must hold either period or expression", *json, shape);
+    return;
+  }
+  section.plane = expression != nullptr;
+  if (section.plane) {
+    if (find(*json, "phase")) path.at("phase").fault("goes with period", (*json)["phase"]);
+    if (!read_expression(*expression, path.at("expression"), problem, section)) return;
+    if (const Json* direction = find(*json, "direction")) {
+      constexpr int signs[] = {1, -1, 0};
+      const auto way = read_name(*direction, path.at("direction"), {"up", "down", "both"}, "direction");
+      section.direction = signs[way.value_or(2)];
+    }
+  } else {
+    if (find(*json, "direction")) path.at("direction").fault("goes with expression", (*json)["direction"]);
+    section.period = read_number(*period, path.at("period"), {0, anywhere.high, true, true}).value_or(1);
+    if (const Json* phase = find(*json, "phase")) {
+      section.phase = read_number(*phase, path.at("phase"), anywhere).value_or(0);
+    }
+    const double span = plan.request.end - plan.request.scene->start;
+    if (!plan.request.until_steps && section.period > 0 && span / section.period > 1e9) {
+      path.at("period").fault("a member would meet it more than 1e9 times", *period);
+    }
+  }
+  if (plan.section) plan.section = section;
+}
+
+void read_keep(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
+  const Json* json = find(root, "keep");
+  if (json == nullptr) return;
+  const auto kept = read_names(*json, top.at("keep"), {"statistics", "final", "section"}, "thing to keep");
+  const auto keeps = [&](std::size_t what) { return std::ranges::find(kept, what) != kept.end(); };
+  if (json->is_array() && json->empty())
+    top.at("keep").fault("must keep something", *json, "statistics, final, section");
+  plan.statistics = keeps(0);
+  plan.final = keeps(1);
+  if (keeps(2)) plan.section.emplace();
+}
+
+void check_finals(const Json& root, const FieldPath& top, const EnsemblePlan& plan) {
+  const std::int64_t count = plan.last - plan.first, most = plan.request.limits.samples;
+  if (!plan.final || count <= most) return;
+  top.at("keep").fault(
+      fmt::format("would keep {} final states, more than limits.samples = {}; take a range of members, "
+                  "or their statistics and histograms",
+                  count, most),
+      root["keep"], "statistics, section");
+}
+
+void read_histograms(const Json& root, const FieldPath& top, const ProblemCard& problem, EnsemblePlan& plan) {
+  const Json* json = find(root, "histograms");
+  if (json == nullptr) return;
+  const FieldPath path = top.at("histograms");
+  Names columns;
+  for (const auto column : plan.request.columns) columns.push_back(problem.columns[column].name);
+  if (!read_object(*json, path, columns, "histograms, which are of the columns")) return;
+  for (const auto& [name, entry] : json->items()) {
+    const auto column = std::ranges::find(columns, name);
+    const FieldPath place = path.at(name);
+    if (column == columns.end()) continue;
+    if (!read_object(entry, place, {"range", "bins", "counts", "below", "above"}, "a histogram")) continue;
+    const Json *range = find(entry, "range"), *bins = find(entry, "bins");
+    if (range == nullptr || bins == nullptr) {
+      place.fault("must hold range and bins", entry, "{\"range\": [low, high], \"bins\": 50}");
+      continue;
+    }
+    HistogramAsked asked;
+    asked.column = static_cast<std::size_t>(column - columns.begin());
+    const auto numbers = range->is_array() ? read_list(*range, place.at("range"), anywhere) : std::vector<double>();
+    if (!range->is_array() || numbers.size() != 2 || !(numbers[0] < numbers[1])) {
+      if (!place.faults->within(place.at("range").pointer)) {
+        place.at("range").fault("must be two numbers, the lower first", *range, "[low, high]");
+      }
+      continue;
+    }
+    asked.low = numbers[0];
+    asked.high = numbers[1];
+    asked.bins = read_integer(*bins, place.at("bins"), 1, most_bins).value_or(1);
+    plan.histograms.push_back(asked);
+  }
+}
+
+void check_columns(const Json& root, const FieldPath& top, const ProblemCard& problem) {
+  const Json* json = find(root, "columns");
+  if (json == nullptr) return;
+  Names fitting;
+  for (const auto& column : problem.columns) {
+    if (is_of_state(column)) fitting.push_back(column.name);
+  }
+  for (std::size_t i = 0; i < json->size(); ++i) {
+    const Json& name = (*json)[i];
+    const auto column =
+        std::ranges::find(problem.columns, name.is_string() ? name.get<std::string>() : "", &ColumnCard::name);
+    if (column == problem.columns.end() || is_of_state(*column)) continue;
+    top.at("columns").at(i).fault("does not follow from a final state alone", name, listed(fitting));
+  }
+}
+
+void check_scheme(const Cards& cards, const ProblemCard& problem, std::size_t scheme, const FieldPath& path) {
+  const std::string why = ensemble_objection(cards.schemes[scheme]);
+  if (why.empty()) return;
+  Names fitting;
+  for (const auto index : problem.schemes) {
+    if (ensemble_objection(cards.schemes[index]).empty()) fitting.push_back(cards.schemes[index].id);
+  }
+  path.fault(fmt::format("{} {}", cards.schemes[scheme].id, why), Json(cards.schemes[scheme].id), listed(fitting));
+}
+
+}  // namespace
+
+Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards, const Caps& caps) {
+  Faults faults = std::move(body.faults);
+  const Json& root = body.tree;
+  const FieldPath top{"", &faults};
+  EnsemblePlan plan;
+  Request& request = plan.request;
+  if (root.is_null() && !faults.empty()) return faults;
+  const Names keys{"problem", "initial", "scheme",  "until", "limits",    "members",
+                   "range",   "section", "columns", "keep",  "histograms"};
+  if (!read_object(root, top, keys, "the request")) return faults;
+
+  const NamedEntry problem = read_entry(find(root, "problem"), top.at("problem"), "problem", names_of(cards.problems));
+  const NamedEntry scheme = read_entry(find(root, "scheme"), top.at("scheme"), "scheme", names_of(cards.schemes));
+  const auto scene = std::make_shared<Scene>();
+  request.scene = scene;
+  if (problem.index) scene->mechanics = cards.problems[*problem.index];
+  const ProblemCard* card = problem.index ? &scene->card() : nullptr;
+  const PresetCard* preset = card ? read_scene(root, top, *scene) : nullptr;
+  const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
+  if (scheme_card) {
+    request.scheme = *scheme.index;
+    request.settings = read_settings(*find(root, "scheme"), top.at("scheme"), *scheme_card, card, preset);
+    if (card) {
+      check_pair(cards, *card, *scheme.index, scheme.path);
+      check_scheme(cards, *card, *scheme.index, scheme.path);
+      check_settings(*scheme_card, *card, request.settings, top.at("scheme"));
+    }
+  }
+  read_plan(root, top, card, scheme_card, card ? span_of(*card, preset) : 0, caps, request);
+  request.diagnostics.clear();
+  read_members(root, top, card, plan);
+  read_range(root, top, plan);
+  read_keep(root, top, plan);
+  check_finals(root, top, plan);
+  if (card) {
+    check_columns(root, top, *card);
+    read_section(root, top, *card, plan);
+    read_histograms(root, top, *card, plan);
+  }
+  if (!faults.empty()) return faults;
+  return plan;
+}
+
+}  // namespace least::server

@@ -1,0 +1,322 @@
+#include "server/encode/ensemble_json.hpp"
+
+#include <fmt/format.h>
+
+#include "core/catalogue/catalogue.hpp"
+#include "server/encode/answer_parts.hpp"
+
+namespace least::server {
+namespace {
+
+const ColumnCard& column_of(const EnsemblePlan& plan, std::size_t k) {
+  return plan.request.scene->card().columns[plan.request.columns[k]];
+}
+
+void write_integers(JsonWriter& json, const std::vector<std::int64_t>& values) {
+  json.open('[');
+  for (const auto value : values) json.integer(value);
+  json.close(']');
+}
+void write_row(JsonWriter& json, const std::vector<double>& values, std::size_t first = 0, std::size_t stride = 1) {
+  json.open('[');
+  for (std::size_t i = first; i < values.size(); i += stride) json.number(values[i]);
+  json.close(']');
+}
+
+void write_members(JsonWriter& json, const EnsemblePlan& plan) {
+  const Members& members = plan.members;
+  const ProblemCard& problem = plan.request.scene->card();
+  json.open('{').key("count").integer(members.count).key("seed").integer(static_cast<std::int64_t>(members.seed));
+  json.key("vary").open('{');
+  for (const Variation& varied : members.vary) {
+    json.key(varied.parameter ? "/problem/" + problem.parameters[varied.index].name
+                              : "/initial/" + problem.variables[varied.index].name);
+    json.open('{').key(spread_names[static_cast<std::size_t>(varied.spread)]);
+    write_row(json, varied.numbers);
+    json.close('}');
+  }
+  json.close('}').close('}');
+}
+
+// The members of a section, without its brackets.
+void write_section_asked(JsonWriter& json, const EnsemblePlan& plan) {
+  const Section& section = *plan.section;
+  if (!section.plane) {
+    json.key("period").number(section.period).key("phase").number(section.phase);
+    return;
+  }
+  std::string expression = plan.request.scene->card().variables[section.variable].name;
+  if (section.level != 0) {
+    append_number(expression += section.level < 0 ? "+" : "-", std::abs(section.level));
+  }
+  json.key("expression").text(expression).key("direction");
+  json.text(section.direction > 0 ? "up" : section.direction < 0 ? "down" : "both");
+}
+void write_histogram_asked(JsonWriter& json, const HistogramAsked& asked) {
+  json.key("range").open('[').number(asked.low).number(asked.high).close(']').key("bins").integer(asked.bins);
+}
+
+// The request with all defaults filled in, but for what shares its name with a result.
+void write_ensemble_echo(JsonWriter& json, const EnsemblePlan& plan, const Cards& cards) {
+  const Request& request = plan.request;
+  json.key("version").text(version);
+  write_scene(json, *request.scene);
+  write_scheme(json.key("scheme"), cards.schemes[request.scheme], request.settings);
+  write_until(json.key("until"), request);
+  const Limits& limits = request.limits;
+  json.key("limits").open('{').key("seconds").number(limits.seconds).key("steps").integer(limits.steps);
+  json.key("samples").integer(limits.samples).close('}');
+  write_members(json.key("members"), plan);
+  json.key("range").open('[').integer(plan.first).integer(plan.last).close(']').key("columns").open('[');
+  for (std::size_t k = 0; k < request.columns.size(); ++k) json.text(column_of(plan, k).name);
+  json.close(']').key("keep").open('[');
+  if (plan.statistics) json.text("statistics");
+  if (plan.final) json.text("final");
+  if (plan.section) json.text("section");
+  json.close(']');
+}
+
+void write_endings(JsonWriter& json, const Endings& ended) {
+  json.key("completed").integer(ended[0]).key("stopped").open('{');
+  for (std::size_t i = 1; i < ended.size(); ++i) {
+    if (ended[i] > 0) json.key(name(static_cast<ReturnCode>(i))).integer(ended[i]);
+  }
+  json.close('}');
+}
+
+void write_statistics(JsonWriter& json, const EnsemblePlan& plan, const Harvest& all) {
+  if (plan.statistics) {
+    json.key("statistics").open('{');
+    for (std::size_t k = 0; k < plan.request.columns.size(); ++k) {
+      const Moments moments = k < all.columns.size() ? all.columns[k] : Moments{};
+      const bool some = moments.count > 0;
+      json.key(column_of(plan, k).name).open('{').key("mean");
+      some ? json.number(moments.mean) : json.null();
+      json.key("variance").number(moments.variance());  // null where it is no number, as the extremes of none
+      json.key("minimum").number(moments.minimum).key("maximum").number(moments.maximum).close('}');
+    }
+    json.close('}');
+  }
+  if (plan.histograms.empty()) return;
+  json.key("histograms").open('{');
+  for (std::size_t i = 0; i < plan.histograms.size(); ++i) {
+    const HistogramAsked& asked = plan.histograms[i];
+    Histogram counted = i < all.histograms.size() ? all.histograms[i] : Histogram{};
+    counted.counts.resize(static_cast<std::size_t>(asked.bins));
+    write_histogram_asked(json.key(column_of(plan, asked.column).name).open('{'), asked);
+    write_integers(json.key("counts"), counted.counts);
+    json.key("below").integer(counted.below).key("above").integer(counted.above).close('}');
+  }
+  json.close('}');
+}
+
+void write_columns(JsonWriter& json, const EnsemblePlan& plan, const std::vector<double>& rows) {
+  const std::size_t columns = plan.request.columns.size();
+  for (std::size_t k = 0; k < columns; ++k) {
+    if (column_of(plan, k).name == "t" && plan.section) continue;  // a section has its own
+    write_row(json.key(column_of(plan, k).name), rows, k, columns);
+  }
+}
+void write_ends(JsonWriter& json, const EnsemblePlan& plan, const Harvest& harvest) {
+  if (!plan.final) return;
+  const std::size_t columns = plan.request.columns.size();
+  write_integers(json.key("final").open('{').key("index"), harvest.final_member);
+  for (std::size_t k = 0; k < columns; ++k) write_row(json.key(column_of(plan, k).name), harvest.final, k, columns);
+  json.close('}');
+}
+void write_points(JsonWriter& json, const EnsemblePlan& plan, const SectionPoints& points, bool asked) {
+  if (!plan.section) return;
+  json.key("section").open('{');
+  if (asked) write_section_asked(json, plan);
+  write_integers(json.key("member"), points.member);
+  write_integers(json.key("crossing"), points.crossing);
+  write_row(json.key("t"), points.t);
+  write_columns(json, plan, points.values);
+  json.close('}');
+}
+
+void write_status(JsonWriter& json, const Harvest& all, const EnsembleEnd& end) {
+  json.key("status").text(end.reason == ReturnCode::completed ? "completed" : "stopped");
+  if (end.reason == ReturnCode::completed) return;
+  std::int64_t members = 0;
+  for (const auto count : all.ended) members += count;
+  json.key("stop").open('{').key("reason").text(name(end.reason)).key("members").integer(members).close('}');
+}
+
+void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harvest& all, const EnsembleEnd& end) {
+  Cost cost = all.cost;
+  cost.seconds = end.seconds;
+  write_cost(json.key("cost"), cost);
+  std::vector<Warning> warnings;
+  if (all.truncated) {
+    warnings.push_back({"section_truncated", fmt::format("only the first {} points of the section are kept: "
+                                                         "limits.samples",
+                                                         plan.request.limits.samples)});
+  }
+  write_warnings(json.key("warnings"), warnings);
+}
+
+// An object on a line.
+template <class WriteMembers>
+std::string ensemble_line(WriteMembers write_all) {
+  std::string text;
+  JsonWriter json(text);
+  json.open('{');
+  write_all(json);
+  json.close('}');
+  return text += '\n';
+}
+
+// Reading: each gives nothing where the line is not what it should be.
+
+bool read_back(const Json& json, std::vector<double>& values, std::size_t first, std::size_t stride) {
+  if (!json.is_array() || values.size() != json.size() * stride) return false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    if (!json[i].is_number() && !json[i].is_null()) return false;
+    values[first + i * stride] = json[i].is_null() ? std::nan("") : json[i].get<double>();
+  }
+  return true;
+}
+bool read_table(const Json& json, const EnsemblePlan& plan, std::size_t rows, std::vector<double>& values) {
+  const std::size_t columns = plan.request.columns.size();
+  values.resize(rows * columns);
+  for (std::size_t k = 0; k < columns; ++k) {
+    const auto found = json.find(column_of(plan, k).name);
+    if (found == json.end() || !read_back(*found, values, k, columns)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end) {
+  return ensemble_line([&](JsonWriter& json) {
+    write_ensemble_echo(json, plan, cards);
+    write_status(json, all, end);
+    write_endings(json, all.ended);
+    write_statistics(json, plan, all);
+    write_ends(json, plan, all);
+    write_points(json, plan, all.section, true);
+    write_ensemble_cost(json, plan, all, end);
+  });
+}
+
+std::string encode_ensemble_head(const EnsemblePlan& plan, const Cards& cards) {
+  return ensemble_line([&](JsonWriter& json) {
+    json.key("kind").text("head");
+    write_ensemble_echo(json, plan, cards);
+    if (plan.section) {
+      json.key("section").open('{');
+      write_section_asked(json, plan);
+      json.close('}');
+    }
+    if (plan.histograms.empty()) return;
+    json.key("histograms").open('{');
+    for (const HistogramAsked& asked : plan.histograms) {
+      write_histogram_asked(json.key(column_of(plan, asked.column).name).open('{'), asked);
+      json.close('}');
+    }
+    json.close('}');
+  });
+}
+
+std::string encode_ensemble_block(const EnsemblePlan& plan, const Block& block) {
+  const Harvest& harvest = block.harvest;
+  return ensemble_line([&](JsonWriter& json) {
+    json.key("kind").text("block").key("block").integer(block.index).key("first").integer(block.first);
+    json.key("members").integer(block.count);
+    write_endings(json, harvest.ended);
+    if (plan.statistics) {
+      json.key("sums").open('{');
+      for (std::size_t k = 0; k < harvest.columns.size(); ++k) {
+        const Moments& of = harvest.columns[k];
+        json.key(column_of(plan, k).name).open('[').integer(of.count).number(of.mean).number(of.squares);
+        json.number(of.minimum).number(of.maximum).close(']');
+      }
+      json.close('}');
+    }
+    if (!plan.histograms.empty()) {
+      json.key("histograms").open('{');
+      for (std::size_t i = 0; i < harvest.histograms.size(); ++i) {
+        const Histogram& of = harvest.histograms[i];
+        write_integers(json.key(column_of(plan, plan.histograms[i].column).name).open('{').key("counts"), of.counts);
+        json.key("below").integer(of.below).key("above").integer(of.above).close('}');
+      }
+      json.close('}');
+    }
+    write_ends(json, plan, harvest);
+    write_points(json, plan, harvest.section, false);
+    json.key("truncated").boolean(harvest.truncated).key("steps").integer(harvest.cost.steps);
+    json.key("force_evaluations").integer(harvest.cost.force_evaluations);
+  });
+}
+
+std::string encode_ensemble_end(const EnsemblePlan& plan, const Harvest& all, const EnsembleEnd& end) {
+  return ensemble_line([&](JsonWriter& json) {
+    json.key("kind").text("end");
+    write_status(json, all, end);
+    write_endings(json, all.ended);
+    write_statistics(json, plan, all);
+    write_ensemble_cost(json, plan, all, end);
+  });
+}
+
+std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& line) try {
+  Block block;
+  Harvest& harvest = block.harvest;
+  if (line.at("kind") != "block") return std::nullopt;
+  block.index = line.at("block").get<std::int64_t>();
+  block.first = line.at("first").get<std::int64_t>();
+  block.count = line.at("members").get<std::int64_t>();
+  harvest.ended[0] = line.at("completed").get<std::int64_t>();
+  const Json& stopped = line.at("stopped");
+  std::size_t known = 0;
+  for (std::size_t i = 1; i < harvest.ended.size(); ++i) {
+    const auto found = stopped.find(name(static_cast<ReturnCode>(i)));
+    if (found == stopped.end()) continue;
+    harvest.ended[i] = found->get<std::int64_t>();
+    ++known;
+  }
+  if (known != stopped.size()) return std::nullopt;
+  for (std::size_t k = 0; plan.statistics && k < plan.request.columns.size(); ++k) {
+    const Json& sums = line.at("sums").at(column_of(plan, k).name);
+    Moments& of = harvest.columns.emplace_back();
+    of.count = sums.at(0).get<std::int64_t>();
+    if (of.count == 0) continue;
+    of.mean = sums.at(1).get<double>();
+    of.squares = sums.at(2).get<double>();
+    of.minimum = sums.at(3).get<double>();
+    of.maximum = sums.at(4).get<double>();
+  }
+  for (const HistogramAsked& asked : plan.histograms) {
+    const Json& counted = line.at("histograms").at(column_of(plan, asked.column).name);
+    Histogram& of = harvest.histograms.emplace_back();
+    of.counts = counted.at("counts").get<std::vector<std::int64_t>>();
+    of.below = counted.at("below").get<std::int64_t>();
+    of.above = counted.at("above").get<std::int64_t>();
+    if (of.counts.size() != static_cast<std::size_t>(asked.bins)) return std::nullopt;
+  }
+  if (plan.final) {
+    const Json& final = line.at("final");
+    harvest.final_member = final.at("index").get<std::vector<std::int64_t>>();
+    if (!read_table(final, plan, harvest.final_member.size(), harvest.final)) return std::nullopt;
+  }
+  if (plan.section) {
+    const Json& section = line.at("section");
+    SectionPoints& points = harvest.section;
+    points.member = section.at("member").get<std::vector<std::int64_t>>();
+    points.crossing = section.at("crossing").get<std::vector<std::int64_t>>();
+    points.t = section.at("t").get<std::vector<double>>();
+    if (points.crossing.size() != points.member.size() || points.t.size() != points.member.size() ||
+        !read_table(section, plan, points.t.size(), points.values))
+      return std::nullopt;
+  }
+  harvest.truncated = line.at("truncated").get<bool>();
+  harvest.cost.steps = line.at("steps").get<std::int64_t>();
+  harvest.cost.force_evaluations = line.at("force_evaluations").get<std::int64_t>();
+  return block;
+} catch (const Json::exception&) {
+  return std::nullopt;
+}
+
+}  // namespace least::server

@@ -1,0 +1,96 @@
+#include "server/ensemble.hpp"
+
+#include <chrono>
+#include <memory>
+
+#include "server/decode/ensemble_request.hpp"
+#include "server/encode/ensemble_json.hpp"
+#include "server/encode/problem_document.hpp"
+#include "server/http/cancellation.hpp"
+
+namespace least::server {
+namespace {
+
+using Passes = std::vector<Admission::Pass>;
+
+// One place is waited for, as for a run; those that are free besides are taken, too.
+Passes places(const Context& context) {
+  Passes passes;
+  if (auto pass = admit(context)) passes.push_back(std::move(*pass));
+  while (!passes.empty()) {
+    auto more = context.admission.enter(std::chrono::milliseconds(0));
+    if (!more) break;
+    passes.push_back(std::move(*more));
+  }
+  return passes;
+}
+
+// The whole of it; `seen` takes the blocks in their order, false ends it.
+template <class Seen>
+std::pair<Harvest, EnsembleEnd> compute(const EnsemblePlan& plan, const Context& context,
+                                        const std::function<bool()>& gone, unsigned threads, Seen&& seen) {
+  std::pair<Harvest, EnsembleEnd> result;
+  const auto start = std::chrono::steady_clock::now();
+  const CancellationWatch watch(context.cancelled, gone);
+  result.second.reason = run_ensemble(plan, {}, threads, watch.cancelled(), [&](const Block& block) {
+    result.first.add(block.harvest, static_cast<std::size_t>(plan.request.limits.samples));
+    return seen(result.first, block);
+  });
+  result.second.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+// Nothing but sums is kept: each block leaves as it comes.
+struct EnsembleStream {
+  const Context& context;
+  EnsemblePlan plan;
+  std::function<bool()> gone;
+  Passes passes;
+
+  bool operator()(const Write& write) {
+    bool taken = write(encode_ensemble_head(plan, context.cards));
+    if (!taken) return false;
+    std::int64_t points = 0;
+    const auto [all, end] =
+        compute(plan, context, gone, static_cast<unsigned>(passes.size()), [&](Harvest& sums, const Block& block) {
+          Block shown = block;
+          SectionPoints first;  // those that still may be kept
+          const auto most = plan.request.limits.samples - points;
+          first.append(block.harvest.section, static_cast<std::size_t>(most), plan.request.columns.size());
+          points += static_cast<std::int64_t>(first.t.size());
+          shown.harvest.section = std::move(first);
+          sums.truncated = sums.truncated || shown.harvest.section.t.size() < block.harvest.section.t.size();
+          sums.section = {};
+          sums.final = {};
+          sums.final_member = {};
+          return taken = write(encode_ensemble_block(plan, shown));
+        });
+    passes.clear();
+    return taken && write(encode_ensemble_end(plan, all, end));
+  }
+};
+
+}  // namespace
+
+Answer run_ensemble_request(const Context& context, const HttpRequest& request) {
+  auto form = form_for(request, {"application/json", "application/x-ndjson"});
+  if (!form) return form.error();
+  auto parsed = json_of(request);
+  if (!parsed) return parsed.error();
+  auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
+  if (!plan) return problem_document(plan.error(), request.id);
+  auto passes = places(context);
+  if (passes.empty()) return busy(request);
+  if (*form == 1) {
+    Answer answer{200, "application/x-ndjson", {}, {}};
+    const auto stream =
+        std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(*plan), request.gone, std::move(passes)});
+    answer.stream = [stream](const Write& write) { return (*stream)(write); };
+    return answer;
+  }
+  const auto [all, end] = compute(*plan, context, request.gone, static_cast<unsigned>(passes.size()),
+                                  [](const Harvest&, const Block&) { return true; });
+  return {200, "application/json", encode_ensemble(*plan, context.cards, all, end), {}};
+}
+
+}  // namespace least::server

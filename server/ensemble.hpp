@@ -1,0 +1,11 @@
+// Ensembles from the text of a request to the answer, over HTTP and on the command line.
+#pragma once
+
+#include "server/endpoint.hpp"
+
+namespace least::server {
+
+/// POST /v1/ensemble: as a whole, or line by line as its blocks are computed.
+Answer run_ensemble_request(const Context& context, const HttpRequest& request);
+
+}  // namespace least::server

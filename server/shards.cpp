@@ -1,0 +1,214 @@
+#include "server/shards.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+
+#include "server/decode/ensemble_request.hpp"
+#include "server/decode/field_reader.hpp"
+#include "server/decode/wording.hpp"
+#include "server/encode/ensemble_json.hpp"
+#include "server/encode/problem_document.hpp"
+
+namespace least::server {
+namespace {
+
+std::optional<Shard> parse_shard(const std::string& text) {
+  Shard shard;
+  char slash = 0, more = 0;
+  if (std::sscanf(text.c_str(), "%ld%c%ld%c", &shard.index, &slash, &shard.of, &more) != 3) return std::nullopt;
+  return slash == '/' && shard.index >= 0 && shard.index < shard.of ? std::optional(shard) : std::nullopt;
+}
+
+std::int64_t blocks_of(const EnsemblePlan& plan, const Shard& shard) {
+  std::int64_t first = plan.first_block();
+  first += (shard.index - first % shard.of + shard.of) % shard.of;
+  return first < plan.end_block() ? (plan.end_block() - 1 - first) / shard.of + 1 : 0;
+}
+std::string shard_line(const Shard& shard) {
+  return fmt::format("{{\"kind\":\"shard\",\"index\":{},\"of\":{}}}\n", shard.index, shard.of);
+}
+std::string last_line(std::int64_t blocks) { return fmt::format("{{\"kind\":\"end\",\"blocks\":{}}}\n", blocks); }
+
+// The end of a file, as far as such a last line may go.
+std::string tail_of(std::ifstream& file) {
+  constexpr std::streamoff most = 64;
+  file.seekg(0, std::ios::end);
+  const auto size = static_cast<std::streamoff>(file.tellg());
+  file.seekg(std::max<std::streamoff>(size - most, 0));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+bool is_whole(const std::string& path, const std::string& head, const std::string& end) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text(head.size(), '\0');
+  return file.read(text.data(), static_cast<std::streamsize>(text.size())) && text == head &&
+         tail_of(file).ends_with('\n' + end);
+}
+
+// A file that is there under its own name once all of it is written.
+class Draft {
+ public:
+  explicit Draft(std::string path) : path_(std::move(path)), name_(fmt::format("{}.{}.partial", path_, ::getpid())) {
+    file_ = std::fopen(name_.c_str(), "wb");
+  }
+  ~Draft() {
+    if (file_) std::fclose(file_);
+    if (!kept_) std::remove(name_.c_str());
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+
+  bool write(std::string_view text) { return file_ && std::fwrite(text.data(), 1, text.size(), file_) == text.size(); }
+  bool keep() {
+    if (!file_ || std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) return false;
+    return kept_ = std::rename(name_.c_str(), path_.c_str()) == 0;
+  }
+
+ private:
+  std::string path_, name_;
+  std::FILE* file_ = nullptr;
+  bool kept_ = false;
+};
+
+Answer refused(std::string pointer, std::string detail, std::string allowed, std::string_view id) {
+  Faults faults;
+  faults.add({std::move(pointer), std::move(detail), {}, std::move(allowed)});
+  return problem_document(faults, id);
+}
+
+// A part as it is read: its first two lines, then block after block.
+struct Part {
+  std::string path;
+  std::ifstream file;
+  std::string head;
+  Shard shard;
+};
+
+Part open_part(const std::string& path, Faults& faults) {
+  Part part{path, std::ifstream(path, std::ios::binary), {}, {}};
+  const auto fault = [&](std::string_view what) {
+    faults.add({"/" + path, fmt::format("{} {}", path, what), {}, {}});
+    part.shard.of = 0;
+  };
+  std::string line;
+  if (!part.file) {
+    fault("cannot be read");
+  } else if (!std::getline(part.file, part.head) || !std::getline(part.file, line)) {
+    fault("is truncated: it has no head");
+  } else {
+    const Json shard = Json::parse(line, nullptr, false);
+    const auto number = [&](const char* key) {
+      const Json* json = find(shard, key);
+      return json && json->is_number_integer() ? json->get<std::int64_t>() : -1;
+    };
+    part.shard = {number("index"), number("of")};
+    if (part.shard.of < 1 || part.shard.index < 0) fault("is no part of an ensemble");
+  }
+  return part;
+}
+
+Result<EnsemblePlan, Faults> plan_of(const Part& part, const Cards& cards) {
+  constexpr Caps caps{1e9, greatest_count, 1'000'000'000};  // what was allowed was decided where it was computed
+  auto parsed = parse_json(part.head);
+  Faults faults;
+  faults.add({"/" + part.path, part.path + " is no part of an ensemble of this version", {}, {}});
+  if (!parsed || !parsed->tree.is_object()) return faults;
+  parsed->tree.erase("kind");
+  parsed->tree.erase("version");
+  auto plan = decode_ensemble(std::move(*parsed), cards, caps);
+  if (!plan || encode_ensemble_head(*plan, cards) != part.head + '\n') return faults;
+  return plan;
+}
+
+// Faults of the parts against each other; empty: they are all there, once.
+void check_parts(std::vector<Part>& parts, const EnsemblePlan& plan, Faults& faults) {
+  const std::int64_t of = parts[0].shard.of;
+  std::vector<const Part*> seen(static_cast<std::size_t>(of));
+  for (Part& part : parts) {
+    const auto fault = [&](std::string what) { faults.add({"/" + part.path, part.path + what, {}, {}}); };
+    if (part.head != parts[0].head || part.shard.of != of) {
+      fault(" is a part of another ensemble than " + parts[0].path);
+      continue;
+    }
+    const Part*& place = seen[static_cast<std::size_t>(part.shard.index)];
+    if (place) fault(fmt::format(" is shard {}/{}, and so is {}", part.shard.index, of, place->path));
+    place = &part;
+    std::ifstream file(part.path, std::ios::binary);
+    if (!tail_of(file).ends_with('\n' + last_line(blocks_of(plan, part.shard)))) fault(" is truncated");
+  }
+  std::string missing;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!seen[i]) missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", i, of);
+  }
+  if (!missing.empty()) faults.add({"", "there is no part for the shards " + missing, {}, {}});
+}
+
+}  // namespace
+
+Answer write_part(const Context& context, const HttpRequest& request, const std::string& shard_text,
+                  const std::string& output, unsigned threads) {
+  const auto shard = parse_shard(shard_text);
+  if (!shard) return refused("--shard", "must be I/N, not " + shard_text, "0/N, …, (N - 1)/N", request.id);
+  if (output.empty()) return refused("--output", "is needed for one of several shards", "a file name", request.id);
+  auto parsed = json_of(request);
+  if (!parsed) return parsed.error();
+  const auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
+  if (!plan) return problem_document(plan.error(), request.id);
+  const std::string head = encode_ensemble_head(*plan, context.cards) + shard_line(*shard);
+  const std::string end = last_line(blocks_of(*plan, *shard));
+  const auto done = [&](std::string_view what) {
+    return Answer{200, "text/plain", fmt::format("{}: {}\n", output, what), {}};
+  };
+  if (is_whole(output, head, end)) return done("is whole, nothing was computed");
+  Draft draft(output);
+  bool written = draft.write(head);
+  const ReturnCode reason = run_ensemble(*plan, *shard, threads, context.cancelled, [&](const Block& block) {
+    return written = written && draft.write(encode_ensemble_block(*plan, block));
+  });
+  if (written && reason != ReturnCode::completed) {
+    return refused("/limits/seconds", fmt::format("ended early ({}): no part was written", name(reason)),
+                   "a longer time, or smaller shards", request.id);
+  }
+  if (!written || !draft.write(end) || !draft.keep())
+    return problem_document(500, "cannot write " + output, request.id);
+  return done(fmt::format("{} blocks", blocks_of(*plan, *shard)));
+}
+
+Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, std::string_view id) {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) == 0) {  // every part is open at once: blocks come in their order
+    files.rlim_cur = files.rlim_max;
+    ::setrlimit(RLIMIT_NOFILE, &files);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  Faults faults;
+  std::vector<Part> parts;
+  for (const std::string& path : paths) parts.push_back(open_part(path, faults));
+  if (!faults.empty()) return problem_document(faults, id);
+  const auto plan = plan_of(parts[0], cards);
+  if (!plan) return problem_document(plan.error(), id);
+  check_parts(parts, *plan, faults);
+  if (!faults.empty()) return problem_document(faults, id);
+  std::ranges::sort(parts, {}, [](const Part& part) { return part.shard.index; });
+
+  Harvest all;
+  std::string line;
+  for (std::int64_t b = plan->first_block(); b < plan->end_block(); ++b) {
+    Part& part = parts[static_cast<std::size_t>(b) % parts.size()];
+    const auto block =
+        std::getline(part.file, line) ? read_ensemble_block(*plan, Json::parse(line, nullptr, false)) : std::nullopt;
+    if (!block || block->index != b) {
+      faults.add({"/" + part.path, fmt::format("{} is damaged: block {} is not there", part.path, b), {}, {}});
+      return problem_document(faults, id);
+    }
+    all.add(block->harvest, static_cast<std::size_t>(plan->request.limits.samples));
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {200, "application/json", encode_ensemble(*plan, cards, all, {ReturnCode::completed, seconds}), {}};
+}
+
+}  // namespace least::server

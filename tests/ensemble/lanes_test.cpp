@@ -1,0 +1,256 @@
+// Lanes: a member has the bits that it has alone, whatever runs beside it and whatever the instruction set.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/ensemble/lane_members.hpp"
+#include "core/ensemble/lone_members.hpp"
+#include "tests/support/ensembles.hpp"
+
+namespace {
+
+using namespace least;
+
+const std::atomic<bool> never{false};
+
+Block empty_block(const EnsemblePlan& plan) { return {0, plan.first, plan.last - plan.first, {}}; }
+/// By one unit of lanes; nothing where it cannot.
+std::optional<Harvest> in_lanes(const EnsemblePlan& plan, const LaneUnit& unit) {
+  Block block = empty_block(plan);
+  if (!run_lane_members(plan, block, never, {&unit, 1})) return std::nullopt;
+  return block.harvest;
+}
+Harvest alone(const EnsemblePlan& plan) {
+  Block block = empty_block(plan);
+  run_lone_members(plan, block, never);
+  return block.harvest;
+}
+
+/// Starts about the card's own, up to a time that is no whole number of steps away.
+EnsemblePlan about_start(const std::string& problem, std::size_t scheme, std::int64_t count, double steps) {
+  EnsemblePlan plan = test::ensemble_of(problem, schemes()[scheme].id, 1);
+  auto scene = std::make_shared<Scene>(*plan.request.scene);
+  if (problem == "lane_emden") scene->start = 2;
+  std::vector<Variation> vary;
+  for (std::size_t i = 0; i < scene->initial.size(); ++i) {
+    double& x = scene->initial[i];
+    if (std::isnan(x)) continue;
+    const double width = 0.02 * (1 + std::abs(x));
+    vary.push_back({false, i, Spread::uniform, {x - width, x + width}});
+  }
+  plan.request.end = scene->start + steps * test::setting(plan, "step");
+  plan.request.scene = std::move(scene);
+  test::set_members(plan, count, vary);
+  return plan;
+}
+/// All the compositions that the scheme has, by their position, with that of the recommended one among them.
+std::vector<double> compositions_of(const SchemeCard& scheme) {
+  if (!scheme.find("composition")) return {0};
+  return {0, 1, 4, 8};
+}
+
+/// f(plan of a pair, its name) for every pair that can run ensembles.
+template <class F>
+void for_each_pair(F&& f) {
+  for (const auto& problem : problem_list())
+    for (const auto index : problem->card().schemes) {
+      const SchemeCard& scheme = schemes()[index];
+      if (!ensemble_objection(scheme).empty()) continue;
+      for (const double composition : compositions_of(scheme)) {
+        EnsemblePlan plan = about_start(problem->card().id, index, 37, 60.4);
+        if (const auto at = scheme.find("composition")) plan.request.settings[*at] = composition;
+        f(plan, problem->card().id + " by " + scheme.id + ", " + std::to_string(composition));
+      }
+    }
+}
+
+TEST(LaneMembers, HaveTheBitsOfAloneInEveryUnit) {
+  std::set<std::string_view> seen;
+  for_each_pair([&](EnsemblePlan& plan, const std::string& name) {
+    const auto wide = in_lanes(plan, lane_units().front());
+    ASSERT_TRUE(wide) << name;
+    ASSERT_EQ(wide->ended[0], 37) << name;
+    for (const LaneUnit& unit : lane_units()) {
+      const auto other = in_lanes(plan, unit);
+      ASSERT_TRUE(other) << name << " in " << unit.name;
+      EXPECT_EQ(other->final, wide->final) << name << " in " << unit.name;
+      EXPECT_EQ(other->cost.steps, 37 * 61) << name;
+      seen.insert(unit.name);
+    }
+    const std::size_t columns = plan.request.columns.size();
+    for (const std::int64_t i : {0, 7, 36}) {
+      EnsemblePlan one = plan;
+      one.first = i;
+      one.last = i + 1;
+      const auto row = wide->final.begin() + i * static_cast<std::int64_t>(columns);
+      EXPECT_EQ(in_lanes(one, lane_units().front())->final,
+                std::vector<double>(row, row + static_cast<std::int64_t>(columns)))
+          << name;
+    }
+  });
+  EXPECT_EQ(seen.size(), lane_units().size());
+}
+
+/// Runs of the service take elementary functions from the C library: without any they have the same bits, else nearly.
+TEST(LaneMembers, AreTheRunsOfTheService) {
+  const std::set<std::string> arithmetic{"harmonic_oscillator", "henon_heiles", "kepler", "kepler_3d"};
+  int exact = 0;
+  for_each_pair([&](EnsemblePlan& plan, const std::string& name) {
+    plan.last = 3;
+    const Harvest lone = alone(plan), wide = in_lanes(plan, lane_units().front()).value();
+    ASSERT_EQ(lone.ended, wide.ended) << name;
+    ASSERT_EQ(lone.final.size(), wide.final.size()) << name;
+    if (arithmetic.contains(plan.request.scene->card().id)) {
+      EXPECT_EQ(lone.final, wide.final) << name;
+      ++exact;
+    }
+    for (std::size_t i = 0; i < lone.final.size(); ++i)
+      EXPECT_NEAR(lone.final[i], wide.final[i], 1e-11 * (1 + std::abs(lone.final[i]))) << name;
+    EXPECT_EQ(lone.cost.steps, wide.cost.steps) << name;
+    EXPECT_EQ(lone.cost.force_evaluations, wide.cost.force_evaluations) << name;
+  });
+  EXPECT_GT(exact, 0);
+}
+
+TEST(LaneMembers, HaveParametersOfTheirOwn) {
+  for_each_pair([&](EnsemblePlan& plan, const std::string& name) {
+    const ProblemCard& card = plan.request.scene->card();
+    for (std::size_t k = 0; k < card.parameters.size(); ++k) {
+      const ParameterCard& parameter = card.parameters[k];
+      if (parameter.kind != Kind::number) continue;
+      const double at = parameter.value, change = 0.01 * (std::abs(at) > 0 ? std::abs(at) : 1);
+      const double other = parameter.range.contains(at + change) ? at + change : at - change;
+      plan.members.vary.push_back({true, k, Spread::uniform, {std::min(at, other), std::max(at, other)}});
+    }
+    plan.last = 5;
+    const Harvest lone = alone(plan);
+    const auto lanes = in_lanes(plan, lane_units().back());
+    ASSERT_TRUE(lanes) << name;
+    ASSERT_EQ(lone.ended, lanes->ended) << name;
+    ASSERT_EQ(lone.final.size(), lanes->final.size()) << name;
+    for (std::size_t i = 0; i < lone.final.size(); ++i)
+      EXPECT_NEAR(lone.final[i], lanes->final[i], 1e-11 * (1 + std::abs(lone.final[i]))) << name;
+  });
+}
+
+TEST(LaneMembers, CarryMoreWhereItIsAskedForAndMoveTheSame) {
+  for (const char* problem : {"perturbed_kepler", "damped_pendulum", "damped_oscillator"}) {
+    if (!find_problem(problem)) continue;
+    EnsemblePlan plan = about_start(problem, *find_scheme("contact_splitting"), 20, 100);
+    const Harvest without = in_lanes(plan, lane_units().front()).value();
+    const std::size_t columns = plan.request.columns.size();
+    const auto& cards = plan.request.scene->card().columns;
+    const auto energy = std::ranges::find(cards, "energy", &ColumnCard::name) - cards.begin();
+    plan.request.columns.push_back(static_cast<std::size_t>(energy));
+    const Harvest with = in_lanes(plan, lane_units().back()).value(), lone = alone(plan);
+    for (std::size_t m = 0; m < 20; ++m) {
+      for (std::size_t k = 0; k < columns; ++k)
+        EXPECT_EQ(with.final[m * (columns + 1) + k], without.final[m * columns + k]);
+      EXPECT_NEAR(with.final[m * (columns + 1) + columns], lone.final[m * (columns + 1) + columns], 1e-11);
+    }
+  }
+}
+
+/// Members of one group that end for different reasons at different times.
+void expect_same_endings(const EnsemblePlan& plan, ReturnCode reason) {
+  const Harvest lone = alone(plan);
+  EXPECT_GT(lone.ended[0], 0);
+  EXPECT_GT(lone.ended[static_cast<std::size_t>(reason)], 0);
+  for (const LaneUnit& unit : lane_units()) {
+    const Harvest wide = in_lanes(plan, unit).value();
+    EXPECT_EQ(wide.ended, lone.ended) << unit.name;
+    EXPECT_EQ(wide.final_member, lone.final_member) << unit.name;
+    EXPECT_EQ(wide.cost.steps, lone.cost.steps) << unit.name;
+    ASSERT_EQ(wide.final.size(), lone.final.size());
+    for (std::size_t i = 0; i < lone.final.size(); ++i)
+      EXPECT_NEAR(wide.final[i], lone.final[i], 1e-9 * (1 + std::abs(lone.final[i])));
+  }
+}
+TEST(LaneMembers, EndEachForItself) {
+  EnsemblePlan plan = test::ensemble_of("kepler", "leapfrog", 30);
+  test::setting(plan, "step") = 0.05;
+  test::set_members(plan, 100, {{false, 2, Spread::grid, {-0.4, -0.005, 100}}});
+  expect_same_endings(plan, ReturnCode::unstable_step);
+  plan.request.limits.steps = 10;
+  EXPECT_EQ(in_lanes(plan, lane_units().front())->ended[static_cast<std::size_t>(ReturnCode::step_limit)], 100);
+  plan = test::ensemble_of("henon_heiles", "leapfrog", 30);
+  test::set_members(plan, 100, {{false, 1, Spread::grid, {0, 1.3, 100}}});
+  const Harvest escapes = in_lanes(plan, lane_units().front()).value();
+  EXPECT_EQ(escapes.ended, alone(plan).ended);
+  EXPECT_GT(escapes.ended[0], 0);
+  EXPECT_LT(escapes.ended[0], 100);
+  if (find_problem("cosmological_oscillator")) {
+    plan = test::ensemble_of("cosmological_oscillator", "contact_splitting", 5);
+    test::set_members(plan, 60, {{false, 2, Spread::grid, {-3, 0, 60}}});
+    expect_same_endings(plan, ReturnCode::singular);
+  }
+  if (find_problem("lane_emden")) {
+    plan = test::ensemble_of("lane_emden", "contact_splitting", 4);
+    auto scene = std::make_shared<Scene>(*plan.request.scene);
+    scene->start = 2;
+    plan.request.scene = scene;
+    test::set_members(plan, 60, {{false, 1, Spread::grid, {-0.6, 0, 60}}});
+    expect_same_endings(plan, ReturnCode::left_domain);
+  }
+}
+
+TEST(LaneMembers, MeetStroboscopicSectionsAsAlone) {
+  EnsemblePlan plan = about_start("henon_heiles", *find_scheme("leapfrog"), 70, 500);
+  plan.section = Section{false, 1.5, 0.25, 0, 0, 0};
+  const Harvest lone = alone(plan);
+  ASSERT_GT(lone.section.t.size(), 70 * 5u);
+  for (const LaneUnit& unit : lane_units()) {
+    const Harvest wide = in_lanes(plan, unit).value();
+    EXPECT_EQ(wide.section.member, lone.section.member);
+    EXPECT_EQ(wide.section.crossing, lone.section.crossing);
+    EXPECT_EQ(wide.section.t, lone.section.t);
+    EXPECT_EQ(wide.section.values, lone.section.values);
+    EXPECT_EQ(wide.final, in_lanes(
+                              [&] {
+                                EnsemblePlan without = plan;
+                                without.section.reset();
+                                return without;
+                              }(),
+                              unit)
+                              ->final)
+        << "a section does not change the run";
+  }
+}
+
+TEST(LaneMembers, MeetPlanesWhereTheyLie) {
+  EnsemblePlan plan = test::ensemble_of("harmonic_oscillator", "leapfrog", 20);
+  test::setting(plan, "step") = 0.01;
+  test::setting(plan, "composition") = 4;
+  test::set_members(plan, 40, {{false, 0, Spread::grid, {1, 2, 40}}});
+  test::set_columns(plan, {"t", "q", "p"});
+  for (const int direction : {1, -1, 0}) {
+    plan.section = Section{true, 0, 0, 0, 0.5, direction};
+    const Harvest met = in_lanes(plan, lane_units().front()).value();
+    EXPECT_EQ(in_lanes(plan, lane_units().back())->section.values, met.section.values);
+    std::size_t at = 0;
+    for (int m = 0; m < 40; ++m) {  // q = a cos t
+      const double a = 1 + m / 39.0, down = std::acos(0.5 / a), turn = 2 * 3.141592653589793;
+      std::vector<double> times;
+      for (int k = 0; k < 4; ++k) {
+        if (direction <= 0) times.push_back(down + k * turn);
+        if (direction >= 0) times.push_back(turn - down + k * turn);
+      }
+      for (std::size_t k = 0; k < times.size() && times[k] < 20; ++k, ++at) {
+        ASSERT_LT(at, met.section.t.size());
+        EXPECT_EQ(met.section.member[at], m);
+        EXPECT_EQ(met.section.crossing[at], static_cast<std::int64_t>(k));
+        EXPECT_NEAR(met.section.t[at], times[k], 1e-11);
+        EXPECT_EQ(met.section.values[3 * at], met.section.t[at]);
+        EXPECT_NEAR(met.section.values[3 * at + 1], 0.5, 1e-14);
+      }
+    }
+    EXPECT_EQ(at, met.section.t.size());
+  }
+  plan.request.limits.samples = 11;
+  const Harvest few = in_lanes(plan, lane_units().front()).value();
+  EXPECT_TRUE(few.truncated);
+  EXPECT_EQ(few.section.member, (std::vector<std::int64_t>{0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1}));
+}
+
+}  // namespace

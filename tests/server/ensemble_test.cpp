@@ -1,0 +1,221 @@
+// Ensembles over HTTP and on the command line: faults by name, lines that add up to the answer, parts that merge.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "core/catalogue/catalogue.hpp"
+#include "server/decode/ensemble_request.hpp"
+#include "server/endpoint.hpp"
+#include "server/shards.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+using EnsembleHttp = Serving;
+
+const std::string orbits =
+    R"({"problem":"kepler","initial":{"x":1,"y":0,"px":0,"py":1},"scheme":{"id":"leapfrog","step":0.05},
+        "until":{"t":3},"members":{"count":9000,"seed":7,"vary":{"/initial/x":{"uniform":[0.8,1.2]},
+        "/initial/px":{"normal":[0,0.05]}}},"columns":["x","y","energy"],"keep":["statistics","final","section"],
+        "section":{"period":1.5},"histograms":{"x":{"range":[-2,2],"bins":8}}})";
+
+Json without_cost(const std::string& text) {
+  Json answer = Json::parse(text);
+  answer.erase("cost");
+  return answer;
+}
+
+// The faults of a request that differs from a good one in one member: pointer and words.
+std::string faults_of(const std::string& member, const Json& value) {
+  Json request = Json::parse(
+      R"({"problem":"kepler","scheme":"leapfrog","members":{"count":10,"vary":{"/initial/x":{"uniform":[0,1]}}}})");
+  request[member] = value;
+  const auto plan = decode_ensemble(std::move(*parse_json(request.dump())), catalogue_cards(), {});
+  std::string all;
+  if (plan) return all;
+  for (const Fault& fault : plan.error().list())
+    all += fault.pointer + ": " + fault.detail + "; " + fault.allowed + "\n";
+  return all;
+}
+void expect_fault(const std::string& member, const std::string& value, std::string_view pointer,
+                  std::string_view words) {
+  const std::string faults = faults_of(member, Json::parse(value));
+  EXPECT_NE(faults.find(std::string(pointer) + ": "), std::string::npos) << value << "\n" << faults;
+  EXPECT_NE(faults.find(words), std::string::npos) << value << "\n" << faults;
+}
+
+TEST(EnsembleRequest, NamesEveryFault) {
+  EXPECT_EQ(faults_of("keep", Json::array({"statistics", "final"})), "");
+  const auto vary = [](const std::string& what) { return R"({"count":10,"vary":{)" + what + "}}"; };
+  const std::string of_x = "/members/vary/~1initial~1x";
+  expect_fault("members", "7", "/members", "must be an object");
+  expect_fault("members", R"({"count":0})", "/members/count", "at least 1");
+  expect_fault("members", R"({})", "/members/count", "is required where no grid");
+  expect_fault("members", vary(R"("/initial/xx":{"uniform":[0,1]})"), of_x + "x", "did you mean \"/initial/x\"");
+  expect_fault("members", vary(R"("/initial/t":{"uniform":[0,1]})"), "/members/vary/~1initial~1t", "the same time");
+  expect_fault("members", vary(R"("/scheme/step":{"uniform":[0,1]})"), "/members/vary/~1scheme~1step", "the scheme");
+  expect_fault("members", vary(R"("/initial/x":{"uniform":[1,0]})"), of_x + "/uniform", "goes the wrong way");
+  expect_fault("members", vary(R"("/initial/x":{"grid":[1,0,10]})"), of_x + "/grid", "goes the wrong way");
+  expect_fault("members", vary(R"("/initial/x":{"grid":[0,1,2.5]})"), of_x + "/grid/2", "whole number");
+  expect_fault("members", vary(R"("/initial/x":{"grid":[0,1,11]})"), "/members/count", "make 11 members");
+  expect_fault("members", vary(R"("/initial/x":{"uniform":[1]})"), of_x + "/uniform", "list of numbers");
+  expect_fault("members", vary(R"("/initial/x":{"gauss":[1]})"), of_x + "/gauss", "unknown variation");
+  expect_fault("members", vary(R"("/initial/x":{"normal":[0,-1]})"), of_x + "/normal/1", "greater than 0");
+  expect_fault("members", vary(R"("/problem/mu":{"normal":[1,0.1]})"), "/members/vary/~1problem~1mu/normal", "reaches");
+  expect_fault("members", vary(R"("/problem/mu":{"values":[1,1e99]})"), "/members/vary/~1problem~1mu/values/1",
+               "at most");
+  expect_fault("members", R"({"vary":{"/initial/x":{"grid":[0,1,1e9]},"/initial/y":{"grid":[0,1,1e9]}}})",
+               "/members/vary", "more than can be counted");
+  expect_fault("scheme", R"("variational_midpoint")", "/scheme", "solves equations");
+  expect_fault("scheme", R"("time_transformed")", "/scheme", "own clock");
+  expect_fault("scheme", R"("contact_leapfrog")", "/scheme", "cannot run kepler");
+  expect_fault("range", "[5,5]", "/range", "none of members");
+  expect_fault("range", "[0,11]", "/range", "none of members");
+  expect_fault("keep", R"(["section"])", "/section", "is required");
+  expect_fault("keep", R"(["finals"])", "/keep/0", "did you mean \"final\"");
+  expect_fault("section", R"({"period":-1})", "/section/period", "greater than 0");
+  expect_fault("section", R"({"expression":"r"})", "/section/expression", "must begin with a variable");
+  expect_fault("section", R"({"expression":"x*y"})", "/section/expression", "variable");
+  expect_fault("section", R"({"expression":"x","direction":"left"})", "/section/direction", "unknown direction");
+  expect_fault("section", R"({"phase":1})", "/section", "either period or expression");
+  expect_fault("columns", R"(["x","step_size"])", "/columns/1", "does not follow from a final state");
+  expect_fault("histograms", R"({"x":{"range":[1,0],"bins":3}})", "/histograms/x/range", "lower first");
+  expect_fault("histograms", R"({"energy":{"range":[0,1],"bins":3}})", "/histograms/energy", "unknown key");
+  expect_fault("record", R"({"every":1})", "/record", "unknown key");
+  Json large = Json::parse(R"({"problem":"kepler","scheme":"leapfrog","keep":["final"]})");
+  large["members"] = {{"count", 1000000000000}};
+  const auto plan = decode_ensemble(std::move(*parse_json(large.dump())), catalogue_cards(), {});
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error().list().at(0).pointer, "/keep");
+}
+
+TEST_F(EnsembleHttp, TheAnswerIsARequestThatGivesIt) {
+  const auto reply = ask(port(), post("/v1/ensemble", orbits));
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json answer = Json::parse(reply.body);
+  EXPECT_EQ(answer["status"], "completed");
+  EXPECT_EQ(answer["completed"], 9000);
+  EXPECT_EQ(answer["final"]["index"].size(), 9000u);
+  EXPECT_EQ(answer["section"]["member"].size(), 18000u);
+  double sum = 0;
+  for (const auto& x : answer["final"]["x"]) sum += x.get<double>();
+  EXPECT_NEAR(answer["statistics"]["x"]["mean"].get<double>(), sum / 9000, 1e-12);
+  std::int64_t counted =
+      answer["histograms"]["x"]["below"].get<std::int64_t>() + answer["histograms"]["x"]["above"].get<std::int64_t>();
+  for (const auto& n : answer["histograms"]["x"]["counts"]) counted += n.get<std::int64_t>();
+  EXPECT_EQ(counted, 9000);
+  Json again;
+  for (const char* key : {"problem", "initial", "scheme", "until", "limits", "members", "range", "columns", "keep",
+                          "section", "histograms"})
+    again[key] = answer[key];
+  for (const char* key : {"member", "crossing", "t", "x", "y", "energy"}) again["section"].erase(key);
+  EXPECT_EQ(without_cost(ask(port(), post("/v1/ensemble", again.dump())).body), without_cost(reply.body));
+}
+
+TEST_F(EnsembleHttp, LinesAddUpToTheAnswer) {
+  const Json whole = without_cost(ask(port(), post("/v1/ensemble", orbits)).body);
+  const auto reply = ask(port(), post("/v1/ensemble", orbits, "Accept: application/x-ndjson\r\n"));
+  ASSERT_EQ(reply.status, 200);
+  std::vector<Json> lines;
+  for (const auto& chunk : reply.chunks) lines.push_back(Json::parse(chunk));
+  ASSERT_EQ(lines.size(), 2 + 3u) << "a block has 4,096 members";
+  EXPECT_EQ(lines.front()["members"], whole["members"]);
+  for (const char* key : {"statistics", "histograms", "completed", "status", "warnings"})
+    EXPECT_EQ(lines.back()[key], whole[key]) << key;
+  for (const char* part : {"final", "section"}) {
+    for (const auto& [key, value] : whole[part].items()) {
+      if (!value.is_array()) continue;
+      Json joined = Json::array();
+      for (std::size_t i = 1; i + 1 < lines.size(); ++i)
+        for (const auto& x : lines[i][part][key]) joined.push_back(x);
+      EXPECT_EQ(joined, value) << part << " " << key;
+    }
+  }
+}
+
+TEST_F(EnsembleHttp, ALimitOfTimeIsNamed) {
+  Json request = Json::parse(orbits);
+  request["until"]["t"] = 1e5;
+  request["limits"] = {{"seconds", 0.1}};
+  const Json answer = Json::parse(ask(port(), post("/v1/ensemble", request.dump())).body);
+  EXPECT_EQ(answer["status"], "stopped");
+  EXPECT_EQ(answer["stop"]["reason"], "deadline");
+}
+
+// Parts of an ensemble in a folder of their own.
+class EnsembleParts : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "ensemble-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  Answer part(const std::string& request, const std::string& shard, const std::string& name) {
+    return write_part(context_, {request, "", "test"}, shard, path(name), 2);
+  }
+  std::string merged(const std::vector<std::string>& names) {
+    std::vector<std::string> paths;
+    for (const auto& name : names) paths.push_back(path(name));
+    return merge_parts(context_.cards, paths, "test").body;
+  }
+  void expect_refused(const std::vector<std::string>& names, std::string_view words) {
+    const std::string said = merged(names);
+    EXPECT_NE(said.find("\"status\":422"), std::string::npos) << said.substr(0, 300);
+    EXPECT_NE(said.find(words), std::string::npos) << said.substr(0, 300);
+  }
+
+  std::filesystem::path folder_;
+  std::atomic<bool> cancelled_{false};
+  Admission admission_{2, 0};
+  Context context_{catalogue_cards(), {}, admission_, cancelled_};
+};
+
+TEST_F(EnsembleParts, MergeToTheBytesOfOneRun) {
+  for (const std::string shard : {"0", "1"}) EXPECT_EQ(part(orbits, shard + "/2", shard).status, 200);
+  EXPECT_EQ(part(orbits, "0/1", "all").status, 200);
+  const std::string whole = merged({"all"});
+  EXPECT_EQ(without_cost(merged({"1", "0"})).dump(), without_cost(whole).dump());
+  EXPECT_EQ(whole.substr(0, whole.find("\"cost\"")), merged({"0", "1"}).substr(0, whole.find("\"cost\"")));
+  EXPECT_EQ(without_cost(whole)["completed"], 9000);
+}
+
+TEST_F(EnsembleParts, AreNotComputedTwiceAndReplacedWhereTheyAreNotWhole) {
+  EXPECT_EQ(part(orbits, "1/2", "1").body, path("1") + ": 1 blocks\n");
+  EXPECT_EQ(part(orbits, "1/2", "1").body, path("1") + ": is whole, nothing was computed\n");
+  EXPECT_EQ(part(orbits, "0/2", "1").body, path("1") + ": 2 blocks\n") << "another shard";
+  std::filesystem::resize_file(path("1"), std::filesystem::file_size(path("1")) - 1);
+  EXPECT_EQ(part(orbits, "0/2", "1").body, path("1") + ": 2 blocks\n") << "truncated";
+  Json longer = Json::parse(orbits);
+  longer["limits"] = {{"seconds", 0.05}};
+  longer["until"]["t"] = 1e5;
+  const auto late = part(longer.dump(), "0/2", "late");
+  EXPECT_EQ(late.status, 422);
+  EXPECT_FALSE(std::filesystem::exists(path("late"))) << "whole or not at all";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "nothing else is left behind";
+}
+
+TEST_F(EnsembleParts, AreRefusedByName) {
+  for (const std::string shard : {"0", "1", "2"}) part(orbits, shard + "/3", shard);
+  part(orbits, "1/2", "half");
+  expect_refused({"0", "2"}, "no part for the shards 1/3");
+  expect_refused({"0", "1", "2", "1"}, "is shard 1/3, and so is " + path("1"));
+  expect_refused({"0", "1", "2", "half"}, path("half") + " is a part of another ensemble");
+  expect_refused({"0", "1", "none"}, path("none") + " cannot be read");
+  std::ofstream(path("text")) << "one\ntwo\n";
+  expect_refused({"text", "0"}, path("text") + " is no part");
+  std::filesystem::resize_file(path("2"), std::filesystem::file_size(path("2")) - 10);
+  expect_refused({"0", "1", "2"}, path("2") + " is truncated");
+  EXPECT_TRUE(std::filesystem::exists(path("0"))) << "what is good is kept";
+  for (const char* shard : {"17/16", "16/16", "-1/4", "1", "a/b", "1/2x"})
+    EXPECT_NE(part(orbits, shard, "x").body.find("must be I/N"), std::string::npos) << shard;
+}
+
+}  // namespace
+}  // namespace least::server::test

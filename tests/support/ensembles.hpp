@@ -1,0 +1,52 @@
+// Plans of ensembles for tests.
+#pragma once
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "core/catalogue/catalogue.hpp"
+#include "core/ensemble/ensemble.hpp"
+
+namespace test {
+
+/// A problem by a scheme up to the time `end`, everything else by default; no members yet.
+inline least::EnsemblePlan ensemble_of(std::string_view problem, std::string_view scheme, double end) {
+  least::EnsemblePlan plan;
+  plan.request = least::default_request(problem, scheme);
+  plan.request.end = end;
+  plan.request.diagnostics.clear();
+  return plan;
+}
+inline void set_members(least::EnsemblePlan& plan, std::int64_t count, std::vector<least::Variation> vary) {
+  plan.members = {count, 7, std::move(vary)};
+  plan.first = 0;
+  plan.last = count;
+}
+/// A setting of the scheme by its name.
+inline double& setting(least::EnsemblePlan& plan, std::string_view name) {
+  const auto at = least::schemes()[plan.request.scheme].find(name);
+  if (!at) throw std::out_of_range(std::string(name));
+  return plan.request.settings[*at];
+}
+inline void set_columns(least::EnsemblePlan& plan, std::initializer_list<std::string_view> names) {
+  plan.request.columns.clear();
+  const auto& columns = plan.request.scene->card().columns;
+  for (const auto name : names) {
+    const auto found = std::ranges::find(columns, name, &least::ColumnCard::name);
+    if (found == columns.end()) throw std::out_of_range(std::string(name));
+    plan.request.columns.push_back(static_cast<std::size_t>(found - columns.begin()));
+  }
+}
+/// All of it, as one machine with so many threads has it.
+inline least::Harvest harvest_of(const least::EnsemblePlan& plan, unsigned threads = 1) {
+  const std::atomic<bool> never{false};
+  least::Harvest all;
+  const auto reason = least::run_ensemble(plan, {}, threads, never, [&](const least::Block& block) {
+    all.add(block.harvest, static_cast<std::size_t>(plan.request.limits.samples));
+    return true;
+  });
+  if (reason != least::ReturnCode::completed) throw std::runtime_error(std::string(least::name(reason)));
+  return all;
+}
+
+}  // namespace test

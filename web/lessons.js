@@ -17,8 +17,8 @@ export const lessons = [
   {
     id: "orbit", title: "At equal work, one scheme keeps the orbit and the other loses it",
     look: "Both runs evaluate the force equally often, over fifty revolutions. Watch the orbit of Runge–Kutta shrink.",
-    see: "The energy error of the symplectic scheme swings, and stays bounded for ever; that of Runge–Kutta grows with every " +
-         "revolution. A longer step makes both worse and the difference larger.",
+    see: "The symplectic scheme turns the ellipse a little and keeps its size: the energy error swings and stays bounded for " +
+         "ever. That of Runge–Kutta grows with every revolution. A longer step makes the difference larger.",
     scene: { problem: { id: "kepler" }, initial: { x: 0.4, y: 0, px: 0, py: 2 }, until: { t: 50 * tau } },
     runs: [h("leapfrog", 0.15, { composition: "suzuki_4" }), h("runge_kutta_4", 0.12)],
     views: [{ x: "x", y: "y", run: 0, exact: [ellipse], thin: true }, { x: "x", y: "y", run: 1, exact: [ellipse], thin: true }, drift],
@@ -144,7 +144,7 @@ export const lessons = [
          "a torus, for ever.",
     scene: { problem: { id: "thermostat", beta: 1 }, until: { t: 20000 }, scheme: { id: "contact_splitting", step: 0.05 } },
     points: 40000,
-    runs: [{ name: "scale 0.1", problem: { scale: 0.1 } }, { name: "scale 1", problem: { scale: 1 } }],
+    runs: [{ name: "narrow, scale 0.1", problem: { scale: 0.1 } }, { name: "wide, scale 1", problem: { scale: 1 } }],
     views: [{ x: "q", bins: [-4, 4, 40], labels: ["q", "density"],
               exact: [["Gaussian", (q, { beta }) => Math.sqrt(beta / tau) * Math.exp((-beta * q * q) / 2)]] }],
     control: { sets: "until.t", label: "until t", low: 200, high: 20000, log: true }, tells: [],

@@ -1,6 +1,7 @@
 #include "core/schemes/taylor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -10,36 +11,70 @@ namespace {
 using tape::Index;
 using tape::Program;
 
-/// What a step of the order p costs, about, in nanoseconds: of a machine where a force of Kepler's costs ten.
+constexpr int most_chosen = 40;
+
+/// What a step of the order p costs, about, in nanoseconds: measured where a leapfrog step of Kepler's problem
+/// takes 16. The terms of high orders hide behind the chain of the new ones.
 double cost(const Program& program, double p) {
-  double fixed = 60, step = 4;
-  for (const auto* list : {&program.linear, &program.steps})
-    for (const auto& s : *list) fixed += s.function == tape::Op::constant ? 2 : 12;
-  step += 2.2 * static_cast<double>(program.steps.size()) + static_cast<double>(program.variables);
-  const double groups = static_cast<double>((program.lane_a.size() + 3) / 4);
-  return fixed + p * (step + 3 * groups + 0.25 * groups * p);
+  double fixed = 120;
+  for (std::size_t i = 0; i < program.motion_steps; ++i)
+    fixed += program.steps[i].function == tape::Op::constant ? 2 : 12;
+  const auto steps = static_cast<double>(program.motion_steps);
+  const double groups = static_cast<double>((program.motion_lanes + 3) / 4);
+  return fixed + p * (2 + 4 * steps + 3 * groups + 0.1 * groups * p);
+}
+
+/// ln n!
+double log_factorial(int n) {
+  static const auto all = [] {
+    std::array<double, tape::Series::most_orders + 1> sums{};
+    for (std::size_t k = 2; k < sums.size(); ++k) sums[k] = sums[k - 1] + std::log(static_cast<double>(k));
+    return sums;
+  }();
+  return all[static_cast<std::size_t>(n)];
 }
 
 /// Jorba and Zou's argument with that cost: a step is ρ ε^{1/p} long where the series converges up to ρ, (ε p!)^{1/p}
-/// where it converges everywhere.
+/// where it converges everywhere. There its terms first grow, to eʰ, and what rounding takes from them has to stay
+/// below the tolerance.
 int cheapest_order(const Program& program, double tolerance) {
+  const double digits = -std::log(tolerance), longest = std::log(std::max(1.5, std::log(0x1p53 * tolerance)));
   int best = 4;
-  double least = std::numeric_limits<double>::infinity();
-  for (int p = 4; p <= 40; ++p) {
-    const double length = (std::log(tolerance) + (program.whole ? std::lgamma(p + 1.0) : 0)) / p;
+  double before = std::numeric_limits<double>::infinity();
+  for (int p = best; p <= most_chosen; ++p) {
+    const double length = ((program.whole ? log_factorial(p) : 0) - digits) / p;
     const double each = std::log(cost(program, p)) - length;
-    if (each < least) best = p, least = each;
+    if (!(each < before) || (program.whole && length > longest)) break;
+    best = p, before = each;
   }
   return best;
 }
 
+double raised(double x, int n) {
+  double power = 1;
+  for (; n > 0; n /= 2, x *= x)
+    if (n % 2) power *= x;
+  return power;
+}
+
+tape::Series series_of(Program program, double tolerance, int order) {
+  const int chosen = order > 0 ? order : cheapest_order(program, tolerance);
+  return {std::move(program), chosen};
+}
+
 }  // namespace
 
-Expansion::Expansion(const Program& program, double tolerance, int order)
-    : series_(program, order > 0 ? order : cheapest_order(program, tolerance)),
-      tolerance_(tolerance),
-      variables_(program.variables),
-      moving_(program.moving) {}
+Expansion::Expansion(Program program, double tolerance, int order)
+    : series_(series_of(std::move(program), tolerance, order)),
+      log_tolerance_(std::log(tolerance)),
+      root_(std::exp(log_tolerance_ / series_.order())),
+      variables_(series_.program().variables),
+      moving_(series_.program().moving) {}
+
+void Expansion::limit(double rate) {
+  if (rate != 0)
+    longest_ = std::exp((log_tolerance_ + log_factorial(series_.order())) / series_.order()) / std::abs(rate);
+}
 
 double Expansion::largest(int k) const {
   const double* c = series_.coefficients(k);
@@ -67,17 +102,23 @@ double Expansion::step() const {
   constexpr double longest = 0x1p20;
   constexpr double slack = 10;  // by how much other coefficients may exceed what the last two promise
   constexpr int looked_at = 8;
+  constexpr double kept = 1.0 / 16;  // of the tolerance the last terms: the first left out are a quarter of them
   if (used_ == 0) return 0;
-  const double scale = std::max(1.0, largest(0)), allowed = std::log(tolerance_ * scale);
-  double h = std::log(longest * std::max(1.0, std::abs(t_)));
+  const double scale = std::max(1.0, largest(0)), allowed = std::log(kept * scale) + log_tolerance_;
+  double log_h = std::log(longest * std::max(1.0, std::abs(t_)));
   for (int k = used_; k > 0 && k > used_ - 2; --k)
-    if (const double size = largest(k); size > 0) h = std::min(h, (allowed - std::log(size)) / k);
+    if (const double size = largest(k); size > 0) log_h = std::min(log_h, (allowed - std::log(size)) / k);
+  double h = std::exp(log_h);
   // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ≤ rᵏ is to hold.
-  const double decay = std::log(tolerance_) / used_, r = std::exp(decay - h);
-  double power = slack * scale * std::exp((used_ - 2) * (decay - h));
+  const double root = used_ == series_.order() ? root_ : std::exp(log_tolerance_ / used_), r = root / h;
+  double power = slack * kept * scale * raised(r, used_ - 2);
   for (int k = used_ - 2; k > 0 && k > used_ - looked_at; --k, power /= r)
-    if (const double size = largest(k); size > power) h = std::min(h, decay - std::log(size / scale) / k);
-  h = std::exp(h);
+    if (const double size = largest(k); size > power) h = std::min(h, root * std::pow(kept * scale / size, 1.0 / k));
+  h = std::min(h, longest_);
+  for (const Index pole : series_.program().poles) {  // never over it, whatever the coefficients say
+    const double ahead = -series_.coefficient(pole, 0) / series_.coefficient(pole, 1);
+    if (ahead > 0) h = std::min(h, 0.5 * ahead);
+  }
   return series_.program().switches.empty() ? h : until_switch(h);
 }
 
@@ -108,13 +149,16 @@ double Expansion::until_switch(double h) const {
 }
 
 void Expansion::evaluate(double h, double* low, double* y) const {
-  for (std::size_t i = 0; i < variables_; ++i) {
-    double sum = series_.coefficients(used_)[i];
-    for (int k = used_ - 1; k > 0; --k) sum = sum * h + series_.coefficients(k)[i];
-    const double from = y[i], change = sum * h + low[i], to = from + change;
-    const double back = to - from;
-    low[i] = (from - (to - back)) + (change - back);
-    y[i] = to;
+  for (std::size_t begin = 0; begin < variables_; begin += 4) {
+    std::array<double, 4> sum{};
+    for (int k = used_; k > 0; --k)
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = sum[i] * h + series_.coefficients(k)[begin + i];
+    for (std::size_t i = begin; i < std::min(begin + 4, variables_); ++i) {
+      const double from = y[i], change = sum[i - begin] * h + low[i], to = from + change;
+      const double back = to - from;
+      low[i] = (from - (to - back)) + (change - back);
+      y[i] = to;
+    }
   }
 }
 

@@ -30,7 +30,7 @@ namespace taylor {
 class Expansion {
  public:
   /// Order 0: the one that promises the cheapest steps per unit of time.
-  Expansion(const tape::Program& program, double tolerance, int order);
+  Expansion(tape::Program program, double tolerance, int order);
 
   /// At the state y at the time t; nothing is done where it is there already.
   void move(const double* y, double t);
@@ -38,6 +38,11 @@ class Expansion {
   double step() const;
   /// The state at the time h from there. `low`: what rounding has kept from y; becomes what it keeps from the result.
   void evaluate(double h, double* low, double* y) const;
+  /// Whether the motion goes on from y.
+  bool defined(const double* y, double t) { return !series_.program().partial || series_.defined(y, t); }
+  /// No step is longer than one in which e^{rate t} is told to the tolerance: a rate that what is carried has of its
+  /// own.
+  void limit(double rate);
   int order() const { return series_.order(); }
 
  private:
@@ -45,7 +50,8 @@ class Expansion {
   double until_switch(double h) const;
 
   tape::Series series_;
-  double tolerance_;
+  double longest_ = std::numeric_limits<double>::infinity();
+  double log_tolerance_, root_;  ///< root: ε^{1/p} of the order p
   std::size_t variables_, moving_;
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;  ///< the order up to which coefficients are numbers
@@ -87,25 +93,35 @@ template <VectorField P, taylor::Flat X>
 class TaylorStepper {
  public:
   static constexpr bool reads_time = true, has_dense = true;
+  /// Steps are so long that a quantity may change its sign more than once: they are looked at in so many parts.
+  static constexpr int parts = 16;
 
   TaylorStepper(const P& problem, double tolerance, int order)
-      : expansion_(std::make_shared<taylor::Expansion>(taylor::record<X>(problem), tolerance, order)) {}
+      : expansion_(std::make_shared<taylor::Expansion>(taylor::record<X>(problem), tolerance, order)) {
+    if constexpr (ConstantDamping<P>) expansion_->limit(problem.damping());  // of s, also where (q, p) is at rest
+  }
 
   StepStatus step(X& x) noexcept {
     const Values y = values(x);
     Values low = kept_from(y);
     expansion_->move(y.data(), x.t);
     work_.forces += expansion_->order();
-    const double h = expansion_->step();
+    double h = expansion_->step();
     if (!(h > 0)) return StepStatus::singular;
-    if (!(x.t + h > x.t)) return StepStatus::underflow;
+    Values end, rest;
+    for (;; h *= 0.5) {
+      if (!(x.t + h > x.t)) return StepStatus::underflow;
+      end = y;
+      rest = low;
+      expansion_->evaluate(h, rest.data(), end.data());
+      if (expansion_->defined(end.data(), x.t + h)) break;
+    }
     start_ = y;
     start_low_ = low;
     t_ = x.t;
     h_ = h;
-    low_ = low;
-    end_ = y;
-    expansion_->evaluate(h, low_.data(), end_.data());
+    low_ = rest;
+    end_ = end;
     assign(end_, x);
     x.t = t_ + h;
     return StepStatus::ok;

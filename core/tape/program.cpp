@@ -23,7 +23,9 @@ class Lowering {
         lowered_(size(tape.size()), false),
         kept_(size(tape.size()), none),
         weighted_(size(program.rows), none),
-        uses_(size(tape.size()), 0) {}
+        uses_(size(tape.size()), 0) {
+    weighted_.reserve(4 * size(tape.size()));
+  }
 
   /// Everything that these need.
   void lower(std::span<const Index> roots) {
@@ -196,6 +198,7 @@ class Lowering {
     program_.whole = false;
     const auto [below, d] = scaled(b);
     Step step{.rule = is_linear(below) ? Rule::linear_quotient : Rule::quotient, .b = below};
+    if (is_linear(below)) program_.poles.push_back(below);
     double factor = 1 / d;
     if (form(a).terms() == 0) {
       step.a = none;
@@ -212,6 +215,7 @@ class Lowering {
   /// (c x)ᵖ = cᵖ xᵖ for c > 0.
   Form power(Index a, double p, bool root) {
     program_.whole = false;
+    program_.partial = true;
     auto [base, c] = scaled(a);
     if (!(c > 0)) base = keep(a), c = 1;
     Step step{.rule = root ? Rule::root : Rule::power, .a = base, .p = p};
@@ -219,6 +223,7 @@ class Lowering {
     const Index out = step.out;
     if (is_linear(base)) {
       step.rule = Rule::linear_power;
+      program_.poles.push_back(base);
     } else if (root) {
       step.lane = lane(out, out);
     } else {
@@ -271,6 +276,7 @@ class Lowering {
   /// ln a, atan a, asin a, acos a: ȯut = c ȧ/w, with w = a, 1 + a², √(1 − a²).
   Form log_like(Op f, Index node) {
     program_.whole = false;
+    program_.partial = true;
     const Index a = keep(node);
     Index w = a;
     if (f != Op::log) {
@@ -365,14 +371,24 @@ Program::Program(const Tape& tape, std::span<const Index> rates, std::size_t mos
       moving(most),
       weighted(variables + 1, waste),
       rows(first_variable + static_cast<Index>(variables) + 1) {
+  const auto length = static_cast<std::size_t>(tape.size());
+  steps.reserve(length);
+  values.reserve(4 * length);
+  products.reserve(2 * length);
+  lane_a.reserve(length);
+  lane_b.reserve(length);
+  rate.reserve(variables);
   Lowering lowering(tape, *this);
   lowering.lower(rates.first(moving));
-  if (moving < variables) {
+  motion_steps = steps.size();
+  motion_lanes = lane_a.size();
+  if (moving < variables) {  // how long steps are is a matter of the motion
     const bool converges = whole;
-    const std::size_t seen = switches.size();
+    const std::size_t seen = switches.size(), known = poles.size();
     lowering.lower(rates.subspan(moving));
-    whole = converges;  // steps are those of the motion
+    whole = converges;
     switches.resize(seen);
+    poles.resize(known);
   }
 }
 

@@ -52,7 +52,9 @@ struct Program {
   Program(const Tape& tape, std::span<const Index> rates, std::size_t moving);
 
   std::size_t variables, moving;
-  bool whole = true;                ///< the series converge everywhere: linear in all variables, nothing divided
+  bool whole = true;     ///< the series of the motion converge everywhere: linear in all variables, nothing divided
+  bool partial = false;  ///< some rule is defined for some arguments only
+  std::size_t motion_steps = 0, motion_lanes = 0;  ///< how many of them, the first ones, the motion needs
   std::vector<Step> linear, steps;  ///< linear: those linear in time, of which two coefficients are not zero
   std::vector<Value> values;
   std::vector<Product> products;
@@ -60,6 +62,7 @@ struct Program {
   std::vector<Index> rate;      ///< the value that is the rate of a variable
   std::vector<Index> weighted;  ///< where k times the coefficients of a variable, and of the time after them, go
   std::vector<Index> switches;  ///< values at whose zeros the formulas change
+  std::vector<Index> poles;     ///< values linear in time at whose zeros the rates may be infinite
   Index rows = 0;  ///< how many values there are. 0: nothing at all; 1: of no use; then the variables; time
   static constexpr Index zero = 0, waste = 1, first_variable = 2;
   Index time() const { return first_variable + static_cast<Index>(variables); }

@@ -74,6 +74,8 @@ class Integrator {
   /// The state before the last step: where steps are of equal length, only after a step that ended a block early, or
   /// the run.
   virtual const X& left() const = 0;
+  /// In how many parts a step is to be looked at, so that nothing changes its sign twice in one.
+  virtual int parts() const { return 1; }
   /// Whether the state at t can be told from here: it lies no further than steps have come, or will come by the next.
   virtual bool reaches(const IntegrationState<X>& state, double t) const = 0;
   /// x becomes the state at the time t: within the last step, or ahead by a trial step. Never part of the run.

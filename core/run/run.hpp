@@ -147,11 +147,18 @@ class Run {
   /// What crossed zero within the last step.
   void locate_events() {
     if (!std::exchange(diagnostics_.crossed, false)) return;
-    events_.locate(problem_, integrator_->left(), state_.x, [this](double t) {
+    const auto at = [this](double t) {
       X x = state_.x;
       integrator_->state_at(state_, t, x);
       return x;
-    });
+    };
+    X from = integrator_->left();
+    const double start = from.t, parts = integrator_->parts();
+    for (double part = 1; part <= parts; ++part) {
+      const X to = part < parts ? at(start + part * (state_.x.t - start) / parts) : state_.x;
+      events_.locate(problem_, from, to, at);
+      from = to;
+    }
   }
 
   /// A step that was taken by another method than the one before it is an event, at the state it began with.
@@ -242,6 +249,7 @@ class Run {
       if (!fail(result)) return;
     } else if (state_.x.t != before && diagnostics_.sees_steps()) {
       diagnostics_.see(problem_, state_.x);
+      if (integrator_->parts() > 1) diagnostics_.crossed = diagnostics_.watches_sections();
       locate_events();
     }
     if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step

@@ -60,7 +60,16 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       x.t = t;
       if constexpr (Sloped<X>) normalise(x);
       ++n;
-      if (diagnostics && x.t <= end_) diagnostics->see(problem_, x);
+      if (diagnostics && x.t <= end_) {
+        if constexpr (in_parts)
+          if (diagnostics->watches_sections()) {
+            X between = x;
+            for (int i = 1; i < Stepper::parts; ++i)
+              if (stepper.interpolate(between, left.t + i * (x.t - left.t) / Stepper::parts))
+                diagnostics->see(problem_, between);
+          }
+        diagnostics->see(problem_, x);
+      }
       if (method_of(stepper) != method || (diagnostics && diagnostics->crossed)) break;
     }
     stepper_ = stepper;
@@ -83,6 +92,10 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   }
 
   const X& left() const override { return left_; }
+  int parts() const override {
+    if constexpr (in_parts) return Stepper::parts;
+    return 1;
+  }
   bool reaches(const State& state, double t) const override { return t <= state.x.t; }
   StepStatus state_at(const State& state, double t, X& x) const override {
     if (t <= state.x.t) return interpolate(state, t, x, nullptr);
@@ -153,6 +166,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   using Stepper = SelfTimedStepperOf<Scheme, P, X>;
   static constexpr bool hybrid = requires(const Stepper& s) { s.active_method(); };
   static constexpr bool reads_time = requires { requires Scheme::reads_time; };
+  static constexpr bool in_parts = requires { Stepper::parts; };
 
   /// The scheme says of each step how long it took: the sum is compensated.
   static constexpr bool compensated = !reads_time;

@@ -16,6 +16,7 @@
 #include "core/schemes/odeint.hpp"
 #include "core/schemes/runge_kutta.hpp"
 #include "core/schemes/splitting.hpp"
+#include "core/schemes/taylor.hpp"
 #include "core/schemes/time_transformed.hpp"
 #include "core/schemes/variational_midpoint.hpp"
 
@@ -25,6 +26,6 @@ using SchemeList =
     std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
                Galerkin4, JacobiMaupertuis, EnergyMomentum, TimeTransformed, AdaptiveVerlet, ContactSymplecticEuler,
                ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss,
-               DormandPrince5, Fehlberg78, BulirschStoer>;
+               Taylor, DormandPrince5, Fehlberg78, BulirschStoer>;
 
 }  // namespace least

@@ -15,9 +15,14 @@
 #include "core/problem_traits.hpp"
 #include "core/problems/damped_kepler.hpp"
 #include "core/problems/damped_oscillator.hpp"
+#include "core/problems/driven_oscillator.hpp"
+#include "core/problems/henon_heiles.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/problems/lane_emden.hpp"
+#include "core/problems/pendulum.hpp"
 #include "core/problems/perturbed_kepler.hpp"
+#include "core/problems/scalar_field_cosmology.hpp"
+#include "core/problems/spin_orbit.hpp"
 #include "core/problems/van_der_pol.hpp"
 
 #ifdef LEAST_HAS_GSL
@@ -231,5 +236,10 @@ std::vector<Peer> bench::peers(const Request& scene) {
   if (id == "perturbed_kepler") return peers_of<PerturbedKepler>(scene);
   if (id == "lane_emden") return peers_of<LaneEmden>(scene);
   if (id == "van_der_pol") return peers_of<VanDerPol>(scene);
+  if (id == "spin_orbit") return peers_of<SpinOrbit>(scene);
+  if (id == "pendulum") return peers_of<Pendulum>(scene);
+  if (id == "henon_heiles") return peers_of<HenonHeiles>(scene);
+  if (id == "driven_oscillator") return peers_of<DrivenOscillator>(scene);
+  if (id == "scalar_field_cosmology") return peers_of<ScalarFieldCosmology>(scene);
   throw std::out_of_range(std::string(id));
 }

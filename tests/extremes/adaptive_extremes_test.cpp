@@ -35,8 +35,8 @@ TEST(Tolerance, RunOnEveryProblem) {
 TEST(Tolerance, AtTheLowEndOfItsRangeIsTheMotionToRoundOff) {
   for_each_adaptive([](const Request& plain) {
     const auto& range = scheme_of(plain).parameters[0].range;
-    const double low = std::nextafter(range.low, 1);
-    ASSERT_TRUE(range.contains(low) && !range.contains(range.low)) << name(plain);
+    const double low = range.low_open ? std::nextafter(range.low, 1) : range.low;
+    ASSERT_TRUE(range.contains(low) && !range.contains(std::nextafter(low, 0))) << name(plain);
     const bool star = problem_of(plain).id == "lane_emden";
     Request request = at_tolerance(star ? set(plain, {{"n", 5}}) : plain, low);
     request.end = std::min(request.end, runs::scene(request).start + 5);
@@ -93,7 +93,7 @@ TEST(AdaptiveBudget, OfAStiffSceneIsKept) {
       Request request = until(stiff, 1);
       const auto whole = go(request);
       EXPECT_EQ(whole.outcome.stop.reason, ReturnCode::completed) << scheme << ' ' << tolerance;
-      EXPECT_GT(whole.outcome.cost.steps, 300) << scheme << ' ' << tolerance;
+      EXPECT_GT(whole.outcome.cost.steps, 200) << scheme << ' ' << tolerance;
       EXPECT_NEAR(whole.outcome.final[0], 2 - 2.0 / 3000, 1e-4) << scheme << ' ' << tolerance;
       request.limits.steps = 100;
       EXPECT_EQ(reason(request), ReturnCode::step_limit) << scheme << ' ' << tolerance;

@@ -33,7 +33,7 @@ inline double number(const runs::Result& result, std::string_view path) {
 /// Whether the scheme's first setting is not a step but an error that steps may make.
 inline bool is_adaptive(const least::SchemeCard& scheme) { return scheme.parameters.at(0).name == "tolerance"; }
 inline bool is_adaptive(const Request& request) { return is_adaptive(scheme_of(request)); }
-inline constexpr std::string_view adaptive[] = {"dormand_prince_5", "fehlberg_78", "bulirsch_stoer"};
+inline constexpr std::string_view adaptive[] = {"dormand_prince_5", "fehlberg_78", "bulirsch_stoer", "taylor"};
 
 /// The request with parameters of its problem or settings of its scheme, with choices, with another start.
 inline Request set(Request request, std::initializer_list<Named> values) {

@@ -159,7 +159,7 @@ TEST(ClockAtRest, AlongTheSeparatrix) {  // to the summit, which it takes for ev
 
 TEST(ClockRunaway, OverTheSaddleOfHenonHeilesIsStopped) {
   for (const std::string_view scheme : {"jacobi_maupertuis", "time_transformed", "adaptive_verlet", "dormand_prince_5",
-                                        "fehlberg_78", "bulirsch_stoer"}) {
+                                        "fehlberg_78", "bulirsch_stoer", "taylor"}) {
     Request request = at(of("henon_heiles", {scheme}, {}), {{"x", 0}, {"y", 1.2}, {"px", 0}, {"py", 0.5}});
     const auto result = go(request);
     EXPECT_NE(result.outcome.stop.reason, ReturnCode::completed) << scheme;
@@ -201,10 +201,11 @@ TEST(ClockBudget, OfStepsAndSamplesIsKept) {
     EXPECT_EQ(stopped.outcome.stop.step, few) << name(request);
     EXPECT_EQ(stopped.rows.size(), static_cast<std::size_t>(few) + 1) << name(request);
     request = plain;
-    request.limits.samples = 5;
+    const std::size_t five = std::min<std::size_t>(5, whole.rows.size() - 1);
+    request.limits.samples = static_cast<std::int64_t>(five);
     const auto kept = go(request);
     EXPECT_EQ(kept.outcome.stop.reason, ReturnCode::completed) << name(request);
-    EXPECT_EQ(kept.rows.size(), 5U) << name(request);
+    EXPECT_EQ(kept.rows.size(), five) << name(request);
     EXPECT_TRUE(warned(kept, "samples_truncated")) << name(request);
     EXPECT_FALSE(warned(whole, "samples_truncated")) << name(request);
     EXPECT_EQ(known(whole.outcome.final), known(kept.outcome.final)) << name(request);

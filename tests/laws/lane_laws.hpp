@@ -31,6 +31,7 @@ inline constexpr std::tuple exempt{
     Because<EnergyMomentum>{own_clock},
     Because<TimeTransformed>{own_clock},
     Because<AdaptiveVerlet>{own_clock},
+    Because<Taylor>{own_clock},
     Because<DormandPrince5>{boost},
     Because<Fehlberg78>{boost},
     Because<BulirschStoer>{boost},

@@ -17,8 +17,8 @@ Ids together(Ids a, const Ids& b) {
   return a;
 }
 
-const Ids anything{"explicit_euler",   "explicit_midpoint", "runge_kutta_4",
-                   "dormand_prince_5", "fehlberg_78",       "bulirsch_stoer"};
+const Ids anything{"explicit_euler", "explicit_midpoint", "runge_kutta_4", "dormand_prince_5",
+                   "fehlberg_78",    "bulirsch_stoer",    "taylor"};
 const Ids lagrangian = together(
     anything, {"variational_midpoint", "galerkin_4", "jacobi_maupertuis", "energy_momentum", "time_transformed"});
 const Ids separable = together(lagrangian, {"symplectic_euler", "leapfrog", "ruth_3", "adaptive_verlet"});

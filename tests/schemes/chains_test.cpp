@@ -8,7 +8,7 @@ using namespace chains;
 const Names controls{"explicit_euler", "explicit_midpoint", "runge_kutta_4"};
 const Names symplectic{"explicit_euler", "explicit_midpoint", "runge_kutta_4",        "ruth_3",
                        "leapfrog",       "galerkin_4",        "variational_midpoint", "symplectic_euler"};
-const Names with_tolerance{"dormand_prince_5", "fehlberg_78", "bulirsch_stoer"};
+const Names with_tolerance{"dormand_prince_5", "fehlberg_78", "bulirsch_stoer", "taylor"};
 const Names clocks{"energy_momentum", "jacobi_maupertuis", "time_transformed", "adaptive_verlet"};
 
 /// Their centre of mass moves freely, by every scheme: all but the hybrid keep what is linear in the momenta.

@@ -9,7 +9,7 @@ using namespace chains;
 const Names those_that_fit{
     "explicit_euler",    "explicit_midpoint", "runge_kutta_4",    "contact_variational_midpoint", "contact_galerkin_4",
     "contact_splitting", "contact_gauss",     "contact_leapfrog", "contact_symplectic_euler"};
-const Names with_tolerance{"dormand_prince_5", "fehlberg_78", "bulirsch_stoer"};
+const Names with_tolerance{"dormand_prince_5", "fehlberg_78", "bulirsch_stoer", "taylor"};
 const auto nothing = [](const auto&) { return 0; };
 
 TEST(ContactChains, LinearInS) {

@@ -54,7 +54,7 @@ TEST(DrivenPendulum, IsRunByWhatReadsTheTime) {
   }(static_cast<SchemeList*>(nullptr));
   const std::set<std::string> expected{"explicit_euler",   "explicit_midpoint", "runge_kutta_4",        "ruth_3",
                                        "symplectic_euler", "leapfrog",          "variational_midpoint", "galerkin_4",
-                                       "dormand_prince_5", "fehlberg_78",       "bulirsch_stoer"};
+                                       "dormand_prince_5", "fehlberg_78",       "bulirsch_stoer",       "taylor"};
   EXPECT_EQ(found, expected);
 }
 TEST(DrivenPendulum, OrderIsAsDeclared) { laws::order_is_as_declared<DrivenPendulum>(); }

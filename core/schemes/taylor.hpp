@@ -1,0 +1,230 @@
+// taylor: the Taylor series of the motion itself, from the equations of motion that a problem states, recorded as a
+// tape (core/tape). Of any order, so that a step is as long as the series converges well: a third of the way to the
+// nearest singularity, in complex time, at twelve digits. Sets its own clock, reads the time, keeps no structure:
+// energy drifts at a rate that the tolerance sets. What a state carries beyond the motion, an action or a tangent
+// direction, goes along and has no say in the steps: asking for more never changes a run. A step costs one pass over
+// the tape per order; by convention it counts as many force evaluations as its order. The state within a step is the
+// polynomial itself. Sums over steps are compensated. The tape is recorded when a run begins, by the problem with its
+// parameters: choices, whole exponents and what is zero leave it shorter; that takes about a microsecond. One engine
+// runs all tapes, so that a problem costs its recording and nothing else to compile. Sources: Jorba & Zou, Experimental
+// Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans. Math. Softw. 8, 114 (1982); Biscani & Izzo, MNRAS 504, 2614
+// (2021).
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <span>
+#include <tuple>
+
+#include "core/problem_traits.hpp"
+#include "core/scheme.hpp"
+#include "core/tape/series.hpp"
+#include "core/tape/symbol.hpp"
+
+namespace least {
+
+namespace taylor {
+
+/// The series of a motion at one time, and how far it is good. Scratch of one run: steppers that are copies of each
+/// other share it, so they belong to one thread.
+class Expansion {
+ public:
+  /// Order 0: the one that promises the cheapest steps per unit of time.
+  Expansion(tape::Program program, double tolerance, int order);
+
+  /// At the state y at the time t; nothing is done where it is there already.
+  void move(const double* y, double t);
+  /// How long a step from there may be; 0: the series means nothing.
+  double step() const;
+  /// The state at the time h from there. `low`: what rounding has kept from y; becomes what it keeps from the result.
+  void evaluate(double h, double* low, double* y) const;
+  /// Whether the motion goes on from y.
+  bool defined(const double* y, double t) { return !series_.program().partial || series_.defined(y, t); }
+  /// No step is longer than one in which e^{rate t} is told to the tolerance: a rate that what is carried has of its
+  /// own.
+  void limit(double rate);
+  int order() const { return series_.order(); }
+
+ private:
+  double largest(int k) const;
+  double until_switch(double h) const;
+
+  tape::Series series_;
+  double longest_ = std::numeric_limits<double>::infinity();
+  double log_tolerance_, root_;  ///< root: ε^{1/p} of the order p
+  std::size_t variables_, moving_;
+  double t_ = std::numeric_limits<double>::quiet_NaN();
+  int used_ = 0;  ///< the order up to which coefficients are numbers
+};
+
+/// States that are doubles at heart: plain, or with a tangent direction.
+template <class X>
+concept Flat = std::is_same_v<typename X::Time, double> &&(std::is_same_v<typename X::Number, double> || Sloped<X>);
+template <Flat X>
+inline constexpr std::size_t components = Sloped<X> ? 2 * X::size : X::size;
+
+/// The i-th component: values, then slopes.
+template <class X>
+constexpr auto& component(X& x, std::size_t i) {
+  if constexpr (requires { x[0].slope; }) {
+    return i < X::size ? x[i].value : x[i - X::size].slope[0];
+  } else {
+    return x[i];
+  }
+}
+
+/// The equations of motion of a problem, on states like X, as lists for a series.
+template <class X, VectorField P>
+tape::Program record(const P& problem) {
+  using Number = std::conditional_t<Sloped<X>, Dual<Symbol, 1>, Symbol>;
+  tape::Tape tape;
+  typename X::template in<Number, Symbol> x;
+  for (std::size_t i = 0; i < components<X>; ++i) component(x, i) = Symbol::variable(tape, i);
+  x.t = Symbol::time(tape);
+  auto rate = derivative(problem, x);
+  std::array<tape::Index, components<X>> rates;
+  for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = component(rate, i).on(tape);
+  return {tape, rates, StateOf<P>::size};
+}
+
+}  // namespace taylor
+
+template <VectorField P, taylor::Flat X>
+class TaylorStepper {
+ public:
+  static constexpr bool reads_time = true, has_dense = true;
+  /// Steps are so long that a quantity may change its sign more than once: they are looked at in so many parts.
+  static constexpr int parts = 16;
+
+  TaylorStepper(const P& problem, double tolerance, int order)
+      : expansion_(std::make_shared<taylor::Expansion>(taylor::record<X>(problem), tolerance, order)) {
+    if constexpr (ConstantDamping<P>) expansion_->limit(problem.damping());  // of s, also where (q, p) is at rest
+  }
+
+  StepStatus step(X& x) noexcept {
+    const Values y = values(x);
+    Values low = kept_from(y);
+    expansion_->move(y.data(), x.t);
+    work_.forces += expansion_->order();
+    double h = expansion_->step();
+    if (!(h > 0)) return StepStatus::singular;
+    Values end, rest;
+    for (;; h *= 0.5) {
+      if (!(x.t + h > x.t)) return StepStatus::underflow;
+      end = y;
+      rest = low;
+      expansion_->evaluate(h, rest.data(), end.data());
+      if (expansion_->defined(end.data(), x.t + h)) break;
+    }
+    start_ = y;
+    start_low_ = low;
+    t_ = x.t;
+    h_ = h;
+    low_ = rest;
+    end_ = end;
+    assign(end_, x);
+    x.t = t_ + h;
+    return StepStatus::ok;
+  }
+  /// How long the last step was: the time after it is rounded.
+  double elapsed() const { return h_; }
+
+  /// x moved to the time t, not before its own, by as many steps as that takes.
+  StepStatus reach(X& x, double t) noexcept {
+    constexpr int most_parts = 10'000;
+    for (int part = 0; part < most_parts; ++part) {
+      if (!(x.t < t)) return StepStatus::ok;
+      Values y = values(x), low{};
+      expansion_->move(y.data(), x.t);
+      work_.forces += expansion_->order();
+      const double h = std::min(expansion_->step(), t - x.t);
+      if (!(h > 0)) return StepStatus::singular;
+      if (!(x.t + h > x.t)) return StepStatus::underflow;
+      expansion_->evaluate(h, low.data(), y.data());
+      assign(y, x);
+      x.t = h < t - x.t ? x.t + h : t;
+    }
+    return StepStatus::solver_failed;
+  }
+  /// x set to the state at t by the polynomial of the last step; false where t lies outside it.
+  bool interpolate(X& x, double t) const noexcept {
+    const double h = t - t_, slack = 4 * std::numeric_limits<double>::epsilon() * std::abs(t);
+    if (!(h_ > 0 && h >= 0 && h <= h_ + slack)) return false;
+    Values y = start_, low = start_low_;
+    expansion_->move(y.data(), t_);
+    expansion_->evaluate(h, low.data(), y.data());
+    assign(y, x);
+    x.t = t;
+    return true;
+  }
+  const Work& work() const noexcept { return work_; }
+
+ private:
+  using Values = std::array<double, taylor::components<X>>;
+
+  static Values values(const X& x) {
+    Values y;
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] = taylor::component(x, i);
+    return y;
+  }
+  static void assign(const Values& y, X& x) {
+    for (std::size_t i = 0; i < y.size(); ++i) taylor::component(x, i) = y[i];
+  }
+  /// Of the components that are as the last step left them.
+  Values kept_from(const Values& y) const {
+    Values low;
+    for (std::size_t i = 0; i < y.size(); ++i) low[i] = y[i] == end_[i] ? low_[i] : 0;
+    return low;
+  }
+
+  std::shared_ptr<taylor::Expansion> expansion_;
+  double t_ = 0, h_ = 0;        ///< of the last step
+  Values start_{}, end_{};      ///< where it began and ended
+  Values start_low_{}, low_{};  ///< what rounding has kept from them
+  Work work_;
+};
+
+struct Taylor {
+  double tolerance = 1e-12;
+  int order = 0;
+
+  static constexpr bool own_clock = true, remembers = true;  ///< its last step: adapts to the state
+  static constexpr std::tuple fields{
+      Field<Taylor>{"tolerance",
+                    "ε",
+                    "1",
+                    "what the last terms of a step may be, absolute and relative alike",
+                    &Taylor::tolerance,
+                    {1e-15, 1e-2}},
+      Field<Taylor, int>{"order",
+                         "p",
+                         "1",
+                         "of the polynomial; 0: the one that is the cheapest at the tolerance",
+                         &Taylor::order,
+                         {0, 40}}};
+  static SchemeCard card() {
+    return {
+        .id = "taylor",
+        .title = "Taylor series",
+        .summary =
+            "The Taylor series of the motion, of high order, by automatic differentiation of the scene's own "
+            "equations. Steps are as long as the series allows, the state within a step is its polynomial.",
+        .orders = {{"", 20}},
+        .structure = "none",
+        .good_for =
+            "many digits, relaxation and close passages: every part of the motion goes at its own pace; samples "
+            "between steps are as accurate as steps and cost no force",
+        .fails_when =
+            "runs are so long that the drift of the energy counts, which the tolerance sets; forces are not "
+            "smooth; the motion is stiff (steps end where the series does). A step counts as many force "
+            "evaluations as its order",
+        .needs = "equations of motion",
+        .references = {"Jorba, Zou, Experimental Mathematics 14, 99 (2005)", "Biscani, Izzo, MNRAS 504, 2614 (2021)"}};
+  }
+  template <VectorField P, taylor::Flat X>
+  auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
+    return TaylorStepper<P, X>(problem, tolerance, order);
+  }
+};
+
+}  // namespace least

@@ -1,0 +1,71 @@
+// A tape made ready for Taylor series: what an order of the series of every quantity costs is one pass over these
+// lists. A value is a quantity whose coefficients are kept; a lane is the product of the series of two values, without
+// the terms of the order that is being computed: Σ aⱼ b_{k−j} over 0 < j < k. All lanes are summed in one loop,
+// whatever becomes of them; a step then adds the terms that are new. Sums of what is multiplied by constants are one
+// step.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/tape/tape.hpp"
+
+namespace least::tape {
+
+enum class Rule : std::uint8_t {
+  sum,       ///< out = c + Σ cᵢ xᵢ + Σ dᵢ lanes: everything linear
+  quotient,  ///< out = c a/b, the lane is (b, out); a none: c/b
+  root,      ///< out = √a, (out, out)
+  power,     ///< out = aᵖ: b = ȧ; lanes (ȧ, out) and, number w, (a, ȯut)
+  integral,  ///< ȯut = c w ȧ: b = ȧ, (ȧ, w); at the start f(p a)
+  log_like,  ///< ȯut = c ȧ/w: b = ȧ, (w, ȯut); at the start f(a)
+  select,    ///< out = a where w < 0, else b
+  // The same where one of the two is linear in time; no lanes.
+  linear_product,   ///< out = c a w, a linear
+  linear_quotient,  ///< out = c a/b, b linear
+  linear_power,     ///< a linear
+  linear_integral,  ///< a linear
+};
+
+/// Values are rows of coefficients; ȧ stands for the row of k aₖ.
+struct Step {
+  Rule rule = Rule::sum;
+  Op function = Op::constant;      ///< f
+  Index out = none, weighted = 0;  ///< weighted: where k outₖ goes, too
+  Index a = 0, b = 0, w = 0, lane = 0;
+  Index first_value = 0, values = 0, first_product = 0, products = 0;
+  double c = 1, p = 1;
+};
+
+struct Program {
+  struct Value {
+    Index value;
+    double factor;
+  };
+  struct Product {
+    Index a, b, lane;
+    double factor;
+  };
+
+  /// Of a tape the rates ẋ of the variables, in their order; the first `moving` of them are the motion, which what
+  /// follows after them does not change by a bit.
+  Program(const Tape& tape, std::span<const Index> rates, std::size_t moving);
+
+  std::size_t variables, moving;
+  bool whole = true;     ///< the series of the motion converge everywhere: linear in all variables, nothing divided
+  bool partial = false;  ///< some rule is defined for some arguments only
+  std::size_t motion_steps = 0, motion_lanes = 0;  ///< how many of them, the first ones, the motion needs
+  std::vector<Step> linear, steps;  ///< linear: those linear in time, of which two coefficients are not zero
+  std::vector<Value> values;
+  std::vector<Product> products;
+  std::vector<Index> lane_a, lane_b;
+  std::vector<Index> rate;      ///< the value that is the rate of a variable
+  std::vector<Index> weighted;  ///< where k times the coefficients of a variable, and of the time after them, go
+  std::vector<Index> switches;  ///< values at whose zeros the formulas change
+  std::vector<Index> poles;     ///< values linear in time at whose zeros the rates may be infinite
+  Index rows = 0;  ///< how many values there are. 0: nothing at all; 1: of no use; then the variables; time
+  static constexpr Index zero = 0, waste = 1, first_variable = 2;
+  Index time() const { return first_variable + static_cast<Index>(variables); }
+};
+
+}  // namespace least::tape

@@ -1,0 +1,61 @@
+// The Taylor series of a motion whose rates are a tape: coefficients by recurrences, order by order, in a place of
+// their own. One engine runs every tape; an order is one loop over lanes and one over steps (core/tape/program.hpp), so
+// that the order is no matter of compilation. Bits do not depend on the instruction set. Sources: Jorba & Zou,
+// Experimental Mathematics 14, 99 (2005); Moore, Interval Analysis, 1966, chapter 11; Knuth, The Art of Computer
+// Programming 2, 4.7 (powers of series).
+#pragma once
+
+#include <array>
+
+#include "core/tape/program.hpp"
+
+namespace least::tape {
+
+class Series {
+ public:
+  static constexpr int most_orders = 48;
+
+  /// Up to this order, at least 1 and at most `most_orders`.
+  Series(Program program, int order);
+
+  /// The series of the variables that are x at the time t.
+  void expand(const double* x, double t);
+  /// Whether the rates of the motion at x are numbers.
+  bool defined(const double* x, double t);
+  /// x⁽ᵏ⁾/k! of the variables, 0 ≤ k ≤ order; up to a multiple of four there are numbers to be read behind them.
+  const double* coefficients(int k) const { return row(k) + Program::first_variable; }
+  /// The same of any value, for k below the order.
+  double coefficient(Index value, int k) const { return row(k)[value]; }
+
+  int order() const { return order_; }
+  const Program& program() const { return program_; }
+
+ private:
+  /// Lanes go by fours, whatever the machine.
+  struct alignas(32) Four {
+    double lane __attribute__((vector_size(32)));
+  };
+
+  /// What the new terms of a step are multiplied with: follows from order 0.
+  struct Gain {
+    double inverse = 0, a = 0, b = 0;
+  };
+  /// Order 0 of the two factors of a product, with its own factor.
+  struct Ends {
+    double a, b;
+  };
+  struct Engine;
+  const double* row(int k) const { return rows_.data() + static_cast<std::size_t>(k) * stride_; }
+
+  Program program_;
+  int order_;
+  std::size_t stride_, groups_;
+  std::vector<double> rows_;               ///< by order, every value
+  std::vector<double> trial_;              ///< the values at another state
+  std::vector<Gain> gains_;                ///< of every step
+  std::vector<Ends> ends_;                 ///< of every product
+  std::vector<Four> left_, right_, sums_;  ///< by group of lanes, by order
+  std::vector<Index> places_;              ///< of lanes: left and right of each group
+};
+
+}  // namespace least::tape

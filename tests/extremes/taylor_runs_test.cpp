@@ -1,0 +1,65 @@
+// Runs by Taylor series on every problem: against true states over six decades and more of the tolerance.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/study/error_study.hpp"
+#include "tests/extremes/asking.hpp"
+
+namespace {
+
+using namespace least;
+using namespace asking;
+
+// What a step may be off by grows along the motion as differences of the start do.
+TEST(TaylorRuns, AreWithinTheToleranceOfTrueStates) {
+  for (const ProblemCard& problem : runs::problem_cards()) {
+    Request plain = of(problem.id, {"taylor"}, {});
+    plain.end = std::min(plain.end, runs::scene(plain).start + 10);
+    const auto always = [] { return true; };
+    const auto known = conditioning(*plain.scene, plain.end, always);
+    if (known->ends) plain.end = known->reached - 1e-3;
+    const auto truth = least::truth(*plain.scene, {plain.end}, always);
+    const std::vector<double>& state = truth->states.front();
+    for (const double tolerance : {1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) {
+      Request request = set(plain, {{"tolerance", tolerance}});
+      runs::only_final(request);
+      const auto result = go(request);
+      ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << problem.id << ' ' << tolerance;
+      EXPECT_LT(state_error(result.outcome.final, state, state.size()), 50 * tolerance * known->most_growth)
+          << problem.id << ' ' << tolerance;
+      EXPECT_GT(result.outcome.cost.steps, 1) << problem.id;
+    }
+  }
+}
+
+// Over ten thousand periods the energy drifts with the tolerance, whatever the sums keep.
+TEST(TaylorRuns, KeepNoStructureButTheirTolerance) {
+  Request orbit = until(of("kepler", {"taylor"}, {}), 2e3 * pi);
+  orbit = at(ask(orbit, {"energy"}), {{"x", 0.4}, {"y", 0}, {"px", 0}, {"py", 2}});
+  runs::only_final(orbit);
+  double last = 1;
+  for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
+    const double off = number(go(set(orbit, {{"tolerance", tolerance}})), "energy/max_abs_error");
+    EXPECT_LT(off, 1e4 * tolerance);
+    EXPECT_LT(off, 0.01 * last);
+    EXPECT_GT(off, 1e-3 * tolerance) << "as one that keeps it would be";
+    last = off;
+  }
+}
+
+TEST(TaylorRuns, GoOnWhereTheMotionIsSlowInLongSteps) {
+  const auto steps = [](double epsilon) {
+    return static_cast<double>(go(until(of("van_der_pol", {"taylor"}, {{"epsilon", epsilon}}), 40)).outcome.cost.steps);
+  };
+  EXPECT_LT(steps(10), 600);
+  Request eccentric = until(of("kepler", {"taylor"}, {}), 20 * pi);
+  eccentric = at(ask(eccentric, {"error"}), {{"x", 1e-4}, {"y", 0}, {"px", 0}, {"py", std::sqrt(1.9999e4)}});
+  const auto result = go(eccentric);  // e = .9999
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
+  const auto known = conditioning(*eccentric.scene, eccentric.end, [] { return true; });
+  EXPECT_LT(number(result, "error/max"), 50 * 1e-12 * known->most_growth);
+  EXPECT_LT(result.outcome.cost.steps, 3000);
+}
+
+}  // namespace

@@ -1,0 +1,206 @@
+// Taylor steps: as accurate as their tolerance says, dense output at no loss, and what is carried has no say in them.
+#include "core/schemes/taylor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/problems/driven_oscillator.hpp"
+#include "core/problems/kepler.hpp"
+#include "core/problems/lane_emden.hpp"
+#include "core/problems/perturbed_kepler.hpp"
+#include "core/problems/scalar_field_cosmology.hpp"
+#include "core/problems/spin_orbit.hpp"
+#include "core/problems/van_der_pol.hpp"
+#include "core/state_error.hpp"
+
+namespace {
+
+using namespace least;
+using namespace least::problems;
+
+/// The state at t by whole steps and the polynomial of the last.
+template <class P, class X>
+X taylor_at(const P& problem, X x, double t, double tolerance, int order = 0) {
+  auto stepper = Taylor{tolerance, order}.bind(problem, x);
+  while (x.t < t)
+    if (stepper.step(x) != StepStatus::ok) {
+      ADD_FAILURE() << "at t = " << x.t;
+      return x;
+    }
+  if (x.t > t) {
+    EXPECT_TRUE(stepper.interpolate(x, t));
+  }
+  return x;
+}
+
+TEST(Taylor, ErrorsAreThoseOfTheTolerance) {
+  const Kepler<> kepler;
+  const State<2> ellipse{0, {0.4, 0}, {0, 2}, {}};
+  const DrivenOscillator<> driven;
+  const State<1> start{5, {1}, {0}, {}};
+  double last = 1;
+  for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13}) {
+    const double orbit = state_error(taylor_at(kepler, ellipse, 20, tolerance), kepler.exact(ellipse, 20.0));
+    EXPECT_LT(orbit, 500 * tolerance);  // three periods: differences of the start grow by as much
+    EXPECT_LT(orbit, 0.3 * last);
+    last = orbit;
+    EXPECT_LT(state_error(taylor_at(driven, start, 25, tolerance), driven.exact(start, 25.0)), 10 * tolerance);
+  }
+}
+
+TEST(Taylor, OfAnyOrderIsAsAccurate) {
+  const Kepler<> kepler;
+  const State<2> ellipse{0, {0.4, 0}, {0, 2}, {}};
+  for (const int order : {4, 8, 16, 20, 24, 40})
+    EXPECT_LT(state_error(taylor_at(kepler, ellipse, 5, 1e-8, order), kepler.exact(ellipse, 5.0)), 1e-6) << order;
+  auto x = ellipse;
+  auto stepper = Taylor{1e-8, 13}.bind(kepler, x);
+  ASSERT_EQ(stepper.step(x), StepStatus::ok);
+  EXPECT_EQ(stepper.work().forces, 13);
+}
+
+// Ten thousand periods' worth of rounding in a hundred: sums that are not compensated lose a digit and a half more.
+TEST(Taylor, RoundingStaysSmall) {
+  const Kepler<> kepler;
+  const State<2> ellipse{0, {0.4, 0}, {0, 2}, {}};
+  const double end = 200 * std::acos(-1.0);
+  EXPECT_LT(state_error(taylor_at(kepler, ellipse, end, 1e-15), kepler.exact(ellipse, end)), 2e-11);
+}
+
+template <class P, class X>
+void dense_output_is_a_run_that_ends_there(const P& problem, const X& start, double span) {
+  X x = start;
+  const auto scheme = Taylor{1e-15};
+  auto stepper = scheme.bind(problem, x);
+  double most = 0;
+  int steps = 0;
+  while (x.t < start.t + span) {
+    const X before = x;
+    ASSERT_EQ(stepper.step(x), StepStatus::ok);
+    ++steps;
+    for (const double part : {0.1, 0.5, 0.9, 1.0}) {
+      X between, reached = before;
+      const double t = before.t + part * (x.t - before.t);
+      ASSERT_TRUE(stepper.interpolate(between, t));
+      ASSERT_EQ(scheme.bind(problem, before).reach(reached, t), StepStatus::ok);
+      most = std::max(most, state_error(between, reached));
+    }
+  }
+  EXPECT_GT(steps, 3);
+  EXPECT_LT(most, 1e-13);
+}
+TEST(Taylor, DenseOutputIsARunThatEndsThere) {
+  dense_output_is_a_run_that_ends_there(Kepler<>{}, State<2>{0, {0.4, 0}, {0, 2}, {}}, 10);
+  dense_output_is_a_run_that_ends_there(VanDerPol<>{10}, Point<2>{0, {2, 0}}, 20);
+  dense_output_is_a_run_that_ends_there(SpinOrbit<>{}, State<1>{0, {0.3}, {1}, {}}, 20);
+}
+
+/// (q, p) with and without what can be carried.
+template <class P, class More, class X>
+void carrying_changes_nothing(const P& problem, const More& more) {
+  X plain;
+  More full = more;
+  plain.t = full.t;
+  for (std::size_t i = 0; i < X::size; ++i) plain[i] = taylor::component(full, i);
+  auto alone = Taylor{}.bind(problem, plain);
+  auto carrying = Taylor{}.bind(problem, full);
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_EQ(alone.step(plain), StepStatus::ok);
+    ASSERT_EQ(carrying.step(full), StepStatus::ok);
+    ASSERT_EQ(plain.t, full.t);
+    for (std::size_t i = 0; i < X::size; ++i) ASSERT_EQ(plain[i], taylor::component(full, i)) << k;
+  }
+}
+TEST(Taylor, WhatIsCarriedChangesNoBit) {
+  carrying_changes_nothing<PerturbedKepler<>, FullStateOf<PerturbedKepler<>>, StateOf<PerturbedKepler<>>>(
+      {}, {0, {0.5, 0}, {0, 1.7}, {0}});
+  carrying_changes_nothing<SpinOrbit<>, FullStateOf<SpinOrbit<>>, StateOf<SpinOrbit<>>>({}, {0, {0.3}, {1}, {0}});
+  FullRunState<VanDerPol<>> x;
+  x[0] = {2, {1}};
+  x[1] = {0.5, {-0.3}};
+  carrying_changes_nothing<VanDerPol<>, FullRunState<VanDerPol<>>, Point<2>>({}, x);
+}
+
+// A slope that begins as the flow's own field stays it.
+TEST(Taylor, ATangentDirectionMovesWithTheFlow) {
+  const VanDerPol<> problem{3};
+  FullRunState<VanDerPol<>> x;
+  Point<2> from{0, {2, 0.5}};
+  for (std::size_t i = 0; i < 2; ++i) x[i] = {from[i], {derivative(problem, from)[i]}};
+  x = taylor_at(problem, x, 7.0, 1e-13);
+  const auto rate = derivative(problem, plain(x));
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(x[i].slope[0], rate[i], 1e-9 * std::abs(rate[i]) + 1e-10);
+}
+
+// x = t − λt⁵/20 + …: at order 19 the last two coefficients vanish, which does not mean that the series ends.
+TEST(Taylor, VanishingCoefficientsDoNotMakeALongStep) {
+  const ScalarFieldCosmology<> quartic{0, 1, 0};
+  const StateOf<ScalarFieldCosmology<>> start{0, {0}, {1}, {0}};
+  auto x = start;
+  auto stepper = Taylor{1e-10, 19}.bind(quartic, x);
+  ASSERT_EQ(stepper.step(x), StepStatus::ok);
+  EXPECT_LT(x.t, 2.5);  // the nearest singularity lies at |t| = 2.6
+  EXPECT_GT(x.t, 0.3);
+  EXPECT_NEAR(energy(quartic, x), 0.5, 1e-9);
+}
+
+// A force that ends at q = 0: steps end there, too, and go on behind it.
+TEST(Taylor, StepsEndWhereAFormulaChanges) {
+  const LaneEmden<> star{1, AfterZero::clamp};
+  const double pi = std::acos(-1.0);
+  const State<1> start{1, {std::sin(1.0)}, {std::cos(1.0) - std::sin(1.0)}, {}};
+  const auto x = taylor_at(star, start, 10, 1e-12);
+  EXPECT_NEAR(x.p[0], -pi / 100, 1e-12);  // p t² stays what it is at π
+  EXPECT_NEAR(x.q[0], pi / 10 - 1, 1e-12);
+}
+
+// 2/t is singular, the motion is not: no step leads over it, and none has to be short because of it.
+TEST(Taylor, StepsAreNotLongerThanTheTimeToASingularDamping) {
+  const LaneEmden<> star{1, AfterZero::continue_};
+  State<1> x{0.1, {std::sin(0.1) / 0.1}, {(std::cos(0.1) - std::sin(0.1) / 0.1) / 0.1}, {}};
+  auto stepper = Taylor{1e-12}.bind(star, x);
+  int steps = 0;
+  for (; x.t < 30; ++steps) ASSERT_EQ(stepper.step(x), StepStatus::ok);
+  EXPECT_LT(steps, 60);
+  EXPECT_NEAR(x.q[0], std::sin(x.t) / x.t, 1e-10);
+  State<1> before{-1, {std::sin(1.0)}, {std::sin(1.0) - std::cos(1.0)}, {}};
+  auto towards = Taylor{1e-12}.bind(star, before);
+  for (int k = 0; k < 200 && towards.step(before) == StepStatus::ok; ++k) ASSERT_LT(before.t, 0);
+}
+
+TEST(Taylor, CopiesGoOnWithTheSameBits) {
+  const Kepler<> kepler;
+  State<2> x{0, {0.4, 0}, {0, 2}, {}};
+  auto stepper = Taylor{}.bind(kepler, x);
+  for (int k = 0; k < 5; ++k) ASSERT_EQ(stepper.step(x), StepStatus::ok);
+  auto copy = stepper;
+  auto y = x, between = x, again = x;
+  const double t = x.t - 0.01;
+  ASSERT_TRUE(copy.interpolate(between, t));
+  for (int k = 0; k < 20; ++k) ASSERT_EQ(stepper.step(x), StepStatus::ok);
+  ASSERT_TRUE(copy.interpolate(again, t));  // whatever other copies have done since
+  EXPECT_TRUE(between == again);
+  EXPECT_FALSE(copy.interpolate(again, x.t));
+  for (int k = 0; k < 20; ++k) ASSERT_EQ(copy.step(y), StepStatus::ok);
+  EXPECT_TRUE(x == y);
+  EXPECT_EQ(stepper.work().forces, copy.work().forces);
+}
+
+TEST(Taylor, WhatIsNoNumberIsSingular) {
+  const Kepler<> kepler;
+  for (const double bad : {0.0, std::nan(""), 1e300}) {
+    State<2> x{0, {bad, 0}, {0, bad == 1e300 ? 1e300 : 0.0}, {}};
+    const auto before = x;
+    auto stepper = Taylor{}.bind(kepler, x);
+    const StepStatus status = stepper.step(x);
+    if (bad == 1e300) continue;  // free, for all one can tell
+    EXPECT_EQ(status, StepStatus::singular) << bad;
+    EXPECT_EQ(std::isnan(x.q[0]), std::isnan(before.q[0]));
+    EXPECT_EQ(x.t, 0);
+  }
+}
+
+}  // namespace

@@ -5,16 +5,18 @@
 #include <string>
 
 #include "server/service.hpp"
+#include "server/shared/log.hpp"
 
 namespace least::server {
 
-enum class Command { serve, run, catalogue };
+enum class Command { serve, run, catalogue, health };
 
 struct Options {
   Command command = Command::serve;
   Settings settings;
   std::string file;  ///< of `run`; `-` is standard input
   std::string log_level = "info";
+  LogFormat log_format = LogFormat::text;
 };
 
 /// Reads the options; every one may also come from the environment (`--max-steps` from LEASTACTION_MAX_STEPS). Where

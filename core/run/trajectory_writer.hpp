@@ -47,6 +47,10 @@ class TrajectoryWriter {
     return rows_.size() + columns_.size() <= rows_.capacity() || flush() ? Written::yes : Written::refused;
   }
 
+  /// Hands over what is written so far, unless it waits for its errors, and says how far the run got. False: the sink
+  /// takes no more.
+  bool report(double t, std::int64_t steps) { return (error_ || flush()) && sink_.progress(t, steps); }
+
   /// The column that was not finite.
   std::string_view wrong_column() const { return wrong_; }
 

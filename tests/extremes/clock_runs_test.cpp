@@ -200,7 +200,7 @@ TEST(ClockBudget, OfStepsAndSamplesIsKept) {
     EXPECT_EQ(stopped.outcome.stop.step, few) << name(request);
     EXPECT_EQ(stopped.rows.size(), static_cast<std::size_t>(few) + 1) << name(request);
     request = plain;
-    request.limits.samples = 5;
+    request.limits.samples = 5 * static_cast<std::int64_t>(request.columns.size());
     const auto kept = go(request);
     EXPECT_EQ(kept.outcome.stop.reason, ReturnCode::completed) << name(request);
     EXPECT_EQ(kept.rows.size(), 5U) << name(request);

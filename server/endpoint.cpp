@@ -20,15 +20,19 @@ Result<ParsedJson, Answer> json_of(const HttpRequest& request) {
   return problem_document(400, fmt::format("not JSON at byte {}: {}", why.byte, why.detail), request.id);
 }
 
-std::optional<Admission::Pass> admit(const Context& context) {
+std::optional<Admission::Pass> admit(const Context& context, const HttpRequest& request) {
   // Longer than most runs, shorter than what clients and proxies wait for an answer.
   constexpr std::chrono::seconds patience{10};
-  return context.admission.enter(patience);
+  const auto from = Admission::Clock::now();
+  auto pass = context.admission.enter(request.client, patience, request.gone);
+  const std::chrono::duration<double> waited = Admission::Clock::now() - from;
+  if (request.seconds_queued) *request.seconds_queued += waited.count();
+  return pass;
 }
 
-Answer busy(const HttpRequest& request) {
-  Answer answer = problem_document(503, "as many runs as are allowed are computing or waiting", request.id);
-  answer.headers.emplace_back("Retry-After", "1");
+Answer busy(const Context& context, const HttpRequest& request, std::string_view why) {
+  Answer answer = problem_document(503, why, request.id);
+  answer.headers.emplace_back("Retry-After", std::to_string(context.admission.retry_after()));
   return answer;
 }
 

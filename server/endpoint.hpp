@@ -12,6 +12,7 @@
 #include "server/http/cancellation.hpp"
 #include "server/http/http_request.hpp"
 #include "server/shared/answer.hpp"
+#include "server/shared/kept_rows.hpp"
 
 namespace least::server {
 
@@ -21,6 +22,7 @@ struct Context {
   Caps caps;
   Admission& admission;
   const std::atomic<bool>& cancelled;  ///< the service ends
+  MemoryBudget& memory;                ///< for the samples of answers
 };
 
 /// 200, 400 (no JSON), 406, 422 or 503. Throws when memory is out or the core has a bug.
@@ -33,8 +35,9 @@ Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& ty
 Result<ParsedJson, Answer> json_of(const HttpRequest& request);
 
 /// A turn to compute, or nothing: then the answer is `busy`.
-std::optional<Admission::Pass> admit(const Context& context);
-Answer busy(const HttpRequest& request);
+std::optional<Admission::Pass> admit(const Context& context, const HttpRequest& request);
+Answer busy(const Context& context, const HttpRequest& request,
+            std::string_view why = "as many runs as are allowed are computing or waiting");
 
 /// Why a watched computation ended: `deadline`, `cancelled`, or `completed` where it was left alone.
 ReturnCode end_of(const CancellationWatch& watch);

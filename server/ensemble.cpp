@@ -14,11 +14,11 @@ namespace {
 using Passes = std::vector<Admission::Pass>;
 
 // One place is waited for, as for a run; those that are free besides are taken, too.
-Passes places(const Context& context) {
+Passes places(const Context& context, const HttpRequest& request) {
   Passes passes;
-  if (auto pass = admit(context)) passes.push_back(std::move(*pass));
+  if (auto pass = admit(context, request)) passes.push_back(std::move(*pass));
   while (!passes.empty()) {
-    auto more = context.admission.enter(std::chrono::milliseconds(0));
+    auto more = context.admission.enter(request.client, std::chrono::milliseconds(0), request.gone);
     if (!more) break;
     passes.push_back(std::move(*more));
   }
@@ -79,10 +79,11 @@ Answer run_ensemble_request(const Context& context, const HttpRequest& request) 
   if (!parsed) return parsed.error();
   auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
-  auto passes = places(context);
-  if (passes.empty()) return busy(request);
+  auto passes = places(context, request);
+  if (passes.empty()) return busy(context, request);
   if (*form == 1) {
-    Answer answer{200, "application/x-ndjson", {}, {}};
+    Answer answer;
+    answer.type = "application/x-ndjson";
     const auto stream =
         std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(*plan), request.gone, std::move(passes)});
     answer.stream = [stream](const Write& write) { return (*stream)(write); };

@@ -1,24 +1,25 @@
-// leastaction serve | run FILE|- | ensemble FILE|- | merge PART… | catalogue
+// leastaction serve | run FILE|- | ensemble FILE|- | merge PART… | catalogue | health
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <pthread.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <exception>
-#include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <iterator>
+#include <memory>
+#include <stdexcept>
 #include <thread>
 
 #include "server/encode/catalogue_json.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/ensemble.hpp"
+#include "server/health.hpp"
 #include "server/options.hpp"
 #include "server/shards.hpp"
+#include "server/shared/log.hpp"
 #include "server/simulate.hpp"
 
 namespace least::server {
@@ -30,6 +31,15 @@ int print(std::string_view text, int code) {
   return 1;
 }
 
+// Where a standard stream is closed, the next socket would take its number, and a client be sent the log.
+void open_standard_streams() {
+  for (int descriptor = 0; descriptor <= 2; ++descriptor) {
+    if (::fcntl(descriptor, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != descriptor) {
+      throw std::runtime_error("cannot open /dev/null");
+    }
+  }
+}
+
 // Signals are blocked before any thread starts and waited for here, so that none interrupts a run.
 int serve(const Options& options) {
   sigset_t ends;
@@ -38,68 +48,86 @@ int serve(const Options& options) {
   sigaddset(&ends, SIGINT);
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  // What large answers are kept in goes back to the system when it is freed: by default the bound rises with their
+  // size.
+  ::mallopt(M_MMAP_THRESHOLD, 256 * 1024);
 
+  const LogQueue log(STDERR_FILENO, options.log_level, options.log_format);
   Service service(options.settings, assets());
   if (const auto error = service.start()) {
     fmt::print(stderr, "leastaction: {}\n", *error);
     return 1;
   }
   print(fmt::format("listening on {}\n", service.url()), 0);
+  LogLine(spdlog::level::info, "start").with("url", service.url()).with("pid", std::int64_t{::getpid()});
   const timespec second{1, 0};
   int signal = -1;
   while (signal < 0 && service.running()) signal = sigtimedwait(&ends, nullptr, &second);
   const bool asked = signal > 0;
-  spdlog::info(asked ? "ending" : "the listening socket failed, ending");
+  LogLine(spdlog::level::info, "ending").with("why", asked ? "signal" : "the listening socket failed");
   service.stop();
   return asked ? 0 : 1;
 }
 
+// Reads once, as a pipe wants it, and no more than one byte beyond `most`. Nothing: it cannot be read.
+std::optional<std::string> contents(const std::string& name, std::size_t most) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(name == "-" ? stdin : std::fopen(name.c_str(), "rb"),
+                                                             std::fclose);
+  if (!file) return std::nullopt;
+  std::string text;
+  char block[65536];
+  for (std::size_t n; text.size() <= most && (n = std::fread(block, 1, sizeof block, file.get())) > 0;) {
+    text.append(block, std::min(n, most + 1 - text.size()));
+  }
+  if (std::ferror(file.get())) return std::nullopt;
+  return text;
+}
+
 // What a command says, and 0 where HTTP would say 200.
 template <class Compute>
-int answer_with(std::string_view id, Compute&& compute) {
+int say(std::string_view id, Compute&& compute) {
   Answer answer;
   try {
     answer = compute();
   } catch (const std::exception& e) {
-    spdlog::error("request id={} failed: {}", id, e.what());
+    LogLine(spdlog::level::err, "failed").with("why", e.what());
     answer = problem_document(500, "", id);
   }
-  return print(answer.body, answer.status == 200 ? 0 : 2);
+  if (!answer.stream) return print(answer.body, answer.status == 200 ? 0 : 2);
+  return answer.stream([](std::string_view piece) { return print(piece, 0) == 0; }) ? 0 : 1;
 }
 
-// The text of the request, or why there is none.
-Result<std::string, Answer> request_text(const Options& options, std::string_view id) {
-  if (options.file == "-") return std::string(std::istreambuf_iterator<char>(std::cin), {});
-  if (std::filesystem::is_directory(options.file) || !std::ifstream(options.file)) {
-    return problem_document(400, "cannot read " + options.file, id);
+// The same to the request in the file that the options name, with so many threads at most.
+template <class Compute>
+int answer_file(const Options& options, std::string_view id, unsigned threads, Compute&& compute) {
+  const std::size_t most = options.settings.bounds.body;
+  const auto body = contents(options.file, most);
+  if (!body) return print(problem_document(400, "cannot read " + options.file, id).body, 2);
+  if (body->size() > most) {
+    const std::string why = fmt::format("the request is larger than {} bytes, see --max-body", most);
+    return print(problem_document(413, why, id).body, 2);
   }
-  std::ifstream file(options.file, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(file), {});
+  const std::atomic<bool> cancelled{false};
+  Admission admission(threads, 0);
+  MemoryBudget memory(options.settings.max_memory);
+  const Context context{catalogue_cards(), options.settings.caps, admission, cancelled, memory};
+  const HttpRequest request{*body, "", id};
+  return say(id, [&] { return compute(context, request); });
 }
 
-int run(const Options& options) {
-  constexpr std::string_view id = "run";
-  const std::atomic<bool> cancelled{false};
-  Admission admission(1, 0);
-  return answer_with(id, [&] {
-    const auto body = request_text(options, id);
-    if (!body) return body.error();
-    return simulate({catalogue_cards(), options.settings.caps, admission, cancelled}, {*body, "", id});
-  });
+int health(const Options& options) {
+  const auto fault = health_fault(options.settings.host, options.settings.port);
+  if (fault) fmt::print(stderr, "leastaction: {}\n", *fault);
+  return fault ? 1 : 0;
 }
+
+int run(const Options& options) { return answer_file(options, "run", 1, simulate); }
 
 int ensemble(const Options& options) {
-  constexpr std::string_view id = "ensemble";
-  const std::atomic<bool> cancelled{false};
   const unsigned cores = std::max(std::thread::hardware_concurrency(), 1U);
   const unsigned threads = options.settings.threads > 0 ? options.settings.threads : cores;
-  Admission admission(threads, 0);
   const bool part = !options.output.empty() || options.shard != Options{}.shard;
-  return answer_with(id, [&] {
-    const auto body = request_text(options, id);
-    if (!body) return body.error();
-    const Context context{catalogue_cards(), options.settings.caps, admission, cancelled};
-    const HttpRequest request{*body, "", id};
+  return answer_file(options, "ensemble", threads, [&](const Context& context, const HttpRequest& request) {
     return part ? write_part(context, request, options.shard, options.output, threads)
                 : run_ensemble_request(context, request);
   });
@@ -107,15 +135,14 @@ int ensemble(const Options& options) {
 
 int merge(const Options& options) {
   constexpr std::string_view id = "merge";
-  return answer_with(id, [&] { return merge_parts(catalogue_cards(), options.parts, id); });
+  return say(id, [&] { return merge_parts(catalogue_cards(), options.parts, id); });
 }
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   const auto options = parse_options(argc, argv);
   if (!options) return options.error();
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("leastaction"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
-  spdlog::set_level(spdlog::level::from_str(options->log_level));
+  log_directly(options->log_level);
   switch (options->command) {
     case Command::serve:
       return serve(*options);
@@ -127,6 +154,8 @@ int main(int argc, char** argv) {
       return merge(*options);
     case Command::catalogue:
       return print(describe(catalogue_cards()).all + '\n', 0);
+    case Command::health:
+      return health(*options);
   }
   return 1;
 }

@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/catalogue/catalogue.hpp"
 
@@ -21,13 +23,25 @@ CLI::Option* add(CLI::App& app, const std::string& name, T& value, const std::st
   return app.add_option(name, value, doc)->envname(environment_name(name))->capture_default_str();
 }
 
+// A range takes what is no number for a number within it.
+const CLI::Validator finite(
+    [](const std::string& text) {
+      double x = 0;
+      const bool good = CLI::detail::lexical_cast(text, x) && std::isfinite(x);
+      return good ? std::string() : "`" + text + "` is no finite number";
+    },
+    "", "finite");
+
 void add_common(CLI::App& app, Options& options) {
   Caps& caps = options.settings.caps;
-  add(app, "--max-seconds", caps.seconds, "longest computing time a request may ask for")->check(CLI::Range(1e-3, 1e9));
+  add(app, "--max-seconds", caps.seconds, "longest computing time a request may ask for")
+      ->check(finite & CLI::Range(1e-3, 1e9));
   add(app, "--max-steps", caps.steps, "most steps a request may ask for")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
-  add(app, "--max-samples", caps.samples, "most samples a request may keep")
+  add(app, "--max-samples", caps.samples, "most numbers a request may keep, samples times columns")
       ->check(CLI::Range(std::int64_t{2}, std::int64_t{1'000'000'000}));
+  add(app, "--max-body", options.settings.bounds.body, "largest request in bytes")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30));
   add(app, "--log-level", options.log_level, "what is logged on standard error")
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
 }
@@ -41,10 +55,13 @@ void add_serve(CLI::App& app, Options& options) {
   add(app, "--queue", settings.queue, "runs that wait for their turn, beyond it the answer is 503")
       ->check(CLI::Range(0u, 100'000u));
   add(app, "--connections", settings.connections, "clients served at once")->check(count);
-  add(app, "--max-body", settings.bounds.body, "largest request in bytes")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30));
+  add(app, "--max-memory", settings.max_memory, "bytes held for answers that are computed or read, beyond it 503")
+      ->check(CLI::Range(std::size_t{1} << 20, std::size_t{1} << 50));
   add(app, "--grace", settings.grace, "seconds that runs have left when the service ends")
-      ->check(CLI::Range(0.0, 3600.0));
+      ->check(finite & CLI::Range(0.0, 3600.0));
+  add(app, "--log-format", options.log_format, "how lines of the log are written: text or json")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, LogFormat>{{"text", LogFormat::text}, {"json", LogFormat::json}}));
   add(app, "--allow-host", settings.allow_hosts, "further names clients may use for this service")->delimiter(',');
   add(app, "--allow-origin", settings.allow_origins, "origins of foreign pages that may use this service")
       ->delimiter(',');
@@ -63,8 +80,9 @@ Result<Options, int> parse_options(int argc, char** argv) {
   CLI::App* ensemble = app.add_subcommand("ensemble", "many runs of one scene: JSON in, JSON or a part out");
   CLI::App* merge = app.add_subcommand("merge", "the answer of an ensemble from all of its parts");
   CLI::App* catalogue = app.add_subcommand("catalogue", "print every problem and scheme as JSON");
+  CLI::App* health = app.add_subcommand("health", "ask a service whether it lives: exit code 0 or 1");
   app.set_version_flag("--version", title);
-  for (CLI::App* command : {serve, run, ensemble, merge, catalogue}) command->set_version_flag("--version", title);
+  for (CLI::App* command : {serve, run, ensemble, merge, catalogue, health}) command->set_version_flag("--version", title);
   add_serve(*serve, options);
   add_common(*serve, options);
   add_common(*run, options);
@@ -77,6 +95,8 @@ Result<Options, int> parse_options(int argc, char** argv) {
   add(*ensemble, "--output", options.output, "the part to write; needed where there are several shards");
   add_common(*merge, options);
   merge->add_option("parts", options.parts, "parts, in any order")->required();
+  add(*health, "--host", options.settings.host, "address of the service");
+  add(*health, "--port", options.settings.port, "its port")->check(CLI::Range(1, 65535));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -86,6 +106,7 @@ Result<Options, int> parse_options(int argc, char** argv) {
                     : run->parsed()      ? Command::run
                     : ensemble->parsed() ? Command::ensemble
                     : merge->parsed()    ? Command::merge
+                    : health->parsed()   ? Command::health
                                          : Command::catalogue;
   return options;
 }

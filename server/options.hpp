@@ -5,10 +5,11 @@
 #include <string>
 
 #include "server/service.hpp"
+#include "server/shared/log.hpp"
 
 namespace least::server {
 
-enum class Command { serve, run, ensemble, merge, catalogue };
+enum class Command { serve, run, ensemble, merge, catalogue, health };
 
 struct Options {
   Command command = Command::serve;
@@ -18,6 +19,7 @@ struct Options {
   std::string output;              ///< of `ensemble`: the part that is written; empty: the answer, on standard output
   std::vector<std::string> parts;  ///< of `merge`
   std::string log_level = "info";
+  LogFormat log_format = LogFormat::text;
 };
 
 /// Reads the options; every one may also come from the environment (`--max-steps` from LEASTACTION_MAX_STEPS). Where

@@ -1,8 +1,13 @@
 #include "server/service.hpp"
 
+#include <algorithm>
+
 #include "server/encode/catalogue_json.hpp"
+#include "server/encode/index_json.hpp"
+#include "server/encode/openapi.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/ensemble.hpp"
+#include "server/shared/log.hpp"
 #include "server/simulate.hpp"
 #include "server/study.hpp"
 
@@ -18,7 +23,12 @@ constexpr ComputedRoute computed_routes[] = {{"/v1/simulate", simulate},
                                              {"/v1/stability", measure_stability},
                                              {"/v1/ensemble", run_ensemble_request}};
 
-void add_texts(Router& router, const Cards& cards) {
+// The first block doubles: a little more than its numbers.
+std::size_t largest_answer(const Caps& caps) {
+  return (static_cast<std::size_t>(caps.samples) + (1 << 17)) * sizeof(double);
+}
+
+void add_texts(Router& router, const Cards& cards, const Caps& caps) {
   constexpr std::string_view json = "application/json";
   CatalogueText text = describe(cards);
   router.add_text("/v1/catalogue", "/v1/catalogue", json, std::move(text.all) + '\n');
@@ -28,21 +38,45 @@ void add_texts(Router& router, const Cards& cards) {
   for (auto& [id, body] : text.schemes) {
     router.add_text("/v1/schemes/" + id, "/v1/schemes/{id}", json, std::move(body) + '\n');
   }
-  router.add_text("/healthz", "/healthz", json, "{\"status\":\"ok\"}\n");
+  router.add_text("/v1", "/v1", json, write_index());
+  router.add_text("/v1/openapi.json", "/v1/openapi.json", json, write_openapi(cards, caps));
+  router.add_text("/v1/problems", "/v1/problems", json, list_problems(cards));
+  router.add_text("/v1/schemes", "/v1/schemes", json, list_schemes(cards));
 }
 
 }  // namespace
 
 Service::Service(const Settings& settings, std::span<const Asset> assets)
-    : http_(settings, problem_document),
-      context_{catalogue_cards(), settings.caps, http_.admission(), http_.cancelled()} {
+    : memory_(std::max(settings.max_memory, largest_answer(settings.caps))),
+      http_(settings, problem_document),
+      context_{catalogue_cards(), settings.caps, http_.admission(), http_.cancelled(), memory_} {
   Router& router = http_.router();
   for (const Asset& asset : assets) router.add_page(asset);
-  add_texts(router, context_.cards);
+  add_texts(router, context_.cards, context_.caps);
+  add_probes(router);
   for (const ComputedRoute& route : computed_routes) {
     router.add_computed(
         route.path, [this, answer = route.answer](const HttpRequest& request) { return answer(context_, request); });
   }
+}
+
+void Service::add_probes(Router& router) {
+  constexpr std::string_view json = "application/json";
+  router.add_probe("/healthz", [=](std::string_view) {
+    return Answer{200, std::string(json), "{\"status\":\"ok\"}\n", {}};
+  });
+  router.add_probe("/readyz", [=, this](std::string_view request_id) {
+    if (http_.draining()) return problem_document(503, "the service ends", request_id);
+    if (http_.admission().load().full) return problem_document(503, "the queue is full", request_id);
+    return Answer{200, std::string(json), "{\"status\":\"ready\"}\n", {}};
+  });
+  router.add_probe("/metrics", [this](std::string_view) {
+    const auto load = http_.admission().load();
+    return Answer{200,
+                  "text/plain; version=0.0.4; charset=utf-8",
+                  http_.metrics().text({load.running, load.waiting, memory_.held(), dropped_log_lines()}),
+                  {}};
+  });
 }
 
 }  // namespace least::server

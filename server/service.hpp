@@ -12,6 +12,7 @@ namespace least::server {
 
 struct Settings : HttpSettings {
   Caps caps;
+  std::size_t max_memory = std::size_t{1} << 30;  ///< bytes held for answers; one largest answer fits in any case
 };
 
 class Service {
@@ -27,6 +28,10 @@ class Service {
   void stop() { http_.stop(); }
 
  private:
+  /// What asks whether the service lives, is ready, and what it does.
+  void add_probes(Router& router);
+
+  MemoryBudget memory_;
   HttpServer http_;
   const Context context_;
 };

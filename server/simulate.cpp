@@ -1,27 +1,133 @@
 #include "server/simulate.hpp"
 
+#include <memory>
+#include <optional>
+#include <utility>
+
 #include "core/catalogue/catalogue.hpp"
+#include "core/run/messages.hpp"
 #include "server/decode/field_reader.hpp"
+#include "server/encode/answer_parts.hpp"
 #include "server/encode/problem_document.hpp"
+#include "server/encode/run_answer.hpp"
 #include "server/http/cancellation.hpp"
 
 namespace least::server {
 namespace {
 
-Answer run_and_encode(const Context& context, const HttpRequest& question, const Form& form, const Request& request,
-                      const AdviceWithCards* choice) {
-  Samples samples;
-  const Mechanics& mechanics = *request.scene->mechanics;
-  const CancellationWatch watch(context.cancelled, question.gone);
-  const Solution outcome = mechanics.run(request, samples, watch.cancelled());
-  return form.encode({request, mechanics.card(), context.cards.schemes[request.scheme], outcome, samples, choice});
+constexpr std::string_view in_lines = "application/x-ndjson";
+
+// A run that is to be, or was, and how it was chosen where the client did not say. Stays where it is.
+class Task {
+ public:
+  /// `advice` may be null.
+  Task(const Context& context, Request&& request, std::unique_ptr<const Advice> advice, double seconds)
+      : context_(context), request_(std::move(request)), advice_(std::move(advice)), seconds_(seconds) {
+    if (advice_) choice_.emplace(AdviceWithCards{*advice_, context.cards.schemes});
+  }
+  Task(const Task&) = delete;
+  Task& operator=(const Task&) = delete;
+
+  const Context& context() const { return context_; }
+  std::size_t columns() const { return request_.columns.size(); }
+  PlannedRun planned() const {
+    return {request_, request_.scene->card(), context_.cards.schemes[request_.scheme], choice_ ? &*choice_ : nullptr};
+  }
+  Solution run(RowSink& sink, const std::atomic<bool>& cancelled) const {
+    Request limited = request_;
+    limited.limits.seconds = seconds_;  // what the choice left of them
+    Solution outcome = request_.scene->mechanics->run(limited, sink, cancelled);
+    if (outcome.stop.reason == ReturnCode::deadline) outcome.stop.detail = messages::deadline(request_.limits.seconds);
+    return outcome;
+  }
+
+ private:
+  const Context& context_;
+  const Request request_;
+  const std::unique_ptr<const Advice> advice_;
+  std::optional<AdviceWithCards> choice_;
+  const double seconds_;
+};
+using SharedTask = std::shared_ptr<const Task>;
+
+void note_run(Answer& answer, const PlannedRun& run, const Solution& outcome) {
+  answer.note("run", std::string(name(outcome.stop.reason)));
+  answer.note("problem", run.problem.id);
+  answer.note("scheme", run.scheme.id);
+  answer.note("steps", outcome.cost.steps);
+  answer.note("seconds", outcome.cost.seconds);
+}
+
+// The answer when the run is over. Of a large one only the numbers are kept: it is written while it leaves.
+Answer answer_whole(const SharedTask& task, const HttpRequest& question, const Form& form) {
+  constexpr std::size_t large = 32 * 1024;  // numbers, of about 20 bytes each as text
+  auto rows = std::make_shared<KeptRows>(task->columns(), &task->context().memory);
+  Solution outcome;
+  {
+    const CancellationWatch watch(task->context().cancelled, question.gone);
+    outcome = task->run(*rows, watch.cancelled());
+  }
+  if (rows->overflowed()) return busy(task->context(), question, "answers that others read fill the memory");
+  const FinishedRun run(task->planned(), outcome, *rows);
+  Answer answer;
+  if (rows->rows() * rows->columns() <= large) {
+    answer = whole_answer(form, run);
+    note_run(answer, run, outcome);
+    return answer;
+  }
+  answer.type = form.content_type;
+  if (form.add_fields) form.add_fields(run, answer);
+  note_run(answer, run, outcome);
+  const auto ended = std::make_shared<const Solution>(std::move(outcome));
+  answer.stream = [task, rows = std::move(rows), ended, write_form = form.write](const Write& write) mutable {
+    Outlet out(write);
+    write_form(FinishedRun(task->planned(), *ended, *rows), out);
+    const bool whole = out.flush();
+    rows.reset();  // who has read the end finds the memory free
+    return whole;
+  };
+  return answer;
+}
+
+// Lines that leave as the run goes on. Nothing is kept, and a client that takes no more ends the run.
+class Lines final : public RowSink {
+ public:
+  Lines(const PlannedRun& run, const Write& write) : run_(run), write_(write) {}
+
+  bool append(std::span<const double> rows) override { return write_(run_samples_line(run_, rows)); }
+  bool progress(double t, std::int64_t steps) override { return write_(run_progress_line(t, steps)); }
+
+ private:
+  const PlannedRun& run_;
+  const Write& write_;
+};
+
+Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admission::Pass&& pass) {
+  Answer answer;
+  answer.type = in_lines;
+  const auto held = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
+  answer.notes = std::make_shared<std::vector<Note>>();
+  answer.stream = [task, held, gone = question.gone, notes = answer.notes](const Write& write) {
+    const PlannedRun planned = task->planned();
+    if (!write(run_head_line(planned))) return false;
+    Lines lines(planned, write);
+    const CancellationWatch watch(task->context().cancelled, gone);
+    const Solution outcome = task->run(lines, watch.cancelled());
+    Answer told;
+    note_run(told, planned, outcome);
+    *notes = std::move(*told.notes);
+    held->reset();  // who has read the end finds the place free
+    return write(run_end_line(planned, outcome));
+  };
+  return answer;
 }
 
 // Why there is nothing to run.
-Answer no_choice(const HttpRequest& request, const SimulateRequest& asked, const Advice& advice, ReturnCode end) {
+Answer no_choice(const Context& context, const HttpRequest& request, const SimulateRequest& asked, const Advice& advice,
+                 ReturnCode end) {
   Faults faults;
   const FieldPath top{"", &faults};
-  if (end == ReturnCode::cancelled) return busy(request);
+  if (end == ReturnCode::cancelled) return busy(context, request, "the service ends");
   if (end == ReturnCode::deadline) {
     top.at("limits").at("seconds").fault("is too short to choose a scheme in", Json(asked.run.limits.seconds));
   } else {
@@ -30,42 +136,71 @@ Answer no_choice(const HttpRequest& request, const SimulateRequest& asked, const
   return problem_document(faults, request.id);
 }
 
-Answer choose_and_run(const Context& context, const HttpRequest& request, const Form& form, SimulateRequest& asked) {
+// What is wrong with a run whose scheme was chosen, as if its echo were sent: a step that no request could ask for,
+// where the motion cannot be followed, or more samples than are to be kept.
+std::optional<Faults> faults_of_choice(const Task& task) {
+  std::string echo;
+  JsonWriter json(echo);
+  json.open('{');
+  write_echo(json, task.planned());
+  json.close('}');
+  auto again = decode(std::move(*parse_json(echo)), task.context().cards, task.context().caps);
+  if (again) return std::nullopt;
+  if (!again.error().within("/scheme")) return again.error();
+  Faults faults;
+  FieldPath{"/scheme", &faults}.lacks("no scheme was found that follows this motion to its end; of those measured, " +
+                                      task.planned().choice->advice.reason);
+  return faults;
+}
+
+// The run with the scheme that grants its wish, or why there is none. Choosing and running keep the limit together.
+Result<SharedTask, Answer> choose(const Context& context, const HttpRequest& request, SimulateRequest& asked) {
+  const auto from = Admission::Clock::now();
+  const double limit = asked.run.limits.seconds;
   Advice advice;
   ReturnCode end;
   {
-    constexpr double margin = 1;  // the core keeps the limit itself; what it cannot interrupt is cut off
-    const CancellationWatch watch(context.cancelled, request.gone, asked.run.limits.seconds + margin);
+    constexpr double margin = 0.1;  // the core keeps the limit itself; what it cannot interrupt is cut off
+    const CancellationWatch watch(context.cancelled, request.gone, limit + margin);
     advice = advise(asked.run, *asked.wish, watch.cancelled());
     end = end_of(watch);
   }
-  if (!advice.choice) return no_choice(request, asked, advice, end);
+  if (!advice.choice) return no_choice(context, request, asked, advice, end);
   asked.run.scheme = advice.choice->scheme;
   asked.run.settings = advice.choice->settings;
-  const AdviceWithCards choice{advice, context.cards.schemes};
-  return run_and_encode(context, request, form, asked.run, &choice);
+  const std::chrono::duration<double> spent = Admission::Clock::now() - from;
+  const double left = std::max(limit - spent.count(), 0.0);
+  auto task = std::make_shared<const Task>(context, std::move(asked.run),
+                                           std::make_unique<const Advice>(std::move(advice)), left);
+  if (auto faults = faults_of_choice(*task)) return problem_document(*faults, request.id);
+  return SharedTask(std::move(task));
 }
 
 }  // namespace
 
-std::span<const Form> forms() {
-  static constexpr Form all[] = {{"application/json", encode_json}, {"text/csv", encode_csv}};
-  return all;
-}
-
 Answer simulate(const Context& context, const HttpRequest& request) {
   Names types;
   for (const Form& form : forms()) types.push_back(form.type);
+  types.push_back(in_lines);
   auto form = form_for(request, types);
   if (!form) return form.error();
   auto parsed = json_of(request);
   if (!parsed) return parsed.error();
   auto asked = decode(std::move(*parsed), context.cards, context.caps);
   if (!asked) return problem_document(asked.error(), request.id);
-  const auto pass = admit(context);
-  if (!pass) return busy(request);
-  if (asked->wish) return choose_and_run(context, request, forms()[*form], *asked);
-  return run_and_encode(context, request, forms()[*form], asked->run, nullptr);
+  auto pass = admit(context, request);
+  if (!pass) return busy(context, request);
+  SharedTask task;
+  if (asked->wish) {
+    auto chosen = choose(context, request, *asked);
+    if (!chosen) return chosen.error();
+    task = std::move(*chosen);
+  } else {
+    const double seconds = asked->run.limits.seconds;
+    task = std::make_shared<const Task>(context, std::move(asked->run), nullptr, seconds);
+  }
+  return *form < forms().size() ? answer_whole(task, request, forms()[*form])
+                                : answer_in_lines(task, request, std::move(*pass));
 }
 
 }  // namespace least::server

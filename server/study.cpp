@@ -67,8 +67,8 @@ Answer measure_work_precision(const Context& context, const HttpRequest& request
   if (!parsed) return parsed.error();
   auto plan = decode_work_precision(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
-  auto pass = admit(context);
-  if (!pass) return busy(request);
+  auto pass = admit(context, request);
+  if (!pass) return busy(context, request);
   return *form == 0 ? measured_as_a_whole(context, request, *plan)
                     : measured_in_lines(context, request, std::move(*plan), std::move(*pass));
 }
@@ -80,8 +80,8 @@ Answer measure_stability(const Context& context, const HttpRequest& request) {
   if (!parsed) return parsed.error();
   const auto plan = decode_stability(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
-  const auto pass = admit(context);
-  if (!pass) return busy(request);
+  const auto pass = admit(context, request);
+  if (!pass) return busy(context, request);
   const CancellationWatch watch(context.cancelled, request.gone, plan->scene.limits.seconds);
   std::vector<StabilityLimit> limits;
   for (const SchemeConfig& scheme : plan->schemes) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "core/clock.hpp"
 #include "core/status.hpp"
@@ -12,7 +14,9 @@ namespace least {
 
 class Budget {
  public:
-  Budget(double seconds, const std::atomic<bool>& cancelled) : budget_(seconds), cancelled_(cancelled) {}
+  /// `report` is called a few times a second; false ends the run as cancelled.
+  Budget(double seconds, const std::atomic<bool>& cancelled, std::function<bool()> report)
+      : budget_(seconds), cancelled_(cancelled), report_(std::move(report)) {}
 
   /// Begins to count; what came before was preparation.
   void start() { start_ = read_clock(); }
@@ -35,14 +39,20 @@ class Budget {
     last_ = now;
     unseen_ = 0;
     if (cancelled_.load(std::memory_order_relaxed)) return ReturnCode::cancelled;
+    if (now - reported_ > between_reports) {
+      reported_ = now;
+      if (!report_()) return ReturnCode::cancelled;
+    }
     return now > budget_ ? ReturnCode::deadline : ReturnCode::completed;
   }
 
  private:
+  static constexpr double between_reports = 0.2;  // in seconds
   double start_ = read_clock();
-  double budget_, last_ = 0;
+  double budget_, last_ = 0, reported_ = 0;
   std::int64_t block_ = 16, unseen_ = 0;
   const std::atomic<bool>& cancelled_;
+  const std::function<bool()> report_;
 };
 
 }  // namespace least

@@ -37,6 +37,8 @@ class RowSink {
   virtual ~RowSink() = default;
   /// rows: whole rows in row-major order, one number per column asked for. False ends the run as cancelled.
   virtual bool append(std::span<const double> rows) = 0;
+  /// Told a few times a second how far the run got. False ends it as cancelled.
+  virtual bool progress([[maybe_unused]] double t, [[maybe_unused]] std::int64_t steps) { return true; }
 };
 
 /// Keeps all samples in memory, row-major.

@@ -1,6 +1,7 @@
 // One run, decoded and checked: what the core is asked to do.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,7 +25,7 @@ struct Record {
 struct Limits {
   double seconds = 10;
   std::int64_t steps = 100'000'000;
-  std::int64_t samples = 1'000'000;  ///< rows kept at most
+  std::int64_t samples = 5'000'000;  ///< numbers kept at most, rows × columns
 };
 
 struct Request {
@@ -39,6 +40,10 @@ struct Request {
   std::vector<std::size_t> columns;      ///< indices into the problem card's columns
   std::vector<std::size_t> diagnostics;  ///< indices into the problem card's diagnostics
   Limits limits;
+  /// Rows that limits.samples leaves room for.
+  std::int64_t most_rows() const {
+    return limits.samples / std::max<std::int64_t>(static_cast<std::int64_t>(columns.size()), 1);
+  }
   bool control = false;  ///< afterwards a second, short run by another scheme, and a warning where they disagree
 };
 

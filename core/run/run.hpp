@@ -37,9 +37,9 @@ class Run {
         schedule_(request, end_),
         drawn_(request.record.mode == Record::Mode::curve ? scene_.start : infinite),
         writer_(problem_, request, sink),
-        budget_(request.limits.seconds, cancelled),
+        budget_(request.limits.seconds, cancelled, [this] { return writer_.report(state_.x.t, state_.n); }),
         diagnostics_(request.diagnostics),
-        events_(static_cast<std::size_t>(request.limits.samples)),
+        events_(static_cast<std::size_t>(most_rows_)),
         guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>,
                ConstantFrequency<P>),
         evidence_(fixed_ ? std::optional(grid_.steps) : std::nullopt, request.control) {}
@@ -200,7 +200,7 @@ class Run {
       if (!save(x, last_step()) || !within_budget(1)) return false;
     }
     for (; schedule_.step() == state_.n && state_.x.t <= end_; schedule_.next())
-      if (kept_++ < request_.limits.samples && !save(state_.x, last_step())) return false;
+      if (kept_++ < most_rows_ && !save(state_.x, last_step())) return false;
     return true;
   }
   /// How the last step, which ended in the state, was taken.
@@ -366,13 +366,12 @@ class Run {
   }
 
   void warn_of_the_run() {
-    if (kept_ > request_.limits.samples)
-      warn("samples_truncated", "more steps than limits.samples; the first are kept");
+    if (kept_ > most_rows_) warn("samples_truncated", "more rows of columns than limits.samples; the first are kept");
     evidence_.finish(problem_, state_);
     warn_of_run<P, X>(
         {problem_, request_, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, budget_.cancelled()},
         outcome_.warnings);
-    if (events_.full()) warn("events_truncated", "more events than limits.samples; the first are listed");
+    if (events_.full()) warn("events_truncated", "more events than limits.samples has room for; the first are listed");
   }
 
   static constexpr std::size_t most_snapshots = 256;
@@ -390,6 +389,7 @@ class Run {
   SaveSchedule schedule_;
   double drawn_;  ///< until when samples draw a curve; infinite where they do not
   TrajectoryWriter<P, X> writer_;
+  const std::int64_t most_rows_ = request_.most_rows();
   Budget budget_;
   DiagnosticSet<P, X> diagnostics_;
   Events events_;

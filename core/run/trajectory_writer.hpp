@@ -69,6 +69,10 @@ class TrajectoryWriter {
     return curve_->parts(std::sqrt(square));
   }
 
+  /// Hands over what is written so far, unless it waits for the end, and says how far the run got. False: the sink
+  /// takes no more.
+  bool report(double t, std::int64_t steps) { return (error_ || curve_ || flush()) && sink_.progress(t, steps); }
+
   /// The column that was not finite.
   std::string_view wrong_column() const { return wrong_; }
 

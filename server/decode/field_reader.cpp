@@ -64,8 +64,9 @@ bool read_object(const Json& json, const FieldPath& path, const Names& known, st
     return false;
   }
   for (const auto& [key, value] : json.items()) {
+    if (path.faults->full()) break;
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    path.at(key).fault(fmt::format("unknown key of {}{}", owner, did_you_mean(key, known)), value, listed(known));
+    path.at(key).fault(fmt::format("unknown key of {}{}", owner, path.meant(key, known)), value, listed(known));
   }
   return true;
 }
@@ -84,8 +85,13 @@ std::optional<double> read_number(const Json& json, const FieldPath& path, const
 }
 
 std::optional<double> read_whole(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
-  if (json.is_number() && json.get<double>() == std::floor(json.get<double>()))
-    return read_number(json, path, range, other);
+  if (json.is_number() && json.get<double>() == std::floor(json.get<double>())) {
+    // What is no double is beyond every range of counts; rounded, it might not be.
+    const bool exact = !json.is_number_unsigned() || json.get<std::uint64_t>() <= std::uint64_t{greatest_count};
+    if (exact) return read_number(json, path, range, other);
+    path.fault(beyond(json.get<double>() * 2, range).append(other), json, interval(range).append(other));
+    return std::nullopt;
+  }
   path.fault(fmt::format("must be a whole number{}", other), json, interval(range).append(other));
   return std::nullopt;
 }
@@ -106,7 +112,7 @@ std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, co
   const auto& word = json.get_ref<const std::string&>();
   const auto it = std::find(names.begin(), names.end(), word);
   if (it == names.end()) {
-    path.fault(fmt::format("unknown {}{}", what, did_you_mean(word, names)), json, allowed());
+    path.fault(fmt::format("unknown {}{}", what, path.meant(word, names)), json, allowed());
     return std::nullopt;
   }
   return static_cast<std::size_t>(it - names.begin());
@@ -122,7 +128,7 @@ std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, con
                listed(known));
     return chosen;
   }
-  for (std::size_t i = 0; i < json.size(); ++i) {
+  for (std::size_t i = 0; i < json.size() && !path.faults->full(); ++i) {
     const auto index = read_name(json[i], path.at(i), known, what);
     if (!index) continue;
     if (std::find(chosen.begin(), chosen.end(), *index) != chosen.end()) {

@@ -28,6 +28,10 @@ struct FieldPath {
   void fault(std::string detail, const Json& value, std::string allowed = {}) const {
     faults->add({pointer, std::move(detail), shown(value), std::move(allowed)});
   }
+  /// `; did you mean "leapfrog"?`, for the first faults only: the search is dear.
+  std::string meant(std::string_view word, const Names& names) const {
+    return faults->may_suggest() ? did_you_mean(word, names) : std::string();
+  }
   /// A fault of something that is not there.
   void lacks(std::string detail, std::string allowed = {}) const {
     faults->add({pointer, std::move(detail), {}, std::move(allowed)});

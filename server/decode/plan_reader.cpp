@@ -110,7 +110,7 @@ void read_times(const Json& json, const FieldPath& path, const Request& request,
   }
   const double end = span.end.value_or(infinity);
   double last = -infinity;
-  for (std::size_t i = 0; i < json.size(); ++i) {
+  for (std::size_t i = 0; i < json.size() && !path.faults->full(); ++i) {
     const auto t = read_number(json[i], path.at(i), {request.scene->start, end, false, !std::isfinite(end)});
     if (!t) continue;
     if (!(*t > last)) path.at(i).fault("must be greater than the time before it", json[i]);
@@ -130,14 +130,14 @@ std::optional<std::int64_t> rows(const Request& request, const Span& span) {
 }
 
 void default_record(const Span& span, Request& request) {
-  const std::int64_t most = std::min(default_samples, request.limits.samples);
+  const std::int64_t most = std::max<std::int64_t>(std::min(default_samples, request.most_rows()), 1);
   if (span.steps) {
     // 1 + ⌊n/every⌋ ≤ most ⇔ every > n/most
     request.record = {Record::Mode::every, *span.steps / most + 1, {}};
   } else if (request.until_steps) {
     request.record = {Record::Mode::every, request.steps / most + 1, {}};
   } else {
-    request.record = {Record::Mode::samples, most, {}};
+    request.record = {Record::Mode::samples, std::max<std::int64_t>(most, 2), {}};
   }
 }
 
@@ -159,7 +159,7 @@ void read_record(const Json& root, const FieldPath& top, const Span& span, Reque
     if (!count) return;
     record = {Record::Mode::every, *count, {}};
   } else if (samples) {
-    const auto count = read_integer(*samples, path.at("samples"), 2, request.limits.samples);
+    const auto count = read_integer(*samples, path.at("samples"), 2, std::max<std::int64_t>(request.most_rows(), 2));
     if (!count) return;
     if (span.open) {
       path.at("samples").fault(
@@ -170,16 +170,24 @@ void read_record(const Json& root, const FieldPath& top, const Span& span, Reque
     record = {Record::Mode::samples, *count, {}};
   } else if (curve) {
     constexpr auto most = static_cast<std::int64_t>(CurveThinner::most_asked);
-    const auto count = read_integer(*curve, path.at("curve"), 2, std::min(request.limits.samples, most));
+    const auto count =
+        read_integer(*curve, path.at("curve"), 2, std::clamp<std::int64_t>(request.most_rows(), 2, most));
     if (count) record = {Record::Mode::curve, *count, {}};
   } else {
     record = {Record::Mode::times, 0, {}};
     read_times(*times, path.at("times"), request, span, record);
   }
-  if (const auto kept = rows(request, span); kept && *kept > request.limits.samples) {
-    path.at(every ? "every" : "times")
-        .fault(fmt::format("would keep {} samples, more than limits.samples = {}", *kept, request.limits.samples),
-               every ? *every : Json());
+  if (const auto kept = rows(request, span); kept && *kept > request.most_rows()) {
+    path.at(every     ? "every"
+            : samples ? "samples"
+            : curve   ? "curve"
+                      : "times")
+        .fault(fmt::format("would keep {} rows of {} columns, more numbers than limits.samples = {}", *kept,
+                           request.columns.size(), request.limits.samples),
+               every     ? *every
+               : samples ? *samples
+               : curve   ? *curve
+                         : Json());
   }
 }
 
@@ -247,8 +255,8 @@ void read_plan(const Json& root, const FieldPath& top, const ProblemCard* proble
     span = span_until(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
     span.open = request.until_steps && !step;
   }
+  if (problem) read_columns(root, top, *problem, request);  // as many as there are, as many rows fit
   read_record(root, top, span, request);
-  if (problem) read_columns(root, top, *problem, request);
 }
 
 }  // namespace least::server

@@ -17,7 +17,7 @@ namespace least::server {
 struct Caps {
   double seconds = 60;
   std::int64_t steps = 10'000'000'000;
-  std::int64_t samples = 1'000'000;
+  std::int64_t samples = 10'000'000;
 };
 
 /// Samples a run keeps when the request does not say.

@@ -12,7 +12,7 @@ void write_numbers(JsonWriter& json, const std::vector<double>& values) {
   json.close(']');
 }
 
-void write_record(JsonWriter& json, const FinishedRun& run) {
+void write_record(JsonWriter& json, const PlannedRun& run) {
   const Record& record = run.request.record;
   json.open('{');
   switch (record.mode) {
@@ -33,7 +33,7 @@ void write_record(JsonWriter& json, const FinishedRun& run) {
   json.close('}');
 }
 
-void write_limits(JsonWriter& json, const FinishedRun& run) {
+void write_limits(JsonWriter& json, const PlannedRun& run) {
   const Limits& limits = run.request.limits;
   json.open('{').key("seconds").number(limits.seconds);
   json.key("steps").integer(limits.steps).key("samples").integer(limits.samples).close('}');
@@ -104,7 +104,7 @@ std::string_view word_of(const std::vector<std::string>& words, double code) {
                                                                : std::string_view();
 }
 
-void write_echo(JsonWriter& json, const FinishedRun& run) {
+void write_echo(JsonWriter& json, const PlannedRun& run) {
   write_scene(json, *run.request.scene);
   write_scheme(json.key("scheme"), run.scheme, run.request.settings);
   write_until(json.key("until"), run.request);
@@ -123,11 +123,11 @@ void write_stop(JsonWriter& json, const Termination& stop) {
   json.close('}');
 }
 
-void write_final(JsonWriter& json, const FinishedRun& run) {
-  json.open('{').key("t").number(run.outcome.t);
-  for (std::size_t i = 0; i < run.problem.variables.size() && i < run.outcome.final.size(); ++i) {
-    if (run.problem.variables[i].optional && !std::isfinite(run.outcome.final[i])) continue;  // not carried
-    json.key(run.problem.variables[i].name).number(run.outcome.final[i]);
+void write_final(JsonWriter& json, const PlannedRun& run, const Solution& outcome) {
+  json.open('{').key("t").number(outcome.t);
+  for (std::size_t i = 0; i < run.problem.variables.size() && i < outcome.final.size(); ++i) {
+    if (run.problem.variables[i].optional && !std::isfinite(outcome.final[i])) continue;  // not carried
+    json.key(run.problem.variables[i].name).number(outcome.final[i]);
   }
   json.close('}');
 }

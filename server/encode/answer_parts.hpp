@@ -8,7 +8,7 @@ namespace least::server {
 
 /// The members of a complete request that gives this run again: problem, initial, scheme, until, record, columns,
 /// limits, norm.
-void write_echo(JsonWriter& json, const FinishedRun& run);
+void write_echo(JsonWriter& json, const PlannedRun& run);
 /// The members problem and initial.
 void write_scene(JsonWriter& json, const Scene& scene);
 /// A scheme as a request spells it.
@@ -19,7 +19,7 @@ void write_norm(JsonWriter& json, const Request& request);
 /// Why a scheme was chosen, and what else there was.
 void write_choice(JsonWriter& json, const AdviceWithCards& choice);
 void write_stop(JsonWriter& json, const Termination& stop);
-void write_final(JsonWriter& json, const FinishedRun& run);
+void write_final(JsonWriter& json, const PlannedRun& run, const Solution& outcome);
 /// Entries with names are an object, entries without are a list.
 void write_reports(JsonWriter& json, const std::vector<Report>& reports);
 void write_events(JsonWriter& json, const std::vector<Report>& events);

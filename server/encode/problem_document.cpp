@@ -11,9 +11,11 @@ void head(JsonWriter& json, int status) {
   json.key("title").text(phrase(status)).key("status").integer(status);
 }
 
-Answer finish(JsonWriter& json, int status, std::string_view request_id) {
+Answer finish(JsonWriter& json, int status, std::string_view request_id, std::string reason) {
   json.key("request_id").text(request_id).close('}');
-  return {status, "application/problem+json", std::move(json.buffer()) + '\n', {}};
+  Answer answer{status, "application/problem+json", std::move(json.buffer()) + '\n', {}};
+  if (!reason.empty()) answer.note("reason", std::move(reason));
+  return answer;
 }
 
 }  // namespace
@@ -23,7 +25,7 @@ Answer problem_document(int status, std::string_view detail, std::string_view re
   JsonWriter json(body);
   head(json, status);
   if (!detail.empty()) json.key("detail").text(detail);
-  return finish(json, status, request_id);
+  return finish(json, status, request_id, std::string(detail));
 }
 
 Answer problem_document(const Faults& faults, std::string_view request_id) {
@@ -38,7 +40,8 @@ Answer problem_document(const Faults& faults, std::string_view request_id) {
     json.close('}');
   }
   json.close(']');
-  return finish(json, 422, request_id);
+  const auto& first = faults.list().front();
+  return finish(json, 422, request_id, first.pointer + " " + first.detail);
 }
 
 }  // namespace least::server

@@ -9,32 +9,71 @@
 #include "core/study/study.hpp"
 #include "server/shared/answer.hpp"
 #include "server/shared/cards.hpp"
+#include "server/shared/kept_rows.hpp"
+#include "server/shared/outlet.hpp"
 
 namespace least::server {
 
-/// How the scheme of a run was chosen, with the cards of all schemes.
+/// How the scheme of a run was chosen, with the cards of all schemes. The seconds of its alternatives were measured:
+/// like `cost`, they are not among the bytes that the same request gives again.
 struct AdviceWithCards {
   const Advice& advice;
   std::span<const SchemeCard> schemes;
 };
 
-/// A run that is over: everything an encoder reads.
-struct FinishedRun {
+/// What is known of a run before it begins, and echoed.
+struct PlannedRun {
   const Request& request;
   const ProblemCard& problem;
   const SchemeCard& scheme;
-  const Solution& outcome;
-  const Samples& samples;
   const AdviceWithCards* choice = nullptr;  ///< where it was not the client who chose
 };
 
+/// A run that is over: everything an encoder reads.
+struct FinishedRun : PlannedRun {
+  const Solution& outcome;
+  const KeptRows& samples;
+
+  FinishedRun(const PlannedRun& planned, const Solution& ended, const KeptRows& rows)
+      : PlannedRun(planned), outcome(ended), samples(rows) {}
+};
+
 /// `application/json`: the response of the contract.
-Answer encode_json(const FinishedRun& run);
+void write_json(const FinishedRun& run, Outlet& out);
+
+/// `application/cbor` (RFC 8949): the same members, the columns of the trajectory as typed arrays (RFC 8746) of
+/// binary64 in little endian, in which what has no value is NaN; a column of words is an array of texts.
+void write_cbor(const FinishedRun& run, Outlet& out);
 
 /// `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands
-/// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-SchemeConfig`, `-Final`,
-/// `-Diagnostics`,
-/// `-Events`, `-Cost` and `-Warnings`; one that would be longer than 4 KiB says `{"omitted":true}`.
-Answer encode_csv(const FinishedRun& run);
+/// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-Choice`, `-Final`,
+/// `-Diagnostics`, `-Events`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says `{"omitted":true}` and
+/// stands after the last sample, in a line `# Leastaction-Events: …`.
+void write_csv(const FinishedRun& run, Outlet& out);
+/// The header fields that go with it.
+void add_csv_fields(const FinishedRun& run, Answer& answer);
+
+/// `application/x-ndjson`, line by line: `head` with the echo, `samples`, `progress`, and `end` with all that is known
+/// after the run.
+std::string run_head_line(const PlannedRun& run);
+std::string run_samples_line(const PlannedRun& run, std::span<const double> rows);
+std::string run_progress_line(double t, std::int64_t steps);
+std::string run_end_line(const PlannedRun& run, const Solution& outcome);
+
+/// A form of the whole answer. A further one is a further entry of `forms`.
+struct Form {
+  std::string_view type;          ///< media type, as clients ask for it
+  std::string_view content_type;  ///< as the answer says it
+  void (*write)(const FinishedRun& run, Outlet& out);
+  void (*add_fields)(const FinishedRun& run, Answer& answer) = nullptr;
+};
+
+/// All forms, the default first.
+std::span<const Form> forms();
+
+/// An answer with its body in memory.
+Answer whole_answer(const Form& form, const FinishedRun& run);
+inline Answer encode_json(const FinishedRun& run) { return whole_answer(forms()[0], run); }
+inline Answer encode_csv(const FinishedRun& run) { return whole_answer(forms()[1], run); }
 
 }  // namespace least::server

@@ -1,68 +1,96 @@
-// Bounds how many runs compute at once and how many wait for their turn.
+// Who computes, and who waits for it: a bounded number of runs at once and a bounded queue, in which clients take
+// turns.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
+#include <deque>
+#include <functional>
+#include <list>
+#include <map>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace least::server {
 
+class Metrics;
+
+/// Clients (addresses) are served round robin, the requests of one in the order in which they came. While others wait,
+/// a client holds at most half of the places, rounded up. Where the queue is full, the client with most in it gives way
+/// to one with less.
 class Admission {
  public:
-  /// `running` runs at once, `waiting` more in the queue.
-  Admission(unsigned running, unsigned waiting) : running_(running), waiting_(waiting) {}
+  using Clock = std::chrono::steady_clock;
+
+  /// `places` runs at once, `queue` more that wait. What happens is counted in `metrics`, where there are any.
+  Admission(unsigned places, unsigned queue, Metrics* metrics = nullptr)
+      : places_(places), queue_(queue), metrics_(metrics) {}
 
   /// The right to compute, given back at its end.
   class Pass {
    public:
-    explicit Pass(Admission& admission) : admission_(&admission) {}
-    Pass(Pass&& other) noexcept : admission_(std::exchange(other.admission_, nullptr)) {}
+    Pass(Admission& admission, std::string client) : admission_(&admission), client_(std::move(client)) {}
+    Pass(Pass&& other) noexcept
+        : admission_(std::exchange(other.admission_, nullptr)),
+          client_(std::move(other.client_)),
+          start_(other.start_) {}
     Pass& operator=(Pass&&) = delete;
     ~Pass() {
-      if (admission_) admission_->leave();
+      if (admission_) admission_->leave(client_, Clock::now() - start_);
     }
 
    private:
     Admission* admission_;
+    std::string client_;
+    Clock::time_point start_ = Clock::now();
   };
 
-  /// Waits at most `patience` for a turn. Nothing: the queue is full, the patience over, or it is closed.
-  std::optional<Pass> enter(std::chrono::milliseconds patience) {
-    std::unique_lock lock(mutex_);
-    if (running_ == 0) {
-      if (waiting_ == 0) return std::nullopt;
-      --waiting_;
-      turn_.wait_for(lock, patience, [&] { return running_ > 0 || closed_; });
-      ++waiting_;
-    }
-    if (running_ == 0 || closed_) return std::nullopt;
-    --running_;
-    return std::optional<Pass>(std::in_place, *this);
-  }
+  /// Waits for a turn. Nothing, and that at once: the queue is full, or the turn is not to be expected within
+  /// `patience`; or later: the patience is over, the client `gone` (may be empty), its place in the queue needed by
+  /// another, or the service ends.
+  std::optional<Pass> enter(std::string_view client, std::chrono::milliseconds patience,
+                            const std::function<bool()>& gone = {});
 
   /// Nobody enters any more; those who wait leave with nothing.
-  void close() {
-    {
-      const std::lock_guard lock(mutex_);
-      closed_ = true;
-    }
-    turn_.notify_all();
-  }
+  void close();
+
+  struct Load {
+    unsigned running = 0, waiting = 0;
+    bool full = false;  ///< the next one would be turned away
+  };
+  Load load() const;
+
+  /// After how many whole seconds it is worth to ask again, at least 1.
+  int retry_after() const;
 
  private:
-  void leave() {
-    {
-      const std::lock_guard lock(mutex_);
-      ++running_;
-    }
-    turn_.notify_one();
-  }
+  struct Waiter {
+    std::condition_variable woken;
+    bool admitted = false, dismissed = false;
+  };
+  struct Client {
+    unsigned running = 0;
+    std::deque<Waiter*> waiting;
+  };
+  using Clients = std::map<std::string, Client, std::less<>>;
 
-  std::mutex mutex_;
-  std::condition_variable turn_;
-  unsigned running_, waiting_;  // places left
+  void leave(const std::string& client, Clock::duration took);
+  void admit_waiting();
+  std::list<std::string>::iterator next();
+  bool make_room(const Client& newcomer);
+  double expected_wait(std::size_t own) const;
+  void forget(Clients::iterator client);
+
+  mutable std::mutex mutex_;
+  const unsigned places_, queue_;
+  Metrics* const metrics_;
+  unsigned running_ = 0, waiting_ = 0;
+  Clients clients_;               // those who compute or wait
+  std::list<std::string> turns_;  // those who wait, the next one first
+  double mean_ = 0;               // seconds of a run, the latest counting most
   bool closed_ = false;
 };
 

@@ -52,6 +52,7 @@ CancellationWatch::CancellationWatch(const std::atomic<bool>& ended, std::functi
     : ended_(ended), gone_(std::move(gone)), seconds_(seconds) {
   Watcher::instance().add(*this);
 }
+void CancellationWatch::prepare() { Watcher::instance(); }
 CancellationWatch::~CancellationWatch() { Watcher::instance().remove(*this); }
 
 void CancellationWatch::look() {

@@ -16,6 +16,9 @@ class CancellationWatch {
                     double seconds = std::numeric_limits<double>::infinity());
   ~CancellationWatch();
   CancellationWatch(const CancellationWatch&) = delete;
+  /// Starts the thread that looks; else the first watch does. Throws where there can be none.
+  static void prepare();
+
   CancellationWatch& operator=(const CancellationWatch&) = delete;
 
   const std::atomic<bool>& cancelled() const { return cancelled_; }

@@ -47,7 +47,10 @@ bool Connection::await_request() {
 // Receives what there is, at least one byte.
 bool Connection::fill(Clock::time_point deadline) {
   char bytes[16 * 1024];
+  const auto from = Clock::now();
   while (Clock::now() < deadline && !lifecycle_.cancelled) {
+    // A client that says nothing more does not hold up the end.
+    if (lifecycle_.draining && Clock::now() - from > 20 * glance) return false;
     const auto n = ::recv(socket_, bytes, sizeof bytes, MSG_DONTWAIT);
     if (n > 0) {
       buffer_.append(bytes, static_cast<std::size_t>(n));
@@ -69,27 +72,30 @@ Received Connection::receive() {
     end = buffer_.find("\r\n\r\n", looked);
     if (end != std::string::npos) break;
     if (buffer_.size() > bounds_.head.bytes) break;
+    if (auto refusal = refusal_at_once(buffer_)) return Refused{std::move(*refusal), ""};
     looked = buffer_.size() - std::min<std::size_t>(buffer_.size(), 3);
     if (!fill(deadline)) {
-      if (Clock::now() < deadline) return Gone{};
+      if (Clock::now() < deadline) return Gone{true};
       return Refused{{408, "the head of the request did not come in time"}, ""};
     }
   }
   fresh_ = false;
+  const std::string known = buffer_.starts_with("HEAD ") ? "HEAD" : "";
   if (end == std::string::npos || end > bounds_.head.bytes) {
-    return Refused{{431, "the head is larger than " + std::to_string(bounds_.head.bytes) + " bytes"}, ""};
+    return Refused{{431, "the head is larger than " + std::to_string(bounds_.head.bytes) + " bytes"}, known};
   }
   auto head = parse_head(std::string_view(buffer_).substr(0, end), bounds_.head);
-  if (!head) return Refused{std::move(head.error()), ""};
+  if (!head) return Refused{std::move(head.error()), known};
   const auto framing = framing_of(*head, bounds_.body);
   if (!framing) return Refused{framing.error(), head->method};
   buffer_.erase(0, end + 4);
 
   chunks_ = head->minor > 0;
+  begin_answer(chunks_);
   Message message{std::move(*head), {}, framing->keep_alive};
-  if (framing->expects_continue && buffer_.empty() && !write("HTTP/1.1 100 Continue\r\n\r\n")) return Gone{};
+  if (framing->expects_continue && buffer_.empty() && !write("HTTP/1.1 100 Continue\r\n\r\n")) return Gone{true};
   if (auto refusal = read_body(*framing, message.body)) {
-    if (refusal->status == 0) return Gone{};
+    if (refusal->status == 0) return Gone{true};
     return Refused{std::move(*refusal), message.head.method};
   }
   return message;
@@ -122,6 +128,7 @@ std::optional<Refusal> Connection::read_chunks(std::string& body, Clock::time_po
     // A size, perhaps with an extension that nobody needs.
     const auto line = read_line(256, deadline);
     if (!line) return buffer_.size() > 256 ? malformed : gone;
+    if (!is_field_value(*line)) return malformed;  // a bare line feed may end the line for another reader
     std::uint32_t size = 0;
     const auto digits = std::min(line->find_first_of("; \t"), line->size());
     const auto [stop, error] = std::from_chars(line->data(), line->data() + digits, size, 16);
@@ -177,6 +184,7 @@ bool Connection::send(const Answer& answer, bool keep_alive, bool body) {
   field("Connection", keep_alive ? "keep-alive" : "close");
   head += "\r\n";
   sent_ = 0;
+  answering_ = true;
   if (answer.stream) return write(head) && write_stream(answer);
   // A small answer leaves in one piece, a large one is not copied.
   constexpr std::size_t small = 16 * 1024;
@@ -200,9 +208,24 @@ bool Connection::write_stream(const Answer& answer) {
   return whole && (!chunks_ || write("0\r\n\r\n"));
 }
 
-bool Connection::gone() const {
+bool Connection::gone() {
   pollfd entry{socket_, POLLRDHUP, 0};
-  return ::poll(&entry, 1, 0) > 0;
+  if (::poll(&entry, 1, 0) <= 0) return false;
+  if (entry.revents & (POLLERR | POLLHUP)) return true;
+  // It will send no more; whether it still reads shows only when something is sent: who does not, answers with a reset.
+  // Any number of interim answers may come before an answer (RFC 9110, 15.2), and none within one.
+  if (interim_ && !answering_ && !probed_.exchange(true)) {
+    constexpr std::string_view probe = "HTTP/1.1 100 Continue\r\n\r\n";
+    if (::send(socket_, probe.data(), probe.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return errno != EAGAIN;
+  }
+  return false;
+}
+
+void Connection::begin_answer(bool interim) {
+  interim_ = interim;
+  answering_ = probed_ = false;
+  taken_ = 0;
+  blocked_ = {};
 }
 
 bool Connection::write(std::string_view bytes) {
@@ -211,12 +234,17 @@ bool Connection::write(std::string_view bytes) {
     const auto n = ::send(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     if (n > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(n));
+      taken_ += static_cast<std::size_t>(n);
       // When the service ends the clock is not set back any more: its end has a bound.
       if (!lifecycle_.cancelled) deadline = Clock::now() + bounds_.stall;
       continue;
     }
     if (n < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
-    if (Clock::now() >= deadline || wait_for(socket_, POLLOUT, std::min(glance, left(deadline))) < 0) return false;
+    const auto from = Clock::now();
+    if (from >= deadline || wait_for(socket_, POLLOUT, std::min(glance, left(deadline))) < 0) return false;
+    blocked_ += Clock::now() - from;
+    const std::chrono::duration<double> drips = blocked_;
+    if (blocked_ > bounds_.drip && static_cast<double>(taken_) < bounds_.rate * drips.count()) return false;
   }
   return true;
 }

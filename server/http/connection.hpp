@@ -27,9 +27,12 @@ struct Lifecycle {
 struct ConnectionBounds {
   HeadBounds head;
   std::size_t body = 1 << 20;
-  std::chrono::milliseconds idle{15'000};  ///< between requests
-  std::chrono::milliseconds head_time{10'000}, body_time{10'000};
+  std::chrono::milliseconds idle{60'000};  ///< between requests
+  std::chrono::milliseconds head_time{5'000}, body_time{10'000};
   std::chrono::milliseconds stall{5'000};  ///< without one byte taken by the client while answering
+  /// An answer waits for its client no longer than this, and no longer than bytes leave at `rate` in a second.
+  std::chrono::milliseconds drip{5'000};
+  double rate = 64 * 1024;
 };
 
 /// A whole request.
@@ -40,7 +43,9 @@ struct Message {
 };
 
 /// The client is gone, was idle for too long, or the service ends.
-struct Gone {};
+struct Gone {
+  bool begun = false;  ///< a request had begun
+};
 
 /// A refusal beside what is known of the request.
 struct Refused {
@@ -66,8 +71,13 @@ class Connection {
   /// Bytes of the last answer's body that were sent, or tried to.
   std::size_t sent() const { return sent_; }
 
-  /// Whether the client has ended its side of the connection. Safe from any thread.
-  bool gone() const;
+  /// Whether a request that the client sent ahead has come.
+  bool has_more() const { return !buffer_.empty(); }
+
+  /// Whether the client went away, as far as it can be told. Who only ended its sending is still there: it is sent an
+  /// interim answer, and seen at the next call not to be there where that was refused. To be called by one thread at a
+  /// time, and while an answer is computed or sent.
+  bool gone();
 
   /// Ends sending and lets the client finish talking for a moment: closing at once would take the answer back from a
   /// client that is still sending.
@@ -76,6 +86,7 @@ class Connection {
  private:
   using Clock = std::chrono::steady_clock;
 
+  void begin_answer(bool interim);
   bool await_request();
   bool fill(Clock::time_point deadline);
   bool write(std::string_view bytes);
@@ -90,7 +101,12 @@ class Connection {
   std::string buffer_;  // received, not yet read: a client may send requests ahead
   bool fresh_ = true;   // no request came yet
   bool chunks_ = true;  // the client of the last request understands chunked coding: it is not of HTTP/1.0
-  std::size_t sent_ = 0;
+  std::size_t sent_ = 0, taken_ = 0;  // of the last answer: bytes of its body, and all that left
+  Clock::duration blocked_{0};        // that its client let it wait
+  // Of the request that is answered now; looked at by another thread while it is.
+  std::atomic<bool> interim_{false};    // its client understands interim answers
+  std::atomic<bool> answering_{false};  // its answer has begun
+  std::atomic<bool> probed_{false};     // an interim answer was sent
 };
 
 }  // namespace least::server

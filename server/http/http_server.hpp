@@ -9,6 +9,7 @@
 
 #include "server/http/admission.hpp"
 #include "server/http/connection.hpp"
+#include "server/http/metrics.hpp"
 #include "server/http/router.hpp"
 
 namespace least::server {
@@ -17,7 +18,7 @@ struct HttpSettings {
   std::string host = "127.0.0.1";
   int port = 8080;             ///< 0 picks a free one
   unsigned threads = 0;        ///< requests that compute at once; 0: one per core
-  unsigned queue = 16;         ///< requests that wait for their turn; beyond it the answer is 503
+  unsigned queue = 256;        ///< requests that wait for their turn; beyond it the answer is 503
   unsigned connections = 256;  ///< clients served at once, slow ones included
   double grace = 10;           ///< seconds that computations have left when the server ends
   ConnectionBounds bounds;
@@ -35,6 +36,9 @@ class HttpServer {
   Router& router();
   /// Where what computes gets its turn.
   Admission& admission();
+  Metrics& metrics();
+  /// No new clients are let in: it ends.
+  bool draining() const;
   /// Set once computations are to end with what they have.
   const std::atomic<bool>& cancelled() const;
 

@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -34,6 +35,7 @@ class Listener final : private httplib::Server {
   bool process_and_close_socket(socket_t socket) override;
 
   std::function<void(int)> serve_;
+  std::unique_ptr<httplib::TaskQueue> pool_;  // until the library takes it over
   int socket_ = -1, port_ = 0;
 };
 

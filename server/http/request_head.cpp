@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 namespace least::server {
 namespace {
@@ -45,6 +46,16 @@ bool lists(std::string_view values, std::string_view word) {
   return false;
 }
 
+// `host:80` of `http://host:80/path`, which servers have to take though only proxies are sent it (RFC 9112, 3.2.2).
+std::optional<std::string_view> absolute(std::string_view target) {
+  const auto slashes = target.find("://");
+  const std::string scheme = lowered(target.substr(0, std::min(slashes, target.size())));
+  if (scheme != "http" && scheme != "https") return std::nullopt;
+  const auto authority = target.substr(slashes + 3);
+  const auto end = authority.substr(0, authority.find_first_of("/?"));
+  return end.empty() ? std::nullopt : std::optional(end);
+}
+
 Result<RequestHead, Refusal> parse_request_line(std::string_view line, const HeadBounds& bounds) {
   const auto first = line.find(' '), last = line.rfind(' ');
   if (first == line.npos || first == last) return Refusal{400, "malformed request line"};
@@ -57,13 +68,20 @@ Result<RequestHead, Refusal> parse_request_line(std::string_view line, const Hea
     const bool http = version.starts_with("HTTP/") && version.size() == 8;
     return http ? Refusal{505, "HTTP/1.1 is spoken here"} : Refusal{400, "malformed request line"};
   }
-  if (target.front() != '/' && target != "*") return Refusal{400, "the target must be a path"};
   RequestHead head;
   head.method = method;
   head.minor = version.back() - '0';
-  const auto mark = std::min(target.find('?'), target.size());
-  head.path = target.substr(0, mark);
-  head.query = target.substr(std::min(mark + 1, target.size()));
+  std::string_view path = target;
+  if (const auto authority = absolute(target)) {
+    head.authority = *authority;
+    path.remove_prefix(static_cast<std::size_t>(authority->data() + authority->size() - target.data()));
+    if (path.empty() || path.front() == '?') head.path = "/";
+  } else if (target.front() != '/' && !(target == "*" && method == "OPTIONS")) {
+    return Refusal{400, "the target must be a path"};
+  }
+  const auto mark = std::min(path.find('?'), path.size());
+  head.path += path.substr(0, mark);
+  head.query = path.substr(std::min(mark + 1, path.size()));
   return head;
 }
 
@@ -110,8 +128,21 @@ Result<RequestHead, Refusal> parse_head(std::string_view text, const HeadBounds&
   }
   const auto hosts = head->count("host");
   if (hosts > 1 || (hosts == 0 && head->minor == 1)) return Refusal{400, "one Host field is required"};
+  if (hosts == 1 && head->authority.empty()) head->authority = head->field("host");
   return head;
 }
+
+std::optional<Refusal> refusal_at_once(std::string_view begun) {
+  if (begun.empty()) return std::nullopt;
+  if (begun.front() == 0x16) return Refusal{400, "TLS is not spoken here: http, not https"};
+  if (begun.front() != '\r' && !is_token(begun.substr(0, 1))) return Refusal{400, "malformed request line"};
+  for (auto at = begun.find('\n'); at != begun.npos; at = begun.find('\n', at + 1)) {
+    if (at == 0 || begun[at - 1] != '\r') return Refusal{400, "a line ends with CR and LF"};
+  }
+  return std::nullopt;
+}
+
+bool is_field_value(std::string_view text) { return is_value(text); }
 
 Result<Framing, Refusal> framing_of(const RequestHead& head, std::uint64_t body_limit) {
   Framing framing;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,6 +25,7 @@ struct Refusal {
 
 struct RequestHead {
   std::string method, path, query;
+  std::string authority;                                    ///< of the target, else of `Host`; empty: none
   int minor = 1;                                            ///< HTTP/1.minor
   std::vector<std::pair<std::string, std::string>> fields;  ///< names in lower case
 
@@ -47,6 +49,12 @@ struct HeadBounds {
 
 /// Reads a head, from the first line to before the blank one. Refuses with 400, 414, 431 or 505.
 Result<RequestHead, Refusal> parse_head(std::string_view text, const HeadBounds& bounds);
+
+/// What can be said against a head of which this much came, without waiting for the rest.
+std::optional<Refusal> refusal_at_once(std::string_view begun);
+
+/// Whether a text may stand in a field: no control characters but tabs.
+bool is_field_value(std::string_view text);
 
 /// Refuses with 400 (contradictions), 413 (more than `body_limit` announced), 415, 417 or 501.
 Result<Framing, Refusal> framing_of(const RequestHead& head, std::uint64_t body_limit);

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "server/http/accept.hpp"
+#include "server/http/gzip.hpp"
 
 namespace least::server {
 namespace {
@@ -17,12 +18,17 @@ std::string tag(std::string_view body) {
   return fmt::format("\"{:016x}\"", hash);
 }
 
-// `localhost` from `LocalHost:8080`, `[::1]` from `[::1]:8080`.
+// `localhost` from `LocalHost:8080`, `[::1]` from `[::1]:8080`; nothing where what follows the colon is no port.
 std::string without_port(std::string_view authority) {
   const auto from = authority.starts_with('[') ? authority.find(']') : 0;
-  const auto colon = authority.find(':', std::min(from, authority.size()));
-  return lowered(authority.substr(0, colon));
+  const auto colon = std::min(authority.find(':', std::min(from, authority.size())), authority.size());
+  const auto port = authority.substr(std::min(colon + 1, authority.size()));
+  const bool digits = std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return digits && port.size() <= 5 ? lowered(authority.substr(0, colon)) : std::string();
 }
+
+// What the head of a refused method is told.
+std::string_view allowed(bool computes) { return computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS"; }
 
 }  // namespace
 
@@ -44,12 +50,14 @@ void Router::add_fixed(std::string path, std::string_view route, std::string_vie
   fixed_.insert_or_assign(std::move(path), Fixed{route, std::string(type), std::move(body), std::move(etag), page});
 }
 
+void Router::add_probe(std::string_view path, Probe probe) { probes_.emplace(path, std::move(probe)); }
+
 void Router::add_computed(std::string_view path, Compute compute) { computed_.emplace(path, std::move(compute)); }
 
 // A page of another site can make a browser resolve its own name to this machine; then the name in Host gives it away.
 bool Router::host_allowed(const RequestHead& head) const {
-  if (head.count("host") == 0) return true;  // HTTP/1.0: no browser
-  const std::string host = without_port(head.field("host"));
+  if (head.authority.empty() && head.count("host") == 0) return true;  // HTTP/1.0: no browser
+  const std::string host = without_port(head.authority);
   return std::find(access_.hosts.begin(), access_.hosts.end(), host) != access_.hosts.end();
 }
 
@@ -60,44 +68,57 @@ bool Router::origin_allowed(const RequestHead& head) const {
          std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end();
 }
 
-Routed Router::operator()(const RequestHead& head, std::string_view body, std::string_view request_id,
-                          const std::function<bool()>& gone) const {
+Routed Router::operator()(const RequestHead& head, HttpRequest request) const {
   Routed routed{{}, "unmatched"};
   const std::string accept = head.field("accept");
-  routed.answer = dispatch(head, {body, accept, request_id, gone}, routed.route);
+  request.accept = accept;
+  routed.answer = dispatch(head, request, routed.route);
   auto& headers = routed.answer.headers;
+  const auto encoded = [](const auto& field) { return field.first == "Content-Encoding"; };
+  if (takes_gzip(head.field("accept-encoding")) && std::none_of(headers.begin(), headers.end(), encoded)) {
+    compress(routed.answer);
+  }
   headers.emplace_back("X-Content-Type-Options", "nosniff");
   const std::string origin = head.field("origin");
   if (std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end()) {
     headers.emplace_back("Access-Control-Allow-Origin", origin);
     headers.emplace_back("Access-Control-Expose-Headers", "*");
     headers.emplace_back("Vary", "Origin");
+    headers.emplace_back("Timing-Allow-Origin", origin);
   }
   return routed;
 }
 
 Answer Router::dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const {
-  if (!host_allowed(head)) {
+  const auto probe = probes_.find(head.path);
+  const bool probes = probe != probes_.end();
+  if (!probes && !host_allowed(head)) {
     return error_(403, "this Host is not served here; --allow-host adds one", request.id);
   }
   if (!origin_allowed(head)) {
     return error_(403, "pages of this Origin may not ask; --allow-origin adds one", request.id);
   }
+  if (head.path == "*") return {204, "", "", {{"Allow", "GET, HEAD, POST, OPTIONS"}}};  // of the service as a whole
   const auto found = fixed_.find(head.path);
   const auto endpoint = computed_.find(head.path);
   const bool computes = endpoint != computed_.end();
-  if (!computes && found == fixed_.end()) return error_(404, "nothing is at this path", request.id);
-  route = computes ? endpoint->first : found->second.route;
+  if (!computes && !probes && found == fixed_.end()) return error_(404, "nothing is at this path", request.id);
+  route = computes ? endpoint->first : probes ? probe->first : found->second.route;
 
   if (head.method == "OPTIONS") {
-    Answer answer{204, "", "", {{"Allow", computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS"}}};
+    Answer answer{204, "", "", {{"Allow", std::string(allowed(computes))}}};
     answer.headers.emplace_back("Access-Control-Allow-Methods", computes ? "POST" : "GET, HEAD");
     answer.headers.emplace_back("Access-Control-Allow-Headers", "Accept, Content-Type");
     return answer;
   }
   if (computes ? head.method != "POST" : head.method != "GET" && head.method != "HEAD") {
     Answer answer = error_(405, head.method + " does not go with this path", request.id);
-    answer.headers.emplace_back("Allow", computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS");
+    answer.headers.emplace_back("Allow", allowed(computes));
+    return answer;
+  }
+  if (probes) {
+    Answer answer = probe->second(request.id);
+    answer.headers.emplace_back("Cache-Control", "no-store");
     return answer;
   }
   if (!computes) return fixed(head, found->second, request.id);
@@ -105,7 +126,7 @@ Answer Router::dispatch(const RequestHead& head, const HttpRequest& request, std
     return error_(411, "Content-Length or chunked coding is required", request.id);
   }
   Answer answer = endpoint->second(request);
-  answer.headers.emplace_back("Vary", "Accept");
+  answer.headers.emplace_back("Vary", "Accept, Accept-Encoding");
   answer.headers.emplace_back("Cache-Control", "no-store");
   return answer;
 }
@@ -115,7 +136,11 @@ Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_vi
   if (!negotiate(head.field("accept"), {&media, 1})) {
     return error_(406, "the answer comes as " + std::string(media), request_id);
   }
-  Answer answer{200, fixed.type, fixed.body, {{"ETag", fixed.etag}, {"Cache-Control", "no-cache"}}};
+  const bool packed = worth_gzip(media, fixed.body.size()) && takes_gzip(head.field("accept-encoding"));
+  // Other bytes of the same content: a strong tag would say that they are the same bytes.
+  Answer answer{
+      200, fixed.type, {}, {{"ETag", packed ? "W/" + fixed.etag : fixed.etag}, {"Cache-Control", "no-cache"}}};
+  answer.headers.emplace_back("Vary", "Accept-Encoding");
   if (fixed.page) {
     answer.headers.emplace_back("Content-Security-Policy",
                                 "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "
@@ -124,7 +149,12 @@ Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_vi
   }
   if (head.field("if-none-match").find(fixed.etag) != std::string::npos) {
     answer.status = 304;
-    answer.body.clear();
+  } else if (packed) {
+    std::call_once(fixed.packed->made, [&] { fixed.packed->body = gzipped(fixed.body, 6); });
+    answer.body = fixed.packed->body;
+    answer.headers.emplace_back("Content-Encoding", "gzip");
+  } else {
+    answer.body = fixed.body;
   }
   return answer;
 }

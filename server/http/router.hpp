@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +34,7 @@ struct Routed {
 class Router {
  public:
   using Compute = std::function<Answer(const HttpRequest&)>;
+  using Probe = std::function<Answer(std::string_view request_id)>;
 
   Router(Access access, ErrorAnswer error);
 
@@ -39,18 +42,26 @@ class Router {
   void add_page(const Asset& asset);
   /// A text that is made once. `route` names all paths of its kind in the log and lives on.
   void add_text(std::string path, std::string_view route, std::string_view type, std::string body);
+  /// GET: what the service is asked about itself, made anew each time. Any `Host` is answered: the probes of an
+  /// orchestrator come with an address. `path` lives on.
+  void add_probe(std::string_view path, Probe probe);
   /// POST: computed for each request. `path` lives on.
   void add_computed(std::string_view path, Compute compute);
 
-  /// Answers one request; throws what computing throws. `gone`: whether the client went away.
-  Routed operator()(const RequestHead& head, std::string_view body, std::string_view request_id,
-                    const std::function<bool()>& gone) const;
+  /// Answers one request, whose `accept` is filled in; throws what computing throws.
+  Routed operator()(const RequestHead& head, HttpRequest request) const;
 
  private:
   struct Fixed {
     std::string_view route;
     std::string type, body, etag;
     bool page = false;  // carries the policy of a page
+    // The body compressed, once somebody asks for it.
+    struct Packed {
+      std::once_flag made;
+      std::string body;
+    };
+    std::unique_ptr<Packed> packed = std::make_unique<Packed>();
   };
 
   void add_fixed(std::string path, std::string_view route, std::string_view type, std::string body, bool page);
@@ -63,6 +74,7 @@ class Router {
   ErrorAnswer error_;
   std::map<std::string, Fixed> fixed_;  // answers made once, by path
   std::map<std::string_view, Compute> computed_;
+  std::map<std::string_view, Probe> probes_;
 };
 
 }  // namespace least::server

@@ -1,16 +1,25 @@
 // What the service says to one request, before it is put on a wire (HTTP) or a terminal (`run`).
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace least::server {
 
 /// Takes the next piece of a body; false: the client takes no more.
 using Write = std::function<bool(std::string_view)>;
+
+/// What the log says of an answer beside what is said of all.
+struct Note {
+  std::string_view name;
+  std::variant<std::string, double, std::int64_t> value;
+};
 
 struct Answer {
   int status = 200;
@@ -19,6 +28,13 @@ struct Answer {
   std::vector<std::pair<std::string, std::string>> headers;  ///< further header fields
   /// Stands in place of `body` where that is computed while it is sent. False: its end is missing.
   std::function<bool(const Write&)> stream = nullptr;
+  /// Shared with a stream, which knows more at its end.
+  std::shared_ptr<std::vector<Note>> notes = nullptr;
+
+  void note(std::string_view name, std::variant<std::string, double, std::int64_t> value) {
+    if (!notes) notes = std::make_shared<std::vector<Note>>();
+    notes->push_back({name, std::move(value)});
+  }
 };
 
 }  // namespace least::server

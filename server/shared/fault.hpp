@@ -21,9 +21,15 @@ struct Fault {
 class Faults {
  public:
   static constexpr std::size_t most = 100;
+  static constexpr std::size_t suggestions = 10;
+
+  /// Whether no more are taken: reading on would be for nothing.
+  bool full() const { return list_.size() >= most; }
+  /// Whether one more of them may cost a search for what was meant.
+  bool may_suggest() { return suggested_++ < suggestions; }
 
   void add(Fault fault) {
-    if (list_.size() < most && !at(fault.pointer)) list_.push_back(std::move(fault));
+    if (!full() && !at(fault.pointer)) list_.push_back(std::move(fault));
   }
   bool at(const std::string& pointer) const {
     return std::any_of(list_.begin(), list_.end(), [&](const Fault& f) { return f.pointer == pointer; });
@@ -39,6 +45,7 @@ class Faults {
 
  private:
   std::vector<Fault> list_;
+  std::size_t suggested_ = 0;
 };
 
 }  // namespace least::server

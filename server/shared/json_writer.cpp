@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace least::server {
@@ -42,6 +43,32 @@ void append_number(std::string& out, std::int64_t n) {
   char text[24];
   char* end = fmt::format_to(text, FMT_COMPILE("{}"), n);
   out.append(text, end);
+}
+
+void append_cbor_head(std::string& out, unsigned major, std::uint64_t number) {
+  // The number in the first byte where it is small, else in the 1, 2, 4 or 8 bytes after it.
+  const int size = number < 24                       ? 0
+                   : number < 1u << 8                ? 1
+                   : number < 1u << 16               ? 2
+                   : number < std::uint64_t{1} << 32 ? 4
+                                                     : 8;
+  const unsigned info = size == 0   ? static_cast<unsigned>(number)
+                        : size == 1 ? 24
+                        : size == 2 ? 25
+                        : size == 4 ? 26
+                                    : 27;
+  out += static_cast<char>(major << 5 | info);
+  for (int byte = size - 1; byte >= 0; --byte) out += static_cast<char>(number >> (8 * byte) & 0xFF);
+}
+
+void append_cbor(std::string& out, double x) {
+  if (!std::isfinite(x)) {
+    out += static_cast<char>(0xF6);
+    return;
+  }
+  out += static_cast<char>(0xFB);
+  const auto bits = std::bit_cast<std::uint64_t>(x);
+  for (int byte = 7; byte >= 0; --byte) out += static_cast<char>(bits >> (8 * byte) & 0xFF);
 }
 
 void append_string(std::string& out, std::string_view text, bool ascii) {

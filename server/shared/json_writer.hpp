@@ -22,61 +22,85 @@ void append_number(std::string& out, std::int64_t n);
 /// Appends a quoted string. `ascii` escapes everything beyond ASCII too (for header fields).
 void append_string(std::string& out, std::string_view text, bool ascii = false);
 
+/// The head of an item of CBOR (RFC 8949, 3): its major type and its number.
+void append_cbor_head(std::string& out, unsigned major, std::uint64_t number);
+/// A number as binary64; what is not finite becomes null, as in JSON.
+void append_cbor(std::string& out, double x);
+
+/// What the values are written as: JSON, the same in plain ASCII, or the same data model in CBOR, its lists and maps of
+/// indefinite length.
+enum class Notation { json, ascii, cbor };
+
 /// Separators are put by the writer: `key` and the values know whether they come first.
 class JsonWriter {
  public:
-  explicit JsonWriter(std::string& out, bool ascii = false) : out_(out), ascii_(ascii) {}
+  explicit JsonWriter(std::string& out, Notation notation = Notation::json) : out_(out), notation_(notation) {}
 
   JsonWriter& open(char bracket) {
     comma();
-    out_ += bracket;
+    out_ += cbor() ? static_cast<char>(bracket == '{' ? 0xBF : 0x9F) : bracket;
     first_ = true;
     return *this;
   }
   JsonWriter& close(char bracket) {
-    out_ += bracket;
+    out_ += cbor() ? static_cast<char>(0xFF) : bracket;
     first_ = false;
     return *this;
   }
   JsonWriter& key(std::string_view name) {
-    comma();
-    append_string(out_, name, ascii_);
-    out_ += ':';
+    text(name);
+    if (!cbor()) out_ += ':';
     first_ = true;
     return *this;
   }
   JsonWriter& text(std::string_view value) {
     comma();
-    append_string(out_, value, ascii_);
+    if (cbor()) {
+      append_cbor_head(out_, 3, value.size());
+      out_ += value;
+    } else {
+      append_string(out_, value, notation_ == Notation::ascii);
+    }
     return *this;
   }
   JsonWriter& number(double value) {
     comma();
-    append_number(out_, value);
+    cbor() ? append_cbor(out_, value) : append_number(out_, value);
     return *this;
   }
   JsonWriter& integer(std::int64_t value) {
     comma();
-    append_number(out_, value);
+    if (cbor()) {
+      append_cbor_head(out_, value < 0 ? 1 : 0, static_cast<std::uint64_t>(value < 0 ? -1 - value : value));
+    } else {
+      append_number(out_, value);
+    }
     return *this;
   }
-  JsonWriter& boolean(bool value) { return raw(value ? "true" : "false"); }
-  JsonWriter& null() { return raw("null"); }
-  /// JSON text that is known to be well-formed.
+  JsonWriter& boolean(bool value) { return cbor() ? byte(value ? 0xF5 : 0xF4) : raw(value ? "true" : "false"); }
+  JsonWriter& null() { return cbor() ? byte(0xF6) : raw("null"); }
+  /// JSON text that is known to be well-formed; not in CBOR.
   JsonWriter& raw(std::string_view json) {
     comma();
     out_ += json;
     return *this;
   }
   std::string& buffer() { return out_; }
+  Notation notation() const { return notation_; }
 
  private:
+  bool cbor() const { return notation_ == Notation::cbor; }
+  JsonWriter& byte(unsigned char value) {
+    out_ += static_cast<char>(value);
+    first_ = false;
+    return *this;
+  }
   void comma() {
-    if (!first_) out_ += ',';
+    if (!first_ && !cbor()) out_ += ',';
     first_ = false;
   }
   std::string& out_;
-  bool ascii_;
+  Notation notation_;
   bool first_ = true;
 };
 

@@ -55,7 +55,9 @@ const Ready& ready() {
 
 void json_ours(benchmark::State& state) {
   const auto& [request, samples, outcome] = ready();
-  const server::FinishedRun run{request, request.scene->card(), schemes()[request.scheme], outcome, samples};
+  server::KeptRows rows(request.columns.size());
+  rows.append(samples.values);
+  const server::FinishedRun run{{request, request.scene->card(), schemes()[request.scheme]}, outcome, rows};
   for (auto _ : state) benchmark::DoNotOptimize(server::encode_json(run).body.size());
   state.counters["units"] = static_cast<double>(samples.values.size());
 }

@@ -202,7 +202,7 @@ TEST(ClockBudget, OfStepsAndSamplesIsKept) {
     EXPECT_EQ(stopped.rows.size(), static_cast<std::size_t>(few) + 1) << name(request);
     request = plain;
     const std::size_t five = std::min<std::size_t>(5, whole.rows.size() - 1);
-    request.limits.samples = static_cast<std::int64_t>(five);
+    request.limits.samples = static_cast<std::int64_t>(five * request.columns.size());
     const auto kept = go(request);
     EXPECT_EQ(kept.outcome.stop.reason, ReturnCode::completed) << name(request);
     EXPECT_EQ(kept.rows.size(), five) << name(request);

@@ -12,12 +12,17 @@
 
 namespace least::server::test {
 
-Client::Client(int port) {
+Client::Client(int port, const char* from) {
   socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const timeval patience{20, 0};
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
   sockaddr_in address{};
+  if (from) {
+    address.sin_family = AF_INET;
+    ::inet_pton(AF_INET, from, &address.sin_addr);
+    ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -40,6 +45,14 @@ bool Client::send(std::string_view bytes) {
     bytes.remove_prefix(static_cast<std::size_t>(n));
   }
   return true;
+}
+
+void Client::end_sending() { ::shutdown(socket_, SHUT_WR); }
+
+void Client::reset() {
+  const linger at_once{1, 0};
+  ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+  ::close(std::exchange(socket_, -1));
 }
 
 bool Client::fill() {
@@ -74,7 +87,7 @@ std::optional<Reply> Client::receive(bool head) {
     at = stop + 2;
   }
   buffer_.erase(0, end + 4);
-  if (head || reply.status == 204 || reply.status == 304) return reply;
+  if (head || reply.status < 200 || reply.status == 204 || reply.status == 304) return reply;
   if (reply.fields.contains("transfer-encoding")) {
     for (;;) {
       const auto piece = chunk();

@@ -18,8 +18,8 @@ struct Reply {
 
 class Client {
  public:
-  /// Connects to this machine.
-  explicit Client(int port);
+  /// Connects to this machine, where `from` says so from that address of it.
+  explicit Client(int port, const char* from = nullptr);
   ~Client();
   Client(Client&& other) noexcept;
   Client(const Client&) = delete;
@@ -28,6 +28,10 @@ class Client {
   bool connected() const { return socket_ >= 0; }
   /// False when the service closed the connection meanwhile.
   bool send(std::string_view bytes);
+  /// Says that nothing more will be sent.
+  void end_sending();
+  /// Ends the connection at once, by a reset.
+  void reset();
   /// The status of an answer without fields and body, such as 100.
   int interim();
   /// The next answer; nothing when the connection ended first. `head`: it has no body.

@@ -174,7 +174,8 @@ class EnsembleParts : public testing::Test {
   std::filesystem::path folder_;
   std::atomic<bool> cancelled_{false};
   Admission admission_{2, 0};
-  Context context_{catalogue_cards(), {}, admission_, cancelled_};
+  MemoryBudget memory_{std::size_t{1} << 30};
+  Context context_{catalogue_cards(), {}, admission_, cancelled_, memory_};
 };
 
 TEST_F(EnsembleParts, MergeToTheBytesOfOneRun) {

@@ -1,15 +1,13 @@
 // The built binary: commands, exit codes, signals.
-#include <fcntl.h>
-#include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include "tests/server/process.hpp"
 
-#include <array>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "least_version.hpp"
@@ -20,75 +18,6 @@ namespace least::server::test {
 namespace {
 
 using namespace std::chrono_literals;
-
-// A child process with its standard streams.
-class Process {
- public:
-  explicit Process(std::vector<std::string> arguments, std::string_view input = "",
-                   std::vector<std::string> environment = {}) {
-    std::array<int, 2> in{}, out{}, err{};
-    if (::pipe2(in.data(), O_CLOEXEC) || ::pipe2(out.data(), O_CLOEXEC) || ::pipe2(err.data(), O_CLOEXEC)) std::abort();
-    arguments.insert(arguments.begin(), LEAST_BINARY);
-    std::vector<char*> argv, envp;
-    for (auto& argument : arguments) argv.push_back(argument.data());
-    for (auto& variable : environment) envp.push_back(variable.data());
-    argv.push_back(nullptr);
-    envp.push_back(nullptr);
-    pid_ = ::fork();
-    if (pid_ == 0) {
-      ::dup2(in[0], 0);
-      ::dup2(out[1], 1);
-      ::dup2(err[1], 2);
-      ::execve(argv[0], argv.data(), envp.data());
-      ::_exit(127);
-    }
-    ::close(in[0]);
-    ::close(out[1]);
-    ::close(err[1]);
-    if (::write(in[1], input.data(), input.size()) < 0) std::abort();
-    ::close(in[1]);
-    out_ = out[0];
-    err_ = err[0];
-  }
-  ~Process() {
-    if (pid_ > 0) {
-      ::kill(pid_, SIGKILL);
-      wait();
-    }
-    ::close(out_);
-    ::close(err_);
-  }
-  Process(const Process&) = delete;
-  Process& operator=(const Process&) = delete;
-
-  std::string line() const {
-    std::string text;
-    for (char c; ::read(out_, &c, 1) == 1 && c != '\n';) text += c;
-    return text;
-  }
-  std::string output() const { return all(out_); }
-  std::string errors() const { return all(err_); }
-  void signal(int number) const { ::kill(pid_, number); }
-  /// The exit code; 128 + the signal where one ended it.
-  int wait() {
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-
- private:
-  static std::string all(int descriptor) {
-    std::string text;
-    char bytes[65536];
-    for (ssize_t n; (n = ::read(descriptor, bytes, sizeof bytes)) > 0;) text.append(bytes, static_cast<std::size_t>(n));
-    return text;
-  }
-  pid_t pid_ = -1;
-  int out_ = -1, err_ = -1;
-};
-
-int port_in(const std::string& line) { return std::stoi(line.substr(line.rfind(':') + 1)); }
 
 const std::string kepler_run = R"({"problem":"kepler","scheme":"leapfrog","until":{"t":1}})";
 
@@ -204,6 +133,167 @@ TEST(Command, TerminationAnswersWhatWasAccepted) {
   EXPECT_EQ(reply->status, 200);
   EXPECT_EQ(Json::parse(reply->body)["stop"]["reason"], "cancelled");
   EXPECT_EQ(serve.wait(), 0);
+}
+
+TEST(Command, RunReadsNoMoreThanItMay) {
+  Process endless({"run", "/dev/zero"});
+  EXPECT_EQ(Json::parse(endless.output())["status"], 413);
+  EXPECT_EQ(endless.wait(), 2);
+  Process large({"run", "-", "--max-body", "20"}, kepler_run);
+  const Json document = Json::parse(large.output());
+  EXPECT_EQ(document["status"], 413);
+  EXPECT_NE(document["detail"].get<std::string>().find("20 bytes"), std::string::npos);
+  EXPECT_EQ(large.wait(), 2);
+  Process just({"run", "-", "--max-body", std::to_string(kepler_run.size())}, kepler_run);
+  EXPECT_EQ(Json::parse(just.output())["status"], "completed");
+  EXPECT_EQ(just.wait(), 0);
+}
+
+TEST(Command, RunReadsAPipeWithAName) {
+  const std::string name = testing::TempDir() + "least_request.fifo";
+  for (int k = 0; k < 5; ++k) {
+    std::filesystem::remove(name);
+    ASSERT_EQ(::mkfifo(name.c_str(), 0600), 0);
+    Process run({"run", name});
+    std::ofstream(name) << kepler_run;
+    EXPECT_EQ(Json::parse(run.output())["status"], "completed");
+    EXPECT_EQ(run.wait(), 0);
+  }
+  std::filesystem::remove(name);
+}
+
+// An answer that is written while it leaves is whole here, too.
+TEST(Command, RunPrintsLargeAnswers) {
+  Process run({"run", "-"}, R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":50000},"record":{"every":1}})");
+  const Json answer = Json::parse(run.output());
+  EXPECT_EQ(answer["trajectory"]["x"].size(), 50'001u);
+  EXPECT_EQ(run.wait(), 0);
+}
+
+TEST(Command, HealthAsksTheService) {
+  Process serve({"serve", "--port", "0"});
+  const std::string port = std::to_string(port_in(serve.line()));
+  Process good({"health", "--port", port}), by_name({"health"}, "", {"LEASTACTION_PORT=" + port});
+  EXPECT_EQ(good.wait(), 0);
+  EXPECT_EQ(by_name.wait(), 0);
+  serve.signal(SIGTERM);
+  EXPECT_EQ(serve.wait(), 0);
+  Process bad({"health", "--port", port});
+  EXPECT_NE(bad.errors().find(port), std::string::npos);
+  EXPECT_EQ(bad.wait(), 1);
+}
+
+TEST(Command, NumbersThatAreNoneAreRefused) {
+  for (const char* option : {"--grace", "--max-seconds"}) {
+    for (const char* value : {"nan", "inf", "-nan"}) {
+      Process serve({"serve", "--port", "0", option, value});
+      EXPECT_NE(serve.errors().find(option), std::string::npos) << value;
+      EXPECT_EQ(serve.wait(), 1) << option << value;
+    }
+  }
+}
+
+// Whoever starts a service may not read its log: it goes on, and ends.
+TEST(Command, ALogThatNobodyReadsHoldsNothingUp) {
+  Process serve({"serve", "--port", "0"});
+  const int port = port_in(serve.line());
+  Client client(port);
+  constexpr int requests = 3000;  // a pipe takes 64 KiB: some 500 lines
+  for (int i = 0; i < requests; ++i) {
+    ASSERT_TRUE(client.send(get("/nowhere")));
+    ASSERT_EQ(client.receive().value_or(Reply{}).status, 404) << i;
+  }
+  const auto from = std::chrono::steady_clock::now();
+  serve.signal(SIGTERM);
+  EXPECT_EQ(serve.wait(), 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - from, 5s);
+}
+
+TEST(Command, AStreamThatIsClosedIsNoClients) {
+  for (const int closed : {0, 2}) {
+    Process serve({"serve", "--port", "0"}, "", {}, closed);
+    const int port = port_in(serve.line());
+    Client client(port);
+    for (int i = 0; i < 3; ++i) {
+      client.send(get("/healthz"));
+      EXPECT_EQ(client.receive().value_or(Reply{}).body, "{\"status\":\"ok\"}\n") << closed;
+    }
+    serve.signal(SIGTERM);
+    EXPECT_TRUE(client.ended()) << "nothing but answers comes to a client";
+    EXPECT_EQ(serve.wait(), 0);
+  }
+}
+
+TEST(Command, TheLogSaysWhatHappened) {
+  for (const char* format : {"text", "json"}) {
+    Process serve({"serve", "--port", "0", "--log-format", format});
+    const int port = port_in(serve.line());
+    ask(port, post("/v1/simulate", kepler_run));
+    ask(port, post("/v1/simulate", R"({"problem":"keplr","scheme":"leapfrog"})"));
+    Client(port).send("GET / HTTP/1.1\r\nHo");
+    std::this_thread::sleep_for(300ms);
+    serve.signal(SIGTERM);
+    const std::string log = serve.errors();
+    EXPECT_EQ(serve.wait(), 0);
+    if (std::string_view(format) == "text") {
+      for (const char* part :
+           {" info start url=http://127.0.0.1:", "run=completed problem=kepler scheme=leapfrog steps=", " seconds=",
+            "reason=\"/problem unknown problem; did you mean", " info aborted client=127.0.0.1",
+            " info ending why=signal"}) {
+        EXPECT_NE(log.find(part), std::string::npos) << part << "\n" << log;
+      }
+      continue;
+    }
+    std::istringstream lines(log);
+    std::vector<std::string> events;
+    for (std::string line; std::getline(lines, line);) {
+      const Json entry = Json::parse(line);
+      events.push_back(entry.at("event"));
+      EXPECT_FALSE(entry.at("time").get<std::string>().empty());
+      EXPECT_EQ(entry.at("level"), "info");
+      if (entry.contains("scheme")) {
+        EXPECT_EQ(entry.at("status"), 200);
+        EXPECT_EQ(entry.at("problem"), "kepler");
+        EXPECT_GT(entry.at("steps"), 0);
+      }
+    }
+    EXPECT_EQ(events, (std::vector<std::string>{"start", "request", "request", "aborted", "ending"}));
+  }
+}
+
+// Half a request, and then nothing more: the end waits for it no longer than a second or so.
+TEST(Command, HalfOpenClientsDoNotCostTheGrace) {
+  Process serve({"serve", "--port", "0", "--grace", "10"});
+  const int port = port_in(serve.line());
+  Client half(port), body(port);
+  half.send("GET / HTTP/1.1\r\nHo");
+  body.send("POST /v1/simulate HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{");
+  std::this_thread::sleep_for(300ms);
+  const auto from = std::chrono::steady_clock::now();
+  serve.signal(SIGTERM);
+  EXPECT_EQ(serve.wait(), 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - from, 5s);
+}
+
+// As many threads as it may have, whatever it is told it may have: it serves with those.
+TEST(Command, ServesWithTheThreadsItGets) {
+  Process serve({"serve", "--port", "0", "--threads", "1"});
+  const int port = port_in(serve.line());
+  const auto threads = [&] {
+    const auto tasks = std::filesystem::directory_iterator("/proc/" + std::to_string(serve.id()) + "/task");
+    return std::distance(begin(tasks), end(tasks));
+  };
+  EXPECT_LE(threads(), 10) << "threads come with their connections";
+  std::vector<Client> clients;
+  for (int i = 0; i < 20; ++i) {
+    clients.emplace_back(port).send(get("/healthz"));
+    EXPECT_EQ(clients.back().receive().value_or(Reply{}).status, 200);
+  }
+  EXPECT_GE(threads(), 20);
+  for (auto& client : clients) {
+    client.send(get("/healthz"));
+    EXPECT_EQ(client.receive().value_or(Reply{}).status, 200) << "each is kept";
+  }
 }
 
 }  // namespace

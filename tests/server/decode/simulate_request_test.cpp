@@ -240,15 +240,15 @@ TEST(Decode, TheDefaultStrideIsTheSmallestThatKeepsAThousandSamples) {
     EXPECT_EQ(good(text).record.count, every) << steps;
   }
   EXPECT_EQ(
-      good(R"({"problem":"swing","scheme":"leapfrog","until":{"steps":99},"limits":{"samples":10}})").record.count, 10);
+      good(R"({"problem":"swing","scheme":"leapfrog","until":{"steps":99},"limits":{"samples":30}})").record.count, 10);
 }
 
 TEST(Decode, CountsStepsWithARoundOffMargin) {
   // 0.3/0.1 is below 3 in doubles; three samples at the stride are four rows
   const std::string head =
       R"({"problem":"swing","scheme":{"id":"leapfrog","step":0.1},"until":{"t":0.3},"record":{"every":1},)";
-  good(head + R"("limits":{"samples":4}})");
-  EXPECT_TRUE(bad(head + R"("limits":{"samples":3}})").at("/record/every"));
+  good(head + R"("limits":{"samples":12}})");
+  EXPECT_TRUE(bad(head + R"("limits":{"samples":11}})").at("/record/every"));
 }
 
 TEST(Decode, ReportsEveryFaultAtOnce) {

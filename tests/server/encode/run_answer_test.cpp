@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <memory>
 
 #include "least_version.hpp"
 #include "server/decode/simulate_request.hpp"
@@ -16,7 +18,7 @@ namespace {
 struct Example {
   Request request;
   Solution outcome;
-  Samples samples;
+  std::shared_ptr<KeptRows> samples = std::make_shared<KeptRows>(2);
   const ProblemCard& problem = test::cards().problems.data()[0]->card();
   const SchemeCard& scheme = test::cards().schemes.data()[2];
 
@@ -25,7 +27,7 @@ struct Example {
       "scheme":{"id":"own_clock","critical":null,"keep":false,"stages":null,"kappa":"energy"},"record":{"times":[0,2.5]},"columns":["t","energy"]})");
     request = decode(std::move(*parsed), test::cards(), {})->run;
     const double values[] = {0, 1.5, 2.5, std::nan("")};
-    samples.append(values);
+    samples->append(values);
     outcome.t = 20;
     outcome.final = {0.25, std::numeric_limits<double>::infinity()};
     outcome.diagnostics = {{"energy", std::vector<Report>{{"initial", 1.0}, {"kind", std::string("a\"b")}}},
@@ -42,7 +44,7 @@ struct Example {
     outcome.warnings = {{"damping_sign", "θ < 0\r\nX-Evil: 1"}};
     outcome.cost = {4, 8, 2, 1e-6};
   }
-  FinishedRun run() const { return {request, problem, scheme, outcome, samples}; }
+  FinishedRun run() const { return {{request, problem, scheme}, outcome, *samples}; }
 };
 
 TEST(EncodeJson, WritesTheResponseOfTheContract) {
@@ -55,7 +57,7 @@ TEST(EncodeJson, WritesTheResponseOfTheContract) {
           R"(","status":"completed","problem":{"id":"swing","mass":1,"level":7},)"
           R"("initial":{"t":-0.0,"q":1e-09,"p":0},"scheme":{"id":"own_clock","keep":false,"critical":null,"stages":null,"kappa":"energy","step":0.1},)"
           R"("until":{"t":20},"record":{"times":[0,2.5]},"columns":["t","energy"],)"
-          R"("limits":{"seconds":10,"steps":100000000,"samples":1000000},"norm":"absolute",)"
+          R"("limits":{"seconds":10,"steps":100000000,"samples":5000000},"norm":"absolute",)"
           R"("trajectory":{"t":[0,2.5],"energy":[1.5,null]},"final":{"t":20,"q":0.25,"p":null},)"
           R"("diagnostics":{"energy":{"initial":1,"kind":"a\"b"},"zeros":[1,2.5],"poles":[1,true],"none":null},)"
           R"("cost":{"steps":4,"force_evaluations":8,"iterations":2,"seconds":1e-06,"nanoseconds_per_step":250},)"
@@ -76,7 +78,7 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
   ASSERT_TRUE(again);
   EXPECT_EQ(std::signbit(again->run.scene->start), true);
   EXPECT_EQ(
-      Json::parse(encode_json({again->run, example.problem, example.scheme, example.outcome, example.samples}).body),
+      Json::parse(encode_json({{again->run, example.problem, example.scheme}, example.outcome, *example.samples}).body),
       first);
 }
 
@@ -104,7 +106,9 @@ Example coded() {
   Example example;
   example.request.columns = {0, 4, 5};
   const double nan = std::nan("");
-  example.samples.values = {0, 0, -1, 1, 1, 1, 2, 1, 0, 3, nan, nan, 4, 2, std::numeric_limits<double>::infinity()};
+  const double values[] = {0, 0, -1, 1, 1, 1, 2, 1, 0, 3, nan, nan, 4, 2, std::numeric_limits<double>::infinity()};
+  example.samples = std::make_shared<KeptRows>(3);
+  example.samples->append(values);
   return example;
 }
 
@@ -114,7 +118,7 @@ TEST(EncodeJson, ColumnsOfCodesAreWords) {
   EXPECT_EQ(trajectory["mode"].dump(), R"(["hamilton","jacobi_maupertuis","jacobi_maupertuis",null,null])");
   EXPECT_EQ(trajectory["parameter"].dump(), R"([null,"p","q",null,null])");
   Example none = coded();
-  none.samples.values.clear();
+  none.samples = std::make_shared<KeptRows>(3);
   EXPECT_EQ(Json::parse(encode_json(none.run()).body)["trajectory"].dump(), R"({"t":[],"mode":[],"parameter":[]})");
 }
 
@@ -140,7 +144,11 @@ TEST(EncodeCsv, WritesColumnsAndBoundedFields) {
   Example example;
   example.outcome.diagnostics.push_back({"zeros", std::vector<double>(10'000, 1.5)});
   const Answer answer = encode_csv(example.run());
-  EXPECT_EQ(answer.body, "t,energy\n0,1.5\n2.5,\n");
+  // What does not fit into a field follows the samples.
+  const std::string rows = "t,energy\n0,1.5\n2.5,\n# Leastaction-Diagnostics: ";
+  ASSERT_EQ(answer.body.substr(0, rows.size()), rows);
+  EXPECT_EQ(answer.body.find('\n', rows.size()), answer.body.size() - 1);
+  EXPECT_EQ(Json::parse(answer.body.substr(rows.size())), Json::parse(encode_json(example.run()).body)["diagnostics"]);
   for (const auto& [name, value] : answer.headers) {
     EXPECT_LE(value.size(), 4096u) << name;
     for (const char c : value) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << name;
@@ -159,6 +167,107 @@ TEST(EncodeCsv, WritesColumnsAndBoundedFields) {
       EXPECT_EQ(Json::parse(value)[0]["detail"], "θ < 0\r\nX-Evil: 1");
     }
   }
+}
+
+// A tree of CBOR as one of JSON: typed arrays of binary64 become arrays of numbers, what is NaN there becomes null.
+Json from_cbor(const std::string& bytes) {
+  Json tree = Json::from_cbor(bytes, true, true, Json::cbor_tag_handler_t::store);
+  for (auto& [name, column] : tree["trajectory"].items()) {
+    if (!column.is_binary()) continue;
+    const auto& binary = column.get_binary();
+    EXPECT_TRUE(binary.has_subtype() && binary.subtype() == 86) << name;
+    std::vector<double> numbers(binary.size() / sizeof(double));
+    std::memcpy(numbers.data(), binary.data(), binary.size());
+    column = Json::array();
+    for (const double x : numbers) column.push_back(std::isfinite(x) ? Json(x) : Json());
+  }
+  return tree;
+}
+
+TEST(EncodeCbor, HoldsWhatJsonHolds) {
+  for (const Example& example : {Example(), coded()}) {
+    const Answer answer = whole_answer(forms()[2], example.run());
+    EXPECT_EQ(answer.type, "application/cbor");
+    const Json json = Json::parse(encode_json(example.run()).body);
+    EXPECT_EQ(from_cbor(answer.body), json);
+  }
+}
+
+TEST(EncodeCbor, WritesHeadsOfEverySize) {
+  for (const std::int64_t n : {0L, 23L, 24L, 255L, 256L, 65535L, 65536L, 4294967295L, 4294967296L, 1L << 53, -1L, -24L,
+                               -25L, -257L, -65537L, -4294967297L}) {
+    std::string bytes;
+    JsonWriter(bytes, Notation::cbor).integer(n);
+    EXPECT_EQ(Json::from_cbor(bytes), n);
+    EXPECT_EQ(bytes.size(), Json::to_cbor(Json(n)).size()) << n;
+  }
+  for (const std::size_t length : {0, 23, 24, 300, 70'000}) {
+    std::string bytes;
+    JsonWriter(bytes, Notation::cbor).text(std::string(length, 'x'));
+    EXPECT_EQ(Json::from_cbor(bytes), std::string(length, 'x'));
+  }
+  std::string bytes;
+  JsonWriter json(bytes, Notation::cbor);
+  json.open('[').number(-0.0).number(1e300).number(std::nan("")).boolean(true).boolean(false).null().close(']');
+  EXPECT_EQ(Json::from_cbor(bytes).dump(), "[-0.0,1e+300,null,true,false,null]");
+}
+
+// However large an answer is, and wherever its blocks and pieces end, its pieces are those of the whole.
+TEST(EncodeInPieces, GivesTheBytesOfTheWhole) {
+  Example example;
+  std::vector<double> values(400'002);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::sqrt(static_cast<double>(i));
+  values[301] = std::nan("");
+  example.samples = std::make_shared<KeptRows>(2);
+  for (std::size_t at = 0; at < values.size(); at += 1000) {
+    example.samples->append(std::span(values).subspan(at, std::min<std::size_t>(1000, values.size() - at)));
+  }
+  EXPECT_EQ(example.samples->rows(), 200'001u);
+  EXPECT_GT(example.samples->blocks().size(), 2u);
+  for (const Form& form : forms()) {
+    std::string joined;
+    std::size_t largest = 0;
+    const Write write = [&](std::string_view piece) {
+      joined += piece;
+      largest = std::max(largest, piece.size());
+      return true;
+    };
+    Outlet out(write);
+    form.write(example.run(), out);
+    EXPECT_TRUE(out.flush());
+    EXPECT_TRUE(joined == whole_answer(form, example.run()).body) << form.type;
+    EXPECT_LT(largest, 100'000u) << form.type;
+    EXPECT_GT(joined.size(), 3'000'000u);
+    // Who takes no more is not written to any more.
+    int taken = 0;
+    const Write refuse = [&](std::string_view) { return ++taken < 2; };
+    Outlet closed(refuse);
+    form.write(example.run(), closed);
+    EXPECT_FALSE(closed.flush());
+    EXPECT_EQ(taken, 2) << form.type;
+  }
+  const Json json = Json::parse(encode_json(example.run()).body);
+  EXPECT_EQ(json["trajectory"]["t"].size(), 200'001u);
+  EXPECT_TRUE(json["trajectory"]["energy"][150].is_null());
+  EXPECT_EQ(json["trajectory"]["t"][199'999], values[399'998]);
+}
+
+TEST(KeptRows, KeepToTheirBudget) {
+  MemoryBudget budget(1 << 20);
+  const std::vector<double> rows(1000, 1.0);
+  {
+    KeptRows first(5, &budget), second(5, &budget);
+    EXPECT_TRUE(first.append(rows));
+    EXPECT_GE(budget.held(), 8000u);
+    EXPECT_LE(budget.held(), 16'000u) << "short runs do not pay for long ones";
+    int taken = 0;
+    while (second.append(rows) && taken < 1000) ++taken;
+    EXPECT_TRUE(second.overflowed());
+    EXPECT_FALSE(first.overflowed());
+    EXPECT_GT(taken, 30);
+    EXPECT_LE(budget.held(), std::size_t{1} << 20);
+  }
+  EXPECT_EQ(budget.held(), 0u);
 }
 
 }  // namespace

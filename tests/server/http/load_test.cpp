@@ -1,10 +1,12 @@
 // Many clients, slow clients, long runs, and the end of the service.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <future>
 #include <list>
 #include <thread>
+#include <vector>
 
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
@@ -77,6 +79,29 @@ TEST_F(Load, IdleConnectionsMakeRoom) {
     EXPECT_EQ(idle.back().receive().value_or(Reply{}).status, 200) << i;
   }
   EXPECT_LT(Clock::now() - from, 10s);  // an idle connection is kept for 15 s when nobody waits
+}
+
+// Clients who never idle for long do not keep the threads for themselves.
+TEST_F(Load, BusyConnectionsMakeRoom) {
+  settings.connections = 2;
+  start();
+  std::atomic<bool> end{false};
+  std::vector<std::jthread> pollers;
+  for (int i = 0; i < 2; ++i) {
+    pollers.emplace_back([&] {
+      while (!end) {
+        Client client(service->port());
+        while (!end && client.send(get("/healthz")) && client.receive()) std::this_thread::sleep_for(5ms);
+      }
+    });
+  }
+  std::this_thread::sleep_for(200ms);
+  for (int i = 0; i < 5; ++i) {
+    const auto from = Clock::now();
+    EXPECT_EQ(ask(service->port(), short_run()).status, 200);
+    EXPECT_LT(Clock::now() - from, 3s);
+  }
+  end = true;
 }
 
 TEST_F(Load, ManyClientsAtOnceAreAllServed) {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -93,6 +94,37 @@ TEST_F(Stream, AClientThatTakesNothingIsLetGo) {
                                true, true));
   EXPECT_LT(Clock::now() - from, 40s);
   EXPECT_LT(connection.sent(), 10'000'000u);
+}
+
+// A byte now and then is not enough.
+TEST_F(Stream, AClientThatDripsIsLetGo) {
+  ask("1.1");
+  bounds.drip = 300ms;
+  std::atomic<bool> end{false};
+  std::jthread reader([&] {
+    char bytes[256];
+    while (!end && ::recv(ends[1], bytes, sizeof bytes, 0) > 0) std::this_thread::sleep_for(20ms);
+  });
+  Answer answer{200, "text/plain", std::string(20'000'000, 'x'), {}};
+  const auto from = Clock::now();
+  EXPECT_FALSE(connection.send(answer, true, true));
+  EXPECT_LT(Clock::now() - from, 10s);
+  end = true;
+  ::shutdown(ends[0], SHUT_RDWR);
+}
+
+// A slow computation is not the client's fault.
+TEST_F(Stream, AStreamMayTakeItsTime) {
+  ask("1.1");
+  bounds.drip = 50ms;
+  EXPECT_TRUE(connection.send(streaming([](const Write& write) {
+                                for (int k = 0; k < 4; ++k) {
+                                  std::this_thread::sleep_for(100ms);
+                                  if (!write("x")) return false;
+                                }
+                                return true;
+                              }),
+                              true, true));
 }
 
 TEST_F(Stream, SeesThatTheClientWentAway) {

@@ -1,0 +1,13 @@
+// The interface as an OpenAPI 3.1 document, made once: parameters from the cards, endpoints from `operations`.
+#pragma once
+
+#include <string>
+
+#include "server/decode/simulate_request.hpp"
+
+namespace least::server {
+
+/// GET /v1/openapi.json. Its examples are requests that are answered with 200.
+std::string write_openapi(const Cards& cards, const Caps& caps);
+
+}  // namespace least::server

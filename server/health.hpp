@@ -1,0 +1,12 @@
+// Asks a service whether it lives; for the health check of a container.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace least::server {
+
+/// Nothing where GET /healthz answers 200, else why not.
+std::optional<std::string> health_fault(const std::string& host, int port);
+
+}  // namespace least::server

@@ -1,0 +1,106 @@
+// The samples of an answer until they leave: as numbers, the only form in which all of them are in memory at once.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/run/outcome.hpp"
+
+namespace least::server {
+
+/// Bytes that all answers together may hold. Safe from any thread.
+class MemoryBudget {
+ public:
+  explicit MemoryBudget(std::size_t bytes) : most_(bytes) {}
+
+  /// False, and nothing taken, where it would be too much.
+  bool take(std::size_t bytes) {
+    if (held_.fetch_add(bytes) + bytes <= most_) return true;
+    held_ -= bytes;
+    return false;
+  }
+  void give_back(std::size_t bytes) { held_ -= bytes; }
+  std::size_t held() const { return held_; }
+
+ private:
+  const std::size_t most_;
+  std::atomic<std::size_t> held_{0};
+};
+
+/// Rows in blocks, so that more of them move nothing and what is freed can go back to the system. `budget` may be null:
+/// no bound.
+class KeptRows final : public RowSink {
+ public:
+  explicit KeptRows(std::size_t columns, MemoryBudget* budget = nullptr)
+      : columns_(std::max<std::size_t>(columns, 1)), budget_(budget) {}
+  ~KeptRows() override {
+    if (budget_) budget_->give_back(taken_);
+  }
+  KeptRows(const KeptRows&) = delete;
+  KeptRows& operator=(const KeptRows&) = delete;
+
+  /// False: there is no memory left in the budget.
+  bool append(std::span<const double> rows) override {
+    while (!rows.empty()) {
+      if (blocks_.empty() || blocks_.back().size() == block_size()) {
+        // The first grows with what is put into it: most runs are short.
+        if (!grow(blocks_.empty() ? 0 : block_size())) return false;
+      }
+      std::vector<double>& block = blocks_.back();
+      const std::size_t n = std::min(rows.size(), block_size() - block.size());
+      if (blocks_.size() == 1 && !grow_first(block.size() + n)) return false;
+      block.insert(block.end(), rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(n));
+      rows = rows.subspan(n);
+    }
+    return true;
+  }
+
+  std::size_t columns() const { return columns_; }
+  std::size_t rows() const {
+    std::size_t numbers = 0;
+    for (const auto& block : blocks_) numbers += block.size();
+    return numbers / columns_;
+  }
+  /// Each of whole rows, one after the other.
+  const std::vector<std::vector<double>>& blocks() const { return blocks_; }
+  /// Whether rows were turned away.
+  bool overflowed() const { return overflowed_; }
+
+ private:
+  std::size_t block_size() const {
+    constexpr std::size_t numbers = 128 * 1024;  // a mebibyte: beyond malloc's threshold, unmapped when it is freed
+    return std::max<std::size_t>(numbers / columns_, 1) * columns_;
+  }
+  bool take(std::size_t numbers) {
+    if (budget_ && !budget_->take(numbers * sizeof(double))) {
+      overflowed_ = true;
+      return false;
+    }
+    if (budget_) taken_ += numbers * sizeof(double);
+    return true;
+  }
+  bool grow(std::size_t numbers) {
+    if (!take(numbers)) return false;
+    blocks_.emplace_back().reserve(numbers);
+    return true;
+  }
+  bool grow_first(std::size_t size) {
+    std::vector<double>& block = blocks_.front();
+    if (size <= block.capacity()) return true;
+    const std::size_t capacity = std::min(std::max(size, 2 * block.capacity()), block_size());
+    if (!take(capacity - block.capacity())) return false;
+    block.reserve(capacity);
+    return true;
+  }
+
+  const std::size_t columns_;
+  MemoryBudget* const budget_;
+  std::vector<std::vector<double>> blocks_;
+  std::size_t taken_ = 0;
+  bool overflowed_ = false;
+};
+
+}  // namespace least::server

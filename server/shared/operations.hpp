@@ -1,0 +1,33 @@
+// What can be asked of the service, in one table: the index and the OpenAPI document are made from it.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace least::server {
+
+struct Operation {
+  std::string_view method, path, title;
+};
+
+/// In the order in which they are told.
+inline std::span<const Operation> operations() {
+  static constexpr Operation all[] = {
+      {"POST", "/v1/simulate", "one run"},
+      {"POST", "/v1/work-precision", "what accuracy costs with each scheme, measured"},
+      {"POST", "/v1/stability", "the largest stable step of schemes on a scene"},
+      {"POST", "/v1/ensemble", "many runs of one scene: statistics, final states, sections"},
+      {"GET", "/v1/catalogue", "every problem and every scheme, with all their parameters"},
+      {"GET", "/v1/problems", "problems by id"},
+      {"GET", "/v1/problems/{id}", "the card of a problem"},
+      {"GET", "/v1/schemes", "schemes by id"},
+      {"GET", "/v1/schemes/{id}", "the card of a scheme"},
+      {"GET", "/v1/openapi.json", "this interface as OpenAPI 3.1"},
+      {"GET", "/healthz", "whether the service lives"},
+      {"GET", "/readyz", "whether it takes requests: not while it ends, nor with a full queue"},
+      {"GET", "/metrics", "what it does, as text for Prometheus"},
+  };
+  return all;
+}
+
+}  // namespace least::server

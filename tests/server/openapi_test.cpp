@@ -1,0 +1,239 @@
+// The OpenAPI document: sound in itself, true to the catalogue, and its examples are answered.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "server/decode/json_parse.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+// What the schemas of the document say, of JSON Schema's words only those that it uses; another one is an error.
+class Validator {
+ public:
+  explicit Validator(const Json& document) : schemas_(document.at("components").at("schemas")) {}
+
+  /// Why the value does not fit; empty where it does.
+  std::string fault(const Json& schema, const Json& value, const std::string& at = "") const {
+    for (const auto& [word, means] : schema.items()) {
+      const std::string why = check(schema, word, means, value, at);
+      if (!why.empty()) return why;
+    }
+    return {};
+  }
+
+ private:
+  std::string check(const Json& schema, const std::string& word, const Json& means, const Json& value,
+                    const std::string& at) const {
+    const std::string wrong = at + ": " + word;
+    if (word == "$ref") {
+      const std::string name = means.get<std::string>().substr(std::string("#/components/schemas/").size());
+      return schemas_.contains(name) ? fault(schemas_.at(name), value, at) : at + ": no schema " + name;
+    }
+    if (word == "anyOf" || word == "oneOf") {
+      std::size_t fitting = 0;
+      for (const Json& one : means) fitting += fault(one, value, at).empty();
+      return fitting == 1 || (fitting > 1 && word == "anyOf") ? "" : wrong;
+    }
+    if (word == "type") {
+      const Json types = means.is_array() ? means : Json::array({means});
+      for (const Json& type : types)
+        if (is(type, value)) return {};
+      return wrong;
+    }
+    if (word == "const") return value == means ? "" : wrong;
+    if (word == "enum") return std::find(means.begin(), means.end(), value) != means.end() ? "" : wrong;
+    if (word == "required") {
+      for (const Json& key : means)
+        if (!value.contains(key.get<std::string>())) return wrong + " " + key.dump();
+      return {};
+    }
+    if (word == "properties") {
+      for (const auto& [key, part] : value.items()) {
+        if (!means.contains(key)) continue;
+        if (auto why = fault(means.at(key), part, at + "/" + key); !why.empty()) return why;
+      }
+      return {};
+    }
+    if (word == "additionalProperties") {
+      for (const auto& [key, part] : value.items())
+        if (!schema.at("properties").contains(key)) return wrong + " " + key;
+      return {};
+    }
+    if (word == "items") {
+      for (const Json& part : value)
+        if (auto why = fault(means, part, at + "/-"); !why.empty()) return why;
+      return {};
+    }
+    if (word == "uniqueItems") return std::set<Json>(value.begin(), value.end()).size() == value.size() ? "" : wrong;
+    if (word == "minItems") return value.size() >= means ? "" : wrong;
+    if (word == "maxItems") return value.size() <= means ? "" : wrong;
+    if (word == "minimum") return !(value < means) ? "" : wrong;
+    if (word == "maximum") return !(means < value) ? "" : wrong;
+    if (word == "exclusiveMinimum") return means < value ? "" : wrong;
+    if (word == "exclusiveMaximum") return value < means ? "" : wrong;
+    const std::set<std::string> notes{"description", "default", "title", "x-unit", "x-suggested"};
+    return notes.contains(word) ? "" : at + ": a word that is not known here: " + word;
+  }
+  static bool is(const std::string& type, const Json& value) {
+    return type == "object"    ? value.is_object()
+           : type == "array"   ? value.is_array()
+           : type == "string"  ? value.is_string()
+           : type == "number"  ? value.is_number()
+           : type == "integer" ? value.is_number() && std::floor(value.get<double>()) == value.get<double>()
+           : type == "boolean" ? value.is_boolean()
+                               : type == "null" && value.is_null();
+  }
+  const Json& schemas_;
+};
+
+class OpenApi : public Serving {
+ protected:
+  static const Json& document() {
+    static const Json all = Json::parse(ask(port(), get("/v1/openapi.json")).body);
+    return all;
+  }
+  static const Json& schema(const std::string& name) { return document()["components"]["schemas"].at(name); }
+  static std::string fault(const std::string& name, const std::string& request) {
+    return Validator(document()).fault(schema(name), Json::parse(request));
+  }
+};
+
+// Everything that points somewhere points to something.
+void expect_references_lead(const Json& part, const Json& schemas) {
+  if (!part.is_structured()) return;
+  if (part.is_object() && part.contains("$ref")) {
+    const std::string target = part["$ref"], folder = "#/components/schemas/";
+    EXPECT_EQ(target.find(folder), 0u) << target;
+    EXPECT_TRUE(schemas.contains(target.substr(folder.size()))) << target;
+  }
+  for (const Json& child : part) expect_references_lead(child, schemas);
+}
+
+TEST_F(OpenApi, IsSoundInItself) {
+  EXPECT_EQ(document()["openapi"], "3.1.0");
+  for (const char* key : {"title", "version"}) EXPECT_TRUE(document()["info"][key].is_string());
+  expect_references_lead(document(), document()["components"]["schemas"]);
+  std::set<std::string> ids;
+  for (const auto& [path, methods] : document()["paths"].items()) {
+    EXPECT_EQ(path.front(), '/');
+    for (const auto& [method, operation] : methods.items()) {
+      EXPECT_TRUE(method == "get" || method == "post");
+      EXPECT_TRUE(ids.insert(operation.at("operationId")).second) << operation["operationId"];
+      EXPECT_TRUE(operation["responses"].contains("200")) << path;
+      for (const auto& [status, response] : operation["responses"].items()) {
+        EXPECT_TRUE(response.at("description").is_string()) << path << status;
+      }
+      EXPECT_EQ(operation.contains("requestBody"), method == "post");
+      EXPECT_EQ(path.find("{id}") != path.npos, operation.contains("parameters")) << path;
+    }
+  }
+}
+
+TEST_F(OpenApi, HoldsEveryEndpointAndNoOther) {
+  std::set<std::string> told, listed;
+  for (const auto& [path, methods] : document()["paths"].items()) told.insert(path);
+  const Json index = Json::parse(ask(port(), get("/v1")).body);
+  for (const Json& endpoint : index["endpoints"]) {
+    listed.insert(endpoint["href"]);
+  }
+  EXPECT_EQ(told, listed);
+  for (std::string path : told) {
+    const bool posts = document()["paths"][path].contains("post");
+    const Json operation = document()["paths"][path][posts ? "post" : "get"];
+    if (const auto hole = path.find("{id}"); hole != path.npos) {
+      for (const Json& id : operation["parameters"][0]["schema"]["enum"]) {
+        std::string one = path;
+        EXPECT_EQ(ask(port(), get(one.replace(hole, 4, id.get<std::string>()))).status, 200) << one;
+      }
+    } else if (!posts) {
+      EXPECT_EQ(ask(port(), get(path)).status, 200) << path;
+    }
+  }
+}
+
+TEST_F(OpenApi, EveryExampleFitsItsSchemaAndIsAnswered) {
+  std::size_t sent = 0;
+  for (const auto& [path, methods] : document()["paths"].items()) {
+    if (!methods.contains("post")) continue;
+    const Json& body = methods["post"]["requestBody"]["content"]["application/json"];
+    EXPECT_FALSE(body["examples"].empty()) << path;
+    for (const auto& [name, example] : body["examples"].items()) {
+      EXPECT_EQ(Validator(document()).fault(body["schema"], example["value"]), "") << path << " " << name;
+      const Reply reply = ask(port(), post(path, example["value"].dump()));
+      EXPECT_EQ(reply.status, 200) << path << " " << name << reply.body;
+      const Json& answer = methods["post"]["responses"]["200"]["content"]["application/json"]["schema"];
+      EXPECT_EQ(Validator(document()).fault(answer, Json::parse(reply.body)), "") << path << " " << name;
+      ++sent;
+    }
+  }
+  EXPECT_GE(sent, Json::parse(ask(port(), get("/v1/problems")).body)["problems"].size() + 2);
+}
+
+// Every parameter of every card, with its range, default, unit and description.
+TEST_F(OpenApi, SaysWhatTheCardsSay) {
+  const Json catalogue = Json::parse(ask(port(), get("/v1/catalogue")).body);
+  const auto compare = [&](const Json& told, const Json& card, const std::string& where) {
+    EXPECT_EQ(told["default"], card["default"]) << where;
+    EXPECT_EQ(told.value("description", ""), card["doc"]) << where;
+    EXPECT_EQ(told.value("x-unit", ""), card.value("unit", "")) << where;
+    const Json& range = told.contains("anyOf") && card["nullable"] ? told["anyOf"][0] : told;
+    if (card["type"] == "number" || card["type"] == "integer") {
+      const auto bound = [&](const char* open, const char* closed) {
+        return range.value(open, range.value(closed, Json()));
+      };
+      EXPECT_EQ(bound("exclusiveMinimum", "minimum"), card["minimum"]) << where;
+      EXPECT_EQ(bound("exclusiveMaximum", "maximum"), card["maximum"]) << where;
+      EXPECT_EQ(range.contains("exclusiveMinimum"), card["exclusive_minimum"] && !card["minimum"].is_null()) << where;
+    }
+  };
+  std::size_t compared = 0;
+  for (const auto& [kind, prefix] : {std::pair{"problems", "Problem."}, {"schemes", "Scheme."}}) {
+    for (const Json& card : catalogue[kind]) {
+      const Json& properties = schema(prefix + card["id"].get<std::string>())["properties"];
+      for (const Json& parameter : card["parameters"]) {
+        const std::string name = parameter["name"];
+        ASSERT_TRUE(properties.contains(name)) << card["id"] << name;
+        if (parameter["type"] == "list") continue;
+        compare(properties[name], parameter, card["id"].get<std::string>() + " " + name);
+        ++compared;
+      }
+      EXPECT_EQ(properties.contains("preset"), !card["presets"].empty());
+    }
+  }
+  EXPECT_GT(compared, 50u);
+}
+
+// The schema and the decoder agree on what is wrong.
+TEST_F(OpenApi, TheSchemaRefusesWhatTheServiceRefuses) {
+  const char* const good = R"({"problem":"kepler","scheme":{"id":"leapfrog","step":0.1,"composition":"none"},
+    "initial":{"x":1,"t":0},"until":{"steps":5},"record":{"every":1},"columns":["t","x"],"norm":"relative"})";
+  EXPECT_EQ(fault("SimulateRequest", good), "");
+  EXPECT_EQ(ask(port(), post("/v1/simulate", good)).status, 200);
+  for (const char* bad :
+       {R"({"problem":"kepler"})", R"({"problem":"keplr","scheme":"leapfrog"})",
+        R"({"problem":"kepler","scheme":{"step":1}})", R"({"problem":"kepler","scheme":{"id":"leapfrog","step":0}})",
+        R"({"problem":"kepler","scheme":{"id":"leapfrog","step":"a"}})",
+        R"({"problem":"kepler","scheme":{"id":"leapfrog","steps":1}})",
+        R"({"problem":"kepler","scheme":{"id":"leapfrog","composition":"nonsense"}})",
+        R"({"problem":"kepler","scheme":"leapfrog","until":{"t":1,"steps":2}})",
+        R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":0}})",
+        R"({"problem":"kepler","scheme":"leapfrog","record":{"samples":1}})",
+        R"({"problem":"kepler","scheme":"leapfrog","columns":["t","t"]})",
+        R"({"problem":"kepler","scheme":"leapfrog","columns":["nonsense"]})",
+        R"({"problem":"kepler","scheme":"leapfrog","limits":{"seconds":1e9}})",
+        R"({"problem":"kepler","scheme":"leapfrog","colums":[]})",
+        R"({"problem":{"id":"kepler","mu":-1},"scheme":"leapfrog"})",
+        R"({"problem":"kepler","scheme":{"id":"auto","keep":["nonsense"],"accuracy":1}})"}) {
+    EXPECT_NE(fault("SimulateRequest", bad), "") << bad;
+    EXPECT_EQ(ask(port(), post("/v1/simulate", bad)).status, 422) << bad;
+  }
+  const Reply refused = ask(port(), post("/v1/simulate", "{}"));
+  EXPECT_EQ(Validator(document()).fault(schema("ProblemDocument"), Json::parse(refused.body)), "");
+}
+
+}  // namespace
+}  // namespace least::server::test

@@ -1,0 +1,90 @@
+// The built binary as a child process.
+#pragma once
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace least::server::test {
+
+// A child process with its standard streams.
+class Process {
+ public:
+  /// `closed`: a descriptor that it begins without; none where negative.
+  explicit Process(std::vector<std::string> arguments, std::string_view input = "",
+                   std::vector<std::string> environment = {}, int closed = -1) {
+    std::array<int, 2> in{}, out{}, err{};
+    if (::pipe2(in.data(), O_CLOEXEC) || ::pipe2(out.data(), O_CLOEXEC) || ::pipe2(err.data(), O_CLOEXEC)) std::abort();
+    arguments.insert(arguments.begin(), LEAST_BINARY);
+    std::vector<char*> argv, envp;
+    for (auto& argument : arguments) argv.push_back(argument.data());
+    for (auto& variable : environment) envp.push_back(variable.data());
+    argv.push_back(nullptr);
+    envp.push_back(nullptr);
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      ::dup2(in[0], 0);
+      ::dup2(out[1], 1);
+      ::dup2(err[1], 2);
+      if (closed >= 0) ::close(closed);
+      ::execve(argv[0], argv.data(), envp.data());
+      ::_exit(127);
+    }
+    ::close(in[0]);
+    ::close(out[1]);
+    ::close(err[1]);
+    if (::write(in[1], input.data(), input.size()) < 0) std::abort();
+    ::close(in[1]);
+    out_ = out[0];
+    err_ = err[0];
+  }
+  ~Process() {
+    if (pid_ > 0) {
+      ::kill(pid_, SIGKILL);
+      wait();
+    }
+    ::close(out_);
+    ::close(err_);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  std::string line() const {
+    std::string text;
+    for (char c; ::read(out_, &c, 1) == 1 && c != '\n';) text += c;
+    return text;
+  }
+  std::string output() const { return all(out_); }
+  std::string errors() const { return all(err_); }
+  int id() const { return pid_; }
+  void signal(int number) const { ::kill(pid_, number); }
+  /// The exit code; 128 + the signal where one ended it.
+  int wait() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  static std::string all(int descriptor) {
+    std::string text;
+    char bytes[65536];
+    for (ssize_t n; (n = ::read(descriptor, bytes, sizeof bytes)) > 0;) text.append(bytes, static_cast<std::size_t>(n));
+    return text;
+  }
+  pid_t pid_ = -1;
+  int out_ = -1, err_ = -1;
+};
+
+/// That a service says it listens on.
+inline int port_in(const std::string& line) { return std::stoi(line.substr(line.rfind(':') + 1)); }
+
+}  // namespace least::server::test

@@ -1,0 +1,293 @@
+// Who computes: turns in the queue, clients that leave and clients that only stop sending.
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <atomic>
+#include <chrono>
+#include <list>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "server/decode/json_parse.hpp"
+#include "server/http/admission.hpp"
+#include "server/http/metrics.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Ticks = std::chrono::steady_clock;
+
+// Waits in the queue of an admission, on a thread of its own.
+struct Asking {
+  Asking(Admission& admission, const std::string& client, std::vector<std::string>& order, std::mutex& mutex)
+      : thread([&admission, &order, &mutex, client] {
+          const auto pass = admission.enter(client, 20s);
+          const std::lock_guard lock(mutex);
+          order.push_back(pass ? client : client + " refused");
+        }) {}
+  std::jthread thread;
+};
+
+void await_waiting(const Admission& admission, unsigned waiting) {
+  for (const auto from = Ticks::now(); admission.load().waiting != waiting && Ticks::now() - from < 10s;) {
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(admission.load().waiting, waiting);
+}
+
+TEST(Turns, GoRoundTheClients) {
+  Admission admission(1, 100);
+  auto first = admission.enter("a", 1s);
+  ASSERT_TRUE(first);
+  std::vector<std::string> order;
+  std::mutex mutex;
+  std::list<Asking> asking;
+  unsigned n = 0;
+  for (const char* client : {"a", "a", "a", "b", "a", "b", "c"}) {
+    asking.emplace_back(admission, client, order, mutex);
+    await_waiting(admission, ++n);
+  }
+  first.reset();
+  asking.clear();
+  EXPECT_EQ(order, (std::vector<std::string>{"a", "b", "c", "a", "b", "a", "a"}));
+  EXPECT_EQ(admission.load().running, 0u);
+}
+
+TEST(Turns, OneClientHasHalfOfThePlacesWhileOthersWait) {
+  Admission admission(4, 100);
+  std::vector<std::optional<Admission::Pass>> held;
+  for (int i = 0; i < 4; ++i) held.push_back(admission.enter("greedy", 1s));
+  std::atomic<int> greedy{0}, modest{0};
+  std::atomic<bool> end{false};
+  std::vector<std::jthread> threads;
+  const auto wait = [&](const char* client, std::atomic<int>& count) {
+    threads.emplace_back([&, client] {
+      const auto pass = admission.enter(client, 20s);
+      ++count;
+      while (!end) std::this_thread::sleep_for(1ms);
+    });
+  };
+  for (int i = 0; i < 8; ++i) wait("greedy", greedy);
+  await_waiting(admission, 8);
+  for (int i = 0; i < 4; ++i) wait("modest", modest);
+  await_waiting(admission, 12);
+  held.clear();  // all four places: two for each
+  await_waiting(admission, 8);
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(greedy, 2);
+  EXPECT_EQ(modest, 2);
+  end = true;
+}
+
+TEST(Turns, AFullQueueMakesRoomForWhoHasLessInIt) {
+  Metrics metrics;
+  Admission admission(1, 4, &metrics);
+  auto first = admission.enter("a", 1s);
+  std::vector<std::string> order;
+  std::mutex mutex;
+  std::list<Asking> asking;
+  for (unsigned i = 1; i <= 4; ++i) {
+    asking.emplace_back(admission, "a", order, mutex);
+    await_waiting(admission, i);
+  }
+  EXPECT_TRUE(admission.load().full);
+  const auto from = Ticks::now();
+  EXPECT_FALSE(admission.enter("a", 20s)) << "it has the most";
+  EXPECT_LT(Ticks::now() - from, 5s) << "told at once";
+  asking.emplace_back(admission, "b", order, mutex);
+  for (const auto since = Ticks::now(); Ticks::now() - since < 10s; std::this_thread::sleep_for(1ms)) {
+    const std::lock_guard lock(mutex);
+    if (!order.empty()) break;
+  }
+  first.reset();
+  asking.clear();
+  EXPECT_EQ(order, (std::vector<std::string>{"a refused", "a", "b", "a", "a"}));
+  EXPECT_NE(metrics.text({}).find("leastaction_rejected_total 2\n"), std::string::npos);
+}
+
+TEST(Turns, WhoCannotBeServedInTimeIsToldAtOnce) {
+  Admission admission(1, 100);
+  for (int i = 0; i < 30; ++i) {
+    const auto pass = admission.enter("a", 1s);
+    std::this_thread::sleep_for(10ms);
+  }
+  const auto held = admission.enter("a", 1s);
+  const auto from = Ticks::now();
+  EXPECT_FALSE(admission.enter("a", 1ms)) << "runs take ten milliseconds each";
+  EXPECT_LT(Ticks::now() - from, 500ms);
+  EXPECT_FALSE(admission.enter("b", 300ms)) << "this one may hope, for so long";
+  EXPECT_GE(Ticks::now() - from, 300ms);
+}
+
+TEST(Turns, WhoLeavesTheQueueIsForgotten) {
+  Admission admission(1, 1);
+  const auto held = admission.enter("a", 1s);
+  const auto from = Ticks::now();
+  EXPECT_FALSE(admission.enter("b", 20s, [] { return true; }));
+  EXPECT_LT(Ticks::now() - from, 5s);
+  EXPECT_EQ(admission.load().waiting, 0u);
+}
+
+class Leaving : public testing::Test {
+ protected:
+  Settings settings = quiet_settings();
+  std::unique_ptr<Service> service;
+  void SetUp() override {
+    settings.threads = 1;
+    settings.queue = 0;
+    service = std::make_unique<Service>(settings, page_assets);
+    ASSERT_FALSE(service->start());
+    EXPECT_EQ(ask(service->port(), short_request()).status, 200);
+  }
+  static std::string short_request() {
+    return post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":9}})");
+  }
+  static std::string long_request(const std::string& seconds, const std::string& fields = "") {
+    return post("/v1/simulate",
+                R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},"record":{"every":0},
+                    "limits":{"steps":10000000000,"seconds":)" +
+                    seconds + "}}",
+                fields);
+  }
+  unsigned running() const {
+    const std::string text = ask(service->port(), get("/metrics")).body;
+    return static_cast<unsigned>(std::stoul(text.substr(text.find("\nleastaction_running ") + 21)));
+  }
+  double seconds_until_free() const {
+    const auto from = Ticks::now();
+    while (running() > 0 && Ticks::now() - from < 10s) std::this_thread::sleep_for(5ms);
+    return std::chrono::duration<double>(Ticks::now() - from).count();
+  }
+};
+
+TEST_F(Leaving, FreesTheCoreWithinAFifthOfASecond) {
+  for (const char* fields : {"", "Accept: text/csv\r\n", "Accept: application/x-ndjson\r\n"}) {
+    for (const bool reset : {false, true}) {
+      {
+        Client client(service->port());
+        client.send(long_request("20", fields));
+        std::this_thread::sleep_for(300ms);
+        EXPECT_EQ(running(), 1u);
+        if (reset) client.reset();
+      }
+      // Lines are the only thing that can be written into a stream: a client that left shows with the next of them.
+      EXPECT_LT(seconds_until_free(), *fields && std::string_view(fields).ends_with("ndjson\r\n") ? 0.6 : 0.25)
+          << fields << reset;
+    }
+  }
+  EXPECT_NE(ask(service->port(), get("/metrics")).body.find("leastaction_cancelled_total 6\n"), std::string::npos);
+}
+
+// A client that has sent all it had to say still reads.
+TEST_F(Leaving, AHalfClosedClientIsAnswered) {
+  for (const char* fields : {"", "Accept: application/x-ndjson\r\n"}) {
+    Client client(service->port());
+    client.send(long_request("0.7", fields));
+    client.end_sending();
+    if (!*fields) {
+      EXPECT_EQ(client.interim(), 100) << "a word between, to see whether it is there";
+    }
+    const auto reply = client.receive();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->status, 200);
+    EXPECT_NE(reply->body.find("\"reason\":\"deadline\""), std::string::npos) << reply->body;
+  }
+}
+
+TEST_F(Leaving, AHalfClosedClientIsAdvisedAsAnyOther) {
+  const std::string request = R"({"problem":"kepler","scheme":{"id":"auto","accuracy":1e-9},"until":{"t":100},
+    "record":{"every":0},"diagnostics":["error"]})";
+  const Json whole = Json::parse(ask(service->port(), post("/v1/simulate", request)).body);
+  Client client(service->port());
+  client.send(post("/v1/simulate", request));
+  client.end_sending();
+  auto reply = client.receive();
+  while (reply && reply->status == 100) reply = client.receive();
+  ASSERT_TRUE(reply);
+  const Json half = Json::parse(reply->body);
+  EXPECT_EQ(half["scheme"], whole["scheme"]);
+  EXPECT_EQ(half["final"], whole["final"]);
+}
+
+// Choosing and running keep the limit together.
+TEST_F(Leaving, AutoKeepsTheLimitOfSeconds) {
+  const auto from = Ticks::now();
+  const Reply reply = ask(service->port(), post("/v1/simulate", R"({"problem":"kepler","scheme":
+    {"id":"auto","accuracy":1e-12},"until":{"t":40000},"record":{"every":0},"diagnostics":[],
+    "limits":{"seconds":1.5,"steps":10000000000}})"));
+  EXPECT_LT(std::chrono::duration<double>(Ticks::now() - from).count(), 2.1) << reply.body;
+}
+
+// A megabyte of words that nobody knows is refused before they have cost much.
+TEST_F(Leaving, HopelessRequestsCostLittle) {
+  std::string columns;
+  for (int i = 0; columns.size() < 1'000'000; ++i) {
+    columns += (i ? ",\"" : "\"") + std::string(50, static_cast<char>('a' + i % 26)) + std::to_string(i) + "\"";
+  }
+  const std::string request =
+      post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","columns":[)" + columns + "]}");
+  Reply reply;
+  const auto cost = [&](const std::string& bytes) {
+    double best = 1e9;
+    for (int k = 0; k < 5; ++k) {
+      reply = ask(service->port(), bytes);
+      EXPECT_EQ(reply.status, 422);
+      best = std::min(best, std::stod(reply.fields.at("server-timing").substr(12)));
+    }
+    return best;
+  };
+  // As many bytes, of which only the first key is looked at.
+  std::string unread = request;
+  unread.replace(unread.find("columns"), 7, "column_");
+  const double least = cost(unread);
+  EXPECT_LT(cost(request), 3 * least) << "milliseconds";
+  EXPECT_EQ(Json::parse(reply.body)["errors"].size(), 100u);
+  std::string wrong;
+  for (int i = 0; i < 30; ++i)
+    wrong += (i ? ",\"energi" : "\"energi") + std::string(static_cast<std::size_t>(i) % 2, 'e') + "\"";
+  const Json few = Json::parse(ask(service->port(), post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog",
+    "columns":[)" + wrong + "]}"))
+                                   .body);
+  std::size_t meant = 0;
+  for (const Json& error : few["errors"])
+    meant += error["detail"].get<std::string>().find("did you mean") != std::string::npos;
+  EXPECT_EQ(meant, 10u);
+  EXPECT_EQ(few["errors"].size(), 30u);
+}
+
+// One client with many connections, another with one: it is served all the same.
+TEST(Fairness, ManyConnectionsDoNotShutOutOne) {
+  Settings settings = quiet_settings();
+  settings.threads = 1;
+  settings.queue = 8;
+  settings.host = "0.0.0.0";
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  const std::string request = post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":1000000},
+    "record":{"every":0},"diagnostics":[]})");
+  std::atomic<bool> end{false};
+  std::vector<std::jthread> crowd;
+  for (int i = 0; i < 17; ++i) {
+    crowd.emplace_back([&] {
+      Client client(service.port());
+      while (!end && client.send(request) && client.receive()) {
+      }
+    });
+  }
+  std::this_thread::sleep_for(500ms);
+  Client other(service.port(), "127.0.0.2");
+  int served = 0;
+  for (int i = 0; i < 20; ++i) {
+    other.send(post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})"));
+    served += other.receive().value_or(Reply{}).status == 200 ? 1 : 0;
+  }
+  end = true;
+  EXPECT_EQ(served, 20);
+}
+
+}  // namespace
+}  // namespace least::server::test

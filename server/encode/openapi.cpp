@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/ensemble/members.hpp"
 #include "server/decode/json_parse.hpp"
 #include "server/encode/run_answer.hpp"
 #include "server/shared/operations.hpp"
@@ -175,7 +176,7 @@ Json ensemble_schema(const Cards& cards, const Caps& caps, Json properties) {
     ways.push_back(object_of({{name, shape}}, {name}));
   }
   const Json vary{{"type", "object"}, {"additionalProperties", {{"oneOf", ways}}}};
-  const Json histogram = object_of({{"range", numbers(2)}, {"bins", count_in(1, 10'000)}}, {"range", "bins"});
+  const Json histogram = object_of({{"range", numbers(2)}, {"bins", count_in(1, 100'000)}}, {"range", "bins"});
   const Json directions{{"type", "string"}, {"enum", {"up", "down", "both"}}};
   properties.update(
       {{"scheme", reference("Scheme")},

@@ -108,4 +108,24 @@ std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = 
 
 std::string deadline(double seconds) { return fmt::format("limits.seconds = {} ran out", seconds); }
 
+std::string unsolved(bool fixed) {
+  return fixed ? "Newton's method found no solution of the implicit step; a shorter step may"
+               : "the equations of the step have no solution near here; a shorter step may";
+}
+
+std::string not_finite(bool fixed) {
+  return std::string("the next state is not finite, or beyond 1e75 where energies overflow") +
+         (fixed ? "" : ", or time stood still");
+}
+
+std::string underflow() {
+  return "a step within the tolerance is too short to advance the time: the motion is singular near here, or the time "
+         "too large";
+}
+
+std::string parameter_underflow() {
+  return "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in a "
+         "collision or where the motion comes to rest";
+}
+
 }  // namespace least::messages

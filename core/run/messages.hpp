@@ -36,5 +36,10 @@ std::string energy_jump(double before, double now);
 std::string number(double x);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
+/// Of a step that could not be taken, `fixed` where steps are of equal length.
+std::string unsolved(bool fixed);
+std::string not_finite(bool fixed);
+std::string underflow();
+std::string parameter_underflow();
 
 }  // namespace least::messages

@@ -262,32 +262,19 @@ class Run {
     if (result.end == BlockEnd::left_domain) return leave_domain();
     if (result.end == BlockEnd::too_fast) return stop_as_unstable();
     if (result.status == StepStatus::underflow && method_)
-      return stop(
-          ReturnCode::parameter_step_underflow,
-          "the parameter's step fell below 2⁻³⁰ of its nominal length: the orbit turns ever more sharply, as in "
-          "a collision or where the motion comes to rest");
+      return stop(ReturnCode::parameter_step_underflow, messages::parameter_underflow());
     const std::string why = integrator_->failure();
     const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
     if (result.status == StepStatus::solver_failed)
-      return stop(ReturnCode::solver_failed,
-                  !why.empty() ? why
-                  : fixed_     ? "Newton's method found no solution of the implicit step; a shorter step may"
-                               : "the equations of the step have no solution near here; a shorter step may",
-                  when);
+      return stop(ReturnCode::solver_failed, !why.empty() ? why : messages::unsolved(fixed_), when);
     if (result.status == StepStatus::singular || std::isfinite(when))
       return stop(ReturnCode::singular,
                   std::isfinite(when) ? messages::blow_up(when)
                   : !why.empty()      ? why
                                       : "the step is singular here; a shorter one may not be",
                   when);
-    if (result.status == StepStatus::underflow)
-      return stop(ReturnCode::singular,
-                  "a step within the tolerance is too short to advance the time: the motion is singular near here, or "
-                  "the time too large");
-    return stop(ReturnCode::not_finite,
-                fixed_ ? "the next state is not finite, or beyond 1e75 where energies overflow"
-                       : "the next state is not finite, or beyond 1e75 where energies overflow, or "
-                         "time stood still");
+    if (result.status == StepStatus::underflow) return stop(ReturnCode::singular, messages::underflow());
+    return stop(ReturnCode::not_finite, messages::not_finite(fixed_));
   }
 
   /// When the motion that began at the start becomes infinite, if it does so near here; else unknown.

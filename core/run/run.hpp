@@ -62,7 +62,6 @@ class Run {
 
  private:
   static constexpr double infinite = std::numeric_limits<double>::infinity();
-
   static double damping_of([[maybe_unused]] const P& problem) {
     if constexpr (HasFrequency<P> && ConstantDamping<P>) return std::max<double>(problem.damping(), 0.0);
     return 0;
@@ -88,7 +87,6 @@ class Run {
   }
 
   // ---- the start
-
   bool initialize() {
     if (!check_start()) return false;
     if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(ReturnCode::singular, why);
@@ -123,7 +121,6 @@ class Run {
   }
 
   // ---- on the way
-
   /// One block of steps and what falls due at its end.
   bool advance_block() {
     const std::int64_t n = state_.n;
@@ -222,7 +219,6 @@ class Run {
   }
 
   // ---- the end
-
   /// The state at the end, by a shorter step or within the last one, and the samples there.
   void finish() {
     if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
@@ -374,7 +370,6 @@ class Run {
   }
 
   static constexpr std::size_t most_snapshots = 256;
-
   P problem_;
   const Scene& scene_;
   const ProblemCard& card_;

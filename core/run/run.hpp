@@ -63,7 +63,6 @@ class Run {
 
  private:
   static constexpr double infinite = std::numeric_limits<double>::infinity();
-
   static double damping_of([[maybe_unused]] const P& problem) {
     if constexpr (HasFrequency<P> && ConstantDamping<P>) return std::max<double>(problem.damping(), 0.0);
     return 0;
@@ -124,7 +123,6 @@ class Run {
   }
 
   // ---- on the way
-
   /// One block of steps and what falls due at its end.
   bool advance_block() {
     const std::int64_t n = state_.n;
@@ -237,7 +235,6 @@ class Run {
   bool receiver_is_gone() { return stop(ReturnCode::cancelled, "the receiver of the samples went away"); }
 
   // ---- the end
-
   /// The state at the end, by a shorter step or within the last one, and the samples there.
   void finish() {
     if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
@@ -362,7 +359,6 @@ class Run {
   }
 
   static constexpr std::size_t most_snapshots = 256;
-
   P problem_;
   const Scene& scene_;
   const ProblemCard& card_;

@@ -25,7 +25,7 @@ namespace least {
 using SchemeList =
     std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
                Galerkin4, JacobiMaupertuis, EnergyMomentum, TimeTransformed, AdaptiveVerlet, ContactSymplecticEuler,
-               ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss,
-               Taylor, DormandPrince5, Fehlberg78, BulirschStoer>;
+               ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss, Taylor,
+               DormandPrince5, Fehlberg78, BulirschStoer>;
 
 }  // namespace least

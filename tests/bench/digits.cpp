@@ -105,7 +105,7 @@ Contestant ours(const TrueOrbit& orbit, const SchemeConfig& choice) {
   const double coarsest = dial.adaptive() ? dial.range.high : std::min(1e3 * dial.value(choice), dial.range.high);
   return {"`" + words.substr(0, card.id.size()) + "`" + words.substr(card.id.size()),
           coarsest,
-          std::max(1e-9 * coarsest, dial.range.low),
+          dial.adaptive() ? dial.range.low : std::max(1e-9 * coarsest, dial.range.low),
           dial.adaptive() ? std::pow(10, 0.25) : 1.1,
           measured,
           prepared,

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "server/decode/ensemble_block.hpp"
 #include "server/decode/ensemble_request.hpp"
 #include "server/decode/field_reader.hpp"
 #include "server/decode/wording.hpp"

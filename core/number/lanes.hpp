@@ -17,7 +17,6 @@
 
 #include "core/number/linear.hpp"
 #include "core/number/math.hpp"
-#include "core/status.hpp"
 
 #define LEAST_INLINE [[gnu::always_inline]] inline
 
@@ -148,27 +147,6 @@ LEAST_INLINE Lanes phi1(const Lanes& z) {
   return select(some, expm1(z) / select(some, z, Lanes(1)), Lanes(1));
 }
 
-/// A status for each lane.
-struct LaneStatuses {
-  LaneMask::Vector of;
-  LEAST_INLINE LaneStatuses(StepStatus all)  // NOLINT(google-explicit-constructor): one for all
-      : of(static_cast<std::int64_t>(all) - LaneMask::Vector{}) {}
-};
-LEAST_INLINE LaneMask succeeded(const LaneStatuses& status) { return {status.of == 0}; }
-LEAST_INLINE bool all_failed(LaneStatuses& status, const LaneMask& where, StepStatus why) {
-  const auto code = static_cast<std::int64_t>(why) - LaneMask::Vector{};
-  status.of = (where.on & (status.of == 0)) ? code : status.of;
-  return !any(succeeded(status));
-}
-/// What does not depend on the lane fails all of them.
-LEAST_INLINE bool all_failed(LaneStatuses& status, bool where, StepStatus why) {
-  return where && all_failed(status, LaneMask{LaneMask::Vector{} - 1}, why);
-}
-
-template <>
-struct StatusFor<Lanes> {
-  using type = LaneStatuses;
-};
 template <>
 struct Precision<Lanes> : Precision<double> {};
 

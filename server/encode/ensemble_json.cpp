@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 
@@ -167,26 +169,6 @@ std::string ensemble_line(WriteMembers write_all) {
   return text += '\n';
 }
 
-// Reading: each gives nothing where the line is not what it should be.
-
-bool read_back(const Json& json, std::vector<double>& values, std::size_t first, std::size_t stride) {
-  if (!json.is_array() || values.size() != json.size() * stride) return false;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    if (!json[i].is_number() && !json[i].is_null()) return false;
-    values[first + i * stride] = json[i].is_null() ? std::nan("") : json[i].get<double>();
-  }
-  return true;
-}
-bool read_table(const Json& json, const EnsemblePlan& plan, std::size_t rows, std::vector<double>& values) {
-  const std::size_t columns = plan.request.columns.size();
-  values.resize(rows * columns);
-  for (std::size_t k = 0; k < columns; ++k) {
-    const auto found = json.find(column_of(plan, k).name);
-    if (found == json.end() || !read_back(*found, values, k, columns)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end) {
@@ -259,64 +241,6 @@ std::string encode_ensemble_end(const EnsemblePlan& plan, const Harvest& all, co
     write_statistics(json, plan, all);
     write_ensemble_cost(json, plan, all, end);
   });
-}
-
-std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& line) try {
-  Block block;
-  Harvest& harvest = block.harvest;
-  if (line.at("kind") != "block") return std::nullopt;
-  block.index = line.at("block").get<std::int64_t>();
-  block.first = line.at("first").get<std::int64_t>();
-  block.count = line.at("members").get<std::int64_t>();
-  harvest.ended[0] = line.at("completed").get<std::int64_t>();
-  const Json& stopped = line.at("stopped");
-  std::size_t known = 0;
-  for (std::size_t i = 1; i < harvest.ended.size(); ++i) {
-    const auto found = stopped.find(name(static_cast<ReturnCode>(i)));
-    if (found == stopped.end()) continue;
-    harvest.ended[i] = found->get<std::int64_t>();
-    ++known;
-  }
-  if (known != stopped.size()) return std::nullopt;
-  for (std::size_t k = 0; plan.statistics && k < plan.request.columns.size(); ++k) {
-    const Json& sums = line.at("sums").at(column_of(plan, k).name);
-    Moments& of = harvest.columns.emplace_back();
-    of.count = sums.at(0).get<std::int64_t>();
-    if (of.count == 0) continue;
-    of.mean = sums.at(1).get<double>();
-    of.squares = sums.at(2).get<double>();
-    of.minimum = sums.at(3).get<double>();
-    of.maximum = sums.at(4).get<double>();
-  }
-  for (const HistogramAsked& asked : plan.histograms) {
-    const Json& counted = line.at("histograms").at(column_of(plan, asked.column).name);
-    Histogram& of = harvest.histograms.emplace_back();
-    of.counts = counted.at("counts").get<std::vector<std::int64_t>>();
-    of.below = counted.at("below").get<std::int64_t>();
-    of.above = counted.at("above").get<std::int64_t>();
-    if (of.counts.size() != static_cast<std::size_t>(asked.bins)) return std::nullopt;
-  }
-  if (plan.final) {
-    const Json& final = line.at("final");
-    harvest.final_member = final.at("index").get<std::vector<std::int64_t>>();
-    if (!read_table(final, plan, harvest.final_member.size(), harvest.final)) return std::nullopt;
-  }
-  if (plan.section) {
-    const Json& section = line.at("section");
-    SectionPoints& points = harvest.section;
-    points.member = section.at("member").get<std::vector<std::int64_t>>();
-    points.crossing = section.at("crossing").get<std::vector<std::int64_t>>();
-    points.t = section.at("t").get<std::vector<double>>();
-    if (points.crossing.size() != points.member.size() || points.t.size() != points.member.size() ||
-        !read_table(section, plan, points.t.size(), points.values))
-      return std::nullopt;
-  }
-  harvest.truncated = line.at("truncated").get<bool>();
-  harvest.cost.steps = line.at("steps").get<std::int64_t>();
-  harvest.cost.force_evaluations = line.at("force_evaluations").get<std::int64_t>();
-  return block;
-} catch (const Json::exception&) {
-  return std::nullopt;
 }
 
 }  // namespace least::server

@@ -1,11 +1,9 @@
-// Ensembles → bytes, and blocks of members to lines of text and back.
+// Ensembles → bytes, and blocks of members to lines of text.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "core/ensemble/ensemble.hpp"
-#include "server/decode/json_parse.hpp"
 #include "server/shared/cards.hpp"
 
 namespace least::server {
@@ -24,8 +22,5 @@ std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const 
 std::string encode_ensemble_head(const EnsemblePlan& plan, const Cards& cards);
 std::string encode_ensemble_block(const EnsemblePlan& plan, const Block& block);
 std::string encode_ensemble_end(const EnsemblePlan& plan, const Harvest& all, const EnsembleEnd& end);
-
-/// A block from its line; nothing where it is not one of such a plan.
-std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& line);
 
 }  // namespace least::server

@@ -13,16 +13,41 @@ namespace {
 
 using Passes = std::vector<Admission::Pass>;
 
-// One place is waited for, as for a run; those that are free besides are taken, too.
+// One place is waited for, as for a run; of those that are free besides, up to half of all are taken, too.
 Passes places(const Context& context, const HttpRequest& request) {
   Passes passes;
   if (auto pass = admit(context, request)) passes.push_back(std::move(*pass));
   while (!passes.empty()) {
-    auto more = context.admission.enter(request.client, std::chrono::milliseconds(0), request.gone);
+    auto more = context.admission.enter_besides(request.client);
     if (!more) break;
     passes.push_back(std::move(*more));
   }
   return passes;
+}
+
+// What an answer holds of the memory that answers share.
+class Held {
+ public:
+  explicit Held(MemoryBudget& budget) : budget_(budget) {}
+  ~Held() { budget_.give_back(taken_); }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+  // False, and `overflowed`, where there is not so much.
+  bool grow_to(std::size_t bytes) {
+    if (bytes <= taken_) return true;
+    if (!budget_.take(bytes - taken_)) return !(overflowed = true);
+    taken_ = bytes;
+    return true;
+  }
+  bool overflowed = false;
+
+ private:
+  MemoryBudget& budget_;
+  std::size_t taken_ = 0;
+};
+std::size_t bytes_of(const Harvest& all) {
+  const SectionPoints& points = all.section;
+  return sizeof(double) * (all.final.size() + all.final_member.size() + points.values.size() + 3 * points.t.size());
 }
 
 // The whole of it; `seen` takes the blocks in their order, false ends it.
@@ -89,8 +114,10 @@ Answer run_ensemble_request(const Context& context, const HttpRequest& request) 
     answer.stream = [stream](const Write& write) { return (*stream)(write); };
     return answer;
   }
+  Held held(context.memory);
   const auto [all, end] = compute(*plan, context, request.gone, static_cast<unsigned>(passes.size()),
-                                  [](const Harvest&, const Block&) { return true; });
+                                  [&](const Harvest& sums, const Block&) { return held.grow_to(bytes_of(sums)); });
+  if (held.overflowed) return busy(context, request, "answers that others read fill the memory");
   return {200, "application/json", encode_ensemble(*plan, context.cards, all, end), {}};
 }
 

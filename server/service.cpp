@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
+#include "core/catalogue/catalogue.hpp"
 #include "server/encode/catalogue_json.hpp"
 #include "server/encode/index_json.hpp"
-#include "server/encode/openapi.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/ensemble.hpp"
+#include "server/openapi.hpp"
 #include "server/shared/log.hpp"
 #include "server/simulate.hpp"
 #include "server/study.hpp"
@@ -74,7 +75,7 @@ void Service::add_probes(Router& router) {
     const auto load = http_.admission().load();
     return Answer{200,
                   "text/plain; version=0.0.4; charset=utf-8",
-                  http_.metrics().text({load.running, load.waiting, memory_.held(), dropped_log_lines()}),
+                  http_.metrics().text({load.running, load.waiting, memory_.held(), dropped_log_lines(), version}),
                   {}};
   });
 }

@@ -18,16 +18,18 @@
 namespace least::server {
 namespace {
 
+constexpr std::int64_t most_shards = 1'000'000;
+
 std::optional<Shard> parse_shard(const std::string& text) {
   Shard shard;
   char slash = 0, more = 0;
   if (std::sscanf(text.c_str(), "%ld%c%ld%c", &shard.index, &slash, &shard.of, &more) != 3) return std::nullopt;
-  return slash == '/' && shard.index >= 0 && shard.index < shard.of ? std::optional(shard) : std::nullopt;
+  const bool good = slash == '/' && shard.index >= 0 && shard.index < shard.of && shard.of <= most_shards;
+  return good ? std::optional(shard) : std::nullopt;
 }
 
 std::int64_t blocks_of(const EnsemblePlan& plan, const Shard& shard) {
-  std::int64_t first = plan.first_block();
-  first += (shard.index - first % shard.of + shard.of) % shard.of;
+  const std::int64_t first = first_block(plan, shard);
   return first < plan.end_block() ? (plan.end_block() - 1 - first) / shard.of + 1 : 0;
 }
 std::string shard_line(const Shard& shard) {
@@ -107,7 +109,8 @@ Part open_part(const std::string& path, Faults& faults) {
       return json && json->is_number_integer() ? json->get<std::int64_t>() : -1;
     };
     part.shard = {number("index"), number("of")};
-    if (part.shard.of < 1 || part.shard.index < 0) fault("is no part of an ensemble");
+    const auto [index, of] = part.shard;
+    if (of < 1 || of > most_shards || index < 0 || index >= of) fault("is no part of an ensemble");
   }
   return part;
 }
@@ -142,8 +145,10 @@ void check_parts(std::vector<Part>& parts, const EnsemblePlan& plan, Faults& fau
     if (!tail_of(file).ends_with('\n' + last_line(blocks_of(plan, part.shard)))) fault(" is truncated");
   }
   std::string missing;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!seen[i]) missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", i, of);
+  constexpr int most_named = 100;
+  int named = 0;
+  for (std::size_t i = 0; i < seen.size() && named <= most_named; ++i) {
+    if (!seen[i]) missing += ++named > most_named ? ", …" : fmt::format("{}{}/{}", named > 1 ? ", " : "", i, of);
   }
   if (!missing.empty()) faults.add({"", "there is no part for the shards " + missing, {}, {}});
 }
@@ -153,7 +158,8 @@ void check_parts(std::vector<Part>& parts, const EnsemblePlan& plan, Faults& fau
 Answer write_part(const Context& context, const HttpRequest& request, const std::string& shard_text,
                   const std::string& output, unsigned threads) {
   const auto shard = parse_shard(shard_text);
-  if (!shard) return refused("--shard", "must be I/N, not " + shard_text, "0/N, …, (N - 1)/N", request.id);
+  if (!shard)
+    return refused("--shard", "must be I/N, not " + shard_text, "0/N, …, (N - 1)/N, N up to 1000000", request.id);
   if (output.empty()) return refused("--output", "is needed for one of several shards", "a file name", request.id);
   auto parsed = json_of(request);
   if (!parsed) return parsed.error();

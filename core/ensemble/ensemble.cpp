@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "core/ensemble/lane_members.hpp"
@@ -33,19 +34,33 @@ void sum_up(const EnsemblePlan& plan, Harvest& harvest) {
   harvest.final_member.clear();
 }
 
+}  // namespace
+
+std::int64_t first_block(const EnsemblePlan& plan, const Shard& shard) {
+  const std::int64_t first = plan.first_block();
+  return first + (shard.index - first % shard.of + shard.of) % shard.of;
+}
+
+namespace {
+
 /// Blocks go to threads as these ask for them, and to the receiver in their order.
 class Blocks {
  public:
   Blocks(const EnsemblePlan& plan, const Shard& shard, unsigned threads, const std::atomic<bool>& cancelled)
       : plan_(plan),
         shard_(shard),
-        ahead_(4 * std::int64_t{threads}),
-        budget_(plan.request.limits.seconds, stop_),
+        ahead_(std::int64_t{threads} * (plan.section || plan.final ? 1 : 4) + 1),
+        budget_(plan.request.limits.seconds, stop_, [] { return true; }),
         cancelled_(cancelled) {
-    next_ = plan.first_block();
-    while (next_ % shard.of != shard.index) ++next_;
-    awaited_ = next_;
-    for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+    next_ = awaited_ = first_block(plan, shard);
+    for (unsigned i = 0; i < threads; ++i) {
+      try {
+        threads_.emplace_back([this] { work(); });
+      } catch (const std::system_error&) {  // as many as the system allows
+        if (threads_.empty()) throw;
+        break;
+      }
+    }
   }
   ~Blocks() {
     end(ReturnCode::cancelled);
@@ -58,6 +73,9 @@ class Blocks {
   std::optional<Block> take() {
     std::unique_lock lock(mutex_);
     for (;;) {
+      if (cancelled_.load(std::memory_order_relaxed)) end_locked(ReturnCode::cancelled);
+      if (budget_.seconds() > plan_.request.limits.seconds) end_locked(ReturnCode::deadline);
+      if (failure_) std::rethrow_exception(failure_);
       if (awaited_ >= plan_.end_block() || reason_ != ReturnCode::completed) return std::nullopt;
       if (const auto found = done_.find(awaited_); found != done_.end()) {
         Block block = std::move(found->second);
@@ -67,9 +85,6 @@ class Blocks {
         return block;
       }
       changed_.wait_for(lock, std::chrono::milliseconds(20));
-      if (cancelled_.load(std::memory_order_relaxed)) end_locked(ReturnCode::cancelled);
-      if (budget_.seconds() > plan_.request.limits.seconds) end_locked(ReturnCode::deadline);
-      if (failure_) std::rethrow_exception(failure_);
     }
   }
   ReturnCode reason() const { return reason_; }
@@ -157,7 +172,7 @@ std::vector<double> section_times(const EnsemblePlan& plan) {
     end = Grid(request, request.settings[*scheme.find("step")]).end;
   }
   double k = std::floor((start - phase) / period);
-  while (!(phase + k * period > start)) ++k;
+  for (int n = 0; n < 2 && !(phase + k * period > start); ++n) ++k;
   for (; phase + k * period <= end && times.size() < static_cast<std::size_t>(request.limits.samples); ++k)
     times.push_back(phase + k * period);
   return times;

@@ -45,6 +45,8 @@ struct Shard {
   std::int64_t index = 0, of = 1;
 };
 
+std::int64_t first_block(const EnsemblePlan& plan, const Shard& shard);
+
 /// Receives the blocks in their order; false ends the ensemble.
 using TakeBlock = std::function<bool(const Block&)>;
 

@@ -140,7 +140,7 @@ class LaneBlock final : public LaneHost {
     points.crossing.push_back(crossings_[m]++);
     points.t.push_back(t);
     append_columns(m, t, state, points.values);
-    if (points.t.size() >= 4 * static_cast<std::size_t>(request_.limits.samples)) keep_first_points();
+    if (points.t.size() >= 2 * static_cast<std::size_t>(request_.limits.samples)) keep_first_points();
   }
   /// In the order of members and crossings, as many as may be kept.
   void keep_first_points() {
@@ -187,6 +187,12 @@ bool run_lane_members(const EnsemblePlan& plan, Block& block, const std::atomic<
   if (!lanes.run(units)) return false;
   lanes.gather();
   return true;
+}
+
+bool moves_in_lanes(const EnsemblePlan& plan) {
+  const std::atomic<bool> never{false};
+  Block none;
+  return run_lane_members(plan, none, never);
 }
 
 }  // namespace least

@@ -186,7 +186,10 @@ class GroupRun {
     std::int64_t n = 0;
     std::size_t next = 0;  // of the times asked for
     while (anyone()) {
-      for (; next < task_.times.size() && task_.times[next] < upcoming(n); ++next) say(steps, n, task_.times[next]);
+      for (; next < task_.times.size() && task_.times[next] < upcoming(n); ++next) {
+        if (task_.cancelled->load(std::memory_order_relaxed)) return end_all(cancelled);
+        say(steps, n, task_.times[next]);
+      }
       if (n >= task_.steps) break;
       if (n >= task_.step_limit) return end_all(step_limit);
       if (task_.cancelled->load(std::memory_order_relaxed)) return end_all(cancelled);
@@ -225,7 +228,8 @@ class GroupRun {
       step_alone(steps, n, task_.tail, task_.end);
     }
     for (X& x : x_) x.t = task_.end;
-    for (; next < task_.times.size(); ++next) say(steps, n, task_.end);
+    for (; next < task_.times.size() && !task_.cancelled->load(std::memory_order_relaxed); ++next)
+      say(steps, n, task_.end);
     each_alive([&](std::size_t j, std::size_t lane) {
       task_.ended[member(j, lane)] = completed;
       for (std::size_t i = 0; i < X::size; ++i) task_.final[i * task_.count + member(j, lane)] = x_[j][i].v[lane];

@@ -1,6 +1,8 @@
 #include "core/number/linear.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/number/quad.hpp"
@@ -46,7 +48,13 @@ void solve_refined(std::size_t n, const T* a, const T* b, T* x) {
   for (int round = 0; round < 50; ++round) {
     correction = lu.solve(residual);
     const double size_now = correction.lpNorm<Eigen::Infinity>();
-    if (round > 0 && !(size_now < before / 2)) return;  // rounding is all that is left, or NaN
+    if (round > 0 && !(size_now < before / 2)) {  // rounding is all that is left, or A is beyond this
+      double size_of_x = 0;
+      for (std::size_t i = 0; i < n; ++i) size_of_x = std::max(size_of_x, std::abs(static_cast<double>(x[i])));
+      const double grain = 1e9 * static_cast<double>(std::numeric_limits<T>::epsilon());
+      if (!(size_now <= grain * size_of_x)) std::fill_n(x, n, std::numeric_limits<T>::quiet_NaN());
+      return;
+    }
     before = size_now;
     for (std::size_t i = 0; i < n; ++i) x[i] += T(correction[Eigen::Index(i)]);
     for (std::size_t i = 0; i < n; ++i) {

@@ -53,7 +53,9 @@ class CurveThinner {
     for (std::size_t k = 0, i = 0; k < count; ++k) {
       const double part = count > 1 ? double(k) / double(count - 1) : 0;
       const std::size_t last = all - (count - k);  // the rest needs one row each
-      if (length_ > 0) {
+      if (k == 0) {
+        i = 0;
+      } else if (length_ > 0) {
         const double target = part * length_;
         while (i < last && std::abs(arcs_[i + 1] - target) <= std::abs(arcs_[i] - target)) ++i;
       } else {

@@ -37,7 +37,8 @@ class Run {
         schedule_(request, end_),
         drawn_(request.record.mode == Record::Mode::curve ? scene_.start : infinite),
         writer_(problem_, request, sink),
-        budget_(request.limits.seconds, cancelled, [this] { return writer_.report(state_.x.t, state_.n); }),
+        budget_(request.limits.seconds, cancelled,
+                [this] { return writer_.report(std::min(state_.x.t, end_), state_.n); }),
         diagnostics_(request.diagnostics),
         events_(static_cast<std::size_t>(most_rows_)),
         guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>,
@@ -71,6 +72,7 @@ class Run {
   bool going() const { return outcome_.stop.reason == ReturnCode::completed; }
   bool arrived() const { return state_.n == last_step_ || !(state_.x.t < loop_end_); }
   bool stop(ReturnCode reason, std::string detail, double singular_at = unknown) {
+    if (!fixed_ && state_.x.t > end_) integrator_->step_back(state_);
     if (going()) outcome_.stop = {reason, std::move(detail), state_.x.t, state_.n, {}};
     if (std::isfinite(singular_at)) outcome_.stop.singular_at = singular_at;
     return false;
@@ -219,18 +221,19 @@ class Run {
   bool draw(double t) {
     if (!(t > drawn_)) return true;
     X x = state_.x;
-    const StepStatus status = t == x.t ? StepStatus::ok : integrator_->state_at(state_, t, x);
-    if (status != StepStatus::ok || outside(problem_, x)) return true;  // is told of by what comes next
+    if (t != x.t && integrator_->state_at(state_, t, x) != StepStatus::ok) return true;  // what comes next tells of it
     const StepInfo step = last_step();
-    const std::size_t parts = writer_.parts(x, step);
-    for (std::size_t k = 1; k < parts; ++k) {
-      X y = state_.x;
-      const double between = drawn_ + (t - drawn_) * (double(k) / double(parts));
-      if (integrator_->state_at(state_, between, y) != StepStatus::ok || outside(problem_, y)) continue;
+    const std::size_t parts = std::max<std::size_t>(writer_.parts(x, step), integrator_->parts());
+    const double from = drawn_;
+    for (std::size_t k = 1; k <= parts; ++k) {
+      X y = x;
+      const double here = k < parts ? from + (t - from) * (double(k) / double(parts)) : t;
+      const bool known = k == parts || integrator_->state_at(state_, here, y) == StepStatus::ok;
+      if (!known || outside(problem_, y)) continue;
+      drawn_ = here;
       if (!save(y, step) || !within_budget(1)) return false;
     }
-    drawn_ = t;
-    return save(x, step);
+    return true;
   }
   bool receiver_is_gone() { return stop(ReturnCode::cancelled, "the receiver of the samples went away"); }
 

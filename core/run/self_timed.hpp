@@ -66,7 +66,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
             X between = x;
             for (int i = 1; i < Stepper::parts; ++i)
               if (stepper.interpolate(between, left.t + i * (x.t - left.t) / Stepper::parts))
-                diagnostics->see(problem_, between);
+                diagnostics->see_sections(problem_, between);
           }
         diagnostics->see(problem_, x);
       }

@@ -124,7 +124,11 @@ class TrajectoryWriter {
     drop_next_to_last(states_, StateOf<P>::size);
   }
   bool flush() {
-    const bool accepted = rows_.empty() || sink_.append(rows_);
+    bool accepted = true;
+    const std::size_t piece = block * columns_.size();
+    for (std::span<const double> rest(rows_); accepted && !rest.empty();
+         rest = rest.subspan(std::min(piece, rest.size())))
+      accepted = sink_.append(rest.first(std::min(piece, rest.size())));
     rows_.clear();
     return accepted;
   }

@@ -105,14 +105,14 @@ double Expansion::step() const {
   constexpr double kept = 1.0 / 16;  // of the tolerance the last terms: the first left out are a quarter of them
   if (used_ == 0) return 0;
   const double scale = std::max(1.0, largest(0)), allowed = std::log(kept * scale) + log_tolerance_;
-  double log_h = std::log(longest * std::max(1.0, std::abs(t_)));
+  double log_h = std::log(std::max(longest, std::abs(t_) / longest));
   for (int k = used_; k > 0 && k > used_ - 2; --k)
     if (const double size = largest(k); size > 0) log_h = std::min(log_h, (allowed - std::log(size)) / k);
   double h = std::exp(log_h);
   // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ≤ rᵏ is to hold.
   const double root = used_ == series_.order() ? root_ : std::exp(log_tolerance_ / used_), r = root / h;
   double power = slack * kept * scale * raised(r, used_ - 2);
-  for (int k = used_ - 2; k > 0 && k > used_ - looked_at; --k, power /= r)
+  for (int k = used_ - 2; !series_.program().whole && k > 0 && k > used_ - looked_at; --k, power /= r)
     if (const double size = largest(k); size > power) h = std::min(h, root * std::pow(kept * scale / size, 1.0 / k));
   h = std::min(h, longest_);
   for (const Index pole : series_.program().poles) {  // never over it, whatever the coefficients say

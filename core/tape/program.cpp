@@ -383,10 +383,11 @@ Program::Program(const Tape& tape, std::span<const Index> rates, std::size_t mos
   motion_steps = steps.size();
   motion_lanes = lane_a.size();
   if (moving < variables) {  // how long steps are is a matter of the motion
-    const bool converges = whole;
+    const bool converges = whole, ends = partial;
     const std::size_t seen = switches.size(), known = poles.size();
     lowering.lower(rates.subspan(moving));
     whole = converges;
+    partial = ends;
     switches.resize(seen);
     poles.resize(known);
   }

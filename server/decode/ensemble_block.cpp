@@ -1,6 +1,7 @@
 #include "server/decode/ensemble_block.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace least::server {
 namespace {
@@ -51,8 +52,11 @@ std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& l
     Moments& of = harvest.columns.emplace_back();
     of.count = sums.at(0).get<std::int64_t>();
     if (of.count == 0) continue;
-    of.mean = sums.at(1).get<double>();
-    of.squares = sums.at(2).get<double>();
+    const auto number = [&](std::size_t i) {  // what is no finite number was written as null
+      return sums.at(i).is_null() ? std::numeric_limits<double>::quiet_NaN() : sums.at(i).get<double>();
+    };
+    of.mean = number(1);
+    of.squares = number(2);
     of.minimum = sums.at(3).get<double>();
     of.maximum = sums.at(4).get<double>();
   }

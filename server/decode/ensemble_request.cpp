@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/ensemble/lane_members.hpp"
 #include "server/decode/plan_reader.hpp"
 #include "server/decode/scene_reader.hpp"
+#include "server/decode/section_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -49,7 +51,7 @@ constexpr std::string_view shapes[] = {"{\"grid\": [first, last, how many]}", "{
 
 std::vector<double> read_list(const Json& json, const FieldPath& path, const Range& range) {
   std::vector<double> numbers;
-  for (std::size_t i = 0; i < json.size(); ++i) {
+  for (std::size_t i = 0; i < json.size() && !path.faults->full(); ++i) {
     if (const auto x = read_number(json[i], path.at(i), range)) numbers.push_back(*x);
   }
   return numbers;
@@ -102,6 +104,7 @@ void read_vary(const Json& json, const FieldPath& path, const ProblemCard& probl
   Names pointers;
   for (const auto& variable : variables) pointers.push_back(variable.pointer);
   for (const auto& [pointer, how] : json.items()) {
+    if (path.faults->full()) return;
     const FieldPath place = path.at(pointer);
     const auto found = std::ranges::find(variables, pointer, &Variable::pointer);
     if (found == variables.end()) {
@@ -186,79 +189,6 @@ void read_range(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   plan.last = *last;
 }
 
-// `r`, `r - 0.5` or `r + 2`: a variable, or one minus a number.
-bool read_expression(const Json& json, const FieldPath& path, const ProblemCard& problem, Section& section) {
-  Names names;
-  for (const auto& variable : problem.variables) {
-    if (!variable.optional) names.push_back(variable.name);
-  }
-  const std::string allowed =
-      listed(names) + ", or one of them minus a number: \"" + std::string(names[0]) + " - 0.5\"";
-  if (!json.is_string()) {
-    path.fault("must be a string", json, allowed);
-    return false;
-  }
-  std::string text = json.get<std::string>();
-  std::erase(text, ' ');
-  const std::size_t sign = text.find_first_of("+-", 1);
-  const std::string name = text.substr(0, sign);
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) {
-    path.fault("must begin with a variable" + did_you_mean(name, names), json, allowed);
-    return false;
-  }
-  const auto at = std::ranges::find(problem.variables, name, &VariableCard::name);
-  section.variable = static_cast<std::size_t>(at - problem.variables.begin());
-  if (sign == std::string::npos) return true;
-  const Json level = Json::parse(text.substr(sign + 1), nullptr, false);
-  if (!level.is_number() || !std::isfinite(level.get<double>())) {
-    path.fault("only a number may stand after the variable, for now", json, allowed);
-    return false;
-  }
-  section.level = (text[sign] == '-' ? 1 : -1) * level.get<double>();
-  return true;
-}
-
-void read_section(const Json& root, const FieldPath& top, const ProblemCard& problem, EnsemblePlan& plan) {
-  const Json* json = find(root, "section");
-  const FieldPath path = top.at("section");
-  const std::string shape = "{\"period\": …, \"phase\": …}, {\"expression\": …, \"direction\": …}";
-  if (json == nullptr) {
-    if (plan.section) path.lacks("is required where sections are kept", shape);
-    return;
-  }
-  Section section;
-  Names keys{"period", "phase", "expression", "direction", "member", "crossing"};  // the last two: of an answer
-  for (const auto& column : problem.columns) keys.push_back(column.name);
-  if (!read_object(*json, path, keys, "a section")) return;
-  const Json *period = find(*json, "period"), *expression = find(*json, "expression");
-  if ((period == nullptr) == (expression == nullptr)) {
-    path.fault("must hold either period or expression", *json, shape);
-    return;
-  }
-  section.plane = expression != nullptr;
-  if (section.plane) {
-    if (find(*json, "phase")) path.at("phase").fault("goes with period", (*json)["phase"]);
-    if (!read_expression(*expression, path.at("expression"), problem, section)) return;
-    if (const Json* direction = find(*json, "direction")) {
-      constexpr int signs[] = {1, -1, 0};
-      const auto way = read_name(*direction, path.at("direction"), {"up", "down", "both"}, "direction");
-      section.direction = signs[way.value_or(2)];
-    }
-  } else {
-    if (find(*json, "direction")) path.at("direction").fault("goes with expression", (*json)["direction"]);
-    section.period = read_number(*period, path.at("period"), {0, anywhere.high, true, true}).value_or(1);
-    if (const Json* phase = find(*json, "phase")) {
-      section.phase = read_number(*phase, path.at("phase"), anywhere).value_or(0);
-    }
-    const double span = plan.request.end - plan.request.scene->start;
-    if (!plan.request.until_steps && section.period > 0 && span / section.period > 1e9) {
-      path.at("period").fault("a member would meet it more than 1e9 times", *period);
-    }
-  }
-  if (plan.section) plan.section = section;
-}
-
 void read_keep(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   const Json* json = find(root, "keep");
   if (json == nullptr) return;
@@ -272,12 +202,12 @@ void read_keep(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
 }
 
 void check_finals(const Json& root, const FieldPath& top, const EnsemblePlan& plan) {
-  const std::int64_t count = plan.last - plan.first, most = plan.request.limits.samples;
+  const std::int64_t count = plan.last - plan.first, most = plan.request.most_rows();
   if (!plan.final || count <= most) return;
   top.at("keep").fault(
-      fmt::format("would keep {} final states, more than limits.samples = {}; take a range of members, "
-                  "or their statistics and histograms",
-                  count, most),
+      fmt::format("would keep {} final states of {} columns, more numbers than limits.samples = {}; take a range of "
+                  "members, or their statistics and histograms",
+                  count, plan.request.columns.size(), plan.request.limits.samples),
       root["keep"], "statistics, section");
 }
 
@@ -309,6 +239,10 @@ void read_histograms(const Json& root, const FieldPath& top, const ProblemCard& 
     }
     asked.low = numbers[0];
     asked.high = numbers[1];
+    if (!std::isfinite(asked.high - asked.low)) {
+      place.at("range").fault("is wider than a double can say", *range);
+      continue;
+    }
     asked.bins = read_integer(*bins, place.at("bins"), 1, most_bins).value_or(1);
     plan.histograms.push_back(asked);
   }
@@ -321,7 +255,7 @@ void check_columns(const Json& root, const FieldPath& top, const ProblemCard& pr
   for (const auto& column : problem.columns) {
     if (is_of_state(column)) fitting.push_back(column.name);
   }
-  for (std::size_t i = 0; i < json->size(); ++i) {
+  for (std::size_t i = 0; i < json->size() && !top.faults->full(); ++i) {
     const Json& name = (*json)[i];
     const auto column =
         std::ranges::find(problem.columns, name.is_string() ? name.get<std::string>() : "", &ColumnCard::name);
@@ -378,10 +312,17 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   check_finals(root, top, plan);
   if (card) {
     check_columns(root, top, *card);
-    read_section(root, top, *card, plan);
+    read_section(root, top, *card, scheme_card, plan);
     read_histograms(root, top, *card, plan);
   }
   if (!faults.empty()) return faults;
+  if (plan.section && plan.section->plane && !moves_in_lanes(plan)) {
+    top.at("section")
+        .at("expression")
+        .fault("is not looked for here: from a singular start, and with a slope, members do not move in lanes",
+               root["section"]["expression"], "{\"period\": …}, a later start, other columns");
+    return faults;
+  }
   return plan;
 }
 

@@ -13,6 +13,15 @@ constexpr std::chrono::milliseconds between_glances{50};
 
 }  // namespace
 
+std::optional<Admission::Pass> Admission::enter_besides(std::string_view name) {
+  const std::lock_guard lock(mutex_);
+  const auto client = clients_.find(name);
+  const bool room = client != clients_.end() && running_ < places_ && waiting_ == 0 && !closed_;
+  if (!room || client->second.running >= (places_ + 1) / 2) return std::nullopt;
+  ++running_, ++client->second.running;
+  return std::optional<Pass>(std::in_place, *this, client->first, false);
+}
+
 std::optional<Admission::Pass> Admission::enter(std::string_view name, std::chrono::milliseconds patience,
                                                 const std::function<bool()>& gone) {
   const auto from = Clock::now();
@@ -53,7 +62,7 @@ std::optional<Admission::Pass> Admission::enter(std::string_view name, std::chro
     }
   }
   if (!waiter.admitted) {
-    forget(client);
+    if (!waiter.dismissed) forget(client);  // one that was dismissed may long have been forgotten
     return refused();
   }
   if (metrics_) metrics_->waited(std::chrono::duration<double>(Clock::now() - from).count());
@@ -77,11 +86,11 @@ int Admission::retry_after() const {
   return static_cast<int>(std::clamp(std::ceil(expected_wait(0)), 1.0, 60.0));
 }
 
-void Admission::leave(const std::string& name, Clock::duration took) {
-  const double seconds = std::chrono::duration<double>(took).count();
-  if (metrics_) metrics_->ran(seconds);
+void Admission::leave(const std::string& name, std::optional<Clock::duration> took) {
+  const double seconds = took ? std::chrono::duration<double>(*took).count() : 0;
+  if (metrics_ && took) metrics_->ran(seconds);
   const std::lock_guard lock(mutex_);
-  mean_ += 0.1 * (seconds - mean_);
+  if (took) mean_ += 0.1 * (seconds - mean_);
   --running_;
   const auto client = clients_.find(name);
   --client->second.running;

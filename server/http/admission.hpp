@@ -32,19 +32,23 @@ class Admission {
   /// The right to compute, given back at its end.
   class Pass {
    public:
-    Pass(Admission& admission, std::string client) : admission_(&admission), client_(std::move(client)) {}
+    /// `counts`: as a run, among those whose times are told.
+    Pass(Admission& admission, std::string client, bool counts = true)
+        : admission_(&admission), client_(std::move(client)), counts_(counts) {}
     Pass(Pass&& other) noexcept
         : admission_(std::exchange(other.admission_, nullptr)),
           client_(std::move(other.client_)),
+          counts_(other.counts_),
           start_(other.start_) {}
     Pass& operator=(Pass&&) = delete;
     ~Pass() {
-      if (admission_) admission_->leave(client_, Clock::now() - start_);
+      if (admission_) admission_->leave(client_, counts_ ? std::optional(Clock::now() - start_) : std::nullopt);
     }
 
    private:
     Admission* admission_;
     std::string client_;
+    bool counts_;
     Clock::time_point start_ = Clock::now();
   };
 
@@ -53,6 +57,9 @@ class Admission {
   /// another, or the service ends.
   std::optional<Pass> enter(std::string_view client, std::chrono::milliseconds patience,
                             const std::function<bool()>& gone = {});
+
+  /// A further place for a run that has one, as long as nobody waits and its client holds less than half of them.
+  std::optional<Pass> enter_besides(std::string_view client);
 
   /// Nobody enters any more; those who wait leave with nothing.
   void close();
@@ -77,7 +84,7 @@ class Admission {
   };
   using Clients = std::map<std::string, Client, std::less<>>;
 
-  void leave(const std::string& client, Clock::duration took);
+  void leave(const std::string& client, std::optional<Clock::duration> took);
   void admit_waiting();
   std::list<std::string>::iterator next();
   bool make_room(const Client& newcomer);

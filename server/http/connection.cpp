@@ -229,7 +229,11 @@ void Connection::begin_answer(bool interim) {
 }
 
 bool Connection::write(std::string_view bytes) {
-  auto deadline = Clock::now() + bounds_.stall;
+  if (!lifecycle_.cancelled)
+    last_write_ = Clock::time_point::max();
+  else if (last_write_ == Clock::time_point::max())
+    last_write_ = Clock::now() + bounds_.stall;
+  auto deadline = std::min(Clock::now() + bounds_.stall, last_write_);
   while (!bytes.empty()) {
     const auto n = ::send(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     if (n > 0) {

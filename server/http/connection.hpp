@@ -101,8 +101,9 @@ class Connection {
   std::string buffer_;  // received, not yet read: a client may send requests ahead
   bool fresh_ = true;   // no request came yet
   bool chunks_ = true;  // the client of the last request understands chunked coding: it is not of HTTP/1.0
-  std::size_t sent_ = 0, taken_ = 0;  // of the last answer: bytes of its body, and all that left
-  Clock::duration blocked_{0};        // that its client let it wait
+  std::size_t sent_ = 0, taken_ = 0;                         // of the last answer: bytes of its body, and all that left
+  Clock::time_point last_write_ = Clock::time_point::max();  // set once, when the service ends: so long may all be sent
+  Clock::duration blocked_{0};                               // that its client let it wait
   // Of the request that is answered now; looked at by another thread while it is.
   std::atomic<bool> interim_{false};    // its client understands interim answers
   std::atomic<bool> answering_{false};  // its answer has begun

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "core/catalogue/catalogue.hpp"
-
 namespace least::server {
 namespace {
 
@@ -49,7 +47,7 @@ void Metrics::answered(std::string_view route, int status) {
 std::string Metrics::text(const Gauges& gauges) const {
   std::string out;
   write_head(out, "build_info", "gauge", "The version that runs.");
-  fmt::format_to(std::back_inserter(out), "leastaction_build_info{{version=\"{}\"}} 1\n", version);
+  fmt::format_to(std::back_inserter(out), "leastaction_build_info{{version=\"{}\"}} 1\n", gauges.version);
   write_head(out, "requests_total", "counter", "Answers by route and status.");
   {
     const std::lock_guard lock(mutex_);

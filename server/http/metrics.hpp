@@ -18,6 +18,7 @@ struct Gauges {
   unsigned running = 0, waiting = 0;
   std::size_t bytes_held = 0;
   std::uint64_t dropped_log_lines = 0;
+  std::string_view version{};
 };
 
 /// Safe from any thread.

@@ -21,7 +21,8 @@ const std::map<std::string, Names>& rooms() {
     };
     const Names run = beside(base, {"core/exact", "core/problems", "core/schemes"});
     const Names reference = beside(run, {"core/run"}), study = beside(reference, {"core/reference"});
-    const Names catalogue = beside(study, {"core/study", "core/ensemble"}), core = beside(catalogue, {"core/catalogue"});
+    const Names catalogue = beside(study, {"core/study", "core/ensemble"}),
+                core = beside(catalogue, {"core/catalogue"});
     return std::map<std::string, Names>{
         {"core/number", {}},
         {"core/tape", {"core/number"}},
@@ -44,7 +45,8 @@ const std::map<std::string, Names>& rooms() {
   return all;
 }
 /// What the transport may see of the shared room.
-const Names for_transport{"server/shared/answer.hpp", "server/shared/http_status.hpp", "server/shared/result.hpp"};
+const Names for_transport{"server/shared/answer.hpp", "server/shared/http_status.hpp", "server/shared/log.hpp",
+                          "server/shared/result.hpp"};
 
 std::string room_of(const std::filesystem::path& file) {
   const auto part = [&](int i) { return std::next(file.begin(), i)->string(); };

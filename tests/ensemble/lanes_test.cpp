@@ -186,7 +186,7 @@ TEST(LaneMembers, EndEachForItself) {
     expect_same_endings(plan, ReturnCode::singular);
   }
   if (find_problem("lane_emden")) {
-    plan = test::ensemble_of("lane_emden", "contact_splitting", 4);
+    plan = test::ensemble_of("lane_emden", "contact_splitting", 4.5);
     auto scene = std::make_shared<Scene>(*plan.request.scene);
     scene->start = 2;
     plan.request.scene = scene;

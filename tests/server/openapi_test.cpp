@@ -59,8 +59,12 @@ class Validator {
       return {};
     }
     if (word == "additionalProperties") {
-      for (const auto& [key, part] : value.items())
-        if (!schema.at("properties").contains(key)) return wrong + " " + key;
+      for (const auto& [key, part] : value.items()) {
+        if (schema.contains("properties") && schema["properties"].contains(key)) continue;
+        if (means.is_boolean() && !means) return wrong + " " + key;
+        if (means.is_object())
+          if (auto why = fault(means, part, at + "/" + key); !why.empty()) return why;
+      }
       return {};
     }
     if (word == "items") {

@@ -159,7 +159,9 @@ TEST(Advice, TakesStepsThatFollowADampedMotion) {
       const Advice advice = advise(orbit, {1e-8, 0, keep}, never);
       ASSERT_TRUE(advice.choice) << problem;
       EXPECT_TRUE(advice.met) << advice.reason;
-      EXPECT_EQ(id(*advice.choice), "time_transformed") << advice.reason;
+      const bool follows =
+          id(*advice.choice) == "time_transformed" || (!keep.structure && id(*advice.choice) == "taylor");
+      EXPECT_TRUE(follows) << advice.reason;
       Request run = with(orbit, *advice.choice);
       runs::ask(run, "error");
       runs::only_final(run);

@@ -66,11 +66,13 @@ class DiagnosticSet {
     for_each([&](auto, auto& seen) {
       if constexpr (requires { seen.see(problem, x); }) seen.see(problem, x);
     });
-    if (watches_sections()) {
-      const auto now = sections(problem, x);
-      for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
-      before_ = now;
-    }
+    if (watches_sections()) see_sections(problem, x);
+  }
+  /// Only whether a section changed its sign: of a state within a step.
+  void see_sections(const P& problem, const X& x) {
+    const auto now = sections(problem, x);
+    for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
+    before_ = now;
   }
 
   /// In the order of `asked`.

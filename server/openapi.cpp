@@ -1,4 +1,4 @@
-#include "server/encode/openapi.hpp"
+#include "server/openapi.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -160,7 +160,7 @@ Json answer_schema() {
   return schema;
 }
 
-Json ensemble_schema(const Cards& cards, const Caps& caps, Json properties) {
+Json ensemble_schema(const Cards& cards, Json properties) {
   constexpr std::int64_t most = std::int64_t{1} << 53;
   const Json number{{"type", "number"}};
   const auto numbers = [&](std::size_t count) {
@@ -246,7 +246,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
       {"SimulateRequest", object_of(std::move(simulate), {"problem", "scheme"})},
       {"WorkPrecisionRequest", object_of(std::move(precision), {"problem", "schemes"})},
       {"StabilityRequest", object_of(std::move(stability), {"problem", "schemes"})},
-      {"EnsembleRequest", ensemble_schema(cards, caps, common)}};
+      {"EnsembleRequest", ensemble_schema(cards, common)}};
 }
 
 Json schemas(const Cards& cards, const Caps& caps) {

@@ -20,7 +20,8 @@ double cost(const Program& program, double p) {
   for (std::size_t i = 0; i < program.motion_steps; ++i)
     fixed += program.steps[i].function == tape::Op::constant ? 2 : 12;
   const auto steps = static_cast<double>(program.motion_steps);
-  const double groups = static_cast<double>((program.motion_lanes + 3) / 4);
+  const std::size_t fours = (program.motion_lanes + 3) / 4;
+  const auto groups = static_cast<double>(fours);
   return fixed + p * (2 + 4 * steps + 3 * groups + 0.1 * groups * p);
 }
 

@@ -47,9 +47,9 @@ struct Program {
     double factor;
   };
 
-  /// Of a tape the rates ẋ of the variables, in their order; the first `moving` of them are the motion, which what
+  /// Of a tape the rates ẋ of the variables, in their order; the first `most` of them are the motion, which what
   /// follows after them does not change by a bit.
-  Program(const Tape& tape, std::span<const Index> rates, std::size_t moving);
+  Program(const Tape& tape, std::span<const Index> rates, std::size_t most);
 
   std::size_t variables, moving;
   bool whole = true;     ///< the series of the motion converge everywhere: linear in all variables, nothing divided

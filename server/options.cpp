@@ -82,7 +82,8 @@ Result<Options, int> parse_options(int argc, char** argv) {
   CLI::App* catalogue = app.add_subcommand("catalogue", "print every problem and scheme as JSON");
   CLI::App* health = app.add_subcommand("health", "ask a service whether it lives: exit code 0 or 1");
   app.set_version_flag("--version", title);
-  for (CLI::App* command : {serve, run, ensemble, merge, catalogue, health}) command->set_version_flag("--version", title);
+  for (CLI::App* command : {serve, run, ensemble, merge, catalogue, health})
+    command->set_version_flag("--version", title);
   add_serve(*serve, options);
   add_common(*serve, options);
   add_common(*run, options);

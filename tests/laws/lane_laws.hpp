@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/parameters.hpp"
 #include "tests/laws/scene.hpp"
 #include "tests/support/lanes.hpp"
-#include "core/parameters.hpp"
 
 namespace laws {
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/laws/scene.hpp"
 #include "core/parameters.hpp"
+#include "tests/laws/scene.hpp"
 #include "tests/support/symbol.hpp"
 
 namespace laws {

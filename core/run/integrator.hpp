@@ -3,7 +3,6 @@
 // (fixed_step.hpp) and schemes that set their own clock (self_timed.hpp).
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -132,9 +131,7 @@ double exit_time([[maybe_unused]] const P& problem, [[maybe_unused]] const Integ
     const double step = integrator.step_info(state).step_size;
     double reach = step > 0 ? step : 1e-3;
     for (int k = 0; k < 60 && inside(reach) > 0; ++k) reach *= 2;
-    double ahead = root(inside, 0, reach);
-    for (int k = 0; k < 16 && ahead > 0 && inside(ahead) < 0; ++k) ahead = std::nextafter(ahead, 0.0);  // on this side
-    return state.x.t + ahead;
+    return state.x.t + root(inside, 0, reach);
   }
   return state.x.t;
 }

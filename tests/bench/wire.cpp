@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/encode/run_answer.hpp"
 #include "server/service.hpp"
 #include "server/simulate.hpp"
 #include "tests/bench/table.hpp"

@@ -46,6 +46,7 @@ TEST(Curve, IsEvenWhateverTheSteps) {
                                                {"runge_kutta_4", "step", 0.01},
                                                {"dormand_prince_5", "tolerance", 1e-9},
                                                {"bulirsch_stoer", "tolerance", 1e-9},
+                                               {"taylor", "tolerance", 1e-9},
                                                {"time_transformed", "sigma", 0.05},
                                                {"jacobi_maupertuis", "step", 1e-3}}) {
     Request request = drawing("kepler", scheme, 400, {"t", "x", "y"});
@@ -117,6 +118,46 @@ TEST(Curve, BeginsOnASeriesAndEndsWithTheDomain) {
   const auto [most, least] = distances(result.rows);
   EXPECT_LT(most, 1.2);
   EXPECT_GT(least, 0.8);
+}
+
+// The first step of explicit Euler moves only p.
+TEST(Curve, BeginsAtTheStartThoughItRestsThere) {
+  Request request = drawing("harmonic_oscillator", "explicit_euler", 50, {"t", "q"});
+  runs::begin(request, "q", 1);
+  runs::begin(request, "p", 0);
+  const auto rows = runs::go(request).rows;
+  ASSERT_EQ(rows.size(), 50U);
+  EXPECT_EQ(rows.front()[0], 0);
+  EXPECT_EQ(rows.back()[0], request.end);
+}
+
+// Both ends of a step of several radians may lie at the same q, with a whole swing in between.
+TEST(Curve, SeesSwingsWithinLongSteps) {
+  Request request = drawing("harmonic_oscillator", "taylor", 2000, {"t", "q"});
+  request.end = 1000;
+  const auto result = runs::go(request);
+  EXPECT_LT(result.outcome.cost.steps, 700);
+  ASSERT_EQ(result.rows.size(), 2000U);
+  double least = 1, most = 1;  // of |q| where it turns, among neighbours on both sides
+  for (std::size_t i = 1; i + 1 < result.rows.size(); ++i) {
+    const double before = result.rows[i - 1][1], q = result.rows[i][1], after = result.rows[i + 1][1];
+    if ((q - before) * (after - q) < 0) least = std::min(least, std::abs(q));
+    most = std::max(most, std::abs(q));
+  }
+  EXPECT_NEAR(most, 1, 1e-9);
+  EXPECT_GT(least, 0.5) << "three or so samples a swing cannot miss it by more";
+}
+
+TEST(Run, ThatStopsInAStepBeyondItsEndStopsBefore) {
+  Request request = runs::defaults("harmonic_oscillator", "taylor");
+  request.end = 1;
+  request.record = {Record::Mode::samples, 100'000, {}};
+  request.limits.seconds = 0.01;
+  const runs::TurnedClock clock(1e-3);
+  const auto result = runs::go(request);
+  EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline);
+  EXPECT_LE(result.outcome.stop.t, 1);
+  EXPECT_LE(result.outcome.t, 1);
 }
 
 // However long the run, a bounded number of rows is held, and what comes first is not seen better than what comes last.

@@ -78,6 +78,8 @@ TEST(EnsembleRequest, NamesEveryFault) {
   expect_fault("keep", R"(["section"])", "/section", "is required");
   expect_fault("keep", R"(["finals"])", "/keep/0", "did you mean \"final\"");
   expect_fault("section", R"({"period":-1})", "/section/period", "greater than 0");
+  expect_fault("section", R"({"period":1,"phase":1e17})", "/section/phase", "too many periods");
+  expect_fault("section", R"({"period":1e-20})", "/section/period", "more than 1e9 times");
   expect_fault("section", R"({"expression":"r"})", "/section/expression", "must begin with a variable");
   expect_fault("section", R"({"expression":"x*y"})", "/section/expression", "variable");
   expect_fault("section", R"({"expression":"x","direction":"left"})", "/section/direction", "unknown direction");
@@ -86,6 +88,13 @@ TEST(EnsembleRequest, NamesEveryFault) {
   expect_fault("histograms", R"({"x":{"range":[1,0],"bins":3}})", "/histograms/x/range", "lower first");
   expect_fault("histograms", R"({"energy":{"range":[0,1],"bins":3}})", "/histograms/energy", "unknown key");
   expect_fault("record", R"({"every":1})", "/record", "unknown key");
+  expect_fault("histograms", R"({"x":{"range":[-1.7e308,1.7e308],"bins":3}})", "/histograms/x/range", "wider");
+  const Json star = Json::parse(
+      R"({"problem":"lane_emden","scheme":"contact_splitting","keep":["section"],"section":{"expression":"q - 0.5"},)"
+      R"("members":{"vary":{"/problem/n":{"grid":[1,4,4]}}}})");
+  const auto section = decode_ensemble(std::move(*parse_json(star.dump())), catalogue_cards(), {});
+  ASSERT_FALSE(section);
+  EXPECT_EQ(section.error().list().at(0).pointer, "/section/expression");
   Json large = Json::parse(R"({"problem":"kepler","scheme":"leapfrog","keep":["final"]})");
   large["members"] = {{"count", 1000000000000}};
   const auto plan = decode_ensemble(std::move(*parse_json(large.dump())), catalogue_cards(), {});

@@ -12,10 +12,7 @@ namespace {
 using namespace least;
 using test::harvest_of;
 
-bool has(std::string_view problem) { return find_problem(problem) != nullptr; }
-
 TEST(EnsemblePhysics, AThermostatKeepsTheMomentsOfItsDensity) {
-  if (!has("thermostat")) GTEST_SKIP() << "the scene is left out";
   EnsemblePlan plan = test::ensemble_of("thermostat", "contact_splitting", 10);
   test::setting(plan, "step") = 0.05;
   auto scene = std::make_shared<Scene>(*plan.request.scene);
@@ -67,7 +64,6 @@ double henon_heiles_growth(double energy, double y) {
   return most / apart;
 }
 TEST(EnsemblePhysics, ChaosOfHenonHeilesGrowsWithTheEnergy) {
-  if (!has("henon_heiles")) GTEST_SKIP() << "the scene is left out";
   const auto chaotic = [](double energy) {
     int count = 0;
     for (int i = 0; i < 40; ++i) count += henon_heiles_growth(energy, -0.3 + 0.8 * i / 39) > 1e6;
@@ -79,7 +75,6 @@ TEST(EnsemblePhysics, ChaosOfHenonHeilesGrowsWithTheEnergy) {
 }
 
 TEST(EnsemblePhysics, SectionsOfHenonHeilesLieOnTheEnergySurface) {
-  if (!has("henon_heiles")) GTEST_SKIP() << "the scene is left out";
   EnsemblePlan plan = test::ensemble_of("henon_heiles", "leapfrog", 500);
   test::setting(plan, "composition") = 4;
   test::setting(plan, "step") = 0.1;
@@ -98,10 +93,9 @@ TEST(EnsemblePhysics, SectionsOfHenonHeilesLieOnTheEnergySurface) {
   }
 }
 
-/// The orbits that friction slows down from starts all around: all are caught by the 1:1 resonance, as no other is as
-/// wide. Presets of the scene: capture.
+/// Orbits that friction slows down from starts all around, by the preset `capture`: the 1:1 resonance catches them (all
+/// 4,096 of them when this was written).
 TEST(EnsemblePhysics, SpinsAreCapturedIntoTheSynchronousResonance) {
-  if (!has("spin_orbit")) GTEST_SKIP() << "the scene is left out";
   EnsemblePlan plan = test::ensemble_of("spin_orbit", "contact_splitting", 4000);
   auto scene = std::make_shared<Scene>(*plan.request.scene);
   const auto& card = scene->card();

@@ -6,11 +6,14 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "core/ensemble/ensemble.hpp"
+#include "tests/support/runs.hpp"
 
 namespace test {
 
-/// A problem by a scheme up to the time `end`, everything else by default; no members yet.
+/// A problem by a scheme up to the time `end`, everything else by default; no members yet. Where the problem is left
+/// out of this build the test is skipped.
 inline least::EnsemblePlan ensemble_of(std::string_view problem, std::string_view scheme, double end) {
+  runs::problem_called(problem);
   least::EnsemblePlan plan;
   plan.request = least::default_request(problem, scheme);
   plan.request.end = end;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -63,6 +64,16 @@ class Process {
   }
   std::string output() const { return all(out_); }
   std::string errors() const { return all(err_); }
+  /// What it says on its standard error up to the line that holds `part`; after ten seconds of silence what there is.
+  std::string errors_until(std::string_view part) const {
+    std::string text;
+    pollfd ready{err_, POLLIN, 0};
+    for (char c; ::poll(&ready, 1, 10'000) == 1 && ::read(err_, &c, 1) == 1;) {
+      text += c;
+      if (c == '\n' && text.find(part) != std::string::npos) break;
+    }
+    return text;
+  }
   int id() const { return pid_; }
   void signal(int number) const { ::kill(pid_, number); }
   /// The exit code; 128 + the signal where one ended it.

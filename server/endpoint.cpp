@@ -20,14 +20,12 @@ Result<ParsedJson, Answer> json_of(const HttpRequest& request) {
   return problem_document(400, fmt::format("not JSON at byte {}: {}", why.byte, why.detail), request.id);
 }
 
-std::optional<Admission::Pass> admit(const Context& context, const HttpRequest& request) {
-  // Longer than most runs, shorter than what clients and proxies wait for an answer.
-  constexpr std::chrono::seconds patience{10};
-  const auto from = Admission::Clock::now();
-  auto pass = context.admission.enter(request.client, patience, request.gone);
-  const std::chrono::duration<double> waited = Admission::Clock::now() - from;
-  if (request.seconds_queued) *request.seconds_queued += waited.count();
-  return pass;
+Answer answer_now(Endpoint endpoint, const Context& context, const HttpRequest& request) {
+  Prepared prepared = endpoint(context, request);
+  if (auto* const answer = std::get_if<Answer>(&prepared)) return std::move(*answer);
+  auto pass = context.admission.enter(request.client);
+  if (!pass) return busy(context, request, "as many runs as are allowed are computing");
+  return std::get<Job>(prepared)(std::move(*pass));
 }
 
 Answer busy(const Context& context, const HttpRequest& request, std::string_view why) {

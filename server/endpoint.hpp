@@ -11,6 +11,7 @@
 #include "server/http/admission.hpp"
 #include "server/http/cancellation.hpp"
 #include "server/http/http_request.hpp"
+#include "server/http/router.hpp"
 #include "server/shared/answer.hpp"
 #include "server/shared/kept_rows.hpp"
 
@@ -25,8 +26,12 @@ struct Context {
   MemoryBudget& memory;                ///< for the samples of answers
 };
 
-/// 200, 400 (no JSON), 406, 422 or 503. Throws when memory is out or the core has a bug.
-using Endpoint = Answer (*)(const Context&, const HttpRequest&);
+/// A refusal (400: no JSON, 406, 422), or the work, which answers 200, 422 or 503. Both throw when memory is out or the
+/// core has a bug. Context and request outlive the work.
+using Endpoint = Prepared (*)(const Context&, const HttpRequest&);
+
+/// Does the work at once; 503 where there is no place for it.
+Answer answer_now(Endpoint endpoint, const Context& context, const HttpRequest& request);
 
 /// The position of the form that the client likes best, or 406.
 Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& types);
@@ -34,10 +39,8 @@ Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& ty
 /// The body as JSON, or 400.
 Result<ParsedJson, Answer> json_of(const HttpRequest& request);
 
-/// A turn to compute, or nothing: then the answer is `busy`.
-std::optional<Admission::Pass> admit(const Context& context, const HttpRequest& request);
-Answer busy(const Context& context, const HttpRequest& request,
-            std::string_view why = "as many runs as are allowed are computing or waiting");
+/// 503, with the time after which it is worth to ask again.
+Answer busy(const Context& context, const HttpRequest& request, std::string_view why);
 
 /// Why a watched computation ended: `deadline`, `cancelled`, or `completed` where it was left alone.
 ReturnCode end_of(const CancellationWatch& watch);

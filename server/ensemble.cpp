@@ -13,15 +13,11 @@ namespace {
 
 using Passes = std::vector<Admission::Pass>;
 
-// One place is waited for, as for a run; of those that are free besides, up to half of all are taken, too.
-Passes places(const Context& context, const HttpRequest& request) {
+// One place was waited for, as for a run; of those that are free besides, up to half of all are taken, too.
+Passes places(const Context& context, const HttpRequest& request, Admission::Pass&& first) {
   Passes passes;
-  if (auto pass = admit(context, request)) passes.push_back(std::move(*pass));
-  while (!passes.empty()) {
-    auto more = context.admission.enter_besides(request.client);
-    if (!more) break;
-    passes.push_back(std::move(*more));
-  }
+  passes.push_back(std::move(first));
+  while (auto more = context.admission.enter_besides(request.client)) passes.push_back(std::move(*more));
   return passes;
 }
 
@@ -95,30 +91,36 @@ struct EnsembleStream {
   }
 };
 
+Answer answer_ensemble(const Context& context, const HttpRequest& request, EnsemblePlan&& plan, bool lines,
+                       Passes&& passes) {
+  if (lines) {
+    Answer answer;
+    answer.type = "application/x-ndjson";
+    const auto stream =
+        std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(plan), request.gone, std::move(passes)});
+    answer.stream = [stream](const Write& write) { return (*stream)(write); };
+    return answer;
+  }
+  Held held(context.memory);
+  const auto [all, end] = compute(plan, context, request.gone, static_cast<unsigned>(passes.size()),
+                                  [&](const Harvest& sums, const Block&) { return held.grow_to(bytes_of(sums)); });
+  if (held.overflowed) return busy(context, request, "answers that others read fill the memory");
+  return {200, "application/json", encode_ensemble(plan, context.cards, all, end), {}};
+}
+
 }  // namespace
 
-Answer run_ensemble_request(const Context& context, const HttpRequest& request) {
+Prepared run_ensemble_request(const Context& context, const HttpRequest& request) {
   auto form = form_for(request, {"application/json", "application/x-ndjson"});
   if (!form) return form.error();
   auto parsed = json_of(request);
   if (!parsed) return parsed.error();
   auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
-  auto passes = places(context, request);
-  if (passes.empty()) return busy(context, request);
-  if (*form == 1) {
-    Answer answer;
-    answer.type = "application/x-ndjson";
-    const auto stream =
-        std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(*plan), request.gone, std::move(passes)});
-    answer.stream = [stream](const Write& write) { return (*stream)(write); };
-    return answer;
-  }
-  Held held(context.memory);
-  const auto [all, end] = compute(*plan, context, request.gone, static_cast<unsigned>(passes.size()),
-                                  [&](const Harvest& sums, const Block&) { return held.grow_to(bytes_of(sums)); });
-  if (held.overflowed) return busy(context, request, "answers that others read fill the memory");
-  return {200, "application/json", encode_ensemble(*plan, context.cards, all, end), {}};
+  return Job([&context, request, lines = *form == 1,
+              shared = std::make_shared<EnsemblePlan>(std::move(*plan))](Admission::Pass pass) {
+    return answer_ensemble(context, request, std::move(*shared), lines, places(context, request, std::move(pass)));
+  });
 }
 
 }  // namespace least::server

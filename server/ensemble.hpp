@@ -6,6 +6,6 @@
 namespace least::server {
 
 /// POST /v1/ensemble: as a whole, or line by line as its blocks are computed.
-Answer run_ensemble_request(const Context& context, const HttpRequest& request);
+Prepared run_ensemble_request(const Context& context, const HttpRequest& request);
 
 }  // namespace least::server

@@ -93,6 +93,14 @@ int say(std::string_view id, Compute&& compute) {
     LogLine(spdlog::level::err, "failed").with("why", e.what());
     answer = problem_document(500, "", id);
   }
+  if (answer.pieces) {
+    std::string piece;
+    for (bool more = true; more; piece.clear()) {
+      more = answer.pieces(piece);
+      if (print(piece, 0) != 0) return 1;
+    }
+    return 0;
+  }
   if (!answer.stream) return print(answer.body, answer.status == 200 ? 0 : 2);
   return answer.stream([](std::string_view piece) { return print(piece, 0) == 0; }) ? 0 : 1;
 }
@@ -121,7 +129,11 @@ int health(const Options& options) {
   return fault ? 1 : 0;
 }
 
-int run(const Options& options) { return answer_file(options, "run", 1, simulate); }
+int run(const Options& options) {
+  return answer_file(options, "run", 1, [](const Context& context, const HttpRequest& request) {
+    return answer_now(simulate, context, request);
+  });
+}
 
 int ensemble(const Options& options) {
   const unsigned cores = std::max(std::thread::hardware_concurrency(), 1U);
@@ -129,7 +141,7 @@ int ensemble(const Options& options) {
   const bool part = !options.output.empty() || options.shard != Options{}.shard;
   return answer_file(options, "ensemble", threads, [&](const Context& context, const HttpRequest& request) {
     return part ? write_part(context, request, options.shard, options.output, threads)
-                : run_ensemble_request(context, request);
+                : answer_now(run_ensemble_request, context, request);
   });
 }
 

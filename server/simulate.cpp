@@ -79,12 +79,10 @@ Answer answer_whole(const SharedTask& task, const HttpRequest& question, const F
   if (form.add_fields) form.add_fields(run, answer);
   note_run(answer, run, outcome);
   const auto ended = std::make_shared<const Solution>(std::move(outcome));
-  answer.stream = [task, rows = std::move(rows), ended, write_form = form.write](const Write& write) mutable {
-    Outlet out(write);
-    write_form(FinishedRun(task->planned(), *ended, *rows), out);
-    const bool whole = out.flush();
-    rows.reset();  // who has read the end finds the memory free
-    return whole;
+  answer.pieces = [task, rows = std::move(rows), ended, &form, next = std::size_t{0}](std::string& out) mutable {
+    const FinishedRun finished(task->planned(), *ended, *rows);
+    form.write(finished, next, out);
+    return ++next < form.pieces(finished);
   };
   return answer;
 }
@@ -176,9 +174,24 @@ Result<SharedTask, Answer> choose(const Context& context, const HttpRequest& req
   return SharedTask(std::move(task));
 }
 
+Answer compute(const Context& context, const HttpRequest& request, std::size_t form, SimulateRequest& asked,
+               Admission::Pass&& pass) {
+  SharedTask task;
+  if (asked.wish) {
+    auto chosen = choose(context, request, asked);
+    if (!chosen) return chosen.error();
+    task = std::move(*chosen);
+  } else {
+    const double seconds = asked.run.limits.seconds;
+    task = std::make_shared<const Task>(context, std::move(asked.run), nullptr, seconds);
+  }
+  return form < forms().size() ? answer_whole(task, request, forms()[form])
+                               : answer_in_lines(task, request, std::move(pass));
+}
+
 }  // namespace
 
-Answer simulate(const Context& context, const HttpRequest& request) {
+Prepared simulate(const Context& context, const HttpRequest& request) {
   Names types;
   for (const Form& form : forms()) types.push_back(form.type);
   types.push_back(in_lines);
@@ -188,19 +201,8 @@ Answer simulate(const Context& context, const HttpRequest& request) {
   if (!parsed) return parsed.error();
   auto asked = decode(std::move(*parsed), context.cards, context.caps);
   if (!asked) return problem_document(asked.error(), request.id);
-  auto pass = admit(context, request);
-  if (!pass) return busy(context, request);
-  SharedTask task;
-  if (asked->wish) {
-    auto chosen = choose(context, request, *asked);
-    if (!chosen) return chosen.error();
-    task = std::move(*chosen);
-  } else {
-    const double seconds = asked->run.limits.seconds;
-    task = std::make_shared<const Task>(context, std::move(asked->run), nullptr, seconds);
-  }
-  return *form < forms().size() ? answer_whole(task, request, forms()[*form])
-                                : answer_in_lines(task, request, std::move(*pass));
+  return Job([&context, request, form = *form, asked = std::make_shared<SimulateRequest>(std::move(*asked))](
+                 Admission::Pass pass) { return compute(context, request, form, *asked, std::move(pass)); });
 }
 
 }  // namespace least::server

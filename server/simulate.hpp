@@ -6,6 +6,6 @@
 namespace least::server {
 
 /// POST /v1/simulate: whole in one of the `forms`, or line by line while it runs.
-Answer simulate(const Context& context, const HttpRequest& request);
+Prepared simulate(const Context& context, const HttpRequest& request);
 
 }  // namespace least::server

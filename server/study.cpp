@@ -58,41 +58,44 @@ Answer measured_in_lines(const Context& context, const HttpRequest& request, Stu
   return answer;
 }
 
+Answer measured_stability(const Context& context, const HttpRequest& request, const StabilityPlan& plan) {
+  const CancellationWatch watch(context.cancelled, request.gone, plan.scene.limits.seconds);
+  std::vector<StabilityLimit> limits;
+  for (const SchemeConfig& scheme : plan.schemes) {
+    auto limit = longest_stable_step_of(plan.scene, scheme, watch.cancelled());
+    if (watch.cancelled()) break;  // a search that was cut off found nothing
+    limits.push_back(std::move(limit));
+  }
+  return {
+      200, "application/json", encode_stability({plan.scene, plan.schemes, limits, context.cards}, end_of(watch)), {}};
+}
+
 }  // namespace
 
-Answer measure_work_precision(const Context& context, const HttpRequest& request) {
+Prepared measure_work_precision(const Context& context, const HttpRequest& request) {
   auto form = form_for(request, {"application/json", "application/x-ndjson"});
   if (!form) return form.error();
   auto parsed = json_of(request);
   if (!parsed) return parsed.error();
   auto plan = decode_work_precision(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
-  auto pass = admit(context, request);
-  if (!pass) return busy(context, request);
-  return *form == 0 ? measured_as_a_whole(context, request, *plan)
-                    : measured_in_lines(context, request, std::move(*plan), std::move(*pass));
+  return Job([&context, request, lines = *form == 1,
+              shared = std::make_shared<StudyPlan>(std::move(*plan))](Admission::Pass pass) {
+    return lines ? measured_in_lines(context, request, std::move(*shared), std::move(pass))
+                 : measured_as_a_whole(context, request, *shared);
+  });
 }
 
-Answer measure_stability(const Context& context, const HttpRequest& request) {
+Prepared measure_stability(const Context& context, const HttpRequest& request) {
   auto form = form_for(request, {"application/json"});
   if (!form) return form.error();
   auto parsed = json_of(request);
   if (!parsed) return parsed.error();
-  const auto plan = decode_stability(std::move(*parsed), context.cards, context.caps);
+  auto plan = decode_stability(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
-  const auto pass = admit(context, request);
-  if (!pass) return busy(context, request);
-  const CancellationWatch watch(context.cancelled, request.gone, plan->scene.limits.seconds);
-  std::vector<StabilityLimit> limits;
-  for (const SchemeConfig& scheme : plan->schemes) {
-    auto limit = longest_stable_step_of(plan->scene, scheme, watch.cancelled());
-    if (watch.cancelled()) break;  // a search that was cut off found nothing
-    limits.push_back(std::move(limit));
-  }
-  return {200,
-          "application/json",
-          encode_stability({plan->scene, plan->schemes, limits, context.cards}, end_of(watch)),
-          {}};
+  return Job([&context, request, shared = std::make_shared<const StabilityPlan>(std::move(*plan))](Admission::Pass) {
+    return measured_stability(context, request, *shared);
+  });
 }
 
 }  // namespace least::server

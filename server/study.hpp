@@ -6,9 +6,9 @@
 namespace least::server {
 
 /// POST /v1/work-precision: as a whole, or line by line while it is measured.
-Answer measure_work_precision(const Context& context, const HttpRequest& request);
+Prepared measure_work_precision(const Context& context, const HttpRequest& request);
 
 /// POST /v1/stability.
-Answer measure_stability(const Context& context, const HttpRequest& request);
+Prepared measure_stability(const Context& context, const HttpRequest& request);
 
 }  // namespace least::server

@@ -10,19 +10,18 @@ namespace least::server {
 
 static_assert(std::endian::native == std::endian::little, "append_binary would have to turn the bytes around");
 
-void append_numbers(Outlet& out, const Strided& values, bool first) {
+void append_numbers(std::string& out, const Strided& values, bool first) {
   char block[8192];  // stays in the cache
   char* at = block;
   for (std::size_t i = values.first; i < values.numbers.size(); i += values.stride) {
     if (at > block + sizeof block - longest_number - 1) {
-      out.text().append(block, at);
+      out.append(block, at);
       at = block;
-      if (!out.pass_on()) return;
     }
     if (!first || i != values.first) *at++ = ',';
     at = write_number(at, values.numbers[i]);
   }
-  out.text().append(block, at);
+  out.append(block, at);
 }
 
 void write_words(JsonWriter& json, const std::vector<std::string>& words, const Strided& values) {
@@ -38,18 +37,17 @@ void begin_typed_array(std::string& out, std::size_t numbers) {
   append_cbor_head(out, 2, numbers * sizeof(double));
 }
 
-void append_binary(Outlet& out, const Strided& values) {
+void append_binary(std::string& out, const Strided& values) {
   char block[8192];
   char* at = block;
   for (std::size_t i = values.first; i < values.numbers.size(); i += values.stride) {
     if (at == block + sizeof block) {
-      out.text().append(block, at);
+      out.append(block, at);
       at = block;
-      if (!out.pass_on()) return;
     }
     at = static_cast<char*>(std::memcpy(at, &values.numbers[i], sizeof(double))) + sizeof(double);
   }
-  out.text().append(block, at);
+  out.append(block, at);
 }
 
 }  // namespace least::server

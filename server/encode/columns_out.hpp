@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "server/shared/json_writer.hpp"
-#include "server/shared/outlet.hpp"
 
 namespace least::server {
 
@@ -17,13 +16,13 @@ struct Strided {
 };
 
 /// With commas between, and one before unless they are the first of their array.
-void append_numbers(Outlet& out, const Strided& values, bool first);
+void append_numbers(std::string& out, const Strided& values, bool first);
 /// As elements of an array that is open.
 void write_words(JsonWriter& json, const std::vector<std::string>& words, const Strided& values);
 
 /// The beginning of an RFC 8746 typed array of binary64 in little endian.
 void begin_typed_array(std::string& out, std::size_t numbers);
 /// Its numbers.
-void append_binary(Outlet& out, const Strided& values);
+void append_binary(std::string& out, const Strided& values);
 
 }  // namespace least::server

@@ -10,7 +10,6 @@
 #include "server/shared/answer.hpp"
 #include "server/shared/cards.hpp"
 #include "server/shared/kept_rows.hpp"
-#include "server/shared/outlet.hpp"
 
 namespace least::server {
 
@@ -38,21 +37,6 @@ struct FinishedRun : PlannedRun {
       : PlannedRun(planned), outcome(ended), samples(rows) {}
 };
 
-/// `application/json`: the response of the contract.
-void write_json(const FinishedRun& run, Outlet& out);
-
-/// `application/cbor` (RFC 8949): the same members, the columns of the trajectory as typed arrays (RFC 8746) of
-/// binary64 in little endian, in which what has no value is NaN; a column of words is an array of texts.
-void write_cbor(const FinishedRun& run, Outlet& out);
-
-/// `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands
-/// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-Choice`, `-Final`,
-/// `-Diagnostics`, `-Events`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says `{"omitted":true}` and
-/// stands after the last sample, in a line `# Leastaction-Events: …`.
-void write_csv(const FinishedRun& run, Outlet& out);
-/// The header fields that go with it.
-void add_csv_fields(const FinishedRun& run, Answer& answer);
-
 /// `application/x-ndjson`, line by line: `head` with the echo, `samples`, `progress`, and `end` with all that is known
 /// after the run.
 std::string run_head_line(const PlannedRun& run);
@@ -60,16 +44,27 @@ std::string run_samples_line(const PlannedRun& run, std::span<const double> rows
 std::string run_progress_line(double t, std::int64_t steps);
 std::string run_end_line(const PlannedRun& run, const Solution& outcome);
 
-/// A form of the whole answer. A further one is a further entry of `forms`.
+/// A form of the whole answer, written in pieces, one after the other, whenever there is somewhere to put them: little
+/// of a large answer exists as text at a time. A further form is a further entry of `forms`.
 struct Form {
   std::string_view type;          ///< media type, as clients ask for it
   std::string_view content_type;  ///< as the answer says it
-  void (*write)(const FinishedRun& run, Outlet& out);
-  void (*add_fields)(const FinishedRun& run, Answer& answer) = nullptr;
+  std::size_t (*pieces)(const FinishedRun& run);
+  void (*write)(const FinishedRun& run, std::size_t piece, std::string& out);
+  void (*add_fields)(const FinishedRun& run, Answer& answer) = nullptr;  ///< header fields that go with it
 };
 
-/// All forms, the default first.
+/// All forms, the default first:
+/// - `application/json`: the response of the contract.
+/// - `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands as
+/// one-line
+///   JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-Choice`, `-Final`, `-Diagnostics`,
+///   `-Events`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says `{"omitted":true}` and stands after
+///   the last sample, in a line `# Leastaction-Events: …`.
+/// - `application/cbor` (RFC 8949): the members of JSON, the columns of the trajectory as typed arrays (RFC 8746) of
+///   binary64 in little endian, in which what has no value is NaN; a column of words is an array of texts.
 std::span<const Form> forms();
+extern const Form csv_form;
 
 /// An answer with its body in memory.
 Answer whole_answer(const Form& form, const FinishedRun& run);

@@ -46,7 +46,31 @@ void write_row(std::string& text, const std::vector<const std::vector<std::strin
   text += '\n';
 }
 
-}  // namespace
+// A line of names, the samples, and what was too long for the fields.
+std::size_t pieces_of_table(const FinishedRun& run) { return 2 + run.samples.slices(); }
+
+void write_csv(const FinishedRun& run, std::size_t piece, std::string& out) {
+  const auto& columns = run.request.columns;
+  if (piece > run.samples.slices()) {
+    return for_each_part(run, [&](const char* name, const std::string& value) {
+      if (value.size() > longest_field) out.append("# ").append(name).append(": ").append(value).append("\n");
+    });
+  }
+  std::vector<const std::vector<std::string>*> words;
+  for (const std::size_t column : columns) {
+    const ColumnCard& card = run.problem.columns[column];
+    words.push_back(&card.words);
+    if (piece == 0) out.append(words.size() > 1 ? "," : "").append(card.name);
+  }
+  if (piece == 0) {
+    out += '\n';
+    return;
+  }
+  const auto rows = run.samples.slice(piece - 1);
+  for (std::size_t at = 0; at < rows.size(); at += columns.size()) {
+    write_row(out, words, rows.subspan(at, columns.size()));
+  }
+}
 
 void add_csv_fields(const FinishedRun& run, Answer& answer) {
   answer.headers.emplace_back("Leastaction-Status", status_of(run.outcome));
@@ -55,26 +79,8 @@ void add_csv_fields(const FinishedRun& run, Answer& answer) {
   });
 }
 
-void write_csv(const FinishedRun& run, Outlet& out) {
-  const auto& columns = run.request.columns;
-  std::vector<const std::vector<std::string>*> words;
-  for (const std::size_t column : columns) {
-    const ColumnCard& card = run.problem.columns[column];
-    if (!words.empty()) out.text() += ',';
-    out.text() += card.name;
-    words.push_back(&card.words);
-  }
-  out.text() += '\n';
-  for (const auto& block : run.samples.blocks()) {
-    for (std::size_t at = 0; at < block.size() && out.pass_on(); at += columns.size()) {
-      write_row(out.text(), words, std::span(block).subspan(at, columns.size()));
-    }
-  }
-  for_each_part(run, [&](const char* name, const std::string& value) {
-    if (value.size() <= longest_field) return;
-    out.text().append("# ").append(name).append(": ").append(value).append("\n");
-    out.pass_on();
-  });
-}
+}  // namespace
+
+const Form csv_form{"text/csv", "text/csv; charset=utf-8; header=present", pieces_of_table, write_csv, add_csv_fields};
 
 }  // namespace least::server

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 #include "server/encode/columns_out.hpp"
@@ -19,42 +21,58 @@ void write_status(JsonWriter& json, const Solution& outcome) {
   if (outcome.stop.reason != ReturnCode::completed) write_stop(json.key("stop"), outcome.stop);
 }
 
-// Rows become columns: the samples lie row by row in memory.
-void write_trajectory(JsonWriter& json, const FinishedRun& run, Outlet& out) {
+// The trajectory stands between a piece with all before it and one with all after it, column by column: the samples
+// lie row by row in memory. Where there are none, a piece opens and closes each column.
+std::size_t slices_of(const FinishedRun& run) { return std::max<std::size_t>(run.samples.slices(), 1); }
+std::size_t pieces_of(const FinishedRun& run) { return 2 + run.request.columns.size() * slices_of(run); }
+
+void write_column(const FinishedRun& run, std::size_t column, std::size_t slice, std::string& out, Notation notation) {
   const auto& columns = run.request.columns;
-  json.open('{');
-  for (std::size_t column = 0; column < columns.size(); ++column) {
-    const ColumnCard& card = run.problem.columns[columns[column]];
+  const ColumnCard& card = run.problem.columns[columns[column]];
+  const bool packed = notation == Notation::cbor && card.words.empty(), begins = slice == 0;
+  JsonWriter json(out, notation, begins && column == 0);
+  if (begins) {
     json.key(card.name);
-    const bool packed = json.notation() == Notation::cbor && card.words.empty();
-    packed ? begin_typed_array(json.buffer(), run.samples.rows()) : (void)json.open('[');
-    bool first = true;
-    for (const auto& block : run.samples.blocks()) {
-      const Strided values{block, column, columns.size()};
-      if (packed) {
-        append_binary(out, values);
-      } else if (card.words.empty()) {
-        append_numbers(out, values, first);
-      } else {
-        write_words(json, card.words, values);
-      }
-      first = false;
-      if (!out.pass_on()) return;
-    }
-    if (!packed) json.close(']');
+    packed ? begin_typed_array(out, run.samples.rows()) : (void)json.open('[');
   }
-  json.close('}');
+  if (slice < run.samples.slices()) {
+    const Strided values{run.samples.slice(slice), column, columns.size()};
+    if (packed) {
+      append_binary(out, values);
+    } else if (card.words.empty()) {
+      append_numbers(out, values, begins);
+    } else {
+      write_words(json, card.words, values);
+    }
+  }
+  if (slice + 1 == slices_of(run) && !packed) json.close(']');
 }
 
-void write_whole(const FinishedRun& run, Outlet& out, Notation notation) {
-  JsonWriter json(out.text(), notation);
-  json.open('{').key("version").text(version);
-  write_status(json, run.outcome);
-  write_echo(json, run);
-  if (run.choice) write_choice(json.key("choice"), *run.choice);
-  write_trajectory(json.key("trajectory"), run, out);
-  write_findings(json, run, run.outcome);
-  json.close('}');
+void write_piece(const FinishedRun& run, std::size_t piece, std::string& out, Notation notation) {
+  const std::size_t last = pieces_of(run) - 1;
+  if (piece > 0 && piece < last) {
+    return write_column(run, (piece - 1) / slices_of(run), (piece - 1) % slices_of(run), out, notation);
+  }
+  JsonWriter json(out, notation);
+  if (piece == 0) {
+    json.open('{').key("version").text(version);
+    write_status(json, run.outcome);
+    write_echo(json, run);
+    if (run.choice) write_choice(json.key("choice"), *run.choice);
+    json.key("trajectory").open('{');
+  } else {
+    json.close('}');
+    write_findings(json, run, run.outcome);
+    json.close('}');
+    if (notation == Notation::json) out += '\n';
+  }
+}
+
+void write_json(const FinishedRun& run, std::size_t piece, std::string& out) {
+  write_piece(run, piece, out, Notation::json);
+}
+void write_cbor(const FinishedRun& run, std::size_t piece, std::string& out) {
+  write_piece(run, piece, out, Notation::cbor);
 }
 
 // An object on a line.
@@ -70,12 +88,6 @@ std::string run_line(std::string_view kind, WriteMembers write_members) {
 
 }  // namespace
 
-void write_json(const FinishedRun& run, Outlet& out) {
-  write_whole(run, out, Notation::json);
-  out.text() += '\n';
-}
-void write_cbor(const FinishedRun& run, Outlet& out) { write_whole(run, out, Notation::cbor); }
-
 std::string run_head_line(const PlannedRun& run) {
   return run_line("head", [&](JsonWriter& json) {
     json.key("version").text(version);
@@ -87,16 +99,13 @@ std::string run_head_line(const PlannedRun& run) {
 std::string run_samples_line(const PlannedRun& run, std::span<const double> rows) {
   return run_line("samples", [&](JsonWriter& json) {
     const auto& columns = run.request.columns;
-    Outlet whole;
     json.key("trajectory").open('{');
     for (std::size_t column = 0; column < columns.size(); ++column) {
       const ColumnCard& card = run.problem.columns[columns[column]];
       const Strided values{rows, column, columns.size()};
       json.key(card.name).open('[');
       if (card.words.empty()) {
-        append_numbers(whole, values, true);
-        json.buffer() += whole.text();
-        whole.text().clear();
+        append_numbers(json.buffer(), values, true);
       } else {
         write_words(json, card.words, values);
       }
@@ -118,9 +127,9 @@ std::string run_end_line(const PlannedRun& run, const Solution& outcome) {
 }
 
 std::span<const Form> forms() {
-  static constexpr Form all[] = {{"application/json", "application/json", write_json},
-                                 {"text/csv", "text/csv; charset=utf-8; header=present", write_csv, add_csv_fields},
-                                 {"application/cbor", "application/cbor", write_cbor}};
+  static const Form all[] = {{"application/json", "application/json", pieces_of, write_json},
+                             csv_form,
+                             {"application/cbor", "application/cbor", pieces_of, write_cbor}};
   return all;
 }
 
@@ -128,10 +137,8 @@ Answer whole_answer(const Form& form, const FinishedRun& run) {
   Answer answer;
   answer.type = form.content_type;
   if (form.add_fields) form.add_fields(run, answer);
-  Outlet out;
-  out.text().reserve(4096 + run.samples.rows() * run.samples.columns() * 20);
-  form.write(run, out);
-  answer.body = std::move(out.text());
+  answer.body.reserve(4096 + run.samples.rows() * run.samples.columns() * 20);
+  for (std::size_t piece = 0; piece < form.pieces(run); ++piece) form.write(run, piece, answer.body);
   return answer;
 }
 

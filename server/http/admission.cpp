@@ -2,16 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "server/http/metrics.hpp"
 
 namespace least::server {
-namespace {
-
-// How often one who waits looks whether its client is still there.
-constexpr std::chrono::milliseconds between_glances{50};
-
-}  // namespace
 
 std::optional<Admission::Pass> Admission::enter_besides(std::string_view name) {
   const std::lock_guard lock(mutex_);
@@ -22,58 +17,72 @@ std::optional<Admission::Pass> Admission::enter_besides(std::string_view name) {
   return std::optional<Pass>(std::in_place, *this, client->first, false);
 }
 
-std::optional<Admission::Pass> Admission::enter(std::string_view name, std::chrono::milliseconds patience,
-                                                const std::function<bool()>& gone) {
-  const auto from = Clock::now();
-  std::unique_lock lock(mutex_);
-  const auto refused = [this] {
-    if (metrics_) metrics_->rejected();
-    return std::nullopt;
-  };
-  if (closed_) return refused();
+std::optional<Admission::Pass> Admission::enter(std::string_view name) {
+  const std::lock_guard lock(mutex_);
+  if (closed_ || running_ >= places_ || waiting_ > 0) return std::nullopt;
   const auto client = clients_.try_emplace(std::string(name)).first;
-  Client& own = client->second;
-  Waiter waiter;
-  if (running_ < places_ && waiting_ == 0) {
-    waiter.admitted = true;
-    ++running_, ++own.running;
-  } else {
-    const bool hopeless = expected_wait(own.waiting.size()) > std::chrono::duration<double>(patience).count();
-    if (hopeless || (waiting_ >= queue_ && !make_room(own))) {
-      forget(client);
-      return refused();
-    }
-    if (own.waiting.empty()) turns_.push_back(client->first);
-    own.waiting.push_back(&waiter);
-    ++waiting_;
-    admit_waiting();
-    const auto called = [&] { return waiter.admitted || waiter.dismissed || closed_; };
-    while (!called() && Clock::now() - from < patience) {
-      if (waiter.woken.wait_for(lock, between_glances, called)) break;
-      lock.unlock();  // looking takes a system call
-      const bool left = gone && gone();
-      lock.lock();
-      if (left) break;
-    }
-    if (!waiter.admitted && !waiter.dismissed) {
-      std::erase(own.waiting, &waiter);
-      --waiting_;
-      if (own.waiting.empty()) std::erase(turns_, client->first);
-    }
-  }
-  if (!waiter.admitted) {
-    if (!waiter.dismissed) forget(client);  // one that was dismissed may long have been forgotten
-    return refused();
-  }
-  if (metrics_) metrics_->waited(std::chrono::duration<double>(Clock::now() - from).count());
+  ++running_, ++client->second.running;
+  if (metrics_) metrics_->waited(0);
   return std::optional<Pass>(std::in_place, *this, client->first);
 }
 
+void Admission::wait(std::string_view name, std::chrono::milliseconds patience, std::function<bool()> gone, Turn turn) {
+  const auto now = Clock::now();
+  Calls calls;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto client = clients_.try_emplace(std::string(name)).first;
+    Client& own = client->second;
+    const bool room = running_ < places_ && waiting_ == 0;
+    const bool hopeless = expected_wait(own.waiting.size()) > std::chrono::duration<double>(patience).count();
+    if (closed_ || hopeless || (!room && waiting_ >= queue_ && !make_room(own, calls))) {
+      refuse(calls, std::move(turn));
+      forget(client);
+    } else {
+      if (own.waiting.empty()) turns_.push_back(client->first);
+      own.waiting.push_back({now, now + patience, std::move(gone), std::move(turn)});
+      ++waiting_;
+      admit_waiting(calls);
+    }
+  }
+  run(std::move(calls));
+}
+
+void Admission::look() {
+  const auto now = Clock::now();
+  Calls calls;
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto turn = turns_.begin(); turn != turns_.end();) {
+      const auto client = clients_.find(*turn);
+      std::erase_if(client->second.waiting, [&](Waiter& waiter) {
+        if (!closed_ && now < waiter.until && !(waiter.gone && waiter.gone())) return false;
+        refuse(calls, std::move(waiter.turn));
+        --waiting_;
+        return true;
+      });
+      turn = client->second.waiting.empty() ? turns_.erase(turn) : std::next(turn);
+      forget(client);
+    }
+  }
+  run(std::move(calls));
+}
+
 void Admission::close() {
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
-  for (auto& [name, client] : clients_)
-    for (Waiter* waiter : client.waiting) waiter->woken.notify_one();
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  look();
+}
+
+void Admission::run(Calls calls) {
+  for (Call& call : calls) call.turn(std::move(call.pass));
+}
+
+void Admission::refuse(Calls& calls, Turn turn) {
+  if (metrics_) metrics_->rejected();
+  calls.push_back({std::move(turn), std::nullopt});
 }
 
 Admission::Load Admission::load() const {
@@ -89,21 +98,26 @@ int Admission::retry_after() const {
 void Admission::leave(const std::string& name, std::optional<Clock::duration> took) {
   const double seconds = took ? std::chrono::duration<double>(*took).count() : 0;
   if (metrics_ && took) metrics_->ran(seconds);
-  const std::lock_guard lock(mutex_);
-  if (took) mean_ += 0.1 * (seconds - mean_);
-  --running_;
-  const auto client = clients_.find(name);
-  --client->second.running;
-  forget(client);
-  admit_waiting();
+  Calls calls;
+  {
+    const std::lock_guard lock(mutex_);
+    if (took) mean_ += 0.1 * (seconds - mean_);
+    --running_;
+    const auto client = clients_.find(name);
+    --client->second.running;
+    forget(client);
+    admit_waiting(calls);
+  }
+  run(std::move(calls));
 }
 
 // Gives free places to those who wait.
-void Admission::admit_waiting() {
+void Admission::admit_waiting(Calls& calls) {
   while (running_ < places_ && !turns_.empty() && !closed_) {
     const auto turn = next();
-    Client& client = clients_.find(*turn)->second;
-    Waiter* const waiter = client.waiting.front();
+    const auto found = clients_.find(*turn);
+    Client& client = found->second;
+    Waiter waiter = std::move(client.waiting.front());
     client.waiting.pop_front();
     if (client.waiting.empty()) {
       turns_.erase(turn);
@@ -111,8 +125,8 @@ void Admission::admit_waiting() {
       turns_.splice(turns_.end(), turns_, turn);
     }
     --waiting_, ++running_, ++client.running;
-    waiter->admitted = true;
-    waiter->woken.notify_one();
+    if (metrics_) metrics_->waited(std::chrono::duration<double>(Clock::now() - waiter.from).count());
+    calls.push_back({std::move(waiter.turn), std::optional<Pass>(std::in_place, *this, found->first)});
   }
 }
 
@@ -126,17 +140,15 @@ std::list<std::string>::iterator Admission::next() {
 }
 
 // Dismisses the last request of the client that has most in the queue, if that is more than the newcomer would have.
-bool Admission::make_room(const Client& newcomer) {
+bool Admission::make_room(const Client& newcomer, Calls& calls) {
   const auto most = std::max_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
     return a.second.waiting.size() < b.second.waiting.size();
   });
   auto& queue = most->second.waiting;
   if (queue.size() <= newcomer.waiting.size() + 1) return false;
-  Waiter* const last = queue.back();
+  refuse(calls, std::move(queue.back().turn));
   queue.pop_back();
   --waiting_;
-  last->dismissed = true;
-  last->woken.notify_one();
   return true;
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <list>
@@ -13,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace least::server {
 
@@ -52,11 +52,20 @@ class Admission {
     Clock::time_point start_ = Clock::now();
   };
 
-  /// Waits for a turn. Nothing, and that at once: the queue is full, or the turn is not to be expected within
-  /// `patience`; or later: the patience is over, the client `gone` (may be empty), its place in the queue needed by
-  /// another, or the service ends.
-  std::optional<Pass> enter(std::string_view client, std::chrono::milliseconds patience,
-                            const std::function<bool()>& gone = {});
+  /// A turn that is free now.
+  std::optional<Pass> enter(std::string_view client);
+
+  /// What is done when the turn comes, or with nothing when it does not. It is called once, by whoever gives a place
+  /// back, ends the wait or asks: it hands its work on.
+  using Turn = std::function<void(std::optional<Pass>)>;
+
+  /// Waits for a turn, without a thread. There is none, and that at once: the queue is full, or the turn is not to be
+  /// expected within `patience`; or later: the patience is over, the client `gone` (may be empty), its place in the
+  /// queue needed by another, or the service ends.
+  void wait(std::string_view client, std::chrono::milliseconds patience, std::function<bool()> gone, Turn turn);
+
+  /// Ends the waits that are over. To be called now and then.
+  void look();
 
   /// A further place for a run that has one, as long as nobody waits and its client holds less than half of them.
   std::optional<Pass> enter_besides(std::string_view client);
@@ -75,19 +84,28 @@ class Admission {
 
  private:
   struct Waiter {
-    std::condition_variable woken;
-    bool admitted = false, dismissed = false;
+    Clock::time_point from, until;
+    std::function<bool()> gone;
+    Turn turn;
   };
   struct Client {
     unsigned running = 0;
-    std::deque<Waiter*> waiting;
+    std::deque<Waiter> waiting;
   };
+  // Turns that came or never will, and whose they are; called when the lock is free.
+  struct Call {
+    Turn turn;
+    std::optional<Pass> pass;
+  };
+  using Calls = std::vector<Call>;
   using Clients = std::map<std::string, Client, std::less<>>;
 
   void leave(const std::string& client, std::optional<Clock::duration> took);
-  void admit_waiting();
+  static void run(Calls calls);
+  void refuse(Calls& calls, Turn turn);
+  void admit_waiting(Calls& calls);
   std::list<std::string>::iterator next();
-  bool make_room(const Client& newcomer);
+  bool make_room(const Client& newcomer, Calls& calls);
   double expected_wait(std::size_t own) const;
   void forget(Clients::iterator client);
 

@@ -13,7 +13,7 @@ constexpr std::chrono::milliseconds between_looks{50};
 
 }  // namespace
 
-// One thread for all: one for each would cost a short run as much as all the rest of its request.
+// One for all: a thread for each would cost a short run as much as all the rest of its request.
 class CancellationWatch::Watcher {
  public:
   static Watcher& instance() {
@@ -25,12 +25,22 @@ class CancellationWatch::Watcher {
     {
       const std::lock_guard lock(mutex_);
       watches_.push_back(&watch);
+      if (attended_ > 0) return;
+      if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
     }
     came_.notify_one();
   }
   void remove(CancellationWatch& watch) {
     const std::lock_guard lock(mutex_);
     std::erase(watches_, &watch);
+  }
+  void look() {
+    const std::lock_guard lock(mutex_);
+    for (CancellationWatch* watch : watches_) watch->look();
+  }
+  void attend(int more) {
+    const std::lock_guard lock(mutex_);
+    attended_ += more;
   }
 
  private:
@@ -45,14 +55,18 @@ class CancellationWatch::Watcher {
   std::mutex mutex_;
   std::condition_variable_any came_, pause_;
   std::vector<CancellationWatch*> watches_;
-  std::jthread thread_{[this](const std::stop_token& stop) { work(stop); }};  // last: it uses the others
+  int attended_ = 0;
+  std::jthread thread_;  // last: it uses the others
 };
+
+CancellationWatch::Attended::Attended() { Watcher::instance().attend(1); }
+CancellationWatch::Attended::~Attended() { Watcher::instance().attend(-1); }
+void CancellationWatch::look_at_all() { Watcher::instance().look(); }
 
 CancellationWatch::CancellationWatch(const std::atomic<bool>& ended, std::function<bool()> gone, double seconds)
     : ended_(ended), gone_(std::move(gone)), seconds_(seconds) {
   Watcher::instance().add(*this);
 }
-void CancellationWatch::prepare() { Watcher::instance(); }
 CancellationWatch::~CancellationWatch() { Watcher::instance().remove(*this); }
 
 void CancellationWatch::look() {

@@ -16,8 +16,14 @@ class CancellationWatch {
                     double seconds = std::numeric_limits<double>::infinity());
   ~CancellationWatch();
   CancellationWatch(const CancellationWatch&) = delete;
-  /// Starts the thread that looks; else the first watch does. Throws where there can be none.
-  static void prepare();
+  /// To be called every 50 ms by whoever is `Attended`; while nobody is, a thread of its own sees to it.
+  static void look_at_all();
+  struct Attended {
+    Attended();
+    ~Attended();
+    Attended(const Attended&) = delete;
+    Attended& operator=(const Attended&) = delete;
+  };
 
   CancellationWatch& operator=(const CancellationWatch&) = delete;
 

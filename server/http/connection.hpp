@@ -1,17 +1,16 @@
-// One client connection: whole requests come off it, whole answers go onto it. Everything a client can stretch has a
-// bound here: sizes, counts, times.
+// One client connection, moved on by the event loop: whole requests come off it, answers go onto it, and nothing ever
+// waits. Everything a client can stretch has a bound here: sizes, counts, times.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstddef>
-#include <optional>
+#include <functional>
 #include <string>
 #include <string_view>
-#include <variant>
 
-#include "server/http/request_head.hpp"
-#include "server/shared/answer.hpp"
+#include "server/http/exchange.hpp"
+#include "server/http/request_reader.hpp"
 
 namespace least::server {
 
@@ -19,14 +18,11 @@ namespace least::server {
 struct Lifecycle {
   std::atomic<bool> draining{false};   ///< no new requests; those that came are answered
   std::atomic<bool> cancelled{false};  ///< runs end now
-  std::atomic<int> waiting{0};         ///< connections accepted that no thread has taken up yet
+  std::atomic<bool> crowded{false};    ///< clients wait to be let in
 };
 
-/// Bounds of one connection. A client that is slower than this is let go, so that a slow one costs a thread for
-/// seconds.
-struct ConnectionBounds {
-  HeadBounds head;
-  std::size_t body = 1 << 20;
+/// Bounds of one connection. A client that is slower than this is let go.
+struct ConnectionBounds : RequestBounds {
   std::chrono::milliseconds idle{60'000};  ///< between requests
   std::chrono::milliseconds head_time{5'000}, body_time{10'000};
   std::chrono::milliseconds stall{5'000};  ///< without one byte taken by the client while answering
@@ -35,79 +31,86 @@ struct ConnectionBounds {
   double rate = 64 * 1024;
 };
 
-/// A whole request.
-struct Message {
-  RequestHead head;
-  std::string body;
-  bool keep_alive = true;
+/// What becomes of requests. Called by the loop, which it may not hold up.
+class Handler {
+ public:
+  virtual ~Handler() = default;
+  /// A request came; `came` is to be called, by any thread, whenever there is something of its answer.
+  virtual ExchangePtr begin(Message message, const std::string& client, std::function<void()> came) = 0;
+  /// The same for what cannot be one; its connection ends with the answer.
+  virtual ExchangePtr refuse(Refused refused, const std::string& client, std::function<void()> came) = 0;
+  /// There is room for more pieces of an answer.
+  virtual void go_on(const ExchangePtr& exchange) = 0;
+  /// A client went away within a request.
+  virtual void aborted(const std::string& client) = 0;
+  /// A client went away before its answer was whole.
+  virtual void left(const Exchange& exchange) = 0;
+  /// Whether there are requests left, of clients who may be gone.
+  virtual bool busy() const = 0;
 };
-
-/// The client is gone, was idle for too long, or the service ends.
-struct Gone {
-  bool begun = false;  ///< a request had begun
-};
-
-/// A refusal beside what is known of the request.
-struct Refused {
-  Refusal refusal;
-  std::string method;
-};
-
-using Received = std::variant<Message, Refused, Gone>;
 
 class Connection {
  public:
-  /// Borrows the socket.
-  Connection(int socket, const ConnectionBounds& bounds, const Lifecycle& lifecycle)
-      : socket_(socket), bounds_(bounds), lifecycle_(lifecycle) {}
-
-  /// The next request. After a refusal the rest of the stream cannot be read: answer, then `linger`.
-  Received receive();
-
-  /// Sends an answer; `body` false for HEAD. False when the client did not take it, or a stream broke off: what came of
-  /// it then ends with the connection and without the mark of its end. Throws what a stream throws.
-  bool send(const Answer& answer, bool keep_alive, bool body);
-
-  /// Bytes of the last answer's body that were sent, or tried to.
-  std::size_t sent() const { return sent_; }
-
-  /// Whether a request that the client sent ahead has come.
-  bool has_more() const { return !buffer_.empty(); }
-
-  /// Whether the client went away, as far as it can be told. Who only ended its sending is still there: it is sent an
-  /// interim answer, and seen at the next call not to be there where that was refused. To be called by one thread at a
-  /// time, and while an answer is computed or sent.
-  bool gone();
-
-  /// Ends sending and lets the client finish talking for a moment: closing at once would take the answer back from a
-  /// client that is still sending.
-  void linger();
-
- private:
   using Clock = std::chrono::steady_clock;
 
-  void begin_answer(bool interim);
-  bool await_request();
-  bool fill(Clock::time_point deadline);
-  bool write(std::string_view bytes);
-  bool write_stream(const Answer& answer);
-  std::optional<Refusal> read_body(const Framing& framing, std::string& body);
-  std::optional<Refusal> read_chunks(std::string& body, Clock::time_point deadline);
-  std::optional<std::string> read_line(std::size_t longest, Clock::time_point deadline);
+  /// Owns the socket, which does not block. `came`: see Handler; it also asks for a further `advance`.
+  Connection(int socket, std::string client, const ConnectionBounds& bounds, const Lifecycle& lifecycle,
+             Handler& handler, std::function<void()> came);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
 
-  int socket_;
+  /// What the system says of the socket: EPOLLIN, EPOLLOUT, EPOLLRDHUP, EPOLLERR, EPOLLHUP, each when it changed.
+  void note(unsigned events);
+  /// Does what can be done now.
+  void advance();
+  /// Looks at the clocks.
+  void tick(Clock::time_point now);
+
+  bool closed() const { return state_ == State::closed; }
+  /// Since when nothing was asked; `max` while there is a request, or one may be on its way.
+  Clock::time_point idle_since() const;
+
+ private:
+  enum class State { reading, answering, lingering, closed };
+
+  bool step();
+  bool read_request();
+  bool send_answer();
+  bool finish(bool whole);
+  bool discard();
+  bool receive();
+  void begin(ExchangePtr exchange);
+  void probe();
+  bool too_slow(Clock::time_point now);
+  void unblock(Clock::time_point now);
+  void leave();
+  void send_now(std::string_view bytes) const;
+
+  const int socket_;
+  const std::string client_;
   const ConnectionBounds& bounds_;
   const Lifecycle& lifecycle_;
-  std::string buffer_;  // received, not yet read: a client may send requests ahead
-  bool fresh_ = true;   // no request came yet
-  bool chunks_ = true;  // the client of the last request understands chunked coding: it is not of HTTP/1.0
-  std::size_t sent_ = 0, taken_ = 0;                         // of the last answer: bytes of its body, and all that left
-  Clock::time_point last_write_ = Clock::time_point::max();  // set once, when the service ends: so long may all be sent
-  Clock::duration blocked_{0};                               // that its client let it wait
-  // Of the request that is answered now; looked at by another thread while it is.
-  std::atomic<bool> interim_{false};    // its client understands interim answers
-  std::atomic<bool> answering_{false};  // its answer has begun
-  std::atomic<bool> probed_{false};     // an interim answer was sent
+  Handler& handler_;
+  const std::function<void()> came_;
+
+  State state_ = State::reading;
+  RequestReader reader_;
+  RequestReader::Awaits awaited_ = RequestReader::Awaits::request;
+  Clock::time_point since_ = Clock::now(), last_byte_ = since_;  // of this state; and received
+  bool readable_ = true, writable_ = true;                       // as far as is known: to be tried
+  bool half_closed_ = false;                                     // the client sends no more
+  bool drained_ = false;                                         // and all it sent was read
+  bool fresh_ = true;                                            // no request came yet
+
+  ExchangePtr exchange_;
+  std::string sending_;  // of its answer; sent up to `offset_`
+  std::size_t offset_ = 0, taken_ = 0;
+  Outbox::State more_ = Outbox::State::open;
+  Clock::time_point blocked_from_;
+  Clock::duration blocked_{0}, stalled_{0};  // that its client let it wait, and since it took the last byte
+  Clock::time_point last_write_ = Clock::time_point::max();  // set when the service ends: so long may all be sent
+  bool probed_ = false;
 };
 
 }  // namespace least::server

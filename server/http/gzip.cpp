@@ -65,6 +65,14 @@ void compress(Answer& answer) {
       const auto piece = [&](std::string_view text) { return text.empty() || write(deflater.add(text, Z_SYNC_FLUSH)); };
       return whole(piece) && write(deflater.add({}, Z_FINISH));
     };
+  } else if (answer.pieces) {
+    const auto deflater = std::make_shared<Deflater>(fast);
+    answer.pieces = [deflater, text = std::string(), next = std::move(answer.pieces)](std::string& out) mutable {
+      text.clear();
+      const bool more = next(text);
+      out += deflater->add(text, more ? Z_NO_FLUSH : Z_FINISH);
+      return more;
+    };
   } else if (worth_gzip(answer.type, answer.body.size())) {
     answer.body = gzipped(answer.body, fast);
   } else {

@@ -6,12 +6,11 @@
 
 namespace least::server {
 
-/// Of the texts only `id` is needed while an answer streams; all outlive it.
+/// `accept` is needed until the request was read; the other texts live until the answer has left.
 struct HttpRequest {
   std::string_view body, accept, id;
-  std::function<bool()> gone{};      ///< whether the client went away; empty: it never does
-  std::string_view client{};         ///< its address
-  double* seconds_queued = nullptr;  ///< where to say how long the request waited for its turn; may be null
+  std::function<bool()> gone{};  ///< whether the client went away; empty: it never does
+  std::string_view client{};     ///< its address
 };
 
 }  // namespace least::server

@@ -1,23 +1,26 @@
 #include "server/http/http_server.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <sys/socket.h>
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <new>
 #include <random>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "server/http/cancellation.hpp"
+#include "server/http/event_loop.hpp"
 #include "server/http/http_date.hpp"
-#include "server/http/listener.hpp"
+#include "server/http/workers.hpp"
+#include "server/shared/http_status.hpp"
 #include "server/shared/log.hpp"
 
 namespace least::server {
@@ -34,18 +37,35 @@ Access access_of(const HttpSettings& settings) {
   return access;
 }
 
-// The address of who is at the other end; empty where there is none.
-std::string address_of(int socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  char text[INET6_ADDRSTRLEN] = "";
-  if (::getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
-  const void* number = nullptr;
-  if (address.ss_family == AF_INET) number = &reinterpret_cast<const sockaddr_in&>(address).sin_addr;
-  if (address.ss_family == AF_INET6) number = &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
-  if (number == nullptr || ::inet_ntop(address.ss_family, number, text, sizeof text) == nullptr) return {};
-  return text;
+// The head of an answer. `chunked`: so is its body.
+std::string head_of(const Answer& answer, bool keep_alive, bool chunked) {
+  std::string head = "HTTP/1.1 " + std::to_string(answer.status) + ' ';
+  head += phrase(answer.status);
+  head += "\r\n";
+  const auto field = [&](std::string_view name, std::string_view value) {
+    ((head += name) += ": ") += value;
+    head += "\r\n";
+  };
+  if (!answer.type.empty()) field("Content-Type", answer.type);
+  if (chunked) {
+    field("Transfer-Encoding", "chunked");
+  } else if (!answer.stream && !answer.pieces && answer.status != 204 && answer.status != 304) {
+    field("Content-Length", std::to_string(answer.body.size()));
+  }
+  for (const auto& [name, value] : answer.headers) field(name, value);
+  field("Connection", keep_alive ? "keep-alive" : "close");
+  return head += "\r\n";
 }
+
+// A piece of a body as a chunk (RFC 9112, 7.1); in HTTP/1.0 it is bare, and the body ends with the connection.
+std::string chunk_of(const Exchange& exchange, std::string_view piece) {
+  if (!exchange.chunked || piece.empty()) return std::string(piece);  // an empty chunk would be the last
+  char size[16];
+  std::string chunk(size, std::to_chars(size, size + sizeof size, piece.size(), 16).ptr);
+  chunk.reserve(chunk.size() + piece.size() + 4);
+  return ((chunk += "\r\n") += piece) += "\r\n";
+}
+std::string_view end_of(const Exchange& exchange) { return exchange.chunked ? "0\r\n\r\n" : ""; }
 
 std::uint64_t random_bits() {
   std::random_device device;
@@ -54,14 +74,14 @@ std::uint64_t random_bits() {
 
 }  // namespace
 
-class HttpServer::Impl {
+class HttpServer::Impl final : private Handler {
  public:
   Impl(HttpSettings settings, ErrorAnswer error)
       : settings_(std::move(settings)),
         error_(error),
-        admission_(settings_.threads > 0 ? settings_.threads : cores(), settings_.queue, &metrics_),
+        admission_(places(), settings_.queue, &metrics_),
         router_(access_of(settings_), error),
-        listener_(settings_.connections, lifecycle_.waiting, [this](int socket) { serve(socket); }) {}
+        loop_(settings_.connections, settings_.bounds, lifecycle_, *this) {}
 
   Router& router() { return router_; }
   Admission& admission() { return admission_; }
@@ -70,17 +90,22 @@ class HttpServer::Impl {
   const std::atomic<bool>& cancelled() const { return lifecycle_.cancelled; }
 
   std::optional<std::string> start() try {
-    CancellationWatch::prepare();
-    if (const auto error = listener_.bind(settings_.host, settings_.port)) {
+    if (const auto error = loop_.listen(settings_.host, settings_.port)) {
       return fmt::format("cannot listen on {} port {}: {}", settings_.host, settings_.port, *error);
     }
+    // One more than compute: there is always one for what is short, and that waits for nothing.
+    workers_.start(places() + 1);
     running_ = true;
     thread_ = std::thread([this] {
-      listener_.listen();
       {
-        const std::lock_guard lock(mutex_);
-        running_ = false;
+        const CancellationWatch::Attended attended;
+        loop_.run([this] {
+          admission_.look();
+          CancellationWatch::look_at_all();
+        });
       }
+      const std::lock_guard lock(mutex_);
+      running_ = false;
       ended_.notify_all();
     });
     return std::nullopt;
@@ -90,10 +115,9 @@ class HttpServer::Impl {
 
   std::string url() const {
     const bool six = settings_.host.find(':') != std::string::npos;
-    return fmt::format("http://{}{}{}:{}", six ? "[" : "", settings_.host, six ? "]" : "",
-                       settings_.port == 0 ? listener_.port() : settings_.port);
+    return fmt::format("http://{}{}{}:{}", six ? "[" : "", settings_.host, six ? "]" : "", loop_.port());
   }
-  int port() const { return listener_.port(); }
+  int port() const { return loop_.port(); }
   bool running() const {
     const std::lock_guard lock(mutex_);
     return running_;
@@ -102,7 +126,7 @@ class HttpServer::Impl {
   void stop() {
     if (!thread_.joinable()) return;
     lifecycle_.draining = true;
-    listener_.close();
+    loop_.wake();
     {
       std::unique_lock lock(mutex_);
       ended_.wait_for(lock, std::chrono::duration<double>(settings_.grace), [this] { return !running_; });
@@ -110,119 +134,232 @@ class HttpServer::Impl {
     lifecycle_.cancelled = true;
     admission_.close();
     thread_.join();
+    workers_.finish();
   }
 
  private:
-  // One connection, on its own thread.
-  void serve(int socket) {
-    Connection connection(socket, settings_.bounds, lifecycle_);
-    const std::string client = address_of(socket);
-    try {
-      while (answer_next(connection, client)) {
-      }
-    } catch (const std::exception& e) {
-      LogLine(spdlog::level::err, "connection lost").with("why", e.what());
+  using Came = std::function<void()>;
+
+  unsigned places() const { return settings_.threads > 0 ? settings_.threads : cores(); }
+
+  // ---- what the loop says
+
+  ExchangePtr begin(Message message, const std::string& client, Came came) override {
+    const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(came));
+    if (router_.is_short(exchange->message.head)) {
+      answer(exchange);
+    } else {
+      workers_.post([this, exchange] { answer(exchange); });
     }
+    return exchange;
   }
 
-  bool answer_next(Connection& connection, std::string_view client) {
-    auto received = connection.receive();
-    if (const auto* gone = std::get_if<Gone>(&received)) {
-      if (gone->begun) LogLine(spdlog::level::info, "aborted").with("client", std::string(client));
-      return false;
-    }
-    std::atomic<bool> left{false};
-    const auto start = Clock::now();
-    const std::string id = fmt::format("{:08x}-{:x}", origin_, ++count_);
-    if (auto* refused = std::get_if<Refused>(&received)) {
-      const Refusal& refusal = refused->refusal;
-      Routed routed{error_(refusal.status, refusal.detail, id), "refused"};
-      finish(connection, std::move(routed), {id, refused->method, start, 0, client, left}, false,
-             refused->method != "HEAD");
-      connection.linger();
-      return false;
-    }
-    const auto& message = std::get<Message>(received);
-    const auto gone = [&] {
-      if (!left && connection.gone() && !left.exchange(true)) metrics_.cancelled();
-      return left.load();
+  ExchangePtr refuse(Refused refused, const std::string& client, Came came) override {
+    Message message;
+    message.head.method = std::move(refused.method);
+    message.keep_alive = false;
+    const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(came));
+    respond(exchange, "refused", error_(refused.refusal.status, refused.refusal.detail, exchange->id));
+    return exchange;
+  }
+
+  void go_on(const ExchangePtr& exchange) override {
+    if (exchange->writing.exchange(true)) return;
+    workers_.post([this, exchange] { guarded(exchange, [&] { write_pieces(*exchange); }); });
+  }
+
+  void aborted(const std::string& client) override { LogLine(spdlog::level::info, "aborted").with("client", client); }
+
+  void left(const Exchange& exchange) override {
+    if (exchange.computing) metrics_.cancelled();
+  }
+
+  bool busy() const override { return exchanges_ > 0; }
+
+  ExchangePtr exchange_of(Message message, const std::string& client, Came came) {
+    auto exchange = std::make_shared<Exchange>(std::move(message), fmt::format("{:08x}-{:x}", origin_, ++count_),
+                                               client, std::move(came));
+    ++exchanges_;
+    exchange->ended = [this](const Exchange& over) {
+      log(over);
+      --exchanges_;
     };
-    double queued = 0;
-    Routed routed = answer(message, {message.body, {}, id, gone, client, &queued});
-    const std::chrono::duration<double> passed = Clock::now() - start;
-    // While others wait for a thread, nobody keeps one by asking again and again.
-    const bool yields = lifecycle_.waiting > 0 && !connection.has_more();
-    // What follows a POST without a length may be the body its client had in mind: not the next request. In HTTP/1.0 a
-    // stream ends with its connection.
-    const bool keep_alive = message.keep_alive && !lifecycle_.draining && !yields && routed.answer.status != 411 &&
-                            !(routed.answer.stream && message.head.minor == 0);
-    const bool sent = finish(connection, std::move(routed),
-                             {id, message.head.method, start, std::max(passed.count() - queued, 0.0), client, left},
-                             keep_alive, message.head.method != "HEAD");
-    return sent && keep_alive;
+    return exchange;
   }
 
-  Routed answer(const Message& message, const HttpRequest& request) {
+  // ---- the way to an answer, on any thread
+
+  void answer(const ExchangePtr& exchange) {
+    guarded(exchange, [&] {
+      const Exchange* const known = exchange.get();
+      const auto gone = [known] { return known->left.load(); };
+      auto [outcome, route] = router_(
+          exchange->message.head,
+          {exchange->message.body, exchange->message.head.field("accept"), exchange->id, gone, exchange->client});
+      if (auto* const ready = std::get_if<Answer>(&outcome)) {
+        router_.dress(exchange->message.head, route, *ready);
+        respond(exchange, route, std::move(*ready));
+      } else {
+        enqueue(exchange, route, std::move(std::get<Job>(outcome)));
+      }
+    });
+  }
+
+  void enqueue(const ExchangePtr& exchange, std::string_view route, Job job) {
+    // Longer than most runs, shorter than what clients and proxies wait for an answer.
+    constexpr std::chrono::seconds patience{10};
+    exchange->computing = true;
+    if (auto pass = admission_.enter(exchange->client)) return compute(exchange, route, job, std::move(*pass), {});
+    const auto from = Clock::now();
+    const auto gone = [exchange] { return exchange->left.load(); };
+    admission_.wait(exchange->client, patience, gone, [=, this](std::optional<Admission::Pass> pass) {
+      const auto shared = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
+      workers_.post([=, this] {
+        if (*shared) return compute(exchange, route, job, *std::exchange(*shared, std::nullopt), Clock::now() - from);
+        turn_away(exchange, route);
+      });
+    });
+  }
+
+  void compute(const ExchangePtr& exchange, std::string_view route, const Job& job, Admission::Pass pass,
+               Clock::duration queued) {
+    guarded(exchange, [&] {
+      Answer computed = job(std::move(pass));
+      router_.dress(exchange->message.head, route, computed);
+      respond(exchange, route, std::move(computed), queued);
+    });
+  }
+
+  void turn_away(const ExchangePtr& exchange, std::string_view route) {
+    guarded(exchange, [&] {
+      Answer busy = error_(503, "as many runs as are allowed are computing or waiting", exchange->id);
+      busy.headers.emplace_back("Retry-After", std::to_string(admission_.retry_after()));
+      router_.dress(exchange->message.head, route, busy);
+      respond(exchange, route, std::move(busy));
+    });
+  }
+
+  // What is thrown is told as 500, as long as nothing else was; after that the answer breaks off.
+  template <class Act>
+  void guarded(const ExchangePtr& exchange, Act&& act) {
+    std::string why = "unknown";
     try {
-      return router_(message.head, request);
+      return act();
     } catch (const std::exception& e) {
-      LogLine(spdlog::level::err, "failed").with("id", std::string(request.id)).with("why", e.what());
+      why = e.what();
     } catch (...) {
-      LogLine(spdlog::level::err, "failed").with("id", std::string(request.id));
     }
-    return {error_(500, "", request.id), "failed"};
+    exchange->computing = exchange->has_pieces = false;
+    const bool begun = exchange->status != 0;
+    try {
+      LogLine(spdlog::level::err, begun ? "failed while it was answered" : "failed")
+          .with("id", exchange->id)
+          .with("why", why);
+      if (!begun) return respond(exchange, "failed", error_(500, "", exchange->id));
+    } catch (...) {  // no memory is left even for that
+    }
+    exchange->outbox.finish(false);
   }
 
-  // What is said about a request beside its answer. `compute`: seconds up to its first byte, without the queue.
-  struct Handled {
-    const std::string& id;
-    std::string_view method;
-    Clock::time_point start;
-    double compute;
-    std::string_view client;
-    const std::atomic<bool>& left;  // the client went away meanwhile
-  };
+  void respond(const ExchangePtr& exchange, std::string_view route, Answer answer, Clock::duration queued = {}) {
+    const RequestHead& head = exchange->message.head;
+    const std::chrono::duration<double, std::milli> passed = Clock::now() - exchange->start - queued;
+    answer.headers.emplace_back("Date", http_date());
+    answer.headers.emplace_back("X-Request-Id", exchange->id);
+    answer.headers.emplace_back("Server-Timing", fmt::format("compute;dur={:.3f}", std::max(passed.count(), 0.0)));
+    metrics_.answered(route, answer.status);
+    const bool unbounded = answer.stream || answer.pieces;
+    exchange->route = route;
+    exchange->status = answer.status;
+    exchange->notes = answer.notes;
+    exchange->chunked = unbounded && head.minor > 0;
+    // What follows a POST without a length may be the body its client had in mind: not the next request. While others
+    // cannot be let in, who is inside makes room.
+    exchange->keep_alive = exchange->message.keep_alive && !lifecycle_.draining && !lifecycle_.crowded &&
+                           answer.status != 411 && (!unbounded || exchange->chunked);
+    std::string text = head_of(answer, exchange->keep_alive, exchange->chunked);
+    if (answer.stream) {
+      stream(*exchange, answer, std::move(text));
+    } else if (answer.pieces) {
+      exchange->computing = false;
+      exchange->pieces = std::move(answer.pieces);
+      exchange->writing = exchange->has_pieces = true;
+      if (exchange->outbox.put(std::move(text))) write_pieces(*exchange);
+    } else {
+      exchange->computing = false;
+      if (head.method != "HEAD") {
+        exchange->bytes = answer.body.size();
+        text += answer.body;
+      }
+      exchange->outbox.finish(true, std::move(text));
+    }
+  }
 
-  bool finish(Connection& connection, Routed routed, const Handled& handled, bool keep_alive, bool body) {
-    const auto& [id, method, start, compute, client, left] = handled;
-    auto& headers = routed.answer.headers;
-    headers.emplace_back("Date", http_date());
-    headers.emplace_back("X-Request-Id", id);
-    headers.emplace_back("Server-Timing", fmt::format("compute;dur={:.3f}", compute * 1e3));
-    metrics_.answered(routed.route, routed.answer.status);
-    bool sent = false;
-    try {
-      sent = connection.send(routed.answer, keep_alive, body);
-    } catch (const std::exception& e) {
-      LogLine(spdlog::level::err, "failed while it was answered").with("id", id).with("why", e.what());
-    }
-    const std::chrono::duration<double, std::milli> time = Clock::now() - start;
+  // Each piece leaves at once, or when the client has taken what was before it.
+  void stream(Exchange& exchange, const Answer& answer, std::string text) {
+    bool whole = exchange.outbox.put(std::move(text));
+    whole = whole && answer.stream([&](std::string_view piece) {
+      if (piece.empty()) return !exchange.left;
+      exchange.bytes += piece.size();
+      return exchange.outbox.put(chunk_of(exchange, piece));
+    });
+    exchange.computing = false;
+    exchange.outbox.finish(whole, std::string(whole ? end_of(exchange) : ""));
+  }
+
+  // As much of the rest as there is room for. Whoever makes room meanwhile leaves it to this thread, or posts it again.
+  void write_pieces(Exchange& exchange) {
+    do {
+      std::string piece;
+      while (exchange.has_pieces && exchange.outbox.has_room()) {
+        piece.clear();
+        const bool more = exchange.pieces(piece);
+        exchange.bytes += piece.size();
+        std::string chunk = chunk_of(exchange, piece);
+        if (!more) {
+          exchange.has_pieces = false;
+          exchange.pieces = nullptr;  // who has read the end finds the memory free
+          exchange.outbox.finish(true, (chunk += end_of(exchange)));
+          return;
+        }
+        if (exchange.outbox.put(std::move(chunk))) continue;
+        exchange.has_pieces = false;
+        exchange.pieces = nullptr;
+      }
+      exchange.writing = false;
+    } while (exchange.has_pieces && exchange.outbox.has_room() && !exchange.writing.exchange(true));
+  }
+
+  void log(const Exchange& over) const try {
+    if (over.status == 0) return;
+    const std::chrono::duration<double, std::milli> time = Clock::now() - over.start;
+    const std::string& method = over.message.head.method;
     LogLine line(spdlog::level::info, "request");
-    line.with("id", id)
-        .with("method", std::string(method.empty() ? "-" : method))
-        .with("route", std::string(routed.route));
-    line.with("status", std::int64_t{routed.answer.status}).with("ms", std::round(time.count() * 1e3) / 1e3);
-    line.with("bytes", static_cast<std::int64_t>(connection.sent())).with("client", std::string(client));
-    if (!sent) line.with("aborted", left ? "the client left" : "unsent");
-    if (routed.answer.notes) {
-      for (const Note& note : *routed.answer.notes) line.with(note.name, note.value);
+    line.with("id", over.id).with("method", method.empty() ? "-" : method).with("route", std::string(over.route));
+    line.with("status", std::int64_t{over.status}).with("ms", std::round(time.count() * 1e3) / 1e3);
+    line.with("bytes", static_cast<std::int64_t>(over.bytes)).with("client", over.client);
+    if (!over.sent) line.with("aborted", over.left ? "the client left" : "unsent");
+    if (over.notes) {
+      for (const Note& note : *over.notes) line.with(note.name, note.value);
     }
-    return sent;
+  } catch (const std::bad_alloc&) {  // a line less
   }
 
   const HttpSettings settings_;
   const ErrorAnswer error_;
   const std::uint32_t origin_ = static_cast<std::uint32_t>(random_bits());
   std::atomic<std::uint64_t> count_{0};
+  std::atomic<int> exchanges_{0};
   Lifecycle lifecycle_;
   Metrics metrics_;
   Admission admission_;
   Router router_;
-  Listener listener_;
+  EventLoop loop_;
   std::thread thread_;
   mutable std::mutex mutex_;
   std::condition_variable ended_;
   bool running_ = false;
+  Workers workers_;  // last: its tasks use the others
 };
 
 HttpServer::HttpServer(HttpSettings settings, ErrorAnswer error)

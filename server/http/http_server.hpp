@@ -1,4 +1,5 @@
-// The HTTP server: listens, gives every connection a thread, routes and logs what comes, ends in good order.
+// The HTTP server: one loop for all connections and threads for what takes its time; routes and logs what comes, ends
+// in good order. As many threads as compute at once, one for short answers, one for the loop.
 #pragma once
 
 #include <atomic>
@@ -16,11 +17,11 @@ namespace least::server {
 
 struct HttpSettings {
   std::string host = "127.0.0.1";
-  int port = 8080;             ///< 0 picks a free one
-  unsigned threads = 0;        ///< requests that compute at once; 0: one per core
-  unsigned queue = 256;        ///< requests that wait for their turn; beyond it the answer is 503
-  unsigned connections = 256;  ///< clients served at once, slow ones included
-  double grace = 10;           ///< seconds that computations have left when the server ends
+  int port = 8080;              ///< 0 picks a free one
+  unsigned threads = 0;         ///< requests that compute at once; 0: one per core
+  unsigned queue = 256;         ///< requests that wait for their turn; beyond it the answer is 503
+  unsigned connections = 8192;  ///< at once; beyond it, or where descriptors run out, those that idle make room
+  double grace = 10;            ///< seconds that computations have left when the server ends
   ConnectionBounds bounds;
   std::vector<std::string> allow_hosts, allow_origins;
 };

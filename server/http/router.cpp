@@ -52,7 +52,7 @@ void Router::add_fixed(std::string path, std::string_view route, std::string_vie
 
 void Router::add_probe(std::string_view path, Probe probe) { probes_.emplace(path, std::move(probe)); }
 
-void Router::add_computed(std::string_view path, Compute compute) { computed_.emplace(path, std::move(compute)); }
+void Router::add_computed(std::string_view path, Prepare prepare) { computed_.emplace(path, std::move(prepare)); }
 
 // A page of another site can make a browser resolve its own name to this machine; then the name in Host gives it away.
 bool Router::host_allowed(const RequestHead& head) const {
@@ -68,15 +68,26 @@ bool Router::origin_allowed(const RequestHead& head) const {
          std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end();
 }
 
-Routed Router::operator()(const RequestHead& head, HttpRequest request) const {
-  Routed routed{{}, "unmatched"};
-  const std::string accept = head.field("accept");
-  request.accept = accept;
-  routed.answer = dispatch(head, request, routed.route);
-  auto& headers = routed.answer.headers;
+// What a client wants packed may be large, or is packed for the first time.
+bool Router::is_short(const RequestHead& head) const {
+  return !computed_.contains(head.path) && head.count("accept-encoding") == 0;
+}
+
+Routed Router::operator()(const RequestHead& head, const HttpRequest& request) const {
+  std::string_view route = "unmatched";
+  Prepared outcome = dispatch(head, request, route);
+  return {std::move(outcome), route};
+}
+
+void Router::dress(const RequestHead& head, std::string_view route, Answer& answer) const {
+  auto& headers = answer.headers;
+  if (head.method == "POST" && computed_.contains(route)) {
+    headers.emplace_back("Vary", "Accept, Accept-Encoding");
+    headers.emplace_back("Cache-Control", "no-store");
+  }
   const auto encoded = [](const auto& field) { return field.first == "Content-Encoding"; };
   if (takes_gzip(head.field("accept-encoding")) && std::none_of(headers.begin(), headers.end(), encoded)) {
-    compress(routed.answer);
+    compress(answer);
   }
   headers.emplace_back("X-Content-Type-Options", "nosniff");
   const std::string origin = head.field("origin");
@@ -86,10 +97,9 @@ Routed Router::operator()(const RequestHead& head, HttpRequest request) const {
     headers.emplace_back("Vary", "Origin");
     headers.emplace_back("Timing-Allow-Origin", origin);
   }
-  return routed;
 }
 
-Answer Router::dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const {
+Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const {
   const auto probe = probes_.find(head.path);
   const bool probes = probe != probes_.end();
   if (!probes && !host_allowed(head)) {
@@ -98,7 +108,7 @@ Answer Router::dispatch(const RequestHead& head, const HttpRequest& request, std
   if (!origin_allowed(head)) {
     return error_(403, "pages of this Origin may not ask; --allow-origin adds one", request.id);
   }
-  if (head.path == "*") return {204, "", "", {{"Allow", "GET, HEAD, POST, OPTIONS"}}};  // of the service as a whole
+  if (head.path == "*") return Answer{204, "", "", {{"Allow", "GET, HEAD, POST, OPTIONS"}}};  // of the whole service
   const auto found = fixed_.find(head.path);
   const auto endpoint = computed_.find(head.path);
   const bool computes = endpoint != computed_.end();
@@ -125,10 +135,7 @@ Answer Router::dispatch(const RequestHead& head, const HttpRequest& request, std
   if (head.count("content-length") == 0 && head.count("transfer-encoding") == 0) {
     return error_(411, "Content-Length or chunked coding is required", request.id);
   }
-  Answer answer = endpoint->second(request);
-  answer.headers.emplace_back("Vary", "Accept, Accept-Encoding");
-  answer.headers.emplace_back("Cache-Control", "no-store");
-  return answer;
+  return endpoint->second(request);
 }
 
 Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_view request_id) const {

@@ -7,8 +7,10 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
+#include "server/http/admission.hpp"
 #include "server/http/assets.hpp"
 #include "server/http/http_request.hpp"
 #include "server/http/request_head.hpp"
@@ -25,15 +27,21 @@ struct Access {
 /// How the service words an error; `detail` may be empty.
 using ErrorAnswer = Answer (*)(int status, std::string_view detail, std::string_view request_id);
 
-/// An answer and the route that gave it, for the log.
+/// What is left to compute of an answer when a request was read and found good, once there is a place for it. What it
+/// throws is a fault of the service.
+using Job = std::function<Answer(Admission::Pass)>;
+/// A refusal, or the work.
+using Prepared = std::variant<Answer, Job>;
+
+/// An answer, or what makes it, and the route that gave it.
 struct Routed {
-  Answer answer;
+  Prepared outcome;
   std::string_view route;
 };
 
 class Router {
  public:
-  using Compute = std::function<Answer(const HttpRequest&)>;
+  using Prepare = std::function<Prepared(const HttpRequest&)>;
   using Probe = std::function<Answer(std::string_view request_id)>;
 
   Router(Access access, ErrorAnswer error);
@@ -46,10 +54,14 @@ class Router {
   /// orchestrator come with an address. `path` lives on.
   void add_probe(std::string_view path, Probe probe);
   /// POST: computed for each request. `path` lives on.
-  void add_computed(std::string_view path, Compute compute);
+  void add_computed(std::string_view path, Prepare prepare);
 
-  /// Answers one request, whose `accept` is filled in; throws what computing throws.
-  Routed operator()(const RequestHead& head, HttpRequest request) const;
+  /// Whether a request is answered within microseconds: it need not be handed to a thread that may take its time.
+  bool is_short(const RequestHead& head) const;
+  /// Answers a request, or says what is to be computed; throws what that throws.
+  Routed operator()(const RequestHead& head, const HttpRequest& request) const;
+  /// What goes with every answer of a route: its coding, and header fields.
+  void dress(const RequestHead& head, std::string_view route, Answer& answer) const;
 
  private:
   struct Fixed {
@@ -67,13 +79,13 @@ class Router {
   void add_fixed(std::string path, std::string_view route, std::string_view type, std::string body, bool page);
   bool host_allowed(const RequestHead& head) const;
   bool origin_allowed(const RequestHead& head) const;
-  Answer dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const;
+  Prepared dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const;
   Answer fixed(const RequestHead& head, const Fixed& fixed, std::string_view request_id) const;
 
   Access access_;
   ErrorAnswer error_;
   std::map<std::string, Fixed> fixed_;  // answers made once, by path
-  std::map<std::string_view, Compute> computed_;
+  std::map<std::string_view, Prepare> computed_;
   std::map<std::string_view, Probe> probes_;
 };
 

@@ -26,8 +26,12 @@ struct Answer {
   std::string type;  ///< media type of the body
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;  ///< further header fields
-  /// Stands in place of `body` where that is computed while it is sent. False: its end is missing.
+  /// Stands in place of `body` where that is computed while it is sent: whoever computes waits for the client to take
+  /// it. False: its end is missing.
   std::function<bool(const Write&)> stream = nullptr;
+  /// Stands in place of `body` where that is only to be written, whenever there is room: appends the next piece. False:
+  /// it was the last.
+  std::function<bool(std::string&)> pieces = nullptr;
   /// Shared with a stream, which knows more at its end.
   std::shared_ptr<std::vector<Note>> notes = nullptr;
 

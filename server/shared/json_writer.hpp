@@ -34,7 +34,9 @@ enum class Notation { json, ascii, cbor };
 /// Separators are put by the writer: `key` and the values know whether they come first.
 class JsonWriter {
  public:
-  explicit JsonWriter(std::string& out, Notation notation = Notation::json) : out_(out), notation_(notation) {}
+  /// `first`: nothing stands yet in what is open.
+  explicit JsonWriter(std::string& out, Notation notation = Notation::json, bool first = true)
+      : out_(out), notation_(notation), first_(first) {}
 
   JsonWriter& open(char bracket) {
     comma();
@@ -101,7 +103,7 @@ class JsonWriter {
   }
   std::string& out_;
   Notation notation_;
-  bool first_ = true;
+  bool first_;
 };
 
 }  // namespace least::server

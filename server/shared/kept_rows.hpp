@@ -64,8 +64,16 @@ class KeptRows final : public RowSink {
     for (const auto& block : blocks_) numbers += block.size();
     return numbers / columns_;
   }
-  /// Each of whole rows, one after the other.
-  const std::vector<std::vector<double>>& blocks() const { return blocks_; }
+  /// How many slices there are: some thousand numbers of whole rows each, one after the other.
+  std::size_t slices() const {
+    if (blocks_.empty()) return 0;
+    return (blocks_.size() - 1) * slices_of(block_size()) + slices_of(blocks_.back().size());
+  }
+  std::span<const double> slice(std::size_t i) const {
+    const std::size_t each = slices_of(block_size()), from = i % each * slice_size();
+    const std::span<const double> block = blocks_[i / each];
+    return block.subspan(from, std::min(slice_size(), block.size() - from));
+  }
   /// Whether rows were turned away.
   bool overflowed() const { return overflowed_; }
 
@@ -74,6 +82,8 @@ class KeptRows final : public RowSink {
     constexpr std::size_t numbers = 128 * 1024;  // a mebibyte: beyond malloc's threshold, unmapped when it is freed
     return std::max<std::size_t>(numbers / columns_, 1) * columns_;
   }
+  std::size_t slice_size() const { return std::max<std::size_t>(16 * 1024 / columns_, 1) * columns_; }
+  std::size_t slices_of(std::size_t numbers) const { return (numbers + slice_size() - 1) / slice_size(); }
   bool take(std::size_t numbers) {
     if (budget_ && !budget_->take(numbers * sizeof(double))) {
       overflowed_ = true;

@@ -49,15 +49,17 @@ bool Client::send(std::string_view bytes) {
 
 void Client::end_sending() { ::shutdown(socket_, SHUT_WR); }
 
+void Client::hang_up() { ::close(std::exchange(socket_, -1)); }
+
 void Client::reset() {
   const linger at_once{1, 0};
   ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
   ::close(std::exchange(socket_, -1));
 }
 
-bool Client::fill() {
+bool Client::fill(std::size_t most) {
   char bytes[65536];
-  const auto n = ::recv(socket_, bytes, sizeof bytes, 0);
+  const auto n = ::recv(socket_, bytes, std::min(most, sizeof bytes), 0);
   if (n > 0) buffer_.append(bytes, static_cast<std::size_t>(n));
   return n > 0;
 }
@@ -123,8 +125,8 @@ std::optional<std::string> Client::chunk() {
   return piece;
 }
 
-std::optional<std::string> Client::some() {
-  if (buffer_.empty() && !fill()) return std::nullopt;
+std::optional<std::string> Client::some(std::size_t most) {
+  if (buffer_.empty() && !fill(most)) return std::nullopt;
   return std::exchange(buffer_, {});
 }
 

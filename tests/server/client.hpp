@@ -30,6 +30,8 @@ class Client {
   bool send(std::string_view bytes);
   /// Says that nothing more will be sent.
   void end_sending();
+  /// Closes the socket, as a process that ends.
+  void hang_up();
   /// Ends the connection at once, by a reset.
   void reset();
   /// The status of an answer without fields and body, such as 100.
@@ -38,13 +40,13 @@ class Client {
   std::optional<Reply> receive(bool head = false);
   /// The next chunk of a body, empty at its end; nothing when the connection ended first or the coding is wrong.
   std::optional<std::string> chunk();
-  /// What came, or comes next; nothing when the connection ended.
-  std::optional<std::string> some();
+  /// What came, or comes next, so many bytes of it at most; nothing when the connection ended.
+  std::optional<std::string> some(std::size_t most = 65536);
   /// Whether nothing but the end of the connection comes any more (waits for it up to 20 s).
   bool ended();
 
  private:
-  bool fill();
+  bool fill(std::size_t most = 65536);
   int socket_ = -1;
   std::string buffer_;
 };

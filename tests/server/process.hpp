@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,9 +19,9 @@ namespace least::server::test {
 // A child process with its standard streams.
 class Process {
  public:
-  /// `closed`: a descriptor that it begins without; none where negative.
+  /// `closed`: a descriptor that it begins without; none where negative. `descriptors`: how many it may have.
   explicit Process(std::vector<std::string> arguments, std::string_view input = "",
-                   std::vector<std::string> environment = {}, int closed = -1) {
+                   std::vector<std::string> environment = {}, int closed = -1, const rlimit* descriptors = nullptr) {
     std::array<int, 2> in{}, out{}, err{};
     if (::pipe2(in.data(), O_CLOEXEC) || ::pipe2(out.data(), O_CLOEXEC) || ::pipe2(err.data(), O_CLOEXEC)) std::abort();
     arguments.insert(arguments.begin(), LEAST_BINARY);
@@ -35,6 +36,7 @@ class Process {
       ::dup2(out[1], 1);
       ::dup2(err[1], 2);
       if (closed >= 0) ::close(closed);
+      if (descriptors) ::setrlimit(RLIMIT_NOFILE, descriptors);
       ::execve(argv[0], argv.data(), envp.data());
       ::_exit(127);
     }

@@ -2,6 +2,7 @@
 #include "tests/server/process.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <chrono>
@@ -19,6 +20,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
+const std::string long_run = R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},
+    "record":{"every":0},"limits":{"steps":10000000000,"seconds":60}})";
 const std::string kepler_run = R"({"problem":"kepler","scheme":"leapfrog","until":{"t":1}})";
 
 TEST(Command, RunAnswersAsHttpWould) {
@@ -124,8 +127,7 @@ TEST(Command, TerminationAnswersWhatWasAccepted) {
   Process serve({"serve", "--port", "0", "--grace", "0.3"});
   const int port = port_in(serve.line());
   Client running(port);
-  running.send(post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},
-    "record":{"every":0},"limits":{"steps":10000000000,"seconds":60}})"));
+  running.send(post("/v1/simulate", long_run));
   std::this_thread::sleep_for(300ms);
   serve.signal(SIGTERM);
   const auto reply = running.receive();
@@ -275,25 +277,54 @@ TEST(Command, HalfOpenClientsDoNotCostTheGrace) {
   EXPECT_LT(std::chrono::steady_clock::now() - from, 5s);
 }
 
-// As many threads as it may have, whatever it is told it may have: it serves with those.
-TEST(Command, ServesWithTheThreadsItGets) {
-  Process serve({"serve", "--port", "0", "--threads", "1"});
+// However many clients there are, and whatever they do.
+TEST(Command, TheNumberOfThreadsIsThatOfTheCoresAndFour) {
+  for (const unsigned places : {0u, 3u}) {
+    Process serve({"serve", "--port", "0", "--threads", std::to_string(places)});
+    const int port = port_in(serve.line());
+    const auto threads = [&] {
+      std::ifstream status("/proc/" + std::to_string(serve.id()) + "/status");
+      for (std::string word; status >> word;) {
+        if (word != "Threads:") continue;
+        unsigned n = 0;
+        status >> n;
+        return n;
+      }
+      return 0u;
+    };
+    const unsigned most = (places > 0 ? places : std::thread::hardware_concurrency()) + 4;
+    EXPECT_GE(threads(), most - 3);
+    std::vector<Client> clients;
+    for (int i = 0; i < 300; ++i) {
+      const bool computes = i % 3 == 0;
+      clients.emplace_back(port).send(computes ? post("/v1/simulate", long_run) : get("/healthz"));
+      if (!computes) {
+        EXPECT_EQ(clients.back().receive().value_or(Reply{}).status, 200) << i;
+      }
+    }
+    EXPECT_LE(threads(), most);
+  }
+}
+
+// Where descriptors run out, who idles makes room; where nobody does, newcomers wait, and are served later.
+TEST(Command, SurvivesWithoutFreeDescriptors) {
+  const rlimit few{24, 24};
+  Process serve({"serve", "--port", "0"}, "", {}, -1, &few);
   const int port = port_in(serve.line());
-  const auto threads = [&] {
-    const auto tasks = std::filesystem::directory_iterator("/proc/" + std::to_string(serve.id()) + "/task");
-    return std::distance(begin(tasks), end(tasks));
-  };
-  EXPECT_LE(threads(), 10) << "threads come with their connections";
-  std::vector<Client> clients;
-  for (int i = 0; i < 20; ++i) {
-    clients.emplace_back(port).send(get("/healthz"));
-    EXPECT_EQ(clients.back().receive().value_or(Reply{}).status, 200);
+  std::vector<Client> idle;
+  for (int i = 0; i < 60; ++i) {
+    idle.emplace_back(port).send(get("/healthz"));
+    ASSERT_EQ(idle.back().receive().value_or(Reply{}).status, 200) << i;
   }
-  EXPECT_GE(threads(), 20);
-  for (auto& client : clients) {
-    client.send(get("/healthz"));
-    EXPECT_EQ(client.receive().value_or(Reply{}).status, 200) << "each is kept";
-  }
+  std::vector<Client> half;
+  for (int i = 0; i < 30; ++i) half.emplace_back(port).send("GET / HTTP/1.1\r\nHo");
+  Client late(port);
+  late.send(get("/healthz"));
+  std::this_thread::sleep_for(300ms);
+  half.clear();
+  EXPECT_EQ(late.receive().value_or(Reply{}).status, 200);
+  serve.signal(SIGTERM);
+  EXPECT_EQ(serve.wait(), 0);
 }
 
 }  // namespace

@@ -183,15 +183,15 @@ TEST(Study, AClientThatTakesNoMoreEndsIt) {
   MemoryBudget memory(1 << 20);
   const Context context{catalogue_cards(), {}, admission, cancelled, memory};
   const std::string body = R"({"problem":"kepler","until":{"t":400},"schemes":"all","budget_seconds":30})";
-  const Answer answer = measure_work_precision(context, {body, "application/x-ndjson", "id"});
+  const Answer answer = answer_now(measure_work_precision, context, {body, "application/x-ndjson", "id"});
   ASSERT_EQ(answer.status, 200);
-  EXPECT_FALSE(admit(context, {}).has_value()) << "it holds the place from the first line on";
+  EXPECT_FALSE(admission.enter("").has_value()) << "it holds the place from the first line on";
   int written = 0;
   const auto from = Clock::now();
   EXPECT_FALSE(answer.stream([&](std::string_view) { return ++written < 4; }));
   EXPECT_EQ(written, 4);
   EXPECT_LT(Clock::now() - from, 25s) << "what it was given is not used up";
-  EXPECT_TRUE(admit(context, {}).has_value());
+  EXPECT_TRUE(admission.enter("").has_value());
 }
 
 // Services that are ended, or have one place to compute.

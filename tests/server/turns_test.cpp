@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
+#include <future>
 #include <list>
 #include <mutex>
 #include <thread>
@@ -21,11 +23,21 @@ namespace {
 using namespace std::chrono_literals;
 using Ticks = std::chrono::steady_clock;
 
+// Waits on this thread.
+std::optional<Admission::Pass> enter(Admission& admission, const std::string& client,
+                                     std::chrono::milliseconds patience, const std::function<bool()>& gone = {}) {
+  std::promise<std::optional<Admission::Pass>> come;
+  auto came = come.get_future();
+  admission.wait(client, patience, gone, [&](std::optional<Admission::Pass> pass) { come.set_value(std::move(pass)); });
+  while (came.wait_for(1ms) != std::future_status::ready) admission.look();
+  return came.get();
+}
+
 // Waits in the queue of an admission, on a thread of its own.
 struct Asking {
   Asking(Admission& admission, const std::string& client, std::vector<std::string>& order, std::mutex& mutex)
       : thread([&admission, &order, &mutex, client] {
-          const auto pass = admission.enter(client, 20s);
+          const auto pass = enter(admission, client, 20s);
           const std::lock_guard lock(mutex);
           order.push_back(pass ? client : client + " refused");
         }) {}
@@ -41,7 +53,7 @@ void await_waiting(const Admission& admission, unsigned waiting) {
 
 TEST(Turns, GoRoundTheClients) {
   Admission admission(1, 100);
-  auto first = admission.enter("a", 1s);
+  auto first = enter(admission, "a", 1s);
   ASSERT_TRUE(first);
   std::vector<std::string> order;
   std::mutex mutex;
@@ -60,13 +72,13 @@ TEST(Turns, GoRoundTheClients) {
 TEST(Turns, OneClientHasHalfOfThePlacesWhileOthersWait) {
   Admission admission(4, 100);
   std::vector<std::optional<Admission::Pass>> held;
-  for (int i = 0; i < 4; ++i) held.push_back(admission.enter("greedy", 1s));
+  for (int i = 0; i < 4; ++i) held.push_back(enter(admission, "greedy", 1s));
   std::atomic<int> greedy{0}, modest{0};
   std::atomic<bool> end{false};
   std::vector<std::jthread> threads;
   const auto wait = [&](const char* client, std::atomic<int>& count) {
     threads.emplace_back([&, client] {
-      const auto pass = admission.enter(client, 20s);
+      const auto pass = enter(admission, client, 20s);
       ++count;
       while (!end) std::this_thread::sleep_for(1ms);
     });
@@ -86,7 +98,7 @@ TEST(Turns, OneClientHasHalfOfThePlacesWhileOthersWait) {
 TEST(Turns, AFullQueueMakesRoomForWhoHasLessInIt) {
   Metrics metrics;
   Admission admission(1, 4, &metrics);
-  auto first = admission.enter("a", 1s);
+  auto first = enter(admission, "a", 1s);
   std::vector<std::string> order;
   std::mutex mutex;
   std::list<Asking> asking;
@@ -96,7 +108,7 @@ TEST(Turns, AFullQueueMakesRoomForWhoHasLessInIt) {
   }
   EXPECT_TRUE(admission.load().full);
   const auto from = Ticks::now();
-  EXPECT_FALSE(admission.enter("a", 20s)) << "it has the most";
+  EXPECT_FALSE(enter(admission, "a", 20s)) << "it has the most";
   EXPECT_LT(Ticks::now() - from, 5s) << "told at once";
   asking.emplace_back(admission, "b", order, mutex);
   for (const auto since = Ticks::now(); Ticks::now() - since < 10s; std::this_thread::sleep_for(1ms)) {
@@ -112,22 +124,22 @@ TEST(Turns, AFullQueueMakesRoomForWhoHasLessInIt) {
 TEST(Turns, WhoCannotBeServedInTimeIsToldAtOnce) {
   Admission admission(1, 100);
   for (int i = 0; i < 30; ++i) {
-    const auto pass = admission.enter("a", 1s);
+    const auto pass = enter(admission, "a", 1s);
     std::this_thread::sleep_for(10ms);
   }
-  const auto held = admission.enter("a", 1s);
+  const auto held = enter(admission, "a", 1s);
   const auto from = Ticks::now();
-  EXPECT_FALSE(admission.enter("a", 1ms)) << "runs take ten milliseconds each";
+  EXPECT_FALSE(enter(admission, "a", 1ms)) << "runs take ten milliseconds each";
   EXPECT_LT(Ticks::now() - from, 500ms);
-  EXPECT_FALSE(admission.enter("b", 300ms)) << "this one may hope, for so long";
+  EXPECT_FALSE(enter(admission, "b", 300ms)) << "this one may hope, for so long";
   EXPECT_GE(Ticks::now() - from, 300ms);
 }
 
 TEST(Turns, WhoLeavesTheQueueIsForgotten) {
   Admission admission(1, 1);
-  const auto held = admission.enter("a", 1s);
+  const auto held = enter(admission, "a", 1s);
   const auto from = Ticks::now();
-  EXPECT_FALSE(admission.enter("b", 20s, [] { return true; }));
+  EXPECT_FALSE(enter(admission, "b", 20s, [] { return true; }));
   EXPECT_LT(Ticks::now() - from, 5s);
   EXPECT_EQ(admission.load().waiting, 0u);
 }

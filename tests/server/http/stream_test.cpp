@@ -1,138 +1,221 @@
-// Answers that are computed while they are sent, on a bare pair of sockets; and what ends their computation.
+// Answers that are computed or written while they are sent, to clients of every pace; and what ends their computation.
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <thread>
 
+#include "server/encode/problem_document.hpp"
 #include "server/http/cancellation.hpp"
-#include "server/http/connection.hpp"
+#include "server/http/http_server.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
 
 namespace least::server {
 namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
+using test::Client;
 
+// A server whose only endpoint gives the answer of the test.
 class Stream : public testing::Test {
  protected:
-  ~Stream() override {
-    hang_up();
-    ::close(ends[0]);
-  }
-  void hang_up() {
-    if (ends[1] >= 0) ::close(ends[1]);
-    ends[1] = -1;
-  }
-  void ask(std::string_view version) {
-    const std::string request = "GET / HTTP/" + std::string(version) + "\r\nHost: x\r\n\r\n";
-    EXPECT_GT(::send(ends[1], request.data(), request.size(), 0), 0);
-    EXPECT_TRUE(std::holds_alternative<Message>(connection.receive()));
-  }
-  // All that came, without the head.
-  std::string body() {
-    ::shutdown(ends[0], SHUT_WR);
-    std::string text;
-    char bytes[4096];
-    for (ssize_t n; (n = ::recv(ends[1], bytes, sizeof bytes, 0)) > 0;) text.append(bytes, static_cast<std::size_t>(n));
-    return text.substr(text.find("\r\n\r\n") + 4);
-  }
-  static Answer streaming(std::function<bool(const Write&)> stream) {
-    return {200, "text/plain", {}, {}, std::move(stream)};
-  }
+  HttpSettings settings = test::quiet_settings();
+  std::unique_ptr<HttpServer> server;
 
-  std::array<int, 2> ends = [] {
-    std::array<int, 2> pair{-1, -1};
-    EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, pair.data()), 0);
-    return pair;
-  }();
-  ConnectionBounds bounds;
-  Lifecycle lifecycle;
-  Connection connection{ends[0], bounds, lifecycle};
+  void serve(std::function<Answer(const HttpRequest&)> answer) {
+    server = std::make_unique<HttpServer>(settings, static_cast<ErrorAnswer>(problem_document));
+    server->router().add_computed("/", [answer](const HttpRequest& request) -> Prepared {
+      return Job([=](Admission::Pass) { return answer(request); });
+    });
+    const auto error = server->start();
+    ASSERT_FALSE(error) << *error;
+  }
+  void serve_stream(const std::function<bool(const Write&)>& stream) {
+    serve([stream](const HttpRequest&) { return Answer{200, "text/plain", {}, {}, stream}; });
+  }
+  // All that comes to one who says so, without the head.
+  std::string body(std::string_view version = "1.1", std::string_view fields = "Connection: close\r\n") const {
+    Client client(server->port());
+    client.send("POST / HTTP/" + std::string(version) + "\r\nHost: localhost\r\nContent-Length: 0\r\n" +
+                std::string(fields) + "\r\n");
+    std::string text;
+    while (const auto some = client.some()) text += *some;
+    const auto end = text.find("\r\n\r\n");
+    return end == std::string::npos ? text : text.substr(end + 4);
+  }
+  Client asking() const {
+    Client client(server->port());
+    client.send(test::post("/", ""));
+    return client;
+  }
 };
 
 TEST_F(Stream, PiecesAreChunks) {
-  ask("1.1");
-  const bool sent = connection.send(
-      streaming([](const Write& write) { return write("first\n") && write("") && write(std::string(26, 'x')); }), true,
-      true);
-  EXPECT_TRUE(sent);
-  EXPECT_EQ(connection.sent(), 32u);
+  serve_stream([](const Write& write) { return write("first\n") && write("") && write(std::string(26, 'x')); });
   EXPECT_EQ(body(), "6\r\nfirst\n\r\n1a\r\n" + std::string(26, 'x') + "\r\n0\r\n\r\n");
-}
-
-TEST_F(Stream, PiecesAreBareInTheFirstVersion) {
-  ask("1.0");
-  EXPECT_TRUE(connection.send(streaming([](const Write& write) { return write("a") && write("b"); }), false, true));
-  EXPECT_EQ(body(), "ab");
+  EXPECT_EQ(body("1.0"), "first\n" + std::string(26, 'x')) << "bare in the first version";
 }
 
 TEST_F(Stream, OneThatBreaksOffHasNoEnd) {
-  ask("1.1");
-  EXPECT_FALSE(connection.send(streaming([](const Write& write) {
-                                 write("a");
-                                 return false;
-                               }),
-                               true, true));
-  EXPECT_EQ(body(), "1\r\na\r\n");
+  for (const bool throws : {false, true}) {
+    serve_stream([=](const Write& write) {
+      write("a");
+      if (throws) throw std::runtime_error("broken");
+      return false;
+    });
+    EXPECT_EQ(body(), "1\r\na\r\n");
+    EXPECT_EQ(body("1.1", ""), "1\r\na\r\n") << "nor has its connection a next one";
+  }
+}
+
+TEST_F(Stream, WhatIsWrittenInPiecesIsWhole) {
+  std::string expected;
+  for (int i = 0; i < 300; ++i) expected += std::string(10'000, static_cast<char>('a' + i % 26));
+  serve([](const HttpRequest&) {
+    Answer answer{200, "text/plain", {}, {}};
+    answer.pieces = [i = 0](std::string& out) mutable {
+      out += std::string(10'000, static_cast<char>('a' + i % 26));
+      return ++i < 300;
+    };
+    return answer;
+  });
+  EXPECT_TRUE(body("1.0") == expected);
+  Client client = asking();
+  for (int k = 0; k < 3; ++k) {
+    const auto reply = client.receive();
+    ASSERT_TRUE(reply);
+    EXPECT_TRUE(reply->body == expected);
+    client.send(test::post("/", ""));
+  }
+}
+
+// Who does not read holds what is in its way, and no thread.
+TEST_F(Stream, WhatNobodyReadsIsNotWritten) {
+  settings.threads = 1;
+  const auto written = std::make_shared<std::atomic<std::size_t>>(0);
+  serve([written](const HttpRequest&) {
+    Answer answer{200, "text/plain", {}, {}};
+    answer.pieces = [written, bytes = std::size_t{0}](std::string& out) mutable {
+      out += std::string(100'000, 'x');
+      *written += 100'000;
+      return (bytes += 100'000) < 60'000'000;
+    };
+    return answer;
+  });
+  std::vector<Client> deaf;
+  for (int i = 0; i < 4; ++i) deaf.push_back(asking());
+  std::this_thread::sleep_for(500ms);
+  EXPECT_LT(*written, 4 * 15'000'000u) << "what the system takes, and less than a megabyte more";
+  Client reader = asking();
+  EXPECT_EQ(reader.receive().value_or(test::Reply{}).body.size(), 60'000'000u);
 }
 
 TEST_F(Stream, AClientThatTakesNothingIsLetGo) {
-  ask("1.1");
-  bounds.stall = 200ms;
-  const std::string piece(10'000, 'x');
+  settings.bounds.stall = 200ms;
+  const auto ended = std::make_shared<std::atomic<bool>>(false);
+  serve_stream([ended](const Write& write) {
+    const std::string piece(10'000, 'x');
+    const auto from = Clock::now();
+    while (Clock::now() - from < 50s && write(piece)) {
+    }
+    *ended = true;
+    return false;
+  });
+  const Client deaf = asking();
   const auto from = Clock::now();
-  EXPECT_FALSE(connection.send(streaming([&](const Write& write) {
-                                 while (Clock::now() - from < 50s) {
-                                   if (!write(piece)) return false;
-                                 }
-                                 return true;
-                               }),
-                               true, true));
-  EXPECT_LT(Clock::now() - from, 40s);
-  EXPECT_LT(connection.sent(), 10'000'000u);
+  while (!*ended && Clock::now() - from < 40s) std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(*ended);
 }
 
-// A byte now and then is not enough.
+// A byte now and then is not enough, whether the answer is in memory, written in pieces or computed.
 TEST_F(Stream, AClientThatDripsIsLetGo) {
-  ask("1.1");
-  bounds.drip = 300ms;
-  std::atomic<bool> end{false};
-  std::jthread reader([&] {
-    char bytes[256];
-    while (!end && ::recv(ends[1], bytes, sizeof bytes, 0) > 0) std::this_thread::sleep_for(20ms);
-  });
-  Answer answer{200, "text/plain", std::string(20'000'000, 'x'), {}};
-  const auto from = Clock::now();
-  EXPECT_FALSE(connection.send(answer, true, true));
-  EXPECT_LT(Clock::now() - from, 10s);
-  end = true;
-  ::shutdown(ends[0], SHUT_RDWR);
+  settings.bounds.drip = 300ms;
+  settings.bounds.rate = 1e9;  // far more than what the system takes in advance
+  for (const int kind : {0, 1, 2}) {
+    serve([kind](const HttpRequest&) {
+      Answer answer{200, "text/plain", kind == 0 ? std::string(40'000'000, 'x') : "", {}};
+      if (kind == 1) {
+        answer.pieces = [n = 0](std::string& out) mutable {
+          out += std::string(100'000, 'x');
+          return ++n < 400;
+        };
+      }
+      if (kind == 2) {
+        answer.stream = [](const Write& write) {
+          for (int n = 0; n < 400; ++n)
+            if (!write(std::string(100'000, 'x'))) return false;
+          return true;
+        };
+      }
+      return answer;
+    });
+    Client dripping = asking();
+    const auto from = Clock::now();
+    while (dripping.some(256) && Clock::now() - from < 1500ms) std::this_thread::sleep_for(1ms);
+    std::size_t bytes = 0;  // what was on its way
+    while (const auto some = dripping.some()) bytes += some->size();
+    EXPECT_GT(bytes, 100'000u);
+    EXPECT_LT(bytes, 30'000'000u) << kind;
+  }
 }
 
 // A slow computation is not the client's fault.
 TEST_F(Stream, AStreamMayTakeItsTime) {
-  ask("1.1");
-  bounds.drip = 50ms;
-  EXPECT_TRUE(connection.send(streaming([](const Write& write) {
-                                for (int k = 0; k < 4; ++k) {
-                                  std::this_thread::sleep_for(100ms);
-                                  if (!write("x")) return false;
-                                }
-                                return true;
-                              }),
-                              true, true));
+  settings.bounds.drip = 50ms;
+  settings.bounds.stall = 50ms;
+  serve_stream([](const Write& write) {
+    for (int k = 0; k < 4; ++k) {
+      std::this_thread::sleep_for(100ms);
+      if (!write("x")) return false;
+    }
+    return true;
+  });
+  EXPECT_TRUE(body().ends_with("0\r\n\r\n"));
 }
 
+// What is computed learns that its client hung up, before its answer and within it, while it has nothing to say; and
+// takes nobody for gone who only ended its sending.
 TEST_F(Stream, SeesThatTheClientWentAway) {
-  EXPECT_FALSE(connection.gone());
-  EXPECT_EQ(::send(ends[1], "x", 1, 0), 1);  // what it sent ahead hides nothing
-  EXPECT_FALSE(connection.gone());
-  hang_up();
-  EXPECT_TRUE(connection.gone());
+  const auto seconds = std::make_shared<std::atomic<double>>(-1);
+  for (const bool within : {false, true}) {
+    const auto wait = [seconds](const std::function<bool()>& gone) {
+      const auto from = Clock::now();
+      while (!gone() && Clock::now() - from < 2s) std::this_thread::sleep_for(1ms);
+      *seconds = std::chrono::duration<double>(Clock::now() - from).count();
+    };
+    serve([=](const HttpRequest& request) {
+      Answer answer{200, "text/plain", "text", {}};
+      if (!within) wait(request.gone);
+      if (within) {
+        answer.stream = [wait, gone = request.gone](const Write& write) {
+          if (!write("first\n")) return false;
+          wait(gone);
+          return write("last\n");
+        };
+      }
+      return answer;
+    });
+    for (const auto leave : {&Client::hang_up, &Client::reset, &Client::end_sending}) {
+      *seconds = -1;
+      Client client = asking();
+      client.send("x");  // what it sent ahead hides nothing
+      std::this_thread::sleep_for(100ms);
+      (client.*leave)();
+      for (const auto from = Clock::now(); *seconds < 0 && Clock::now() - from < 10s;) std::this_thread::sleep_for(1ms);
+      if (leave != &Client::end_sending) {
+        EXPECT_LT(*seconds, 0.4) << within;
+        continue;
+      }
+      EXPECT_GE(*seconds, 2);
+      if (!within) {
+        EXPECT_EQ(client.interim(), 100) << "a word between, to see whether it is there";
+      }
+      EXPECT_EQ(client.receive().value_or(test::Reply{}).body, within ? "first\nlast\n" : "text");
+    }
+  }
 }
 
 TEST(CancellationWatch, SaysWhyItEndedAComputation) {

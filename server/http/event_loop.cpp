@@ -1,0 +1,233 @@
+#include "server/http/event_loop.hpp"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "server/shared/log.hpp"
+
+namespace least::server {
+namespace {
+
+constexpr std::chrono::milliseconds between_ticks{50};
+constexpr std::uint64_t listening = 0, called = 1;
+
+void check(int result) {
+  if (result < 0) throw std::system_error(errno, std::generic_category());
+}
+
+void add_to(int epoll, int descriptor, std::uint32_t events, std::uint64_t id) {
+  epoll_event event{events, {}};
+  event.data.u64 = id;
+  check(::epoll_ctl(epoll, EPOLL_CTL_ADD, descriptor, &event));
+}
+
+// Without its port; empty where there is none.
+std::string text_of(const sockaddr_storage& address) {
+  char text[INET6_ADDRSTRLEN] = "";
+  const void* number = nullptr;
+  if (address.ss_family == AF_INET) number = &reinterpret_cast<const sockaddr_in&>(address).sin_addr;
+  if (address.ss_family == AF_INET6) number = &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
+  if (number == nullptr || ::inet_ntop(address.ss_family, number, text, sizeof text) == nullptr) return {};
+  return text;
+}
+
+int port_of(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
+  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
+                                             : reinterpret_cast<const sockaddr_in&>(address).sin_port);
+}
+
+}  // namespace
+
+EventLoop::EventLoop(std::size_t most, const ConnectionBounds& bounds, Lifecycle& lifecycle, Handler& handler)
+    : most_(most),
+      bounds_(bounds),
+      lifecycle_(lifecycle),
+      handler_(handler),
+      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  check(epoll_);
+  check(wake_);
+  add_to(epoll_, wake_, EPOLLIN | EPOLLET, called);
+}
+
+EventLoop::~EventLoop() {
+  connections_.clear();
+  for (const int descriptor : {listener_, wake_, epoll_}) {
+    if (descriptor >= 0) ::close(descriptor);
+  }
+}
+
+std::optional<std::string> EventLoop::listen(const std::string& host, int port) {
+  addrinfo hints{}, *found = nullptr;
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  if (const int error = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found); error != 0) {
+    return ::gai_strerror(error);
+  }
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, ::freeaddrinfo);
+  int error = 0;
+  for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {
+    listener_ = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    const int yes = 1;
+    ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    if (listener_ >= 0 && ::bind(listener_, address->ai_addr, address->ai_addrlen) == 0 &&
+        ::listen(listener_, SOMAXCONN) == 0) {
+      port_ = port_of(listener_);
+      add_to(epoll_, listener_, EPOLLIN, listening);
+      return std::nullopt;
+    }
+    error = errno;
+    if (listener_ >= 0) ::close(std::exchange(listener_, -1));
+  }
+  return std::strerror(error);
+}
+
+void EventLoop::begin() { thread_ = std::this_thread::get_id(); }
+
+void EventLoop::wake() { call(listening); }
+
+// The loop looks at its calls before it sleeps: only others have to wake it.
+void EventLoop::call(Id id) {
+  {
+    const std::lock_guard lock(mutex_);
+    calls_.push_back(id);
+    if (calls_.size() > 1) return;
+  }
+  if (std::this_thread::get_id() == thread_.load()) return;
+  const std::uint64_t one = 1;
+  (void)!::write(wake_, &one, sizeof one);
+}
+
+// Waits for what happens and sees to it. True: all is over.
+bool EventLoop::turn() {
+  int patience = static_cast<int>(between_ticks.count());
+  {
+    const std::lock_guard lock(mutex_);
+    if (!calls_.empty()) patience = 0;
+  }
+  std::array<epoll_event, 256> events;
+  const int n = ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), patience);
+  for (int i = 0; i < n; ++i) {
+    const epoll_event& event = events[static_cast<std::size_t>(i)];
+    if (event.data.u64 == listening) {
+      accept();
+    } else if (event.data.u64 == called) {
+      std::uint64_t count;
+      (void)!::read(wake_, &count, sizeof count);
+    } else {
+      advance(event.data.u64, event.events);
+    }
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    called_.clear();
+    called_.swap(calls_);
+  }
+  for (const Id id : called_) advance(id, 0);
+  if (lifecycle_.draining && listener_ >= 0) {
+    accept();  // those who came before the end
+    ::close(std::exchange(listener_, -1));
+  }
+  if (paused_ && connections_.size() < full_size_) watch(true);
+  return listener_ < 0 && connections_.empty();
+}
+
+bool EventLoop::ticks() {
+  const auto now = Clock::now();
+  if (now - ticked_ < between_ticks) return false;
+  ticked_ = now;
+  for (auto connection = connections_.begin(); connection != connections_.end();) {
+    connection->second.tick(now);
+    connection = connection->second.closed() ? connections_.erase(connection) : std::next(connection);
+  }
+  if (paused_) watch(true);
+  return true;
+}
+
+void EventLoop::advance(Id id, unsigned events) {
+  const auto found = connections_.find(id);
+  if (found == connections_.end()) return;
+  Connection& connection = found->second;
+  try {
+    connection.note(events);
+    if (!connection.closed()) connection.advance();
+    if (!connection.closed()) return;
+  } catch (const std::exception& e) {
+    LogLine(spdlog::level::err, "connection lost").with("why", e.what());
+  }
+  connections_.erase(found);
+}
+
+void EventLoop::accept() {
+  while (listener_ >= 0) {
+    if (connections_.size() >= most_ && !make_room()) return watch(false);
+    sockaddr_storage address{};
+    socklen_t size = sizeof address;
+    const int socket = ::accept4(listener_, reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (socket >= 0) {
+      add(socket, text_of(address));
+      continue;
+    }
+    if (errno == EAGAIN || errno == EWOULDBLOCK) return;
+    if (errno == EINTR || errno == ECONNABORTED) continue;
+    // No descriptor, or no memory, is left for one more.
+    if (!make_room()) return watch(false);
+  }
+}
+
+void EventLoop::add(int socket, std::string client) {
+  const int yes = 1;
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  const Id id = ++last_;
+  try {
+    connections_.try_emplace(id, socket, std::move(client), bounds_, lifecycle_, handler_, [this, id] { call(id); });
+    add_to(epoll_, socket, EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET, id);
+  } catch (const std::exception& e) {
+    LogLine(spdlog::level::err, "connection lost").with("why", e.what());
+    if (connections_.erase(id) == 0) ::close(socket);
+  }
+}
+
+// Closes the connection that has idled for longest.
+bool EventLoop::make_room() {
+  auto longest = connections_.end();
+  auto since = Clock::time_point::max();
+  for (auto connection = connections_.begin(); connection != connections_.end(); ++connection) {
+    if (connection->second.idle_since() >= since) continue;
+    longest = connection;
+    since = connection->second.idle_since();
+  }
+  if (longest == connections_.end()) return false;
+  connections_.erase(longest);
+  return true;
+}
+
+// While nobody can be let in, those who wait outside are not looked at, and those inside are asked to leave.
+void EventLoop::watch(bool accepting) {
+  paused_ = !accepting;
+  full_size_ = connections_.size();
+  lifecycle_.crowded = paused_;
+  if (listener_ < 0) return;
+  epoll_event event{accepting ? std::uint32_t{EPOLLIN} : 0, {}};
+  event.data.u64 = listening;
+  (void)::epoll_ctl(epoll_, EPOLL_CTL_MOD, listener_, &event);
+}
+
+}  // namespace least::server

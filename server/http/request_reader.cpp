@@ -1,0 +1,141 @@
+#include "server/http/request_reader.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <utility>
+
+namespace least::server {
+namespace {
+
+constexpr std::size_t longest_size_line = 256;  // of a chunk
+
+Refusal malformed_chunks() { return {400, "malformed chunked coding"}; }
+
+}  // namespace
+
+Received RequestReader::read() {
+  if (part_ == Part::head) {
+    if (auto refused = read_head()) return std::move(*refused);
+  }
+  if (part_ == Part::body) {
+    if (auto refusal = framing_.chunked ? read_chunks() : read_body()) {
+      return Refused{std::move(*refusal), message_.head.method};
+    }
+  }
+  if (part_ == Part::trailer) {
+    if (auto refusal = read_trailer()) return Refused{std::move(*refusal), message_.head.method};
+  }
+  if (part_ != Part::whole) return {};
+  part_ = Part::head;
+  return std::exchange(message_, {});
+}
+
+RequestReader::Awaits RequestReader::awaits() const {
+  if (part_ != Part::head) return Awaits::body;
+  return buffer_.empty() ? Awaits::request : Awaits::head;
+}
+
+bool RequestReader::asks_to_continue() { return std::exchange(asks_, false); }
+
+Refused RequestReader::too_late() const {
+  if (part_ == Part::head) return {{408, "the head of the request did not come in time"}, ""};
+  return {{408, "the body of the request did not come in time"}, message_.head.method};
+}
+
+std::optional<Refused> RequestReader::read_head() {
+  // Blank lines before a request are tolerated (RFC 9112, 2.2), within the same bounds.
+  while (buffer_.starts_with("\r\n")) {
+    buffer_.erase(0, 2);
+    looked_ = 0;
+  }
+  const auto end = buffer_.find("\r\n\r\n", looked_);
+  const std::string known = buffer_.starts_with("HEAD ") ? "HEAD" : "";
+  if (std::min(end, buffer_.size()) > bounds_.head.bytes) {
+    return Refused{{431, "the head is larger than " + std::to_string(bounds_.head.bytes) + " bytes"}, known};
+  }
+  if (end == std::string::npos) {
+    if (auto refusal = refusal_at_once(buffer_)) return Refused{std::move(*refusal), ""};
+    looked_ = buffer_.size() - std::min<std::size_t>(buffer_.size(), 3);
+    return std::nullopt;
+  }
+  looked_ = 0;
+  auto head = parse_head(std::string_view(buffer_).substr(0, end), bounds_.head);
+  if (!head) return Refused{std::move(head.error()), known};
+  const auto framing = framing_of(*head, bounds_.body);
+  if (!framing) return Refused{framing.error(), head->method};
+  buffer_.erase(0, end + 4);
+  framing_ = *framing;
+  message_ = {std::move(*head), {}, framing_.keep_alive};
+  asks_ = framing_.expects_continue && buffer_.empty();
+  chunk_.reset();
+  trailer_ = 0;
+  part_ = Part::body;
+  return std::nullopt;
+}
+
+std::optional<Refusal> RequestReader::read_body() {
+  if (buffer_.size() < framing_.length) return std::nullopt;
+  if (buffer_.size() == framing_.length) {
+    message_.body = std::exchange(buffer_, {});
+  } else {
+    message_.body = buffer_.substr(0, framing_.length);
+    buffer_.erase(0, framing_.length);
+  }
+  part_ = Part::whole;
+  return std::nullopt;
+}
+
+std::optional<Refusal> RequestReader::read_chunks() {
+  std::string& body = message_.body;
+  for (;;) {
+    if (!chunk_) {  // a size, perhaps with an extension that nobody needs
+      const auto line = read_line(longest_size_line);
+      if (!line) return buffer_.size() > longest_size_line ? std::optional(malformed_chunks()) : std::nullopt;
+      if (!is_field_value(*line)) return malformed_chunks();  // a bare line feed may end the line for another reader
+      std::uint32_t size = 0;
+      const auto digits = std::min(line->find_first_of("; \t"), line->size());
+      const auto [stop, error] = std::from_chars(line->data(), line->data() + digits, size, 16);
+      if (error == std::errc::result_out_of_range) return Refusal{413, "a chunk is too large"};
+      if (error != std::errc() || stop != line->data() + digits) return malformed_chunks();
+      if (size == 0) {
+        part_ = Part::trailer;
+        return std::nullopt;
+      }
+      if (size > bounds_.body - body.size()) {
+        return Refusal{413, "the body is larger than " + std::to_string(bounds_.body) + " bytes"};
+      }
+      chunk_ = size;
+    }
+    if (buffer_.size() < *chunk_ + 2) return std::nullopt;
+    if (buffer_.compare(*chunk_, 2, "\r\n") != 0) return malformed_chunks();
+    body.append(buffer_, 0, *chunk_);
+    buffer_.erase(0, *chunk_ + 2);
+    chunk_.reset();
+  }
+}
+
+// Its fields are read and forgotten.
+std::optional<Refusal> RequestReader::read_trailer() {
+  while (trailer_ <= bounds_.head.bytes) {
+    const auto line = read_line(bounds_.head.bytes);
+    if (!line) return buffer_.size() > bounds_.head.bytes ? std::optional(malformed_chunks()) : std::nullopt;
+    if (line->empty()) {
+      part_ = Part::whole;
+      return std::nullopt;
+    }
+    trailer_ += line->size() + 2;
+  }
+  return Refusal{431, "the trailer is too large"};
+}
+
+// Without its CRLF. Nothing: it is not whole, or longer than it may be.
+std::optional<std::string> RequestReader::read_line(std::size_t longest) {
+  const std::size_t end = buffer_.find("\r\n");
+  if (end == std::string::npos || end > longest) return std::nullopt;
+  std::string line = buffer_.substr(0, end);
+  buffer_.erase(0, end + 2);
+  return line;
+}
+
+}  // namespace least::server

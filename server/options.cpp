@@ -54,7 +54,8 @@ void add_serve(CLI::App& app, Options& options) {
   add(app, "--threads", settings.threads, "runs that compute at once, 0 is one per core")->check(CLI::Range(0u, 4096u));
   add(app, "--queue", settings.queue, "runs that wait for their turn, beyond it the answer is 503")
       ->check(CLI::Range(0u, 100'000u));
-  add(app, "--connections", settings.connections, "clients served at once")->check(count);
+  add(app, "--connections", settings.connections, "clients connected at once, beyond it those that idle make room")
+      ->check(count);
   add(app, "--max-memory", settings.max_memory, "bytes held for answers that are computed or read, beyond it 503")
       ->check(CLI::Range(std::size_t{1} << 20, std::size_t{1} << 50));
   add(app, "--grace", settings.grace, "seconds that runs have left when the service ends")

@@ -77,14 +77,14 @@ bool Connection::step() {
 bool Connection::read_request() {
   Received received = reader_.read();
   if (auto* const message = std::get_if<Message>(&received)) {
-    begin(handler_.begin(std::move(*message), client_, came_));
+    begin(handler_.begin(std::move(*message), client_, {socket_, came_}));
     return true;
   }
   if (auto* const refused = std::get_if<Refused>(&received)) {
-    begin(handler_.refuse(std::move(*refused), client_, came_));
+    begin(handler_.refuse(std::move(*refused), client_, {socket_, came_}));
     return true;
   }
-  if (reader_.asks_to_continue()) send_now(go_ahead);
+  if (reader_.asks_to_continue()) (void)!::send(socket_, go_ahead.data(), go_ahead.size(), MSG_NOSIGNAL);
   if (const Awaits awaits = reader_.awaits(); awaits != awaited_) {
     awaited_ = awaits;
     since_ = Clock::now();
@@ -123,7 +123,7 @@ void Connection::begin(ExchangePtr exchange) {
 bool Connection::send_answer() {
   if (offset_ == sending_.size()) {
     offset_ = 0;
-    more_ = exchange_->outbox.take(sending_);
+    more_ = exchange_->outbox.take(sending_, readable_ || !reader_.buffer().empty());
     if (more_ == Outbox::State::open && exchange_->has_pieces) handler_.go_on(exchange_);
     if (sending_.empty()) return more_ != Outbox::State::open && finish(more_ == Outbox::State::whole);
   }
@@ -185,11 +185,6 @@ void Connection::leave() {
   }
 }
 
-void Connection::send_now(std::string_view bytes) const {
-  // To a client that has let a few bytes be in its way for so long, these do not matter either.
-  (void)!::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-}
-
 // Who only ended its sending is still there, and who hung up looks the same: that shows when something is sent, which
 // is answered with a reset. Any number of interim answers may come before an answer (RFC 9110, 15.2); within one, the
 // size of a chunk may begin with a zero (RFC 9112, 7.1).
@@ -197,10 +192,11 @@ void Connection::probe() {
   if (!half_closed_ || probed_ || offset_ < sending_.size() || !writable_ || exchange_->message.head.minor == 0) return;
   if (taken_ > 0 && !exchange_->chunked) return;
   probed_ = true;
-  send_now(taken_ == 0 ? go_ahead : "0");
+  exchange_->outbox.interject(taken_ == 0 ? go_ahead : "0");
 }
 
 bool Connection::too_slow(Clock::time_point now) {
+  if (sending_.empty()) return false;
   if (lifecycle_.cancelled) {
     last_write_ = std::min(last_write_, now + bounds_.stall);
     if (now > last_write_) return true;
@@ -215,11 +211,11 @@ void Connection::tick(Clock::time_point now) {
   if (state_ == State::lingering) {
     if (waited > last_word || lifecycle_.cancelled) state_ = State::closed;
   } else if (state_ == State::answering) {
-    if (waited > between_probes) probe();
-    if (writable_) return;
-    unblock(now);
     // The system says that there is room when there is much; a slow reader makes little at a time.
-    too_slow(now) ? leave() : advance();
+    if (!writable_) unblock(now);
+    if (too_slow(now)) return leave();
+    advance();
+    if (state_ == State::answering && waited > between_probes) probe();
   } else if (state_ == State::reading && awaited_ == Awaits::request) {
     const bool ends = lifecycle_.draining && (!fresh_ || waited > on_its_way);
     if (waited > bounds_.idle || ends || lifecycle_.cancelled) leave();
@@ -227,7 +223,7 @@ void Connection::tick(Clock::time_point now) {
     // A client that says nothing more does not hold up the end.
     if (lifecycle_.cancelled || (lifecycle_.draining && now - last_byte_ > last_word)) return leave();
     if (waited <= (awaited_ == Awaits::head ? bounds_.head_time : bounds_.body_time)) return;
-    begin(handler_.refuse(reader_.too_late(), client_, came_));
+    begin(handler_.refuse(reader_.too_late(), client_, {socket_, came_}));
     advance();
   }
 }

@@ -35,10 +35,10 @@ struct ConnectionBounds : RequestBounds {
 class Handler {
  public:
   virtual ~Handler() = default;
-  /// A request came; `came` is to be called, by any thread, whenever there is something of its answer.
-  virtual ExchangePtr begin(Message message, const std::string& client, std::function<void()> came) = 0;
+  /// A request came; its answer goes into the `line`, from any thread.
+  virtual ExchangePtr begin(Message message, const std::string& client, Line line) = 0;
   /// The same for what cannot be one; its connection ends with the answer.
-  virtual ExchangePtr refuse(Refused refused, const std::string& client, std::function<void()> came) = 0;
+  virtual ExchangePtr refuse(Refused refused, const std::string& client, Line line) = 0;
   /// There is room for more pieces of an answer.
   virtual void go_on(const ExchangePtr& exchange) = 0;
   /// A client went away within a request.
@@ -53,7 +53,7 @@ class Connection {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Owns the socket, which does not block. `came`: see Handler; it also asks for a further `advance`.
+  /// Owns the socket, which does not block. `came` asks for a further `advance`, from any thread.
   Connection(int socket, std::string client, const ConnectionBounds& bounds, const Lifecycle& lifecycle,
              Handler& handler, std::function<void()> came);
   ~Connection();
@@ -85,7 +85,6 @@ class Connection {
   bool too_slow(Clock::time_point now);
   void unblock(Clock::time_point now);
   void leave();
-  void send_now(std::string_view bytes) const;
 
   const int socket_;
   const std::string client_;

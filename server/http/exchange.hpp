@@ -20,8 +20,8 @@ namespace least::server {
 struct Exchange {
   using Clock = std::chrono::steady_clock;
 
-  Exchange(Message request, std::string name, std::string address, std::function<void()> came)
-      : message(std::move(request)), id(std::move(name)), client(std::move(address)), outbox(std::move(came)) {}
+  Exchange(Message request, std::string name, std::string address, Line line)
+      : message(std::move(request)), id(std::move(name)), client(std::move(address)), outbox(std::move(line)) {}
   ~Exchange() { end(); }
   Exchange(const Exchange&) = delete;
   Exchange& operator=(const Exchange&) = delete;

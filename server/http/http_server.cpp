@@ -138,14 +138,12 @@ class HttpServer::Impl final : private Handler {
   }
 
  private:
-  using Came = std::function<void()>;
-
   unsigned places() const { return settings_.threads > 0 ? settings_.threads : cores(); }
 
   // ---- what the loop says
 
-  ExchangePtr begin(Message message, const std::string& client, Came came) override {
-    const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(came));
+  ExchangePtr begin(Message message, const std::string& client, Line line) override {
+    const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(line));
     if (router_.is_short(exchange->message.head)) {
       answer(exchange);
     } else {
@@ -154,11 +152,11 @@ class HttpServer::Impl final : private Handler {
     return exchange;
   }
 
-  ExchangePtr refuse(Refused refused, const std::string& client, Came came) override {
+  ExchangePtr refuse(Refused refused, const std::string& client, Line line) override {
     Message message;
     message.head.method = std::move(refused.method);
     message.keep_alive = false;
-    const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(came));
+    const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(line));
     respond(exchange, "refused", error_(refused.refusal.status, refused.refusal.detail, exchange->id));
     return exchange;
   }
@@ -176,9 +174,9 @@ class HttpServer::Impl final : private Handler {
 
   bool busy() const override { return exchanges_ > 0; }
 
-  ExchangePtr exchange_of(Message message, const std::string& client, Came came) {
+  ExchangePtr exchange_of(Message message, const std::string& client, Line line) {
     auto exchange = std::make_shared<Exchange>(std::move(message), fmt::format("{:08x}-{:x}", origin_, ++count_),
-                                               client, std::move(came));
+                                               client, std::move(line));
     ++exchanges_;
     exchange->ended = [this](const Exchange& over) {
       log(over);
@@ -291,7 +289,7 @@ class HttpServer::Impl final : private Handler {
         exchange->bytes = answer.body.size();
         text += answer.body;
       }
-      exchange->outbox.finish(true, std::move(text));
+      exchange->outbox.finish(true, std::move(text), exchange->keep_alive);
     }
   }
 

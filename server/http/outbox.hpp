@@ -2,19 +2,27 @@
 // client's pace.
 #pragma once
 
+#include <sys/socket.h>
+
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace least::server {
 
+/// Where an answer goes: a socket that does not block, and what to call when there is something for who owns it.
+struct Line {
+  int socket;
+  std::function<void()> came;
+};
+
 class Outbox {
  public:
-  /// `came` is called when there is something to take.
-  explicit Outbox(std::function<void()> came) : came_(std::move(came)) {}
+  explicit Outbox(Line line) : line_(std::move(line)) {}
 
   /// Waits while more than a bound is still to be sent: who sends keeps the clock. False: nobody takes it any more.
   bool put(std::string bytes) {
@@ -23,21 +31,31 @@ class Outbox {
       taken_.wait(lock, [this] { return closed_ || bytes_.size() < bound; });
       if (closed_) return false;
       const bool told = !bytes_.empty();
+      begun_ = true;
       bytes_.empty() ? bytes_.swap(bytes) : (void)bytes_.append(bytes);
       if (told) return true;
     }
-    came_();
+    line_.came();
     return true;
   }
-  /// There is no more after `last`; `whole`: the answer has its end. Does not wait.
-  void finish(bool whole, std::string last = {}) {
+  /// There is no more after `last`; `whole`: the answer has its end. Does not wait. An answer that is nothing but
+  /// `last` is sent from here: then its owner hears of it with the next request (`keeps`: that the connection is for
+  /// one).
+  void finish(bool whole, std::string last = {}, bool keeps = false) {
     {
       const std::lock_guard lock(mutex_);
-      bytes_.empty() ? bytes_.swap(last) : (void)bytes_.append(last);
+      std::size_t sent = 0;
+      if (whole && !begun_ && !closed_) {
+        const auto n = ::send(line_.socket, last.data(), last.size(), MSG_NOSIGNAL);
+        sent = n > 0 ? static_cast<std::size_t>(n) : 0;
+      }
       ended_ = true;
       whole_ = whole;
+      if (sent == last.size() && keeps && !awaited_) return;
+      if (sent > 0) last.erase(0, sent);
+      bytes_.empty() ? bytes_.swap(last) : (void)bytes_.append(last);
     }
-    came_();
+    line_.came();
   }
   /// Whether `put` would not wait.
   bool has_room() {
@@ -46,15 +64,23 @@ class Outbox {
   }
 
   enum class State { open, whole, broken };
-  /// Puts what there is in the place of `bytes`, and says whether more may come.
-  State take(std::string& bytes) {
+  /// Puts what there is in the place of `bytes`, and says whether more may come. `awaited`: the owner has something to
+  /// do as soon as all is sent.
+  State take(std::string& bytes, bool awaited) {
     const std::lock_guard lock(mutex_);
+    awaited_ = awaited;
     bytes.clear();
     bytes.swap(bytes_);
     taken_.notify_one();
     return !ended_ ? State::open : whole_ ? State::whole : State::broken;
   }
-  /// Nobody takes any more.
+  /// Sends a word between, where nothing else is on its way.
+  void interject(std::string_view word) {
+    const std::lock_guard lock(mutex_);
+    // To a client that has let a few bytes be in its way for so long, these do not matter either.
+    if (!ended_ && bytes_.empty()) (void)!::send(line_.socket, word.data(), word.size(), MSG_NOSIGNAL);
+  }
+  /// Nobody takes any more, and the socket is not used.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -65,11 +91,11 @@ class Outbox {
  private:
   static constexpr std::size_t bound = 256 * 1024;
 
-  const std::function<void()> came_;
+  const Line line_;
   std::mutex mutex_;
   std::condition_variable taken_;
   std::string bytes_;
-  bool ended_ = false, whole_ = false, closed_ = false;
+  bool begun_ = false, ended_ = false, whole_ = false, closed_ = false, awaited_ = false;
 };
 
 }  // namespace least::server

@@ -1,8 +1,10 @@
 // Many clients, slow clients, long runs, and the end of the service.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <future>
 #include <list>
 #include <thread>
@@ -38,17 +40,83 @@ class Load : public testing::Test {
     const auto error = service->start();
     ASSERT_FALSE(error) << *error;
   }
+  // In seconds, of so many small runs, each on a connection of its own: a machine may falter once.
+  double slowest_but_one(int runs) const {
+    std::vector<double> times;
+    for (int i = 0; i < runs; ++i) {
+      const auto from = Clock::now();
+      EXPECT_EQ(ask(service->port(), short_run()).status, 200) << i;
+      times.push_back(std::chrono::duration<double>(Clock::now() - from).count());
+    }
+    std::sort(times.begin(), times.end());
+    return times[times.size() - 2];
+  }
+  static unsigned threads() {
+    const auto tasks = std::filesystem::directory_iterator("/proc/self/task");
+    return static_cast<unsigned>(std::distance(begin(tasks), end(tasks)));
+  }
 };
 
-TEST_F(Load, SlowClientsDoNotStarveOthers) {
+// Half a head, half a body, or nothing at all.
+TEST_F(Load, HalfOpenClientsCostOthersNothing) {
   start();
-  std::list<Client> slow;
-  for (int i = 0; i < 200; ++i) {
-    slow.emplace_back(service->port()).send("POST /v1/simulate HTTP/1.1\r\nHost: local");
+  std::list<Client> half;
+  const std::string_view begun[] = {
+      "POST /v1/simulate HTTP/1.1\r\nHost: local", "",
+      "POST /v1/simulate HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{\"problem\""};
+  for (std::size_t i = 0; i < 256; ++i) half.emplace_back(service->port()).send(begun[i % 3]);
+  EXPECT_LT(slowest_but_one(100), 0.5);
+  EXPECT_LT(threads(), 40u);
+}
+
+// One after the other, and each as soon as the one before is answered.
+TEST_F(Load, RequestsSentAheadAreNotKeptWaiting) {
+  start();
+  double best = 1e9;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    Client client(service->port());
+    std::string ahead;
+    for (int i = 0; i < 40; ++i) ahead += short_run();
+    const auto from = Clock::now();
+    client.send(ahead);
+    for (int i = 0; i < 40; ++i) ASSERT_EQ(client.receive().value_or(Reply{}).status, 200);
+    best = std::min(best, std::chrono::duration<double>(Clock::now() - from).count());
   }
-  const auto from = Clock::now();
-  EXPECT_EQ(ask(service->port(), short_run()).status, 200);
-  EXPECT_LT(Clock::now() - from, 5s);  // half of what a slow head is given
+  EXPECT_LT(best, 1);
+}
+
+// Eight who take hundreds of megabytes by the drop hold no worker, and little memory beside the numbers.
+TEST_F(Load, DrippingReadersHoldNoWorker) {
+  settings.threads = 1;
+  start();
+  std::atomic<bool> end{false};
+  std::vector<std::jthread> readers;
+  for (int i = 0; i < 8; ++i) {
+    readers.emplace_back([&, i] {
+      Client client(service->port());
+      client.send(post("/v1/simulate",
+                       R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":200000},"record":{"every":1}})",
+                       i % 2 ? "Accept: text/csv\r\n" : ""));
+      while (!end && client.some(1024)) std::this_thread::sleep_for(10ms);
+    });
+  }
+  std::this_thread::sleep_for(1s);
+  EXPECT_LT(slowest_but_one(50), 1);
+  end = true;
+}
+
+// Nobody is let go for another's sake while there are descriptors.
+TEST_F(Load, ConnectionsThatIdleAreKept) {
+  start();
+  std::list<Client> idle;
+  for (int i = 0; i < 400; ++i) {
+    idle.emplace_back(service->port()).send(get("/healthz"));
+    EXPECT_EQ(idle.back().receive().value_or(Reply{}).status, 200) << i;
+  }
+  for (auto& client : idle) {
+    client.send(get("/healthz"));
+    EXPECT_EQ(client.receive().value_or(Reply{}).status, 200);
+  }
 }
 
 TEST_F(Load, SlowClientsAreLetGo) {
@@ -81,17 +149,17 @@ TEST_F(Load, IdleConnectionsMakeRoom) {
   EXPECT_LT(Clock::now() - from, 10s);  // an idle connection is kept for 15 s when nobody waits
 }
 
-// Clients who never idle for long do not keep the threads for themselves.
+// Clients who never idle for long do not keep the connections for themselves.
 TEST_F(Load, BusyConnectionsMakeRoom) {
-  settings.connections = 2;
+  settings.connections = 8;
   start();
   std::atomic<bool> end{false};
   std::vector<std::jthread> pollers;
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < 8; ++i) {
     pollers.emplace_back([&] {
       while (!end) {
         Client client(service->port());
-        while (!end && client.send(get("/healthz")) && client.receive()) std::this_thread::sleep_for(5ms);
+        while (!end && client.send(get("/healthz")) && client.receive()) std::this_thread::sleep_for(30ms);
       }
     });
   }

@@ -1,0 +1,78 @@
+// Bytes to requests: however they are cut on their way, the same comes of them.
+#include "server/http/request_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace least::server {
+namespace {
+
+// What comes of bytes that arrive in pieces of so many, as a line for each request.
+std::vector<std::string> read_in(std::string_view bytes, std::size_t piece) {
+  const RequestBounds bounds{{200, 100, 5}, 50};
+  RequestReader reader(bounds);
+  std::vector<std::string> seen;
+  for (std::size_t at = 0; at < bytes.size(); at += piece) {
+    reader.buffer() += bytes.substr(at, piece);
+    for (;;) {
+      Received received = reader.read();
+      if (std::holds_alternative<std::monostate>(received)) break;
+      if (const auto* const refused = std::get_if<Refused>(&received)) {
+        seen.push_back(std::to_string(refused->refusal.status));
+        return seen;
+      }
+      const auto& message = std::get<Message>(received);
+      seen.push_back(message.head.method + ' ' + message.head.path + ' ' + message.body);
+    }
+  }
+  constexpr const char* states[] = {"nothing", "head", "body"};
+  seen.emplace_back(states[static_cast<int>(reader.awaits())]);
+  return seen;
+}
+
+TEST(RequestReader, DoesNotCareWhereBytesAreCut) {
+  const std::string host = "Host: x\r\n", chunked = "Transfer-Encoding: chunked\r\n";
+  const struct {
+    std::string bytes;
+    std::vector<std::string> expected;
+  } rows[] = {
+      {"GET /a HTTP/1.1\r\n" + host + "\r\n", {"GET /a ", "nothing"}},
+      {"\r\n\r\nGET /a HTTP/1.1\r\n" + host + "\r\n\r\nGET /b HTTP/1.1\r\n" + host, {"GET /a ", "head"}},
+      {"POST /a HTTP/1.1\r\n" + host + "Content-Length: 3\r\n\r\nabcGET /b HTTP/1.1\r\n" + host + "\r\nG",
+       {"POST /a abc", "GET /b ", "head"}},
+      {"POST /a HTTP/1.1\r\n" + host + "Content-Length: 3\r\n\r\nab", {"body"}},
+      {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n2;x=y\r\nab\r\n003\r\n\r\ne\r\n0\r\nA: b\r\n\r\nX",
+       {"POST /a ab\r\ne", "head"}},
+      {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n2\r\nab\r\n0\r\nA: b\r\n", {"body"}},
+      {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n2\r\nabc\r\n", {"400"}},
+      {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n33\r\n", {"413"}},
+      {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n0\r\n" + std::string(300, 'a'), {"400"}},
+      {"POST /a HTTP/1.1\r\n" + host + "Content-Length: 51\r\n\r\n", {"413"}},
+      {"GET /" + std::string(300, 'a'), {"431"}},
+      {"GET /a HTTP/1.1\r\nHost: x\n\r\n", {"400"}},
+  };
+  for (const auto& row : rows) {
+    for (std::size_t piece = 1; piece <= row.bytes.size(); ++piece) {
+      EXPECT_EQ(read_in(row.bytes, piece), row.expected) << piece << ' ' << row.bytes;
+    }
+  }
+}
+
+TEST(RequestReader, AsksOnceForABodyThatIsAwaited) {
+  const RequestBounds bounds;
+  RequestReader reader(bounds);
+  reader.buffer() += "POST / HTTP/1.1\r\nHost: x\r\nExpect: 100-continue\r\nContent-Length: 2\r\n\r\n";
+  reader.read();
+  EXPECT_TRUE(reader.asks_to_continue());
+  EXPECT_FALSE(reader.asks_to_continue());
+  EXPECT_EQ(reader.too_late().refusal.status, 408);
+  reader.buffer() += "{}POST / HTTP/1.1\r\nHost: x\r\nExpect: 100-continue\r\nContent-Length: 2\r\n\r\n{";
+  EXPECT_TRUE(std::holds_alternative<Message>(reader.read()));
+  reader.read();
+  EXPECT_FALSE(reader.asks_to_continue()) << "it did not wait";
+}
+
+}  // namespace
+}  // namespace least::server

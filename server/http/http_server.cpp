@@ -39,7 +39,9 @@ Access access_of(const HttpSettings& settings) {
 
 // The head of an answer. `chunked`: so is its body.
 std::string head_of(const Answer& answer, bool keep_alive, bool chunked) {
-  std::string head = "HTTP/1.1 " + std::to_string(answer.status) + ' ';
+  std::string head;
+  head.reserve(1024 + answer.body.size());
+  ((head += "HTTP/1.1 ") += std::to_string(answer.status)) += ' ';
   head += phrase(answer.status);
   head += "\r\n";
   const auto field = [&](std::string_view name, std::string_view value) {

@@ -98,6 +98,7 @@ class LogQueue::Sink final : public spdlog::sinks::base_sink<std::mutex> {
         return;
       }
       lines_.emplace_back(line.data(), line.size());
+      if (lines_.size() > 1) return;  // whoever writes is at it
     }
     came_.notify_one();
   }

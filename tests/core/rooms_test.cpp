@@ -26,6 +26,7 @@ const std::map<std::string, Names>& rooms() {
     return std::map<std::string, Names>{
         {"core/number", {}},
         {"core/tape", {"core/number"}},
+        {"core/text", {"core/number", "core/tape"}},
         {"core", {"core/number"}},
         {"core/exact", base},
         {"core/problems", beside(base, {"core/exact"})},

@@ -46,7 +46,7 @@ void write_json(const FinishedRun& run, Outlet& out);
 void write_cbor(const FinishedRun& run, Outlet& out);
 
 /// `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands
-/// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-Choice`, `-Final`,
+/// as one-line JSON in header fields `Leastaction-Status`, `-Stop`, `-End`, `-Request` (the echo), `-Choice`, `-Final`,
 /// `-Diagnostics`, `-Events`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says `{"omitted":true}` and
 /// stands after the last sample, in a line `# Leastaction-Events: …`.
 void write_csv(const FinishedRun& run, Outlet& out);

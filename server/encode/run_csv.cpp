@@ -20,6 +20,7 @@ void for_each_part(const FinishedRun& run, See see) {
   if (outcome.stop.reason != ReturnCode::completed) {
     part("Leastaction-Stop", [&](JsonWriter& json) { write_stop(json, outcome.stop); });
   }
+  if (!outcome.event.empty()) part("Leastaction-End", [&](JsonWriter& json) { write_end(json, outcome); });
   part("Leastaction-Request", [&](JsonWriter& json) {
     json.open('{');
     write_echo(json, run);
@@ -59,7 +60,7 @@ void write_csv(const FinishedRun& run, Outlet& out) {
   const auto& columns = run.request.columns;
   std::vector<const std::vector<std::string>*> words;
   for (const std::size_t column : columns) {
-    const ColumnCard& card = run.problem.columns[column];
+    const ColumnCard& card = run.request.column(column);
     if (!words.empty()) out.text() += ',';
     out.text() += card.name;
     words.push_back(&card.words);

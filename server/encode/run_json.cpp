@@ -17,6 +17,7 @@ void write_findings(JsonWriter& json, const PlannedRun& run, const Solution& out
 void write_status(JsonWriter& json, const Solution& outcome) {
   json.key("status").text(status_of(outcome));
   if (outcome.stop.reason != ReturnCode::completed) write_stop(json.key("stop"), outcome.stop);
+  if (!outcome.event.empty()) write_end(json.key("end"), outcome);
 }
 
 // Rows become columns: the samples lie row by row in memory.
@@ -24,7 +25,7 @@ void write_trajectory(JsonWriter& json, const FinishedRun& run, Outlet& out) {
   const auto& columns = run.request.columns;
   json.open('{');
   for (std::size_t column = 0; column < columns.size(); ++column) {
-    const ColumnCard& card = run.problem.columns[columns[column]];
+    const ColumnCard& card = run.request.column(columns[column]);
     json.key(card.name);
     const bool packed = json.notation() == Notation::cbor && card.words.empty();
     packed ? begin_typed_array(json.buffer(), run.samples.rows()) : (void)json.open('[');
@@ -50,7 +51,7 @@ void write_whole(const FinishedRun& run, Outlet& out, Notation notation) {
   JsonWriter json(out.text(), notation);
   json.open('{').key("version").text(version);
   write_status(json, run.outcome);
-  write_echo(json, run);
+  write_echo(json, run, "events_asked");
   if (run.choice) write_choice(json.key("choice"), *run.choice);
   write_trajectory(json.key("trajectory"), run, out);
   write_findings(json, run, run.outcome);
@@ -90,7 +91,7 @@ std::string run_samples_line(const PlannedRun& run, std::span<const double> rows
     Outlet whole;
     json.key("trajectory").open('{');
     for (std::size_t column = 0; column < columns.size(); ++column) {
-      const ColumnCard& card = run.problem.columns[columns[column]];
+      const ColumnCard& card = run.request.column(columns[column]);
       const Strided values{rows, column, columns.size()};
       json.key(card.name).open('[');
       if (card.words.empty()) {

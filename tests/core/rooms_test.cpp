@@ -19,7 +19,7 @@ const std::map<std::string, Names>& rooms() {
       names.insert(more);
       return names;
     };
-    const Names run = beside(base, {"core/exact", "core/problems", "core/schemes"});
+    const Names run = beside(base, {"core/exact", "core/problems", "core/schemes", "core/text"});
     const Names reference = beside(run, {"core/run"}), study = beside(reference, {"core/reference"});
     const Names catalogue = beside(study, {"core/study", "core/ensemble"}),
                 core = beside(catalogue, {"core/catalogue"});

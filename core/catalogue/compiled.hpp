@@ -26,7 +26,8 @@ P<double> problem_of(const Scene& scene) {
 
 /// Whether the caller asks for what only the full state can say: s or what depends on it, a slope or its poles.
 inline bool asks_for_full_state(const ProblemCard& card, const Request& request) {
-  return std::ranges::any_of(request.columns, [&](std::size_t i) { return card.columns[i].full_state; }) ||
+  return request.watched.full_state() ||
+         std::ranges::any_of(request.columns, [&](std::size_t i) { return request.column(i).full_state; }) ||
          std::ranges::any_of(request.diagnostics, [&](std::size_t i) { return card.diagnostics[i].full_state; });
 }
 

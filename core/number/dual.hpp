@@ -146,6 +146,46 @@ constexpr Dual<T, K> tanh(const Dual<T, K>& x) {
   return x.chain(y, [&](const T& d) { return w * d; });
 }
 template <class T, int K>
+Dual<T, K> tan(const Dual<T, K>& x) {
+  using least::tan;
+  const T y = tan(x.value), w = 1 + y * y;
+  return x.chain(y, [&](const T& d) { return w * d; });
+}
+template <class T, int K>
+Dual<T, K> sinh(const Dual<T, K>& x) {
+  using least::cosh;
+  using least::sinh;
+  const T w = cosh(x.value);
+  return x.chain(sinh(x.value), [&](const T& d) { return w * d; });
+}
+template <class T, int K>
+Dual<T, K> cosh(const Dual<T, K>& x) {
+  using least::cosh;
+  using least::sinh;
+  const T w = sinh(x.value);
+  return x.chain(cosh(x.value), [&](const T& d) { return w * d; });
+}
+template <class T, int K>
+Dual<T, K> atan(const Dual<T, K>& x) {
+  using least::atan;
+  const T w = 1 / (1 + x.value * x.value);
+  return x.chain(atan(x.value), [&](const T& d) { return w * d; });
+}
+template <class T, int K>
+Dual<T, K> asin(const Dual<T, K>& x) {
+  using least::asin;
+  using least::sqrt;
+  const T w = 1 / sqrt(1 - x.value * x.value);
+  return x.chain(asin(x.value), [&](const T& d) { return w * d; });
+}
+template <class T, int K>
+Dual<T, K> acos(const Dual<T, K>& x) {
+  using least::acos;
+  using least::sqrt;
+  const T w = -1 / sqrt(1 - x.value * x.value);
+  return x.chain(acos(x.value), [&](const T& d) { return w * d; });
+}
+template <class T, int K>
 Dual<T, K> phi1(const Dual<T, K>& x) {
   using least::phi1;
   const T w = phi1_slope(x.value);

@@ -41,6 +41,12 @@ inline double pow(double x, double y) { return std::pow(x, y); }
 inline double expm1(double x) { return std::expm1(x); }
 inline double log1p(double x) { return std::log1p(x); }
 #endif
+inline double tan(double x) { return std::tan(x); }
+inline double asin(double x) { return std::asin(x); }
+inline double acos(double x) { return std::acos(x); }
+inline double atan(double x) { return std::atan(x); }
+inline double sinh(double x) { return std::sinh(x); }
+inline double cosh(double x) { return std::cosh(x); }
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double abs(double x) { return std::fabs(x); }
 inline double atan2(double y, double x) { return std::atan2(y, x); }
@@ -51,6 +57,12 @@ inline long double cos(long double x) { return std::cos(x); }
 inline long double exp(long double x) { return std::exp(x); }
 inline long double log(long double x) { return std::log(x); }
 inline long double tanh(long double x) { return std::tanh(x); }
+inline long double tan(long double x) { return std::tan(x); }
+inline long double asin(long double x) { return std::asin(x); }
+inline long double acos(long double x) { return std::acos(x); }
+inline long double atan(long double x) { return std::atan(x); }
+inline long double sinh(long double x) { return std::sinh(x); }
+inline long double cosh(long double x) { return std::cosh(x); }
 inline long double sqrt(long double x) { return std::sqrt(x); }
 inline long double abs(long double x) { return std::fabs(x); }
 inline long double pow(long double x, long double y) { return std::pow(x, y); }

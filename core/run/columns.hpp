@@ -21,6 +21,7 @@ struct StepInfo {
 template <class P, class X>
 struct Column {
   ColumnCard card;
+  /// Null: the caller's own, which is no function of the scene's alone.
   double (*value)(const P& problem, const X& x, const StepInfo& step, std::size_t index);
   std::size_t index = 0;  ///< among those of its kind
 };

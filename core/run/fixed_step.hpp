@@ -26,7 +26,7 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     std::int64_t count = std::min(target.n, grid_.step_before(target.t)) - state.n;
     if (count <= 0) return {};
     if (on_series(state.n)) return advance_on_series(state, count, diagnostics);
-    if (diagnostics && diagnostics->watches_sections()) count = std::min<std::int64_t>(count, 256);
+    if (diagnostics && diagnostics->watches()) count = std::min<std::int64_t>(count, 256);
     if (keeps_last_step_) {  // where the last one begins is to be known
       if (count > 1)
         if (const BlockResult result = take_steps(state, count - 1, guard, diagnostics);
@@ -271,11 +271,10 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
           status != StepStatus::ok)
         return BlockResult::failed(status);
       if (!is_finite_state(x)) return {BlockEnd::not_finite};
+      left_ = state.x;
       state = {x, state.n + 1};
-      if (diagnostics) {
-        diagnostics->see(problem_, x);
-        diagnostics->crossed = false;
-      }
+      if (diagnostics) diagnostics->see(problem_, x);
+      if (diagnostics && diagnostics->crossed) break;
     }
     if (!on_series(state.n)) {
       before_ = work();

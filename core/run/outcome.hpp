@@ -75,6 +75,7 @@ struct Solution {
   std::vector<double> final;        ///< in the order of the problem's variables
   std::vector<Report> diagnostics;  ///< one entry per diagnostic asked for
   std::vector<Report> events;       ///< each a list: t, kind, …
+  std::string event;                ///< of the caller's own, that ended the run; empty: none did
   std::vector<Warning> warnings;
   Cost cost;
 };

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string_view>
 #include <vector>
 
+#include "core/run/measures.hpp"
 #include "core/run/mechanics.hpp"
 #include "core/state_error.hpp"
 
@@ -28,6 +31,14 @@ struct Limits {
   std::int64_t samples = 5'000'000;  ///< numbers kept at most, rows × columns
 };
 
+/// What is looked for in an expression: zeros where it rises (1), falls (−1) or both (0), and whether one ends the run.
+struct EventAsked {
+  int direction = 0;
+  bool stop = false;
+};
+inline constexpr std::size_t most_events = 16;
+inline constexpr std::array<std::string_view, 3> event_directions{"up", "down", "both"};
+
 struct Request {
   std::shared_ptr<const Scene> scene;
   std::size_t scheme = 0;        ///< index among the schemes
@@ -36,13 +47,22 @@ struct Request {
   double end = 0;
   std::int64_t steps = 0;
   Record record;
-  Norm norm = Norm::absolute;            ///< of every error that is asked for
-  std::vector<std::size_t> columns;      ///< indices into the problem card's columns
+  Norm norm = Norm::absolute;  ///< of every error that is asked for
+  /// Positions among the problem card's columns; beyond them, one after the other, among `measures`.
+  std::vector<std::size_t> columns;
+  Measures measures;                     ///< columns of the caller's own
   std::vector<std::size_t> diagnostics;  ///< indices into the problem card's diagnostics
+  Measures watched;                      ///< events of the caller's own are the zeros of these: most_events at most
+  std::vector<EventAsked> events;        ///< one for each
   Limits limits;
   /// Rows that limits.samples leaves room for.
   std::int64_t most_rows() const {
     return limits.samples / std::max<std::int64_t>(static_cast<std::int64_t>(columns.size()), 1);
+  }
+  /// The card of one of `columns`.
+  const ColumnCard& column(std::size_t place) const {
+    const auto& known = scene->card().columns;
+    return place < known.size() ? known[place] : measures.list.at(place - known.size()).card;
   }
   bool control = false;  ///< afterwards a second, short run by another scheme, and a warning where they disagree
 };

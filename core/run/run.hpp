@@ -9,10 +9,13 @@
 #include <utility>
 
 #include "core/run/budget.hpp"
+#include "core/run/crossings.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/messages.hpp"
 #include "core/run/method_switch.hpp"
 #include "core/run/save_schedule.hpp"
+#include "core/run/snapshots.hpp"
+#include "core/run/start_check.hpp"
 #include "core/run/trajectory_writer.hpp"
 #include "core/run/warnings.hpp"
 
@@ -39,7 +42,8 @@ class Run {
         writer_(problem_, request, sink),
         budget_(request.limits.seconds, cancelled,
                 [this] { return writer_.report(std::min(state_.x.t, end_), state_.n); }),
-        diagnostics_(request.diagnostics),
+        watch_(request),
+        diagnostics_(request.diagnostics, watch_),
         events_(static_cast<std::size_t>(most_rows_)),
         guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>,
                ConstantFrequency<P>),
@@ -51,7 +55,7 @@ class Run {
     state_.x = start;
     method_ = integrator_->method();
     shows_discrete_energy_ = std::ranges::any_of(
-        request_.columns, [&](std::size_t i) { return card_.columns[i].name == "discrete_energy"; });
+        request_.columns, [&](std::size_t i) { return request_.column(i).name == "discrete_energy"; });
     if (shows_discrete_energy_ || drawn_ < infinite) integrator_->keep_last_step();
     budget_.start();
     if (initialize(tangents)) {
@@ -70,9 +74,9 @@ class Run {
   }
 
   bool going() const { return outcome_.stop.reason == ReturnCode::completed; }
-  bool arrived() const { return state_.n == last_step_ || !(state_.x.t < loop_end_); }
+  bool arrived() const { return ended_ || state_.n == last_step_ || !(state_.x.t < loop_end_); }
   bool stop(ReturnCode reason, std::string detail, double singular_at = unknown) {
-    if (!fixed_ && state_.x.t > end_) integrator_->step_back(state_);
+    if (!fixed_ && state_.x.t > end_) step_back();
     if (going()) outcome_.stop = {reason, std::move(detail), state_.x.t, state_.n, {}};
     if (std::isfinite(singular_at)) outcome_.stop.singular_at = singular_at;
     return false;
@@ -92,36 +96,15 @@ class Run {
   // ---- the start
 
   bool initialize(const StepTangents<P>& tangents) {
-    if (!check_start()) return false;
+    if (const auto objection = start_objection(problem_, state_.x, end_, integrator_->starts_regularly(state_.x)))
+      return stop(objection->reason, objection->detail, objection->singular_at);
     if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(ReturnCode::singular, why);
     diagnostics_.start(problem_, state_.x, tangents);
     evidence_.start(problem_, state_.x);
-    save_snapshot();
+    if (diagnostics_.keeps_states()) snapshots_.see(state_);
     if (!save_due() || (drawn_ < infinite && !save(state_.x, last_step()))) return false;
     const BlockResult result = integrator_->check_start(state_.x, guard_);
     return result || fail(result);
-  }
-
-  /// What no run can begin with.
-  bool check_start() {
-    const X& x = state_.x;
-    const bool regular = integrator_->starts_regularly(x);
-    if constexpr (HasSeries<P>)
-      if (x.t < 0 && end_ >= 0)
-        return stop(ReturnCode::singular, "the equations of motion are singular at t = 0, which lies ahead", 0);
-    bool small = std::isfinite(x.t);
-    for (std::size_t i = 0; i < X::size; ++i) small = small && std::abs(value_of(x[i])) < largest_component;
-    if (!small) return stop(ReturnCode::not_finite, "the start lies beyond 1e75, where energies overflow");
-    if constexpr (HasDomain<P>)
-      if (problem_.bounded() && problem_.inside(x.q) < 0)
-        return stop(ReturnCode::left_domain, "the start lies outside the domain of the motion");
-    const auto slope = derivative(problem_, plain(x));
-    bool finite = std::isfinite(slope.t);
-    for (std::size_t i = 0; i < X::size; ++i) finite = finite && std::isfinite(slope[i]);
-    if constexpr (SaysEnergy<P, X>) finite = finite && std::isfinite(energy_of(problem_, x));
-    if (!finite && !regular)
-      return stop(ReturnCode::singular, "the equations of motion are not finite at the start", x.t);
-    return true;
   }
 
   // ---- on the way
@@ -129,36 +112,49 @@ class Run {
   bool advance_block() {
     const std::int64_t n = state_.n;
     if (!within_step_limit()) return false;
-    const StepTarget target{std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_,
-                                      schedule_.step(), next_snapshot(), evidence_.next(n)}),
-                            std::min(loop_end_, schedule_.time() < end_ ? schedule_.time() : infinite)};
+    const StepTarget target{
+        std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_, schedule_.step(),
+                  diagnostics_.keeps_states() ? snapshots_.next(n) : SaveSchedule::never, evidence_.next(n)}),
+        std::min(loop_end_, schedule_.time() < end_ ? schedule_.time() : infinite)};
     const BlockResult result =
         integrator_->advance(state_, target, guard_, diagnostics_.sees_steps() ? &diagnostics_ : nullptr);
-    locate_events();
+    const bool crossed = std::exchange(diagnostics_.crossed, false);
+    if (crossed) locate_sections();
     record_method_switch();
+    if (crossed) locate_watched(integrator_->left(), state_.x);
+    if (!ended_) diagnostics_.resume(problem_, state_.x);
     if (state_.n > n && state_.x.t <= end_) {
-      save_snapshot();
+      if (diagnostics_.keeps_states()) snapshots_.see(state_);
       evidence_.see(problem_, state_);
     }
     const bool drawn = state_.n == n || state_.x.t > end_ || draw(state_.x.t);
     return drawn && save_due() && (result || fail(result)) && within_budget(state_.n - n);
   }
 
-  /// What crossed zero within the last step.
-  void locate_events() {
-    if (!std::exchange(diagnostics_.crossed, false)) return;
-    const auto at = [this](double t) {
-      X x = state_.x;
-      integrator_->state_at(state_, t, x);
-      return x;
-    };
-    X from = integrator_->left();
-    const double start = from.t, parts = integrator_->parts();
-    for (double part = 1; part <= parts; ++part) {
-      const X to = part < parts ? at(start + part * (state_.x.t - start) / parts) : state_.x;
-      events_.locate(problem_, from, to, at);
-      from = to;
+  /// The zeros of sections within the last step.
+  void locate_sections() {
+    if (diagnostics_.watches_sections()) least::locate_sections(problem_, *integrator_, state_, events_);
+  }
+  /// The zeros of what the caller watches between two states of the last step, or of the next one: events, up to the
+  /// first that ends the run, which then ends there.
+  void locate_watched(const X& from, const X& to) {
+    if (watch_.empty()) return;
+    for (const auto& [zero, x] : watched_zeros(problem_, *integrator_, state_, watch_, from, to)) {
+      constexpr std::size_t numbers = 32;  // that take the memory of an event
+      if (events_.room(numbers * outcome_.events.size()))
+        outcome_.events.push_back(watch_.event(zero, card_, shown_variables(request_, x)));
+      if (!watch_.ends(zero.which)) continue;
+      ended_.emplace(x, zero.which);
+      end_ = x.t;
     }
+  }
+  /// The last step is taken back, and what was found in it.
+  void step_back() {
+    integrator_->step_back(state_);
+    std::erase_if(outcome_.events, [&](const Report& event) { return Watch::time(event) > state_.x.t; });
+    if (!ended_ || !(ended_->first.t > state_.x.t)) return;
+    ended_.reset();
+    end_ = planned_end_;
   }
 
   /// A step that was taken by another method than the one before it is an event, at the state it began with.
@@ -173,28 +169,13 @@ class Run {
                                               integrator_->discrete_energy_jump(state_, *was)));
   }
 
-  /// Keeps a state for the diagnostics that need whole ones: at every stride-th step, the stride doubling whenever
-  /// there are too many, so that what is kept depends on where the run got to and on no plan.
-  void save_snapshot() {
-    if (!diagnostics_.keeps_states() || state_.n % stride_ != 0) return;
-    assign(snapshots_.emplace_back(), plain(state_.x));
-    if (snapshots_.size() <= most_snapshots) return;
-    for (std::size_t i = 0; 2 * i < snapshots_.size(); ++i) snapshots_[i] = snapshots_[2 * i];
-    snapshots_.resize((snapshots_.size() + 1) / 2);
-    stride_ *= 2;
-  }
-  /// The step up to which no snapshot is due.
-  std::int64_t next_snapshot() const {
-    return diagnostics_.keeps_states() ? (state_.n / stride_ + 1) * stride_ : SaveSchedule::never;
-  }
-
   /// The samples before the end that can be told from here.
   bool save_due() {
     for (; schedule_.time() < end_ && integrator_->reaches(state_, schedule_.time()); schedule_.next()) {
       X x = state_.x;
       const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
       if (status != StepStatus::ok || outside(problem_, x)) {  // a long step may lead out of the domain and back
-        integrator_->step_back(state_);
+        step_back();
         return fail(status == StepStatus::ok ? BlockResult{BlockEnd::left_domain} : BlockResult::failed(status));
       }
       if (!save(x, last_step()) || !within_budget(1)) return false;
@@ -240,21 +221,40 @@ class Run {
   // ---- the end
   /// The state at the end, by a shorter step or within the last one, and the samples there.
   void finish() {
+    if (X x = state_.x; !fixed_ && x.t > end_ && !ended_ && !watch_.empty())  // beyond the end nothing was looked at
+      if (integrator_->state_at(state_, end_, x) == StepStatus::ok) locate_watched(integrator_->left(), x);
+    if (ended_) return finish_at_event();
     if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
     if (!fixed_ && end_ < infinite && !draw(end_)) return;
     const double before = state_.x.t;
     StepInfo step = last_step();
     if (const BlockResult result = integrator_->finish(state_, end_, guard_); !result) {
-      integrator_->step_back(state_);
+      step_back();
       if (!fail(result)) return;
     } else if (state_.x.t != before && diagnostics_.sees_steps()) {
       diagnostics_.see(problem_, state_.x);
-      if (integrator_->parts() > 1) diagnostics_.crossed = diagnostics_.watches_sections();
-      locate_events();
+      const bool crossed = std::exchange(diagnostics_.crossed, false);
+      if (crossed || integrator_->parts() > 1) locate_sections();
+      if (crossed && fixed_) locate_watched(integrator_->left(), state_.x);
+      if (!ended_) diagnostics_.resume(problem_, state_.x);
     }
+    if (ended_) return finish_at_event();
     if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
     if (fixed_ && !draw(end_)) return;
     while (end_ < infinite && schedule_.time() <= end_ && save(state_.x, step)) schedule_.next();
+  }
+
+  /// The end at an event within the last step, or in the part of the next one that stays in the domain. Samples go by
+  /// time up to it, by steps up to the last one before it; diagnostics take it for the end of that step.
+  void finish_at_event() {
+    const auto [x, which] = *ended_;
+    const StepInfo step = last_step();
+    bool saved = draw(x.t);
+    for (; saved && schedule_.time() <= x.t; schedule_.next()) saved = save(x, step);
+    if (x.t > state_.x.t) ++state_.n;
+    state_.x = x;
+    diagnostics_.end(problem_, x);
+    if (going()) outcome_.event = watch_.name(which);
   }
 
   /// What lies ahead of the state went wrong.
@@ -303,16 +303,20 @@ class Run {
 
   /// The next step leads out of the domain: where it does, or at the end of the run if that comes first.
   bool leave_domain() {
-    const double when = exit_time(problem_, *integrator_, state_), until = std::min(when, end_);
+    const double when = exit_time(problem_, *integrator_, state_);
+    X x = state_.x;
+    if (!watch_.empty() && integrator_->state_at(state_, std::min(when, end_), x) == StepStatus::ok)
+      locate_watched(state_.x, x);
+    const double until = std::min(when, end_);
     StepInfo partial = last_step();
     if (!fixed_) partial.step_size = until - state_.x.t;
-    X x = state_.x;
     for (; schedule_.time() < until; schedule_.next()) {
       const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
       if (status != StepStatus::ok) return fail(BlockResult::failed(status));
       if (outside(problem_, x)) break;
       if (!save(x, partial) || !within_budget(1)) return false;
     }
+    if (ended_) return true;
     if (const StepStatus status = integrator_->state_at(state_, until, x); status != StepStatus::ok)
       return fail(BlockResult::failed(status));
     if (!draw(until)) return false;
@@ -331,17 +335,13 @@ class Run {
     warn_of_the_run();
     if (writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
     outcome_.t = state_.x.t;
-    for (std::size_t i = 0; i < card_.variables.size(); ++i) {
-      const bool shown =
-          !card_.variables[i].optional || std::ranges::find(request_.columns, i + 1) != request_.columns.end();
-      outcome_.final.push_back(shown ? variable(state_.x, i) : unknown);
-    }
+    outcome_.final = shown_variables(request_, state_.x);
     const RunEnd<P, X> end{problem_,
                            scene_,
                            request_,
                            scheme_,
                            state_.x,
-                           snapshots_,
+                           snapshots_.states(),
                            events_,
                            tangents.plain,
                            tangents.extended,
@@ -361,7 +361,6 @@ class Run {
     if (events_.full()) warn("events_truncated", "more events than limits.samples has room for; the first are listed");
   }
 
-  static constexpr std::size_t most_snapshots = 256;
   P problem_;
   const Scene& scene_;
   const ProblemCard& card_;
@@ -369,14 +368,16 @@ class Run {
   const Request& request_;
   bool fixed_;  ///< steps are of equal length, those of grid_; else its step is 0
   Grid grid_;
-  double loop_end_;         ///< steps go on until one reaches this time; infinite where their number says when to end
-  double end_;              ///< the time of the final state; infinite where it is not known beforehand
+  double loop_end_;  ///< steps go on until one reaches this time; infinite where their number says when to end
+  double end_;       ///< the time of the final state; infinite where it is not known beforehand
+  const double planned_end_ = end_;
   std::int64_t last_step_;  ///< or until there are this many
   SaveSchedule schedule_;
   double drawn_;  ///< until when samples draw a curve; infinite where they do not
   TrajectoryWriter<P, X> writer_;
   const std::int64_t most_rows_ = request_.most_rows();
   Budget budget_;
+  Watch watch_;
   DiagnosticSet<P, X> diagnostics_;
   Events events_;
   StepGuard guard_;
@@ -387,8 +388,8 @@ class Run {
   bool shows_discrete_energy_ = false;
   Solution outcome_;
   std::int64_t kept_ = 0;
-  std::int64_t stride_ = 1;                ///< of snapshots, in steps
-  std::vector<FullStateOf<P>> snapshots_;  ///< states along the run, for the diagnostics that need whole states
+  Snapshots<P> snapshots_;
+  std::optional<std::pair<X, std::size_t>> ended_;  ///< at an event: the state there, and what vanishes
 };
 
 }  // namespace least

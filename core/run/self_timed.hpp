@@ -62,11 +62,11 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       ++n;
       if (diagnostics && x.t <= end_) {
         if constexpr (in_parts)
-          if (diagnostics->watches_sections()) {
+          if (diagnostics->watches()) {
             X between = x;
             for (int i = 1; i < Stepper::parts; ++i)
               if (stepper.interpolate(between, left.t + i * (x.t - left.t) / Stepper::parts))
-                diagnostics->see_sections(problem_, between);
+                diagnostics->see_signs(problem_, between);
           }
         diagnostics->see(problem_, x);
       }
@@ -254,10 +254,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       stepper_ = scheme_.bind(problem_, x, energy_);
       memory_ = memory_of(stepper_);
       state = {x, 1};
-      if (diagnostics) {
-        diagnostics->see(problem_, x);
-        diagnostics->crossed = false;
-      }
+      if (diagnostics) diagnostics->see(problem_, x);
     }
     return true;
   }

@@ -16,6 +16,19 @@
 
 namespace least {
 
+/// The variables of the card as an answer shows them: unknown is what the motion does not need and nobody asks for.
+template <class X>
+std::vector<double> shown_variables(const Request& request, const X& x) {
+  const auto& cards = request.scene->card().variables;
+  std::vector<double> all;
+  for (std::size_t i = 0; i < cards.size(); ++i) {
+    const bool asked = request.measures.reads_variable(i) || request.watched.reads_variable(i) ||
+                       std::ranges::find(request.columns, i + 1) != request.columns.end();
+    all.push_back(asked || !cards[i].optional ? variable(x, i) : unknown);
+  }
+  return all;
+}
+
 template <class P, class X>
 class TrajectoryWriter {
  public:
@@ -23,11 +36,13 @@ class TrajectoryWriter {
   TrajectoryWriter(const P& problem, const Request& request, RowSink& sink)
       : problem_(problem), request_(request), sink_(sink) {
     const auto all = columns_of<P, X>(request.scene->card());
-    for (const std::size_t index : request.columns) {
-      if (all.at(index).card.name == error_column) error_ = columns_.size();
-      if (all.at(index).card.name != "t") drawn_.push_back(columns_.size());
-      columns_.push_back(all.at(index));
+    for (const std::size_t place : request.columns) {
+      const ColumnCard& card = request.column(place);
+      if (card.name == error_column) error_ = columns_.size();
+      if (card.name != "t") drawn_.push_back(columns_.size());
+      columns_.push_back(place < all.size() ? all[place] : Column<P, X>{card, nullptr, place - all.size()});
     }
+    measured_.resize(request.measures.size());
     if (drawn_.empty() && !columns_.empty()) drawn_ = {0};  // only the time
     if (request.record.mode == Record::Mode::curve) curve_.emplace(static_cast<std::size_t>(request.record.count));
     rows_.reserve(columns_.size() * block);
@@ -38,8 +53,9 @@ class TrajectoryWriter {
   /// One row at x; a row with a number that is not finite is not written, unless the number may be unknown.
   Written write_row(const X& x, const StepInfo& step) {
     const std::size_t before = rows_.size();
+    measure(x);
     for (const auto& column : columns_) {
-      rows_.push_back(column.value(problem_, x, step, column.index));
+      rows_.push_back(value(column, x, step));
       if (std::isfinite(rows_.back()) || column.card.nullable) continue;
       wrong_ = column.card.name;
       rows_.resize(before);
@@ -59,11 +75,12 @@ class TrajectoryWriter {
   }
 
   /// Into how many parts the way to x has to be divided, where rows lie along a curve.
-  std::size_t parts(const X& x, const StepInfo& step) const {
+  std::size_t parts(const X& x, const StepInfo& step) {
     double square = 0;
+    measure(x);
     if (!rows_.empty())
       for (const std::size_t i : drawn_) {
-        const double d = columns_[i].value(problem_, x, step, columns_[i].index) - rows_.end()[row_place(i)];
+        const double d = value(columns_[i], x, step) - rows_.end()[row_place(i)];
         if (std::isfinite(d)) square += d * d;
       }
     return curve_->parts(std::sqrt(square));
@@ -86,6 +103,17 @@ class TrajectoryWriter {
   bool lacks_truth() const { return lacks_truth_; }
 
  private:
+  /// What the caller's own columns are at x: a value that does not exist is unknown, and no reason to stop.
+  void measure(const X& x) {
+    if (measured_.empty()) return;
+    request_.measures.evaluate(observe(problem_, x, request_.measures).data(), x.t, measured_.data());
+    for (double& value : measured_)
+      if (!std::isfinite(value)) value = unknown;
+  }
+  /// Of a column at x, which was measured.
+  double value(const Column<P, X>& column, const X& x, const StepInfo& step) const {
+    return column.value ? column.value(problem_, x, step, column.index) : measured_[column.index];
+  }
   /// Where the i-th column of the last row stands, from the end of the rows.
   std::ptrdiff_t row_place(std::size_t i) const {
     return static_cast<std::ptrdiff_t>(i) - static_cast<std::ptrdiff_t>(columns_.size());
@@ -149,6 +177,7 @@ class TrajectoryWriter {
   std::vector<std::size_t> drawn_;  ///< which of them span the space of the curve: not the time
   std::optional<CurveThinner> curve_;
   std::vector<double> rows_;
+  std::vector<double> measured_;        ///< at the last state
   std::optional<std::size_t> error_;    ///< the column of errors
   std::vector<double> times_, states_;  ///< of every row, where there is one
   bool lacks_truth_ = false;

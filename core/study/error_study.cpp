@@ -146,6 +146,8 @@ Request ErrorStudy::request(const SchemeConfig& choice, double seconds, std::int
   request.until_steps = false;
   request.record = {Record::Mode::every, 0, {}};
   request.columns.clear();
+  request.measures = request.watched = {};
+  request.events.clear();
   request.diagnostics.clear();
   request.control = false;
   request.limits = {seconds, step_limit, 1'000'000};

@@ -339,6 +339,7 @@ class Lowering {
       case Op::asin:
       case Op::acos:
         return log_like(node.op, node.a);
+      case Op::raise:  // made exp(b log a) before
       case Op::select:
         break;
     }

@@ -131,6 +131,10 @@ Symbol pow(const Symbol& x, const Symbol& exponent) {
   return exponent.is_constant() ? pow(x, exponent.constant_) : exp(exponent * log(x));
 }
 
+Symbol raise(const Symbol& x, const Symbol& exponent) {
+  return exponent.is_constant() ? pow(x, exponent.constant_) : Recorder::binary(Op::raise, x, exponent);
+}
+
 #define LEAST_RECORDS(f) \
   Symbol f(const Symbol& x) { return x.is_constant() ? Symbol(std::f(x.constant_)) : Recorder::unary(Op::f, x); }
 LEAST_RECORDS(exp)

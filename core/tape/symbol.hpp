@@ -41,6 +41,8 @@ class Symbol {
   /// A whole exponent up to `most_factors` is a product.
   friend Symbol pow(const Symbol& x, double exponent);
   friend Symbol pow(const Symbol& x, const Symbol& exponent);
+  /// x^exponent where the exponent may yet become a number; pow makes it exp(exponent log x) at once.
+  friend Symbol raise(const Symbol& x, const Symbol& exponent);
   friend Symbol exp(const Symbol& x);
   friend Symbol log(const Symbol& x);
   friend Symbol sin(const Symbol& x);

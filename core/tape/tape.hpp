@@ -24,6 +24,7 @@ enum class Op : std::uint8_t {
   multiply,
   divide,
   power,  ///< a^value, of no whole exponent from 0 to `most_factors`
+  raise,  ///< a^b of two that vary; no series are made of it
   sqrt,
   exp,
   log,

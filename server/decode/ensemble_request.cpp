@@ -248,7 +248,8 @@ void read_histograms(const Json& root, const FieldPath& top, const ProblemCard& 
   }
 }
 
-void check_columns(const Json& root, const FieldPath& top, const ProblemCard& problem) {
+void check_columns(const Json& root, const FieldPath& top, const ProblemCard& problem, Request& request) {
+  std::erase_if(request.columns, [&](std::size_t place) { return place >= problem.columns.size(); });
   const Json* json = find(root, "columns");
   if (json == nullptr) return;
   Names fitting;
@@ -257,6 +258,10 @@ void check_columns(const Json& root, const FieldPath& top, const ProblemCard& pr
   }
   for (std::size_t i = 0; i < json->size() && !top.faults->full(); ++i) {
     const Json& name = (*json)[i];
+    if (name.is_object()) {
+      top.at("columns").at(i).fault("expressions are columns of single runs, not of ensembles", name, listed(fitting));
+      continue;
+    }
     const auto column =
         std::ranges::find(problem.columns, name.is_string() ? name.get<std::string>() : "", &ColumnCard::name);
     if (column == problem.columns.end() || is_of_state(*column)) continue;
@@ -311,7 +316,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   read_keep(root, top, plan);
   check_finals(root, top, plan);
   if (card) {
-    check_columns(root, top, *card);
+    check_columns(root, top, *card, request);
     read_section(root, top, *card, scheme_card, plan);
     read_histograms(root, top, *card, plan);
   }

@@ -8,6 +8,7 @@
 
 #include "core/run/curve.hpp"
 #include "core/run/save_schedule.hpp"
+#include "server/decode/columns_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -191,33 +192,6 @@ void read_record(const Json& root, const FieldPath& top, const Span& span, Reque
   }
 }
 
-template <class Cards>
-Names names_in(const Cards& cards) {
-  Names names;
-  for (const auto& card : cards) names.push_back(card.name);
-  return names;
-}
-
-void read_columns(const Json& root, const FieldPath& top, const ProblemCard& problem, Request& request) {
-  if (const Json* json = find(root, "columns")) {
-    const Names known = names_in(problem.columns);
-    request.columns = read_names(*json, top.at("columns"), known, "column");
-    if (json->is_array() && json->empty()) {
-      top.at("columns").fault("must name at least one column; {\"record\": {\"every\": 0}} keeps no trajectory", *json,
-                              listed(known));
-    }
-  } else {
-    for (std::size_t i = 0; i < problem.columns.size(); ++i)
-      if (problem.columns[i].by_default) request.columns.push_back(i);
-  }
-  if (const Json* json = find(root, "diagnostics")) {
-    request.diagnostics = read_names(*json, top.at("diagnostics"), names_in(problem.diagnostics), "diagnostic");
-  } else {
-    for (std::size_t i = 0; i < problem.diagnostics.size(); ++i)
-      if (problem.diagnostics[i].by_default) request.diagnostics.push_back(i);
-  }
-}
-
 bool fault_free(const FieldPath& top, std::initializer_list<const char*> pointers) {
   return std::none_of(pointers.begin(), pointers.end(), [&](const char* pointer) { return top.faults->at(pointer); });
 }
@@ -255,7 +229,7 @@ void read_plan(const Json& root, const FieldPath& top, const ProblemCard* proble
     span = span_until(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
     span.open = request.until_steps && !step;
   }
-  if (problem) read_columns(root, top, *problem, request);  // as many as there are, as many rows fit
+  if (problem) read_columns(root, top, request);  // as many as there are, as many rows fit
   read_record(root, top, span, request);
 }
 

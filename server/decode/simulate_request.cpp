@@ -1,6 +1,7 @@
 #include "server/decode/simulate_request.hpp"
 
 #include "server/decode/auto_reader.hpp"
+#include "server/decode/columns_reader.hpp"
 #include "server/decode/field_reader.hpp"
 #include "server/decode/plan_reader.hpp"
 #include "server/decode/scene_reader.hpp"
@@ -15,7 +16,8 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   Request& request = decoded.run;
 
   if (root.is_null() && !faults.empty()) return faults;  // a bound was broken: there is nothing to read
-  const Names keys{"problem", "initial", "scheme", "until", "record", "columns", "diagnostics", "limits", "norm"};
+  const Names keys{"problem", "initial", "scheme",      "until",  "record",
+                   "columns", "events",  "diagnostics", "limits", "norm"};
   if (!read_object(root, top, keys, "the request")) return faults;
 
   const Json* const json = find(root, "scheme");
@@ -43,6 +45,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   read_norm(root, top, request);
   read_plan(root, top, problem_card, scheme_card, problem_card ? span_of(*problem_card, preset) : 0, caps, request);
 
+  if (problem_card) read_events(root, top, request);
   if (!faults.empty()) return faults;
   request.control = !find(root, "diagnostics") || !request.diagnostics.empty();  // unless nothing is to be said
   request.scheme = automatic ? 0 : *scheme.index;

@@ -39,6 +39,29 @@ void write_limits(JsonWriter& json, const PlannedRun& run) {
   json.key("steps").integer(limits.steps).key("samples").integer(limits.samples).close('}');
 }
 
+// By name, or as the expression that it is.
+void write_column(JsonWriter& json, const Request& request, std::size_t place) {
+  const std::size_t known = request.scene->card().columns.size();
+  if (place < known) {
+    json.text(request.column(place).name);
+    return;
+  }
+  const Measure& own = request.measures.list[place - known];
+  json.open('{').key("name").text(own.card.name).key("expression").text(own.text).close('}');
+}
+
+void write_events_asked(JsonWriter& json, const Request& request) {
+  json.open('[');
+  for (std::size_t i = 0; i < request.events.size(); ++i) {
+    const Measure& watched = request.watched.list[i];
+    const EventAsked& asked = request.events[i];
+    json.open('{').key("name").text(watched.card.name).key("expression").text(watched.text);
+    json.key("direction").text(event_directions[asked.direction > 0 ? 0 : asked.direction < 0 ? 1 : 2]);
+    json.key("stop").boolean(asked.stop).close('}');
+  }
+  json.close(']');
+}
+
 struct WriteValue {
   JsonWriter& json;
   void operator()(std::monostate) const { json.null(); }
@@ -104,14 +127,15 @@ std::string_view word_of(const std::vector<std::string>& words, double code) {
                                                                : std::string_view();
 }
 
-void write_echo(JsonWriter& json, const PlannedRun& run) {
+void write_echo(JsonWriter& json, const PlannedRun& run, std::string_view events) {
   write_scene(json, *run.request.scene);
   write_scheme(json.key("scheme"), run.scheme, run.request.settings);
   write_until(json.key("until"), run.request);
   write_record(json.key("record"), run);
   json.key("columns").open('[');
-  for (const auto column : run.request.columns) json.text(run.problem.columns[column].name);
+  for (const std::size_t place : run.request.columns) write_column(json, run.request, place);
   json.close(']');
+  if (!run.request.events.empty()) write_events_asked(json.key(events), run.request);
   write_limits(json.key("limits"), run);
   write_norm(json, run.request);
 }
@@ -121,6 +145,10 @@ void write_stop(JsonWriter& json, const Termination& stop) {
   json.key("t").number(stop.t).key("step").integer(stop.step).key("singular_at");
   stop.singular_at ? json.number(*stop.singular_at) : json.null();
   json.close('}');
+}
+
+void write_end(JsonWriter& json, const Solution& outcome) {
+  json.open('{').key("event").text(outcome.event).close('}');
 }
 
 void write_final(JsonWriter& json, const PlannedRun& run, const Solution& outcome) {

@@ -7,8 +7,9 @@
 namespace least::server {
 
 /// The members of a complete request that gives this run again: problem, initial, scheme, until, record, columns,
-/// limits, norm.
-void write_echo(JsonWriter& json, const PlannedRun& run);
+/// events, limits, norm. `events`: the name of that member, where it has to be another because those that were found
+/// stand beside it; it is left out where none were asked for.
+void write_echo(JsonWriter& json, const PlannedRun& run, std::string_view events = "events");
 /// The members problem and initial.
 void write_scene(JsonWriter& json, const Scene& scene);
 /// A scheme as a request spells it.
@@ -19,6 +20,8 @@ void write_norm(JsonWriter& json, const Request& request);
 /// Why a scheme was chosen, and what else there was.
 void write_choice(JsonWriter& json, const AdviceWithCards& choice);
 void write_stop(JsonWriter& json, const Termination& stop);
+/// The event that ended the run.
+void write_end(JsonWriter& json, const Solution& outcome);
 void write_final(JsonWriter& json, const PlannedRun& run, const Solution& outcome);
 /// Entries with names are an object, entries without are a list.
 void write_reports(JsonWriter& json, const std::vector<Report>& reports);

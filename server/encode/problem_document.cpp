@@ -37,6 +37,7 @@ Answer problem_document(const Faults& faults, std::string_view request_id) {
     json.open('{').key("pointer").text(fault.pointer).key("detail").text(fault.detail);
     if (!fault.value.empty()) json.key("value").raw(fault.value);
     if (!fault.allowed.empty()) json.key("allowed").text(fault.allowed);
+    if (fault.position) json.key("position").integer(static_cast<std::int64_t>(*fault.position));
     json.close('}');
   }
   json.close(']');

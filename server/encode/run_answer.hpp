@@ -56,11 +56,10 @@ struct Form {
 
 /// All forms, the default first:
 /// - `application/json`: the response of the contract.
-/// - `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands as
-/// one-line
-///   JSON in header fields `Leastaction-Status`, `-Stop`, `-Request` (the echo), `-Choice`, `-Final`, `-Diagnostics`,
-///   `-Events`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says `{"omitted":true}` and stands after
-///   the last sample, in a line `# Leastaction-Events: …`.
+/// - `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands as one
+///   line of JSON in header fields `Leastaction-Status`, `-Stop`, `-End`, `-Request` (the echo), `-Choice`, `-Final`,
+///   `-Diagnostics`, `-Events`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says `{"omitted":true}`
+///   and stands after the last sample, in a line `# Leastaction-Events: …`.
 /// - `application/cbor` (RFC 8949): the members of JSON, the columns of the trajectory as typed arrays (RFC 8746) of
 ///   binary64 in little endian, in which what has no value is NaN; a column of words is an array of texts.
 std::span<const Form> forms();

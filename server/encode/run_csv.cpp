@@ -20,6 +20,7 @@ void for_each_part(const FinishedRun& run, See see) {
   if (outcome.stop.reason != ReturnCode::completed) {
     part("Leastaction-Stop", [&](JsonWriter& json) { write_stop(json, outcome.stop); });
   }
+  if (!outcome.event.empty()) part("Leastaction-End", [&](JsonWriter& json) { write_end(json, outcome); });
   part("Leastaction-Request", [&](JsonWriter& json) {
     json.open('{');
     write_echo(json, run);
@@ -58,7 +59,7 @@ void write_csv(const FinishedRun& run, std::size_t piece, std::string& out) {
   }
   std::vector<const std::vector<std::string>*> words;
   for (const std::size_t column : columns) {
-    const ColumnCard& card = run.problem.columns[column];
+    const ColumnCard& card = run.request.column(column);
     words.push_back(&card.words);
     if (piece == 0) out.append(words.size() > 1 ? "," : "").append(card.name);
   }

@@ -19,6 +19,7 @@ void write_findings(JsonWriter& json, const PlannedRun& run, const Solution& out
 void write_status(JsonWriter& json, const Solution& outcome) {
   json.key("status").text(status_of(outcome));
   if (outcome.stop.reason != ReturnCode::completed) write_stop(json.key("stop"), outcome.stop);
+  if (!outcome.event.empty()) write_end(json.key("end"), outcome);
 }
 
 // The trajectory stands between a piece with all before it and one with all after it, column by column: the samples
@@ -28,7 +29,7 @@ std::size_t pieces_of(const FinishedRun& run) { return 2 + run.request.columns.s
 
 void write_column(const FinishedRun& run, std::size_t column, std::size_t slice, std::string& out, Notation notation) {
   const auto& columns = run.request.columns;
-  const ColumnCard& card = run.problem.columns[columns[column]];
+  const ColumnCard& card = run.request.column(columns[column]);
   const bool packed = notation == Notation::cbor && card.words.empty(), begins = slice == 0;
   JsonWriter json(out, notation, begins && column == 0);
   if (begins) {
@@ -57,7 +58,7 @@ void write_piece(const FinishedRun& run, std::size_t piece, std::string& out, No
   if (piece == 0) {
     json.open('{').key("version").text(version);
     write_status(json, run.outcome);
-    write_echo(json, run);
+    write_echo(json, run, "events_asked");
     if (run.choice) write_choice(json.key("choice"), *run.choice);
     json.key("trajectory").open('{');
   } else {
@@ -101,7 +102,7 @@ std::string run_samples_line(const PlannedRun& run, std::span<const double> rows
     const auto& columns = run.request.columns;
     json.key("trajectory").open('{');
     for (std::size_t column = 0; column < columns.size(); ++column) {
-      const ColumnCard& card = run.problem.columns[columns[column]];
+      const ColumnCard& card = run.request.column(columns[column]);
       const Strided values{rows, column, columns.size()};
       json.key(card.name).open('[');
       if (card.words.empty()) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,8 @@ struct Fault {
   std::string detail;   ///< what is wrong, in words
   std::string value;    ///< JSON text of what stands there, bounded in size; empty: nothing to show
   std::string allowed;  ///< what may stand there; empty: not to be said in a line
+  /// Of what is wrong within a text: the character, from 0.
+  std::optional<std::size_t> position{};
 };
 
 /// The faults found so far: one per place, a bounded number in all.

@@ -19,13 +19,14 @@ const std::map<std::string, Names>& rooms() {
       names.insert(more);
       return names;
     };
-    const Names run = beside(base, {"core/exact", "core/problems", "core/schemes"});
+    const Names run = beside(base, {"core/exact", "core/problems", "core/schemes", "core/text"});
     const Names reference = beside(run, {"core/run"}), study = beside(reference, {"core/reference"});
     const Names catalogue = beside(study, {"core/study", "core/ensemble"}),
                 core = beside(catalogue, {"core/catalogue"});
     return std::map<std::string, Names>{
         {"core/number", {}},
         {"core/tape", {"core/number"}},
+        {"core/text", {"core/number", "core/tape"}},
         {"core", {"core/number"}},
         {"core/exact", base},
         {"core/problems", beside(base, {"core/exact"})},

@@ -110,6 +110,8 @@ class PeakSearch {
     again.end = times.back();
     again.limits = {left_.seconds(), request_.limits.steps, std::ssize(times)};
     again.record = {Record::Mode::times, 1, std::move(times)};
+    again.measures = again.watched = {};
+    again.events.clear();
     again.columns.resize(width);
     std::iota(again.columns.begin(), again.columns.end(), 0);  // t and the variables
     again.diagnostics.clear();

@@ -13,6 +13,7 @@
 #include "core/run/diagnostics/orbit.hpp"
 #include "core/run/diagnostics/sections.hpp"
 #include "core/run/diagnostics/states.hpp"
+#include "core/run/diagnostics/watch.hpp"
 #include "core/run/request.hpp"
 
 namespace least {
@@ -42,16 +43,19 @@ std::vector<DiagnosticCard> diagnostic_cards() {
 template <class P, class X>
 class DiagnosticSet {
  public:
-  bool crossed = false;  ///< a section changed its sign since this was last cleared
+  bool crossed = false;  ///< a section, or what the caller watches, changed its sign since this was last cleared
 
-  /// `asked`: positions among the problem's cards.
-  explicit DiagnosticSet(const std::vector<std::size_t>& asked) {
+  /// `asked`: positions among the problem's cards. `watch` outlives the set.
+  DiagnosticSet(const std::vector<std::size_t>& asked, const Watch& watch) : watch_(watch.empty() ? nullptr : &watch) {
     for (const std::size_t index : asked) wanted_.at(index) = true;
     for_each([&]<class Row>(Row, auto&) { sees_[static_cast<std::size_t>(Row::sees)] = true; });
+    watches_ = watch_ || watches_sections();
   }
 
-  bool sees_steps() const { return sees(Sees::every_step) || watches_sections(); }
+  bool sees_steps() const { return sees(Sees::every_step) || watches(); }
   bool watches_sections() const { return sees(Sees::sections); }
+  /// Sections, or what the caller asked for.
+  bool watches() const { return watches_; }
   bool keeps_states() const { return sees(Sees::states); }
 
   /// `tangents`: of steps of the scheme; they outlive the set.
@@ -61,19 +65,32 @@ class DiagnosticSet {
       if constexpr (requires { seen.start(problem, x, tangents); }) seen.start(problem, x, tangents);
     });
     before_ = sections(problem, x);
+    if (watch_) signs_ = signs(problem, x);
   }
+  /// Nothing but signs is seen of a state before which the run may end: see `resume`.
   void see(const P& problem, const X& x) {
-    for_each([&](auto, auto& seen) {
-      if constexpr (requires { seen.see(problem, x); }) seen.see(problem, x);
-    });
-    if (watches_sections()) see_sections(problem, x);
+    if (watches_) see_signs(problem, x);
+    if (!halted_) take(problem, x);
   }
-  /// Only whether a section changed its sign: of a state within a step.
-  void see_sections(const P& problem, const X& x) {
-    const auto now = sections(problem, x);
-    for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
-    before_ = now;
+  /// Whether something changed its sign, of a state at the end of a step or within one.
+  void see_signs(const P& problem, const X& x) {
+    if (watches_sections()) {
+      const auto now = sections(problem, x);
+      for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
+      before_ = now;
+    }
+    if (!watch_) return;
+    const Watch::Signs now = signs(problem, x);
+    crossed = crossed || watch_->crossed(signs_, now);
+    halted_ = halted_ || watch_->halts(signs_, now);
+    signs_ = now;
   }
+  /// Where the last state was kept back, and the run goes on: that state.
+  void resume(const P& problem, const X& x) {
+    if (std::exchange(halted_, false)) take(problem, x);
+  }
+  /// The state at which the run ends instead.
+  void end(const P& problem, const X& x) { take(problem, x); }
 
   /// In the order of `asked`.
   std::vector<Report> reports(const std::vector<std::size_t>& asked, const RunEnd<P, X>& end) {
@@ -107,6 +124,14 @@ class DiagnosticSet {
   }
   using Values = decltype(std::apply([](auto... row) { return std::tuple<decltype(seen_by(row))...>{}; }, Rows{}));
 
+  void take(const P& problem, const X& x) {
+    for_each([&](auto, auto& seen) {
+      if constexpr (requires { seen.see(problem, x); }) seen.see(problem, x);
+    });
+  }
+  Watch::Signs signs(const P& problem, const X& x) const {
+    return watch_->signs(observe(problem, x, watch_->measures()).data(), x.t);
+  }
   bool sees(Sees what) const { return sees_[static_cast<std::size_t>(what)]; }
 
   template <class F>
@@ -128,6 +153,9 @@ class DiagnosticSet {
   std::array<bool, count> wanted_{};
   std::array<bool, 4> sees_{};
   Values values_;
+  const Watch* watch_;  ///< null: nothing of the caller's own
+  Watch::Signs signs_ = 0;
+  bool watches_ = false, halted_ = false;
   decltype(sections(std::declval<const P&>(), std::declval<const X&>())) before_{};
 };
 

@@ -1,0 +1,65 @@
+// What vanishes within a step, located by the dense output of the integrator that took it.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/run/diagnostics/watch.hpp"
+#include "core/run/integrator.hpp"
+
+namespace least {
+
+/// The zeros of the scene's sections within the last step, which ended in the state.
+template <class P, class X>
+void locate_sections(const P& problem, const Integrator<P, X>& integrator, const IntegrationState<X>& state,
+                     Events& events) {
+  const auto at = [&](double t) {
+    X x = state.x;
+    integrator.state_at(state, t, x);
+    return x;
+  };
+  X from = integrator.left();
+  const double start = from.t, parts = integrator.parts();
+  for (double part = 1; part <= parts; ++part) {
+    const X to = part < parts ? at(start + part * (state.x.t - start) / parts) : state.x;
+    events.locate(problem, from, to, at);
+    from = to;
+  }
+}
+
+/// The zeros of what the caller watches, with the states there, between two states of the last step or of the next one:
+/// in their order, up to the first that ends the run.
+template <class P, class X>
+std::vector<std::pair<Zero, X>> watched_zeros(const P& problem, const Integrator<P, X>& integrator,
+                                              const IntegrationState<X>& state, const Watch& watch, X from,
+                                              const X& last) {
+  const Measures& measures = watch.measures();
+  const auto at = [&](double t, X& x) {
+    x = state.x;
+    return integrator.state_at(state, t, x) == StepStatus::ok && !outside(problem, x);
+  };
+  const auto observe_at = [&](double t, double* observed) {
+    X x;
+    if (!at(t, x)) return false;
+    std::copy_n(observe(problem, x, measures).begin(), measures.reads.size(), observed);
+    return true;
+  };
+  std::vector<std::pair<Zero, X>> found;
+  const double start = from.t, parts = integrator.parts();
+  for (double part = 1; part <= parts; ++part) {
+    X to = last;
+    if (part < parts && !at(start + part * (last.t - start) / parts, to)) continue;
+    for (const Zero& zero : watch.locate(observe(problem, from, measures).data(), from.t,
+                                         observe(problem, to, measures).data(), to.t, observe_at)) {
+      X x = zero.t > from.t ? to : from;
+      if (zero.t > from.t && zero.t < to.t) at(zero.t, x);
+      found.emplace_back(zero, x);
+      if (watch.ends(zero.which)) return found;
+    }
+    from = to;
+  }
+  return found;
+}
+
+}  // namespace least

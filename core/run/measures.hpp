@@ -1,0 +1,84 @@
+// Expressions of the caller's own over a scene: what further columns are, and what vanishes at events. They are read
+// once and made ready together; a run gives them the numbers of a state.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/describe.hpp"
+#include "core/problem_traits.hpp"
+#include "core/tape/formula.hpp"
+#include "core/text/expression.hpp"
+
+namespace least {
+
+struct Scene;
+
+/// An expression by its name: the card of the column that it is, and what was typed.
+struct Measure {
+  ColumnCard card;
+  std::string text;
+};
+
+/// Expressions over the same scene. A value; what it says depends on the scene's parameters, which are constants of it.
+struct Measures {
+  std::vector<Measure> list;
+  std::vector<bool> reads;  ///< which of the scene's variables, in the order of its card, and then whether the energy
+
+  bool empty() const { return list.empty(); }
+  std::size_t size() const { return list.size(); }
+  /// Only a full state can say one of them.
+  bool full_state() const;
+  bool reads_energy() const { return !reads.empty() && reads.back(); }
+  bool reads_variable(std::size_t i) const { return i + 1 < reads.size() && reads[i]; }
+
+  /// values[i] of each, from what `observe` says of a state, and the time of the state. Any of them may be no finite
+  /// number.
+  void evaluate(const double* observed, double t, double* values) const;
+
+ private:
+  friend class MeasureReader;
+  tape::Formula formula_;
+};
+
+/// Reads expressions over a scene, one after the other. They know its variables, `t`, the parameters that are numbers,
+/// `energy` where the scene has one, and what every expression knows. Stays where it is.
+class MeasureReader {
+ public:
+  /// The scene outlives it.
+  explicit MeasureReader(const Scene& scene);
+  MeasureReader(const MeasureReader&) = delete;
+  MeasureReader& operator=(const MeasureReader&) = delete;
+
+  /// What is wrong with the text, if anything: then it is left out.
+  std::optional<text::Fault> read(std::string name, std::string text);
+  /// The names that they may use, beside `pi`.
+  std::vector<std::string_view> names() const;
+  /// Those that were read, in their order.
+  Measures made() const;
+
+ private:
+  const ProblemCard& card_;
+  tape::Tape tape_;
+  std::vector<text::Word> words_;
+  std::vector<tape::Index> outputs_;
+  Measures measures_;
+};
+
+/// What measures are functions of: the variables of the scene's card, and its energy where one of them reads it.
+template <class P, class X>
+std::array<double, StateOf<P>::size + 2> observe([[maybe_unused]] const P& problem, const X& x,
+                                                 const Measures& measures) {
+  std::array<double, StateOf<P>::size + 2> values;  // NOLINT: written before it is read
+  const std::size_t variables = measures.reads.size() - 1;
+  for (std::size_t i = 0; i < variables; ++i) values[i] = variable(x, i);
+  if constexpr (HasEnergy<P> && std::is_same_v<X, FullRunState<P>>)
+    if (measures.reads_energy()) values[variables] = energy_of(problem, x);
+  return values;
+}
+
+}  // namespace least

@@ -1,0 +1,182 @@
+// A tape made ready to be evaluated, in any number: a list of operations on registers. What it costs is a nanosecond or
+// two for each; nothing is allocated once a thread has evaluated the same number of registers before.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/number/math.hpp"
+#include "core/tape/tape.hpp"
+
+namespace least::tape {
+
+class Formula {
+ public:
+  Formula() = default;
+  /// The values of `outputs`, nodes of the tape, as functions of its variables and of the time.
+  Formula(const Tape& tape, std::span<const Index> outputs);
+
+  /// out[i] of the variables x and the time t. As many variables are read as the tape has written.
+  template <class T, class S>
+  void evaluate(const T* x, const S& t, T* out) const noexcept {
+    if constexpr (std::is_same_v<T, double>) {
+      if (registers_ <= few) {
+        std::array<double, few> registers;  // NOLINT: written before it is read
+        return run(x, t, registers.data(), out);
+      }
+    }
+    thread_local std::vector<T> registers;
+    if (registers.size() < registers_) registers.resize(registers_);
+    run(x, t, registers.data(), out);
+  }
+
+  std::size_t outputs() const { return outputs_.size(); }
+  std::size_t operations() const { return steps_.size(); }
+
+ private:
+  using Register = std::uint16_t;
+  static constexpr std::size_t few = 64;
+
+  enum class Code : std::uint8_t {
+    constant,
+    variable,
+    time,
+    add,
+    subtract,
+    multiply,
+    divide,
+    add_constant,   ///< a + value
+    from_constant,  ///< value − a
+    scale,          ///< value a
+    over,           ///< value/a
+    power,          ///< a^value
+    sqrt,
+    exp,
+    log,
+    sin,
+    cos,
+    tan,
+    sinh,
+    cosh,
+    tanh,
+    atan,
+    asin,
+    acos,
+    select  ///< b where a < 0, else c
+  };
+  struct Step {
+    Code code;
+    Register out = 0, a = 0, b = 0, c = 0;
+    double value = 0;
+  };
+  class Compiler;
+
+  template <class T, class S>
+  void run(const T* x, const S& t, T* r, T* out) const noexcept {
+    using least::acos;
+    using least::asin;
+    using least::atan;
+    using least::cos;
+    using least::cosh;
+    using least::exp;
+    using least::log;
+    using least::pow;
+    using least::select;
+    using least::sin;
+    using least::sinh;
+    using least::sqrt;
+    using least::tan;
+    using least::tanh;
+    for (const Step& s : steps_) {
+      const T& a = r[s.a];
+      switch (s.code) {
+        case Code::constant:
+          r[s.out] = T(s.value);
+          break;
+        case Code::variable:
+          r[s.out] = x[s.a];
+          break;
+        case Code::time:
+          r[s.out] = T(t);
+          break;
+        case Code::add:
+          r[s.out] = a + r[s.b];
+          break;
+        case Code::subtract:
+          r[s.out] = a - r[s.b];
+          break;
+        case Code::multiply:
+          r[s.out] = a * r[s.b];
+          break;
+        case Code::divide:
+          r[s.out] = a / r[s.b];
+          break;
+        case Code::add_constant:
+          r[s.out] = a + s.value;
+          break;
+        case Code::from_constant:
+          r[s.out] = s.value - a;
+          break;
+        case Code::scale:
+          r[s.out] = a * s.value;
+          break;
+        case Code::over:
+          r[s.out] = T(s.value) / a;
+          break;
+        case Code::power:
+          r[s.out] = pow(a, s.value);
+          break;
+        case Code::sqrt:
+          r[s.out] = sqrt(a);
+          break;
+        case Code::exp:
+          r[s.out] = exp(a);
+          break;
+        case Code::log:
+          r[s.out] = log(a);
+          break;
+        case Code::sin:
+          r[s.out] = sin(a);
+          break;
+        case Code::cos:
+          r[s.out] = cos(a);
+          break;
+        case Code::tan:
+          r[s.out] = tan(a);
+          break;
+        case Code::sinh:
+          r[s.out] = sinh(a);
+          break;
+        case Code::cosh:
+          r[s.out] = cosh(a);
+          break;
+        case Code::tanh:
+          r[s.out] = tanh(a);
+          break;
+        case Code::atan:
+          r[s.out] = atan(a);
+          break;
+        case Code::asin:
+          r[s.out] = asin(a);
+          break;
+        case Code::acos:
+          r[s.out] = acos(a);
+          break;
+        case Code::select:
+          r[s.out] = select(a < T(0), r[s.b], r[s.c]);
+          break;
+      }
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) out[i] = r[outputs_[i]];
+  }
+
+  std::vector<Step> steps_;
+  std::vector<Register> outputs_;
+  std::size_t registers_ = 0;
+};
+
+}  // namespace least::tape

@@ -1,0 +1,76 @@
+// Formulas as people type them: `-mu/sqrt(x^2 + y^2)`. An operator-precedence parser with a stack of its own, so that
+// no input can deepen a recursion; the result is a list in postfix order, which becomes symbols on a tape or MathML.
+//   number   3, .5, 1e-3 · name   a letter, then letters, digits, _ · pi · ( )
+//   + - * /   bind left; unary minus binds tighter than they do · ^ binds right and tighter than that: −x² is −(x²)
+//   sin cos tan asin acos atan sinh cosh tanh exp log sqrt abs
+// Source: Pratt, Top down operator precedence, POPL 1973; Dijkstra, ALGOL 60 translation, 1961 (shunting yard).
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/tape/symbol.hpp"
+
+namespace least::text {
+
+/// What is wrong with a text, and at which of its characters, from 0.
+struct Fault {
+  std::size_t position = 0;
+  std::string detail;
+  std::string allowed{};
+  std::string unknown{};  ///< the name that nobody knows; `allowed` lists those that are known
+};
+
+/// At most so many characters of a text, operations of a scene, and brackets within brackets.
+inline constexpr std::size_t most_characters = 10'000, most_operations = 4'000, most_nesting = 100;
+
+/// The functions that a text can call.
+std::span<const std::string_view> function_names();
+
+struct Token {
+  enum class Kind : std::uint8_t { number, name, minus, add, subtract, multiply, divide, power, call };
+  Kind kind = Kind::number;
+  std::uint8_t function = 0;  ///< of a call: among function_names()
+  std::uint16_t position = 0;
+  double value = 0;
+  std::string_view word{};  ///< of a name or a number, as typed: a part of the text
+};
+
+/// A name that a text may use, and what it stands for; where it says why not, it may not be used here.
+struct Word {
+  std::string_view name;
+  Symbol meaning;
+  std::string_view refusal{};
+};
+
+/// A text that was read. It keeps the text.
+class Expression {
+ public:
+  static std::variant<Expression, Fault> parse(std::string text);
+
+  /// Written on the tape, with the names as `words` has them. `abs` is refused unless `allows_abs`; so is what is made
+  /// of constants and is no finite number, and what takes more than most_operations of the tape.
+  std::variant<Symbol, Fault> record(tape::Tape& tape, std::span<const Word> words, bool allows_abs) const;
+
+  /// Presentation MathML of the formula as typed, without <math>; a name is shown as `shown` says.
+  std::string mathml(const std::function<std::string(std::string_view)>& shown) const;
+
+  const std::string& text() const { return *text_; }
+  std::span<const Token> tokens() const { return tokens_; }
+
+ private:
+  std::shared_ptr<const std::string> text_;  ///< its address is that of the tokens' words
+  std::vector<Token> tokens_;                ///< in postfix order
+};
+
+/// Whether a word can be a name: a letter, then letters, digits, `_`.
+bool is_name(std::string_view word);
+
+}  // namespace least::text

@@ -1,0 +1,304 @@
+#include "server/openapi_schemas.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/ensemble/members.hpp"
+
+namespace least::server {
+namespace {
+
+Json object_of(Json properties, Json required = Json::array()) {
+  Json schema{{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
+  if (!required.empty()) schema["required"] = std::move(required);
+  return schema;
+}
+Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+
+void add_range(Json& schema, const Range& range) {
+  if (std::isfinite(range.low)) schema[range.low_open ? "exclusiveMinimum" : "minimum"] = range.low;
+  if (std::isfinite(range.high)) schema[range.high_open ? "exclusiveMaximum" : "maximum"] = range.high;
+}
+Json number_in(const Range& range) {
+  Json schema{{"type", "number"}};
+  add_range(schema, range);
+  return schema;
+}
+Json count_in(std::int64_t low, std::int64_t high) {
+  return {{"type", "integer"}, {"minimum", low}, {"maximum", high}};
+}
+
+// What may stand for a value, and beside it what it means.
+Json described(Json schema, const std::string& doc, const std::string& unit) {
+  if (!doc.empty()) schema["description"] = doc;
+  if (!unit.empty()) schema["x-unit"] = unit;
+  return schema;
+}
+
+Json either(Json a, Json b) { return {{"anyOf", Json::array({std::move(a), std::move(b)})}}; }
+
+Json values_of(const ParameterCard& card) {
+  switch (card.kind) {
+    case Kind::number:
+      return number_in(card.range);
+    case Kind::integer: {
+      Json schema{{"type", "integer"}};
+      add_range(schema, card.range);
+      return schema;
+    }
+    case Kind::choice: {
+      Json names{{"type", "string"}, {"enum", card.choices}};
+      if (!card.weights) return names;
+      Json own = object_of({{"weights", list_of({{"type", "number"}})}, {"order", {{"type", "integer"}}}}, {"weights"});
+      return either(std::move(names), std::move(own));
+    }
+    case Kind::flag:
+      return {{"type", "boolean"}};
+  }
+  return {};
+}
+
+Json parameter(const ParameterCard& card) {
+  Json schema = values_of(card);
+  if (card.nullable) {
+    schema = either(std::move(schema), card.word.empty() ? Json{{"type", "null"}} : Json{{"const", card.word}});
+  }
+  schema = described(std::move(schema), card.doc, card.unit);
+  std::string value;
+  JsonWriter json(value);
+  write_parameter(json, card, card.value);
+  schema["default"] = Json::parse(value);
+  // The problem of a request may suggest another one.
+  if (!card.suggested.empty()) schema["x-suggested"] = card.suggested;
+  return schema;
+}
+
+template <class Card>
+Json entry(const Card& card) {
+  Json properties{{"id", {{"const", card.id}}}};
+  if (!card.presets.empty()) {
+    Json names = Json::array();
+    for (const auto& preset : card.presets) names.push_back(preset.name);
+    properties["preset"] = {{"type", "string"}, {"enum", names}, {"description", "fills in a named set of values"}};
+  }
+  for (const ParameterCard& one : card.parameters) properties[one.name] = parameter(one);
+  Json schema = object_of(std::move(properties), {"id"});
+  schema["title"] = card.title;
+  schema["description"] = card.summary;
+  return schema;
+}
+
+Json start_of(const ProblemCard& card) {
+  Json properties{{"t", described({{"type", "number"}, {"default", 0}}, "the start time", "time")}};
+  for (const VariableCard& variable : card.variables) {
+    Json schema = number_in(variable.range);
+    if (std::isnan(variable.value)) schema["type"] = {"number", "null"};  // null: from the others
+    schema = described(std::move(schema), variable.doc, variable.unit);
+    if (std::isfinite(variable.value)) schema["default"] = variable.value;
+    properties[variable.name] = std::move(schema);
+  }
+  return object_of(std::move(properties));
+}
+
+// A bare id or one of the entries.
+Json choice_of(const Json& ids, const std::string& prefix) {
+  Json all = Json::array({Json{{"type", "string"}, {"enum", ids}}});
+  for (const Json& id : ids) all.push_back(reference(prefix + id.get<std::string>()));
+  return {{"anyOf", std::move(all)}};
+}
+
+// Every name that some problem knows.
+template <class Names>
+Json names_of_all(const Cards& cards, Names ProblemCard::*names) {
+  Json all = Json::array();
+  for (const auto& problem : cards.problems) {
+    for (const auto& card : problem->card().*names) {
+      if (std::find(all.begin(), all.end(), card.name) == all.end()) all.push_back(card.name);
+    }
+  }
+  return {{"type", "array"}, {"items", {{"type", "string"}, {"enum", all}}}, {"uniqueItems", true}};
+}
+
+// An expression by a name of the caller's own.
+Json own_properties() {
+  const Json text{{"type", "string"}};
+  return {{"name", described(text, "a letter, then letters, digits, _; at most 32", "")},
+          {"expression", described(text,
+                                   "of the variables, t, the parameters, energy, pi, + - * / ^ ( ), sin cos tan asin "
+                                   "acos atan sinh cosh tanh exp log sqrt abs",
+                                   "")}};
+}
+Json columns_of_a_run(const Cards& cards) {
+  Json columns = names_of_all(cards, &ProblemCard::columns);
+  columns["items"] = either(columns["items"], object_of(own_properties(), {"name", "expression"}));
+  return columns;
+}
+Json events_asked() {
+  Json properties = own_properties();
+  properties["direction"] = {{"type", "string"}, {"enum", event_directions}, {"default", event_directions.back()}};
+  properties["stop"] = described({{"type", "boolean"}, {"default", false}}, "ends the run there", "");
+  Json events = list_of(object_of(std::move(properties), {"name", "expression"}));
+  events["maxItems"] = most_events;
+  return described(std::move(events), "zeros of expressions along the run", "");
+}
+
+Json fault_schemas() {
+  const Json text{{"type", "string"}}, count{{"type", "integer"}};
+  Json fault = object_of({{"pointer", described(text, "JSON pointer to the place", "")},
+                          {"detail", described(text, "what is wrong", "")},
+                          {"value", described(Json::object(), "what stands there", "")},
+                          {"allowed", described(text, "what may stand there", "")},
+                          {"position", described(count, "of what is wrong within a text: the character, from 0", "")}},
+                         {"pointer", "detail"});
+  Json document = object_of({{"type", text},
+                             {"title", text},
+                             {"status", count},
+                             {"detail", text},
+                             {"errors", list_of(reference("Fault"))},
+                             {"request_id", text}},
+                            {"type", "title", "status", "request_id"});
+  return {{"Fault", std::move(fault)}, {"ProblemDocument", std::move(document)}};
+}
+
+Json answer_schema() {
+  const Json object{{"type", "object"}}, list{{"type", "array"}};
+  Json schema{{"type", "object"}};
+  schema["properties"] = {
+      {"version", {{"type", "string"}}},
+      {"status", {{"enum", {"completed", "stopped"}}}},
+      {"stop", described(object, "why it ended before its end: reason, detail, t, step, singular_at", "")},
+      {"trajectory", described(object, "columns by name, each a list with a value per sample", "")},
+      {"final", described(object, "t and the variables at the end", "")},
+      {"diagnostics", object},
+      {"cost", object},
+      {"events", described(list, "what was found along the run: t, kind, and what goes with it", "")},
+      {"events_asked", described(list, "the member events of the request", "")},
+      {"end", described(object, "the event that ended the run", "")},
+      {"warnings", list_of({{"type", "object"}, {"required", {"code", "detail"}}})}};
+  schema["required"] = {"version", "status",     "problem",     "initial", "scheme", "until",  "record",
+                        "columns", "trajectory", "diagnostics", "final",   "cost",   "events", "warnings"};
+  return schema;
+}
+
+Json ensemble_schema(const Cards& cards, Json properties) {
+  constexpr std::int64_t most = std::int64_t{1} << 53;
+  const Json number{{"type", "number"}};
+  const auto numbers = [&](std::size_t count) {
+    Json list = list_of(number);
+    list["minItems"] = count;
+    list["maxItems"] = count;
+    return list;
+  };
+  Json ways = Json::array();
+  for (const std::string_view spread : spread_names) {
+    const std::string name(spread);
+    const Json shape = name == "values" ? list_of(number) : numbers(name == "grid" ? 3 : 2);
+    ways.push_back(object_of({{name, shape}}, {name}));
+  }
+  const Json vary{{"type", "object"}, {"additionalProperties", {{"oneOf", ways}}}};
+  const Json histogram = object_of({{"range", numbers(2)}, {"bins", count_in(1, 100'000)}}, {"range", "bins"});
+  const Json directions{{"type", "string"}, {"enum", {"up", "down", "both"}}};
+  properties.update(
+      {{"scheme", reference("Scheme")},
+       {"limits", reference("Limits")},
+       {"columns", names_of_all(cards, &ProblemCard::columns)},
+       {"members", object_of({{"count", count_in(1, most)},
+                              {"seed", count_in(0, most)},
+                              {"vary", described(vary, "by JSON pointer, as /initial/q or /problem/mu", "")}})},
+       {"range", described(list_of(count_in(0, most)), "of members: from, to", "")},
+       {"section",
+        {{"oneOf",
+          {object_of({{"period", number}, {"phase", number}}, {"period"}),
+           object_of({{"expression", {{"type", "string"}}}, {"direction", directions}}, {"expression"})}}}},
+       {"keep", list_of({{"type", "string"}, {"enum", {"statistics", "final", "section"}}})},
+       {"histograms", {{"type", "object"}, {"additionalProperties", histogram}}}});
+  return object_of(std::move(properties), {"problem", "scheme", "members"});
+}
+
+Json request_schemas(const Cards& cards, const Caps& caps) {
+  constexpr std::int64_t most = std::int64_t{1} << 53;
+  const Json number{{"type", "number"}};
+  Json starts = Json::array();
+  for (const auto& problem : cards.problems) starts.push_back(reference("Initial." + problem->card().id));
+  const Json common{
+      {"problem", reference("Problem")},
+      {"initial", described({{"anyOf", starts}}, "the problem's own variables; others keep their default", "")},
+      {"until", reference("Until")}};
+  const Json norm{{"type", "string"}, {"enum", norm_names}, {"default", norm_names[0]}};
+  const Json schemes = either({{"const", "all"}}, [] {
+    Json list = list_of(reference("Scheme"));
+    list["minItems"] = 1;
+    list["maxItems"] = 100;
+    return list;
+  }());
+  const Json budget = described(number_in({0, caps.seconds, true}), "for all of it", "s");
+  Json simulate = common;
+  simulate.update({{"scheme", reference("Scheme")},
+                   {"record", reference("Record")},
+                   {"columns", columns_of_a_run(cards)},
+                   {"events", events_asked()},
+                   {"diagnostics", names_of_all(cards, &ProblemCard::diagnostics)},
+                   {"limits", reference("Limits")},
+                   {"norm", norm}});
+  Json precision = common;
+  precision.update({{"schemes", schemes},
+                    {"error", {{"type", "string"}, {"enum", {"final", "max"}}, {"default", "final"}}},
+                    {"norm", norm},
+                    {"budget_seconds", budget}});
+  Json stability = common;
+  stability.erase("until");
+  stability.update({{"schemes", schemes}, {"budget_seconds", budget}});
+  return {
+      {"Until",
+       {{"oneOf",
+         {object_of({{"t", described(number, "absolute, after the start", "time")}}, {"t"}),
+          object_of({{"steps", count_in(1, most)}}, {"steps"})}}}},
+      {"Record",
+       {{"oneOf",
+         {object_of({{"every", described(count_in(0, most), "each so many steps; 0: no trajectory", "")}}, {"every"}),
+          object_of({{"samples", described(count_in(2, caps.samples), "uniform, both ends", "")}}, {"samples"}),
+          object_of({{"times", list_of(number)}}, {"times"}),
+          object_of({{"curve",
+                      described(count_in(2, caps.samples), "both ends, at equal arc in the space of the columns", "")}},
+                    {"curve"})}}}},
+      {"Limits", object_of({{"seconds", number_in({0, caps.seconds, true})},
+                            {"steps", count_in(1, caps.steps)},
+                            {"samples", described(count_in(2, caps.samples), "numbers kept: rows × columns", "")}})},
+      {"SimulateRequest", object_of(std::move(simulate), {"problem", "scheme"})},
+      {"WorkPrecisionRequest", object_of(std::move(precision), {"problem", "schemes"})},
+      {"StabilityRequest", object_of(std::move(stability), {"problem", "schemes"})},
+      {"EnsembleRequest", ensemble_schema(cards, common)}};
+}
+
+}  // namespace
+
+Json reference(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
+
+Json schemas(const Cards& cards, const Caps& caps) {
+  Json all = request_schemas(cards, caps);
+  Json problems = Json::array(), scheme_ids = Json::array();
+  for (const auto& problem : cards.problems) {
+    const ProblemCard& card = problem->card();
+    problems.push_back(card.id);
+    all["Problem." + card.id] = entry(card);
+    all["Initial." + card.id] = start_of(card);
+  }
+  for (const SchemeCard& card : cards.schemes) {
+    scheme_ids.push_back(card.id);
+    all["Scheme." + card.id] = entry(card);
+  }
+  Json automatic = entry(auto_card());
+  automatic["properties"]["keep"] = {{"type", "array"},
+                                     {"items", {{"type", "string"}, {"enum", keep_names}}},
+                                     {"description", "what the scheme must keep"},
+                                     {"default", Json::array()}};
+  scheme_ids.push_back(auto_card().id);
+  all["Scheme." + auto_card().id] = std::move(automatic);
+  all["Problem"] = choice_of(problems, "Problem.");
+  all["Scheme"] = choice_of(scheme_ids, "Scheme.");
+  all["SimulateAnswer"] = answer_schema();
+  all.update(fault_schemas());
+  return all;
+}
+
+}  // namespace least::server

@@ -50,6 +50,7 @@ struct VariableCard {
   bool optional = false;   ///< not part of the motion: carried along where it is asked for
   Range range = anywhere;  ///< where a run may start
   bool angle = false;      ///< the same after a whole turn, 2π
+  bool hidden = false;     ///< of a capacity that a scene does not use: it rests at zero, and nobody asks for it
 };
 /// A variable that is an angle.
 inline VariableCard angle(std::string name, std::string symbol, std::string doc, double value) {
@@ -68,6 +69,7 @@ struct ColumnCard {
   bool full_state = false;           ///< a run that keeps it carries more than the motion needs
   bool nullable = false;             ///< it may be unknown at a state
   std::vector<std::string> words{};  ///< what its numbers stand for, by value, where they are codes
+  bool hidden = false;               ///< of a hidden variable: nobody asks for it by name
 };
 
 /// What can be asked for as a diagnostic.

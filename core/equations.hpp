@@ -95,6 +95,8 @@ template <HasEnergy P, class X>
 constexpr typename X::Number energy(const P& m, const X& x) {
   if constexpr (Flow<P>) {
     return m.energy(x.y, x.t);
+  } else if constexpr (GeneralHamiltonian<P>) {
+    return m.hamiltonian(x.q, x.p, x.action.s, phase(m, x.t));
   } else {
     const auto f = phase(m, x.t);
     if constexpr (Contact<P>) {
@@ -131,6 +133,11 @@ constexpr X derivative(const P& m, const X& x) {
   const auto f = phase(m, x.t);
   if constexpr (Flow<P>) {
     d.y = m.field(x.y, f);
+  } else if constexpr (GeneralHamiltonian<P>) {
+    const auto slopes = m.slopes(x.q, x.p, x.action.s, f);
+    d.q = slopes.by_p;
+    for (std::size_t i = 0; i < d.p.size(); ++i) d.p[i] = -slopes.by_q[i] - x.p[i] * slopes.by_s;
+    d.action.s = dot(x.p, d.q) - m.hamiltonian(x.q, x.p, x.action.s, f);
   } else {
     d.q = velocity(m, x.q, x.p);
     d.p = lagrangian_force(m, x.q, d.q, f);

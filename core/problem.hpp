@@ -18,6 +18,9 @@
 //   damping() or damping(t)           α: H = K + V + α(t) s; the motion in (q, p) never reads s
 //   damping_integral(t)               ∫α up to the time t itself, where α(t) has a closed one (a law checks it)
 //   action_curvature() and offset()   γ and R: H = K + V + γs²/2 − R
+// General, `dof` degrees of freedom:
+//   hamiltonian(q, p, s, t)           H, and
+//   slopes(q, p, s, t)                its first derivatives
 // Flow, `dim` variables, not mechanical:
 //   field(y, t)                       ẏ
 //   flow(Piece<i>, y, h, t)           `pieces` exact flows over h, time frozen at t, whose fields add up to ẏ
@@ -89,13 +92,32 @@ concept Separable = Conservative<P> && !ConfigurationMetric<P>;
 template <class P>
 concept SeparableContact = Contact<P> && !ConfigurationMetric<P>;
 
+/// ∂H/∂q, ∂H/∂p and ∂H/∂s.
+template <int N, class T>
+struct HamiltonianSlopes {
+  Vec<N, T> by_q, by_p;
+  T by_s;
+};
+/// Any H(q, p, s, t), of which no more is known; the state carries s.
+template <class P>
+concept GeneralHamiltonian = requires(const P& m, const Vec<P::dof>& q) {
+  { m.hamiltonian(q, q, 0.0, phase(m, 0.0)) } -> std::convertible_to<double>;
+  m.slopes(q, q, 0.0, phase(m, 0.0));
+};
+
+/// Its rates are found by iteration: no tape says them.
+template <class P>
+concept IteratesForRates = requires {
+  requires P::iterates;
+};
+
 template <class P>
 concept Flow = requires(const P& m, const Vec<P::dim>& y) {
   { m.field(y, phase(m, 0.0)) } -> std::same_as<Vec<P::dim>>;
 };
 /// Has equations of motion ẏ = f(t, y).
 template <class P>
-concept VectorField = Potential<P> || Flow<P>;
+concept VectorField = Potential<P> || GeneralHamiltonian<P> || Flow<P>;
 
 namespace detail {
 /// The problem with parameters that are numbers R.
@@ -107,30 +129,43 @@ template <template <class> class P, class Own, class R>
 struct WithParameters<P<Own>, R> {
   using type = P<R>;
 };
+/// What is known of the mechanics only when it runs: it says so itself.
+template <class P>
+concept SaysReadsTime = requires {
+  P::reads_time;
+};
 /// Whether V, evaluated at a time and a state that the time has not touched, is touched by it.
 template <Potential P>
 constexpr bool potential_reads_time() {
-  const typename WithParameters<P, double>::type m{};
-  const auto f = phase(m, Dependence::touching());
-  const Vec<P::dof, Dependence> q{};
-  Dependence seen = m.potential(q, f);
-  if constexpr (requires { m.gradient(q, f); })
-    for (const Dependence& slope : m.gradient(q, f)) seen = seen | slope;
-  return seen.touched;
+  if constexpr (SaysReadsTime<P>) {
+    return P::reads_time;
+  } else {
+    const typename WithParameters<P, double>::type m{};
+    const auto f = phase(m, Dependence::touching());
+    const Vec<P::dof, Dependence> q{};
+    Dependence seen = m.potential(q, f);
+    if constexpr (requires { m.gradient(q, f); })
+      for (const Dependence& slope : m.gradient(q, f)) seen = seen | slope;
+    return seen.touched;
+  }
 }
 /// The same of the mechanics of P.
 template <class P>
 constexpr bool reads_time() {
-  const typename WithParameters<P, double>::type m{};
-  const auto f = phase(m, Dependence::touching());
-  Dependence seen;
-  if constexpr (Potential<P>) {
-    seen.touched = potential_reads_time<P>();
-    if constexpr (LinearContact<P> && !ConstantDamping<P>) seen = seen | m.damping(f);
+  if constexpr (SaysReadsTime<P>) {
+    return P::reads_time;
   } else {
-    for (const Dependence& rate : m.field(Vec<P::dim, Dependence>{}, f)) seen = seen | rate;
+    const typename WithParameters<P, double>::type m{};
+    const auto f = phase(m, Dependence::touching());
+    Dependence seen;
+    if constexpr (Potential<P>) {
+      seen.touched = potential_reads_time<P>();
+      if constexpr (LinearContact<P> && !ConstantDamping<P>) seen = seen | m.damping(f);
+    } else {
+      for (const Dependence& rate : m.field(Vec<P::dim, Dependence>{}, f)) seen = seen | rate;
+    }
+    return seen.touched;
   }
-  return seen.touched;
 }
 }  // namespace detail
 
@@ -160,6 +195,10 @@ struct StateFor<P, T, S, Full> {
 template <Contact P, class T, class S, bool Full>
 struct StateFor<P, T, S, Full> {
   using type = State<P::dof, T, S, std::conditional_t<Full || QuadraticContact<P>, Action<T>, NoAction>>;
+};
+template <GeneralHamiltonian P, class T, class S, bool Full>
+struct StateFor<P, T, S, Full> {
+  using type = State<P::dof, T, S, Action<T>>;
 };
 template <Flow P, class T, class S, bool Full>
 struct StateFor<P, T, S, Full> {
@@ -210,16 +249,26 @@ constexpr bool frequency_reads_place() {
 /// It is the same everywhere: that of a linear oscillation, or a bound that does not look where it is.
 template <class P>
 concept ConstantFrequency = HasFrequency<P> && !detail::frequency_reads_place<P>();
+/// What the motion keeps besides the energy, at a state: invariants(q, p, t), of a flow invariants(y, t).
+template <class P, class X>
+constexpr auto invariants_at(const P& m, const X& x) {
+  if constexpr (requires { m.invariants(x.q, x.p, x.t); }) {
+    return m.invariants(x.q, x.p, x.t);
+  } else {
+    return m.invariants(x.y, x.t);
+  }
+}
 template <class P>
-concept HasInvariants = requires(const P& m, const Vec<P::dof>& q) {
-  m.invariants(q, q, 0.0);
-};
+concept HasInvariants = requires(const P& m, const StateOf<P>& x) {
+  m.invariants(x.q, x.p, x.t);
+}
+|| requires(const P& m, const StateOf<P>& x) { m.invariants(x.y, x.t); };
 template <class P>
 concept HasExact = requires(const P& m, const StateOf<P>& x) {
   { m.exact(x, 0.0) } -> std::same_as<StateOf<P>>;
 };
 template <class P>
-concept HasEnergy = Potential<P> || requires(const P& m, const Vec<P::dim>& y) {
+concept HasEnergy = Potential<P> || GeneralHamiltonian<P> || requires(const P& m, const Vec<P::dim>& y) {
   { m.energy(y, 0.0) } -> std::convertible_to<double>;
 };
 /// The exact motion keeps the energy.

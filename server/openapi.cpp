@@ -15,6 +15,10 @@ Json examples_of(std::string_view path, const Cards& cards) {
   if (cards.problems.empty()) return all;
   const ProblemCard& first = cards.problems.front()->card();
   const auto scheme = [&](const ProblemCard& card) { return cards.schemes[card.schemes.front()].id; };
+  const Json well{{"id", "custom"},
+                  {"variables", {"x"}},
+                  {"parameters", {{"alpha", 0.1}}},
+                  {"lagrangian", "vx^2/2 + x^2/2 - x^4/4 - alpha*s"}};
   if (path == "/v1/simulate") {
     for (const auto& problem : cards.problems) {
       const ProblemCard& card = problem->card();
@@ -30,6 +34,13 @@ Json examples_of(std::string_view path, const Cards& cards) {
                         {"events", Json::array({zero})}});
     add("auto",
         {{"problem", first.id}, {"scheme", {{"id", auto_card().id}, {"accuracy", 1e-3}}}, {"record", {{"every", 0}}}});
+    add("custom", {{"problem", well},
+                   {"initial", {{"x", 2}}},
+                   {"scheme", "contact_leapfrog"},
+                   {"record", {{"samples", 5}}},
+                   {"columns", {"t", "x", "energy"}}});
+  } else if (path == "/v1/problems") {
+    add("custom", {{"problem", well}});
   } else if (path == "/v1/ensemble") {
     const std::string start = "/initial/" + first.variables.front().name;
     add(first.id, {{"problem", first.id},
@@ -52,6 +63,7 @@ Json computed(std::string_view path, const Cards& cards) {
   const std::string request = simulates                      ? "SimulateRequest"
                               : path == "/v1/ensemble"       ? "EnsembleRequest"
                               : path == "/v1/work-precision" ? "WorkPrecisionRequest"
+                              : path == "/v1/problems"       ? "DescribeRequest"
                                                              : "StabilityRequest";
   const Json answer = simulates ? reference("SimulateAnswer") : Json{{"type", "object"}};
   Json content{{"application/json", {{"schema", answer}}}};
@@ -60,7 +72,7 @@ Json computed(std::string_view path, const Cards& cards) {
       if (form.type != "application/json") content[std::string(form.type)] = Json::object();
     }
   }
-  if (path != "/v1/stability") content["application/x-ndjson"] = Json::object();
+  if (path != "/v1/stability" && path != "/v1/problems") content["application/x-ndjson"] = Json::object();
   return {
       {"requestBody",
        {{"required", true},

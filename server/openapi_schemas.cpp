@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/ensemble/members.hpp"
+#include "core/text/definition.hpp"
+#include "server/decode/custom_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -128,6 +130,10 @@ Json own_properties() {
                                    "acos atan sinh cosh tanh exp log sqrt abs",
                                    "")}};
 }
+Json columns_of_a_text() {
+  return either(described({{"type", "string"}}, "t, a variable, energy, …", ""),
+                object_of(own_properties(), {"name", "expression"}));
+}
 Json columns_of_a_run(const Cards& cards) {
   Json columns = names_of_all(cards, &ProblemCard::columns);
   columns["items"] = either(columns["items"], object_of(own_properties(), {"name", "expression"}));
@@ -220,6 +226,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
   const Json number{{"type", "number"}};
   Json starts = Json::array();
   for (const auto& problem : cards.problems) starts.push_back(reference("Initial." + problem->card().id));
+  starts.push_back(reference("Initial.custom"));
   const Json common{
       {"problem", reference("Problem")},
       {"initial", described({{"anyOf", starts}}, "the problem's own variables; others keep their default", "")},
@@ -240,6 +247,13 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
                    {"diagnostics", names_of_all(cards, &ProblemCard::diagnostics)},
                    {"limits", reference("Limits")},
                    {"norm", norm}});
+  // The columns of the catalogue are known; those of a text are what it names.
+  const auto run_of = [&](const char* problem) {
+    Json properties = simulate;
+    properties["problem"] = reference(problem);
+    if (problem == std::string_view("Problem.custom")) properties["columns"]["items"] = columns_of_a_text();
+    return object_of(std::move(properties), {"problem", "scheme"});
+  };
   Json precision = common;
   precision.update({{"schemes", schemes},
                     {"error", {{"type", "string"}, {"enum", {"final", "max"}}, {"default", "final"}}},
@@ -264,8 +278,9 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
       {"Limits", object_of({{"seconds", number_in({0, caps.seconds, true})},
                             {"steps", count_in(1, caps.steps)},
                             {"samples", described(count_in(2, caps.samples), "numbers kept: rows × columns", "")}})},
-      {"SimulateRequest", object_of(std::move(simulate), {"problem", "scheme"})},
+      {"SimulateRequest", either(run_of("Problem.catalogue"), run_of("Problem.custom"))},
       {"WorkPrecisionRequest", object_of(std::move(precision), {"problem", "schemes"})},
+      {"DescribeRequest", object_of({{"problem", reference("Problem")}}, {"problem"})},
       {"StabilityRequest", object_of(std::move(stability), {"problem", "schemes"})},
       {"EnsembleRequest", ensemble_schema(cards, common)}};
 }
@@ -273,6 +288,37 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
 }  // namespace
 
 Json reference(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
+
+// A scene as text; parameters are overridden flat.
+Json typed_problem() {
+  const Json text{{"type", "string"}}, number{{"type", "number"}}, formula = either(text, number);
+  const auto by_name = [](Json value) { return Json{{"type", "object"}, {"additionalProperties", std::move(value)}}; };
+  Json names = list_of(text);
+  names["minItems"] = 1;
+  names["maxItems"] = text::most_variables;
+  Json schema =
+      object_of({{"id", {{"const", custom_id}}},
+                 {"title", text},
+                 {"variables", described(names, "coordinates, or what equations are of", "")},
+                 {"parameters", described(by_name(number), "with their values", "")},
+                 {"lagrangian", described(text, "L(q, v, t, s)", "")},
+                 {"hamiltonian", described(text, "H(q, p, t, s)", "")},
+                 {"potential", described(text, "V(q, t)", "")},
+                 {"masses", described(by_name(formula), "of a potential's coordinates; 1 otherwise", "")},
+                 {"damping", described(formula, "α(t) of a term α s beside a potential", "")},
+                 {"action_curvature", described(formula, "γ of a term γs²/2 − R beside a potential", "")},
+                 {"offset", described(formula, "R", "")},
+                 {"equations", described(by_name(formula), "the rate of every variable", "")},
+                 {"invariants", described(by_name(text), "what the motion keeps, reported by `momenta`", "")}},
+                {"id", "variables"});
+  schema["additionalProperties"] = number;
+  schema["oneOf"] = Json::array();
+  for (const char* kind : {"lagrangian", "hamiltonian", "potential", "equations"}) {
+    schema["oneOf"].push_back({{"required", Json::array({kind})}});
+  }
+  schema["title"] = "A scene as text";
+  return schema;
+}
 
 Json schemas(const Cards& cards, const Caps& caps) {
   Json all = request_schemas(cards, caps);
@@ -294,7 +340,10 @@ Json schemas(const Cards& cards, const Caps& caps) {
                                      {"default", Json::array()}};
   scheme_ids.push_back(auto_card().id);
   all["Scheme." + auto_card().id] = std::move(automatic);
-  all["Problem"] = choice_of(problems, "Problem.");
+  all["Problem.catalogue"] = choice_of(problems, "Problem.");
+  all["Problem"] = either(reference("Problem.catalogue"), reference("Problem.custom"));
+  all["Problem.custom"] = typed_problem();
+  all["Initial.custom"] = {{"type", "object"}, {"additionalProperties", {{"type", "number"}}}};
   all["Scheme"] = choice_of(scheme_ids, "Scheme.");
   all["SimulateAnswer"] = answer_schema();
   all.update(fault_schemas());

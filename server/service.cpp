@@ -8,6 +8,7 @@
 #include "server/encode/problem_document.hpp"
 #include "server/ensemble.hpp"
 #include "server/openapi.hpp"
+#include "server/problems.hpp"
 #include "server/shared/log.hpp"
 #include "server/simulate.hpp"
 #include "server/study.hpp"
@@ -22,7 +23,8 @@ struct ComputedRoute {
 constexpr ComputedRoute computed_routes[] = {{"/v1/simulate", simulate},
                                              {"/v1/work-precision", measure_work_precision},
                                              {"/v1/stability", measure_stability},
-                                             {"/v1/ensemble", run_ensemble_request}};
+                                             {"/v1/ensemble", run_ensemble_request},
+                                             {"/v1/problems", describe_scene}};
 
 // The first block doubles: a little more than its numbers.
 std::size_t largest_answer(const Caps& caps) {

@@ -18,12 +18,6 @@ namespace least {
 /// The cards of all schemes, in the order of the list.
 std::span<const SchemeCard> scheme_cards();
 
-/// The one way from a scene to a problem.
-template <template <class> class P>
-P<double> problem_of(const Scene& scene) {
-  return from_values<P<double>>(About<P>::fields, scene.parameters);
-}
-
 /// Whether the caller asks for what only the full state can say: s or what depends on it, a slope or its poles.
 inline bool asks_for_full_state(const ProblemCard& card, const Request& request) {
   return request.watched.full_state() ||
@@ -68,6 +62,7 @@ std::string offers() {
                       : LinearContact<P>       ? "a contact Hamiltonian linear in s (a potential and a damping)"
                       : QuadraticContact<P>    ? "a contact Hamiltonian quadratic in s"
                       : ConfigurationMetric<P> ? "a Lagrangian whose kinetic metric depends on the configuration"
+                      : GeneralHamiltonian<P>  ? "a Hamiltonian H(q, p, s, t) of no simpler form"
                       : SplitFlow<P>           ? "a vector field that is a sum of exact flows"
                                                : "";
   if (VectorField<P>) words += ", equations of motion";
@@ -76,67 +71,88 @@ std::string offers() {
 }
 
 /// A description with what follows from the mechanics.
-template <template <class> class P>
-ProblemCard complete_card() {
-  ProblemCard card = About<P>::card();
-  card.parameters = parameter_cards(About<P>::fields);
-  card.keeps_energy = KeepsEnergy<P<double>>;
-  card.keeps_form = Potential<P<double>>;
-  for (const auto& column : columns_of<P<double>, FullRunState<P<double>>>(card)) card.columns.push_back(column.card);
-  card.diagnostics = diagnostic_cards<P<double>>();
-  card.offers = offers<P<double>>();
+template <class P>
+ProblemCard complete_card(ProblemCard card) {
+  card.keeps_energy = KeepsEnergy<P>;
+  card.keeps_form = Potential<P> || GeneralHamiltonian<P>;
+  for (const auto& column : columns_of<P, FullRunState<P>>(card)) card.columns.push_back(column.card);
+  card.diagnostics = diagnostic_cards<P>();
+  card.offers = offers<P>();
   [&]<class... Scheme>(std::tuple<Scheme...>*) {
     std::size_t i = 0;
-    ((Fits<Scheme, P<double>> ? card.schemes.push_back(i++) : void(++i)), ...);
+    ((Fits<Scheme, P> ? card.schemes.push_back(i++) : void(++i)), ...);
   }(static_cast<SchemeList*>(nullptr));
   return card;
 }
 
-template <template <class> class P>
-class CompiledMechanics final : public Mechanics {
+/// Mechanics of one type of problem, which the parameters of a scene make.
+template <class P>
+class ProblemMechanics : public Mechanics {
  public:
+  explicit ProblemMechanics(ProblemCard described) : card_(complete_card<P>(std::move(described))) {}
+
   const ProblemCard& card() const override { return card_; }
   std::string_view key() const override { return card_.id; }
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
-    const Problem problem = problem_of<P>(*request.scene);
-    using Full = FullRunState<Problem>;
+    const P problem = problem_of(request.scene->parameters);
+    using Full = FullRunState<P>;
     if constexpr (!std::is_same_v<State, Full>)
       if (asks_for_full_state(card_, request)) return solve<Full>(problem, request, sink, cancelled);
     return solve<State>(problem, request, sink, cancelled);
   }
   std::optional<RegularStart> regular_start([[maybe_unused]] std::span<const double> parameters,
                                             [[maybe_unused]] double t) const override {
-    if constexpr (HasSeries<Problem>)
-      if (t != 0) return regular_state(from_values<Problem>(About<P>::fields, parameters), t);
+    if constexpr (HasSeries<P>)
+      if (t != 0) return regular_state(problem_of(parameters), t);
     return std::nullopt;
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
-    const Problem problem = problem_of<P>(scene);
+    const P problem = problem_of(scene.parameters);
     return true_states(problem, start_of<State>(problem, scene.initial, scene.start), times, keep_going);
   }
   Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const override {
-    const Problem problem = problem_of<P>(scene);
+    const P problem = problem_of(scene.parameters);
     return conditioning_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going);
   }
   std::vector<PaceMark> pace(const Scene& scene, double end, const KeepGoing& keep_going) const override {
-    const Problem problem = problem_of<P>(scene);
+    const P problem = problem_of(scene.parameters);
     return pace_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going);
   }
   double blow_up_time([[maybe_unused]] const Scene& scene, [[maybe_unused]] double latest, [[maybe_unused]] double step,
                       [[maybe_unused]] const KeepGoing& keep_going) const override {
-    if constexpr (QuadraticContact<Problem>) {
-      const Problem problem = problem_of<P>(scene);
+    if constexpr (QuadraticContact<P>) {
+      const P problem = problem_of(scene.parameters);
       return true_blow_up_time(problem, start_of<State>(problem, scene.initial, scene.start), latest, step, keep_going);
     }
     return unknown;
   }
 
+ protected:
+  /// The one way from a scene to a problem.
+  virtual P problem_of(std::span<const double> parameters) const = 0;
+
  private:
-  using Problem = P<double>;
-  using State = StateOf<Problem>;
-  ProblemCard card_ = complete_card<P>();
+  using State = StateOf<P>;
+  ProblemCard card_;
+};
+
+/// A problem of the catalogue.
+template <template <class> class P>
+class CompiledMechanics final : public ProblemMechanics<P<double>> {
+ public:
+  CompiledMechanics() : ProblemMechanics<P<double>>(described()) {}
+
+ private:
+  static ProblemCard described() {
+    ProblemCard card = About<P>::card();
+    card.parameters = parameter_cards(About<P>::fields);
+    return card;
+  }
+  P<double> problem_of(std::span<const double> parameters) const override {
+    return from_values<P<double>>(About<P>::fields, parameters);
+  }
 };
 
 }  // namespace least

@@ -85,6 +85,20 @@ template void detail::solve_by_lu(std::size_t, long double*, const long double*,
 template void detail::solve_by_lu(std::size_t, Quad*, const Quad*, Quad*);
 #endif
 
+void detail::invert(std::size_t n, double* a) {
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::Map<Square<Eigen::Dynamic>> rows(a, size, size);
+  Square<Eigen::Dynamic> factored = rows;
+  Eigen::Ref<Square<Eigen::Dynamic>> in_place(factored);
+  const Factors<Eigen::Dynamic> lu(in_place);
+  Column<Eigen::Dynamic> unit(size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    unit.setZero();
+    unit[k] = 1;
+    rows.col(k) = lu.solve(unit);
+  }
+}
+
 double detail::determinant_by_lu(std::size_t n, double* a) {
   const auto size = static_cast<Eigen::Index>(n);
   Eigen::Map<Square<Eigen::Dynamic>> rows(a, size, size);

@@ -18,6 +18,8 @@ namespace detail {
 /// row by row, is spoilt; x is none of the others.
 template <class T>
 void solve_by_lu(std::size_t n, T* a, const T* b, T* x);
+/// A⁻¹ in the place of A; not finite where there is none.
+void invert(std::size_t n, double* a);
 /// Of A, row by row, which is spoilt.
 double determinant_by_lu(std::size_t n, double* a);
 

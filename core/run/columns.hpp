@@ -44,7 +44,8 @@ std::vector<Column<P, X>> columns_of(const ProblemCard& card) {
   for (std::size_t i = 0; i < card.variables.size(); ++i) {
     const VariableCard& variable = card.variables[i];
     const bool pole = CarriesSlope<P> && variable.optional;  // a slope at its pole is unknown, not infinite
-    all.push_back({{variable.name, !variable.optional, variable.optional, pole},
+    const bool by_default = !variable.optional && !variable.hidden;
+    all.push_back({{variable.name, by_default, variable.optional, pole, {}, variable.hidden},
                    [](const P&, const X& x, const StepInfo&, std::size_t k) { return least::variable(x, k); },
                    i});
   }
@@ -63,7 +64,7 @@ std::vector<Column<P, X>> columns_of(const ProblemCard& card) {
     for (std::size_t i = 0; i < card.invariants.size(); ++i)
       all.push_back(
           {{card.invariants[i].name},
-           [](const P& m, const X& x, const StepInfo&, std::size_t k) { return m.invariants(x.q, x.p, x.t)[k]; },
+           [](const P& m, const X& x, const StepInfo&, std::size_t k) { return invariants_at(m, plain(x))[k]; },
            i});
   if constexpr (HasQuantities<P>)
     for (std::size_t i = 0; i < card.quantities.size(); ++i)

@@ -18,7 +18,8 @@ void Measures::evaluate(const double* observed, double t, double* values) const 
 
 MeasureReader::MeasureReader(const Scene& scene) : card_(scene.card()) {
   const auto know = [&](std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); };
-  for (std::size_t i = 0; i < card_.variables.size(); ++i) know(card_.variables[i].name, Symbol::variable(tape_, i));
+  for (std::size_t i = 0; i < card_.variables.size(); ++i)
+    if (!card_.variables[i].hidden) know(card_.variables[i].name, Symbol::variable(tape_, i));
   know("t", Symbol::time(tape_));
   if (std::ranges::find(card_.columns, "energy", &ColumnCard::name) != card_.columns.end())
     know("energy", Symbol::variable(tape_, card_.variables.size()));

@@ -21,6 +21,9 @@ namespace least {
 
 class Mechanics;
 struct Request;
+namespace text {
+struct TextScene;
+}
 
 /// Asked now and then by what may take long; false gives up.
 using KeepGoing = std::function<bool()>;
@@ -102,6 +105,8 @@ class Mechanics {
   virtual const ProblemCard& card() const = 0;
   /// Its content, which tells it from every other mechanics.
   virtual std::string_view key() const = 0;
+  /// Where the scene was given as text: what was given. Else null.
+  virtual const text::TextScene* text() const { return nullptr; }
   /// The cards of all schemes; a request's scheme is a position among them.
   virtual std::span<const SchemeCard> schemes() const = 0;
 

@@ -1,5 +1,7 @@
 #include "core/run/method_switch.hpp"
 
+#include <algorithm>
+
 namespace least {
 namespace {
 
@@ -22,12 +24,13 @@ Report method_switch(const ProblemCard& problem, double t, std::span<const doubl
   event.push_back(words("from", switched ? mode(was) : coordinate(problem, was)));
   event.push_back(words("to", switched ? mode(now) : coordinate(problem, now)));
   event.push_back(words("parameter", coordinate(problem, now)));
-  for (std::size_t i = 0; i < q.size(); ++i) at.push_back({problem.variables[i].name, q[i]});
+  for (std::size_t i = 0; i < q.size(); ++i)
+    if (!problem.variables[i].hidden) at.push_back({problem.variables[i].name, q[i]});
   event.push_back({"at", std::move(at)});
   if (switched) {
     std::vector<Report> momenta;
     momenta.reserve(jumps.invariants.size());
-    for (std::size_t i = 0; i < jumps.invariants.size(); ++i)
+    for (std::size_t i = 0; i < std::min(jumps.invariants.size(), problem.invariants.size()); ++i)
       momenta.push_back({problem.invariants[i].name, jumps.invariants[i]});
     event.push_back({"energy_jump", jumps.energy});
     event.push_back({"discrete_energy_jump", jumps.discrete_energy});

@@ -242,6 +242,9 @@ class ContactGaussStepper {
   Work work_;
 };
 
+template <GeneralHamiltonian P, class X>
+class HamiltonianGaussStepper;  // core/schemes/hamiltonian_gauss.hpp
+
 struct ContactGauss {
   double step = 0.01;
   int stages = 2;
@@ -265,13 +268,17 @@ struct ContactGauss {
             "Newton's method finds no solution; αh > 2, where the damping is not resolved: one stage turns the "
             "momentum over, three from αh = 4.64 on, and with two or three there are steps that grow (for α = ω, ωh = "
             "2.65 to 3.46 and 4.60 to 5.00)",
-        .needs = "a contact Hamiltonian with a constant kinetic metric",
+        .needs = "a contact Hamiltonian with a constant kinetic metric, or a general one given as text",
         .references = {"Arnold, Mathematical Methods of Classical Mechanics, 1989, appendix 4",
                        "Hairer, Lubich, Wanner 2006, II.1.3"}};
   }
   template <SeparableContact P, class X>
   auto bind(const P& problem, const X&) const {
     return ContactGaussStepper<P, X>(problem, stages);
+  }
+  template <GeneralHamiltonian P, class X>
+  auto bind(const P& problem, const X&) const {
+    return HamiltonianGaussStepper<P, X>(problem, stages);
   }
 
   /// Where λ, the diagonal Padé approximation of e^{−αh}, changes its sign: that of two stages has no real zero.

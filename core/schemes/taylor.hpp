@@ -222,7 +222,7 @@ struct Taylor {
         .references = {"Jorba, Zou, Experimental Mathematics 14, 99 (2005)", "Biscani, Izzo, MNRAS 504, 2614 (2021)"}};
   }
   template <VectorField P, taylor::Flat X>
-  auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
+  requires(!IteratesForRates<P>) auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
     return TaylorStepper<P, X>(problem, tolerance, order);
   }
 };

@@ -20,7 +20,14 @@ class Symbol {
     return {tape, tape.write({.op = tape::Op::variable, .value = static_cast<double>(i)})};
   }
 
+  /// What stands there.
+  static Symbol at(tape::Tape& tape, tape::Index i) {
+    return tape[i].op == tape::Op::constant ? Symbol(tape[i].value) : Symbol(tape, i);
+  }
+
   bool is_constant() const { return !tape_; }
+  /// Where it stands, if it is no constant.
+  tape::Index place() const { return node_; }
   double constant() const { return constant_; }
   /// Where it stands on the tape: a constant is written.
   tape::Index on(tape::Tape& tape) const {

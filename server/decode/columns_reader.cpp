@@ -68,7 +68,10 @@ void read_own_column(const Json& json, const FieldPath& path, const Names& known
 }
 
 void read_list_of_columns(const Json& json, const FieldPath& path, const ProblemCard& problem, Request& request) {
-  const Names known = names_in(problem.columns);
+  Names known = names_in(problem.columns);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (problem.columns[i].hidden) known[i] = {};
+  }
   if (!json.is_array()) {
     request.columns = read_names(json, path, known, "column");
     return;

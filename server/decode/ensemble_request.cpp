@@ -26,6 +26,7 @@ struct Variable {
 std::vector<Variable> variables_of(const ProblemCard& problem) {
   std::vector<Variable> all;
   for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    if (problem.variables[i].hidden) continue;
     all.push_back({"/initial/" + problem.variables[i].name, false, i, problem.variables[i].range});
   }
   for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
@@ -292,13 +293,14 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
                    "range",   "section", "columns", "keep",  "histograms"};
   if (!read_object(root, top, keys, "the request")) return faults;
 
-  const NamedEntry problem = read_entry(find(root, "problem"), top.at("problem"), "problem", names_of(cards.problems));
+  const auto problem = read_problem(root, top, cards);
   const NamedEntry scheme = read_entry(find(root, "scheme"), top.at("scheme"), "scheme", names_of(cards.schemes));
   const auto scene = std::make_shared<Scene>();
   request.scene = scene;
-  if (problem.index) scene->mechanics = cards.problems[*problem.index];
-  const ProblemCard* card = problem.index ? &scene->card() : nullptr;
+  scene->mechanics = problem;
+  const ProblemCard* card = problem ? &scene->card() : nullptr;
   const PresetCard* preset = card ? read_scene(root, top, *scene) : nullptr;
+  if (card) check_start(*scene, top);
   const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   if (scheme_card) {
     request.scheme = *scheme.index;

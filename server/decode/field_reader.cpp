@@ -111,7 +111,7 @@ std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, co
   }
   const auto& word = json.get_ref<const std::string&>();
   const auto it = std::find(names.begin(), names.end(), word);
-  if (it == names.end()) {
+  if (it == names.end() || word.empty()) {
     path.fault(fmt::format("unknown {}{}", what, path.meant(word, names)), json, allowed());
     return std::nullopt;
   }

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/text/scene.hpp"
+#include "server/decode/custom_reader.hpp"
+
 namespace least::server {
 namespace {
 
@@ -85,15 +88,64 @@ NamedEntry read_entry(const Json* json, const FieldPath& path, std::string_view 
   return {read_name(*id, path.at("id"), ids, what), path.at("id")};
 }
 
+std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath& top, const Cards& cards) {
+  Names ids = names_of(cards.problems);
+  ids.push_back(custom_id);
+  const Json* json = find(root, "problem");
+  const NamedEntry entry = read_entry(json, top.at("problem"), "problem", ids);
+  if (!entry.index) return nullptr;
+  if (*entry.index < cards.problems.size()) return cards.problems[*entry.index];
+  return read_custom(*json, top.at("problem"));
+}
+
+namespace {
+
+// The coordinates of a card with one half of it, the velocities of a Lagrangian for its momenta.
+std::vector<std::string> velocity_names(const text::TextScene& scene) {
+  std::vector<std::string> names;
+  if (!scene.takes_velocities()) return names;
+  for (const auto& name : scene.definition.variables) names.push_back(text::velocity_name(name));
+  return names;
+}
+
+// A start in velocities: where one is given, all momenta follow from velocities.
+void read_velocities(const Json& initial, const FieldPath& start, const text::TextScene& text,
+                     const std::vector<std::string>& names, Scene& scene) {
+  if (names.empty()) return;
+  std::vector<double> state = scene.initial;
+  const auto moving = state.begin() + text.capacity;
+  std::fill(moving, moving + text.capacity, 0.0);
+  bool given = false;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Json* json = find(initial, names[i]);
+    if (json == nullptr) continue;
+    given = true;
+    const auto& momentum = text::momentum_name(text.definition.variables[i]);
+    for (const auto& variable : text.definition.variables)
+      if (find(initial, text::momentum_name(variable)) != nullptr && !start.faults->within(start.at(names[i]).pointer))
+        start.at(names[i]).fault("and momenta exclude each other", *json, "velocities or momenta, as " + momentum);
+    if (const auto value = read_number(*json, start.at(names[i]), anywhere))
+      moving[static_cast<std::ptrdiff_t>(i)] = *value;
+  }
+  if (!given) return;
+  text.velocities_to_momenta(scene.parameters, scene.start, state);
+  scene.initial = std::move(state);
+}
+
+}  // namespace
+
 const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene) {
   const ProblemCard& card = scene.card();
+  const text::TextScene* const text = scene.mechanics->text();
   for (const auto& parameter : card.parameters) scene.parameters.push_back(parameter.value);
   for (const auto& variable : card.variables) scene.initial.push_back(variable.value);
 
   const FieldPath path = top.at("problem");
   const PresetCard* preset = nullptr;
   if (const Json* json = find(root, "problem"); json->is_object()) {
-    read_object(*json, path, keys_of(card.parameters, {"id", "preset"}), card.id);
+    Names keys = keys_of(card.parameters, {"id", "preset"});
+    if (text) keys.insert(keys.end(), text::reserved_keys().begin(), text::reserved_keys().end());
+    read_object(*json, path, keys, card.id);
     if ((preset = read_preset(*json, path, card)) != nullptr) {
       for (std::size_t i = 0; i < card.parameters.size(); ++i) {
         scene.parameters[i] = named(preset->parameters, card.parameters[i].name).value_or(scene.parameters[i]);
@@ -106,13 +158,22 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     read_parameters(*json, path, card.parameters, scene.parameters);
   }
 
+  if (text)
+    if (auto objection = text->objection(scene.parameters))
+      path.faults->add({path.pointer + objection->pointer, std::move(objection->detail), {}, {}, {}});
   const Json* initial = find(root, "initial");
   const FieldPath start = top.at("initial");
   const Names names = keys_of(card.variables, {"t"});
-  if (initial == nullptr || !read_object(*initial, start, names, fmt::format("the start of {}", card.id)))
+  const std::vector<std::string> velocities = text ? velocity_names(*text) : std::vector<std::string>();
+  Names known{"t"};
+  for (const auto& variable : card.variables)
+    if (!variable.hidden) known.push_back(variable.name);
+  known.insert(known.end(), velocities.begin(), velocities.end());
+  if (initial == nullptr || !read_object(*initial, start, known, fmt::format("the start of {}", card.id)))
     return preset;
   bool given = false;
   for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0 && card.variables[i - 1].hidden) continue;
     const Json* json = find(*initial, names[i]);
     const bool follows = i > 0 && std::isnan(card.variables[i - 1].value);  // null: from the others
     if (json == nullptr || (follows && json->is_null())) continue;
@@ -120,6 +181,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     if (value) (i == 0 ? scene.start : scene.initial[i - 1]) = *value;
     given = given || i > 0;
   }
+  if (text) read_velocities(*initial, start, *text, velocities, scene);
   if (given) return preset;
   if (auto regular = scene.mechanics->regular_start(scene.parameters, scene.start)) {
     if (regular->objection.empty()) {
@@ -129,6 +191,14 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     }
   }
   return preset;
+}
+
+void check_start(const Scene& scene, const FieldPath& top) {
+  const text::TextScene* const text = scene.mechanics->text();
+  if (text == nullptr || top.faults->within("/problem") || top.faults->within("/initial")) return;
+  if (auto objection = text->objection_to_start(scene.parameters, scene.start, scene.initial)) {
+    top.faults->add({top.at("problem").pointer + objection->pointer, std::move(objection->detail), {}, {}, {}});
+  }
 }
 
 std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card,

@@ -30,9 +30,15 @@ struct NamedEntry {
 /// `what` says what they are ("problem"); null where there is no value at all.
 NamedEntry read_entry(const Json* json, const FieldPath& path, std::string_view what, const Names& ids);
 
+/// The problem of a request: of the catalogue, or a scene as text. Null after noting what is wrong.
+std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath& top, const Cards& cards);
+
 /// The parameters and the start of a scene whose mechanics is known: card, then preset, then what the request says. The
 /// preset, if there is one.
 const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene);
+
+/// What a scene as text that was read without a fault has against its start.
+void check_start(const Scene& scene, const FieldPath& top);
 
 /// A scheme's settings: card, then what the problem (or its preset `scene`) suggests, then the scheme's preset, then
 /// what the request says. `problem` and `scene` may be null.

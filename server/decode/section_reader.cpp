@@ -12,7 +12,7 @@ namespace {
 bool read_expression(const Json& json, const FieldPath& path, const ProblemCard& problem, Section& section) {
   Names names;
   for (const auto& variable : problem.variables) {
-    if (!variable.optional) names.push_back(variable.name);
+    if (!variable.optional && !variable.hidden) names.push_back(variable.name);
   }
   const std::string allowed =
       listed(names) + ", or one of them minus a number: \"" + std::string(names[0]) + " - 0.5\"";

@@ -23,15 +23,16 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   const Json* const json = find(root, "scheme");
   Names ids = names_of(cards.schemes);
   ids.push_back(auto_card().id);
-  const NamedEntry problem = read_entry(find(root, "problem"), top.at("problem"), "problem", names_of(cards.problems));
+  const auto problem = read_problem(root, top, cards);
   const NamedEntry scheme = read_entry(json, top.at("scheme"), "scheme", ids);
   const auto scene = std::make_shared<Scene>();
-  if (problem.index) scene->mechanics = cards.problems[*problem.index];
+  scene->mechanics = problem;
   request.scene = scene;
-  const ProblemCard* problem_card = problem.index ? &scene->card() : nullptr;
+  const ProblemCard* problem_card = problem ? &scene->card() : nullptr;
   const bool automatic = scheme.index == cards.schemes.size();
   const SchemeCard* scheme_card = automatic ? &auto_card() : scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   const PresetCard* preset = problem_card ? read_scene(root, top, *scene) : nullptr;
+  if (problem_card) check_start(*scene, top);
   if (automatic) {
     decoded.wish = read_wish(*json, top.at("scheme"), caps);
     refuse_steps(root, top, "auto chooses the step: the end must be a time");

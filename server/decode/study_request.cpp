@@ -76,13 +76,14 @@ bool read_study(const Json& root, const FieldPath& top, const Names& keys, const
                 StudyRequest& study) {
   if (root.is_null() && !top.faults->empty()) return false;
   if (!read_object(root, top, keys, "the request")) return false;
-  const NamedEntry problem = read_entry(find(root, "problem"), top.at("problem"), "problem", names_of(cards.problems));
+  const auto problem = read_problem(root, top, cards);
   const auto scene = std::make_shared<Scene>();
   study.scene.scene = scene;
-  if (problem.index) {
-    scene->mechanics = cards.problems[*problem.index];
+  if (problem) {
+    scene->mechanics = problem;
     study.problem = &scene->card();
     study.preset = read_scene(root, top, *scene);
+    check_start(*scene, top);
   }
   read_schemes(root, top, cards, study);
   refuse_steps(root, top, "schemes are compared over a span of time: their steps have different lengths");

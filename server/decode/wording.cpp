@@ -77,6 +77,7 @@ std::string interval(const Range& range) {
 std::string listed(std::span<const std::string_view> names) {
   std::string list;
   for (const auto name : names) {
+    if (name.empty()) continue;  // what is not to be asked for
     if (!list.empty()) list += ", ";
     list += name;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text/scene.hpp"
+
 namespace least::server {
 namespace {
 
@@ -72,16 +74,44 @@ struct WriteValue {
   void operator()(const std::vector<Report>& x) const { write_reports(json, x); }
 };
 
+// What a scene as text was given as.
+void write_definition(JsonWriter& json, const text::Definition& given) {
+  constexpr std::string_view kinds[] = {"lagrangian", "hamiltonian", "potential", "equations"};
+  const auto named = [&](std::string_view key, const text::Definition::Named& texts) {
+    if (texts.empty()) return;
+    json.key(key).open('{');
+    for (const auto& [name, text] : texts) json.key(name).text(text);
+    json.close('}');
+  };
+  if (!given.title.empty()) json.key("title").text(given.title);
+  json.key("variables").open('[');
+  for (const auto& name : given.variables) json.text(name);
+  json.close(']').key("parameters").open('{');
+  for (const auto& [name, value] : given.parameters) json.key(name).number(value);
+  json.close('}');
+  named("equations", given.equations);
+  if (given.kind != text::Definition::Kind::equations) {
+    json.key(kinds[static_cast<std::size_t>(given.kind)]).text(given.formula);
+  }
+  named("masses", given.masses);
+  if (given.damping) json.key("damping").text(*given.damping);
+  if (given.action_curvature) json.key("action_curvature").text(*given.action_curvature);
+  if (given.offset) json.key("offset").text(*given.offset);
+  named("invariants", given.invariants);
+}
+
 }  // namespace
 
 void write_scene(JsonWriter& json, const Scene& scene) {
   const ProblemCard& card = scene.card();
   json.key("problem").open('{').key("id").text(card.id);
+  if (const text::TextScene* text = scene.mechanics->text()) write_definition(json, text->definition);
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
     write_parameter(json.key(card.parameters[i].name), card.parameters[i], scene.parameters[i]);
   }
   json.close('}').key("initial").open('{').key("t").number(scene.start);
   for (std::size_t i = 0; i < card.variables.size(); ++i) {
+    if (card.variables[i].hidden) continue;
     json.key(card.variables[i].name).number(scene.initial[i]);
   }
   json.close('}');
@@ -154,6 +184,7 @@ void write_end(JsonWriter& json, const Solution& outcome) {
 void write_final(JsonWriter& json, const PlannedRun& run, const Solution& outcome) {
   json.open('{').key("t").number(outcome.t);
   for (std::size_t i = 0; i < run.problem.variables.size() && i < outcome.final.size(); ++i) {
+    if (run.problem.variables[i].hidden) continue;
     if (run.problem.variables[i].optional && !std::isfinite(outcome.final[i])) continue;  // not carried
     json.key(run.problem.variables[i].name).number(outcome.final[i]);
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/text/scene.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {
@@ -86,6 +87,7 @@ void write_keep_card(JsonWriter& json) {
 void write_variables(JsonWriter& json, const std::vector<VariableCard>& variables) {
   json.open('[');
   for (const auto& v : variables) {
+    if (v.hidden) continue;
     json.open('{').key("name").text(v.name).key("symbol").text(v.symbol).key("doc").text(v.doc);
     json.key("unit").text(v.unit).key("default").number(v.value).key("optional").boolean(v.optional);
     write_range(json, v.range);
@@ -114,7 +116,18 @@ void write_quantities(JsonWriter& json, const std::vector<QuantityCard>& quantit
   }
 }
 
-void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& cards) {
+// What was found in a scene as text.
+void write_form(JsonWriter& json, const text::TextScene& scene) {
+  const text::Form& form = *scene.form;
+  json.key("form").open('{').key("kind").text(text::form_names[static_cast<std::size_t>(form.kind)]);
+  json.key("autonomous").boolean(form.autonomous).key("keeps_energy").boolean(form.keeps_energy).close('}');
+  json.key("equations").open('{');
+  for (const auto& [name, rate] : scene.equations()) json.key(name).text(rate);
+  json.close('}');
+}
+
+void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<const SchemeCard> schemes) {
+  const ProblemCard& card = problem.card();
   json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
   json.key("formula").text(card.formula);
   write_variables(json.key("variables"), card.variables);
@@ -124,19 +137,24 @@ void write_problem_card(JsonWriter& json, const ProblemCard& card, const Cards& 
   write_suggested(json.key("suggested"), card.suggested);
   write_presets(json.key("presets"), card);
   json.key("invariants").open('[');
-  if (card.keeps_energy) {
+  if (card.keeps_energy || (problem.text() && problem.text()->form->keeps_energy)) {
     json.open('{').key("name").text("energy").key("symbol").text("H").key("doc").text("total energy").close('}');
   }
   write_quantities(json, card.invariants);
   json.close(']').key("quantities").open('[');
   write_quantities(json, card.quantities);
   json.close(']');
-  write_names(json.key("columns"), card.columns);
+  json.key("columns").open('[');
+  for (const auto& column : card.columns) {
+    if (!column.hidden) json.text(column.name);
+  }
+  json.close(']');
   write_names(json.key("diagnostics"), card.diagnostics);
   json.key("schemes").open('[');
-  for (const auto index : card.schemes) json.text(cards.schemes[index].id);
+  for (const auto index : card.schemes) json.text(schemes[index].id);
   json.text(auto_card().id).close(']').key("offers").text(card.offers);
   write_texts(json.key("references"), card.references);
+  if (const text::TextScene* text = problem.text()) write_form(json, *text);
   json.close('}');
 }
 
@@ -187,11 +205,18 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
 
 }  // namespace
 
+std::string describe_problem(const Mechanics& problem) {
+  std::string text;
+  JsonWriter json(text);
+  write_problem_card(json, problem, problem.schemes());
+  return text;
+}
+
 CatalogueText describe(const Cards& cards) {
   CatalogueText text;
   for (const auto& problem : cards.problems) {
     JsonWriter json(text.problems[problem->card().id]);
-    write_problem_card(json, problem->card(), cards);
+    write_problem_card(json, *problem, cards.schemes);
   }
   for (const auto& card : cards.schemes) {
     JsonWriter json(text.schemes[card.id]);

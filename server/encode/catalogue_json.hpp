@@ -17,4 +17,7 @@ struct CatalogueText {
 
 CatalogueText describe(const Cards& cards);
 
+/// The card of one problem; of a scene as text with its form and its equations.
+std::string describe_problem(const Mechanics& problem);
+
 }  // namespace least::server

@@ -28,7 +28,9 @@ std::string without_port(std::string_view authority) {
 }
 
 // What the head of a refused method is told.
-std::string_view allowed(bool computes) { return computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS"; }
+std::string_view allowed(bool computes, bool fixed) {
+  return computes && fixed ? "GET, HEAD, POST, OPTIONS" : computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS";
+}
 
 }  // namespace
 
@@ -111,19 +113,22 @@ Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, s
   if (head.path == "*") return Answer{204, "", "", {{"Allow", "GET, HEAD, POST, OPTIONS"}}};  // of the whole service
   const auto found = fixed_.find(head.path);
   const auto endpoint = computed_.find(head.path);
-  const bool computes = endpoint != computed_.end();
-  if (!computes && !probes && found == fixed_.end()) return error_(404, "nothing is at this path", request.id);
+  const bool has_text = found != fixed_.end(), can_compute = endpoint != computed_.end();
+  const bool computes = can_compute && (!has_text || head.method == "POST");
+  if (!can_compute && !probes && !has_text) return error_(404, "nothing is at this path", request.id);
   route = computes ? endpoint->first : probes ? probe->first : found->second.route;
 
   if (head.method == "OPTIONS") {
-    Answer answer{204, "", "", {{"Allow", std::string(allowed(computes))}}};
-    answer.headers.emplace_back("Access-Control-Allow-Methods", computes ? "POST" : "GET, HEAD");
+    Answer answer{204, "", "", {{"Allow", std::string(allowed(can_compute, has_text))}}};
+    answer.headers.emplace_back("Access-Control-Allow-Methods", !can_compute ? "GET, HEAD"
+                                                                : has_text   ? "GET, HEAD, POST"
+                                                                             : "POST");
     answer.headers.emplace_back("Access-Control-Allow-Headers", "Accept, Content-Type");
     return answer;
   }
   if (computes ? head.method != "POST" : head.method != "GET" && head.method != "HEAD") {
     Answer answer = error_(405, head.method + " does not go with this path", request.id);
-    answer.headers.emplace_back("Allow", allowed(computes));
+    answer.headers.emplace_back("Allow", allowed(can_compute, has_text));
     return answer;
   }
   if (probes) {

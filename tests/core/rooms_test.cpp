@@ -14,7 +14,7 @@ using Names = std::set<std::string>;
 /// Every room with those it may look into; a file directly in core/ or server/ is in a room of that name.
 const std::map<std::string, Names>& rooms() {
   static const std::map<std::string, Names> all = [] {
-    const Names base{"core/number", "core", "core/tape"};
+    const Names base{"core/number", "core", "core/tape", "core/text"};
     const auto beside = [](Names names, std::initializer_list<std::string> more) {
       names.insert(more);
       return names;
@@ -26,7 +26,7 @@ const std::map<std::string, Names>& rooms() {
     return std::map<std::string, Names>{
         {"core/number", {}},
         {"core/tape", {"core/number"}},
-        {"core/text", {"core/number", "core/tape"}},
+        {"core/text", {"core/number", "core/tape", "core"}},
         {"core", {"core/number"}},
         {"core/exact", base},
         {"core/problems", beside(base, {"core/exact"})},

@@ -96,13 +96,13 @@ struct MomentaRow {
   static constexpr DiagnosticCard info{"momenta", "extremes of what else the motion keeps"};
   static constexpr Sees sees = Sees::every_step;
   template <class P>
-  static constexpr bool applies = Potential<P>;
+  static constexpr bool applies = Potential<P> || GeneralHamiltonian<P> || HasInvariants<P>;
 
   template <class P, class X>
   struct Seen {
     static constexpr std::size_t count() {
       if constexpr (HasInvariants<P>) {
-        return std::tuple_size_v<decltype(P{}.invariants(Vec<P::dof>{}, Vec<P::dof>{}, 0.0))>;
+        return std::tuple_size_v<decltype(invariants_at(P{}, StateOf<P>{}))>;
       } else {
         return 0;
       }
@@ -111,22 +111,24 @@ struct MomentaRow {
 
     void start([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
       if constexpr (HasInvariants<P>) {
-        const auto values = problem.invariants(x.q, x.p, x.t);
+        const auto values = invariants_at(problem, x);
         for (std::size_t i = 0; i < values.size(); ++i) invariants[i].start(values[i]);
       }
     }
     void see([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
       if constexpr (HasInvariants<P>) {
-        const auto values = problem.invariants(x.q, x.p, x.t);
+        const auto values = invariants_at(problem, x);
         for (std::size_t i = 0; i < values.size(); ++i) invariants[i].see(values[i]);
       }
     }
     Report report(const RunEnd<P, X>& end) const {
       std::vector<Report> all;
-      std::size_t i = 0;
-      for (const DriftExtremes& one : invariants)
-        all.push_back(numbers(end.scene.card().invariants[i++].name,
-                              {{"initial", one.initial}, {"final", one.final}, {"max_abs_error", one.most}}));
+      const auto& names = end.scene.card().invariants;  // of a capacity it may use a part only
+      for (std::size_t i = 0; i < std::min(invariants.size(), names.size()); ++i) {
+        const DriftExtremes& one = invariants[i];
+        all.push_back(
+            numbers(names[i].name, {{"initial", one.initial}, {"final", one.final}, {"max_abs_error", one.most}}));
+      }
       return {"momenta", all};
     }
   };

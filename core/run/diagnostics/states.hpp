@@ -38,6 +38,10 @@ FullStateOf<P> state_at(const P&, const Z& z) {
   }
 }
 
+/// The form that the exact motion keeps is the contact form; else it is the symplectic one.
+template <class P>
+inline constexpr bool has_contact_form = Contact<P> || GeneralHamiltonian<P>;
+
 /// The largest defect of the form that the exact motion keeps over single steps that the run took: MᵀJM − J, or
 /// φ*η − λη with λ of the first of them as `factor`. Null where there is no such step. A scheme that keeps the form of
 /// a scene keeps that which the scene has.
@@ -46,14 +50,14 @@ struct StructureRow {
                                        "defect of the symplectic or the contact form over steps of the run"};
   static constexpr Sees sees = Sees::states;
   template <class P>
-  static constexpr bool applies = Potential<P>;
+  static constexpr bool applies = Potential<P> || GeneralHamiltonian<P>;
 
   template <class P, class X>
   struct Seen {
     Report report(const RunEnd<P, X>& end) const {
       double most = unknown, factor = unknown;
       for_each_tangent(end, [&](const auto& x, const auto& tangent) {
-        if constexpr (Contact<P>) {
+        if constexpr (has_contact_form<P>) {
           const auto [defect, lambda] = contact_defect(x, tangent);
           most = std::fmax(most, defect);
           if (std::isnan(factor)) factor = lambda;
@@ -62,7 +66,7 @@ struct StructureRow {
         }
       });
       Report report = numbers("structure", {{"max_defect", most}, {"factor", factor}});
-      const bool contact = Contact<P> && end.scheme.structure != "none";
+      const bool contact = has_contact_form<P> && end.scheme.structure != "none";
       insert(report, 0, words("kind", contact ? "contact" : end.scheme.structure));
       return report;
     }

@@ -66,7 +66,8 @@ double Watch::time(const Report& event) {
 Report Watch::event(const Zero& zero, const ProblemCard& problem, const std::vector<double>& state) const {
   std::vector<Report> numbers;
   for (std::size_t i = 0; i < state.size(); ++i)
-    if (std::isfinite(state[i])) numbers.push_back({problem.variables[i].name, state[i]});
+    if (!problem.variables[i].hidden && std::isfinite(state[i]))
+      numbers.push_back({problem.variables[i].name, state[i]});
   return {"",
           std::vector<Report>{
               {"t", zero.t}, words("kind", "event"), words("name", name(zero.which)), {"state", std::move(numbers)}}};

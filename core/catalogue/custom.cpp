@@ -1,0 +1,39 @@
+#include "core/catalogue/custom.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace least {
+namespace {
+
+std::string class_of(const text::TextScene& scene) {
+  using text::FormKind;
+  const auto& form = *scene.form;
+  std::string name;
+  if (form.kind == FormKind::contact_linear) {
+    name = !form.constant_damping ? "timed_damped" : form.autonomous ? "damped" : "driven";
+  } else if (form.kind == FormKind::separable) {
+    name = form.autonomous ? "separable" : "timed_separable";
+  } else if (form.kind == FormKind::contact_quadratic) {
+    name = "quadratic";
+  } else {
+    name = text::form_names[static_cast<std::size_t>(form.kind)];
+  }
+  return name + "_" + std::to_string(scene.capacity);
+}
+
+}  // namespace
+
+std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
+    text::Definition definition) {
+  auto read = text::TextScene::read(std::move(definition));
+  if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
+  auto& scene = std::get<text::TextScene>(read);
+  const auto form = std::ranges::find(text_forms(), class_of(scene), &TextForm::name);
+  if (form == text_forms().end())
+    throw std::runtime_error("this build leaves out scenes of the form " + class_of(scene));
+  return form->make(std::move(scene));
+}
+
+}  // namespace least

@@ -1,0 +1,218 @@
+#include "core/tape/derivative.hpp"
+
+namespace least::tape {
+namespace {
+
+std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
+
+/// Those up to `last` that it is made of.
+std::vector<bool> parts_of(const Tape& tape, Index last) {
+  std::vector<bool> needed(nth(last) + 1, false);
+  needed[nth(last)] = true;
+  for (Index i = last; i >= 0; --i)
+    if (needed[nth(i)])
+      for (const Index part : {tape[i].a, tape[i].b, tape[i].c})
+        if (part != none) needed[nth(part)] = true;
+  return needed;
+}
+
+bool is_zero(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
+
+}  // namespace
+
+Dependence dependence(const Tape& tape, const Symbol& y) {
+  if (y.is_constant()) return 0;
+  const Index last = y.place();
+  std::vector<Dependence> seen(nth(last) + 1, 0);
+  for (Index i = 0; i <= last; ++i) {
+    const Node& node = tape[i];
+    if (node.op == Op::time) seen[nth(i)] = on_time;
+    if (node.op == Op::variable && node.value < 63) seen[nth(i)] = Dependence(1) << static_cast<int>(node.value);
+    for (const Index part : {node.a, node.b, node.c})
+      if (part != none) seen[nth(i)] |= seen[nth(part)];
+  }
+  return seen[nth(last)];
+}
+
+std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables) {
+  std::vector<Symbol> slopes(variables.size());
+  if (y.is_constant()) return slopes;
+  const Index last = y.place();
+  const std::vector<bool> needed = parts_of(tape, last);
+  std::vector<Symbol> adjoint(nth(last) + 1);
+  adjoint[nth(last)] = 1;
+  for (Index i = last; i >= 0; --i) {
+    const Symbol down = adjoint[nth(i)];
+    if (!needed[nth(i)] || is_zero(down)) continue;
+    const Node node = tape[i];  // what follows may move them
+    const Symbol x = Symbol::at(tape, i);
+    const auto part = [&](Index k) { return Symbol::at(tape, k); };
+    const auto add = [&](Index k, const Symbol& slope) { adjoint[nth(k)] = adjoint[nth(k)] + slope; };
+    switch (node.op) {
+      case Op::constant:
+      case Op::time:
+        break;
+      case Op::variable:
+        for (std::size_t k = 0; k < variables.size(); ++k)
+          if (static_cast<double>(variables[k]) == node.value) slopes[k] = down;
+        break;
+      case Op::add:
+        add(node.a, down);
+        add(node.b, down);
+        break;
+      case Op::subtract:
+        add(node.a, down);
+        add(node.b, -down);
+        break;
+      case Op::multiply:
+        if (node.a == node.b) {
+          add(node.a, down * (Symbol(2) * part(node.a)));
+        } else {
+          add(node.a, down * part(node.b));
+          add(node.b, down * part(node.a));
+        }
+        break;
+      case Op::divide:
+        add(node.a, down / part(node.b));
+        add(node.b, -(down * (x / part(node.b))));
+        break;
+      case Op::power:
+        add(node.a, down * (Symbol(node.value) * pow(part(node.a), node.value - 1)));
+        break;
+      case Op::raise:
+        add(node.a, down * (part(node.b) * raise(part(node.a), part(node.b) - Symbol(1))));
+        if (dependence(tape, part(node.b)) != 0) add(node.b, down * (x * log(part(node.a))));
+        break;
+      case Op::sqrt:
+        add(node.a, down * (Symbol(0.5) * pow(part(node.a), -0.5)));
+        break;
+      case Op::exp:
+        add(node.a, down * x);
+        break;
+      case Op::log:
+        add(node.a, down / part(node.a));
+        break;
+      case Op::sin:
+        add(node.a, down * cos(part(node.a)));
+        break;
+      case Op::cos:
+        add(node.a, -(down * sin(part(node.a))));
+        break;
+      case Op::tan:
+        add(node.a, down * (Symbol(1) + x * x));
+        break;
+      case Op::sinh:
+        add(node.a, down * cosh(part(node.a)));
+        break;
+      case Op::cosh:
+        add(node.a, down * sinh(part(node.a)));
+        break;
+      case Op::tanh:
+        add(node.a, down * (Symbol(1) - x * x));
+        break;
+      case Op::atan:
+        add(node.a, down / (Symbol(1) + part(node.a) * part(node.a)));
+        break;
+      case Op::asin:
+        add(node.a, down * pow(Symbol(1) - part(node.a) * part(node.a), -0.5));
+        break;
+      case Op::acos:
+        add(node.a, -(down * pow(Symbol(1) - part(node.a) * part(node.a), -0.5)));
+        break;
+      case Op::select: {
+        const Symbol negative = part(node.a);
+        add(node.b, select(negative < Symbol(0), down, 0));
+        add(node.c, select(negative < Symbol(0), 0, down));
+        break;
+      }
+    }
+  }
+  return slopes;
+}
+
+Symbol Substitution::operator()(const Symbol& y) {
+  if (y.is_constant()) return y;
+  const Index last = y.place();
+  const std::vector<bool> needed = parts_of(from_, last);
+  made_.resize(std::max(made_.size(), needed.size()));
+  known_.resize(made_.size(), false);
+  for (Index i = 0; i <= last; ++i) {
+    if (!needed[nth(i)] || known_[nth(i)]) continue;
+    known_[nth(i)] = true;
+    const Node node = from_[i];  // both tapes may be one
+    const auto a = [&] { return made_[nth(node.a)]; };
+    const auto b = [&] { return made_[nth(node.b)]; };
+    Symbol& made = made_[nth(i)];
+    switch (node.op) {
+      case Op::constant:
+        made = node.value;
+        break;
+      case Op::time:
+        made = Symbol::time(to_);
+        break;
+      case Op::variable:
+        made = in_place_of_(static_cast<int>(node.value));
+        break;
+      case Op::add:
+        made = a() + b();
+        break;
+      case Op::subtract:
+        made = a() - b();
+        break;
+      case Op::multiply:
+        made = a() * b();
+        break;
+      case Op::divide:
+        made = a() / b();
+        break;
+      case Op::power:
+        made = pow(a(), node.value);
+        break;
+      case Op::raise:
+        made = raise(a(), b());
+        break;
+      case Op::sqrt:
+        made = sqrt(a());
+        break;
+      case Op::exp:
+        made = exp(a());
+        break;
+      case Op::log:
+        made = log(a());
+        break;
+      case Op::sin:
+        made = sin(a());
+        break;
+      case Op::cos:
+        made = cos(a());
+        break;
+      case Op::tan:
+        made = tan(a());
+        break;
+      case Op::sinh:
+        made = sinh(a());
+        break;
+      case Op::cosh:
+        made = cosh(a());
+        break;
+      case Op::tanh:
+        made = tanh(a());
+        break;
+      case Op::atan:
+        made = atan(a());
+        break;
+      case Op::asin:
+        made = asin(a());
+        break;
+      case Op::acos:
+        made = acos(a());
+        break;
+      case Op::select:
+        made = select(a() < Symbol(0), b(), made_[nth(node.c)]);
+        break;
+    }
+  }
+  return made_[nth(last)];
+}
+
+}  // namespace least::tape

@@ -1,0 +1,38 @@
+// What follows from what stands on a tape: on what a value depends, its derivatives, and the same with something else
+// in the place of its variables. Derivatives are values on the same tape. Source: Griewank & Walther, Evaluating
+// Derivatives, 2008, 3.2 (reverse mode).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/tape/symbol.hpp"
+
+namespace least::tape {
+
+/// Variables as bits, number i as bit i, the time as the last. Variables from 63 on are none of ours.
+using Dependence = std::uint64_t;
+inline constexpr Dependence on_time = Dependence(1) << 63;
+Dependence dependence(const Tape& tape, const Symbol& y);
+
+/// ∂y/∂x of the variables with these numbers; what is zero whatever their values is the constant 0.
+std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables);
+
+/// y as it stands on `from`, written on `to` with other symbols in the place of its variables; of time it is the same.
+class Substitution {
+ public:
+  Substitution(const Tape& from, Tape& to, std::function<Symbol(int variable)> in_place_of)
+      : from_(from), to_(to), in_place_of_(std::move(in_place_of)) {}
+  Symbol operator()(const Symbol& y);
+
+ private:
+  const Tape& from_;
+  Tape& to_;
+  std::function<Symbol(int)> in_place_of_;
+  std::vector<Symbol> made_;
+  std::vector<bool> known_;
+};
+
+}  // namespace least::tape

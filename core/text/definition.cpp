@@ -1,0 +1,47 @@
+#include "core/text/definition.hpp"
+
+#include <array>
+#include <bit>
+
+namespace least::text {
+namespace {
+
+std::string in_place_of_q(char letter, std::string_view coordinate) {
+  std::string name(1, letter);
+  return name.append(coordinate.starts_with('q') ? coordinate.substr(1) : coordinate);
+}
+
+}  // namespace
+
+std::string velocity_name(std::string_view coordinate) { return in_place_of_q('v', coordinate); }
+std::string momentum_name(std::string_view coordinate) { return in_place_of_q('p', coordinate); }
+
+std::span<const std::string_view> reserved_keys() {
+  static constexpr std::array<std::string_view, 14> keys{
+      "id",        "preset", "title",   "variables",        "parameters", "lagrangian", "hamiltonian",
+      "potential", "masses", "damping", "action_curvature", "offset",     "equations",  "invariants"};
+  return keys;
+}
+
+std::string Definition::key() const {
+  std::string key = "custom:" + std::to_string(static_cast<int>(kind));
+  const auto append = [&](std::string_view part) { key.append(std::to_string(part.size())).append(":").append(part); };
+  const auto append_all = [&](const Named& named) {
+    append(std::to_string(named.size()));
+    for (const auto& [name, text] : named) append(name), append(text);
+  };
+  append(title);
+  append(std::to_string(variables.size()));
+  for (const auto& name : variables) append(name);
+  append(std::to_string(parameters.size()));
+  for (const auto& [name, value] : parameters)
+    append(name), append(std::to_string(std::bit_cast<std::uint64_t>(value)));
+  append(formula);
+  append_all(masses);
+  for (const auto* text : {&damping, &action_curvature, &offset}) append(*text ? "=" + **text : "");
+  append_all(equations);
+  append_all(invariants);
+  return key;
+}
+
+}  // namespace least::text

@@ -1,0 +1,48 @@
+// A scene as its author typed it, and what is wrong with it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/text/expression.hpp"
+
+namespace least::text {
+
+/// Degrees of freedom of mechanics, variables of equations, parameters: at most so many.
+inline constexpr int most_coordinates = 8, most_variables = 16, most_parameters = 32, most_invariants = 8;
+inline constexpr std::size_t longest_name = 16;
+
+struct Definition {
+  enum class Kind : std::uint8_t { lagrangian, hamiltonian, potential, equations };
+  using Named = std::vector<std::pair<std::string, std::string>>;
+
+  Kind kind = Kind::lagrangian;
+  std::string title{};
+  std::vector<std::string> variables{};
+  std::vector<std::pair<std::string, double>> parameters{};  ///< with the values that stand in the definition
+  std::string formula{};                                     ///< L, H or V
+  Named masses{};                                            ///< of coordinates; 1 where none is given
+  std::optional<std::string> damping{}, action_curvature{}, offset{};
+  Named equations{};   ///< ẋ of every variable
+  Named invariants{};  ///< what the motion keeps, as its author says
+
+  /// The same for definitions of the same content and for no others.
+  std::string key() const;
+};
+
+/// Keys of a scene as text, which no parameter can be called.
+std::span<const std::string_view> reserved_keys();
+
+/// The velocity and the momentum of a coordinate: of x they are vx and px, of q1 v1 and p1.
+std::string velocity_name(std::string_view coordinate);
+std::string momentum_name(std::string_view coordinate);
+
+struct DefinitionFault {
+  std::string pointer;  ///< within the definition, as `/lagrangian` or `/equations/x`
+  Fault fault;
+  bool in_text = true;  ///< its position means something
+};
+
+}  // namespace least::text

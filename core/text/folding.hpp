@@ -1,0 +1,53 @@
+// A tape with numbers in the place of its parameters, and what is made of that.
+#pragma once
+
+#include <limits>
+
+#include "core/tape/derivative.hpp"
+#include "core/tape/formula.hpp"
+#include "core/text/form.hpp"
+
+namespace least::text {
+
+/// Writes on a tape of its own. Stays where it is.
+class Folding {
+ public:
+  Folding(const tape::Tape& from, std::span<const double> parameters)
+      : substitution_(from, tape_, [this, parameters](int i) {
+          return i < first_parameter ? Symbol::variable(tape_, static_cast<std::size_t>(i))
+                                     : Symbol(parameters[static_cast<std::size_t>(i - first_parameter)]);
+        }) {}
+  Folding(const Folding&) = delete;
+  Folding& operator=(const Folding&) = delete;
+
+  Symbol operator()(const Symbol& y) { return substitution_(y); }
+  std::vector<Symbol> operator()(const std::vector<Symbol>& all) {
+    std::vector<Symbol> folded;
+    folded.reserve(all.size());
+    for (const Symbol& y : all) folded.push_back(substitution_(y));
+    return folded;
+  }
+  /// The number that y is with these parameters; NaN where it is none.
+  double number(const Symbol& y) {
+    const Symbol folded = substitution_(y);
+    return folded.is_constant() ? folded.constant() : std::numeric_limits<double>::quiet_NaN();
+  }
+  /// Of what was folded.
+  std::vector<Symbol> gradient(const Symbol& folded, std::span<const int> variables) {
+    return tape::gradient(tape_, folded, variables);
+  }
+  /// Of what was folded, or is to be.
+  tape::Formula formula_of(std::span<const Symbol> folded) {
+    std::vector<tape::Index> places;
+    for (const Symbol& y : folded) places.push_back(y.on(tape_));
+    return {tape_, places};
+  }
+  tape::Formula formula(const std::vector<Symbol>& all) { return formula_of((*this)(all)); }
+  tape::Formula formula(const Symbol& y) { return formula(std::vector{y}); }
+
+ private:
+  tape::Tape tape_;
+  tape::Substitution substitution_;
+};
+
+}  // namespace least::text

@@ -1,0 +1,331 @@
+#include "core/text/form.hpp"
+
+#include <algorithm>
+
+#include "core/tape/derivative.hpp"
+#include "core/text/text_reader.hpp"
+
+namespace least::text {
+namespace {
+
+using tape::Dependence;
+
+bool is_zero(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
+
+constexpr Dependence bits(int first, int count) { return ((Dependence(1) << count) - 1) << first; }
+constexpr Dependence on_places = bits(0, most_coordinates), on_momenta = bits(first_momentum, most_coordinates),
+                     on_action = bits(action_variable, 1);
+
+/// Reads the texts of a definition and finds its form.
+class Reader : TextReader {
+ public:
+  using TextReader::TextReader;
+
+  std::variant<std::shared_ptr<const Form>, std::vector<DefinitionFault>> read() {
+    check_names();
+    if (faults().empty()) read_invariants();
+    if (faults().empty()) given_.kind == Definition::Kind::equations ? read_flow() : read_mechanics();
+    if (!faults().empty()) return faults();
+    return std::shared_ptr<const Form>(form_);
+  }
+
+ private:
+  using Kind = Definition::Kind;
+
+  static constexpr std::string_view velocities_only = "is a momentum; a Lagrangian knows velocities",
+                                    momenta_only = "is a velocity; a Hamiltonian knows momenta",
+                                    no_velocities = "is a velocity, on which this cannot depend",
+                                    no_momenta = "is a momentum, on which this cannot depend",
+                                    no_action = "is the action: damping or action_curvature say how it acts",
+                                    not_for_invariants = "is the action, which invariants do not know",
+                                    no_flow_action = "is the action of mechanics; equations have none";
+
+  void read_flow() {
+    const auto known = words(0, {}, {}, no_flow_action);
+    for (std::size_t i = 0; i < n(); ++i) {
+      const auto& name = given_.variables[i];
+      const auto found = std::ranges::find(given_.equations, name, &std::pair<std::string, std::string>::first);
+      if (found == given_.equations.end()) {
+        fault(pointer_to("/equations/", name), "is missing: every variable needs its rate", name);
+        continue;
+      }
+      if (const auto rate = record(pointer_to("/equations/", name), found->second, known))
+        form_->rates.push_back(*rate);
+    }
+    for (const auto& [name, text] : given_.equations)
+      if (std::ranges::find(given_.variables, name) == given_.variables.end())
+        fault(pointer_to("/equations/", name), "is the rate of no variable");
+    form_->kind = FormKind::flow;
+    Dependence all = 0;
+    for (const Symbol& rate : form_->rates) all |= tape::dependence(form_->tape, rate);
+    form_->autonomous = (all & tape::on_time) == 0;
+  }
+
+  void read_mechanics() {
+    if (given_.kind == Kind::potential) return read_potential();
+    const bool lagrangian = given_.kind == Kind::lagrangian;
+    const std::string pointer = lagrangian ? "/lagrangian" : "/hamiltonian";
+    const auto known = words(lagrangian ? 'v' : 'p', momenta_only, velocities_only, {});
+    const auto text = record(pointer, given_.formula, known);
+    if (!text) return;
+    // Both ways: a function F of (q, u, s, t) with u = v or p, whose second derivative by u is the metric or its
+    // inverse.
+    auto& tape = form_->tape;
+    const Symbol rest = at_rest(*text);
+    std::vector<Symbol> slope = tape::gradient(tape, *text, moving());
+    Matrix second;
+    for (std::size_t i = 0; i < n(); ++i) {
+      second.push_back(tape::gradient(tape, slope[i], moving()));
+      if (std::ranges::all_of(second[i], is_zero)) {
+        const std::string name = lagrangian ? velocity_name(given_.variables[i]) : momentum_name(given_.variables[i]);
+        return fault(pointer,
+                     lagrangian ? "is not regular: it is not quadratic in " + name +
+                                      ", so that its second "
+                                      "derivative by the velocities has no inverse"
+                                : "is not regular: it is not quadratic in " + name,
+                     "a kinetic energy of every " + std::string(lagrangian ? "velocity" : "momentum"));
+      }
+    }
+    if (lagrangian) {
+      form_->momenta = slope;
+      for (const auto& row : second) form_->hessian.insert(form_->hessian.end(), row.begin(), row.end());
+    }
+    Dependence of_second = 0, of_linear = 0;
+    std::vector<Symbol> linear;
+    for (std::size_t i = 0; i < n(); ++i) {
+      linear.push_back(at_rest(slope[i]));
+      if (!is_zero(linear[i])) of_linear |= Dependence(1) | tape::dependence(tape, linear[i]);
+      for (const Symbol& entry : second[i]) of_second |= tape::dependence(tape, entry);
+    }
+    const Symbol by_action = tape::gradient(tape, *text, std::array{action_variable})[0];
+    const Dependence of_action = is_zero(by_action) ? 0 : tape::dependence(tape, by_action);
+    if (!lagrangian) form_->hamiltonian = *text;
+    if ((of_second & on_momenta) != 0) {
+      if (!lagrangian) return general(*text);
+      form_->lagrangian = *text;
+      return settle(FormKind::lagrangian);
+    }
+    const Symbol potential = lagrangian ? -rest : rest;
+    const bool natural =
+        of_linear == 0 && (of_second & (tape::on_time | on_action)) == 0 && (of_action & (on_places | on_momenta)) == 0;
+    if (natural && take_action(lagrangian ? -by_action : by_action, potential) && take_metric(second, lagrangian))
+      return;
+    if (lagrangian) form_->hamiltonian = legendre(second, linear, potential);
+    general(form_->hamiltonian);
+  }
+
+  void read_potential() {
+    const auto known = words(0, no_velocities, no_momenta, no_action);
+    const auto potential = record("/potential", given_.formula, known);
+    if (potential) form_->potential = *potential;
+    std::vector<Word> constants;
+    for (const Word& word : known) {
+      constants.push_back(word);
+      const bool parameter =
+          std::ranges::any_of(given_.parameters, [&](const auto& p) { return p.first == word.name; });
+      if (!parameter && constants.back().refusal.empty())
+        constants.back().refusal = "changes; this has to be a number made of parameters";
+    }
+    form_->mass.assign(n(), Symbol(1));
+    for (const auto& [name, text] : given_.masses) {
+      const auto which = std::ranges::find(given_.variables, name);
+      if (which == given_.variables.end()) {
+        fault(pointer_to("/masses/", name), "is the mass of no variable");
+      } else if (const auto mass = record(pointer_to("/masses/", name), text, constants)) {
+        form_->mass[static_cast<std::size_t>(which - given_.variables.begin())] = *mass;
+      }
+    }
+    if (given_.damping && (given_.action_curvature || given_.offset))
+      fault("/damping", "and action_curvature exclude each other", "one of them");
+    if (given_.offset && !given_.action_curvature)
+      fault("/offset", "goes with action_curvature only", "{\"action_curvature\": γ, \"offset\": R}");
+    std::vector<Word> of_time = constants;
+    for (Word& word : of_time)
+      if (word.name == "t") word.refusal = {};
+    if (given_.damping)
+      if (const auto damping = record("/damping", *given_.damping, of_time)) form_->damping = *damping;
+    if (given_.action_curvature)
+      if (const auto curvature = record("/action_curvature", *given_.action_curvature, constants))
+        form_->action_curvature = *curvature;
+    if (given_.offset)
+      if (const auto offset = record("/offset", *given_.offset, constants)) form_->offset = *offset;
+    if (!faults().empty()) return;
+    settle(given_.damping            ? FormKind::contact_linear
+           : given_.action_curvature ? FormKind::contact_quadratic
+                                     : FormKind::separable);
+  }
+
+  using Matrix = std::vector<std::vector<Symbol>>;
+
+  std::vector<int> moving() const {
+    std::vector<int> numbers;
+    for (std::size_t i = 0; i < n(); ++i) numbers.push_back(first_momentum + static_cast<int>(i));
+    return numbers;
+  }
+  Symbol with(const Symbol& y, const std::function<Symbol(int)>& other) {
+    return tape::Substitution(form_->tape, form_->tape, other)(y);
+  }
+  Symbol variable(int i) { return Symbol::variable(form_->tape, static_cast<std::size_t>(i)); }
+  /// With velocities or momenta zero.
+  Symbol at_rest(const Symbol& y) {
+    return with(y, [&](int i) { return i >= first_momentum && i < action_variable ? Symbol(0) : variable(i); });
+  }
+  Symbol without_action(const Symbol& y) {
+    return with(y, [&](int i) { return i == action_variable ? Symbol(0) : variable(i); });
+  }
+
+  /// H_s of a natural H = K + V(q, t, s): none, α(t) or γ s. Keeps V. False where it is something else.
+  bool take_action(const Symbol& slope, const Symbol& potential) {
+    auto& tape = form_->tape;
+    form_->potential = without_action(potential);
+    const Symbol curvature = tape::gradient(tape, slope, std::array{action_variable})[0];
+    if (is_zero(slope)) {
+      form_->kind = FormKind::separable;
+      return true;
+    }
+    if (is_zero(curvature)) {
+      form_->kind = FormKind::contact_linear;
+      form_->damping = slope;
+      return true;
+    }
+    constexpr Dependence changing = on_places | on_momenta | on_action | tape::on_time;
+    const bool depends = (tape::dependence(tape, form_->potential) & tape::on_time) != 0;
+    if ((tape::dependence(tape, curvature) & changing) != 0 || !is_zero(without_action(slope)) || depends) return false;
+    form_->kind = FormKind::contact_quadratic;
+    form_->action_curvature = curvature;
+    take_offset();
+    return true;
+  }
+
+  /// What in the potential is a number is −R: terms of sums and differences that depend on parameters alone.
+  void take_offset() {
+    struct Term {
+      Symbol value;
+      bool negative;
+    };
+    std::vector<Term> terms{{form_->potential, false}};
+    form_->potential = 0;
+    while (!terms.empty()) {
+      const auto [value, negative] = terms.back();
+      terms.pop_back();
+      const tape::Node node = value.is_constant() ? tape::Node{} : form_->tape[value.place()];
+      if (node.op == tape::Op::add || node.op == tape::Op::subtract) {
+        terms.push_back({Symbol::at(form_->tape, node.b), negative != (node.op == tape::Op::subtract)});
+        terms.push_back({Symbol::at(form_->tape, node.a), negative});
+        continue;
+      }
+      if (node.op == tape::Op::multiply && form_->tape[node.a].op == tape::Op::constant &&
+          form_->tape[node.a].value == -1) {
+        terms.push_back({Symbol::at(form_->tape, node.b), !negative});
+        continue;
+      }
+      const bool number = (tape::dependence(form_->tape, value) & (on_places | tape::on_time)) == 0;
+      Symbol& sum = number ? form_->offset : form_->potential;
+      sum = negative != number ? sum - value : sum + value;
+    }
+  }
+
+  /// The metric from ∂²L/∂v² or ∂²H/∂p². False where the form that was found has none that changes.
+  bool take_metric(const Matrix& second, bool lagrangian) {
+    bool diagonal = true, constant = true;
+    for (std::size_t i = 0; i < n(); ++i)
+      for (std::size_t j = 0; j < n(); ++j) {
+        diagonal = diagonal && (i == j || is_zero(second[i][j]));
+        constant = constant && (tape::dependence(form_->tape, second[i][j]) & on_places) == 0;
+      }
+    if (diagonal && constant) {
+      for (std::size_t i = 0; i < n(); ++i) form_->mass.push_back(lagrangian ? second[i][i] : Symbol(1) / second[i][i]);
+      settle(form_->kind);
+      return true;
+    }
+    const bool timed = (tape::dependence(form_->tape, form_->potential) & tape::on_time) != 0;
+    if (form_->kind != FormKind::separable || timed) return false;
+    const Matrix metric = lagrangian ? second : inverse(second);
+    for (const auto& row : metric) form_->metric.insert(form_->metric.end(), row.begin(), row.end());
+    settle(FormKind::metric);
+    return true;
+  }
+
+  /// By elimination, without pivots: of what is definite.
+  Matrix inverse(Matrix a) {
+    Matrix b(n(), std::vector<Symbol>(n(), Symbol(0)));
+    for (std::size_t i = 0; i < n(); ++i) b[i][i] = 1;
+    for (std::size_t k = 0; k < n(); ++k)
+      for (std::size_t i = 0; i < n(); ++i) {
+        if (i == k || is_zero(a[i][k])) continue;
+        const Symbol f = a[i][k] / a[k][k];
+        for (std::size_t j = 0; j < n(); ++j) {
+          if (j > k) a[i][j] = a[i][j] - f * a[k][j];
+          b[i][j] = b[i][j] - f * b[k][j];
+        }
+      }
+    for (std::size_t i = 0; i < n(); ++i)
+      for (std::size_t j = 0; j < n(); ++j) b[i][j] = b[i][j] / a[i][i];
+    return b;
+  }
+  /// H of L = ½ vᵀg v + a·v − V.
+  Symbol legendre(const Matrix& metric, const std::vector<Symbol>& linear, const Symbol& potential) {
+    const Matrix raised = inverse(metric);
+    std::vector<Symbol> kinetic;
+    for (std::size_t i = 0; i < n(); ++i) kinetic.push_back(variable(first_momentum + static_cast<int>(i)) - linear[i]);
+    Symbol twice = 0;
+    for (std::size_t i = 0; i < n(); ++i)
+      for (std::size_t j = 0; j < n(); ++j) twice = twice + kinetic[i] * raised[i][j] * kinetic[j];
+    return Symbol(0.5) * twice + potential;
+  }
+
+  void general(const Symbol& hamiltonian) {
+    form_->hamiltonian = hamiltonian;
+    settle(FormKind::hamiltonian);
+  }
+
+  /// What follows from the parts.
+  void settle(FormKind kind) {
+    form_->kind = kind;
+    Dependence all = 0;
+    const auto see = [&](const Symbol& part) { all |= tape::dependence(form_->tape, part); };
+    if (kind == FormKind::hamiltonian || kind == FormKind::lagrangian) {
+      see(form_->hamiltonian);
+      see(form_->lagrangian);
+    } else {
+      see(form_->potential);
+      see(form_->damping);
+      for (const Symbol& entry : form_->metric) see(entry);
+    }
+    form_->autonomous = (all & tape::on_time) == 0;
+    form_->constant_damping =
+        kind == FormKind::contact_linear && (tape::dependence(form_->tape, form_->damping) & tape::on_time) == 0;
+    form_->reads_action =
+        kind == FormKind::contact_quadratic || ((all & on_action) != 0 && kind != FormKind::contact_linear);
+    form_->keeps_energy =
+        form_->autonomous && !form_->reads_action && kind != FormKind::contact_linear && kind != FormKind::flow;
+    if (form_->tape.size() > static_cast<tape::Index>(8 * most_operations))
+      fault("", "its derivatives take too many operations", std::to_string(most_operations) + " in the texts");
+  }
+
+  void read_invariants() {
+    if (given_.invariants.size() > static_cast<std::size_t>(most_invariants))
+      fault("/invariants", "are too many", "at most " + std::to_string(most_invariants));
+    const auto known = words('p', no_velocities, {}, flow() ? no_flow_action : not_for_invariants);
+    for (const auto& invariant : given_.invariants) {
+      const std::string& name = invariant.first;
+      const std::string pointer = pointer_to("/invariants/", name);
+      const bool taken = std::ranges::any_of(known, [&](const Word& word) { return word.name == name; });
+      if (!is_name(name) || name.size() > longest_name || taken || name == "energy") {
+        fault(pointer, "\"" + name.substr(0, 40) + "\" cannot be the name of an invariant",
+              "a letter, then letters, digits, _, and nothing else's name");
+      } else if (const auto value = record(pointer, invariant.second, known)) {
+        form_->invariants.push_back(*value);
+        form_->invariant_names.push_back(name);
+      }
+    }
+  }
+};
+
+}  // namespace
+
+std::variant<std::shared_ptr<const Form>, std::vector<DefinitionFault>> form_of(const Definition& definition) {
+  return Reader(definition).read();
+}
+
+}  // namespace least::text

@@ -1,0 +1,56 @@
+// The mechanics that a text describes: what form it has, found on the tape. A Lagrangian and a Hamiltonian of the same
+// motion lead to the same form.
+//   natural: L = ½ vᵀg v − V − (what s adds), H = ½ pᵀg⁻¹p + V + (the same)
+// With anything else, as a term linear in the velocities, H = ½ (p − a)ᵀg⁻¹(p − a) + V, it is a general Hamiltonian; a
+// Lagrangian that is not quadratic in the velocities stays one, its velocities are found from the momenta by iteration.
+// Source: Goldstein, Poole, Safko, Classical Mechanics, 2002, 8.1; Vermeeren, Bravetti, Seri, J. Phys. A 52, 445206
+// (2019), section 2.
+#pragma once
+
+#include <memory>
+
+#include "core/text/definition.hpp"
+
+namespace least::text {
+
+enum class FormKind : std::uint8_t {
+  separable,
+  metric,
+  contact_linear,
+  contact_quadratic,
+  lagrangian,
+  hamiltonian,
+  flow
+};
+inline constexpr std::array<std::string_view, 7> form_names{
+    "separable", "metric", "contact_linear", "contact_quadratic", "lagrangian", "hamiltonian", "flow"};
+
+/// Numbers of the variables on a form's tape: coordinates (of a flow all variables) from 0, then momenta or velocities,
+/// s, and the parameters.
+inline constexpr int first_momentum = most_coordinates, action_variable = 2 * most_coordinates,
+                     first_parameter = action_variable + 1;
+
+/// Shared, and never changed once it is shared.
+struct Form {
+  FormKind kind = FormKind::separable;
+  bool autonomous = true;         ///< nothing depends on time
+  bool keeps_energy = false;      ///< H is kept
+  bool reads_action = false;      ///< the motion depends on s
+  bool constant_damping = false;  ///< α is a number
+  std::size_t coordinates = 0;    ///< of a flow: variables
+  tape::Tape tape;
+  // By kind; what is left out is zero.
+  Symbol potential, damping, action_curvature, offset, hamiltonian, lagrangian;
+  std::vector<Symbol> mass;        ///< of separable and contact: each depends on parameters alone
+  std::vector<Symbol> metric;      ///< row by row
+  std::vector<Symbol> rates;       ///< of a flow
+  std::vector<Symbol> momenta;     ///< of a Lagrangian, as functions of q, v, s, t; else empty
+  std::vector<Symbol> hessian;     ///< of a Lagrangian ∂²L/∂v², row by row; else empty
+  std::vector<Symbol> invariants;  ///< of q, p, s, t; of a flow of its variables
+  std::vector<std::string> invariant_names;
+};
+
+/// What the definition describes, or everything that is wrong with it.
+std::variant<std::shared_ptr<const Form>, std::vector<DefinitionFault>> form_of(const Definition& definition);
+
+}  // namespace least::text

@@ -1,0 +1,115 @@
+#include "core/text/print.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+namespace least::text {
+namespace {
+
+using tape::Index;
+using tape::Node;
+using tape::Op;
+
+constexpr std::size_t longest = 2000;
+
+/// A text and how tightly it binds: 1 sums, 2 products, 3 a minus, 4 powers, 5 what needs no brackets.
+struct Piece {
+  std::string text;
+  int binds = 5;
+};
+
+std::string number(double x) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof digits, x).ptr;
+  return {digits, end};
+}
+Piece constant(double x) { return {number(x), x < 0 ? 3 : 5}; }
+
+std::string in(const Piece& x, int tighter) { return x.binds < tighter ? "(" + x.text + ")" : x.text; }
+
+/// `-x`, and what is left of it.
+bool negative(const Piece& x) { return x.binds == 3; }
+Piece without_sign(const Piece& x) { return negative(x) ? Piece{x.text.substr(1), 3} : x; }
+
+const char* function(Op op) {
+  switch (op) {
+    case Op::sqrt:
+      return "sqrt";
+    case Op::exp:
+      return "exp";
+    case Op::log:
+      return "log";
+    case Op::sin:
+      return "sin";
+    case Op::cos:
+      return "cos";
+    case Op::tan:
+      return "tan";
+    case Op::sinh:
+      return "sinh";
+    case Op::cosh:
+      return "cosh";
+    case Op::tanh:
+      return "tanh";
+    case Op::atan:
+      return "atan";
+    case Op::asin:
+      return "asin";
+    default:
+      return "acos";
+  }
+}
+
+Piece of_node(const Node& node, const std::vector<Piece>& made, const std::function<std::string(int)>& name) {
+  const auto part = [&](Index i) -> const Piece& { return made[static_cast<std::size_t>(i)]; };
+  switch (node.op) {
+    case Op::constant:
+      return constant(node.value);
+    case Op::time:
+      return {"t"};
+    case Op::variable:
+      return {name(static_cast<int>(node.value))};
+    case Op::add:
+    case Op::subtract: {
+      const bool adds = (node.op == Op::add) != negative(part(node.b));
+      return {in(part(node.a), 1) + (adds ? " + " : " - ") + in(without_sign(part(node.b)), 2), 1};
+    }
+    case Op::multiply:
+      if (node.a == node.b) return {in(part(node.a), 5) + "^2", 4};
+      if (part(node.a).text == "-1" && negative(part(node.b))) return without_sign(part(node.b));
+      if (part(node.a).text == "-1") return {"-" + in(part(node.b), 3), 3};
+      return {in(part(node.a), 2) + "*" + in(part(node.b), 4), 2};
+    case Op::divide:
+      return {in(part(node.a), 2) + "/" + in(part(node.b), 4), 2};
+    case Op::power:
+      return {in(part(node.a), 5) + "^" + in(constant(node.value), 5), 4};
+    case Op::raise:
+      return {in(part(node.a), 5) + "^" + in(part(node.b), 5), 4};
+    case Op::select:  // of |x| alone
+      return {"abs(" + part(node.c).text + ")"};
+    default:
+      return {std::string(function(node.op)) + "(" + part(node.a).text + ")"};
+  }
+}
+
+}  // namespace
+
+std::string print(const tape::Tape& tape, const Symbol& y, const std::function<std::string(int)>& name) {
+  if (y.is_constant()) return number(y.constant());
+  std::vector<bool> needed(static_cast<std::size_t>(y.place()) + 1, false);
+  needed.back() = true;
+  for (Index i = y.place(); i >= 0; --i)
+    if (needed[static_cast<std::size_t>(i)])
+      for (const Index part : {tape[i].a, tape[i].b, tape[i].c})
+        if (part != tape::none) needed[static_cast<std::size_t>(part)] = true;
+  std::vector<Piece> made(needed.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    if (!needed[i]) continue;
+    made[i] = of_node(tape[static_cast<Index>(i)], made, name);
+    if (made[i].text.size() > longest) return "…";
+  }
+  return made.back().text;
+}
+
+}  // namespace least::text

@@ -1,0 +1,14 @@
+// What stands on a tape as text that the parser reads back.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "core/tape/symbol.hpp"
+
+namespace least::text {
+
+/// `name`: of a variable by its number. What would be longer than a few thousand characters is `…`.
+std::string print(const tape::Tape& tape, const Symbol& y, const std::function<std::string(int)>& name);
+
+}  // namespace least::text

@@ -1,0 +1,100 @@
+#include "core/text/text_reader.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace least::text {
+
+std::string pointer_to(std::string_view key, std::string_view name) {
+  std::string pointer(key);
+  for (const char c : name) {
+    if (c == '~' || c == '/') {
+      pointer += c == '~' ? "~0" : "~1";
+    } else {
+      pointer += c;
+    }
+  }
+  return pointer;
+}
+
+TextReader::TextReader(const Definition& definition) : given_(definition), form_(std::make_shared<Form>()) {
+  form_->coordinates = given_.variables.size();
+}
+
+void TextReader::check_names() {
+  const int most = flow() ? most_variables : most_coordinates;
+  if (given_.variables.empty() || given_.variables.size() > static_cast<std::size_t>(most))
+    return fault("/variables", "must name at least one variable and not too many", "1 to " + std::to_string(most));
+  std::set<std::string, std::less<>> taken{"t", "s", "pi", "energy"};
+  for (const auto function : function_names()) taken.emplace(function);
+  const auto take = [&](const std::string& pointer, const std::string& name, std::string_view what) {
+    if (!is_name(name) || name.size() > longest_name) {
+      fault(pointer, "\"" + name.substr(0, 40) + "\" cannot be a name",
+            "a letter, then letters, digits, _: at most " + std::to_string(longest_name));
+    } else if (!taken.insert(name).second) {
+      fault(pointer, name + " is " + std::string(what) + " and something else already", "names that differ");
+    }
+  };
+  for (std::size_t i = 0; i < given_.variables.size(); ++i)
+    take("/variables/" + std::to_string(i), given_.variables[i], "a variable");
+  if (!faults_.empty()) return;
+  if (!flow())
+    for (std::size_t i = 0; i < given_.variables.size(); ++i) {
+      take("/variables/" + std::to_string(i), velocity_name(given_.variables[i]), "a velocity");
+      take("/variables/" + std::to_string(i), momentum_name(given_.variables[i]), "a momentum");
+    }
+  if (given_.parameters.size() > static_cast<std::size_t>(most_parameters))
+    fault("/parameters", "are too many", "at most " + std::to_string(most_parameters));
+  for (const auto& [name, value] : given_.parameters) {
+    const auto keys = reserved_keys();
+    if (std::ranges::find(keys, name) != keys.end()) {
+      fault(pointer_to("/parameters/", name), name + " is a key of a scene and cannot be a parameter", "another name");
+    } else {
+      take(pointer_to("/parameters/", name), name, "a parameter");
+    }
+  }
+}
+
+std::vector<Word> TextReader::words(char momentum, std::string_view no_velocity, std::string_view no_momentum,
+                                    std::string_view no_s) {
+  std::vector<Word> all;
+  names_.clear();
+  names_.reserve(4 * n());
+  auto& tape = form_->tape;
+  for (std::size_t i = 0; i < n(); ++i) {
+    all.push_back({given_.variables[i], Symbol::variable(tape, i)});
+    if (flow()) continue;
+    const Symbol moving = Symbol::variable(tape, static_cast<std::size_t>(first_momentum) + i);
+    all.push_back({names_.emplace_back(velocity_name(given_.variables[i])), moving,
+                   momentum == 'v' ? std::string_view() : no_velocity});
+    all.push_back({names_.emplace_back(momentum_name(given_.variables[i])), moving,
+                   momentum == 'p' ? std::string_view() : no_momentum});
+  }
+  all.push_back({"t", Symbol::time(tape)});
+  all.push_back({"s", Symbol::variable(tape, action_variable), no_s});
+  for (std::size_t k = 0; k < given_.parameters.size(); ++k)
+    all.push_back({given_.parameters[k].first, Symbol::variable(tape, static_cast<std::size_t>(first_parameter) + k)});
+  return all;
+}
+
+std::optional<Symbol> TextReader::record(const std::string& pointer, const std::string& text,
+                                         std::span<const Word> known) {
+  characters_ += text.size();
+  if (characters_ > most_characters) {
+    fault(pointer, "the texts of the scene are too long together", std::to_string(most_characters) + " characters");
+    return std::nullopt;
+  }
+  auto parsed = Expression::parse(text);
+  if (auto* wrong = std::get_if<Fault>(&parsed)) {
+    faults_.push_back({pointer, std::move(*wrong)});
+    return std::nullopt;
+  }
+  auto symbol = std::get<Expression>(parsed).record(form_->tape, known, false);
+  if (auto* wrong = std::get_if<Fault>(&symbol)) {
+    faults_.push_back({pointer, std::move(*wrong)});
+    return std::nullopt;
+  }
+  return std::get<Symbol>(symbol);
+}
+
+}  // namespace least::text

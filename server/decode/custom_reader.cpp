@@ -1,0 +1,156 @@
+#include "server/decode/custom_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "core/catalogue/custom.hpp"
+
+namespace least::server {
+namespace {
+
+using text::Definition;
+
+constexpr std::string_view text_or_number = "a formula as text, or a number";
+constexpr std::array<std::string_view, 4> kinds{"lagrangian", "hamiltonian", "potential", "equations"};  // as Kind
+
+// A formula; a number is one, where it may stand.
+std::optional<std::string> read_text(const Json& json, const FieldPath& path, bool numbers) {
+  if (json.is_string()) return json.get<std::string>();
+  if (numbers && json.is_number()) {
+    if (const auto value = read_number(json, path, anywhere)) return fmt::format("{:.17g}", *value);
+    return std::nullopt;
+  }
+  path.fault("must be a formula", json, numbers ? std::string(text_or_number) : "a formula as text");
+  return std::nullopt;
+}
+
+void read_variables(const Json& json, const FieldPath& path, Definition& definition) {
+  if (!json.is_array()) return path.fault("must be a list of names", json, "[\"x\", \"y\"]");
+  for (std::size_t i = 0; i < json.size() && !path.faults->full(); ++i) {
+    if (json[i].is_string()) {
+      definition.variables.push_back(json[i].get<std::string>());
+    } else {
+      path.at(i).fault("must be a name", json[i]);
+    }
+  }
+}
+
+void read_numbers(const Json& json, const FieldPath& path, Definition& definition) {
+  if (!json.is_object()) return path.fault("must be an object of numbers", json, "{\"mu\": 1}");
+  for (const auto& [name, entry] : json.items()) {
+    if (path.faults->full()) return;
+    if (const auto value = read_number(entry, path.at(name), anywhere))
+      definition.parameters.emplace_back(name, *value);
+  }
+}
+
+void read_texts(const Json& json, const FieldPath& path, bool numbers, Definition::Named& texts) {
+  if (!json.is_object()) return path.fault("must be an object of formulas", json, "{\"x\": \"…\"}");
+  for (const auto& [name, entry] : json.items()) {
+    if (path.faults->full()) return;
+    if (auto text = read_text(entry, path.at(name), numbers)) texts.emplace_back(name, std::move(*text));
+  }
+}
+
+// Which of the four it is; nothing where it is none or several.
+std::optional<std::size_t> kind_of(const Json& problem, const FieldPath& path) {
+  std::optional<std::size_t> kind;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (find(problem, kinds[i]) == nullptr) continue;
+    if (kind) {
+      path.at(kinds[i]).fault(fmt::format("and {} exclude each other", kinds[*kind]), problem[std::string(kinds[i])],
+                              "exactly one of " + listed(kinds));
+      return std::nullopt;
+    }
+    kind = i;
+  }
+  if (!kind) path.lacks("is a scene as text and says no mechanics", "exactly one of " + listed(kinds));
+  return kind;
+}
+
+}  // namespace
+
+std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPath& path) {
+  if (!problem.is_object()) {
+    path.fault("is a scene as text: it needs its text", problem,
+               "{\"id\": \"custom\", \"variables\": [\"x\"], \"potential\": \"x^2/2\"}");
+    return nullptr;
+  }
+  Faults faults;
+  const FieldPath here{path.pointer, &faults};
+  Definition definition;
+  const auto kind = kind_of(problem, here);
+  const auto with = [&](std::string_view key, auto&& read) {
+    if (const Json* json = find(problem, key)) read(*json, here.at(key));
+  };
+  if (const Json* variables = find(problem, "variables")) {
+    read_variables(*variables, here.at("variables"), definition);
+  } else {
+    here.at("variables").lacks("is required", "[\"x\", \"y\"]");
+  }
+  with("parameters", [&](const Json& json, const FieldPath& at) { read_numbers(json, at, definition); });
+  with("invariants",
+       [&](const Json& json, const FieldPath& at) { read_texts(json, at, false, definition.invariants); });
+  with("title", [&](const Json& json, const FieldPath& at) {
+    if (json.is_string() && json.get_ref<const std::string&>().size() <= 200) {
+      definition.title = json.get<std::string>();
+    } else {
+      at.fault("must be a text", json, "at most 200 characters");
+    }
+  });
+  if (kind) {
+    definition.kind = static_cast<Definition::Kind>(*kind);
+    with(kinds[*kind], [&](const Json& json, const FieldPath& at) {
+      if (definition.kind == Definition::Kind::equations) {
+        read_texts(json, at, true, definition.equations);
+      } else if (auto text = read_text(json, at, false)) {
+        definition.formula = std::move(*text);
+      }
+    });
+  }
+  constexpr std::string_view of_potentials[] = {"masses", "damping", "action_curvature", "offset"};
+  for (const auto key : of_potentials) {
+    if (kind && definition.kind != Definition::Kind::potential)
+      with(key, [&](const Json& json, const FieldPath& at) {
+        at.fault("goes with a potential only", json, fmt::format("a term of the {}", kinds[*kind]));
+      });
+  }
+  if (kind && definition.kind == Definition::Kind::potential) {
+    with("masses", [&](const Json& json, const FieldPath& at) { read_texts(json, at, true, definition.masses); });
+    with("damping", [&](const Json& json, const FieldPath& at) { definition.damping = read_text(json, at, true); });
+    with("action_curvature",
+         [&](const Json& json, const FieldPath& at) { definition.action_curvature = read_text(json, at, true); });
+    with("offset", [&](const Json& json, const FieldPath& at) { definition.offset = read_text(json, at, true); });
+  }
+  std::shared_ptr<const Mechanics> mechanics;
+  if (faults.empty()) {
+    auto made = custom_mechanics(std::move(definition));
+    if (auto* wrong = std::get_if<std::vector<text::DefinitionFault>>(&made)) {
+      for (auto& [pointer, fault, in_text] : *wrong) {
+        std::string detail = std::move(fault.detail);
+        if (!fault.unknown.empty()) {
+          Names known;
+          for (std::size_t from = 0; from < fault.allowed.size();) {
+            const std::size_t to = std::min(fault.allowed.find(", ", from), fault.allowed.size());
+            known.push_back(std::string_view(fault.allowed).substr(from, to - from));
+            from = to + 2;
+          }
+          detail += here.meant(fault.unknown, known);
+        }
+        faults.add({path.pointer + pointer,
+                    std::move(detail),
+                    {},
+                    std::move(fault.allowed),
+                    in_text ? std::optional(fault.position) : std::nullopt});
+      }
+    } else {
+      mechanics = std::move(std::get<std::shared_ptr<const Mechanics>>(made));
+    }
+  }
+  for (const Fault& fault : faults.list()) path.faults->add(fault);
+  return mechanics;
+}
+
+}  // namespace least::server

@@ -1,0 +1,17 @@
+// A scene given as text: `{"id": "custom", "variables": […], "lagrangian": "…"}`.
+#pragma once
+
+#include <memory>
+
+#include "core/run/mechanics.hpp"
+#include "server/decode/field_reader.hpp"
+
+namespace least::server {
+
+inline constexpr std::string_view custom_id = "custom";
+
+/// The mechanics that the problem of a request describes; null after noting what is wrong. Keys that are no part of a
+/// definition are not looked at.
+std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPath& path);
+
+}  // namespace least::server

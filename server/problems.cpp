@@ -1,0 +1,25 @@
+#include "server/problems.hpp"
+
+#include "server/decode/scene_reader.hpp"
+#include "server/encode/catalogue_json.hpp"
+#include "server/encode/problem_document.hpp"
+
+namespace least::server {
+
+Prepared describe_scene(const Context& context, const HttpRequest& request) {
+  const auto form = form_for(request, {"application/json"});
+  if (!form) return form.error();
+  auto body = json_of(request);
+  if (!body) return std::move(body.error());
+  Faults faults = std::move(body->faults);
+  const FieldPath top{"", &faults};
+  Scene scene;
+  if (faults.empty() && read_object(body->tree, top, {"problem"}, "the request")) {
+    scene.mechanics = read_problem(body->tree, top, context.cards);
+    if (scene.mechanics) read_scene(body->tree, top, scene);
+  }
+  if (!faults.empty()) return problem_document(faults, request.id);
+  return Answer{200, "application/json", describe_problem(*scene.mechanics) + '\n', {}};
+}
+
+}  // namespace least::server

@@ -1,0 +1,10 @@
+// POST /v1/problems: the card of a scene, above all of one given as text.
+#pragma once
+
+#include "server/endpoint.hpp"
+
+namespace least::server {
+
+Prepared describe_scene(const Context& context, const HttpRequest& request);
+
+}  // namespace least::server

@@ -1,0 +1,266 @@
+// Scenes given as text as a client meets them: their cards, runs, echoes, and what is refused where.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+
+#include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+using CustomHttp = Serving;
+
+Json run_of(int port, const std::string& body) { return Json::parse(ask(port, post("/v1/simulate", body)).body); }
+Json card_of(int port, const std::string& problem) {
+  return Json::parse(ask(port, post("/v1/problems", R"({"problem":)" + problem + "}")).body);
+}
+
+constexpr const char* double_well =
+    R"({"id":"custom","variables":["x"],"parameters":{"alpha":0.1},"lagrangian":"vx^2/2 + x^2/2 - x^4/4 - alpha*s"})";
+
+TEST_F(CustomHttp, ACardSaysWhatWasFound) {
+  const Json card = card_of(port(), double_well);
+  ASSERT_TRUE(card.contains("form")) << card;
+  EXPECT_EQ(card["form"], Json::parse(R"({"kind":"contact_linear","autonomous":true,"keeps_energy":false})"));
+  EXPECT_EQ(card["equations"].size(), 3U);
+  EXPECT_EQ(card["equations"]["x"], "px");
+  std::vector<std::string> names;
+  for (const auto& variable : card["variables"]) names.push_back(variable["name"]);
+  EXPECT_EQ(names, (std::vector<std::string>{"x", "px", "s"}));
+  EXPECT_EQ(card["parameters"][0]["name"], "alpha");
+  EXPECT_EQ(card["parameters"][0]["default"], 0.1);
+  EXPECT_EQ(card["formula"].get<std::string>().rfind("<math><mi>L</mi>", 0), 0U) << card["formula"];
+  const auto& schemes = card["schemes"];
+  for (const char* id : {"contact_leapfrog", "contact_splitting", "contact_gauss", "taylor", "auto"})
+    EXPECT_NE(std::find(schemes.begin(), schemes.end(), id), schemes.end()) << id;
+  EXPECT_EQ(std::find(schemes.begin(), schemes.end(), "leapfrog"), schemes.end());
+}
+
+TEST_F(CustomHttp, FormsAreFoundNotDeclared) {
+  const struct {
+    const char *problem, *kind;
+    bool autonomous, keeps_energy;
+  } rows[] = {
+      {R"~("variables":["x"],"lagrangian":"vx^2/2 - x^4")~", "separable", true, true},
+      {R"~("variables":["x"],"hamiltonian":"px^2/2 + x^4")~", "separable", true, true},
+      {R"~("variables":["x"],"potential":"x^4")~", "separable", true, true},
+      {R"~("variables":["x"],"lagrangian":"vx^2/2 - x^4*cos(t)")~", "separable", false, false},
+      {R"~("variables":["x"],"lagrangian":"(1 + x^2)*vx^2/2 - x^4")~", "metric", true, true},
+      {R"~("variables":["x"],"hamiltonian":"px^2/(1 + x^2) + x^4")~", "metric", true, true},
+      {R"~("variables":["x","y"],"lagrangian":"vx^2 + vx*vy + vy^2 - x^2")~", "metric", true, true},
+      {R"~("variables":["x"],"lagrangian":"vx^2/2 - x^2 - 0.1*s")~", "contact_linear", true, false},
+      {R"~("variables":["x"],"lagrangian":"vx^2/2 - x^2 - s*cos(t)")~", "contact_linear", false, false},
+      {R"~("variables":["x"],"potential":"x^2","damping":"1/t")~", "contact_linear", false, false},
+      {R"~("variables":["x"],"hamiltonian":"px^2/2 + x^2 + s^2")~", "contact_quadratic", true, false},
+      {R"~("variables":["x"],"hamiltonian":"px^2/2 + x^2 + s^3")~", "hamiltonian", true, false},
+      {R"~("variables":["x"],"hamiltonian":"px^2/2 + x*s")~", "hamiltonian", true, false},
+      {R"~("variables":["x"],"hamiltonian":"px^4 + px^2 + x^2")~", "hamiltonian", true, true},
+      {R"~("variables":["x","y"],"lagrangian":"(vx^2 + vy^2)/2 + x*vy - y*vx")~", "hamiltonian", true, true},
+      {R"~("variables":["x"],"lagrangian":"(1 + x^2)*vx^2/2 - x^4 - 0.1*s")~", "hamiltonian", true, false},
+      {R"~("variables":["x"],"lagrangian":"-sqrt(1 - vx^2) - x^2")~", "lagrangian", true, true},
+      {R"~("variables":["x","v"],"equations":{"x":"v","v":"-x"})~", "flow", true, false},
+      {R"~("variables":["x","v"],"equations":{"x":"v","v":"-x + cos(t)"})~", "flow", false, false},
+  };
+  for (const auto& row : rows) {
+    const Json card = card_of(port(), std::string(R"({"id":"custom",)") + row.problem + "}");
+    ASSERT_TRUE(card.contains("form")) << row.problem << " " << card;
+    EXPECT_EQ(card["form"]["kind"], row.kind) << row.problem;
+    EXPECT_EQ(card["form"]["autonomous"], row.autonomous) << row.problem;
+    EXPECT_EQ(card["form"]["keeps_energy"], row.keeps_energy) << row.problem;
+    EXPECT_FALSE(card["schemes"].empty()) << row.problem;
+  }
+}
+
+TEST_F(CustomHttp, TheEchoIsTheSameRequest) {
+  const Json first = run_of(port(), std::string(R"({"problem":)") + double_well +
+                                        R"(,"initial":{"x":2,"vx":0.5},"scheme":{"id":"contact_splitting","step":0.05},
+      "until":{"t":5},"record":{"every":20},"columns":["t","x","px","s","energy"],"diagnostics":["energy","decay"]})");
+  ASSERT_EQ(first.value("status", ""), "completed") << first;
+  EXPECT_EQ(first["initial"]["px"], 0.5);
+  EXPECT_FALSE(first["initial"].contains("vx"));
+  Json again;
+  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
+    again[key] = first[key];
+  again["diagnostics"] = {"energy", "decay"};
+  const Json second = run_of(port(), again.dump());
+  for (const char* key : {"problem", "initial", "trajectory", "final", "diagnostics"})
+    EXPECT_EQ(first[key], second[key]) << key;
+}
+
+TEST_F(CustomHttp, AParameterIsOverriddenFlat) {
+  const auto end = [&](const std::string& more) {
+    return run_of(port(), R"({"problem":{"id":"custom","variables":["q"],"parameters":{"k":1},"potential":"k*q^2/2")" +
+                              more + R"(},"initial":{"q":1},"scheme":"taylor","until":{"t":1}})")["final"]["q"]
+        .get<double>();
+  };
+  EXPECT_NEAR(end(""), std::cos(1), 1e-12);
+  EXPECT_NEAR(end(R"(,"k":4)"), std::cos(2), 1e-12);
+  EXPECT_NEAR(end(R"(,"masses":{"q":"4*k"})"), std::cos(0.5), 1e-12);
+}
+
+TEST_F(CustomHttp, EveryEndpointTakesIt) {
+  const std::string well = std::string(R"("problem":)") + double_well + R"(,"initial":{"x":2},)";
+  const Json chosen = run_of(port(), "{" + well + R"("scheme":{"id":"auto","accuracy":1e-6},"until":{"t":5},
+      "record":{"every":0}})");
+  ASSERT_EQ(chosen.value("status", ""), "completed") << chosen;
+  EXPECT_TRUE(chosen["choice"]["met"]);
+  EXPECT_LE(chosen["choice"]["estimated_error"], 1e-6);
+  const auto at = [&](const char* path, const std::string& body) {
+    return Json::parse(ask(port(), post(path, "{" + well + body + "}")).body);
+  };
+  const Json study = at("/v1/work-precision", R"("until":{"t":5},"schemes":["contact_leapfrog","taylor"],
+      "budget_seconds":2)");
+  ASSERT_TRUE(study.contains("curves")) << study;
+  EXPECT_EQ(study["curves"].size(), 2U);
+  const Json limits = at("/v1/stability", R"("schemes":["contact_leapfrog"],"budget_seconds":2)");
+  ASSERT_TRUE(limits.contains("limits")) << limits;
+  EXPECT_GT(limits["limits"][0]["step"], 0.1);
+  const Json members = at("/v1/ensemble", R"("scheme":{"id":"contact_leapfrog","step":0.05},"until":{"t":100},
+      "columns":["x","px"],"keep":["final"],"members":{"vary":{"/initial/x":{"grid":[-2,2,9]}}})");
+  ASSERT_EQ(members.value("completed", 0), 9) << members;
+  int rests = 0;
+  for (const auto& x : members["final"]["x"]) rests += std::abs(std::abs(x.get<double>()) - 1) < 0.05;
+  EXPECT_EQ(rests, 8) << "all but the one on the hill between the wells: " << members["final"];
+}
+
+TEST_F(CustomHttp, MomentaAreWhatTheTextSays) {
+  const Json answer = run_of(port(), R"~({"problem":{"id":"custom","variables":["x","y"],
+      "potential":"-1/sqrt(x^2 + y^2)","invariants":{"L":"x*py - y*px"}},"initial":{"x":1,"py":0.8},
+      "scheme":"leapfrog","until":{"t":10},"record":{"every":0},"columns":["L"],
+      "diagnostics":["momenta","structure","error"]})~");
+  ASSERT_EQ(answer.value("status", ""), "completed") << answer;
+  EXPECT_EQ(answer["diagnostics"]["momenta"].size(), 1U);
+  EXPECT_EQ(answer["diagnostics"]["momenta"]["L"]["initial"], 0.8);
+  EXPECT_LT(answer["diagnostics"]["momenta"]["L"]["max_abs_error"], 1e-14);
+  EXPECT_LT(answer["diagnostics"]["structure"]["max_defect"], 1e-12);
+  EXPECT_LT(answer["diagnostics"]["error"]["max"], 1e-2);
+}
+
+TEST_F(CustomHttp, ARegularStartIsAskedFor) {
+  const auto polar = [&](const std::string& initial) {
+    return ask(port(), post("/v1/simulate", R"~({"problem":{"id":"custom","variables":["r","phi"],
+      "lagrangian":"(vr^2 + r^2*vphi^2)/2 + 1/r"},"initial":)~" +
+                                                initial + R"(,"scheme":"runge_kutta_4",
+      "until":{"t":1}})"));
+  };
+  const Json fault = only_fault(polar(R"({"r":0,"phi":0})"));
+  EXPECT_EQ(fault["pointer"], "/problem/lagrangian");
+  EXPECT_TRUE(says(fault, "not regular at the start")) << fault;
+  const Json run = Json::parse(polar(R"({"r":1,"vphi":1})").body);
+  ASSERT_EQ(run.value("status", ""), "completed") << run;
+  EXPECT_NEAR(run["final"]["r"], 1, 1e-9);
+  EXPECT_NEAR(run["final"]["phi"], 1, 1e-9);
+  EXPECT_EQ(only_fault(polar(R"({"r":1,"vphi":1,"pr":0})"))["pointer"], "/initial/vphi");
+}
+
+// p = v/√(1 − v²) has no formula that the service is told: the velocity is found from it.
+TEST_F(CustomHttp, ALagrangianThatIsNotQuadraticIsIterated) {
+  const std::string l = R"~({"problem":{"id":"custom","variables":["q"],"lagrangian":"-sqrt(1 - v^2) - q^2/2"})~",
+                    h = R"~({"problem":{"id":"custom","variables":["q"],"hamiltonian":"sqrt(1 + p^2) + q^2/2"})~";
+  const std::string more = R"(,"initial":{"q":2,"p":0.5},"scheme":"contact_gauss","until":{"t":5},
+      "record":{"every":0},"diagnostics":["energy","structure","error"]})";
+  const Json a = run_of(port(), l + more), b = run_of(port(), h + more);
+  ASSERT_EQ(a.value("status", ""), "completed") << a;
+  ASSERT_EQ(b.value("status", ""), "completed") << b;
+  EXPECT_NEAR(a["final"]["q"].get<double>(), b["final"]["q"].get<double>(), 1e-11);
+  EXPECT_NEAR(a["final"]["p"].get<double>(), b["final"]["p"].get<double>(), 1e-11);
+  EXPECT_LT(a["diagnostics"]["structure"]["max_defect"], 1e-10);
+  EXPECT_LT(a["diagnostics"]["error"]["max"], 1e-4);
+}
+
+// Bad input: each is refused at its place, soon.
+TEST_F(CustomHttp, FaultsNameTheirPlace) {
+  const std::string deep(101, '('), long_text(10'001, '1');
+  const struct {
+    std::string problem;
+    const char* pointer;
+    int position;  ///< −1: none
+    const char* says;
+  } rows[] = {
+      {R"~("variables":["x"],"potential":"x^2 + 1/0")~", "/problem/potential", 7, "no finite number"},
+      {R"~("variables":["x"],"potential":"sqrt(-1)*x")~", "/problem/potential", 0, "no finite number"},
+      {R"~("variables":["x"],"potential":"x^2 + y")~", "/problem/potential", 6, "nobody knows the name y"},
+      {R"~("variables":["x"],"parameters":{"omega":1},"potential":"omga*x")~", "/problem/potential", 0, "omega"},
+      {R"~("variables":["x","x"],"potential":"x")~", "/problem/variables/1", -1, "already"},
+      {R"~("variables":["x","vx"],"potential":"x")~", "/problem/variables/0", -1, "already"},
+      {R"~("variables":["x"],"parameters":{"t":1},"potential":"x")~", "/problem/parameters/t", -1, "already"},
+      {R"~("variables":["x"],"parameters":{"potential":1},"potential":"x")~", "/problem/parameters/potential", -1,
+       "key"},
+      {R"~("variables":["x","v"],"equations":{"x":"v"})~", "/problem/equations/v", -1, "missing"},
+      {R"~("variables":["x"],"equations":{"x":"1","y":"x"})~", "/problem/equations/y", -1, "no variable"},
+      {R"~("variables":["x"],"potential":"x^2","masses":{"x":0})~", "/problem/masses/x", -1, "positive"},
+      {R"~("variables":["x"],"parameters":{"m":-1},"potential":"x^2","masses":{"x":"m"})~", "/problem/masses/x", -1,
+       "positive"},
+      {R"~("variables":["x"],"potential":"x^2","masses":{"x":"1 + x"})~", "/problem/masses/x", 4, "made of parameters"},
+      {R"~("variables":["x"],"lagrangian":"-x^2")~", "/problem/lagrangian", -1, "not regular"},
+      {R"~("variables":["x"],"lagrangian":"vx - x^2")~", "/problem/lagrangian", -1, "not regular"},
+      {R"~("variables":["x","y"],"lagrangian":"vx^2/2 - x^2")~", "/problem/lagrangian", -1, "vy"},
+      {R"~("variables":["x"],"potential":"x^2 + vx")~", "/problem/potential", 6, "velocity"},
+      {R"~("variables":["x"],"potential":"x^2 + px")~", "/problem/potential", 6, "momentum"},
+      {R"~("variables":["x"],"potential":"x^2 + s")~", "/problem/potential", 6, "damping"},
+      {R"~("variables":["x"],"lagrangian":"px^2/2")~", "/problem/lagrangian", 0, "knows velocities"},
+      {R"~("variables":["x"],"hamiltonian":"vx^2/2")~", "/problem/hamiltonian", 0, "knows momenta"},
+      {R"~("variables":["x"],"potential":"abs(x)")~", "/problem/potential", 0, "derivative"},
+      {R"("variables":["x"],"potential":")" + deep + R"(")", "/problem/potential", 100, "nested"},
+      {R"("variables":["x"],"potential":")" + long_text + R"(")", "/problem/potential", -2, "too long"},
+      {R"~("variables":["x"],"potential":"2x")~", "/problem/potential", 1, "product"},
+      {R"~("variables":["x"],"potential":"x + é")~", "/problem/potential", 4, "ASCII"},
+      {R"~("variables":["é"],"potential":"1")~", "/problem/variables/0", -1, "name"},
+      {R"~("variables":["x"],"potential":"")~", "/problem/potential", 0, "empty"},
+      {R"~("variables":["x"],"potential":"x^2","hamiltonian":"px^2")~", "/problem/potential", -1, "exclude"},
+      {R"~("variables":["x"])~", "/problem", -1, "no mechanics"},
+      {R"~("potential":"x^2")~", "/problem/variables", -1, "required"},
+      {R"~("variables":[],"potential":"1")~", "/problem/variables", -1, "at least one"},
+      {R"~("variables":["x"],"potential":"x^2","damping":"0.1","action_curvature":1)~", "/problem/damping", -1,
+       "exclude"},
+      {R"~("variables":["x"],"potential":"x^2","offset":1)~", "/problem/offset", -1, "action_curvature"},
+      {R"~("variables":["x"],"lagrangian":"vx^2","masses":{"x":1})~", "/problem/masses", -1, "potential"},
+      {R"~("variables":["x"],"potential":"x^2","invariants":{"x":"px"})~", "/problem/invariants/x", -1, "name"},
+      {R"~("variables":["x"],"potential":"x^2","mu":3)~", "/problem/mu", -1, "unknown"},
+  };
+  for (const auto& row : rows) {
+    const auto from = std::chrono::steady_clock::now();
+    const auto reply = ask(port(), post("/v1/problems", R"({"problem":{"id":"custom",)" + row.problem + "}}"));
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - from;
+    EXPECT_LT(took.count(), 1) << row.problem;  // 10 ms where nothing else is at work
+    ASSERT_EQ(reply.status, 422) << row.problem << " " << reply.body;
+    const Json fault = Json::parse(reply.body)["errors"][0];
+    EXPECT_EQ(fault["pointer"], row.pointer) << fault;
+    EXPECT_TRUE(says(fault, row.says)) << fault;
+    if (row.position == -1) {
+      EXPECT_FALSE(fault.contains("position")) << fault;
+    } else if (row.position >= 0) {
+      EXPECT_EQ(fault.value("position", -1), row.position) << fault;
+    }
+  }
+}
+
+// Each of the texts that the page offers runs as it stands.
+TEST_F(CustomHttp, TheTextsOfThePageRun) {
+  const Json scenes = Json::parse(std::ifstream(LEAST_SOURCE_DIR "/web/scenes.json"));
+  ASSERT_EQ(scenes.size(), 12U);
+  for (const Json& scene : scenes) {
+    Json request;
+    for (const char* key : {"problem", "initial", "scheme", "until"}) request[key] = scene.at(key);
+    request["record"] = {{"every", 0}};
+    request["diagnostics"] = {"momenta"};
+    const Json answer = run_of(port(), request.dump());
+    ASSERT_EQ(answer.value("status", ""), "completed") << scene["name"] << " " << answer;
+    for (const auto& [name, kept] : answer["diagnostics"]["momenta"].items())
+      EXPECT_LT(kept["max_abs_error"], 1e-4) << scene["name"] << " " << name;
+    EXPECT_FALSE(scene.at("reference").get<std::string>().empty());
+    if (scene["name"] != "figure_eight") continue;
+    for (const auto& [name, start] : answer["initial"].items()) {  // closes after one period
+      if (name != "t") {
+        EXPECT_NEAR(answer["final"][name], start.get<double>(), 1e-9) << name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace least::server::test

@@ -1,0 +1,73 @@
+// Scenes typed as text against the compiled problems of the catalogue: the same motion by the same schemes.
+#include <gtest/gtest.h>
+
+#include "tests/support/texts.hpp"
+
+namespace {
+
+using namespace texts;
+
+std::string ids(const std::vector<std::size_t>& schemes) {
+  std::string all;
+  for (const auto index : schemes) all += least::schemes()[index].id + " ";
+  return all;
+}
+
+/// The variables of the text, in the order of the card.
+std::vector<double> of_text(const ProblemCard& card, const std::vector<double>& state) {
+  std::vector<double> shown;
+  for (std::size_t i = 0; i < card.variables.size(); ++i)
+    if (!card.variables[i].hidden) shown.push_back(state[i]);
+  return shown;
+}
+
+class AsCompiled : public testing::TestWithParam<Typed> {};
+
+TEST_P(AsCompiled, HasTheSameSchemes) {
+  const auto mechanics = mechanics_of(GetParam().definition);
+  auto compiled = runs::problem_card(GetParam().id).schemes;
+  if (GetParam().definition.kind == Definition::Kind::equations)  // that a flow is a sum of exact flows no text says
+    std::erase_if(compiled, [&](std::size_t i) {
+      return std::ranges::find(mechanics->card().schemes, i) == mechanics->card().schemes.end();
+    });
+  EXPECT_EQ(ids(mechanics->card().schemes), ids(compiled));
+}
+
+TEST_P(AsCompiled, LeadsToTheSameStates) {
+  const auto mechanics = mechanics_of(GetParam().definition);
+  int compared = 0;
+  for (const auto index : mechanics->card().schemes) {
+    const std::string& id = schemes()[index].id;
+    if (!runs::fits(GetParam().id, id)) continue;
+    Request compiled = runs::defaults(GetParam().id, id);
+    compiled.end = compiled.scene->start + std::min(5.0, compiled.end - compiled.scene->start);
+    runs::only_final(compiled);
+    // Without an estimate of the local frequency the other monitor is the one that both have.
+    if (id == "adaptive_verlet") runs::set(compiled, "monitor", "arclength");
+    // With one degree of freedom it has a rule of its own; a text has room for two.
+    if (id == "jacobi_maupertuis" && runs::card(compiled).variables.size() == 2) continue;
+    const Request typed = typed_as(compiled, mechanics);
+    const auto a = runs::go(compiled).outcome, b = runs::go(typed).outcome;
+    ASSERT_EQ(a.stop.reason, b.stop.reason) << id << " " << b.stop.detail;
+    const bool own_clock = schemes()[index].own_clock;
+    if (!own_clock) {
+      EXPECT_EQ(a.cost.steps, b.cost.steps) << id;
+    }
+    const auto state = of_text(mechanics->card(), b.final);
+    double size = 1;
+    for (const double x : a.final)
+      if (std::isfinite(x)) size = std::max(size, std::abs(x));
+    // Schemes that choose their own steps choose others where rounding is another: good to their tolerance.
+    const double close = own_clock ? 1e-10 : 1e-12;
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      if (std::isnan(a.final[i]) && std::isnan(state[i])) continue;
+      EXPECT_NEAR(state[i], a.final[i], close * size) << id << " variable " << i;
+    }
+    ++compared;
+  }
+  EXPECT_GE(compared, 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Text, AsCompiled, testing::ValuesIn(all()), [](const auto& of) { return name_of(of.param); });
+
+}  // namespace

@@ -1,0 +1,111 @@
+// What is made of a text on its tape: derivatives against dual numbers, and texts that are printed and read back.
+#include <gtest/gtest.h>
+
+#include "core/number/dual.hpp"
+#include "core/tape/derivative.hpp"
+#include "core/tape/formula.hpp"
+#include "core/text/expression.hpp"
+#include "core/text/print.hpp"
+
+namespace {
+
+using namespace least;
+using text::Expression;
+
+/// One or more of every operation; x and y are 0.7 and 1.3, t is 0.4.
+constexpr const char* texts_of_all_kinds[] = {
+    "x*y - x/y + 3*x - y/4 + 2/x",
+    "x^2 + y^3 - x^(-2) + x^0.5 + y^1.25 + (x*y)^(-1.5)",
+    "x^y + (x + y)^(x - 2*y) + 2^x",
+    "sqrt(x + y)*exp(-x*t) + log(x*y)",
+    "sin(x*y) + cos(x - y)*tan(x/3)",
+    "sinh(x) - cosh(y) + tanh(x*y)",
+    "asin(x/2) + acos(y/3) + atan(x*y*t)",
+    "abs(x - y)*abs(x + y)",
+    "-1/sqrt((x - 1)^2 + y^2) - (1 - t)/sqrt((x + t)^2 + y^2)",
+    "cos(t)*sin(x) + sin(t)*cos(x) + cos(2*t)*cos(3*t) - sin(2*t)*sin(3*t)",
+    "x - x + 0*y",
+    "7",
+};
+
+struct Recorded {
+  tape::Tape tape;
+  Symbol symbol;
+};
+void record(const std::string& text, Recorded& recorded) {
+  auto parsed = Expression::parse(text);
+  ASSERT_TRUE(std::holds_alternative<Expression>(parsed)) << text;
+  const text::Word words[] = {{"x", Symbol::variable(recorded.tape, 0)},
+                              {"y", Symbol::variable(recorded.tape, 1)},
+                              {"t", Symbol::time(recorded.tape)}};
+  const auto made = std::get<Expression>(parsed).record(recorded.tape, words, true);
+  ASSERT_TRUE(std::holds_alternative<Symbol>(made)) << text;
+  recorded.symbol = std::get<Symbol>(made);
+}
+template <class T>
+T value(Recorded& recorded, const Symbol& of, const std::array<T, 2>& x) {
+  const tape::Index place = of.on(recorded.tape);
+  T result;
+  tape::Formula(recorded.tape, std::span(&place, 1)).evaluate(x.data(), 0.4, &result);
+  return result;
+}
+
+TEST(TapeOfText, DerivativesAreThoseOfDualNumbers) {
+  using D = Dual<double, 2>;
+  const std::array<double, 2> at{0.7, 1.3};
+  const std::array<D, 2> seeds{D::variable(at[0], 0), D::variable(at[1], 1)};
+  for (const char* text : texts_of_all_kinds) {
+    Recorded recorded;
+    record(text, recorded);
+    const auto gradient = tape::gradient(recorded.tape, recorded.symbol, std::array{0, 1});
+    const D truth = value(recorded, recorded.symbol, seeds);
+    EXPECT_EQ(truth.value, value(recorded, recorded.symbol, at)) << text;
+    for (std::size_t i = 0; i < 2; ++i)
+      EXPECT_NEAR(value(recorded, gradient[i], at), truth.slope[i], 1e-14 * (1 + std::abs(truth.slope[i]))) << text;
+    // Second derivatives: those of the gradient.
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto second = tape::gradient(recorded.tape, gradient[i], std::array{0, 1});
+      const D along = value(recorded, gradient[i], seeds);
+      for (std::size_t j = 0; j < 2; ++j)
+        EXPECT_NEAR(value(recorded, second[j], at), along.slope[j], 1e-13 * (1 + std::abs(along.slope[j]))) << text;
+    }
+  }
+}
+
+TEST(TapeOfText, WhatIsPrintedIsReadBack) {
+  const std::array<double, 2> at{0.7, 1.3};
+  for (const char* text : texts_of_all_kinds) {
+    Recorded first, again;
+    record(text, first);
+    const std::string printed =
+        text::print(first.tape, first.symbol, [](int i) { return std::string(i == 0 ? "x" : "y"); });
+    record(printed, again);
+    const double was = value(first, first.symbol, at), is = value(again, again.symbol, at);
+    EXPECT_NEAR(is, was, 1e-15 * (1 + std::abs(was))) << text << " → " << printed;
+  }
+}
+
+TEST(TapeOfText, KnowsOnWhatItDepends) {
+  const auto depends = [](const char* text) {
+    Recorded recorded;
+    record(text, recorded);
+    return tape::dependence(recorded.tape, recorded.symbol);
+  };
+  EXPECT_EQ(depends("x*t"), 1U | tape::on_time);
+  EXPECT_EQ(depends("exp(y)"), 2U);
+  EXPECT_EQ(depends("x - x + 0*y + 3"), 0U);
+}
+
+TEST(TapeOfText, OtherSymbolsTakeThePlaceOfVariables) {
+  Recorded recorded;
+  record("x^2*sin(y) + x*t", recorded);
+  tape::Tape other;
+  tape::Substitution fold(recorded.tape, other, [](int i) { return Symbol(i == 0 ? 3.0 : 0.5); });
+  const tape::Index place = fold(recorded.symbol).on(other);
+  double result = 0;
+  const double* const none = nullptr;
+  tape::Formula(other, std::span(&place, 1)).evaluate(none, 0.25, &result);
+  EXPECT_DOUBLE_EQ(result, 9 * std::sin(0.5) + 0.75);
+}
+
+}  // namespace

@@ -7,6 +7,12 @@ export async function catalogue() {
   return response.json();
 }
 
+/** Scenes as text to begin with: `[{name, title, note, problem, initial, scheme, until}]`, none where there are none. */
+export async function scenes() {
+  const response = await fetch("scenes.json").catch(() => null);
+  return response?.ok ? response.json() : [];
+}
+
 const headers = (accept) => ({ "Content-Type": "application/json", Accept: accept });
 
 /** Asks under `path` and resolves to the response, or to what is wrong; rejects only when aborted. */
@@ -48,6 +54,8 @@ async function ask(path, request, signal) {
   return response.ok && answer ? { outcome: answer } : refusal(response, answer);
 }
 
+/** The card of a scene as text. */
+export const describe = (problem, signal) => ask("v1/problems", { problem }, signal);
 export const simulate = (request, signal) => ask("v1/simulate", request, signal);
 export const stability = (request, signal) => ask("v1/stability", request, signal);
 

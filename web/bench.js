@@ -4,12 +4,14 @@ import { columns, diagnostics } from "./card.js";
 import { choose } from "./forms.js";
 import { names, toHash } from "./link.js";
 import { Live } from "./live.js";
+import { Own } from "./own.js";
 import { Pane } from "./pane.js";
 import { recordOf } from "./record.js";
 import { samples, Scene } from "./scene.js";
 import { Sight } from "./sight.js";
 import { Studies } from "./studies.js";
 import { Takeaway } from "./takeaway.js";
+import { custom, definitionOf, linked, unlinked } from "./text.js";
 import { equalWork } from "./work.js";
 
 const find = (selector) => document.querySelector(selector);
@@ -19,6 +21,10 @@ export class Bench {
   #catalogue;
   #went; // (hash) of a change
   #scene = new Scene();
+  #own = new Own({ typed: (card, definition) => this.#typed(card, definition), stirred: () => this.#pending || this.#dim(true),
+                   picked: (example) => example && this.#pick(example) });
+  #pending = null; // an experiment whose text is not read yet
+  #typing = false; // the last change was one of the text
   #panes = [];
   #sight = new Sight();
   #studies;
@@ -43,12 +49,19 @@ export class Bench {
 
   /** Sets everything to an experiment as a link holds it, `quietly` where the address says it already. */
   load(experiment, quietly = true) {
+    const { problems } = this.#catalogue;
+    if (experiment.problem?.id === custom) return this.#open(experiment, quietly);
+    this.#own.close();
+    this.#wait(null);
+    return this.#begin(problems.find(({ id }) => id === experiment.problem?.id) ?? problems[0], experiment, quietly);
+  }
+
+  #begin(problem, experiment, quietly, definition = null) {
     const { problems, schemes } = this.#catalogue;
-    const problem = problems.find(({ id }) => id === experiment.problem?.id) ?? problems[0];
     this.#outcomes = null;
     this.#sight.rest();
-    choose(find("#problem"), problems, problem.id);
-    this.#scene.load(problem, experiment);
+    choose(find("#problem"), [{ id: custom, title: "Your own scene" }, ...problems], problem.id);
+    this.#scene.load(problem, experiment, definition);
     const wanted = names.filter((name, i) => i < 2 || experiment[name]);
     this.#panes = wanted.map((name) => this.#panes.find((pane) => pane.name === name) ?? this.#newPane(name));
     for (const pane of this.#panes) pane.offer(problem, schemes, experiment[pane.name]);
@@ -58,8 +71,54 @@ export class Bench {
     this.request(quietly);
   }
 
+  /** Opens a scene as text; without one, the first of the examples. */
+  async #open(experiment, quietly) {
+    const texts = unlinked(experiment.problem);
+    choose(find("#problem"), [{ id: custom, title: "Your own scene" }, ...this.#catalogue.problems], custom);
+    this.#live.stop();
+    this.#wait(experiment);
+    if (!texts) {
+      const [first = { problem: { variables: ["q"], lagrangian: "(v^2 - q^2)/2" } }] = await this.#own.examples();
+      return this.#pending === experiment && this.#pick(first, quietly);
+    }
+    const { problem } = definitionOf(texts), card = await this.#own.open(problem);
+    if (this.#pending !== experiment) return;
+    if (!card) return void (find("#status").textContent = "This text cannot be read: see the marked place.");
+    const initial = await this.#own.startOf(card, problem, experiment.initial);
+    if (this.#pending !== experiment) return;
+    this.#wait(null);
+    this.#begin(card, { ...experiment, initial }, quietly, problem);
+  }
+
+  /** Waits for the text of an experiment: until it is read there is nothing to show. */
+  #wait(experiment) {
+    this.#pending = experiment;
+    for (const part of ["#results", "#scene"]) find(part).hidden = Boolean(experiment);
+    if (experiment) find("#status").textContent = "Reading the scene…";
+  }
+
+  /** A text was read: all that was set stays, as far as the new scene has it. */
+  #typed(card, definition) {
+    if (!card) return this.#dim(false);
+    const now = this.#pending ?? this.#experiment(true), { definition: before } = this.#scene;
+    const same = Object.entries(definition.parameters ?? {}).filter(([name, value]) => before?.parameters?.[name] === value);
+    const set = same.filter(([name]) => name in now.problem).map(([name]) => [name, now.problem[name]]);
+    const quietly = this.#typing;
+    this.#wait(null);
+    this.#begin(card, { ...now, problem: { ...linked(definition), ...Object.fromEntries(set) } }, quietly, definition);
+    this.#typing = true;
+  }
+
+  /** Begins with an example. */
+  #pick({ problem, initial = {}, until = {}, scheme, axes = {} }, quietly = false) {
+    const run = typeof scheme === "string" ? { id: scheme } : scheme;
+    this.load({ problem: linked({ ...problem, id: custom }), initial, until, axes, ...(run ? { A: run, B: { id: run.id } } : {}) }, quietly);
+  }
+
   close() {
     clearTimeout(this.#again);
+    this.#own.close();
+    this.#wait(null);
     this.#live.stop();
     this.#sight.rest();
   }
@@ -111,8 +170,8 @@ export class Bench {
   }
 
   /** The scene as it stands in a request. */
-  #sceneOf({ problem: { id, ...parameters }, preset, initial, until }) {
-    return { problem: { id, ...(preset ? { preset: preset.id } : {}), ...parameters }, initial, until };
+  #sceneOf({ problem, preset, initial, until }) {
+    return { problem: this.#scene.asked(problem, preset), initial, until };
   }
 
   /** What the studies ask for. */
@@ -126,7 +185,7 @@ export class Bench {
     const { problem, initial, until } = this.#sceneOf(now), card = this.#catalogue.schemes.find(({ id }) => id === scheme.id);
     const span = (until.t ?? this.#scene.start + this.#problem.until.t) - this.#scene.start;
     return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, span, most),
-             columns: columns(this.#problem, card, this.#scene.axes), diagnostics: diagnostics(this.#problem) };
+             columns: columns(this.#problem, card, this.#scene.axes, this.#scene.columns), diagnostics: diagnostics(this.#problem) };
   }
 
   get #runs() {
@@ -138,6 +197,8 @@ export class Bench {
 
   /** Asks for runs soon; several changes at once make one. `quietly`: the address does not change by a hand. */
   request(quietly = false) {
+    if (this.#pending) return;
+    this.#typing = false;
     this.#busy(true);
     clearTimeout(this.#scheduled);
     clearTimeout(this.#again);
@@ -158,8 +219,12 @@ export class Bench {
     this.#live.ask({ now: this.#experiment(), most: coarse });
   }
 
-  #busy(busy) {
+  #dim(busy) {
     find("#results").setAttribute("aria-busy", String(busy));
+  }
+
+  #busy(busy) {
+    this.#dim(busy);
     find("#stop").hidden = !busy;
   }
 
@@ -213,7 +278,8 @@ export class Bench {
       this.request();
     });
     find("#problem").addEventListener("change", ({ target: { value } }) => {
-      const kept = Object.fromEntries(this.#panes.map((pane) => [pane.name, { id: pane.chosen().id }]));
+      const kept = value === custom ? {}
+        : Object.fromEntries(this.#panes.map((pane) => [pane.name, { id: pane.chosen().id }]));
       this.load({ problem: { id: value }, ...(this.#visited.get(value) ?? kept) }, false);
     });
     find("#preset").addEventListener("change", ({ target: { value } }) => {
@@ -221,6 +287,7 @@ export class Bench {
       this.load({ ...kept, problem: { id: this.#problem.id }, preset: { id: value }, until: this.#scene.ownEnd }, false);
     });
     find("#initial").addEventListener("change", ({ target }) => target.dataset.name === "t" && this.#scene.moveEnd());
+    find("#columns").addEventListener("change", () => this.#scene.offerAxes());
     find("#axes").addEventListener("change", () => {
       this.#place();
       this.#went(toHash(this.#experiment(true)), false);
@@ -231,7 +298,7 @@ export class Bench {
     find("#experiment").addEventListener("slide", () => this.#follow());
     find("#experiment").addEventListener("change", ({ target }) => {
       if (target.closest("#studies")) this.#went(toHash(this.#experiment(true)), true);
-      else if (!target.closest("#problem, #preset, #axes, #motion, .curl")) this.request();
+      else if (!target.closest("#problem, #preset, #axes, #motion, .curl, #own")) this.request();
     });
     find("#add").addEventListener("click", () => this.#add());
     find("#even").addEventListener("click", () => this.#even());

@@ -8,11 +8,12 @@ export const motion = (problem) => problem.variables.filter((variable) => !varia
  * What may stand on an axis of the plane, as the options of a select: any column that is a number. The first two are the
  * usual choice.
  */
-export function axes(problem) {
+export function axes(problem, own = []) {
   const moving = [...motion(problem), { name: "t" }].map(({ name, symbol }) => ({ id: name, title: symbol || name }));
   const others = problem.columns.filter((name) => !["mode", "parameter"].includes(name) && !moving.some(({ id }) => id === name));
   const derived = problem.columns.includes("energy") ? [{ id: "error_of_energy", title: "|H − H₀| / |H₀|" }] : [];
-  return [...moving, ...others.map((name) => ({ id: name, title: words(name) })), ...derived];
+  return [...moving, ...others.map((name) => ({ id: name, title: words(name) })), ...derived,
+          ...own.map(({ name }) => ({ id: name, title: name }))];
 }
 
 /** The preset of a problem or a scheme by its name. */
@@ -64,15 +65,15 @@ export function schemePresets({ presets }) {
 }
 
 /** What there is to see of the energy: its "error" where the motion keeps it, else its "value", or "none" at all. */
-export function energyKind({ columns, invariants }) {
+export function energyKind({ columns, invariants, form }) {
   if (!columns.includes("energy")) return "none";
-  return invariants.some((invariant) => invariant.name === "energy") ? "error" : "value";
+  return form?.keeps_energy || invariants.some((invariant) => invariant.name === "energy") ? "error" : "value";
 }
 
-/** The columns to ask for, with `more`: of schemes that set their own clock, also how each sample was reached. */
-export const columns = (problem, scheme, more = []) => [...new Set([
+/** The columns to ask for, with `more` and `own` ones: of schemes that set their own clock, also how each sample was reached. */
+export const columns = (problem, scheme, more = [], own = []) => [...new Set([
   "t", ...motion(problem).map((variable) => variable.name), ...(energyKind(problem) === "none" ? [] : ["energy"]),
-  ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : []), ...more.filter((name) => problem.columns.includes(name))])];
+  ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : []), ...more.filter((name) => problem.columns.includes(name))]), ...own];
 
 /** Those of its diagnostics that the page shows: the others cost more than the run itself. */
 export const diagnostics = (problem) =>

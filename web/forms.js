@@ -79,9 +79,9 @@ function control(card, value) {
     for (const option of select.options) option.selected = chosen.includes(option.value);
     return select;
   }
-  return element("input", { type: "text", inputMode: "decimal", spellcheck: false, value: value ?? "",
-                            placeholder: card.nullable ? card.word ?? "off"
-                              : String(card.default ?? (card.optional ? "auto" : "off")) });
+  return element("input", { type: "text", inputMode: card.type === "text" ? "text" : "decimal", spellcheck: false, value: value ?? "",
+                            placeholder: card.hint ?? (card.nullable ? card.word ?? "off"
+                              : String(card.default ?? (card.optional ? "auto" : "off"))) });
 }
 
 function range(card) {
@@ -106,6 +106,7 @@ export function values(container, changed = false) {
     if (kind === "flag") read[name] = input.checked;
     else if (kind === "list") read[name] = [...input.selectedOptions].map((option) => option.value);
     else if (kind === "choice") read[name] = input.value;
+    else if (kind === "text" && text !== "") read[name] = text;
     else if (text !== "") read[name] = Number.isFinite(Number(text)) ? Number(text) : text;
     else if ("nullable" in input.dataset) read[name] = input.dataset.nullable || null;
   }

@@ -1,10 +1,11 @@
 // What is on the screen as the part of the address behind `#`, and back: `lesson=orbit`, or an experiment,
 // `problem=kepler&initial.x=0&A=leapfrog&A.step=0.01…`, which has the sections of a request and its schemes under the names
 // of the runs: {problem: {id, …}, preset: {id}, initial: {…}, until: {t}, record: {samples}, axes: {x, y}, A: {id, …}, …}.
-// What has its default is left out.
+// What has its default is left out. The text of a scene of one's own stands in the section of its problem.
+import { linked } from "./text.js";
 
 export const names = ["A", "B", "C", "D", "E", "F"];
-const sections = ["problem", "preset", "initial", "until", "record", "axes", "view", "study", ...names];
+const sections = ["problem", "preset", "initial", "until", "record", "columns", "axes", "view", "study", ...names];
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();
@@ -13,7 +14,7 @@ export function toHash(experiment) {
       pairs.append(name === "id" ? section : `${section}.${name}`, value === null ? "" : String(value));
     }
   }
-  return `#${pairs}`.replaceAll("%2C", ",");
+  return `#${pairs}`.replace(/%(2C|28|29|2F|3D)/g, decodeURIComponent);
 }
 
 /** Values come back as text; the fields they go to know what they are. `unread`: what means nothing. */
@@ -42,7 +43,7 @@ export const lessonHash = (id, { set, steps } = {}) =>
 /** The workbench with these requests, as far as they are of one scene: that of the first. */
 export function benchLink(requests) {
   const scene = ({ problem, initial, until }) => ({ problem, initial, until }), first = JSON.stringify(scene(requests[0]));
-  const { problem: { preset, ...problem }, ...rest } = scene(requests[0]);
+  const { problem: { preset, ...asked }, ...rest } = scene(requests[0]), problem = linked(asked);
   const schemes = requests.filter((request) => JSON.stringify(scene(request)) === first).map(({ scheme }) => scheme);
   return toHash({ problem, ...(preset ? { preset: { id: preset } } : {}), ...rest,
                   ...Object.fromEntries(schemes.map((scheme, i) => [names[i], typeof scheme === "string" ? { id: scheme } : scheme])) });

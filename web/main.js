@@ -5,15 +5,20 @@ import { element } from "./forms.js";
 import { Lesson } from "./lesson.js";
 import { lessons } from "./lessons.js";
 import { fromHash, lessonHash, lessonOf } from "./link.js";
+import { custom } from "./text.js";
 
 const find = (selector) => document.querySelector(selector);
-let bench = null, lesson = null, shown = null;
+let bench = null, lesson = null, shown = null, at = "";
 
-/** Puts `hash` into the address: as a step to go back from, unless it only spells out what stands there. */
+/**
+ * Puts `hash` into the address: as a step to go back from, unless it only spells out what stands there. An address that has
+ * changed meanwhile stays: what it says is about to be shown.
+ */
 function note(hash, quietly) {
-  if (hash === location.hash) return;
+  if (hash === location.hash || location.hash !== at) return;
   if (quietly) history.replaceState(null, "", hash);
   else history.pushState(null, "", hash);
+  at = location.hash;
 }
 
 function tell(text) {
@@ -38,13 +43,14 @@ function show(part, selector) {
 
 /** Shows what the address says. */
 function route(catalogue) {
-  const at = location.hash || lessonHash(lessons[0].id), link = lessonOf(at);
+  at = location.hash;
+  const asked = at || lessonHash(lessons[0].id), link = lessonOf(asked);
   if (link) {
     show(lesson, "#lesson");
     return tell(lesson.open(link.id, link.state) ? "" : `There is no lesson “${link.id}”; this is the first.`);
   }
-  const { experiment, unread } = fromHash(at), { id } = experiment.problem ?? {};
-  const known = catalogue.problems.some((problem) => problem.id === id);
+  const { experiment, unread } = fromHash(asked), { id } = experiment.problem ?? {};
+  const known = catalogue.problems.some((problem) => problem.id === id) || id === custom;
   const wrong = [...(id && !known ? [`problem=${id}`] : []), ...unread];
   tell(wrong.length ? `Of this link, ${wrong.join(", ")} means nothing here; the rest is shown.` : "");
   show(bench, "#experiment");

@@ -131,7 +131,7 @@ export class Pane {
 
   /** An entry of the list of faults that leads to the field, where there is one. */
   #fault(fault, containers) {
-    const input = showFault(containers, fault);
+    const own = /^\/columns\/\d+/.test(fault.pointer ?? ""), input = showFault(containers, own ? { ...fault, pointer: "/columns/more" } : fault);
     if (!input) return note("fault", `${fault.pointer ? `${fault.pointer}: ` : ""}${faultText(fault)}`);
     const lead = element("button", { type: "button", textContent: words(input.dataset.name) });
     lead.addEventListener("click", () => input.focus());

@@ -1,41 +1,28 @@
 // The form of a scene: its problem with parameters, its start, its span.
 import { axes, cards, presetOf } from "./card.js";
 import { build, choose, clearFaults, element, prose, values, words } from "./forms.js";
+import { formulaOf } from "./math.js";
+import { entries, linked, overrides } from "./text.js";
 
 const find = (selector) => document.querySelector(selector);
-const forms = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record") };
+const forms = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record"),
+                columns: find("#columns") };
 export const samples = { name: "samples", label: "points drawn", default: 10000,
                          doc: "how many points of each run are drawn, at most" };
+const more = { name: "more", label: "more columns", type: "text", default: "", hint: "r = sqrt(x^2 + y^2)",
+               doc: "columns of your own, name = formula, one after the other with commas" };
 const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]") };
 const logs = { x: find("#axes [name=logx]"), y: find("#axes [name=logy]") };
 
-/** A formula in as many lines as its equations, for none to be cut off. */
-function formulaOf(text) {
-  const math = new DOMParser().parseFromString(text, "text/html").querySelector("math");
-  if (!math) return [];
-  const lines = [[]];
-  for (const part of math.childNodes) {
-    const said = part.textContent, long = lines.at(-1).reduce((n, { textContent }) => n + textContent.length, 0) > 10;
-    const sum = part.localName === "mo" && ["+", "−"].includes(said) && long;
-    if (sum) lines.push([]);
-    if (part.localName === "mo" && said === ",") lines.push([]);
-    else lines.at(-1).push(part);
-  }
-  return lines.filter((line) => line.length).map((line) => {
-    const one = document.createElementNS("http://www.w3.org/1998/Math/MathML", "math");
-    one.setAttribute("display", "block");
-    one.append(...line.map((part) => document.importNode(part, true)));
-    return one;
-  });
-}
-
 export class Scene {
   problem = null;
+  definition = null; // of a scene as text, as a request holds it
   fields = Object.values(forms);
 
   /** Sets every form to an experiment as a link holds it; what it leaves out takes its default. */
-  load(problem, experiment) {
+  load(problem, experiment, definition = null) {
     this.problem = problem;
+    this.definition = definition;
     const preset = this.#offerPresets(experiment.preset?.id);
     const { parameters, initial } = cards(problem, preset);
     build(forms.problem, parameters, "/problem", experiment.problem);
@@ -43,9 +30,10 @@ export class Scene {
     const until = { name: "t", label: "until t", default: this.start + problem.until.t, doc: "when the run ends" };
     build(forms.until, [until], "/until", experiment.until);
     build(forms.record, [samples], "/record", experiment.record);
+    build(forms.columns, [more], "/columns", experiment.columns);
     forms.problem.parentElement.hidden = problem.parameters.length === 0;
-    this.#offerAxes(experiment.axes);
-    find("#formula").replaceChildren(...formulaOf(problem.formula));
+    this.offerAxes(experiment.axes ?? {});
+    find("#formula").replaceChildren(...(definition ? [] : formulaOf(problem.formula)));
     find("#summary").replaceChildren(...prose(problem.summary));
     find("#references ul").replaceChildren(...problem.references.map((textContent) => element("li", { textContent })));
   }
@@ -60,8 +48,13 @@ export class Scene {
     return preset;
   }
 
-  #offerAxes(chosen = {}) {
-    const options = axes(this.problem), known = (id) => options.some((option) => option.id === id);
+  /** Columns that are typed: `[{name, expression}]`. */
+  get columns() {
+    return entries(values(forms.columns).more ?? "").map(({ name, value }) => ({ name, expression: value ?? "" }));
+  }
+
+  offerAxes(chosen = { x: axis.x.value, y: axis.y.value, log: this.log }) {
+    const options = axes(this.problem, this.columns), known = (id) => options.some((option) => option.id === id);
     choose(axis.x, options, known(chosen.x) ? chosen.x : options[0].id);
     choose(axis.y, options, known(chosen.y) ? chosen.y : options[1].id);
     for (const name of ["x", "y"]) logs[name].checked = (chosen.log ?? "").includes(name);
@@ -102,7 +95,14 @@ export class Scene {
     const { problem, ...rest } = Object.fromEntries(Object.entries(forms).map(([name, form]) => [name, values(form, changed)]));
     const preset = find("#preset").value, [x, y] = this.axes, options = [...axis.x.options].map(({ value }) => value), log = this.log;
     const seen = { ...(changed && x === options[0] ? {} : { x }), ...(changed && y === options[1] ? {} : { y }), ...(log ? { log } : {}) };
-    return { problem: { id: this.problem.id, ...problem }, ...(preset ? { preset: { id: preset } } : {}), ...rest, axes: seen };
+    const own = this.definition ? linked(this.definition) : { id: this.problem.id };
+    return { problem: { ...own, ...problem }, ...(preset ? { preset: { id: preset } } : {}), ...rest, axes: seen };
+  }
+
+  /** The problem as a request holds it. */
+  asked({ id, ...parameters }, preset) {
+    if (this.definition) return { ...this.definition, ...overrides(this.definition, values(forms.problem)) };
+    return { id, ...(preset ? { preset: preset.id } : {}), ...parameters };
   }
 
   /** Moves the start to values by name. */

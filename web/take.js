@@ -1,15 +1,17 @@
 // To take away: a request as a command line, a program or itself; a trajectory as a table; a picture.
 
+/** JSON that a text between quotes of any program may hold: no text of a reader's ends it. */
+const quoted = (request) => JSON.stringify(request).replaceAll("'", "\\u0027");
 const address = () => new URL("v1/simulate", document.baseURI);
 
 /** What makes the same run elsewhere. */
 export const forms = {
-  curl: (request) => `curl -s ${address()} -d '${JSON.stringify(request).replaceAll("'", "'\\''")}'`,
+  curl: (request) => `curl -s ${address()} -d '${quoted(request)}'`,
   JSON: (request) => JSON.stringify(request, null, 1),
   Python: (request) => `import json, urllib.error, urllib.request
 import numpy
 
-request = json.loads(r'''${JSON.stringify(request)}''')
+request = json.loads(r'''${quoted(request)}''')
 try:
     answer = json.load(urllib.request.urlopen("${address()}", json.dumps(request).encode()))
 except urllib.error.HTTPError as refusal:

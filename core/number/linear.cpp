@@ -65,6 +65,20 @@ void solve_refined(std::size_t n, const T* a, const T* b, T* x) {
   }
 }
 
+void invert_in_place(std::size_t n, double* a) {
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::Map<Square<Eigen::Dynamic>> rows(a, size, size);
+  Square<Eigen::Dynamic> factored = rows;
+  Eigen::Ref<Square<Eigen::Dynamic>> in_place(factored);
+  const Factors<Eigen::Dynamic> lu(in_place);
+  Column<Eigen::Dynamic> axis(size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    axis.setZero();
+    axis[k] = 1;
+    rows.col(k) = lu.solve(axis);
+  }
+}
+
 }  // namespace
 
 template <class T>
@@ -85,19 +99,7 @@ template void detail::solve_by_lu(std::size_t, long double*, const long double*,
 template void detail::solve_by_lu(std::size_t, Quad*, const Quad*, Quad*);
 #endif
 
-void detail::invert(std::size_t n, double* a) {
-  const auto size = static_cast<Eigen::Index>(n);
-  Eigen::Map<Square<Eigen::Dynamic>> rows(a, size, size);
-  Square<Eigen::Dynamic> factored = rows;
-  Eigen::Ref<Square<Eigen::Dynamic>> in_place(factored);
-  const Factors<Eigen::Dynamic> lu(in_place);
-  Column<Eigen::Dynamic> unit(size);
-  for (Eigen::Index k = 0; k < size; ++k) {
-    unit.setZero();
-    unit[k] = 1;
-    rows.col(k) = lu.solve(unit);
-  }
-}
+void detail::invert(std::size_t n, double* a) { invert_in_place(n, a); }
 
 double detail::determinant_by_lu(std::size_t n, double* a) {
   const auto size = static_cast<Eigen::Index>(n);

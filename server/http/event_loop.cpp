@@ -195,6 +195,9 @@ void EventLoop::accept() {
 void EventLoop::add(int socket, std::string client) {
   const int yes = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  // What the system holds for a client counts as taken: no more than a few seconds of the slowest that is borne.
+  const int held = 256 * 1024;
+  ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &held, sizeof held);
   const Id id = ++last_;
   try {
     connections_.try_emplace(id, socket, std::move(client), bounds_, lifecycle_, handler_, [this, id] { call(id); });

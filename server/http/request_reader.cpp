@@ -27,13 +27,16 @@ Received RequestReader::read() {
     if (auto refusal = read_trailer()) return Refused{std::move(*refusal), message_.head.method};
   }
   if (part_ != Part::whole) return {};
+  constexpr std::size_t small = 64 * 1024;  // what a connection that idles may keep of a large body
+  if (buffer_.empty() && buffer_.capacity() > small) std::string().swap(buffer_);
   part_ = Part::head;
   return std::exchange(message_, {});
 }
 
 RequestReader::Awaits RequestReader::awaits() const {
   if (part_ != Part::head) return Awaits::body;
-  return buffer_.empty() ? Awaits::request : Awaits::head;
+  constexpr std::size_t tolerated = 2;  // some clients end a body with a line of their own
+  return buffer_.empty() && blank_ <= tolerated ? Awaits::request : Awaits::head;
 }
 
 bool RequestReader::asks_to_continue() { return std::exchange(asks_, false); }
@@ -45,10 +48,14 @@ Refused RequestReader::too_late() const {
 
 std::optional<Refused> RequestReader::read_head() {
   // Blank lines before a request are tolerated (RFC 9112, 2.2), within the same bounds.
-  while (buffer_.starts_with("\r\n")) {
-    buffer_.erase(0, 2);
+  std::size_t blank = 0;
+  while (buffer_.compare(blank, 2, "\r\n") == 0) blank += 2;
+  if (blank > 0) {
+    buffer_.erase(0, blank);
     looked_ = 0;
+    blank_ += blank;
   }
+  if (blank_ > bounds_.head.bytes) return Refused{{400, "nothing but blank lines"}, ""};
   const auto end = buffer_.find("\r\n\r\n", looked_);
   const std::string known = buffer_.starts_with("HEAD ") ? "HEAD" : "";
   if (std::min(end, buffer_.size()) > bounds_.head.bytes) {
@@ -65,6 +72,7 @@ std::optional<Refused> RequestReader::read_head() {
   const auto framing = framing_of(*head, bounds_.body);
   if (!framing) return Refused{framing.error(), head->method};
   buffer_.erase(0, end + 4);
+  blank_ = 0;
   framing_ = *framing;
   message_ = {std::move(*head), {}, framing_.keep_alive};
   asks_ = framing_.expects_continue && buffer_.empty();
@@ -95,6 +103,8 @@ std::optional<Refusal> RequestReader::read_chunks() {
       if (!is_field_value(*line)) return malformed_chunks();  // a bare line feed may end the line for another reader
       std::uint32_t size = 0;
       const auto digits = std::min(line->find_first_of("; \t"), line->size());
+      const auto rest = std::min(line->find_first_not_of(" \t", digits), line->size());
+      if (rest < line->size() && (*line)[rest] != ';') return malformed_chunks();
       const auto [stop, error] = std::from_chars(line->data(), line->data() + digits, size, 16);
       if (error == std::errc::result_out_of_range) return Refusal{413, "a chunk is too large"};
       if (error != std::errc() || stop != line->data() + digits) return malformed_chunks();
@@ -124,6 +134,7 @@ std::optional<Refusal> RequestReader::read_trailer() {
       part_ = Part::whole;
       return std::nullopt;
     }
+    if (!is_field_value(*line)) return malformed_chunks();  // as above
     trailer_ += line->size() + 2;
   }
   return Refusal{431, "the trailer is too large"};

@@ -66,6 +66,7 @@ class RequestReader {
   std::string buffer_;  // received, not yet read: a client may send requests ahead
   Part part_ = Part::head;
   std::size_t looked_ = 0;            // so much of a head has no end in it
+  std::size_t blank_ = 0;             // bytes of blank lines before it
   Message message_;                   // from its head on
   Framing framing_;                   // of it
   std::optional<std::size_t> chunk_;  // bytes of a chunk that are to come, where its size has

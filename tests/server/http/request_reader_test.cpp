@@ -50,6 +50,12 @@ TEST(RequestReader, DoesNotCareWhereBytesAreCut) {
       {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n33\r\n", {"413"}},
       {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n0\r\n" + std::string(300, 'a'), {"400"}},
       {"POST /a HTTP/1.1\r\n" + host + "Content-Length: 51\r\n\r\n", {"413"}},
+      // A bare line feed ends a line for other readers: what follows would be another request to them.
+      {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n0\r\n\n\r\nGET /b HTTP/1.1\r\n" + host + "\r\n", {"400"}},
+      {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n2 junk\r\nab\r\n0\r\n\r\n", {"400"}},
+      {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n2 \t;x\r\nab\r\n0\r\n\r\n", {"POST /a ab", "nothing"}},
+      {"\r\n", {"nothing"}},
+      {"\r\n\r\n", {"head"}},
       {"GET /" + std::string(300, 'a'), {"431"}},
       {"GET /a HTTP/1.1\r\nHost: x\n\r\n", {"400"}},
   };
@@ -58,6 +64,17 @@ TEST(RequestReader, DoesNotCareWhereBytesAreCut) {
       EXPECT_EQ(read_in(row.bytes, piece), row.expected) << piece << ' ' << row.bytes;
     }
   }
+}
+
+TEST(RequestReader, BlankLinesHaveABound) {
+  const RequestBounds bounds{{200, 100, 5}, 50};
+  RequestReader reader(bounds);
+  std::size_t sent = 0;
+  for (; sent < 300; sent += 20) {
+    reader.buffer() += std::string("\r\n\r\n\r\n\r\n\r\n\r\n\r\n\r\n\r\n\r\n");
+    if (std::holds_alternative<Refused>(reader.read())) break;
+  }
+  EXPECT_EQ(sent, 200U) << "and no request came of them";
 }
 
 TEST(RequestReader, AsksOnceForABodyThatIsAwaited) {

@@ -137,7 +137,7 @@ constexpr X derivative(const P& m, const X& x) {
     const auto slopes = m.slopes(x.q, x.p, x.action.s, f);
     d.q = slopes.by_p;
     for (std::size_t i = 0; i < d.p.size(); ++i) d.p[i] = -slopes.by_q[i] - x.p[i] * slopes.by_s;
-    d.action.s = dot(x.p, d.q) - m.hamiltonian(x.q, x.p, x.action.s, f);
+    if (m.reads_action()) d.action.s = dot(x.p, d.q) - m.hamiltonian(x.q, x.p, x.action.s, f);
   } else {
     d.q = velocity(m, x.q, x.p);
     d.p = lagrangian_force(m, x.q, d.q, f);

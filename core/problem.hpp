@@ -98,7 +98,8 @@ struct HamiltonianSlopes {
   Vec<N, T> by_q, by_p;
   T by_s;
 };
-/// Any H(q, p, s, t), of which no more is known; the state carries s.
+/// Any H(q, p, s, t), of which no more is known; the state carries s, which rests where H does not read it:
+/// reads_action() says so.
 template <class P>
 concept GeneralHamiltonian = requires(const P& m, const Vec<P::dof>& q) {
   { m.hamiltonian(q, q, 0.0, phase(m, 0.0)) } -> std::convertible_to<double>;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/run/save_schedule.hpp"
+#include "core/text/scene.hpp"
 
 namespace least {
 
@@ -28,6 +29,10 @@ void run_lone_members(const EnsemblePlan& plan, Block& block, const std::atomic<
   Harvest& harvest = block.harvest;
   for (std::int64_t i = block.first; i < block.first + block.count && !cancelled; ++i) {
     request.scene = member_scene(plan, i);
+    if (const auto* text = request.scene->mechanics->text(); text && text->objection(request.scene->parameters)) {
+      ++harvest.ended[static_cast<std::size_t>(ReturnCode::singular)];  // no run begins with a mass that is none
+      continue;
+    }
     Samples rows;
     const Solution solution = request.scene->mechanics->run(request, rows, cancelled);
     ++harvest.ended[static_cast<std::size_t>(solution.stop.reason)];

@@ -43,7 +43,8 @@ class HamiltonianGaussStepper {
       rate[i] = slopes.by_p[i];
       rate[n_ + i] = scale * slopes.by_q[i];
     }
-    rate[2 * n_] = dot(p, slopes.by_p) - problem_.hamiltonian(q, p, s, phase(problem_, t));
+    rate[2 * n_] = U(0);
+    if (problem_.reads_action()) rate[2 * n_] = dot(p, slopes.by_p) - problem_.hamiltonian(q, p, s, phase(problem_, t));
     rate[2 * n_ + 1] = scale * slopes.by_s;
   }
 
@@ -88,9 +89,8 @@ class HamiltonianGaussStepper {
 
     for (auto& z : z_) z = T(0);
     std::array<T, most> update;
-    double scale = 0, before = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < width_; ++i) scale += std::abs(middle[i]);
-    const double small = 8 * Precision<T>::epsilon * scale;
+    double start_size = 0, before = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < width_; ++i) start_size += std::abs(middle[i]);
     for (int k = 0;; ++k) {
       if (k == most_iterations) return StepStatus::solver_failed;
       for (std::size_t j = 0; j < M; ++j) {
@@ -105,13 +105,15 @@ class HamiltonianGaussStepper {
           for (std::size_t b = 0; b < M; ++b) wrong = wrong - (h * rule.a[a][b]) * rates_[b * width_ + i];
           update[a * width_ + i] = wrong;
         }
-      double size = 0;
+      double size = 0, scale = start_size;
       for (std::size_t a = 0; a < all; ++a) {
         T change = matrix_[a * all] * update[0];
         for (std::size_t b = 1; b < all; ++b) change = change + matrix_[a * all + b] * update[b];
         z_[a] = z_[a] - change;
         size += size_of_number(change);
+        scale += std::abs(value_of_number(z_[a]));
       }
+      const double small = 8 * Precision<T>::epsilon * scale;
       if (!(size < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
       if (size <= small || (size >= 0.5 * before && size <= 1e3 * small)) break;  // no better than round-off
       if (k % patience == patience - 1 && size > 1e-2 * before) {

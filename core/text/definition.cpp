@@ -23,6 +23,12 @@ std::span<const std::string_view> reserved_keys() {
   return keys;
 }
 
+std::span<const std::string_view> column_names() {
+  static constexpr std::array<std::string_view, 6> names{
+      "step_size", "mode", "parameter", "error", "discrete_energy", "mechanical_energy"};
+  return names;
+}
+
 std::string Definition::key() const {
   std::string key = "custom:" + std::to_string(static_cast<int>(kind));
   const auto append = [&](std::string_view part) { key.append(std::to_string(part.size())).append(":").append(part); };

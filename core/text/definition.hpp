@@ -35,6 +35,9 @@ struct Definition {
 /// Keys of a scene as text, which no parameter can be called.
 std::span<const std::string_view> reserved_keys();
 
+/// Columns of every scene, which no variable and no invariant can be called.
+std::span<const std::string_view> column_names();
+
 /// The velocity and the momentum of a coordinate: of x they are vx and px, of q1 v1 and p1.
 std::string velocity_name(std::string_view coordinate);
 std::string momentum_name(std::string_view coordinate);

@@ -67,6 +67,9 @@ class Parser {
     bool bracket = false;
   };
 
+  /// What waits: of each bracket itself, a function, and what stands before it.
+  static constexpr std::size_t deepest = 5 * most_nesting;
+
   void skip_space() {
     while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r'))
       ++at_;
@@ -83,6 +86,7 @@ class Parser {
     const char c = text_[at_];
     if (c == '(') return open();
     if (c == '-' || c == '+') {
+      if (c == '-' && stack_.size() > deepest) return too_deep();
       if (c == '-') stack_.push_back({{Kind::minus, 0, here(), 0, {}}});
       ++at_;
       return std::nullopt;
@@ -93,9 +97,11 @@ class Parser {
     return stranger();
   }
 
+  /// Signs and powers that wait for what follows nest as brackets do.
+  Fault too_deep() const { return {at_, "is nested too deep", std::to_string(most_nesting) + " at most"}; }
+
   std::optional<Fault> open() {
-    if (++nesting_ > most_nesting)
-      return Fault{at_, "brackets are nested too deep", std::to_string(most_nesting) + " at most"};
+    if (++nesting_ > most_nesting) return too_deep();
     stack_.push_back({{Kind::number, 0, here(), 0, {}}, true});
     ++at_;
     return std::nullopt;
@@ -151,6 +157,7 @@ class Parser {
       postfix.push_back(stack_.back().token);
       stack_.pop_back();
     }
+    if (stack_.size() > deepest) return too_deep();
     stack_.push_back({{kind, 0, here(), 0, {}}});
     ++at_;
     expects_operand_ = true;
@@ -321,7 +328,7 @@ std::string Expression::mathml(const std::function<std::string(std::string_view)
         left = {row(bracketed(left, left.binds < mine) + sign + bracketed(right, wrap)), mine};
       }
     }
-    if (stack.back().markup.size() > 200'000) return "<mi>…</mi>";
+    if (stack.back().markup.size() > 50'000) return "<mi>…</mi>";
   }
   return stack.back().markup;
 }

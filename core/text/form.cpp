@@ -76,14 +76,12 @@ class Reader : TextReader {
     Matrix second;
     for (std::size_t i = 0; i < n(); ++i) {
       second.push_back(tape::gradient(tape, slope[i], moving()));
+      if (!lagrangian && std::ranges::all_of(second[i], is_zero)) return general(*text);
       if (std::ranges::all_of(second[i], is_zero)) {
-        const std::string name = lagrangian ? velocity_name(given_.variables[i]) : momentum_name(given_.variables[i]);
         return fault(pointer,
-                     lagrangian ? "is not regular: it is not quadratic in " + name +
-                                      ", so that its second "
-                                      "derivative by the velocities has no inverse"
-                                : "is not regular: it is not quadratic in " + name,
-                     "a kinetic energy of every " + std::string(lagrangian ? "velocity" : "momentum"));
+                     "is not regular: it is not quadratic in " + velocity_name(given_.variables[i]) +
+                         ", so that its second derivative by the velocities has no inverse",
+                     "a kinetic energy of every velocity");
       }
     }
     if (lagrangian) {
@@ -110,7 +108,11 @@ class Reader : TextReader {
         of_linear == 0 && (of_second & (tape::on_time | on_action)) == 0 && (of_action & (on_places | on_momenta)) == 0;
     if (natural && take_action(lagrangian ? -by_action : by_action, potential) && take_metric(second, lagrangian))
       return;
-    if (lagrangian) form_->hamiltonian = legendre(second, linear, potential);
+    if (lagrangian) {
+      const auto raised = inverse(second);
+      if (!raised) return fault(pointer, "is not regular: its second derivative by the velocities has no inverse");
+      form_->hamiltonian = legendre(*raised, linear, potential);
+    }
     general(form_->hamiltonian);
   }
 
@@ -240,17 +242,28 @@ class Reader : TextReader {
     }
     const bool timed = (tape::dependence(form_->tape, form_->potential) & tape::on_time) != 0;
     if (form_->kind != FormKind::separable || timed) return false;
-    const Matrix metric = lagrangian ? second : inverse(second);
-    for (const auto& row : metric) form_->metric.insert(form_->metric.end(), row.begin(), row.end());
+    // Of a metric the elimination takes no pivots but those of the diagonal.
+    for (std::size_t i = 0; i < n(); ++i)
+      if (is_zero(second[i][i])) return false;
+    const auto metric = lagrangian ? std::optional(second) : inverse(second);
+    if (!metric) return false;
+    for (const auto& row : *metric) form_->metric.insert(form_->metric.end(), row.begin(), row.end());
+    if (!lagrangian)
+      for (const auto& row : second) form_->hessian.insert(form_->hessian.end(), row.begin(), row.end());
     settle(FormKind::metric);
     return true;
   }
 
-  /// By elimination, without pivots: of what is definite.
-  Matrix inverse(Matrix a) {
+  /// By elimination; rows change places where a pivot is zero whatever the values. Nothing where there is no other.
+  std::optional<Matrix> inverse(Matrix a) {
     Matrix b(n(), std::vector<Symbol>(n(), Symbol(0)));
     for (std::size_t i = 0; i < n(); ++i) b[i][i] = 1;
-    for (std::size_t k = 0; k < n(); ++k)
+    for (std::size_t k = 0; k < n(); ++k) {
+      std::size_t row = k;
+      while (row < n() && is_zero(a[row][k])) ++row;
+      if (row == n()) return std::nullopt;
+      std::swap(a[k], a[row]);
+      std::swap(b[k], b[row]);
       for (std::size_t i = 0; i < n(); ++i) {
         if (i == k || is_zero(a[i][k])) continue;
         const Symbol f = a[i][k] / a[k][k];
@@ -259,13 +272,13 @@ class Reader : TextReader {
           b[i][j] = b[i][j] - f * b[k][j];
         }
       }
+    }
     for (std::size_t i = 0; i < n(); ++i)
       for (std::size_t j = 0; j < n(); ++j) b[i][j] = b[i][j] / a[i][i];
     return b;
   }
   /// H of L = ½ vᵀg v + a·v − V.
-  Symbol legendre(const Matrix& metric, const std::vector<Symbol>& linear, const Symbol& potential) {
-    const Matrix raised = inverse(metric);
+  Symbol legendre(const Matrix& raised, const std::vector<Symbol>& linear, const Symbol& potential) {
     std::vector<Symbol> kinetic;
     for (std::size_t i = 0; i < n(); ++i) kinetic.push_back(variable(first_momentum + static_cast<int>(i)) - linear[i]);
     Symbol twice = 0;
@@ -311,7 +324,8 @@ class Reader : TextReader {
       const std::string& name = invariant.first;
       const std::string pointer = pointer_to("/invariants/", name);
       const bool taken = std::ranges::any_of(known, [&](const Word& word) { return word.name == name; });
-      if (!is_name(name) || name.size() > longest_name || taken || name == "energy") {
+      const bool column = name == "energy" || std::ranges::find(column_names(), name) != column_names().end();
+      if (!is_name(name) || name.size() > longest_name || taken || column) {
         fault(pointer, "\"" + name.substr(0, 40) + "\" cannot be the name of an invariant",
               "a letter, then letters, digits, _, and nothing else's name");
       } else if (const auto value = record(pointer, invariant.second, known)) {

@@ -26,7 +26,13 @@ std::string number(double x) {
 }
 Piece constant(double x) { return {number(x), x < 0 ? 3 : 5}; }
 
-std::string in(const Piece& x, int tighter) { return x.binds < tighter ? "(" + x.text + ")" : x.text; }
+/// Joined without a literal in front of a text that may be moved, which g++ 12 takes for an overrun.
+std::string joined(std::initializer_list<std::string_view> parts) {
+  std::string text;
+  for (const std::string_view part : parts) text.append(part);
+  return text;
+}
+std::string in(const Piece& x, int tighter) { return x.binds < tighter ? joined({"(", x.text, ")"}) : x.text; }
 
 /// `-x`, and what is left of it.
 bool negative(const Piece& x) { return x.binds == 3; }
@@ -73,23 +79,23 @@ Piece of_node(const Node& node, const std::vector<Piece>& made, const std::funct
     case Op::add:
     case Op::subtract: {
       const bool adds = (node.op == Op::add) != negative(part(node.b));
-      return {in(part(node.a), 1) + (adds ? " + " : " - ") + in(without_sign(part(node.b)), 2), 1};
+      return {joined({in(part(node.a), 1), adds ? " + " : " - ", in(without_sign(part(node.b)), 2)}), 1};
     }
     case Op::multiply:
-      if (node.a == node.b) return {in(part(node.a), 5) + "^2", 4};
+      if (node.a == node.b) return {joined({in(part(node.a), 5), "^2"}), 4};
       if (part(node.a).text == "-1" && negative(part(node.b))) return without_sign(part(node.b));
-      if (part(node.a).text == "-1") return {"-" + in(part(node.b), 3), 3};
-      return {in(part(node.a), 2) + "*" + in(part(node.b), 4), 2};
+      if (part(node.a).text == "-1") return {joined({"-", in(part(node.b), 3)}), 3};
+      return {joined({in(part(node.a), 2), "*", in(part(node.b), 4)}), 2};
     case Op::divide:
-      return {in(part(node.a), 2) + "/" + in(part(node.b), 4), 2};
+      return {joined({in(part(node.a), 2), "/", in(part(node.b), 4)}), 2};
     case Op::power:
-      return {in(part(node.a), 5) + "^" + in(constant(node.value), 5), 4};
+      return {joined({in(part(node.a), 5), "^", in(constant(node.value), 5)}), 4};
     case Op::raise:
-      return {in(part(node.a), 5) + "^" + in(part(node.b), 5), 4};
+      return {joined({in(part(node.a), 5), "^", in(part(node.b), 5)}), 4};
     case Op::select:  // of |x| alone
-      return {"abs(" + part(node.c).text + ")"};
+      return {joined({"abs(", part(node.c).text, ")"})};
     default:
-      return {std::string(function(node.op)) + "(" + part(node.a).text + ")"};
+      return {joined({function(node.op), "(", part(node.a).text, ")"})};
   }
 }
 

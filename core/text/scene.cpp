@@ -151,8 +151,10 @@ ProblemCard TextScene::described() const {
     const bool acting = form->kind == FormKind::contact_linear || form->kind == FormKind::contact_quadratic ||
                         form->kind == FormKind::hamiltonian || form->kind == FormKind::lagrangian;
     if (acting) {
-      add("s", "action");
-      card.variables.back().optional = !form->reads_action;
+      const bool rests = !form->reads_action && form->kind != FormKind::contact_linear;
+      add(rests ? "·s" : "s", rests ? "of no use here" : "action");
+      card.variables.back().hidden = rests;
+      card.variables.back().optional = !rests && !form->reads_action;
     }
   }
   for (const auto& parameter : definition.parameters)
@@ -224,8 +226,10 @@ std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<cons
   }
   const double determinant = detail::determinant_by_lu(n, matrix.data());
   if (std::isfinite(determinant) && std::abs(determinant) > 1e-14 * volume) return std::nullopt;
-  return Objection{"/lagrangian",
-                   "is not regular at the start: its second derivative by the velocities has no inverse there"};
+  const bool lagrangian = definition.kind == Definition::Kind::lagrangian;
+  return Objection{lagrangian ? "/lagrangian" : "/hamiltonian",
+                   std::string("is not regular at the start: its second derivative by the ") +
+                       (lagrangian ? "velocities" : "momenta") + " has no inverse there"};
 }
 
 std::vector<std::pair<std::string, std::string>> TextScene::equations() const {

@@ -6,7 +6,8 @@
 #include "core/text/folding.hpp"
 
 namespace least::text {
-Formulas::Formulas(const Form& form, std::span<const double> parameters) : coordinates(form.coordinates) {
+Formulas::Formulas(const Form& form, std::span<const double> parameters)
+    : coordinates(form.coordinates), reads_action(form.reads_action) {
   Folding fold(form.tape, parameters);
   std::vector<int> places, all;
   for (std::size_t i = 0; i < coordinates; ++i) places.push_back(static_cast<int>(i));
@@ -57,7 +58,22 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
     for (std::size_t i = 0; i < n; ++i) wrong += std::abs(p[i] - all[i]);
     return wrong;
   };
+  const auto singular_at = [&](const auto& at) {
+    for (std::size_t i = 0; i < n; ++i)
+      if (!(std::abs(at[n + i * n + i]) > 0)) return true;
+    return false;
+  };
+  // From rest; where nothing leads away from there, from the momenta themselves and from one to either side.
   double wrong = look(v);
+  const double starts[] = {1, -1};
+  if (!std::isfinite(wrong) || singular_at(all)) {
+    for (const double share : starts) {
+      Vec<most_coordinates> other{};
+      for (std::size_t i = 0; i < n; ++i) other[i] = share * (p[i] != 0 ? p[i] : 1);
+      wrong = look(v = other);
+      if (std::isfinite(wrong) && !singular_at(all)) break;
+    }
+  }
   for (int round = 0; round < most_rounds && wrong > 0; ++round) {
     for (std::size_t i = 0; i < most_coordinates; ++i) {
       hessian[i].fill(0);

@@ -20,6 +20,7 @@ struct Formulas {
   Formulas(const Form& form, std::span<const double> parameters);
 
   std::size_t coordinates = 0;
+  bool reads_action = false;
   tape::Formula potential, gradient, damping, metric, rates, invariants;
   tape::Formula hamiltonian, slopes;  ///< of (q, p, s): H; H_q, H_p, H_s
   tape::Formula momenta;              ///< of (q, v, s): ∂L/∂v, then ∂²L/∂v² row by row
@@ -146,6 +147,7 @@ struct HamiltonianScene {
   std::shared_ptr<const Formulas> formulas;
 
   std::size_t coordinates() const { return formulas->coordinates; }
+  bool reads_action() const { return formulas->reads_action; }
   template <class T, class S>
   T hamiltonian(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
     T h;
@@ -181,6 +183,7 @@ struct LagrangianScene {
   std::shared_ptr<const Formulas> formulas;
 
   std::size_t coordinates() const { return formulas->coordinates; }
+  bool reads_action() const { return formulas->reads_action; }
   template <class T, class S>
   T hamiltonian(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
     const Vec<dof, T> v = velocities(q, p, s, t);

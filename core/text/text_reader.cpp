@@ -26,6 +26,7 @@ void TextReader::check_names() {
   if (given_.variables.empty() || given_.variables.size() > static_cast<std::size_t>(most))
     return fault("/variables", "must name at least one variable and not too many", "1 to " + std::to_string(most));
   std::set<std::string, std::less<>> taken{"t", "s", "pi", "energy"};
+  for (const auto column : column_names()) taken.emplace(column);
   for (const auto function : function_names()) taken.emplace(function);
   const auto take = [&](const std::string& pointer, const std::string& name, std::string_view what) {
     if (!is_name(name) || name.size() > longest_name) {

@@ -326,7 +326,9 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   if (plan.section && plan.section->plane && !moves_in_lanes(plan)) {
     top.at("section")
         .at("expression")
-        .fault("is not looked for here: from a singular start, and with a slope, members do not move in lanes",
+        .fault(request.scene->mechanics->text()
+                   ? "is not looked for in members of a scene as text: its crossings at times are"
+                   : "is not looked for here: from a singular start, and with a slope, members do not move in lanes",
                root["section"]["expression"], "{\"period\": …}, a later start, other columns");
     return faults;
   }

@@ -143,7 +143,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   const FieldPath path = top.at("problem");
   const PresetCard* preset = nullptr;
   if (const Json* json = find(root, "problem"); json->is_object()) {
-    Names keys = keys_of(card.parameters, {"id", "preset"});
+    Names keys = text ? keys_of(card.parameters, {}) : keys_of(card.parameters, {"id", "preset"});
     if (text) keys.insert(keys.end(), text::reserved_keys().begin(), text::reserved_keys().end());
     read_object(*json, path, keys, card.id);
     if ((preset = read_preset(*json, path, card)) != nullptr) {

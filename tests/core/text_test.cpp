@@ -141,7 +141,11 @@ TEST(Text, IsBoundedInDepthAndLength) {
   EXPECT_FALSE(read(calls + "x" + std::string(99, ')')).fault);
   EXPECT_TRUE(read(std::string(10'001, '1')).fault);
   EXPECT_FALSE(read(std::string(9'999, ' ') + "1").fault);
-  EXPECT_FALSE(read(std::string(9'999, '-') + "x").fault) << "signs are no nesting";
+  EXPECT_FALSE(read(std::string(400, '-') + "x").fault);
+  EXPECT_TRUE(read(std::string(9'999, '-') + "x").fault) << "signs and powers that wait are bounded, too";
+  std::string tower = "x";
+  for (int i = 0; i < 3000; ++i) tower += "^y";
+  EXPECT_TRUE(read(tower).fault);
   const auto operations = [](int count) {  // no two alike
     std::string typed = "x";
     for (int i = 2; i < count; ++i) typed += "+" + std::to_string(i) + "*x";

@@ -62,6 +62,9 @@ TEST_F(CustomHttp, FormsAreFoundNotDeclared) {
       {R"~("variables":["x","y"],"lagrangian":"(vx^2 + vy^2)/2 + x*vy - y*vx")~", "hamiltonian", true, true},
       {R"~("variables":["x"],"lagrangian":"(1 + x^2)*vx^2/2 - x^4 - 0.1*s")~", "hamiltonian", true, false},
       {R"~("variables":["x"],"lagrangian":"-sqrt(1 - vx^2) - x^2")~", "lagrangian", true, true},
+      {R"~("variables":["x","y"],"hamiltonian":"px*py + x*y")~", "hamiltonian", true, true},
+      {R"~("variables":["x","y"],"lagrangian":"vx*vy - x*y")~", "hamiltonian", true, true},
+      {R"~("variables":["x"],"hamiltonian":"px*x")~", "hamiltonian", true, true},
       {R"~("variables":["x","v"],"equations":{"x":"v","v":"-x"})~", "flow", true, false},
       {R"~("variables":["x","v"],"equations":{"x":"v","v":"-x + cos(t)"})~", "flow", false, false},
   };
@@ -157,6 +160,37 @@ TEST_F(CustomHttp, ARegularStartIsAskedFor) {
   EXPECT_EQ(only_fault(polar(R"({"r":1,"vphi":1,"pr":0})"))["pointer"], "/initial/vphi");
 }
 
+// Where H does not read s there is none: no scheme, no error and no column knows of it, whatever is added to H.
+TEST_F(CustomHttp, AnActionThatIsNotReadIsNotThere) {
+  const auto run = [&](const std::string& more) {
+    return run_of(port(), R"~({"problem":{"id":"custom","variables":["x"],"hamiltonian":"(px + 0.1*x^2)^2/2 + x^2/2)~" +
+                              more +
+                              R"~("},"initial":{"x":1},"scheme":{"id":"runge_kutta_4","step":0.3},"until":{"t":30},
+        "record":{"every":0},"diagnostics":["error","structure"]})~");
+  };
+  const Json plain = run(""), lifted = run(" + 1000");
+  ASSERT_EQ(plain.value("status", ""), "completed") << plain;
+  EXPECT_FALSE(plain["final"].contains("s"));
+  EXPECT_EQ(plain["final"], lifted["final"]);
+  EXPECT_EQ(plain["diagnostics"]["error"], lifted["diagnostics"]["error"]);
+  EXPECT_GT(plain["diagnostics"]["error"]["final"], 1e-4);
+  const Json solved = run_of(port(), R"~({"problem":{"id":"custom","variables":["x"],
+      "hamiltonian":"(px + 0.1*x)^2/2 + 1e6*x"},"scheme":{"id":"contact_gauss","step":0.1},"until":{"t":1},
+      "record":{"every":0},"diagnostics":["structure"]})~");
+  ASSERT_EQ(solved.value("status", ""), "completed") << solved;
+  EXPECT_EQ(solved["diagnostics"]["structure"]["kind"], "symplectic");
+  EXPECT_LT(solved["diagnostics"]["structure"]["max_defect"], 1e-12);
+}
+
+TEST_F(CustomHttp, AMemberWithoutAMassDoesNotCount) {
+  const Json answer = Json::parse(ask(port(), post("/v1/ensemble", R"({"problem":{"id":"custom","variables":["x"],
+      "parameters":{"m":1},"potential":"x^2/2","masses":{"x":"m"}},"initial":{"x":1},"scheme":"leapfrog",
+      "until":{"t":1},"members":{"vary":{"/problem/m":{"values":[-1,0,1,2]}}}})"))
+                                      .body);
+  EXPECT_EQ(answer.value("completed", 0), 2) << answer;
+  EXPECT_EQ(answer["stopped"]["singular"], 2) << answer;
+}
+
 // p = v/√(1 − v²) has no formula that the service is told: the velocity is found from it.
 TEST_F(CustomHttp, ALagrangianThatIsNotQuadraticIsIterated) {
   const std::string l = R"~({"problem":{"id":"custom","variables":["q"],"lagrangian":"-sqrt(1 - v^2) - q^2/2"})~",
@@ -207,6 +241,10 @@ TEST_F(CustomHttp, FaultsNameTheirPlace) {
       {R"~("variables":["x"],"potential":"abs(x)")~", "/problem/potential", 0, "derivative"},
       {R"("variables":["x"],"potential":")" + deep + R"(")", "/problem/potential", 100, "nested"},
       {R"("variables":["x"],"potential":")" + long_text + R"(")", "/problem/potential", -2, "too long"},
+      {R"("variables":["x"],"potential":")" + std::string(9999, '-') + R"(x")", "/problem/potential", -2, "nested"},
+      {R"~("variables":["x","y"],"lagrangian":"(vx + vy)^2/2 - x*vx")~", "/problem/lagrangian", -1, "not regular"},
+      {R"~("variables":["error"],"equations":{"error":"1"})~", "/problem/variables/0", -1, "already"},
+      {R"~("variables":["x"],"potential":"x","invariants":{"mode":"px"})~", "/problem/invariants/mode", -1, "name"},
       {R"~("variables":["x"],"potential":"2x")~", "/problem/potential", 1, "product"},
       {R"~("variables":["x"],"potential":"x + é")~", "/problem/potential", 4, "ASCII"},
       {R"~("variables":["é"],"potential":"1")~", "/problem/variables/0", -1, "name"},

@@ -41,6 +41,11 @@ FullStateOf<P> state_at(const P&, const Z& z) {
 /// The form that the exact motion keeps is the contact form; else it is the symplectic one.
 template <class P>
 inline constexpr bool has_contact_form = Contact<P> || GeneralHamiltonian<P>;
+template <class P>
+bool acts([[maybe_unused]] const P& problem) {
+  if constexpr (GeneralHamiltonian<P>) return problem.reads_action();
+  return has_contact_form<P>;
+}
 
 /// The largest defect of the form that the exact motion keeps over single steps that the run took: MᵀJM − J, or
 /// φ*η − λη with λ of the first of them as `factor`. Null where there is no such step. A scheme that keeps the form of
@@ -57,6 +62,16 @@ struct StructureRow {
     Report report(const RunEnd<P, X>& end) const {
       double most = unknown, factor = unknown;
       for_each_tangent(end, [&](const auto& x, const auto& tangent) {
+        if constexpr (GeneralHamiltonian<P>) {
+          if (!end.problem.reads_action()) {  // s rests, and takes no part
+            constexpr int both = 2 * P::dof;
+            Mat<both> block;
+            for (std::size_t a = 0; a < both; ++a)
+              for (std::size_t b = 0; b < both; ++b) block[a][b] = tangent.m[a][b];
+            most = std::fmax(most, symplectic_defect(block));
+            return;
+          }
+        }
         if constexpr (has_contact_form<P>) {
           const auto [defect, lambda] = contact_defect(x, tangent);
           most = std::fmax(most, defect);
@@ -66,8 +81,11 @@ struct StructureRow {
         }
       });
       Report report = numbers("structure", {{"max_defect", most}, {"factor", factor}});
-      const bool contact = has_contact_form<P> && end.scheme.structure != "none";
-      insert(report, 0, words("kind", contact ? "contact" : end.scheme.structure));
+      const bool kept = end.scheme.structure != "none", general = GeneralHamiltonian<P>;
+      insert(report, 0,
+             words("kind", kept && acts(end.problem) ? "contact"
+                           : kept && general         ? "symplectic"
+                                                     : end.scheme.structure));
       return report;
     }
   };

@@ -79,8 +79,9 @@ class Reader : TextReader {
       if (!lagrangian && std::ranges::all_of(second[i], is_zero)) return general(*text);
       if (std::ranges::all_of(second[i], is_zero)) {
         return fault(pointer,
-                     "is not regular: it is not quadratic in " + velocity_name(given_.variables[i]) +
-                         ", so that its second derivative by the velocities has no inverse",
+                     std::string("is not regular: it is not quadratic in ")
+                         .append(velocity_name(given_.variables[i]))
+                         .append(", so that its second derivative by the velocities has no inverse"),
                      "a kinetic energy of every velocity");
       }
     }

@@ -79,7 +79,7 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
     const auto p = tape::gradient(tape, lagrangian, momenta), force = tape::gradient(tape, lagrangian, places);
     for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(momentum_name(names[i]), p[i]);
     for (std::size_t i = 0; i < n; ++i)
-      rates.all.emplace_back("d" + momentum_name(names[i]) + "/dt", force[i] + p[i] * by_s);
+      rates.all.emplace_back(std::string("d").append(momentum_name(names[i])).append("/dt"), force[i] + p[i] * by_s);
     return;
   } else {
     h = copy(form.potential);

@@ -20,8 +20,8 @@ struct TextForm {
 /// Those of this build; it may leave some out.
 std::span<const TextForm> text_forms();
 
-/// The mechanics that a definition describes, or everything that is wrong with it. Takes no more than a few
-/// milliseconds, whatever the text. Throws std::runtime_error where this build leaves the form out.
+/// The mechanics that a definition describes, or everything that is wrong with it. Throws std::runtime_error where this
+/// build leaves the form out.
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
     text::Definition definition);
 

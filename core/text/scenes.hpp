@@ -140,14 +140,24 @@ std::array<T, std::size_t(first_parameter)> joined(const Vec<most_coordinates, T
   return x;
 }
 
-/// Any H(q, p, s, t)
-struct HamiltonianScene {
+/// What is the same where only H is known.
+struct GeneralScene {
   static constexpr int dof = most_coordinates;
   static constexpr bool reads_time = true;
   std::shared_ptr<const Formulas> formulas;
 
   std::size_t coordinates() const { return formulas->coordinates; }
   bool reads_action() const { return formulas->reads_action; }
+  template <class T, class S>
+  std::array<T, most_invariants> invariants(const Vec<dof, T>& q, const Vec<dof, T>& p, const S& t) const {
+    std::array<T, most_invariants> values{};
+    formulas->invariants.evaluate(joined(q, p, T(0)).data(), t, values.data());
+    return values;
+  }
+};
+
+/// Any H(q, p, s, t)
+struct HamiltonianScene : GeneralScene {
   template <class T, class S>
   T hamiltonian(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
     T h;
@@ -167,23 +177,12 @@ struct HamiltonianScene {
     slopes.by_s = all[2 * n];
     return slopes;
   }
-  template <class T, class S>
-  std::array<T, most_invariants> invariants(const Vec<dof, T>& q, const Vec<dof, T>& p, const S& t) const {
-    std::array<T, most_invariants> values{};
-    formulas->invariants.evaluate(joined(q, p, T(0)).data(), t, values.data());
-    return values;
-  }
 };
 
 /// Any regular L(q, v, s, t): H = p·v − L with v from p = ∂L/∂v.
-struct LagrangianScene {
-  static constexpr int dof = most_coordinates;
-  static constexpr bool reads_time = true;
+struct LagrangianScene : GeneralScene {
   static constexpr bool iterates = true;
-  std::shared_ptr<const Formulas> formulas;
 
-  std::size_t coordinates() const { return formulas->coordinates; }
-  bool reads_action() const { return formulas->reads_action; }
   template <class T, class S>
   T hamiltonian(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
     const Vec<dof, T> v = velocities(q, p, s, t);
@@ -201,12 +200,6 @@ struct LagrangianScene {
     for (std::size_t i = 0; i < n; ++i) slopes.by_q[i] = -all[1 + i];
     slopes.by_s = -all[1 + n];
     return slopes;
-  }
-  template <class T, class S>
-  std::array<T, most_invariants> invariants(const Vec<dof, T>& q, const Vec<dof, T>& p, const S& t) const {
-    std::array<T, most_invariants> values{};
-    formulas->invariants.evaluate(joined(q, p, T(0)).data(), t, values.data());
-    return values;
   }
 
  private:

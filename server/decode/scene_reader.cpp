@@ -100,7 +100,7 @@ std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath&
 
 namespace {
 
-// The coordinates of a card with one half of it, the velocities of a Lagrangian for its momenta.
+// What a start may say in the place of momenta; nothing where no Lagrangian is given.
 std::vector<std::string> velocity_names(const text::TextScene& scene) {
   std::vector<std::string> names;
   if (!scene.takes_velocities()) return names;

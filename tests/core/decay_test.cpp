@@ -36,6 +36,20 @@ TEST(Decay, HasNoErrorOfItsOwn) {
   EXPECT_LT(ask(varying, "decay/max_residual"), 1e-11);
 }
 
+// Many short steps of order 10 do nothing to the law but round.
+TEST(Decay, SaysWhatRoundingMakesOfIt) {
+  for (const char* problem : {"damped_oscillator", "driven_oscillator"})
+    for (const double h : {0.05, 0.01, 0.002}) {
+      Request request = asking(problem, "contact_leapfrog", "decay");
+      runs::set(request, "composition", "sofroniou_spaletta_10");
+      runs::set(request, "step", h);
+      request.end = 20;
+      const double floor = ask(request, "decay/floor"), residual = ask(request, "decay/max_residual");
+      EXPECT_LT(residual, 4 * floor) << problem << ", h = " << h;
+      EXPECT_GT(residual, floor / 100) << problem << ", h = " << h;
+    }
+}
+
 /// The largest change of H eᴬ − G along a trajectory, G by Simpson's rule over pairs of steps.
 TEST(Decay, IsWhatTheSchemeDoesToTheLaw) {
   for (const char* scheme : {"contact_leapfrog", "contact_variational_midpoint"}) {

@@ -53,6 +53,15 @@ Json examples_of(std::string_view path, const Cards& cards) {
   return all;
 }
 
+}  // namespace
+
+Json example_of(std::string_view path, const Cards& cards) {
+  const Json all = examples_of(path, cards);
+  return all.empty() ? Json() : all.front()["value"];
+}
+
+namespace {
+
 Json refusal(const char* why) {
   return {{"description", why},
           {"content", {{"application/problem+json", {{"schema", reference("ProblemDocument")}}}}}};

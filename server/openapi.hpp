@@ -10,4 +10,7 @@ namespace least::server {
 /// GET /v1/openapi.json. Its examples are requests that are answered with 200.
 std::string write_openapi(const Cards& cards, const Caps& caps);
 
+/// One of those of a POST path; null for other paths.
+Json example_of(std::string_view path, const Cards& cards);
+
 }  // namespace least::server

@@ -1,12 +1,18 @@
 #include "server/options.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
+#include <span>
+#include <vector>
 
 #include "core/catalogue/catalogue.hpp"
+#include "server/decode/wording.hpp"
 
 namespace least::server {
 namespace {
@@ -68,6 +74,45 @@ void add_serve(CLI::App& app, Options& options) {
       ->delimiter(',');
 }
 
+/// Whether a command line names an option, alone or with its value.
+bool names_option(std::span<const char* const> arguments, std::string_view option) {
+  return std::any_of(arguments.begin(), arguments.end(),
+                     [&](std::string_view argument) { return argument.substr(0, argument.find('=')) == option; });
+}
+
+/// What may have been meant by a word that the program does not know, as the rest of a sentence; else nothing.
+std::string meant(const CLI::App& app, std::span<const char* const> arguments) {
+  const CLI::App* command = &app;
+  std::vector<std::string> options;
+  for (const std::string_view argument : arguments) {
+    Names known;
+    if (argument.starts_with("--")) {
+      options.clear();
+      for (const CLI::Option* option : command->get_options()) options.push_back(option->get_name());
+      known.assign(options.begin(), options.end());
+    } else if (command == &app) {
+      for (const CLI::App* each : app.get_subcommands({})) known.push_back(each->get_name());
+    }
+    const auto word = argument.substr(0, argument.find('='));
+    if (!known.empty() && std::find(known.begin(), known.end(), word) == known.end()) {
+      const auto close = closest(word, known);
+      if (!close.empty()) return fmt::format("leastaction: no `{}`; did you mean `{}`?\n", word, close);
+      if (command == &app) return fmt::format("leastaction: no `{}`; there are {}\n", word, listed(known));
+      return {};
+    }
+    if (command == &app && !argument.starts_with("-")) command = app.get_subcommand(std::string(argument));
+  }
+  return {};
+}
+
+/// A message that begins with an option whose value came from the environment names the variable.
+std::string with_its_source(std::string message, std::span<const char* const> arguments) {
+  const std::string option = message.substr(0, message.find(':'));
+  if (!option.starts_with("--") || names_option(arguments, option)) return message;
+  const std::string variable = environment_name(option);
+  return std::getenv(variable.c_str()) ? variable + message.substr(option.size()) : message;
+}
+
 }  // namespace
 
 Result<Options, int> parse_options(int argc, char** argv) {
@@ -102,7 +147,15 @@ Result<Options, int> parse_options(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
+    const std::span<const char* const> arguments(argv + 1, argv + std::max(argc, 1));
+    if (e.get_exit_code() != 0) {
+      const std::string help = meant(app, arguments);
+      const std::string message =
+          help.empty() ? fmt::format("leastaction: {}\n", with_its_source(e.what(), arguments)) : help;
+      fmt::print(stderr, "{}Run with --help for more information.\n", message);
+      return 1;
+    }
+    return app.exit(e);
   }
   options.command = serve->parsed()      ? Command::serve
                     : run->parsed()      ? Command::run

@@ -1,8 +1,11 @@
 #include "server/service.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/catalogue/catalogue.hpp"
+#include "server/decode/scene_reader.hpp"
+#include "server/decode/wording.hpp"
 #include "server/encode/catalogue_json.hpp"
 #include "server/encode/index_json.hpp"
 #include "server/encode/problem_document.hpp"
@@ -47,6 +50,25 @@ void add_texts(Router& router, const Cards& cards, const Caps& caps) {
   router.add_text("/v1/schemes", "/v1/schemes", json, list_schemes(cards));
 }
 
+// Where somebody may have wanted to go, or what to send there.
+std::string hint(const Cards& cards, int status, std::string_view path) {
+  if (status == 405) {
+    const Json example = example_of(path, cards);
+    return example.is_null() ? std::string() : "; POST it a request, like " + example.dump();
+  }
+  std::vector<std::string> known{"/v1/catalogue", "/v1/problems", "/v1/schemes", "/v1/openapi.json"};
+  for (const ComputedRoute& route : computed_routes) known.emplace_back(route.path);
+  const auto last = path.rfind('/');
+  for (const auto& [folder, ids] : {std::pair{std::string("/v1/problems/"), names_of(cards.problems)},
+                                    std::pair{std::string("/v1/schemes/"), names_of(cards.schemes)}}) {
+    if (path.substr(0, last + 1) != folder) continue;
+    const auto id = closest(path.substr(last + 1), ids);
+    return id.empty() ? "; " + folder.substr(0, folder.size() - 1) + " lists what there is"
+                      : "; did you mean \"" + folder + std::string(id) + "\"?";
+  }
+  return did_you_mean(path, Names(known.begin(), known.end()));
+}
+
 }  // namespace
 
 Service::Service(const Settings& settings, std::span<const Asset> assets)
@@ -57,6 +79,7 @@ Service::Service(const Settings& settings, std::span<const Asset> assets)
   for (const Asset& asset : assets) router.add_page(asset);
   add_texts(router, context_.cards, context_.caps);
   add_probes(router);
+  router.add_hint([this](int status, std::string_view path) { return hint(context_.cards, status, path); });
   for (const ComputedRoute& route : computed_routes) {
     router.add_computed(
         route.path, [this, answer = route.answer](const HttpRequest& request) { return answer(context_, request); });

@@ -107,6 +107,32 @@ class Scout final : public nlohmann::json_sax<Json> {
   std::size_t values_ = 0;
 };
 
+struct Foreign {
+  std::string_view word, why;
+};
+// What other languages write, and where a text of theirs ends to be JSON.
+constexpr Foreign foreign[] = {
+    {"NaN", "NaN is not JSON, whose numbers are finite"},
+    {"nan", "nan is not JSON, whose numbers are finite"},
+    {"Infinity", "Infinity is not JSON, whose numbers are finite"},
+    {"-Infinity", "Infinity is not JSON, whose numbers are finite"},
+    {"inf", "inf is not JSON, whose numbers are finite"},
+    {"None", "None is not JSON, which says null"},
+    {"True", "True is not JSON, which says true"},
+    {"False", "False is not JSON, which says false"},
+    {"'", "a string of JSON stands in double quotes"},
+    {"//", "JSON has no comments"},
+    {"/*", "JSON has no comments"},
+};
+
+std::string why_not_json(std::string_view text, std::size_t byte, std::string said) {
+  // The parser reads on while it may be a literal: `nan` as far as `na`, for null; a minus, for a number.
+  for (std::size_t back = 0; back <= std::min<std::size_t>(byte, 2); ++back)
+    for (const auto& [word, why] : foreign)
+      if (back < word.size() && text.substr(byte - back).starts_with(word)) return std::string(why);
+  return said;
+}
+
 }  // namespace
 
 Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& bounds) {
@@ -120,7 +146,10 @@ Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& 
     if (scout.bound_broken) return parsed;
     const std::size_t length = scout.error_token.size();
     const std::size_t start = scout.error_at - std::min(scout.error_at, length);
-    if (!scout.overflow) return NotJson{scout.error_at == 0 ? 0 : scout.error_at - 1, scout.detail};
+    if (!scout.overflow) {
+      const std::size_t byte = scout.error_at == 0 ? 0 : scout.error_at - 1;
+      return NotJson{byte, why_not_json(text, std::min(byte, text.size()), scout.detail)};
+    }
     // Each overflow costs a pass: stop where reading on would no longer help anybody.
     if (overflows == 16 || text.substr(start, length) != scout.error_token) return parsed;
     if (patched.empty()) patched = text;

@@ -56,6 +56,8 @@ void Router::add_probe(std::string_view path, Probe probe) { probes_.emplace(pat
 
 void Router::add_computed(std::string_view path, Prepare prepare) { computed_.emplace(path, std::move(prepare)); }
 
+void Router::add_hint(Hint hint) { hint_ = std::move(hint); }
+
 // A page of another site can make a browser resolve its own name to this machine; then the name in Host gives it away.
 bool Router::host_allowed(const RequestHead& head) const {
   if (head.authority.empty() && head.count("host") == 0) return true;  // HTTP/1.0: no browser
@@ -115,7 +117,8 @@ Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, s
   const auto endpoint = computed_.find(head.path);
   const bool has_text = found != fixed_.end(), can_compute = endpoint != computed_.end();
   const bool computes = can_compute && (!has_text || head.method == "POST");
-  if (!can_compute && !probes && !has_text) return error_(404, "nothing is at this path", request.id);
+  if (!can_compute && !probes && !has_text)
+    return error_(404, "nothing is at this path" + hint_(404, head.path), request.id);
   route = computes ? endpoint->first : probes ? probe->first : found->second.route;
 
   if (head.method == "OPTIONS") {
@@ -127,7 +130,7 @@ Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, s
     return answer;
   }
   if (computes ? head.method != "POST" : head.method != "GET" && head.method != "HEAD") {
-    Answer answer = error_(405, head.method + " does not go with this path", request.id);
+    Answer answer = error_(405, head.method + " does not go with this path" + hint_(405, head.path), request.id);
     answer.headers.emplace_back("Allow", allowed(can_compute, has_text));
     return answer;
   }

@@ -27,6 +27,9 @@ struct Access {
 /// How the service words an error; `detail` may be empty.
 using ErrorAnswer = Answer (*)(int status, std::string_view detail, std::string_view request_id);
 
+/// What helps further beside a refusal, 404 or 405, of a path; begins as the rest of a sentence does, may be empty.
+using Hint = std::function<std::string(int status, std::string_view path)>;
+
 /// What is left to compute of an answer when a request was read and found good, once there is a place for it. What it
 /// throws is a fault of the service.
 using Job = std::function<Answer(Admission::Pass)>;
@@ -55,6 +58,7 @@ class Router {
   void add_probe(std::string_view path, Probe probe);
   /// POST: computed for each request. `path` lives on.
   void add_computed(std::string_view path, Prepare prepare);
+  void add_hint(Hint hint);
 
   /// Whether a request is answered within microseconds: it need not be handed to a thread that may take its time.
   bool is_short(const RequestHead& head) const;
@@ -84,6 +88,7 @@ class Router {
 
   Access access_;
   ErrorAnswer error_;
+  Hint hint_ = [](int, std::string_view) { return std::string(); };
   std::map<std::string, Fixed> fixed_;  // answers made once, by path
   std::map<std::string_view, Prepare> computed_;
   std::map<std::string_view, Probe> probes_;

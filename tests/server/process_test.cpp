@@ -82,9 +82,20 @@ TEST(Command, CatalogueVersionAndHelp) {
   Process help({"serve", "--help"});
   EXPECT_NE(help.output().find("LEASTACTION_PORT"), std::string::npos);
   EXPECT_EQ(help.wait(), 0);
-  Process mistake({"serve", "--prot", "1"});
-  EXPECT_NE(mistake.errors(), "");
-  EXPECT_EQ(mistake.wait(), 1);
+  const auto mistaken = [](const std::vector<std::string>& arguments,
+                           const std::vector<std::string>& environment = {}) {
+    Process mistake(arguments, "", environment);
+    const std::string errors = mistake.errors();
+    EXPECT_EQ(mistake.output(), "");
+    EXPECT_EQ(mistake.wait(), 1);
+    return errors.substr(0, errors.find('\n'));
+  };
+  EXPECT_EQ(mistaken({"serve", "--prot", "1"}), "leastaction: no `--prot`; did you mean `--port`?");
+  EXPECT_EQ(mistaken({"serv"}), "leastaction: no `serv`; did you mean `serve`?");
+  EXPECT_EQ(mistaken({"bogus"}), "leastaction: no `bogus`; there are serve, run, ensemble, merge, catalogue, health");
+  EXPECT_NE(mistaken({}).find("subcommand"), std::string::npos);
+  EXPECT_EQ(mistaken({"serve"}, {"LEASTACTION_PORT=abc"}).find("leastaction: LEASTACTION_PORT: "), 0u);
+  EXPECT_EQ(mistaken({"serve", "--port=abc"}, {"LEASTACTION_PORT=1"}).find("leastaction: --port: "), 0u);
 }
 
 TEST(Command, OptionsComeFromTheEnvironment) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <functional>
 #include <future>
 #include <list>
@@ -225,14 +226,15 @@ TEST_F(Leaving, AHalfClosedClientIsAdvisedAsAnyOther) {
   EXPECT_EQ(half["final"], whole["final"]);
 }
 
-// Choosing and running keep the limit together.
+// Choosing and running keep the limit together. In seconds of the processor: of others that are at work on the machine
+// the service can do nothing.
 TEST_F(Leaving, AutoKeepsTheLimitOfSeconds) {
-  const auto from = Ticks::now();
+  const std::clock_t from = std::clock();
   const Reply reply = ask(service->port(), post("/v1/simulate", R"({"problem":"kepler",
     "initial":{"x":1,"y":0,"px":0,"py":1.1},"scheme":{"id":"auto","accuracy":1e-3,"keep":["structure"]},
     "until":{"t":200000},"record":{"every":0},"columns":["t","x"],"diagnostics":["structure","error","momenta"],
     "limits":{"seconds":1.5,"steps":10000000000}})"));
-  EXPECT_LT(std::chrono::duration<double>(Ticks::now() - from).count(), 2.3) << reply.body;
+  EXPECT_LT(static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC, 2.3) << reply.body;
 }
 
 // A megabyte of words that nobody knows is refused before they have cost much.

@@ -30,6 +30,20 @@ TEST(JsonText, TellsWhereTextIsNoJson) {
   EXPECT_FALSE(parse_json(std::string_view("[1]\0", 4)));
 }
 
+TEST(JsonText, NamesWhatOtherLanguagesWrite) {
+  const auto why = [](std::string_view text) {
+    const auto parsed = parse_json(text);
+    return parsed ? std::string() : parsed.error().detail;
+  };
+  for (const char* word : {"NaN", "nan", "Infinity", "-Infinity", "inf", "None", "True", "False"})
+    for (const std::string& text : {"{\"t\":" + std::string(word) + "}", "[1, " + std::string(word) + "]"})
+      EXPECT_NE(why(text).find(" is not JSON, "), std::string::npos) << text;
+  EXPECT_NE(why("{'a': 1}").find("double quotes"), std::string::npos);
+  EXPECT_NE(why("{\"a\": 1 // one\n}").find("comments"), std::string::npos);
+  EXPECT_EQ(why("{\"a'\" 1}").find("double quotes"), std::string::npos);
+  EXPECT_EQ(why("[nothing]").find(" is not JSON, "), std::string::npos);
+}
+
 TEST(JsonText, CollectsDuplicateKeysAndOverflowsWithTheirPlaces) {
   const auto parsed = parse_json(R"({"a": {"x": 1, "x": 2}, "b/c": [0, -1e400, {"y": 1e999}], "d": 7})");
   ASSERT_TRUE(parsed);

@@ -43,6 +43,22 @@ TEST_F(Http, DescribesItself) {
   EXPECT_EQ(ask(port(), get("/healthz")).status, 200);
 }
 
+TEST_F(Http, ShowsTheWayFromAMistakenPath) {
+  const auto detail = [&](std::string_view path) {
+    return Json::parse(ask(port(), get(std::string(path))).body)["detail"].get<std::string>();
+  };
+  EXPECT_NE(detail("/v1/problems/keplr").find("did you mean \"/v1/problems/kepler\"?"), std::string::npos);
+  EXPECT_NE(detail("/v1/schemes/rk4").find("did you mean \"/v1/schemes/runge_kutta_4\"?"), std::string::npos);
+  EXPECT_NE(detail("/v1/problems/xyzzy").find("/v1/problems lists"), std::string::npos);
+  EXPECT_NE(detail("/v1/simulat").find("did you mean \"/v1/simulate\"?"), std::string::npos);
+  for (const std::string path : {"/v1/simulate", "/v1/ensemble", "/v1/stability", "/v1/work-precision"}) {
+    const std::string words = detail(path);
+    const auto from = words.find('{');
+    ASSERT_NE(from, std::string::npos) << path << ": " << words;
+    EXPECT_EQ(ask(port(), post(path, words.substr(from))).status, 200) << words;
+  }
+}
+
 TEST_F(Http, HeadSaysWhatGetWouldWithoutTheBody) {
   for (const char* path : {"/", "/v1/catalogue", "/healthz"}) {
     Client client(port());

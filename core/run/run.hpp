@@ -56,7 +56,7 @@ class Run {
     method_ = integrator_->method();
     shows_discrete_energy_ = std::ranges::any_of(
         request_.columns, [&](std::size_t i) { return request_.column(i).name == "discrete_energy"; });
-    if (shows_discrete_energy_ || drawn_ < infinite) integrator_->keep_last_step();
+    if (shows_discrete_energy_ || drawn_ < infinite || looks_first()) integrator_->keep_last_step();
     budget_.start();
     if (initialize(tangents)) {
       while (going() && !arrived() && advance_block()) {
@@ -112,16 +112,20 @@ class Run {
   bool advance_block() {
     const std::int64_t n = state_.n;
     if (!within_step_limit()) return false;
+    const double due = schedule_.time() < end_ ? schedule_.time() : infinite;
     const StepTarget target{
         std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_, schedule_.step(),
+                  looks_first() && due < infinite ? grid_.step_after(due) : SaveSchedule::never,
                   diagnostics_.keeps_states() ? snapshots_.next(n) : SaveSchedule::never, evidence_.next(n)}),
-        std::min(loop_end_, schedule_.time() < end_ ? schedule_.time() : infinite)};
+        std::min(loop_end_, looks_first() ? infinite : due)};
     const BlockResult result =
         integrator_->advance(state_, target, guard_, diagnostics_.sees_steps() ? &diagnostics_ : nullptr);
     const bool crossed = std::exchange(diagnostics_.crossed, false);
     if (crossed) locate_sections();
     record_method_switch();
     if (crossed) locate_watched(integrator_->left(), state_.x);
+    if (X x = state_.x; !fixed_ && x.t > end_ && !ended_ && !watch_.empty())  // beyond the end nothing was looked at
+      if (integrator_->state_at(state_, end_, x) == StepStatus::ok) locate_watched(integrator_->left(), x);
     if (!ended_) diagnostics_.resume(problem_, state_.x);
     if (state_.n > n && state_.x.t <= end_) {
       if (diagnostics_.keeps_states()) snapshots_.see(state_);
@@ -169,9 +173,12 @@ class Run {
                                               integrator_->discrete_energy_jump(state_, *was)));
   }
 
+  /// Whether samples wait until the step they lie in has been looked at, for it may end the run.
+  bool looks_first() const { return fixed_ && watch_.may_end(); }
   /// The samples before the end that can be told from here.
   bool save_due() {
-    for (; schedule_.time() < end_ && integrator_->reaches(state_, schedule_.time()); schedule_.next()) {
+    const auto known = [this](double t) { return looks_first() ? t <= state_.x.t : integrator_->reaches(state_, t); };
+    for (; schedule_.time() < end_ && known(schedule_.time()); schedule_.next()) {
       X x = state_.x;
       const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
       if (status != StepStatus::ok || outside(problem_, x)) {  // a long step may lead out of the domain and back
@@ -221,8 +228,6 @@ class Run {
   // ---- the end
   /// The state at the end, by a shorter step or within the last one, and the samples there.
   void finish() {
-    if (X x = state_.x; !fixed_ && x.t > end_ && !ended_ && !watch_.empty())  // beyond the end nothing was looked at
-      if (integrator_->state_at(state_, end_, x) == StepStatus::ok) locate_watched(integrator_->left(), x);
     if (ended_) return finish_at_event();
     if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
     if (!fixed_ && end_ < infinite && !draw(end_)) return;
@@ -241,7 +246,18 @@ class Run {
     if (ended_) return finish_at_event();
     if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
     if (fixed_ && !draw(end_)) return;
-    while (end_ < infinite && schedule_.time() <= end_ && save(state_.x, step)) schedule_.next();
+    if (end_ < infinite) save_rest(state_.x, step);
+  }
+  /// The samples that are left up to the state x, in which the run ends.
+  bool save_rest(const X& x, const StepInfo& step) {
+    for (; schedule_.time() <= x.t; schedule_.next()) {
+      X y = x;
+      const StepStatus status =
+          schedule_.time() < x.t ? integrator_->state_at(state_, schedule_.time(), y) : StepStatus::ok;
+      if (status != StepStatus::ok) return fail(BlockResult::failed(status));
+      if (!save(y, step)) return false;
+    }
+    return true;
   }
 
   /// The end at an event within the last step, or in the part of the next one that stays in the domain. Samples go by
@@ -249,8 +265,7 @@ class Run {
   void finish_at_event() {
     const auto [x, which] = *ended_;
     const StepInfo step = last_step();
-    bool saved = draw(x.t);
-    for (; saved && schedule_.time() <= x.t; schedule_.next()) saved = save(x, step);
+    if (draw(x.t)) save_rest(x, step);
     if (x.t > state_.x.t) ++state_.n;
     state_.x = x;
     diagnostics_.end(problem_, x);

@@ -37,6 +37,12 @@ struct Grid {
     return n;
   }
 
+  /// The first whole step at or after the time t, as far as there is one.
+  std::int64_t step_after(double t) const {
+    const std::int64_t n = step_before(t);
+    return n < steps && time(n) < t ? n + 1 : n;
+  }
+
   Grid(const Request& request, double h) : start(request.scene->start), step(h) {
     if (request.until_steps) {
       steps = request.steps;

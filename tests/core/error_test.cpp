@@ -155,4 +155,15 @@ TEST(Norm, RelativeIsForSmallStates) {
   EXPECT_EQ(state_error(State<1>{0, {3}, {0}, {}}, State<1>{0, {2}, {0}, {}}, Norm::relative), 0.5);
 }
 
+// Between the states that were kept the error swings as much as at them.
+TEST(LargestError, IsLookedForBetweenTheStatesThatWereKept) {
+  for (const auto& [problem, scheme] :
+       {std::pair{"modulated_oscillator", "dormand_prince_5"}, std::pair{"spin_orbit", "bulirsch_stoer"},
+        std::pair{"driven_oscillator", "explicit_euler"}, std::pair{"pendulum", "symplectic_euler"}}) {
+    Request request = asking(problem, scheme, "error");
+    const Brute all = of_all_steps(request, 3);
+    EXPECT_GT(ask(request, "error/max"), 0.9 * all.most) << problem << ", " << scheme << " at t = " << all.at;
+  }
+}
+
 }  // namespace

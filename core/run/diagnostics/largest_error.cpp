@@ -23,7 +23,7 @@ class PeakSearch {
       : request_(request), seen_(std::move(seen)), left_(left) {}
 
   LargestError look(bool sparse) {
-    if (sparse) add_marks();
+    look_between(sparse);
     std::vector<double> times;
     for (const SeenState& state : seen_) times.push_back(state.t);
     const Truth truth = mechanics().truth(*request_.scene, times, left_.keep_going);
@@ -84,10 +84,16 @@ class PeakSearch {
     return windows;
   }
 
-  /// Where the true motion is fast, but for the end.
-  void add_marks() {
+  /// Half-way between the states that were seen, for the error of a run that swings lies between them as often as at
+  /// them; where that is too seldom also where the true motion is fast.
+  void look_between(bool sparse) {
     const double end = seen_.back().t;
-    std::vector<PaceMark> marks = mechanics().pace(*request_.scene, end, left_.keep_going);
+    std::vector<PaceMark> marks;
+    if (sparse) marks = mechanics().pace(*request_.scene, end, left_.keep_going);
+    for (std::size_t i = 1; i < seen_.size(); ++i)
+      marks.push_back({std::midpoint(seen_[i - 1].t, seen_[i].t), std::max(seen_[i - 1].speed, seen_[i].speed)});
+    std::ranges::stable_sort(marks, {}, &PaceMark::t);
+    marks.erase(std::ranges::unique(marks, {}, &PaceMark::t).begin(), marks.end());
     std::erase_if(marks, [&](const PaceMark& mark) {
       return !(mark.t < end) || std::ranges::find(seen_, mark.t, &SeenState::t) != seen_.end();
     });

@@ -51,7 +51,9 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
       return values[i];
     };
     const double t = from + root([&](double part) { return value(part < to - from ? from + part : to); }, 0, to - from);
-    if (std::abs(value(t)) <= std::max(std::abs(was[i]), std::abs(is[i]))) zeros.push_back({t, i});
+    // Towards a pole values grow, and interpolation between them may leave the step.
+    if (from < t && t <= to && std::abs(value(t)) <= std::max(std::abs(was[i]), std::abs(is[i])))
+      zeros.push_back({t, i});
   }
   std::ranges::stable_sort(zeros, {}, &Zero::t);
   const auto end = std::ranges::find_if(zeros, [&](const Zero& zero) { return ends(zero.which); });

@@ -38,6 +38,8 @@ class Watch {
   /// the first that ends the run. A start that lies on a zero is none; neither is a pole, where the sign changes too.
   std::vector<Zero> locate(const double* left, double from, const double* right, double to,
                            const ObserveAt& observe_at) const;
+  /// Whether anything may end the run.
+  bool may_end() const { return halting_ != 0; }
   bool ends(std::size_t which) const { return (halting_ >> which & 1) != 0; }
   const std::string& name(std::size_t which) const { return measures_.list[which].card.name; }
   /// Of an event of any kind.

@@ -136,6 +136,7 @@ Json columns_of_a_text() {
 }
 Json columns_of_a_run(const Cards& cards) {
   Json columns = names_of_all(cards, &ProblemCard::columns);
+  columns["minItems"] = 1;
   columns["items"] = either(columns["items"], object_of(own_properties(), {"name", "expression"}));
   return columns;
 }

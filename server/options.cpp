@@ -143,7 +143,7 @@ Result<Options, int> parse_options(int argc, char** argv) {
   add_common(*merge, options);
   merge->add_option("parts", options.parts, "parts, in any order")->required();
   add(*health, "--host", options.settings.host, "address of the service");
-  add(*health, "--port", options.settings.port, "its port")->check(CLI::Range(1, 65535));
+  add(*health, "--port", options.settings.port, "its port")->check(CLI::Range(0, 65535));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -65,7 +65,7 @@ std::string offers() {
                       : GeneralHamiltonian<P>  ? "a Hamiltonian H(q, p, s, t) of no simpler form"
                       : SplitFlow<P>           ? "a vector field that is a sum of exact flows"
                                                : "";
-  if (VectorField<P>) words += ", equations of motion";
+  if (VectorField<P>) words += words.empty() ? "equations of motion" : ", equations of motion";
   if (Autonomous<P>) words += " that do not depend on time";
   return words;
 }

@@ -12,7 +12,7 @@ namespace least::text {
 
 /// Degrees of freedom of mechanics, variables of equations, parameters: at most so many.
 inline constexpr int most_coordinates = 8, most_variables = 16, most_parameters = 32, most_invariants = 8;
-inline constexpr std::size_t longest_name = 16;
+inline constexpr std::size_t longest_name = 16, longest_parameter = 40;
 
 struct Definition {
   enum class Kind : std::uint8_t { lagrangian, hamiltonian, potential, equations };

@@ -14,6 +14,11 @@ using Kind = Token::Kind;
 
 constexpr std::array<std::string_view, 13> functions{"sin",  "cos",  "tan", "asin", "acos", "atan", "sinh",
                                                      "cosh", "tanh", "exp", "log",  "sqrt", "abs"};
+std::string listed_functions() {
+  std::string all;
+  for (const auto function : functions) all += (all.empty() ? "" : ", ") + std::string(function);
+  return all;
+}
 constexpr std::uint8_t absolute = 12;
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -126,6 +131,10 @@ class Parser {
     const std::string_view word = text_.substr(from, at_ - from);
     const auto found = std::find(functions.begin(), functions.end(), word);
     if (found == functions.end()) {
+      skip_space();
+      if (at_ < text_.size() && text_[at_] == '(')
+        return Fault{from, std::string(word) + " is no function, and a product needs its sign", listed_functions(),
+                     std::string(word)};
       postfix.push_back({Kind::name, 0, static_cast<std::uint16_t>(from), 0, word});
       expects_operand_ = false;
       return std::nullopt;

@@ -23,8 +23,9 @@ class Reader : TextReader {
 
   std::variant<std::shared_ptr<const Form>, std::vector<DefinitionFault>> read() {
     check_names();
-    if (faults().empty()) read_invariants();
-    if (faults().empty()) given_.kind == Definition::Kind::equations ? read_flow() : read_mechanics();
+    if (!faults().empty()) return faults();
+    read_invariants();
+    given_.kind == Definition::Kind::equations ? read_flow() : read_mechanics();
     if (!faults().empty()) return faults();
     return std::shared_ptr<const Form>(form_);
   }

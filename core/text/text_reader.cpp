@@ -28,21 +28,22 @@ void TextReader::check_names() {
   std::set<std::string, std::less<>> taken{"t", "s", "pi", "energy"};
   for (const auto column : column_names()) taken.emplace(column);
   for (const auto function : function_names()) taken.emplace(function);
-  const auto take = [&](const std::string& pointer, const std::string& name, std::string_view what) {
-    if (!is_name(name) || name.size() > longest_name) {
+  const auto take = [&](const std::string& pointer, const std::string& name, std::string_view what,
+                        std::size_t longest) {
+    if (!is_name(name) || name.size() > longest) {
       fault(pointer, "\"" + name.substr(0, 40) + "\" cannot be a name",
-            "a letter, then letters, digits, _: at most " + std::to_string(longest_name));
+            "a letter, then letters, digits, _: at most " + std::to_string(longest));
     } else if (!taken.insert(name).second) {
       fault(pointer, name + " is " + std::string(what) + " and something else already", "names that differ");
     }
   };
   for (std::size_t i = 0; i < given_.variables.size(); ++i)
-    take("/variables/" + std::to_string(i), given_.variables[i], "a variable");
+    take("/variables/" + std::to_string(i), given_.variables[i], "a variable", longest_name);
   if (!faults_.empty()) return;
   if (!flow())
     for (std::size_t i = 0; i < given_.variables.size(); ++i) {
-      take("/variables/" + std::to_string(i), velocity_name(given_.variables[i]), "a velocity");
-      take("/variables/" + std::to_string(i), momentum_name(given_.variables[i]), "a momentum");
+      take("/variables/" + std::to_string(i), velocity_name(given_.variables[i]), "a velocity", longest_name + 1);
+      take("/variables/" + std::to_string(i), momentum_name(given_.variables[i]), "a momentum", longest_name + 1);
     }
   if (given_.parameters.size() > static_cast<std::size_t>(most_parameters))
     fault("/parameters", "are too many", "at most " + std::to_string(most_parameters));
@@ -51,7 +52,7 @@ void TextReader::check_names() {
     if (std::ranges::find(keys, name) != keys.end()) {
       fault(pointer_to("/parameters/", name), name + " is a key of a scene and cannot be a parameter", "another name");
     } else {
-      take(pointer_to("/parameters/", name), name, "a parameter");
+      take(pointer_to("/parameters/", name), name, "a parameter", longest_parameter);
     }
   }
 }

@@ -149,6 +149,13 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
       mechanics = std::move(std::get<std::shared_ptr<const Mechanics>>(made));
     }
   }
+  if (!mechanics) {  // of a scene that can be read, whoever reads its parameters knows its keys
+    const auto reserved = text::reserved_keys();
+    Names keys(reserved.begin(), reserved.end());
+    if (const Json* parameters = find(problem, "parameters"); parameters && parameters->is_object())
+      for (const auto& entry : parameters->items()) keys.push_back(entry.key());
+    read_object(problem, here, keys, "custom");
+  }
   for (const Fault& fault : faults.list()) path.faults->add(fault);
   return mechanics;
 }

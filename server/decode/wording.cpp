@@ -45,6 +45,10 @@ constexpr Alias aliases[] = {
     {"rk45", "dormand_prince_5"},
     {"dopri5", "dormand_prince_5"},
     {"gauss", "contact_gauss"},
+    {"ln", "log"},
+    {"arcsin", "asin"},
+    {"arccos", "acos"},
+    {"arctan", "atan"},
     {"dt", "step"},
     {"h", "step"},
 };

@@ -162,7 +162,8 @@ Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_vi
                                 "object-src 'none'");
     answer.headers.emplace_back("Referrer-Policy", "no-referrer");
   }
-  if (head.field("if-none-match").find(fixed.etag) != std::string::npos) {
+  const std::string known = head.field("if-none-match");
+  if (known == "*" || known.find(fixed.etag) != std::string::npos) {
     answer.status = 304;
   } else if (packed) {
     std::call_once(fixed.packed->made, [&] { fixed.packed->body = gzipped(fixed.body, 6); });

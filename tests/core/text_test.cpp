@@ -99,6 +99,8 @@ TEST(Text, SaysWhatIsWrongAndWhere) {
       {"2x", 1, "a product needs its sign"},
       {"2(x)", 1, "a product needs its sign"},
       {"(x)(y)", 3, "a product needs its sign"},
+      {"2 + x (y)", 4, "a product needs its sign"},
+      {"x+ln(y)", 2, "ln is no function"},
       {"x**2", 1, "** means nothing"},
       {"(x+y", 0, "is never closed"},
       {"x+((y)", 2, "is never closed"},

@@ -1,6 +1,7 @@
 // Scenes given as text as a client meets them: their cards, runs, echoes, and what is refused where.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -204,6 +205,27 @@ TEST_F(CustomHttp, ALagrangianThatIsNotQuadraticIsIterated) {
   EXPECT_NEAR(a["final"]["p"].get<double>(), b["final"]["p"].get<double>(), 1e-11);
   EXPECT_LT(a["diagnostics"]["structure"]["max_defect"], 1e-10);
   EXPECT_LT(a["diagnostics"]["error"]["max"], 1e-4);
+}
+
+TEST_F(CustomHttp, AllFaultsAreToldAtOnce) {
+  const Json document =
+      Json::parse(ask(port(), post("/v1/problems", R"({"problem":{"id":"custom","variables":["x"],"zzz":1,
+          "potential":"foo*x","damping":"bar","invariants":{"L":"baz"}}})"))
+                      .body);
+  std::vector<std::string> pointers;
+  for (const Json& error : document["errors"]) pointers.push_back(error["pointer"]);
+  std::ranges::sort(pointers);
+  EXPECT_EQ(pointers, (std::vector<std::string>{"/problem/damping", "/problem/invariants/L", "/problem/potential",
+                                                "/problem/zzz"}))
+      << document;
+}
+
+TEST_F(CustomHttp, NamesHaveTheLengthThatIsAllowed) {
+  const std::string name(16, 'a');
+  const auto reply = ask(port(), post("/v1/problems", R"({"problem":{"id":"custom","variables":[")" + name +
+                                                          R"("],"parameters":{"angular_frequency":2},"lagrangian":"v)" +
+                                                          name + "^2/2 - angular_frequency^2*" + name + R"(^2/2"}})"));
+  EXPECT_EQ(reply.status, 200) << reply.body;
 }
 
 // Bad input: each is refused at its place, soon.

@@ -99,6 +99,10 @@ TEST(Command, CatalogueVersionAndHelp) {
 }
 
 TEST(Command, OptionsComeFromTheEnvironment) {
+  Process serve({"serve"}, "", {"LEASTACTION_PORT=0"});
+  EXPECT_GT(port_in(serve.line()), 0);
+  serve.signal(SIGTERM);
+  EXPECT_EQ(serve.wait(), 0);
   Process run({"run", "-"}, R"({"problem":"kepler","scheme":"leapfrog","limits":{"seconds":2}})",
               {"LEASTACTION_MAX_SECONDS=1"});
   EXPECT_EQ(Json::parse(run.output())["errors"][0]["allowed"], "(0, 1]");

@@ -27,6 +27,7 @@ TEST_F(Http, ServesThePageWithAStrictPolicy) {
     EXPECT_EQ(page.fields.at("cache-control"), "no-cache");
     const Reply again = ask(port(), get(path, "If-None-Match: " + page.fields.at("etag") + "\r\n"), true);
     EXPECT_EQ(again.status, 304);
+    EXPECT_EQ(ask(port(), get(path, "If-None-Match: *\r\n"), true).status, 304);
   }
   EXPECT_EQ(ask(port(), get("/page.js")).fields.at("content-type"), "text/javascript");
 }

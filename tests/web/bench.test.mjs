@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
-import { all, drawn, number, origin, pageTest, pane, plane, settled, statuses, stepOf } from "./browser.mjs";
+import { all, becomes, drawn, number, origin, pageTest, pane, plane, settled, statuses, stepOf } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
 
 const loaded = (page, id) => page.waitForFunction((wanted) => document.querySelector("#problem").value === wanted, id)
@@ -152,7 +152,7 @@ pageTest("a service that is gone is asked again until it answers", { expected: /
   assert.match(await page.textContent("#status"), /does not answer/);
   assert.ok((await drawn(page, plane("A"), "A")).count > 50, "the last picture stays");
   gone = false;
-  await page.locator("#status", { hasText: "A completed" }).waitFor({ timeout: 4000 });
+  await page.locator("#status", { hasText: "A completed" }).waitFor();
 });
 
 pageTest("runs are taken away as Python, JSON, a table and pictures", {}, async (page) => {
@@ -192,8 +192,7 @@ pageTest("the scene moves: its body, and the time by hand", { hash: "#problem=do
   assert.notEqual(await body(), first);
   assert.equal(await page.textContent("#motion output"), "t = 10");
   await page.click("#motion .play");
-  await page.waitForTimeout(200);
-  assert.ok(parseFloat((await page.textContent("#motion output")).slice(4)) > 10);
+  await becomes(() => page.textContent("#motion output"), (text) => parseFloat(text.slice(4)) > 10);
 });
 
 pageTest("what does not apply is not claimed: no contact structure of a flow; formulas are whole", { hash: "#problem=lorenz" }, async (page) => {

@@ -18,7 +18,7 @@ if (!browserPath) {
   console.error("\n*** NO BROWSER: THE TESTS OF THE PAGE ARE SKIPPED. Install chromium or set LEAST_BROWSER. ***\n");
   if (process.env.CI) throw new Error("no browser, and under CI the page must be tested");
 }
-export const options = { skip: browserPath ? false : "no browser", timeout: 60_000 };
+export const options = { skip: browserPath ? false : "no browser", timeout: 240_000 };
 const switches = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
                   "--disable-component-update", "--disable-sync"];
 export let origin, catalogue;
@@ -95,7 +95,7 @@ export function pageTest(name, { hash = workbench, ready = "#results[aria-busy=f
       if (new URL(request.url()).origin !== origin) complaints.push(`foreign request: ${request.url()}`);
     });
     page.on("requestfailed", (request) => failures.push(`request failed: ${request.url()}: ${request.failure().errorText}`));
-    page.setDefaultTimeout(15_000);
+    page.setDefaultTimeout(60_000);
     try {
       await page.goto(`${origin}/${ready.startsWith("#lesson") && hash === workbench ? "" : hash}`);
       await page.waitForSelector(ready);
@@ -110,6 +110,18 @@ export function pageTest(name, { hash = workbench, ready = "#results[aria-busy=f
   });
 }
 
+/** Until what was asked for has been drawn, however slow the machine is. */
+export const frames = (page) =>
+  page.evaluate(async () => {
+    for (let i = 0; i < 4; i++) await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+  });
+/** Until `value()` is something that `good` likes, within the time of the test. */
+export async function becomes(value, good) {
+  for (;;) {
+    if (good(await value())) return;
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+}
 export const settled = (page) => page.waitForSelector("#results[aria-busy=false]");
 export const pane = (page, name) => page.locator(`.pane[data-run=${name}]`);
 export const stepOf = (page, name) => pane(page, name).locator("[data-pointer='/scheme/step']");

@@ -1,6 +1,6 @@
 // Schemes that set their own clock, on the page: made-up ones that meet every shape, then those that the program has.
 import assert from "node:assert/strict";
-import { all, drawn, number, pageTest, pane, plane, settled, statuses } from "./browser.mjs";
+import { all, drawn, frames, number, pageTest, pane, plane, settled, statuses } from "./browser.mjs";
 import { enter, madeUp, scene, variable } from "./made.mjs";
 
 const numeric = (name, value, more = {}) => ({
@@ -156,7 +156,7 @@ clockTest("stretches of the other principle are marked where they are, with a le
   await page.selectOption("#axes [name=y]", "q");
   for (const colorScheme of ["light", "dark"]) {
     await page.emulateMedia({ colorScheme });
-    await page.waitForTimeout(300);
+    await frames(page);
     const marked = await drawn(page, plane("B"), "--stretch"), own = await drawn(page, plane("B"), "B");
     assert.ok(marked.count > 200, `${marked.count} pixels in ${colorScheme}`);
     const at = (pixel) => ((pixel - own.left) / (own.right - own.left)) * 4;

@@ -1,7 +1,7 @@
 // The page with the scenes and schemes that the program has.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { all, assertDrawn, catalogue, drawn, number, options, origin, pageTest, pane, plane, settled, statuses,
+import { all, assertDrawn, catalogue, drawn, frames, number, options, origin, pageTest, pane, plane, settled, statuses,
          stepOf } from "./browser.mjs";
 
 const revolutions = { hash: "#problem=kepler&until.t=95" };
@@ -261,7 +261,7 @@ pageTest("the dark scheme is drawn in its own colours", {}, async (page) => {
   const colour = () => page.evaluate(() => getComputedStyle(document.documentElement).getPropertyValue("--run-a"));
   const light = await colour();
   await page.emulateMedia({ colorScheme: "dark" });
-  await page.waitForTimeout(300);
+  await frames(page);
   assert.notEqual(await colour(), light);
   await assertDrawn(page);
 });

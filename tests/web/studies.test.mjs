@@ -1,6 +1,6 @@
 // The studies on the page, and auto as a choice of scheme: with answers made up here, then those of the program.
 import assert from "node:assert/strict";
-import { all, drawn, pageTest, pane, settled, statuses } from "./browser.mjs";
+import { all, drawn, frames, pageTest, pane, settled, statuses } from "./browser.mjs";
 import { enter, fieldAt, madeUp, scene, variable } from "./made.mjs";
 
 const swing = scene("swing", {
@@ -46,7 +46,7 @@ const told = (page, study, pattern) => page.locator(`#${study}-status`, { hasTex
 async function measure(page) {
   await page.click("#measure-precision");
   await told(page, "precision", /18 runs\./);
-  await page.waitForTimeout(100); // until the frame after
+  await frames(page);
 }
 const plot = "#precision canvas";
 const hues = ["--run-a", "--run-b", "--curve-c"];
@@ -91,7 +91,7 @@ studyTest("the cost may be seconds; another scene takes the study away", { more:
   assert.deepEqual(second[0][1].schemes.map(({ id }) => id), ["leapfrog", "leapfrog"]);
   const before = await drawn(page, plot, "--curve-c"), runs = asked.length;
   await page.selectOption("#cost", "seconds");
-  await page.waitForTimeout(100);
+  await frames(page);
   const after = await drawn(page, plot, "--curve-c");
   assert.ok(after.left < before.left - 5, "runge_kutta_4 is cheaper in time than in evaluations");
   assert.deepEqual([second.length, asked.length], [1, runs], "nothing is measured or run again");
@@ -99,7 +99,7 @@ studyTest("the cost may be seconds; another scene takes the study away", { more:
   await settled(page);
   assert.ok(await page.locator("#precision").isVisible(), "another scheme of a run is no other scene");
   await page.emulateMedia({ colorScheme: "dark" });
-  await page.waitForTimeout(200);
+  await frames(page);
   assert.ok((await drawn(page, plot, "--curve-c")).count > 100, "drawn in the colours of the dark");
   await enter(page, "/initial/q", "2");
   assert.ok(!(await page.locator("#precision").isVisible()));

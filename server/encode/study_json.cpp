@@ -98,7 +98,8 @@ void write_findings(JsonWriter& json, const PlanWithCards& planned, const least:
   write_curves(json.key("curves"), planned, study, points);
   write_pareto(json.key("pareto"), planned, study);
   write_left_out(json.key("left_out"), study.left_out);
-  write_status(json, end);
+  // Without a reference nothing was measured: the time went into looking for it.
+  write_status(json, end == ReturnCode::completed && study.how.empty() ? ReturnCode::deadline : end);
 }
 
 // An object on a line.

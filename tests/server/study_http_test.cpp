@@ -245,5 +245,17 @@ TEST_F(StudyLoad, TheEndOfTheServiceIsToldInTheLastLine) {
   EXPECT_TRUE(client.ended());
 }
 
+// A long chaotic motion, whose truth takes more than the time there is.
+TEST_F(StudyHttp, WithoutAReferenceItStopped) {
+  runs::problem_called("thermostat");
+  const Reply reply = ask(port(), post("/v1/work-precision", R"({"problem":"thermostat","until":{"t":3000},
+    "schemes":["runge_kutta_4"],"budget_seconds":0.05})"));
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json study = Json::parse(reply.body);
+  EXPECT_EQ(study["status"], "stopped");
+  EXPECT_EQ(study["stop"]["reason"], "deadline");
+  EXPECT_TRUE(study["curves"][0]["points"].empty());
+}
+
 }  // namespace
 }  // namespace least::server::test

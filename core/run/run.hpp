@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -56,7 +55,7 @@ class Run {
     method_ = integrator_->method();
     shows_discrete_energy_ = std::ranges::any_of(
         request_.columns, [&](std::size_t i) { return request_.column(i).name == "discrete_energy"; });
-    if (shows_discrete_energy_ || drawn_ < infinite) integrator_->keep_last_step();
+    if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
     budget_.start();
     if (initialize(tangents)) {
       while (going() && !arrived() && advance_block()) {
@@ -94,7 +93,6 @@ class Run {
   }
 
   // ---- the start
-
   bool initialize(const StepTangents<P>& tangents) {
     if (const auto objection = start_objection(problem_, state_.x, end_, integrator_->starts_regularly(state_.x)))
       return stop(objection->reason, objection->detail, objection->singular_at);
@@ -140,13 +138,15 @@ class Run {
   void locate_watched(const X& from, const X& to) {
     if (watch_.empty()) return;
     for (const auto& [zero, x] : watched_zeros(problem_, *integrator_, state_, watch_, from, to)) {
-      constexpr std::size_t numbers = 32;  // that take the memory of an event
-      if (events_.room(numbers * outcome_.events.size()))
-        outcome_.events.push_back(watch_.event(zero, card_, shown_variables(request_, x)));
+      add_event(zero, x);
       if (!watch_.ends(zero.which)) continue;
       ended_.emplace(x, zero.which);
       end_ = x.t;
     }
+  }
+  void add_event(const Zero& zero, const X& x) {
+    if (events_.room(32 * outcome_.events.size()))  // as many numbers take the memory of one
+      outcome_.events.push_back(watch_.event(zero, card_, shown_variables(request_, x)));
   }
   /// The last step is taken back, and what was found in it.
   void step_back() {
@@ -239,6 +239,10 @@ class Run {
       if (!ended_) diagnostics_.resume(problem_, state_.x);
     }
     if (ended_) return finish_at_event();
+    for (const std::size_t which : reached_at_end(problem_, *integrator_, state_, watch_)) {
+      add_event({state_.x.t, which}, state_.x);
+      if (watch_.ends(which)) outcome_.event = watch_.name(which);
+    }
     if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
     if (fixed_ && !draw(end_)) return;
     while (end_ < infinite && schedule_.time() <= end_ && save(state_.x, step)) schedule_.next();

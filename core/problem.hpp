@@ -207,6 +207,18 @@ struct StateFor<P, T, S, Full> {
 };
 }  // namespace detail
 
+/// Whether a scene has the i-th component of its states: others rest, where there is room for more than it has.
+template <class P>
+constexpr bool has_component([[maybe_unused]] const P& m, [[maybe_unused]] std::size_t i) {
+  if constexpr (GeneralHamiltonian<P>)
+    if (i == 2 * P::dof) return m.reads_action();
+  if constexpr (requires { m.coordinates(); }) {
+    if constexpr (Flow<P>) return i < m.coordinates();
+    if constexpr (!Flow<P>) return i == 2 * P::dof || i % P::dof < m.coordinates();
+  }
+  return true;
+}
+
 /// The state that the motion needs.
 template <class P, class T = double, class S = double>
 using StateOf = typename detail::StateFor<P, T, S, false>::type;

@@ -50,6 +50,7 @@ struct Mechanical {
   static constexpr int dof = N;
   std::shared_ptr<const Formulas> formulas;
 
+  std::size_t coordinates() const { return formulas->coordinates; }
   template <class T, class S>
   T potential(const Vec<dof, T>& q, const S& t) const {
     T v;
@@ -239,6 +240,8 @@ struct FlowScene {
   static constexpr int dim = most_variables;
   static constexpr bool reads_time = true;
   std::shared_ptr<const Formulas> formulas;
+
+  std::size_t coordinates() const { return formulas->coordinates; }
   template <class T, class S>
   Vec<dim, T> field(const Vec<dim, T>& y, const S& t) const {
     Vec<dim, T> rate{};

@@ -152,13 +152,15 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
 
 /// Two of the kinds that are compiled for two.
 int capacity_of(const Form& form) {
+  const int least = form.coordinates <= 2 ? 2 : most_coordinates;
   switch (form.kind) {
     case FormKind::flow:
       return most_variables;
     case FormKind::separable:
     case FormKind::metric:
+      return form.autonomous ? least : most_coordinates;
     case FormKind::contact_linear:
-      return form.coordinates <= 2 && form.autonomous ? 2 : most_coordinates;
+      return form.autonomous || !form.constant_damping ? least : most_coordinates;
     default:
       return most_coordinates;
   }

@@ -21,6 +21,8 @@
 // General, `dof` degrees of freedom:
 //   hamiltonian(q, p, s, t)           H, and
 //   slopes(q, p, s, t)                its first derivatives
+//   lagrangian(q, v, s, t)            where it is known: L with its first derivatives
+//   coordinates(), reads_action()     how many of them it has; whether the motion depends on s, which rests otherwise
 // Flow, `dim` variables, not mechanical:
 //   field(y, t)                       ẏ
 //   flow(Piece<i>, y, h, t)           `pieces` exact flows over h, time frozen at t, whose fields add up to ẏ
@@ -104,6 +106,19 @@ template <class P>
 concept GeneralHamiltonian = requires(const P& m, const Vec<P::dof>& q) {
   { m.hamiltonian(q, q, 0.0, phase(m, 0.0)) } -> std::convertible_to<double>;
   m.slopes(q, q, 0.0, phase(m, 0.0));
+};
+
+/// L with ∂L/∂q, ∂L/∂v and ∂L/∂s.
+template <int N, class T>
+struct LagrangianSlopes {
+  T value;
+  Vec<N, T> by_q, by_v;
+  T by_s;
+};
+/// The same of which L(q, v, s, t) is known.
+template <class P>
+concept GeneralLagrangian = GeneralHamiltonian<P> && requires(const P& m, const Vec<P::dof>& q) {
+  m.lagrangian(q, q, 0.0, phase(m, 0.0));
 };
 
 /// Its rates are found by iteration: no tape says them.
@@ -206,6 +221,18 @@ struct StateFor<P, T, S, Full> {
   using type = Point<P::dim, T, S>;
 };
 }  // namespace detail
+
+/// Whether a scene has the i-th component of its states: others rest, where there is room for more than it has.
+template <class P>
+constexpr bool has_component([[maybe_unused]] const P& m, [[maybe_unused]] std::size_t i) {
+  if constexpr (GeneralHamiltonian<P>)
+    if (i == 2 * P::dof) return m.reads_action();
+  if constexpr (requires { m.coordinates(); }) {
+    if constexpr (Flow<P>) return i < m.coordinates();
+    if constexpr (!Flow<P>) return i == 2 * P::dof || i % P::dof < m.coordinates();
+  }
+  return true;
+}
 
 /// The state that the motion needs.
 template <class P, class T = double, class S = double>

@@ -57,6 +57,8 @@ concept FixedStepSchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const ty
 ///   stepper.work()
 ///   stepper.active_method()                     optional: how the last step was taken
 ///   scheme.level(problem, x)                    optional: what stands for the energy of a run from x instead of H
+///   stepper.parts                               optional: into so many parts a step is divided by whoever looks for
+///                                               changes of sign
 ///   stepper.reach(x, t) → StepStatus            optional: x moved to the time t, which lies within one step from x,
 ///                                               by a part of a step; else quintic Hermite interpolation fills in
 /// Time is part of what a step computes, so it is made of the same number as the state.

@@ -260,8 +260,9 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
                     {"error", {{"type", "string"}, {"enum", {"final", "max"}}, {"default", "final"}}},
                     {"norm", norm},
                     {"budget_seconds", budget}});
-  Json stability = common;
-  stability.erase("until");
+  Json described_scene = common;  // the start is looked at where one is given
+  described_scene.erase("until");
+  Json stability = described_scene;
   stability.update({{"schemes", schemes}, {"budget_seconds", budget}});
   return {
       {"Until",
@@ -281,7 +282,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
                             {"samples", described(count_in(2, caps.samples), "numbers kept: rows × columns", "")}})},
       {"SimulateRequest", either(run_of("Problem.catalogue"), run_of("Problem.custom"))},
       {"WorkPrecisionRequest", object_of(std::move(precision), {"problem", "schemes"})},
-      {"DescribeRequest", object_of({{"problem", reference("Problem")}}, {"problem"})},
+      {"DescribeRequest", object_of(std::move(described_scene), {"problem"})},
       {"StabilityRequest", object_of(std::move(stability), {"problem", "schemes"})},
       {"EnsembleRequest", ensemble_schema(cards, common)}};
 }

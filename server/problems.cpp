@@ -14,9 +14,10 @@ Prepared describe_scene(const Context& context, const HttpRequest& request) {
   Faults faults = std::move(body->faults);
   const FieldPath top{"", &faults};
   Scene scene;
-  if (faults.empty() && read_object(body->tree, top, {"problem"}, "the request")) {
+  if (faults.empty() && read_object(body->tree, top, {"problem", "initial"}, "the request")) {
     scene.mechanics = read_problem(body->tree, top, context.cards);
     if (scene.mechanics) read_scene(body->tree, top, scene);
+    if (scene.mechanics && body->tree.contains("initial")) check_start(scene, top);
   }
   if (!faults.empty()) return problem_document(faults, request.id);
   return Answer{200, "application/json", describe_problem(*scene.mechanics) + '\n', {}};

@@ -62,6 +62,7 @@ std::string offers() {
                       : LinearContact<P>       ? "a contact Hamiltonian linear in s (a potential and a damping)"
                       : QuadraticContact<P>    ? "a contact Hamiltonian quadratic in s"
                       : ConfigurationMetric<P> ? "a Lagrangian whose kinetic metric depends on the configuration"
+                      : GeneralLagrangian<P>   ? "a regular Lagrangian L(q, v, s, t) of no simpler form"
                       : GeneralHamiltonian<P>  ? "a Hamiltonian H(q, p, s, t) of no simpler form"
                       : SplitFlow<P>           ? "a vector field that is a sum of exact flows"
                                                : "";

@@ -3,6 +3,7 @@
 // Source: Griewank & Walther, Evaluating Derivatives, 2008, chapter 3.
 #pragma once
 
+#include <cmath>
 #include <type_traits>
 
 #include "core/number/math.hpp"
@@ -250,5 +251,26 @@ struct Underlying {
 };
 template <class T, int K>
 struct Underlying<Dual<T, K>> : Underlying<T> {};
+
+/// The number under all derivatives, as a double.
+template <class T>
+double plain_number(const T& x) {
+  if constexpr (requires { x.value; }) {
+    return plain_number(x.value);
+  } else {
+    return static_cast<double>(x);
+  }
+}
+/// The size of a number with those of its derivatives.
+template <class T>
+double size_with_slopes(const T& x) {
+  if constexpr (requires { x.value; }) {
+    double sum = size_with_slopes(x.value);
+    for (const auto& slope : x.slope) sum += size_with_slopes(slope);
+    return sum;
+  } else {
+    return std::abs(static_cast<double>(x));
+  }
+}
 
 }  // namespace least

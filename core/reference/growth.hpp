@@ -78,6 +78,7 @@ class GrowthOfDifferences {
 
   /// False: the motion ends before `reached`, which is set back.
   bool from_start(const X& start, std::size_t direction) {
+    if (!has_component(problem_, direction)) return true;
     Differences<P> motion(problem_, start, unit<X::size>(direction), found_.reached, tolerance_);
     look(motion, direction == 0);
     for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {

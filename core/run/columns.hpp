@@ -97,7 +97,7 @@ std::vector<Column<P, X>> columns_of(const ProblemCard& card) {
     all.push_back({{"parameter", false, false, true, coordinates},
                    [](const P&, const X&, const StepInfo& step, std::size_t) { return step.parameter; }});
   }
-  if constexpr (Potential<P>)
+  if constexpr (Potential<P> || GeneralLagrangian<P>)
     all.push_back({{"discrete_energy", false, Contact<P>, true},
                    [](const P&, const X&, const StepInfo& step, std::size_t) { return step.discrete_energy; }});
   return all;

@@ -62,4 +62,18 @@ std::vector<std::pair<Zero, X>> watched_zeros(const P& problem, const Integrator
   return found;
 }
 
+/// What the caller watches and the run reaches from above exactly where it ends: see Watch::reached.
+template <class P, class X>
+std::vector<std::size_t> reached_at_end(const P& problem, const Integrator<P, X>& integrator,
+                                        const IntegrationState<X>& state, const Watch& watch) {
+  if (watch.empty()) return {};
+  const X& end = state.x;
+  X before = integrator.left();
+  const double start = before.t, parts = integrator.parts();
+  if (parts > 1 && end.t > start) integrator.state_at(state, start + (parts - 1) * (end.t - start) / parts, before);
+  const Measures& measures = watch.measures();
+  return watch.reached(observe(problem, before, measures).data(), before.t, observe(problem, end, measures).data(),
+                       end.t);
+}
+
 }  // namespace least

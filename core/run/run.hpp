@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "core/run/save_schedule.hpp"
 #include "core/run/snapshots.hpp"
 #include "core/run/start_check.hpp"
+#include "core/run/stop_reason.hpp"
 #include "core/run/trajectory_writer.hpp"
 #include "core/run/warnings.hpp"
 
@@ -56,11 +56,10 @@ class Run {
     method_ = integrator_->method();
     shows_discrete_energy_ = std::ranges::any_of(
         request_.columns, [&](std::size_t i) { return request_.column(i).name == "discrete_energy"; });
-    if (shows_discrete_energy_ || drawn_ < infinite || looks_first()) integrator_->keep_last_step();
+    if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
     budget_.start();
     if (initialize(tangents)) {
-      while (going() && !arrived() && advance_block()) {
-      }
+      while (going() && !arrived() && advance_block()) continue;
       if (going()) finish();
     }
     return conclude(tangents);
@@ -94,7 +93,6 @@ class Run {
   }
 
   // ---- the start
-
   bool initialize(const StepTangents<P>& tangents) {
     if (const auto objection = start_objection(problem_, state_.x, end_, integrator_->starts_regularly(state_.x)))
       return stop(objection->reason, objection->detail, objection->singular_at);
@@ -139,18 +137,19 @@ class Run {
   void locate_sections() {
     if (diagnostics_.watches_sections()) least::locate_sections(problem_, *integrator_, state_, events_);
   }
-  /// The zeros of what the caller watches between two states of the last step, or of the next one: events, up to the
-  /// first that ends the run, which then ends there.
+  /// Events between two states of the last step, or of the next one, up to the first that ends the run.
   void locate_watched(const X& from, const X& to) {
     if (watch_.empty()) return;
     for (const auto& [zero, x] : watched_zeros(problem_, *integrator_, state_, watch_, from, to)) {
-      constexpr std::size_t numbers = 32;  // that take the memory of an event
-      if (events_.room(numbers * outcome_.events.size()))
-        outcome_.events.push_back(watch_.event(zero, card_, shown_variables(request_, x)));
+      add_event(zero, x);
       if (!watch_.ends(zero.which)) continue;
       ended_.emplace(x, zero.which);
       end_ = x.t;
     }
+  }
+  void add_event(const Zero& zero, const X& x) {
+    if (events_.room(32 * outcome_.events.size()))  // as many numbers take the memory of one
+      outcome_.events.push_back(watch_.event(zero, card_, shown_variables(request_, x)));
   }
   /// The last step is taken back, and what was found in it.
   void step_back() {
@@ -160,7 +159,6 @@ class Run {
     ended_.reset();
     end_ = planned_end_;
   }
-
   /// A step that was taken by another method than the one before it is an event, at the state it began with.
   void record_method_switch() {
     const auto now = integrator_->method();
@@ -175,9 +173,9 @@ class Run {
 
   /// Whether samples wait until the step they lie in has been looked at, for it may end the run.
   bool looks_first() const { return fixed_ && watch_.may_end(); }
+  bool known(double t) const { return looks_first() ? t <= state_.x.t : integrator_->reaches(state_, t); }
   /// The samples before the end that can be told from here.
   bool save_due() {
-    const auto known = [this](double t) { return looks_first() ? t <= state_.x.t : integrator_->reaches(state_, t); };
     for (; schedule_.time() < end_ && known(schedule_.time()); schedule_.next()) {
       X x = state_.x;
       const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
@@ -204,8 +202,7 @@ class Run {
       return stop(ReturnCode::not_finite, messages::column(writer_.wrong_column()));
     return written == Writer::Written::yes || receiver_is_gone();
   }
-  /// Samples along the way from the last one to the time t, which lies within the last step or one step ahead, where
-  /// they are to draw a curve.
+  /// Samples from the last one to the time t, within the last step or one ahead, where they are to draw a curve.
   bool draw(double t) {
     if (!(t > drawn_)) return true;
     X x = state_.x;
@@ -244,6 +241,10 @@ class Run {
       if (!ended_) diagnostics_.resume(problem_, state_.x);
     }
     if (ended_) return finish_at_event();
+    for (const std::size_t which : reached_at_end(problem_, *integrator_, state_, watch_)) {
+      add_event({state_.x.t, which}, state_.x);
+      if (watch_.ends(which)) outcome_.event = watch_.name(which);
+    }
     if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
     if (fixed_ && !draw(end_)) return;
     if (end_ < infinite) save_rest(state_.x, step);
@@ -276,34 +277,22 @@ class Run {
   bool fail(const BlockResult& result) {
     if (result.end == BlockEnd::left_domain) return leave_domain();
     if (result.end == BlockEnd::too_fast) return stop_as_unstable();
-    if (result.status == StepStatus::underflow && method_)
-      return stop(ReturnCode::parameter_step_underflow, messages::parameter_underflow());
-    const std::string why = integrator_->failure();
     const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
-    if (result.status == StepStatus::solver_failed)
-      return stop(ReturnCode::solver_failed, !why.empty() ? why : messages::unsolved(fixed_), when);
-    if (result.status == StepStatus::singular || std::isfinite(when))
-      return stop(ReturnCode::singular,
-                  std::isfinite(when) ? messages::blow_up(when)
-                  : !why.empty()      ? why
-                                      : "the step is singular here; a shorter one may not be",
-                  when);
-    if (result.status == StepStatus::underflow) return stop(ReturnCode::singular, messages::underflow());
-    return stop(ReturnCode::not_finite, messages::not_finite(fixed_));
+    const auto why = stop_reason(result, fixed_, method_.has_value(), integrator_->failure(), when);
+    return stop(why.reason, why.detail, why.singular_at);
   }
 
   /// When the motion that began at the start becomes infinite, if it does so near here; else unknown.
   double true_singularity() {
     if constexpr (QuadraticContact<P>) {
       // Of steps that adapt the mean: the last ones before an end are as short as time can tell.
-      double step = grid_.step;
-      if (!fixed_ && state_.n > 0) step = (state_.x.t - scene_.start) / static_cast<double>(state_.n);
+      const bool adapts = !fixed_ && state_.n > 0;
+      const double step = adapts ? (state_.x.t - scene_.start) / static_cast<double>(state_.n) : grid_.step;
       if (step > 0)
         return scene_.mechanics->blow_up_time(scene_, state_.x.t + 10 * step, step, [this] { return keep_going(); });
     }
     return unknown;
   }
-
   bool stop_as_unstable() {
     const double ratio = guard_.largest();
     const auto known =

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include "core/run/hermite.hpp"
 #include "core/run/integrator.hpp"
@@ -62,12 +63,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       ++n;
       if (diagnostics && x.t <= end_) {
         if constexpr (in_parts)
-          if (diagnostics->watches()) {
-            X between = x;
-            for (int i = 1; i < Stepper::parts; ++i)
-              if (stepper.interpolate(between, left.t + i * (x.t - left.t) / Stepper::parts))
-                diagnostics->see_signs(problem_, between);
-          }
+          if (diagnostics->watches()) see_signs_within(stepper, left, left_memory, x.t, *diagnostics);
         diagnostics->see(problem_, x);
       }
       if (method_of(stepper) != method || (diagnostics && diagnostics->crossed)) break;
@@ -216,6 +212,21 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return this->left_domain(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
   }
 
+  /// The signs between the last two states, `left` and the one at `end`: from the step's own polynomial, and where it
+  /// has none from steps that end there.
+  void see_signs_within(const Stepper& stepper, const X& left, const Memory& memory, double end,
+                        DiagnosticSet<P, X>& diagnostics) {
+    X between = left;
+    for (int i = 1; i < Stepper::parts; ++i) {
+      const double t = left.t + i * (end - left.t) / Stepper::parts;
+      if (!stepper.interpolate(between, t)) {
+        if (!scout_) scout_.emplace(stepper_at(left, memory));
+        if (scout_->reach(between, t) != StepStatus::ok) return;
+      }
+      diagnostics.see_signs(problem_, between);
+    }
+  }
+
   /// x at a time within the last step, which ended in `state`. `work`: what that cost, where it counts.
   StepStatus interpolate([[maybe_unused]] const State& state, double t, X& x, Work* work) const {
     x = state.x;
@@ -265,6 +276,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   Memory memory_ = memory_of(stepper_), left_memory_ = memory_;  ///< at the last state, and at left_
   [[no_unique_address]] std::conditional_t<hybrid, X, Nothing>
       before_left_{};  ///< where the step before the last began
+  [[no_unique_address]] std::conditional_t<in_parts, std::optional<Stepper>, Nothing>
+      scout_{};  ///< takes the steps that are no part of the run
   double end_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;

@@ -174,6 +174,9 @@ class ContactGalerkin4Stepper {
   Work work_;
 };
 
+template <GeneralLagrangian P, class X>
+class LagrangianGalerkinStepper;  // core/schemes/general_herglotz.hpp
+
 struct ContactGalerkin4 {
   double step = 0.01;
   static constexpr std::tuple fields{step_field<ContactGalerkin4>()};
@@ -188,7 +191,9 @@ struct ContactGalerkin4 {
             .structure = "contact",
             .good_for = "order 4 with the contact form kept, without negative substeps",
             .fails_when = "Newton's method finds no solution; ωh > 2√2; αh > 1.5, where steps can grow",
-            .needs = "a Lagrangian that depends on s: a kinetic metric, a potential, and α(t)s or γs²/2",
+            .needs =
+                "a Lagrangian that depends on s: a kinetic metric, a potential, and α(t)s or γs²/2; or a general "
+                "one given as text",
             .references = {"Vermeeren, Bravetti, Seri, Journal of Physics A 52, 445206 (2019)",
                            "Simões, Martín de Diego, Lainz Valcázar, de León, J. Nonlinear Sci. 31, 35 (2021)"}};
   }
@@ -196,9 +201,14 @@ struct ContactGalerkin4 {
   auto bind(const P& problem, const X&) const {
     return ContactGalerkin4Stepper<P, X>(problem);
   }
-  template <Contact P, class X>
-  requires X::acting auto step_energy(const P& problem, const X& a, const X&, const typename X::Time& h) const {
-    return ContactGalerkin4Stepper<P, X>(problem).energy(a, h);
+  template <GeneralLagrangian P, class X>
+  auto bind(const P& problem, const X&) const {
+    return LagrangianGalerkinStepper<P, X>(problem);
+  }
+  template <class P, class X>
+  requires(X::acting && (Contact<P> || GeneralLagrangian<P>)) auto step_energy(const P& problem, const X& a, const X&,
+                                                                               const typename X::Time& h) const {
+    return bind(problem, a).energy(a, h);
   }
 
   template <class P>

@@ -120,6 +120,9 @@ class ContactMidpointStepper {
   Work work_;
 };
 
+template <GeneralLagrangian P, class X>
+class LagrangianMidpointStepper;  // core/schemes/general_herglotz.hpp
+
 struct ContactVariationalMidpoint {
   double step = 0.01;
   Composition composition = Composition::none;
@@ -138,13 +141,31 @@ struct ContactVariationalMidpoint {
             .recommended = "kahan_li_6",
             .good_for = "steps too long for contact_leapfrog: no linear stability limit",
             .fails_when = "Newton's method finds no solution; αh ≥ 2, where it turns the momentum over",
-            .needs = "a Lagrangian that depends on s: a kinetic metric, a potential, and α(t)s or γs²/2",
+            .needs =
+                "a Lagrangian that depends on s: a kinetic metric, a potential, and α(t)s or γs²/2; or a general "
+                "one given as text",
             .references = {"Vermeeren, Bravetti, Seri, Journal of Physics A 52, 445206 (2019)"}};
   }
   template <Contact P, class X>
   auto bind(const P& problem, const X&) const {
     using Stepper = ContactMidpointStepper<P, X>;
     return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
+  }
+  template <GeneralLagrangian P, class X>
+  auto bind(const P& problem, const X&) const {
+    using Stepper = LagrangianMidpointStepper<P, X>;
+    return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
+  }
+  template <GeneralLagrangian P, class X>
+  auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
+    auto m = a.q, v = a.q;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      m[i] = 0.5 * (a.q[i] + b.q[i]);
+      v[i] = (b.q[i] - a.q[i]) / h;
+    }
+    const auto at =
+        problem.lagrangian(m, v, typename X::Number(0.5 * (a.action.s + b.action.s)), phase(problem, a.t + h / 2));
+    return dot(at.by_v, v) - at.value;
   }
   /// The momentum in the middle is the mean of what λ's factors make of those at the ends.
   template <Contact P, class X>

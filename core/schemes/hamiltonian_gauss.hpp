@@ -1,12 +1,10 @@
 // contact_gauss for a Hamiltonian H(q, p, s, t) of which no more is known: the same collocation of the same lift,
 //   q′ = H_p,  P_q′ = P_s H_q,  s′ = p·H_p − H,  P_s′ = P_s H_s,  p = −P_q/P_s
-// from P_s = 1, P_q = −p, with all of it unknown at every stage. The stages are found by a simplified Newton iteration:
-// its matrix is made of plain numbers, at the start of a step and anew where it contracts badly, so that derivatives
-// that ride along converge with the stages. Source: Hairer & Wanner, Solving Ordinary Differential Equations II, 1996,
-// IV.8.
+// from P_s = 1, P_q = −p, with all of it unknown at every stage: a simplified Newton iteration.
 #pragma once
 
 #include "core/schemes/contact_gauss.hpp"
+#include "core/simplified_newton.hpp"
 
 namespace least {
 
@@ -25,7 +23,6 @@ class HamiltonianGaussStepper {
   const Work& work() const { return work_; }
 
  private:
-  static constexpr int most_iterations = 60, patience = 6;
   static constexpr std::size_t widest = 2 * P::dof + 2, most = 3 * widest;
 
   /// (q, P_q, s, P_s)′ of n coordinates at a point y of the lift.
@@ -62,10 +59,10 @@ class HamiltonianGaussStepper {
       for (std::size_t a = 0; a < M; ++a)
         for (std::size_t b = 0; b < M; ++b)
           for (std::size_t i = 0; i < width_; ++i)
-            matrix_[(a * width_ + i) * all + b * width_ + k] =
+            newton_.matrix[(a * width_ + i) * all + b * width_ + k] =
                 (a == b && i == k ? 1 : 0) - h * rule.a[a][b] * rate[i].slope[0];
     }
-    detail::invert(all, matrix_.data());
+    newton_.invert(all);
     work_.forces += std::int64_t(width_);
   }
 
@@ -83,52 +80,42 @@ class HamiltonianGaussStepper {
     }
     start[2 * n_] = x.action.s;
     start[2 * n_ + 1] = T(1);
-    const auto plain_of = [](const auto& v) { return double(value_of_number(v)); };
-    for (std::size_t i = 0; i < width_; ++i) middle[i] = plain_of(start[i]);
-    prepare<M>(middle, plain_of(T(x.t)), plain_of(T(h)));
-
+    double size = 0;
+    for (std::size_t i = 0; i < width_; ++i) {
+      middle[i] = plain_number(start[i]);
+      size += std::abs(middle[i]);
+    }
     for (auto& z : z_) z = T(0);
-    std::array<T, most> update;
-    double start_size = 0, before = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < width_; ++i) start_size += std::abs(middle[i]);
-    for (int k = 0;; ++k) {
-      if (k == most_iterations) return StepStatus::solver_failed;
+    const auto look = [&](const T* z) {
       for (std::size_t j = 0; j < M; ++j) {
-        for (std::size_t i = 0; i < width_; ++i) at[i] = start[i] + z_[j * width_ + i];
+        for (std::size_t i = 0; i < width_; ++i) at[i] = start[i] + z[j * width_ + i];
         rates(at.data(), x.t + rule.node[j] * h, rates_.data() + j * width_);
       }
+    };
+    const auto residual = [&](const T* z, T* wrong) {
+      look(z);
       work_.forces += M;
-      ++work_.iterations;
       for (std::size_t a = 0; a < M; ++a)
         for (std::size_t i = 0; i < width_; ++i) {
-          T wrong = z_[a * width_ + i];
-          for (std::size_t b = 0; b < M; ++b) wrong = wrong - (h * rule.a[a][b]) * rates_[b * width_ + i];
-          update[a * width_ + i] = wrong;
+          T sum = z[a * width_ + i];
+          for (std::size_t b = 0; b < M; ++b) sum = sum - (h * rule.a[a][b]) * rates_[b * width_ + i];
+          wrong[a * width_ + i] = sum;
         }
-      double size = 0, scale = start_size;
-      for (std::size_t a = 0; a < all; ++a) {
-        T change = matrix_[a * all] * update[0];
-        for (std::size_t b = 1; b < all; ++b) change = change + matrix_[a * all + b] * update[b];
-        z_[a] = z_[a] - change;
-        size += size_of_number(change);
-        scale += std::abs(value_of_number(z_[a]));
-      }
-      const double small = 8 * Precision<T>::epsilon * scale;
-      if (!(size < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
-      if (size <= small || (size >= 0.5 * before && size <= 1e3 * small)) break;  // no better than round-off
-      if (k % patience == patience - 1 && size > 1e-2 * before) {
+    };
+    bool first = true;  // at the start of the step, later in the middle of its stages
+    const auto prepare_at = [&](const T* z) {
+      if (!first)
         for (std::size_t i = 0; i < width_; ++i) {
-          middle[i] = plain_of(start[i]);
-          for (std::size_t j = 0; j < M; ++j) middle[i] += plain_of(z_[j * width_ + i]) / M;
+          middle[i] = plain_number(start[i]);
+          for (std::size_t j = 0; j < M; ++j) middle[i] += plain_number(z[j * width_ + i]) / M;
         }
-        prepare<M>(middle, plain_of(T(x.t + h / 2)), plain_of(T(h)));
-      }
-      before = size;
-    }
-    for (std::size_t j = 0; j < M; ++j) {
-      for (std::size_t i = 0; i < width_; ++i) at[i] = start[i] + z_[j * width_ + i];
-      rates(at.data(), x.t + rule.node[j] * h, rates_.data() + j * width_);
-    }
+      prepare<M>(middle, plain_number(first ? T(x.t) : T(x.t + h / 2)), plain_number(T(h)));
+      first = false;
+    };
+    if (const StepStatus status = newton_.solve(all, z_.data(), size, residual, prepare_at, work_);
+        status != StepStatus::ok)
+      return status;
+    look(z_.data());
     for (std::size_t i = 0; i < width_; ++i) {
       end[i] = start[i];
       for (std::size_t j = 0; j < M; ++j) end[i] = end[i] + (h * rule.weight[j]) * rates_[j * width_ + i];
@@ -143,30 +130,10 @@ class HamiltonianGaussStepper {
     return StepStatus::ok;
   }
 
-  /// The number under derivatives, and its size with theirs.
-  template <class U>
-  static double value_of_number(const U& v) {
-    if constexpr (requires { v.value; }) {
-      return value_of_number(v.value);
-    } else {
-      return static_cast<double>(v);
-    }
-  }
-  template <class U>
-  static double size_of_number(const U& v) {
-    if constexpr (requires { v.value; }) {
-      double sum = size_of_number(v.value);
-      for (const auto& slope : v.slope) sum += size_of_number(slope);
-      return sum;
-    } else {
-      return std::abs(static_cast<double>(v));
-    }
-  }
-
   P problem_;
   std::size_t stages_, n_, width_;
   std::array<T, most> z_{}, rates_{};  ///< stages less the start, their rates
-  std::array<double, most * most> matrix_{};
+  SimplifiedNewton<T, most> newton_;
   Work work_;
 };
 

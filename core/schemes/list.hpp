@@ -12,6 +12,7 @@
 #include "core/schemes/contact_symplectic_euler.hpp"
 #include "core/schemes/energy_momentum.hpp"
 #include "core/schemes/galerkin_4.hpp"
+#include "core/schemes/general_herglotz.hpp"
 #include "core/schemes/hamiltonian_gauss.hpp"
 #include "core/schemes/jacobi_maupertuis.hpp"
 #include "core/schemes/odeint.hpp"

@@ -64,6 +64,9 @@ inline constexpr std::size_t components = Sloped<X> ? 2 * X::size : X::size;
 template <VectorField P, odeint::Flat X>
 class AnyOdeintStepper {
  public:
+  /// As in TaylorStepper: steps of high order are so long that a quantity may change its sign more than once in one.
+  static constexpr int parts = 16;
+
   AnyOdeintStepper(const P& problem, odeint::Method method, double tolerance)
       : problem_(problem), integrator_(odeint::make_integrator(method, size, StateOf<P>::size, tolerance)) {}
   AnyOdeintStepper(const AnyOdeintStepper& other) : problem_(other.problem_), integrator_(other.integrator_->clone()) {}

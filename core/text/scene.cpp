@@ -1,6 +1,8 @@
 #include "core/text/scene.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "core/tape/derivative.hpp"
@@ -13,6 +15,11 @@ namespace least::text {
 namespace {
 
 constexpr double default_span = 20;
+
+std::string number_text(double x) {
+  std::array<char, 32> digits;
+  return {digits.data(), std::to_chars(digits.begin(), digits.end(), x).ptr};
+}
 
 std::string shown(std::string_view name) { return "<mi>" + std::string(name) + "</mi>"; }
 
@@ -43,12 +50,51 @@ std::string formula_of(const Definition& given) {
 
 /// Its equations are said with velocities: with momenta they would need an inverse, or an iteration.
 bool in_velocities(const Form& form) { return form.kind == FormKind::metric || form.kind == FormKind::lagrangian; }
+/// The inverse of its metric is short enough to be said.
+bool solved_for_accelerations(const Form& form) { return form.kind == FormKind::metric && form.coordinates <= 2; }
 
 /// On the tape, ẋ and ṗ of a form; ṡ where the motion reads s.
 struct Rates {
   tape::Tape tape;
   std::vector<std::pair<std::string, Symbol>> all;
 };
+
+/// v̇ = g⁻¹(−∇V − Γ v v), Γ_i,jk = ½(∂_j g_ik + ∂_k g_ij − ∂_i g_jk), of one coordinate or two.
+void write_accelerations(const Definition& given, const Form& form, Rates& rates, tape::Substitution& copy) {
+  auto& tape = rates.tape;
+  const std::size_t n = form.coordinates;
+  std::vector<int> places;
+  std::vector<Symbol> v, g, force;
+  for (std::size_t i = 0; i < n; ++i) {
+    places.push_back(static_cast<int>(i));
+    v.push_back(Symbol::variable(tape, first_momentum + i));
+  }
+  for (const Symbol& entry : form.metric) g.push_back(copy(entry));
+  std::vector<std::vector<Symbol>> slope;  // ∂_k g_ij
+  for (const Symbol& entry : g) slope.push_back(tape::gradient(tape, entry, places));
+  const auto potential = tape::gradient(tape, copy(form.potential), places);
+  const auto by = [&](std::size_t k, std::size_t i, std::size_t j) { return slope[i * n + j][k]; };
+  for (std::size_t i = 0; i < n; ++i) {
+    Symbol sum = -potential[i];
+    for (std::size_t j = 0; j < n; ++j) {
+      sum = sum + (i == j ? Symbol(-0.5) * by(i, i, i) : Symbol(0.5) * by(i, j, j) - by(j, i, j)) * (v[j] * v[j]);
+      for (std::size_t k = j + 1; k < n; ++k)  // of two, one is i
+        sum = sum - by(i == j ? k : j, i, i) * (v[j] * v[k]);
+    }
+    force.push_back(sum);
+  }
+  for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(given.variables[i], v[i]);
+  const auto add = [&](std::size_t i, const Symbol& rate) {
+    rates.all.emplace_back(velocity_name(given.variables[i]), rate);
+  };
+  if (n == 1 || (g[1].is_constant() && g[1].constant() == 0)) {
+    for (std::size_t i = 0; i < n; ++i) add(i, force[i] / g[i * n + i]);
+    return;
+  }
+  const Symbol determinant = g[0] * g[3] - g[1] * g[2];
+  add(0, (g[3] * force[0] - g[1] * force[1]) / determinant);
+  add(1, (g[0] * force[1] - g[2] * force[0]) / determinant);
+}
 
 void write_rates(const Definition& given, const Form& form, Rates& rates) {
   auto& tape = rates.tape;
@@ -69,6 +115,8 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
   Symbol h = 0;
   if (form.kind == FormKind::hamiltonian) {
     h = copy(form.hamiltonian);
+  } else if (solved_for_accelerations(form)) {
+    return write_accelerations(given, form, rates, copy);
   } else if (in_velocities(form)) {
     const auto velocity = [&](std::size_t i) { return same(momenta[i]); };
     Symbol lagrangian = form.kind == FormKind::metric ? -copy(form.potential) : copy(form.lagrangian);
@@ -104,13 +152,15 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
 
 /// Two of the kinds that are compiled for two.
 int capacity_of(const Form& form) {
+  const int least = form.coordinates <= 2 ? 2 : most_coordinates;
   switch (form.kind) {
     case FormKind::flow:
       return most_variables;
     case FormKind::separable:
     case FormKind::metric:
+      return form.autonomous ? least : most_coordinates;
     case FormKind::contact_linear:
-      return form.coordinates <= 2 && form.autonomous ? 2 : most_coordinates;
+      return form.autonomous || !form.constant_damping ? least : most_coordinates;
     default:
       return most_coordinates;
   }
@@ -185,12 +235,11 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
   const bool typed = definition.kind == Definition::Kind::potential;
   const char* whole = definition.kind == Definition::Kind::lagrangian ? "/lagrangian" : "/hamiltonian";
   for (std::size_t i = 0; i < form->mass.size(); ++i) {
-    const Symbol mass = fold(form->mass[i]);
-    const double value = mass.is_constant() ? mass.constant() : std::nan("");
+    const double mass = fold.number(form->mass[i]);
     const auto& name = definition.variables[i];
-    if (typed && !(value > 0 && std::isfinite(value))) return Objection{"/masses/" + name, "is not positive"};
-    if (!typed && !(std::isfinite(1 / value) && std::isfinite(value)))
-      return Objection{whole, "is not regular with these parameters: the mass of " + name + " is zero or not finite"};
+    if (mass > 0 && std::isfinite(mass) && std::isfinite(1 / mass)) continue;
+    if (typed) return Objection{"/masses/" + name, "is not positive"};
+    return Objection{whole, "is not regular: with these parameters the mass of " + name + " is not positive"};
   }
   const auto number = [&](const Symbol& y) {
     const Symbol folded = fold(y);
@@ -204,32 +253,85 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
 
 std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<const double> parameters, double t,
                                                                   const std::vector<double>& state) const {
-  const std::size_t n = form->coordinates, half = static_cast<std::size_t>(capacity);
-  if (form->hessian.empty()) return std::nullopt;
-  Vec<most_coordinates> q{}, v{};
-  std::copy_n(state.begin(), n, q.begin());
-  const double s = state.size() > 2 * half ? state.back() : 0;
+  const Formulas formulas(*form, parameters);
+  const bool flow = form->kind == FormKind::flow;
+  const std::size_t n = form->coordinates, half = flow ? 0 : static_cast<std::size_t>(capacity);
+  std::vector<double> x(static_cast<std::size_t>(first_parameter), 0.0);  // as the tapes count
+  std::copy_n(state.begin(), n, x.begin());
+  if (!flow) std::copy_n(state.begin() + capacity, n, x.begin() + first_momentum);
+  if (!flow && state.size() > 2 * half) x[action_variable] = state.back();
+  const char* whole = definition.kind == Definition::Kind::lagrangian    ? "/lagrangian"
+                      : definition.kind == Definition::Kind::hamiltonian ? "/hamiltonian"
+                                                                         : "/potential";
   if (form->kind == FormKind::lagrangian) {
-    Vec<most_coordinates> p{};
-    std::copy_n(state.begin() + capacity, n, p.begin());
-    v = Formulas(*form, parameters).velocities(q, p, s, t);
-    if (!std::isfinite(v[0])) return Objection{"/lagrangian", "has no velocity for the momenta of the start"};
+    Vec<most_coordinates> q{}, p{};
+    std::copy_n(x.begin(), n, q.begin());
+    std::copy_n(x.begin() + first_momentum, n, p.begin());
+    const auto v = formulas.velocities(q, p, x[action_variable], t);
+    if (!std::isfinite(v[0])) return Objection{whole, "has no velocity for the momenta of the start"};
+    std::copy_n(v.begin(), n, x.begin() + first_momentum);
   }
+  if (!form->hessian.empty())
+    if (const std::string why = objection_to_masses(parameters, t, x); !why.empty()) return Objection{whole, why};
+
+  const auto finite = [&](const tape::Formula& formula) {
+    std::vector<double> values(formula.outputs());
+    formula.evaluate(x.data(), t, values.data());
+    return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+  };
+  const auto unbounded = [&](std::string pointer) {
+    std::string detail = "is not finite at the start, or has a derivative that is not: ";
+    for (std::size_t i = 0; i < n; ++i) detail += definition.variables[i] + " = " + number_text(x[i]) + ", ";
+    return Objection{std::move(pointer), detail + "t = " + number_text(t)};
+  };
+  if (flow) {
+    std::vector<double> rates(n);
+    formulas.rates.evaluate(x.data(), t, rates.data());
+    for (std::size_t i = 0; i < n; ++i)
+      if (!std::isfinite(rates[i])) return unbounded("/equations/" + definition.variables[i]);
+    return std::nullopt;
+  }
+  if (!finite(formulas.damping)) return unbounded(definition.kind == Definition::Kind::potential ? "/damping" : whole);
+  for (const auto* part : {&formulas.potential, &formulas.gradient, &formulas.metric, &formulas.hamiltonian,
+                           &formulas.slopes, &formulas.lagrangian, &formulas.momenta})
+    if (!finite(*part)) return unbounded(whole);
+  return std::nullopt;
+}
+
+std::string TextScene::objection_to_masses(std::span<const double> parameters, double t,
+                                           const std::vector<double>& x) const {
+  const std::size_t n = form->coordinates;
   Folding fold(form->tape, parameters);
   std::vector<double> matrix(n * n);
-  fold.formula(form->hessian).evaluate(joined(q, v, s).data(), t, matrix.data());
+  fold.formula(form->hessian).evaluate(x.data(), t, matrix.data());
   double volume = 1;  // of rows as long as these at right angles
   for (std::size_t i = 0; i < n; ++i) {
     double row = 0;
     for (std::size_t j = 0; j < n; ++j) row += matrix[i * n + j] * matrix[i * n + j];
     volume *= std::sqrt(row);
   }
-  const double determinant = detail::determinant_by_lu(n, matrix.data());
-  if (std::isfinite(determinant) && std::abs(determinant) > 1e-14 * volume) return std::nullopt;
-  const bool lagrangian = definition.kind == Definition::Kind::lagrangian;
-  return Objection{lagrangian ? "/lagrangian" : "/hamiltonian",
-                   std::string("is not regular at the start: its second derivative by the ") +
-                       (lagrangian ? "velocities" : "momenta") + " has no inverse there"};
+  auto lu = matrix;
+  const double determinant = detail::determinant_by_lu(n, lu.data());
+  const std::string second = std::string("its second derivative by the ") +
+                             (definition.kind == Definition::Kind::lagrangian ? "velocities" : "momenta");
+  if (!(std::isfinite(determinant) && std::abs(determinant) > 1e-14 * volume))
+    return "is not regular at the start: " + second + " has no inverse there";
+  if (form->kind != FormKind::metric) return {};
+  // Cholesky's elimination: a metric is positive definite where every pivot is.
+  for (std::size_t k = 0; k < n; ++k) {
+    if (!(matrix[k * n + k] > 0))
+      return "has a mass that is not positive at the start: " + second + " is not positive definite there";
+    for (std::size_t i = k + 1; i < n; ++i)
+      for (std::size_t j = k + 1; j < n; ++j)
+        matrix[i * n + j] -= matrix[i * n + k] * matrix[k * n + j] / matrix[k * n + k];
+  }
+  return {};
+}
+
+std::string TextScene::note_on_equations() const {
+  if (!in_velocities(*form) || solved_for_accelerations(*form)) return {};
+  return "momenta, ∂L/∂v, and their rates, said with velocities: accelerations would need an inverse that is long to "
+         "say, and are solved for at every step";
 }
 
 std::vector<std::pair<std::string, std::string>> TextScene::equations() const {

@@ -25,11 +25,19 @@ struct TextScene {
     std::string pointer, detail;
   };
   std::optional<Objection> objection(std::span<const double> parameters) const;
-  /// The same of a start, in the order of the card: ∂²L/∂v² of a Lagrangian has no inverse there.
+  /// The same of a start, in the order of the card: the mechanics is not finite there, ∂²L/∂v² of a Lagrangian has no
+  /// inverse, or a kinetic metric is not positive definite. Where the form is natural, schemes, errors and diagnostics
+  /// take K ≥ 0 for granted; of a general Lagrangian or Hamiltonian nothing is, and regular is enough.
   std::optional<Objection> objection_to_start(std::span<const double> parameters, double t,
                                               const std::vector<double>& state) const;
   /// The derived equations of motion as text: of every variable the rate.
   std::vector<std::pair<std::string, std::string>> equations() const;
+  /// What has to be said of them; empty: nothing.
+  std::string note_on_equations() const;
+
+ private:
+  /// What ∂²L/∂v² or ∂²H/∂p² is not at a point x, which is laid out as on the form's tape.
+  std::string objection_to_masses(std::span<const double> parameters, double t, const std::vector<double>& x) const;
 };
 
 }  // namespace least::text

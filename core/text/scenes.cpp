@@ -24,6 +24,10 @@ Formulas::Formulas(const Form& form, std::span<const double> parameters)
     std::vector<Symbol> with_slopes = fold.gradient(l, all);
     with_slopes.insert(with_slopes.begin(), l);
     lagrangian = fold.formula_of(with_slopes);
+    for (std::size_t i = 0; i < coordinates; ++i) all.insert(all.end() - 1, first_momentum + static_cast<int>(i));
+    with_slopes = fold.gradient(l, all);
+    with_slopes.insert(with_slopes.begin(), l);
+    all_of_lagrangian = fold.formula_of(with_slopes);
   } else if (form.kind == FormKind::hamiltonian) {
     for (std::size_t i = 0; i < coordinates; ++i) all.push_back(first_momentum + static_cast<int>(i));
     all.push_back(action_variable);

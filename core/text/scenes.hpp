@@ -25,6 +25,7 @@ struct Formulas {
   tape::Formula hamiltonian, slopes;  ///< of (q, p, s): H; H_q, H_p, H_s
   tape::Formula momenta;              ///< of (q, v, s): ∂L/∂v, then ∂²L/∂v² row by row
   tape::Formula lagrangian;           ///< of (q, v, s): L, L_q, L_s
+  tape::Formula all_of_lagrangian;    ///< of (q, v, s): L, L_q, L_v, L_s
   std::array<double, most_coordinates> inverse_mass{};
   double alpha = 0, gamma = 0, offset = 0;
 
@@ -34,22 +35,13 @@ struct Formulas {
                                    double t) const;
 };
 
-/// The number under all derivatives, as a double.
-template <class T>
-double innermost(const T& x) {
-  if constexpr (requires { x.value; }) {
-    return innermost(x.value);
-  } else {
-    return static_cast<double>(x);
-  }
-}
-
 /// What is the same for all mechanics.
 template <int N>
 struct Mechanical {
   static constexpr int dof = N;
   std::shared_ptr<const Formulas> formulas;
 
+  std::size_t coordinates() const { return formulas->coordinates; }
   template <class T, class S>
   T potential(const Vec<dof, T>& q, const S& t) const {
     T v;
@@ -201,6 +193,20 @@ struct LagrangianScene : GeneralScene {
     slopes.by_s = -all[1 + n];
     return slopes;
   }
+  template <class T, class S>
+  LagrangianSlopes<dof, T> lagrangian(const Vec<dof, T>& q, const Vec<dof, T>& v, const T& s, const S& t) const {
+    std::array<T, 2 * dof + 2> all;
+    formulas->all_of_lagrangian.evaluate(joined(q, v, s).data(), t, all.data());
+    LagrangianSlopes<dof, T> slopes{};
+    const std::size_t n = coordinates();
+    slopes.value = all[0];
+    for (std::size_t i = 0; i < n; ++i) {
+      slopes.by_q[i] = all[1 + i];
+      slopes.by_v[i] = all[1 + n + i];
+    }
+    slopes.by_s = all[1 + 2 * n];
+    return slopes;
+  }
 
  private:
   /// Found in double, then brought to the digits of T and of its derivatives, which each round doubles.
@@ -208,11 +214,11 @@ struct LagrangianScene : GeneralScene {
   Vec<dof, T> velocities(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
     const auto plain_of = [](const auto& x) {
       Vec<dof> numbers;
-      for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = innermost(x[i]);
+      for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = plain_number(x[i]);
       return numbers;
     };
     Vec<dof, T> v{};
-    const Vec<dof> found = formulas->velocities(plain_of(q), plain_of(p), innermost(s), innermost(t));
+    const Vec<dof> found = formulas->velocities(plain_of(q), plain_of(p), plain_number(s), plain_number(t));
     for (std::size_t i = 0; i < dof; ++i) v[i] = T(found[i]);
     if constexpr (!std::is_same_v<T, double>) {
       const std::size_t n = coordinates();
@@ -239,6 +245,8 @@ struct FlowScene {
   static constexpr int dim = most_variables;
   static constexpr bool reads_time = true;
   std::shared_ptr<const Formulas> formulas;
+
+  std::size_t coordinates() const { return formulas->coordinates; }
   template <class T, class S>
   Vec<dim, T> field(const Vec<dim, T>& y, const S& t) const {
     Vec<dim, T> rate{};

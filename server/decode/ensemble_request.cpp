@@ -300,7 +300,6 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   scene->mechanics = problem;
   const ProblemCard* card = problem ? &scene->card() : nullptr;
   const PresetCard* preset = card ? read_scene(root, top, *scene) : nullptr;
-  if (card) check_start(*scene, top);
   const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   if (scheme_card) {
     request.scheme = *scheme.index;
@@ -314,6 +313,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   read_plan(root, top, card, scheme_card, card ? span_of(*card, preset) : 0, caps, request);
   request.diagnostics.clear();
   read_members(root, top, card, plan);
+  if (card && std::ranges::all_of(plan.members.vary, &Variation::parameter)) check_start(*scene, top);
   read_range(root, top, plan);
   read_keep(root, top, plan);
   check_finals(root, top, plan);

@@ -124,6 +124,7 @@ void write_form(JsonWriter& json, const text::TextScene& scene) {
   json.key("equations").open('{');
   for (const auto& [name, rate] : scene.equations()) json.key(name).text(rate);
   json.close('}');
+  if (const std::string note = scene.note_on_equations(); !note.empty()) json.key("equations_note").text(note);
 }
 
 void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<const SchemeCard> schemes) {

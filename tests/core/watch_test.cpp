@@ -197,6 +197,58 @@ TEST(Watch, EndsSamplesAndCurvesThere) {
   }
 }
 
+// Of an oscillation between steps that are longer than its period, or nearly: two zeros in one change no sign.
+TEST(Watch, FindsTwoZerosOfOneLongStep) {
+  for (const std::size_t index : runs::problem_card("harmonic_oscillator").schemes) {
+    const SchemeCard& scheme = schemes()[index];
+    if (!scheme.own_clock) continue;
+    Request request = runs::defaults("harmonic_oscillator", scheme.id);
+    request.end = 30.2 * std::numbers::pi;
+    runs::only_final(request);
+    runs::begin(request, "q", 1);
+    runs::begin(request, "p", 0);
+    for (const double tolerance : {1e-2, 1e-4, 1e-8}) {
+      if (scheme.find("tolerance")) runs::set(request, "tolerance", tolerance);
+      const auto run = runs::go(watching(request, {{"zero", "q"}, {"fast", "cos(2*t)"}}));
+      ASSERT_EQ(run.outcome.stop.reason, ReturnCode::completed) << scheme.id << " " << run.outcome.stop.detail;
+      int zeros = 0, fast = 0;
+      for (const Found& event : found(run.outcome)) (event.name == "zero" ? zeros : fast) += 1;
+      const bool coarse = scheme.find("tolerance") && tolerance > 1e-3;  // whose phase is off in the end
+      if (!coarse) {
+        EXPECT_EQ(zeros, 30) << scheme.id << " " << tolerance << ", " << run.outcome.cost.steps << " steps";
+      }
+      EXPECT_EQ(fast, 60) << scheme.id << " " << tolerance << ", " << run.outcome.cost.steps << " steps";
+      if (!scheme.find("tolerance")) break;
+    }
+  }
+}
+
+// From above no sign changes at the end itself, and no step ahead shows that it would have.
+TEST(Watch, FindsAZeroAtTheVeryEnd) {
+  for (const char* scheme : {"leapfrog", "galerkin_4", "taylor", "dormand_prince_5", "bulirsch_stoer"})
+    for (const double end : {1.0, 1.003}) {
+      Request request = ellipse(scheme, 1);
+      request.end = end;
+      const std::string left = std::to_string(end) + "-t", passed = "t-" + std::to_string(end);
+      const auto events = found(runs::go(watching(request, {{"down", left.c_str(), -1},
+                                                            {"up", left.c_str(), 1},
+                                                            {"rise", passed.c_str(), 1},
+                                                            {"fall", passed.c_str(), -1},
+                                                            {"nothing", "0*x"}}))
+                                    .outcome);
+      ASSERT_EQ(events.size(), 2U) << scheme << " " << end;
+      EXPECT_EQ(events[0].name, "rise") << scheme;
+      EXPECT_EQ(events[1].name, "down") << scheme;
+      for (const Found& event : events) EXPECT_EQ(event.t, end) << scheme;
+      const std::string late = "(t-0.3)*(" + left + ")";  // which is below zero where the run begins
+      EXPECT_EQ(found(runs::go(watching(request, {{"late", late.c_str(), -1}})).outcome).size(), 1U) << scheme;
+      const auto ending = runs::go(watching(request, {{"down", left.c_str(), -1, true}}));
+      EXPECT_EQ(ending.outcome.stop.reason, ReturnCode::completed) << scheme;
+      EXPECT_EQ(ending.outcome.event, "down") << scheme;
+      EXPECT_EQ(ending.outcome.t, end) << scheme;
+    }
+}
+
 TEST(Watch, TakesAPoleForNoZero) {
   for (const char* scheme : {"leapfrog", "taylor"}) {
     const auto run = runs::go(watching(ellipse(scheme, 3.2), {{"pole", "1/x"}, {"zero", "x"}, {"none", "log(x)+50"}}));

@@ -161,6 +161,91 @@ TEST_F(CustomHttp, ARegularStartIsAskedFor) {
   EXPECT_EQ(only_fault(polar(R"({"r":1,"vphi":1,"pr":0})"))["pointer"], "/initial/vphi");
 }
 
+// The card alone says nothing of a start; where one is given it is looked at as a run looks at it.
+TEST_F(CustomHttp, ACardWithAStartRefusesItAsARunDoes) {
+  const struct {
+    const char *problem, *initial, *pointer, *says;
+  } rows[] = {
+      {R"~("variables":["x"],"potential":"sqrt(x - 1)")~", R"({"x":0})", "/problem/potential", "x = 0"},
+      {R"~("variables":["x"],"potential":"sqrt(x - 1)")~", R"({"x":1})", "/problem/potential", "derivative"},
+      {R"~("variables":["x","y"],"hamiltonian":"(px^2 + py^2)/2 - 1/sqrt(x^2 + y^2)")~", R"({"px":1})",
+       "/problem/hamiltonian", "not finite at the start"},
+      {R"~("variables":["x"],"hamiltonian":"px^4 + log(x)")~", R"({"px":1})", "/problem/hamiltonian", "not finite"},
+      {R"~("variables":["x"],"lagrangian":"vx^2/2 + vx^4 - 1/x")~", R"({"vx":1})", "/problem/lagrangian", "not finite"},
+      {R"~("variables":["x"],"potential":"x^2","damping":"1/t")~", R"({"x":1})", "/problem/damping", "t = 0"},
+      {R"~("variables":["x","v"],"equations":{"x":"v","v":"-1/x"})~", R"({"v":1})", "/problem/equations/v",
+       "not finite"},
+      {R"~("variables":["r","phi"],"lagrangian":"(vr^2 + r^2*vphi^2)/2")~", R"({"phi":1})", "/problem/lagrangian",
+       "not regular at the start"},
+      {R"~("variables":["x"],"lagrangian":"(x - 1)*vx^2/2")~", R"({"x":0.5})", "/problem/lagrangian",
+       "mass that is not positive at the start"},
+      {R"~("variables":["x","y"],"hamiltonian":"(px^2 - y*py^2)/2 - x")~", R"({"y":1})", "/problem/hamiltonian",
+       "mass that is not positive at the start"},
+  };
+  for (const auto& row : rows) {
+    const std::string scene = std::string(R"({"problem":{"id":"custom",)") + row.problem + "}";
+    const std::string start = std::string(R"(,"initial":)") + row.initial;
+    const Json card = only_fault(ask(port(), post("/v1/problems", scene + start + "}")));
+    EXPECT_EQ(card["pointer"], row.pointer) << row.problem;
+    EXPECT_TRUE(says(card, row.says)) << card;
+    const Json run = only_fault(ask(port(), post("/v1/simulate", scene + start + R"(,"scheme":"runge_kutta_4"})")));
+    EXPECT_EQ(run, card) << row.problem;
+    EXPECT_EQ(ask(port(), post("/v1/problems", scene + "}")).status, 200) << row.problem << ", without a start";
+  }
+  const auto good = ask(port(), post("/v1/problems", R"~({"problem":{"id":"custom","variables":["x"],
+      "potential":"sqrt(x - 1)"},"initial":{"x":2,"t":1}})~"));
+  EXPECT_EQ(good.status, 200) << good.body;
+  // A kinetic energy that is not positive definite is no fault of a form that never takes it for that.
+  EXPECT_EQ(ask(port(), post("/v1/problems", R"~({"problem":{"id":"custom","variables":["x","y"],
+      "lagrangian":"(vx^2 - vy^2)/2 + x*vy - x^2"},"initial":{"x":1}})~"))
+                .status,
+            200);
+  // Of an ensemble that varies its start, the one it is said with is none of the members'.
+  const Json members = Json::parse(ask(port(), post("/v1/ensemble", R"~({"problem":{"id":"custom","variables":["x"],
+      "potential":"-log(x)"},"scheme":"leapfrog","until":{"t":0.1},"members":{"vary":{"/initial/x":{"values":[1,2]}}}})~"))
+                                       .body);
+  EXPECT_EQ(members.value("completed", 0), 2) << members;
+}
+
+// Accelerations, where the inverse of the metric is short.
+TEST_F(CustomHttp, EquationsAreSolvedForAccelerations) {
+  const Json one = card_of(port(), R"~({"id":"custom","variables":["x"],"lagrangian":"(1 + x^2)*vx^2/2 - x^4"})~");
+  EXPECT_EQ(one["equations"]["x"], "vx");
+  EXPECT_EQ(one["equations"].size(), 2U);
+  EXPECT_FALSE(one.contains("equations_note"));
+  const Json polar = card_of(port(), R"~({"id":"custom","variables":["r","phi"],
+      "lagrangian":"(vr^2 + r^2*vphi^2)/2 + 1/r"})~");
+  EXPECT_EQ(polar["equations"]["phi"], "vphi");
+  // As text they are a scene again, of the same motion.
+  const auto end = [&](const std::string& problem, const char* initial) {
+    return run_of(port(), R"({"problem":)" + problem + R"(,"initial":)" + initial +
+                              R"(,"scheme":"taylor","until":{"t":2},"record":{"every":0}})")["final"];
+  };
+  const auto flow_of = [](const Json& card) {
+    Json names = Json::array();
+    for (const auto& [name, rate] : card["equations"].items()) names.push_back(name);
+    return Json{{"id", "custom"}, {"variables", names}, {"parameters", {{"k", 2}}}, {"equations", card["equations"]}}
+        .dump();
+  };
+  const std::string coupled = R"~({"id":"custom","variables":["x","y"],"parameters":{"k":2},
+      "lagrangian":"(1 + x^2*y^2)*vx^2/2 + sin(x)*y*vx*vy + (k + cos(x*y))*vy^2/2 - k*x^2/2 - y^2/2"})~";
+  const char* start = R"({"x":1,"y":0.5,"vx":0.3,"vy":-0.4})";
+  const Json typed = end(coupled, start), rates = card_of(port(), coupled);
+  const Json again = end(flow_of(rates), start);
+  ASSERT_TRUE(typed.contains("x") && again.contains("x")) << rates["equations"];
+  for (const char* name : {"x", "y"}) EXPECT_NEAR(typed[name], again[name].get<double>(), 1e-10) << name;
+  const Json polar_again = end(flow_of(polar), R"({"r":1,"vr":0.2,"vphi":0.9})"),
+             polar_typed = end(R"~({"id":"custom","variables":["r","phi"],
+      "lagrangian":"(vr^2 + r^2*vphi^2)/2 + 1/r"})~",
+                               R"({"r":1,"vr":0.2,"vphi":0.9})");
+  for (const char* name : {"r", "phi"}) EXPECT_NEAR(polar_typed[name], polar_again[name].get<double>(), 1e-10) << name;
+  // Else momenta and their rates are said, and that it is so.
+  const Json three = card_of(port(), R"~({"id":"custom","variables":["x","y","z"],
+      "lagrangian":"(1 + x^2)*vx^2/2 + vy^2/2 + vz^2/2 + vx*vz/9"})~");
+  EXPECT_TRUE(three["equations"].contains("dpx/dt"));
+  EXPECT_NE(three.value("equations_note", "").find("accelerations"), std::string::npos) << three;
+}
+
 // Where H does not read s there is none: no scheme, no error and no column knows of it, whatever is added to H.
 TEST_F(CustomHttp, AnActionThatIsNotReadIsNotThere) {
   const auto run = [&](const std::string& more) {
@@ -251,6 +336,10 @@ TEST_F(CustomHttp, FaultsNameTheirPlace) {
       {R"~("variables":["x"],"potential":"x^2","masses":{"x":0})~", "/problem/masses/x", -1, "positive"},
       {R"~("variables":["x"],"parameters":{"m":-1},"potential":"x^2","masses":{"x":"m"})~", "/problem/masses/x", -1,
        "positive"},
+      {R"~("variables":["x"],"lagrangian":"-vx^2/2 - x^2")~", "/problem/lagrangian", -1, "mass of x is not positive"},
+      {R"~("variables":["x","y"],"lagrangian":"(vx^2 - vy^2)/2 - x^2")~", "/problem/lagrangian", -1, "mass of y"},
+      {R"~("variables":["x"],"parameters":{"m":-2},"hamiltonian":"px^2/(2*m) + x^2")~", "/problem/hamiltonian", -1,
+       "mass of x is not positive"},
       {R"~("variables":["x"],"potential":"x^2","masses":{"x":"1 + x"})~", "/problem/masses/x", 4, "made of parameters"},
       {R"~("variables":["x"],"lagrangian":"-x^2")~", "/problem/lagrangian", -1, "not regular"},
       {R"~("variables":["x"],"lagrangian":"vx - x^2")~", "/problem/lagrangian", -1, "not regular"},

@@ -1,6 +1,8 @@
 // Scenes typed as text against the compiled problems of the catalogue: the same motion by the same schemes.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "tests/support/texts.hpp"
 
 namespace {
@@ -66,6 +68,29 @@ TEST_P(AsCompiled, LeadsToTheSameStates) {
     ++compared;
   }
   EXPECT_GE(compared, 3);
+}
+
+// A run as text carries room for variables that it does not have: nothing is to weigh them.
+TEST(AsCompiledTangents, GrowAsThoseOfTheCompiledProblem) {
+  const std::set<std::string_view> some{"kepler", "kepler_3d", "pendulum", "damped_oscillator", "van_der_pol"};
+  for (const Typed& typed : all()) {
+    const std::string_view id = typed.id;
+    if (!some.contains(id)) continue;
+    const auto mechanics = mechanics_of(typed.definition);
+    Request compiled = runs::defaults(id, runs::fits(id, "leapfrog") ? "leapfrog" : "runge_kutta_4");
+    compiled.end = compiled.scene->start + 10;
+    runs::only_final(compiled);
+    Request text = typed_as(compiled, mechanics);
+    runs::ask(compiled, "lyapunov");
+    runs::ask(text, "lyapunov");
+    const auto a = runs::go(compiled).outcome.diagnostics, b = runs::go(text).outcome.diagnostics;
+    for (const char* part : {"lyapunov/exponent", "lyapunov/megno"})
+      EXPECT_NEAR(runs::number(a, part), runs::number(b, part), 1e-9) << name_of(typed) << " " << part;
+    const auto growth_of = [&](const Request& request) {
+      return request.scene->mechanics->conditioning(*request.scene, request.end, [] { return true; }).most_growth;
+    };
+    EXPECT_NEAR(growth_of(text) / growth_of(compiled), 1, 1e-6) << name_of(typed);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Text, AsCompiled, testing::ValuesIn(all()), [](const auto& of) { return name_of(of.param); });

@@ -42,9 +42,13 @@ struct LyapunovRow {
     void start(const P& problem, const X& x, const StepTangents<P>& of_steps) {
       tangents = &of_steps;
       assign(before, plain(x));
-      double size = 0;  // no component is left out, and none is as large as another
-      for (std::size_t i = 0; i < Motion::size; ++i) size += 1 / double(i + 1);
-      for (std::size_t i = 0; i < Motion::size; ++i) u[i] = 1 / std::sqrt(size * double(i + 1));
+      double size = 0;  // no component that the scene has is left out, and none is as large as another
+      for (std::size_t i = 0, count = 0; i < Motion::size; ++i) {
+        if (!has_component(problem, i)) continue;
+        size += 1 / double(++count);
+        u[i] = 1 / std::sqrt(double(count));
+      }
+      for (double& component : u) component /= std::sqrt(size);
       if (!singular(problem, before)) begun = before.t;
     }
     void see(const P& problem, const X& x) {

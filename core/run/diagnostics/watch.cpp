@@ -61,6 +61,16 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
   return zeros;
 }
 
+std::vector<std::size_t> Watch::reached(const double* left, double from, const double* right, double to) const {
+  Values was{}, is{};
+  measures_.evaluate(left, from, was.data());
+  measures_.evaluate(right, to, is.data());
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < measures_.size(); ++i)
+    if (was[i] > 0 && is[i] == 0 && (down_ >> i & 1)) all.push_back(i);
+  return all;
+}
+
 double Watch::time(const Report& event) {
   return std::get<double>(std::get<std::vector<Report>>(event.value).front().value);
 }

@@ -40,6 +40,9 @@ class Watch {
                            const ObserveAt& observe_at) const;
   /// Whether anything may end the run.
   bool may_end() const { return halting_ != 0; }
+  /// Which of them a run reaches from above exactly at its end, from the last state before it: a change of sign that no
+  /// step ahead is going to show.
+  std::vector<std::size_t> reached(const double* left, double from, const double* right, double to) const;
   bool ends(std::size_t which) const { return (halting_ >> which & 1) != 0; }
   const std::string& name(std::size_t which) const { return measures_.list[which].card.name; }
   /// Of an event of any kind.

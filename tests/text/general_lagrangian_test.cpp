@@ -1,0 +1,172 @@
+// Lagrangians L(q, v, s, t) of no form: the discrete Herglotz equations solved for them keep the contact form, have
+// their order, and are those of the compiled schemes.
+#include <gtest/gtest.h>
+
+#include "core/schemes/list.hpp"
+#include "core/text/scene.hpp"
+#include "core/text/scenes.hpp"
+#include "tests/support/texts.hpp"
+
+namespace {
+
+using namespace texts;
+
+constexpr auto lagrangian = Definition::Kind::lagrangian;
+
+struct General {
+  const char* name;
+  Definition definition;
+};
+std::vector<General> generals() {
+  return {{"timed",
+           of(lagrangian, {"q"}, {{"k", 1}}, "v^2/2 + v^4/12 + 0.3*q*v - (k + 0.2*sin(t))*q^2/2 - 0.1*s - 0.05*s^2")},
+          {"plane", of(lagrangian, {"x", "y"}, {{"k", 2}},
+                       "(vx^2 + vy^2)/2 + (vx^2 + vx*vy + vy^2)^2/20 + 0.2*x*vy - (x^2 + k*y^2)/2 - x^2*y/3"
+                       " - 0.1*s - 0.05*s*x + 0.02*s*vy")},
+          {"relativistic", of(lagrangian, {"q"}, {}, "-sqrt(1 - v^2) - q^2/2")}};
+}
+
+/// From a start of its own, to t = 2.
+Request request_of(const std::shared_ptr<const Mechanics>& mechanics, const char* scheme, double step) {
+  Request request = typed_as(runs::defaults("damped_oscillator", scheme), mechanics);
+  auto& initial = runs::scene(request).initial;
+  const auto& variables = mechanics->card().variables;
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    initial[i] = variables[i].hidden ? 0 : 0.5 - 0.15 * double(i % 8) + (i >= 8 ? 0.1 : 0);
+  request.end = 2;
+  runs::set(request, "step", step);
+  runs::only_final(request);
+  return request;
+}
+std::vector<double> end_of(const Request& request) {
+  const auto outcome = runs::go(request).outcome;
+  EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << outcome.stop.detail;
+  return outcome.final;
+}
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+TEST(GeneralLagrangian, KeepsTheFormOfItsScene) {
+  for (const General& general : generals()) {
+    const auto mechanics = mechanics_of(general.definition);
+    ASSERT_EQ(mechanics->text()->form->kind, text::FormKind::lagrangian);
+    const bool acts = mechanics->text()->form->reads_action;
+    const auto defect = [&](const char* scheme, const char* composition = nullptr) {
+      Request request = request_of(mechanics, scheme, 0.1);
+      if (composition) runs::set(request, "composition", composition);
+      runs::ask(request, "structure");
+      const auto outcome = runs::go(request).outcome;
+      EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << outcome.stop.detail;
+      const auto& parts = std::get<std::vector<Report>>(outcome.diagnostics.front().value);
+      const auto* kind = std::get_if<std::string>(&parts.front().value);
+      if (std::string_view(scheme) != "runge_kutta_4") {
+        EXPECT_EQ(*kind, acts ? "contact" : "symplectic") << general.name << " " << scheme;
+      }
+      return runs::number(outcome.diagnostics, "structure/max_defect");
+    };
+    EXPECT_LT(defect("contact_variational_midpoint"), 1e-12) << general.name;
+    EXPECT_LT(defect("contact_variational_midpoint", "kahan_li_6"), 1e-12) << general.name;
+    EXPECT_LT(defect("contact_galerkin_4"), 1e-12) << general.name;
+    EXPECT_GT(defect("runge_kutta_4"), 1e-8) << general.name;
+  }
+}
+
+TEST(GeneralLagrangian, HasTheOrderOfTheScheme) {
+  for (const General& general : generals()) {
+    const auto mechanics = mechanics_of(general.definition);
+    Request reference = request_of(mechanics, "contact_gauss", 0.005);
+    runs::set(reference, "stages", 3);
+    const auto truth = end_of(reference);
+    for (const auto& [scheme, order] : {std::pair{"contact_variational_midpoint", 2}, {"contact_galerkin_4", 4}}) {
+      const double coarse = order == 2 ? 0.02 : 0.1;
+      std::vector<double> errors;
+      for (const double step : {coarse, coarse / 2, coarse / 4})
+        errors.push_back(distance(end_of(request_of(mechanics, scheme, step)), truth));
+      ASSERT_GT(errors.back(), 1e-11) << general.name << " " << scheme << ": above round-off";
+      for (std::size_t i = 0; i + 1 < errors.size(); ++i)
+        EXPECT_NEAR(std::log2(errors[i] / errors[i + 1]), order, 0.1) << general.name << " " << scheme;
+    }
+    Request composed = request_of(mechanics, "contact_variational_midpoint", 0.1);
+    runs::set(composed, "composition", "kahan_li_6");
+    EXPECT_LT(distance(end_of(composed), truth), 1e-6) << general.name;
+  }
+}
+
+TEST(GeneralLagrangian, MidpointReturnsByANegativeStep) {
+  for (const General& general : generals()) {
+    const auto mechanics = mechanics_of(general.definition);
+    const Request request = request_of(mechanics, "contact_variational_midpoint", 0.1);
+    text::LagrangianScene problem;
+    problem.formulas = std::make_shared<text::Formulas>(*mechanics->text()->form, request.scene->parameters);
+    const auto start = start_of<StateOf<text::LagrangianScene>>(problem, request.scene->initial, 0.3);
+    auto x = start;
+    auto stepper = ContactVariationalMidpoint{}.bind(problem, x);
+    ASSERT_EQ(stepper.step(x, 0.1), StepStatus::ok);
+    double moved = 0;
+    for (std::size_t i = 0; i < x.size; ++i) moved = std::max(moved, std::abs(x[i] - start[i]));
+    EXPECT_GT(moved, 0.01) << general.name;
+    x.t += 0.1;
+    ASSERT_EQ(stepper.step(x, -0.1), StepStatus::ok);
+    for (std::size_t i = 0; i < x.size; ++i) EXPECT_NEAR(x[i], start[i], 1e-14) << general.name << " " << i;
+  }
+}
+
+/// A problem of the catalogue, said with a term that has a factor of zero: no form is found in it.
+TEST(GeneralLagrangian, AgreesWithTheCompiledSchemes) {
+  const double pi = 3.141592653589793;
+  const struct {
+    Typed typed;
+    std::vector<std::pair<const char*, const char*>> schemes;  ///< of the compiled problem, of the text
+  } rows[] = {
+      {{"damped_oscillator",
+        of(lagrangian, {"q"}, {{"k", 1}, {"alpha", 0.1}, {"z", 0}}, "v^2/2 - k*q^2/2 - alpha*s + z*v^4")},
+       {{"contact_variational_midpoint", "contact_variational_midpoint"},
+        {"contact_galerkin_4", "contact_galerkin_4"}}},
+      {{"perturbed_kepler", of(lagrangian, {"x", "y"}, {{"gamma", -1}, {"alpha", 0.01}, {"omega", pi}, {"z", 0}},
+                               "(vx^2 + vy^2)/2 - gamma/sqrt(x^2 + y^2) - alpha*sin(omega*t)*s + z*vx^2*vy^2")},
+       {{"contact_variational_midpoint", "contact_variational_midpoint"},
+        {"contact_galerkin_4", "contact_galerkin_4"}}},
+      {{"cosmological_oscillator",
+        of(lagrangian, {"q"}, {{"gamma", 1}, {"r", 1}, {"z", 0}}, "v^2/2 - q^2/2 - gamma*s^2/2 + r + z*v^4")},
+       {{"contact_variational_midpoint", "contact_variational_midpoint"},
+        {"contact_galerkin_4", "contact_galerkin_4"}}},
+      {{"double_pendulum",
+        of(lagrangian, {"theta1", "theta2"}, {{"m1", 1}, {"m2", 1}, {"l1", 1}, {"l2", 1}, {"g", 1}, {"z", 0}},
+           "(m1 + m2)*l1^2*vtheta1^2/2 + m2*l2^2*vtheta2^2/2 + m2*l1*l2*cos(theta1 - theta2)*vtheta1*vtheta2"
+           " + (m1 + m2)*g*l1*cos(theta1) + m2*g*l2*cos(theta2) + z*vtheta1^4 + z*vtheta2^4")},
+       {{"variational_midpoint", "contact_variational_midpoint"}, {"galerkin_4", "contact_galerkin_4"}}},
+  };
+  for (const auto& [typed, schemes] : rows) {
+    const auto mechanics = mechanics_of(typed.definition);
+    ASSERT_EQ(mechanics->text()->form->kind, text::FormKind::lagrangian) << typed.id;
+    for (const auto& [of_compiled, of_text] : schemes) {
+      Request compiled = runs::defaults(typed.id, of_compiled);
+      compiled.end = compiled.scene->start + 5;
+      compiled.record = {Record::Mode::every, 1, {}};
+      Request general = typed_as(compiled, mechanics);
+      general.scheme = find_scheme(of_text).value();
+      general.settings.resize(least::schemes()[general.scheme].parameters.size());
+      for (Request* request : {&compiled, &general})
+        request->columns = {runs::position(runs::card(*request).columns, "discrete_energy",
+                                           [](const auto& column) { return column.name; })};
+      const auto [a, energies] = runs::go(compiled);
+      const auto [b, energies_of_text] = runs::go(general);
+      ASSERT_EQ(b.stop.reason, ReturnCode::completed) << typed.id << " " << of_text << " " << b.stop.detail;
+      EXPECT_EQ(a.cost.steps, b.cost.steps);
+      EXPECT_NEAR(energies.back()[0], energies_of_text.back()[0], 1e-11) << typed.id << " " << of_text;
+      std::size_t next = 0;
+      for (std::size_t i = 0; i < b.final.size(); ++i) {
+        if (mechanics->card().variables[i].hidden) continue;
+        const double expected = a.final[next++];
+        if (std::isnan(expected)) continue;  // an s that the compiled run does not carry
+        EXPECT_NEAR(b.final[i], expected, 1e-12 * std::max(1.0, std::abs(expected)))
+            << typed.id << " " << of_text << " " << mechanics->card().variables[i].name;
+      }
+    }
+  }
+}
+
+}  // namespace

@@ -21,26 +21,6 @@ Passes places(const Context& context, const HttpRequest& request, Admission::Pas
   return passes;
 }
 
-// What an answer holds of the memory that answers share.
-class Held {
- public:
-  explicit Held(MemoryBudget& budget) : budget_(budget) {}
-  ~Held() { budget_.give_back(taken_); }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
-  // False, and `overflowed`, where there is not so much.
-  bool grow_to(std::size_t bytes) {
-    if (bytes <= taken_) return true;
-    if (!budget_.take(bytes - taken_)) return !(overflowed = true);
-    taken_ = bytes;
-    return true;
-  }
-  bool overflowed = false;
-
- private:
-  MemoryBudget& budget_;
-  std::size_t taken_ = 0;
-};
 std::size_t bytes_of(const Harvest& all) {
   const SectionPoints& points = all.section;
   return sizeof(double) * (all.final.size() + all.final_member.size() + points.values.size() + 3 * points.t.size());
@@ -101,10 +81,12 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
     answer.stream = [stream](const Write& write) { return (*stream)(write); };
     return answer;
   }
-  Held held(context.memory);
-  const auto [all, end] = compute(plan, context, request.gone, static_cast<unsigned>(passes.size()),
-                                  [&](const Harvest& sums, const Block&) { return held.grow_to(bytes_of(sums)); });
-  if (held.overflowed) return busy(context, request, "answers that others read fill the memory");
+  Held held(&context.memory);
+  bool fits = true;
+  const auto [all, end] =
+      compute(plan, context, request.gone, static_cast<unsigned>(passes.size()),
+              [&](const Harvest& sums, const Block&) { return fits = held.grow_to(bytes_of(sums)); });
+  if (!fits) return busy(context, request, "answers that others read fill the memory");
   return {200, "application/json", encode_ensemble(plan, context.cards, all, end), {}};
 }
 

@@ -30,10 +30,10 @@ Connection::Connection(int socket, std::string client, const ConnectionBounds& b
       lifecycle_(lifecycle),
       handler_(handler),
       came_(std::move(came)),
-      reader_(bounds) {}
+      reader_(bounds, lifecycle.memory) {}
 
 Connection::~Connection() {
-  if (exchange_) leave();
+  if (!closed()) leave();
   ::close(socket_);
 }
 

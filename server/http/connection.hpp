@@ -11,6 +11,7 @@
 
 #include "server/http/exchange.hpp"
 #include "server/http/request_reader.hpp"
+#include "server/shared/memory_budget.hpp"
 
 namespace least::server {
 
@@ -19,6 +20,7 @@ struct Lifecycle {
   std::atomic<bool> draining{false};   ///< no new requests; those that came are answered
   std::atomic<bool> cancelled{false};  ///< runs end now
   std::atomic<bool> crowded{false};    ///< clients wait to be let in
+  MemoryBudget* memory = nullptr;      ///< for what they send; none: no bound
 };
 
 /// Bounds of one connection. A client that is slower than this is let go.

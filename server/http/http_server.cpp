@@ -78,12 +78,14 @@ std::uint64_t random_bits() {
 
 class HttpServer::Impl final : private Handler {
  public:
-  Impl(HttpSettings settings, ErrorAnswer error)
+  Impl(HttpSettings settings, ErrorAnswer error, MemoryBudget* memory)
       : settings_(std::move(settings)),
         error_(error),
         admission_(places(), settings_.queue, &metrics_),
         router_(access_of(settings_), error),
-        loop_(settings_.connections, settings_.bounds, lifecycle_, *this) {}
+        loop_(settings_.connections, settings_.bounds, lifecycle_, *this) {
+    lifecycle_.memory = memory;
+  }
 
   Router& router() { return router_; }
   Admission& admission() { return admission_; }
@@ -159,7 +161,9 @@ class HttpServer::Impl final : private Handler {
     message.head.method = std::move(refused.method);
     message.keep_alive = false;
     const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(line));
-    respond(exchange, "refused", error_(refused.refusal.status, refused.refusal.detail, exchange->id));
+    Answer answer = error_(refused.refusal.status, refused.refusal.detail, exchange->id);
+    if (answer.status == 503) answer.headers.emplace_back("Retry-After", "1");
+    respond(exchange, "refused", std::move(answer));
     return exchange;
   }
 
@@ -362,8 +366,8 @@ class HttpServer::Impl final : private Handler {
   Workers workers_;  // last: its tasks use the others
 };
 
-HttpServer::HttpServer(HttpSettings settings, ErrorAnswer error)
-    : impl_(std::make_unique<Impl>(std::move(settings), error)) {}
+HttpServer::HttpServer(HttpSettings settings, ErrorAnswer error, MemoryBudget* memory)
+    : impl_(std::make_unique<Impl>(std::move(settings), error, memory)) {}
 HttpServer::~HttpServer() { stop(); }
 Router& HttpServer::router() { return impl_->router(); }
 Admission& HttpServer::admission() { return impl_->admission(); }

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "server/decode/ensemble_request.hpp"
 #include "server/encode/ensemble_json.hpp"
@@ -48,9 +50,9 @@ struct EnsembleStream {
   std::function<bool()> gone;
   Passes passes;
 
-  bool operator()(const Write& write) {
+  std::optional<std::string> operator()(const Write& write) {
     bool taken = write(encode_ensemble_head(plan, context.cards));
-    if (!taken) return false;
+    if (!taken) return std::nullopt;
     std::int64_t points = 0;
     const auto [all, end] =
         compute(plan, context, gone, static_cast<unsigned>(passes.size()), [&](Harvest& sums, const Block& block) {
@@ -67,7 +69,7 @@ struct EnsembleStream {
           return taken = write(encode_ensemble_block(plan, shown));
         });
     passes.clear();
-    return taken && write(encode_ensemble_end(plan, all, end));
+    return taken ? std::optional(encode_ensemble_end(plan, all, end)) : std::nullopt;
   }
 };
 
@@ -76,6 +78,7 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
   if (lines) {
     Answer answer;
     answer.type = "application/x-ndjson";
+    answer.begins = "{";
     const auto stream =
         std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(plan), request.gone, std::move(passes)});
     answer.stream = [stream](const Write& write) { return (*stream)(write); };

@@ -102,7 +102,8 @@ int say(std::string_view id, Compute&& compute) {
     return 0;
   }
   if (!answer.stream) return print(answer.body, answer.status == 200 ? 0 : 2);
-  return answer.stream([](std::string_view piece) { return print(piece, 0) == 0; }) ? 0 : 1;
+  const auto end = answer.stream([](std::string_view piece) { return print(piece, 0) == 0; });
+  return end ? print(*end, 0) : 1;
 }
 
 // The same to the request in the file that the options name, with so many threads at most.

@@ -83,10 +83,11 @@ class Connection {
   bool discard();
   bool receive();
   void begin(ExchangePtr exchange);
-  void probe();
+  void probe(Clock::time_point now);
   bool too_slow(Clock::time_point now);
   void unblock(Clock::time_point now);
   void leave();
+  void cut_off();
 
   const int socket_;
   const std::string client_;
@@ -111,7 +112,8 @@ class Connection {
   Clock::time_point blocked_from_;
   Clock::duration blocked_{0}, stalled_{0};  // that its client let it wait, and since it took the last byte
   Clock::time_point last_write_ = Clock::time_point::max();  // set when the service ends: so long may all be sent
-  bool probed_ = false;
+  Clock::time_point next_probe_;
+  Clock::duration between_probes_{};
 };
 
 }  // namespace least::server

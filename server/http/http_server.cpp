@@ -277,6 +277,8 @@ class HttpServer::Impl final : private Handler {
     exchange->status = answer.status;
     exchange->notes = answer.notes;
     exchange->chunked = unbounded && head.minor > 0;
+    exchange->bare = unbounded && head.minor == 0;
+    exchange->begins = answer.begins;
     // What follows a POST without a length may be the body its client had in mind: not the next request. While others
     // cannot be let in, who is inside makes room.
     exchange->keep_alive = exchange->message.keep_alive && !lifecycle_.draining && !lifecycle_.crowded &&
@@ -295,20 +297,29 @@ class HttpServer::Impl final : private Handler {
         exchange->bytes = answer.body.size();
         text += answer.body;
       }
-      exchange->outbox.finish(true, std::move(text), exchange->keep_alive);
+      finish(*exchange, std::move(text), exchange->keep_alive);
     }
   }
 
-  // Each piece leaves at once, or when the client has taken what was before it.
+  static void finish(Exchange& exchange, std::string last, bool keeps = false) {
+    exchange.over = Clock::now();
+    exchange.outbox.finish(true, std::move(last), keeps);
+  }
+
+  // Each piece leaves at once, or when the client has taken what was before it; the end is not waited for.
   void stream(Exchange& exchange, const Answer& answer, std::string text) {
-    bool whole = exchange.outbox.put(std::move(text));
-    whole = whole && answer.stream([&](std::string_view piece) {
-      if (piece.empty()) return !exchange.left;
-      exchange.bytes += piece.size();
-      return exchange.outbox.put(chunk_of(exchange, piece));
-    });
+    std::optional<std::string> end;
+    if (exchange.outbox.put(std::move(text))) {
+      end = answer.stream([&](std::string_view piece) {
+        if (piece.empty()) return !exchange.left;
+        exchange.bytes += piece.size();
+        return exchange.outbox.put(chunk_of(exchange, piece));
+      });
+    }
     exchange.computing = false;
-    exchange.outbox.finish(whole, std::string(whole ? end_of(exchange) : ""));
+    if (!end) return exchange.outbox.finish(false);
+    exchange.bytes += end->size();
+    finish(exchange, chunk_of(exchange, *end).append(end_of(exchange)));
   }
 
   // As much of the rest as there is room for. Whoever makes room meanwhile leaves it to this thread, or posts it again.
@@ -323,8 +334,7 @@ class HttpServer::Impl final : private Handler {
         if (!more) {
           exchange.has_pieces = false;
           exchange.pieces = nullptr;  // who has read the end finds the memory free
-          exchange.outbox.finish(true, (chunk += end_of(exchange)));
-          return;
+          return finish(exchange, std::move(chunk += end_of(exchange)));
         }
         if (exchange.outbox.put(std::move(chunk))) continue;
         exchange.has_pieces = false;
@@ -336,7 +346,7 @@ class HttpServer::Impl final : private Handler {
 
   void log(const Exchange& over) const try {
     if (over.status == 0) return;
-    const std::chrono::duration<double, std::milli> time = Clock::now() - over.start;
+    const std::chrono::duration<double, std::milli> time = (over.sent ? over.over : Clock::now()) - over.start;
     const std::string& method = over.message.head.method;
     LogLine line(spdlog::level::info, "request");
     line.with("id", over.id).with("method", method.empty() ? "-" : method).with("route", std::string(over.route));

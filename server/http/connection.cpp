@@ -243,10 +243,11 @@ void Connection::tick(Clock::time_point now) {
   }
 }
 
-Connection::Clock::time_point Connection::idle_since() const {
-  const bool idles = state_ == State::reading && awaited_ == Awaits::request && !readable_;
-  const bool may_come = fresh_ && Clock::now() - since_ < on_its_way;
-  return idles && !may_come ? since_ : Clock::time_point::max();
+std::optional<std::pair<bool, Connection::Clock::time_point>> Connection::makes_room(Clock::time_point now) const {
+  const bool half = awaited_ != Awaits::request;
+  const bool may_come = (fresh_ || half) && now - since_ < on_its_way;
+  if (state_ != State::reading || readable_ || may_come) return std::nullopt;
+  return std::pair(half, since_);
 }
 
 }  // namespace least::server

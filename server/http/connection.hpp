@@ -6,8 +6,10 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/http/exchange.hpp"
 #include "server/http/request_reader.hpp"
@@ -44,9 +46,9 @@ class Handler {
   /// There is room for more pieces of an answer.
   virtual void go_on(const ExchangePtr& exchange) = 0;
   /// A client went away within a request.
-  virtual void aborted(const std::string& client) = 0;
+  virtual void aborted(const std::string& client) noexcept = 0;
   /// A client went away before its answer was whole.
-  virtual void left(const Exchange& exchange) = 0;
+  virtual void left(const Exchange& exchange) noexcept = 0;
   /// Whether there are requests left, of clients who may be gone.
   virtual bool busy() const = 0;
 };
@@ -70,8 +72,9 @@ class Connection {
   void tick(Clock::time_point now);
 
   bool closed() const { return state_ == State::closed; }
-  /// Since when nothing was asked; `max` while there is a request, or one may be on its way.
-  Clock::time_point idle_since() const;
+  /// Who makes room for others, the smallest first: those who ask nothing, then those whose request does not come, by
+  /// the time since when. Nothing: there is a request, or one may be on its way.
+  std::optional<std::pair<bool, Clock::time_point>> makes_room(Clock::time_point now) const;
 
  private:
   enum class State { reading, answering, lingering, closed };

@@ -172,9 +172,12 @@ class HttpServer::Impl final : private Handler {
     workers_.post([this, exchange] { guarded(exchange, [&] { write_pieces(*exchange); }); });
   }
 
-  void aborted(const std::string& client) override { LogLine(spdlog::level::info, "aborted").with("client", client); }
+  void aborted(const std::string& client) noexcept override try {
+    LogLine(spdlog::level::info, "aborted").with("client", client);
+  } catch (const std::bad_alloc&) {  // a line less
+  }
 
-  void left(const Exchange& exchange) override {
+  void left(const Exchange& exchange) noexcept override {
     if (exchange.computing) metrics_.cancelled();
   }
 
@@ -217,10 +220,12 @@ class HttpServer::Impl final : private Handler {
     const auto from = Clock::now();
     const auto gone = [exchange] { return exchange->left.load(); };
     admission_.wait(exchange->client, patience, gone, [=, this](std::optional<Admission::Pass> pass) {
-      const auto shared = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
-      workers_.post([=, this] {
-        if (*shared) return compute(exchange, route, job, *std::exchange(*shared, std::nullopt), Clock::now() - from);
-        turn_away(exchange, route);
+      guarded(exchange, [&] {
+        const auto shared = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
+        workers_.post([=, this] {
+          if (*shared) return compute(exchange, route, job, *std::exchange(*shared, std::nullopt), Clock::now() - from);
+          turn_away(exchange, route);
+        });
       });
     });
   }

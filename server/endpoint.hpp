@@ -23,7 +23,7 @@ struct Context {
   Caps caps;
   Admission& admission;
   const std::atomic<bool>& cancelled;  ///< the service ends
-  MemoryBudget& memory;                ///< for the samples of answers
+  MemoryBudget& memory;                ///< for what answers keep
 };
 
 /// A refusal (400: no JSON, 406, 422), or the work, which answers 200, 422 or 503. Both throw when memory is out or the

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "server/decode/ensemble_request.hpp"
 #include "server/encode/ensemble_json.hpp"
@@ -21,26 +23,6 @@ Passes places(const Context& context, const HttpRequest& request, Admission::Pas
   return passes;
 }
 
-// What an answer holds of the memory that answers share.
-class Held {
- public:
-  explicit Held(MemoryBudget& budget) : budget_(budget) {}
-  ~Held() { budget_.give_back(taken_); }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
-  // False, and `overflowed`, where there is not so much.
-  bool grow_to(std::size_t bytes) {
-    if (bytes <= taken_) return true;
-    if (!budget_.take(bytes - taken_)) return !(overflowed = true);
-    taken_ = bytes;
-    return true;
-  }
-  bool overflowed = false;
-
- private:
-  MemoryBudget& budget_;
-  std::size_t taken_ = 0;
-};
 std::size_t bytes_of(const Harvest& all) {
   const SectionPoints& points = all.section;
   return sizeof(double) * (all.final.size() + all.final_member.size() + points.values.size() + 3 * points.t.size());
@@ -68,9 +50,9 @@ struct EnsembleStream {
   std::function<bool()> gone;
   Passes passes;
 
-  bool operator()(const Write& write) {
+  std::optional<std::string> operator()(const Write& write) {
     bool taken = write(encode_ensemble_head(plan, context.cards));
-    if (!taken) return false;
+    if (!taken) return std::nullopt;
     std::int64_t points = 0;
     const auto [all, end] =
         compute(plan, context, gone, static_cast<unsigned>(passes.size()), [&](Harvest& sums, const Block& block) {
@@ -87,7 +69,7 @@ struct EnsembleStream {
           return taken = write(encode_ensemble_block(plan, shown));
         });
     passes.clear();
-    return taken && write(encode_ensemble_end(plan, all, end));
+    return taken ? std::optional(encode_ensemble_end(plan, all, end)) : std::nullopt;
   }
 };
 
@@ -96,15 +78,18 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
   if (lines) {
     Answer answer;
     answer.type = "application/x-ndjson";
+    answer.begins = "{";
     const auto stream =
         std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(plan), request.gone, std::move(passes)});
     answer.stream = [stream](const Write& write) { return (*stream)(write); };
     return answer;
   }
-  Held held(context.memory);
-  const auto [all, end] = compute(plan, context, request.gone, static_cast<unsigned>(passes.size()),
-                                  [&](const Harvest& sums, const Block&) { return held.grow_to(bytes_of(sums)); });
-  if (held.overflowed) return busy(context, request, "answers that others read fill the memory");
+  Held held(&context.memory);
+  bool fits = true;
+  const auto [all, end] =
+      compute(plan, context, request.gone, static_cast<unsigned>(passes.size()),
+              [&](const Harvest& sums, const Block&) { return fits = held.grow_to(bytes_of(sums)); });
+  if (!fits) return busy(context, request, "answers that others read fill the memory");
   return {200, "application/json", encode_ensemble(plan, context.cards, all, end), {}};
 }
 

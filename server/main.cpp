@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <pthread.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
@@ -40,6 +42,19 @@ void open_standard_streams() {
   }
 }
 
+// One for each connection, and some for the service itself: a shell often gives fewer than it may.
+void allow_descriptors(unsigned connections) {
+  constexpr rlim_t own = 32;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= connections + own) return;
+  limit.rlim_cur = std::min(connections + own, limit.rlim_max);
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+  if (limit.rlim_cur >= connections + own) return;
+  LogLine(spdlog::level::warn, "fewer descriptors than --connections needs: clients will make room for others")
+      .with("allowed", static_cast<std::int64_t>(limit.rlim_cur))
+      .with("needed", static_cast<std::int64_t>(connections + own));
+}
+
 // Signals are blocked before any thread starts and waited for here, so that none interrupts a run.
 int serve(const Options& options) {
   sigset_t ends;
@@ -53,6 +68,7 @@ int serve(const Options& options) {
   ::mallopt(M_MMAP_THRESHOLD, 256 * 1024);
 
   const LogQueue log(STDERR_FILENO, options.log_level, options.log_format);
+  allow_descriptors(options.settings.connections);
   Service service(options.settings, assets());
   if (const auto error = service.start()) {
     fmt::print(stderr, "leastaction: {}\n", *error);
@@ -102,7 +118,8 @@ int say(std::string_view id, Compute&& compute) {
     return 0;
   }
   if (!answer.stream) return print(answer.body, answer.status == 200 ? 0 : 2);
-  return answer.stream([](std::string_view piece) { return print(piece, 0) == 0; }) ? 0 : 1;
+  const auto end = answer.stream([](std::string_view piece) { return print(piece, 0) == 0; });
+  return end ? print(*end, 0) : 1;
 }
 
 // The same to the request in the file that the options name, with so many threads at most.

@@ -62,7 +62,8 @@ void add_serve(CLI::App& app, Options& options) {
       ->check(CLI::Range(0u, 100'000u));
   add(app, "--connections", settings.connections, "clients connected at once, beyond it those that idle make room")
       ->check(count);
-  add(app, "--max-memory", settings.max_memory, "bytes held for answers that are computed or read, beyond it 503")
+  add(app, "--max-memory", settings.max_memory,
+      "bytes held for requests and for answers that are computed or read, beyond it 503")
       ->check(CLI::Range(std::size_t{1} << 20, std::size_t{1} << 50));
   add(app, "--grace", settings.grace, "seconds that runs have left when the service ends")
       ->check(finite & CLI::Range(0.0, 3600.0));

@@ -73,7 +73,7 @@ std::string hint(const Cards& cards, int status, std::string_view path) {
 
 Service::Service(const Settings& settings, std::span<const Asset> assets)
     : memory_(std::max(settings.max_memory, largest_answer(settings.caps))),
-      http_(settings, problem_document),
+      http_(settings, problem_document, &memory_),
       context_{catalogue_cards(), settings.caps, http_.admission(), http_.cancelled(), memory_} {
   Router& router = http_.router();
   for (const Asset& asset : assets) router.add_page(asset);

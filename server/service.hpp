@@ -12,7 +12,7 @@ namespace least::server {
 
 struct Settings : HttpSettings {
   Caps caps;
-  std::size_t max_memory = std::size_t{1} << 30;  ///< bytes held for answers; one largest answer fits in any case
+  std::size_t max_memory = std::size_t{1} << 30;  ///< bytes held for requests and answers; one largest fits
 };
 
 class Service {

@@ -103,11 +103,13 @@ class Lines final : public RowSink {
 Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admission::Pass&& pass) {
   Answer answer;
   answer.type = in_lines;
+  answer.begins = "{";
   const auto held = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
   answer.notes = std::make_shared<std::vector<Note>>();
-  answer.stream = [task, held, gone = question.gone, notes = answer.notes](const Write& write) {
+  answer.stream = [task, held, gone = question.gone,
+                   notes = answer.notes](const Write& write) -> std::optional<std::string> {
     const PlannedRun planned = task->planned();
-    if (!write(run_head_line(planned))) return false;
+    if (!write(run_head_line(planned))) return std::nullopt;
     Lines lines(planned, write);
     const CancellationWatch watch(task->context().cancelled, gone);
     const Solution outcome = task->run(lines, watch.cancelled());
@@ -115,7 +117,7 @@ Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admi
     note_run(told, planned, outcome);
     *notes = std::move(*told.notes);
     held->reset();  // who has read the end finds the place free
-    return write(run_end_line(planned, outcome));
+    return run_end_line(planned, outcome);
   };
   return answer;
 }

@@ -1,6 +1,8 @@
 #include "server/study.hpp"
 
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "server/decode/study_request.hpp"
 #include "server/encode/problem_document.hpp"
@@ -26,7 +28,7 @@ class StudyStream {
   StudyStream(const Context& context, StudyPlan&& plan, const HttpRequest& request, Admission::Pass&& pass)
       : context_(context), plan_(std::move(plan)), gone_(request.gone), pass_(std::move(pass)) {}
 
-  bool operator()(const Write& write) {
+  std::optional<std::string> operator()(const Write& write) {
     const PlanWithCards planned{plan_, context_.cards};
     bool begun = false, taken = true;
     const auto head = [&](const least::Study& known) {
@@ -39,9 +41,9 @@ class StudyStream {
     plan_.begun = head;
     const CancellationWatch watch(context_.cancelled, gone_, plan_.budget_seconds + margin);
     const auto study = work_precision(plan_, seen, watch.cancelled());
-    pass_.reset();            // who has read the end finds the place free
     if (!begun) head(study);  // it ended before it began
-    return taken && write(encode_study_end(planned, study, end_of(watch)));
+    pass_.reset();            // who has read the end finds the place free
+    return taken ? std::optional(encode_study_end(planned, study, end_of(watch))) : std::nullopt;
   }
 
  private:
@@ -54,6 +56,7 @@ class StudyStream {
 Answer measured_in_lines(const Context& context, const HttpRequest& request, StudyPlan&& plan, Admission::Pass&& pass) {
   Answer answer{200, "application/x-ndjson", {}, {}};
   const auto stream = std::make_shared<StudyStream>(context, std::move(plan), request, std::move(pass));
+  answer.begins = "{";
   answer.stream = [stream](const Write& write) { return (*stream)(write); };
   return answer;
 }

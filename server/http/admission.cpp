@@ -53,6 +53,7 @@ void Admission::look() {
   Calls calls;
   {
     const std::lock_guard lock(mutex_);
+    calls.reserve(waiting_);  // nothing is thrown from here on
     for (auto turn = turns_.begin(); turn != turns_.end();) {
       const auto client = clients_.find(*turn);
       std::erase_if(client->second.waiting, [&](Waiter& waiter) {

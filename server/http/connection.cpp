@@ -15,9 +15,10 @@ namespace {
 using namespace std::chrono_literals;
 using Awaits = RequestReader::Awaits;
 
-constexpr auto on_its_way = 250ms;  // the first request of a client that has just come may take so long
+constexpr auto on_its_way = 250ms;  // what a client has just begun to send, or is to, may take so long
 constexpr auto last_word = 1s;      // how long the end waits for the rest of a request, or for a client to hang up
-constexpr auto between_probes = 50ms;
+constexpr auto first_probe = 50ms;
+constexpr std::string_view every_answer = "HTTP/1.1 ";  // begins so, in reply to HTTP/1.0 as well
 constexpr std::string_view go_ahead = "HTTP/1.1 100 Continue\r\n\r\n";
 
 }  // namespace
@@ -30,10 +31,10 @@ Connection::Connection(int socket, std::string client, const ConnectionBounds& b
       lifecycle_(lifecycle),
       handler_(handler),
       came_(std::move(came)),
-      reader_(bounds) {}
+      reader_(bounds, lifecycle.memory) {}
 
 Connection::~Connection() {
-  if (exchange_) leave();
+  if (!closed()) leave();
   ::close(socket_);
 }
 
@@ -115,7 +116,9 @@ void Connection::begin(ExchangePtr exchange) {
   exchange_ = std::move(exchange);
   state_ = State::answering;
   since_ = Clock::now();
-  fresh_ = probed_ = false;
+  fresh_ = false;
+  next_probe_ = since_ + first_probe;
+  between_probes_ = first_probe;
   taken_ = 0;
   blocked_ = stalled_ = {};
 }
@@ -149,6 +152,8 @@ bool Connection::send_answer() {
 bool Connection::finish(bool whole) {
   const bool goes_on = whole && exchange_->keep_alive;
   exchange_->sent = whole;
+  if (taken_ > 0) exchange_->over = Clock::now();
+  if (!whole && exchange_->bare) cut_off();
   exchange_->end();
   exchange_.reset();
   sending_.clear();
@@ -163,7 +168,7 @@ bool Connection::finish(bool whole) {
     ::shutdown(socket_, SHUT_WR);
     state_ = State::lingering;
   } else {
-    state_ = State::closed;  // and no mark of an end
+    state_ = State::closed;  // and no mark of an end is sent
   }
   return state_ != State::closed;
 }
@@ -174,25 +179,35 @@ bool Connection::discard() {
   return false;
 }
 
+// An orderly close would be the mark of an end.
+void Connection::cut_off() {
+  const linger reset{1, 0};
+  ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
+}
+
 // The client is gone, or let go.
 void Connection::leave() {
   if (state_ == State::reading && reader_.awaits() != Awaits::request) handler_.aborted(client_);
   state_ = State::closed;
   if (const auto exchange = std::exchange(exchange_, nullptr)) {
+    exchange->sent = offset_ == sending_.size() && exchange->outbox.done();  // a client may be quick to go then
+    if (exchange->sent) return;
     exchange->left = true;
     exchange->outbox.close();
+    if (taken_ > 0 && exchange->bare) cut_off();
     handler_.left(*exchange);
   }
 }
 
 // Who only ended its sending is still there, and who hung up looks the same: that shows when something is sent, which
-// is answered with a reset. Any number of interim answers may come before an answer (RFC 9110, 15.2); within one, the
-// size of a chunk may begin with a zero (RFC 9112, 7.1).
-void Connection::probe() {
-  if (!half_closed_ || probed_ || offset_ < sending_.size() || !writable_ || exchange_->message.head.minor == 0) return;
-  if (taken_ > 0 && !exchange_->chunked) return;
-  probed_ = true;
-  exchange_->outbox.interject(taken_ == 0 ? go_ahead : "0");
+// is answered with a reset. So a byte is sent that has to come anyway, now and then: of the line with which every
+// answer begins; within one, a zero before the size of the next chunk (RFC 9112, 7.1), or what its next piece begins
+// with.
+void Connection::probe(Clock::time_point now) {
+  if (!half_closed_ || now < next_probe_ || offset_ < sending_.size() || !writable_) return;
+  next_probe_ = now + (between_probes_ *= 2);
+  if (taken_ > 0 && exchange_->chunked) return exchange_->outbox.interject("0");
+  exchange_->outbox.send_ahead(taken_ == 0 ? every_answer : exchange_->begins);
 }
 
 bool Connection::too_slow(Clock::time_point now) {
@@ -215,7 +230,7 @@ void Connection::tick(Clock::time_point now) {
     if (!writable_) unblock(now);
     if (too_slow(now)) return leave();
     advance();
-    if (state_ == State::answering && waited > between_probes) probe();
+    if (state_ == State::answering) probe(now);
   } else if (state_ == State::reading && awaited_ == Awaits::request) {
     const bool ends = lifecycle_.draining && (!fresh_ || waited > on_its_way);
     if (waited > bounds_.idle || ends || lifecycle_.cancelled) leave();
@@ -228,10 +243,11 @@ void Connection::tick(Clock::time_point now) {
   }
 }
 
-Connection::Clock::time_point Connection::idle_since() const {
-  const bool idles = state_ == State::reading && awaited_ == Awaits::request && !readable_;
-  const bool may_come = fresh_ && Clock::now() - since_ < on_its_way;
-  return idles && !may_come ? since_ : Clock::time_point::max();
+std::optional<std::pair<bool, Connection::Clock::time_point>> Connection::makes_room(Clock::time_point now) const {
+  const bool half = awaited_ != Awaits::request;
+  const bool may_come = (fresh_ || half) && now - since_ < on_its_way;
+  if (state_ != State::reading || readable_ || may_come) return std::nullopt;
+  return std::pair(half, since_);
 }
 
 }  // namespace least::server

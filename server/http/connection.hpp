@@ -6,11 +6,14 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/http/exchange.hpp"
 #include "server/http/request_reader.hpp"
+#include "server/shared/memory_budget.hpp"
 
 namespace least::server {
 
@@ -19,6 +22,7 @@ struct Lifecycle {
   std::atomic<bool> draining{false};   ///< no new requests; those that came are answered
   std::atomic<bool> cancelled{false};  ///< runs end now
   std::atomic<bool> crowded{false};    ///< clients wait to be let in
+  MemoryBudget* memory = nullptr;      ///< for what they send; none: no bound
 };
 
 /// Bounds of one connection. A client that is slower than this is let go.
@@ -42,9 +46,9 @@ class Handler {
   /// There is room for more pieces of an answer.
   virtual void go_on(const ExchangePtr& exchange) = 0;
   /// A client went away within a request.
-  virtual void aborted(const std::string& client) = 0;
+  virtual void aborted(const std::string& client) noexcept = 0;
   /// A client went away before its answer was whole.
-  virtual void left(const Exchange& exchange) = 0;
+  virtual void left(const Exchange& exchange) noexcept = 0;
   /// Whether there are requests left, of clients who may be gone.
   virtual bool busy() const = 0;
 };
@@ -68,8 +72,9 @@ class Connection {
   void tick(Clock::time_point now);
 
   bool closed() const { return state_ == State::closed; }
-  /// Since when nothing was asked; `max` while there is a request, or one may be on its way.
-  Clock::time_point idle_since() const;
+  /// Who makes room for others, the smallest first: those who ask nothing, then those whose request does not come, by
+  /// the time since when. Nothing: there is a request, or one may be on its way.
+  std::optional<std::pair<bool, Clock::time_point>> makes_room(Clock::time_point now) const;
 
  private:
   enum class State { reading, answering, lingering, closed };
@@ -81,10 +86,11 @@ class Connection {
   bool discard();
   bool receive();
   void begin(ExchangePtr exchange);
-  void probe();
+  void probe(Clock::time_point now);
   bool too_slow(Clock::time_point now);
   void unblock(Clock::time_point now);
   void leave();
+  void cut_off();
 
   const int socket_;
   const std::string client_;
@@ -109,7 +115,8 @@ class Connection {
   Clock::time_point blocked_from_;
   Clock::duration blocked_{0}, stalled_{0};  // that its client let it wait, and since it took the last byte
   Clock::time_point last_write_ = Clock::time_point::max();  // set when the service ends: so long may all be sent
-  bool probed_ = false;
+  Clock::time_point next_probe_;
+  Clock::duration between_probes_{};
 };
 
 }  // namespace least::server

@@ -4,6 +4,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -34,6 +35,23 @@ void add_to(int epoll, int descriptor, std::uint32_t events, std::uint64_t id) {
   event.data.u64 = id;
   check(::epoll_ctl(epoll, EPOLL_CTL_ADD, descriptor, &event));
 }
+
+// Does what may throw: what goes wrong is said, as far as there is memory for that, and goes no further. False: it did.
+template <class Act>
+bool contained(std::string_view event, Act&& act) {
+  try {
+    act();
+    return true;
+  } catch (const std::exception& e) {
+    try {
+      LogLine(spdlog::level::err, event).with("why", e.what());
+    } catch (...) {
+    }
+  } catch (...) {
+  }
+  return false;
+}
+constexpr std::string_view lost = "connection lost";
 
 // Without its port; empty where there is none.
 std::string text_of(const sockaddr_storage& address) {
@@ -99,16 +117,28 @@ std::optional<std::string> EventLoop::listen(const std::string& host, int port) 
   return std::strerror(error);
 }
 
-void EventLoop::begin() { thread_ = std::this_thread::get_id(); }
+void EventLoop::run(const std::function<void()>& tick_too) {
+  thread_ = std::this_thread::get_id();
+  while (!turn() || handler_.busy()) {
+    const auto now = Clock::now();
+    if (now - ticked_ < between_ticks) continue;
+    ticked_ = now;
+    tick(now);
+    contained("failed", tick_too);
+  }
+}
 
-void EventLoop::wake() { call(listening); }
+void EventLoop::wake() noexcept { call(listening); }
 
-// The loop looks at its calls before it sleeps: only others have to wake it.
-void EventLoop::call(Id id) {
-  {
+// The loop looks at its calls before it sleeps: only others have to wake it. Where there is no memory for one, the next
+// tick looks at the connection.
+void EventLoop::call(Id id) noexcept {
+  try {
     const std::lock_guard lock(mutex_);
     calls_.push_back(id);
     if (calls_.size() > 1) return;
+  } catch (const std::bad_alloc&) {
+    return;
   }
   if (std::this_thread::get_id() == thread_.load()) return;
   const std::uint64_t one = 1;
@@ -149,40 +179,41 @@ bool EventLoop::turn() {
   return listener_ < 0 && connections_.empty();
 }
 
-bool EventLoop::ticks() {
-  const auto now = Clock::now();
-  if (now - ticked_ < between_ticks) return false;
-  ticked_ = now;
-  for (auto connection = connections_.begin(); connection != connections_.end();) {
-    connection->second.tick(now);
-    connection = connection->second.closed() ? connections_.erase(connection) : std::next(connection);
+void EventLoop::tick(Clock::time_point now) {
+  for (auto entry = connections_.begin(); entry != connections_.end();) {
+    Connection& connection = entry->second;
+    const bool lives = contained(lost, [&] { connection.tick(now); }) && !connection.closed();
+    entry = lives ? std::next(entry) : connections_.erase(entry);
   }
   if (paused_) watch(true);
-  return true;
 }
 
 void EventLoop::advance(Id id, unsigned events) {
   const auto found = connections_.find(id);
   if (found == connections_.end()) return;
   Connection& connection = found->second;
-  try {
+  const bool good = contained(lost, [&] {
     connection.note(events);
     if (!connection.closed()) connection.advance();
-    if (!connection.closed()) return;
-  } catch (const std::exception& e) {
-    LogLine(spdlog::level::err, "connection lost").with("why", e.what());
-  }
-  connections_.erase(found);
+  });
+  if (!good || connection.closed()) connections_.erase(found);
 }
 
+bool EventLoop::somebody_waits() const {
+  pollfd queue{listener_, POLLIN, 0};
+  return listener_ >= 0 && ::poll(&queue, 1, 0) == 1;
+}
+
+// Who is connected makes room for those who are there, not for those who may come: to accept fails without descriptors
+// even when nobody waits.
 void EventLoop::accept() {
-  while (listener_ >= 0) {
+  while (somebody_waits()) {
     if (connections_.size() >= most_ && !make_room()) return watch(false);
     sockaddr_storage address{};
     socklen_t size = sizeof address;
     const int socket = ::accept4(listener_, reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket >= 0) {
-      add(socket, text_of(address));
+      add(socket, address);
       continue;
     }
     if (errno == EAGAIN || errno == EWOULDBLOCK) return;
@@ -192,33 +223,33 @@ void EventLoop::accept() {
   }
 }
 
-void EventLoop::add(int socket, std::string client) {
+void EventLoop::add(int socket, const sockaddr_storage& address) {
   const int yes = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   // What the system holds for a client counts as taken: no more than a few seconds of the slowest that is borne.
   const int held = 256 * 1024;
   ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &held, sizeof held);
   const Id id = ++last_;
-  try {
-    connections_.try_emplace(id, socket, std::move(client), bounds_, lifecycle_, handler_, [this, id] { call(id); });
+  const bool good = contained(lost, [&] {
+    connections_.try_emplace(id, socket, text_of(address), bounds_, lifecycle_, handler_, [this, id] { call(id); });
     add_to(epoll_, socket, EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET, id);
-  } catch (const std::exception& e) {
-    LogLine(spdlog::level::err, "connection lost").with("why", e.what());
-    if (connections_.erase(id) == 0) ::close(socket);
-  }
+  });
+  if (!good && connections_.erase(id) == 0) ::close(socket);
 }
 
-// Closes the connection that has idled for longest.
+// Closes the connection that has idled for longest, or else the one whose request has not come for longest.
 bool EventLoop::make_room() {
-  auto longest = connections_.end();
-  auto since = Clock::time_point::max();
-  for (auto connection = connections_.begin(); connection != connections_.end(); ++connection) {
-    if (connection->second.idle_since() >= since) continue;
-    longest = connection;
-    since = connection->second.idle_since();
+  const auto now = Clock::now();
+  auto first = connections_.end();
+  decltype(first->second.makes_room(now)) rank;
+  for (auto entry = connections_.begin(); entry != connections_.end(); ++entry) {
+    const auto other = entry->second.makes_room(now);
+    if (!other || (rank && *rank <= *other)) continue;
+    first = entry;
+    rank = other;
   }
-  if (longest == connections_.end()) return false;
-  connections_.erase(longest);
+  if (first == connections_.end()) return false;
+  connections_.erase(first);
   return true;
 }
 

@@ -8,12 +8,16 @@
 // How answers leave. What is in memory, or kept as numbers (a finished run), is written in pieces while the socket
 // takes them, by a worker that goes back as soon as some hundred kilobytes are ready: a slow reader holds that much and
 // no thread. Only what is computed while it leaves (lines of a run, a study, an ensemble) is not kept: there the worker
-// waits for its client, within the limits of its run, in its own place to compute, and no longer than `drip` allows.
+// waits for its client, within the limits of its run, in its own place to compute, and no longer than `drip` allows;
+// for the end of it, once that place is given back, it does not wait.
 #pragma once
+
+#include <sys/socket.h>
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -27,8 +31,8 @@ namespace least::server {
 
 class EventLoop {
  public:
-  /// `most` connections at once. Where there are as many, or the system gives no more, one that idles makes room.
-  /// Throws where the system has not what it takes.
+  /// `most` connections at once. Where there are as many, or the system gives no more, and somebody waits, one that
+  /// idles makes room, or else one whose request does not come. Throws where the system has not what it takes.
   EventLoop(std::size_t most, const ConnectionBounds& bounds, Lifecycle& lifecycle, Handler& handler);
   ~EventLoop();
   EventLoop(const EventLoop&) = delete;
@@ -38,31 +42,26 @@ class EventLoop {
   std::optional<std::string> listen(const std::string& host, int port);
   int port() const { return port_; }
 
-  /// Serves until the service drains and all connections are closed. Calls `tick` every 50 ms.
-  template <class Tick>
-  void run(Tick&& tick) {
-    begin();
-    while (!turn() || handler_.busy()) {
-      if (ticks()) tick();
-    }
-  }
+  /// Serves until the service drains and all connections are closed. Calls `tick` every 50 ms. What is thrown meanwhile
+  /// is logged, and costs the connection with which it happened.
+  void run(const std::function<void()>& tick);
 
   /// Something happened that the loop has to look at. From any thread.
-  void wake();
+  void wake() noexcept;
 
  private:
   using Clock = Connection::Clock;
   using Id = std::uint64_t;
 
-  void begin();
   bool turn();
-  bool ticks();
+  void tick(Clock::time_point now);
   void accept();
+  bool somebody_waits() const;
   bool make_room();
   void watch(bool listening);
-  void add(int socket, std::string client);
+  void add(int socket, const sockaddr_storage& address);
   void advance(Id id, unsigned events);
-  void call(Id id);
+  void call(Id id) noexcept;
 
   const std::size_t most_;
   const ConnectionBounds& bounds_;

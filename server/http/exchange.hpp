@@ -37,14 +37,16 @@ struct Exchange {
   std::string_view route;
   int status = 0;
   bool keep_alive = false;
-  bool chunked = false;                              ///< its body
+  bool chunked = false, bare = false;                ///< its body; bare: nothing but its connection's end marks its end
+  std::string_view begins{};                         ///< each piece of it, where that is known
   std::shared_ptr<const std::vector<Note>> notes{};  ///< for the log; more of them at the end of a stream
   std::atomic<std::size_t> bytes{0};                 ///< of the body
   /// The rest of a body that is written when there is room for it, by one thread at a time.
   std::function<bool(std::string&)> pieces{};
   std::atomic<bool> has_pieces{false}, writing{false};
 
-  bool sent = false;  ///< all of it, to a client that took it; for the loop
+  Clock::time_point over{};  ///< when the last of it was there to be sent, or left after that
+  bool sent = false;         ///< all of it, to a client that took it; for the loop
 
   /// What is done once, when all is over. May not throw.
   std::function<void(const Exchange&)> ended{};

@@ -60,10 +60,12 @@ std::string gzipped(std::string_view text, int level) { return Deflater(level).a
 
 void compress(Answer& answer) {
   if (answer.stream) {
+    answer.begins = {};
     answer.stream = [whole = std::move(answer.stream)](const Write& write) {
       Deflater deflater(fast);
-      const auto piece = [&](std::string_view text) { return text.empty() || write(deflater.add(text, Z_SYNC_FLUSH)); };
-      return whole(piece) && write(deflater.add({}, Z_FINISH));
+      auto end = whole([&](std::string_view text) { return text.empty() || write(deflater.add(text, Z_SYNC_FLUSH)); });
+      if (end) end = deflater.add(*end, Z_FINISH);
+      return end;
     };
   } else if (answer.pieces) {
     const auto deflater = std::make_shared<Deflater>(fast);

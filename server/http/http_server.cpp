@@ -78,12 +78,14 @@ std::uint64_t random_bits() {
 
 class HttpServer::Impl final : private Handler {
  public:
-  Impl(HttpSettings settings, ErrorAnswer error)
+  Impl(HttpSettings settings, ErrorAnswer error, MemoryBudget* memory)
       : settings_(std::move(settings)),
         error_(error),
         admission_(places(), settings_.queue, &metrics_),
         router_(access_of(settings_), error),
-        loop_(settings_.connections, settings_.bounds, lifecycle_, *this) {}
+        loop_(settings_.connections, settings_.bounds, lifecycle_, *this) {
+    lifecycle_.memory = memory;
+  }
 
   Router& router() { return router_; }
   Admission& admission() { return admission_; }
@@ -159,7 +161,9 @@ class HttpServer::Impl final : private Handler {
     message.head.method = std::move(refused.method);
     message.keep_alive = false;
     const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(line));
-    respond(exchange, "refused", error_(refused.refusal.status, refused.refusal.detail, exchange->id));
+    Answer answer = error_(refused.refusal.status, refused.refusal.detail, exchange->id);
+    if (answer.status == 503) answer.headers.emplace_back("Retry-After", "1");
+    respond(exchange, "refused", std::move(answer));
     return exchange;
   }
 
@@ -168,9 +172,12 @@ class HttpServer::Impl final : private Handler {
     workers_.post([this, exchange] { guarded(exchange, [&] { write_pieces(*exchange); }); });
   }
 
-  void aborted(const std::string& client) override { LogLine(spdlog::level::info, "aborted").with("client", client); }
+  void aborted(const std::string& client) noexcept override try {
+    LogLine(spdlog::level::info, "aborted").with("client", client);
+  } catch (const std::bad_alloc&) {  // a line less
+  }
 
-  void left(const Exchange& exchange) override {
+  void left(const Exchange& exchange) noexcept override {
     if (exchange.computing) metrics_.cancelled();
   }
 
@@ -213,10 +220,12 @@ class HttpServer::Impl final : private Handler {
     const auto from = Clock::now();
     const auto gone = [exchange] { return exchange->left.load(); };
     admission_.wait(exchange->client, patience, gone, [=, this](std::optional<Admission::Pass> pass) {
-      const auto shared = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
-      workers_.post([=, this] {
-        if (*shared) return compute(exchange, route, job, *std::exchange(*shared, std::nullopt), Clock::now() - from);
-        turn_away(exchange, route);
+      guarded(exchange, [&] {
+        const auto shared = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
+        workers_.post([=, this] {
+          if (*shared) return compute(exchange, route, job, *std::exchange(*shared, std::nullopt), Clock::now() - from);
+          turn_away(exchange, route);
+        });
       });
     });
   }
@@ -273,6 +282,8 @@ class HttpServer::Impl final : private Handler {
     exchange->status = answer.status;
     exchange->notes = answer.notes;
     exchange->chunked = unbounded && head.minor > 0;
+    exchange->bare = unbounded && head.minor == 0;
+    exchange->begins = answer.begins;
     // What follows a POST without a length may be the body its client had in mind: not the next request. While others
     // cannot be let in, who is inside makes room.
     exchange->keep_alive = exchange->message.keep_alive && !lifecycle_.draining && !lifecycle_.crowded &&
@@ -291,20 +302,29 @@ class HttpServer::Impl final : private Handler {
         exchange->bytes = answer.body.size();
         text += answer.body;
       }
-      exchange->outbox.finish(true, std::move(text), exchange->keep_alive);
+      finish(*exchange, std::move(text), exchange->keep_alive);
     }
   }
 
-  // Each piece leaves at once, or when the client has taken what was before it.
+  static void finish(Exchange& exchange, std::string last, bool keeps = false) {
+    exchange.over = Clock::now();
+    exchange.outbox.finish(true, std::move(last), keeps);
+  }
+
+  // Each piece leaves at once, or when the client has taken what was before it; the end is not waited for.
   void stream(Exchange& exchange, const Answer& answer, std::string text) {
-    bool whole = exchange.outbox.put(std::move(text));
-    whole = whole && answer.stream([&](std::string_view piece) {
-      if (piece.empty()) return !exchange.left;
-      exchange.bytes += piece.size();
-      return exchange.outbox.put(chunk_of(exchange, piece));
-    });
+    std::optional<std::string> end;
+    if (exchange.outbox.put(std::move(text))) {
+      end = answer.stream([&](std::string_view piece) {
+        if (piece.empty()) return !exchange.left;
+        exchange.bytes += piece.size();
+        return exchange.outbox.put(chunk_of(exchange, piece));
+      });
+    }
     exchange.computing = false;
-    exchange.outbox.finish(whole, std::string(whole ? end_of(exchange) : ""));
+    if (!end) return exchange.outbox.finish(false);
+    exchange.bytes += end->size();
+    finish(exchange, chunk_of(exchange, *end).append(end_of(exchange)));
   }
 
   // As much of the rest as there is room for. Whoever makes room meanwhile leaves it to this thread, or posts it again.
@@ -319,8 +339,7 @@ class HttpServer::Impl final : private Handler {
         if (!more) {
           exchange.has_pieces = false;
           exchange.pieces = nullptr;  // who has read the end finds the memory free
-          exchange.outbox.finish(true, (chunk += end_of(exchange)));
-          return;
+          return finish(exchange, std::move(chunk += end_of(exchange)));
         }
         if (exchange.outbox.put(std::move(chunk))) continue;
         exchange.has_pieces = false;
@@ -332,7 +351,7 @@ class HttpServer::Impl final : private Handler {
 
   void log(const Exchange& over) const try {
     if (over.status == 0) return;
-    const std::chrono::duration<double, std::milli> time = Clock::now() - over.start;
+    const std::chrono::duration<double, std::milli> time = (over.sent ? over.over : Clock::now()) - over.start;
     const std::string& method = over.message.head.method;
     LogLine line(spdlog::level::info, "request");
     line.with("id", over.id).with("method", method.empty() ? "-" : method).with("route", std::string(over.route));
@@ -362,8 +381,8 @@ class HttpServer::Impl final : private Handler {
   Workers workers_;  // last: its tasks use the others
 };
 
-HttpServer::HttpServer(HttpSettings settings, ErrorAnswer error)
-    : impl_(std::make_unique<Impl>(std::move(settings), error)) {}
+HttpServer::HttpServer(HttpSettings settings, ErrorAnswer error, MemoryBudget* memory)
+    : impl_(std::make_unique<Impl>(std::move(settings), error, memory)) {}
 HttpServer::~HttpServer() { stop(); }
 Router& HttpServer::router() { return impl_->router(); }
 Admission& HttpServer::admission() { return impl_->admission(); }

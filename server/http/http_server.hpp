@@ -28,7 +28,8 @@ struct HttpSettings {
 
 class HttpServer {
  public:
-  HttpServer(HttpSettings settings, ErrorAnswer error);
+  /// What clients send counts in `memory`, where there is any, which lives on: beyond it the answer is 503.
+  HttpServer(HttpSettings settings, ErrorAnswer error, MemoryBudget* memory = nullptr);
   ~HttpServer();  ///< stops
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

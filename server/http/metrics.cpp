@@ -62,7 +62,7 @@ std::string Metrics::text(const Gauges& gauges) const {
   write_one(out, "waiting", "gauge", "Requests that wait for their turn to compute.", gauges.waiting);
   write_one(out, "cancelled_total", "counter", "Computations ended because their client went away.", cancelled_.load());
   write_one(out, "rejected_total", "counter", "Requests that did not get a turn to compute.", rejected_.load());
-  write_one(out, "held_bytes", "gauge", "Bytes held for answers.", gauges.bytes_held);
+  write_one(out, "held_bytes", "gauge", "Bytes held for requests and answers.", gauges.bytes_held);
   write_one(out, "dropped_log_lines_total", "counter", "Log lines that nobody took in time.", gauges.dropped_log_lines);
   return out;
 }

@@ -30,6 +30,7 @@ class Outbox {
       std::unique_lock lock(mutex_);
       taken_.wait(lock, [this] { return closed_ || bytes_.size() < bound; });
       if (closed_) return false;
+      without_ahead(bytes);
       const bool told = !bytes_.empty();
       begun_ = true;
       bytes_.empty() ? bytes_.swap(bytes) : (void)bytes_.append(bytes);
@@ -45,6 +46,7 @@ class Outbox {
     {
       const std::lock_guard lock(mutex_);
       std::size_t sent = 0;
+      without_ahead(last);
       if (whole && !begun_ && !closed_) {
         const auto n = ::send(line_.socket, last.data(), last.size(), MSG_NOSIGNAL);
         sent = n > 0 ? static_cast<std::size_t>(n) : 0;
@@ -74,11 +76,22 @@ class Outbox {
     taken_.notify_one();
     return !ended_ ? State::open : whole_ ? State::whole : State::broken;
   }
+  /// Whether the answer has its end, and all of it was taken.
+  bool done() {
+    const std::lock_guard lock(mutex_);
+    return ended_ && whole_ && bytes_.empty();
+  }
   /// Sends a word between, where nothing else is on its way.
   void interject(std::string_view word) {
     const std::lock_guard lock(mutex_);
     // To a client that has let a few bytes be in its way for so long, these do not matter either.
     if (!ended_ && bytes_.empty()) (void)!::send(line_.socket, word.data(), word.size(), MSG_NOSIGNAL);
+  }
+  /// Sends a further byte of what will be put next, where nothing else is on its way: it is known to begin with `text`.
+  void send_ahead(std::string_view text) {
+    const std::lock_guard lock(mutex_);
+    if (ended_ || !bytes_.empty() || ahead_ >= text.size()) return;
+    if (::send(line_.socket, &text[ahead_], 1, MSG_NOSIGNAL) == 1) ++ahead_;
   }
   /// Nobody takes any more, and the socket is not used.
   void close() {
@@ -91,10 +104,15 @@ class Outbox {
  private:
   static constexpr std::size_t bound = 256 * 1024;
 
+  void without_ahead(std::string& bytes) {
+    if (ahead_ > 0) bytes.erase(0, std::exchange(ahead_, 0));
+  }
+
   const Line line_;
   std::mutex mutex_;
   std::condition_variable taken_;
   std::string bytes_;
+  std::size_t ahead_ = 0;  // bytes of what is put next that were sent already
   bool begun_ = false, ended_ = false, whole_ = false, closed_ = false, awaited_ = false;
 };
 

@@ -10,11 +10,34 @@ namespace {
 
 constexpr std::size_t longest_size_line = 256;  // of a chunk
 
+// Taken in any case, and kept by a connection that idles: whether the service lives can be asked when memory is full.
+constexpr std::size_t small = 4096;
+
 Refusal malformed_chunks() { return {400, "malformed chunked coding"}; }
 
 }  // namespace
 
 Received RequestReader::read() {
+  Received received = next();
+  if (!std::holds_alternative<Refused>(received)) {
+    auto* const whole = std::get_if<Message>(&received);
+    Message& message = whole ? *whole : message_;
+    const std::size_t bytes = buffer_.capacity() + message.body.capacity();
+    if (bytes <= small || held_.grow_to(bytes)) {
+      if (whole) whole->held = std::exchange(held_, Held(memory_));
+      return received;
+    }
+    received = Refused{{503, "requests and answers of all clients fill the memory for them, " +
+                                 std::to_string(memory_->most()) + " bytes (--max-memory)"},
+                       message.head.method};
+  }
+  std::string().swap(buffer_);
+  message_ = {};
+  held_ = Held(memory_);
+  return received;
+}
+
+Received RequestReader::next() {
   if (part_ == Part::head) {
     if (auto refused = read_head()) return std::move(*refused);
   }
@@ -27,7 +50,6 @@ Received RequestReader::read() {
     if (auto refusal = read_trailer()) return Refused{std::move(*refusal), message_.head.method};
   }
   if (part_ != Part::whole) return {};
-  constexpr std::size_t small = 64 * 1024;  // what a connection that idles may keep of a large body
   if (buffer_.empty() && buffer_.capacity() > small) std::string().swap(buffer_);
   part_ = Part::head;
   return std::exchange(message_, {});

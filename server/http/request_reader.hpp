@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "server/http/request_head.hpp"
+#include "server/shared/memory_budget.hpp"
 
 namespace least::server {
 
@@ -22,6 +23,7 @@ struct Message {
   RequestHead head;
   std::string body;
   bool keep_alive = true;
+  Held held{};  ///< of the memory for requests
 };
 
 /// A refusal beside what is known of the request.
@@ -35,12 +37,14 @@ using Received = std::variant<std::monostate, Message, Refused>;
 
 class RequestReader {
  public:
-  explicit RequestReader(const RequestBounds& bounds) : bounds_(bounds) {}
+  /// What is read counts in `memory`, where there is any. Both live on.
+  explicit RequestReader(const RequestBounds& bounds, MemoryBudget* memory = nullptr)
+      : bounds_(bounds), memory_(memory), held_(memory) {}
 
   /// Where bytes that came are put, at the end.
   std::string& buffer() { return buffer_; }
 
-  /// The next request, if all of it has come. After a refusal the rest of the stream cannot be read.
+  /// The next request, if all of it has come. After a refusal nothing is kept: the rest of the stream cannot be read.
   Received read();
 
   /// What has to come next: a request, the rest of a head, or the rest of a body.
@@ -56,6 +60,7 @@ class RequestReader {
  private:
   enum class Part { head, body, trailer, whole };
 
+  Received next();
   std::optional<Refused> read_head();
   std::optional<Refusal> read_body();
   std::optional<Refusal> read_chunks();
@@ -63,6 +68,8 @@ class RequestReader {
   std::optional<std::string> read_line(std::size_t longest);
 
   const RequestBounds& bounds_;
+  MemoryBudget* const memory_;
+  Held held_;           // for the buffer and the message
   std::string buffer_;  // received, not yet read: a client may send requests ahead
   Part part_ = Part::head;
   std::size_t looked_ = 0;            // so much of a head has no end in it

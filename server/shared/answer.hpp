@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,8 +28,11 @@ struct Answer {
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;  ///< further header fields
   /// Stands in place of `body` where that is computed while it is sent: whoever computes waits for the client to take
-  /// it. False: its end is missing.
-  std::function<bool(const Write&)> stream = nullptr;
+  /// it, but not for its end to be taken, which is what is returned: a place to compute may be given back before.
+  /// Nothing: its end is missing.
+  std::function<std::optional<std::string>(const Write&)> stream = nullptr;
+  /// How each piece of a stream begins, and its end; may be empty.
+  std::string_view begins{};
   /// Stands in place of `body` where that is only to be written, whenever there is room: appends the next piece. False:
   /// it was the last.
   std::function<bool(std::string&)> pieces = nullptr;

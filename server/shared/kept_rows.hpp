@@ -2,45 +2,21 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "core/run/outcome.hpp"
+#include "server/shared/memory_budget.hpp"
 
 namespace least::server {
-
-/// Bytes that all answers together may hold. Safe from any thread.
-class MemoryBudget {
- public:
-  explicit MemoryBudget(std::size_t bytes) : most_(bytes) {}
-
-  /// False, and nothing taken, where it would be too much.
-  bool take(std::size_t bytes) {
-    if (held_.fetch_add(bytes) + bytes <= most_) return true;
-    held_ -= bytes;
-    return false;
-  }
-  void give_back(std::size_t bytes) { held_ -= bytes; }
-  std::size_t held() const { return held_; }
-
- private:
-  const std::size_t most_;
-  std::atomic<std::size_t> held_{0};
-};
 
 /// Rows in blocks, so that more of them move nothing and what is freed can go back to the system. `budget` may be null:
 /// no bound.
 class KeptRows final : public RowSink {
  public:
   explicit KeptRows(std::size_t columns, MemoryBudget* budget = nullptr)
-      : columns_(std::max<std::size_t>(columns, 1)), budget_(budget) {}
-  ~KeptRows() override {
-    if (budget_) budget_->give_back(taken_);
-  }
-  KeptRows(const KeptRows&) = delete;
-  KeptRows& operator=(const KeptRows&) = delete;
+      : columns_(std::max<std::size_t>(columns, 1)), held_(budget) {}
 
   /// False: there is no memory left in the budget.
   bool append(std::span<const double> rows) override {
@@ -85,12 +61,9 @@ class KeptRows final : public RowSink {
   std::size_t slice_size() const { return std::max<std::size_t>(16 * 1024 / columns_, 1) * columns_; }
   std::size_t slices_of(std::size_t numbers) const { return (numbers + slice_size() - 1) / slice_size(); }
   bool take(std::size_t numbers) {
-    if (budget_ && !budget_->take(numbers * sizeof(double))) {
-      overflowed_ = true;
-      return false;
-    }
-    if (budget_) taken_ += numbers * sizeof(double);
-    return true;
+    if (held_.grow_by(numbers * sizeof(double))) return true;
+    overflowed_ = true;
+    return false;
   }
   bool grow(std::size_t numbers) {
     if (!take(numbers)) return false;
@@ -107,9 +80,8 @@ class KeptRows final : public RowSink {
   }
 
   const std::size_t columns_;
-  MemoryBudget* const budget_;
+  Held held_;
   std::vector<std::vector<double>> blocks_;
-  std::size_t taken_ = 0;
   bool overflowed_ = false;
 };
 

@@ -47,7 +47,7 @@ const std::map<std::string, Names>& rooms() {
 }
 /// What the transport may see of the shared room.
 const Names for_transport{"server/shared/answer.hpp", "server/shared/http_status.hpp", "server/shared/log.hpp",
-                          "server/shared/result.hpp"};
+                          "server/shared/memory_budget.hpp", "server/shared/result.hpp"};
 
 std::string room_of(const std::filesystem::path& file) {
   const auto part = [&](int i) { return std::next(file.begin(), i)->string(); };

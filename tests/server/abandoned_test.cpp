@@ -97,6 +97,27 @@ TEST_F(Abandoned, BetweenTheLinesOfAnAnswer) {
   EXPECT_TRUE(is_free_soon());
 }
 
+// The first lines of a run come long before its end: its place is still taken when they are there.
+TEST_F(Abandoned, LinesLeaveWhileItComputes) {
+  start();
+  std::string request = fixed_steps;
+  request.replace(request.find("\"every\":0"), 9, "\"every\":1000000");
+  {
+    Client client(service->port());
+    client.send(post("/v1/simulate", request, lines));
+    ASSERT_EQ(client.interim(), 200);
+    for (const char* kind : {R"({"kind":"head")", R"({"kind":"samples")", R"({"kind":"progress")"}) {
+      std::string line = client.chunk().value_or("");
+      if (kind[9] == 'p') {
+        while (line.starts_with(R"({"kind":"samples")")) line = client.chunk().value_or("");
+      }
+      EXPECT_TRUE(line.starts_with(kind)) << line.substr(0, 100);
+      EXPECT_EQ(run(), 503) << "it computes when there is " << kind;
+    }
+  }
+  EXPECT_TRUE(is_free_soon());
+}
+
 // Tens of megabytes, of which a client takes the beginning: the only connection is free for the next one at once.
 TEST_F(Abandoned, InTheMiddleOfALargeAnswer) {
   settings.connections = 1;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <utility>
 
@@ -130,10 +131,23 @@ std::optional<std::string> Client::some(std::size_t most) {
   return std::exchange(buffer_, {});
 }
 
+std::string_view Client::peek() {
+  if (buffer_.empty()) fill();
+  return buffer_;
+}
+
 bool Client::ended() {
   if (!buffer_.empty()) return false;
   char byte;
   return ::recv(socket_, &byte, 1, 0) == 0;
+}
+
+bool Client::ends_by_reset() {
+  char bytes[65536];
+  ssize_t n;
+  while ((n = ::recv(socket_, bytes, sizeof bytes, 0)) > 0) {
+  }
+  return n < 0 && errno == ECONNRESET;
 }
 
 std::string get(std::string_view path, std::string_view fields) {

@@ -42,8 +42,12 @@ class Client {
   std::optional<std::string> chunk();
   /// What came, or comes next, so many bytes of it at most; nothing when the connection ended.
   std::optional<std::string> some(std::size_t most = 65536);
+  /// What came, or comes next, and stays to be received.
+  std::string_view peek();
   /// Whether nothing but the end of the connection comes any more (waits for it up to 20 s).
   bool ended();
+  /// Whether the connection ends, after whatever comes, by a reset.
+  bool ends_by_reset();
 
  private:
   bool fill(std::size_t most = 65536);

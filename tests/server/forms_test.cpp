@@ -264,5 +264,49 @@ TEST(Memory, IsBoundedAcrossAnswers) {
   EXPECT_NE(ask(service.port(), get("/metrics")).body.find("leastaction_held_bytes 0\n"), std::string::npos);
 }
 
+// Bodies count as well, as they come; what is small is taken in any case.
+TEST(Memory, IsBoundedAcrossRequests) {
+  Settings settings = quiet_settings();
+  settings.caps.samples = 1000;
+  settings.max_memory = 1'300'000;
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  const auto held = [&] {
+    const std::string text = ask(service.port(), get("/metrics")).body;
+    return std::stoul(text.substr(text.find("\nleastaction_held_bytes ") + 23));
+  };
+  const std::string large = post("/v1/simulate", std::string(900'000, ' '));
+  const std::string computing =
+      post("/v1/simulate", std::string(800'000, ' ') +
+                               R"({"problem":"kepler","scheme":"leapfrog","record":{"every":0},
+      "until":{"steps":10000000000},"limits":{"steps":10000000000,"seconds":20}})");
+  const std::string in_chunks = large.substr(0, large.find("Content-Length")) +
+                                "Transfer-Encoding: chunked\r\n\r\ndbba0\r\n" + std::string(800'000, ' ');
+  const auto all_is_given_back = [&] {
+    for (int i = 0; i < 2000 && held() > 0; ++i) std::this_thread::sleep_for(5ms);
+    return held() == 0;
+  };
+  Client kept(service.port());
+  kept.send(large);
+  EXPECT_EQ(kept.receive().value_or(Reply{}).status, 400) << "no JSON";
+  for (const std::string& holder : {large.substr(0, 800'200), in_chunks, computing}) {
+    EXPECT_TRUE(all_is_given_back()) << "an open connection holds nothing";
+    Client first(service.port()), second(service.port());
+    first.send(holder);
+    for (int i = 0; i < 2000 && held() < 800'000; ++i) std::this_thread::sleep_for(5ms);
+    EXPECT_GE(held(), 800'000u);
+    second.send(large);
+    const auto refused = second.receive();
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->status, 503);
+    EXPECT_NE(refused->body.find("--max-memory"), std::string::npos) << refused->body;
+    EXPECT_TRUE(refused->fields.contains("retry-after"));
+    EXPECT_EQ(ask(service.port(), post("/v1/simulate", "{}")).status, 422) << "what is small";
+    first.hang_up();
+    EXPECT_TRUE(all_is_given_back());
+    EXPECT_EQ(ask(service.port(), large).status, 400) << "there is room again";
+  }
+}
+
 }  // namespace
 }  // namespace least::server::test

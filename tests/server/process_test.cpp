@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <thread>
 
@@ -335,11 +336,58 @@ TEST(Command, SurvivesWithoutFreeDescriptors) {
   for (int i = 0; i < 30; ++i) half.emplace_back(port).send("GET / HTTP/1.1\r\nHo");
   Client late(port);
   late.send(get("/healthz"));
-  std::this_thread::sleep_for(300ms);
-  half.clear();
   EXPECT_EQ(late.receive().value_or(Reply{}).status, 200);
+  EXPECT_FALSE(half.front().receive()) << "the oldest went without an answer, before its time was over";
+  EXPECT_NE(serve.errors_until("descriptors").find("allowed=24 needed=8224"), std::string::npos);
   serve.signal(SIGTERM);
   EXPECT_EQ(serve.wait(), 0);
+}
+
+// A shell gives few, and allows more.
+TEST(Command, TakesTheDescriptorsThatItsConnectionsNeed) {
+  const rlimit few{24, 4096};
+  Process serve({"serve", "--port", "0", "--connections", "200"}, "", {}, -1, &few);
+  const int port = port_in(serve.line());
+  std::vector<Client> clients;
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 0; i < 200; ++i) {
+      if (round == 0) clients.emplace_back(port);
+      clients[i].send(get("/healthz"));
+      ASSERT_EQ(clients[i].receive().value_or(Reply{}).status, 200) << i;
+    }
+  }
+  serve.signal(SIGTERM);
+  EXPECT_EQ(serve.errors().find("descriptors"), std::string::npos);
+  EXPECT_EQ(serve.wait(), 0);
+}
+
+// How long it took is no more than its client saw, and who goes once the answer is there aborted nothing.
+TEST(Command, TheLogSaysWhenAnAnswerWasThere) {
+  Process serve({"serve", "--port", "0"});
+  const int port = port_in(serve.line());
+  std::map<std::string, double> seen;  // in milliseconds, by what the request is called
+  for (const std::string& request : {get("/healthz"), post("/v1/simulate", kepler_run), get("/nowhere")}) {
+    for (int i = 0; i < 5; ++i) {
+      Client client(port);
+      const auto from = std::chrono::steady_clock::now();
+      client.send(request);
+      const auto reply = client.receive();
+      ASSERT_TRUE(reply);
+      seen[reply->fields.at("x-request-id")] =
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
+      if (i % 2) client.reset();
+      std::this_thread::sleep_for(10ms);
+    }
+  }
+  serve.signal(SIGTERM);
+  const std::string log = serve.errors();
+  EXPECT_EQ(serve.wait(), 0);
+  EXPECT_EQ(log.find("aborted"), std::string::npos) << log;
+  for (const auto& [id, ms] : seen) {
+    const auto at = log.find(" ms=", log.find("id=" + id + " "));
+    ASSERT_NE(at, std::string::npos) << log;
+    EXPECT_LE(std::stod(log.substr(at + 4)), ms) << id;
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <list>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "server/decode/json_parse.hpp"
@@ -159,12 +160,15 @@ class Leaving : public testing::Test {
   static std::string short_request() {
     return post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":9}})");
   }
-  static std::string long_request(const std::string& seconds, const std::string& fields = "") {
-    return post("/v1/simulate",
-                R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},"record":{"every":0},
-                    "limits":{"steps":10000000000,"seconds":)" +
-                    seconds + "}}",
-                fields);
+  static std::string long_request(const std::string& seconds, const std::string& fields = "", char minor = '1') {
+    std::string request =
+        post("/v1/simulate",
+             R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},"record":{"every":0},
+            "limits":{"steps":10000000000,"seconds":)" +
+                 seconds + "}}",
+             fields);
+    request[request.find("HTTP/1.") + 7] = minor;
+    return request;
   }
   unsigned running() const {
     const std::string text = ask(service->port(), get("/metrics")).body;
@@ -179,30 +183,32 @@ class Leaving : public testing::Test {
 
 TEST_F(Leaving, FreesTheCoreWithinAFifthOfASecond) {
   for (const char* fields : {"", "Accept: text/csv\r\n", "Accept: application/x-ndjson\r\n"}) {
-    for (const bool reset : {false, true}) {
-      {
-        Client client(service->port());
-        client.send(long_request("20", fields));
-        std::this_thread::sleep_for(300ms);
-        EXPECT_EQ(running(), 1u);
-        if (reset) client.reset();
+    for (const char minor : {'1', '0'}) {  // many proxies speak the older version
+      for (const bool reset : {false, true}) {
+        {
+          Client client(service->port());
+          client.send(long_request("20", fields, minor));
+          std::this_thread::sleep_for(300ms);
+          EXPECT_EQ(running(), 1u);
+          if (reset) client.reset();
+        }
+        // Within a stream lines may be on their way.
+        EXPECT_LT(seconds_until_free(), *fields && std::string_view(fields).ends_with("ndjson\r\n") ? 0.6 : 0.25)
+            << fields << minor << reset;
       }
-      // Lines are the only thing that can be written into a stream: a client that left shows with the next of them.
-      EXPECT_LT(seconds_until_free(), *fields && std::string_view(fields).ends_with("ndjson\r\n") ? 0.6 : 0.25)
-          << fields << reset;
     }
   }
-  EXPECT_NE(ask(service->port(), get("/metrics")).body.find("leastaction_cancelled_total 6\n"), std::string::npos);
+  EXPECT_NE(ask(service->port(), get("/metrics")).body.find("leastaction_cancelled_total 12\n"), std::string::npos);
 }
 
 // A client that has sent all it had to say still reads.
 TEST_F(Leaving, AHalfClosedClientIsAnswered) {
-  for (const char* fields : {"", "Accept: application/x-ndjson\r\n"}) {
+  for (const auto& [fields, minor] : {std::pair("", '1'), {"", '0'}, {"Accept: application/x-ndjson\r\n", '1'}}) {
     Client client(service->port());
-    client.send(long_request("0.7", fields));
+    client.send(long_request("0.7", fields, minor));
     client.end_sending();
     if (!*fields) {
-      EXPECT_EQ(client.interim(), 100) << "a word between, to see whether it is there";
+      EXPECT_TRUE(std::string_view("HTTP/1.1").starts_with(client.peek())) << "as any answer begins: is it there?";
     }
     const auto reply = client.receive();
     ASSERT_TRUE(reply);
@@ -218,8 +224,7 @@ TEST_F(Leaving, AHalfClosedClientIsAdvisedAsAnyOther) {
   Client client(service->port());
   client.send(post("/v1/simulate", request));
   client.end_sending();
-  auto reply = client.receive();
-  while (reply && reply->status == 100) reply = client.receive();
+  const auto reply = client.receive();
   ASSERT_TRUE(reply);
   const Json half = Json::parse(reply->body);
   EXPECT_EQ(half["scheme"], whole["scheme"]);

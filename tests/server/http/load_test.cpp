@@ -137,16 +137,79 @@ TEST_F(Load, SlowClientsAreLetGo) {
   EXPECT_LT(Clock::now() - from, 5s);
 }
 
+// As many as there may be: nobody waits, and all stay, those who have just come and those who idle.
+TEST_F(Load, AllPlacesAreKeptWhileNobodyWaits) {
+  settings.connections = 4;
+  start();
+  std::list<Client> clients;
+  for (int i = 0; i < 4; ++i) clients.emplace_back(service->port());
+  for (int round = 0; round < 3; ++round) {
+    for (auto& client : clients) {
+      client.send(get("/healthz"));
+      const auto reply = client.receive();
+      ASSERT_TRUE(reply) << round;
+      EXPECT_EQ(reply->fields.at("connection"), "keep-alive") << round;
+    }
+    std::this_thread::sleep_for(300ms);  // from here on they idle
+  }
+}
+
 TEST_F(Load, IdleConnectionsMakeRoom) {
-  settings.connections = 2;
+  settings.connections = 4;
   start();
   std::list<Client> idle;
-  const auto from = Clock::now();
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < 4; ++i) {
+    idle.emplace_back(service->port()).send(get("/healthz"));
+    EXPECT_EQ(idle.back().receive().value_or(Reply{}).fields["connection"], "keep-alive") << i;
+    std::this_thread::sleep_for(60ms);
+  }
+  auto best = Clock::duration::max();
+  for (int i = 0; i < 3; ++i) {  // a machine may falter once, or twice
+    const auto from = Clock::now();
     idle.emplace_back(service->port()).send(get("/healthz"));
     EXPECT_EQ(idle.back().receive().value_or(Reply{}).status, 200) << i;
+    best = std::min(best, Clock::now() - from);
   }
-  EXPECT_LT(Clock::now() - from, 10s);  // an idle connection is kept for 15 s when nobody waits
+  EXPECT_LT(best, 500ms);
+  EXPECT_TRUE(idle.front().ended()) << "who idled for longest";
+}
+
+// Those who never send a whole request give way to those who do, the oldest first, long before their time is over.
+TEST_F(Load, RequestsThatDoNotComeMakeRoom) {
+  settings.connections = 4;
+  settings.bounds.head_time = settings.bounds.body_time = 60s;
+  start();
+  std::list<Client> half;
+  for (int i = 0; i < 8; ++i) {
+    half.emplace_back(service->port())
+        .send(i % 2 ? "GET / HTTP/1.1\r\nHo"
+                    : "POST /v1/simulate HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{");
+  }
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(ask(service->port(), get("/healthz")).status, 200) << i;
+  EXPECT_TRUE(half.front().ended());
+  EXPECT_TRUE(half.back().send("st: localhost\r\n\r\n"));
+  EXPECT_EQ(half.back().receive().value_or(Reply{}).status, 200) << "the youngest has stayed";
+}
+
+// Streams that nobody reads hold the workers of their places and no more, however much of them is left when the run is
+// over and its place is given back: of one of these sizes it is the end.
+TEST_F(Load, StreamsThatNobodyReadsHoldNoFurtherWorker) {
+  settings.threads = 1;
+  settings.bounds.stall = settings.bounds.drip = 60s;
+  start();
+  std::string columns = R"("t")";
+  for (int i = 0; i < 20; ++i) columns += R"(,{"name":"c)" + std::to_string(i) + R"(","expression":"x / 3"})";
+  for (int rows = 512; rows <= 12 * 512; rows += 256) {
+    const std::string request = post("/v1/simulate",
+                                     R"({"problem":"kepler","scheme":"leapfrog","record":{"every":1},"columns":[)" +
+                                         columns + R"(],"until":{"steps":)" + std::to_string(rows) + "}}",
+                                     "Accept: application/x-ndjson\r\n");
+    Client deaf(service->port()), too(service->port());
+    deaf.send(request);
+    too.send(request);
+    std::this_thread::sleep_for(60ms);
+    ASSERT_EQ(ask(service->port(), post("/v1/simulate", "{}")).status, 422) << rows;
+  }
 }
 
 // Clients who never idle for long do not keep the connections for themselves.

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "server/encode/problem_document.hpp"
@@ -33,22 +35,31 @@ class Stream : public testing::Test {
     const auto error = server->start();
     ASSERT_FALSE(error) << *error;
   }
-  void serve_stream(const std::function<bool(const Write&)>& stream) {
-    serve([stream](const HttpRequest&) { return Answer{200, "text/plain", {}, {}, stream}; });
+  // One whose pieces say nothing of its end.
+  void serve_stream(const std::function<bool(const Write&)>& pieces) {
+    serve([pieces](const HttpRequest&) {
+      Answer answer{200, "text/plain", {}, {}};
+      answer.stream = [pieces](const Write& write) { return pieces(write) ? std::optional("") : std::nullopt; };
+      return answer;
+    });
   }
   // All that comes to one who says so, without the head.
-  std::string body(std::string_view version = "1.1", std::string_view fields = "Connection: close\r\n") const {
+  std::string body(std::string_view version = "1.1", std::string_view fields = "Connection: close\r\n",
+                   bool half_closed = false) const {
     Client client(server->port());
     client.send("POST / HTTP/" + std::string(version) + "\r\nHost: localhost\r\nContent-Length: 0\r\n" +
                 std::string(fields) + "\r\n");
+    if (half_closed) client.end_sending();
     std::string text;
     while (const auto some = client.some()) text += *some;
     const auto end = text.find("\r\n\r\n");
     return end == std::string::npos ? text : text.substr(end + 4);
   }
-  Client asking() const {
+  Client asking(char minor = '1') const {
     Client client(server->port());
-    client.send(test::post("/", ""));
+    std::string request = test::post("/", "");
+    request[request.find("HTTP/1.") + 7] = minor;
+    client.send(request);
     return client;
   }
 };
@@ -68,7 +79,43 @@ TEST_F(Stream, OneThatBreaksOffHasNoEnd) {
     });
     EXPECT_EQ(body(), "1\r\na\r\n");
     EXPECT_EQ(body("1.1", ""), "1\r\na\r\n") << "nor has its connection a next one";
+    EXPECT_TRUE(asking('0').ends_by_reset()) << "the end of the connection would be the end of the body";
   }
+  serve_stream([](const Write& write) { return write("a"); });
+  EXPECT_FALSE(asking('0').ends_by_reset());
+}
+
+// Nor has one whose client was let go.
+TEST_F(Stream, OneThatIsCutOffHasNoEnd) {
+  settings.bounds.stall = 200ms;
+  const auto ended = std::make_shared<std::atomic<bool>>(false);
+  serve_stream([ended](const Write& write) {
+    while (write(std::string(10'000, 'x'))) {
+    }
+    return !(*ended = true);
+  });
+  Client deaf = asking('0');
+  for (const auto from = Clock::now(); !*ended && Clock::now() - from < 40s;) std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(*ended);
+  EXPECT_TRUE(deaf.ends_by_reset());
+}
+
+// It waits for a client that reads nothing only as long as it is not at its end.
+TEST_F(Stream, TheEndIsNotWaitedFor) {
+  settings.bounds.stall = settings.bounds.drip = 60s;
+  const auto ended = std::make_shared<std::atomic<int>>(0);
+  serve([ended](const HttpRequest&) {
+    Answer answer{200, "text/plain", {}, {}};
+    answer.stream = [ended, guard = std::shared_ptr<void>(nullptr, [ended](void*) { ++*ended; })](const Write& write) {
+      write(std::string(20'000'000, 'x')) && write(std::string(1'000'000, 'x'));  // more than is held for a client
+      return std::optional(std::string(1000, 'y'));
+    };
+    return answer;
+  });
+  Client deaf = asking();
+  for (const auto from = Clock::now(); *ended == 0 && Clock::now() - from < 30s;) std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(*ended, 1) << "its worker went on to other things";
+  EXPECT_TRUE(deaf.receive().value_or(test::Reply{}).body.ends_with("xy" + std::string(999, 'y')));
 }
 
 TEST_F(Stream, WhatIsWrittenInPiecesIsWhole) {
@@ -144,10 +191,10 @@ TEST_F(Stream, AClientThatDripsIsLetGo) {
         };
       }
       if (kind == 2) {
-        answer.stream = [](const Write& write) {
+        answer.stream = [](const Write& write) -> std::optional<std::string> {
           for (int n = 0; n < 400; ++n)
-            if (!write(std::string(100'000, 'x'))) return false;
-          return true;
+            if (!write(std::string(100'000, 'x'))) return std::nullopt;
+          return "";
         };
       }
       return answer;
@@ -190,32 +237,80 @@ TEST_F(Stream, SeesThatTheClientWentAway) {
       Answer answer{200, "text/plain", "text", {}};
       if (!within) wait(request.gone);
       if (within) {
-        answer.stream = [wait, gone = request.gone](const Write& write) {
-          if (!write("first\n")) return false;
+        answer.stream = [wait, gone = request.gone](const Write& write) -> std::optional<std::string> {
+          if (!write("line 1\n")) return std::nullopt;
           wait(gone);
-          return write("last\n");
+          return "line 2\n";
         };
+        answer.begins = "line";
       }
       return answer;
     });
     for (const auto leave : {&Client::hang_up, &Client::reset, &Client::end_sending}) {
-      *seconds = -1;
-      Client client = asking();
-      client.send("x");  // what it sent ahead hides nothing
-      std::this_thread::sleep_for(100ms);
-      (client.*leave)();
-      for (const auto from = Clock::now(); *seconds < 0 && Clock::now() - from < 10s;) std::this_thread::sleep_for(1ms);
-      if (leave != &Client::end_sending) {
-        EXPECT_LT(*seconds, 0.4) << within;
-        continue;
+      for (const char minor : {'1', '0'}) {
+        *seconds = -1;
+        Client client = asking(minor);
+        client.send("x");  // what it sent ahead hides nothing
+        std::this_thread::sleep_for(100ms);
+        (client.*leave)();
+        for (const auto from = Clock::now(); *seconds < 0 && Clock::now() - from < 10s;)
+          std::this_thread::sleep_for(1ms);
+        if (leave != &Client::end_sending) {
+          EXPECT_LT(*seconds, 0.4) << within << minor;
+          continue;
+        }
+        EXPECT_GE(*seconds, 2) << within << minor;
+        const std::string body = within ? "line 1\nline 2\n" : "text";
+        if (minor == '1') {
+          EXPECT_EQ(client.receive().value_or(test::Reply{}).body, body);
+          continue;
+        }
+        std::string text;
+        while (const auto some = client.some()) text += *some;
+        EXPECT_TRUE(text.starts_with("HTTP/1.1 200 OK\r\n") && text.ends_with("\r\n\r\n" + body)) << text;
       }
-      EXPECT_GE(*seconds, 2);
-      if (!within) {
-        EXPECT_EQ(client.interim(), 100) << "a word between, to see whether it is there";
-      }
-      EXPECT_EQ(client.receive().value_or(test::Reply{}).body, within ? "first\nlast\n" : "text");
     }
   }
+}
+
+// To look for a client sends nothing that the answer would not: also where it is compressed, or was begun to be sent.
+TEST_F(Stream, LooksForTheClientWithWhatIsSentAnyway) {
+  serve([](const HttpRequest&) {
+    Answer answer{200, "text/plain", {}, {}};
+    answer.begins = "line";
+    answer.stream = [](const Write& write) -> std::optional<std::string> {
+      for (int k = 0; k < 3; ++k) {
+        if (!write("line " + std::string(2000, 'x') + "\n")) return std::nullopt;
+        std::this_thread::sleep_for(400ms);
+      }
+      return "line\n";
+    };
+    return answer;
+  });
+  for (const char* fields : {"Accept-Encoding: gzip\r\n", ""}) {
+    EXPECT_TRUE(body("1.0", fields, true) == body("1.0", fields)) << fields;
+  }
+}
+
+// Nor does one stay unseen that first ended its sending, and hung up later.
+TEST_F(Stream, SeesThatTheClientWentAwayInTheEnd) {
+  const auto left = std::make_shared<std::atomic<bool>>(false);
+  serve([left](const HttpRequest& request) {
+    for (const auto from = Clock::now(); !request.gone() && Clock::now() - from < 20s;)
+      std::this_thread::sleep_for(1ms);
+    *left = request.gone();
+    return Answer{200, "text/plain", "text", {}};
+  });
+  {
+    Client client = asking();
+    client.end_sending();
+    EXPECT_EQ(client.some(1), "H");
+    std::this_thread::sleep_for(200ms);
+    (void)client.some();  // what was not read would tell
+    EXPECT_FALSE(*left);
+  }
+  for (const auto from = Clock::now(); !*left && Clock::now() - from < 10s;) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(*left);
 }
 
 TEST(CancellationWatch, SaysWhyItEndedAComputation) {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "core/catalogue/catalogue.hpp"
 #include "server/decode/ensemble_request.hpp"
@@ -209,6 +210,26 @@ TEST_F(EnsembleParts, AreNotComputedTwiceAndReplacedWhereTheyAreNotWhole) {
   EXPECT_EQ(late.status, 422);
   EXPECT_FALSE(std::filesystem::exists(path("late"))) << "whole or not at all";
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "nothing else is left behind";
+}
+
+// What is left behind where a machine fails while it writes is no part, and does not pass for one.
+TEST_F(EnsembleParts, AreHiddenUntilTheyAreWhole) {
+  Json request = Json::parse(orbits);
+  request["until"]["t"] = 1e6;
+  std::atomic<bool> ended{false};
+  std::thread writer([&] {
+    part(request.dump(), "0/1", "part.0");
+    ended = true;
+  });
+  std::vector<std::string> names;
+  while (names.empty() && !ended) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) names.push_back(entry.path().filename());
+  }
+  cancelled_ = true;
+  writer.join();
+  EXPECT_FALSE(names.empty());
+  for (const std::string& name : names) EXPECT_EQ(name.front(), '.') << name;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 0) << "nothing is left where it is told";
 }
 
 TEST_F(EnsembleParts, AreRefusedByName) {

@@ -4,8 +4,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 #include "server/decode/ensemble_block.hpp"
@@ -52,10 +54,17 @@ bool is_whole(const std::string& path, const std::string& head, const std::strin
          tail_of(file).ends_with('\n' + end);
 }
 
-// A file that is there under its own name once all of it is written.
+// A file that is there under its own name once all of it is written. Until then it is hidden, so that what a power cut
+// leaves of it is not among `part.*`, and named after whoever writes it: processes of several containers have one
+// number.
 class Draft {
  public:
-  explicit Draft(std::string path) : path_(std::move(path)), name_(fmt::format("{}.{}.partial", path_, ::getpid())) {
+  explicit Draft(std::string path) : path_(std::move(path)) {
+    std::array<char, 256> host{};
+    ::gethostname(host.data(), host.size() - 1);
+    const std::filesystem::path whole(path_);
+    const auto hidden = fmt::format(".{}.{}.{}.partial", whole.filename().string(), host.data(), ::getpid());
+    name_ = (whole.parent_path() / hidden).string();
     file_ = std::fopen(name_.c_str(), "wb");
   }
   ~Draft() {

@@ -163,7 +163,7 @@ bool is_of_state(const ColumnCard& column) {
 std::vector<double> section_times(const EnsemblePlan& plan) {
   std::vector<double> times;
   if (!plan.section || plan.section->plane) return times;
-  const auto& [plane, period, phase, variable, level, direction] = *plan.section;
+  const auto& [plane, period, phase] = *plan.section;
   const Request& request = plan.request;
   const double start = request.scene->start;
   double end = request.end;

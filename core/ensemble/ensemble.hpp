@@ -10,13 +10,11 @@
 
 namespace least {
 
-/// Where the states of a member are looked at: at the times phase + k·period, or where a variable passes a level.
+/// Where the states of a member are looked at: at the times phase + k·period, or where an expression vanishes: then it
+/// is what the request of the plan watches, its only event.
 struct Section {
   bool plane = false;
   double period = 0, phase = 0;
-  std::size_t variable = 0;  ///< of the card
-  double level = 0;
-  int direction = 0;  ///< of the passage: 1 up, −1 down, 0 both
 };
 
 /// Every number of the members stays within the range of its card.

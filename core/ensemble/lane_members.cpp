@@ -5,18 +5,53 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 
+#include "core/run/diagnostics/watch.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/step_guard.hpp"
 
 namespace least {
 namespace {
 
+/// Lanes compare a variable with a number by themselves; of any other expression they show every state.
+struct Level {
+  int variable;
+  double value = 0;
+};
+std::optional<Level> level_of(const Request& request) {
+  using Kind = text::Token::Kind;
+  const auto expression = std::get<text::Expression>(text::Expression::parse(request.watched.list[0].text));
+  const auto tokens = expression.tokens();  // in postfix order
+  const auto& variables = request.scene->card().variables;
+  const auto found = std::ranges::find(variables, tokens[0].word, &VariableCard::name);
+  if (tokens[0].kind != Kind::name || found == variables.end()) return std::nullopt;
+  Level level{static_cast<int>(found - variables.begin())};
+  if (tokens.size() == 1) return level;
+  if (tokens.size() != 3 || tokens[1].kind != Kind::number) return std::nullopt;
+  if (tokens[2].kind != Kind::subtract && tokens[2].kind != Kind::add) return std::nullopt;
+  level.value = tokens[2].kind == Kind::subtract ? tokens[1].value : -tokens[1].value;
+  return level;
+}
+
+/// Whether the expression is the same for all members and reads only what lanes show: not the energy, and no parameter
+/// that varies.
+bool is_of_lanes(const EnsemblePlan& plan) {
+  const Measures& watched = plan.request.watched;
+  const auto expression = std::get<text::Expression>(text::Expression::parse(watched.list[0].text));
+  const auto& parameters = plan.request.scene->card().parameters;
+  return !watched.reads_energy() && std::ranges::none_of(plan.members.vary, [&](const Variation& varied) {
+    return varied.parameter && std::ranges::any_of(expression.tokens(), [&](const text::Token& token) {
+             return token.kind == text::Token::Kind::name && token.word == parameters[varied.index].name;
+           });
+  });
+}
+
 /// A block on its way through lanes.
 class LaneBlock final : public LaneHost {
  public:
   LaneBlock(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled)
-      : plan_(plan), block_(block), request_(plan.request), card_(request_.scene->card()) {
+      : plan_(plan), block_(block), request_(plan.request), card_(request_.scene->card()), watch_(request_) {
     const auto count = static_cast<std::size_t>(block.count);
     const SchemeCard& scheme = request_.scene->mechanics->schemes()[request_.scheme];
     const Grid grid(request_, request_.settings[*scheme.find("step")]);
@@ -33,10 +68,16 @@ class LaneBlock final : public LaneHost {
     task_.steps = grid.steps;
     task_.step_limit = request_.limits.steps;
     task_.times = times_;
-    if (plan.section && plan.section->plane) {
-      task_.watched = static_cast<int>(plan.section->variable);
-      task_.level = plan.section->level;
-      task_.direction = plan.section->direction;
+    if (!watch_.empty()) {
+      fits_ = is_of_lanes(plan);
+      task_.watches = true;
+      if (const auto level = level_of(request_)) {
+        task_.watched = level->variable;
+        task_.level = level->value;
+      }
+      task_.full = task_.full || request_.watched.full_state();
+      left_.resize(card_.variables.size() + 1);
+      right_ = between_ = left_;
     }
     task_.host = this;
     task_.cancelled = &cancelled;
@@ -51,7 +92,7 @@ class LaneBlock final : public LaneHost {
 
   bool run(std::span<const LaneUnit> units) {
     states_ = lane_units().back().mechanics(card_.id);
-    if (task_.scheme == lane_schemes.size() || !states_.columns) return false;
+    if (!fits_ || task_.scheme == lane_schemes.size() || !states_.columns) return false;
     return std::ranges::any_of(units, [&](const LaneUnit& unit) {
       const auto run = unit.mechanics(card_.id).run;
       return run && run(task_);
@@ -91,13 +132,24 @@ class LaneBlock final : public LaneHost {
     return known->second;
   }
   void at_time(std::size_t m, double t, const double* state) override { add_point(m, t, state); }
-  void at_step(std::size_t m, double t_before, const double* before, double t, const double* after) override {
-    std::vector<double> state(card_.variables.size());
+  void at_step(std::size_t m, double t_before, std::span<const double> before, double t,
+               std::span<const double> after) override {
+    std::ranges::copy(before, left_.begin());
+    std::ranges::copy(after, right_.begin());
+    if (!watch_.crossed(watch_.signs(left_.data(), t_before), watch_.signs(right_.data(), t))) return;
+    member_ = m;
+    from_ = t_before;
+    to_ = t;
     const auto parameters = parameters_of(m);
-    LaneCrossing crossing{parameters,  task_.full,  t_before, t, before, after, plan_.section->variable,
-                          task_.level, state.data()};
-    states_.locate(crossing);
-    add_point(m, crossing.t, state.data());
+    states_.show({task_.scheme, request_.settings, parameters, t_before, before}, *this);
+  }
+  void look(const LanePath& path) override {
+    const auto state_at = [&](double t, double* state) { return path.at(t, state); };
+    for (const Zero& zero : watch_.locate(left_.data(), from_, right_.data(), to_, state_at)) {
+      const double* state = zero.t > from_ ? right_.data() : left_.data();
+      if (zero.t > from_ && zero.t < to_ && path.at(zero.t, between_.data())) state = between_.data();
+      add_point(member_, zero.t, state);
+    }
   }
 
  private:
@@ -169,8 +221,13 @@ class LaneBlock final : public LaneHost {
   Block& block_;
   const Request& request_;
   const ProblemCard& card_;
+  const Watch watch_;
+  bool fits_ = true;        ///< lanes can find the section
+  std::size_t member_ = 0;  ///< that passes its level, between these times
+  double from_ = 0, to_ = 0;
   LaneTask task_;
   LaneMechanics states_;
+  std::vector<double> left_, right_, between_;  ///< states about a crossing, as an expression reads them
   std::vector<double> times_, start_, values_, final_;
   std::vector<std::size_t> varied_;
   std::vector<std::uint8_t> ended_;
@@ -187,12 +244,6 @@ bool run_lane_members(const EnsemblePlan& plan, Block& block, const std::atomic<
   if (!lanes.run(units)) return false;
   lanes.gather();
   return true;
-}
-
-bool moves_in_lanes(const EnsemblePlan& plan) {
-  const std::atomic<bool> never{false};
-  Block none;
-  return run_lane_members(plan, none, never);
 }
 
 }  // namespace least

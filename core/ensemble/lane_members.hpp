@@ -21,7 +21,5 @@ std::span<const LaneUnit> lane_units();
 /// Runs the members of a block as run_lone_members does, in the first of the units that can. False: none can.
 bool run_lane_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled,
                       std::span<const LaneUnit> units = lane_units());
-/// Whether any can, which depends on the scene, its start and the columns.
-bool moves_in_lanes(const EnsemblePlan& plan);
 
 }  // namespace least

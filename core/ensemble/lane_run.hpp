@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <vector>
 
 #include "core/ensemble/lane_steps.hpp"
 #include "core/from_values.hpp"
@@ -42,28 +43,26 @@ class GroupRun {
   using Narrow = typename X::template in<double, double>;
   static constexpr double largest_component = 1e75;
   static constexpr std::int64_t block = 50;
-  enum Ended : std::uint8_t {
-    completed = 0,
-    not_finite = 1,
-    singular = 2,
-    unstable_step = 4,
-    left_domain = 5,
-    step_limit = 7,
-    cancelled = 9
+  using enum ReturnCode;
+  struct Passage {
+    std::size_t member;
+    double from, to;
+    std::array<double, X::size> before{}, after{};
+    Passage(std::size_t of, double start, double end) : member(of), from(start), to(end) {}
   };
 
   bool anyone() const {
     return std::ranges::any_of(alive_, [](const LaneMask& m) { return any(m); });
   }
   /// Those of the mask that were going on until now.
-  void end(std::size_t j, const LaneMask& which, Ended why) {
+  void end(std::size_t j, const LaneMask& which, ReturnCode why) {
     const LaneMask now = which & alive_[j];
     if (!any(now)) return;
     for (std::size_t lane = 0; lane < lane_count; ++lane)
-      if (now.on[lane]) task_.ended[member(j, lane)] = why;
+      if (now.on[lane]) task_.ended[member(j, lane)] = static_cast<std::uint8_t>(why);
     alive_[j] = alive_[j] & !now;
   }
-  void end_all(Ended why) {
+  void end_all(ReturnCode why) {
     for (std::size_t j = 0; j < packs; ++j) end(j, alive_[j], why);
   }
   std::size_t member(std::size_t j, std::size_t lane) const { return first_ + j * lane_count + lane; }
@@ -144,7 +143,7 @@ class GroupRun {
   bool faultless(const Seen& seen) {
     LaneMask wrong{};
     for (std::size_t j = 0; j < packs; ++j)
-      faults(j, seen, [&](const LaneMask& which, Ended) { wrong = wrong | (which & alive_[j]); });
+      faults(j, seen, [&](const LaneMask& which, ReturnCode) { wrong = wrong | (which & alive_[j]); });
     return !any(wrong);
   }
 
@@ -155,28 +154,36 @@ class GroupRun {
     steps.advance(x_, task_.start_time, task_.step, n, 1, h, seen);
     for (std::size_t j = 0; j < packs; ++j) {
       x_[j].t = t;
-      faults(j, seen, [&](const LaneMask& which, Ended why) { end(j, which, why); });
+      faults(j, seen, [&](const LaneMask& which, ReturnCode why) { end(j, which, why); });
       for (std::size_t i = 0; i < X::size; ++i) x_[j][i] = select(alive_[j], x_[j][i], before[j][i]);
     }
     each_alive([&](std::size_t, std::size_t) { ++task_.taken; });
-    if (task_.watched >= 0) watch(before);
+    if (task_.watches) watch(before);
+    tell();
   }
+  /// Notes who may have passed what is watched within the last step.
   void watch(const Group<X>& before) {
-    const auto i = static_cast<std::size_t>(task_.watched);
-    const Lanes level(task_.level);
     for (std::size_t j = 0; j < packs; ++j) {
-      const Lanes was = before[j][i] - level, is = x_[j][i] - level;
-      const LaneMask up = (was < Lanes(0)) & (is >= Lanes(0)), down = (was > Lanes(0)) & (is <= Lanes(0));
-      const LaneMask passed = (task_.direction > 0 ? up : task_.direction < 0 ? down : up | down) & alive_[j];
+      LaneMask passed = alive_[j];
+      if (task_.watched >= 0) {
+        const auto i = static_cast<std::size_t>(task_.watched);
+        const LaneMask was = before[j][i] < Lanes(task_.level), is = x_[j][i] < Lanes(task_.level);
+        passed = passed & ((was & !is) | (is & !was));
+      }
       if (!any(passed)) continue;
       for (std::size_t lane = 0; lane < lane_count; ++lane) {
         if (!passed.on[lane]) continue;
-        const Narrow a = in_lane(before[j], lane), b = in_lane(x_[j], lane);
-        std::array<double, X::size> from, to;
-        for (std::size_t k = 0; k < X::size; ++k) from[k] = a[k], to[k] = b[k];
-        task_.host->at_step(member(j, lane), a.t, from.data(), b.t, to.data());
+        Passage& passage = passages_.emplace_back(member(j, lane), before[j].t, x_[j].t);
+        for (std::size_t k = 0; k < X::size; ++k) {
+          passage.before[k] = before[j][k].v[lane];
+          passage.after[k] = x_[j][k].v[lane];
+        }
       }
     }
+  }
+  void tell() {
+    for (const Passage& p : passages_) task_.host->at_step(p.member, p.from, p.before, p.to, p.after);
+    passages_.clear();
   }
 
   double grid_time(std::int64_t n) const { return task_.start_time + static_cast<double>(n) * task_.step; }
@@ -196,21 +203,23 @@ class GroupRun {
       std::int64_t until = std::min({task_.steps, task_.step_limit, n + block});
       if (next < task_.times.size())  // to the last step at or before it
         while (until > n + 1 && grid_time(until) > task_.times[next]) --until;
-      if (task_.watched >= 0) {
+      if (task_.watches && task_.watched < 0) {
         for (; n < until && anyone(); ++n) step_alone(steps, n, task_.step, grid_time(n + 1));
         continue;
       }
       const Group<X> before = x_;
       steps.keep();
       Seen seen;
-      steps.advance(x_, task_.start_time, task_.step, n, until - n, task_.step, seen);
+      advance(steps, n, until, seen);
       if (faultless(seen)) {
+        tell();
         each_alive([&](std::size_t, std::size_t) { task_.taken += until - n; });
         n = until;
         continue;
       }
       x_ = before;
       steps.take_back();
+      passages_.clear();
       for (; n < until && anyone(); ++n) step_alone(steps, n, task_.step, grid_time(n + 1));
     }
     finish(steps, n, next);
@@ -218,6 +227,15 @@ class GroupRun {
     const std::int64_t made = n + (task_.tail > 0 ? 1 : 0);
     if (made > 0) task_.forces += (task_.taken - taken) * std::max<std::int64_t>((all - bound) / made, 1);
     task_.forces += bound * static_cast<std::int64_t>(lanes_);
+  }
+  /// Steps up to the n-th, in all of which passages of a level are noted.
+  void advance(GroupSteps<P, X>& steps, std::int64_t n, std::int64_t until, Seen& seen) {
+    if (!task_.watches) return steps.advance(x_, task_.start_time, task_.step, n, until - n, task_.step, seen);
+    for (; n < until; ++n) {
+      const Group<X> before = x_;
+      steps.advance(x_, task_.start_time, task_.step, n, 1, task_.step, seen);
+      watch(before);
+    }
   }
   /// The time of the next state on the way; what is asked for before it is told from the one before.
   double upcoming(std::int64_t n) const { return n < task_.steps ? grid_time(n + 1) : task_.end; }
@@ -231,7 +249,7 @@ class GroupRun {
     for (; next < task_.times.size() && !task_.cancelled->load(std::memory_order_relaxed); ++next)
       say(steps, n, task_.end);
     each_alive([&](std::size_t j, std::size_t lane) {
-      task_.ended[member(j, lane)] = completed;
+      task_.ended[member(j, lane)] = static_cast<std::uint8_t>(completed);
       for (std::size_t i = 0; i < X::size; ++i) task_.final[i * task_.count + member(j, lane)] = x_[j][i].v[lane];
     });
   }
@@ -261,6 +279,7 @@ class GroupRun {
   Group<X> x_;
   Group<LaneMask> alive_;
   Group<Lanes> limit_{};  ///< of ω²
+  std::vector<Passage> passages_;
 };
 
 /// The problems of a group: of parameters that all share, or each lane of its own.
@@ -293,6 +312,18 @@ Group<P<R>> problems_of(const LaneTask& task, std::size_t first) {
   }
 }
 
+/// f(the scheme at that place of lane_schemes).
+template <class F>
+void with_lane_scheme(std::size_t place, std::span<const double> settings, F&& f) {
+  std::size_t i = 0;
+  const auto called = [&]<class Scheme>(Scheme*) {
+    if (i++ == place) f(from_values<Scheme>(Scheme::fields, settings));
+  };
+  [&]<class... Scheme>(std::tuple<Scheme...>*) {
+    (called(static_cast<Scheme*>(nullptr)), ...);
+  }(static_cast<LaneSchemes*>(nullptr));
+}
+
 template <template <class> class P, class R, class X, class Scheme>
 bool run_groups(LaneTask& task, const Scheme& scheme) {
   if constexpr (requires { typename StepperOf<Scheme, P<R>, X>; }) {
@@ -317,19 +348,13 @@ bool run_lanes(LaneTask& task) {
     return false;
   }
   bool ran = false;
-  std::size_t i = 0;
-  const auto called = [&]<class Scheme>(Scheme*) {
-    if (i++ != task.scheme) return;
-    const auto scheme = from_values<Scheme>(Scheme::fields, task.settings);
+  with_lane_scheme(task.scheme, task.settings, [&](const auto& scheme) {
     if constexpr (general) {
       ran = run_groups<P, Lanes, FullStateOf<Problem, Lanes>>(task, scheme);
     } else {
       ran = run_groups<P, double, StateOf<Problem, Lanes>>(task, scheme);
     }
-  };
-  [&]<class... Scheme>(std::tuple<Scheme...>*) {
-    (called(static_cast<Scheme*>(nullptr)), ...);
-  }(static_cast<LaneSchemes*>(nullptr));
+  });
   return ran;
 }
 

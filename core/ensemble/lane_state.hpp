@@ -1,12 +1,11 @@
-// Single states of members: columns, and where within a step a variable passes a level. In the numbers of the lanes, so
-// that they have the same bits on every machine. Only the narrowest unit of lanes includes this header.
+// Single states of members: columns, and the path of a step. In the numbers of the lanes, so that they have
+// the same bits on every machine. Only the narrowest unit of lanes includes this header.
 #pragma once
 
-#include <algorithm>
+#include <cmath>
 
 #include "core/ensemble/lane_run.hpp"
 #include "core/run/columns.hpp"
-#include "core/run/hermite.hpp"
 
 namespace least {
 
@@ -33,27 +32,35 @@ void lane_columns(const LaneState& state) {
   state.full ? columns_of_state<P, FullStateOf<P<double>>>(state) : columns_of_state<P, StateOf<P<double>>>(state);
 }
 
-/// By bisection of the dense output until the times are neighbours.
-template <template <class> class P, class X>
-void locate_in_step(LaneCrossing& crossing) {
-  const auto problem = from_values<P<double>>(About<P>::fields, crossing.parameters);
-  const X a = lane_state<X>(crossing.before, crossing.t_before), b = lane_state<X>(crossing.after, crossing.t_after);
-  const HermitePath<P<double>, X> path(problem, a, b);
-  const std::size_t i = crossing.variable;
-  const bool up = a[i] < crossing.level;
-  double low = a.t, high = b.t;
-  for (;;) {
-    const double middle = low + (high - low) / 2;
-    if (!(middle > low && middle < high)) break;
-    ((path(middle)[i] < crossing.level) == up ? low : high) = middle;
+template <class X, class Stepper>
+class BoundPath final : public LanePath {
+ public:
+  BoundPath(const X& x, const Stepper& stepper) : x_(x), stepper_(stepper) {}
+  bool at(double t, double* state) const override {
+    X x = x_;
+    Stepper stepper = stepper_;
+    bool good = all(succeeded(LaneStatuses(stepper.step(x, t - x.t))));
+    for (std::size_t i = 0; i < X::size; ++i) {
+      state[i] = x[i].v[0];
+      good = good && std::isfinite(state[i]);
+    }
+    return good;
   }
-  const X x = path(high);
-  crossing.t = high;
-  for (std::size_t k = 0; k < X::size; ++k) crossing.out[k] = x[k];
-}
+
+ private:
+  X x_;
+  Stepper stepper_;
+};
 template <template <class> class P>
-void locate_crossing(LaneCrossing& crossing) {
-  crossing.full ? locate_in_step<P, FullStateOf<P<double>>>(crossing) : locate_in_step<P, StateOf<P<double>>>(crossing);
+void show_path(const LaneStep& step, LaneHost& host) {
+  using X = FullStateOf<P<double>, Lanes>;
+  const auto problem = parameters::in<Lanes>(from_values<P<double>>(About<P>::fields, step.parameters));
+  X x;
+  x.t = step.t;
+  for (std::size_t i = 0; i < X::size; ++i) x[i] = i < step.before.size() ? step.before[i] : 0.0;
+  with_lane_scheme(step.scheme, step.settings, [&](const auto& scheme) {
+    if constexpr (requires { scheme.bind(problem, x); }) host.look(BoundPath(x, scheme.bind(problem, x)));
+  });
 }
 
 }  // namespace least

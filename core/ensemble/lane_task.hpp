@@ -16,6 +16,14 @@ inline constexpr std::array<std::string_view, 9> lane_schemes{
     "explicit_euler", "explicit_midpoint",        "runge_kutta_4",    "ruth_3",           "symplectic_euler",
     "leapfrog",       "contact_symplectic_euler", "contact_leapfrog", "contact_splitting"};
 
+/// The states within a step of a member.
+class LanePath {
+ public:
+  virtual ~LanePath() = default;
+  /// By a shorter step, as of a lone run; false: it fails. As many variables as the problem has.
+  virtual bool at(double t, double* state) const = 0;
+};
+
 /// What the lanes ask of who gave them a task.
 class LaneHost {
  public:
@@ -24,9 +32,13 @@ class LaneHost {
   virtual double turn_limit(double damping_step) = 0;
   /// The same question of a scene whose ω is the same everywhere.
   virtual bool is_too_fast(double turn_squared, double damping_step) = 0;
-  /// A member's state at a time that was asked for, or before and after a step in which a variable passed its level.
+  /// A member's state at a time that was asked for, or before and after a step in which what is watched may have
+  /// changed its sign.
   virtual void at_time(std::size_t member, double t, const double* state) = 0;
-  virtual void at_step(std::size_t member, double t_before, const double* before, double t, const double* after) = 0;
+  virtual void at_step(std::size_t member, double t_before, std::span<const double> before, double t,
+                       std::span<const double> after) = 0;
+  /// The path of a step that was asked for.
+  virtual void look(const LanePath& path) = 0;
 };
 
 /// Members of one scene under one scheme, all from the same time on. Tables hold a row for each quantity with an entry
@@ -44,9 +56,9 @@ struct LaneTask {
   double start_time = 0, step = 0, end = 0, tail = 0;
   std::int64_t steps = 0, step_limit = 0;
   std::span<const double> times;  ///< at which states are asked for, increasing
-  int watched = -1;               ///< a variable whose passages of a level are asked for; −1: none
+  bool watches = false;           ///< whether steps are told
+  int watched = -1;               ///< only those in which this variable passes the level; −1: all of them
   double level = 0;
-  int direction = 0;  ///< of the passages: 1 up, −1 down, 0 both
   LaneHost* host = nullptr;
   const std::atomic<bool>* cancelled = nullptr;
 
@@ -67,16 +79,12 @@ struct LaneState {
   std::span<const std::size_t> columns;  ///< of the card
   double* out = nullptr;
 };
-/// A step of a member, in which a variable passed a level.
-struct LaneCrossing {
-  std::span<const double> parameters;
-  bool full = false;
-  double t_before = 0, t_after = 0;
-  const double *before = nullptr, *after = nullptr;
-  std::size_t variable = 0;
-  double level = 0;
-  double* out = nullptr;  ///< found: the variables there
-  double t = 0;           ///< found: when
+/// A step of a member whose path is asked for.
+struct LaneStep {
+  std::size_t scheme = 0;
+  std::span<const double> settings, parameters;  ///< of the scheme, and of the problem
+  double t = 0;
+  std::span<const double> before;  ///< the variables at t; those that are not there are 0
 };
 
 /// What a unit of lanes can do with one problem. The last two are null in units that share parameters.
@@ -84,7 +92,8 @@ struct LaneMechanics {
   /// False: the pair cannot run in lanes, or not from this start, or not in this unit.
   bool (*run)(LaneTask& task) = nullptr;
   void (*columns)(const LaneState& state) = nullptr;
-  void (*locate)(LaneCrossing& crossing) = nullptr;
+  /// Shows the path of the step to the host.
+  void (*show)(const LaneStep& step, LaneHost& host) = nullptr;
 };
 
 }  // namespace least

@@ -1,7 +1,8 @@
 #include "core/ensemble/lone_members.hpp"
 
-#include <cmath>
+#include <algorithm>
 
+#include "core/run/diagnostics/watch.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/text/scene.hpp"
 
@@ -17,15 +18,42 @@ std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t
   return scene;
 }
 
+namespace {
+
+/// When the member passes the plane of the section, by a run of its own: the next one looks at it then. `truncated`
+/// where it does so more often than limits.samples has room for.
+std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, const std::atomic<bool>& cancelled,
+                                   bool& truncated) {
+  request.watched = plan.request.watched;
+  request.events = plan.request.events;
+  if (std::ranges::any_of(plan.members.vary, &Variation::parameter)) {  // they are constants of an expression
+    MeasureReader reader(*request.scene);
+    reader.read(request.watched.list[0].card.name, request.watched.list[0].text);
+    request.watched = reader.made();
+  }
+  request.record = {Record::Mode::every, 0, {}};
+  request.columns = {0};
+  Samples none;
+  const Solution solution = request.scene->mechanics->run(request, none, cancelled);
+  std::vector<double> times;
+  for (const Report& event : solution.events) times.push_back(Watch::time(event));
+  const auto& warnings = solution.warnings;
+  truncated = truncated || std::ranges::find(warnings, "events_truncated", &Warning::code) != warnings.end();
+  return times;
+}
+
+}  // namespace
+
 void run_lone_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled) {
   Request request = plan.request;
   const SchemeCard& scheme = request.scene->mechanics->schemes()[request.scheme];
   const double end = Grid(request, request.settings[*scheme.find("step")]).end;
-  request.record = {Record::Mode::times, 0, section_times(plan)};
-  const std::size_t crossings = request.record.times.size(), columns = request.columns.size();
-  if (crossings == 0 || request.record.times.back() != end) request.record.times.push_back(end);
+  const std::size_t columns = request.columns.size();
   request.diagnostics.clear();
   request.control = false;
+  request.watched = {};
+  request.events = {};
+  std::vector<double> times = section_times(plan);
   Harvest& harvest = block.harvest;
   for (std::int64_t i = block.first; i < block.first + block.count && !cancelled; ++i) {
     request.scene = member_scene(plan, i);
@@ -33,6 +61,10 @@ void run_lone_members(const EnsemblePlan& plan, Block& block, const std::atomic<
       ++harvest.ended[static_cast<std::size_t>(ReturnCode::singular)];  // no run begins with a mass that is none
       continue;
     }
+    if (plan.section && plan.section->plane) times = crossing_times(plan, request, cancelled, harvest.truncated);
+    const std::size_t crossings = times.size();
+    request.record = {Record::Mode::times, 0, times};
+    if (crossings == 0 || times.back() != end) request.record.times.push_back(end);
     Samples rows;
     const Solution solution = request.scene->mechanics->run(request, rows, cancelled);
     ++harvest.ended[static_cast<std::size_t>(solution.stop.reason)];

@@ -40,7 +40,8 @@ std::optional<std::string> read_own_name(const Json& object, const FieldPath& pa
   return std::nullopt;
 }
 
-// Its text, added to those that were read.
+}  // namespace
+
 void read_expression(const Json& object, const FieldPath& path, std::string name, MeasureReader& reader) {
   const Json* json = member(object, path, "expression", "a formula: \"sqrt(x^2 + y^2)\"");
   if (json == nullptr) return;
@@ -52,6 +53,8 @@ void read_expression(const Json& object, const FieldPath& path, std::string name
   place.faults->add(
       {place.pointer, std::move(fault->detail), shown(*json), std::move(fault->allowed), fault->position});
 }
+
+namespace {
 
 void read_own_column(const Json& json, const FieldPath& path, const Names& known, MeasureReader& reader,
                      Names& own_names) {

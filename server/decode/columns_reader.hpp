@@ -6,6 +6,9 @@
 
 namespace least::server {
 
+/// Reads the `expression` of an object, which is called so, by the reader.
+void read_expression(const Json& object, const FieldPath& path, std::string name, MeasureReader& reader);
+
 /// Reads `columns` and `diagnostics` into the request, whose scene is set.
 void read_columns(const Json& root, const FieldPath& top, Request& request);
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ensemble/lane_members.hpp"
 #include "server/decode/plan_reader.hpp"
 #include "server/decode/scene_reader.hpp"
 #include "server/decode/section_reader.hpp"
@@ -323,15 +322,6 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
     read_histograms(root, top, *card, plan);
   }
   if (!faults.empty()) return faults;
-  if (plan.section && plan.section->plane && !moves_in_lanes(plan)) {
-    top.at("section")
-        .at("expression")
-        .fault(request.scene->mechanics->text()
-                   ? "is not looked for in members of a scene as text: its crossings at times are"
-                   : "is not looked for here: from a singular start, and with a slope, members do not move in lanes",
-               root["section"]["expression"], "{\"period\": …}, a later start, other columns");
-    return faults;
-  }
   return plan;
 }
 

@@ -1,47 +1,11 @@
 #include "server/decode/section_reader.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/run/save_schedule.hpp"
+#include "server/decode/columns_reader.hpp"
 
 namespace least::server {
-namespace {
-
-// `r`, `r - 0.5` or `r + 2`: a variable, or one minus a number.
-bool read_expression(const Json& json, const FieldPath& path, const ProblemCard& problem, Section& section) {
-  Names names;
-  for (const auto& variable : problem.variables) {
-    if (!variable.optional && !variable.hidden) names.push_back(variable.name);
-  }
-  const std::string allowed =
-      listed(names) + ", or one of them minus a number: \"" + std::string(names[0]) + " - 0.5\"";
-  if (!json.is_string()) {
-    path.fault("must be a string", json, allowed);
-    return false;
-  }
-  std::string text = json.get<std::string>();
-  std::erase(text, ' ');
-  const std::size_t sign = text.find_first_of("+-", 1);
-  const std::string name = text.substr(0, sign);
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) {
-    path.fault("must begin with a variable" + did_you_mean(name, names), json, allowed);
-    return false;
-  }
-  const auto at = std::ranges::find(problem.variables, name, &VariableCard::name);
-  section.variable = static_cast<std::size_t>(at - problem.variables.begin());
-  if (sign == std::string::npos) return true;
-  const Json level = Json::parse(text.substr(sign + 1), nullptr, false);
-  if (!level.is_number() || !std::isfinite(level.get<double>())) {
-    path.fault("only a number may stand after the variable, for now", json, allowed);
-    return false;
-  }
-  section.level = (text[sign] == '-' ? 1 : -1) * level.get<double>();
-  return true;
-}
-
-}  // namespace
 
 void read_section(const Json& root, const FieldPath& top, const ProblemCard& problem, const SchemeCard* scheme,
                   EnsemblePlan& plan) {
@@ -64,12 +28,18 @@ void read_section(const Json& root, const FieldPath& top, const ProblemCard& pro
   section.plane = expression != nullptr;
   if (section.plane) {
     if (find(*json, "phase")) path.at("phase").fault("goes with period", (*json)["phase"]);
-    if (!read_expression(*expression, path.at("expression"), problem, section)) return;
+    EventAsked asked;
     if (const Json* direction = find(*json, "direction")) {
       constexpr int signs[] = {1, -1, 0};
-      const auto way = read_name(*direction, path.at("direction"), {"up", "down", "both"}, "direction");
-      section.direction = signs[way.value_or(2)];
+      const auto way = read_name(*direction, path.at("direction"),
+                                 Names(event_directions.begin(), event_directions.end()), "direction");
+      asked.direction = signs[way.value_or(2)];
     }
+    MeasureReader reader(*plan.request.scene);
+    read_expression(*json, path, "section", reader);
+    if (!plan.section) return;
+    plan.request.watched = reader.made();
+    plan.request.events = {asked};
   } else {
     if (find(*json, "direction")) path.at("direction").fault("goes with expression", (*json)["direction"]);
     section.period = read_number(*period, path.at("period"), {0, anywhere.high, true, true}).value_or(1);

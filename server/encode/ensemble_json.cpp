@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 
@@ -47,12 +45,9 @@ void write_section_asked(JsonWriter& json, const EnsemblePlan& plan) {
     json.key("period").number(section.period).key("phase").number(section.phase);
     return;
   }
-  std::string expression = plan.request.scene->card().variables[section.variable].name;
-  if (section.level != 0) {
-    append_number(expression += section.level < 0 ? "+" : "-", std::abs(section.level));
-  }
-  json.key("expression").text(expression).key("direction");
-  json.text(section.direction > 0 ? "up" : section.direction < 0 ? "down" : "both");
+  const int direction = plan.request.events[0].direction;
+  json.key("expression").text(plan.request.watched.list[0].text).key("direction");
+  json.text(direction > 0 ? "up" : direction < 0 ? "down" : "both");
 }
 void write_histogram_asked(JsonWriter& json, const HistogramAsked& asked) {
   json.key("range").open('[').number(asked.low).number(asked.high).close(']').key("bins").integer(asked.bins);
@@ -151,9 +146,10 @@ void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harve
   write_cost(json.key("cost"), cost);
   std::vector<Warning> warnings;
   if (all.truncated) {
-    warnings.push_back({"section_truncated", fmt::format("only the first {} points of the section are kept: "
-                                                         "limits.samples",
-                                                         plan.request.limits.samples)});
+    warnings.push_back({"section_truncated",
+                        fmt::format("more points of the section than limits.samples = {} has room for; the first are "
+                                    "kept",
+                                    plan.request.limits.samples)});
   }
   write_warnings(json.key("warnings"), warnings);
 }

@@ -197,7 +197,7 @@ TEST(LaneMembers, EndEachForItself) {
 
 TEST(LaneMembers, MeetStroboscopicSectionsAsAlone) {
   EnsemblePlan plan = about_start("henon_heiles", *find_scheme("leapfrog"), 70, 500);
-  plan.section = Section{false, 1.5, 0.25, 0, 0, 0};
+  plan.section = Section{false, 1.5, 0.25};
   const Harvest lone = alone(plan);
   ASSERT_GT(lone.section.t.size(), 70 * 5u);
   for (const LaneUnit& unit : lane_units()) {
@@ -225,7 +225,7 @@ TEST(LaneMembers, MeetPlanesWhereTheyLie) {
   test::set_members(plan, 40, {{false, 0, Spread::grid, {1, 2, 40}}});
   test::set_columns(plan, {"t", "q", "p"});
   for (const int direction : {1, -1, 0}) {
-    plan.section = Section{true, 0, 0, 0, 0.5, direction};
+    test::set_plane(plan, "q - 0.5", direction);
     const Harvest met = in_lanes(plan, lane_units().front()).value();
     EXPECT_EQ(in_lanes(plan, lane_units().back())->section.values, met.section.values);
     std::size_t at = 0;
@@ -251,6 +251,44 @@ TEST(LaneMembers, MeetPlanesWhereTheyLie) {
   const Harvest few = in_lanes(plan, lane_units().front()).value();
   EXPECT_TRUE(few.truncated);
   EXPECT_EQ(few.section.member, (std::vector<std::int64_t>{0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1}));
+}
+
+TEST(LaneMembers, MeetPlanesAsAlone) {
+  for (const auto& [problem, scheme, expression] : {std::tuple{"pendulum", "leapfrog", "q"},
+                                                    {"henon_heiles", "leapfrog", "x*px + y*py - 0.01"},
+                                                    {"henon_heiles", "leapfrog", "x - y"},
+                                                    {"damped_pendulum", "contact_splitting", "sin(q) - 0.1*t/(1 + t)"},
+                                                    {"henon_heiles", "ruth_3", "x - 0.02"},
+                                                    {"damped_pendulum", "contact_leapfrog", "p + 0.1"},
+                                                    {"damped_oscillator", "contact_splitting", "s + 1e-3"}}) {
+    EnsemblePlan plan = about_start(problem, *find_scheme(scheme), 21, 900);
+    test::set_plane(plan, expression, 0);
+    const SectionPoints lone = alone(plan).section;
+    ASSERT_GT(lone.t.size(), 21u) << expression;
+    const auto first = in_lanes(plan, lane_units().back());
+    ASSERT_TRUE(first) << expression;
+    for (const LaneUnit& unit : lane_units()) {
+      const auto lanes = in_lanes(plan, unit);
+      if (!lanes && &unit != &lane_units().back()) continue;  // s is carried in the last one only
+      const SectionPoints& met = lanes->section;
+      EXPECT_EQ(met.t, first->section.t) << expression << " in " << unit.name;
+      EXPECT_EQ(met.values, first->section.values) << expression << " in " << unit.name;
+      EXPECT_EQ(met.member, lone.member) << expression;
+      EXPECT_EQ(met.crossing, lone.crossing) << expression;
+      ASSERT_EQ(met.t.size(), lone.t.size()) << expression;
+      for (std::size_t i = 0; i < lone.t.size(); ++i) EXPECT_NEAR(met.t[i], lone.t[i], 1e-10) << expression;
+      for (std::size_t i = 0; i < lone.values.size(); ++i)
+        EXPECT_NEAR(met.values[i], lone.values[i], 1e-10) << expression;
+    }
+  }
+  // Lanes do not know the energy, nor an expression for each member: such members run alone.
+  EnsemblePlan plan = about_start("kepler", *find_scheme("leapfrog"), 3, 10);
+  test::set_plane(plan, "energy + 0.2", 0);
+  EXPECT_FALSE(in_lanes(plan, lane_units().back()));
+  test::set_plane(plan, "x - mu", 0);
+  EXPECT_TRUE(in_lanes(plan, lane_units().back()));
+  plan.members.vary.push_back({true, 0, Spread::uniform, {0.9, 1.1}});
+  EXPECT_FALSE(in_lanes(plan, lane_units().back()));
 }
 
 }  // namespace

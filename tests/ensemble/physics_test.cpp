@@ -80,7 +80,7 @@ TEST(EnsemblePhysics, SectionsOfHenonHeilesLieOnTheEnergySurface) {
   test::setting(plan, "step") = 0.1;
   test::set_members(plan, 30, {{false, 1, Spread::grid, {-0.2, 0.3, 30}}});
   test::set_columns(plan, {"x", "y", "px", "py", "energy"});
-  plan.section = Section{true, 0, 0, 0, 0, 1};
+  test::set_plane(plan, "x", 1);
   plan.final = true;
   const Harvest all = harvest_of(plan);
   ASSERT_GT(all.section.t.size(), 30 * 50u);

@@ -40,6 +40,14 @@ inline void set_columns(least::EnsemblePlan& plan, std::initializer_list<std::st
     plan.request.columns.push_back(static_cast<std::size_t>(found - columns.begin()));
   }
 }
+/// The section where the expression vanishes, upwards (1), downwards (−1) or both (0).
+inline void set_plane(least::EnsemblePlan& plan, const std::string& expression, int direction) {
+  least::MeasureReader reader(*plan.request.scene);
+  if (const auto fault = reader.read("section", expression)) throw std::invalid_argument(fault->detail);
+  plan.request.watched = reader.made();
+  plan.request.events = {{direction, false}};
+  plan.section = least::Section{true};
+}
 /// All of it, as one machine with so many threads has it.
 inline least::Harvest harvest_of(const least::EnsemblePlan& plan, unsigned threads = 1) {
   const std::atomic<bool> never{false};

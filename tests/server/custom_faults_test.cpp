@@ -1,0 +1,113 @@
+// Scenes given as text that cannot be read: what is refused, where, and all of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+using CustomFaults = Serving;
+
+TEST_F(CustomFaults, AllFaultsAreToldAtOnce) {
+  const Json document =
+      Json::parse(ask(port(), post("/v1/problems", R"({"problem":{"id":"custom","variables":["x"],"zzz":1,
+          "potential":"foo*x","damping":"bar","invariants":{"L":"baz"}}})"))
+                      .body);
+  std::vector<std::string> pointers;
+  for (const Json& error : document["errors"]) pointers.push_back(error["pointer"]);
+  std::ranges::sort(pointers);
+  EXPECT_EQ(pointers, (std::vector<std::string>{"/problem/damping", "/problem/invariants/L", "/problem/potential",
+                                                "/problem/zzz"}))
+      << document;
+}
+
+TEST_F(CustomFaults, NamesHaveTheLengthThatIsAllowed) {
+  const std::string name(16, 'a');
+  const auto reply = ask(port(), post("/v1/problems", R"({"problem":{"id":"custom","variables":[")" + name +
+                                                          R"("],"parameters":{"angular_frequency":2},"lagrangian":"v)" +
+                                                          name + "^2/2 - angular_frequency^2*" + name + R"(^2/2"}})"));
+  EXPECT_EQ(reply.status, 200) << reply.body;
+}
+
+// Bad input: each is refused at its place, soon.
+TEST_F(CustomFaults, FaultsNameTheirPlace) {
+  const std::string deep(101, '('), long_text(10'001, '1');
+  const struct {
+    std::string problem;
+    const char* pointer;
+    int position;  ///< −1: none
+    const char* says;
+  } rows[] = {
+      {R"~("variables":["x"],"potential":"x^2 + 1/0")~", "/problem/potential", 7, "no finite number"},
+      {R"~("variables":["x"],"potential":"sqrt(-1)*x")~", "/problem/potential", 0, "no finite number"},
+      {R"~("variables":["x"],"potential":"x^2 + y")~", "/problem/potential", 6, "nobody knows the name y"},
+      {R"~("variables":["x"],"parameters":{"omega":1},"potential":"omga*x")~", "/problem/potential", 0, "omega"},
+      {R"~("variables":["x","x"],"potential":"x")~", "/problem/variables/1", -1, "already"},
+      {R"~("variables":["x","vx"],"potential":"x")~", "/problem/variables/0", -1, "already"},
+      {R"~("variables":["x"],"parameters":{"t":1},"potential":"x")~", "/problem/parameters/t", -1, "already"},
+      {R"~("variables":["x"],"parameters":{"potential":1},"potential":"x")~", "/problem/parameters/potential", -1,
+       "key"},
+      {R"~("variables":["x","v"],"equations":{"x":"v"})~", "/problem/equations/v", -1, "missing"},
+      {R"~("variables":["x"],"equations":{"x":"1","y":"x"})~", "/problem/equations/y", -1, "no variable"},
+      {R"~("variables":["x"],"potential":"x^2","masses":{"x":0})~", "/problem/masses/x", -1, "positive"},
+      {R"~("variables":["x"],"parameters":{"m":-1},"potential":"x^2","masses":{"x":"m"})~", "/problem/masses/x", -1,
+       "positive"},
+      {R"~("variables":["x"],"lagrangian":"-vx^2/2 - x^2")~", "/problem/lagrangian", -1, "mass of x is not positive"},
+      {R"~("variables":["x","y"],"lagrangian":"(vx^2 - vy^2)/2 - x^2")~", "/problem/lagrangian", -1, "mass of y"},
+      {R"~("variables":["x"],"parameters":{"m":-2},"hamiltonian":"px^2/(2*m) + x^2")~", "/problem/hamiltonian", -1,
+       "mass of x is not positive"},
+      {R"~("variables":["x"],"potential":"x^2","masses":{"x":"1 + x"})~", "/problem/masses/x", 4, "made of parameters"},
+      {R"~("variables":["x"],"lagrangian":"-x^2")~", "/problem/lagrangian", -1, "not regular"},
+      {R"~("variables":["x"],"lagrangian":"vx - x^2")~", "/problem/lagrangian", -1, "not regular"},
+      {R"~("variables":["x","y"],"lagrangian":"vx^2/2 - x^2")~", "/problem/lagrangian", -1, "vy"},
+      {R"~("variables":["x"],"potential":"x^2 + vx")~", "/problem/potential", 6, "velocity"},
+      {R"~("variables":["x"],"potential":"x^2 + px")~", "/problem/potential", 6, "momentum"},
+      {R"~("variables":["x"],"potential":"x^2 + s")~", "/problem/potential", 6, "damping"},
+      {R"~("variables":["x"],"lagrangian":"px^2/2")~", "/problem/lagrangian", 0, "knows velocities"},
+      {R"~("variables":["x"],"hamiltonian":"vx^2/2")~", "/problem/hamiltonian", 0, "knows momenta"},
+      {R"~("variables":["x"],"potential":"abs(x)")~", "/problem/potential", 0, "derivative"},
+      {R"("variables":["x"],"potential":")" + deep + R"(")", "/problem/potential", 100, "nested"},
+      {R"("variables":["x"],"potential":")" + long_text + R"(")", "/problem/potential", -2, "too long"},
+      {R"("variables":["x"],"potential":")" + std::string(9999, '-') + R"(x")", "/problem/potential", -2, "nested"},
+      {R"~("variables":["x","y"],"lagrangian":"(vx + vy)^2/2 - x*vx")~", "/problem/lagrangian", -1, "not regular"},
+      {R"~("variables":["error"],"equations":{"error":"1"})~", "/problem/variables/0", -1, "already"},
+      {R"~("variables":["x"],"potential":"x","invariants":{"mode":"px"})~", "/problem/invariants/mode", -1, "name"},
+      {R"~("variables":["x"],"potential":"2x")~", "/problem/potential", 1, "product"},
+      {R"~("variables":["x"],"potential":"x + é")~", "/problem/potential", 4, "ASCII"},
+      {R"~("variables":["é"],"potential":"1")~", "/problem/variables/0", -1, "name"},
+      {R"~("variables":["x"],"potential":"")~", "/problem/potential", 0, "empty"},
+      {R"~("variables":["x"],"potential":"x^2","hamiltonian":"px^2")~", "/problem/potential", -1, "exclude"},
+      {R"~("variables":["x"])~", "/problem", -1, "no mechanics"},
+      {R"~("potential":"x^2")~", "/problem/variables", -1, "required"},
+      {R"~("variables":[],"potential":"1")~", "/problem/variables", -1, "at least one"},
+      {R"~("variables":["x"],"potential":"x^2","damping":"0.1","action_curvature":1)~", "/problem/damping", -1,
+       "exclude"},
+      {R"~("variables":["x"],"potential":"x^2","offset":1)~", "/problem/offset", -1, "action_curvature"},
+      {R"~("variables":["x"],"lagrangian":"vx^2","masses":{"x":1})~", "/problem/masses", -1, "potential"},
+      {R"~("variables":["x"],"potential":"x^2","invariants":{"x":"px"})~", "/problem/invariants/x", -1, "name"},
+      {R"~("variables":["x"],"potential":"x^2","mu":3)~", "/problem/mu", -1, "unknown"},
+  };
+  for (const auto& row : rows) {
+    const auto from = std::chrono::steady_clock::now();
+    const auto reply = ask(port(), post("/v1/problems", R"({"problem":{"id":"custom",)" + row.problem + "}}"));
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - from;
+    EXPECT_LT(took.count(), 1) << row.problem;  // 10 ms where nothing else is at work
+    ASSERT_EQ(reply.status, 422) << row.problem << " " << reply.body;
+    const Json fault = Json::parse(reply.body)["errors"][0];
+    EXPECT_EQ(fault["pointer"], row.pointer) << fault;
+    EXPECT_TRUE(says(fault, row.says)) << fault;
+    if (row.position == -1) {
+      EXPECT_FALSE(fault.contains("position")) << fault;
+    } else if (row.position >= 0) {
+      EXPECT_EQ(fault.value("position", -1), row.position) << fault;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace least::server::test

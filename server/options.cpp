@@ -94,7 +94,7 @@ std::string meant(const CLI::App& app, std::span<const char* const> arguments) {
     } else if (command == &app) {
       for (const CLI::App* each : app.get_subcommands({})) known.push_back(each->get_name());
     }
-    const auto word = argument.substr(0, argument.find('='));
+    const auto word = argument.starts_with("--") ? argument.substr(0, argument.find('=')) : argument;
     if (!known.empty() && std::find(known.begin(), known.end(), word) == known.end()) {
       const auto close = closest(word, known);
       if (!close.empty()) return fmt::format("leastaction: no `{}`; did you mean `{}`?\n", word, close);

@@ -66,6 +66,13 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return result;
   }
 
+  void step_back(State& state) override {
+    if (!(left_.t < state.x.t)) return;
+    const Work tried = work();
+    state = {left_, state.n - 1};
+    stepper_ = left_stepper_;
+    count_tried(tried);
+  }
   const X& left() const override { return left_; }
   bool reaches(const State& state, double t) const override { return grid_.step_before(t) <= state.n; }
   /// By the step's own map over a shorter step, which is as accurate as the scheme.

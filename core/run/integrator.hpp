@@ -71,8 +71,8 @@ class Integrator {
   /// Brings the state to the time `end`, which lies within the last step or one step ahead.
   virtual BlockResult finish(IntegrationState<X>& state, double end, StepGuard& guard) = 0;
 
-  /// The state before the last step: where steps are of equal length, only after a step that ended a block early, or
-  /// the run.
+  /// The state before the last step: where steps are of equal length, only after `keep_last_step`, and after a step
+  /// that ended a block early, or the run.
   virtual const X& left() const = 0;
   /// In how many parts a step is to be looked at, so that nothing changes its sign twice in one.
   virtual int parts() const { return 1; }
@@ -92,7 +92,7 @@ class Integrator {
 
   /// How the last step, which ended in x, was taken.
   virtual StepInfo step_info(const IntegrationState<X>& state) const = 0;
-  /// To be called before the first step where `discrete_energy` is going to be asked for.
+  /// To be called before the first step where `discrete_energy`, or `left` after any block, is going to be asked for.
   virtual void keep_last_step() {}
   /// E_d of the last step, which ended in the state; unknown before the first one, and where the scheme has none.
   virtual double discrete_energy(const IntegrationState<X>&) const { return unknown; }

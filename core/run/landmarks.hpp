@@ -49,6 +49,7 @@ class Landmarks {
     if (here.speed > stretches_.back().fastest.speed) stretches_.back().fastest = here;
   }
 
+  std::int64_t steps() const { return steps_; }
   /// By how much of its size, or of 1, the state changed in a step at most.
   double longest_move() const { return longest_move_; }
   /// In the order of their times, each state once.

@@ -180,7 +180,7 @@ class Run {
       X x = state_.x;
       const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
       if (status != StepStatus::ok || outside(problem_, x)) {  // a long step may lead out of the domain and back
-        step_back();
+        if (schedule_.time() < state_.x.t) step_back();
         return fail(status == StepStatus::ok ? BlockResult{BlockEnd::left_domain} : BlockResult::failed(status));
       }
       if (!save(x, last_step()) || !within_budget(1)) return false;
@@ -243,7 +243,7 @@ class Run {
     if (ended_) return finish_at_event();
     for (const std::size_t which : reached_at_end(problem_, *integrator_, state_, watch_)) {
       add_event({state_.x.t, which}, state_.x);
-      if (watch_.ends(which)) outcome_.event = watch_.name(which);
+      if (watch_.ends(which) && outcome_.event.empty()) outcome_.event = watch_.name(which);
     }
     if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
     if (fixed_ && !draw(end_)) return;
@@ -256,7 +256,7 @@ class Run {
       const StepStatus status =
           schedule_.time() < x.t ? integrator_->state_at(state_, schedule_.time(), y) : StepStatus::ok;
       if (status != StepStatus::ok) return fail(BlockResult::failed(status));
-      if (!save(y, step)) return false;
+      if (!save(y, step) || !within_budget(1)) return false;
     }
     return true;
   }

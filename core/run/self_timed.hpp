@@ -63,7 +63,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
       ++n;
       if (diagnostics && x.t <= end_) {
         if constexpr (in_parts)
-          if (diagnostics->watches()) see_signs_within(stepper, left, left_memory, x.t, *diagnostics);
+          if (diagnostics->watches()) see_signs_within(stepper, left, x, *diagnostics);
         diagnostics->see(problem_, x);
       }
       if (method_of(stepper) != method || (diagnostics && diagnostics->crossed)) break;
@@ -212,16 +212,17 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return this->left_domain(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
   }
 
-  /// The signs between the last two states, `left` and the one at `end`: from the step's own polynomial, and where it
-  /// has none from steps that end there.
-  void see_signs_within(const Stepper& stepper, const X& left, const Memory& memory, double end,
-                        DiagnosticSet<P, X>& diagnostics) {
-    X between = left;
+  /// The signs between the last two states, `left` and x: by the step's own polynomial; where it has none, of what the
+  /// caller watches, by one through both ends.
+  void see_signs_within(const Stepper& stepper, const X& left, const X& x, DiagnosticSet<P, X>& diagnostics) const {
+    X between = x;
+    std::optional<HermitePath<P, X>> path;
     for (int i = 1; i < Stepper::parts; ++i) {
-      const double t = left.t + i * (end - left.t) / Stepper::parts;
+      const double t = left.t + i * (x.t - left.t) / Stepper::parts;
       if (!stepper.interpolate(between, t)) {
-        if (!scout_) scout_.emplace(stepper_at(left, memory));
-        if (scout_->reach(between, t) != StepStatus::ok) return;
+        if (!diagnostics.watches_events()) return;
+        if (!path) path.emplace(problem_, left, x);
+        between = (*path)(t);
       }
       diagnostics.see_signs(problem_, between);
     }
@@ -276,8 +277,6 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
   Memory memory_ = memory_of(stepper_), left_memory_ = memory_;  ///< at the last state, and at left_
   [[no_unique_address]] std::conditional_t<hybrid, X, Nothing>
       before_left_{};  ///< where the step before the last began
-  [[no_unique_address]] std::conditional_t<in_parts, std::optional<Stepper>, Nothing>
-      scout_{};  ///< takes the steps that are no part of the run
   double end_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;

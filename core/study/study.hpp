@@ -61,9 +61,10 @@ struct Study {
   double growth = 1;     ///< of small differences over the span: how well states can be known
   bool chaotic = false;  ///< it is exponential all along the span
   double end = 0;        ///< time up to which errors are measured: earlier than asked for where the motion ends before
-  std::vector<StudyCurve> curves;     ///< in the order of the plan's schemes
-  std::vector<ParetoPoint> pareto;    ///< from few force evaluations to many
-  std::vector<std::string> left_out;  ///< what, and why
+  std::vector<StudyCurve> curves;           ///< in the order of the plan's schemes
+  std::vector<ParetoPoint> pareto;          ///< from few force evaluations to many
+  std::vector<std::string> left_out;        ///< what, and why
+  ReturnCode stop = ReturnCode::completed;  ///< else why there is no reference
 };
 
 struct StudyPlan {

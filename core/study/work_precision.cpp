@@ -159,6 +159,7 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
     study.left_out.push_back(fmt::format(
         "everything: the reference solution was not finished within {} s, or is not finite", plan.budget_seconds));
     for (StudyCurve& curve : study.curves) curve.why = "there is no reference solution";
+    study.stop = deadline.left() > 0 ? ReturnCode::not_finite : ReturnCode::deadline;
     return study;
   }
   study.how = subject.truth().how;

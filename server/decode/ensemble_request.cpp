@@ -312,7 +312,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   read_plan(root, top, card, scheme_card, card ? span_of(*card, preset) : 0, caps, request);
   request.diagnostics.clear();
   read_members(root, top, card, plan);
-  if (card && std::ranges::all_of(plan.members.vary, &Variation::parameter)) check_start(*scene, top);
+  if (card && plan.members.vary.empty()) check_start(*scene, top);
   read_range(root, top, plan);
   read_keep(root, top, plan);
   check_finals(root, top, plan);

@@ -126,10 +126,15 @@ constexpr Foreign foreign[] = {
 };
 
 std::string why_not_json(std::string_view text, std::size_t byte, std::string said) {
+  constexpr std::string_view in_words = "\\_abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+  const auto in_word = [&](std::size_t at) { return at < text.size() && in_words.find(text[at]) != in_words.npos; };
   // The parser reads on while it may be a literal: `nan` as far as `na`, for null; a minus, for a number.
   for (std::size_t back = 0; back <= std::min<std::size_t>(byte, 2); ++back)
-    for (const auto& [word, why] : foreign)
-      if (back < word.size() && text.substr(byte - back).starts_with(word)) return std::string(why);
+    for (const auto& [word, why] : foreign) {
+      const std::size_t from = byte - back;
+      if (back >= word.size() || !text.substr(from).starts_with(word) || (from > 0 && in_word(from - 1))) continue;
+      if (word.back() < 'A' || !in_word(from + word.size())) return std::string(why);
+    }
   return said;
 }
 

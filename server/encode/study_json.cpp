@@ -98,8 +98,7 @@ void write_findings(JsonWriter& json, const PlanWithCards& planned, const least:
   write_curves(json.key("curves"), planned, study, points);
   write_pareto(json.key("pareto"), planned, study);
   write_left_out(json.key("left_out"), study.left_out);
-  // Without a reference nothing was measured: the time went into looking for it.
-  write_status(json, end == ReturnCode::completed && study.how.empty() ? ReturnCode::deadline : end);
+  write_status(json, end == ReturnCode::completed ? study.stop : end);
 }
 
 // An object on a line.

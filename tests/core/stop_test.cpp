@@ -56,6 +56,20 @@ TEST(StopAtAnEvent, NoSampleIsLater) {
   }
 }
 
+// What falls to zero exactly where a step ends, and goes on falling, has reached it.
+TEST(StopAtAnEvent, AZeroOnTheGridIsOne) {
+  for (const char* scheme : {"leapfrog", "runge_kutta_4", "taylor"})
+    for (const char* expression : {"0.5-t", "t-0.5"}) {
+      Request request = oscillator(scheme);
+      if (request.scene->mechanics->schemes()[request.scheme].find("step")) runs::set(request, "step", 0.125);
+      request.record = {Record::Mode::samples, 9, {}};
+      const auto run = runs::go(stopping_at(expression, request));
+      EXPECT_NEAR(run.outcome.t, 0.5, 1e-15) << scheme << " " << expression;
+      EXPECT_EQ(run.rows.size(), 5U) << scheme << " " << expression;
+      EXPECT_EQ(run.outcome.events.size(), 1U) << scheme << " " << expression;
+    }
+}
+
 TEST(StopAtAnEvent, APoleIsNone) {
   for (const char* scheme : {"taylor", "leapfrog", "dormand_prince_5", "bulirsch_stoer"}) {
     Request request = oscillator(scheme);

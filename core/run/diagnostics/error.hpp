@@ -29,6 +29,7 @@ struct ErrorRow {
 
   template <class P, class X>
   struct Seen {
+    static constexpr std::int64_t few_steps = 20'000;  ///< which are soon made again
     Landmarks<StateOf<P>> landmarks;
 
     void start(const P&, const X& x) { landmarks.start(needed(x)); }
@@ -49,7 +50,8 @@ struct ErrorRow {
       const bool known = !marks.empty();  // the run got as far as its start
       if (known) {
         add(needed(end.x), marks.back().speed);
-        found = largest_error(end.request, std::move(seen), landmarks.longest_move() > 0.2, end.left);
+        found = largest_error(end.request, std::move(seen), landmarks.longest_move() > 0.2,
+                              landmarks.steps() <= few_steps, end.left);
         if (!found.complete) warn_of_missing_reference(end.warnings);
         constexpr double large = 0.1;
         if (found.complete && !(found.most <= large) &&

@@ -22,8 +22,8 @@ class PeakSearch {
   PeakSearch(const Request& request, std::vector<SeenState> seen, const TimeLeft& left)
       : request_(request), seen_(std::move(seen)), left_(left) {}
 
-  LargestError look(bool sparse) {
-    look_between(sparse);
+  LargestError look(bool sparse, bool few) {
+    look_between(sparse, few);
     std::vector<double> times;
     for (const SeenState& state : seen_) times.push_back(state.t);
     const Truth truth = mechanics().truth(*request_.scene, times, left_.keep_going);
@@ -84,14 +84,14 @@ class PeakSearch {
     return windows;
   }
 
-  /// Half-way between the states that were seen, for the error of a run that swings lies between them as often as at
-  /// them; where that is too seldom also where the true motion is fast.
-  void look_between(bool sparse) {
+  /// Where the true motion is fast between steps, and half-way between the states that were seen: where there are few
+  /// of them, errors that swing are missed as often as met.
+  void look_between(bool sparse, bool few) {
     const double end = seen_.back().t;
     std::vector<PaceMark> marks;
     if (sparse) marks = mechanics().pace(*request_.scene, end, left_.keep_going);
-    for (std::size_t i = 1; i < seen_.size(); ++i)
-      marks.push_back({std::midpoint(seen_[i - 1].t, seen_[i].t), std::max(seen_[i - 1].speed, seen_[i].speed)});
+    for (std::size_t i = 1; few && i < seen_.size(); ++i)
+      marks.push_back({std::midpoint(seen_[i - 1].t, seen_[i].t), std::min(seen_[i - 1].speed, seen_[i].speed)});
     std::ranges::stable_sort(marks, {}, &PaceMark::t);
     marks.erase(std::ranges::unique(marks, {}, &PaceMark::t).begin(), marks.end());
     std::erase_if(marks, [&](const PaceMark& mark) {
@@ -191,8 +191,9 @@ class PeakSearch {
 
 }  // namespace
 
-LargestError largest_error(const Request& request, std::vector<SeenState> seen, bool sparse, const TimeLeft& left) {
-  return PeakSearch(request, std::move(seen), left).look(sparse);
+LargestError largest_error(const Request& request, std::vector<SeenState> seen, bool sparse, bool few,
+                           const TimeLeft& left) {
+  return PeakSearch(request, std::move(seen), left).look(sparse, few);
 }
 
 }  // namespace least

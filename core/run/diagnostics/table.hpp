@@ -56,6 +56,7 @@ class DiagnosticSet {
   bool watches_sections() const { return sees(Sees::sections); }
   /// Sections, or what the caller asked for.
   bool watches() const { return watches_; }
+  bool watches_events() const { return watch_ != nullptr; }
   bool keeps_states() const { return sees(Sees::states); }
 
   /// `tangents`: of steps of the scheme; they outlive the set.

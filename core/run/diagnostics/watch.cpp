@@ -52,7 +52,7 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
     };
     const double t = from + root([&](double part) { return value(part < to - from ? from + part : to); }, 0, to - from);
     // Towards a pole values grow, and interpolation between them may leave the step.
-    if (from < t && t <= to && std::abs(value(t)) <= std::max(std::abs(was[i]), std::abs(is[i])))
+    if (from <= t && t <= to && std::abs(value(t)) <= std::max(std::abs(was[i]), std::abs(is[i])))
       zeros.push_back({t, i});
   }
   std::ranges::stable_sort(zeros, {}, &Zero::t);

@@ -73,11 +73,13 @@ struct EnsembleStream {
   }
 };
 
-Answer answer_ensemble(const Context& context, const HttpRequest& request, EnsemblePlan&& plan, bool lines,
+constexpr std::string_view in_lines = "application/x-ndjson", in_cbor = "application/cbor";
+
+Answer answer_ensemble(const Context& context, const HttpRequest& request, EnsemblePlan&& plan, std::string_view form,
                        Passes&& passes) {
-  if (lines) {
+  if (form == in_lines) {
     Answer answer;
-    answer.type = "application/x-ndjson";
+    answer.type = in_lines;
     answer.begins = "{";
     const auto stream =
         std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(plan), request.gone, std::move(passes)});
@@ -90,21 +92,23 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
       compute(plan, context, request.gone, static_cast<unsigned>(passes.size()),
               [&](const Harvest& sums, const Block&) { return fits = held.grow_to(bytes_of(sums)); });
   if (!fits) return busy(context, request, "answers that others read fill the memory");
-  return {200, "application/json", encode_ensemble(plan, context.cards, all, end), {}};
+  const Notation notation = form == in_cbor ? Notation::cbor : Notation::json;
+  return {200, std::string(form), encode_ensemble(plan, context.cards, all, end, notation), {}};
 }
 
 }  // namespace
 
 Prepared run_ensemble_request(const Context& context, const HttpRequest& request) {
-  auto form = form_for(request, {"application/json", "application/x-ndjson"});
+  const Names forms{"application/json", in_lines, in_cbor};
+  auto form = form_for(request, forms);
   if (!form) return form.error();
   auto parsed = json_of(request);
   if (!parsed) return parsed.error();
   auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
-  return Job([&context, request, lines = *form == 1,
+  return Job([&context, request, form = forms[*form],
               shared = std::make_shared<EnsemblePlan>(std::move(*plan))](Admission::Pass pass) {
-    return answer_ensemble(context, request, std::move(*shared), lines, places(context, request, std::move(pass)));
+    return answer_ensemble(context, request, std::move(*shared), form, places(context, request, std::move(pass)));
   });
 }
 

@@ -81,6 +81,7 @@ Json computed(std::string_view path, const Cards& cards) {
       if (form.type != "application/json") content[std::string(form.type)] = Json::object();
     }
   }
+  if (path == "/v1/ensemble") content["application/cbor"] = Json::object();
   if (path != "/v1/stability" && path != "/v1/problems") content["application/x-ndjson"] = Json::object();
   return {
       {"requestBody",

@@ -4,6 +4,7 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
+#include "server/encode/columns_out.hpp"
 
 namespace least::server {
 namespace {
@@ -17,9 +18,19 @@ void write_integers(JsonWriter& json, const std::vector<std::int64_t>& values) {
   for (const auto value : values) json.integer(value);
   json.close(']');
 }
-void write_row(JsonWriter& json, const std::vector<double>& values, std::size_t first = 0, std::size_t stride = 1) {
+void write_list(JsonWriter& json, const std::vector<double>& values) {
   json.open('[');
-  for (std::size_t i = first; i < values.size(); i += stride) json.number(values[i]);
+  for (const double value : values) json.number(value);
+  json.close(']');
+}
+// Of rows that lie one after the other.
+void write_column(JsonWriter& json, const Strided& column) {
+  if (json.notation() == Notation::cbor) {
+    begin_typed_array(json.buffer(), column.numbers.size() / column.stride);
+    return append_binary(json.buffer(), column);
+  }
+  json.open('[');
+  append_numbers(json.buffer(), column, true);
   json.close(']');
 }
 
@@ -32,7 +43,7 @@ void write_members(JsonWriter& json, const EnsemblePlan& plan) {
     json.key(varied.parameter ? "/problem/" + problem.parameters[varied.index].name
                               : "/initial/" + problem.variables[varied.index].name);
     json.open('{').key(spread_names[static_cast<std::size_t>(varied.spread)]);
-    write_row(json, varied.numbers);
+    write_list(json, varied.numbers);
     json.close('}');
   }
   json.close('}').close('}');
@@ -111,14 +122,15 @@ void write_columns(JsonWriter& json, const EnsemblePlan& plan, const std::vector
   const std::size_t columns = plan.request.columns.size();
   for (std::size_t k = 0; k < columns; ++k) {
     if (column_of(plan, k).name == "t" && plan.section) continue;  // a section has its own
-    write_row(json.key(column_of(plan, k).name), rows, k, columns);
+    write_column(json.key(column_of(plan, k).name), {rows, k, columns});
   }
 }
 void write_ends(JsonWriter& json, const EnsemblePlan& plan, const Harvest& harvest) {
   if (!plan.final) return;
   const std::size_t columns = plan.request.columns.size();
   write_integers(json.key("final").open('{').key("index"), harvest.final_member);
-  for (std::size_t k = 0; k < columns; ++k) write_row(json.key(column_of(plan, k).name), harvest.final, k, columns);
+  for (std::size_t k = 0; k < columns; ++k)
+    write_column(json.key(column_of(plan, k).name), {harvest.final, k, columns});
   json.close('}');
 }
 void write_points(JsonWriter& json, const EnsemblePlan& plan, const SectionPoints& points, bool asked) {
@@ -127,7 +139,7 @@ void write_points(JsonWriter& json, const EnsemblePlan& plan, const SectionPoint
   if (asked) write_section_asked(json, plan);
   write_integers(json.key("member"), points.member);
   write_integers(json.key("crossing"), points.crossing);
-  write_row(json.key("t"), points.t);
+  write_column(json.key("t"), {points.t, 0, 1});
   write_columns(json, plan, points.values);
   json.close('}');
 }
@@ -154,21 +166,23 @@ void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harve
   write_warnings(json.key("warnings"), warnings);
 }
 
-// An object on a line.
+// An object, in JSON on a line.
 template <class WriteMembers>
-std::string ensemble_line(WriteMembers write_all) {
+std::string ensemble_line(WriteMembers write_all, Notation notation = Notation::json) {
   std::string text;
-  JsonWriter json(text);
+  JsonWriter json(text, notation);
   json.open('{');
   write_all(json);
   json.close('}');
-  return text += '\n';
+  if (notation == Notation::json) text += '\n';
+  return text;
 }
 
 }  // namespace
 
-std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end) {
-  return ensemble_line([&](JsonWriter& json) {
+std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end,
+                            Notation notation) {
+  const auto write_all = [&](JsonWriter& json) {
     write_ensemble_echo(json, plan, cards);
     write_status(json, all, end);
     write_endings(json, all.ended);
@@ -176,7 +190,8 @@ std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const 
     write_ends(json, plan, all);
     write_points(json, plan, all.section, true);
     write_ensemble_cost(json, plan, all, end);
-  });
+  };
+  return ensemble_line(write_all, notation);
 }
 
 std::string encode_ensemble_head(const EnsemblePlan& plan, const Cards& cards) {

@@ -14,8 +14,10 @@ struct EnsembleEnd {
   double seconds = 0;
 };
 
-/// `application/json`: the whole answer.
-std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end);
+/// The whole answer, `application/json` or `application/cbor` (RFC 8949): the members of JSON, the columns of finals
+/// and sections as typed arrays (RFC 8746) of binary64 in little endian, in which what has no value is NaN.
+std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end,
+                            Notation notation = Notation::json);
 
 /// `application/x-ndjson`: the first line (the echo), one per block, and the last (what they add up to). Points of
 /// sections beyond the first `most` are left out.

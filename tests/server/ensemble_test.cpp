@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -121,6 +122,28 @@ TEST_F(EnsembleHttp, TheAnswerIsARequestThatGivesIt) {
     again[key] = answer[key];
   for (const char* key : {"member", "crossing", "t", "x", "y", "energy"}) again["section"].erase(key);
   EXPECT_EQ(without_cost(ask(port(), post("/v1/ensemble", again.dump())).body), without_cost(reply.body));
+}
+
+// A column of an answer in CBOR: a typed array of binary64, little endian.
+std::vector<double> numbers_in(const Json& column) {
+  const auto& bytes = column.get_binary();
+  EXPECT_EQ(bytes.subtype(), 86u);
+  std::vector<double> numbers(bytes.size() / sizeof(double));
+  std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  return numbers;
+}
+TEST_F(EnsembleHttp, BinaryHoldsTheSameNumbers) {
+  const Json whole = without_cost(ask(port(), post("/v1/ensemble", orbits)).body);
+  const auto reply = ask(port(), post("/v1/ensemble", orbits, "Accept: application/cbor\r\n"));
+  ASSERT_EQ(reply.status, 200);
+  EXPECT_EQ(reply.fields.at("content-type"), "application/cbor");
+  Json binary = Json::from_cbor(reply.body, true, true, Json::cbor_tag_handler_t::store);
+  binary.erase("cost");
+  for (const auto& [part, columns] : {std::pair<const char*, std::vector<const char*>>{"final", {"x", "y", "energy"}},
+                                      {"section", {"t", "x", "y", "energy"}}}) {
+    for (const char* column : columns) binary[part][column] = numbers_in(binary[part][column]);
+  }
+  EXPECT_EQ(binary, whole);
 }
 
 // The points of a section are the events of the runs of its members, whether these move in lanes or not. Each request

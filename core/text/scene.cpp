@@ -71,6 +71,7 @@ void write_accelerations(const Definition& given, const Form& form, Rates& rates
   }
   for (const Symbol& entry : form.metric) g.push_back(copy(entry));
   std::vector<std::vector<Symbol>> slope;  // ∂_k g_ij
+  slope.reserve(g.size());
   for (const Symbol& entry : g) slope.push_back(tape::gradient(tape, entry, places));
   const auto potential = tape::gradient(tape, copy(form.potential), places);
   const auto by = [&](std::size_t k, std::size_t i, std::size_t j) { return slope[i * n + j][k]; };

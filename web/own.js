@@ -183,7 +183,7 @@ export class Own {
     if (faults.length) find("#form").textContent = "This cannot be read: see the marked place. The rest stays with what was read before.";
   }
 
-  #tell({ formula, form, equations = {}, schemes }) {
+  #tell({ formula, form, equations = {}, equations_note: note = "", schemes }) {
     const traits = [forms[form.kind] ?? words(form.kind), form.autonomous ? "" : "it depends on t",
                     form.kind === "flow" ? "" : form.keeps_energy ? "it keeps its energy" : "it does not keep its energy",
                     `${schemes.length} schemes apply`].filter(Boolean).join("; ");
@@ -192,6 +192,7 @@ export class Own {
     const rates = Object.entries(equations), spelled = rates.some(([name]) => /^d.+\/dt$/.test(name));
     find("#equations").replaceChildren(...rates.map(([name, rate]) =>
       element("li", {}, element("code", { textContent: `${spelled ? name : `d${name}/dt`} = ${rate}` }))));
+    find("#equations-note").textContent = note;
     find("#derived").hidden = rates.length === 0 || form.kind === "flow";
   }
 }

@@ -26,7 +26,7 @@ async function type(page, texts, ready = "#results[aria-busy=false]") {
 /** Waits until `read()` resolves to `wanted`. */
 async function until(read, wanted) {
   for (let i = 0; (await read()) !== wanted; i++) {
-    if (i === 100) assert.equal(await read(), wanted);
+    if (i === 1200) assert.equal(await read(), wanted);
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
 }
@@ -50,6 +50,13 @@ pageTest("it shows what was read of a text, and the link carries the text", own,
   assert.equal(await text(other, "parameters").inputValue(), "gamma = 0.05");
   assert.equal(await fieldAt(other, "/problem/gamma").inputValue(), "0.2", "what was set beside the text is in the link");
   assert.equal(await number(other, "energy_final", "A"), await number(page, "energy_final", "A"));
+});
+
+pageTest("equations that stay in momenta say why", refused, async (page) => {
+  assert.equal(await page.textContent("#equations-note"), "");
+  await text(page, "formula").fill("v^2/2 + v^4/4 - q^2/2");
+  await until(async () => (await page.textContent("#equations-note")).length > 20, true);
+  assert.match(await page.textContent("#form"), /^A general Lagrangian/);
 });
 
 pageTest("what is typed becomes a scene as good as one of the catalogue", refused, async (page) => {

@@ -84,14 +84,18 @@ class PeakSearch {
     return windows;
   }
 
-  /// Where the true motion is fast between steps, and half-way between the states that were seen: where there are few
-  /// of them, errors that swing are missed as often as met.
+  /// Where the true motion is fast between steps, and between the states that were seen: where there are few of them,
+  /// errors that swing are missed as often as met.
   void look_between(bool sparse, bool few) {
     const double end = seen_.back().t;
     std::vector<PaceMark> marks;
     if (sparse) marks = mechanics().pace(*request_.scene, end, left_.keep_going);
+    const std::size_t gaps = std::max<std::size_t>(seen_.size() - 1, 1),
+                      parts = std::clamp<std::size_t>(256 / gaps, 2, 8);
     for (std::size_t i = 1; few && i < seen_.size(); ++i)
-      marks.push_back({std::midpoint(seen_[i - 1].t, seen_[i].t), std::min(seen_[i - 1].speed, seen_[i].speed)});
+      for (std::size_t k = 1; k < parts; ++k)
+        marks.push_back({std::lerp(seen_[i - 1].t, seen_[i].t, double(k) / double(parts)),
+                         std::min(seen_[i - 1].speed, seen_[i].speed)});
     std::ranges::stable_sort(marks, {}, &PaceMark::t);
     marks.erase(std::ranges::unique(marks, {}, &PaceMark::t).begin(), marks.end());
     std::erase_if(marks, [&](const PaceMark& mark) {

@@ -37,8 +37,8 @@ struct TimeLeft {
   const std::atomic<bool>& cancelled;
 };
 
-/// Looks at these states, in the order of their times, the final one last; where the run took few steps, half-way
-/// between them, too; where steps are so long that the motion may be fast between them (`sparse`), also at where the
+/// Looks at these states, in the order of their times, the final one last; where the run took few steps, between
+/// them, too; where steps are so long that the motion may be fast between them (`sparse`), also at where the
 /// true motion is; then around the largest errors. What no step ended at comes by dense output: for that the run is
 /// made again. Where no time is left, what was found until then.
 LargestError largest_error(const Request& request, std::vector<SeenState> seen, bool sparse, bool few,

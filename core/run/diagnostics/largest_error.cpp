@@ -97,7 +97,8 @@ class PeakSearch {
         marks.push_back({std::lerp(seen_[i - 1].t, seen_[i].t, double(k) / double(parts)),
                          std::min(seen_[i - 1].speed, seen_[i].speed)});
     std::ranges::stable_sort(marks, {}, &PaceMark::t);
-    marks.erase(std::ranges::unique(marks, {}, &PaceMark::t).begin(), marks.end());
+    const auto same = [](const PaceMark& a, const PaceMark& b) { return a.t == b.t; };
+    marks.erase(std::unique(marks.begin(), marks.end(), same), marks.end());
     std::erase_if(marks, [&](const PaceMark& mark) {
       return !(mark.t < end) || std::ranges::find(seen_, mark.t, &SeenState::t) != seen_.end();
     });

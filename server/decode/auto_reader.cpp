@@ -30,8 +30,7 @@ Wish read_wish(const Json& json, const FieldPath& path, const Caps& caps) {
   wish.accuracy = read_asked(json, path, "accuracy", auto_card().parameters[0].range);
   wish.seconds = read_asked(json, path, "seconds", {0, caps.seconds, true});
   if (const Json* keep = find(json, "keep")) {
-    for (const auto kept :
-         read_names(*keep, path.at("keep"), Names(keep_names.begin(), keep_names.end()), "quantity")) {
+    for (const auto kept : read_names(*keep, path.at("keep"), Names(keep_names.begin(), keep_names.end()), "name")) {
       (kept == 0 ? wish.keep.energy : kept == 1 ? wish.keep.structure : wish.keep.momenta) = true;
     }
   }

@@ -192,7 +192,7 @@ void read_range(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
 void read_keep(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   const Json* json = find(root, "keep");
   if (json == nullptr) return;
-  const auto kept = read_names(*json, top.at("keep"), {"statistics", "final", "section"}, "thing to keep");
+  const auto kept = read_names(*json, top.at("keep"), {"statistics", "final", "section"}, "part");
   const auto keeps = [&](std::size_t what) { return std::ranges::find(kept, what) != kept.end(); };
   if (json->is_array() && json->empty())
     top.at("keep").fault("must keep something", *json, "statistics, final, section");

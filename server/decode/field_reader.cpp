@@ -124,7 +124,7 @@ std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, con
   if (!json.is_array()) {
     const bool one =
         json.is_string() && std::find(known.begin(), known.end(), json.get_ref<const std::string&>()) != known.end();
-    path.fault(fmt::format("must be a list, each a {}{}", what, one ? ", like [" + json.dump() + "]" : ""), json,
+    path.fault(fmt::format("must be a list of {}s{}", what, one ? ", like [" + json.dump() + "]" : ""), json,
                listed(known));
     return chosen;
   }

@@ -176,7 +176,8 @@ TEST_F(EnsembleHttp, SectionsAreTheEventsOfTheirMembers) {
   for (const auto& [problem, scheme, vary, expression, direction, end] : cases) {
     const Json varied = Json::parse(vary), scene = Json::parse(problem);
     const std::string& pointer = varied.begin().key();
-    const std::string name = (scene.is_object() ? scene["id"] : scene).get<std::string>() + ": " + expression;
+    const std::string id = (scene.is_object() ? scene["id"] : scene).get<std::string>(), name = id + ": " + expression;
+    if (id != "custom" && !find_problem(id)) continue;  // left out of this build
     const Json initial = Json::parse(name.starts_with("kepler")   ? R"({"x":0.6,"y":0,"px":0,"py":1.2})"
                                      : name.starts_with("custom") ? R"({"x":2})"
                                                                   : "{}");

@@ -10,9 +10,8 @@
 //   inverse_mass()        diagonal of g⁻¹ where the constant kinetic metric g is not the identity
 //   metric(q)             g(q), symmetric and positive definite, where it depends on the configuration
 //   gradient(q, t)        ∇V by hand, where that pays (a law checks it against the potential)
-//   exact(x0, t)          the solution, where there is a closed form (scalar numbers only); `exact_applies(x0)` where
-//   it
-//                         holds for some starts only
+//   exact(x0, t)          the solution, where there is a closed form (scalar numbers only); `exact_applies(x0)` says
+//                         for which starts, where it does not hold for all
 //   invariants(q, p, t)   what the exact motion conserves besides energy
 // Contact, the same with one of
 //   damping() or damping(t)           α: H = K + V + α(t) s; the motion in (q, p) never reads s

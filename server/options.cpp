@@ -81,7 +81,7 @@ bool names_option(std::span<const char* const> arguments, std::string_view optio
                      [&](std::string_view argument) { return argument.substr(0, argument.find('=')) == option; });
 }
 
-/// What may have been meant by a word that the program does not know, as the rest of a sentence; else nothing.
+/// A line on the first word that the program does not know: what may have been meant, or what there is; else nothing.
 std::string meant(const CLI::App& app, std::span<const char* const> arguments) {
   const CLI::App* command = &app;
   std::vector<std::string> options;

@@ -118,10 +118,11 @@ template <class P, class X>
 std::unique_ptr<Integrator<P, X>> bind_scheme(const P& problem, const Request& request, const X& x, const Grid& grid,
                                               double end);
 
-/// When the step ahead of the state leads out of the domain, by trial steps.
+/// When the step ahead of the state leads out of the domain, by trial steps; before `outside_at`, where one is known to
+/// end outside, else NaN.
 template <class P, class X>
 double exit_time([[maybe_unused]] const P& problem, [[maybe_unused]] const Integrator<P, X>& integrator,
-                 const IntegrationState<X>& state) {
+                 const IntegrationState<X>& state, [[maybe_unused]] double outside_at) {
   if constexpr (HasDomain<P>) {
     const auto inside = [&](double ahead) {
       X x = state.x;
@@ -129,7 +130,7 @@ double exit_time([[maybe_unused]] const P& problem, [[maybe_unused]] const Integ
       return problem.inside(position(x));
     };
     const double step = integrator.step_info(state).step_size;
-    double reach = step > 0 ? step : 1e-3;
+    double reach = outside_at > state.x.t ? outside_at - state.x.t : step > 0 ? step : 1e-3;
     for (int k = 0; k < 60 && inside(reach) > 0; ++k) reach *= 2;
     return state.x.t + root(inside, 0, reach);
   }

@@ -130,7 +130,7 @@ class Run {
       evidence_.see(problem_, state_);
     }
     const bool drawn = state_.n == n || state_.x.t > end_ || draw(state_.x.t);
-    return drawn && save_due() && (result || fail(result)) && within_budget(state_.n - n);
+    return drawn && save_due() && (result || fail(result)) && within_budget(std::max<std::int64_t>(state_.n - n, 1));
   }
 
   /// The zeros of sections within the last step.
@@ -181,7 +181,7 @@ class Run {
       const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
       if (status != StepStatus::ok || outside(problem_, x)) {  // a long step may lead out of the domain and back
         if (schedule_.time() < state_.x.t) step_back();
-        return fail(status == StepStatus::ok ? BlockResult{BlockEnd::left_domain} : BlockResult::failed(status));
+        return status == StepStatus::ok ? leave_domain(schedule_.time()) : fail(BlockResult::failed(status));
       }
       if (!save(x, last_step()) || !within_budget(1)) return false;
     }
@@ -305,9 +305,9 @@ class Run {
     return at ? request_.settings[*at] : unknown;
   }
 
-  /// The next step leads out of the domain: where it does, or at the end of the run if that comes first.
-  bool leave_domain() {
-    const double when = exit_time(problem_, *integrator_, state_);
+  /// The next step leads out of the domain, or is outside on its way, at `outside_at`: to where it does, or to the end.
+  bool leave_domain(double outside_at = unknown) {
+    const double when = exit_time(problem_, *integrator_, state_, outside_at);
     X x = state_.x;
     if (!watch_.empty() && integrator_->state_at(state_, std::min(when, end_), x) == StepStatus::ok)
       locate_watched(state_.x, x);

@@ -62,35 +62,39 @@ class TransformedLeapfrog {
   const T& strain() const { return strain_; }
   int stages() const { return time_.weights->stages; }
 
-  /// Moves q and p by the parameter σ; `elapsed` is the time that takes. A state that it fails on is spoilt.
-  StepStatus move(X& x, const T& sigma, T& elapsed, Work& work) {
+  /// Moves q and p by the parameter σ; `time` is what that takes.
+  StepStatus move(X& state, const T& sigma, T& time, Work& work) {
     using least::abs;
     using least::all;
     using least::select;
+    X x = state;  // locals, which stay in registers from stage to stage
+    T pace = pace_, elapsed(0);
     const T half = 0.5 * sigma;
     typename Time::S before(0);
-    auto sound = pace_ > T(0);
-    elapsed = T(0);
+    auto sound = pace > T(0);
     for (std::size_t i = 0; i < static_cast<std::size_t>(time_.weights->stages); ++i) {
       const auto& gamma = time_.weights->gamma[i];
-      drift(x, half * (before + gamma), elapsed);
+      drift(x, half * (before + gamma) * pace, elapsed);
       before = gamma;
       const Slopes<P, T> here(time_.problem, x.q);
       ++work.forces;
-      const T gap = time_.level - here.potential, kick = sigma * gamma / gap, ratio = gap * pace_;
+      const T gap = time_.level - here.potential, kick = sigma * gamma / gap, ratio = gap * pace;
       for (std::size_t k = 0; k < x.p.size(); ++k) x.p[k] = x.p[k] - kick * here.gradient[k];
-      pace_ = time_.pace(x);
-      const T square = ratio * (gap * pace_), off = abs(square - 1.0);
+      pace = time_.pace(x);
+      const T square = ratio * (gap * pace), off = abs(square - 1.0);
       strain_ = select(off > strain_, off, strain_);
       sound = sound & (gap > T(0)) & near_level<T>(square);  // keeps the pace positive
     }
-    drift(x, half * before, elapsed);
-    return all(sound) ? StepStatus::ok : StepStatus::singular;
+    drift(x, half * before * pace, elapsed);
+    if (!all(sound & (elapsed > T(0)))) return StepStatus::singular;
+    state = x;
+    pace_ = pace;
+    time = elapsed;
+    return StepStatus::ok;
   }
 
  private:
-  void drift(X& x, const T& sigma, T& elapsed) const {
-    const T dt = sigma * pace_;
+  void drift(X& x, const T& dt, T& elapsed) const {
     const auto v = velocity(time_.problem, x.q, x.p);
     for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + dt * v[i];
     elapsed = elapsed + dt;
@@ -118,11 +122,16 @@ class TransformedMidpoint {
   const T& strain() const { return strain_; }
   int stages() const { return time_.weights->stages; }
 
-  StepStatus move(X& x, const T& sigma, T& elapsed, Work& work) {
-    elapsed = T(0);
+  StepStatus move(X& state, const T& sigma, T& time, Work& work) {
+    using least::all;
+    X x = state;
+    T elapsed(0);
     for (std::size_t i = 0; i < static_cast<std::size_t>(time_.weights->stages); ++i)
       if (const StepStatus status = stage(x, sigma * time_.weights->gamma[i], elapsed, work); status != StepStatus::ok)
         return status;
+    if (!all(elapsed > T(0))) return StepStatus::singular;
+    state = x;
+    time = elapsed;
     return StepStatus::ok;
   }
 

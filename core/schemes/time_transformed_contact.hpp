@@ -34,18 +34,19 @@ namespace least {
 class PowerSlope {
  public:
   explicit PowerSlope(double k) : k_(k) {}
+  /// `factor` times that.
   template <class T>
-  T operator()(const T& x) const {
+  T operator()(const T& x, const T& factor = T(1)) const {
     using least::pow;
     using least::sqrt;
-    return k_ == -0.5 ? T(sqrt(x) * (1.0 / (x * x))) : T(pow(x, k_ - 1));
+    return k_ == -0.5 ? T(sqrt(x) * (factor / (x * x))) : T(factor * pow(x, k_ - 1));
   }
 
  private:
   double k_;
 };
 
-/// The first N terms, N a multiple of 4, of what is 1 at 0, for small z.
+/// The first N terms, N even, of what is 1 at 0, for small z.
 template <class S, std::size_t N>
 class Series {
  public:
@@ -57,12 +58,15 @@ class Series {
   static Series exponential() {
     return Series([](const S&) { return S(1); });
   }
+  /// `factor` times that: in few operations one after the other, as steps wait for it.
   template <class T>
-  T operator()(const T& z) const {
-    const T z2 = z * z, z4 = z2 * z2;
-    const auto four = [&](std::size_t j) { return (c_[j] + c_[j + 1] * z) + (c_[j + 2] + c_[j + 3] * z) * z2; };
-    T sum = four(N - 4);
-    for (std::size_t j = N - 4; j > 0; j -= 4) sum = sum * z4 + four(j - 4);
+  T operator()(const T& z, const T& factor) const {
+    const T z2 = z * z;
+    T power = factor, sum = factor * (c_[0] + c_[1] * z);
+    for (std::size_t j = 2; j < N; j += 2) {
+      power = power * z2;
+      sum = sum + power * (c_[j] + c_[j + 1] * z);
+    }
     return sum;
   }
 
@@ -120,14 +124,20 @@ class TransformedContact {
   Memory at(const T& a) const { return {a, slope_(a)}; }
   const T& pace(const X&) const { return now_.pace; }
   /// The largest |B²/(A₀A₁) − 1| of a kick.
-  const T& strain() const { return strain_; }
+  T strain() const { return strain_ / strain_level_; }
   int stages() const { return weights_->stages; }
   std::string failure() const { return words_of(fault_, value_of(kappa_), value_of(room_)); }
 
   StepStatus move(X& state, const T& sigma, T& time, Work& work) {
-    X x = state;  // locals, which stay in registers from stage to stage as long as stages are inlined
+    using least::all;
+    X x;  // locals, which stay in registers from stage to stage as long as stages are inlined
+    x.t = state.t;
+    x.q = state.q;
+    x.p = state.p;
+    x.action = state.action;
     Memory now = now_;
     T elapsed(0);
+    [[maybe_unused]] const auto here = here_;
     fault_ = TransformedFault::standstill;  // where all stages succeed and the time does not advance
     const auto stages = static_cast<std::size_t>(weights_->stages);
     const T half = 0.5 * sigma;
@@ -139,22 +149,30 @@ class TransformedContact {
         if (!kick(x, now, sigma * gamma, elapsed, work)) return StepStatus::singular;
       } else {
         if (!generated(x, now, half * gamma, elapsed, work) || !kick(x, now, sigma * gamma, elapsed, work) ||
-            !generated(x, now, half * gamma, elapsed, work))
+            !generated(x, now, half * gamma, elapsed, work)) {
+          here_ = here;
           return fault_ == TransformedFault::unsolved ? StepStatus::solver_failed : StepStatus::singular;
+        }
       }
       before = gamma;
     }
     if constexpr (constant)
       if (!flow(x, now, half * before, elapsed)) return StepStatus::singular;
-    state = x;
+    if (!all(elapsed > T(0))) [[unlikely]] {
+      here_ = here;
+      return StepStatus::singular;
+    }
+    state.q = x.q;
+    state.p = x.p;
+    state.action = x.action;
     now_ = now;
     time = elapsed;
     return StepStatus::ok;
   }
 
  private:
-  static constexpr std::size_t terms = Precision<S>::epsilon > 1e-17 ? 8 : 16;
-  static constexpr double small = 1.0 / 256;
+  static constexpr std::size_t terms = Precision<S>::epsilon > 1e-17 ? 6 : 14;
+  static constexpr double small = 1.0 / 512;
   using Powers = Series<S, terms>;
 
   /// The part F(A) with constant α: Δt, (1 − E)/α, (1 − E²)/2α and (A₀ − A₁)/(αA₀).
@@ -182,8 +200,8 @@ class TransformedContact {
     const auto alpha = problem_.damping();
     const T r = tau * now.pace, z = (alpha * (inverse_ - 1) * tau) * now.pace;
     const auto series = [&] {
-      Passage by{r * time_(z), r * way_(z), T(0), r * inverse_ * fall_(z)};
-      if constexpr (X::acting) by.way2 = r * way2_(z);
+      Passage by{time_(z, r), way_(z, r), T(0), fall_(z, T(r * inverse_))};
+      if constexpr (X::acting) by.way2 = way2_(z, r);
       return by;
     };
     const auto closed = [&] {
@@ -218,9 +236,9 @@ class TransformedContact {
   T grown(const T& z) const {
     using least::abs;
     using least::phi1;
-    const auto series = [&] { return growth_(z); };
-    const auto closed = [&] { return phi1(z); };
-    return z * either(abs(z) < T(small), series, closed);
+    const auto series = [&] { return growth_(z, z); };
+    const auto closed = [&] { return T(z * phi1(z)); };
+    return either(abs(z) < T(small), series, closed);
   }
 
   /// The part F(A) with α(t), by its discrete Lagrangian.
@@ -300,7 +318,7 @@ class TransformedContact {
       gradient = at.slope;
     }
     ++work.forces;
-    const T b = level_ - potential, push = tau * slope_(b), lift = b * inverse_;  // push·lift = τF(B)
+    const T b = level_ - potential, push = slope_(b, tau), lift = b * inverse_;  // push·lift = τF(B)
     const Vec<P::dof, T> rate = velocity(problem_, x.q, gradient);
     // A by what K, αs and p_t change by: all that does not need `push` is there when it comes.
     T change = -dot(rate, x.p);
@@ -310,17 +328,19 @@ class TransformedContact {
       change = change + here_.rate * lift;
     }
     if constexpr (PotentialReadsTime<P>) change = change - potential_rate(problem_, x.q, T(x.t + elapsed));
-    const T a = now.a + push * (push * (0.5 * dot(rate, gradient)) + change);
+    const T a = (now.a + push * change) + (push * push) * (0.5 * dot(rate, gradient));
     for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - push * gradient[i];
     if constexpr (X::acting) x.action.s = x.action.s + push * lift;
-    const T square = b * b / (now.a * a), off = abs(square - 1.0);
+    const T square = b * b, level = now.a * a, off = abs(square - level);
     if (!all(b > T(0))) [[unlikely]]
       return fail(TransformedFault::potential, b);
     if (!all(a > T(0))) [[unlikely]]
       return fail(TransformedFault::kinetic, a);
-    if (!all(near_level<T>(square))) [[unlikely]]
-      return fail(TransformedFault::level, square);
-    strain_ = select(off > strain_, off, strain_);
+    if (!all((square >= 0.25 * level) & (square <= 4.0 * level))) [[unlikely]]
+      return fail(TransformedFault::level, T(square / level));
+    const auto more = off * strain_level_ > strain_ * level;  // a fraction: the divider has enough to do
+    strain_ = select(more, off, strain_);
+    strain_level_ = select(more, level, strain_level_);
     now = at(a);
     return true;
   }
@@ -332,7 +352,7 @@ class TransformedContact {
   const Weights<S>* weights_;
   Powers time_, way_, way2_, fall_, growth_;
   Memory now_{};
-  T strain_ = T(0), room_{};
+  T strain_ = T(0), strain_level_ = T(1), room_{};
   struct Nothing {};
   [[no_unique_address]] std::conditional_t<constant, Nothing, DampingAt<T>> here_{};  ///< at the time of the state
   TransformedFault fault_ = TransformedFault::standstill;

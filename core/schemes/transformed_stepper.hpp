@@ -1,6 +1,7 @@
 // Steps of constant length σ in a parameter τ that runs with the motion, whatever takes them. A kernel is
 //   kernel.move(x, σ, elapsed, work) → StepStatus   moves q, p and s by σ; `elapsed` is the time that takes. x.t is the
-//                                                   time it begins at, read where `reads_time`. Spoils what it fails on
+//                                                   time it begins at, read where `reads_time`. Where it fails, also as
+//                                                   the time does not advance, x and what it keeps are as before
 //   kernel.memory(), kernel.settle(x, memory)       what it keeps beside the state, and to go on from x with it
 //   kernel.pace(x)                                  dt/dτ at x
 //   kernel.strain(), kernel.stages()
@@ -32,17 +33,12 @@ class TransformedStepper {
   TransformedStepper(const Kernel& kernel, double sigma) : kernel_(kernel), sigma_(sigma) {}
 
   StepStatus step(X& x) noexcept {
-    X y = x;
-    const Memory memory = kernel_.memory();
+    // On x itself: a copy is read in wider pieces than it has just been written in, which waits for the memory.
     T elapsed;
-    const StepStatus status = attempt(y, sigma_, elapsed);
-    if (status != StepStatus::ok) {
-      kernel_.settle(x, memory);
-      return status;
-    }
-    y.t = x.t + elapsed;
+    const StepStatus status = kernel_.move(x, sigma_, elapsed, work_);
+    if (status != StepStatus::ok) return status;
+    x.t = x.t + elapsed;
     elapsed_ = elapsed;
-    x = y;
     return StepStatus::ok;
   }
 
@@ -63,7 +59,7 @@ class TransformedStepper {
       X y = x;
       T elapsed;
       kernel_.settle(x, memory);
-      status = attempt(y, sigma, elapsed);
+      status = kernel_.move(y, sigma, elapsed, work_);
       if (status != StepStatus::ok) break;
       const T excess = elapsed - wait;
       if (abs(excess) <= tolerance) {
@@ -86,7 +82,7 @@ class TransformedStepper {
   void resume(const X& x, const Memory& memory) { kernel_.settle(x, memory); }
   const Kernel& kernel() const { return kernel_; }
   /// The largest |(D/(K + κ))² − 1| of a kick.
-  const T& strain() const { return kernel_.strain(); }
+  T strain() const { return kernel_.strain(); }
   /// What the kernel has to say of the last step, which failed; empty: nothing.
   std::string failure() const {
     if constexpr (requires { kernel_.failure(); }) return kernel_.failure();
@@ -94,14 +90,6 @@ class TransformedStepper {
   }
 
  private:
-  /// Fails also where the time does not advance.
-  StepStatus attempt(X& x, const T& sigma, T& elapsed) {
-    using least::all;
-    const StepStatus status = kernel_.move(x, sigma, elapsed, work_);
-    if (status != StepStatus::ok) return status;
-    return all(elapsed > T(0)) ? StepStatus::ok : StepStatus::singular;
-  }
-
   Kernel kernel_;
   T sigma_, elapsed_{};
   Work work_;

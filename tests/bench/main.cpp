@@ -1,16 +1,20 @@
 // The results, as Markdown on the standard output: the machine, the tables, and last the ratios of Google Benchmark's
 // measurements within the run, the smallest of interleaved repetitions of each. What is measured is told on the way, on
-// the standard error.
+// the standard error. --table=NAME prints that table alone, --row=TEXT of a table of scenes those whose title has it.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/bench/table.hpp"
@@ -83,9 +87,41 @@ void ratios(const std::map<std::string, double>& least, const std::map<std::stri
   }
 }
 
+/// All measurements of Google Benchmark and what they say of each other.
+void measurements() {
+  Reporter reporter;
+  reporter.SetOutputStream(&std::cerr);
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  ratios(reporter.least, reporter.units);
+}
+
+constexpr std::pair<std::string_view, void (*)()> tables[] = {
+    {"choice", bench::choice}, {"hybrid", bench::hybrid},     {"drag", bench::drag},   {"drift", bench::drift},
+    {"digits", bench::digits}, {"warnings", bench::warnings}, {"auto", bench::advice}, {"ratios", measurements}};
+
+/// The value of an argument of ours, which is taken out of them; empty where there is none.
+std::string take(std::vector<char*>& arguments, std::string_view key) {
+  for (std::size_t i = 1; i < arguments.size(); ++i)
+    if (const std::string_view argument = arguments[i]; argument.starts_with(key)) {
+      arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i));
+      return std::string(argument.substr(key.size()));
+    }
+  return {};
+}
+
+std::string only_row;
+
 }  // namespace
 
 void bench::heading(const char* title) { std::printf("\n## %s\n\n", title); }
+
+bench::Progress::Progress(std::string title) : title_(std::move(title)) {
+  std::fflush(stdout);
+  std::fprintf(stderr, "%s …", title_.c_str());
+}
+bench::Progress::~Progress() { std::fprintf(stderr, " %.1f s\n", watch_.seconds()); }
+
+bool bench::is_wanted(std::string_view title) { return title.find(only_row) != title.npos; }
 
 void bench::compare(const std::string& what, const std::string& name, const std::string& baseline, double goal) {
   rows().push_back({what, name, baseline, goal});
@@ -93,6 +129,15 @@ void bench::compare(const std::string& what, const std::string& name, const std:
 
 int main(int argc, char** argv) {
   std::vector<char*> arguments(argv, argv + argc);
+  const std::string only = take(arguments, "--table=");
+  only_row = take(arguments, "--row=");
+  if (!only.empty() &&
+      std::ranges::find(tables, only, &std::pair<std::string_view, void (*)()>::first) == std::end(tables)) {
+    std::fprintf(stderr, "bench: --table=%s: there is", only.c_str());
+    for (const auto& table : tables) std::fprintf(stderr, " %s", table.first.data());
+    std::fprintf(stderr, "\n");
+    return 2;
+  }
   char interleave[] = "--benchmark_enable_random_interleaving=true", repeat[] = "--benchmark_repetitions=9",
        brief[] = "--benchmark_report_aggregates_only=false", time[] = "--benchmark_min_time=0.05";
   arguments.insert(arguments.begin() + 1,
@@ -101,15 +146,10 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   where_and_when();
-  bench::choice();
-  bench::hybrid();
-  bench::drag();
-  bench::digits();
-  bench::warnings();
-  Reporter reporter;
-  reporter.SetOutputStream(&std::cerr);
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-
-  ratios(reporter.least, reporter.units);
+  for (const auto& [name, print] : tables) {
+    if (!only.empty() && name != only) continue;
+    const bench::Progress whole("Table " + std::string(name));
+    print();
+  }
   return 0;
 }

@@ -171,6 +171,12 @@ const bool registered = [] {
     bench::compare("… energy diagnostic at every step", "energy/" + problem, "step/" + problem, 0);
     bench::compare("… Boost.Odeint velocity_verlet, by hand", "odeint/" + problem, "hand/" + problem, 0);
   }
+  add("run/one step", [](benchmark::State& state) {
+    least::Request request = bare("kepler");
+    request.steps = 1;
+    ours(state, request);
+  });
+  bench::compare("all of a run of one step of leapfrog kepler; a step", "run/one step", "step/kepler", 1000 / 16.0);
   for (const auto& scheme : least::schemes()) {
     const std::string id(scheme.id);
     if (!runs::fits("kepler", id)) continue;

@@ -2,9 +2,34 @@
 // same run, and against a goal.
 #pragma once
 
+#include <chrono>
 #include <string>
+#include <string_view>
 
 namespace bench {
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Tells on the standard error that a row of a table is being measured, and at its end how long that took.
+class Progress {
+ public:
+  explicit Progress(std::string title);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+ private:
+  std::string title_;
+  Stopwatch watch_;
+};
+/// Whether --row asks for a row of this title.
+bool is_wanted(std::string_view title);
 
 /// A chapter of the results, which go to the standard output as Markdown.
 void heading(const char* title);
@@ -21,10 +46,16 @@ void hybrid();
 /// Prints what long runs of a weakly damped orbit lose, at equal work.
 void drag();
 
+/// Prints what ten thousand revolutions do to the energy, by a scheme that keeps structure and by one that keeps none.
+void drift();
+
 /// Prints what each accuracy costs on some scenes, by our fastest scheme and by those of other libraries.
 void digits();
 
 /// Prints how often runs are wrong without a word, and right with one.
 void warnings();
+
+/// Prints how long `auto` takes to choose on every scene as it begins.
+void advice();
 
 }  // namespace bench

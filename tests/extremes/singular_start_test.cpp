@@ -115,6 +115,21 @@ TEST(AfterZero, IsReachedWithinTheLastShorterStepToo) {
   EXPECT_EQ(result.outcome.t, 3.14);
 }
 
+// One step of the whole span, outside where samples lie and inside at its end: it was taken, taken back and taken again
+// for ever, past every budget.
+TEST(AfterZero, IsFoundOnTheWayOfAStepThatEndsInside) {
+  for (const std::string_view composition : {"kahan_li_6", "kahan_li_8", "sofroniou_spaletta_10"}) {
+    Request request = set(choose(star("contact_splitting", 3), {{"composition", composition}}), {{"step", 10}});
+    std::vector<double> times;
+    for (int k = 1; k <= 64; ++k) times.push_back(6.9 * k / 64);
+    runs::at_times(request, times);
+    request.limits.seconds = 2;
+    const auto result = go(request);
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain) << composition;
+    EXPECT_GT(result.outcome.stop.singular_at.value_or(0), result.rows.back()[0]) << composition;
+  }
+}
+
 TEST(SingularStart, OfEverySchemeFollowsTheRegularSolution) {
   for_each_scheme([](const SchemeCard& scheme) {
     for_each_composition(star(scheme.id, 5), [&](const Request& plain) {

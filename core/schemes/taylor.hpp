@@ -73,17 +73,23 @@ constexpr auto& component(X& x, std::size_t i) {
   }
 }
 
-/// The equations of motion of a problem, on states like X, as lists for a series.
+/// The equations of motion of a problem, on states like X, written on a tape: the rates of its components.
 template <class X, VectorField P>
-tape::Program record(const P& problem) {
+std::array<tape::Index, components<X>> write_equations(const P& problem, tape::Tape& tape) {
   using Number = std::conditional_t<Sloped<X>, Dual<Symbol, 1>, Symbol>;
-  tape::Tape tape;
   typename X::template in<Number, Symbol> x;
   for (std::size_t i = 0; i < components<X>; ++i) component(x, i) = Symbol::variable(tape, i);
   x.t = Symbol::time(tape);
   auto rate = derivative(problem, x);
   std::array<tape::Index, components<X>> rates;
   for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = component(rate, i).on(tape);
+  return rates;
+}
+/// As lists for a series.
+template <class X, VectorField P>
+tape::Program record(const P& problem) {
+  tape::Tape tape;
+  const auto rates = write_equations<X>(problem, tape);
   return {tape, rates, StateOf<P>::size};
 }
 

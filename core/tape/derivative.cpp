@@ -145,7 +145,7 @@ Symbol Substitution::operator()(const Symbol& y) {
     Symbol& made = made_[nth(i)];
     switch (node.op) {
       case Op::constant:
-        made = node.value;
+        made = Symbol(DoubleDouble(node.value, node.low));
         break;
       case Op::time:
         made = Symbol::time(to_);

@@ -26,9 +26,10 @@ struct Recorder {
   /// The node of x, or of a constant one that says nothing.
   static Node node(const Symbol& x) { return x.tape_ ? (*x.tape_)[x.node_] : Node{}; }
   static Node node(const Symbol& of, Index i) { return (*of.tape_)[i]; }
-  static Symbol at(const Symbol& of, Index i) {
-    const Node& n = (*of.tape_)[i];
-    return n.op == Op::constant ? Symbol(n.value) : Symbol(*of.tape_, i);
+  static Symbol at(const Symbol& of, Index i) { return Symbol::at(*of.tape_, i); }
+  /// A constant to all its digits; as doubles have it where those of more digits over- or underflow.
+  static Symbol constant(double plain, const DoubleDouble& exact) {
+    return Symbol(std::isfinite(exact.high() + exact.low()) ? exact : DoubleDouble(plain));
   }
   static bool same(const Symbol& a, const Symbol& b) { return a.tape_ && a.tape_ == b.tape_ && a.node_ == b.node_; }
 
@@ -63,31 +64,34 @@ struct Recorder {
 };
 
 Symbol operator+(const Symbol& a, const Symbol& b) {
-  if (a.is_constant() && b.is_constant()) return a.constant_ + b.constant_;
-  if (a.is_constant() && a.constant_ == 0) return b;
-  if (b.is_constant() && b.constant_ == 0) return a;
+  if (a.is_constant() && b.is_constant())
+    return Recorder::constant(a.constant() + b.constant(), a.constant_ + b.constant_);
+  if (a.is_constant() && a.constant() == 0) return b;
+  if (b.is_constant() && b.constant() == 0) return a;
   if (const Symbol sine = Recorder::by_addition(a, b, Op::sin); !sine.is_constant()) return sine;
   return Recorder::binary(Op::add, a, b);
 }
 
 Symbol operator-(const Symbol& a, const Symbol& b) {
-  if (a.is_constant() && b.is_constant()) return a.constant_ - b.constant_;
-  if (a.is_constant() && a.constant_ == 0) return -b;
-  if (b.is_constant() && b.constant_ == 0) return a;
+  if (a.is_constant() && b.is_constant())
+    return Recorder::constant(a.constant() - b.constant(), a.constant_ - b.constant_);
+  if (a.is_constant() && a.constant() == 0) return -b;
+  if (b.is_constant() && b.constant() == 0) return a;
   if (Recorder::same(a, b)) return 0;
   if (const Symbol cosine = Recorder::by_addition(a, b, Op::cos); !cosine.is_constant()) return cosine;
   return Recorder::binary(Op::subtract, a, b);
 }
 
 Symbol operator*(const Symbol& a, const Symbol& b) {
-  if (a.is_constant() && b.is_constant()) return a.constant_ * b.constant_;
+  if (a.is_constant() && b.is_constant())
+    return Recorder::constant(a.constant() * b.constant(), a.constant_ * b.constant_);
   if (b.is_constant()) return b * a;
   const Node right = Recorder::node(b);
   if (a.is_constant()) {
-    if (a.constant_ == 0) return 0;
-    if (a.constant_ == 1) return b;
+    if (a.constant() == 0) return 0;
+    if (a.constant_ == DoubleDouble(1)) return b;
     if (right.op == Op::multiply && Recorder::node(b, right.a).op == Op::constant)  // of constants one
-      return Symbol(a.constant_ * Recorder::node(b, right.a).value) * Recorder::at(b, right.b);
+      return a * Recorder::at(b, right.a) * Recorder::at(b, right.b);
     return Recorder::binary(Op::multiply, a, b);
   }
   const Node left = Recorder::node(a);
@@ -104,19 +108,23 @@ Symbol operator*(const Symbol& a, const Symbol& b) {
 }
 
 Symbol operator/(const Symbol& a, const Symbol& b) {
-  if (a.is_constant() && b.is_constant()) return a.constant_ / b.constant_;
-  if (b.is_constant()) return a * Symbol(1 / b.constant_);
-  if (a.is_constant() && a.constant_ == 0) return 0;
+  if (a.is_constant() && b.is_constant())
+    return Recorder::constant(a.constant() / b.constant(), a.constant_ / b.constant_);
+  if (b.is_constant()) return a * (Symbol(1) / b);
+  if (a.is_constant() && a.constant() == 0) return 0;
   Symbol base;
   double p = 0;
   if (Recorder::is_power(b, base, p) && (a.is_constant() || p != 0.5)) return a * pow(base, -p);
   return Recorder::binary(Op::divide, a, b);
 }
 
-Symbol sqrt(const Symbol& x) { return x.is_constant() ? Symbol(std::sqrt(x.constant_)) : Recorder::unary(Op::sqrt, x); }
+Symbol sqrt(const Symbol& x) {
+  return x.is_constant() ? Recorder::constant(std::sqrt(x.constant()), elementary(Op::sqrt, x.constant_))
+                         : Recorder::unary(Op::sqrt, x);
+}
 
 Symbol pow(const Symbol& x, double exponent) {
-  if (x.is_constant()) return std::pow(x.constant_, exponent);
+  if (x.is_constant()) return Recorder::constant(std::pow(x.constant(), exponent), power(x.constant_, exponent));
   if (exponent == 0.5) return sqrt(x);
   if (!(exponent >= 0 && exponent <= Symbol::most_factors && exponent == std::floor(exponent)))
     return Recorder::unary(Op::power, x, exponent);
@@ -128,15 +136,18 @@ Symbol pow(const Symbol& x, double exponent) {
   return result;
 }
 Symbol pow(const Symbol& x, const Symbol& exponent) {
-  return exponent.is_constant() ? pow(x, exponent.constant_) : exp(exponent * log(x));
+  return exponent.is_constant() ? pow(x, exponent.constant()) : exp(exponent * log(x));
 }
 
 Symbol raise(const Symbol& x, const Symbol& exponent) {
-  return exponent.is_constant() ? pow(x, exponent.constant_) : Recorder::binary(Op::raise, x, exponent);
+  return exponent.is_constant() ? pow(x, exponent.constant()) : Recorder::binary(Op::raise, x, exponent);
 }
 
-#define LEAST_RECORDS(f) \
-  Symbol f(const Symbol& x) { return x.is_constant() ? Symbol(std::f(x.constant_)) : Recorder::unary(Op::f, x); }
+#define LEAST_RECORDS(f)                                                                              \
+  Symbol f(const Symbol& x) {                                                                         \
+    return x.is_constant() ? Recorder::constant(std::f(x.constant()), elementary(Op::f, x.constant_)) \
+                           : Recorder::unary(Op::f, x);                                               \
+  }
 LEAST_RECORDS(exp)
 LEAST_RECORDS(log)
 LEAST_RECORDS(sin)

@@ -1,12 +1,13 @@
 // A number that records: arithmetic with symbols writes a tape. Mechanics generic in the number, evaluated in it, leave
 // their equations of motion there. It has no value, so nothing can branch on it: a comparison is recorded, too. What is
 // made of constants alone is a constant and never written; parameters are numbers, so what follows from them is
-// computed here, once.
+// computed here, once, to twice the digits of a double: reference solutions read the same tapes.
 #pragma once
 
 #include <utility>
 
 #include "core/number/math.hpp"
+#include "core/tape/double_double.hpp"
 #include "core/tape/tape.hpp"
 
 namespace least {
@@ -15,6 +16,7 @@ class Symbol {
  public:
   constexpr Symbol() = default;
   constexpr Symbol(double constant) : constant_(constant) {}  // NOLINT: a number like any other
+  explicit constexpr Symbol(const DoubleDouble& constant) : constant_(constant) {}
   static Symbol time(tape::Tape& tape) { return {tape, tape.write({.op = tape::Op::time})}; }
   static Symbol variable(tape::Tape& tape, std::size_t i) {
     return {tape, tape.write({.op = tape::Op::variable, .value = static_cast<double>(i)})};
@@ -22,16 +24,16 @@ class Symbol {
 
   /// What stands there.
   static Symbol at(tape::Tape& tape, tape::Index i) {
-    return tape[i].op == tape::Op::constant ? Symbol(tape[i].value) : Symbol(tape, i);
+    return tape[i].op == tape::Op::constant ? Symbol(DoubleDouble(tape[i].value, tape[i].low)) : Symbol(tape, i);
   }
 
   bool is_constant() const { return !tape_; }
   /// Where it stands, if it is no constant.
   tape::Index place() const { return node_; }
-  double constant() const { return constant_; }
+  double constant() const { return constant_.high(); }
   /// Where it stands on the tape: a constant is written.
   tape::Index on(tape::Tape& tape) const {
-    return tape_ ? node_ : tape.write({.op = tape::Op::constant, .value = constant_});
+    return tape_ ? node_ : tape.write({.op = tape::Op::constant, .value = constant_.high(), .low = constant_.low()});
   }
 
   friend Symbol operator+(const Symbol& a, const Symbol& b);
@@ -80,7 +82,7 @@ class Symbol {
 
   tape::Tape* tape_ = nullptr;  ///< none: a constant
   tape::Index node_ = tape::none;
-  double constant_ = 0;
+  DoubleDouble constant_{};
 };
 
 struct Symbol::Mask {

@@ -7,7 +7,8 @@ namespace {
 
 bool same(const Node& x, const Node& y) {
   return x.op == y.op && x.a == y.a && x.b == y.b && x.c == y.c &&
-         std::bit_cast<std::uint64_t>(x.value) == std::bit_cast<std::uint64_t>(y.value);
+         std::bit_cast<std::uint64_t>(x.value) == std::bit_cast<std::uint64_t>(y.value) &&
+         std::bit_cast<std::uint64_t>(x.low) == std::bit_cast<std::uint64_t>(y.low);
 }
 
 std::size_t hash(const Node& x) {

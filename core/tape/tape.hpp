@@ -46,6 +46,7 @@ struct Node {
   bool linear = false;  ///< of the first degree in time and a function of nothing else; derived
   Index a = none, b = none, c = none;
   double value = 0;
+  double low = 0;  ///< of a constant what `value` is short of it
 };
 
 class Tape {

@@ -1,0 +1,349 @@
+#include "core/reference/true_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace least {
+namespace {
+
+using tape::Index;
+using tape::Node;
+using tape::Op;
+
+std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
+
+/// The function that sin and the like are the derivative of, but for a sign.
+Op partner_of(Op op) {
+  switch (op) {
+    case Op::sin:
+      return Op::cos;
+    case Op::cos:
+      return Op::sin;
+    case Op::sinh:
+      return Op::cosh;
+    case Op::cosh:
+      return Op::sinh;
+    default:
+      return Op::constant;
+  }
+}
+
+/// Σ a_j b_{k−j}, first ≤ j ≤ last: what rounding leaves is summed apart (Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26,
+/// 1955 (2005)).
+DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first,
+                      std::size_t last) {
+  double sum = 0, rest = 0;
+  for (std::size_t j = first; j <= last; ++j) {
+    const DoubleDouble &x = a[j], &y = b[k - j];
+    const DoubleDouble product = DoubleDouble::exact_product(x.high(), y.high());
+    const DoubleDouble next = DoubleDouble::exact_sum(sum, product.high());
+    sum = next.high();
+    rest += next.low() + (product.low() + (x.high() * y.low() + x.low() * y.high()));
+  }
+  return DoubleDouble::exact_sum(sum, rest);
+}
+/// The same of a series with itself.
+DoubleDouble square(const DoubleDouble* a, std::size_t k, std::size_t first) {
+  DoubleDouble sum = 2.0 * convolve(a, a, k, first, (k - 1) / 2);
+  if (k % 2 == 0) sum += a[k / 2] * a[k / 2];
+  return sum;
+}
+
+DoubleDouble inverse_of(std::size_t k) { return DoubleDouble(1) / DoubleDouble(static_cast<double>(k)); }
+
+}  // namespace
+
+bool TrueMotion::covers(const tape::Tape& tape) {
+  for (Index i = 0; i < tape.size(); ++i)
+    if (tape[i].op == Op::select || tape[i].op == Op::raise) return false;
+  return true;
+}
+
+TrueMotion::TrueMotion(tape::Tape equations, std::span<const Index> rates, double tolerance)
+    : tape_(std::move(equations)),
+      rates_(rates.begin(), rates.end()),
+      tolerance_(tolerance),
+      order_(static_cast<std::size_t>(std::ceil(-0.5 * std::log(tolerance))) + 1) {  // Jorba & Zou, 3.2
+  for (std::size_t i = 0; i < rates.size(); ++i)
+    variables_.push_back(tape_.write({.op = Op::variable, .value = static_cast<double>(i)}));
+  for (Index i = 0; i < tape_.size(); ++i)
+    if (const Op other = partner_of(tape_[i].op); other != Op::constant) {
+      const Index a = tape_[i].a;
+      tape_.write({.op = other, .a = a});
+    }
+  rows_of_.assign(nth(tape_.size()), {});
+  Index rows = tape_.size();
+  const auto weigh = [&](Index node) {
+    if (rows_of_[nth(node)].weighted == tape::none) rows_of_[nth(node)].weighted = rows++;
+  };
+  for (Index i = 0; i < tape_.size(); ++i) {
+    const Node& node = tape_[i];
+    Rows& own = rows_of_[nth(i)];
+    switch (node.op) {
+      case Op::power:
+        weigh(i);
+        weigh(node.a);
+        break;
+      case Op::log:
+        weigh(i);
+        break;
+      case Op::atan:
+        weigh(i);
+        own.helper = rows++;
+        break;
+      case Op::asin:
+      case Op::acos:
+        weigh(i);
+        own.helper = rows;
+        rows += 2;
+        break;
+      case Op::exp:
+        weigh(node.a);
+        break;
+      case Op::tan:
+      case Op::tanh:
+        weigh(node.a);
+        own.helper = rows++;
+        break;
+      case Op::sin:
+      case Op::cos:
+      case Op::sinh:
+      case Op::cosh:
+        weigh(node.a);
+        own.helper = tape_.write({.op = partner_of(node.op), .a = node.a});
+        break;
+      default:
+        break;
+    }
+    if (node.op == Op::divide && tape_[node.b].linear) poles_.push_back(node.b);
+    if (node.op == Op::power && tape_[node.a].linear) poles_.push_back(node.a);
+    if (node.op == Op::sqrt && tape_[node.a].linear) poles_.push_back(node.a);
+  }
+  for (std::size_t k = 0; k <= order_; ++k) inverses_.push_back(k > 0 ? inverse_of(k) : DoubleDouble(0));
+  rows_.assign(nth(rows) * (order_ + 1), DoubleDouble());
+  for (Index i = 0; i < tape_.size(); ++i)
+    if (tape_[i].op == Op::constant) *row(i) = {tape_[i].value, tape_[i].low};
+}
+
+void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
+  x_ = std::move(x);
+  t_ = t;
+  length_ = 0;
+  double size = 0;
+  for (const auto& component : x_) size = std::max(size, std::abs(component.high()));
+  least_size_ = size > 0 && size < 1 ? size : 1;
+}
+
+/// Order 0.
+void TrueMotion::begin(Index i) {
+  const Node& node = tape_[i];
+  DoubleDouble* const out = row(i);
+  const DoubleDouble* const a = node.a == tape::none ? nullptr : row(node.a);
+  const DoubleDouble* const b = node.b == tape::none ? nullptr : row(node.b);
+  const Index helper = rows_of_[nth(i)].helper;
+  switch (node.op) {
+    case Op::constant:
+    case Op::variable:
+      return;
+    case Op::time:
+      out[0] = t_;
+      out[1] = unit_;
+      return;
+    case Op::add:
+      out[0] = a[0] + b[0];
+      return;
+    case Op::subtract:
+      out[0] = a[0] - b[0];
+      return;
+    case Op::multiply:
+      out[0] = a[0] * b[0];
+      return;
+    case Op::divide:
+      out[0] = a[0] / b[0];
+      return;
+    case Op::power:
+      out[0] = power(a[0], node.value);
+      return;
+    default:
+      out[0] = elementary(node.op, a[0]);
+  }
+  if (node.op == Op::tan) row(helper)[0] = DoubleDouble(1) + out[0] * out[0];
+  if (node.op == Op::tanh) row(helper)[0] = DoubleDouble(1) - out[0] * out[0];
+  if (node.op == Op::atan) row(helper)[0] = DoubleDouble(1) + a[0] * a[0];
+  if (node.op == Op::asin || node.op == Op::acos) {
+    row(helper + 1)[0] = DoubleDouble(1) - a[0] * a[0];
+    row(helper)[0] = elementary(Op::sqrt, row(helper + 1)[0]);
+  }
+}
+
+/// Order k > 0, of what the node is made of known up to k.
+void TrueMotion::extend(Index i, std::size_t k) {
+  const Node& node = tape_[i];
+  const Rows& own = rows_of_[nth(i)];
+  DoubleDouble* const out = row(i);
+  const DoubleDouble* const a = node.a == tape::none ? nullptr : row(node.a);
+  const DoubleDouble* const b = node.b == tape::none ? nullptr : row(node.b);
+  const auto constant = [&](Index operand) { return tape_[operand].op == Op::constant; };
+  const auto slope_of = [&](Index operand) -> const DoubleDouble* { return row(rows_of_[nth(operand)].weighted); };
+  const DoubleDouble inverse = inverses_[k];
+  // Σ w_j ȯut_{k−j} over 0 < j < k, where ȯut = ȧ/w.
+  const auto log_like = [&](const DoubleDouble* w, const DoubleDouble& change) {
+    out[k] = (change - inverse * convolve(w, row(own.weighted), k, 1, k - 1)) / w[0];
+  };
+  switch (node.op) {
+    case Op::add:
+      out[k] = a[k] + b[k];
+      break;
+    case Op::subtract:
+      out[k] = a[k] - b[k];
+      break;
+    case Op::multiply:
+      out[k] = constant(node.a)   ? a[0] * b[k]
+               : constant(node.b) ? a[k] * b[0]
+               : a == b           ? square(a, k, 0)
+                                  : convolve(a, b, k, 0, k);
+      break;
+    case Op::divide:
+      out[k] = (a[k] - convolve(b, out, k, 1, k)) / b[0];
+      break;
+    case Op::power:
+      out[k] = (node.value * convolve(slope_of(node.a), out, k, 1, k) - convolve(a, row(own.weighted), k, 1, k - 1)) *
+               inverse / a[0];
+      break;
+    case Op::sqrt:
+      out[k] = (a[k] - (k > 1 ? square(out, k, 1) : DoubleDouble())) / (2.0 * out[0]);
+      break;
+    case Op::exp:
+      out[k] = inverse * convolve(slope_of(node.a), out, k, 1, k);
+      break;
+    case Op::sin:
+    case Op::sinh:
+    case Op::cosh:
+      out[k] = inverse * convolve(slope_of(node.a), row(own.helper), k, 1, k);
+      break;
+    case Op::cos:
+      out[k] = -(inverse * convolve(slope_of(node.a), row(own.helper), k, 1, k));
+      break;
+    case Op::tan:
+    case Op::tanh: {
+      DoubleDouble* const w = row(own.helper);
+      out[k] = inverse * convolve(slope_of(node.a), w, k, 1, k);
+      w[k] = node.op == Op::tan ? square(out, k, 0) : -square(out, k, 0);
+      break;
+    }
+    case Op::log:
+      log_like(a, a[k]);
+      break;
+    case Op::atan:
+      row(own.helper)[k] = square(a, k, 0);
+      log_like(row(own.helper), a[k]);
+      break;
+    case Op::asin:
+    case Op::acos: {
+      DoubleDouble *const w = row(own.helper), *const u = row(own.helper + 1);
+      u[k] = -square(a, k, 0);
+      w[k] = (u[k] - (k > 1 ? square(w, k, 1) : DoubleDouble())) / (2.0 * w[0]);
+      log_like(w, node.op == Op::asin ? a[k] : -a[k]);
+      break;
+    }
+    default:
+      return;
+  }
+  if (own.weighted != tape::none) row(own.weighted)[k] = static_cast<double>(k) * out[k];
+}
+
+void TrueMotion::expand() {
+  for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x_[v];
+  for (Index i = 0; i < tape_.size(); ++i) begin(i);
+  for (std::size_t k = 0; k < order_; ++k) {
+    if (k > 0)
+      for (Index i = 0; i < tape_.size(); ++i) extend(i, k);
+    for (std::size_t v = 0; v < variables_.size(); ++v)
+      row(variables_[v])[k + 1] = unit_ * row(rates_[v])[k] * inverses_[k + 1];
+    for (Index i = 0; i < tape_.size(); ++i)  // of what no rule makes
+      if (const Index slope = rows_of_[nth(i)].weighted;
+          slope != tape::none && (tape_[i].op == Op::variable || tape_[i].op == Op::time))
+        row(slope)[k + 1] = static_cast<double>(k + 1) * row(i)[k + 1];
+  }
+}
+
+double TrueMotion::largest(std::size_t k) const {
+  double most = 0;
+  for (const Index variable : variables_) {
+    const double size = std::abs(row(variable)[k].high());
+    if (!(size <= most)) most = size;  // NaN comes in and stays
+    if (std::isnan(size)) return size;
+  }
+  return most;
+}
+
+/// How long a step may be, in units; 0: the series means nothing. As of the scheme `taylor`, core/schemes/taylor.cpp.
+double TrueMotion::length() const {
+  constexpr double longest = 0x1p30, kept = 1.0 / 16, slack = 10;
+  constexpr std::size_t looked_at = 8;
+  std::size_t used = 0;
+  while (used < order_ && std::isfinite(largest(used + 1))) ++used;
+  if (used == 0 || !std::isfinite(largest(0))) return 0;
+  const double scale = std::max(least_size_, largest(0)), allowed = std::log(kept * scale) + std::log(tolerance_);
+  double log_h = std::log(longest);
+  for (std::size_t k = used; k > 0 && k + 2 > used; --k)
+    if (const double size = largest(k); size > 0)
+      log_h = std::min(log_h, (allowed - std::log(size)) / static_cast<double>(k));
+  const double root = std::exp(std::log(tolerance_) / static_cast<double>(used));
+  double h = std::exp(log_h);
+  // Where the last two happen to vanish, those before them speak: cₖ ≤ rᵏ is to hold.
+  const double log_r = std::log(root / h);
+  for (std::size_t k = used; k > 0 && k + looked_at > used; --k)
+    if (const double size = largest(k);
+        size > 0 && std::log(size) > std::log(slack * kept * scale) + static_cast<double>(k) * log_r)
+      h = std::min(h, root * std::pow(kept * scale / size, 1.0 / static_cast<double>(k)));
+  for (const Index pole : poles_) {  // never over it, whatever the coefficients say
+    const double ahead = -row(pole)[0].high() / row(pole)[1].high();
+    if (ahead > 0) h = std::min(h, 0.5 * ahead);
+  }
+  return h;
+}
+
+/// The series at the state, in a unit that suits it. False where there is none.
+bool TrueMotion::settle() {
+  constexpr int most_tries = 60;
+  for (int i = 0; i < most_tries; ++i) {
+    expand();
+    length_ = length();
+    if (!(length_ > 0)) {  // the first rates are numbers and too large for the unit, or none are
+      if (!std::isfinite(largest(1)) || unit_ < 1e-250) return false;
+      unit_ *= 0x1p-10;
+      continue;
+    }
+    const int off = std::ilogb(length_);
+    if (std::abs(off) <= 3 || (off > 0 && unit_ > 0x1p200)) return true;
+    unit_ = std::ldexp(unit_, off);
+  }
+  return length_ > 0;
+}
+
+DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& h) const {
+  const DoubleDouble* const c = row(variable);
+  DoubleDouble sum = c[order_];
+  for (std::size_t k = order_; k-- > 0;) sum = sum * h + c[k];
+  return sum;
+}
+
+std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool()>& keep_going) {
+  constexpr double shortest = 1e-25;  // of steps, relative to the time
+  if (length_ == 0 && !settle()) return {};
+  while ((DoubleDouble(t) - t_).high() > length_ * unit_) {
+    if (!keep_going()) return {};
+    for (std::size_t v = 0; v < variables_.size(); ++v) x_[v] = within(variables_[v], length_);
+    t_ = t_ + DoubleDouble(length_ * unit_);
+    if (!settle() || !(length_ * unit_ > shortest * std::abs(t_.high()))) return {};
+  }
+  const DoubleDouble h = (DoubleDouble(t) - t_) / DoubleDouble(unit_);
+  asked_.clear();
+  for (const Index variable : variables_) asked_.push_back(within(variable, h));
+  return asked_;
+}
+
+}  // namespace least

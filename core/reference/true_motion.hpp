@@ -1,0 +1,55 @@
+// The motion of equations on a tape to some thirty digits: its Taylor series with coefficients of 106 bits, operation
+// by operation. A series counts time in units of about its own step, so that no coefficient over- or underflows. Any
+// time within a step is told by the polynomial. Sources: as core/tape/series.hpp.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/tape/double_double.hpp"
+
+namespace least {
+
+class TrueMotion {
+ public:
+  /// Of the tape the rates ẋ of the variables, in their order. `tolerance`: of the last terms of a step, relative to
+  /// the largest component, now or at the start, or to 1 where the start is larger.
+  TrueMotion(tape::Tape tape, std::span<const tape::Index> rates, double tolerance);
+
+  /// Whether series are made of all that stands on the tape: a formula that changes on the way has none.
+  static bool covers(const tape::Tape& tape);
+
+  void start(std::vector<DoubleDouble> x, double t);
+  /// The state at t, which is no earlier than any time asked for before. Empty where keep_going() says so, which is
+  /// asked at each step, or where the motion does not go on.
+  std::span<const DoubleDouble> at(double t, const std::function<bool()>& keep_going);
+
+ private:
+  /// Rows of coefficients beside the node's own; none where it needs none.
+  struct Rows {
+    tape::Index weighted = tape::none;  ///< k times the coefficient k
+    tape::Index helper = tape::none;  ///< of sin the row of cos, of tan that of 1 + tan², of atan that of 1 + a² …
+  };
+  DoubleDouble* row(tape::Index i) { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
+  const DoubleDouble* row(tape::Index i) const { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
+  void begin(tape::Index node);
+  void extend(tape::Index node, std::size_t k);
+  void expand();
+  double largest(std::size_t k) const;
+  double length() const;
+  bool settle();
+  DoubleDouble within(tape::Index variable, const DoubleDouble& h) const;
+
+  tape::Tape tape_;
+  std::vector<tape::Index> rates_, variables_;
+  std::vector<tape::Index> poles_;  ///< divisors linear in time
+  std::vector<Rows> rows_of_;       ///< by node
+  double tolerance_, least_size_ = 1;
+  std::size_t order_;
+  std::vector<DoubleDouble> inverses_, rows_, x_, asked_;
+  DoubleDouble t_{};              ///< where the series stands
+  double unit_ = 1, length_ = 0;  ///< of time; of the step from there, in units; 0: there is no series yet
+};
+
+}  // namespace least

@@ -1,0 +1,129 @@
+// The series behind reference solutions against extrapolation in quad, which knows nothing of tapes.
+#include <gtest/gtest.h>
+
+#include "core/reference/reference.hpp"
+
+namespace least {
+namespace {
+
+/// Every rule of a tape, of arguments that move.
+struct EveryRule {
+  static constexpr int dim = 15;
+  template <class T, class S>
+  Vec<dim, T> field(const Vec<dim, T>& y, const S& t) const {
+    using least::acos, least::asin, least::atan, least::cos, least::cosh, least::exp, least::log, least::pow,
+        least::sin, least::sinh, least::sqrt, least::tan, least::tanh;
+    const T u = 1.0 + y[0] * y[0];
+    return {cos(y[1] + t),
+            sin(y[0] - 2.0 * t) / 3.0,
+            exp(-y[2]) * y[0],
+            log(u + 1.0),
+            tan(0.4 * y[0]),
+            sinh(0.5 * y[1]) + y[5] / 7.0,
+            cosh(0.3 * y[0]),
+            tanh(y[1]) - y[7],
+            atan(2.0 * y[0]),
+            asin(0.3 * y[1]),
+            acos(0.3 * y[0]),
+            sqrt(u) - 1.0,
+            pow(u, -1.3),
+            y[3] / (u + y[1] * y[1]) + 1.0 / (1.0 + t),
+            pow(1.0 + t, -0.5) * y[1] + y[0] * y[1]};
+  }
+};
+
+TEST(TrueMotion, IsThatOfExtrapolationToTwentyFiveDigits) {
+  const EveryRule problem;
+  Point<15> start;
+  for (std::size_t i = 0; i < 15; ++i) start[i] = 0.1 + 0.05 * static_cast<double>(i);
+  tape::Tape tape;
+  const auto rates = taylor::write_equations<Point<15>>(problem, tape);
+  ASSERT_TRUE(TrueMotion::covers(tape));
+  TrueMotion motion(std::move(tape), rates, fine_tolerance);
+  motion.start(digits_of(start), start.t);
+  Extrapolation<EveryRule> other(problem, convert<Quad, Quad>(start), fine_tolerance);
+  int steps = 0;
+  for (const double t : {0.0, 1e-9, 0.3, 0.31, 1.0, 2.5}) {
+    ASSERT_TRUE(other.advance(Quad(t), [] { return true; }));
+    const auto x = motion.at(t, [&] { return ++steps < 100; });
+    ASSERT_EQ(x.size(), 15U) << t;
+    for (std::size_t i = 0; i < 15; ++i)
+      EXPECT_LT(std::abs(static_cast<double>(Quad(x[i].high()) + Quad(x[i].low()) - other.state()[i])), 1e-25)
+          << "rate " << i << ", t = " << t;
+  }
+  EXPECT_GT(steps, 3);
+}
+
+/// ẋ = x²: x₀/(1 − x₀t).
+struct BlowUp {
+  static constexpr int dim = 1;
+  template <class T, class S>
+  Vec<1, T> field(const Vec<1, T>& y, const S&) const {
+    return {y[0] * y[0]};
+  }
+};
+const auto always = [] { return true; };
+
+// The unit of time follows the motion, so that neither 1e±300 in a coefficient nor a singularity ends it early.
+TEST(TrueMotion, GoesOnAtEveryScaleAndEndsAtASingularity) {
+  for (const double start : {1e-60, 1e-3, 1.0, 1e40}) {
+    const Point<1> x0{0, {start}};
+    const double end = 1 / start;
+    const auto run = quad_precision_run(BlowUp{}, x0, {0.5 * end, 0.999 * end}, always);
+    ASSERT_TRUE(run.complete) << start;
+    EXPECT_NEAR(run.states[0][0] / start, 2, 1e-15);
+    EXPECT_NEAR(run.states[1][0] / start, 1000, 1e-10) << start;
+    EXPECT_FALSE(quad_precision_run(BlowUp{}, x0, {2 * end}, always).complete) << start;
+  }
+}
+
+TEST(TrueMotion, GivesUpWhenTold) {
+  int left = 3;
+  EXPECT_FALSE(quad_precision_run(BlowUp{}, Point<1>{0, {1.0}}, {0.9999}, [&] { return --left > 0; }).complete);
+  EXPECT_EQ(left, 0);
+}
+
+/// A kink: no series of it, so that extrapolation takes its place.
+struct Kink {
+  static constexpr int dim = 1;
+  template <class T, class S>
+  Vec<1, T> field(const Vec<1, T>& y, const S&) const {
+    using least::abs;
+    return {-abs(y[0])};
+  }
+};
+TEST(TrueMotion, IsNotThatOfAFormulaThatChanges) {
+  tape::Tape tape;
+  (void)taylor::write_equations<Point<1>>(Kink{}, tape);
+  EXPECT_FALSE(TrueMotion::covers(tape));
+  const auto run = quad_precision_run(Kink{}, Point<1>{0, {1.0}}, {1.0}, always);
+  ASSERT_TRUE(run.complete);
+  EXPECT_NEAR(run.states[0][0], std::exp(-1.0), 1e-16);
+}
+
+// Twice the digits of a double, of what a tape is made of.
+TEST(DoubleDouble, RoundsAtItsHundredAndSixthBit) {
+  const auto wide = [](const DoubleDouble& x) { return Quad(x.high()) + Quad(x.low()); };
+  std::uint64_t bits = 1;
+  const auto any = [&] {
+    bits = bits * 6364136223846793005U + 1442695040888963407U;
+    const double high = static_cast<double>(static_cast<std::int64_t>(bits)) * 0x1p-61;
+    bits = bits * 6364136223846793005U + 1442695040888963407U;
+    return DoubleDouble::ordered_sum(high,
+                                     high * 0x1p-53 * static_cast<double>(static_cast<std::int64_t>(bits)) * 0x1p-63);
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const DoubleDouble a = any(), b = any();
+    const Quad x = wide(a), y = wide(b);
+    const auto off = [](const DoubleDouble& made, const Quad& truth, const Quad& scale) {
+      return std::abs(static_cast<double>((Quad(made.high()) + Quad(made.low()) - truth) / scale));
+    };
+    EXPECT_LT(off(a + b, x + y, x + y), 0x1p-103);
+    EXPECT_LT(off(a * b, x * y, x * y), 0x1p-102);
+    EXPECT_LT(off(a / b, x / y, x / y), 0x1p-101);
+    EXPECT_LE(std::abs((a * b).low()), std::abs((a * b).high()) * 0x1p-53);
+  }
+}
+
+}  // namespace
+}  // namespace least

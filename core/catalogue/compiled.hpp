@@ -44,16 +44,28 @@ void with_scheme(const Request& request, F&& f) {
   with_scheme<P>(request, f, static_cast<SchemeList*>(nullptr));
 }
 
+/// Tangents of the steps of a run, whichever state it carries: they are of the full one.
+template <class P>
+StepTangents<P> tangents_of(const P& problem, const Request& request) {
+  using Full = FullStateOf<P>;
+  const Full start = start_of<Full>(problem, request.scene->initial, request.scene->start);
+  StepTangents<P> tangents{[](const Full&) { return std::nullopt; }, [](const Full&) { return std::nullopt; }};
+  with_scheme<P>(request, [&]<class Scheme>(const Scheme& scheme) {
+    if constexpr (ExtendsTo<Scheme, P>) {
+      tangents.extended = [&problem, scheme, start](const Full& x) {
+        return extended_step_tangent(scheme, problem, start, x);
+      };
+    } else if constexpr (!AdaptsSteps<Scheme>) {
+      tangents.plain = [&problem, scheme, start](const Full& x) { return step_tangent(scheme, problem, start, x); };
+    }
+  });
+  return tangents;
+}
+
 template <class X, class P>
 Solution solve(const P& problem, const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) {
-  using Full = FullStateOf<P>;
   const X start = start_of<X>(problem, request.scene->initial, request.scene->start);
-  StepTangents<P> tangents;
-  with_scheme<P>(request, [&](const auto& scheme) {
-    tangents = {[&problem, scheme, start](const Full& x) { return step_tangent(scheme, problem, start, x); },
-                [&problem, scheme, start](const Full& x) { return extended_step_tangent(scheme, problem, start, x); }};
-  });
-  return Run<P, X>(problem, request, sink, cancelled).solve(start, tangents);
+  return Run<P, X>(problem, request, sink, cancelled).solve(start, tangents_of(problem, request));
 }
 
 template <class P>

@@ -12,17 +12,13 @@
 
 namespace least {
 
-template <class P, class Scheme, class X>
-class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
-  using Base = BoundIntegrator<P, Scheme, X>;
-  using Base::is_finite_state, Base::problem_, Base::scheme_;
-  using State = IntegrationState<X>;
-
+/// What surrounds the steps of a scheme, compiled once for a problem and not once for each of its pairs: a pair costs
+/// less than half of what it did.
+template <class P, class X>
+class EqualSteps : public BoundIntegrator<P, X> {
  public:
-  FixedStepIntegrator(const P& problem, const Scheme& scheme, const X& x, const Grid& grid)
-      : Base(problem, scheme), grid_(grid), stepper_(scheme.bind(problem, x)), left_stepper_(stepper_), left_(x) {}
-
-  BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) override {
+  BlockResult advance(IntegrationState<X>& state, StepTarget target, StepGuard& guard,
+                      DiagnosticSet<P, X>* diagnostics) final {
     std::int64_t count = std::min(target.n, grid_.step_before(target.t)) - state.n;
     if (count <= 0) return {};
     if (on_series(state.n)) return advance_on_series(state, count, diagnostics);
@@ -38,17 +34,13 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return take_steps(state, count, guard, diagnostics);
   }
 
-  BlockResult finish(State& state, double end, StepGuard& guard) override {
+  BlockResult finish(IntegrationState<X>& state, double end, StepGuard& guard) final {
     if (!(state.x.t < end)) return {};
     const State last = state;
     left_ = last.x;
-    left_stepper_ = stepper_;
+    keep_stepper();
     BlockResult result;
-    if (covered_by_series(state.n, end)) {
-      result.status = from_series(state.x, end);
-    } else {
-      result.status = stepper_.step(state.x, grid_.tail);
-    }
+    result.status = covered_by_series(state.n, end) ? from_series(state.x, end) : last_step(state.x, grid_.tail);
     state.x.t = end;
     ++state.n;
     if constexpr (Sloped<X>) normalise(state.x);
@@ -58,7 +50,7 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     if (!result) {
       const Work tried = work();
       state = last;
-      stepper_ = left_stepper_;
+      take_stepper_back();
       count_tried(tried);
     } else if constexpr (HasFrequency<P>) {
       guard.see(problem_.frequency_squared(position(state.x)) * grid_.step * grid_.step);
@@ -66,43 +58,36 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return result;
   }
 
-  void step_back(State& state) override {
+  void step_back(IntegrationState<X>& state) final {
     if (!(left_.t < state.x.t)) return;
     const Work tried = work();
     state = {left_, state.n - 1};
-    stepper_ = left_stepper_;
+    take_stepper_back();
     count_tried(tried);
   }
-  const X& left() const override { return left_; }
-  bool reaches(const State& state, double t) const override { return grid_.step_before(t) <= state.n; }
+  const X& left() const final { return left_; }
+  bool reaches(const IntegrationState<X>& state, double t) const final { return grid_.step_before(t) <= state.n; }
   /// By the step's own map over a shorter step, which is as accurate as the scheme.
-  StepStatus state_at(const State& state, double t, X& x) const override {
+  StepStatus state_at(const IntegrationState<X>& state, double t, X& x) const final {
     const bool ahead = !(t < state.x.t);
     if (ahead ? covered_by_series(state.n, t) : along_series_ && state.n <= series_steps_) return from_series(x, t);
     x = ahead ? state.x : left_;
     const double part = t - x.t;
-    StepStatus status = StepStatus::ok;
-    if (part > 0) {
-      auto stepper = ahead ? stepper_ : left_stepper_;
-      status = stepper.step(x, part);
-    }
+    const StepStatus status = part > 0 ? trial_step(ahead ? Stands::here : Stands::left, x, part) : StepStatus::ok;
     x.t = t;
     return status;
   }
 
-  bool starts_regularly(const X& x) override {
+  bool starts_regularly(const X& x) final {
     if constexpr (HasSeries<P>) {
-      bool by_itself = false;
-      if constexpr (requires { scheme_.starts_at_singularity(problem_); })
-        by_itself = scheme_.starts_at_singularity(problem_);
-      if (by_itself) return x.t == 0 && dot(x.p, x.p) == 0;
+      if (starts_at_singularity()) return x.t == 0 && dot(x.p, x.p) == 0;
       along_series_ = starts_series(problem_, x);
       if (along_series_)
         series_steps_ = std::max<std::int64_t>(whole_steps(grid_.start, P::series_until, grid_.step), 1);
     }
     return along_series_;
   }
-  BlockResult check_start(const X& x, StepGuard& guard) const override {
+  BlockResult check_start(const X& x, StepGuard& guard) const final {
     if constexpr (QuadraticContact<P>)
       if (pole_ratio(x) > 2 && grid_.steps > 0) return BlockResult::failed(StepStatus::singular);
     if constexpr (HasFrequency<P>) {
@@ -111,25 +96,18 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     }
     return {};
   }
-  std::string unsupported_reason() const override {
-    if constexpr (requires { scheme_.unsupported_reason(problem_); }) return scheme_.unsupported_reason(problem_);
-    return {};
-  }
 
-  StepInfo step_info(const State&) const override { return {grid_.step}; }
-  void keep_last_step() override { keeps_last_step_ = true; }
-  double discrete_energy(const State& state) const override {
+  StepInfo step_info(const IntegrationState<X>&) const final { return {grid_.step}; }
+  void keep_last_step() final { keeps_last_step_ = true; }
+  double discrete_energy(const IntegrationState<X>& state) const final {
     if (state.n == 0 || (along_series_ && state.n <= series_steps_)) return unknown;
-    return least::discrete_energy(scheme_, problem_, left_, state.n > grid_.steps ? grid_.tail : grid_.step);
+    return energy_of_step(left_, state.n > grid_.steps ? grid_.tail : grid_.step);
   }
   /// Looked at over the span, not at each step. The first that turns the momentum over, else the first that is stiff.
-  std::optional<StrongDamping> strong_damping([[maybe_unused]] std::int64_t n) const override {
+  std::optional<StrongDamping> strong_damping([[maybe_unused]] std::int64_t n) const final {
     std::optional<StrongDamping> found;
     if constexpr (LinearContact<P>) {
-      constexpr double never = std::numeric_limits<double>::infinity();
-      double flips = never, stiff = never;
-      if constexpr (requires { scheme_.flips_from(); }) flips = scheme_.flips_from();
-      if constexpr (requires { scheme_.stiff_from(problem_); }) stiff = scheme_.stiff_from(problem_);
+      const auto [flips, stiff] = damping_limits();
       if (flips == never && stiff == never) return found;
       constexpr std::int64_t most = 1000;
       n = std::min(n, grid_.steps);
@@ -145,14 +123,43 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     }
     return found;
   }
-  Work work() const override {
-    const Work here = stepper_.work();
+  Work work() const final {
+    const Work here = stepper_work();
     return {before_.forces + here.forces, before_.iterations + here.iterations};
   }
 
- private:
-  using Stepper = StepperOf<Scheme, P, X>;
+ protected:
+  using BoundIntegrator<P, X>::is_finite_state, BoundIntegrator<P, X>::problem_;
+  using State = IntegrationState<X>;
+  static constexpr double never = std::numeric_limits<double>::infinity();
+  struct DampingLimits {
+    double flips = never, stiff = never;
+  };
+  /// Where a stepper stands: at the state, or at left_.
+  enum class Stands : std::uint8_t { here, left };
 
+  EqualSteps(const P& problem, const X& x, const Grid& grid) : BoundIntegrator<P, X>(problem), grid_(grid), left_(x) {}
+
+  /// `count` steps of the grid; what went wrong, at any of them.
+  virtual BlockResult block(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) = 0;
+  /// One of another length: by the stepper itself, or by a copy of it.
+  virtual StepStatus last_step(X& x, double h) = 0;
+  virtual StepStatus trial_step(Stands stands, X& x, double h) const = 0;
+  /// The same by a stepper bound at x.
+  virtual StepStatus bound_step(X& x, double h) const = 0;
+  virtual void bind_stepper(const X& x) = 0;
+  /// For left_; and back.
+  virtual void keep_stepper() = 0;
+  virtual void take_stepper_back() = 0;
+  virtual Work stepper_work() const = 0;
+  // What the scheme says of itself.
+  virtual bool starts_at_singularity() const = 0;
+  virtual double energy_of_step(const X& from, double h) const = 0;
+  virtual DampingLimits damping_limits() const = 0;
+
+  Grid grid_;
+
+ private:
   /// −γ s h, where H has γs²/2: from 2 on a step reaches the pole of ṡ = −γs²/2.
   double pole_ratio(const X& x) const requires QuadraticContact<P> {
     return -problem_.action_curvature() * x.action.s * grid_.step;
@@ -164,8 +171,111 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     take_back(before, state, guard, diagnostics);
     return replay(state, count, guard, diagnostics);
   }
-  /// `count` steps; what went wrong, at any of them.
-  BlockResult block(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
+  /// The same steps one by one, up to the first in which something happened.
+  BlockResult replay(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
+    for (; count > 0; --count) {
+      const Kept before = keep(state, guard, diagnostics);
+      left_ = state.x;
+      const BlockResult result = block(state, 1, guard, diagnostics);
+      if (result && !(diagnostics && diagnostics->crossed)) continue;
+      if (!result) {
+        const StepGuard seen = guard;  // also of the step that went wrong
+        const Work tried = work();
+        take_back(before, state, guard, diagnostics);
+        guard = seen;
+        count_tried(tried);
+      }
+      return result;
+    }
+    return {};
+  }
+
+  /// What a block changes.
+  struct Kept {
+    State state;
+    StepGuard guard;
+    std::optional<DiagnosticSet<P, X>> diagnostics;
+  };
+  Kept keep(const State& state, const StepGuard& guard, const DiagnosticSet<P, X>* diagnostics) {
+    keep_stepper();
+    return {state, guard, diagnostics ? std::optional(*diagnostics) : std::nullopt};
+  }
+  void take_back(const Kept& before, State& state, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
+    take_stepper_back();
+    state = before.state;
+    guard = before.guard;
+    if (diagnostics) *diagnostics = *before.diagnostics;
+  }
+
+  /// A step that was taken back has cost what it cost.
+  void count_tried(const Work& tried) {
+    const Work here = stepper_work();
+    before_ = {tried.forces - here.forces, tried.iterations - here.iterations};
+  }
+
+  // The regular solution from a time at which the equations of motion are singular stands in for the steps as far as
+  // its series reaches; of a first step that reaches further, the rest is the scheme's.
+  static constexpr double series_reach() {
+    if constexpr (HasSeries<P>) return P::series_until;
+    return 0;
+  }
+  bool on_series(std::int64_t n) const { return along_series_ && n < std::min(series_steps_, grid_.steps); }
+  bool covered_by_series(std::int64_t n, double t) const { return along_series_ && (n == 0 || t <= series_reach()); }
+  StepStatus from_series([[maybe_unused]] X& x, [[maybe_unused]] double t) const {
+    if constexpr (HasSeries<P>) {
+      const double until = std::min(t, series_reach());
+      x = series_state<X>(problem_, until);
+      if (t > until)
+        if (const StepStatus status = bound_step(x, t - until); status != StepStatus::ok) return status;
+      x.t = t;
+    }
+    return StepStatus::ok;
+  }
+  BlockResult advance_on_series(State& state, std::int64_t count, DiagnosticSet<P, X>* diagnostics) {
+    for (; count > 0 && on_series(state.n); --count) {
+      X x = state.x;
+      const bool last = state.n + 1 == grid_.steps && grid_.tail == 0;
+      if (const StepStatus status = from_series(x, last ? grid_.end : grid_.time(state.n + 1));
+          status != StepStatus::ok)
+        return BlockResult::failed(status);
+      if (!is_finite_state(x)) return {BlockEnd::not_finite};
+      left_ = state.x;
+      state = {x, state.n + 1};
+      if (diagnostics) diagnostics->see(problem_, x);
+      if (diagnostics && diagnostics->crossed) break;
+    }
+    if (!on_series(state.n)) {
+      before_ = work();
+      bind_stepper(state.x);
+    }
+    return {};
+  }
+
+  X left_;
+  bool along_series_ = false, keeps_last_step_ = false;
+  std::int64_t series_steps_ = 0;
+  Work before_;  ///< of steppers that were put aside
+};
+
+template <class P, class Scheme, class X>
+class FixedStepIntegrator final : public EqualSteps<P, X> {
+  using Base = EqualSteps<P, X>;
+  using Base::is_finite_state, Base::problem_, Base::grid_;
+  using typename Base::State, typename Base::Stands, typename Base::DampingLimits;
+
+ public:
+  FixedStepIntegrator(const P& problem, const Scheme& scheme, const X& x, const Grid& grid)
+      : Base(problem, x, grid), scheme_(scheme), stepper_(scheme.bind(problem, x)), left_stepper_(stepper_) {}
+
+  std::string unsupported_reason() const override {
+    if constexpr (requires { scheme_.unsupported_reason(problem_); }) return scheme_.unsupported_reason(problem_);
+    return {};
+  }
+
+ private:
+  using Stepper = StepperOf<Scheme, P, X>;
+
+  BlockResult block(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) override {
     return diagnostics ? loop<true>(state, count, guard, diagnostics) : loop<false>(state, count, guard, nullptr);
   }
   /// In line with what surrounds it, a step passes through memory: 6.7 instead of 4.8 ns for a harmonic oscillator.
@@ -208,94 +318,32 @@ class FixedStepIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return guard.exceeded() ? BlockResult{BlockEnd::too_fast} : BlockResult{};
   }
 
-  /// The same steps one by one, up to the first in which something happened.
-  BlockResult replay(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
-    for (; count > 0; --count) {
-      const Kept before = keep(state, guard, diagnostics);
-      left_ = state.x;
-      const BlockResult result = block(state, 1, guard, diagnostics);
-      if (result && !(diagnostics && diagnostics->crossed)) continue;
-      if (!result) {
-        const StepGuard seen = guard;  // also of the step that went wrong
-        const Work tried = work();
-        take_back(before, state, guard, diagnostics);
-        guard = seen;
-        count_tried(tried);
-      }
-      return result;
-    }
-    return {};
+  StepStatus last_step(X& x, double h) override { return stepper_.step(x, h); }
+  StepStatus trial_step(Stands stands, X& x, double h) const override {
+    auto stepper = stands == Stands::here ? stepper_ : left_stepper_;
+    return stepper.step(x, h);
+  }
+  StepStatus bound_step(X& x, double h) const override { return scheme_.bind(problem_, x).step(x, h); }
+  void bind_stepper(const X& x) override { stepper_ = scheme_.bind(problem_, x); }
+  void keep_stepper() override { left_stepper_ = stepper_; }
+  void take_stepper_back() override { stepper_ = left_stepper_; }
+  Work stepper_work() const override { return stepper_.work(); }
+  bool starts_at_singularity() const override {
+    if constexpr (requires { scheme_.starts_at_singularity(problem_); }) return scheme_.starts_at_singularity(problem_);
+    return false;
+  }
+  double energy_of_step(const X& from, double h) const override {
+    return least::discrete_energy(scheme_, problem_, from, h);
+  }
+  DampingLimits damping_limits() const override {
+    DampingLimits limits;
+    if constexpr (requires { scheme_.flips_from(); }) limits.flips = scheme_.flips_from();
+    if constexpr (requires { scheme_.stiff_from(problem_); }) limits.stiff = scheme_.stiff_from(problem_);
+    return limits;
   }
 
-  /// What a block changes.
-  struct Kept {
-    State state;
-    StepGuard guard;
-    std::optional<DiagnosticSet<P, X>> diagnostics;
-  };
-  Kept keep(const State& state, const StepGuard& guard, const DiagnosticSet<P, X>* diagnostics) {
-    left_stepper_ = stepper_;
-    return {state, guard, diagnostics ? std::optional(*diagnostics) : std::nullopt};
-  }
-  void take_back(const Kept& before, State& state, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
-    stepper_ = left_stepper_;
-    state = before.state;
-    guard = before.guard;
-    if (diagnostics) *diagnostics = *before.diagnostics;
-  }
-
-  /// A step that was taken back has cost what it cost.
-  void count_tried(const Work& tried) {
-    const Work here = stepper_.work();
-    before_ = {tried.forces - here.forces, tried.iterations - here.iterations};
-  }
-
-  // The regular solution from a time at which the equations of motion are singular stands in for the steps as far as
-  // its series reaches; of a first step that reaches further, the rest is the scheme's.
-  static constexpr double series_reach() {
-    if constexpr (HasSeries<P>) return P::series_until;
-    return 0;
-  }
-  bool on_series(std::int64_t n) const { return along_series_ && n < std::min(series_steps_, grid_.steps); }
-  bool covered_by_series(std::int64_t n, double t) const { return along_series_ && (n == 0 || t <= series_reach()); }
-  StepStatus from_series([[maybe_unused]] X& x, [[maybe_unused]] double t) const {
-    if constexpr (HasSeries<P>) {
-      const double until = std::min(t, series_reach());
-      x = series_state<X>(problem_, until);
-      if (t > until) {
-        auto stepper = scheme_.bind(problem_, x);
-        if (const StepStatus status = stepper.step(x, t - until); status != StepStatus::ok) return status;
-      }
-      x.t = t;
-    }
-    return StepStatus::ok;
-  }
-  BlockResult advance_on_series(State& state, std::int64_t count, DiagnosticSet<P, X>* diagnostics) {
-    for (; count > 0 && on_series(state.n); --count) {
-      X x = state.x;
-      const bool last = state.n + 1 == grid_.steps && grid_.tail == 0;
-      if (const StepStatus status = from_series(x, last ? grid_.end : grid_.time(state.n + 1));
-          status != StepStatus::ok)
-        return BlockResult::failed(status);
-      if (!is_finite_state(x)) return {BlockEnd::not_finite};
-      left_ = state.x;
-      state = {x, state.n + 1};
-      if (diagnostics) diagnostics->see(problem_, x);
-      if (diagnostics && diagnostics->crossed) break;
-    }
-    if (!on_series(state.n)) {
-      before_ = work();
-      stepper_ = scheme_.bind(problem_, state.x);
-    }
-    return {};
-  }
-
-  Grid grid_;
-  Stepper stepper_, left_stepper_;  ///< at the state, and at left_
-  X left_;
-  bool along_series_ = false, keeps_last_step_ = false;
-  std::int64_t series_steps_ = 0;
-  Work before_;  ///< of steppers that were put aside
+  Scheme scheme_;
+  Stepper stepper_, left_stepper_;  ///< at the state, and where the last block, or step, began
 };
 
 }  // namespace least

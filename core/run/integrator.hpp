@@ -138,10 +138,10 @@ double exit_time([[maybe_unused]] const P& problem, [[maybe_unused]] const Integ
 }
 
 /// What both policies share.
-template <class P, class Scheme, class X>
+template <class P, class X>
 class BoundIntegrator : public Integrator<P, X> {
  public:
-  BoundIntegrator(const P& problem, const Scheme& scheme) : problem_(problem), scheme_(scheme) {}
+  explicit BoundIntegrator(const P& problem) : problem_(problem) {}
 
  protected:
   static bool is_finite_state(const X& x) {
@@ -152,7 +152,6 @@ class BoundIntegrator : public Integrator<P, X> {
   bool left_domain(const X& x) const { return outside(problem_, x); }
 
   P problem_;
-  Scheme scheme_;
 };
 
 }  // namespace least

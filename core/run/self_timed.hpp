@@ -12,15 +12,16 @@
 namespace least {
 
 template <class P, class Scheme, class X>
-class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
-  using Base = BoundIntegrator<P, Scheme, X>;
-  using Base::is_finite_state, Base::problem_, Base::scheme_;
+class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
+  using Base = BoundIntegrator<P, X>;
+  using Base::is_finite_state, Base::problem_;
   using State = IntegrationState<X>;
 
  public:
   /// `end`: diagnostics see no state beyond it.
   SelfTimedIntegrator(const P& problem, const Scheme& scheme, const X& x, double end)
-      : Base(problem, scheme),
+      : Base(problem),
+        scheme_(scheme),
         energy_(energy_level(scheme, problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         left_(x),
@@ -271,6 +272,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, Scheme, X> {
     return true;
   }
 
+  Scheme scheme_;
   double energy_;
   Stepper stepper_;
   X left_;

@@ -69,15 +69,17 @@ concept ExtendsTo = LinearContact<P> && requires(const Scheme& scheme, const P& 
   scheme.step_extended(problem, z, 0.0);
 };
 
-/// Of a step that a scheme takes from x in a run from `start`. Empty where the step fails, and where it remembers more
-/// than the state or adapts to it.
-template <class Scheme, class P, class X, class Start>
-std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const Start& start, const X& x) {
-  constexpr bool adapts = requires { requires Scheme::reads_time; }
-  || requires { requires Scheme::remembers; };
-  if constexpr (adapts || ExtendsTo<Scheme, P>) {
-    return std::nullopt;
-  } else if constexpr (SelfTimed<Scheme>) {  // on the run's energy level
+/// What a step does depends on more than the state that it begins at.
+template <class Scheme>
+concept AdaptsSteps = requires {
+  requires Scheme::reads_time;
+}
+|| requires { requires Scheme::remembers; };
+
+/// Of a step that a scheme takes from x in a run from `start`. Empty where the step fails.
+template <class Scheme, class P, class X>
+std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const X& start, const X& x) {
+  if constexpr (SelfTimed<Scheme>) {  // on the run's energy level
     return tangent_of(x, [&](auto& y) {
       using D = typename std::remove_cvref_t<decltype(y)>::Number;
       auto z = convert<D, D>(y);
@@ -92,28 +94,25 @@ std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, c
   }
 }
 /// The same on the extended space from p_t = −H, of steps that are contact maps there and not of the state alone.
-template <class Scheme, class P, class X, class Start>
-std::optional<ExtendedStepOf<P>> extended_step_tangent([[maybe_unused]] const Scheme& scheme,
-                                                       [[maybe_unused]] const P& problem,
-                                                       [[maybe_unused]] const Start& start,
-                                                       [[maybe_unused]] const X& x) {
-  if constexpr (ExtendsTo<Scheme, P>) {
-    Extended<P> z;
-    constexpr std::size_t n = P::dof;
-    for (std::size_t i = 0; i < n; ++i) {
-      z.q[i] = x.q[i];
-      z.p[i] = x.p[i];
-    }
-    z.q[n] = x.t;
-    z.p[n] = -energy(problem, x);
-    z.action = x.action;
-    const auto tangent = tangent_of(z, [&](auto& y) {
-      using D = typename std::remove_cvref_t<decltype(y)>::Number;
-      return scheme.step_extended(problem, y, D(energy_level(scheme, problem, start)));
-    });
-    if (tangent) return ExtendedStepOf<P>{z, *tangent};
+template <class Scheme, class P, class X>
+requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tangent(const Scheme& scheme,
+                                                                                     const P& problem, const X& start,
+                                                                                     const X& x) {
+  Extended<P> z;
+  constexpr std::size_t n = P::dof;
+  for (std::size_t i = 0; i < n; ++i) {
+    z.q[i] = x.q[i];
+    z.p[i] = x.p[i];
   }
-  return std::nullopt;
+  z.q[n] = x.t;
+  z.p[n] = -energy(problem, x);
+  z.action = x.action;
+  const auto tangent = tangent_of(z, [&](auto& y) {
+    using D = typename std::remove_cvref_t<decltype(y)>::Number;
+    return scheme.step_extended(problem, y, D(energy_level(scheme, problem, start)));
+  });
+  if (!tangent) return std::nullopt;
+  return ExtendedStepOf<P>{z, *tangent};
 }
 
 /// Both, of a run.

@@ -7,9 +7,8 @@
 namespace least {
 namespace {
 
-std::string class_of(const text::TextScene& scene) {
+std::string class_of(const text::Form& form, int capacity) {
   using text::FormKind;
-  const auto& form = *scene.form;
   std::string name;
   if (form.kind == FormKind::contact_linear) {
     name = !form.constant_damping ? "timed_damped" : form.autonomous ? "damped" : "driven";
@@ -20,7 +19,7 @@ std::string class_of(const text::TextScene& scene) {
   } else {
     name = text::form_names[static_cast<std::size_t>(form.kind)];
   }
-  return name + "_" + std::to_string(scene.capacity);
+  return name + "_" + std::to_string(capacity);
 }
 
 }  // namespace
@@ -30,9 +29,13 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   auto read = text::TextScene::read(std::move(definition));
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
   auto& scene = std::get<text::TextScene>(read);
-  const auto form = std::ranges::find(text_forms(), class_of(scene), &TextForm::name);
-  if (form == text_forms().end())
-    throw std::runtime_error("this build leaves out scenes of the form " + class_of(scene));
+  const std::string wanted = class_of(*scene.form, scene.capacity);
+  auto form = std::ranges::find(text_forms(), wanted, &TextForm::name);
+  if (form == text_forms().end() && scene.capacity < text::most_coordinates) {
+    scene.capacity = text::most_coordinates;
+    form = std::ranges::find(text_forms(), class_of(*scene.form, scene.capacity), &TextForm::name);
+  }
+  if (form == text_forms().end()) throw std::runtime_error("this build leaves out scenes of the form " + wanted);
   return form->make(std::move(scene));
 }
 

@@ -86,8 +86,10 @@ void detail::solve_by_lu(std::size_t n, T* a, const T* b, T* x) {
   if constexpr (std::is_same_v<T, double>) {
     // A size that is fixed saves up to 50 ns and takes two seconds of compilation: for the smallest and most frequent.
     if (n == 2) return solve<2>(n, a, b, x);
+#ifndef LEAST_FEW_SIZES
     if (n == 3) return solve<3>(n, a, b, x);
     if (n == 4) return solve<4>(n, a, b, x);
+#endif
     solve<Eigen::Dynamic>(n, a, b, x);
   } else {
     solve_refined(n, a, b, x);

@@ -355,8 +355,12 @@ std::unique_ptr<Integrator> make_integrator(Method method, std::size_t count, st
   };
   // A second or two of compilation each, for what the catalogue meets: whole motions, mechanics with an action, a flow
   // in the plane with a tangent direction. Any other is counted.
+#ifdef LEAST_FEW_SIZES
+  takes(Fixed<2>{}) || takes(Counted{count, moving});
+#else
   takes(Fixed<2>{}) || takes(Fixed<3>{}) || takes(Fixed<4>{}) || takes(Fixed<6>{}) || takes(Fixed<3, 2>{}) ||
       takes(Fixed<5, 4>{}) || takes(Fixed<4, 2>{}) || takes(Counted{count, moving});
+#endif
   return integrator;
 }
 

@@ -1,6 +1,7 @@
 // A scene as its author typed it, and what is wrong with it.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@ inline constexpr std::size_t longest_name = 16, longest_parameter = 40;
 
 struct Definition {
   enum class Kind : std::uint8_t { lagrangian, hamiltonian, potential, equations };
+  static constexpr std::array<std::string_view, 4> kind_names{"lagrangian", "hamiltonian", "potential", "equations"};
   using Named = std::vector<std::pair<std::string, std::string>>;
 
   Kind kind = Kind::lagrangian;

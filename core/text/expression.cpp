@@ -10,7 +10,7 @@
 namespace least::text {
 namespace {
 
-using Kind = Token::Kind;
+using TokenKind = Token::Kind;
 
 constexpr std::array<std::string_view, 13> functions{"sin",  "cos",  "tan", "asin", "acos", "atan", "sinh",
                                                      "cosh", "tanh", "exp", "log",  "sqrt", "abs"};
@@ -29,17 +29,17 @@ struct Precedence {
   int binds;
   bool right = false;
 };
-constexpr Precedence precedence(Kind kind) {
+constexpr Precedence precedence(TokenKind kind) {
   switch (kind) {
-    case Kind::add:
-    case Kind::subtract:
+    case TokenKind::add:
+    case TokenKind::subtract:
       return {1};
-    case Kind::multiply:
-    case Kind::divide:
+    case TokenKind::multiply:
+    case TokenKind::divide:
       return {2};
-    case Kind::minus:
+    case TokenKind::minus:
       return {3, true};
-    case Kind::power:
+    case TokenKind::power:
       return {4, true};
     default:
       return {0};
@@ -92,7 +92,7 @@ class Parser {
     if (c == '(') return open();
     if (c == '-' || c == '+') {
       if (c == '-' && stack_.size() > deepest) return too_deep();
-      if (c == '-') stack_.push_back({{Kind::minus, 0, here(), 0, {}}});
+      if (c == '-') stack_.push_back({{TokenKind::minus, 0, here(), 0, {}}});
       ++at_;
       return std::nullopt;
     }
@@ -107,7 +107,7 @@ class Parser {
 
   std::optional<Fault> open() {
     if (++nesting_ > most_nesting) return too_deep();
-    stack_.push_back({{Kind::number, 0, here(), 0, {}}, true});
+    stack_.push_back({{TokenKind::number, 0, here(), 0, {}}, true});
     ++at_;
     return std::nullopt;
   }
@@ -119,7 +119,7 @@ class Parser {
     if (error == std::errc::invalid_argument) return Fault{at_, "is no number"};
     if (error == std::errc::result_out_of_range) return Fault{at_, "is a number that no double holds"};
     const auto length = static_cast<std::size_t>(end - from);
-    postfix.push_back({Kind::number, 0, here(), value, text_.substr(at_, length)});
+    postfix.push_back({TokenKind::number, 0, here(), value, text_.substr(at_, length)});
     at_ += length;
     expects_operand_ = false;
     return std::nullopt;
@@ -135,7 +135,7 @@ class Parser {
       if (at_ < text_.size() && text_[at_] == '(')
         return Fault{from, std::string(word) + " is no function, and a product needs its sign", listed_functions(),
                      std::string(word)};
-      postfix.push_back({Kind::name, 0, static_cast<std::uint16_t>(from), 0, word});
+      postfix.push_back({TokenKind::name, 0, static_cast<std::uint16_t>(from), 0, word});
       expects_operand_ = false;
       return std::nullopt;
     }
@@ -143,7 +143,7 @@ class Parser {
     if (at_ == text_.size() || text_[at_] != '(')
       return Fault{from, std::string(word) + " is a function: its argument stands in brackets",
                    std::string(word) + "(…)"};
-    stack_.push_back({{Kind::call, static_cast<std::uint8_t>(found - functions.begin()),
+    stack_.push_back({{TokenKind::call, static_cast<std::uint8_t>(found - functions.begin()),
                        static_cast<std::uint16_t>(from), 0, word}});
     return open();
   }
@@ -154,11 +154,12 @@ class Parser {
     if (c == '(' || c == '.' || is_digit(c) || is_letter(c))
       return Fault{at_, "a product needs its sign", "* before this"};
     constexpr std::string_view signs = "+-*/^";
-    constexpr Kind kinds[] = {Kind::add, Kind::subtract, Kind::multiply, Kind::divide, Kind::power};
+    constexpr TokenKind kinds[] = {TokenKind::add, TokenKind::subtract, TokenKind::multiply, TokenKind::divide,
+                                   TokenKind::power};
     const std::size_t which = signs.find(c);
     if (which == std::string_view::npos) return stranger();
     if (c == '*' && at_ + 1 < text_.size() && text_[at_ + 1] == '*') return Fault{at_, "** means nothing here", "^"};
-    const Kind kind = kinds[which];
+    const TokenKind kind = kinds[which];
     const Precedence mine = precedence(kind);
     while (!stack_.empty() && !stack_.back().bracket) {
       const Precedence top = precedence(stack_.back().token.kind);
@@ -181,7 +182,7 @@ class Parser {
     if (stack_.empty()) return Fault{at_, ") was never opened"};
     stack_.pop_back();
     --nesting_;
-    if (!stack_.empty() && stack_.back().token.kind == Kind::call && !stack_.back().bracket) {
+    if (!stack_.empty() && stack_.back().token.kind == TokenKind::call && !stack_.back().bracket) {
       postfix.push_back(stack_.back().token);
       stack_.pop_back();
     }
@@ -210,15 +211,15 @@ Symbol call(std::uint8_t function, const Symbol& x) {
   return by_name[function](x);
 }
 
-Symbol operate(Kind kind, const Symbol& a, const Symbol& b) {
+Symbol operate(TokenKind kind, const Symbol& a, const Symbol& b) {
   switch (kind) {
-    case Kind::add:
+    case TokenKind::add:
       return a + b;
-    case Kind::subtract:
+    case TokenKind::subtract:
       return a - b;
-    case Kind::multiply:
+    case TokenKind::multiply:
       return a * b;
-    case Kind::divide:
+    case TokenKind::divide:
       return a / b;
     default:
       return raise(a, b);
@@ -251,9 +252,9 @@ std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const
   std::vector<Symbol> stack;
   for (const Token& token : tokens_) {
     Symbol made;
-    if (token.kind == Kind::number) {
+    if (token.kind == TokenKind::number) {
       made = token.value;
-    } else if (token.kind == Kind::name) {
+    } else if (token.kind == TokenKind::name) {
       const auto known = std::find_if(words.begin(), words.end(), [&](const Word& w) { return w.name == token.word; });
       if (known != words.end() && known->refusal.empty()) {
         made = known->meaning;
@@ -265,10 +266,10 @@ std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const
         return Fault{token.position, "nobody knows the name " + std::string(token.word), listed(words),
                      std::string(token.word)};
       }
-    } else if (token.kind == Kind::minus) {
+    } else if (token.kind == TokenKind::minus) {
       made = -stack.back();
       stack.pop_back();
-    } else if (token.kind == Kind::call) {
+    } else if (token.kind == TokenKind::call) {
       if (token.function == absolute && !allows_abs)
         return Fault{token.position, "abs has no derivative where its argument is zero: not in a scene's mechanics",
                      "sqrt(x^2 + a^2)"};
@@ -299,14 +300,14 @@ std::string Expression::mathml(const std::function<std::string(std::string_view)
   };
   std::vector<Piece> stack;
   for (const Token& token : tokens_) {
-    if (token.kind == Kind::number) {
+    if (token.kind == TokenKind::number) {
       stack.push_back({"<mn>" + std::string(token.word) + "</mn>", 9});
-    } else if (token.kind == Kind::name) {
+    } else if (token.kind == TokenKind::name) {
       stack.push_back({token.word == "pi" ? "<mi>π</mi>" : shown(token.word), 9});
-    } else if (token.kind == Kind::minus) {
+    } else if (token.kind == TokenKind::minus) {
       Piece& x = stack.back();
       x = {row("<mo>−</mo>" + bracketed(x, x.binds < 3)), 3};
-    } else if (token.kind == Kind::call) {
+    } else if (token.kind == TokenKind::call) {
       Piece& x = stack.back();
       if (token.word == "sqrt") {
         x = {"<msqrt>" + x.markup + "</msqrt>", 9};
@@ -322,18 +323,18 @@ std::string Expression::mathml(const std::function<std::string(std::string_view)
       stack.pop_back();
       Piece& left = stack.back();
       const int mine = precedence(token.kind).binds;
-      if (token.kind == Kind::divide) {
+      if (token.kind == TokenKind::divide) {
         left = {"<mfrac>" + row(left.markup) + row(right.markup) + "</mfrac>", 9};
-      } else if (token.kind == Kind::power) {
+      } else if (token.kind == TokenKind::power) {
         left = {"<msup>" + row(bracketed(left, left.binds < 9 || left.markup.starts_with("<mfrac"))) +
                     row(right.markup) + "</msup>",
                 8};
       } else {
-        const char* sign = token.kind == Kind::add        ? "<mo>+</mo>"
-                           : token.kind == Kind::subtract ? "<mo>−</mo>"
-                                                          : "<mo>⁢</mo>";
-        const bool wrap = right.binds < mine || (token.kind == Kind::subtract && right.binds == mine) ||
-                          (token.kind != Kind::power && right.binds == 3);
+        const char* sign = token.kind == TokenKind::add        ? "<mo>+</mo>"
+                           : token.kind == TokenKind::subtract ? "<mo>−</mo>"
+                                                               : "<mo>⁢</mo>";
+        const bool wrap = right.binds < mine || (token.kind == TokenKind::subtract && right.binds == mine) ||
+                          (token.kind != TokenKind::power && right.binds == 3);
         left = {row(bracketed(left, left.binds < mine) + sign + bracketed(right, wrap)), mine};
       }
     }

@@ -13,7 +13,7 @@ namespace {
 using text::Definition;
 
 constexpr std::string_view text_or_number = "a formula as text, or a number";
-constexpr std::array<std::string_view, 4> kinds{"lagrangian", "hamiltonian", "potential", "equations"};  // as Kind
+constexpr auto& kinds = Definition::kind_names;
 
 // A formula; a number is one, where it may stand.
 std::optional<std::string> read_text(const Json& json, const FieldPath& path, bool numbers) {

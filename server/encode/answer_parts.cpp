@@ -76,7 +76,6 @@ struct WriteValue {
 
 // What a scene as text was given as.
 void write_definition(JsonWriter& json, const text::Definition& given) {
-  constexpr std::string_view kinds[] = {"lagrangian", "hamiltonian", "potential", "equations"};
   const auto named = [&](std::string_view key, const text::Definition::Named& texts) {
     if (texts.empty()) return;
     json.key(key).open('{');
@@ -91,7 +90,7 @@ void write_definition(JsonWriter& json, const text::Definition& given) {
   json.close('}');
   named("equations", given.equations);
   if (given.kind != text::Definition::Kind::equations) {
-    json.key(kinds[static_cast<std::size_t>(given.kind)]).text(given.formula);
+    json.key(given.kind_names[static_cast<std::size_t>(given.kind)]).text(given.formula);
   }
   named("masses", given.masses);
   if (given.damping) json.key("damping").text(*given.damping);

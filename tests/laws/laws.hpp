@@ -1,7 +1,7 @@
 // The laws, for one problem: LEAST_LAWS(id, Class) makes a suite of tests. The build calls it for every problem there
 // is, so that a new one is examined the day it appears. What runs can tell is in pair_laws.cpp, compiled once.
-// LEAST_ORDERS adds the orders in quad precision, for one problem of each shape; those of all the others are measured
-// by tests/study/orders_test.cpp.
+// LEAST_SCHEME_LAWS adds what is a matter of the schemes, for one problem of each shape that they know: identity,
+// symmetry, and orders in quad precision; those of all the others are measured by tests/study/orders_test.cpp.
 #pragma once
 
 #include "tests/laws/clock_laws.hpp"
@@ -21,11 +21,11 @@
   TEST(id, EquationsAreHamiltons) { laws::equations_are_hamiltons<least::problems::Class>(); }                       \
   TEST(id, InvariantsAreConserved) { laws::invariants_are_conserved<least::problems::Class>(); }                     \
   TEST(id, ClosedFormIsTheMotion) { laws::closed_form_is_the_motion<least::problems::Class>(); }                     \
-  TEST(id, SymmetricSchemesReturn) { laws::symmetric_schemes_return<least::problems::Class>(); }                     \
-  TEST(id, NoStepIsTheIdentity) { laws::no_step_is_the_identity<least::problems::Class>(); }                         \
-  TEST(id, SymmetricClocksReturn) { laws::symmetric_clocks_return<least::problems::Class>(); }                       \
   TEST(id, RecordingNeverChangesTheRun) { laws::recording_never_changes_the_run<least::problems::Class>(#id); }
 
-#define LEAST_ORDERS(id, Class)                                                         \
-  TEST(id, OrderIsAsDeclared) { laws::order_is_as_declared<least::problems::Class>(); } \
+#define LEAST_SCHEME_LAWS(id, Class)                                                             \
+  TEST(id, SymmetricSchemesReturn) { laws::symmetric_schemes_return<least::problems::Class>(); } \
+  TEST(id, NoStepIsTheIdentity) { laws::no_step_is_the_identity<least::problems::Class>(); }     \
+  TEST(id, SymmetricClocksReturn) { laws::symmetric_clocks_return<least::problems::Class>(); }   \
+  TEST(id, OrderIsAsDeclared) { laws::order_is_as_declared<least::problems::Class>(); }          \
   TEST(id, ClocksHaveTheirOrder) { laws::clocks_have_their_order<least::problems::Class>(); }

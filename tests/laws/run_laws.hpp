@@ -86,7 +86,10 @@ void recording_never_changes_the_run(std::string_view id) {
          {runs::scene(request).start, runs::scene(request).start + 1e-9, request.end * 0.77, request.end}});
     for (const auto& record : records) {
       request.record = record;
+      // Diagnostics take most of the time: with one record of each kind that is often asked for.
+      const bool often = record.count == 1 || record.count == 61;
       for (const bool diagnostics : {false, true}) {
+        if (diagnostics && !often) continue;
         request.diagnostics.clear();
         if (diagnostics)
           for (std::size_t d = 0; d < problem.diagnostics.size(); ++d) request.diagnostics.push_back(d);

@@ -95,7 +95,7 @@ TEST_F(Load, DrippingReadersHoldNoWorker) {
     readers.emplace_back([&, i] {
       Client client(service->port());
       client.send(post("/v1/simulate",
-                       R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":200000},"record":{"every":1}})",
+                       R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":100000},"record":{"every":1}})",
                        i % 2 ? "Accept: text/csv\r\n" : ""));
       while (!end && client.some(1024)) std::this_thread::sleep_for(10ms);
     });

@@ -62,7 +62,7 @@ class TransformedLeapfrog {
   const T& strain() const { return strain_; }
   int stages() const { return time_.weights->stages; }
 
-  /// Moves q and p by the parameter σ; `time` is what that takes.
+  /// Moves q and p by the parameter σ, on or back; `time` is what that takes.
   StepStatus move(X& state, const T& sigma, T& time, Work& work) {
     using least::abs;
     using least::all;
@@ -86,7 +86,7 @@ class TransformedLeapfrog {
       sound = sound & (gap > T(0)) & near_level<T>(square);  // keeps the pace positive
     }
     drift(x, half * before * pace, elapsed);
-    if (!all(sound & (elapsed > T(0)))) return StepStatus::singular;
+    if (!all(sound & (elapsed * sigma > T(0)))) return StepStatus::singular;
     state = x;
     pace_ = pace;
     time = elapsed;
@@ -129,7 +129,7 @@ class TransformedMidpoint {
     for (std::size_t i = 0; i < static_cast<std::size_t>(time_.weights->stages); ++i)
       if (const StepStatus status = stage(x, sigma * time_.weights->gamma[i], elapsed, work); status != StepStatus::ok)
         return status;
-    if (!all(elapsed > T(0))) return StepStatus::singular;
+    if (!all(elapsed * sigma > T(0))) return StepStatus::singular;
     state = x;
     time = elapsed;
     return StepStatus::ok;

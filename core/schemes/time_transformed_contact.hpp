@@ -158,7 +158,7 @@ class TransformedContact {
     }
     if constexpr (constant)
       if (!flow(x, now, half * before, elapsed)) return StepStatus::singular;
-    if (!all(elapsed > T(0))) [[unlikely]] {
+    if (!all(elapsed * sigma > T(0))) [[unlikely]] {
       here_ = here;
       return StepStatus::singular;
     }

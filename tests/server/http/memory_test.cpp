@@ -1,11 +1,14 @@
-// The memory of what waits: texts that nobody reads, and requests whose turn has not come.
+// Memory: of texts that nobody reads, of requests whose turn has not come, of the whole process.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <fstream>
 #include <string>
 #include <thread>
 
 #include "tests/server/client.hpp"
 #include "tests/server/fixture.hpp"
+#include "tests/server/process.hpp"
 
 namespace least::server::test {
 namespace {
@@ -76,6 +79,50 @@ TEST(Memory, IsBoundedAcrossRequestsThatWait) {
   computing.hang_up();
   EXPECT_TRUE(holds_within_time(service.port(), 0, 0));
 }
+
+#if !defined(__SANITIZE_ADDRESS__)  // which has needs of its own
+
+double mebibytes(const Process& service, const std::string& name) {
+  std::ifstream file("/proc/" + std::to_string(service.id()) + "/status");
+  double kibibytes = 0;
+  for (std::string word; file >> word;) {
+    if (word == name && file >> kibibytes) break;
+  }
+  return kibibytes / 1024;
+}
+
+// A run of a million samples of five numbers: 40 million bytes where it is kept, next to nothing in lines.
+TEST(Memory, OfTheProcessFollowsWhatIsKept) {
+  Process service({"serve", "--port", "0"});
+  const int port = port_in(service.line());
+  const auto run = [&](const char* accept) {
+    const Reply reply = ask(port, post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog",
+      "until":{"steps":999999},"record":{"every":1}})",
+                                       accept));
+    EXPECT_GT(reply.body.size(), 40'000'000U);
+  };
+  const auto most = [&] { return mebibytes(service, "VmHWM:"); };
+  ask(port, post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog"})"));
+  const double before = most();
+  run("Accept: application/x-ndjson\r\n");
+  EXPECT_LT(most(), before + 4);
+  run("");
+  EXPECT_LT(most(), before + 45);
+  EXPECT_LT(mebibytes(service, "VmRSS:"), before + 8) << "and all of it goes back";
+}
+
+TEST(Memory, WithoutItsThreadsTheServiceDoesNotBegin) {
+  // A thread's stack takes 8 MiB of the gibibyte of addresses.
+  std::FILE* const service =
+      ::popen("ulimit -v 1048576; exec " LEAST_BINARY " serve --port 0 --threads 4096 2>&1", "r");
+  std::string said;
+  for (int c; (c = std::fgetc(service)) != EOF;) said += static_cast<char>(c);
+  EXPECT_EQ(WEXITSTATUS(::pclose(service)), 1);
+  EXPECT_NE(said.find("cannot start the threads"), std::string::npos) << said;
+  EXPECT_EQ(said.find("listening"), std::string::npos) << said;
+}
+
+#endif
 
 }  // namespace
 }  // namespace least::server::test

@@ -178,6 +178,11 @@ Json answer_schema() {
       {"final", described(object, "t and the variables at the end", "")},
       {"diagnostics", object},
       {"cost", object},
+      {"choice",
+       described(object,
+                 "of scheme auto: reason, met, estimated_error, alternatives. Their seconds were measured: like those "
+                 "of cost, they differ from one answer to the same request to the next",
+                 "")},
       {"events", described(list, "what was found along the run: t, kind, and what goes with it", "")},
       {"events_asked", described(list, "the member events of the request", "")},
       {"end", described(object, "the event that ended the run", "")},
@@ -206,7 +211,7 @@ Json ensemble_schema(const Cards& cards, Json properties) {
   const Json histogram = object_of({{"range", numbers(2)}, {"bins", count_in(1, 100'000)}}, {"range", "bins"});
   const Json directions{{"type", "string"}, {"enum", {"up", "down", "both"}}};
   properties.update(
-      {{"scheme", reference("Scheme")},
+      {{"scheme", reference("Scheme.stated")},
        {"limits", reference("Limits")},
        {"columns", names_of_all(cards, &ProblemCard::columns)},
        {"members", object_of({{"count", count_in(1, most)},
@@ -234,7 +239,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
       {"until", reference("Until")}};
   const Json norm{{"type", "string"}, {"enum", norm_names}, {"default", norm_names[0]}};
   const Json schemes = either({{"const", "all"}}, [] {
-    Json list = list_of(reference("Scheme"));
+    Json list = list_of(reference("Scheme.stated"));
     list["minItems"] = 1;
     list["maxItems"] = 100;
     return list;
@@ -340,6 +345,7 @@ Json schemas(const Cards& cards, const Caps& caps) {
                                      {"items", {{"type", "string"}, {"enum", keep_names}}},
                                      {"description", "what the scheme must keep"},
                                      {"default", Json::array()}};
+  all["Scheme.stated"] = choice_of(scheme_ids, "Scheme.");
   scheme_ids.push_back(auto_card().id);
   all["Scheme." + auto_card().id] = std::move(automatic);
   all["Problem.catalogue"] = choice_of(problems, "Problem.");

@@ -29,9 +29,9 @@ constexpr ComputedRoute computed_routes[] = {{"/v1/simulate", simulate},
                                              {"/v1/ensemble", run_ensemble_request},
                                              {"/v1/problems", describe_scene}};
 
-// The first block doubles: a little more than its numbers.
+// The first block doubles: a little more than its numbers, and what of them is on its way as text.
 std::size_t largest_answer(const Caps& caps) {
-  return (static_cast<std::size_t>(caps.samples) + (1 << 17)) * sizeof(double);
+  return (static_cast<std::size_t>(caps.samples) + (1 << 17)) * sizeof(double) + most_of_a_stream;
 }
 
 void add_texts(Router& router, const Cards& cards, const Caps& caps) {

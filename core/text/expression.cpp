@@ -233,6 +233,13 @@ std::string listed(std::span<const Word> words) {
   return names + (names.empty() ? "pi" : ", pi");
 }
 
+// Whether constants are numbers, those too that were written from a place on: `x/0` is a product with 1/0.
+bool is_finite(const Symbol& made, const tape::Tape& tape, tape::Index from) {
+  for (; from < tape.size(); ++from)
+    if (tape[from].op == tape::Op::constant && !std::isfinite(tape[from].value)) return false;
+  return !made.is_constant() || std::isfinite(made.constant());
+}
+
 }  // namespace
 
 std::span<const std::string_view> function_names() { return functions; }
@@ -251,6 +258,7 @@ std::variant<Expression, Fault> Expression::parse(std::string text) {
 std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const Word> words, bool allows_abs) const {
   std::vector<Symbol> stack;
   for (const Token& token : tokens_) {
+    const tape::Index from = tape.size();
     Symbol made;
     if (token.kind == TokenKind::number) {
       made = token.value;
@@ -281,7 +289,7 @@ std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const
       made = operate(token.kind, stack.back(), right);
       stack.pop_back();
     }
-    if (made.is_constant() && !std::isfinite(made.constant())) return Fault{token.position, "is no finite number here"};
+    if (!is_finite(made, tape, from)) return Fault{token.position, "is no finite number here"};
     if (tape.size() > static_cast<tape::Index>(most_operations))
       return Fault{token.position, "takes too many operations", std::to_string(most_operations) + " a scene"};
     stack.push_back(made);

@@ -251,7 +251,7 @@ void read_histograms(const Json& root, const FieldPath& top, const ProblemCard& 
 void check_columns(const Json& root, const FieldPath& top, const ProblemCard& problem, Request& request) {
   std::erase_if(request.columns, [&](std::size_t place) { return place >= problem.columns.size(); });
   const Json* json = find(root, "columns");
-  if (json == nullptr) return;
+  if (json == nullptr || !json->is_array()) return;
   Names fitting;
   for (const auto& column : problem.columns) {
     if (is_of_state(column)) fitting.push_back(column.name);

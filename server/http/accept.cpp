@@ -42,7 +42,8 @@ int precision(std::string_view range, std::string_view type) {
 }  // namespace
 
 std::optional<std::size_t> negotiate(std::string_view accept, std::span<const std::string_view> offered) {
-  if (trimmed(accept).empty()) return offered.empty() ? std::nullopt : std::optional<std::size_t>(0);
+  const bool asks_nothing = accept.find_first_not_of(" \t,") == accept.npos;  // empty elements count for nothing
+  if (asks_nothing) return offered.empty() ? std::nullopt : std::optional<std::size_t>(0);
   std::optional<std::size_t> best;
   double most = 0;
   for (std::size_t i = 0; i < offered.size(); ++i) {

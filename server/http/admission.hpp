@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <deque>
 #include <functional>
 #include <list>
 #include <map>
@@ -12,7 +11,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 namespace least::server {
 
@@ -20,8 +18,11 @@ class Metrics;
 
 /// Clients (addresses) are served round robin, the requests of one in the order in which they came. While others wait,
 /// a client holds at most half of the places, rounded up. Where the queue is full, the client with most in it gives way
-/// to one with less.
+/// to one with less. Where memory is out, who asks is told so by an exception and nothing has changed; to give a turn
+/// back, to admit and to refuse take none.
 class Admission {
+  struct Client;
+
  public:
   using Clock = std::chrono::steady_clock;
 
@@ -33,21 +34,21 @@ class Admission {
   class Pass {
    public:
     /// `counts`: as a run, among those whose times are told.
-    Pass(Admission& admission, std::string client, bool counts = true)
-        : admission_(&admission), client_(std::move(client)), counts_(counts) {}
+    Pass(Admission& admission, Client& client, bool counts) noexcept
+        : admission_(&admission), client_(&client), counts_(counts) {}
     Pass(Pass&& other) noexcept
         : admission_(std::exchange(other.admission_, nullptr)),
-          client_(std::move(other.client_)),
+          client_(other.client_),
           counts_(other.counts_),
           start_(other.start_) {}
     Pass& operator=(Pass&&) = delete;
     ~Pass() {
-      if (admission_) admission_->leave(client_, counts_ ? std::optional(Clock::now() - start_) : std::nullopt);
+      if (admission_) admission_->leave(*client_, counts_ ? std::optional(Clock::now() - start_) : std::nullopt);
     }
 
    private:
     Admission* admission_;
-    std::string client_;
+    Client* client_;
     bool counts_;
     Clock::time_point start_ = Clock::now();
   };
@@ -56,7 +57,7 @@ class Admission {
   std::optional<Pass> enter(std::string_view client);
 
   /// What is done when the turn comes, or with nothing when it does not. It is called once, by whoever gives a place
-  /// back, ends the wait or asks: it hands its work on.
+  /// back, ends the wait or asks: it hands its work on, and may not throw.
   using Turn = std::function<void(std::optional<Pass>)>;
 
   /// Waits for a turn, without a thread. There is none, and that at once: the queue is full, or the turn is not to be
@@ -87,35 +88,36 @@ class Admission {
     Clock::time_point from, until;
     std::function<bool()> gone;
     Turn turn;
+    std::optional<Pass> pass{};  ///< once it came
   };
+  // Moved from one list to another, which takes no memory.
+  using Waiters = std::list<Waiter>;
+  using Turns = std::list<Client*>;
   struct Client {
+    std::string_view name{};
     unsigned running = 0;
-    std::deque<Waiter> waiting;
+    Waiters waiting{};
   };
-  // Turns that came or never will, and whose they are; called when the lock is free.
-  struct Call {
-    Turn turn;
-    std::optional<Pass> pass;
-  };
-  using Calls = std::vector<Call>;
-  using Clients = std::map<std::string, Client, std::less<>>;
 
-  void leave(const std::string& client, std::optional<Clock::duration> took);
-  static void run(Calls calls);
-  void refuse(Calls& calls, Turn turn);
-  void admit_waiting(Calls& calls);
-  std::list<std::string>::iterator next();
-  bool make_room(const Client& newcomer, Calls& calls);
+  Client& client_of(std::string_view name);
+  std::optional<Pass> admitted(Client& client, bool counts = true) noexcept;
+  void leave(Client& client, std::optional<Clock::duration> took) noexcept;
+  // `calls`: those whose turn came or never will, called when the lock is free.
+  static void run(Waiters calls) noexcept;
+  void refuse(Waiters& calls, Waiters& from, Waiters::iterator waiter) noexcept;
+  void admit_waiting(Waiters& calls) noexcept;
+  Turns::iterator next();
+  bool make_room(const Client& newcomer, Waiters& calls);
   double expected_wait(std::size_t own) const;
-  void forget(Clients::iterator client);
+  void forget(const Client& client);
 
   mutable std::mutex mutex_;
   const unsigned places_, queue_;
   Metrics* const metrics_;
   unsigned running_ = 0, waiting_ = 0;
-  Clients clients_;               // those who compute or wait
-  std::list<std::string> turns_;  // those who wait, the next one first
-  double mean_ = 0;               // seconds of a run, the latest counting most
+  std::map<std::string, Client, std::less<>> clients_;  // those who compute or wait
+  Turns turns_;                                         // those who wait, the next one first
+  double mean_ = 0;                                     // seconds of a run, the latest counting most
   bool closed_ = false;
 };
 

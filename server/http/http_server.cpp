@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -16,17 +15,20 @@
 #include <thread>
 #include <utility>
 
+#include "server/http/answer_bytes.hpp"
 #include "server/http/cancellation.hpp"
 #include "server/http/event_loop.hpp"
 #include "server/http/http_date.hpp"
 #include "server/http/workers.hpp"
-#include "server/shared/http_status.hpp"
 #include "server/shared/log.hpp"
 
 namespace least::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// What is made of a body and waits for its turn: two bytes of a list, `1,`, are a double.
+constexpr std::size_t most_of_a_body = 4;
 
 unsigned cores() { return std::max(std::thread::hardware_concurrency(), 1u); }
 
@@ -36,38 +38,6 @@ Access access_of(const HttpSettings& settings) {
   if (settings.host.find(':') != std::string::npos) access.hosts.push_back('[' + settings.host + ']');
   return access;
 }
-
-// The head of an answer. `chunked`: so is its body.
-std::string head_of(const Answer& answer, bool keep_alive, bool chunked) {
-  std::string head;
-  head.reserve(1024 + answer.body.size());
-  ((head += "HTTP/1.1 ") += std::to_string(answer.status)) += ' ';
-  head += phrase(answer.status);
-  head += "\r\n";
-  const auto field = [&](std::string_view name, std::string_view value) {
-    ((head += name) += ": ") += value;
-    head += "\r\n";
-  };
-  if (!answer.type.empty()) field("Content-Type", answer.type);
-  if (chunked) {
-    field("Transfer-Encoding", "chunked");
-  } else if (!answer.stream && !answer.pieces && answer.status != 204 && answer.status != 304) {
-    field("Content-Length", std::to_string(answer.body.size()));
-  }
-  for (const auto& [name, value] : answer.headers) field(name, value);
-  field("Connection", keep_alive ? "keep-alive" : "close");
-  return head += "\r\n";
-}
-
-// A piece of a body as a chunk (RFC 9112, 7.1); in HTTP/1.0 it is bare, and the body ends with the connection.
-std::string chunk_of(const Exchange& exchange, std::string_view piece) {
-  if (!exchange.chunked || piece.empty()) return std::string(piece);  // an empty chunk would be the last
-  char size[16];
-  std::string chunk(size, std::to_chars(size, size + sizeof size, piece.size(), 16).ptr);
-  chunk.reserve(chunk.size() + piece.size() + 4);
-  return ((chunk += "\r\n") += piece) += "\r\n";
-}
-std::string_view end_of(const Exchange& exchange) { return exchange.chunked ? "0\r\n\r\n" : ""; }
 
 std::uint64_t random_bits() {
   std::random_device device;
@@ -217,6 +187,9 @@ class HttpServer::Impl final : private Handler {
     constexpr std::chrono::seconds patience{10};
     exchange->computing = true;
     if (auto pass = admission_.enter(exchange->client)) return compute(exchange, route, job, std::move(*pass), {});
+    if (!holds(exchange, most_of_a_body * exchange->message.body.size())) {
+      return respond(exchange, route, no_memory(exchange));
+    }
     const auto from = Clock::now();
     const auto gone = [exchange] { return exchange->left.load(); };
     admission_.wait(exchange->client, patience, gone, [=, this](std::optional<Admission::Pass> pass) {
@@ -250,34 +223,53 @@ class HttpServer::Impl final : private Handler {
 
   // What is thrown is told as 500, as long as nothing else was; after that the answer breaks off.
   template <class Act>
-  void guarded(const ExchangePtr& exchange, Act&& act) {
-    std::string why = "unknown";
+  void guarded(const ExchangePtr& exchange, Act&& act) noexcept {
     try {
-      return act();
+      act();
     } catch (const std::exception& e) {
-      why = e.what();
+      fail(exchange, e.what());
     } catch (...) {
+      fail(exchange, "unknown");
     }
+  }
+
+  void fail(const ExchangePtr& exchange, std::string_view why) noexcept {
     exchange->computing = exchange->has_pieces = false;
     const bool begun = exchange->status != 0;
     try {
       LogLine(spdlog::level::err, begun ? "failed while it was answered" : "failed")
           .with("id", exchange->id)
-          .with("why", why);
+          .with("why", std::string(why));
       if (!begun) return respond(exchange, "failed", error_(500, "", exchange->id));
     } catch (...) {  // no memory is left even for that
     }
     exchange->outbox.finish(false);
   }
 
+  // Whether there is memory for so many bytes on behalf of a request, until its answer has left. What is small is taken
+  // in any case: probes and refusals.
+  bool holds(const ExchangePtr& exchange, std::size_t bytes) {
+    Held held(lifecycle_.memory);
+    if (bytes > RequestReader::small && !held.grow_to(bytes)) return false;
+    exchange->outbox.hold(std::move(held));
+    return true;
+  }
+  Answer no_memory(const ExchangePtr& exchange) const {
+    Answer answer = error_(503, full_memory(*lifecycle_.memory), exchange->id);
+    answer.headers.emplace_back("Retry-After", "1");
+    return answer;
+  }
+
   void respond(const ExchangePtr& exchange, std::string_view route, Answer answer, Clock::duration queued = {}) {
     const RequestHead& head = exchange->message.head;
+    const bool unbounded = answer.stream || answer.pieces;
+    const std::size_t bytes = unbounded ? most_of_a_stream : head.method == "HEAD" ? 0 : answer.body.size();
+    if (!holds(exchange, bytes)) return respond(exchange, route, no_memory(exchange), queued);
     const std::chrono::duration<double, std::milli> passed = Clock::now() - exchange->start - queued;
     answer.headers.emplace_back("Date", http_date());
     answer.headers.emplace_back("X-Request-Id", exchange->id);
     answer.headers.emplace_back("Server-Timing", fmt::format("compute;dur={:.3f}", std::max(passed.count(), 0.0)));
     metrics_.answered(route, answer.status);
-    const bool unbounded = answer.stream || answer.pieces;
     exchange->route = route;
     exchange->status = answer.status;
     exchange->notes = answer.notes;
@@ -318,13 +310,13 @@ class HttpServer::Impl final : private Handler {
       end = answer.stream([&](std::string_view piece) {
         if (piece.empty()) return !exchange.left;
         exchange.bytes += piece.size();
-        return exchange.outbox.put(chunk_of(exchange, piece));
+        return exchange.outbox.put(chunk_of(piece, exchange.chunked));
       });
     }
     exchange.computing = false;
     if (!end) return exchange.outbox.finish(false);
     exchange.bytes += end->size();
-    finish(exchange, chunk_of(exchange, *end).append(end_of(exchange)));
+    finish(exchange, chunk_of(*end, exchange.chunked).append(end_of_chunks(exchange.chunked)));
   }
 
   // As much of the rest as there is room for. Whoever makes room meanwhile leaves it to this thread, or posts it again.
@@ -335,11 +327,11 @@ class HttpServer::Impl final : private Handler {
         piece.clear();
         const bool more = exchange.pieces(piece);
         exchange.bytes += piece.size();
-        std::string chunk = chunk_of(exchange, piece);
+        std::string chunk = chunk_of(piece, exchange.chunked);
         if (!more) {
           exchange.has_pieces = false;
           exchange.pieces = nullptr;  // who has read the end finds the memory free
-          return finish(exchange, std::move(chunk += end_of(exchange)));
+          return finish(exchange, std::move(chunk += end_of_chunks(exchange.chunked)));
         }
         if (exchange.outbox.put(std::move(chunk))) continue;
         exchange.has_pieces = false;

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <utility>
 
+#include "server/shared/memory_budget.hpp"
+
 namespace least::server {
 
 /// Where an answer goes: a socket that does not block, and what to call when there is something for who owns it.
@@ -20,9 +22,19 @@ struct Line {
   std::function<void()> came;
 };
 
+/// Bytes that an answer holds at most that is written while it leaves: what waits here, beyond its bound by a piece of
+/// sixteen thousand numbers, as much on its way to the socket, and a compressor.
+inline constexpr std::size_t most_of_a_stream = std::size_t{3} << 19;
+
 class Outbox {
  public:
   explicit Outbox(Line line) : line_(std::move(line)) {}
+
+  /// What counts as memory until all is sent, in the place of what was held before.
+  void hold(Held held) {
+    const std::lock_guard lock(mutex_);
+    held_ = std::move(held);
+  }
 
   /// Waits while more than a bound is still to be sent: who sends keeps the clock. False: nobody takes it any more.
   bool put(std::string bytes) {
@@ -53,6 +65,7 @@ class Outbox {
       }
       ended_ = true;
       whole_ = whole;
+      if (sent == last.size()) held_ = Held();
       if (sent == last.size() && keeps && !awaited_) return;
       if (sent > 0) last.erase(0, sent);
       bytes_.empty() ? bytes_.swap(last) : (void)bytes_.append(last);
@@ -98,6 +111,7 @@ class Outbox {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     bytes_ = {};
+    held_ = Held();
     taken_.notify_one();
   }
 
@@ -112,6 +126,7 @@ class Outbox {
   std::mutex mutex_;
   std::condition_variable taken_;
   std::string bytes_;
+  Held held_{};
   std::size_t ahead_ = 0;  // bytes of what is put next that were sent already
   bool begun_ = false, ended_ = false, whole_ = false, closed_ = false, awaited_ = false;
 };

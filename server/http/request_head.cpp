@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <utility>
 
 namespace least::server {
 namespace {
@@ -101,9 +102,10 @@ std::string_view trimmed(std::string_view s) {
 
 std::string RequestHead::field(std::string_view name) const {
   std::string values;
+  bool first = true;
   for (const auto& [key, value] : fields) {
     if (key != name) continue;
-    if (!values.empty()) values += ", ";
+    if (!std::exchange(first, false)) values += ", ";  // an empty one counts, too: two lengths are no length
     values += value;
   }
   return values;

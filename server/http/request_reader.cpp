@@ -10,12 +10,17 @@ namespace {
 
 constexpr std::size_t longest_size_line = 256;  // of a chunk
 
-// Taken in any case, and kept by a connection that idles: whether the service lives can be asked when memory is full.
-constexpr std::size_t small = 4096;
+// Of what ends a head, and a line, so much may have come that is not counted yet.
+constexpr std::size_t part_of_end = 3, part_of_line = 1;
 
 Refusal malformed_chunks() { return {400, "malformed chunked coding"}; }
 
 }  // namespace
+
+std::string full_memory(const MemoryBudget& memory) {
+  return "requests and answers of all clients fill the memory for them, " + std::to_string(memory.most()) +
+         " bytes (--max-memory)";
+}
 
 Received RequestReader::read() {
   Received received = next();
@@ -27,9 +32,7 @@ Received RequestReader::read() {
       if (whole) whole->held = std::exchange(held_, Held(memory_));
       return received;
     }
-    received = Refused{{503, "requests and answers of all clients fill the memory for them, " +
-                                 std::to_string(memory_->most()) + " bytes (--max-memory)"},
-                       message.head.method};
+    received = Refused{{503, full_memory(*memory_)}, message.head.method};
   }
   std::string().swap(buffer_);
   message_ = {};
@@ -80,12 +83,14 @@ std::optional<Refused> RequestReader::read_head() {
   if (blank_ > bounds_.head.bytes) return Refused{{400, "nothing but blank lines"}, ""};
   const auto end = buffer_.find("\r\n\r\n", looked_);
   const std::string known = buffer_.starts_with("HEAD ") ? "HEAD" : "";
-  if (std::min(end, buffer_.size()) > bounds_.head.bytes) {
+  const std::size_t known_size =
+      end == std::string::npos ? buffer_.size() - std::min(buffer_.size(), part_of_end) : end;
+  if (known_size > bounds_.head.bytes) {
     return Refused{{431, "the head is larger than " + std::to_string(bounds_.head.bytes) + " bytes"}, known};
   }
   if (end == std::string::npos) {
     if (auto refusal = refusal_at_once(buffer_)) return Refused{std::move(*refusal), ""};
-    looked_ = buffer_.size() - std::min<std::size_t>(buffer_.size(), 3);
+    looked_ = buffer_.size() - std::min(buffer_.size(), part_of_end);
     return std::nullopt;
   }
   looked_ = 0;
@@ -121,7 +126,8 @@ std::optional<Refusal> RequestReader::read_chunks() {
   for (;;) {
     if (!chunk_) {  // a size, perhaps with an extension that nobody needs
       const auto line = read_line(longest_size_line);
-      if (!line) return buffer_.size() > longest_size_line ? std::optional(malformed_chunks()) : std::nullopt;
+      if (!line)
+        return buffer_.size() > longest_size_line + part_of_line ? std::optional(malformed_chunks()) : std::nullopt;
       if (!is_field_value(*line)) return malformed_chunks();  // a bare line feed may end the line for another reader
       std::uint32_t size = 0;
       const auto digits = std::min(line->find_first_of("; \t"), line->size());
@@ -151,7 +157,8 @@ std::optional<Refusal> RequestReader::read_chunks() {
 std::optional<Refusal> RequestReader::read_trailer() {
   while (trailer_ <= bounds_.head.bytes) {
     const auto line = read_line(bounds_.head.bytes);
-    if (!line) return buffer_.size() > bounds_.head.bytes ? std::optional(malformed_chunks()) : std::nullopt;
+    if (!line)
+      return buffer_.size() > bounds_.head.bytes + part_of_line ? std::optional(malformed_chunks()) : std::nullopt;
     if (line->empty()) {
       part_ = Part::whole;
       return std::nullopt;

@@ -35,8 +35,15 @@ struct Refused {
 /// Nothing: more has to come.
 using Received = std::variant<std::monostate, Message, Refused>;
 
+/// What to say where there is no more.
+std::string full_memory(const MemoryBudget& memory);
+
 class RequestReader {
  public:
+  /// Bytes taken in any case, and kept by a connection that idles: whether the service lives can be asked when memory
+  /// is full.
+  static constexpr std::size_t small = 4096;
+
   /// What is read counts in `memory`, where there is any. Both live on.
   explicit RequestReader(const RequestBounds& bounds, MemoryBudget* memory = nullptr)
       : bounds_(bounds), memory_(memory), held_(memory) {}

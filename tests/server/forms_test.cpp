@@ -256,7 +256,7 @@ TEST(Memory, IsBoundedAcrossAnswers) {
   EXPECT_NE(refused.body.find("memory"), std::string::npos);
   EXPECT_TRUE(refused.fields.contains("retry-after"));
   const std::string metrics = ask(service.port(), get("/metrics")).body;
-  EXPECT_NE(metrics.find("leastaction_held_bytes 7"), std::string::npos) << "900,000 numbers";
+  EXPECT_NE(metrics.find("leastaction_held_bytes 8"), std::string::npos) << "900,000 numbers and what is on its way";
   while (const auto piece = reader.chunk()) {
     if (piece->empty()) break;
   }
@@ -268,20 +268,21 @@ TEST(Memory, IsBoundedAcrossAnswers) {
 TEST(Memory, IsBoundedAcrossRequests) {
   Settings settings = quiet_settings();
   settings.caps.samples = 1000;
-  settings.max_memory = 1'300'000;
+  settings.max_memory = 2'900'000;
+  settings.bounds.body = 1 << 21;
   Service service(settings, page_assets);
   ASSERT_FALSE(service.start());
   const auto held = [&] {
     const std::string text = ask(service.port(), get("/metrics")).body;
     return std::stoul(text.substr(text.find("\nleastaction_held_bytes ") + 23));
   };
-  const std::string large = post("/v1/simulate", std::string(900'000, ' '));
+  const std::string large = post("/v1/simulate", std::string(2'000'000, ' '));
   const std::string computing =
-      post("/v1/simulate", std::string(800'000, ' ') +
+      post("/v1/simulate", std::string(1'900'000, ' ') +
                                R"({"problem":"kepler","scheme":"leapfrog","record":{"every":0},
       "until":{"steps":10000000000},"limits":{"steps":10000000000,"seconds":20}})");
   const std::string in_chunks = large.substr(0, large.find("Content-Length")) +
-                                "Transfer-Encoding: chunked\r\n\r\ndbba0\r\n" + std::string(800'000, ' ');
+                                "Transfer-Encoding: chunked\r\n\r\n1e8480\r\n" + std::string(1'900'000, ' ');
   const auto all_is_given_back = [&] {
     for (int i = 0; i < 2000 && held() > 0; ++i) std::this_thread::sleep_for(5ms);
     return held() == 0;
@@ -289,12 +290,12 @@ TEST(Memory, IsBoundedAcrossRequests) {
   Client kept(service.port());
   kept.send(large);
   EXPECT_EQ(kept.receive().value_or(Reply{}).status, 400) << "no JSON";
-  for (const std::string& holder : {large.substr(0, 800'200), in_chunks, computing}) {
+  for (const std::string& holder : {large.substr(0, 1'900'200), in_chunks, computing}) {
     EXPECT_TRUE(all_is_given_back()) << "an open connection holds nothing";
     Client first(service.port()), second(service.port());
     first.send(holder);
-    for (int i = 0; i < 2000 && held() < 800'000; ++i) std::this_thread::sleep_for(5ms);
-    EXPECT_GE(held(), 800'000u);
+    for (int i = 0; i < 2000 && held() < 1'900'000; ++i) std::this_thread::sleep_for(5ms);
+    EXPECT_GE(held(), 1'900'000u);
     second.send(large);
     const auto refused = second.receive();
     ASSERT_TRUE(refused);

@@ -182,7 +182,7 @@ TEST_F(OpenApi, SaysWhatTheCardsSay) {
   const Json catalogue = Json::parse(ask(port(), get("/v1/catalogue")).body);
   const auto compare = [&](const Json& told, const Json& card, const std::string& where) {
     EXPECT_EQ(told["default"], card["default"]) << where;
-    EXPECT_EQ(told.value("description", ""), card["doc"]) << where;
+    EXPECT_EQ(told.value("description", ""), card["doc"].get<std::string>()) << where;
     EXPECT_EQ(told.value("x-unit", ""), card.value("unit", "")) << where;
     const Json& range = told.contains("anyOf") && card["nullable"] ? told["anyOf"][0] : told;
     if (card["type"] == "number" || card["type"] == "integer") {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <future>
 #include <list>
@@ -86,8 +87,14 @@ class Soak {
     seconds_to_end_ = std::chrono::duration<double>(Clock::now() - from).count();
   }
 
-  bool report() {
+  bool report(double seconds) {
     bool good = true;
+    const char* const commit = std::getenv("LEAST_COMMIT");
+    std::printf(
+        "# Every kind of client at once\n\n%.0f s on %u cores that the clients share; commit %s. Written by `./dev "
+        "soak "
+        "--write`.\n\n",
+        seconds, std::thread::hardware_concurrency(), commit ? commit : "unknown");
     const auto row = [&](const char* what, double value, const char* unit, double most) {
       std::printf("| %s | %.4g %s | %.4g |\n", what, value, unit, most);
       good = good && value <= most;
@@ -232,6 +239,7 @@ class Soak {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Soak soak(argc > 1 ? std::stod(argv[1]) : 600);
-  return soak.report() ? 0 : 1;
+  const double seconds = argc > 1 ? std::stod(argv[1]) : 600;
+  Soak soak(seconds);
+  return soak.report(seconds) ? 0 : 1;
 }

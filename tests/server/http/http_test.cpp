@@ -265,6 +265,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"bare_line_feed", raw("GET / HTTP/1.1", "Host: localhost\nX: y\r\n"), 400},
         Case{"two_lengths",
              raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length: 2\r\nContent-Length: 3\r\n"), 400},
+        Case{"length_beside_none",
+             raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length:\r\nContent-Length: 2\r\n"), 400},
         Case{"negative_length", raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length: -1\r\n"), 400},
         Case{"length_list", raw("POST /v1/simulate HTTP/1.1", "Host: localhost\r\nContent-Length: 2, 2\r\n"), 400},
         Case{"smuggled", chunked("/v1/nowhere", "0\r\n\r\n", "Content-Length: 5\r\n"), 400},

@@ -138,7 +138,27 @@ export function mark(pen, map, x, y, fill, ring, radius = 5) {
   pen.stroke();
 }
 
-/** A curve of a run with its stretches, its start (a ring) and its end (a disc). */
+/** Where events lie on a curve: diamonds, one where several would cover each other. */
+function happened(pen, map, { t, x, y, events = [] }, ink, paper) {
+  const seen = new Set();
+  for (const when of events) {
+    const u = valueAt(t, x, when), v = valueAt(t, y, when);
+    if (!there(u) || !there(v)) continue;
+    const a = far(map.x(u)), b = far(map.y(v)), key = `${Math.round(a / 4)},${Math.round(b / 4)}`;
+    if (seen.has(key)) continue;
+    seen.add(key);
+    pen.beginPath();
+    [[0, -5], [5, 0], [0, 5], [-5, 0], [0, -5]].forEach(([right, down], i) =>
+      (i ? pen.lineTo(a + right, b + down) : pen.moveTo(a + right, b + down)));
+    pen.fillStyle = paper;
+    pen.fill();
+    pen.strokeStyle = ink;
+    pen.lineWidth = 1.6;
+    pen.stroke();
+  }
+}
+
+/** A curve of a run with its stretches, its events, its start (a ring) and its end (a disc). */
 export function trace(pen, map, curve, colour, { width, faint = false }) {
   const { x, y } = curve, ink = colour(curve.colour);
   pen.setLineDash(curve.dash ?? []);
@@ -148,6 +168,7 @@ export function trace(pen, map, curve, colour, { width, faint = false }) {
   pen.setLineDash([]);
   pen.globalAlpha = 1;
   if (curve.exact || curve.unmarked || faint) return;
+  happened(pen, map, curve, ink, colour("--paper"));
   const first = x.findIndex(there), last = x.findLastIndex(there);
   mark(pen, map, x[last], y[last], ink, ink);
   mark(pen, map, x[first], y[first], colour("--paper"), ink);

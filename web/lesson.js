@@ -13,6 +13,7 @@ import { coarse, controlled, requestOf } from "./asked.js";
 import { Plane } from "./plane.js";
 import { Player } from "./player.js";
 import { slider } from "./sliders.js";
+import { begin, turnedBy } from "./space.js";
 import { Study } from "./study.js";
 import { equalWork, rounded, workSetting } from "./work.js";
 
@@ -24,7 +25,7 @@ export class Lesson {
   #state = {};
   #planes = [];
   #bodies = [];
-  #angles = { around: 0.6, up: 0.35 };
+  #angles = begin;
   #runs = [];
   #control = null;
   #study = null;
@@ -233,7 +234,7 @@ export class Lesson {
   }
 
   #rotate(right, down) {
-    this.#angles = { around: this.#angles.around + right / 120, up: Math.max(-1.57, Math.min(1.57, this.#angles.up + down / 120)) };
+    this.#angles = turnedBy(this.#angles, right, down);
     this.#drawViews();
   }
 

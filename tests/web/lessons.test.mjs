@@ -7,15 +7,7 @@ import { lessons } from "../../web/lessons.js";
 const ready = "#lesson[aria-busy=false]";
 const calm = { ready, reducedMotion: "reduce" };
 
-/** Keeps the data of each lesson that the page shows. */
-const listening = (opened) => opened.addInitScript(() =>
-  document.addEventListener("shown", ({ detail }) => {
-    window.said = detail;
-    const { dataset } = document.documentElement;
-    dataset.shown = detail.lesson;
-    dataset.times = Number(dataset.times ?? 0) + 1;
-  }));
-const said = (page) => page.evaluate(() => window.said);
+const said = async (page) => JSON.parse(await page.evaluate(() => JSON.stringify(window.said)));
 const times = async (page) => Number(await page.getAttribute("html", "data-times"));
 const opened = (page, id) => page.waitForSelector(`html[data-shown=${id}]`);
 
@@ -100,13 +92,12 @@ const claims = {
   },
 };
 
-pageTest("every lesson runs, and its claim is true", { ...calm, viewport: { width: 1280, height: 720 }, prepare: listening }, async (page) => {
+pageTest("every lesson runs, and its claim is true", { ...calm, viewport: { width: 1280, height: 720 } }, async (page) => {
   for (const [i, lesson] of lessons.entries()) {
     if (i > 0) await page.keyboard.press("ArrowRight");
     await opened(page, lesson.id);
     const { runs, study } = await said(page);
     claims[lesson.id](study ?? runs);
-    if (i === 0 && process.env.LEAST_SCREENSHOT) await page.screenshot({ path: process.env.LEAST_SCREENSHOT });
     assert.equal(await page.textContent("#claim"), lesson.title);
     assert.equal(await page.textContent("#lesson .wrong"), "");
     assert.equal(await page.locator("#legend tbody tr").count(), lesson.runs?.length ?? 0);
@@ -132,7 +123,7 @@ async function seen(page, colour) {
 // 640 × 360 is 1280 × 720 at twice the size.
 const screens = [[1280, 720], [1024, 768], [360, 740], [640, 360]];
 for (const colorScheme of process.env.LEAST_SCREENSHOTS ? ["light", "dark"] : ["light"]) {
-  pageTest(`the first screen shows a picture, ${colorScheme}`, { ...calm, colorScheme, prepare: listening }, async (page) => {
+  pageTest(`the first screen shows a picture, ${colorScheme}`, { ...calm, colorScheme }, async (page) => {
     const folder = process.env.LEAST_SCREENSHOTS;
     if (folder) mkdirSync(folder, { recursive: true });
     const visible = async (where, width, height) => {
@@ -158,7 +149,7 @@ for (const colorScheme of process.env.LEAST_SCREENSHOTS ? ["light", "dark"] : ["
   });
 }
 
-pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#lesson=pendulum", prepare: listening }, async (page) => {
+pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#lesson=pendulum" }, async (page) => {
   const forces = async () => (await said(page)).runs.map(({ cost }) => cost.force_evaluations);
   const click = async (button) => {
     const before = await times(page);
@@ -176,7 +167,7 @@ pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#less
   await page.goBack();
 });
 
-pageTest("the control answers while it is dragged, with fewer points, one request at a time", { ...calm, hash: "#lesson=damped", prepare: listening },
+pageTest("the control answers while it is dragged, with fewer points, one request at a time", { ...calm, hash: "#lesson=damped" },
   async (page) => {
     let flying = 0, most = 0;
     const sizes = [];
@@ -202,7 +193,7 @@ pageTest("the control answers while it is dragged, with fewer points, one reques
     assert.equal((await said(page)).runs[0].problem.damping, value, "the newest wins");
   });
 
-pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready, hash: "#lesson=pendulum", prepare: listening }, async (page) => {
+pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready, hash: "#lesson=pendulum" }, async (page) => {
   const body = () => page.locator("#stage canvas.body").evaluate((canvas) => canvas.toDataURL());
   const time = async () => Number((await page.textContent("#lesson .player output")).replace("t = ", ""));
   assert.match(await page.textContent("#lesson .play"), /Pause/, "it plays by itself");
@@ -223,7 +214,7 @@ pageTest("who wishes for less motion sees all at once", { ...calm, hash: "#lesso
   assert.equal(await page.textContent("#lesson .player output"), "t = 1200");
 });
 
-pageTest("presentation: one picture, large type, keys; and back goes back", { ...calm, viewport: { width: 1280, height: 720 }, prepare: listening },
+pageTest("presentation: one picture, large type, keys; and back goes back", { ...calm, viewport: { width: 1280, height: 720 } },
   async (page) => {
     await page.click("#present");
     assert.equal(await page.locator("#stage figure:visible").count(), 2, "the two that are compared");

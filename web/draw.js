@@ -87,7 +87,7 @@ export function stroke(pen, map, { x, y, series = false }, style, width, { wante
   let drawing = false, length = 0, left = 0, top = 0, low = 0, high = 0, last = 0;
   const line = (a, b) => {
     pen.lineTo(a, b);
-    if (++length < 2000) return;
+    if (++length < 500) return;
     pen.stroke();
     pen.beginPath();
     pen.moveTo(a, b);
@@ -114,7 +114,7 @@ export function stroke(pen, map, { x, y, series = false }, style, width, { wante
       drawing = true;
     }
     const a = far(map.x(x[i])), b = far(map.y(y[i]));
-    if (series ? a - left < 0.5 && a >= left : Math.abs(a - left) < 0.35 && Math.abs(b - top) < 0.35) {
+    if (series ? a - left < 0.5 && a >= left : Math.abs(a - left) < 0.6 && Math.abs(b - top) < 0.6) {
       last = b;
       if (series) [low, high] = [Math.min(low, b), Math.max(high, b)];
       continue;

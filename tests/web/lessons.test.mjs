@@ -1,7 +1,7 @@
 // The lessons: each runs, and what it claims is true of the data that the page shows.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
-import { all, becomes, drawn, origin, pageTest } from "./browser.mjs";
+import { all, becomes, drawn, frames, origin, pageTest } from "./browser.mjs";
 import { lessons } from "../../web/lessons.js";
 
 const ready = "#lesson[aria-busy=false]";
@@ -92,7 +92,7 @@ const claims = {
   },
 };
 
-pageTest("every lesson runs, and its claim is true", { ...calm, viewport: { width: 1280, height: 720 } }, async (page) => {
+pageTest("every lesson runs, its claim is true, and its picture is in sight on every screen", { ...calm, viewport: { width: 1280, height: 720 } }, async (page) => {
   for (const [i, lesson] of lessons.entries()) {
     if (i > 0) await page.keyboard.press("ArrowRight");
     await opened(page, lesson.id);
@@ -106,6 +106,7 @@ pageTest("every lesson runs, and its claim is true", { ...calm, viewport: { widt
     for (const colour of ["a", "b"]) {
       if (!study) assert.ok(await seen(page, `--run-${colour}`), `${lesson.id}: run ${colour} is drawn`);
     }
+    await assertInSight(page, lesson.id, "#stage :is(canvas.plane, .precision)");
   }
   assert.equal(lessons.length, Object.keys(claims).length);
   assert.ok(await page.isDisabled("#next"));
@@ -122,32 +123,31 @@ async function seen(page, colour) {
 
 // 640 × 360 is 1280 × 720 at twice the size.
 const screens = [[1280, 720], [1024, 768], [360, 740], [640, 360]];
-for (const colorScheme of process.env.LEAST_SCREENSHOTS ? ["light", "dark"] : ["light"]) {
-  pageTest(`the first screen shows a picture, ${colorScheme}`, { ...calm, colorScheme }, async (page) => {
-    const folder = process.env.LEAST_SCREENSHOTS;
-    if (folder) mkdirSync(folder, { recursive: true });
-    const visible = async (where, width, height) => {
-      const selector = where.startsWith("#problem") ? ".pane canvas.plane" : "#stage :is(canvas.plane, .precision)";
-      const { y, height: high, width: wide } = await page.locator(selector).first().boundingBox();
-      const shown = Math.min(y + high, height) - y;
-      assert.ok(shown > Math.min(0.75 * high, 0.35 * height) && wide > 0.25 * width, `${where} at ${width} × ${height}: ${shown} of ${high}`);
-      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `${where} is not cut off at ${width}`);
-    };
-    for (const [width, height] of screens) {
-      await page.setViewportSize({ width, height });
-      for (const { id } of folder ? lessons : [lessons[0]]) {
-        await page.evaluate((to) => (location.hash = `lesson=${to}`), id);
-        await opened(page, id);
-        await visible(id, width, height);
-        if (folder) await page.screenshot({ path: `${folder}/${id}-${width}x${height}-${colorScheme}.png` });
-      }
-      await page.evaluate(() => (location.hash = "problem=kepler&until.t=95"));
-      await page.waitForSelector("#experiment:not([hidden]) #results[aria-busy=false]");
-      await visible("#problem=kepler", width, height);
-      if (folder) await page.screenshot({ path: `${folder}/workbench-${width}x${height}-${colorScheme}.png` });
+const folder = process.env.LEAST_SCREENSHOTS;
+if (folder) mkdirSync(folder, { recursive: true });
+
+/** On every screen the first picture, at `selector`, is in sight and nothing is cut off. */
+async function assertInSight(page, name, selector) {
+  for (const [width, height] of screens) {
+    await page.setViewportSize({ width, height });
+    await frames(page);
+    const { y, height: high, width: wide } = await page.locator(selector).first().boundingBox();
+    const shown = Math.min(y + high, height) - y;
+    assert.ok(y >= 0 && shown > Math.min(0.75 * high, 0.35 * height) && wide > 0.25 * width,
+              `${name} at ${width} × ${height}: ${shown} of ${high} at ${y}`);
+    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `${name} is not cut off at ${width}`);
+    for (const colorScheme of folder ? ["light", "dark"] : []) {
+      await page.emulateMedia({ colorScheme });
+      await frames(page);
+      await page.screenshot({ path: `${folder}/${name}-${width}x${height}-${colorScheme}.png` });
     }
-  });
+  }
+  const [[width, height]] = screens;
+  await page.setViewportSize({ width, height });
 }
+
+pageTest("the workbench shows a picture on the first screen, whatever its size", { hash: "#problem=kepler&until.t=95", reducedMotion: "reduce" },
+  (page) => assertInSight(page, "workbench", ".pane canvas.plane"));
 
 pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#lesson=pendulum" }, async (page) => {
   const forces = async () => (await said(page)).runs.map(({ cost }) => cost.force_evaluations);

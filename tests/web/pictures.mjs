@@ -23,7 +23,7 @@ try {
   await page.waitForSelector(settled);
   write("page.png", await page.screenshot());
 
-  await page.setViewportSize({ width: 960, height: 560 });
+  await page.setViewportSize({ width: 960, height: 600 });
   await page.goto(`${origin}/#lesson=spiral`);
   await page.waitForSelector(`#which:has(option[value=spiral]:checked)`);
   await page.waitForSelector(settled);

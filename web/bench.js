@@ -35,7 +35,7 @@ export class Bench {
     this.#went = went;
     this.#panes = new Panes(schemes, (t) => this.#sight.point(t), () => this.request());
     this.#runs = new Runs(this.#scene, this.#panes, schemes, (told) => this.#show(told));
-    this.#studies = new Studies(schemes, () => this.#studied());
+    this.#studies = new Studies(schemes, () => this.#studied(), (start) => this.request(this.#scene.begin(start)));
     new Takeaway(() => ({ planes: this.#sight.planes(this.#panes.list), problem: this.#scene.problem.id,
                           runs: this.#runs.list.filter(({ outcome }) => outcome) }));
     this.#listen();
@@ -60,7 +60,7 @@ export class Bench {
     this.#choose(problem.id);
     this.#scene.load(problem, experiment, definition);
     this.#panes.load(problem, experiment);
-    this.#studies.choices = experiment.study ?? {};
+    this.#studies.offer(problem, experiment);
     this.#together(experiment.view?.together === "true");
     this.request(quietly);
   }
@@ -133,7 +133,7 @@ export class Bench {
   /** The experiment as the forms stand; `changed`: without what has its default. */
   #experiment(changed = false) {
     const together = find("#together").checked ? { together: true } : {};
-    return { ...this.#scene.values(changed), view: together, study: this.#studies.choices, ...this.#panes.chosen(changed) };
+    return { ...this.#scene.values(changed), view: together, ...this.#studies.chosen(changed), ...this.#panes.chosen(changed) };
   }
 
   /** The start that stands in the forms, or in the link that waits for its text. */
@@ -197,12 +197,6 @@ export class Bench {
     });
   }
 
-  #goOn() {
-    const ended = this.#runs.list.find(({ outcome }) => outcome?.final);
-    if (ended) this.#scene.goOn(ended.outcome.final);
-    this.request();
-  }
-
   #stop() {
     this.#runs.stop();
     this.#show({ answers: this.#runs.list, said: "Stopped.", waiting: false });
@@ -243,7 +237,11 @@ export class Bench {
       this.#panes.even(this.#runs.outcomes);
       this.request();
     });
-    find("#continue").addEventListener("click", () => this.#goOn());
+    find("#continue").addEventListener("click", () => {
+      const ended = this.#runs.list.find(({ outcome }) => outcome?.final);
+      if (ended) this.#scene.goOn(ended.outcome.final);
+      this.request();
+    });
     find("#stop").addEventListener("click", () => this.#stop());
   }
 }

@@ -5,7 +5,7 @@
 import { linked } from "./text.js";
 
 export const names = ["A", "B", "C", "D", "E", "F"];
-const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", ...names];
+const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", ...names];
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();

@@ -46,7 +46,8 @@ export class Plane {
 
   /**
    * `{curves: [{t, x, y, colour: name of a CSS variable, title, stretched?, exact?, dash?}], view, labels: [x, y], log?,
-   * backdrop?(pen, map, colour), grab?(x, y, done)}`, or null for an empty plane. With `grab` the start can be dragged.
+   * backdrop?(pen, map, colour, frame), grab?(x, y, done), pick?(left, top)}`, or null for an empty plane. With `grab` the start
+   * can be dragged; `pick` hears where a hand clicks.
    */
   show(picture) {
     if (String(picture?.labels) !== String(this.#picture?.labels)) this.zoom = null;
@@ -100,7 +101,7 @@ export class Plane {
     const { curves, backdrop } = this.#picture, frame = this.frame, style = this.#style(), map = this.#map;
     axes(pen, frame, map, this.#picture, style);
     inside(pen, frame, () => {
-      backdrop?.(pen, map, style.colour);
+      backdrop?.(pen, map, style.colour, frame);
       const top = curves.filter(({ exact }) => exact), faint = this.#time !== null;
       for (const curve of [...curves.filter(({ exact }) => !exact).toReversed(), ...top]) {
         trace(pen, map, curve, style.colour, { width: style.width, faint: faint && !curve.exact });

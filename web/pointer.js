@@ -75,7 +75,7 @@ export function follow(plane, stage, canvas, hovered) {
     const place = placeOf(event);
     const start = onStart(plane, place);
     if (event.pointerType === "touch" && !start && !plane.zoom && !plane.picture.turn) return; // the page is scrolled
-    drag = { ...place, start };
+    drag = { ...place, start, from: place };
     stage.setPointerCapture(event.pointerId);
     plane.hold(drag.start);
     plane.hair(null);
@@ -96,9 +96,10 @@ export function follow(plane, stage, canvas, hovered) {
   });
   const release = (event) => {
     if (!drag) return;
-    const { start } = drag, { left, top } = placeOf(event);
+    const { start, from } = drag, { left, top } = placeOf(event);
     drag = null;
     plane.hold(false);
+    if (event.type === "pointerup" && Math.hypot(left - from.left, top - from.top) < 4) plane.picture.pick?.(left, top);
     if (!start) return;
     const { x, y } = plane.map.at(left, top);
     plane.picture.grab(x, y, true);

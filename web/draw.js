@@ -199,13 +199,14 @@ export function clippings(pen, frame, map, { x, y, colour: name }, colour) {
   return seen.size;
 }
 
-/** A run as it is at time t: where it is, and the way that it has come of late. */
+/** A run as it is at time t: where it is, `{left, top}`, or null where it is not, and the way that it has come of late. */
 export function head(pen, map, curve, t, colour, { width }) {
   const { t: times, x, y } = curve;
-  if (!times || t < times[0]) return;
+  if (!times || t < times[0]) return null;
   const at = indexAt(times, t), back = indexAt(times, t - (times.at(-1) - times[0]) / 25);
   const u = valueAt(times, x, t), v = valueAt(times, y, t);
-  if (!there(u) || !there(v)) return;
+  if (!there(u) || !there(v)) return null;
   stroke(pen, map, curve, colour(curve.colour), 2.2 * width, { from: Math.max(back, at - 2000) + 1, to: at + 1 });
   mark(pen, map, u, v, colour(curve.colour), colour("--paper"), 6.5);
+  return { left: map.x(u), top: map.y(v) };
 }

@@ -1,13 +1,11 @@
 // Where many runs cross a plane, or where a clock finds them: points that come block by block, in a colour for each member.
 import * as api from "./api.js";
 import { axes, motion } from "./card.js";
+import { Crossings } from "./crossings.js";
 import { build, values, words } from "./forms.js";
 import { count } from "./numbers.js";
-import { Plane } from "./plane.js";
-import { extent } from "./scale.js";
 
 const find = (selector) => document.querySelector(`#crossings ${selector}`);
-const reach = 12; // pixels from which a point is taken
 
 /** What is asked for at first: of a motion in a plane the strobe, of one with more variables the plane where the first is zero. */
 function cardsOf(problem) {
@@ -29,41 +27,10 @@ function cardsOf(problem) {
   ];
 }
 
-/** The colours of members, from red over green to violet, as a canvas holds them in memory. */
-function hues(n, bright) {
-  return Uint32Array.from({ length: n }, (_, i) => {
-    const channel = (shift) => {
-      const k = (shift + (i / Math.max(n - 1, 1)) * 9.6) % 12;
-      return Math.round(255 * (bright - 0.35 * Math.max(-1, Math.min(k - 3, 9 - k, 1))));
-    };
-    return 0xff000000 | (channel(4) << 16) | (channel(8) << 8) | channel(0);
-  });
-}
-
-/** Paints blocks of points into the frame of a picture: in memory, which takes a million at once. */
-export function paint(blocks, colours) {
-  return (pen, map, _, frame) => {
-    const sharp = window.devicePixelRatio || 1, wide = Math.round(frame.width * sharp), high = Math.round(frame.height * sharp);
-    const made = new OffscreenCanvas(wide, high), own = made.getContext("2d"), image = own.createImageData(wide, high);
-    const pixels = new Uint32Array(image.data.buffer), dot = Math.max(1, Math.round(1.5 * sharp));
-    for (const { member, x, y } of blocks) {
-      for (let i = 0; i < member.length; i++) {
-        if (x[i] === null || y[i] === null) continue;
-        const u = Math.round((map.x(x[i]) - frame.left) * sharp), v = Math.round((map.y(y[i]) - frame.top) * sharp);
-        if (!(u >= 0 && v >= 0 && u + dot <= wide && v + dot <= high)) continue;
-        for (let b = 0; b < dot; b++) for (let a = 0; a < dot; a++) pixels[(v + b) * wide + u + a] = colours[member[i]];
-      }
-    }
-    own.putImageData(image, 0, 0);
-    pen.drawImage(made, frame.left, frame.top, frame.width, frame.height);
-  };
-}
-
 export class Section {
-  #plane = new Plane(find("canvas"));
+  #crossings = new Crossings(find("canvas"), (member) => this.#run(member));
   #picked; // ({name: value}): the start of a member
   #problem = null;
-  #blocks = [];
   #asked = null;
 
   constructor(picked) {
@@ -85,7 +52,6 @@ export class Section {
   }
 
   clear() {
-    this.#blocks = [];
     find("figure").hidden = find("#one").hidden = true;
   }
 
@@ -105,17 +71,18 @@ export class Section {
     const { where, direction, period, vary, from, to, count: n, x, y } = this.chosen();
     const section = period ? { period, phase: 0 } : { expression: where ?? "", direction };
     this.clear();
-    this.#asked = { vary, from, to, n, x, y };
+    this.#asked = { vary, from, to, n };
+    this.#crossings.start(n, x, y);
+    find("#member").max = n - 1;
     let points = 0, ended = null;
     const request = { ...scene, scheme, section, columns: [...new Set([x, y])], keep: ["section"],
                       members: { vary: { [`/initial/${vary}`]: { grid: [from, to, n] } } } };
     const { faults } = await api.ensemble(request, signal, (line) => {
       if (line.kind === "end") ended = line;
       if (line.kind !== "block") return;
-      this.#blocks.push({ member: line.section.member, x: line.section[x], y: line.section[y] });
-      points += line.section.member.length;
+      find("figure").hidden = find("#one").hidden = line.section.member.length + points === 0;
+      points = this.#crossings.add(line);
       told(`${count(points)} points…`);
-      this.draw();
     });
     if (faults) return { faults };
     const stopped = Object.entries(ended.stopped).map(([reason, some]) => `${count(some)} stopped (${words(reason)})`);
@@ -124,30 +91,7 @@ export class Section {
   }
 
   draw() {
-    const full = this.#blocks.filter(({ member }) => member.length), { n, x, y } = this.#asked ?? {};
-    find("figure").hidden = find("#one").hidden = !full.length;
-    if (!full.length) return;
-    find("#member").max = n - 1;
-    const box = (axis) => {
-      const ends = full.map((block) => extent(block[axis]));
-      return [Math.min(...ends.map(([low]) => low)), Math.max(...ends.map(([, high]) => high))];
-    };
-    const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-    this.#plane.show({ curves: [], view: { x: box("x"), y: box("y"), free: true }, labels: [x, y],
-                       backdrop: paint(full, hues(n, dark ? 0.64 : 0.5)), pick: (left, top) => this.#take(left, top) });
-  }
-
-  /** The member of the point nearest to a place. */
-  #take(left, top) {
-    const { map } = this.#plane;
-    let nearest = reach ** 2, found = null;
-    for (const { member, x, y } of this.#blocks) {
-      for (let i = 0; i < member.length; i++) {
-        const d = (map.x(x[i]) - left) ** 2 + (map.y(y[i]) - top) ** 2;
-        if (d < nearest) [nearest, found] = [d, member[i]];
-      }
-    }
-    if (found !== null) this.#run(found);
+    this.#crossings.draw();
   }
 
   #run(member) {

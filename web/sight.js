@@ -93,7 +93,7 @@ export class Sight {
 
   /** A hand points at time t of a run, null: at none. */
   point(t) {
-    if (!this.#player.playing) this.#at(t ?? this.#player.time);
+    if (!this.#player.playing) this.#at(t ?? this.#player.time, t !== null);
   }
 
   toggle() {
@@ -108,7 +108,7 @@ export class Sight {
     [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies, this.#energy].forEach((part) => part.draw());
   }
 
-  #at(t) {
-    [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies].forEach((part) => part.at(t));
+  #at(t, told) {
+    [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies].forEach((part) => part.at(t, told));
   }
 }

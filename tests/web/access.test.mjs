@@ -14,7 +14,7 @@ async function violations(page, some) {
 
 const parts = {
   "a lesson and the gallery": { hash: "#lesson=paper", ready: "#lesson[aria-busy=false]", open: ".all summary" },
-  "a lesson that measures": { hash: "#lesson=digits", ready: "#lesson[aria-busy=false]" },
+  "a lesson that measures": { hash: "#lesson=digits", ready: "#lesson .precision canvas" },
   "the workbench": { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis", open: ".curl summary" },
   "a scene as text, with a fault": { hash: "#problem=custom&problem.variables=q&problem.potential=k*q^2", ready: "#spot-formula mark", expected: /422/ },
 };
@@ -35,7 +35,8 @@ async function tabTo(page, selector) {
     await page.keyboard.press("Tab");
     const ring = await page.evaluate((wanted) => {
       const at = document.activeElement;
-      return at.matches(wanted) && getComputedStyle(at).outlineStyle !== "none";
+      const { outlineStyle, outlineWidth } = getComputedStyle(at);
+      return at.matches(wanted) && outlineStyle !== "none" && parseFloat(outlineWidth) >= 2;
     }, selector);
     if (ring) return;
   }

@@ -81,6 +81,11 @@ const claims = {
     const apart = a.trajectory.x.map((x, i) => Math.abs(x - b.trajectory.x[i])), part = Math.floor(apart.length / 5);
     assert.ok(largest(apart.slice(0, part)) < 1e-2 && largest(apart.slice(-2 * part)) > 10);
   },
+  islands(points) {
+    const found = widths(points), sways = found.filter((width) => width < Math.PI).length;
+    assert.ok(found.length === 40 && sways >= 5 && sways <= 15 && found.filter((width) => width > 5.4).length === 40 - sways, `${found}`);
+  },
+  typed: (runs) => assert.deepEqual(runs.map(({ final: { x } }) => Math.round(x)), [1, -1, 1]),
   digits(curves) {
     assert.equal(curves.length, 5);
     const slope = ({ points }) => {
@@ -91,6 +96,16 @@ const claims = {
     assert.ok(slope(curves[2]) > 6, `order 8: ${slope(curves[2])}`);
   },
 };
+
+/** How wide each member of a portrait is. */
+function widths({ member, x }) {
+  const ends = new Map();
+  member.forEach((m, i) => {
+    const [low, high] = ends.get(m) ?? [Infinity, -Infinity];
+    ends.set(m, [Math.min(low, x[i]), Math.max(high, x[i])]);
+  });
+  return [...ends.values()].map(([low, high]) => high - low);
+}
 
 pageTest("every lesson runs, its claim is true, and its picture is in sight on every screen", { ...calm, viewport: { width: 1280, height: 720 } }, async (page) => {
   for (const [i, lesson] of lessons.entries()) {
@@ -130,7 +145,6 @@ if (folder) mkdirSync(folder, { recursive: true });
 async function assertInSight(page, name, selector) {
   for (const [width, height] of screens) {
     await page.setViewportSize({ width, height });
-    await frames(page);
     const { y, height: high, width: wide } = await page.locator(selector).first().boundingBox();
     const shown = Math.min(y + high, height) - y;
     assert.ok(y >= 0 && shown > Math.min(0.75 * high, 0.35 * height) && wide > 0.25 * width,

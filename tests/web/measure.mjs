@@ -55,7 +55,7 @@ try {
   await many.goto(`${origin}/#problem=henon_heiles&until.t=20`);
   await many.waitForSelector("#results[aria-busy=false]");
   const crossings = await many.evaluate(async () => {
-    const { paint } = await import("./section.js"), n = 1e6, found = [];
+    const { paint } = await import("./crossings.js"), n = 1e6, found = [];
     const values = (of) => Float64Array.from({ length: n }, (_, i) => of(i * 0.618));
     const block = { member: Int32Array.from({ length: n }, (_, i) => i % 40), x: values(Math.sin), y: values((v) => Math.sin(1.7 * v)) };
     const canvas = Object.assign(document.createElement("canvas"), { width: 1200, height: 600 }), pen = canvas.getContext("2d");

@@ -29,7 +29,7 @@ test("the page forbids foreign and inline code", options, async () => {
   assert.doesNotMatch(await response.text(), /\sstyle=|\son\w+=|<style|<script>/);
 });
 
-pageTest("every problem of the catalogue rebuilds the forms and runs", {}, async (page) => {
+pageTest("every problem of the catalogue rebuilds the forms and runs, also with its first preset", {}, async (page) => {
   let excluded = 0;
   for (const problem of catalogue.problems) {
     await page.evaluate((hash) => (location.hash = hash), `problem=${problem.id}&record.samples=800`);
@@ -51,10 +51,10 @@ pageTest("every problem of the catalogue rebuilds the forms and runs", {}, async
     await assertRan(page, problem);
     await assertDrawn(page);
     assert.equal(await page.locator("#energy").isVisible(), problem.columns.includes("energy"), problem.id);
-    for (const preset of problem.presets) {
-      await page.selectOption("#preset", preset.name);
+    for (const { name } of problem.presets.slice(0, 1)) {
+      await page.selectOption("#preset", name);
       await settled(page);
-      await assertRan(page, problem, preset.name);
+      await assertRan(page, problem, name);
     }
   }
   assert.ok(excluded > 0, "some pair of problem and scheme is impossible, and is not offered");
@@ -182,7 +182,7 @@ pageTest("a new request drops the one under way", {}, async (page) => {
   page.on("requestfailed", (request) => dropped.push(request.postDataJSON().until.t));
   let slow = true;
   await page.route("**/v1/simulate", async (route) => {
-    if (slow) await new Promise((resolve) => setTimeout(resolve, 1000));
+    if (slow) await new Promise((resolve) => setTimeout(resolve, 500));
     await route.continue().catch(() => {});
   });
   await page.fill("[data-pointer='/until/t']", "10");
@@ -194,7 +194,7 @@ pageTest("a new request drops the one under way", {}, async (page) => {
   await page.press("[data-pointer='/until/t']", "Enter");
   await settled(page);
   assert.equal(await number(page, "steps", "A"), 2000);
-  await page.waitForTimeout(1200);
+  await page.waitForTimeout(600);
   assert.equal(await number(page, "steps", "A"), 2000, "the late answer is not shown");
   assert.deepEqual(dropped.filter((t) => t === 10), [10, 10]);
 });

@@ -73,3 +73,13 @@ pageTest("curves in space are turned by hand and by keys", { hash: "#problem=lor
   await page.selectOption("#axes [name=z]", "");
   assert.match(await page.getAttribute(plane("A"), "aria-label"), /^y over x of run A/);
 });
+
+pageTest("the cross-hair of one picture tells its time and values in all", { hash: "#problem=pendulum&until.t=9", reducedMotion: "reduce" }, async (page) => {
+  const { x, y } = await page.locator(plane("A")).boundingBox(), run = await drawn(page, plane("A"), "A"), over = ".pane[data-run=B] canvas.over";
+  assert.equal((await drawn(page, over, "--ink")).count, 0);
+  await page.mouse.move(x + run.left + 2, y + (run.top + run.bottom) / 2);
+  assert.ok((await drawn(page, over, "B")).count > 20, "where B is then");
+  assert.ok((await drawn(page, over, "--ink")).count > 20, "and in numbers");
+  await page.mouse.move(2, 2);
+  assert.equal((await drawn(page, over, "--ink")).count, 0);
+});

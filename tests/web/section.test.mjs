@@ -1,32 +1,34 @@
 // Many runs seen where they cross a plane: the program's points, in the colours of their members, and the way back to a run.
 import assert from "node:assert/strict";
-import { becomes, pageTest, settled } from "./browser.mjs";
+import { becomes, origin, pageTest, settled } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
 
 /** Coloured pixels of the picture: how many, the box around them, and one of them, all in fractions of the canvas. */
 const coloured = (page) => page.locator("#crossings canvas.plane").evaluate((canvas) => {
-  const { width, height } = canvas, pen = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }), seen = [];
+  const { width, height } = canvas, pen = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }), seen = [], hues = new Set();
   pen.drawImage(canvas, 0, 0);
   const { data } = pen.getImageData(0, 0, width, height);
   for (let i = 0; i < data.length; i += 4) {
     const of = [data[i], data[i + 1], data[i + 2]];
-    if (Math.max(...of) - Math.min(...of) > 100) seen.push([((i / 4) % width) / width, Math.floor(i / 4 / width) / height]);
+    if (Math.max(...of) - Math.min(...of) < 100) continue;
+    seen.push([((i / 4) % width) / width, Math.floor(i / 4 / width) / height]);
+    hues.add(of.join());
   }
   const ends = (k) => seen.reduce(([low, high], at) => [Math.min(low, at[k]), Math.max(high, at[k])], [1, 0]);
-  return { count: seen.length, x: ends(0), y: ends(1), one: seen[Math.floor(seen.length / 3)] };
+  return { count: seen.length, hues: hues.size, x: ends(0), y: ends(1), one: seen[Math.floor(seen.length / 3)] };
 });
 
 const chaos = { hash: "#problem=henon_heiles&until.t=300&A=leapfrog&B=leapfrog", expected: /status of 422/ };
 pageTest("a section of many runs: points by member, and a click runs the member", chaos, async (page, context) => {
   const said = () => page.textContent("#section-status");
-  const [answer] = await Promise.all([page.waitForResponse("**/v1/ensemble"), page.click("#measure-section")]);
+  const [question] = await Promise.all([page.waitForRequest("**/v1/ensemble"), page.click("#measure-section")]);
   await becomes(said, (text) => /points of 40 runs with leapfrog/.test(text));
-  const asked = answer.request().postDataJSON();
+  const asked = question.postDataJSON();
   assert.deepEqual([asked.section, asked.columns, asked.members], [{ expression: "x", direction: "up" }, ["y", "py"],
                                                                     { vary: { "/initial/y": { grid: [-0.1, 0.3, 40] } } }]);
-  const { section } = JSON.parse((await answer.text()).split("\n")[1]);
+  const { section } = await (await fetch(`${origin}/v1/ensemble`, { method: "POST", body: JSON.stringify(asked) })).json();
   const seen = await coloured(page);
-  assert.ok(seen.count > 1000, `${seen.count} pixels`);
+  assert.ok(seen.count > 1000 && seen.hues > 30, `${seen.count} pixels in ${seen.hues} colours`);
   await page.locator("#crossings canvas.plane").scrollIntoViewIfNeeded();
   const box = await page.locator("#crossings canvas.plane").boundingBox();
   await page.mouse.click(box.x + seen.one[0] * box.width, box.y + seen.one[1] * box.height);

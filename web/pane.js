@@ -27,7 +27,7 @@ export class Pane {
     const find = (selector) => this.node.querySelector(selector);
     this.#part = { scheme: find(".scheme"), preset: find(".preset"), fields: find(".parameters"), traits: find(".traits"),
                    messages: find(".messages"), caption: find("figcaption .title"), canvas: find("canvas"),
-                   stretches: find("figcaption .stretches"), happened: find("figcaption .happened"),
+                   stretches: find("figcaption .stretches"), happened: find("figcaption .happened"), work: find("figcaption .work"),
                    about: find(".about div"), curl: find(".curl pre"),
                    language: find(".curl select") };
     find(".badge").textContent = name;
@@ -102,6 +102,7 @@ export class Pane {
 
   /** What there is to say of an outcome, after other `notes`. */
   tell(outcome, notes = []) {
+    if (outcome) this.#part.work.textContent = `${count(outcome.cost.force_evaluations)} force evaluations`;
     if (outcome?.choice) notes.push(this.#told(outcome.choice));
     if (outcome?.stop) notes.push(note("stop", stopped(outcome.stop)));
     if (outcome?.events?.length) notes.push(note("events", counted(outcome.events)));

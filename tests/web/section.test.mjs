@@ -45,6 +45,8 @@ pageTest("a section of many runs: points by member, and a click runs the member"
   await page.click("#run-member");
   await settled(page);
   assert.ok(Math.abs(Number(await fieldAt(page, "/initial/y").inputValue()) - 0.3) < 1e-12, "by keys as well");
+  await enter(page, "/initial/px", "0.2");
+  assert.ok(!(await page.isVisible("#crossings canvas")), "another scene has other crossings");
 
   await page.locator("#crossings [data-name=count]").fill("4");
   await page.locator("#crossings [data-name=where]").fill("zz");
@@ -56,8 +58,6 @@ pageTest("a section of many runs: points by member, and a click runs the member"
   await other.goto(page.url());
   await settled(other);
   assert.equal(await other.inputValue("#crossings [data-name=count]"), "4");
-  await enter(page, "/initial/px", "0.2");
-  assert.ok(!(await page.isVisible("#crossings canvas")), "another scene has other crossings");
 });
 
 const blocks = [0, 1].map((k) => ({ kind: "block", section: { member: [k, k], crossing: [0, 1], t: [0, 1], y: [k, k + 0.5], py: [0, 1] } }));

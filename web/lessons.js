@@ -111,7 +111,7 @@ export const lessons = [
     apart: true,
     runs: [{ name: "ε = 1", problem: { epsilon: 1 }, until: { t: 14 } }, { name: "ε = 10", problem: { epsilon: 10 }, until: { t: 40 } },
            { name: "ε = 100", problem: { epsilon: 100 }, until: { t: 330 } },
-           { name: "ε = 1000", problem: { epsilon: 1000 }, until: { t: 3300 } }],
+           { name: "ε = 1000", problem: { epsilon: 1000 }, until: { t: 3300 }, ...h("runge_kutta_4", 0.0005) }],
     views: [{ x: "t", y: "x" }], control: { sets: "problem.epsilon", label: "ε of the first", low: 0.1, high: 20, log: true, run: 0 },
     tells: [["period", "diagnostics.cycle.period"], ["amplitude", "diagnostics.cycle.amplitude"]],
   },

@@ -251,7 +251,7 @@ pageTest("of a formula only what is known gets into the page, and a text never e
     assert.equal(rest.length, 1);
   });
 
-const narrow = { ...own, viewport: { width: 360, height: 740 }, colorScheme: "dark" };
+const narrow = { ...refused, viewport: { width: 360, height: 740 }, colorScheme: "dark" };
 pageTest("on a telephone the text fits, every field has its name, and keys reach them", narrow, async (page) => {
   await page.selectOption("#kind", "potential");
   await page.waitForSelector("[data-key=masses]");

@@ -26,6 +26,7 @@ async function post(path, request, accept, signal) {
 }
 
 const silent = { faults: [{ detail: "The service does not answer. Is it still running?", lost: true }] };
+const broken = { faults: [{ detail: "The answer broke off. Is the service still running?", lost: true }] };
 
 /** What a response says that is no success. */
 function refusal(response, answer) {
@@ -42,7 +43,10 @@ function refusal(response, answer) {
  */
 async function ask(path, request, signal) {
   const response = await post(path, request, "application/json", signal);
-  if (response.faults) return response;
+  return response.faults ? response : whole(response, signal);
+}
+
+async function whole(response, signal) {
   let text;
   try {
     text = await response.text();
@@ -54,33 +58,53 @@ async function ask(path, request, signal) {
   return response.ok && answer ? { outcome: answer } : refusal(response, answer);
 }
 
-/** The card of a scene as text. */
-export const describe = (problem, signal) => ask("v1/problems", { problem }, signal);
-export const simulate = (request, signal) => ask("v1/simulate", request, signal);
-export const stability = (request, signal) => ask("v1/stability", request, signal);
-
-/**
- * A study whose lines go to `take(line)` as they come. Resolves to `{}` at its end, else to `{faults}`; rejects only when
- * aborted.
- */
-export async function workPrecision(request, signal, take) {
-  const response = await post("v1/work-precision", request, "application/x-ndjson", signal);
+/** The same in lines, which go to `take(line)` as they come; resolves to `{}` at the end of them. */
+async function askLines(path, request, signal, take) {
+  const response = await post(path, request, "application/x-ndjson", signal);
   if (response.faults) return response;
+  if (!response.headers.get("Content-Type")?.includes("ndjson")) return whole(response, signal);
   try {
-    if (!response.ok) return refusal(response, parsed(await response.text()));
-    const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+    const reader = response.body.getReader(), decoder = new TextDecoder();
     let rest = "";
     for (;;) {
       const { done, value } = await reader.read();
       if (done) return {};
-      const lines = (rest + value).split("\n");
+      const lines = (rest + decoder.decode(value, { stream: true })).split("\n");
       rest = lines.pop();
       lines.map((line) => JSON.parse(line)).forEach(take);
     }
   } catch (error) {
     if (signal.aborted) throw error;
-    return { faults: [{ detail: "The study broke off. Is the service still running?" }] };
+    return broken;
   }
+}
+
+/** The card of a scene as text, which is looked at from a start. */
+export const describe = (problem, initial, signal) => ask("v1/problems", { problem, initial }, signal);
+export const simulate = (request, signal) => ask("v1/simulate", request, signal);
+export const stability = (request, signal) => ask("v1/stability", request, signal);
+/** Studies of many runs, line by line. */
+export const workPrecision = (request, signal, take) => askLines("v1/work-precision", request, signal, take);
+export const ensemble = (request, signal, take) => askLines("v1/ensemble", request, signal, take);
+
+/**
+ * A run that is seen while it goes on: `take(outcome)` hears of it whenever the service tells how far it is, `status` then
+ * "running", `t` the time that is reached, `trajectory` what is recorded so far.
+ */
+export async function follow(request, signal, take) {
+  let outcome = null;
+  const told = await askLines("v1/simulate", request, signal, ({ kind, ...line }) => {
+    if (kind === "head") {
+      outcome = { ...line, status: "running", trajectory: Object.fromEntries(line.columns.map((column) => [column.name ?? column, []])) };
+    } else if (kind === "samples") {
+      for (const [name, values] of Object.entries(line.trajectory)) for (const value of values) outcome.trajectory[name].push(value);
+    } else {
+      outcome = { ...outcome, ...line };
+      if (kind === "progress") take(outcome);
+    }
+  });
+  if (told.faults || told.outcome) return told;
+  return outcome?.status === "running" || !outcome ? broken : { outcome };
 }
 
 function parsed(text) {

@@ -23,6 +23,15 @@ export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? 
   return { ...request, record: lesson.curve ? { curve: samples } : { samples }, columns: [...columns], diagnostics: [...new Set(kinds)] };
 }
 
+/** What a lesson that measures asks for: `study` schemes on a scene, or the `portrait` of many runs, as the control stands. */
+export function measureOf({ study, portrait, control }, { set }) {
+  const asked = structuredClone(study ?? portrait);
+  if (set === undefined) return asked;
+  const [section, name] = control.sets.split(".");
+  asked[section][name] = set;
+  return asked;
+}
+
 /** What stands at a path of an answer; `last` is the end of a column. */
 export const told = (outcome, path) =>
   path.split(".").reduce((at, key) => (key === "last" ? at?.at(-1) : at?.[key]), outcome);
@@ -32,7 +41,7 @@ export function controlled(lesson, { set, steps }, card) {
   const { control, runs } = lesson;
   if (control.sets === "steps") return steps?.[0] ?? runs[0].scheme[workSetting(runs[0].scheme)];
   if (set !== undefined) return set;
-  const [section, name] = control.sets.split("."), request = requestOf(lesson, control.run ?? 0, {});
+  const [section, name] = control.sets.split("."), request = runs ? requestOf(lesson, control.run ?? 0, {}) : measureOf(lesson, {});
   return request[section][name] ?? presetOf(card, request.problem.preset)?.parameters[name] ??
          card.parameters.find((parameter) => parameter.name === name).default;
 }

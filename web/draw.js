@@ -87,7 +87,7 @@ export function stroke(pen, map, { x, y, series = false }, style, width, { wante
   let drawing = false, length = 0, left = 0, top = 0, low = 0, high = 0, last = 0;
   const line = (a, b) => {
     pen.lineTo(a, b);
-    if (++length < 2000) return;
+    if (++length < 500) return;
     pen.stroke();
     pen.beginPath();
     pen.moveTo(a, b);
@@ -114,7 +114,7 @@ export function stroke(pen, map, { x, y, series = false }, style, width, { wante
       drawing = true;
     }
     const a = far(map.x(x[i])), b = far(map.y(y[i]));
-    if (series ? a - left < 0.5 && a >= left : Math.abs(a - left) < 0.35 && Math.abs(b - top) < 0.35) {
+    if (series ? a - left < 0.5 && a >= left : Math.abs(a - left) < 0.6 && Math.abs(b - top) < 0.6) {
       last = b;
       if (series) [low, high] = [Math.min(low, b), Math.max(high, b)];
       continue;
@@ -138,7 +138,27 @@ export function mark(pen, map, x, y, fill, ring, radius = 5) {
   pen.stroke();
 }
 
-/** A curve of a run with its stretches, its start (a ring) and its end (a disc). */
+/** Where events lie on a curve: diamonds, one where several would cover each other. */
+function happened(pen, map, { t, x, y, events = [] }, ink, paper) {
+  const seen = new Set();
+  for (const when of events) {
+    const u = valueAt(t, x, when), v = valueAt(t, y, when);
+    if (!there(u) || !there(v)) continue;
+    const a = far(map.x(u)), b = far(map.y(v)), key = `${Math.round(a / 4)},${Math.round(b / 4)}`;
+    if (seen.has(key)) continue;
+    seen.add(key);
+    pen.beginPath();
+    [[0, -5], [5, 0], [0, 5], [-5, 0], [0, -5]].forEach(([right, down], i) =>
+      (i ? pen.lineTo(a + right, b + down) : pen.moveTo(a + right, b + down)));
+    pen.fillStyle = paper;
+    pen.fill();
+    pen.strokeStyle = ink;
+    pen.lineWidth = 1.6;
+    pen.stroke();
+  }
+}
+
+/** A curve of a run with its stretches, its events, its start (a ring) and its end (a disc). */
 export function trace(pen, map, curve, colour, { width, faint = false }) {
   const { x, y } = curve, ink = colour(curve.colour);
   pen.setLineDash(curve.dash ?? []);
@@ -148,6 +168,7 @@ export function trace(pen, map, curve, colour, { width, faint = false }) {
   pen.setLineDash([]);
   pen.globalAlpha = 1;
   if (curve.exact || curve.unmarked || faint) return;
+  happened(pen, map, curve, ink, colour("--paper"));
   const first = x.findIndex(there), last = x.findLastIndex(there);
   mark(pen, map, x[last], y[last], ink, ink);
   mark(pen, map, x[first], y[first], colour("--paper"), ink);
@@ -178,13 +199,14 @@ export function clippings(pen, frame, map, { x, y, colour: name }, colour) {
   return seen.size;
 }
 
-/** A run as it is at time t: where it is, and the way that it has come of late. */
+/** A run as it is at time t: where it is, `{left, top}`, or null where it is not, and the way that it has come of late. */
 export function head(pen, map, curve, t, colour, { width }) {
   const { t: times, x, y } = curve;
-  if (!times || t < times[0]) return;
+  if (!times || t < times[0]) return null;
   const at = indexAt(times, t), back = indexAt(times, t - (times.at(-1) - times[0]) / 25);
   const u = valueAt(times, x, t), v = valueAt(times, y, t);
-  if (!there(u) || !there(v)) return;
+  if (!there(u) || !there(v)) return null;
   stroke(pen, map, curve, colour(curve.colour), 2.2 * width, { from: Math.max(back, at - 2000) + 1, to: at + 1 });
   mark(pen, map, u, v, colour(curve.colour), colour("--paper"), 6.5);
+  return { left: map.x(u), top: map.y(v) };
 }

@@ -9,10 +9,12 @@ import { fill } from "./legend.js";
 import { Live } from "./live.js";
 import { count } from "./numbers.js";
 import { pictureOf } from "./pictures.js";
-import { coarse, controlled, requestOf } from "./asked.js";
+import { coarse, controlled, measureOf, requestOf } from "./asked.js";
 import { Plane } from "./plane.js";
 import { Player } from "./player.js";
+import { Portrait } from "./portrait.js";
 import { slider } from "./sliders.js";
+import { begin, turnedBy } from "./space.js";
 import { Study } from "./study.js";
 import { equalWork, rounded, workSetting } from "./work.js";
 
@@ -24,7 +26,7 @@ export class Lesson {
   #state = {};
   #planes = [];
   #bodies = [];
-  #angles = { around: 0.6, up: 0.35 };
+  #angles = begin;
   #runs = [];
   #control = null;
   #study = null;
@@ -96,11 +98,11 @@ export class Lesson {
   // ---- what there is
 
   get #problem() {
-    return this.#catalogue.problems.find(({ id }) => id === (this.#lesson.study ?? this.#lesson.scene).problem.id);
+    return this.#catalogue.problems.find(({ id }) => id === (this.#lesson.scene ?? measureOf(this.#lesson, {})).problem.id);
   }
 
   #build() {
-    const { title: claim, look, see, views = [], runs, control, apart, layout, study } = this.#lesson, at = lessons.indexOf(this.#lesson);
+    const { title: claim, look, see, views = [], runs, control, apart, layout, study, portrait } = this.#lesson, at = lessons.indexOf(this.#lesson);
     find("#which").value = this.#lesson.id;
     find("#previous").disabled = at === 0;
     find("#next").disabled = at === lessons.length - 1;
@@ -127,9 +129,8 @@ export class Lesson {
       this.#bodies.push(new Bodies(canvas));
       return figure("of-body", canvas);
     })));
-    this.#study = this.#lesson.study ? new Study(find("#stage"), this.#catalogue.schemes) : null;
+    this.#study = study ? new Study(find("#stage"), this.#catalogue.schemes) : portrait ? new Portrait(find("#stage"), this.#lesson.labels) : null;
     find(".player").hidden = views.every(({ bins }) => bins);
-    find("#to-bench").href = this.#study ? benchLink(study.schemes.map((scheme) => ({ ...study, scheme }))) : "#problem=kepler";
     this.#control = control ? slider(control.label, control, this.#setting(), (value, done) => this.#move(value, done)) : null;
     find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));
     const comparable = !this.#study && runs.length > 1 && control.sets === "steps";
@@ -174,7 +175,11 @@ export class Lesson {
   #ask(urgent, samples) {
     this.#busy(true);
     const study = this.#study;
-    if (study) return void study.run(this.#lesson.study).then(() => study === this.#study && this.#shown());
+    if (study) {
+      const asked = measureOf(this.#lesson, this.#state);
+      find("#to-bench").href = benchLink(study.requests(asked));
+      return void study.run(asked).then(() => study === this.#study && this.#shown());
+    }
     const requests = this.#lesson.runs.map((_, i) => requestOf(this.#lesson, i, this.#state, samples));
     this.#live.ask({ requests, first: !this.#runs.length, lesson: this.#lesson }, urgent);
   }
@@ -208,7 +213,7 @@ export class Lesson {
 
   #drawViews() {
     const { views, apart } = this.#lesson, variable = (name) =>
-      this.#problem.variables.find((card) => card.name === name)?.symbol || name;
+      this.#problem?.variables.find((card) => card.name === name)?.symbol || name;
     const settings = { angles: this.#angles, symbol: variable };
     const shown = apart ? this.#runs.map((run) => pictureOf(views[0], [run], settings))
       : views.filter(({ body }) => !body).map((view) => pictureOf(view, this.#runs, settings));
@@ -233,11 +238,11 @@ export class Lesson {
   }
 
   #rotate(right, down) {
-    this.#angles = { around: this.#angles.around + right / 120, up: Math.max(-1.57, Math.min(1.57, this.#angles.up + down / 120)) };
+    this.#angles = turnedBy(this.#angles, right, down);
     this.#drawViews();
   }
 
   #hover(t) {
-    if (!this.#player.playing) [...this.#planes, ...this.#bodies].forEach((part) => part.at(t ?? this.#player.time));
+    if (!this.#player.playing) [...this.#planes, ...this.#bodies].forEach((part) => part.at(t ?? this.#player.time, t !== null));
   }
 }

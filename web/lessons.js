@@ -6,6 +6,7 @@
 //   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one
 //   curve, points states evenly along the curve instead of in time; how many
 //   control       one slider: what it sets (`steps`: of all runs, in proportion), from where to where
+//   study         error over cost of some schemes, in the place of runs; portrait: where many runs cross a plane, under labels
 //   tells         numbers beside each run: a name and the path to it in the answer
 const h = (id, step, more = {}) => ({ scheme: { id, step, ...more } });
 const steps = (low, high) => ({ sets: "steps", label: "step h", low, high, log: true });
@@ -110,7 +111,7 @@ export const lessons = [
     apart: true,
     runs: [{ name: "ε = 1", problem: { epsilon: 1 }, until: { t: 14 } }, { name: "ε = 10", problem: { epsilon: 10 }, until: { t: 40 } },
            { name: "ε = 100", problem: { epsilon: 100 }, until: { t: 330 } },
-           { name: "ε = 1000", problem: { epsilon: 1000 }, until: { t: 3300 } }],
+           { name: "ε = 1000", problem: { epsilon: 1000 }, until: { t: 3300 }, ...h("runge_kutta_4", 0.0005) }],
     views: [{ x: "t", y: "x" }], control: { sets: "problem.epsilon", label: "ε of the first", low: 0.1, high: 20, log: true, run: 0 },
     tells: [["period", "diagnostics.cycle.period"], ["amplitude", "diagnostics.cycle.amplitude"]],
   },
@@ -124,6 +125,16 @@ export const lessons = [
            { name: "from half a turn", initial: { q: 0, p: 0.5 } }],
     views: [{ x: "t", y: "p", labels: ["time", "spin"] }, { body: "moon" }],
     control: { sets: "problem.epsilon", label: "how oblong, ε", low: 0.001, high: 0.1, log: true }, tells: [["spin at the end", "final.p"]],
+  },
+  {
+    id: "islands", title: "An island of moons that show one face, in a sea of moons that turn on",
+    look: "Forty moons at different spins, each a colour: how it stands and turns once in every revolution.",
+    see: "Near one turn per revolution a moon sways about one face: closed curves, an island. The others turn on, curves from " +
+         "edge to edge. Make the moon more oblong: islands grow, and between them the curves dissolve into chaos.",
+    portrait: { problem: { id: "spin_orbit", epsilon: 0.0075 }, initial: { q: 0, p: 1 }, until: { t: 300 * tau },
+                scheme: { id: "contact_leapfrog", step: tau / 40 }, section: { period: tau, phase: 0 }, columns: ["q_wrapped", "p"],
+                keep: ["section"], members: { vary: { "/initial/p": { grid: [0.7, 1.7, 40] } } } },
+    labels: ["angle", "spin"], control: { sets: "problem.epsilon", label: "how oblong, ε", low: 0.001, high: 0.1, log: true },
   },
   {
     id: "cosmos", title: "Where H = 0, every orbit runs on one sphere, from pole to pole",
@@ -158,6 +169,19 @@ export const lessons = [
       { name: `from (${x}, ${y})`.replaceAll("-", "−"), initial: { x, y } })),
     views: [{ x: "x", y: "y" }, { x: "t", y: "potential" }],
     control: { sets: "problem.c", label: "tilt c", low: -0.9, high: 0.9 }, tells: [["ends at x", "final.x"]],
+  },
+  {
+    id: "typed", title: "A scene is a line of text, and where it ends may hang on a hair",
+    look: "A ball in a double well, with friction, typed as L = vx²/2 + x²/2 − x⁴/4 − α s. Three starts, a little apart.",
+    see: "Friction takes the energy to cross the ridge; two end in one well, the third in the other. Another friction deals the " +
+         "wells anew. Open it in the workbench and change the text.",
+    scene: { problem: { id: "custom", title: "Double well with friction", variables: ["x"], parameters: { alpha: 0.1 },
+                        lagrangian: "vx^2/2 + x^2/2 - x^4/4 - alpha*s", alpha: 0.1 },
+             until: { t: 60 }, scheme: { id: "contact_splitting", step: 0.05, composition: "suzuki_4" } },
+    runs: [{ name: "from 1.6", initial: { x: 1.6, px: 0 } }, { name: "from 2", initial: { x: 2, px: 0 } },
+           { name: "from 2.2", initial: { x: 2.2, px: 0 } }],
+    views: [{ x: "t", y: "x" }, { x: "x", y: "px" }], control: { sets: "problem.alpha", label: "friction α", low: 0.02, high: 0.5, log: true },
+    tells: [["x at the end", "final.x"]],
   },
   {
     id: "heat", title: "Energy stays and entropy never falls: a scheme can respect both, or neither",

@@ -1,11 +1,11 @@
 // What is on the screen as the part of the address behind `#`, and back: `lesson=orbit`, or an experiment,
 // `problem=kepler&initial.x=0&A=leapfrog&A.step=0.01…`, which has the sections of a request and its schemes under the names
-// of the runs: {problem: {id, …}, preset: {id}, initial: {…}, until: {t}, record: {samples}, axes: {x, y}, A: {id, …}, …}.
+// of the runs: {problem: {id, …}, preset: {id}, initial: {…}, until: {t}, record: {samples}, axes: {x, y, z}, A: {id, …}, …}.
 // What has its default is left out. The text of a scene of one's own stands in the section of its problem.
 import { linked } from "./text.js";
 
 export const names = ["A", "B", "C", "D", "E", "F"];
-const sections = ["problem", "preset", "initial", "until", "record", "columns", "axes", "view", "study", ...names];
+const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", ...names];
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();

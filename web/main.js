@@ -16,9 +16,21 @@ let bench = null, lesson = null, shown = null, at = "";
  */
 function note(hash, quietly) {
   if (hash === location.hash || location.hash !== at) return;
-  if (quietly) history.replaceState(null, "", hash);
-  else history.pushState(null, "", hash);
+  if (quietly) history.replaceState(history.state, "", hash);
+  else history.pushState({ steps: steps() + 1 }, "", hash);
   at = location.hash;
+  find("#undo").disabled = steps() === 0;
+}
+
+/** How many steps of this page there are to go back. */
+const steps = () => history.state?.steps ?? 0;
+
+/** Ctrl+Z where it does not belong to a text that is being typed; the step to go back to stands in the address. */
+function undoes(event) {
+  const { key, ctrlKey, metaKey, shiftKey, target } = event;
+  if (key !== "z" || !(ctrlKey || metaKey) || shiftKey || target.closest("input[type=text], textarea") || !steps()) return false;
+  event.preventDefault();
+  return true;
 }
 
 function tell(text) {
@@ -44,6 +56,7 @@ function show(part, selector) {
 /** Shows what the address says. */
 function route(catalogue) {
   at = location.hash;
+  find("#undo").disabled = steps() === 0;
   const asked = at || lessonHash(lessons[0].id), link = lessonOf(asked);
   if (link) {
     show(lesson, "#lesson");
@@ -62,7 +75,8 @@ try {
   bench = new Bench(catalogue, note);
   lesson = new Lesson(catalogue, openLesson);
   addEventListener("hashchange", () => route(catalogue));
-  addEventListener("keydown", (event) => shown?.key(event));
+  addEventListener("keydown", (event) => (undoes(event) ? history.back() : shown?.key(event)));
+  find("#undo").addEventListener("click", () => history.back());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [bench, lesson].forEach((part) => part.draw()));
   route(catalogue);
 } catch (error) {

@@ -2,7 +2,7 @@
 import * as api from "./api.js";
 import { choose, element, faultText, words } from "./forms.js";
 import { formulaOf } from "./math.js";
-import { definitionOf, entries, kinds, placeOf, textsOf } from "./text.js";
+import { definitionOf, entries, kinds, placeOf, startIn, textsOf } from "./text.js";
 
 const find = (selector) => document.querySelector(`#own ${selector}`);
 const pause = 300; // ms without a key before the text is read
@@ -35,15 +35,22 @@ function heading(kind, coordinates) {
 
 export class Own {
   #typed; // (card, definition) of a text that was read after it was typed
+  #start;
   #parts = new Map(); // by key: {node, input, name, spot}
   #examples = null;
   #flight = null;
   #timer = 0;
+  #faulty = false;
+  #said = ""; // the texts and faults that are shown
   #formulas = {}; // by kind, while another kind is tried
 
-  /** `typed(card, definition)`: a text was read, null where it cannot be; `stirred()`: a key; `picked(example)`. */
-  constructor({ typed, stirred, picked }) {
+  /**
+   * `typed(card, definition)`: a text was read, null where it cannot be; `stirred()`: a key; `picked(example)`; `start()`:
+   * the start as it stands.
+   */
+  constructor({ typed, stirred, picked, start }) {
     this.#typed = typed;
+    this.#start = start;
     find(".fields").append(...fields.flatMap((field) => [this.#field(field), ...(field.key === "formula" ? [find("#found")] : [])]));
     choose(find("#kind"), kinds.map((id) => ({ id, title: names[id] })));
     find("#kind").addEventListener("change", () => this.#turn());
@@ -102,9 +109,15 @@ export class Own {
     return (await this.#ask())?.card ?? null;
   }
 
+  /** Reads a text that had faults once more: from another start it may have none. */
+  again() {
+    if (this.#faulty) this.#read();
+  }
+
   close() {
     clearTimeout(this.#timer);
     this.#flight?.abort();
+    this.#faulty = false;
     document.querySelector("#own").hidden = true;
   }
 
@@ -148,10 +161,13 @@ export class Own {
   async #ask() {
     this.#flight?.abort();
     const mine = (this.#flight = new AbortController()), texts = this.texts, { problem, faults: doubled } = definitionOf(texts);
+    const start = startIn(problem, this.#start());
     try {
-      const { outcome: card = null, faults = [] } = doubled.length ? { faults: doubled } : await api.describe(problem, mine.signal);
+      const from = doubled.length ? { faults: doubled } : await api.describe(problem, start, mine.signal);
+      // What can be read, but not from this start, is shown; another start may do.
+      const { outcome: card = null } = from.faults && start && !doubled.length ? await api.describe(problem, undefined, mine.signal) : from;
       if (mine.signal.aborted) return null;
-      this.#mark(texts, faults);
+      this.#mark(texts, from.faults ?? [], card);
       if (card) this.#tell(card);
       return { card, problem };
     } catch (error) {
@@ -161,8 +177,13 @@ export class Own {
   }
 
   /** Shows faults under their fields, each with its place in the text. */
-  #mark(texts, faults) {
-    const elsewhere = [];
+  #mark(texts, faults, card) {
+    const said = JSON.stringify([texts, faults]), elsewhere = [];
+    this.#faulty = faults.length > 0;
+    find("#found").classList.toggle("stale", !card);
+    if (!card) find("#form").textContent = "This cannot be read: see the marked place. The rest stays with what was read before.";
+    if (said === this.#said) return; // the same once more: a hand may be on it
+    this.#said = said;
     for (const { input, spot } of this.#parts.values()) {
       spot.replaceChildren();
       input.removeAttribute("aria-invalid");
@@ -179,8 +200,6 @@ export class Own {
       part.input.setAttribute("aria-describedby", part.spot.id);
     }
     find("#unplaced").replaceChildren(...elsewhere);
-    find("#found").classList.toggle("stale", faults.length > 0);
-    if (faults.length) find("#form").textContent = "This cannot be read: see the marked place. The rest stays with what was read before.";
   }
 
   #tell({ formula, form, equations = {}, equations_note: note = "", schemes }) {

@@ -1,5 +1,5 @@
 // One run of the comparison: its scheme and the form for it, its request, its picture and what went wrong.
-import { simulate } from "./api.js";
+import { follow } from "./api.js";
 import { colourOf, fineness, presetOf, schemeCards, schemePresets, title } from "./card.js";
 import { build, choose, clearFaults, element, faultText, prose, showFault, values, words } from "./forms.js";
 import { names } from "./link.js";
@@ -27,7 +27,7 @@ export class Pane {
     const find = (selector) => this.node.querySelector(selector);
     this.#part = { scheme: find(".scheme"), preset: find(".preset"), fields: find(".parameters"), traits: find(".traits"),
                    messages: find(".messages"), caption: find("figcaption .title"), canvas: find("canvas"),
-                   stretches: find("figcaption .stretches"),
+                   stretches: find("figcaption .stretches"), happened: find("figcaption .happened"), work: find("figcaption .work"),
                    about: find(".about div"), curl: find(".curl pre"),
                    language: find(".curl select") };
     find(".badge").textContent = name;
@@ -89,20 +89,25 @@ export class Pane {
       say("Source:", (scheme.references ?? []).join("; ")));
   }
 
-  /** Runs `request`: `{outcome}`, null when the service refused it, and whether it is `lost`. */
-  async run(request, sceneFields, signal) {
+  /** Runs `request`: `{outcome}`, null when the service refused it, and whether it is `lost`; `take(outcome)` on the way. */
+  async run(request, sceneFields, signal, take) {
     this.#entitle(request.scheme);
     this.#request = request;
     this.#spell();
-    const { outcome, faults = [] } = await simulate(request, signal);
+    const { outcome = null, faults = [] } = await follow(request, signal, take);
     if (outcome?.choice) this.#entitle(outcome.scheme, "auto: ");
-    const notes = faults.map((fault) => this.#fault(fault, [this.#part.fields, ...sceneFields]));
+    this.tell(outcome, faults.map((fault) => this.#fault(fault, [this.#part.fields, ...sceneFields])));
+    return { outcome, lost: faults.some(({ lost }) => lost) };
+  }
+
+  /** What there is to say of an outcome, after other `notes`. */
+  tell(outcome, notes = []) {
+    if (outcome) this.#part.work.textContent = `${count(outcome.cost.force_evaluations)} force evaluations`;
     if (outcome?.choice) notes.push(this.#told(outcome.choice));
     if (outcome?.stop) notes.push(note("stop", stopped(outcome.stop)));
     if (outcome?.events?.length) notes.push(note("events", counted(outcome.events)));
     for (const warning of outcome?.warnings ?? []) notes.push(note("warning", warning.detail || warning.code));
     this.#part.messages.replaceChildren(...(notes.length ? [element("ul", {}, ...notes)] : []));
-    return { outcome: outcome ?? null, lost: faults.some(({ lost }) => lost) };
   }
 
   #spell() {
@@ -131,7 +136,8 @@ export class Pane {
 
   /** An entry of the list of faults that leads to the field, where there is one. */
   #fault(fault, containers) {
-    const own = /^\/columns\/\d+/.test(fault.pointer ?? ""), input = showFault(containers, own ? { ...fault, pointer: "/columns/more" } : fault);
+    const [, own] = /^\/(columns|events)\/\d+/.exec(fault.pointer ?? "") ?? [];
+    const input = showFault(containers, own ? { ...fault, pointer: `/${own}/more` } : fault);
     if (!input) return note("fault", `${fault.pointer ? `${fault.pointer}: ` : ""}${faultText(fault)}`);
     const lead = element("button", { type: "button", textContent: words(input.dataset.name) });
     lead.addEventListener("click", () => input.focus());
@@ -147,7 +153,8 @@ export class Pane {
     const curve = picture?.curves[0];
     this.#part.canvas.setAttribute("aria-label", curve
       ? `${picture.labels[1]} over ${picture.labels[0]} of run ${this.name}: ${this.title}` : `Run ${this.name}: nothing to show`);
-    this.#part.stretches.hidden = !curve?.x.some((_, i) => curve.stretched(i));
+    this.#part.stretches.hidden = !curve?.stretched || !curve.x.some((_, i) => curve.stretched(i));
+    this.#part.happened.hidden = !curve?.events.length;
     this.plane.show(picture);
   }
 
@@ -177,10 +184,11 @@ const orders = (order) => (order !== null && typeof order === "object"
 // What happened during a run: one, several.
 const happenings = { switch: ["switch", "switches"], parameter: ["change of parameter", "changes of parameter"] };
 
-/** How many events there were of each kind. */
+/** How many events there were of each kind, of those of one's own by name. */
 function counted(events) {
-  return [...new Set(events.map(({ kind }) => kind))].map((kind) => {
-    const n = events.filter((event) => event.kind === kind).length, [one, several = one] = happenings[kind] ?? [words(kind)];
+  const called = ({ kind, name = kind }) => (kind === "event" ? name : kind), kinds = [...new Set(events.map(called))];
+  return kinds.map((kind) => {
+    const n = events.filter((event) => called(event) === kind).length, [one, several = one] = happenings[kind] ?? [words(kind)];
     return `${count(n)} ${n === 1 ? one : several}`;
   }).join(", ");
 }

@@ -1,6 +1,6 @@
-// What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms, views in space.
-import { stroke } from "./draw.js";
+// What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms.
 import { commonView, curveOf, extent } from "./scale.js";
+import { inSpace } from "./space.js";
 
 const names = { error_of_energy: "|H − H₀| / |H₀|", mechanical_energy: "p²/2 + V", energy: "H", distance: "distance to order 8", entropy: "S",
                 potential: "U", step_size: "step" };
@@ -51,54 +51,10 @@ function known([title, of, range], parameters, span, log) {
   return { x: x.map((v, i) => (y[i] === null ? null : v)), y, title, colour: "--ink", dash: [7, 6], exact: true };
 }
 
-// ---- space: turned by two angles, seen from far away
-
-const turned = ({ around, up }) => {
-  const [c, s, u, v] = [Math.cos(around), Math.sin(around), Math.cos(up), Math.sin(up)];
-  return (x, y, z) => [c * x - s * y, v * (s * x + c * y) + u * z];
-};
-
-function ringsOf(radius, seen) {
-  const circle = (of) => {
-    const points = Array.from({ length: 61 }, (_, i) => seen(...of((i / 60) * 2 * Math.PI)));
-    return { x: points.map(([a]) => a), y: points.map(([, b]) => b) };
-  };
-  const rings = [-0.7, 0, 0.7].map((level) => {
-    const r = radius * Math.sqrt(1 - level * level);
-    return circle((w) => [r * Math.cos(w), r * Math.sin(w), radius * level]);
-  });
-  const meridians = [0, 1, 2].map((i) => circle((w) => {
-    const a = (i * Math.PI) / 3;
-    return [radius * Math.sin(w) * Math.cos(a), radius * Math.sin(w) * Math.sin(a), radius * Math.cos(w)];
-  }));
-  return [...rings, ...meridians];
-}
-
-function inSpace(view, runs, angles) {
-  const seen = turned(angles);
-  const curves = runs.map(({ trajectory, ...run }) => {
-    const points = trajectory.t.map((_, i) => seen(...[view.x, view.y, view.z].map((name) => trajectory[name][i])));
-    return { ...run, t: trajectory.t, x: points.map(([a]) => a), y: points.map(([, b]) => b) };
-  });
-  const size = view.ball ?? Math.max(...curves.flatMap(({ x, y }) => [...extent(x), ...extent(y)].map(Math.abs)));
-  const rings = view.ball ? ringsOf(view.ball, seen) : [];
-  const arms = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((arm) => seen(...arm.map((v) => v * size * 1.2)));
-  const backdrop = (pen, map, colour) => {
-    for (const ring of rings) stroke(pen, map, ring, colour("--axis"), 0.7);
-    arms.forEach(([a, b], i) => {
-      stroke(pen, map, { x: [0, a], y: [0, b] }, colour("--soft-ink"), 1);
-      pen.fillStyle = colour("--ink");
-      pen.fillText([view.x, view.y, view.z][i], map.x(a), map.y(b));
-    });
-  };
-  return { curves, view: { x: [-size * 1.2, size * 1.2], y: [-size * 1.2, size * 1.2], free: false },
-           labels: ["drag to turn", ""], backdrop, bare: true };
-}
-
 /** The picture that a `view` of a lesson gives of `runs`: `[{title, colour, trajectory, parameters}]` that have one. */
 export function pictureOf(view, runs, { angles, symbol = (name) => name } = {}) {
   if (!runs.length) return null;
-  if (view.z) return inSpace(view, runs, angles);
+  if (view.z) return inSpace([view.x, view.y, view.z], runs, angles, view);
   const { log = "", box = {}, exact = [] } = view;
   const curves = runs.filter((_, i) => i === (view.run ?? i)).flatMap(({ trajectory, ...run }) => {
     const curve = view.bins ? histogram(trajectory[view.x], view.bins) : curveOf(whole(trajectory, view, runs.at(-1).trajectory), view.x, view.y, log);

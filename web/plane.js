@@ -12,6 +12,7 @@ export class Plane {
   #over;
   #picture = null;
   #time = null;
+  #told = false;
   #hair = null;
   #map = null;
   #held = null; // the view of a start that is being dragged
@@ -46,7 +47,8 @@ export class Plane {
 
   /**
    * `{curves: [{t, x, y, colour: name of a CSS variable, title, stretched?, exact?, dash?}], view, labels: [x, y], log?,
-   * backdrop?(pen, map, colour), grab?(x, y, done)}`, or null for an empty plane. With `grab` the start can be dragged.
+   * backdrop?(pen, map, colour, frame), grab?(x, y, done), pick?(left, top)}`, or null for an empty plane. With `grab` the start
+   * can be dragged; `pick` hears where a hand clicks.
    */
   show(picture) {
     if (String(picture?.labels) !== String(this.#picture?.labels)) this.zoom = null;
@@ -54,10 +56,11 @@ export class Plane {
     this.draw();
   }
 
-  /** Shows the runs as they are at time t, null: whole. */
-  at(t) {
+  /** Shows the runs as they are at time t, null: whole; `told`: with the values there. */
+  at(t, told = false) {
     const began = (this.#time === null) !== (t === null);
     this.#time = t;
+    this.#told = told;
     if (began) this.draw();
     else this.#drawOver();
   }
@@ -100,7 +103,7 @@ export class Plane {
     const { curves, backdrop } = this.#picture, frame = this.frame, style = this.#style(), map = this.#map;
     axes(pen, frame, map, this.#picture, style);
     inside(pen, frame, () => {
-      backdrop?.(pen, map, style.colour);
+      backdrop?.(pen, map, style.colour, frame);
       const top = curves.filter(({ exact }) => exact), faint = this.#time !== null;
       for (const curve of [...curves.filter(({ exact }) => !exact).toReversed(), ...top]) {
         trace(pen, map, curve, style.colour, { width: style.width, faint: faint && !curve.exact });
@@ -114,16 +117,17 @@ export class Plane {
     if (!pen || !this.#map) return;
     const frame = this.frame, map = this.#map, style = this.#style();
     inside(pen, frame, () => {
-      if (this.#time !== null) {
-        for (const curve of this.#picture.curves) if (!curve.exact) head(pen, map, curve, this.#time, style.colour, style);
+      for (const curve of this.#time === null ? [] : this.#picture.curves) {
+        const at = curve.exact ? null : head(pen, map, curve, this.#time, style.colour, style);
+        if (at && this.#told && !this.#hair) this.#say(pen, frame, at, map.at(at.left, at.top), style);
       }
       if (this.#hair) this.#drawHair(pen, frame, map, style);
     });
   }
 
-  #drawHair(pen, frame, map, { colour, font, size }) {
-    const { left, top } = this.#hair, { log = "" } = this.#picture, place = map.at(left, top);
-    pen.strokeStyle = colour("--soft-ink");
+  #drawHair(pen, frame, map, style) {
+    const { left, top } = this.#hair;
+    pen.strokeStyle = style.colour("--soft-ink");
     pen.lineWidth = 1;
     pen.beginPath();
     pen.moveTo(left + 0.5, frame.top);
@@ -131,6 +135,13 @@ export class Plane {
     pen.moveTo(frame.left, top + 0.5);
     pen.lineTo(frame.left + frame.width, top + 0.5);
     pen.stroke();
+    this.#say(pen, frame, this.#hair, map.at(left, top), style);
+  }
+
+  /** The values of a place, beside it. */
+  #say(pen, frame, { left, top }, place, { colour, font, size }) {
+    const { log = "", bare } = this.#picture;
+    if (bare) return; // a place in space has no two values
     const shown = (axis) => format(log.includes(axis) ? 10 ** place[axis] : place[axis], 4);
     const text = `(${shown("x")}, ${shown("y")})`;
     pen.font = `${size}px ${font}`;

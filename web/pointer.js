@@ -1,4 +1,5 @@
-// What a hand does with a picture: it drags it (or the start of a run), enlarges it, points at a place.
+// What a hand does with a picture: it drags it (or the start of a run), enlarges it, points at a place. On the buttons of a
+// picture the arrow keys drag it.
 import { element } from "./forms.js";
 
 const reach = 16; // pixels from which a start is taken hold of
@@ -56,6 +57,14 @@ export function follow(plane, stage, canvas, hovered) {
   };
   stage.append(element("div", { className: "lens" }, button("+", "enlarge", () => enlarge(plane, 1.5)),
                        button("−", "make smaller", () => enlarge(plane, 1 / 1.5)), button("⟲", "show all", () => whole(plane))));
+  stage.addEventListener("keydown", (event) => {
+    const way = { ArrowLeft: [-24, 0], ArrowRight: [24, 0], ArrowUp: [0, -24], ArrowDown: [0, 24] }[event.key];
+    if (!way || !plane.picture || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation(); // no other lesson
+    if (plane.picture.turn) plane.picture.turn(...way);
+    else shift(plane, ...way);
+  });
   const placeOf = (event) => {
     const box = canvas.getBoundingClientRect();
     return { left: event.clientX - box.left, top: event.clientY - box.top };
@@ -66,7 +75,7 @@ export function follow(plane, stage, canvas, hovered) {
     const place = placeOf(event);
     const start = onStart(plane, place);
     if (event.pointerType === "touch" && !start && !plane.zoom && !plane.picture.turn) return; // the page is scrolled
-    drag = { ...place, start };
+    drag = { ...place, start, from: place };
     stage.setPointerCapture(event.pointerId);
     plane.hold(drag.start);
     plane.hair(null);
@@ -87,9 +96,10 @@ export function follow(plane, stage, canvas, hovered) {
   });
   const release = (event) => {
     if (!drag) return;
-    const { start } = drag, { left, top } = placeOf(event);
+    const { start, from } = drag, { left, top } = placeOf(event);
     drag = null;
     plane.hold(false);
+    if (event.type === "pointerup" && Math.hypot(left - from.left, top - from.top) < 4) plane.picture.pick?.(left, top);
     if (!start) return;
     const { x, y } = plane.map.at(left, top);
     plane.picture.grab(x, y, true);

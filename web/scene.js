@@ -6,13 +6,17 @@ import { entries, linked, overrides } from "./text.js";
 
 const find = (selector) => document.querySelector(selector);
 const forms = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record"),
-                columns: find("#columns") };
+                columns: find("#columns"), events: find("#events") };
 export const samples = { name: "samples", label: "points drawn", default: 10000,
                          doc: "how many points of each run are drawn, at most" };
 const more = { name: "more", label: "more columns", type: "text", default: "", hint: "r = sqrt(x^2 + y^2)",
                doc: "columns of your own, name = formula, one after the other with commas" };
-const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]") };
+const happenings = { ...more, label: "events", hint: "apsis = x*px + y*py",
+                     doc: "events of your own, name = formula: where it is zero on the way, the picture has a mark" };
+const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]"), z: find("#axes [name=z]") };
 const logs = { x: find("#axes [name=logx]"), y: find("#axes [name=logy]") };
+
+const typed = (form) => entries(values(form).more ?? "").map(({ name, value }) => ({ name, expression: value ?? "" }));
 
 export class Scene {
   problem = null;
@@ -31,6 +35,7 @@ export class Scene {
     build(forms.until, [until], "/until", experiment.until);
     build(forms.record, [samples], "/record", experiment.record);
     build(forms.columns, [more], "/columns", experiment.columns);
+    build(forms.events, [happenings], "/events", experiment.events);
     forms.problem.parentElement.hidden = problem.parameters.length === 0;
     this.offerAxes(experiment.axes ?? {});
     find("#formula").replaceChildren(...(definition ? [] : formulaOf(problem.formula)));
@@ -48,16 +53,24 @@ export class Scene {
     return preset;
   }
 
-  /** Columns that are typed: `[{name, expression}]`. */
+  /** Columns and events that are typed: `[{name, expression}]`. */
   get columns() {
-    return entries(values(forms.columns).more ?? "").map(({ name, value }) => ({ name, expression: value ?? "" }));
+    return typed(forms.columns);
+  }
+  get events() {
+    return typed(forms.events);
   }
 
-  offerAxes(chosen = { x: axis.x.value, y: axis.y.value, log: this.log }) {
+  offerAxes(chosen = { ...this.#chosen, log: this.log }) {
     const options = axes(this.problem, this.columns), known = (id) => options.some((option) => option.id === id);
     choose(axis.x, options, known(chosen.x) ? chosen.x : options[0].id);
     choose(axis.y, options, known(chosen.y) ? chosen.y : options[1].id);
+    choose(axis.z, [{ id: "", title: "–" }, ...options], chosen.z);
     for (const name of ["x", "y"]) logs[name].checked = (chosen.log ?? "").includes(name);
+  }
+
+  get #chosen() {
+    return Object.fromEntries(Object.entries(axis).map(([name, select]) => [name, select.value]));
   }
 
   /** When the run starts, as the form says or else its default. */
@@ -79,12 +92,12 @@ export class Scene {
     return value.trim() === placeholder ? undefined : values(forms.until);
   }
 
-  /** `[x, y]`: what stands on the axes; their labels; which are logarithmic. */
+  /** `[x, y]`, in space `[x, y, z]`: what stands on the axes; their labels; which are logarithmic. */
   get axes() {
-    return [axis.x.value, axis.y.value];
+    return Object.values(this.#chosen).filter(Boolean);
   }
   get labels() {
-    return [axis.x, axis.y].map((select) => select.selectedOptions[0].textContent);
+    return Object.values(axis).filter(({ value }) => value).map((select) => select.selectedOptions[0].textContent);
   }
   get log() {
     return ["x", "y"].filter((name) => logs[name].checked).join("");
@@ -93,8 +106,8 @@ export class Scene {
   /** The sections of an experiment as the forms stand; of `changed` ones, only what has not its default. */
   values(changed = false) {
     const { problem, ...rest } = Object.fromEntries(Object.entries(forms).map(([name, form]) => [name, values(form, changed)]));
-    const preset = find("#preset").value, [x, y] = this.axes, options = [...axis.x.options].map(({ value }) => value), log = this.log;
-    const seen = { ...(changed && x === options[0] ? {} : { x }), ...(changed && y === options[1] ? {} : { y }), ...(log ? { log } : {}) };
+    const preset = find("#preset").value, [x, y, z] = this.axes, options = [...axis.x.options].map(({ value }) => value), log = this.log;
+    const seen = { ...(changed && x === options[0] ? {} : { x }), ...(changed && y === options[1] ? {} : { y }), ...(z ? { z } : {}), ...(log ? { log } : {}) };
     const own = this.definition ? linked(this.definition) : { id: this.problem.id };
     return { problem: { ...own, ...problem }, ...(preset ? { preset: { id: preset } } : {}), ...rest, axes: seen };
   }

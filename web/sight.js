@@ -6,16 +6,20 @@ import { errorOfEnergy } from "./pictures.js";
 import { Plane } from "./plane.js";
 import { Player } from "./player.js";
 import { commonView, curveOf } from "./scale.js";
+import { begin, boxOf, inSpace, turnedBy } from "./space.js";
 import { fill } from "./table.js";
 
 const find = (selector) => document.querySelector(selector);
 const column = (trajectory, name) => (name === "error_of_energy" ? trajectory.energy && errorOfEnergy(trajectory) : trajectory[name]);
+const times = ({ outcome }) => (outcome?.events ?? []).map(({ t }) => t);
 
 export class Sight {
   #energy = new EnergyPlot(find("#energy"));
   #together = new Plane(find("#all-runs"), (t) => this.point(t));
   #bodies = new Bodies(find("#bodies"));
   #panes = [];
+  #angles = begin;
+  #again = () => {};
   #player = new Player(find("#motion .player"), (t) => this.#at(t));
 
   /**
@@ -24,22 +28,44 @@ export class Sight {
    */
   show(scene, panes, runs, grab) {
     this.#panes = panes;
-    const { axes, log, labels, problem } = scene;
-    const curves = runs.map(({ trajectory, colour, title }) => {
-      const [x, y] = trajectory ? axes.map((name) => column(trajectory, name)) : [];
+    const pictures = scene.axes.length > 2 ? this.#inSpace(scene, runs) : this.#inPlane(scene, runs, grab);
+    panes.forEach((pane, i) => pane.show(pictures(runs.slice(i, i + 1))));
+    this.#together.show(pictures(runs));
+    this.#again = () => this.show(scene, panes, runs, grab);
+    this.#move(scene.problem, runs.filter(({ trajectory }) => trajectory?.t.length > 1));
+  }
+
+  /** The picture of some of the runs, all seen alike: a function of them. */
+  #inPlane({ axes, log, labels, problem }, runs, grab) {
+    const curves = new Map(runs.map((run) => {
+      const { trajectory, colour, title } = run, [x, y] = trajectory ? axes.map((name) => column(trajectory, name)) : [];
       const curve = x && y && curveOf({ ...trajectory, [axes[0]]: x, [axes[1]]: y }, ...axes, log);
-      return curve && { ...curve, series: axes[0] === "t", colour, title };
-    });
-    const here = curves.filter(Boolean), moving = problem.variables.map(({ name }) => name);
-    const length = (name, i) => moving.includes(name) && !log.includes("xy"[i]);
-    const whole = ["x", "y"].filter((axis, i) => axes[i] === "t" || log.includes(axis));
-    const view = commonView(here, whole, !axes.every(length));
-    const picture = (drawn) => (drawn.length ? {
-      curves: drawn, view, labels, log,
-      grab: axes.every(length) ? (x, y, done) => grab({ [axes[0]]: x, [axes[1]]: y }, done) : undefined } : null);
-    panes.forEach((pane, i) => pane.show(picture([curves[i]].filter(Boolean))));
-    this.#together.show(picture(here));
-    this.#move(problem, runs.filter(({ trajectory }) => trajectory?.t.length > 1));
+      return [run, curve && { ...curve, series: axes[0] === "t", colour, title, events: times(run) }];
+    }));
+    const moving = problem.variables.map(({ name }) => name), length = (name, i) => moving.includes(name) && !log.includes("xy"[i]);
+    const whole = ["x", "y"].filter((axis, i) => axes[i] === "t" || log.includes(axis)), plain = axes.every(length);
+    const view = commonView([...curves.values()].filter(Boolean), whole, !plain);
+    return (some) => {
+      const drawn = some.map((run) => curves.get(run)).filter(Boolean);
+      return drawn.length ? { curves: drawn, view, labels, log,
+        grab: plain ? (x, y, done) => grab({ [axes[0]]: x, [axes[1]]: y }, done) : undefined } : null;
+    };
+  }
+
+  #inSpace({ axes, labels, problem }, runs) {
+    const whole = (trajectory) => ({ ...trajectory, ...Object.fromEntries(axes.map((name) => [name, column(trajectory, name)])) });
+    const full = ({ trajectory }) => trajectory && axes.every((name) => column(trajectory, name)?.some((v) => v !== null));
+    const seen = new Map(runs.filter(full).map((run) => [run, { ...run, trajectory: whole(run.trajectory), events: times(run) }]));
+    const equal = axes.every((name) => problem.variables.some((variable) => variable.name === name));
+    const box = boxOf(axes, [...seen.values()], equal);
+    const turn = (right, down) => {
+      this.#angles = turnedBy(this.#angles, right, down);
+      this.#again();
+    };
+    return (some) => {
+      const drawn = some.filter((run) => seen.has(run)).map((run) => seen.get(run));
+      return drawn.length ? { ...inSpace(axes, drawn, this.#angles, { box, labels }), turn } : null;
+    };
   }
 
   #move(problem, runs) {
@@ -67,7 +93,7 @@ export class Sight {
 
   /** A hand points at time t of a run, null: at none. */
   point(t) {
-    if (!this.#player.playing) this.#at(t ?? this.#player.time);
+    if (!this.#player.playing) this.#at(t ?? this.#player.time, t !== null);
   }
 
   toggle() {
@@ -82,7 +108,7 @@ export class Sight {
     [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies, this.#energy].forEach((part) => part.draw());
   }
 
-  #at(t) {
-    [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies].forEach((part) => part.at(t));
+  #at(t, told) {
+    [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies].forEach((part) => part.at(t, told));
   }
 }

@@ -4,6 +4,7 @@ import { title } from "./card.js";
 import { element, faultText } from "./forms.js";
 import { format } from "./numbers.js";
 import { PrecisionPlot } from "./precision.js";
+import { Section } from "./section.js";
 
 const find = (selector) => document.querySelector(selector);
 
@@ -22,13 +23,20 @@ export class Studies {
   #scene = "";
   #underWay = {};
   #plot = new PrecisionPlot(find("#precision"));
+  #section;
 
-  /** `ask()` gives `{scene: {problem, initial, until}, schemes}` as the forms stand. */
-  constructor(schemes, ask) {
+  /** `ask()` gives `{scene: {problem, initial, until}, schemes}` as the forms stand; `picked(start)`: a member is to be run. */
+  constructor(schemes, ask, picked) {
+    this.#section = new Section((start) => {
+      picked(start);
+      this.#scene = JSON.stringify(this.#ask().scene); // what was found stays
+    });
     this.#schemes = schemes;
     this.#ask = ask;
     find("#measure-precision").addEventListener("click", () => this.#start("precision", () => this.#measure()));
     find("#measure-stability").addEventListener("click", () => this.#start("stability", () => this.#search()));
+    find("#measure-section").addEventListener("click", () => this.#start("section", () =>
+      this.#section.measure(this.#ask(), this.#schemes, this.#underWay.section.signal, (text) => this.#tell("section", text))));
     find("#cost").addEventListener("change", (event) => this.#plot.over(event.target.value));
   }
 
@@ -37,17 +45,28 @@ export class Studies {
     const scene = JSON.stringify(this.#ask().scene);
     if (scene === this.#scene) return;
     this.#scene = scene;
-    for (const study of ["precision", "stability"]) {
+    for (const study of ["precision", "stability", "section"]) {
       this.#stop(study);
       this.#tell(study, "");
     }
     this.#plot.start([]);
+    this.#section.clear();
     find("#stability").replaceChildren();
     find("#precision-notes").replaceChildren();
   }
 
   draw() {
     this.#plot.draw();
+    this.#section.draw();
+  }
+
+  /** What stands in a link: the choices of the studies, and of the section of a problem. */
+  offer(problem, { study = {}, section = {} }) {
+    this.choices = study;
+    this.#section.offer(problem, section);
+  }
+  chosen(changed) {
+    return { study: this.choices, section: this.#section.chosen(changed) };
   }
 
   /** What is chosen to be measured, as far as it is not the usual. */

@@ -42,6 +42,11 @@ export class Study {
     }
   }
 
+  /** The runs that a workbench begins with. */
+  requests({ schemes, ...scene }) {
+    return schemes.map((scheme) => ({ ...scene, scheme }));
+  }
+
   stop() {
     this.#underWay?.abort();
   }

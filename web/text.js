@@ -67,6 +67,23 @@ export function unlinked(section) {
 export const overrides = (definition, values) =>
   Object.fromEntries(Object.entries(values).filter(([name, value]) => value !== definition.parameters?.[name]));
 
+/** Of the values that are `set` by hand beside a text, those of parameters that another text gives alike. */
+export function kept(before, { parameters = {} }, set) {
+  const same = Object.entries(parameters).filter(([name, value]) => name in set && before?.parameters?.[name] === value);
+  return Object.fromEntries(same.map(([name]) => [name, set[name]]));
+}
+
+/**
+ * Of a start `{x, vx, …}`, numbers also as text, what a problem of a request has: what belonged to another text is left out.
+ * Undefined where nothing is left: no text is refused for a start that nobody chose.
+ */
+export function startIn({ variables = [], lagrangian, equations }, initial) {
+  const rates = equations ? [] : variables.flatMap((q) => (lagrangian === undefined ? ["p"] : ["p", "v"]).map((letter) => letter + q.replace(/^q/, "")));
+  const known = [...variables, ...rates, "t"];
+  const start = Object.entries(initial).filter(([name, value]) => known.includes(name) && numbered(value) === Number(value));
+  return start.length ? Object.fromEntries(start.map(([name, value]) => [name, Number(value)])) : undefined;
+}
+
 const escaped = (name) => name.replaceAll("~", "~0").replaceAll("/", "~1");
 const unescaped = (name) => name.replaceAll("~1", "/").replaceAll("~0", "~");
 

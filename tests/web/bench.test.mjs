@@ -136,6 +136,7 @@ pageTest("equal work for all runs, and on from the end", {}, async (page) => {
   await page.click("#even");
   await settled(page);
   const [a, b] = [await number(page, "force_evaluations", "A"), await number(page, "force_evaluations", "B")];
+  assert.deepEqual(await all(page, "figcaption .work", "textContent"), [a, b].map((n) => `${n.toLocaleString("en").replaceAll(",", "\u202f")} force evaluations`));
   assert.ok(Math.abs(b / a - 1) < 0.01 && Math.abs(Number(await stepOf(page, "B").inputValue()) - 0.04) < 1e-4, `${a}, ${b}`);
   await page.click("#continue");
   await settled(page);

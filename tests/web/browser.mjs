@@ -2,65 +2,32 @@
 //   LEAST_BINARY      the program (required)
 //   LEAST_BROWSER     a Chromium; else the first one found on the PATH
 //   LEAST_PAGE        a folder whose files stand for those that the program holds, to test the page without building it
-//   LEAST_SCREENSHOT  where to leave a picture of the page as it opens; LEAST_SCREENSHOTS: a folder for pictures of every
-//                     lesson and of the workbench, on screens of four sizes, light and dark
+//   LEAST_SCREENSHOTS a folder for pictures of every lesson and of the workbench, on screens of four sizes, light and dark
 // Without a browser the tests are skipped, loudly; under CI that is a failure.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { accessSync, constants, existsSync } from "node:fs";
-import { delimiter, join } from "node:path";
-import { createInterface } from "node:readline";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { chromium } from "playwright-core";
+import { browserPath, start } from "./served.mjs";
 
-const browserPath = process.env.LEAST_BROWSER || onPath("chromium", "google-chrome", "google-chrome-stable", "chrome");
 if (!browserPath) {
   console.error("\n*** NO BROWSER: THE TESTS OF THE PAGE ARE SKIPPED. Install chromium or set LEAST_BROWSER. ***\n");
   if (process.env.CI) throw new Error("no browser, and under CI the page must be tested");
 }
 export const options = { skip: browserPath ? false : "no browser", timeout: 240_000 };
-const switches = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-                  "--disable-component-update", "--disable-sync"];
 export let origin, catalogue;
 /** Where tests begin that say nothing else: the paper's orbit, one revolution of it, in the workbench. */
 const workbench = "#problem=kepler&until.t=20";
-let service, browser;
+let served, browser;
 
 before(async () => {
   if (!browserPath) return;
-  assert.ok(process.env.LEAST_BINARY, "LEAST_BINARY must name the program");
-  service = spawn(process.env.LEAST_BINARY, ["serve", "--port", "0"], { stdio: ["ignore", "pipe", "ignore"] });
-  origin = await new Promise((resolve, reject) => {
-    createInterface({ input: service.stdout }).on("line", (line) => {
-      const found = /listening on (http:\/\/\S+?)\/?$/.exec(line);
-      if (found) resolve(found[1]);
-    });
-    service.on("error", reject);
-    service.on("exit", (code) => reject(new Error(`the service ended with ${code} before it listened`)));
-  });
+  served = await start();
+  ({ origin, browser } = served);
   catalogue = await (await fetch(`${origin}/v1/catalogue`)).json();
-  browser = await chromium.launch({ executablePath: browserPath, args: switches });
 }, { timeout: 60_000 });
 
-after(async () => {
-  await browser?.close();
-  service?.removeAllListeners("exit");
-  service?.kill("SIGTERM");
-});
-
-function onPath(...names) {
-  for (const name of names) {
-    for (const folder of (process.env.PATH ?? "").split(delimiter)) {
-      try {
-        accessSync(join(folder, name), constants.X_OK);
-        return join(folder, name);
-      } catch {
-        // not here
-      }
-    }
-  }
-  return null;
-}
+after(() => served?.stop());
 
 /** Answers requests for the files of LEAST_PAGE with them, under the headers of the page. */
 async function servePage(context) {
@@ -75,17 +42,60 @@ async function servePage(context) {
   });
 }
 
+/** Keeps what the page tells of each lesson that it shows: of the last in `window.said`, how many in the document's dataset. */
+const listening = (opened) => opened.addInitScript(() =>
+  document.addEventListener("shown", ({ detail }) => {
+    window.said = detail;
+    const { dataset } = document.documentElement;
+    dataset.shown = detail.lesson;
+    dataset.times = Number(dataset.times ?? 0) + 1;
+  }));
+
+// A page is made ready in a tenth of the time that a new one takes to come up, so it is used again where a test asks for no
+// more than what can be set on it.
+let used = null;
+const settable = ["viewport", "reducedMotion", "colorScheme"];
+const usualSize = { width: 1280, height: 900 };
+
+async function pageFor(prepare, context) {
+  const usual = !prepare && Object.keys(context).every((name) => settable.includes(name));
+  const { viewport = usualSize, reducedMotion = "no-preference", colorScheme = "light" } = context;
+  if (usual && used) {
+    const { page } = used;
+    await page.goto("about:blank");
+    await page.setViewportSize(viewport);
+    await page.emulateMedia({ reducedMotion, colorScheme });
+    return used;
+  }
+  const opened = await browser.newContext({ viewport, reducedMotion, colorScheme, ...context });
+  await servePage(opened);
+  await listening(opened);
+  await prepare?.(opened);
+  const page = await opened.newPage();
+  page.setDefaultTimeout(60_000);
+  if (usual) used = { opened, page };
+  return { opened, page };
+}
+
+/** After a test: as it was before, where the page is used again, which it is not when the test `failed`. */
+async function leave({ opened, page }, failed) {
+  if (failed || page !== used?.page) {
+    if (page === used?.page) used = null;
+    return opened.close();
+  }
+  page.removeAllListeners();
+  await page.unrouteAll({ behavior: "ignoreErrors" });
+  for (const other of opened.pages()) if (other !== page) await other.close();
+}
+
 /**
- * Runs `body(page)` on a page at `hash` and fails when the browser complained about anything or asked any other origin
- * for anything. `ready` is what tells that the page has settled; `expected` matches complaints that belong to the case; `prepare(context)` may change what is answered.
+ * Runs `body(page, context)` on a page at `hash` and fails when the browser complained about anything or asked any other
+ * origin for anything. `ready` is what tells that the page has settled; `expected` matches complaints that belong to the
+ * case; `prepare(context)` may change what is answered.
  */
-export function pageTest(name, { hash = workbench, ready = "#results[aria-busy=false]", expected = /^$/, prepare = () => {}, ...context },
-                         body) {
+export function pageTest(name, { hash = workbench, ready = "#results[aria-busy=false]", expected = /^$/, prepare, ...context }, body) {
   test(name, options, async () => {
-    const opened = await browser.newContext({ viewport: { width: 1600, height: 1000 }, ...context });
-    await servePage(opened);
-    await prepare(opened);
-    const page = await opened.newPage();
+    const mine = await pageFor(prepare, context), { page, opened } = mine;
     const complaints = [], failures = [];
     page.on("console", (message) => {
       if (["error", "warning"].includes(message.type())) complaints.push(`console: ${message.text()}`);
@@ -95,16 +105,17 @@ export function pageTest(name, { hash = workbench, ready = "#results[aria-busy=f
       if (new URL(request.url()).origin !== origin) complaints.push(`foreign request: ${request.url()}`);
     });
     page.on("requestfailed", (request) => failures.push(`request failed: ${request.url()}: ${request.failure().errorText}`));
-    page.setDefaultTimeout(60_000);
+    let failed = true;
     try {
       await page.goto(`${origin}/${ready.startsWith("#lesson") && hash === workbench ? "" : hash}`);
       await page.waitForSelector(ready);
       await body(page, opened);
+      failed = false;
     } catch (error) {
       for (const complaint of [...complaints, ...failures]) console.error(complaint); // they may be the cause
       throw error;
     } finally {
-      await opened.close();
+      await leave(mine, failed);
     }
     assert.deepEqual(complaints.filter((complaint) => !expected.test(complaint)), []);
   });

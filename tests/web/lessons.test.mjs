@@ -1,21 +1,13 @@
 // The lessons: each runs, and what it claims is true of the data that the page shows.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
-import { all, becomes, drawn, origin, pageTest } from "./browser.mjs";
+import { all, becomes, drawn, frames, origin, pageTest } from "./browser.mjs";
 import { lessons } from "../../web/lessons.js";
 
 const ready = "#lesson[aria-busy=false]";
 const calm = { ready, reducedMotion: "reduce" };
 
-/** Keeps the data of each lesson that the page shows. */
-const listening = (opened) => opened.addInitScript(() =>
-  document.addEventListener("shown", ({ detail }) => {
-    window.said = detail;
-    const { dataset } = document.documentElement;
-    dataset.shown = detail.lesson;
-    dataset.times = Number(dataset.times ?? 0) + 1;
-  }));
-const said = (page) => page.evaluate(() => window.said);
+const said = async (page) => JSON.parse(await page.evaluate(() => JSON.stringify(window.said)));
 const times = async (page) => Number(await page.getAttribute("html", "data-times"));
 const opened = (page, id) => page.waitForSelector(`html[data-shown=${id}]`);
 
@@ -89,6 +81,11 @@ const claims = {
     const apart = a.trajectory.x.map((x, i) => Math.abs(x - b.trajectory.x[i])), part = Math.floor(apart.length / 5);
     assert.ok(largest(apart.slice(0, part)) < 1e-2 && largest(apart.slice(-2 * part)) > 10);
   },
+  islands(points) {
+    const found = widths(points), sways = found.filter((width) => width < Math.PI).length;
+    assert.ok(found.length === 40 && sways >= 5 && sways <= 15 && found.filter((width) => width > 5.4).length === 40 - sways, `${found}`);
+  },
+  typed: (runs) => assert.deepEqual(runs.map(({ final: { x } }) => Math.round(x)), [1, -1, 1]),
   digits(curves) {
     assert.equal(curves.length, 5);
     const slope = ({ points }) => {
@@ -100,13 +97,22 @@ const claims = {
   },
 };
 
-pageTest("every lesson runs, and its claim is true", { ...calm, viewport: { width: 1280, height: 720 }, prepare: listening }, async (page) => {
+/** How wide each member of a portrait is. */
+function widths({ member, x }) {
+  const ends = new Map();
+  member.forEach((m, i) => {
+    const [low, high] = ends.get(m) ?? [Infinity, -Infinity];
+    ends.set(m, [Math.min(low, x[i]), Math.max(high, x[i])]);
+  });
+  return [...ends.values()].map(([low, high]) => high - low);
+}
+
+pageTest("every lesson runs, its claim is true, and its picture is in sight on every screen", { ...calm, viewport: { width: 1280, height: 720 } }, async (page) => {
   for (const [i, lesson] of lessons.entries()) {
     if (i > 0) await page.keyboard.press("ArrowRight");
     await opened(page, lesson.id);
     const { runs, study } = await said(page);
     claims[lesson.id](study ?? runs);
-    if (i === 0 && process.env.LEAST_SCREENSHOT) await page.screenshot({ path: process.env.LEAST_SCREENSHOT });
     assert.equal(await page.textContent("#claim"), lesson.title);
     assert.equal(await page.textContent("#lesson .wrong"), "");
     assert.equal(await page.locator("#legend tbody tr").count(), lesson.runs?.length ?? 0);
@@ -115,6 +121,7 @@ pageTest("every lesson runs, and its claim is true", { ...calm, viewport: { widt
     for (const colour of ["a", "b"]) {
       if (!study) assert.ok(await seen(page, `--run-${colour}`), `${lesson.id}: run ${colour} is drawn`);
     }
+    await assertInSight(page, lesson.id, "#stage :is(canvas.plane, .precision)");
   }
   assert.equal(lessons.length, Object.keys(claims).length);
   assert.ok(await page.isDisabled("#next"));
@@ -131,34 +138,32 @@ async function seen(page, colour) {
 
 // 640 × 360 is 1280 × 720 at twice the size.
 const screens = [[1280, 720], [1024, 768], [360, 740], [640, 360]];
-for (const colorScheme of process.env.LEAST_SCREENSHOTS ? ["light", "dark"] : ["light"]) {
-  pageTest(`the first screen shows a picture, ${colorScheme}`, { ...calm, colorScheme, prepare: listening }, async (page) => {
-    const folder = process.env.LEAST_SCREENSHOTS;
-    if (folder) mkdirSync(folder, { recursive: true });
-    const visible = async (where, width, height) => {
-      const selector = where.startsWith("#problem") ? ".pane canvas.plane" : "#stage :is(canvas.plane, .precision)";
-      const { y, height: high, width: wide } = await page.locator(selector).first().boundingBox();
-      const shown = Math.min(y + high, height) - y;
-      assert.ok(shown > Math.min(0.75 * high, 0.35 * height) && wide > 0.25 * width, `${where} at ${width} × ${height}: ${shown} of ${high}`);
-      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `${where} is not cut off at ${width}`);
-    };
-    for (const [width, height] of screens) {
-      await page.setViewportSize({ width, height });
-      for (const { id } of folder ? lessons : [lessons[0]]) {
-        await page.evaluate((to) => (location.hash = `lesson=${to}`), id);
-        await opened(page, id);
-        await visible(id, width, height);
-        if (folder) await page.screenshot({ path: `${folder}/${id}-${width}x${height}-${colorScheme}.png` });
-      }
-      await page.evaluate(() => (location.hash = "problem=kepler&until.t=95"));
-      await page.waitForSelector("#experiment:not([hidden]) #results[aria-busy=false]");
-      await visible("#problem=kepler", width, height);
-      if (folder) await page.screenshot({ path: `${folder}/workbench-${width}x${height}-${colorScheme}.png` });
+const folder = process.env.LEAST_SCREENSHOTS;
+if (folder) mkdirSync(folder, { recursive: true });
+
+/** On every screen the first picture, at `selector`, is in sight and nothing is cut off. */
+async function assertInSight(page, name, selector) {
+  for (const [width, height] of screens) {
+    await page.setViewportSize({ width, height });
+    const { y, height: high, width: wide } = await page.locator(selector).first().boundingBox();
+    const shown = Math.min(y + high, height) - y;
+    assert.ok(y >= 0 && shown > Math.min(0.75 * high, 0.35 * height) && wide > 0.25 * width,
+              `${name} at ${width} × ${height}: ${shown} of ${high} at ${y}`);
+    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `${name} is not cut off at ${width}`);
+    for (const colorScheme of folder ? ["light", "dark"] : []) {
+      await page.emulateMedia({ colorScheme });
+      await frames(page);
+      await page.screenshot({ path: `${folder}/${name}-${width}x${height}-${colorScheme}.png` });
     }
-  });
+  }
+  const [[width, height]] = screens;
+  await page.setViewportSize({ width, height });
 }
 
-pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#lesson=pendulum", prepare: listening }, async (page) => {
+pageTest("the workbench shows a picture on the first screen, whatever its size", { hash: "#problem=kepler&until.t=95", reducedMotion: "reduce" },
+  (page) => assertInSight(page, "workbench", ".pane canvas.plane"));
+
+pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#lesson=pendulum" }, async (page) => {
   const forces = async () => (await said(page)).runs.map(({ cost }) => cost.force_evaluations);
   const click = async (button) => {
     const before = await times(page);
@@ -176,7 +181,7 @@ pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#less
   await page.goBack();
 });
 
-pageTest("the control answers while it is dragged, with fewer points, one request at a time", { ...calm, hash: "#lesson=damped", prepare: listening },
+pageTest("the control answers while it is dragged, with fewer points, one request at a time", { ...calm, hash: "#lesson=damped" },
   async (page) => {
     let flying = 0, most = 0;
     const sizes = [];
@@ -202,7 +207,7 @@ pageTest("the control answers while it is dragged, with fewer points, one reques
     assert.equal((await said(page)).runs[0].problem.damping, value, "the newest wins");
   });
 
-pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready, hash: "#lesson=pendulum", prepare: listening }, async (page) => {
+pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready, hash: "#lesson=pendulum" }, async (page) => {
   const body = () => page.locator("#stage canvas.body").evaluate((canvas) => canvas.toDataURL());
   const time = async () => Number((await page.textContent("#lesson .player output")).replace("t = ", ""));
   assert.match(await page.textContent("#lesson .play"), /Pause/, "it plays by itself");
@@ -223,7 +228,7 @@ pageTest("who wishes for less motion sees all at once", { ...calm, hash: "#lesso
   assert.equal(await page.textContent("#lesson .player output"), "t = 1200");
 });
 
-pageTest("presentation: one picture, large type, keys; and back goes back", { ...calm, viewport: { width: 1280, height: 720 }, prepare: listening },
+pageTest("presentation: one picture, large type, keys; and back goes back", { ...calm, viewport: { width: 1280, height: 720 } },
   async (page) => {
     await page.click("#present");
     assert.equal(await page.locator("#stage figure:visible").count(), 2, "the two that are compared");
@@ -268,11 +273,14 @@ pageTest("a view in space is turned by hand", { ...calm, hash: "#lesson=cosmos" 
 pageTest("the page is small", calm, async () => {
   let bytes = 0;
   const { gzipSync } = await import("node:zlib");
-  const files = ["", "page.css", "uPlot.min.css", "uPlot.iife.min.js", "main.js"], seen = new Set(files);
+  const files = [""], seen = new Set();
   for (let i = 0; i < files.length; i++) {
     const text = await (await fetch(`${origin}/${files[i]}`)).text();
     bytes += gzipSync(text).length;
-    for (const [, name] of text.matchAll(/from "\.\/([\w-]+\.js)"/g)) if (!seen.has(name)) files.push(name) && seen.add(name);
+    for (const [, name] of text.matchAll(/(?:from "\.\/|href="|src=")([\w.-]+\.(?:js|css|svg))"/g)) {
+      if (!seen.has(name)) files.push(name);
+      seen.add(name);
+    }
   }
-  assert.ok(files.length > 15 && bytes < 150_000, `${bytes} bytes in ${files.length} files`);
+  assert.ok(files.length > 45 && bytes < 150_000, `${bytes} bytes in ${files.length} files`);
 });

@@ -97,6 +97,19 @@ pageTest("what is typed becomes a scene as good as one of the catalogue", refuse
   assert.equal(await fieldAt(page, "/problem/mu").inputValue(), "3", "but not a value that was typed anew");
 });
 
+const singular = "#problem=custom&problem.variables=q&problem.lagrangian=(1%2Bq)*v^2/2-q^2/2&initial.q=-1&A=contact_gauss";
+pageTest("a text is looked at from the start that is set, and again from another", { hash: singular, expected: /status of 422/ }, async (page) => {
+  const asked = [];
+  page.on("request", (request) => request.url().endsWith("v1/problems") && asked.push(request.postDataJSON().initial));
+  assert.match(await spot(page, "formula").textContent(), /not regular at the start/);
+  assert.match(await page.textContent("#form"), /schemes apply/, "it is shown all the same");
+  await enter(page, "/initial/q", "0.5");
+  await until(() => spot(page, "formula").textContent(), "");
+  assert.deepEqual(asked, [{ q: 0.5 }]);
+  await settled(page);
+  assert.match((await statuses(page)).join(), /completed/);
+});
+
 const forAll = { hash: "#problem=custom&problem.variables=q&problem.parameters=k=1&problem.potential=k*q^2/2&problem.k=2&initial.q=1&B=auto" };
 pageTest("auto and the studies take it", forAll, async (page) => {
   assert.match(await pane(page, "B").locator(".messages .choice").textContent(), /force/);
@@ -238,7 +251,7 @@ pageTest("of a formula only what is known gets into the page, and a text never e
     assert.equal(rest.length, 1);
   });
 
-const narrow = { ...own, viewport: { width: 360, height: 740 }, colorScheme: "dark" };
+const narrow = { ...refused, viewport: { width: 360, height: 740 }, colorScheme: "dark" };
 pageTest("on a telephone the text fits, every field has its name, and keys reach them", narrow, async (page) => {
   await page.selectOption("#kind", "potential");
   await page.waitForSelector("[data-key=masses]");
@@ -264,7 +277,8 @@ const measured = (asked) => (opened) => opened.route("**/v1/simulate", async (ro
   const errors = [{ pointer: `/columns/${at}/expression`, position: 0, detail: "nobody knows the name zz" }];
   if (at >= 0) return route.fulfill({ status: 422, contentType: "application/problem+json", json: { status: 422, errors } });
   const known = { ...request, columns: request.columns.filter((column) => !column.expression) };
-  const answer = await (await route.fetch({ postData: JSON.stringify(known) })).json();
+  const headers = { ...route.request().headers(), accept: "application/json" };
+  const answer = await (await route.fetch({ headers, postData: JSON.stringify(known) })).json();
   const { x, y } = answer.trajectory;
   for (const { name } of mine) answer.trajectory[name] = x.map((v, i) => Math.hypot(v, y[i]));
   return route.fulfill({ json: answer });

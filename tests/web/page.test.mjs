@@ -29,11 +29,11 @@ test("the page forbids foreign and inline code", options, async () => {
   assert.doesNotMatch(await response.text(), /\sstyle=|\son\w+=|<style|<script>/);
 });
 
-pageTest("every problem of the catalogue rebuilds the forms and runs", {}, async (page) => {
+pageTest("every problem of the catalogue rebuilds the forms and runs, also with its first preset", {}, async (page) => {
   let excluded = 0;
   for (const problem of catalogue.problems) {
-    await page.selectOption("#problem", problem.id);
-    await settled(page);
+    await page.evaluate((hash) => (location.hash = hash), `problem=${problem.id}&record.samples=800`);
+    await shows(page, problem.id);
     const names = (form) => all(page, `${form} [data-name]`, "dataset.name");
     assert.deepEqual(await names("#parameters"), problem.parameters.map((p) => p.name), problem.id);
     assert.deepEqual(await names("#initial"), [...problem.variables.map((v) => v.name), "t"], problem.id);
@@ -51,14 +51,17 @@ pageTest("every problem of the catalogue rebuilds the forms and runs", {}, async
     await assertRan(page, problem);
     await assertDrawn(page);
     assert.equal(await page.locator("#energy").isVisible(), problem.columns.includes("energy"), problem.id);
-    for (const preset of problem.presets) {
-      await page.selectOption("#preset", preset.name);
+    for (const { name } of problem.presets.slice(0, 1)) {
+      await page.selectOption("#preset", name);
       await settled(page);
-      await assertRan(page, problem, preset.name);
+      await assertRan(page, problem, name);
     }
   }
   assert.ok(excluded > 0, "some pair of problem and scheme is impossible, and is not offered");
 });
+
+const shows = (page, id) => page.waitForFunction((wanted) => document.querySelector("#problem").value === wanted, id)
+  .then(() => settled(page));
 
 /** A scene that keeps its energy completes its run; another may stop, at a singularity of its own, and says so. */
 async function assertRan(page, problem, preset = "") {
@@ -176,10 +179,10 @@ pageTest("the curl line makes the same run", { permissions: ["clipboard-read", "
 
 pageTest("a new request drops the one under way", {}, async (page) => {
   const dropped = [];
-  page.on("requestfailed", (request) => dropped.push(request.failure().errorText));
+  page.on("requestfailed", (request) => dropped.push(request.postDataJSON().until.t));
   let slow = true;
   await page.route("**/v1/simulate", async (route) => {
-    if (slow) await new Promise((resolve) => setTimeout(resolve, 1000));
+    if (slow) await new Promise((resolve) => setTimeout(resolve, 500));
     await route.continue().catch(() => {});
   });
   await page.fill("[data-pointer='/until/t']", "10");
@@ -191,9 +194,9 @@ pageTest("a new request drops the one under way", {}, async (page) => {
   await page.press("[data-pointer='/until/t']", "Enter");
   await settled(page);
   assert.equal(await number(page, "steps", "A"), 2000);
-  await page.waitForTimeout(1200);
+  await page.waitForTimeout(600);
   assert.equal(await number(page, "steps", "A"), 2000, "the late answer is not shown");
-  assert.deepEqual(dropped, ["net::ERR_ABORTED", "net::ERR_ABORTED"]);
+  assert.deepEqual(dropped.filter((t) => t === 10), [10, 10]);
 });
 
 pageTest("a service that is busy or gone is told from a fault of the request",

@@ -172,7 +172,7 @@ const piecemeal = (opened) => opened.addInitScript((text) => {
     let at = 0;
     return Promise.resolve(new Response(new ReadableStream({
       pull: (stream) => (at < bytes.length ? stream.enqueue(bytes.slice(at, (at += 7))) : stream.close()),
-    })));
+    }), { headers: { "Content-Type": "application/x-ndjson" } }));
   };
 }, lines.map((line) => `${JSON.stringify({ ...line, left_out: ["größer"] })}\n`).join(""));
 

@@ -1,0 +1,76 @@
+// Who cannot see, point or read small type: axe finds nothing wrong, in no part of the page, light or dark; and keys do it all.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { frames, pageTest, pane, settled } from "./browser.mjs";
+
+const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
+
+/** What axe finds wrong, by all of its rules or by `some`: the rule, and where. */
+async function violations(page, some) {
+  const found = await page.evaluate((rules) =>
+    window.axe.run(document, { resultTypes: ["violations"], ...(rules ? { runOnly: rules } : {}) }), some);
+  return found.violations.flatMap(({ id, nodes }) => nodes.map(({ target, any }) => `${id}: ${target} ${any[0]?.message ?? ""}`));
+}
+
+const parts = {
+  "a lesson and the gallery": { hash: "#lesson=paper", ready: "#lesson[aria-busy=false]", open: ".all summary" },
+  "a lesson that measures": { hash: "#lesson=digits", ready: "#lesson .precision canvas" },
+  "the workbench": { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis", open: ".curl summary" },
+  "a scene as text, with a fault": { hash: "#problem=custom&problem.variables=q&problem.potential=k*q^2", ready: "#spot-formula mark", expected: /422/ },
+};
+for (const [name, { open, ...part }] of Object.entries(parts)) {
+  pageTest(`axe finds nothing wrong: ${name}`, { reducedMotion: "reduce", ...part }, async (page) => {
+    if (open) await page.locator(open).first().click();
+    await page.evaluate(axe);
+    assert.deepEqual(await violations(page), []);
+    await page.emulateMedia({ colorScheme: "dark" });
+    await frames(page);
+    assert.deepEqual(await violations(page, ["color-contrast"]), [], "in the dark");
+  });
+}
+
+/** Walks with the Tab key until `there(element)` holds of what has the focus. */
+async function tabTo(page, selector) {
+  for (let i = 0; i < 150; i++) {
+    await page.keyboard.press("Tab");
+    const ring = await page.evaluate((wanted) => {
+      const at = document.activeElement;
+      const { outlineStyle, outlineWidth } = getComputedStyle(at);
+      return at.matches(wanted) && outlineStyle !== "none" && parseFloat(outlineWidth) >= 2;
+    }, selector);
+    if (ring) return;
+  }
+  assert.fail(`${selector} cannot be reached, or is not seen to have the focus`);
+}
+
+pageTest("keys alone: a lesson is moved, presented and left for the workbench, where a run is changed and stopped",
+  { hash: "#lesson=spiral", ready: "#lesson[aria-busy=false]", reducedMotion: "reduce" }, async (page) => {
+    await tabTo(page, "#next");
+    await tabTo(page, "#present");
+    await page.keyboard.press("Enter");
+    assert.ok(await page.evaluate(() => document.documentElement.classList.contains("present")));
+    await page.keyboard.press("Escape");
+    await tabTo(page, "#lesson .play");
+    await tabTo(page, "#lesson .time input");
+    await page.keyboard.press("ArrowLeft");
+    assert.notEqual(await page.textContent("#lesson .player output"), "t = 60");
+    await tabTo(page, "#control input[type=range]");
+    const before = await page.inputValue("#control input[type=text]");
+    await page.keyboard.press("ArrowRight");
+    assert.notEqual(await page.inputValue("#control input[type=text]"), before);
+    await tabTo(page, "#to-bench");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector("#experiment:not([hidden])");
+    await settled(page);
+    await tabTo(page, "#problem");
+    await tabTo(page, "#axes [name=y]");
+    await tabTo(page, ".pane[data-run=A] .lens button");
+    await tabTo(page, ".pane[data-run=A] .scheme");
+    await page.keyboard.press("ArrowDown");
+    await settled(page);
+    assert.notEqual(await pane(page, "A").locator(".scheme").inputValue(), "explicit_euler");
+    await tabTo(page, "#motion .play");
+    for (const part of ["#add", "#even", "#continue", "#measure-precision", "#initial [data-name=q]", "#initial input[type=range]"]) {
+      await tabTo(page, part);
+    }
+  });

@@ -1,0 +1,101 @@
+// Measures the page in a browser: `./dev measure`. It prints numbers beside what is wanted and judges nothing: times are those
+// of this machine. What can be judged anywhere, weight and counts, the tests assert.
+import { browserPath, start } from "./served.mjs";
+
+if (!browserPath) throw new Error("measuring the page needs a browser: install chromium or set LEAST_BROWSER");
+const tell = (what, value, wanted) => console.log(`${what.padEnd(66)} ${String(value).padStart(10)}   wanted: ${wanted}`);
+const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
+
+const { origin, browser, stop } = await start(["--enable-precise-memory-info", "--js-flags=--expose-gc"]);
+try {
+  const opened = [];
+  let bytes = 0;
+  for (let i = 0; i < 5; i++) { // each with an empty cache
+    const context = await browser.newContext({ viewport: { width: 1280, height: 720 } }), page = await context.newPage();
+    await page.addInitScript(() => document.addEventListener("shown", () => (document.documentElement.dataset.at ??= performance.now())));
+    await page.goto(origin);
+    await page.waitForSelector("html[data-at]");
+    opened.push(Number(await page.getAttribute("html", "data-at")));
+    const own = /\.(js|css|html|svg)$|\/$/;
+    bytes = await page.evaluate((source) => [...performance.getEntriesByType("navigation"), ...performance.getEntriesByType("resource")]
+      .filter(({ name }) => new RegExp(source).test(new URL(name).pathname)).reduce((sum, entry) => sum + entry.encodedBodySize, 0), own.source);
+    await context.close();
+  }
+  tell("the page, compressed, kB", (bytes / 1000).toFixed(1), "150 at most");
+  tell("the first lesson's picture after its address, ms, median of 5", median(opened).toFixed(0), "1000 at most");
+
+  const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, reducedMotion: "reduce" });
+  await page.goto(`${origin}/#lesson=spiral`);
+  await page.waitForSelector("#lesson[aria-busy=false]");
+  for (const [points, wanted] of [[1e5, 50], [1e6, 150]]) {
+    for (const kind of ["a curve", "a series"]) {
+      const times = await page.evaluate(async ([n, series]) => {
+        const { Plane } = await import("./plane.js"), figure = document.querySelector("#stage figure");
+        figure.replaceChildren(Object.assign(document.createElement("canvas"), { className: "plane" }));
+        const canvas = figure.firstChild, plane = new Plane(canvas);
+        const t = Array.from({ length: n }, (_, i) => (i / n) * 600), turn = t.map((v) => v * 0.999);
+        const x = series ? t : turn.map((v) => Math.cos(v) * (1 - v / 1200)), y = turn.map((v) => Math.sin(v) * (1 - v / 1200));
+        const view = { x: series ? [0, 600] : [-1, 1], y: [-1, 1], free: series };
+        plane.show({ curves: [{ t, x, y, series, colour: "--run-a", title: "" }], view, labels: ["x", "y"] });
+        const found = [];
+        for (let i = 0; i < 7; i++) {
+          const from = performance.now();
+          plane.draw();
+          canvas.getContext("2d").getImageData(0, 0, 1, 1); // until it is painted
+          found.push(performance.now() - from);
+        }
+        return found;
+      }, [points, kind === "a series"]);
+      tell(`a redraw of ${points.toExponential(0)} points of ${kind}, ms, median of 7`, median(times).toFixed(0), `${wanted} at most`);
+    }
+  }
+  await page.close();
+
+  const hand = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+  await hand.goto(`${origin}/#problem=kepler&until.t=95`);
+  await hand.waitForSelector("#results[aria-busy=false]");
+  const answers = await hand.evaluate(async () => {
+    const results = document.querySelector("#results"), slider = document.querySelector("#initial input[type=range]"), found = [];
+    for (let i = 0; i < 9; i++) {
+      const from = performance.now();
+      slider.value = 500 + 10 * i;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+      while (results.getAttribute("aria-busy") === "true") await new Promise((resolve) => setTimeout(resolve));
+      found.push(performance.now() - from);
+    }
+    return found;
+  });
+  tell("from a move of a slider to both pictures, ms, median of 9", median(answers).toFixed(0), "100 at most");
+  await hand.close();
+
+  const many = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+  await many.goto(`${origin}/#problem=henon_heiles&until.t=20`);
+  await many.waitForSelector("#results[aria-busy=false]");
+  const crossings = await many.evaluate(async () => {
+    const { paint } = await import("./crossings.js"), n = 1e6, found = [];
+    const values = (of) => Float64Array.from({ length: n }, (_, i) => of(i * 0.618));
+    const block = { member: Int32Array.from({ length: n }, (_, i) => i % 40), x: values(Math.sin), y: values((v) => Math.sin(1.7 * v)) };
+    const canvas = Object.assign(document.createElement("canvas"), { width: 1200, height: 600 }), pen = canvas.getContext("2d");
+    const map = { x: (v) => 600 + 500 * v, y: (v) => 300 - 250 * v }, frame = { left: 50, top: 20, width: 1100, height: 560 };
+    for (let i = 0; i < 7; i++) {
+      const from = performance.now();
+      paint([block], new Uint32Array(40).fill(0xff0000ff))(pen, map, null, frame);
+      pen.getImageData(0, 0, 1, 1);
+      found.push(performance.now() - from);
+    }
+    return found;
+  });
+  tell("a redraw of 1e+6 points of a section, ms, median of 7", median(crossings).toFixed(0), "150 at most");
+  await many.close();
+
+  const bench = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+  await bench.goto(`${origin}/#problem=harmonic_oscillator&until.t=1000&record.samples=1000001&A=runge_kutta_4&A.step=0.001&B=runge_kutta_4&B.step=1`);
+  await bench.waitForSelector("#results[aria-busy=false]", { timeout: 120_000 });
+  const held = await bench.evaluate(() => {
+    window.gc();
+    return performance.memory.usedJSHeapSize;
+  });
+  tell("memory of the workbench with a run of 1e6 points, MB", (held / 1e6).toFixed(0), "200 at most");
+} finally {
+  await stop();
+}

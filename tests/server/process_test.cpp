@@ -21,7 +21,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::string long_run = R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},
+const std::string endless_run = R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},
     "record":{"every":0},"limits":{"steps":10000000000,"seconds":60}})";
 const std::string kepler_run = R"({"problem":"kepler","scheme":"leapfrog","until":{"t":1}})";
 
@@ -143,7 +143,7 @@ TEST(Command, TerminationAnswersWhatWasAccepted) {
   Process serve({"serve", "--port", "0", "--grace", "0.3"});
   const int port = port_in(serve.line());
   Client running(port);
-  running.send(post("/v1/simulate", long_run));
+  running.send(post("/v1/simulate", endless_run));
   std::this_thread::sleep_for(300ms);
   serve.signal(SIGTERM);
   const auto reply = running.receive();
@@ -313,7 +313,7 @@ TEST(Command, TheNumberOfThreadsIsThatOfTheCoresAndFour) {
     std::vector<Client> clients;
     for (int i = 0; i < 300; ++i) {
       const bool computes = i % 3 == 0;
-      clients.emplace_back(port).send(computes ? post("/v1/simulate", long_run) : get("/healthz"));
+      clients.emplace_back(port).send(computes ? post("/v1/simulate", endless_run) : get("/healthz"));
       if (!computes) {
         EXPECT_EQ(clients.back().receive().value_or(Reply{}).status, 200) << i;
       }

@@ -41,8 +41,9 @@ const std::string echo =
     R"(","problem":{"id":"swing","mass":1,"level":3},"initial":{"t":0,"q":1,"p":0},"until":{"t":20},)"
     R"("error":"max","norm":"absolute","budget_seconds":10,"reference":{"how":"closed form","uncertainty":1e-16},"floor":1e-14,)"
     R"("growth":12.5,"chaotic":false,"end":19,)";
-constexpr const char* first = R"("scheme":{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},"setting":"step",)";
-constexpr const char* second =
+constexpr const char* first_curve =
+    R"("scheme":{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},"setting":"step",)";
+constexpr const char* second_curve =
     R"("scheme":{"id":"own_clock","keep":true,"critical":0.5,"stages":2,"kappa":"energy","step":0.1},"setting":"sigma",)";
 constexpr const char* found =
     R"("pareto":[{"error":0.001,"seconds":2e-06,"force_evaluations":160,"scheme":{"id":"leapfrog","step":0.25,)"
@@ -52,11 +53,11 @@ constexpr const char* found =
 TEST(EncodeStudy, WritesTheWholeAnswer) {
   const StudyExample example;
   EXPECT_EQ(encode_study(example.asked, example.study, ReturnCode::completed),
-            std::string(echo) + R"("curves":[{)" + first +
+            std::string(echo) + R"("curves":[{)" + first_curve +
                 R"("points":[{"value":1,"step":1,"error":null,"force_evaluations":40,"seconds":1e-06,)"
                 R"("status":"unstable_step"},{"value":0.25,"step":0.25,"error":0.001,"force_evaluations":160,)"
                 R"("seconds":2e-06,"status":"completed"}],"observed_order":3.99,"expected_order":4},{)" +
-                second +
+                second_curve +
                 R"("points":[{"value":0.5,"step":null,"error":0.5,"force_evaluations":99,"seconds":3e-06,)"
                 R"("status":"completed"}],"observed_order":null,"expected_order":null,"why":"too few"}],)" +
                 found + "\"status\":\"completed\"}\n");
@@ -68,13 +69,13 @@ TEST(EncodeStudy, WritesLines) {
             std::string(echo) + R"("schemes":[{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},)" +
                 R"({"id":"own_clock","keep":true,"critical":0.5,"stages":2,"kappa":"energy","step":0.1}]})" + "\n");
   EXPECT_EQ(encode_study_point(example.asked, 0, example.study.curves[0]),
-            std::string(R"({"curve":0,)") + first +
+            std::string(R"({"curve":0,)") + first_curve +
                 R"("point":{"value":0.25,"step":0.25,"error":0.001,"force_evaluations":160,"seconds":2e-06,)"
                 R"("status":"completed"}})" +
                 "\n");
   EXPECT_EQ(encode_study_end(example.asked, example.study, ReturnCode::deadline),
-            std::string(R"({"curves":[{)") + first + R"("observed_order":3.99,"expected_order":4},{)" + second +
-                R"("observed_order":null,"expected_order":null,"why":"too few"}],)" + found +
+            std::string(R"({"curves":[{)") + first_curve + R"("observed_order":3.99,"expected_order":4},{)" +
+                second_curve + R"("observed_order":null,"expected_order":null,"why":"too few"}],)" + found +
                 R"("status":"stopped","stop":{"reason":"deadline"}})" + "\n");
 }
 

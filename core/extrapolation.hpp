@@ -1,6 +1,7 @@
 // The explicit midpoint rule, extrapolated as far as a number goes: the exact flow of equations of motion, in quad for
-// reference solutions, in double for what a single step of a scheme should have done. Source: Gragg, SIAM J. Numer.
-// Anal. 2, 384 (1965); Bulirsch & Stoer 1966; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.9.
+// reference solutions where there is no series, in double for what a single step of a scheme should have done. Source:
+// Gragg, SIAM J. Numer. Anal. 2, 384 (1965); Bulirsch & Stoer 1966; Hairer, Nørsett, Wanner, Solving Ordinary
+// Differential Equations I, II.9.
 #pragma once
 
 #include <algorithm>

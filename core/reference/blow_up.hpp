@@ -16,6 +16,7 @@ template <QuadraticContact P, class KeepGoing>
 double true_blow_up_time(const P& problem, const StateOf<P>& x0, double latest, double stride, KeepGoing&& keep_going) {
   tape::Tape tape;
   const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
+  if (!TrueMotion::covers(tape)) return unknown;
   TrueMotion truth(std::move(tape), rates, 1e-20);
   truth.start(digits_of(x0), x0.t);
   for (StateOf<P> x = x0; x.t <= latest;) {

@@ -1,10 +1,11 @@
 // Reference solutions: the closed form where a problem has one, else the problem's own equations of motion integrated
-// in quad precision at two tolerances, whose difference is the uncertainty: by Taylor series, ten times as fast, where
-// the equations have them, else by extrapolation.
+// at two tolerances, whose difference is the uncertainty: by Taylor series in double-double, where the equations have
+// them, else in quad by extrapolation, which takes several times as long.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -51,18 +52,21 @@ class TwoRuns {
  public:
   TwoRuns() { result_.how = "quad precision run"; }
   /// The next state, component by component: of the finer run, in double, and the difference of the coarser from it.
+  /// False where it is not finite: the runs end there.
   template <class Fine, class Difference>
-  void add(double t, Fine&& fine, Difference&& difference) {
+  bool add(double t, Fine&& fine, Difference&& difference) {
     StateOf<P> truth, other;
     truth.t = other.t = t;
     for (std::size_t i = 0; i < StateOf<P>::size; ++i) {
       truth[i] = fine(i);
       other[i] = truth[i] + difference(i);  // taken in quad, where it is not rounded away
     }
+    if (!std::isfinite(state_error(other, truth))) return result_.complete = false;
     result_.uncertainty = std::max(result_.uncertainty, 0x1p-53 + state_error(other, truth));
     result_.relative_uncertainty =
         std::max(result_.relative_uncertainty, 0x1p-53 + state_error(other, truth, Norm::relative));
     result_.states.push_back(truth);
+    return true;
   }
   void give_up() { result_.complete = false; }
   Reference<P> result() && { return std::move(result_); }
@@ -83,9 +87,9 @@ Reference<P> extrapolated_run(const P& problem, const StateOf<P>& x0, const std:
       runs.give_up();
       break;
     }
-    runs.add(
-        t, [&](std::size_t i) { return static_cast<double>(fine.state()[i]); },
-        [&](std::size_t i) { return static_cast<double>(coarse.state()[i] - fine.state()[i]); });
+    const auto state = [&](std::size_t i) { return static_cast<double>(fine.state()[i]); };
+    const auto difference = [&](std::size_t i) { return static_cast<double>(coarse.state()[i] - fine.state()[i]); };
+    if (!runs.add(t, state, difference)) break;
   }
   return std::move(runs).result();
 }
@@ -101,10 +105,10 @@ std::vector<DoubleDouble> digits_of(const X& x) {
   return digits;
 }
 
-/// By Taylor series, of the equations on the tape.
+/// By Taylor series, of the equations on the tape. Empty where the motion comes to a place without one.
 template <class P, class KeepGoing>
-Reference<P> series_run(const P& problem, const StateOf<P>& x0, const std::vector<double>& times, tape::Tape tape,
-                        std::span<const tape::Index> rates, KeepGoing&& keep_going) {
+std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
+                                       tape::Tape tape, std::span<const tape::Index> rates, KeepGoing&& keep_going) {
   TwoRuns<P> runs;
   TrueMotion fine(tape, rates, fine_tolerance), coarse(std::move(tape), rates, coarse_tolerance);
   const auto start = [&](const std::vector<DoubleDouble>& x, double t) {
@@ -126,12 +130,13 @@ Reference<P> series_run(const P& problem, const StateOf<P>& x0, const std::vecto
       }
     const auto x = fine.at(t, keep_going);
     const auto y = x.empty() ? x : coarse.at(t, keep_going);
+    if (fine.lost() || coarse.lost()) return std::nullopt;
     if (y.empty()) {
       runs.give_up();
       break;
     }
-    runs.add(
-        t, [&](std::size_t i) { return x[i].high(); }, [&](std::size_t i) { return (y[i] - x[i]).high(); });
+    const auto state = [&](std::size_t i) { return x[i].high(); };
+    if (!runs.add(t, state, [&](std::size_t i) { return (y[i] - x[i]).high(); })) break;
   }
   return std::move(runs).result();
 }
@@ -143,7 +148,8 @@ Reference<P> quad_precision_run(const P& problem, const StateOf<P>& x0, const st
   if constexpr (!IteratesForRates<P>) {
     tape::Tape tape;
     const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
-    if (TrueMotion::covers(tape)) return series_run(problem, x0, times, std::move(tape), rates, keep_going);
+    if (TrueMotion::covers(tape))
+      if (auto run = series_run(problem, x0, times, std::move(tape), rates, keep_going)) return *std::move(run);
   }
   return extrapolated_run(problem, x0, times, keep_going);
 }

@@ -12,6 +12,8 @@ using tape::Index;
 using tape::Node;
 using tape::Op;
 
+constexpr double first_step = 0.1;  ///< at most; of those after it each is at most twice the one before
+
 std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
 
 /// The function that sin and the like are the derivative of, but for a sign.
@@ -28,27 +30,6 @@ Op partner_of(Op op) {
     default:
       return Op::constant;
   }
-}
-
-/// Σ a_j b_{k−j}, first ≤ j ≤ last: what rounding leaves is summed apart (Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26,
-/// 1955 (2005)).
-DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first,
-                      std::size_t last) {
-  double sum = 0, rest = 0;
-  for (std::size_t j = first; j <= last; ++j) {
-    const DoubleDouble &x = a[j], &y = b[k - j];
-    const DoubleDouble product = DoubleDouble::exact_product(x.high(), y.high());
-    const DoubleDouble next = DoubleDouble::exact_sum(sum, product.high());
-    sum = next.high();
-    rest += next.low() + (product.low() + (x.high() * y.low() + x.low() * y.high()));
-  }
-  return DoubleDouble::exact_sum(sum, rest);
-}
-/// The same of a series with itself.
-DoubleDouble square(const DoubleDouble* a, std::size_t k, std::size_t first) {
-  DoubleDouble sum = 2.0 * convolve(a, a, k, first, (k - 1) / 2);
-  if (k % 2 == 0) sum += a[k / 2] * a[k / 2];
-  return sum;
 }
 
 DoubleDouble inverse_of(std::size_t k) { return DoubleDouble(1) / DoubleDouble(static_cast<double>(k)); }
@@ -131,6 +112,8 @@ void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
   x_ = std::move(x);
   t_ = t;
   length_ = 0;
+  longest_ = first_step;
+  lost_ = false;
   double size = 0;
   for (const auto& component : x_) size = std::max(size, std::abs(component.high()));
   least_size_ = size > 0 && size < 1 ? size : 1;
@@ -170,7 +153,10 @@ void TrueMotion::begin(Index i) {
       out[0] = elementary(node.op, a[0]);
   }
   if (node.op == Op::tan) row(helper)[0] = DoubleDouble(1) + out[0] * out[0];
-  if (node.op == Op::tanh) row(helper)[0] = DoubleDouble(1) - out[0] * out[0];
+  if (node.op == Op::tanh) {  // 1 − tanh² would lose all its digits
+    const DoubleDouble slope = DoubleDouble(1) / elementary(Op::cosh, a[0]);
+    row(helper)[0] = slope * slope;
+  }
   if (node.op == Op::atan) row(helper)[0] = DoubleDouble(1) + a[0] * a[0];
   if (node.op == Op::asin || node.op == Op::acos) {
     row(helper + 1)[0] = DoubleDouble(1) - a[0] * a[0];
@@ -279,15 +265,19 @@ double TrueMotion::largest(std::size_t k) const {
   return most;
 }
 
-/// How long a step may be, in units; 0: the series means nothing. As of the scheme `taylor`, core/schemes/taylor.cpp.
-double TrueMotion::length() const {
-  constexpr double longest = 0x1p30, kept = 1.0 / 16, slack = 10;
+/// Up to which order coefficients are numbers.
+std::size_t TrueMotion::finite_orders() const {
+  std::size_t order = 0;
+  while (order < order_ && std::isfinite(largest(order + 1))) ++order;
+  return order;
+}
+
+/// How long a step may be, in units, by the first `used` orders. As of the scheme `taylor`, core/schemes/taylor.cpp.
+double TrueMotion::length(std::size_t used) const {
+  constexpr double kept = 1.0 / 16, slack = 10;
   constexpr std::size_t looked_at = 8;
-  std::size_t used = 0;
-  while (used < order_ && std::isfinite(largest(used + 1))) ++used;
-  if (used == 0 || !std::isfinite(largest(0))) return 0;
   const double scale = std::max(least_size_, largest(0)), allowed = std::log(kept * scale) + std::log(tolerance_);
-  double log_h = std::log(longest);
+  double log_h = std::log(longest_ / unit_);
   for (std::size_t k = used; k > 0 && k + 2 > used; --k)
     if (const double size = largest(k); size > 0)
       log_h = std::min(log_h, (allowed - std::log(size)) / static_cast<double>(k));
@@ -306,22 +296,76 @@ double TrueMotion::length() const {
   return h;
 }
 
-/// The series at the state, in a unit that suits it. False where there is none.
-bool TrueMotion::settle() {
+/// The series at the state, in a unit that suits it. False where there is none, or keep_going() says so.
+bool TrueMotion::settle(const std::function<bool()>& keep_going) {
   constexpr int most_tries = 60;
   for (int i = 0; i < most_tries; ++i) {
+    length_ = 0;
+    if (!keep_going()) return false;
     expand();
-    length_ = length();
-    if (!(length_ > 0)) {  // the first rates are numbers and too large for the unit, or none are
-      if (!std::isfinite(largest(1)) || unit_ < 1e-250) return false;
+    const std::size_t used = finite_orders();
+    if (used == 0) {  // the first rates are too large for the unit, or no numbers
+      if (!std::isfinite(largest(1)) && unit_ < 1e-250) break;
       unit_ *= 0x1p-10;
       continue;
     }
+    length_ = length(used);
     const int off = std::ilogb(length_);
-    if (std::abs(off) <= 3 || (off > 0 && unit_ > 0x1p200)) return true;
-    unit_ = std::ldexp(unit_, off);
+    if (std::abs(off) > 3) {
+      unit_ = std::ldexp(unit_, off);
+    } else if (used == order_) {
+      return true;
+    } else {
+      break;
+    }
   }
-  return length_ > 0;
+  length_ = 0;
+  lost_ = true;
+  return false;
+}
+
+/// Whether the polynomials solve the equations at a time within the step, in units. A series knows nothing of what
+/// begins behind its digits: a force that is switched on later.
+bool TrueMotion::solves(double h) {
+  constexpr double slack = 1e6;  // of tolerances: what is looked for is no matter of digits
+  const DoubleDouble t = t_;
+  std::vector<DoubleDouble> slopes, here, there;
+  for (const Index variable : variables_) {
+    const DoubleDouble* const c = row(variable);
+    DoubleDouble slope = static_cast<double>(order_) * c[order_];
+    for (std::size_t k = order_; k-- > 1;) slope = slope * h + static_cast<double>(k) * c[k];
+    slopes.push_back(slope);
+    here.push_back(c[0]);
+    there.push_back(within(variable, h));
+  }
+  const auto stand = [&](const std::vector<DoubleDouble>& x) {
+    for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x[v];
+  };
+  stand(there);
+  t_ = t_ + DoubleDouble(h * unit_);
+  for (Index i = 0; i < tape_.size(); ++i) begin(i);
+  const double scale = std::max(least_size_, largest(0));
+  bool good = true;
+  for (std::size_t v = 0; v < variables_.size() && good; ++v) {
+    const DoubleDouble rate = unit_ * row(rates_[v])[0];
+    good = std::abs((rate - slopes[v]).high()) * h <= slack * tolerance_ * std::max(scale, std::abs(rate.high()) * h);
+  }
+  stand(here);
+  t_ = t;
+  return good;
+}
+
+/// The step that the series allows, shortened until it solves the equations. One that is as long as it may be, because
+/// hardly anything happens, is looked at on its way.
+void TrueMotion::shorten() {
+  constexpr int parts = 8;
+  const bool idle = length_ * unit_ >= 0.99 * longest_;
+  for (int tries = 0; tries < 60; ++tries) {
+    bool good = true;
+    for (int part = idle ? 1 : parts; part <= parts && good; ++part) good = solves(length_ * part / parts);
+    if (good) return;
+    length_ *= 0.5;
+  }
 }
 
 DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& h) const {
@@ -333,12 +377,18 @@ DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& h) const {
 
 std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool()>& keep_going) {
   constexpr double shortest = 1e-25;  // of steps, relative to the time
-  if (length_ == 0 && !settle()) return {};
+  if (t_ == DoubleDouble(t)) return x_;
+  if (length_ == 0) {
+    if (!settle(keep_going)) return {};
+    shorten();
+  }
   while ((DoubleDouble(t) - t_).high() > length_ * unit_) {
-    if (!keep_going()) return {};
     for (std::size_t v = 0; v < variables_.size(); ++v) x_[v] = within(variables_[v], length_);
     t_ = t_ + DoubleDouble(length_ * unit_);
-    if (!settle() || !(length_ * unit_ > shortest * std::abs(t_.high()))) return {};
+    longest_ = 2 * length_ * unit_;
+    if (!settle(keep_going)) return {};
+    shorten();
+    if (!(length_ * unit_ > shortest * std::abs(t_.high()))) return {};
   }
   const DoubleDouble h = (DoubleDouble(t) - t_) / DoubleDouble(unit_);
   asked_.clear();

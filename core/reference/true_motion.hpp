@@ -24,6 +24,8 @@ class TrueMotion {
   /// The state at t, which is no earlier than any time asked for before. Empty where keep_going() says so, which is
   /// asked at each step, or where the motion does not go on.
   std::span<const DoubleDouble> at(double t, const std::function<bool()>& keep_going);
+  /// Whether it ended where the equations have no series, as |q|³ at q = 0: others may go on.
+  bool lost() const { return lost_; }
 
  private:
   /// Rows of coefficients beside the node's own; none where it needs none.
@@ -37,8 +39,11 @@ class TrueMotion {
   void extend(tape::Index node, std::size_t k);
   void expand();
   double largest(std::size_t k) const;
-  double length() const;
-  bool settle();
+  std::size_t finite_orders() const;
+  double length(std::size_t used) const;
+  bool settle(const std::function<bool()>& keep_going);
+  bool solves(double h);
+  void shorten();
   DoubleDouble within(tape::Index variable, const DoubleDouble& h) const;
 
   tape::Tape tape_;
@@ -50,6 +55,8 @@ class TrueMotion {
   std::vector<DoubleDouble> inverses_, rows_, x_, asked_;
   DoubleDouble t_{};              ///< where the series stands
   double unit_ = 1, length_ = 0;  ///< of time; of the step from there, in units; 0: there is no series yet
+  double longest_ = 0;            ///< a step may be
+  bool lost_ = false;
 };
 
 }  // namespace least

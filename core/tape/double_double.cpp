@@ -13,6 +13,25 @@ DoubleDouble narrow(const Quad& x) {
 
 }  // namespace
 
+// What rounding leaves is summed apart.
+DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first,
+                      std::size_t last) {
+  double sum = 0, rest = 0;
+  for (std::size_t j = first; j <= last; ++j) {
+    const DoubleDouble &x = a[j], &y = b[k - j];
+    const DoubleDouble product = DoubleDouble::exact_product(x.high(), y.high());
+    const DoubleDouble next = DoubleDouble::exact_sum(sum, product.high());
+    sum = next.high();
+    rest += next.low() + (product.low() + (x.high() * y.low() + x.low() * y.high()));
+  }
+  return DoubleDouble::exact_sum(sum, rest);
+}
+DoubleDouble square(const DoubleDouble* a, std::size_t k, std::size_t first) {
+  DoubleDouble sum = 2.0 * convolve(a, a, k, first, (k - 1) / 2);
+  if (k % 2 == 0) sum += a[k / 2] * a[k / 2];
+  return sum;
+}
+
 DoubleDouble elementary(tape::Op function, const DoubleDouble& argument) {
   using tape::Op;
   const Quad x = wide(argument);

@@ -68,6 +68,10 @@ class DoubleDouble {
 
 /// One of the functions of one variable that a tape knows, by the quad precision library; √ too.
 DoubleDouble elementary(tape::Op function, const DoubleDouble& x);
+/// Σ a_j b_{k−j}, first ≤ j ≤ last, of two series. Source: Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26, 1955 (2005).
+DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first, std::size_t last);
+/// Σ a_j a_{k−j}, first ≤ j ≤ k − first, for k > 2 first − 1.
+DoubleDouble square(const DoubleDouble* a, std::size_t k, std::size_t first);
 /// xᵖ, x > 0 or p whole.
 DoubleDouble power(const DoubleDouble& x, double p);
 

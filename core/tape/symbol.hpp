@@ -1,7 +1,7 @@
 // A number that records: arithmetic with symbols writes a tape. Mechanics generic in the number, evaluated in it, leave
 // their equations of motion there. It has no value, so nothing can branch on it: a comparison is recorded, too. What is
 // made of constants alone is a constant and never written; parameters are numbers, so what follows from them is
-// computed here, once, to twice the digits of a double: reference solutions read the same tapes.
+// computed here, once, to twice the digits of a double but for exponents: reference solutions read the same tapes.
 #pragma once
 
 #include <utility>

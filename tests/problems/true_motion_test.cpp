@@ -83,6 +83,45 @@ TEST(TrueMotion, GivesUpWhenTold) {
   EXPECT_EQ(left, 0);
 }
 
+/// A force that is switched on when all digits of its series are zero, after a rest; and one of which there is none at
+/// the start, or at a place on the way.
+struct Late {
+  static constexpr int dim = 1;
+  template <class T, class S>
+  Vec<1, T> field(const Vec<1, T>&, const S& t) const {
+    using least::exp;
+    using least::tanh;
+    return {T(1.0 + tanh(20.0 * (t - 10.0)) + exp(-(t - 30.0) * (t - 30.0)))};
+  }
+};
+struct Root {
+  static constexpr int dim = 1;
+  template <class T, class S>
+  Vec<1, T> field(const Vec<1, T>&, const S& t) const {
+    using least::sqrt;
+    return {T(sqrt(t))};
+  }
+};
+TEST(TrueMotion, IsHeldAgainstItsEquations) {
+  const auto late = quad_precision_run(Late{}, Point<1>{0, {0.0}}, {9.0, 20.0, 40.0}, always);
+  ASSERT_TRUE(late.complete);
+  EXPECT_NEAR(late.states[0][0], 0, 1e-17);
+  EXPECT_NEAR(late.states[1][0], 20, 1e-14);
+  EXPECT_NEAR(late.states[2][0], 60 + std::sqrt(std::acos(-1.0)), 1e-13);
+}
+TEST(TrueMotion, LeavesToOthersWhatHasNoSeries) {
+  tape::Tape tape;
+  const auto rates = taylor::write_equations<Point<1>>(Root{}, tape);
+  TrueMotion motion(std::move(tape), rates, fine_tolerance);
+  motion.start({0.0}, 0);
+  EXPECT_EQ(motion.at(0, always).size(), 1U);
+  EXPECT_TRUE(motion.at(1, always).empty());
+  EXPECT_TRUE(motion.lost());
+  const auto run = quad_precision_run(Root{}, Point<1>{0, {0.0}}, {0.0, 1.0}, always);
+  EXPECT_FALSE(run.complete && std::abs(run.states.back()[0] - 2.0 / 3) > 1e-9);
+  EXPECT_EQ(run.states.at(0)[0], 0);
+}
+
 /// A kink: no series of it, so that extrapolation takes its place.
 struct Kink {
   static constexpr int dim = 1;

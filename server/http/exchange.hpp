@@ -51,7 +51,7 @@ struct Exchange {
   /// What is done once, when all is over. May not throw.
   std::function<void(const Exchange&)> ended{};
   void end() {
-    outbox.hold(Held());
+    outbox.release();
     if (const auto told = std::exchange(ended, nullptr)) told(*this);
   }
 };

@@ -246,13 +246,10 @@ class HttpServer::Impl final : private Handler {
     exchange->outbox.finish(false);
   }
 
-  // Whether there is memory for so many bytes on behalf of a request, until its answer has left. What is small is taken
-  // in any case: probes and refusals.
+  // Whether there is memory for so many bytes on behalf of a request, until its answer has left, beyond what it holds
+  // already. What is small is taken in any case: probes and refusals.
   bool holds(const ExchangePtr& exchange, std::size_t bytes) {
-    Held held(lifecycle_.memory);
-    if (bytes > RequestReader::small && !held.grow_to(bytes)) return false;
-    exchange->outbox.hold(std::move(held));
-    return true;
+    return bytes <= RequestReader::small || exchange->outbox.hold(lifecycle_.memory, bytes);
   }
   Answer no_memory(const ExchangePtr& exchange) const {
     Answer answer = error_(503, full_memory(*lifecycle_.memory), exchange->id);

@@ -30,10 +30,15 @@ class Outbox {
  public:
   explicit Outbox(Line line) : line_(std::move(line)) {}
 
-  /// What counts as memory until all is sent, in the place of what was held before.
-  void hold(Held held) {
+  /// At least so many bytes count as memory until all is sent. False, and no more than before, where there are not so
+  /// many.
+  bool hold(MemoryBudget* budget, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
-    held_ = std::move(held);
+    return held_.grow_to(budget, bytes);
+  }
+  void release() {
+    const std::lock_guard lock(mutex_);
+    held_ = Held();
   }
 
   /// Waits while more than a bound is still to be sent: who sends keeps the clock. False: nobody takes it any more.
@@ -65,7 +70,7 @@ class Outbox {
       }
       ended_ = true;
       whole_ = whole;
-      if (sent == last.size()) held_ = Held();
+      if (sent == last.size() && bytes_.empty()) held_ = Held();
       if (sent == last.size() && keeps && !awaited_) return;
       if (sent > 0) last.erase(0, sent);
       bytes_.empty() ? bytes_.swap(last) : (void)bytes_.append(last);

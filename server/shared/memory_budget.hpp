@@ -49,6 +49,11 @@ class Held {
     bytes_ = bytes;
     return true;
   }
+  /// The same of this budget, where it held of none.
+  bool grow_to(MemoryBudget* budget, std::size_t bytes) {
+    if (!budget_) budget_ = budget;
+    return grow_to(bytes);
+  }
   bool grow_by(std::size_t bytes) { return grow_to(bytes_ + bytes); }
 
  private:

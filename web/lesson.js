@@ -178,7 +178,7 @@ export class Lesson {
     if (study) {
       const asked = measureOf(this.#lesson, this.#state);
       find("#to-bench").href = benchLink(study.requests(asked));
-      return void study.run(asked).then(() => study === this.#study && this.#shown());
+      return void study.run(asked).then((newest) => newest !== false && study === this.#study && this.#shown());
     }
     const requests = this.#lesson.runs.map((_, i) => requestOf(this.#lesson, i, this.#state, samples));
     this.#live.ask({ requests, first: !this.#runs.length, lesson: this.#lesson }, urgent);

@@ -17,7 +17,7 @@ export class Portrait {
     this.#labels = labels;
   }
 
-  /** Runs all members; resolves at the end, or when it was stopped. */
+  /** Runs all members; resolves at the end, or when it was stopped: to whether it is still the newest. */
   async run(request) {
     this.stop();
     const mine = (this.#underWay = new AbortController()), [x, y] = request.columns, [{ grid }] = Object.values(request.members.vary);
@@ -33,8 +33,10 @@ export class Portrait {
     } catch (error) {
       if (!mine.signal.aborted) throw error;
     }
+    if (mine !== this.#underWay) return false;
     const all = (name) => this.#crossings.blocks.flatMap((block) => block[name]);
     this.outcome = { member: all("member"), x: all("x"), y: all("y") };
+    return true;
   }
 
   /** The runs that a workbench begins with. */

@@ -45,7 +45,10 @@ export class Runs {
     });
   }
 
+  /** Of another scene nothing is kept, nor comes. */
   forget() {
+    this.#live.stop();
+    this.#cut();
     this.#outcomes = null;
   }
 
@@ -97,7 +100,7 @@ export class Runs {
       });
       done.set(pane.name, 1);
       if (answer.outcome) this.#outcomes = { ...this.#outcomes, [pane.name]: answer.outcome }; // which stays, if others are stopped
-      return answer;
+      return { ...answer, name: pane.name };
     }));
   }
 
@@ -115,6 +118,7 @@ export class Runs {
 
   #show(answers) {
     const kept = this.#outcomes ?? {}, { list } = this.#panes;
+    if (list.length !== answers.length || list.some(({ name }, i) => name !== answers[i].name)) return; // another run came or went
     this.#cut();
     this.#outcomes = Object.fromEntries(list.map(({ name }, i) => [name, answers[i].outcome ?? kept[name] ?? null]));
     list.forEach((pane, i) => pane.node.classList.toggle("stale", !answers[i].outcome));

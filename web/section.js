@@ -74,7 +74,7 @@ export class Section {
     this.#asked = { vary, from, to, n };
     this.#crossings.start(n, x, y);
     find("#member").max = n - 1;
-    let points = 0, ended = null;
+    let points = 0, ended = { completed: 0, stopped: {}, warnings: [{ detail: "The answer broke off." }] };
     const request = { ...scene, scheme, section, columns: [...new Set([x, y])], keep: ["section"],
                       members: { vary: { [`/initial/${vary}`]: { grid: [from, to, n] } } } };
     const { faults } = await api.ensemble(request, signal, (line) => {

@@ -40,6 +40,7 @@ export class Study {
     } catch (error) {
       if (!mine.signal.aborted) throw error;
     }
+    return mine === this.#underWay;
   }
 
   /** The runs that a workbench begins with. */

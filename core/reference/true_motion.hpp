@@ -13,9 +13,9 @@ namespace least {
 
 class TrueMotion {
  public:
-  /// Of the tape the rates ẋ of the variables, in their order. `tolerance`: of the last terms of a step, relative to
-  /// the largest component, now or at the start, or to 1 where the start is larger.
-  TrueMotion(tape::Tape tape, std::span<const tape::Index> rates, double tolerance);
+  /// Of the tape of equations the rates ẋ of the variables, in their order. `tolerance`: of the last terms of a step,
+  /// relative to the largest component, now or at the start, or to 1 where the start is larger.
+  TrueMotion(tape::Tape equations, std::span<const tape::Index> rates, double tolerance);
 
   /// Whether series are made of all that stands on the tape: a formula that changes on the way has none.
   static bool covers(const tape::Tape& tape);
@@ -35,8 +35,8 @@ class TrueMotion {
   };
   DoubleDouble* row(tape::Index i) { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
   const DoubleDouble* row(tape::Index i) const { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
-  void begin(tape::Index node);
-  void extend(tape::Index node, std::size_t k);
+  void begin(tape::Index i);
+  void extend(tape::Index i, std::size_t k);
   void expand();
   double largest(std::size_t k) const;
   std::size_t finite_orders() const;

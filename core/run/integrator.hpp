@@ -3,7 +3,9 @@
 // (fixed_step.hpp) and schemes that set their own clock (self_timed.hpp).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -130,8 +132,10 @@ double exit_time([[maybe_unused]] const P& problem, [[maybe_unused]] const Integ
       return problem.inside(position(x));
     };
     const double step = integrator.step_info(state).step_size;
-    double reach = outside_at > state.x.t ? outside_at - state.x.t : step > 0 ? step : 1e-3;
-    for (int k = 0; k < 60 && inside(reach) > 0; ++k) reach *= 2;
+    const double known = outside_at > state.x.t ? outside_at - state.x.t : std::numeric_limits<double>::infinity();
+    double reach = std::min(step > 0 ? step : 1e-3, known);
+    for (int k = 0; k < 60 && reach < known && inside(reach) > 0; ++k) reach = std::min(2 * reach, known);
+    if (reach == known && inside(known) > 0) return outside_at;  // trial steps are others than the one that found it
     return state.x.t + root(inside, 0, reach);
   }
   return state.x.t;

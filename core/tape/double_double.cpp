@@ -32,34 +32,34 @@ DoubleDouble square(const DoubleDouble* a, std::size_t k, std::size_t first) {
   return sum;
 }
 
-DoubleDouble elementary(tape::Op function, const DoubleDouble& argument) {
+DoubleDouble elementary(tape::Op function, const DoubleDouble& x) {
   using tape::Op;
-  const Quad x = wide(argument);
+  const Quad wide_x = wide(x);
   switch (function) {
     case Op::sqrt:
-      return narrow(sqrt(x));
+      return narrow(sqrt(wide_x));
     case Op::exp:
-      return narrow(exp(x));
+      return narrow(exp(wide_x));
     case Op::log:
-      return narrow(log(x));
+      return narrow(log(wide_x));
     case Op::sin:
-      return narrow(sin(x));
+      return narrow(sin(wide_x));
     case Op::cos:
-      return narrow(cos(x));
+      return narrow(cos(wide_x));
     case Op::tan:
-      return narrow(tan(x));
+      return narrow(tan(wide_x));
     case Op::sinh:
-      return narrow(sinh(x));
+      return narrow(sinh(wide_x));
     case Op::cosh:
-      return narrow(cosh(x));
+      return narrow(cosh(wide_x));
     case Op::tanh:
-      return narrow(tanh(x));
+      return narrow(tanh(wide_x));
     case Op::atan:
-      return narrow(atan(x));
+      return narrow(atan(wide_x));
     case Op::asin:
-      return narrow(asin(x));
+      return narrow(asin(wide_x));
     default:
-      return narrow(acos(x));
+      return narrow(acos(wide_x));
   }
 }
 

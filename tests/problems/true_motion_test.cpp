@@ -94,6 +94,15 @@ struct Late {
     return {T(1.0 + tanh(20.0 * (t - 10.0)) + exp(-(t - 30.0) * (t - 30.0)))};
   }
 };
+/// A pulse at 20 that is gone long before a step from rest ends.
+struct Pulse {
+  static constexpr int dim = 1;
+  template <class T, class S>
+  Vec<1, T> field(const Vec<1, T>&, const S& t) const {
+    using least::exp;
+    return {T(exp(-16.0 * ((t - 20.0) * (t - 20.0))))};
+  }
+};
 struct Root {
   static constexpr int dim = 1;
   template <class T, class S>
@@ -108,6 +117,11 @@ TEST(TrueMotion, IsHeldAgainstItsEquations) {
   EXPECT_NEAR(late.states[0][0], 0, 1e-17);
   EXPECT_NEAR(late.states[1][0], 20, 1e-14);
   EXPECT_NEAR(late.states[2][0], 60 + std::sqrt(std::acos(-1.0)), 1e-13);
+}
+TEST(TrueMotion, IsLookedAtOnItsWay) {
+  const auto run = quad_precision_run(Pulse{}, Point<1>{0, {0.0}}, {40.0}, always);
+  ASSERT_TRUE(run.complete);
+  EXPECT_NEAR(run.states[0][0], std::sqrt(std::acos(-1.0)) / 4, 1e-15);
 }
 TEST(TrueMotion, LeavesToOthersWhatHasNoSeries) {
   tape::Tape tape;

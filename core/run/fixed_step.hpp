@@ -12,8 +12,7 @@
 
 namespace least {
 
-/// What surrounds the steps of a scheme, compiled once for a problem and not once for each of its pairs: a pair costs
-/// less than half of what it did.
+/// What surrounds the steps of a scheme, compiled once for a problem and not once for each of its pairs.
 template <class P, class X>
 class EqualSteps : public BoundIntegrator<P, X> {
  public:

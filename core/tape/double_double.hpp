@@ -1,7 +1,7 @@
-// A number of 106 bits as the unevaluated sum of two doubles, for reference solutions: what hardware computes is ten to
-// thirty times as fast as a quad in software, with the range of a double. Needs sums that are not contracted. Sources:
-// Dekker, Numerische Mathematik 18, 224 (1971); Knuth, The Art of Computer Programming 2, 4.2.2; Hida, Li, Bailey,
-// 15th IEEE Symposium on Computer Arithmetic, 155 (2001).
+// A number of 106 bits as the unevaluated sum of two doubles, for reference solutions: computed by hardware where a
+// quad is software, with the range of a double. Needs sums that are not contracted. Sources: Dekker, Numerische
+// Mathematik 18, 224 (1971); Knuth, The Art of Computer Programming 2, 4.2.2; Hida, Li, Bailey, 15th IEEE Symposium on
+// Computer Arithmetic, 155 (2001).
 #pragma once
 
 #include <cmath>
@@ -39,9 +39,6 @@ class DoubleDouble {
     return ordered_sum(first, second) + DoubleDouble(third);
   }
   constexpr DoubleDouble& operator+=(const DoubleDouble& b) { return *this = *this + b; }
-  friend constexpr bool operator<(const DoubleDouble& a, const DoubleDouble& b) {
-    return a.high_ < b.high_ || (a.high_ == b.high_ && a.low_ < b.low_);
-  }
   friend constexpr bool operator==(const DoubleDouble&, const DoubleDouble&) = default;
 
   /// a + b, exactly; ordered: where |a| ≥ |b| or a = 0.

@@ -54,7 +54,8 @@ class Expansion {
   double log_tolerance_, root_;  ///< root: ε^{1/p} of the order p
   std::size_t variables_, moving_;
   double t_ = std::numeric_limits<double>::quiet_NaN();
-  int used_ = 0;  ///< the order up to which coefficients are numbers
+  int used_ = 0;     ///< the order up to which coefficients are numbers
+  double last_ = 0;  ///< the largest of that order
 };
 
 /// States that are doubles at heart: plain, or with a tangent direction.
@@ -75,7 +76,7 @@ constexpr auto& component(X& x, std::size_t i) {
 
 /// The equations of motion of a problem, on states like X, written on a tape: the rates of its components.
 template <class X, VectorField P>
-std::array<tape::Index, components<X>> write_equations(const P& problem, tape::Tape& tape) {
+constexpr std::array<tape::Index, components<X>> write_equations(const P& problem, tape::Tape& tape) {
   using Number = std::conditional_t<Sloped<X>, Dual<Symbol, 1>, Symbol>;
   typename X::template in<Number, Symbol> x;
   for (std::size_t i = 0; i < components<X>; ++i) component(x, i) = Symbol::variable(tape, i);

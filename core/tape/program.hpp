@@ -47,11 +47,12 @@ struct Program {
     double factor;
   };
 
+  constexpr Program() = default;
   /// Of a tape the rates ẋ of the variables, in their order; the first `most` of them are the motion, which what
   /// follows after them does not change by a bit.
   Program(const Tape& tape, std::span<const Index> rates, std::size_t most);
 
-  std::size_t variables, moving;
+  std::size_t variables = 0, moving = 0;
   bool whole = true;     ///< the series of the motion converge everywhere: linear in all variables, nothing divided
   bool partial = false;  ///< some rule is defined for some arguments only
   std::size_t motion_steps = 0, motion_lanes = 0;  ///< how many of them, the first ones, the motion needs
@@ -65,7 +66,7 @@ struct Program {
   std::vector<Index> poles;     ///< values linear in time at whose zeros the rates may be infinite
   Index rows = 0;  ///< how many values there are. 0: nothing at all; 1: of no use; then the variables; time
   static constexpr Index zero = 0, waste = 1, first_variable = 2;
-  Index time() const { return first_variable + static_cast<Index>(variables); }
+  constexpr Index time() const { return first_variable + static_cast<Index>(variables); }
 };
 
 }  // namespace least::tape

@@ -1,6 +1,7 @@
 // The Taylor series of a motion whose rates are a tape: coefficients by recurrences, order by order, in a place of
 // their own. One engine runs every tape; an order is one loop over lanes and one over steps (core/tape/program.hpp), so
-// that the order is no matter of compilation. Bits do not depend on the instruction set. Sources: Jorba & Zou,
+// that the order is no matter of compilation. Where the compiler has met the structure of the program, it has unrolled
+// it (core/tape/unrolled.hpp). Bits do not depend on the instruction set. Sources: Jorba & Zou,
 // Experimental Mathematics 14, 99 (2005); Moore, Interval Analysis, 1966, chapter 11; Knuth, The Art of Computer
 // Programming 2, 4.7 (powers of series).
 #pragma once
@@ -11,12 +12,36 @@
 
 namespace least::tape {
 
+/// Lanes go by fours, whatever the machine.
+struct alignas(32) Four {
+  double lane __attribute__((vector_size(32)));
+  double* begin() { return reinterpret_cast<double*>(this); }
+};
+/// Where a series stands: rows of coefficients, by order; groups of lanes, by order the first factors and the second.
+struct Workspace {
+  std::size_t orders, stride;
+  const double* begun;  ///< order 0 of all values, where it is known; else the variables and the time stand in `rows`
+  double* rows;
+  Four* lanes;
+};
+
+struct UnrolledSeries;
+
+/// What the new terms of a step are multiplied with: follows from order 0.
+struct Gain {
+  double inverse = 0, a = 0, b = 0;
+};
+/// Order 0 of the two factors of a product, with its own factor.
+struct Ends {
+  double a, b;
+};
+
 class Series {
  public:
   static constexpr int most_orders = 48;
 
-  /// Up to this order, at least 1 and at most `most_orders`.
-  Series(Program program, int order);
+  /// Up to this order, at least 1 and at most `most_orders`. Unless `unroll`, the program is read in any case.
+  Series(Program program, int order, bool unroll = true);
 
   /// The series of the variables that are x at the time t.
   void expand(const double* x, double t);
@@ -28,34 +53,24 @@ class Series {
   double coefficient(Index value, int k) const { return row(k)[value]; }
 
   int order() const { return order_; }
+  bool unrolled() const { return unrolled_ != nullptr; }
   const Program& program() const { return program_; }
 
  private:
-  /// Lanes go by fours, whatever the machine.
-  struct alignas(32) Four {
-    double lane __attribute__((vector_size(32)));
-  };
-
-  /// What the new terms of a step are multiplied with: follows from order 0.
-  struct Gain {
-    double inverse = 0, a = 0, b = 0;
-  };
-  /// Order 0 of the two factors of a product, with its own factor.
-  struct Ends {
-    double a, b;
-  };
-  struct Engine;
   const double* row(int k) const { return rows_.data() + static_cast<std::size_t>(k) * stride_; }
 
   Program program_;
+  const UnrolledSeries* unrolled_;  ///< none: the program is read
   int order_;
   std::size_t stride_, groups_;
-  std::vector<double> rows_;               ///< by order, every value
-  std::vector<double> trial_;              ///< the values at another state
-  std::vector<Gain> gains_;                ///< of every step
-  std::vector<Ends> ends_;                 ///< of every product
-  std::vector<Four> left_, right_, sums_;  ///< by group of lanes, by order
-  std::vector<Index> places_;              ///< of lanes: left and right of each group
+  std::vector<double> rows_;   ///< by order, every value
+  std::vector<double> trial_;  ///< order 0 of the values at the state that was asked for last
+  std::vector<Four> lanes_;
+  // For a program that is read: of its steps, of its products, of its lanes, and where their factors stand.
+  std::vector<Gain> gains_;
+  std::vector<Ends> ends_;
+  std::vector<Four> sums_;
+  std::vector<Index> places_;
 };
 
 }  // namespace least::tape

@@ -4,6 +4,8 @@
 // computed here, once, to twice the digits of a double but for exponents: reference solutions read the same tapes.
 #pragma once
 
+#include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "core/number/math.hpp"
@@ -17,68 +19,68 @@ class Symbol {
   constexpr Symbol() = default;
   constexpr Symbol(double constant) : constant_(constant) {}  // NOLINT: a number like any other
   explicit constexpr Symbol(const DoubleDouble& constant) : constant_(constant) {}
-  static Symbol time(tape::Tape& tape) { return {tape, tape.write({.op = tape::Op::time})}; }
-  static Symbol variable(tape::Tape& tape, std::size_t i) {
+  static constexpr Symbol time(tape::Tape& tape) { return {tape, tape.write({.op = tape::Op::time})}; }
+  static constexpr Symbol variable(tape::Tape& tape, std::size_t i) {
     return {tape, tape.write({.op = tape::Op::variable, .value = static_cast<double>(i)})};
   }
 
   /// What stands there.
-  static Symbol at(tape::Tape& tape, tape::Index i) {
+  static constexpr Symbol at(tape::Tape& tape, tape::Index i) {
     return tape[i].op == tape::Op::constant ? Symbol(DoubleDouble(tape[i].value, tape[i].low)) : Symbol(tape, i);
   }
 
-  bool is_constant() const { return !tape_; }
+  constexpr bool is_constant() const { return !tape_; }
   /// Where it stands, if it is no constant.
-  tape::Index place() const { return node_; }
-  double constant() const { return constant_.high(); }
+  constexpr tape::Index place() const { return node_; }
+  constexpr double constant() const { return constant_.high(); }
   /// Where it stands on the tape: a constant is written.
-  tape::Index on(tape::Tape& tape) const {
+  constexpr tape::Index on(tape::Tape& tape) const {
     return tape_ ? node_ : tape.write({.op = tape::Op::constant, .value = constant_.high(), .low = constant_.low()});
   }
 
-  friend Symbol operator+(const Symbol& a, const Symbol& b);
-  friend Symbol operator-(const Symbol& a, const Symbol& b);
-  friend Symbol operator*(const Symbol& a, const Symbol& b);
-  friend Symbol operator/(const Symbol& a, const Symbol& b);
-  Symbol operator-() const { return Symbol(-1) * *this; }
-  Symbol& operator+=(const Symbol& b) { return *this = *this + b; }
-  Symbol& operator-=(const Symbol& b) { return *this = *this - b; }
-  Symbol& operator*=(const Symbol& b) { return *this = *this * b; }
-  Symbol& operator/=(const Symbol& b) { return *this = *this / b; }
+  friend constexpr Symbol operator+(const Symbol& a, const Symbol& b);
+  friend constexpr Symbol operator-(const Symbol& a, const Symbol& b);
+  friend constexpr Symbol operator*(const Symbol& a, const Symbol& b);
+  friend constexpr Symbol operator/(const Symbol& a, const Symbol& b);
+  constexpr Symbol operator-() const { return Symbol(-1) * *this; }
+  constexpr Symbol& operator+=(const Symbol& b) { return *this = *this + b; }
+  constexpr Symbol& operator-=(const Symbol& b) { return *this = *this - b; }
+  constexpr Symbol& operator*=(const Symbol& b) { return *this = *this * b; }
+  constexpr Symbol& operator/=(const Symbol& b) { return *this = *this / b; }
 
-  friend Symbol sqrt(const Symbol& x);
+  friend constexpr Symbol sqrt(const Symbol& x);
   /// A whole exponent up to `most_factors` is a product.
-  friend Symbol pow(const Symbol& x, double exponent);
-  friend Symbol pow(const Symbol& x, const Symbol& exponent);
+  friend constexpr Symbol pow(const Symbol& x, double exponent);
+  friend constexpr Symbol pow(const Symbol& x, const Symbol& exponent);
   /// x^exponent where the exponent may yet become a number; pow makes it exp(exponent log x) at once.
-  friend Symbol raise(const Symbol& x, const Symbol& exponent);
-  friend Symbol exp(const Symbol& x);
-  friend Symbol log(const Symbol& x);
-  friend Symbol sin(const Symbol& x);
-  friend Symbol cos(const Symbol& x);
-  friend Symbol tan(const Symbol& x);
-  friend Symbol sinh(const Symbol& x);
-  friend Symbol cosh(const Symbol& x);
-  friend Symbol tanh(const Symbol& x);
-  friend Symbol atan(const Symbol& x);
-  friend Symbol asin(const Symbol& x);
-  friend Symbol acos(const Symbol& x);
-  friend std::pair<Symbol, Symbol> sincos(const Symbol& x) { return {sin(x), cos(x)}; }
+  friend constexpr Symbol raise(const Symbol& x, const Symbol& exponent);
+  friend constexpr Symbol exp(const Symbol& x);
+  friend constexpr Symbol log(const Symbol& x);
+  friend constexpr Symbol sin(const Symbol& x);
+  friend constexpr Symbol cos(const Symbol& x);
+  friend constexpr Symbol tan(const Symbol& x);
+  friend constexpr Symbol sinh(const Symbol& x);
+  friend constexpr Symbol cosh(const Symbol& x);
+  friend constexpr Symbol tanh(const Symbol& x);
+  friend constexpr Symbol atan(const Symbol& x);
+  friend constexpr Symbol asin(const Symbol& x);
+  friend constexpr Symbol acos(const Symbol& x);
+  friend constexpr std::pair<Symbol, Symbol> sincos(const Symbol& x) { return {sin(x), cos(x)}; }
 
   /// A comparison: whether `difference` is negative, or is not.
   struct Mask;
-  friend Mask operator<(const Symbol& a, const Symbol& b);
-  friend Mask operator>(const Symbol& a, const Symbol& b);
-  friend Mask operator<=(const Symbol& a, const Symbol& b);
-  friend Mask operator>=(const Symbol& a, const Symbol& b);
-  friend Symbol select(const Mask& mask, const Symbol& yes, const Symbol& no);
-  friend Symbol abs(const Symbol& x);
+  friend constexpr Mask operator<(const Symbol& a, const Symbol& b);
+  friend constexpr Mask operator>(const Symbol& a, const Symbol& b);
+  friend constexpr Mask operator<=(const Symbol& a, const Symbol& b);
+  friend constexpr Mask operator>=(const Symbol& a, const Symbol& b);
+  friend constexpr Symbol select(const Mask& mask, const Symbol& yes, const Symbol& no);
+  friend constexpr Symbol abs(const Symbol& x);
 
   static constexpr int most_factors = 16;
 
  private:
   friend struct Recorder;
-  Symbol(tape::Tape& tape, tape::Index node) : tape_(&tape), node_(node) {}
+  constexpr Symbol(tape::Tape& tape, tape::Index node) : tape_(&tape), node_(node) {}
 
   tape::Tape* tape_ = nullptr;  ///< none: a constant
   tape::Index node_ = tape::none;
@@ -88,7 +90,187 @@ class Symbol {
 struct Symbol::Mask {
   Symbol difference;
   bool negated = false;
-  Mask operator!() const { return {difference, !negated}; }
+  constexpr Mask operator!() const { return {difference, !negated}; }
 };
+
+/// What operations look at before they write.
+struct Recorder {
+  using Index = tape::Index;
+  using Node = tape::Node;
+  using Op = tape::Op;
+
+  static constexpr Symbol unary(Op op, const Symbol& x, double value = 0) {
+    return {*x.tape_, x.tape_->write({.op = op, .a = x.node_, .value = value})};
+  }
+  static constexpr Symbol binary(Op op, const Symbol& a, const Symbol& b) {
+    tape::Tape& tape = a.tape_ ? *a.tape_ : *b.tape_;
+    const Index left = a.on(tape), right = b.on(tape);
+    return {tape, tape.write({.op = op, .a = left, .b = right})};
+  }
+  static constexpr Symbol select(const Symbol& difference, const Symbol& yes, const Symbol& no) {
+    tape::Tape& tape = *difference.tape_;
+    const Index first = yes.on(tape), second = no.on(tape);
+    return {tape, tape.write({.op = Op::select, .a = difference.node_, .b = first, .c = second})};
+  }
+  /// The node of x, or of a constant one that says nothing.
+  static constexpr Node node(const Symbol& x) { return x.tape_ ? (*x.tape_)[x.node_] : Node{}; }
+  static constexpr Node node(const Symbol& of, Index i) { return (*of.tape_)[i]; }
+  static constexpr Symbol at(const Symbol& of, Index i) { return Symbol::at(*of.tape_, i); }
+  /// A constant to all its digits; as doubles have it where those of more digits over- or underflow.
+  static constexpr Symbol constant(double plain, const DoubleDouble& exact) {
+    return Symbol(std::isfinite(exact.high() + exact.low()) ? exact : DoubleDouble(plain));
+  }
+  /// f(x) of a constant; the compiler has no more digits than those of doubles.
+  static constexpr Symbol function(Op f, const Symbol& x, double plain) {
+    return std::is_constant_evaluated() ? Symbol(plain) : constant(plain, elementary(f, x.constant_));
+  }
+  static constexpr bool same(const Symbol& a, const Symbol& b) {
+    return a.tape_ && a.tape_ == b.tape_ && a.node_ == b.node_;
+  }
+
+  /// x is uᵖ of no whole p, or √u: both.
+  static constexpr bool is_power(const Symbol& x, Symbol& base, double& exponent) {
+    const Node n = node(x);
+    if (n.op != Op::power && n.op != Op::sqrt) return false;
+    base = at(x, n.a);
+    exponent = n.op == Op::sqrt ? 0.5 : n.value;
+    return true;
+  }
+
+  /// sin(a + b) where x + y is sin a cos b + cos a sin b, cos(a + b) where x − y is cos a cos b − sin a sin b, of
+  /// angles linear in time: sums of many harmonics cost no products. A constant otherwise.
+  static constexpr Symbol by_addition(const Symbol& x, const Symbol& y, Op made) {
+    const Node u = node(x), v = node(y);
+    if (u.op != Op::multiply || v.op != Op::multiply) return {};
+    const Node f[] = {node(x, u.a), node(x, u.b)}, g[] = {node(x, v.a), node(x, v.b)};
+    const bool sine = made == Op::sin;
+    for (const int i : {0, 1})
+      for (const int j : {0, 1}) {
+        // sin a cos b + cos a sin b: f[i] = sin a, g[j] = cos a; cos a cos b − sin a sin b: f[i] = cos a, g[j] = sin a
+        const Node &a = f[i], &b = f[1 - i], &c = g[j], &d = g[1 - j];
+        const bool fits = sine ? a.op == Op::sin && b.op == Op::cos && c.op == Op::cos && d.op == Op::sin
+                               : a.op == Op::cos && b.op == Op::cos && c.op == Op::sin && d.op == Op::sin;
+        if (!fits || a.a != c.a || b.a != d.a || !node(x, a.a).linear || !node(x, b.a).linear) continue;
+        const Symbol sum = at(x, a.a) + at(x, b.a);
+        return sine ? sin(sum) : cos(sum);
+      }
+    return {};
+  }
+};
+
+constexpr Symbol operator+(const Symbol& a, const Symbol& b) {
+  if (a.is_constant() && b.is_constant())
+    return Recorder::constant(a.constant() + b.constant(), a.constant_ + b.constant_);
+  if (a.is_constant() && a.constant() == 0) return b;
+  if (b.is_constant() && b.constant() == 0) return a;
+  if (const Symbol sine = Recorder::by_addition(a, b, tape::Op::sin); !sine.is_constant()) return sine;
+  return Recorder::binary(tape::Op::add, a, b);
+}
+
+constexpr Symbol operator-(const Symbol& a, const Symbol& b) {
+  if (a.is_constant() && b.is_constant())
+    return Recorder::constant(a.constant() - b.constant(), a.constant_ - b.constant_);
+  if (a.is_constant() && a.constant() == 0) return -b;
+  if (b.is_constant() && b.constant() == 0) return a;
+  if (Recorder::same(a, b)) return 0;
+  if (const Symbol cosine = Recorder::by_addition(a, b, tape::Op::cos); !cosine.is_constant()) return cosine;
+  return Recorder::binary(tape::Op::subtract, a, b);
+}
+
+constexpr Symbol operator*(const Symbol& a, const Symbol& b) {
+  if (a.is_constant() && b.is_constant())
+    return Recorder::constant(a.constant() * b.constant(), a.constant_ * b.constant_);
+  if (b.is_constant()) return b * a;
+  const tape::Node right = Recorder::node(b);
+  if (a.is_constant()) {
+    if (a.constant() == 0) return 0;
+    if (a.constant_ == DoubleDouble(1)) return b;
+    if (right.op == tape::Op::multiply && Recorder::node(b, right.a).op == tape::Op::constant)  // of constants one
+      return a * Recorder::at(b, right.a) * Recorder::at(b, right.b);
+    return Recorder::binary(tape::Op::multiply, a, b);
+  }
+  const tape::Node left = Recorder::node(a);
+  Symbol base;
+  double p = 0;
+  if (Recorder::is_power(b, base, p) && Recorder::same(a, base)) return pow(a, p + 1);  // u √u
+  if (Recorder::is_power(a, base, p) && Recorder::same(b, base)) return pow(b, p + 1);
+  // (c/u) x with u linear in time: c (x/u) costs nothing per order, and goes on to where u = 0 and x/u is finite.
+  if (left.op == tape::Op::divide && Recorder::node(a, left.a).op == tape::Op::constant &&
+      Recorder::node(a, left.b).linear)
+    return Recorder::at(a, left.a) * (b / Recorder::at(a, left.b));
+  if (right.op == tape::Op::divide && Recorder::node(b, right.a).op == tape::Op::constant &&
+      Recorder::node(b, right.b).linear)
+    return b * a;
+  return Recorder::binary(tape::Op::multiply, a, b);
+}
+
+constexpr Symbol operator/(const Symbol& a, const Symbol& b) {
+  if (a.is_constant() && b.is_constant())
+    return Recorder::constant(a.constant() / b.constant(), a.constant_ / b.constant_);
+  if (b.is_constant()) return a * (Symbol(1) / b);
+  if (a.is_constant() && a.constant() == 0) return 0;
+  Symbol base;
+  double p = 0;
+  if (Recorder::is_power(b, base, p) && (a.is_constant() || p != 0.5)) return a * pow(base, -p);
+  return Recorder::binary(tape::Op::divide, a, b);
+}
+
+constexpr Symbol sqrt(const Symbol& x) {
+  return x.is_constant() ? Recorder::function(tape::Op::sqrt, x, std::sqrt(x.constant()))
+                         : Recorder::unary(tape::Op::sqrt, x);
+}
+
+constexpr Symbol pow(const Symbol& x, double exponent) {
+  if (x.is_constant()) {
+    const double plain = std::pow(x.constant(), exponent);
+    return std::is_constant_evaluated() ? Symbol(plain) : Recorder::constant(plain, power(x.constant_, exponent));
+  }
+  if (exponent == 0.5) return sqrt(x);
+  if (!(exponent >= 0 && exponent <= Symbol::most_factors && exponent == std::floor(exponent)))
+    return Recorder::unary(tape::Op::power, x, exponent);
+  Symbol result = 1, square = x;
+  for (int n = static_cast<int>(exponent); n > 0; n /= 2) {
+    if (n % 2) result = result * square;
+    if (n > 1) square = square * square;
+  }
+  return result;
+}
+constexpr Symbol pow(const Symbol& x, const Symbol& exponent) {
+  return exponent.is_constant() ? pow(x, exponent.constant()) : exp(exponent * log(x));
+}
+
+constexpr Symbol raise(const Symbol& x, const Symbol& exponent) {
+  return exponent.is_constant() ? pow(x, exponent.constant()) : Recorder::binary(tape::Op::raise, x, exponent);
+}
+
+#define LEAST_RECORDS(f)                                                              \
+  constexpr Symbol f(const Symbol& x) {                                               \
+    return x.is_constant() ? Recorder::function(tape::Op::f, x, std::f(x.constant())) \
+                           : Recorder::unary(tape::Op::f, x);                         \
+  }
+LEAST_RECORDS(exp)
+LEAST_RECORDS(log)
+LEAST_RECORDS(sin)
+LEAST_RECORDS(cos)
+LEAST_RECORDS(tan)
+LEAST_RECORDS(sinh)
+LEAST_RECORDS(cosh)
+LEAST_RECORDS(tanh)
+LEAST_RECORDS(atan)
+LEAST_RECORDS(asin)
+LEAST_RECORDS(acos)
+#undef LEAST_RECORDS
+
+constexpr Symbol::Mask operator<(const Symbol& a, const Symbol& b) { return {a - b}; }
+constexpr Symbol::Mask operator>(const Symbol& a, const Symbol& b) { return {b - a}; }
+constexpr Symbol::Mask operator<=(const Symbol& a, const Symbol& b) { return {b - a, true}; }
+constexpr Symbol::Mask operator>=(const Symbol& a, const Symbol& b) { return {a - b, true}; }
+
+constexpr Symbol select(const Symbol::Mask& mask, const Symbol& yes, const Symbol& no) {
+  if (mask.negated) return select(!mask, no, yes);
+  if (mask.difference.is_constant()) return mask.difference.constant() < 0 ? yes : no;
+  return Recorder::select(mask.difference, yes, no);
+}
+constexpr Symbol abs(const Symbol& x) { return select(x < Symbol(0), -x, x); }
 
 }  // namespace least

@@ -5,6 +5,7 @@
 // Source: Griewank & Walther, Evaluating Derivatives, 2008, chapter 2.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -47,24 +48,75 @@ struct Node {
   Index a = none, b = none, c = none;
   double value = 0;
   double low = 0;  ///< of a constant what `value` is short of it
+
+  constexpr bool is(const Node& other) const {
+    return op == other.op && a == other.a && b == other.b && c == other.c && bits(value) == bits(other.value) &&
+           bits(low) == bits(other.low);
+  }
+  constexpr std::size_t hash() const {
+    std::uint64_t h = bits(value) + static_cast<std::uint64_t>(op);
+    for (const Index part : {a, b, c}) h = (h ^ static_cast<std::uint64_t>(part + 1)) * 0x9e3779b97f4a7c15ULL;
+    return static_cast<std::size_t>(h ^ (h >> 29));
+  }
+
+ private:
+  static constexpr std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 };
 
 class Tape {
  public:
-  Tape() : places_(64, none) { nodes_.reserve(32); }
+  constexpr Tape() : places_(64, none) { nodes_.reserve(32); }
 
   /// The place of the node, which is written where it does not stand yet.
-  Index write(Node node);
+  constexpr Index write(Node node);
 
-  const Node& operator[](Index i) const { return nodes_[static_cast<std::size_t>(i)]; }
-  Index size() const { return static_cast<Index>(nodes_.size()); }
+  constexpr const Node& operator[](Index i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  constexpr Index size() const { return static_cast<Index>(nodes_.size()); }
 
  private:
-  std::size_t place_of(const Node& node) const;
-  bool is_linear(const Node& node) const;
+  constexpr std::size_t place_of(const Node& node) const;
+  constexpr bool is_linear(const Node& node) const;
 
   std::vector<Node> nodes_;
   std::vector<Index> places_;  ///< a hash table of them, at most half full
 };
+
+/// Where it stands in the table, or the empty place for it.
+constexpr std::size_t Tape::place_of(const Node& node) const {
+  const std::size_t mask = places_.size() - 1;
+  std::size_t place = node.hash() & mask;
+  while (places_[place] != none && !(*this)[places_[place]].is(node)) place = (place + 1) & mask;
+  return place;
+}
+
+constexpr bool Tape::is_linear(const Node& node) const {
+  const auto fixed = [&](Index i) { return (*this)[i].op == Op::constant; };
+  const auto linear = [&](Index i) { return (*this)[i].linear || fixed(i); };
+  switch (node.op) {
+    case Op::time:
+      return true;
+    case Op::add:
+    case Op::subtract:
+      return linear(node.a) && linear(node.b);
+    case Op::multiply:
+      return linear(node.a) && linear(node.b) && (fixed(node.a) || fixed(node.b));
+    case Op::divide:
+      return linear(node.a) && fixed(node.b);
+    default:
+      return false;
+  }
+}
+
+constexpr Index Tape::write(Node node) {
+  std::size_t place = place_of(node);
+  if (places_[place] != none) return places_[place];
+  node.linear = is_linear(node);
+  nodes_.push_back(node);
+  const Index written = size() - 1;
+  if (2 * nodes_.size() < places_.size()) return places_[place] = written;
+  places_.assign(2 * places_.size(), none);
+  for (Index i = 0; i <= written; ++i) places_[place_of((*this)[i])] = i;
+  return written;
+}
 
 }  // namespace least::tape

@@ -9,6 +9,7 @@
 
 #include "core/tape/series.hpp"
 #include "core/tape/symbol.hpp"
+#include "core/tape/unrolled.hpp"
 
 namespace {
 
@@ -183,6 +184,24 @@ TEST(Tape, HarmonicsOfTimeHaveNoLanes) {
   double truth = 0;
   for (int k = 1; k <= 5; ++k) truth += std::sin(2 * k * 0.3) + (k > 1 ? 0.5 * std::cos(2 * k * 0.3) : 0);
   EXPECT_NEAR(series.coefficients(1)[0], truth, 1e-14);
+}
+
+/// A compiler may evaluate the operands of a sum in either order.
+TEST(Tape, ProgramsDoNotDependOnWhatWasWrittenFirst) {
+  const auto structure = [](bool backwards) {
+    Tape tape;
+    const Symbol x = Symbol::variable(tape, 0), y = Symbol::variable(tape, 1);
+    if (backwards) sin(y) * exp(x * y) + y / x;
+    const Symbol f = x * x + y / x, g = f * exp(x * y) + sin(y);
+    const std::vector<least::tape::Index> rates{f.on(tape), g.on(tape)};
+    std::vector<least::tape::Index> all;
+    least::tape::read_structure(Program(tape, rates, 2), [&](least::tape::Index n) {
+      all.push_back(n);
+      return true;
+    });
+    return all;
+  };
+  EXPECT_EQ(structure(false), structure(true));
 }
 
 /// What is computed besides does not change the motion by a bit.

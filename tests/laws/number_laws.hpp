@@ -3,51 +3,48 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "core/parameters.hpp"
+#include "core/schemes/taylor.hpp"
+#include "core/tape/unrolled.hpp"
 #include "tests/laws/scene.hpp"
-#include "tests/support/symbol.hpp"
 
 namespace laws {
 
-/// The equations of motion and the energy written on a tape at compile time, time being a variable like any other.
-template <class P>
-struct OnTape {
-  static constexpr std::size_t size = FullStateOf<P>::size;
-  toy::Tape tape;
-  std::array<int, size> lines{};
-  int energy = -1;
-};
-template <class P>
-constexpr OnTape<P> record_equations() {
-  toy::Tape tape;
-  typename FullStateOf<P>::template in<toy::Symbol, toy::Symbol> x;
-  for (std::size_t i = 0; i < x.size; ++i) x[i] = toy::Symbol(tape, int(i));
-  x.t = toy::Symbol(tape, int(x.size));
-  const auto d = derivative(P{}, x);
-  OnTape<P> r;
-  for (std::size_t i = 0; i < x.size; ++i) r.lines[i] = d[i].on(tape);
-  if constexpr (HasEnergy<P>) r.energy = energy(P{}, x).on(tape);
-  r.tape = tape;
-  return r;
-}
-
-template <template <class> class P>
-void recorded() {
-  static constexpr auto record = record_equations<P<double>>();
-  constexpr std::size_t size = record.size;
-  static_assert(record.tape.size > int(size) + 1, "the mechanics can be recorded at compile time");
-  for (const auto& x : states<P>()) {
-    std::array<double, size + 1> y;
-    for (std::size_t i = 0; i < size; ++i) y[i] = x[i];
-    y[size] = x.t;
-    const auto d = derivative(P<double>{}, x);
-    for (std::size_t i = 0; i < size; ++i)
-      EXPECT_NEAR(record.tape.replay(record.lines[i], y), d[i], 1e-14 * (1 + std::abs(d[i])));
-    if constexpr (HasEnergy<P<double>>) {
-      const double h = energy(P<double>{}, x);
-      EXPECT_NEAR(record.tape.replay(record.energy, y), h, 1e-14 * (1 + std::abs(h)));
+/// The equations of motion pass through symbols, the compiler's too; order 1 of their series is what they say; and a
+/// program whose structure the compiler knows gets the bits that reading it gives.
+template <template <class> class P, class X>
+void recorded_as(bool in_catalogue) {
+  static_assert([] {
+    tape::Tape tape;
+    return taylor::write_equations<X>(P<double>{}, tape)[0] >= 0 && tape.size() > int(StateOf<P<double>>::size);
+  }());
+  const auto program = taylor::record<X>(P<double>{});
+  tape::Series read(program, 12, false), known(program, 12);
+  EXPECT_FALSE(read.unrolled());
+  EXPECT_EQ(known.unrolled(), in_catalogue && !tape::unrolled_series().empty());
+  for (const auto& full : states<P>()) {
+    std::array<double, taylor::components<X>> y;
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] = full[i];
+    read.expand(y.data(), full.t);
+    for (const bool begun : {false, true}) {
+      if (begun) known.defined(y.data(), full.t);
+      known.expand(y.data(), full.t);
+      for (int k = 0; k <= read.order(); ++k)
+        for (std::size_t i = 0; i < y.size(); ++i)
+          EXPECT_EQ(std::bit_cast<std::uint64_t>(known.coefficients(k)[i]),
+                    std::bit_cast<std::uint64_t>(read.coefficients(k)[i]))
+              << "order " << k << " of variable " << i;
     }
+    const auto d = derivative(P<double>{}, full);
+    for (std::size_t i = 0; i < y.size(); ++i) EXPECT_NEAR(read.coefficients(1)[i], d[i], 1e-14 * (1 + std::abs(d[i])));
   }
+}
+template <template <class> class P>
+void recorded(bool in_catalogue = false) {
+  recorded_as<P, StateOf<P<double>>>(in_catalogue);
+  recorded_as<P, FullStateOf<P<double>>>(in_catalogue);
 }
 
 /// One scheme for each thing that a problem can offer. The others are met with other numbers on some problems of each

@@ -15,6 +15,7 @@
 #include "core/problems/spin_orbit.hpp"
 #include "core/problems/van_der_pol.hpp"
 #include "core/state_error.hpp"
+#include "core/tape/unrolled.hpp"
 
 namespace {
 
@@ -49,6 +50,20 @@ TEST(Taylor, ErrorsAreThoseOfTheTolerance) {
     last = orbit;
     EXPECT_LT(state_error(taylor_at(driven, start, 25, tolerance), driven.exact(start, 25.0)), 10 * tolerance);
   }
+}
+
+/// Parameters that are like any other: their program has a structure that the compiler met, too, and its own numbers.
+TEST(Taylor, IsUnrolledForOtherParametersToo) {
+  const auto known = [](const auto& problem) {
+    using X = StateOf<std::remove_cvref_t<decltype(problem)>>;
+    return tape::Series(taylor::record<X>(problem), 4).unrolled() || tape::unrolled_series().empty();
+  };
+  EXPECT_TRUE(known(Kepler<>{.mu = 2}));
+  EXPECT_TRUE(known(VanDerPol<>{.epsilon = 10}));
+  EXPECT_TRUE(known(VanDerPol<>{.epsilon = 10, .amplitude = 0.5, .frequency = 2}));
+  EXPECT_TRUE(known(LaneEmden<>{.n = 1.5}));
+  EXPECT_TRUE(known(PerturbedKepler<>{.gamma = -1, .alpha = -0.07, .frequency = 6}));
+  EXPECT_TRUE(known(ScalarFieldCosmology<>{.lambda = 0.2}));
 }
 
 TEST(Taylor, OfAnyOrderIsAsAccurate) {

@@ -1,0 +1,94 @@
+#include "core/tape/unrolled.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "core/schemes/taylor.hpp"
+#include "least_problems.hpp"
+
+// Registers of four numbers are asked for; what is computed does not depend on them.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define LEAST_FOURS [[gnu::target("avx2")]]
+#define LEAST_HAS_FOURS __builtin_cpu_supports("avx2")
+#else
+#define LEAST_FOURS
+#define LEAST_HAS_FOURS true
+#endif
+
+namespace least::tape {
+namespace {
+
+/// Parameters for which programs are met: as they are by default, where a zero leaves terms out and a whole exponent is
+/// products; with numbers like any other in the place of all.
+enum class Met { defaults, numbers };
+
+template <template <class> class P, Met met>
+constexpr P<double> problem_of() {
+  P<double> problem;
+  const auto change = [](auto& value) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, double>)
+      if (met == Met::numbers) value = 1.0625 * value + (value == 0 ? 0.0625 : 0);
+  };
+  std::apply([&](const auto&... field) { (change(problem.*field.member), ...); }, About<P>::fields);
+  return problem;
+}
+template <template <class> class P, Met met, bool full>
+constexpr Program program_of() {
+  using Plain = StateOf<P<double>>;
+  Tape tape;
+  const auto rates =
+      taylor::write_equations<std::conditional_t<full, FullStateOf<P<double>>, Plain>>(problem_of<P, met>(), tape);
+  return lowered(tape, rates, Plain::size);
+}
+template <template <class> class P, Met met, bool full>
+constexpr Measured met_so = measured(program_of<P, met, full>());
+template <template <class> class P, Met met, bool full>
+constexpr auto structure = shrunk<met_so<P, met, full>>();
+
+template <const auto& S>
+LEAST_FOURS void expand(const Program& program, const Workspace& of) {
+  Unrolled<S>::expand(program, of);
+}
+template <const auto& S>
+LEAST_FOURS void begin(const Program& program, double* values) {
+  Unrolled<S>::begin(program, values);
+}
+
+template <const auto& S>
+constexpr UnrolledSeries unrolled{&Unrolled<S>::fits, &expand<S>, &begin<S>};
+
+template <const auto& A, const auto& B>
+constexpr bool alike = std::ranges::equal(A.structure, B.structure);
+
+/// All that differ of a problem.
+template <template <class> class P>
+constexpr auto all_of() {
+  constexpr auto &a = structure<P, Met::defaults, false>, &b = structure<P, Met::defaults, true>;
+  constexpr auto &c = structure<P, Met::numbers, false>, &d = structure<P, Met::numbers, true>;
+  std::vector<UnrolledSeries> all{unrolled<a>};
+  if constexpr (!alike<a, b>) all.push_back(unrolled<b>);
+  if constexpr (!alike<a, c>) {
+    all.push_back(unrolled<c>);
+    if constexpr (!alike<c, d>) all.push_back(unrolled<d>);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::span<const UnrolledSeries> unrolled_series() {
+  static const std::vector<UnrolledSeries> all = [] {
+    std::vector<UnrolledSeries> made;
+    if (!LEAST_HAS_FOURS) return made;
+#ifndef LEAST_READ_SERIES  // sanitized builds read them all: this is the same code, many times
+#define LEAST_SERIES(id, Class) \
+  for (const UnrolledSeries& one : all_of<problems::Class>()) made.push_back(one);
+    LEAST_FOR_EACH_PROBLEM(LEAST_SERIES)
+#undef LEAST_SERIES
+#endif
+    return made;
+  }();
+  return all;
+}
+
+}  // namespace least::tape

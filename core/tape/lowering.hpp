@@ -1,0 +1,388 @@
+// How nodes of a tape become steps of a program: for core/tape/lowered.hpp.
+#pragma once
+
+#include <cmath>
+#include <utility>
+
+#include "core/tape/program.hpp"
+
+namespace least::tape {
+
+/// What a node comes to: a constant and a sum of values and products.
+struct Form {
+  double constant = 0;
+  Index first_value = 0, values = 0, first_product = 0, products = 0;
+
+  constexpr Index terms() const { return values + products; }
+};
+
+class Lowering {
+ public:
+  constexpr Lowering(const Tape& tape, Program& program)
+      : tape_(tape),
+        program_(program),
+        forms_(size(tape.size())),
+        lowered_(size(tape.size()), false),
+        kept_(size(tape.size()), none),
+        weighted_(size(program.rows), none),
+        uses_(size(tape.size()), 0) {
+    weighted_.reserve(4 * size(tape.size()));
+  }
+
+  /// Everything that these need.
+  constexpr void lower(std::span<const Index> roots) {
+    std::vector<bool> wanted(size(tape_.size()), false);
+    for (const Index root : roots) wanted[size(root)] = true;
+    for (Index i = tape_.size(); i-- > 0;)
+      if (wanted[size(i)])
+        for (const Index part : {tape_[i].a, tape_[i].b, tape_[i].c})
+          if (part != none) {
+            wanted[size(part)] = true;
+            if (!lowered_[size(part)]) ++uses_[size(part)];  // what has been lowered stays as it is
+          }
+    // What is needed first comes first, whatever the order in which a compiler had the operands written.
+    std::vector<Index> path;
+    path.reserve(size(tape_.size()));
+    for (const Index root : roots)
+      for (path.push_back(root); !path.empty();) {
+        const Index i = path.back();
+        const Index part = lowered_[size(i)] ? none : missing_part(i);
+        if (part != none) {
+          path.push_back(part);
+          continue;
+        }
+        path.pop_back();
+        if (lowered_[size(i)]) continue;
+        forms_[size(i)] = form_of(i);
+        lowered_[size(i)] = true;
+        if (uses_[size(i)] > 1 && forms_[size(i)].terms() > 1) keep(i);
+      }
+    for (const Index root : roots) program_.rate.push_back(keep(root));
+  }
+
+ private:
+  static constexpr std::size_t size(Index i) { return static_cast<std::size_t>(i); }
+  constexpr Form& form(Index node) { return forms_[size(node)]; }
+
+  /// An operand of a node that is not lowered yet; none.
+  constexpr Index missing_part(Index i) const {
+    for (const Index part : {tape_[i].a, tape_[i].b, tape_[i].c})
+      if (part != none && !lowered_[size(part)]) return part;
+    return none;
+  }
+
+  constexpr Index new_value() {
+    weighted_.push_back(none);
+    return program_.rows++;
+  }
+  /// Where k times the coefficients of a value stand.
+  constexpr Index weighted(Index value) {
+    if (weighted_[size(value)] == none) {
+      const Index row = new_value();
+      weighted_[size(value)] = row;
+      if (value >= Program::first_variable && value <= program_.time()) {
+        program_.weighted[size(value - Program::first_variable)] = row;
+      } else {
+        for (auto* list : {&program_.linear, &program_.steps})
+          for (Step& step : *list)
+            if (step.out == value) step.weighted = row;
+      }
+    }
+    return weighted_[size(value)];
+  }
+  constexpr Index lane(Index a, Index b) {
+    if (a > b) std::swap(a, b);
+    for (std::size_t i = program_.lane_a.size(); i-- > 0;)
+      if (program_.lane_a[i] == a && program_.lane_b[i] == b) return static_cast<Index>(i);
+    program_.lane_a.push_back(a);
+    program_.lane_b.push_back(b);
+    return static_cast<Index>(program_.lane_a.size() - 1);
+  }
+  constexpr Index finish(Step step) {
+    if (step.out == none) step.out = new_value();
+    step.weighted = Program::waste;
+    program_.steps.push_back(step);
+    return step.out;
+  }
+  constexpr bool is_linear(Index value) const {
+    if (value == program_.time()) return true;
+    for (const Step& step : program_.linear)
+      if (step.out == value) return true;
+    return false;
+  }
+
+  constexpr Form of_value(Index value, double factor = 1) {
+    Form made{0, static_cast<Index>(program_.values.size()), 1, 0, 0};
+    program_.values.push_back({value, factor});
+    return made;
+  }
+  constexpr Form of_product(Index a, Index b, double factor) {
+    Form made{0, 0, 0, static_cast<Index>(program_.products.size()), 1};
+    program_.products.push_back({a, b, lane(a, b), factor});
+    return made;
+  }
+  /// x f + y g; terms alike are put together.
+  constexpr Form combine(double x, const Form& f, double y, const Form& g) {
+    Form made{x * f.constant + y * g.constant, static_cast<Index>(program_.values.size()), 0,
+              static_cast<Index>(program_.products.size()), 0};
+    for (const auto& [factor, part] : {std::pair{x, &f}, std::pair{y, &g}}) {
+      for (Index i = 0; i < part->values; ++i) {
+        Program::Value term = program_.values[size(part->first_value + i)];
+        term.factor *= factor;
+        bool found = false;
+        for (Index j = 0; j < made.values && !found; ++j) {
+          Program::Value& other = program_.values[size(made.first_value + j)];
+          found = other.value == term.value;
+          if (found) other.factor += term.factor;
+        }
+        if (found) continue;
+        program_.values.push_back(term);
+        ++made.values;
+      }
+      for (Index i = 0; i < part->products; ++i) {
+        Program::Product term = program_.products[size(part->first_product + i)];
+        term.factor *= factor;
+        bool found = false;
+        for (Index j = 0; j < made.products && !found; ++j) {
+          Program::Product& other = program_.products[size(made.first_product + j)];
+          found = other.lane == term.lane;
+          if (found) other.factor += term.factor;
+        }
+        if (found) continue;
+        program_.products.push_back(term);
+        ++made.products;
+      }
+    }
+    return made;
+  }
+
+  /// The value that a node is.
+  constexpr Index keep(Index node) {
+    Index& value = kept_[size(node)];
+    if (value == none) {
+      const Form f = form(node);
+      if (f.constant == 0 && f.values == 1 && f.products == 0 && program_.values[size(f.first_value)].factor == 1) {
+        value = program_.values[size(f.first_value)].value;
+      } else {
+        value = finish({.rule = Rule::sum,
+                        .first_value = f.first_value,
+                        .values = f.values,
+                        .first_product = f.first_product,
+                        .products = f.products,
+                        .c = f.constant});
+        if (tape_[node].linear) {
+          program_.linear.push_back(program_.steps.back());
+          program_.steps.pop_back();
+        }
+        form(node) = of_value(value);
+      }
+    }
+    return value;
+  }
+  /// A node as a factor times a value.
+  constexpr std::pair<Index, double> scaled(Index node) {
+    const Form f = form(node);
+    if (f.constant == 0 && f.values == 1 && f.products == 0) {
+      const auto [value, factor] = program_.values[size(f.first_value)];
+      return {value, factor};
+    }
+    if (f.constant == 0 && f.values == 0 && f.products == 1) {
+      const Program::Product product = program_.products[size(f.first_product)];
+      for (const Step& step : program_.steps)  // the product itself, kept already
+        if (step.rule == Rule::sum && step.values == 0 && step.products == 1 && step.c == 0) {
+          const Program::Product& other = program_.products[size(step.first_product)];
+          if (other.lane == product.lane && other.factor == 1) return {step.out, product.factor};
+        }
+      Step step{
+          .rule = Rule::sum, .first_product = static_cast<Index>(program_.products.size()), .products = 1, .c = 0};
+      program_.products.push_back({product.a, product.b, product.lane, 1});
+      return {finish(step), product.factor};
+    }
+    return {keep(node), 1};
+  }
+
+  constexpr Form product(Index a, Index b) {
+    for (const auto& [c, other] : {std::pair{a, b}, std::pair{b, a}})
+      if (form(c).terms() == 0) {
+        const double factor = form(c).constant;
+        return combine(factor, form(other), 0, Form{});
+      }
+    auto [x, c] = scaled(a);
+    auto [y, d] = scaled(b);
+    if (!is_linear(x)) std::swap(x, y);
+    if (is_linear(x)) return of_value(finish({.rule = Rule::linear_product, .a = x, .w = y}), c * d);
+    program_.whole = false;
+    return of_product(x, y, c * d);
+  }
+  constexpr Form quotient(Index a, Index b) {
+    program_.whole = false;
+    const auto [below, d] = scaled(b);
+    Step step{.rule = is_linear(below) ? Rule::linear_quotient : Rule::quotient, .b = below};
+    if (is_linear(below)) program_.poles.push_back(below);
+    double factor = 1 / d;
+    if (form(a).terms() == 0) {
+      step.a = none;
+      factor *= form(a).constant;
+    } else {
+      const auto [above, c] = scaled(a);
+      step.a = above;
+      factor *= c;
+    }
+    step.out = new_value();
+    if (step.rule == Rule::quotient) step.lane = lane(below, step.out);
+    return of_value(finish(step), factor);
+  }
+  /// (c x)ᵖ = cᵖ xᵖ for c > 0.
+  constexpr Form power(Index a, double p, bool root) {
+    program_.whole = false;
+    program_.partial = true;
+    auto [base, c] = scaled(a);
+    if (!(c > 0)) base = keep(a), c = 1;
+    Step step{.rule = root ? Rule::root : Rule::power, .a = base, .p = p};
+    step.out = new_value();
+    const Index out = step.out;
+    if (is_linear(base)) {
+      step.rule = Rule::linear_power;
+      program_.poles.push_back(base);
+    } else if (root) {
+      step.lane = lane(out, out);
+    } else {
+      step.b = weighted(base);
+      const Index slope = weighted_[size(out)] = new_value();
+      step.lane = lane(step.b, out);
+      step.w = lane(base, slope);
+      finish(step);
+      program_.steps.back().weighted = slope;
+      return of_value(out, std::pow(c, p));
+    }
+    return of_value(finish(step), std::pow(c, p));
+  }
+
+  /// f(p a) by ȯut = c w ȧ.
+  constexpr void integral(Op f, Index out, Index a, double p, Index w, double c) {
+    Step step{.rule = Rule::integral, .function = f, .out = out, .a = a, .w = w, .c = c * p, .p = p};
+    if (a == program_.time() || is_linear(a)) {
+      step.rule = Rule::linear_integral;
+    } else {
+      program_.whole = false;
+      step.b = weighted(a);
+      step.lane = lane(step.b, w);
+    }
+    finish(step);
+  }
+  /// A pair of functions each of which is the derivative of the other, but for a sign.
+  constexpr Form pair(Op asked, Op odd, Op even, double sign, Index node) {
+    const auto [a, p] = scaled(node);
+    for (const auto& known : pairs_)
+      if (known.odd == odd && known.a == a && known.p == p) return of_value(asked == odd ? known.first : known.second);
+    const Index first = new_value(), second = new_value();
+    integral(odd, first, a, p, second, 1);
+    integral(even, second, a, p, first, sign);
+    pairs_.push_back({odd, a, p, first, second});
+    return of_value(asked == odd ? first : second);
+  }
+  /// exp, tan and tanh: their own derivatives, or made of themselves: w = 1 ± out².
+  constexpr Form self(Op f, Index node, double sign) {
+    const auto [a, p] = scaled(node);
+    const Index out = new_value(), w = sign == 0 ? out : new_value();
+    integral(f, out, a, p, w, 1);
+    if (sign != 0) {
+      program_.whole = false;
+      const Form square = of_product(out, out, sign);
+      finish({.rule = Rule::sum, .out = w, .first_product = square.first_product, .products = 1, .c = 1});
+    }
+    return of_value(out);
+  }
+  /// ln a, atan a, asin a, acos a: ȯut = c ȧ/w, with w = a, 1 + a², √(1 − a²).
+  constexpr Form log_like(Op f, Index node) {
+    program_.whole = false;
+    program_.partial = true;
+    const Index a = keep(node);
+    Index w = a;
+    if (f != Op::log) {
+      const Form square = of_product(a, a, f == Op::atan ? 1 : -1);
+      w = finish({.rule = Rule::sum, .first_product = square.first_product, .products = 1, .c = 1});
+      if (f != Op::atan) {
+        const Index out = new_value();
+        w = finish({.rule = Rule::root, .out = out, .a = w, .lane = lane(out, out)});
+      }
+    }
+    const Index rate = weighted(a), out = new_value(), slope = new_value();
+    weighted_[size(out)] = slope;
+    finish({.rule = Rule::log_like,
+            .function = f,
+            .out = out,
+            .a = a,
+            .b = rate,
+            .w = w,
+            .lane = lane(w, slope),
+            .c = f == Op::acos ? -1.0 : 1.0});
+    program_.steps.back().weighted = slope;
+    return of_value(out);
+  }
+
+  constexpr Form form_of(Index i) {
+    const Node& node = tape_[i];
+    switch (node.op) {
+      case Op::constant:
+        return {.constant = node.value};
+      case Op::time:
+        return of_value(program_.time());
+      case Op::variable:
+        return of_value(Program::first_variable + static_cast<Index>(node.value));
+      case Op::add:
+        return combine(1, form(node.a), 1, form(node.b));
+      case Op::subtract:
+        return combine(1, form(node.a), -1, form(node.b));
+      case Op::multiply:
+        return product(node.a, node.b);
+      case Op::divide:
+        return quotient(node.a, node.b);
+      case Op::power:
+        return power(node.a, node.value, false);
+      case Op::sqrt:
+        return power(node.a, 0.5, true);
+      case Op::exp:
+        return self(node.op, node.a, 0);
+      case Op::tan:
+        return self(node.op, node.a, 1);
+      case Op::tanh:
+        return self(node.op, node.a, -1);
+      case Op::sin:
+      case Op::cos:
+        return pair(node.op, Op::sin, Op::cos, -1, node.a);
+      case Op::sinh:
+      case Op::cosh:
+        return pair(node.op, Op::sinh, Op::cosh, 1, node.a);
+      case Op::log:
+      case Op::atan:
+      case Op::asin:
+      case Op::acos:
+        return log_like(node.op, node.a);
+      case Op::raise:  // made exp(b log a) before
+      case Op::select:
+        break;
+    }
+    program_.whole = false;
+    const Index difference = keep(node.a);
+    program_.switches.push_back(difference);
+    return of_value(finish({.rule = Rule::select, .a = keep(node.b), .b = keep(node.c), .w = difference}));
+  }
+
+  struct Pair {
+    Op odd;
+    Index a;
+    double p;
+    Index first, second;
+  };
+
+  const Tape& tape_;
+  Program& program_;
+  std::vector<Form> forms_;
+  std::vector<bool> lowered_;
+  std::vector<Index> kept_, weighted_;
+  std::vector<int> uses_;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace least::tape

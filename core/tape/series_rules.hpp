@@ -1,0 +1,212 @@
+// How the coefficients of a series follow from those before them, rule by rule (core/tape/program.hpp). Written once
+// for both that run programs: the interpreter, which reads them step by step (core/tape/series.cpp), and what the
+// compiler makes of one whose structure it knows (core/tape/unrolled.hpp). What they compute is the same to the bit.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "core/tape/program.hpp"
+#include "core/tape/series.hpp"
+
+namespace least::tape {
+
+constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+inline constexpr auto inverses = [] {
+  std::array<double, Series::most_orders + 1> all{};
+  for (std::size_t k = 1; k < all.size(); ++k) all[k] = 1 / static_cast<double>(k);
+  return all;
+}();
+
+/// The lists of a program, wherever they are.
+struct Lists {
+  const Program::Value* values;
+  const Program::Product* products;
+};
+
+/// Σ aⱼ b_{k−j} of groups of lanes but for what is new in order k or in the last: 1 < j < k − 1. Of every order there
+/// stand the groups of a, then those of b, `all` of each.
+template <std::size_t Groups>
+[[gnu::always_inline]] inline void sum_lanes(const Four* lanes, std::size_t all, std::size_t k, Four* sums) {
+  std::array<Four, Groups + 1> even{}, odd{};
+  const std::size_t stride = 2 * all;
+  if (Groups > 0 && k > 3) {
+    const Four *a = lanes + 2 * stride, *b = lanes + (k - 2) * stride + all;
+    for (std::size_t pairs = (k - 3) / 2; pairs > 0; --pairs, a += 2 * stride, b -= 2 * stride)
+#pragma GCC unroll 16
+      for (std::size_t g = 0; g < Groups; ++g) {
+        even[g].lane += a[g].lane * b[g].lane;
+        odd[g].lane += (a + stride)[g].lane * (b - stride)[g].lane;
+      }
+    if (k % 2 == 0)
+#pragma GCC unroll 16
+      for (std::size_t g = 0; g < Groups; ++g) even[g].lane += a[g].lane * b[g].lane;
+  }
+#pragma GCC unroll 16
+  for (std::size_t g = 0; g < Groups; ++g) sums[g].lane = even[g].lane + odd[g].lane;
+}
+
+double value_of(Op function, double x);
+
+/// Powers of distances are halves.
+inline double power_of(double x, double p) {
+  if (p == -1.5) return 1 / (x * std::sqrt(x));
+  if (p == -0.5) return 1 / std::sqrt(x);
+  if (p == 1.5) return x * std::sqrt(x);
+  return std::pow(x, p);
+}
+
+/// Rules as a pass takes them. Places stand in `structure` and in a step s, numbers in `numbers` and in the step n: the
+/// same lists and step twice where a program is read, constants and the program where it is known to the compiler.
+template <bool unrolled>
+struct Rules {
+  Lists structure, numbers;
+
+  template <class F>
+  [[gnu::always_inline]] static inline void each(Index count, F&& f) {
+    if constexpr (unrolled) {
+#pragma GCC unroll 64
+      for (Index i = 0; i < count; ++i) f(at(i));
+    } else {
+      for (Index i = 0; i < count; ++i) f(at(i));
+    }
+  }
+
+  /// Order 0: the value itself.
+  [[gnu::always_inline]] inline void begin(const Step& s, const Step& n, double* row) const {
+    double& out = row[s.out];
+    const double a = s.a == none ? 1 : row[s.a];
+    switch (s.rule) {
+      case Rule::sum: {
+        double sum = n.c;
+        const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
+        each(s.values, [&](std::size_t i) { sum += factors[i].factor * row[values[i].value]; });
+        const auto *products = structure.products + s.first_product, *by = numbers.products + s.first_product;
+        each(s.products, [&](std::size_t i) { sum += by[i].factor * (row[products[i].a] * row[products[i].b]); });
+        out = sum;
+        break;
+      }
+      case Rule::quotient:
+      case Rule::linear_quotient:
+        out = n.c * a / row[s.b];
+        break;
+      case Rule::root:
+        out = std::sqrt(a);
+        break;
+      case Rule::power:
+      case Rule::linear_power:
+        out = power_of(a, n.p);
+        break;
+      case Rule::integral:
+      case Rule::linear_integral:
+        out = value_of(s.function, n.p * a);
+        break;
+      case Rule::log_like:
+        out = value_of(s.function, a);
+        break;
+      case Rule::select:
+        out = row[s.w] < 0 ? a : row[s.b];
+        break;
+      case Rule::linear_product:
+        out = n.c * (a * row[s.w]);
+        break;
+    }
+  }
+
+  /// What the terms of order 0 are multiplied with in every order.
+  [[gnu::always_inline]] static inline Gain gain_of(const Step& s, const Step& n, const double* row) {
+    switch (s.rule) {
+      case Rule::quotient:
+      case Rule::linear_quotient: {
+        const double inverse = 1 / row[s.b];
+        return {inverse, s.a == none ? 0 : n.c * inverse, row[s.out] * inverse};
+      }
+      case Rule::root:
+        return {0.5 / row[s.out], 0, 0};
+      case Rule::power:
+      case Rule::linear_power:
+        return {1 / row[s.a], n.p * row[s.out] / row[s.a], 0};
+      case Rule::integral:
+        return {0, n.c * row[s.w], 0};
+      case Rule::log_like:
+        return {1 / row[s.w], n.c / row[s.w], 0};
+      case Rule::select:
+        return {row[s.w] < 0 ? 1.0 : 0.0, 0, 0};
+      case Rule::linear_product:
+        return {0, row[s.a], 0};
+      default:
+        return {};
+    }
+  }
+
+  /// Order k of a step, at `row`; `second`: order 1, `last`: order k − 1; `sums`: of lanes, but for what is new in
+  /// order k or in the last. From one order to the next the way leads through the terms that are new: they are
+  /// multiplied once and come last. `twice`: of order 2 the two terms of order 1 are one, so ½ there; 0 at order 1,
+  /// which has none.
+  [[gnu::always_inline]] inline void advance(const Step& s, const Step& n, double order, double part, double twice,
+                                             const double* second, const double* last, double* row, const double* sums,
+                                             const Gain& gain, const Ends* ends) const {
+    // Σ aⱼ b_{k−j}, 0 < j < k: what has just been written is read one by one, not by fours.
+    const auto old = [&](Index lane, Index a, Index b) {
+      return sums[lane] + twice * (second[a] * last[b] + last[a] * second[b]);
+    };
+    double out = 0;
+    switch (s.rule) {
+      case Rule::sum: {  // what is known early comes first; of the factors of a product it is the second that is late
+        const auto *products = structure.products + s.first_product, *by = numbers.products + s.first_product;
+        const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
+        const Ends* const end = ends + s.first_product;
+        each(s.products, [&](std::size_t i) {
+          const double known = by[i].factor * old(products[i].lane, products[i].a, products[i].b);
+          out = i > 0 ? out + known : known;
+        });
+        each(s.products, [&](std::size_t i) {
+          if (products[i].a != products[i].b) out += row[products[i].a] * end[i].b;
+        });
+        each(s.values, [&](std::size_t i) {
+          const double term = factors[i].factor * row[values[i].value];
+          out = i > 0 || s.products > 0 ? out + term : term;
+        });
+        each(s.products, [&](std::size_t i) {
+          out += row[products[i].b] * (products[i].a != products[i].b ? end[i].a : end[i].a + end[i].b);
+        });
+        break;
+      }
+      case Rule::quotient:
+        out = gain.a * (s.a == none ? 0 : row[s.a]) - old(s.lane, s.b, s.out) * gain.inverse - row[s.b] * gain.b;
+        break;
+      case Rule::root:
+        out = (row[s.a] - old(s.lane, s.out, s.out)) * gain.inverse;
+        break;
+      case Rule::power:
+        out = (n.p * old(s.lane, s.b, s.out) - old(s.w, s.a, s.weighted)) * (part * gain.inverse) + row[s.a] * gain.a;
+        break;
+      case Rule::integral:
+        out = (n.c * part) * old(s.lane, s.b, s.w) + row[s.a] * gain.a;
+        break;
+      case Rule::log_like:
+        out = row[s.a] * gain.a - old(s.lane, s.w, s.weighted) * (part * gain.inverse);
+        break;
+      case Rule::select:
+        out = gain.inverse != 0 ? row[s.a] : row[s.b];
+        break;
+      case Rule::linear_product:
+        out = n.c * (row[s.w] * gain.a + second[s.a] * last[s.w]);
+        break;
+      case Rule::linear_quotient:
+        out = gain.a * (s.a == none ? 0 : row[s.a]) - second[s.b] * last[s.out] * gain.inverse;
+        break;
+      case Rule::linear_power:
+        out = second[s.a] * last[s.out] * (n.p - order + 1) * (part * gain.inverse);
+        break;
+      case Rule::linear_integral:
+        out = n.c * part * (second[s.a] * last[s.w]);
+        break;
+    }
+    row[s.out] = out;
+    row[s.weighted] = order * out;
+  }
+};
+
+}  // namespace least::tape

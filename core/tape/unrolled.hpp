@@ -1,0 +1,231 @@
+// Series of programs whose structure the compiler knows: an order is straight code, its values stand in registers, and
+// what waits for what is seen by the processor at once. Kepler's costs a third of what reading its program does. Only
+// the structure is known, the numbers are those of the program that a run has recorded: any program of that structure
+// may use it, and gets the bits that reading it gives.
+#pragma once
+
+#include <span>
+#include <utility>
+
+#include "core/tape/lowered.hpp"
+#include "core/tape/series_rules.hpp"
+
+namespace least::tape {
+
+/// Calls visit(n) with every number of the structure of a program, and no other; false as soon as visit is.
+template <class Visit>
+constexpr bool read_structure(const Program& p, Visit&& visit) {
+  const auto all = [&](const auto&... n) { return (visit(static_cast<Index>(n)) && ...); };
+  const auto each = [&](const auto& list, auto&& one) {
+    if (!all(list.size())) return false;
+    for (const auto& item : list)
+      if (!one(item)) return false;
+    return true;
+  };
+  const auto step = [&](const Step& s) {
+    return all(s.rule, s.function, s.out, s.weighted, s.a, s.b, s.w, s.lane, s.first_value, s.values, s.first_product,
+               s.products);
+  };
+  const auto place = [&](Index i) { return all(i); };
+  return all(p.variables, p.moving, p.rows) && each(p.steps, step) && each(p.linear, step) &&
+         each(p.values, [&](const auto& v) { return all(v.value); }) &&
+         each(p.products, [&](const auto& v) { return all(v.a, v.b, v.lane); }) && each(p.lane_a, place) &&
+         each(p.lane_b, place) && each(p.rate, place) && each(p.weighted, place) && each(p.switches, place) &&
+         each(p.poles, place);
+}
+
+/// What a program comes to in lists of fixed size, so that it can be a constant.
+template <std::size_t Steps, std::size_t Linear, std::size_t Values, std::size_t Products, std::size_t Lanes,
+          std::size_t Variables, std::size_t Kept, std::size_t Numbers>
+struct Fixed {
+  static constexpr std::size_t groups = (Lanes + 3) / 4;
+  std::array<Step, Steps> steps;
+  std::array<Step, Linear> linear;
+  std::array<Program::Value, Values> values;
+  std::array<Program::Product, Products> products;
+  std::array<Index, 4 * groups> lane_a, lane_b;
+  std::array<Index, Variables> rate;
+  std::array<Index, Variables + 1> weighted;
+  std::array<Index, Kept> kept;  ///< values that are asked for at every order
+  std::array<Index, Numbers> structure;
+  std::size_t rows = 0;
+};
+
+/// As much of it as any program may need that is unrolled, and how much of that is used.
+struct Measured {
+  static constexpr std::size_t most = 64;
+  Fixed<most, 8, 4 * most, 2 * most, most, 24, 16, 16 * most> lists{};
+  std::array<std::size_t, 8> used{};
+};
+template <class From, class To>
+constexpr void copy_first(std::size_t count, const From& from, To& to) {
+  for (std::size_t i = 0; i < count; ++i) to[i] = from[i];
+}
+constexpr Measured measured(const Program& p) {
+  Measured made;
+  auto& to = made.lists;
+  std::size_t kept = 0, numbers = 0;
+  for (const auto* list : {&p.switches, &p.poles})
+    for (const Index value : *list) to.kept[kept++] = value;
+  read_structure(p, [&](Index n) {
+    to.structure[numbers++] = n;
+    return true;
+  });
+  made.used = {p.steps.size(), p.linear.size(), p.values.size(), p.products.size(), p.lane_a.size(), p.variables,
+               kept,           numbers};
+  copy_first(p.steps.size(), p.steps, to.steps);
+  copy_first(p.linear.size(), p.linear, to.linear);
+  copy_first(p.values.size(), p.values, to.values);
+  copy_first(p.products.size(), p.products, to.products);
+  copy_first(p.lane_a.size(), p.lane_a, to.lane_a);
+  copy_first(p.lane_b.size(), p.lane_b, to.lane_b);
+  copy_first(p.rate.size(), p.rate, to.rate);
+  copy_first(p.weighted.size(), p.weighted, to.weighted);
+  to.rows = at(p.rows);
+  return made;
+}
+/// Without what is not used.
+template <const Measured& M>
+constexpr auto shrunk() {
+  constexpr auto& n = M.used;
+  Fixed<n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]> made{};
+  const auto take = [](const auto& from, auto& to) { copy_first(to.size(), from, to); };
+  take(M.lists.steps, made.steps);
+  take(M.lists.linear, made.linear);
+  take(M.lists.values, made.values);
+  take(M.lists.products, made.products);
+  take(M.lists.lane_a, made.lane_a);
+  take(M.lists.lane_b, made.lane_b);
+  take(M.lists.rate, made.rate);
+  take(M.lists.weighted, made.weighted);
+  take(M.lists.kept, made.kept);
+  take(M.lists.structure, made.structure);
+  made.rows = M.lists.rows;
+  return made;
+}
+
+/// The series of programs of the structure S.
+template <const auto& S>
+class Unrolled {
+ public:
+  static bool fits(const Program& program) {
+    std::size_t next = 0;
+    return read_structure(program, [&](Index n) { return next < S.structure.size() && S.structure[next++] == n; }) &&
+           next == S.structure.size();
+  }
+
+  [[gnu::always_inline]] static inline void expand(const Program& p, const Workspace& of) {
+    const Rules<true> rules{{S.values.data(), S.products.data()}, {p.values.data(), p.products.data()}};
+    Row row{}, second{}, last{};
+    if (of.begun) {
+      each<S.rows - first>([&](auto i) { row[first + i] = of.begun[first + i]; });
+    } else {
+      start(rules, p, of.rows, row);
+    }
+    std::array<Gain, steps> gains;
+    std::array<Ends, S.products.size()> ends;
+    each<steps>([&](auto i) { gains[i] = Rules<true>::gain_of(S.steps[i], p.steps[i], row.data()); });
+    each<S.products.size()>([&](auto i) {
+      constexpr Program::Product term = S.products[i];
+      const double factor = p.products[i].factor;
+      ends[i] = {factor * row[at(term.a)], factor * row[at(term.b)]};
+    });
+    // Order 1 of what is linear in time, which has no other but the first.
+    second[time] = second[at(S.weighted.back())] = 1;
+    each<linear>([&](auto i) {
+      rules.advance(S.linear[i], p.linear[i], 1, 1, 0, second.data(), row.data(), second.data(), nullptr, {}, nullptr);
+    });
+    auto next = finish(of, 0, row);
+    for (std::size_t k = 1; k < of.orders; ++k) {
+      std::array<Four, groups + 1> sums;
+      sum_lanes<groups>(of.lanes, groups, k, sums.data());
+      last = row;
+      each<variables>([&](auto i) {
+        row[first + i] = next[i];
+        row[at(S.weighted[i])] = last[at(S.rate[i])];
+      });
+      const double once = k == 1 ? 1 : 0;
+      row[time] = row[at(S.weighted.back())] = once;
+      each<linear>([&](auto i) {
+        row[at(S.linear[i].out)] = once * second[at(S.linear[i].out)];
+        row[at(S.linear[i].weighted)] = once * second[at(S.linear[i].weighted)];
+      });
+      const double twice = k > 2 ? 1 : k > 1 ? 0.5 : 0;
+      each<steps>([&](auto i) {
+        rules.advance(S.steps[i], p.steps[i], static_cast<double>(k), inverses[k], twice, second.data(), last.data(),
+                      row.data(), sums[0].begin(), gains[i], ends.data());
+      });
+      if (k == 1) second = row;
+      next = finish(of, k, row);
+    }
+  }
+
+  /// Order 0, from the variables and the time that stand there.
+  [[gnu::always_inline]] static inline void begin(const Program& p, double* values) {
+    const Rules<true> rules{{S.values.data(), S.products.data()}, {p.values.data(), p.products.data()}};
+    Row row{};
+    start(rules, p, values, row);
+    each<S.rows - first>([&](auto i) { values[first + i] = row[first + i]; });
+  }
+
+ private:
+  static constexpr std::size_t steps = S.steps.size(), linear = S.linear.size(), variables = S.rate.size(),
+                               groups = S.lane_a.size() / 4, first = at(Program::first_variable),
+                               time = first + variables;
+  using Row = std::array<double, S.rows>;
+
+  template <std::size_t N, class F>
+  [[gnu::always_inline]] static inline void each(F&& f) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+      (f(std::integral_constant<std::size_t, I>{}), ...);
+    }
+    (std::make_index_sequence<N>{});
+  }
+
+  /// Order 0, from variables and the time that stand in `values`.
+  [[gnu::always_inline]] static inline void start(const Rules<true>& rules, const Program& p, const double* values,
+                                                  Row& row) {
+    each<variables + 1>([&](auto i) { row[first + i] = values[first + i]; });
+    each<linear>([&](auto i) { rules.begin(S.linear[i], p.linear[i], row.data()); });
+    each<steps>([&](auto i) { rules.begin(S.steps[i], p.steps[i], row.data()); });
+  }
+
+  /// Written in one piece, as it is read soon after: from four pieces a processor cannot hand it on.
+  [[gnu::always_inline]] static inline void together(Four& out, double a, double b, double c, double d) {
+    Four four{{a, b, c, d}};
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+    asm("" : "+x"(four.lane));
+#endif
+    out.lane = four.lane;
+  }
+
+  /// The next coefficients of variables; what has become of order k goes to where it is read.
+  [[gnu::always_inline]] static inline std::array<double, variables> finish(const Workspace& of, std::size_t k,
+                                                                            const Row& row) {
+    double* const here = of.rows + k * S.rows;
+    std::array<double, variables> next;
+    each<variables>([&](auto i) { here[S.rows + first + i] = next[i] = row[at(S.rate[i])] * inverses[k + 1]; });
+    each<S.kept.size()>([&](auto i) { here[at(S.kept[i])] = row[at(S.kept[i])]; });
+    Four* const lanes = of.lanes + k * 2 * groups;
+    each<groups>([&](auto g) {
+      constexpr std::size_t f = 4 * g;
+      together(lanes[g], row[at(S.lane_a[f])], row[at(S.lane_a[f + 1])], row[at(S.lane_a[f + 2])],
+               row[at(S.lane_a[f + 3])]);
+      together(lanes[groups + g], row[at(S.lane_b[f])], row[at(S.lane_b[f + 1])], row[at(S.lane_b[f + 2])],
+               row[at(S.lane_b[f + 3])]);
+    });
+    return next;
+  }
+};
+
+/// A series that is unrolled, as a table has it.
+struct UnrolledSeries {
+  bool (*fits)(const Program&);
+  void (*expand)(const Program&, const Workspace&);
+  void (*begin)(const Program&, double*);
+};
+/// All there are: of the problems of the catalogue (core/catalogue/unrolled_series.cpp). None where the machine has no
+/// registers of four.
+std::span<const UnrolledSeries> unrolled_series();
+
+}  // namespace least::tape

@@ -1,9 +1,8 @@
-#include "core/tape/unrolled.hpp"
-
 #include <algorithm>
 #include <tuple>
 
 #include "core/schemes/taylor.hpp"
+#include "core/tape/unrolled.hpp"
 #include "least_problems.hpp"
 
 // Registers of four numbers are asked for; what is computed does not depend on them.

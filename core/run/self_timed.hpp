@@ -186,9 +186,17 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
     }
   }
   using Memory = decltype(memory_of(std::declval<const Stepper&>()));
+  /// A stepper at x. One that is bound to nothing but the problem need not be made again.
+  Stepper bound(const X& x) const {
+    if constexpr (requires { stepper_.anew(); }) {
+      return stepper_.anew();
+    } else {
+      return scheme_.bind(problem_, x, energy_);
+    }
+  }
   /// A stepper that goes on from x.
   Stepper stepper_at(const X& x, [[maybe_unused]] const Memory& memory) const {
-    Stepper stepper = scheme_.bind(problem_, x, energy_);
+    Stepper stepper = bound(x);
     if constexpr (requires { stepper.resume(x, memory); }) stepper.resume(x, memory);
     return stepper;
   }
@@ -264,7 +272,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
       const X x = series_state<X>(problem_, std::min(P::series_until, end_));
       if (!(x.t > state.x.t)) return along_series_ = false;
       left_ = state.x;
-      stepper_ = scheme_.bind(problem_, x, energy_);
+      stepper_ = bound(x);
       memory_ = memory_of(stepper_);
       state = {x, 1};
       if (diagnostics) diagnostics->see(problem_, x);

@@ -160,7 +160,7 @@ double Expansion::until_switch(double h) const {
         }
         ((sum < 0) == before ? low : high) = time;
         const double next = time - sum / slope;
-        if (std::abs(next - time) <= 1e-16 * time) break;
+        if (std::abs(next - time) <= 4 * std::numeric_limits<double>::epsilon() * time) break;
         time = low < next && next < high ? next : 0.5 * (low + high);
       }
       high = time;

@@ -165,8 +165,12 @@ class TaylorStepper {
     return true;
   }
   const Work& work() const noexcept { return work_; }
+  /// One that has taken no step yet, of the same program.
+  TaylorStepper anew() const { return TaylorStepper(expansion_); }
 
  private:
+  explicit TaylorStepper(std::shared_ptr<taylor::Expansion> expansion) : expansion_(std::move(expansion)) {}
+
   using Values = std::array<double, taylor::components<X>>;
 
   static Values values(const X& x) {

@@ -61,6 +61,7 @@ inline double power_of(double x, double p) {
 /// same lists and step twice where a program is read, constants and the program where it is known to the compiler.
 template <bool unrolled>
 struct Rules {
+  static constexpr Index many = 8;
   Lists structure, numbers;
 
   template <class F>
@@ -164,10 +165,14 @@ struct Rules {
         each(s.products, [&](std::size_t i) {
           if (products[i].a != products[i].b) out += row[products[i].a] * end[i].b;
         });
-        each(s.values, [&](std::size_t i) {
-          const double term = factors[i].factor * row[values[i].value];
-          out = i > 0 || s.products > 0 ? out + term : term;
-        });
+        const auto term = [&](std::size_t i) { return factors[i].factor * row[values[i].value]; };
+        if (s.values > many) {  // four sums, which do not wait for each other
+          std::array<double, 4> fours{};
+          each(s.values, [&](std::size_t i) { fours[i % 4] += term(i); });
+          out += (fours[0] + fours[1]) + (fours[2] + fours[3]);
+        } else {
+          each(s.values, [&](std::size_t i) { out = i > 0 || s.products > 0 ? out + term(i) : term(i); });
+        }
         each(s.products, [&](std::size_t i) {
           out += row[products[i].b] * (products[i].a != products[i].b ? end[i].a : end[i].a + end[i].b);
         });

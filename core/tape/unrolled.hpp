@@ -187,7 +187,21 @@ class Unrolled {
                                                   Row& row) {
     each<variables + 1>([&](auto i) { row[first + i] = values[first + i]; });
     each<linear>([&](auto i) { rules.begin(S.linear[i], p.linear[i], row.data()); });
-    each<steps>([&](auto i) { rules.begin(S.steps[i], p.steps[i], row.data()); });
+    each<steps>([&](auto i) {
+      if constexpr (i > 0 && is_pair(i - 1)) return;
+      if constexpr (is_pair(i)) {  // of one argument: for the price of little more than one
+        const double x = p.steps[i].p * row[at(S.steps[i].a)];
+        row[at(S.steps[i].out)] = std::sin(x);
+        row[at(S.steps[i + 1].out)] = std::cos(x);
+      } else {
+        rules.begin(S.steps[i], p.steps[i], row.data());
+      }
+    });
+  }
+  /// Whether a step and the next are sine and cosine of the same.
+  static constexpr bool is_pair(std::size_t i) {
+    return i + 1 < steps && S.steps[i].function == Op::sin && S.steps[i + 1].function == Op::cos &&
+           S.steps[i].w == S.steps[i + 1].out && S.steps[i + 1].w == S.steps[i].out;
   }
 
   /// Written in one piece, as it is read soon after: from four pieces a processor cannot hand it on.

@@ -7,9 +7,12 @@
 #include <numeric>
 #include <optional>
 
+#include "core/ensemble/text_group.hpp"
 #include "core/run/diagnostics/watch.hpp"
+#include "core/run/integrator.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/step_guard.hpp"
+#include "core/text/scene.hpp"
 
 namespace least {
 namespace {
@@ -76,7 +79,7 @@ class LaneBlock final : public LaneHost {
         task_.level = level->value;
       }
       task_.full = task_.full || request_.watched.full_state();
-      left_.resize(card_.variables.size() + 1);
+      left_.resize(std::max(card_.variables.size(), program_rows) + 1);
       right_ = between_ = left_;
     }
     task_.host = this;
@@ -84,29 +87,35 @@ class LaneBlock final : public LaneHost {
 
     fill_tables();
     ended_.assign(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
-    final_.assign(card_.variables.size() * count, 0);
     crossings_.assign(count, 0);
-    task_.final = final_.data();
-    task_.ended = ended_.data();
+    finals_.resize(count * request_.columns.size());
   }
 
   bool run(std::span<const LaneUnit> units) {
+    if (!fits_ || task_.scheme == lane_schemes.size()) return false;
+    if (request_.scene->mechanics->text()) return run_text(units.front());
     states_ = lane_units().back().mechanics(card_.id);
-    if (!fits_ || task_.scheme == lane_schemes.size() || !states_.columns) return false;
-    return std::ranges::any_of(units, [&](const LaneUnit& unit) {
+    if (!states_.columns) return false;
+    std::vector<double> final(card_.variables.size() * task_.count);
+    task_.start = start_.data();
+    task_.final = final.data();
+    task_.ended = ended_.data();
+    const bool ran = std::ranges::any_of(units, [&](const LaneUnit& unit) {
       const auto run = unit.mechanics(card_.id).run;
       return run && run(task_);
     });
+    if (ran) take_final();
+    return ran;
   }
   void gather() {
     Harvest& harvest = block_.harvest;
-    for (std::size_t m = 0; m < task_.count; ++m) {
+    const auto columns = static_cast<std::ptrdiff_t>(request_.columns.size());
+    for (std::size_t m = 0; m < ended_.size(); ++m) {
       ++harvest.ended[ended_[m]];
       if (static_cast<ReturnCode>(ended_[m]) != ReturnCode::completed) continue;
-      std::vector<double> state(task_.variables);
-      for (std::size_t i = 0; i < state.size(); ++i) state[i] = final_[i * task_.count + m];
       harvest.final_member.push_back(block_.first + static_cast<std::int64_t>(m));
-      append_columns(m, task_.end, state.data(), harvest.final);
+      const auto row = finals_.begin() + static_cast<std::ptrdiff_t>(m) * columns;
+      harvest.final.insert(harvest.final.end(), row, row + columns);
     }
     harvest.cost.steps = task_.taken;
     harvest.cost.force_evaluations = task_.forces;
@@ -140,6 +149,7 @@ class LaneBlock final : public LaneHost {
     member_ = m;
     from_ = t_before;
     to_ = t;
+    if (group_) return look(TextPath(*this, m));
     const auto parameters = parameters_of(m);
     states_.show({task_.scheme, request_.settings, parameters, t_before, before}, *this);
   }
@@ -153,9 +163,99 @@ class LaneBlock final : public LaneHost {
   }
 
  private:
+  /// Of the step that at_step is told of.
+  class TextPath final : public LanePath {
+   public:
+    TextPath(const LaneBlock& block, std::size_t m) : block_(block), m_(m) {}
+    bool at(double t, double* state) const override {
+      return block_.group_->advance(m_, block_.from_, t - block_.from_, block_.left_.data(), state);
+    }
+
+   private:
+    const LaneBlock& block_;
+    std::size_t m_;
+  };
+
+  /// Members whose steps are written down alike are run together. Where parameters vary each is written down, so that
+  /// not too many are at once.
+  bool run_text(const LaneUnit& unit) {
+    constexpr std::size_t most_constants = 1'000'000;
+    const text::TextScene& text = *request_.scene->mechanics->text();
+    std::vector<TextGroup> groups;
+    std::size_t kept = 0;
+    const auto run_groups = [&] {
+      for (TextGroup& group : groups) run_group(unit, group);
+      groups.clear();
+      kept = 0;
+    };
+    for (std::size_t m = 0; m < ended_.size() && !task_.cancelled->load(std::memory_order_relaxed); ++m) {
+      if (varied_.empty() && m > 0) {
+        groups[0].add(m, {});
+        continue;
+      }
+      const auto parameters = parameters_of(m);
+      if (!varied_.empty() && text.objection(parameters)) {  // no run begins with a mass that is none
+        ended_[m] = static_cast<std::uint8_t>(ReturnCode::singular);
+        continue;
+      }
+      auto trace = trace_text(request_, parameters, task_.scheme, task_.full);
+      if (!trace) return false;
+      auto constants = trace->trace.constants();
+      auto group = std::ranges::find_if(groups, [&](const TextGroup& one) { return one.has(*trace); });
+      if (group == groups.end()) group = groups.emplace(groups.end(), std::move(*trace));
+      kept += constants.size();
+      group->add(m, std::move(constants));
+      if (kept > most_constants && !varied_.empty()) run_groups();
+    }
+    run_groups();
+    return true;
+  }
+  void run_group(const LaneUnit& unit, TextGroup& group) {
+    group.compile();
+    const std::size_t count = group.members().size(), rows = card_.variables.size();
+    std::vector<double> start(program_rows * count), final(program_rows * count), state(rows);
+    std::vector<std::uint8_t> ended(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t k = 0; k < rows; ++k)
+        state[k] = start[k * count + i] = start_[k * ended_.size() + group.members()[i]];
+      const bool near = std::ranges::all_of(state, [](double x) { return std::abs(x) < largest_component; });
+      if (near && !group.starts(i, task_.start_time, task_.steps > 0 ? task_.step : 0, state.data()))
+        ended[i] = static_cast<std::uint8_t>(ReturnCode::singular);
+    }
+    LaneTask whole = task_;
+    task_.program = &group.step();
+    task_.own = group.own();
+    task_.count = count;
+    task_.start = start.data();
+    task_.final = final.data();
+    task_.ended = ended.data();
+    task_.variables = rows;
+    group_ = &group;
+    unit.programs().run(task_);
+    take_final();
+    for (std::size_t i = 0; i < count; ++i) ended_[group.members()[i]] = ended[i];
+    group_ = nullptr;
+    whole.taken = task_.taken;
+    whole.forces = task_.forces;
+    task_ = whole;
+  }
+
+  /// The place of a member of the task in the block.
+  std::size_t in_block(std::size_t m) const { return group_ ? group_->members()[m] : m; }
+  void take_final() {
+    std::vector<double> state(task_.variables), row;
+    for (std::size_t m = 0; m < task_.count; ++m) {
+      if (static_cast<ReturnCode>(task_.ended[m]) != ReturnCode::completed) continue;
+      for (std::size_t i = 0; i < state.size(); ++i) state[i] = task_.final[i * task_.count + m];
+      row.clear();
+      append_columns(m, task_.end, state.data(), row);
+      std::ranges::copy(row, finals_.begin() + static_cast<std::ptrdiff_t>(in_block(m) * row.size()));
+    }
+  }
+
   std::vector<double> parameters_of(std::size_t m) const {
     std::vector<double> parameters = request_.scene->parameters;
-    for (std::size_t k = 0; k < varied_.size(); ++k) parameters[varied_[k]] = values_[k * task_.count + m];
+    for (std::size_t k = 0; k < varied_.size(); ++k) parameters[varied_[k]] = values_[k * ended_.size() + m];
     return parameters;
   }
 
@@ -177,19 +277,19 @@ class LaneBlock final : public LaneHost {
     }
     task_.varied = varied_;
     task_.values = values_.data();
-    task_.start = start_.data();
   }
 
   void append_columns(std::size_t m, double t, const double* state, std::vector<double>& to) {
     const std::size_t size = to.size();
     to.resize(size + request_.columns.size());
+    if (group_) return group_->columns(m, t, state, to.data() + size);
     const auto parameters = parameters_of(m);
     states_.columns({parameters, task_.full, t, state, request_.columns, to.data() + size});
   }
   void add_point(std::size_t m, double t, const double* state) {
     SectionPoints& points = block_.harvest.section;
-    points.member.push_back(block_.first + static_cast<std::int64_t>(m));
-    points.crossing.push_back(crossings_[m]++);
+    points.member.push_back(block_.first + static_cast<std::int64_t>(in_block(m)));
+    points.crossing.push_back(crossings_[in_block(m)]++);
     points.t.push_back(t);
     append_columns(m, t, state, points.values);
     if (points.t.size() >= 2 * static_cast<std::size_t>(request_.limits.samples)) keep_first_points();
@@ -228,7 +328,8 @@ class LaneBlock final : public LaneHost {
   LaneTask task_;
   LaneMechanics states_;
   std::vector<double> left_, right_, between_;  ///< states about a crossing, as an expression reads them
-  std::vector<double> times_, start_, values_, final_;
+  const TextGroup* group_ = nullptr;            ///< of which the task's members are, where the scene was given as text
+  std::vector<double> times_, start_, values_, finals_;
   std::vector<std::size_t> varied_;
   std::vector<std::uint8_t> ended_;
   std::vector<std::int64_t> crossings_;
@@ -241,7 +342,10 @@ class LaneBlock final : public LaneHost {
 bool run_lane_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled,
                       std::span<const LaneUnit> units) {
   LaneBlock lanes(plan, block, cancelled);
-  if (!lanes.run(units)) return false;
+  if (!lanes.run(units)) {
+    block.harvest = {};
+    return false;
+  }
   lanes.gather();
   return true;
 }

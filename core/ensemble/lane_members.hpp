@@ -14,6 +14,7 @@ struct LaneUnit {
   std::string_view name;
   std::size_t width = 0;                            ///< doubles in a register
   LaneMechanics (*mechanics)(std::string_view id);  ///< of a problem; null pointers where it has none
+  LaneMechanics (*programs)();                      ///< of what is given as a program
 };
 /// Those that this machine can run, the widest first; the last can do whatever lanes can.
 std::span<const LaneUnit> lane_units();

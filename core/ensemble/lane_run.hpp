@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/ensemble/lane_steps.hpp"
-#include "core/from_values.hpp"
 #include "core/parameters.hpp"
 
 namespace least {
@@ -25,17 +24,19 @@ class GroupRun {
       x_[j].t = task.start_time;
       for (std::size_t lane = 0; lane < lane_count; ++lane) {
         const std::size_t at = j * lane_count + lane;
-        alive_[j].on[static_cast<int>(lane)] = at < lanes_ ? -1 : 0;
+        const bool begins = at < lanes_ && task.ended[first + at] == static_cast<std::uint8_t>(cancelled);
+        alive_[j].on[static_cast<int>(lane)] = begins ? -1 : 0;
         for (std::size_t i = 0; i < X::size; ++i)
           x_[j][i].v[static_cast<int>(lane)] = task.start[i * task.count + first + std::min(at, lanes_ - 1)];
       }
     }
   }
 
-  template <class Scheme>
-  void run(const Scheme& scheme) {
+  /// bind(problems, states) → GroupSteps from there
+  template <class Bind>
+  void run(Bind&& bind) {
     check_start();
-    BoundGroup<P, X, Scheme> steps(scheme, problems_, x_);
+    auto steps = bind(problems_, x_);
     move(steps);
   }
 
@@ -103,7 +104,7 @@ class GroupRun {
       end(j, !finite(x_[j]), not_finite);
       if constexpr (HasDomain<P>)
         if (problems_[j].bounded()) end(j, problems_[j].inside(x_[j].q) < Lanes(0), left_domain);
-      end(j, !finite(derivative(problems_[j], x_[j])), singular);
+      if constexpr (VectorField<P>) end(j, !finite(derivative(problems_[j], x_[j])), singular);
       if constexpr (QuadraticContact<P>)
         if (task_.steps > 0) end(j, pole(j, x_[j].action.s), singular);
       if constexpr (HasFrequency<P>) {
@@ -312,23 +313,13 @@ Group<P<R>> problems_of(const LaneTask& task, std::size_t first) {
   }
 }
 
-/// f(the scheme at that place of lane_schemes).
-template <class F>
-void with_lane_scheme(std::size_t place, std::span<const double> settings, F&& f) {
-  std::size_t i = 0;
-  const auto called = [&]<class Scheme>(Scheme*) {
-    if (i++ == place) f(from_values<Scheme>(Scheme::fields, settings));
-  };
-  [&]<class... Scheme>(std::tuple<Scheme...>*) {
-    (called(static_cast<Scheme*>(nullptr)), ...);
-  }(static_cast<LaneSchemes*>(nullptr));
-}
-
 template <template <class> class P, class R, class X, class Scheme>
 bool run_groups(LaneTask& task, const Scheme& scheme) {
   if constexpr (requires { typename StepperOf<Scheme, P<R>, X>; }) {
     for (std::size_t first = 0; first < task.count; first += group_size)
-      GroupRun<P<R>, X>(task, problems_of<P, R>(task, first), first).run(scheme);
+      GroupRun<P<R>, X>(task, problems_of<P, R>(task, first), first).run([&](const auto& problems, const auto& x) {
+        return BoundGroup<P<R>, X, Scheme>(scheme, problems, x);
+      });
     task.variables = X::size;
     return true;
   }

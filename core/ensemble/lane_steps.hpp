@@ -2,15 +2,11 @@
 // others. Only units of lanes include this header.
 #pragma once
 
-#include <tuple>
-
 #include "core/number/lanes.hpp"
+
+// The schemes see lanes only where they come first.
+#include "core/ensemble/lane_schemes.hpp"
 #include "core/problem_traits.hpp"
-#include "core/schemes/contact_leapfrog.hpp"
-#include "core/schemes/contact_splitting.hpp"
-#include "core/schemes/contact_symplectic_euler.hpp"
-#include "core/schemes/runge_kutta.hpp"
-#include "core/schemes/splitting.hpp"
 
 namespace least {
 
@@ -35,10 +31,6 @@ template <>
 struct StatusFor<Lanes> {
   using type = LaneStatuses;
 };
-
-/// In the order of lane_schemes.
-using LaneSchemes = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog,
-                               ContactSymplecticEuler, ContactLeapfrog, ContactSplitting>;
 
 /// The narrowest unit does it all: parameters of each lane's own, and s wherever there is one. Wider ones share the
 /// parameters and what follows from them, and carry what the motion needs: that is fast, and half of the compilation.

@@ -9,6 +9,8 @@
 #include <span>
 #include <string_view>
 
+#include "core/ensemble/lane_program.hpp"
+
 namespace least {
 
 /// The schemes that lanes know, by a position of their own: those of steps of equal length without equations to solve.
@@ -44,12 +46,14 @@ class LaneHost {
 /// Members of one scene under one scheme, all from the same time on. Tables hold a row for each quantity with an entry
 /// per member: entry m of row k stands at [k·count + m].
 struct LaneTask {
-  std::size_t scheme = 0;               ///< position among lane_schemes
-  std::span<const double> settings;     ///< of the scheme
-  std::span<const double> parameters;   ///< of the problem
-  std::span<const std::size_t> varied;  ///< parameters of which each member has its own value
-  const double* values = nullptr;       ///< table of those
-  const double* start = nullptr;        ///< table of the variables
+  std::size_t scheme = 0;                ///< position among lane_schemes
+  std::span<const double> settings;      ///< of the scheme
+  std::span<const double> parameters;    ///< of the problem
+  std::span<const std::size_t> varied;   ///< parameters of which each member has its own value
+  const double* values = nullptr;        ///< table of those
+  const LaneProgram* program = nullptr;  ///< in the place of a problem: the step of a scene as text
+  const double* own = nullptr;           ///< table of the constants of the program that each member has of its own
+  const double* start = nullptr;         ///< table of the variables
   std::size_t count = 0;
   bool full = false;  ///< s is carried where the scene has one
 
@@ -64,7 +68,7 @@ struct LaneTask {
 
   // The result.
   double* final = nullptr;        ///< table of the variables
-  std::uint8_t* ended = nullptr;  ///< by member: ReturnCode
+  std::uint8_t* ended = nullptr;  ///< by member: ReturnCode; before, `cancelled` for all that are to be run
   std::int64_t taken = 0;         ///< steps of all members
   std::int64_t forces = 0;        ///< force evaluations of all members
   std::size_t variables = 0;      ///< rows of `final` that mean something
@@ -87,13 +91,25 @@ struct LaneStep {
   std::span<const double> before;  ///< the variables at t; those that are not there are 0
 };
 
-/// What a unit of lanes can do with one problem. The last two are null in units that share parameters.
+/// Where a program is evaluated: t, h, the variables of the card, and the constants of one's own.
+struct LanePoint {
+  double t = 0, h = 0;
+  const double *values = nullptr, *own = nullptr;
+};
+
+/// So many variables a state has that is run by a program; its tables have as many rows, in the order of the card.
+inline constexpr std::size_t program_rows = 17;
+
+/// What a unit of lanes can do with one problem, or with programs. The others are null in units that share parameters.
 struct LaneMechanics {
   /// False: the pair cannot run in lanes, or not from this start, or not in this unit.
   bool (*run)(LaneTask& task) = nullptr;
   void (*columns)(const LaneState& state) = nullptr;
   /// Shows the path of the step to the host.
   void (*show)(const LaneStep& step, LaneHost& host) = nullptr;
+  /// What the program makes of a point: its outputs, of one that makes steps the state and, where one can fail,
+  /// whether it did.
+  void (*evaluate)(const LaneProgram& program, const LanePoint& point, double* out) = nullptr;
 };
 
 }  // namespace least

@@ -11,6 +11,7 @@
 #include "core/ensemble/lane_members.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/support/runs.hpp"
+#include "tests/support/texts.hpp"
 
 namespace {
 
@@ -26,6 +27,15 @@ EnsemblePlan members_of(const std::string& problem, const std::string& scheme, d
   test::setting(plan, "step") = step;
   const double x = plan.request.scene->initial[0];
   test::set_members(plan, members, {{false, 0, Spread::uniform, {x, x + 0.01}}});
+  return plan;
+}
+
+/// The same members of the same scene, typed.
+EnsemblePlan typed_members_of(const EnsemblePlan& compiled, std::string_view problem) {
+  static const std::vector<texts::Typed> all = texts::all();
+  const auto typed = std::ranges::find(all, problem, &texts::Typed::id);
+  EnsemblePlan plan = compiled;
+  plan.request = texts::typed_as(compiled.request, texts::mechanics_of(typed->definition));
   return plan;
 }
 
@@ -80,6 +90,10 @@ const bool ensembles_registered = [] {
                      unit.width == 8   ? wide
                      : unit.width == 4 ? narrow
                                        : 0);
+      if (problem != "kepler" && problem != "perturbed_kepler") continue;
+      const EnsemblePlan typed = typed_members_of(plan, problem);
+      add_row("text " + name, [typed, unit](benchmark::State& state) { in_lanes(state, typed, unit); });
+      bench::compare("… " + problem + " typed, compiled", "text " + name, name, 2);
     }
   }
   EnsemblePlan plan = members_of("spin_orbit", "contact_splitting", turn / 64);

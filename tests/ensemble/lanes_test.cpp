@@ -4,28 +4,13 @@
 #include <cmath>
 #include <set>
 
-#include "core/ensemble/lane_members.hpp"
-#include "core/ensemble/lone_members.hpp"
 #include "tests/support/ensembles.hpp"
 
 namespace {
 
 using namespace least;
 
-const std::atomic<bool> never{false};
-
-Block empty_block(const EnsemblePlan& plan) { return {0, plan.first, plan.last - plan.first, {}}; }
-/// By one unit of lanes; nothing where it cannot.
-std::optional<Harvest> in_lanes(const EnsemblePlan& plan, const LaneUnit& unit) {
-  Block block = empty_block(plan);
-  if (!run_lane_members(plan, block, never, {&unit, 1})) return std::nullopt;
-  return block.harvest;
-}
-Harvest alone(const EnsemblePlan& plan) {
-  Block block = empty_block(plan);
-  run_lone_members(plan, block, never);
-  return block.harvest;
-}
+using test::alone, test::in_lanes;
 
 /// Starts about the card's own, up to a time that is no whole number of steps away.
 EnsemblePlan about_start(const std::string& problem, std::size_t scheme, std::int64_t count, double steps) {

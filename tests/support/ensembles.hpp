@@ -2,10 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "core/catalogue/catalogue.hpp"
 #include "core/ensemble/ensemble.hpp"
+#include "core/ensemble/lane_members.hpp"
+#include "core/ensemble/lone_members.hpp"
 #include "tests/support/runs.hpp"
 
 namespace test {
@@ -47,6 +50,20 @@ inline void set_plane(least::EnsemblePlan& plan, const std::string& expression, 
   plan.request.watched = reader.made();
   plan.request.events = {{direction, false}};
   plan.section = least::Section{true};
+}
+/// The members of the plan as one block, by a unit of lanes; nothing where it cannot.
+inline std::optional<least::Harvest> in_lanes(const least::EnsemblePlan& plan, const least::LaneUnit& unit) {
+  const std::atomic<bool> never{false};
+  least::Block block{0, plan.first, plan.last - plan.first, {}};
+  if (!least::run_lane_members(plan, block, never, {&unit, 1})) return std::nullopt;
+  return block.harvest;
+}
+/// The same, each by a run of its own.
+inline least::Harvest alone(const least::EnsemblePlan& plan) {
+  const std::atomic<bool> never{false};
+  least::Block block{0, plan.first, plan.last - plan.first, {}};
+  least::run_lone_members(plan, block, never);
+  return block.harvest;
 }
 /// All of it, as one machine with so many threads has it.
 inline least::Harvest harvest_of(const least::EnsemblePlan& plan, unsigned threads = 1) {

@@ -1,0 +1,317 @@
+// Members of a scene as text in lanes: programs (core/ensemble/lane_program.hpp), instruction by instruction, each for
+// eight packs of lanes. Only units of lanes include this header.
+#pragma once
+
+#include "core/ensemble/lane_run.hpp"
+
+namespace least {
+
+/// Functions that no compiled problem asks lanes for.
+namespace lane_functions {
+using least::abs, least::cos, least::exp, least::expm1, least::log, least::pow, least::sin, least::sqrt, least::tanh;
+#ifdef LEAST_SLEEF
+#define LEAST_LANE_FUNCTION(name) \
+  LEAST_INLINE Lanes name(const Lanes& a) { return Lanes(LEAST_SLEEF(name, u10)(a.v)); }
+#else
+#define LEAST_LANE_FUNCTION(name) \
+  LEAST_INLINE Lanes name(const Lanes& a) { return detail::each(a, Sleef_cinz_##name##d1_u10purec); }
+#endif
+#define LEAST_BOTH(name)    \
+  LEAST_LANE_FUNCTION(name) \
+  inline double name(double a) { return Sleef_cinz_##name##d1_u10purec(a); }
+LEAST_BOTH(tan)
+LEAST_BOTH(sinh)
+LEAST_BOTH(cosh)
+LEAST_BOTH(atan)
+LEAST_BOTH(asin)
+LEAST_BOTH(acos)
+#undef LEAST_BOTH
+#undef LEAST_LANE_FUNCTION
+}  // namespace lane_functions
+
+/// Runs instructions on registers of so many numbers T each.
+template <class T, std::size_t Width>
+void execute(std::span<const LaneInstruction> code, T* registers, const double* shared) {
+  using enum LaneCode;
+  for (const LaneInstruction& one : code) {
+    T* const out = registers + one.out * Width;
+    const auto at = [registers](std::uint32_t place) { return registers + place * Width; };
+    const auto with_a = [&](auto&& f) {
+      const T* const a = at(one.a);
+#pragma GCC unroll 8
+      for (std::size_t j = 0; j < Width; ++j) out[j] = f(a[j]);
+    };
+    const auto with_b = [&](auto&& f) {
+      const T* const b = at(one.b);
+#pragma GCC unroll 8
+      for (std::size_t j = 0; j < Width; ++j) out[j] = f(b[j]);
+    };
+    const auto with_two = [&](auto&& f) {
+      const T *const a = at(one.a), *const b = at(one.b);
+#pragma GCC unroll 8
+      for (std::size_t j = 0; j < Width; ++j) out[j] = f(a[j], b[j]);
+    };
+    const auto with_three = [&](auto&& f) {
+      const T *const a = at(one.a), *const b = at(one.b), *const c = at(one.c);
+#pragma GCC unroll 8
+      for (std::size_t j = 0; j < Width; ++j) out[j] = f(a[j], b[j], c[j]);
+    };
+    const auto scaled = [&](auto&& f) {
+      const T u(shared[one.b]), *const a = at(one.a), *const c = at(one.c);
+#pragma GCC unroll 8
+      for (std::size_t j = 0; j < Width; ++j) out[j] = f(a[j], u * c[j]);
+    };
+    // One after the other: functions are called.
+    const auto call = [&](auto&& f) {
+      const T* const a = at(one.a);
+#pragma GCC unroll 1
+      for (std::size_t j = 0; j < Width; ++j) out[j] = f(a[j]);
+    };
+    switch (one.code) {
+      case add:
+        with_two([](const T& a, const T& b) { return a + b; });
+        break;
+      case subtract:
+        with_two([](const T& a, const T& b) { return a - b; });
+        break;
+      case multiply:
+        with_two([](const T& a, const T& b) { return a * b; });
+        break;
+      case divide:
+        with_two([](const T& a, const T& b) { return a / b; });
+        break;
+      case add_shared:
+        with_a([u = T(shared[one.b])](const T& a) { return a + u; });
+        break;
+      case subtract_shared:
+        with_a([u = T(shared[one.b])](const T& a) { return a - u; });
+        break;
+      case from_shared:
+        with_b([u = T(shared[one.a])](const T& b) { return u - b; });
+        break;
+      case scale:
+        with_b([u = T(shared[one.a])](const T& b) { return u * b; });
+        break;
+      case divide_shared:
+        with_a([u = T(shared[one.b])](const T& a) { return a / u; });
+        break;
+      case over_shared:
+        with_b([u = T(shared[one.a])](const T& b) { return u / b; });
+        break;
+      case add_product:
+        with_three([](const T& a, const T& b, const T& c) { return a + b * c; });
+        break;
+      case subtract_product:
+        with_three([](const T& a, const T& b, const T& c) { return a - b * c; });
+        break;
+      case add_scaled:
+        scaled([](const T& a, const T& product) { return a + product; });
+        break;
+      case subtract_scaled:
+        scaled([](const T& a, const T& product) { return a - product; });
+        break;
+      case copy:
+        with_a([](const T& a) { return a; });
+        break;
+      case spread: {
+        const T u(shared[one.a]);
+        for (std::size_t j = 0; j < Width; ++j) out[j] = u;
+        break;
+      }
+      case sqrt:
+        with_a([](const T& a) { return lane_functions::sqrt(a); });
+        break;
+      case abs:
+        with_a([](const T& a) { return lane_functions::abs(a); });
+        break;
+      case raise: {
+        const T *const a = at(one.a), *const b = at(one.b);
+#pragma GCC unroll 1
+        for (std::size_t j = 0; j < Width; ++j) out[j] = lane_functions::pow(a[j], b[j]);
+        break;
+      }
+      case exp:
+        call([](const T& a) { return lane_functions::exp(a); });
+        break;
+      case expm1:
+        call([](const T& a) { return lane_functions::expm1(a); });
+        break;
+      case log:
+        call([](const T& a) { return lane_functions::log(a); });
+        break;
+      case sin:
+        call([](const T& a) { return lane_functions::sin(a); });
+        break;
+      case cos:
+        call([](const T& a) { return lane_functions::cos(a); });
+        break;
+      case tan:
+        call([](const T& a) { return lane_functions::tan(a); });
+        break;
+      case sinh:
+        call([](const T& a) { return lane_functions::sinh(a); });
+        break;
+      case cosh:
+        call([](const T& a) { return lane_functions::cosh(a); });
+        break;
+      case tanh:
+        call([](const T& a) { return lane_functions::tanh(a); });
+        break;
+      case atan:
+        call([](const T& a) { return lane_functions::atan(a); });
+        break;
+      case asin:
+        call([](const T& a) { return lane_functions::asin(a); });
+        break;
+      case acos:
+        call([](const T& a) { return lane_functions::acos(a); });
+        break;
+      case less:
+        with_two([](const T& a, const T& b) { return least::select(a < b, T(1.0), T(0.0)); });
+        break;
+      case not_greater:
+        with_two([](const T& a, const T& b) { return least::select(a <= b, T(1.0), T(0.0)); });
+        break;
+      case LaneCode::select:
+        with_three(
+            [](const T& a, const T& b, const T& c) { return least::select(lane_functions::abs(a) > T(0.0), b, c); });
+        break;
+    }
+  }
+}
+
+/// A program with its registers.
+template <class T, std::size_t Width>
+class ProgramRun {
+ public:
+  explicit ProgramRun(const LaneProgram& program)
+      : program_(program), registers_(program.registers * Width), shared_(2 + program.shared.size()) {
+    std::ranges::copy(program.shared, shared_.begin() + 2);
+  }
+  T* at(std::size_t place) { return registers_.data() + place * Width; }
+
+  /// Of the state that stands in its registers, what a step finds of the one before it.
+  void start(double t, double h) {
+    shared_[0] = t;
+    set_step(h);
+    run(program_.start.of_step);
+    run(program_.start.of_time);
+    execute<T, Width>(program_.start.of_lanes, registers_.data(), shared_.data());
+  }
+  void set_step(double h) {
+    if (h == shared_[1] && prepared_) return;
+    shared_[1] = h;
+    prepared_ = true;
+    run(program_.step.of_step);
+  }
+  void step(double t) {
+    shared_[0] = t;
+    run(program_.step.of_time);
+    execute<T, Width>(program_.step.of_lanes, registers_.data(), shared_.data());
+    run(program_.after);
+  }
+
+  /// What a step finds of the one before it, as long as the state is the same.
+  struct Kept {
+    std::vector<T> lanes;
+    std::vector<double> shared;
+  };
+  void keep(Kept& kept) {
+    kept.lanes.clear();
+    kept.shared.clear();
+    for (const auto place : program_.kept) kept.lanes.insert(kept.lanes.end(), at(place), at(place) + Width);
+    for (const auto place : program_.kept_shared) kept.shared.push_back(shared_[place]);
+  }
+  void take_back(const Kept& kept) {
+    std::size_t k = 0;
+    for (const auto place : program_.kept) std::copy_n(kept.lanes.data() + Width * k++, Width, at(place));
+    for (k = 0; k < kept.shared.size(); ++k) shared_[program_.kept_shared[k]] = kept.shared[k];
+  }
+
+ private:
+  void run(std::span<const LaneInstruction> code) { execute<double, 1>(code, shared_.data(), nullptr); }
+
+  const LaneProgram& program_;
+  std::vector<T> registers_;
+  std::vector<double> shared_;
+  bool prepared_ = false;
+};
+
+/// In the place of a problem: the program says it all.
+struct Programmed {};
+using ProgrammedState = Point<static_cast<int>(program_rows), Lanes, double>;
+
+class ProgramSteps final : public GroupSteps<Programmed, ProgrammedState> {
+ public:
+  ProgramSteps(const LaneTask& task, std::size_t first, const Group<ProgrammedState>& x)
+      : program_(*task.program), run_(program_) {
+    for (std::size_t k = 0; k < program_.own; ++k)
+      for (std::size_t j = 0; j < packs; ++j)
+        for (std::size_t lane = 0; lane < lane_count; ++lane)
+          run_.at(program_.rows.size() + k)[j].v[lane] =
+              task.own[k * task.count + std::min(first + j * lane_count + lane, task.count - 1)];
+    load(x);
+    run_.start(task.start_time, task.step);
+  }
+
+  void advance(Group<ProgrammedState>& x, double start, double step, std::int64_t n, std::int64_t count, double h,
+               Seen& seen) override {
+    load(x);
+    run_.set_step(h);
+    for (std::int64_t end = n + count; n < end; ++n) {
+      run_.step(start + static_cast<double>(n) * step);
+      if (program_.failed < 0) continue;
+      const Lanes* const failed = run_.at(static_cast<std::size_t>(program_.failed));
+      for (std::size_t j = 0; j < packs; ++j) seen.failed[j] = seen.failed[j] | !(failed[j] <= Lanes(0));
+    }
+    steps_ += count;
+    for (std::size_t k = 0; k < program_.rows.size(); ++k)
+      for (std::size_t j = 0; j < packs; ++j) x[j][program_.rows[k]] = run_.at(k)[j];
+    for (auto& one : x) one.t = start + static_cast<double>(n) * step;
+  }
+  void keep() override {
+    run_.keep(kept_);
+    kept_steps_ = steps_;
+  }
+  void take_back() override {
+    run_.take_back(kept_);
+    steps_ = kept_steps_;
+  }
+  Work work() const override { return {program_.forces_at_start + steps_ * program_.forces_of_step}; }
+
+ private:
+  void load(const Group<ProgrammedState>& x) {
+    for (std::size_t k = 0; k < program_.rows.size(); ++k)
+      for (std::size_t j = 0; j < packs; ++j) run_.at(k)[j] = x[j][program_.rows[k]];
+  }
+
+  const LaneProgram& program_;
+  ProgramRun<Lanes, packs> run_;
+  ProgramRun<Lanes, packs>::Kept kept_;
+  std::int64_t steps_ = 0, kept_steps_ = 0;
+};
+
+inline bool run_program(LaneTask& task) {
+  for (std::size_t first = 0; first < task.count; first += group_size)
+    GroupRun<Programmed, ProgrammedState>(task, {}, first).run([&](const auto&, const auto& x) {
+      return ProgramSteps(task, first, x);
+    });
+  return true;
+}
+
+inline void evaluate_program(const LaneProgram& program, const LanePoint& point, double* out) {
+  ProgramRun<double, 1> run(program);
+  const std::size_t rows = program.rows.size();
+  for (std::size_t k = 0; k < rows; ++k) *run.at(k) = point.values[program.rows[k]];
+  for (std::size_t k = 0; k < program.own; ++k) *run.at(rows + k) = point.own[k];
+  run.start(point.t, point.h);
+  run.step(point.t);
+  if (!program.outputs.empty()) {
+    for (const auto place : program.outputs) *out++ = *run.at(place);
+    return;
+  }
+  for (std::size_t k = 0; k < rows; ++k) *out++ = *run.at(k);
+  if (program.failed >= 0) *out = *run.at(static_cast<std::size_t>(program.failed));
+}
+
+}  // namespace least

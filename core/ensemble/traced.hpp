@@ -1,0 +1,139 @@
+// A number that writes down what is done to it: arithmetic with it leaves a list of operations in their order, nothing
+// of it changed but products with 0 and 1 and sums with 0, which are left out. So what is run from such a list has the
+// bits of what wrote it. A step of a scheme, taken with these numbers in the place of state, time and step, leaves what
+// lanes can run (core/ensemble/lane_program.hpp).
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/ensemble/lane_program.hpp"
+#include "core/number/parse.hpp"
+#include "core/scheme.hpp"
+
+namespace least {
+
+class Trace {
+ public:
+  using Place = std::int32_t;
+  enum class Kind : std::uint8_t { constant, time, step, variable, operation };
+  struct Node {
+    Kind kind = Kind::operation;
+    LaneCode code = LaneCode::copy;
+    Place a = -1, b = -1, c = -1;  ///< what it is made of; of a variable which one it is, of a constant the how-manieth
+    friend bool operator==(const Node&, const Node&) = default;
+  };
+  /// Beyond so many nodes nothing is written any more.
+  static constexpr std::size_t most_nodes = 200'000;
+
+  Place write(const Node& node);
+  Place constant(double value);
+  /// Two numbers are given: they are nodes 0 and 1.
+  Trace();
+
+  const std::vector<Node>& nodes() const { return nodes_; }
+  const std::vector<double>& constants() const { return constants_; }
+  Place size() const { return static_cast<Place>(nodes_.size()); }
+  bool full() const { return nodes_.size() >= most_nodes; }
+
+ private:
+  std::vector<Node> nodes_;
+  std::vector<double> constants_;
+};
+
+class Traced {
+ public:
+  Traced() = default;
+  Traced(double constant) : constant_(constant) {}  // NOLINT(google-explicit-constructor): a number like any other
+  static Traced time(Trace& trace) { return {trace, 0}; }
+  static Traced step(Trace& trace) { return {trace, 1}; }
+  static Traced variable(Trace& trace, std::size_t i) {
+    return {trace, trace.write({Trace::Kind::variable, {}, static_cast<Trace::Place>(i)})};
+  }
+
+  bool is_constant() const { return !trace_; }
+  double constant() const { return constant_; }
+  /// Where it stands; a constant is written.
+  Trace::Place on(Trace& trace) const { return trace_ ? place_ : trace.constant(constant_); }
+
+  friend Traced operator+(const Traced& a, const Traced& b);
+  friend Traced operator-(const Traced& a, const Traced& b);
+  friend Traced operator*(const Traced& a, const Traced& b);
+  friend Traced operator/(const Traced& a, const Traced& b);
+  Traced operator-() const { return Traced(-1) * *this; }
+
+  friend Traced sqrt(const Traced& x);
+  friend Traced exp(const Traced& x);
+  friend Traced expm1(const Traced& x);
+  friend Traced log(const Traced& x);
+  friend Traced sin(const Traced& x);
+  friend Traced cos(const Traced& x);
+  friend Traced tan(const Traced& x);
+  friend Traced sinh(const Traced& x);
+  friend Traced cosh(const Traced& x);
+  friend Traced tanh(const Traced& x);
+  friend Traced atan(const Traced& x);
+  friend Traced asin(const Traced& x);
+  friend Traced acos(const Traced& x);
+  friend Traced abs(const Traced& x);
+  friend Traced pow(const Traced& x, double exponent);
+  friend Traced phi1(const Traced& z);
+
+  /// What it is compared with is not known yet, unless both are constants.
+  struct Mask;
+  friend Mask operator<(const Traced& a, const Traced& b);
+  friend Mask operator>(const Traced& a, const Traced& b);
+  friend Mask operator<=(const Traced& a, const Traced& b);
+  friend Mask operator>=(const Traced& a, const Traced& b);
+  friend Traced select(const Mask& mask, const Traced& yes, const Traced& no);
+  /// Nothing that depends on what is given is the same as something else: what is kept for the next time is not used.
+  friend bool operator==(const Traced& a, const Traced& b) {
+    return a.is_constant() && b.is_constant() && a.constant_ == b.constant_;
+  }
+
+ private:
+  Traced(Trace& trace, Trace::Place place) : trace_(&trace), place_(place) {}
+  static Traced made(LaneCode code, const Traced& a);
+  static Traced made(LaneCode code, const Traced& a, const Traced& b);
+  static Traced made(LaneCode code, const Traced& a, const Traced& b, const Traced& c);
+
+  Trace* trace_ = nullptr;  ///< none: a constant
+  Trace::Place place_ = -1;
+  double constant_ = 0;
+};
+
+/// 1 where it is set, else 0.
+struct Traced::Mask {
+  Traced on;
+  Mask operator!() const { return {1 - on}; }
+};
+inline bool any(const Traced::Mask& mask) { return !mask.on.is_constant() || mask.on.constant() != 0; }
+inline bool all(const Traced::Mask& mask) { return mask.on.is_constant() && mask.on.constant() != 0; }
+
+/// Where a step fails is written down, too; what it makes there does not matter, so that nothing is done about it.
+struct TracedStatus {
+  Traced failed = 0;
+  TracedStatus(StepStatus all)  // NOLINT(google-explicit-constructor): one for all
+      : failed(all == StepStatus::ok ? 0 : 1) {}
+};
+inline Traced::Mask succeeded(const TracedStatus&) { return {1}; }
+inline bool all_failed(TracedStatus& status, const Traced::Mask& where, StepStatus) {
+  status.failed = select(where, Traced(1), status.failed);
+  return false;
+}
+inline bool all_failed(TracedStatus& status, bool where, StepStatus) {
+  if (where) status.failed = 1;
+  return false;
+}
+template <>
+struct StatusFor<Traced> {
+  using type = TracedStatus;
+};
+template <>
+struct Precision<Traced> : Precision<double> {};
+template <>
+inline Traced parse<Traced>(std::string_view text) {
+  return parse<double>(text);
+}
+
+}  // namespace least

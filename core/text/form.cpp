@@ -237,6 +237,7 @@ class Reader : TextReader {
         diagonal = diagonal && (i == j || is_zero(second[i][j]));
         constant = constant && (tape::dependence(form_->tape, second[i][j]) & on_places) == 0;
       }
+    if (is_indefinite(second)) return false;
     if (diagonal && constant) {
       for (std::size_t i = 0; i < n(); ++i) form_->mass.push_back(lagrangian ? second[i][i] : Symbol(1) / second[i][i]);
       settle(form_->kind);
@@ -254,6 +255,25 @@ class Reader : TextReader {
       for (const auto& row : second) form_->hessian.insert(form_->hessian.end(), row.begin(), row.end());
     settle(FormKind::metric);
     return true;
+  }
+
+  /// Numbers, and not all of one sign by any change of coordinates: K of both signs is as regular as any, but nothing
+  /// that schemes take for granted of a natural form. All negative, it is one that was typed with a wrong sign; what
+  /// depends on parameters or the place is told where these are known.
+  static bool is_indefinite(const Matrix& second) {
+    const std::size_t n = second.size();
+    std::vector<double> m;
+    for (const auto& row : second)
+      for (const Symbol& entry : row) {
+        if (!entry.is_constant()) return false;
+        m.push_back(entry.constant());
+      }
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!(m[k * n + k] * m[0] > 0)) return true;
+      for (std::size_t i = k + 1; i < n; ++i)
+        for (std::size_t j = k + 1; j < n; ++j) m[i * n + j] -= m[i * n + k] * m[k * n + j] / m[k * n + k];
+    }
+    return false;
   }
 
   /// By elimination; rows change places where a pivot is zero whatever the values. Nothing where there is no other.

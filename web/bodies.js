@@ -1,5 +1,5 @@
 // Scenes that people know by sight, as bodies: what a state looks like. One canvas holds those of all runs.
-import { valueAt } from "./scale.js";
+import { extent, valueAt } from "./scale.js";
 
 const bob = (pen, x, y, r) => {
   pen.beginPath();
@@ -12,7 +12,13 @@ const rod = (pen, ...points) => {
   pen.stroke();
 };
 
-/** Each draws a state in a square from −1 to 1, y up; `i` of `n` runs. */
+/** What a planet goes round, in a picture of its plane. */
+export function sun(pen, map, colour) {
+  pen.fillStyle = colour("--sun");
+  bob(pen, map.x(0), map.y(0), 5);
+}
+
+/** Each draws a state in a square from −1 to 1, y up: `i` of `n` runs, `place` of a planet, `wide` half the width there is. */
 const drawings = {
   pendulum(pen, { q }) {
     const [x, y] = [0.85 * Math.sin(q), -0.85 * Math.cos(q)];
@@ -26,17 +32,21 @@ const drawings = {
     bob(pen, x, y, 0.06);
     bob(pen, u, v, 0.08);
   },
-  spring(pen, { q }, i, n) {
-    const y = 0.7 - (1.4 * (i + 0.5)) / n, end = Math.max(-0.8, Math.min(0.85, 0.35 * q));
+  spring(pen, { q }, { i, n, wide }) {
+    const y = 0.9 - (1.8 * (i + 0.5)) / n, wall = -0.98 * wide, end = wide * Math.max(-0.8, Math.min(0.85, 0.35 * q));
     const coils = 12, points = Array.from({ length: coils + 1 }, (_, k) => {
-      const bend = k === 0 || k === coils ? 0 : k % 2 ? 0.07 : -0.07;
-      return [-0.98 + ((end + 0.98 - 0.08) * k) / coils, y + bend];
+      const bend = k === 0 || k === coils ? 0 : k % 2 ? 0.1 : -0.1;
+      return [wall + ((end - wall - 0.12) * k) / coils, y + bend];
     });
+    rod(pen, [wall, y - 0.2], [wall, y + 0.2]);
     rod(pen, ...points);
-    pen.fillRect(end - 0.08, y - 0.1, 0.16, 0.2);
+    pen.fillRect(end - 0.12, y - 0.15, 0.24, 0.3);
   },
-  moon(pen, { q }, i, n, t) {
-    const size = 0.8 / n, place = n === 1 ? 0 : -0.65 + (1.3 * i) / (n - 1);
+  planet(pen, { x, y }, { place }) {
+    bob(pen, ...place(x, y), 0.09);
+  },
+  moon(pen, { q }, { i, n, t, wide }) {
+    const size = Math.min(0.6, (0.8 * wide) / n), place = n === 1 ? 0 : wide * (-0.65 + (1.3 * i) / (n - 1));
     pen.save();
     pen.translate(place, 0);
     pen.rotate(q - t); // as seen by the planet, which the moon goes round once in 2π
@@ -52,14 +62,28 @@ const drawings = {
 export const bodyOf = (problem) => ({
   pendulum: "pendulum", damped_pendulum: "pendulum", double_pendulum: "double_pendulum", harmonic_oscillator: "spring",
   damped_oscillator: "spring", driven_oscillator: "spring", modulated_oscillator: "spring", generic_oscillator: "spring",
-  spin_orbit: "moon",
+  spin_orbit: "moon", kepler: "planet", kepler_3d: "planet", damped_kepler: "planet", perturbed_kepler: "planet",
 })[problem];
+
+/** The map of places of planets and their sun into the square; of a run that flees not more than twice the smallest is seen. */
+function placing(runs) {
+  const withSun = ([low, high]) => [Math.min(0, low), Math.max(0, high)];
+  const ends = ["x", "y"].map((name) => runs.map(({ trajectory }) => withSun(extent(trajectory[name]))));
+  const size = (i) => Math.max(...ends.map((axis) => axis[i][1] - axis[i][0])), least = Math.min(...runs.map((_, i) => size(i)));
+  const axes = ends.map((axis) => {
+    const [low, high] = axis.reduce((a, b, i) => (size(i) > 2 * least ? a : [Math.min(a[0], b[0]), Math.max(a[1], b[1])]), [0, 0]);
+    return { middle: (low + high) / 2, size: high - low };
+  });
+  const scale = 1.7 / Math.max(...axes.map((axis) => axis.size));
+  return (x, y) => [(x - axes[0].middle) * scale, (y - axes[1].middle) * scale];
+}
 
 /** The bodies on a `canvas`: `show(body, runs)`, then `at(t)`. */
 export class Bodies {
   #canvas;
   #body = null;
   #runs = [];
+  #place = null;
   #time = null;
 
   constructor(canvas) {
@@ -71,6 +95,7 @@ export class Bodies {
   show(body, runs) {
     this.#body = body;
     this.#runs = runs;
+    this.#place = body === "planet" && runs.length ? placing(runs) : null;
     this.draw();
   }
 
@@ -91,13 +116,17 @@ export class Bodies {
     pen.lineJoin = "round";
     pen.strokeStyle = pen.fillStyle = style.getPropertyValue("--soft-ink");
     if (this.#body.includes("pendulum")) bob(pen, 0, 0, 0.03);
+    if (this.#place) {
+      pen.fillStyle = style.getPropertyValue("--sun");
+      bob(pen, ...this.#place(0, 0), 0.12);
+    }
     this.#runs.forEach(({ colour, trajectory }, i) => {
       const t = Math.min(this.#time ?? Infinity, trajectory.t.at(-1));
       const state = Object.fromEntries(Object.keys(trajectory).map((name) => [name, valueAt(trajectory.t, trajectory[name], t)]));
       if (Object.values(state).includes(undefined)) return;
       pen.strokeStyle = pen.fillStyle = style.getPropertyValue(colour);
       pen.globalAlpha = 0.85;
-      drawings[this.#body](pen, state, i, this.#runs.length, t);
+      drawings[this.#body](pen, state, { i, n: this.#runs.length, t, wide: width / 2 / size, place: this.#place });
     });
   }
 }

@@ -3,17 +3,24 @@ import { told } from "./asked.js";
 import { element } from "./forms.js";
 import { count, format } from "./numbers.js";
 
-/** Fills `table` with runs `[{title, colour, outcome}]` and what a lesson tells of each, `[[name, path]]`. */
-export function fill(table, runs, tells = []) {
-  const head = element("tr", {}, ...["run", "force evaluations", ...tells.map(([name]) => name)].map((textContent) =>
-    element("th", { scope: "col", textContent })));
+/**
+ * Fills `table` with runs `[{title, colour, outcome}]` and what a lesson tells of each, `[[name, path]]`: each run is a body, with
+ * its name above the numbers, or before the only one.
+ */
+export function fill(table, runs, { tells = [], views }) {
+  const names = ["force evaluations", ...tells.map(([name]) => name)], single = names.length === 1;
+  const head = element("tr", {}, ...(single ? ["run", ...names] : names).map((textContent) => element("th", { scope: "col", textContent })));
   const cell = (value, textContent) => element("td", {}, element("data", { value: value ?? "", textContent }));
-  const rows = runs.map(({ title, colour, outcome }) => {
+  const bodies = runs.map(({ title, colour, outcome }) => {
     const swatch = element("span", { className: "swatch" });
     swatch.style.background = `var(${colour})`;
-    return element("tr", {}, element("th", { scope: "row" }, swatch, ` ${title}`),
-                   cell(outcome.cost.force_evaluations, count(outcome.cost.force_evaluations)),
-                   ...tells.map(([, path]) => cell(told(outcome, path), format(told(outcome, path), 4))));
+    const name = element("th", single ? { scope: "row" } : { scope: "rowgroup", colSpan: names.length }, swatch, ` ${title.replaceAll(" = ", "\u00a0=\u00a0")}`);
+    const numbers = [cell(outcome.cost.force_evaluations, count(outcome.cost.force_evaluations)),
+                     ...tells.map(([, path]) => cell(told(outcome, path), format(told(outcome, path), 4)))];
+    const rows = single ? [[name, ...numbers]] : [[name], numbers];
+    return element("tbody", {}, ...rows.map((cells) => element("tr", {}, ...cells)));
   });
-  table.replaceChildren(element("thead", {}, head), element("tbody", {}, ...rows));
+  const known = [...new Set(views.flatMap(({ exact = [] }) => exact.map(([name]) => name)))];
+  const caption = known.length ? [element("caption", {}, element("span", { className: "swatch dashed" }), ` ${known.join(", ")}`)] : [];
+  table.replaceChildren(...caption, element("thead", {}, head), ...bodies);
 }

@@ -1,20 +1,17 @@
 // One lesson on the screen: its words, its runs, one control to move, and the way to the next.
 import { simulate } from "./api.js";
-import { Bodies } from "./bodies.js";
 import { colourOf, title } from "./card.js";
-import { element, faultText } from "./forms.js";
+import { element, faultText, prose } from "./forms.js";
 import { lessons } from "./lessons.js";
 import { benchLink } from "./link.js";
 import { fill } from "./legend.js";
 import { Live } from "./live.js";
-import { count } from "./numbers.js";
-import { pictureOf } from "./pictures.js";
 import { coarse, controlled, measureOf, requestOf } from "./asked.js";
-import { Plane } from "./plane.js";
+import { paceOf } from "./pictures.js";
 import { Player } from "./player.js";
 import { Portrait } from "./portrait.js";
 import { slider } from "./sliders.js";
-import { begin, turnedBy } from "./space.js";
+import { Stage } from "./stage.js";
 import { Study } from "./study.js";
 import { equalWork, rounded, workSetting } from "./work.js";
 
@@ -24,15 +21,13 @@ export class Lesson {
   #go; // (id, state, kept) of another lesson, or of this one with another state
   #lesson = null;
   #state = {};
-  #planes = [];
-  #bodies = [];
-  #angles = begin;
   #runs = [];
   #control = null;
   #study = null;
   #live = new Live((asked, signal) => Promise.all(asked.requests.map((request) => simulate(request, signal))),
                    (answers, asked) => this.#show(answers, asked));
-  #player = new Player(find(".player"), (t) => [...this.#planes, ...this.#bodies].forEach((part) => part.at(t)));
+  #stage = new Stage(find("#stage"), (t) => this.#player.playing || this.#stage.at(t ?? this.#player.time, t !== null));
+  #player = new Player(find(".player"), (t) => this.#stage.at(t));
 
   constructor(catalogue, go) {
     this.#catalogue = catalogue;
@@ -77,6 +72,7 @@ export class Lesson {
     document.documentElement.classList.toggle("present", on);
     find("#present").textContent = on ? "Leave" : "Present";
     if (on) find("#claim").focus();
+    this.draw();
   }
 
   /** Keys of a lecture: arrows turn, space plays, Escape leaves. */
@@ -91,7 +87,7 @@ export class Lesson {
   }
 
   draw() {
-    [...this.#planes, ...this.#bodies].forEach((part) => part.draw());
+    this.#stage.draw();
     this.#study?.draw();
   }
 
@@ -102,38 +98,24 @@ export class Lesson {
   }
 
   #build() {
-    const { title: claim, look, see, views = [], runs, control, apart, layout, study, portrait } = this.#lesson, at = lessons.indexOf(this.#lesson);
+    const { title: claim, look, see, views = [], runs = [], control, study, portrait } = this.#lesson, at = lessons.indexOf(this.#lesson);
     find("#which").value = this.#lesson.id;
     find("#previous").disabled = at === 0;
     find("#next").disabled = at === lessons.length - 1;
     find("#claim").textContent = claim;
-    find("#look").textContent = look;
-    find("#see").textContent = see;
+    find("#look").replaceChildren(...prose(look));
+    find("#see").replaceChildren(...prose(see));
     find("#legend").replaceChildren();
     this.#runs = [];
     this.#player.rest();
-    this.#planes = [];
-    this.#bodies = [];
     this.#study?.stop();
-    const figure = (name, canvas, caption = "") => element("figure", { className: name }, element("figcaption", { textContent: caption }), canvas);
-    const plane = (name, caption) => {
-      const canvas = element("canvas", { className: "plane", role: "img" }), made = figure(name, canvas, caption);
-      this.#planes.push(new Plane(canvas, (t) => this.#hover(t)));
-      return made;
-    };
-    find("#stage").className = apart ? "apart" : layout ?? "";
-    find("#stage").dataset.views = apart ? runs.length : views.length || 1;
-    find("#stage").replaceChildren(...(apart ? runs.map((_, i) => plane("of-run", this.#titleOf(i))) : views.map((view) => {
-      if (!view.body) return plane(view.run === undefined ? "of-all" : "of-run", view.run === undefined ? "" : this.#titleOf(view.run));
-      const canvas = element("canvas", { className: "body", role: "img", ariaLabel: `The ${view.body.replace("_", " ")} of each run` });
-      this.#bodies.push(new Bodies(canvas));
-      return figure("of-body", canvas);
-    })));
+    this.#stage.build(this.#lesson, runs.map((_, i) => this.#titleOf(i)));
     this.#study = study ? new Study(find("#stage"), this.#catalogue.schemes) : portrait ? new Portrait(find("#stage"), this.#lesson.labels) : null;
     find(".player").hidden = views.every(({ bins }) => bins);
     this.#control = control ? slider(control.label, control, this.#setting(), (value, done) => this.#move(value, done)) : null;
     find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));
-    const comparable = !this.#study && runs.length > 1 && control.sets === "steps";
+    const schemes = runs.map(({ scheme = {} }) => scheme), differ = new Set(schemes.map(({ id }) => id)).size > 1;
+    const comparable = runs.length > 1 && (control.sets === "steps" || differ) && schemes.every(workSetting);
     find("#equal-work").hidden = find("#equal-step").hidden = !comparable;
   }
 
@@ -152,7 +134,7 @@ export class Lesson {
       const own = this.#lesson.runs.map(({ scheme }) => scheme[workSetting(scheme)]), now = this.#state.steps ?? own;
       this.#state = { steps: now.map((step) => rounded((step / now[0]) * value, 4)) };
     } else {
-      this.#state = { set: value };
+      this.#state = { ...this.#state, set: value };
     }
     if (done) this.#go(this.#lesson.id, this.#state, true);
     this.#ask(false, done ? undefined : coarse);
@@ -160,8 +142,8 @@ export class Lesson {
 
   #even(steps) {
     if (!this.#runs.length || steps.includes(null)) return;
-    this.#state = { steps };
-    this.#control.set(steps[0]);
+    this.#state = { ...this.#state, steps };
+    if (this.#lesson.control.sets === "steps") this.#control.set(steps[0]);
     this.#go(this.#lesson.id, this.#state, true);
     this.#ask(true);
   }
@@ -196,10 +178,11 @@ export class Lesson {
       title: this.#titleOf(i), colour: colourOf(i), outcome, trajectory: outcome.trajectory, scheme: outcome.scheme,
       parameters: outcome.problem, request: requests[i],
     }));
-    this.#drawViews();
-    fill(find("#legend"), this.#runs, lesson.tells);
-    const times = this.#runs.flatMap(({ trajectory: { t } }) => [t[0], t.at(-1)]);
-    if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times));
+    const symbol = (name) => this.#problem?.variables.find((card) => card.name === name)?.symbol || name;
+    this.#stage.show(lesson, this.#runs, symbol);
+    fill(find("#legend"), this.#runs, lesson);
+    const times = this.#runs.flatMap(({ outcome, trajectory: { t } }) => [t[0], t.at(-1)].map((v) => v / paceOf(outcome, lesson.pace)));
+    if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times), lesson.pace && "periods");
     if (first) this.#player.begin();
     find("#to-bench").href = benchLink(requests);
     this.#shown();
@@ -209,40 +192,5 @@ export class Lesson {
     this.#busy(this.#live.waiting);
     document.dispatchEvent(new CustomEvent("shown", { detail: { lesson: this.#lesson.id, runs: this.#runs.map(({ outcome }) => outcome),
                                                                 study: this.#study?.outcome } }));
-  }
-
-  #drawViews() {
-    const { views, apart } = this.#lesson, variable = (name) =>
-      this.#problem?.variables.find((card) => card.name === name)?.symbol || name;
-    const settings = { angles: this.#angles, symbol: variable };
-    const shown = apart ? this.#runs.map((run) => pictureOf(views[0], [run], settings))
-      : views.filter(({ body }) => !body).map((view) => pictureOf(view, this.#runs, settings));
-    if (apart && views[0].x !== "t") { // one view for all
-      const seen = shown.filter(Boolean).map(({ view }) => view);
-      const box = (axis) => [Math.min(...seen.map((v) => v[axis][0])), Math.max(...seen.map((v) => v[axis][1]))];
-      for (const picture of shown) if (picture) picture.view = { ...picture.view, x: box("x"), y: box("y") };
-    }
-    this.#planes.forEach((plane, i) => {
-      const picture = shown[i];
-      if (picture?.bare) picture.turn = (right, down) => this.#rotate(right, down);
-      plane.show(picture);
-      document.querySelectorAll("#stage canvas.plane")[i].setAttribute("aria-label", picture
-        ? `${picture.labels[1]} over ${picture.labels[0]}: ${picture.curves.map((curve) => curve.title).join(", ")}` : "Nothing to show");
-    });
-    const seen = apart ? this.#runs.map((_, i) => i) : views.map(({ run }) => run);
-    document.querySelectorAll("#stage figcaption").forEach((caption, i) => {
-      const { title: name = "", outcome } = this.#runs[seen[i]] ?? {};
-      caption.textContent = outcome ? `${name}: ${count(outcome.cost.force_evaluations)} force evaluations` : "";
-    });
-    this.#bodies.forEach((body) => body.show(views.find((view) => view.body).body, this.#runs));
-  }
-
-  #rotate(right, down) {
-    this.#angles = turnedBy(this.#angles, right, down);
-    this.#drawViews();
-  }
-
-  #hover(t) {
-    if (!this.#player.playing) [...this.#planes, ...this.#bodies].forEach((part) => part.at(t ?? this.#player.time, t !== null));
   }
 }

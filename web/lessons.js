@@ -2,8 +2,10 @@
 //   scene, runs   a request and what each run has of its own; a run may bear a `name`
 //   views         columns `x`, `y` (`error_of_energy`: |H − H₀| / |H₀|), `z` for a view in space; `log`: the axes that are
 //                 logarithmic; `box`: what is seen; `exact`: known curves, functions of x or, with a range, to points; `bins`: a
-//                 histogram of x; `run`: one run only; `thin`: of thin lines; `body`: the thing itself
+//                 histogram of x; `run`: one run only; `thin`: of thin lines; `sun`: at the origin; `body`: the thing itself
 //   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one
+//   one           the view of a presentation, where it is not the first
+//   pace          "cycle": the runs play each at the pace of its own period, and x may be `periods`
 //   curve, points states evenly along the curve instead of in time; how many
 //   control       one slider: what it sets (`steps`: of all runs, in proportion), from where to where
 //   study         error over cost of some schemes, in the place of runs; portrait: where many runs cross a plane, under labels
@@ -12,7 +14,9 @@ const h = (id, step, more = {}) => ({ scheme: { id, step, ...more } });
 const steps = (low, high) => ({ sets: "steps", label: "step h", low, high, log: true });
 const drift = { x: "t", y: "error_of_energy", log: "y" };
 const tau = 2 * Math.PI;
+const orbit = { x: "x", y: "y", sun: true };
 const ellipse = ["the true orbit", (w) => [Math.cos(w) - 0.6, 0.8 * Math.sin(w)], [0, tau]];
+const fifty = { ...orbit, exact: [ellipse], thin: true }; // revolutions
 
 export const lessons = [
   {
@@ -22,7 +26,7 @@ export const lessons = [
          "ever. That of Runge–Kutta grows with every revolution. A longer step makes the difference larger.",
     scene: { problem: { id: "kepler" }, initial: { x: 0.4, y: 0, px: 0, py: 2 }, until: { t: 50 * tau } },
     runs: [h("leapfrog", 0.15, { composition: "suzuki_4" }), h("runge_kutta_4", 0.12)],
-    views: [{ x: "x", y: "y", run: 0, exact: [ellipse], thin: true }, { x: "x", y: "y", run: 1, exact: [ellipse], thin: true }, drift],
+    views: [{ ...fifty, run: 0 }, { ...fifty, run: 1 }, drift], one: fifty,
     layout: "pair", curve: true, control: steps(0.05, 0.2), tells: [["semi-major axis (true: 1)", "diagnostics.orbit.semi_major_axis"]],
   },
   {
@@ -50,16 +54,16 @@ export const lessons = [
     scene: { problem: { id: "kepler" }, until: { t: 95 } }, apart: true, curve: true,
     runs: [h("leapfrog", 0.01), h("leapfrog", 0.005), h("jacobi_maupertuis", 0.01, { theta: 0.01 }),
            { scheme: { id: "time_transformed", preset: "kepler", sigma: 0.05 } }],
-    views: [{ x: "x", y: "y" }], control: { sets: "until.t", label: "until t", low: 19, high: 190 },
+    views: [orbit], control: { sets: "until.t", label: "until t", low: 19, high: 190 },
     tells: [["apsis turns, rad a revolution", "diagnostics.orbit.apsidal_rotation"]],
   },
   {
     id: "damped", title: "Friction takes energy at a rate of its own, and a contact scheme keeps that rate",
-    look: "A damped oscillator at long steps and equal work. The dashed line is the law of decay, e^(−αt).",
+    look: "A damped oscillator at long steps and equal work. The dashed line is the law of decay, e^{−αt}.",
     see: "Runge–Kutta damps faster than the friction does. The contact scheme follows the law over thirteen decades.",
     scene: { problem: { id: "damped_oscillator", damping: 0.1 }, initial: { q: 1, p: 0 }, until: { t: 300 } },
     runs: [h("contact_leapfrog", 0.3), h("runge_kutta_4", 1.2)],
-    views: [{ x: "t", y: "mechanical_energy", log: "y", exact: [["½ e^(−αt)", (t, { damping }) => 0.5 * Math.exp(-damping * t)]] },
+    views: [{ x: "t", y: "mechanical_energy", log: "y", exact: [["½ e⁻ᵅᵗ", (t, { damping }) => 0.5 * Math.exp(-damping * t)]] },
             { x: "q", y: "p" }],
     control: { sets: "problem.damping", label: "damping α", low: 0.02, high: 0.5, log: true },
     tells: [["mechanical energy at the end", "trajectory.mechanical_energy.last"]],
@@ -86,13 +90,13 @@ export const lessons = [
     scene: { problem: { id: "perturbed_kepler", preset: "circular" }, until: { t: 20 } },
     runs: [h("contact_splitting", 0.1), h("contact_splitting", 0.1, { composition: "suzuki_4" }),
            h("contact_splitting", 0.1, { composition: "kahan_li_6" }), h("contact_splitting", 0.1, { composition: "kahan_li_8" })],
-    views: [{ x: "t", y: "distance", between: ["x", "y"], log: "y" }, { x: "x", y: "y" }], control: steps(0.02, 0.5),
+    views: [{ x: "t", y: "distance", between: ["x", "y"], log: "y" }, orbit], control: steps(0.02, 0.5),
     tells: [["x at the end", "final.x"]],
   },
   {
     id: "stars", title: "How a star ends depends on one number",
     look: "The density of a star from its centre outward, for n = 0, 1 and 5, where formulas are known, and for an n of yours.",
-    see: "The dashed formulas lie under the runs. The surface, where a curve meets zero, moves outward with n; from n = 5 on " +
+    see: "The runs lie on the dashed formulas. The surface, where a curve meets zero, moves outward with n; from n = 5 on " +
          "there is none.",
     scene: { problem: { id: "lane_emden", n: 3 }, until: { t: 10 }, scheme: { id: "contact_splitting", step: 0.01 } },
     runs: [{ name: "n = 0", problem: { n: 0 } }, { name: "n = 1", problem: { n: 1 } }, { name: "n = 5", problem: { n: 5 } },
@@ -100,7 +104,7 @@ export const lessons = [
     views: [{ x: "t", y: "q", labels: ["radius ξ", "θ"],
               exact: [["1 − ξ²/6", (t) => (t < Math.sqrt(6) ? 1 - (t * t) / 6 : null)],
                       ["sin ξ / ξ", (t) => (t < Math.PI ? Math.sin(t || 1e-9) / (t || 1e-9) : null)],
-                      ["(1 + ξ²/3)^(−½)", (t) => 1 / Math.sqrt(1 + (t * t) / 3)]] }],
+                      ["1 / √(1 + ξ²/3)", (t) => 1 / Math.sqrt(1 + (t * t) / 3)]] }],
     control: { sets: "problem.n", label: "n", low: 0, high: 6, run: 3 }, tells: [["surface at ξ", "diagnostics.zeros.0"]],
   },
   {
@@ -108,7 +112,7 @@ export const lessons = [
     look: "The van der Pol oscillator over two of its cycles, from ε = 1 to ε = 1000. Compare the shapes.",
     see: "A sine becomes a slow creep with sudden jumps; the height stays 2, the period grows in proportion to ε.",
     scene: { problem: { id: "van_der_pol" }, initial: { x: 2, v: 0 }, scheme: { id: "dormand_prince_5", tolerance: 1e-6 } },
-    apart: true,
+    apart: true, pace: "cycle", one: { x: "periods", y: "x" },
     runs: [{ name: "ε = 1", problem: { epsilon: 1 }, until: { t: 14 } }, { name: "ε = 10", problem: { epsilon: 10 }, until: { t: 40 } },
            { name: "ε = 100", problem: { epsilon: 100 }, until: { t: 330 } },
            { name: "ε = 1000", problem: { epsilon: 1000 }, until: { t: 3300 }, ...h("runge_kutta_4", 0.0005) }],
@@ -200,7 +204,7 @@ export const lessons = [
     scene: { problem: { id: "lorenz" }, until: { t: 40 }, scheme: { id: "runge_kutta_4", step: 0.005 } },
     runs: [{ name: "x = 1", initial: { x: 1 } }, { name: "x = 1.000001", initial: { x: 1.000001 } },
            { name: "x = 1.000002", initial: { x: 1.000002 } }],
-    views: [{ x: "x", y: "z" }, { x: "t", y: "x" }], control: { sets: "problem.rho", label: "heating ρ", low: 0.5, high: 40 },
+    views: [{ x: "x", y: "z" }, { x: "t", y: "x" }], one: { x: "t", y: "x" }, control: { sets: "problem.rho", label: "heating ρ", low: 0.5, high: 40 },
     tells: [["x at the end", "final.x"]],
   },
   {

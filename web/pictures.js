@@ -1,13 +1,14 @@
 // What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms.
+import { sun } from "./bodies.js";
 import { commonView, curveOf, extent } from "./scale.js";
 import { inSpace } from "./space.js";
 
 const names = { error_of_energy: "|H − H₀| / |H₀|", mechanical_energy: "p²/2 + V", energy: "H", distance: "distance to order 8", entropy: "S",
-                potential: "U", step_size: "step" };
+                potential: "U", step_size: "step", periods: "t in periods" };
 
 /** The columns that a view needs of the service. */
 export const columnsOf = (view) => [...["x", "y", "z"].map((axis) => view[axis]), ...(view.between ?? [])]
-  .filter((name) => name && name !== "t" && name !== "distance").map((name) => (name === "error_of_energy" ? "energy" : name));
+  .filter((name) => name && !["t", "distance", "periods"].includes(name)).map((name) => (name === "error_of_energy" ? "energy" : name));
 
 /** The error of the energy against its start, as a part of that where it is not zero; null where it is exact. */
 export function errorOfEnergy({ energy }, relative = true) {
@@ -15,8 +16,13 @@ export function errorOfEnergy({ energy }, relative = true) {
   return energy.map((v) => (v === null || v === start ? null : Math.abs(v - start) / scale));
 }
 
+/** What the times of a run are divided by: 1, or where the `pace` is its "cycle", the period that was measured. */
+export const paceOf = ({ diagnostics, trajectory }, pace) =>
+  (pace === "cycle" ? diagnostics.cycle?.period ?? trajectory.t.at(-1) / 2 : 1);
+
 /** A trajectory with the columns that the page derives: the `distance` is to the last run, in the columns `between`. */
-function whole(trajectory, { y, between }, last) {
+function whole(trajectory, { y, between }, last, unit) {
+  if (unit !== 1) return { ...trajectory, periods: trajectory.t.map((t) => t / unit) };
   if (y === "distance") {
     const apart = (i) => Math.hypot(...between.map((name) => trajectory[name][i] - last[name][i]));
     return { ...trajectory, distance: trajectory.t.map((_, i) => apart(i) || null) };
@@ -52,16 +58,18 @@ function known([title, of, range], parameters, span, log) {
 }
 
 /** The picture that a `view` of a lesson gives of `runs`: `[{title, colour, trajectory, parameters}]` that have one. */
-export function pictureOf(view, runs, { angles, symbol = (name) => name } = {}) {
+export function pictureOf(view, runs, { angles, symbol = (name) => name, pace } = {}) {
   if (!runs.length) return null;
   if (view.z) return inSpace([view.x, view.y, view.z], runs, angles, view);
-  const { log = "", box = {}, exact = [] } = view;
+  const { log = "", box = {}, exact = [] } = view, series = ["t", "periods"].includes(view.x);
   const curves = runs.filter((_, i) => i === (view.run ?? i)).flatMap(({ trajectory, ...run }) => {
-    const curve = view.bins ? histogram(trajectory[view.x], view.bins) : curveOf(whole(trajectory, view, runs.at(-1).trajectory), view.x, view.y, log);
-    return curve ? [{ series: view.x === "t", thin: view.thin, ...curve, ...run }] : [];
+    const unit = paceOf({ trajectory, ...run.outcome }, pace), all = view.bins ? null : whole(trajectory, view, runs.at(-1).trajectory, unit);
+    const curve = view.bins ? histogram(trajectory[view.x], view.bins) : curveOf(all, view.x, view.y, log);
+    if (curve && all?.periods) curve.t = all.periods;
+    return curve ? [{ series, thin: view.thin, ...curve, ...run }] : [];
   });
   if (!curves.length) return null;
-  const timed = view.x === "t" || Boolean(view.bins);
+  const timed = series || Boolean(view.bins);
   const span = view.bins ? view.bins.slice(0, 2) : [Math.min(...curves.map(({ x }) => extent(x)[0])),
                                                     Math.max(...curves.map(({ x }) => extent(x)[1]))];
   const free = timed || log !== "";
@@ -69,5 +77,5 @@ export function pictureOf(view, runs, { angles, symbol = (name) => name } = {}) 
   const truths = exact.map((one) => known(one, runs[0].parameters, span, log));
   if (truths.length && timed && !box.y && !log) seen.y = [Math.min(seen.y[0], 0), seen.y[1]];
   const labels = view.labels ?? [view.x, view.y].map((name) => names[name] ?? symbol(name));
-  return { curves: timed ? [...truths, ...curves] : [...curves, ...truths], view: seen, labels, log };
+  return { curves: timed ? [...truths, ...curves] : [...curves, ...truths], view: seen, labels, log, backdrop: view.sun && sun };
 }

@@ -8,6 +8,7 @@ const still = matchMedia("(prefers-reduced-motion: reduce)");
 export class Player {
   #moved;
   #span = [0, 1];
+  #unit = "";
   #time = null;
   #frame = 0;
   #last = 0;
@@ -37,9 +38,10 @@ export class Player {
     return this.#time;
   }
 
-  /** The times of the runs that are shown; a time within them stays. */
-  span(from, to) {
+  /** The times of the runs that are shown, in a `unit` of their own; a time within them stays. */
+  span(from, to, unit = "") {
     this.#span = [from, to];
+    this.#unit = unit && ` ${unit}`;
     if (this.#time !== null && !(this.#time >= from && this.#time < to)) this.#time = from;
     this.#set(this.#time);
   }
@@ -89,7 +91,7 @@ export class Player {
     this.#time = time;
     const [from, to] = this.#span;
     this.#slider.value = time === null ? 1000 : ((time - from) / (to - from)) * 1000;
-    this.#said.textContent = `t = ${format(time ?? to, 4)}`;
+    this.#said.textContent = `t = ${format(time ?? to, 4)}${this.#unit}`;
     this.#slider.setAttribute("aria-valuetext", this.#said.textContent);
     this.#moved(time);
   }

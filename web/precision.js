@@ -84,22 +84,23 @@ export class PrecisionPlot {
   }
 
   #options() {
-    const style = getComputedStyle(this.#container);
+    const style = getComputedStyle(this.#container), size = Math.round(0.82 * parseFloat(style.fontSize));
     const ink = (name) => () => style.getPropertyValue(name).trim();
-    const axis = { stroke: ink("--soft-ink"), grid: { stroke: ink("--grid"), width: 1 }, font: `13px ${style.fontFamily}`,
+    const axis = { stroke: ink("--soft-ink"), grid: { stroke: ink("--grid"), width: 1 }, font: `${size}px ${style.fontFamily}`,
                    ticks: { stroke: ink("--grid"), width: 1 }, splits: (_, __, low, high) => decades(low, high),
-                   filter: (_, marks) => marks, values: (_, marks) => decadeLabels(marks), labelSize: 22,
-                   labelFont: `14px ${style.fontFamily}` };
+                   filter: (_, marks) => marks, values: (_, marks) => decadeLabels(marks), labelSize: 1.7 * size,
+                   labelFont: `${size + 1}px ${style.fontFamily}` };
     const round = (i) => Math.floor(i / colours.length) % dashes.length;
     const series = (label, i) => {
       const stroke = ink(colours[i % colours.length]);
-      return { label, stroke, dash: dashes[round(i)], width: 1.4, spanGaps: true, points: { show: true, size: 6, fill: stroke } };
+      return { label, stroke, dash: dashes[round(i)], width: 0.11 * size, spanGaps: true,
+               points: { show: true, size: 0.46 * size, fill: stroke } };
     };
     const best = { label: "no other is better", stroke: ink("--line"), width: 9, spanGaps: true, points: { show: false } };
     return {
       ...this.#size(),
       scales: { x: { time: false, distr: 3 }, y: { distr: 3 } },
-      axes: [{ ...axis, size: 34, label: this.#cost.replaceAll("_", " ") }, { ...axis, size: 58, label: "error" }],
+      axes: [{ ...axis, size: 2.6 * size, label: this.#cost.replaceAll("_", " ") }, { ...axis, size: 4.5 * size, label: "error" }],
       series: [{ label: "cost" }, best, ...this.#titles.map(series)],
       cursor: { points: { show: false }, drag: { setScale: false } },
       legend: { live: false, markers: { width: 3, dash: (_, i) => borders[i < 2 ? 0 : round(i - 2)] } },

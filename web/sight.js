@@ -1,5 +1,5 @@
 // What the workbench shows of its runs: pictures apart or together, energy, numbers, the scene in motion.
-import { Bodies, bodyOf } from "./bodies.js";
+import { Bodies, bodyOf, sun } from "./bodies.js";
 import { energyKind } from "./card.js";
 import { EnergyPlot } from "./energy.js";
 import { errorOfEnergy } from "./pictures.js";
@@ -44,10 +44,11 @@ export class Sight {
     }));
     const moving = problem.variables.map(({ name }) => name), length = (name, i) => moving.includes(name) && !log.includes("xy"[i]);
     const whole = ["x", "y"].filter((axis, i) => axes[i] === "t" || log.includes(axis)), plain = axes.every(length);
+    const centred = bodyOf(problem.id) === "planet" && !log && axes.every((name) => ["x", "y"].includes(name)) && axes[0] !== axes[1];
     const view = commonView([...curves.values()].filter(Boolean), whole, !plain);
     return (some) => {
       const drawn = some.map((run) => curves.get(run)).filter(Boolean);
-      return drawn.length ? { curves: drawn, view, labels, log,
+      return drawn.length ? { curves: drawn, view, labels, log, backdrop: centred ? sun : undefined,
         grab: plain ? (x, y, done) => grab({ [axes[0]]: x, [axes[1]]: y }, done) : undefined } : null;
     };
   }

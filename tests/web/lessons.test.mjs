@@ -115,13 +115,14 @@ pageTest("every lesson runs, its claim is true, and its picture is in sight on e
     claims[lesson.id](study ?? runs);
     assert.equal(await page.textContent("#claim"), lesson.title);
     assert.equal(await page.textContent("#lesson .wrong"), "");
-    assert.equal(await page.locator("#legend tbody tr").count(), lesson.runs?.length ?? 0);
-    const forces = (await all(page, "#legend td:nth-child(2) data", "value")).map(Number);
+    assert.equal(await page.locator("#legend tbody").count(), lesson.runs?.length ?? 0);
+    const forces = (await all(page, "#legend td:nth-of-type(1) data", "value")).map(Number);
     assert.deepEqual(forces, runs.map(({ cost }) => cost.force_evaluations), "the work stands beside each run");
     for (const colour of ["a", "b"]) {
       if (!study) assert.ok(await seen(page, `--run-${colour}`), `${lesson.id}: run ${colour} is drawn`);
     }
     await assertInSight(page, lesson.id, "#stage :is(canvas.plane, .precision)");
+    if (folder) await presented(page, lesson.id);
   }
   assert.equal(lessons.length, Object.keys(claims).length);
   assert.ok(await page.isDisabled("#next"));
@@ -140,6 +141,13 @@ async function seen(page, colour) {
 const screens = [[1280, 720], [1024, 768], [360, 740], [640, 360]];
 const folder = process.env.LEAST_SCREENSHOTS;
 if (folder) mkdirSync(folder, { recursive: true });
+
+async function presented(page, name) {
+  await page.click("#present");
+  await frames(page);
+  await page.screenshot({ path: `${folder}/${name}-present.png` });
+  await page.keyboard.press("Escape");
+}
 
 /** On every screen the first picture, at `selector`, is in sight and nothing is cut off. */
 async function assertInSight(page, name, selector) {
@@ -223,6 +231,25 @@ pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready
   assert.equal(await time(), 600);
 });
 
+pageTest("a planet goes round its sun, and each run plays at its own pace", { ...calm, hash: "#lesson=relaxation" }, async (page) => {
+  await page.locator("#lesson .time input").fill("500");
+  assert.match(await page.textContent("#lesson .player output"), /^t = 1\.0\d+ periods$/);
+  for (const [i, run] of ["A", "B", "C", "D"].entries()) { // half way, all of them
+    const canvas = `#stage figure:nth-child(${i + 1}) canvas.over`, { left, right } = await drawn(page, canvas, run);
+    const { clientWidth } = await page.locator(canvas).evaluate((over) => ({ clientWidth: over.clientWidth }));
+    assert.ok(left > 0.4 * clientWidth && right < 0.65 * clientWidth, `${run}: ${left} to ${right} of ${clientWidth}`);
+  }
+  await page.evaluate(() => (location.hash = "#lesson=orbit"));
+  await opened(page, "orbit");
+  assert.ok((await drawn(page, "#stage figure:nth-child(2) canvas.plane", "--sun")).count > 40);
+});
+
+pageTest("on a telephone no part of a lesson covers another", { ...calm, hash: "#lesson=stars", viewport: { width: 360, height: 740 } }, async (page) => {
+  for (const part of ["#look", "#control input", "#legend", "#see", "#to-bench"]) {
+    await page.locator(part).first().click({ trial: true, timeout: 5000 });
+  }
+});
+
 pageTest("who wishes for less motion sees all at once", { ...calm, hash: "#lesson=pendulum" }, async (page) => {
   assert.match(await page.textContent("#lesson .play"), /Play/);
   assert.equal(await page.textContent("#lesson .player output"), "t = 1200");
@@ -231,12 +258,14 @@ pageTest("who wishes for less motion sees all at once", { ...calm, hash: "#lesso
 pageTest("presentation: one picture, large type, keys; and back goes back", { ...calm, viewport: { width: 1280, height: 720 } },
   async (page) => {
     await page.click("#present");
-    assert.equal(await page.locator("#stage figure:visible").count(), 2, "the two that are compared");
+    await frames(page);
+    assert.equal(await page.locator("#stage figure:visible").count(), 1);
+    for (const run of ["A", "B"]) assert.ok((await drawn(page, "#stage .one canvas.plane", run)).count > 1000, `${run} in the one picture`);
     const sizes = await page.evaluate(() => [...document.querySelectorAll("#claim, #legend td, #see, canvas.plane")]
       .map((node) => parseFloat(getComputedStyle(node).fontSize)));
     assert.ok(Math.min(...sizes) >= 20, `${sizes}`);
-    const { y, height } = await page.locator("#stage canvas.plane").first().boundingBox();
-    assert.ok(height > 250 && y + height <= 720);
+    const { y, width, height } = await page.locator("#stage .one canvas.plane").boundingBox();
+    assert.ok(width > 750 && height > 480 && y + height <= 720, `${width} × ${height} at ${y}`);
     await page.keyboard.press("ArrowRight");
     await opened(page, "spiral");
     assert.equal(await page.locator("#stage figure:visible").count(), 1);

@@ -59,7 +59,7 @@ export class Bench {
     this.#sight.rest();
     this.#choose(problem.id);
     this.#scene.load(problem, experiment, definition);
-    this.#panes.load(problem, experiment);
+    this.#panes.load({ ...problem, suggested: { ...problem.suggested, ...this.#scene.preset?.suggested } }, experiment);
     this.#studies.offer(problem, experiment);
     this.#together(experiment.view?.together === "true");
     this.request(quietly);
@@ -213,7 +213,7 @@ export class Bench {
       this.load({ problem: { id: value }, ...(this.#visited.get(value) ?? kept) }, false);
     });
     find("#preset").addEventListener("change", ({ target: { value } }) => {
-      const { initial: _, ...kept } = this.#experiment();
+      const { initial: _, ...kept } = this.#experiment(true); // a preset may suggest steps and a span of its own
       this.load({ ...kept, problem: { id: this.#scene.problem.id }, preset: { id: value }, until: this.#scene.ownEnd }, false);
     });
     find("#initial").addEventListener("change", ({ target }) => {

@@ -16,6 +16,18 @@ export function axes(problem, own = []) {
           ...own.map(({ name }) => ({ id: name, title: name }))];
 }
 
+/**
+ * What the workbench begins with where the usual would show little: the span, the axes, a scheme that follows a fast passage.
+ */
+const openings = {
+  damped_kepler: { scheme: "time_transformed" }, perturbed_kepler: { scheme: "time_transformed" },
+  lorenz: { until: 40 }, // both wings
+  lane_emden: { x: "t", y: "q" }, spin_orbit: { x: "t", y: "p" }, cosmological_oscillator: { x: "q", y: "s" },
+};
+export const usualScheme = ({ id }) => openings[id]?.scheme;
+export const spanOf = ({ id, until }, preset) => preset?.until?.t ?? openings[id]?.until ?? until.t;
+export const usualAxes = ({ id }, [first, second], z = "") => ({ x: first, y: second, ...(z ? {} : openings[id]) });
+
 /** The preset of a problem or a scheme by its name. */
 export const presetOf = ({ presets }, name) => presets.find((preset) => preset.name === name);
 

@@ -8,7 +8,8 @@ const far = (pixel) => Math.max(-1e6, Math.min(1e6, pixel));
 
 /** The marks of an axis: where, and what they say. */
 function ticks(low, high, n, log) {
-  const step = log && high - low > 1.5 ? Math.ceil((high - low) / Math.max(n, 1)) : roundStep(low, high, n);
+  const round = roundStep(low, high, n), fine = multiples(low, high, round).length > 1 ? round : roundStep(low, high, 2 * n);
+  const step = log && high - low > 1.5 ? Math.ceil((high - low) / Math.max(n, 1)) : fine; // one mark is no scale
   const label = (v) => (!log ? tickLabel(v, step) : Number.isInteger(v) ? powerOfTen(v) : format(10 ** v, 2));
   return multiples(low, high, step).map((v) => [v, label(v)]);
 }

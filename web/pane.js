@@ -1,6 +1,6 @@
 // One run of the comparison: its scheme and the form for it, its request, its picture and what went wrong.
 import { follow } from "./api.js";
-import { colourOf, fineness, presetOf, schemeCards, schemePresets, title } from "./card.js";
+import { colourOf, fineness, presetOf, schemeCards, schemePresets, title, usualScheme } from "./card.js";
 import { build, choose, clearFaults, element, faultText, prose, showFault, values, words } from "./forms.js";
 import { names } from "./link.js";
 import { count, format } from "./numbers.js";
@@ -45,7 +45,8 @@ export class Pane {
     this.#problem = problem;
     this.#schemes = schemes.filter((scheme) => problem.schemes.includes(scheme.id));
     const named = (id) => this.#schemes.find((s) => s.id === id);
-    const usual = named("leapfrog") ?? this.#schemes.find((s) => s.structure !== "none") ?? named("runge_kutta_4");
+    const usual = [usualScheme(problem), "leapfrog", "contact_leapfrog"].map(named).find(Boolean) ??
+                  this.#schemes.find((s) => s.structure !== "none") ?? named("runge_kutta_4");
     const { id = usual?.id } = chosen;
     const fits = named(id) !== undefined;
     choose(this.#part.scheme, this.#schemes, fits ? id : usual?.id);

@@ -81,7 +81,7 @@ export class Runs {
   /** The request for one run, with `most` points. */
   #requestFor(now, scheme, most) {
     const { problem, initial, until } = this.sceneOf(now), card = this.#schemes.find(({ id }) => id === scheme.id);
-    const own = this.#scene.problem, { start, events } = this.#scene, span = (until.t ?? start + own.until.t) - start;
+    const own = this.#scene.problem, { start, events } = this.#scene, span = until.t === undefined ? this.#scene.span : until.t - start;
     return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, span, most),
              columns: columns(own, card, this.#scene.axes, this.#scene.columns), diagnostics: diagnostics(own),
              ...(events.length ? { events } : {}) };

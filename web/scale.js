@@ -31,7 +31,7 @@ export function extent(values) {
 /**
  * One view `{x: [low, high], y: [low, high], free}` for all curves: the box around them, but a run that flees does not
  * shrink the others beyond half. All is seen on the axes that are `whole`. Scales are equal, unless they are `free`: a time
- * has no length to compare with.
+ * has no length to compare with, and of a curve ten times as long as it is wide nothing would be seen.
  */
 export function commonView(curves, whole = [], free = whole.length > 0) {
   if (!curves.length) return null;
@@ -44,7 +44,8 @@ export function commonView(curves, whole = [], free = whole.length > 0) {
     return [Math.max(Math.min(...boxes.map((b) => b[k][0])), smallest[k][0] - room),
             Math.min(Math.max(...boxes.map((b) => b[k][1])), smallest[k][1] + room)];
   };
-  return { x: axis("x"), y: axis("y"), free };
+  const view = { x: axis("x"), y: axis("y") }, [wide, high] = [view.x[1] - view.x[0], view.y[1] - view.y[0]];
+  return { ...view, free: free || (wide > 0 && high > 0 && Math.max(wide / high, high / wide) > 10) };
 }
 
 /**

@@ -1,5 +1,5 @@
 // The form of a scene: its problem with parameters, its start, its span.
-import { axes, cards, presetOf } from "./card.js";
+import { axes, cards, presetOf, spanOf, usualAxes } from "./card.js";
 import { build, choose, clearFaults, element, prose, values, words } from "./forms.js";
 import { formulaOf } from "./math.js";
 import { entries, linked, overrides } from "./text.js";
@@ -20,18 +20,21 @@ const typed = (form) => entries(values(form).more ?? "").map(({ name, value }) =
 
 export class Scene {
   problem = null;
+  preset = undefined;
   definition = null; // of a scene as text, as a request holds it
   fields = Object.values(forms);
+  span = 0; // of a run, where none is set
 
   /** Sets every form to an experiment as a link holds it; what it leaves out takes its default. */
   load(problem, experiment, definition = null) {
     this.problem = problem;
     this.definition = definition;
-    const preset = this.#offerPresets(experiment.preset?.id);
+    const preset = (this.preset = this.#offerPresets(experiment.preset?.id));
     const { parameters, initial } = cards(problem, preset);
+    this.span = spanOf(problem, preset);
     build(forms.problem, parameters, "/problem", experiment.problem);
     build(forms.initial, initial, "/initial", experiment.initial);
-    const until = { name: "t", label: "until t", default: this.start + problem.until.t, doc: "when the run ends" };
+    const until = { name: "t", label: "until t", default: this.start + this.span, doc: "when the run ends" };
     build(forms.until, [until], "/until", experiment.until);
     build(forms.record, [samples], "/record", experiment.record);
     build(forms.columns, [more], "/columns", experiment.columns);
@@ -63,8 +66,8 @@ export class Scene {
 
   offerAxes(chosen = { ...this.#chosen, log: this.log }) {
     const options = axes(this.problem, this.columns), known = (id) => options.some((option) => option.id === id);
-    choose(axis.x, options, known(chosen.x) ? chosen.x : options[0].id);
-    choose(axis.y, options, known(chosen.y) ? chosen.y : options[1].id);
+    const usual = usualAxes(this.problem, options.map(({ id }) => id), chosen.z);
+    for (const name of ["x", "y"]) choose(axis[name], options, known(chosen[name]) ? chosen[name] : usual[name]);
     choose(axis.z, [{ id: "", title: "–" }, ...options], chosen.z);
     for (const name of ["x", "y"]) logs[name].checked = (chosen.log ?? "").includes(name);
   }
@@ -82,7 +85,7 @@ export class Scene {
   /** The default end follows the start; an end of one's own stays. */
   moveEnd() {
     const field = forms.until.querySelector("[data-name=t]"), own = this.ownEnd;
-    field.placeholder = field.dataset.usual = String(this.start + this.problem.until.t);
+    field.placeholder = field.dataset.usual = String(this.start + this.span);
     if (!own) field.value = field.placeholder;
   }
 
@@ -106,8 +109,9 @@ export class Scene {
   /** The sections of an experiment as the forms stand; of `changed` ones, only what has not its default. */
   values(changed = false) {
     const { problem, ...rest } = Object.fromEntries(Object.entries(forms).map(([name, form]) => [name, values(form, changed)]));
-    const preset = find("#preset").value, [x, y, z] = this.axes, options = [...axis.x.options].map(({ value }) => value), log = this.log;
-    const seen = { ...(changed && x === options[0] ? {} : { x }), ...(changed && y === options[1] ? {} : { y }), ...(z ? { z } : {}), ...(log ? { log } : {}) };
+    const preset = find("#preset").value, [x, y, z] = this.axes, log = this.log;
+    const usual = usualAxes(this.problem, [...axis.x.options].map(({ value }) => value), z);
+    const seen = { ...(changed && x === usual.x ? {} : { x }), ...(changed && y === usual.y ? {} : { y }), ...(z ? { z } : {}), ...(log ? { log } : {}) };
     const own = this.definition ? linked(this.definition) : { id: this.problem.id };
     return { problem: { ...own, ...problem }, ...(preset ? { preset: { id: preset } } : {}), ...rest, axes: seen };
   }

@@ -30,7 +30,10 @@ function ringsOf(seen) {
   return [...rings, ...meridians];
 }
 
-/** The box around the columns `names` of all runs: `[{middle, half}]`, of one size where they are `equal`. */
+/**
+ * The box around the columns `names` of all runs: `[{middle, half, scale}]`, of one size where they are `equal`, with the `reach`
+ * of the farthest point from its middle.
+ */
 export function boxOf(names, runs, equal = true) {
   const box = names.map((name) => {
     const ends = runs.map(({ trajectory }) => extent(trajectory[name]));
@@ -38,7 +41,17 @@ export function boxOf(names, runs, equal = true) {
     return { middle: low / 2 + high / 2, half: high / 2 - low / 2 };
   });
   const most = Math.max(...box.map(({ half }) => half)) || 1;
-  return box.map(({ middle, half }) => ({ middle, half, scale: 1 / (equal ? most : half || 1) }));
+  const scaled = box.map(({ middle, half }) => ({ middle, half, scale: 1 / (equal ? most : half || 1) }));
+  let reach = 0;
+  for (const { trajectory } of runs) {
+    const [a, b, c] = names.map((name) => trajectory[name]), [p, q, r] = scaled;
+    for (let i = 0; i < a.length; i++) {
+      if (a[i] === null || b[i] === null || c[i] === null) continue;
+      const [u, v, w] = [(a[i] - p.middle) * p.scale, (b[i] - q.middle) * q.scale, (c[i] - r.middle) * r.scale];
+      reach = Math.max(reach, u * u + v * v + w * w);
+    }
+  }
+  return Object.assign(scaled, { reach: Math.sqrt(reach) });
 }
 
 /** The edges of a box with its ends in numbers. */
@@ -47,15 +60,18 @@ function edges(names, box, seen) {
     const end = (sign, place) => seen(...box.map(({ half, scale }, i) => (i === k ? place : -1) * sign * half * scale));
     return { name: names[k], low: end(1, -1), high: end(1, 1), from: box[k].middle - box[k].half, to: box[k].middle + box[k].half };
   });
-  return (pen, map, colour) => {
+  return (pen, map, colour, frame) => {
+    const say = (text, x, y) => pen.fillText(text, Math.max(frame.left + 30, Math.min(frame.left + frame.width - 30, map.x(x))),
+                                             Math.max(frame.top + 10, Math.min(frame.top + frame.height - 20, map.y(y))));
     for (const { name, low: [a, b], high: [c, d], from, to } of arms) {
+      const short = Math.hypot(map.x(c) - map.x(a), map.y(d) - map.y(b)) < 90; // no room for more than its end
       stroke(pen, map, { x: [a, c], y: [b, d] }, colour("--axis"), 1);
       pen.fillStyle = colour("--soft-ink");
       pen.textAlign = "center";
-      pen.fillText(format(from, 3), map.x(0.84 * a + 0.16 * c), map.y(0.84 * b + 0.16 * d));
-      pen.fillText(format(to, 3), map.x(c), map.y(d));
+      if (!short) say(format(from, 3), 0.84 * a + 0.16 * c, 0.84 * b + 0.16 * d);
+      say(short ? `${name} = ${format(to, 3)}` : format(to, 3), c, d);
       pen.fillStyle = colour("--ink");
-      pen.fillText(name, map.x((a + c) / 2), map.y((b + d) / 2));
+      if (!short) say(name, (a + c) / 2, (b + d) / 2);
     }
   };
 }
@@ -76,7 +92,7 @@ function globe(names, seen) {
  * The picture of the columns `names` of runs `[{title, colour, trajectory}]`, about a `ball` of that radius, else in a `box`;
  * `labels` for the names.
  */
-export function inSpace(names, runs, angles, { ball, box = boxOf(names, runs), labels = names } = {}) {
+export function inSpace(names, runs, angles, { ball, box = ball ? null : boxOf(names, runs), labels = names } = {}) {
   const seen = projection(angles);
   const whole = ball ? names.map(() => ({ middle: 0, scale: 1 / ball })) : box;
   const curves = runs.map(({ trajectory, ...run }) => {
@@ -89,7 +105,7 @@ export function inSpace(names, runs, angles, { ball, box = boxOf(names, runs), l
     });
     return { ...run, t: trajectory.t, x, y };
   });
-  const size = ball ? 1.2 : 0.85 * Math.hypot(...box.map(({ half, scale }) => half * scale));
+  const size = ball ? 1.2 : 1.05 * box.reach || 1;
   return { curves, view: { x: [-size, size], y: [-size, size], free: false }, labels: ["drag to turn", ""],
            backdrop: ball ? globe(labels, seen) : edges(labels, box, seen), bare: true };
 }

@@ -1,15 +1,17 @@
 // The page with scenes of every shape that the catalogue may describe: made up here, and answered here, so that each
 // shape is met on its own and what the page asks for is seen.
 import assert from "node:assert/strict";
+import { test } from "node:test";
 import { all, assertDrawn, drawn, number, pane, plane, settled, stepOf } from "./browser.mjs";
 import { enter, fieldAt, madeUp, row, scene, variable } from "./made.mjs";
+import { commonView } from "../../web/scale.js";
 
 const damped = scene("damped", {
   variables: [variable("q", 1), variable("p", 0), variable("s", null, { optional: true })],
   parameters: [{ ...variable("damping", 0.1), symbol: "α", type: "number", minimum: 0, maximum: 9, nullable: false }],
   presets: [
     { name: "strong_damping", doc: "Hardly one swing.", parameters: { damping: 0.5 }, initial: { q: 2, t: 5 } },
-    { name: "kicked", doc: "From rest.", parameters: {}, initial: { q: 0, p: 1, s: 0.2 } },
+    { name: "kicked", doc: "From rest.", parameters: {}, initial: { q: 0, p: 1, s: 0.2 }, suggested: { step: 0.02 }, until: { t: 80 } },
   ],
   columns: ["t", "q", "p", "s", "energy"],
   diagnostics: ["energy", "structure", "error", "decay", "entropy", "zeros", "cycle", "moments"],
@@ -62,6 +64,23 @@ sceneTest("a preset fills in parameters and start, runs, and is in the link", {}
   await page.selectOption("#problem", "attractor");
   await settled(page);
   assert.ok(!(await page.locator("#presets").isVisible()), "no presets, no choice of them");
+});
+
+sceneTest("a preset brings the steps and the span that it suggests, but for what was set", {}, async (page, asked) => {
+  await stepOf(page, "B").fill("0.04");
+  await page.selectOption("#preset", "kicked");
+  await settled(page);
+  const [a, b] = asked.slice(-2);
+  assert.deepEqual([a.until.t, a.scheme.step, b.scheme.step], [80, 0.02, 0.04]);
+  assert.doesNotMatch(page.url(), /until|A\.step/, "which the link leaves out");
+  await page.selectOption("#preset", "");
+  await settled(page);
+  assert.deepEqual([asked.at(-2).until.t, asked.at(-2).scheme.step], [50, 0.1]);
+});
+
+test("lengths have one scale, unless nothing would be seen", () => {
+  const free = (x, y) => commonView([{ x: [0, x], y: [0, y] }]).free;
+  assert.deepEqual([free(1, 1), free(4, 1), free(60, 1), free(1, 60), free(1, 0)], [false, false, true, true, false]);
 });
 
 sceneTest("the default end follows the start, and an end that was set stays", {}, async (page, asked) => {

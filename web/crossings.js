@@ -38,6 +38,7 @@ export class Crossings {
   #plane;
   #taken; // (member) of the point that a hand clicks
   #asked = null;
+  #due = 0;
   blocks = [];
 
   constructor(canvas, taken = () => {}) {
@@ -52,14 +53,15 @@ export class Crossings {
     this.draw();
   }
 
-  /** Adds what a line of the service brings; how many points there are. */
+  /** Adds what a line of the service brings, to be seen in the next frame; how many points there are. */
   add({ section }) {
     this.blocks.push({ member: section.member, x: section[this.#asked.x], y: section[this.#asked.y] });
-    this.draw();
+    this.#due ||= requestAnimationFrame(() => this.draw());
     return this.blocks.reduce((sum, { member }) => sum + member.length, 0);
   }
 
   draw() {
+    this.#due = 0;
     const full = this.blocks.filter(({ member }) => member.length);
     if (!full.length) return this.#plane.show(null);
     const box = (axis) => {

@@ -52,6 +52,7 @@ export class Section {
   }
 
   clear() {
+    this.#crossings.start(0);
     find("figure").hidden = find("#one").hidden = true;
   }
 

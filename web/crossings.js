@@ -20,7 +20,8 @@ export function paint(blocks, colours) {
   return (pen, map, _, frame) => {
     const sharp = window.devicePixelRatio || 1, wide = Math.round(frame.width * sharp), high = Math.round(frame.height * sharp);
     const made = new OffscreenCanvas(wide, high), own = made.getContext("2d"), image = own.createImageData(wide, high);
-    const pixels = new Uint32Array(image.data.buffer), dot = Math.max(1, Math.round(1.5 * sharp));
+    const few = blocks.reduce((sum, { member }) => sum + member.length, 0) < 5000; // which would not be seen as fine dots
+    const pixels = new Uint32Array(image.data.buffer), dot = Math.round((few ? 3 : 1.5) * sharp);
     for (const { member, x, y } of blocks) {
       for (let i = 0; i < member.length; i++) {
         if (x[i] === null || y[i] === null) continue;

@@ -61,8 +61,9 @@ function edges(names, box, seen) {
     return { name: names[k], low: end(1, -1), high: end(1, 1), from: box[k].middle - box[k].half, to: box[k].middle + box[k].half };
   });
   return (pen, map, colour, frame) => {
-    const say = (text, x, y) => pen.fillText(text, Math.max(frame.left + 30, Math.min(frame.left + frame.width - 30, map.x(x))),
-                                             Math.max(frame.top + 10, Math.min(frame.top + frame.height - 20, map.y(y))));
+    const within = (v, low, high, air) => Math.max(low + air, Math.min(high - air, v));
+    const say = (text, x, y) => pen.fillText(text, within(map.x(x), frame.left, frame.left + frame.width, 5 * text.length + 6),
+                                             within(map.y(y), frame.top, frame.top + frame.height, 20));
     for (const { name, low: [a, b], high: [c, d], from, to } of arms) {
       const short = Math.hypot(map.x(c) - map.x(a), map.y(d) - map.y(b)) < 90; // no room for more than its end
       stroke(pen, map, { x: [a, c], y: [b, d] }, colour("--axis"), 1);

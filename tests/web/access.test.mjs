@@ -15,6 +15,7 @@ async function violations(page, some) {
 const parts = {
   "a lesson and the gallery": { hash: "#lesson=paper", ready: "#lesson[aria-busy=false]", open: ".all summary" },
   "a lesson that measures": { hash: "#lesson=digits", ready: "#lesson .precision canvas" },
+  "a presentation": { hash: "#lesson=downhill", ready: "#lesson[aria-busy=false]", open: "#present" },
   "the workbench": { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis", open: ".curl summary" },
   "a scene as text, with a fault": { hash: "#problem=custom&problem.variables=q&problem.potential=k*q^2", ready: "#spot-formula mark", expected: /422/ },
 };

@@ -114,8 +114,8 @@ std::string unsolved(bool fixed) {
 }
 
 std::string not_finite(bool fixed) {
-  return std::string("the next state is not finite, or beyond 1e75 where energies overflow") +
-         (fixed ? "" : ", or time stood still");
+  return fixed ? "the next state is not finite, or beyond 1e75 where energies overflow"
+               : "the next state is not finite, or beyond 1e75 where energies overflow, or time stood still";
 }
 
 std::string underflow() {

@@ -1,8 +1,11 @@
 #include "core/text/print.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <vector>
+
+#include "core/text/expression.hpp"
 
 namespace least::text {
 namespace {
@@ -67,6 +70,16 @@ const char* function(Op op) {
   }
 }
 
+/// Brackets within brackets, of which a text has more than it was read from: one for each minus in an exponent.
+std::size_t nesting(std::string_view text) {
+  std::size_t open = 0, most = 0;
+  for (const char c : text) {
+    if (c == '(') most = std::max(most, ++open);
+    if (c == ')') --open;
+  }
+  return most;
+}
+
 Piece of_node(const Node& node, const std::vector<Piece>& made, const std::function<std::string(int)>& name) {
   const auto part = [&](Index i) -> const Piece& { return made[static_cast<std::size_t>(i)]; };
   switch (node.op) {
@@ -115,7 +128,7 @@ std::string print(const tape::Tape& tape, const Symbol& y, const std::function<s
     made[i] = of_node(tape[static_cast<Index>(i)], made, name);
     if (made[i].text.size() > longest) return "…";
   }
-  return made.back().text;
+  return nesting(made.back().text) > most_nesting ? "…" : made.back().text;
 }
 
 }  // namespace least::text

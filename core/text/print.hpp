@@ -8,7 +8,8 @@
 
 namespace least::text {
 
-/// `name`: of a variable by its number. What would be longer than a few thousand characters is `…`.
+/// `name`: of a variable by its number. What would be longer than a few thousand characters, or nested deeper than the
+/// parser takes, is `…`.
 std::string print(const tape::Tape& tape, const Symbol& y, const std::function<std::string(int)>& name);
 
 }  // namespace least::text

@@ -1,5 +1,6 @@
 #include "server/http/http_server.hpp"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -154,8 +155,8 @@ class HttpServer::Impl final : private Handler {
   bool busy() const override { return exchanges_ > 0; }
 
   ExchangePtr exchange_of(Message message, const std::string& client, Line line) {
-    auto exchange = std::make_shared<Exchange>(std::move(message), fmt::format("{:08x}-{:x}", origin_, ++count_),
-                                               client, std::move(line));
+    auto exchange = std::make_shared<Exchange>(
+        std::move(message), fmt::format(FMT_COMPILE("{:08x}-{:x}"), origin_, ++count_), client, std::move(line));
     ++exchanges_;
     exchange->ended = [this](const Exchange& over) {
       log(over);
@@ -265,7 +266,8 @@ class HttpServer::Impl final : private Handler {
     const std::chrono::duration<double, std::milli> passed = Clock::now() - exchange->start - queued;
     answer.headers.emplace_back("Date", http_date());
     answer.headers.emplace_back("X-Request-Id", exchange->id);
-    answer.headers.emplace_back("Server-Timing", fmt::format("compute;dur={:.3f}", std::max(passed.count(), 0.0)));
+    answer.headers.emplace_back("Server-Timing",
+                                fmt::format(FMT_COMPILE("compute;dur={:.3f}"), std::max(passed.count(), 0.0)));
     metrics_.answered(route, answer.status);
     exchange->route = route;
     exchange->status = answer.status;

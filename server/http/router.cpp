@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 
 #include "server/http/accept.hpp"
@@ -25,6 +26,16 @@ std::string without_port(std::string_view authority) {
   const auto port = authority.substr(std::min(colon + 1, authority.size()));
   const bool digits = std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; });
   return digits && port.size() <= 5 ? lowered(authority.substr(0, colon)) : std::string();
+}
+
+// Whether a part is asked for that begins beyond the end.
+bool is_beyond(const std::string& range, std::size_t size) {
+  constexpr std::string_view unit = "bytes=";
+  const char* const end = range.data() + range.size();
+  std::size_t from = 0;
+  if (!range.starts_with(unit)) return false;
+  const auto [stop, error] = std::from_chars(range.data() + unit.size(), end, from);
+  return error == std::errc() && from >= size && std::string_view(stop, end) == "-";
 }
 
 // What the head of a refused method is told.
@@ -171,6 +182,11 @@ Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_vi
     answer.headers.emplace_back("Content-Encoding", "gzip");
   } else {
     answer.body = fixed.body;
+  }
+  if (answer.status == 200 && head.method == "GET" && is_beyond(head.field("range"), answer.body.size())) {
+    Answer refusal = error_(416, "nothing is there", request_id);
+    refusal.headers.emplace_back("Content-Range", fmt::format("bytes */{}", answer.body.size()));
+    return refusal;
   }
   return answer;
 }

@@ -51,8 +51,9 @@ class Router {
 
   /// A file of the page; `/index.html` stands at `/` as well.
   void add_page(const Asset& asset);
-  /// A text that is made once. It is sent whole: a field `Range` is ignored, as it may be (RFC 9110, 14.2), so that no
-  /// answer is 206 or 416. `route` names all paths of its kind in the log and lives on.
+  /// A text that is made once. It is sent whole: no answer is 206, as a field `Range` may be ignored (RFC 9110, 14.2).
+  /// Who goes on from its end, which a download that is whole already does, is told so by 416. `route` names all paths
+  /// of its kind in the log and lives on.
   void add_text(std::string path, std::string_view route, std::string_view type, std::string body);
   /// GET: what the service is asked about itself, made anew each time. Any `Host` is answered: the probes of an
   /// orchestrator come with an address. `path` lives on.

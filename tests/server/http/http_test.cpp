@@ -366,12 +366,13 @@ TEST_F(Http, ABodyIsAskedForOnlyWhereItIsWanted) {
   EXPECT_EQ(large.receive().value_or(Reply{}).status, 413);
 }
 
-TEST_F(Http, RangesAreIgnored) {
+TEST_F(Http, APartIsTheWholeUnlessItLiesBeyondTheEnd) {
   std::string ranges = "Range: bytes=0-";
   for (int i = 0; i < 500; ++i) ranges += ",0-";
-  const Reply reply = ask(port(), get("/", ranges + "\r\n"));
-  EXPECT_EQ(reply.status, 200);
-  EXPECT_EQ(reply.body, page_text);
+  EXPECT_EQ(ask(port(), get("/", ranges + "\r\n")).body, page_text);
+  const Reply beyond = ask(port(), get("/", "Range: bytes=" + std::to_string(page_text.size()) + "-\r\n"));
+  EXPECT_EQ(beyond.status, 416);
+  EXPECT_EQ(beyond.fields.at("content-range"), "bytes */" + std::to_string(page_text.size()));
 }
 
 TEST_F(Http, ConnectionsLastAsTheClientAsks) {

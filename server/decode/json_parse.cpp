@@ -8,34 +8,32 @@
 namespace least::server {
 namespace {
 
-// First pass: walks the text without building anything, so that no bound can be broken by the tree itself.
-class Scout final : public nlohmann::json_sax<Json> {
+// Builds the tree while the text is read, and looks at every bound before the tree grows.
+class Builder final : public nlohmann::json_sax<Json> {
  public:
-  Scout(const JsonBounds& bounds, Faults& faults) : bounds_(bounds), faults_(faults) {}
+  Builder(const JsonBounds& bounds, Faults& faults) : bounds_(bounds), faults_(faults) {}
 
-  bool null() override { return value(); }
-  bool boolean(bool) override { return value(); }
-  bool number_integer(number_integer_t) override { return value(); }
-  bool number_unsigned(number_unsigned_t) override { return value(); }
-  bool number_float(number_float_t, const string_t&) override { return value(); }
-  bool string(string_t&) override { return value(); }
-  bool binary(binary_t&) override { return value(); }
+  bool null() override { return value(nullptr); }
+  bool boolean(bool x) override { return value(x); }
+  bool number_integer(number_integer_t x) override { return value(x); }
+  bool number_unsigned(number_unsigned_t x) override { return value(x); }
+  bool number_float(number_float_t x, const string_t&) override { return value(x); }
+  bool string(string_t& x) override { return value(std::move(x)); }
+  bool binary(binary_t&) override { return false; }  // there is none in a text
 
-  bool start_object(std::size_t) override { return open(true); }
+  bool start_object(std::size_t) override { return open(Json::object()); }
   bool end_object() override { return close(); }
-  bool start_array(std::size_t) override { return open(false); }
+  bool start_array(std::size_t) override { return open(Json::array()); }
   bool end_array() override { return close(); }
 
   bool key(string_t& name) override {
     auto& level = levels_.back();
-    if (std::find(level.keys.begin(), level.keys.end(), name) != level.keys.end()) {
-      faults_.add({pointer() + pointer_step(name), "the key stands twice", "", ""});
-    } else if (level.keys.size() >= bounds_.keys) {
+    level.key = std::move(name);
+    if (level.node.contains(level.key)) {
+      faults_.add({pointer_here(), "the key stands twice", "", ""});
+    } else if (level.node.size() >= bounds_.keys) {
       return broken("an object with more than " + std::to_string(bounds_.keys) + " keys");
-    } else {
-      level.keys.push_back(name);
     }
-    level.step = pointer_step(name);
     return true;
   }
 
@@ -44,7 +42,7 @@ class Scout final : public nlohmann::json_sax<Json> {
     error_token = token;
     overflow = e.id == 406;
     if (overflow) {
-      step_in_array();
+      if (!levels_.empty()) ++levels_.back().index;
       faults_.add({pointer_here(), "the number does not fit a double", "", "a finite number"});
     } else {
       // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while …": the tail says it.
@@ -55,45 +53,53 @@ class Scout final : public nlohmann::json_sax<Json> {
     return false;
   }
 
+  Json tree;
   std::size_t error_at = 0;
   std::string error_token, detail;
   bool overflow = false, bound_broken = false;
 
  private:
+  // A list or an object that is not closed yet.
   struct Level {
-    bool object;
-    std::size_t index = 0;  // in an array: elements so far
-    std::string step;       // in an object: the key that stands now
-    std::vector<std::string> keys;
+    Json node;
+    std::size_t index = 0;  // in a list: elements so far, with the one that stands now
+    std::string key{};      // in an object: the one that stands now
   };
 
-  std::string pointer() const {
+  std::string pointer_here() const {
     std::string path;
-    for (std::size_t i = 0; i + 1 < levels_.size(); ++i) path += step(levels_[i]);
+    for (const Level& level : levels_) {
+      path += level.node.is_object() ? pointer_step(level.key) : "/" + std::to_string(level.index - 1);
+    }
     return path;
   }
-  static std::string step(const Level& level) {
-    return level.object ? level.step : "/" + std::to_string(level.index - 1);
-  }
-  std::string pointer_here() const { return levels_.empty() ? "" : pointer() + step(levels_.back()); }
-  void step_in_array() {
-    if (!levels_.empty() && !levels_.back().object) ++levels_.back().index;
-  }
-  bool value() {
-    step_in_array();
+  bool step() {
+    if (!levels_.empty()) ++levels_.back().index;
     return ++values_ <= bounds_.values || broken("more than " + std::to_string(bounds_.values) + " values");
   }
-  bool open(bool object) {
-    if (!value()) return false;
+  bool put(Json&& json) {
+    if (levels_.empty()) {
+      tree = std::move(json);
+    } else if (auto& [node, index, name] = levels_.back(); node.is_object()) {
+      node[name] = std::move(json);
+    } else {
+      node.push_back(std::move(json));
+    }
+    return true;
+  }
+  bool value(Json&& json) { return step() && put(std::move(json)); }
+  bool open(Json&& empty) {
+    if (!step()) return false;
     if (static_cast<int>(levels_.size()) >= bounds_.depth) {
       return broken("nested deeper than " + std::to_string(bounds_.depth) + " levels");
     }
-    levels_.push_back({object, 0, {}, {}});
+    levels_.push_back({std::move(empty)});
     return true;
   }
   bool close() {
+    Json whole = std::move(levels_.back().node);
     levels_.pop_back();
-    return true;
+    return put(std::move(whole));
   }
   bool broken(std::string what) {
     bound_broken = true;
@@ -146,23 +152,24 @@ Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& 
   ParsedJson parsed;
   std::string patched;  // a copy where numbers that overflow are replaced by 0, so that what follows is read too
   for (std::size_t overflows = 0;; ++overflows) {
-    Scout scout(bounds, parsed.faults);
-    if (Json::sax_parse(text, &scout)) break;
-    if (scout.bound_broken) return parsed;
-    const std::size_t length = scout.error_token.size();
-    const std::size_t start = scout.error_at - std::min(scout.error_at, length);
-    if (!scout.overflow) {
-      const std::size_t byte = scout.error_at == 0 ? 0 : scout.error_at - 1;
-      return NotJson{byte, why_not_json(text, std::min(byte, text.size()), scout.detail)};
+    Builder builder(bounds, parsed.faults);
+    if (Json::sax_parse(text, &builder)) {
+      parsed.tree = std::move(builder.tree);
+      return parsed;
+    }
+    if (builder.bound_broken) return parsed;
+    const std::size_t length = builder.error_token.size();
+    const std::size_t start = builder.error_at - std::min(builder.error_at, length);
+    if (!builder.overflow) {
+      const std::size_t byte = builder.error_at == 0 ? 0 : builder.error_at - 1;
+      return NotJson{byte, why_not_json(text, std::min(byte, text.size()), builder.detail)};
     }
     // Each overflow costs a pass: stop where reading on would no longer help anybody.
-    if (overflows == 16 || text.substr(start, length) != scout.error_token) return parsed;
+    if (overflows == 16 || text.substr(start, length) != builder.error_token) return parsed;
     if (patched.empty()) patched = text;
     patched.replace(start, length, std::string(length, ' ')).replace(start, 1, "0");
     text = patched;
   }
-  parsed.tree = Json::parse(text);
-  return parsed;
 }
 
 std::string pointer_step(std::string_view key) {

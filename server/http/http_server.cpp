@@ -28,9 +28,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// What is made of a body and waits for its turn: two bytes of a list, `1,`, are a double.
-constexpr std::size_t most_of_a_body = 4;
-
 unsigned cores() { return std::max(std::thread::hardware_concurrency(), 1u); }
 
 Access access_of(const HttpSettings& settings) {
@@ -188,9 +185,6 @@ class HttpServer::Impl final : private Handler {
     constexpr std::chrono::seconds patience{10};
     exchange->computing = true;
     if (auto pass = admission_.enter(exchange->client)) return compute(exchange, route, job, std::move(*pass), {});
-    if (!holds(exchange, most_of_a_body * exchange->message.body.size())) {
-      return respond(exchange, route, no_memory(exchange));
-    }
     const auto from = Clock::now();
     const auto gone = [exchange] { return exchange->left.load(); };
     admission_.wait(exchange->client, patience, gone, [=, this](std::optional<Admission::Pass> pass) {

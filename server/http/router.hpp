@@ -58,7 +58,7 @@ class Router {
   /// GET: what the service is asked about itself, made anew each time. Any `Host` is answered: the probes of an
   /// orchestrator come with an address. `path` lives on.
   void add_probe(std::string_view path, Probe probe);
-  /// POST: computed for each request. `path` lives on.
+  /// POST: computed for each request. `path` lives on. A body of more than 4 KiB is read when its turn has come.
   void add_computed(std::string_view path, Prepare prepare);
   void add_hint(Hint hint);
 

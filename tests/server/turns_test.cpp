@@ -279,6 +279,19 @@ TEST_F(Leaving, HopelessRequestsCostLittle) {
   EXPECT_EQ(few["errors"].size(), 30u);
 }
 
+// What is wrong with a short request is told while others compute; a long one is dear to read, and waits for its turn.
+TEST_F(Leaving, OnlyShortRequestsAreReadOutOfTurn) {
+  Client computes(service->port());
+  computes.send(long_request("20"));
+  while (running() == 0) std::this_thread::sleep_for(1ms);
+  const std::string wrong = R"({"problem":"no_such","scheme":"leapfrog"})";
+  EXPECT_EQ(ask(service->port(), post("/v1/simulate", wrong)).status, 422);
+  EXPECT_EQ(ask(service->port(), post("/v1/simulate", wrong + std::string(4096, ' '))).status, 503);
+  computes.reset();
+  seconds_until_free();
+  EXPECT_EQ(ask(service->port(), post("/v1/simulate", wrong + std::string(4096, ' '))).status, 422);
+}
+
 // One client with many connections, another with one: it is served all the same.
 TEST(Fairness, ManyConnectionsDoNotShutOutOne) {
   Settings settings = quiet_settings();

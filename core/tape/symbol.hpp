@@ -128,6 +128,13 @@ struct Recorder {
     return a.tape_ && a.tape_ == b.tape_ && a.node_ == b.node_;
   }
 
+  /// x is c u with c < 0: −c u. A constant otherwise.
+  static constexpr Symbol negated(const Symbol& x) {
+    const Node n = node(x);
+    if (n.op != Op::multiply || node(x, n.a).op != Op::constant || !(node(x, n.a).value < 0)) return {};
+    return -at(x, n.a) * at(x, n.b);
+  }
+
   /// x is uᵖ of no whole p, or √u: both.
   static constexpr bool is_power(const Symbol& x, Symbol& base, double& exponent) {
     const Node n = node(x);
@@ -163,6 +170,7 @@ constexpr Symbol operator+(const Symbol& a, const Symbol& b) {
     return Recorder::constant(a.constant() + b.constant(), a.constant_ + b.constant_);
   if (a.is_constant() && a.constant() == 0) return b;
   if (b.is_constant() && b.constant() == 0) return a;
+  if (const Symbol less = Recorder::negated(b); !less.is_constant()) return a - less;
   if (const Symbol sine = Recorder::by_addition(a, b, tape::Op::sin); !sine.is_constant()) return sine;
   return Recorder::binary(tape::Op::add, a, b);
 }
@@ -173,6 +181,7 @@ constexpr Symbol operator-(const Symbol& a, const Symbol& b) {
   if (a.is_constant() && a.constant() == 0) return -b;
   if (b.is_constant() && b.constant() == 0) return a;
   if (Recorder::same(a, b)) return 0;
+  if (const Symbol more = Recorder::negated(b); !more.is_constant()) return a + more;
   if (const Symbol cosine = Recorder::by_addition(a, b, tape::Op::cos); !cosine.is_constant()) return cosine;
   return Recorder::binary(tape::Op::subtract, a, b);
 }

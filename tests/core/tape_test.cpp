@@ -147,8 +147,12 @@ TEST(Tape, NothingIsWrittenTwiceAndConstantsAreNot) {
   EXPECT_EQ((1.0 * x + 0.0).on(tape), x.on(tape));
   EXPECT_EQ((Symbol(2) * Symbol(3)).constant(), 6);
   EXPECT_EQ(size_of(tape), before);
+  EXPECT_EQ((x + -x).constant(), 0);
+  EXPECT_EQ((t + -2.0 * x).on(tape), (t - 2.0 * x).on(tape));
+  EXPECT_EQ((t - -2.0 * x).on(tape), (t + 2.0 * x).on(tape));
+  const std::size_t then = size_of(tape);
   EXPECT_EQ((x * t).on(tape), (x * t).on(tape));
-  EXPECT_EQ(size_of(tape), before + 1);
+  EXPECT_EQ(size_of(tape), then + 1);
 }
 
 /// u √u is one power, and so is what is divided by it: Kepler's force has two lanes for it and four products.

@@ -177,18 +177,22 @@ class LaneBlock final : public LaneHost {
   };
 
   /// Members whose steps are written down alike are run together. Where parameters vary each is written down, so that
-  /// not too many are at once.
+  /// not too many are at once. False also where hardly two are alike: they are run one by one.
   bool run_text(const LaneUnit& unit) {
-    constexpr std::size_t most_constants = 1'000'000;
+    constexpr std::size_t most_kept = 2'000'000, many = 64, alike = 4;  // kept: numbers and operations
     const text::TextScene& text = *request_.scene->mechanics->text();
+    const auto gone = [&] { return task_.cancelled->load(std::memory_order_relaxed); };
     std::vector<TextGroup> groups;
-    std::size_t kept = 0;
+    std::size_t kept = 0, members = 0;
     const auto run_groups = [&] {
-      for (TextGroup& group : groups) run_group(unit, group);
+      if (groups.size() > many && members < alike * groups.size()) return false;
+      for (TextGroup& group : groups)
+        if (!gone()) run_group(unit, group);
       groups.clear();
-      kept = 0;
+      kept = members = 0;
+      return true;
     };
-    for (std::size_t m = 0; m < ended_.size() && !task_.cancelled->load(std::memory_order_relaxed); ++m) {
+    for (std::size_t m = 0; m < ended_.size() && !gone(); ++m) {
       if (varied_.empty() && m > 0) {
         groups[0].add(m, {});
         continue;
@@ -202,13 +206,16 @@ class LaneBlock final : public LaneHost {
       if (!trace) return false;
       auto constants = trace->trace.constants();
       auto group = std::ranges::find_if(groups, [&](const TextGroup& one) { return one.has(*trace); });
-      if (group == groups.end()) group = groups.emplace(groups.end(), std::move(*trace));
+      if (group == groups.end()) {
+        kept += trace->trace.nodes().size();
+        group = groups.emplace(groups.end(), std::move(*trace));
+      }
       kept += constants.size();
+      ++members;
       group->add(m, std::move(constants));
-      if (kept > most_constants && !varied_.empty()) run_groups();
+      if (kept > most_kept && !varied_.empty() && !run_groups()) return false;
     }
-    run_groups();
-    return true;
+    return run_groups();
   }
   void run_group(const LaneUnit& unit, TextGroup& group) {
     group.compile();

@@ -9,7 +9,7 @@ namespace least {
 
 class TextGroup {
  public:
-  explicit TextGroup(TextTrace&& shape) : shape_(std::move(shape)) {}
+  explicit TextGroup(TextTrace&& shape) : shape_(std::move(shape)) { shape_.trace.close(); }
 
   bool has(const TextTrace& trace) const { return trace.has_shape_of(shape_); }
   /// A member by its place in the block, with the constants of its own trace.

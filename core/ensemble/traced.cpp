@@ -6,7 +6,16 @@
 
 namespace least {
 
-Trace::Trace() { nodes_ = {{Kind::time}, {Kind::step}}; }
+// Room for all there may be, which costs nothing before it is written: a step that writes may not throw.
+Trace::Trace() {
+  nodes_.reserve(most_nodes);
+  constants_.reserve(most_nodes);
+  nodes_ = {{Kind::time}, {Kind::step}};
+}
+void Trace::close() {
+  nodes_.shrink_to_fit();
+  constants_.shrink_to_fit();
+}
 
 Trace::Place Trace::write(const Node& node) {
   if (full()) return 0;
@@ -14,6 +23,7 @@ Trace::Place Trace::write(const Node& node) {
   return size() - 1;
 }
 Trace::Place Trace::constant(double value) {
+  if (full()) return 0;
   constants_.push_back(value);
   return write({Kind::constant, {}, static_cast<Place>(constants_.size()) - 1});
 }

@@ -1,7 +1,7 @@
 // A number that writes down what is done to it: arithmetic with it leaves a list of operations in their order, nothing
 // of it changed but products with 0 and 1 and sums with 0, which are left out. So what is run from such a list has the
-// bits of what wrote it. A step of a scheme, taken with these numbers in the place of state, time and step, leaves what
-// lanes can run (core/ensemble/lane_program.hpp).
+// bits of what wrote it, but for the signs of zeros and for what 0 times an infinity is. A step of a scheme, taken with
+// these numbers in the place of state, time and step, leaves what lanes can run (core/ensemble/lane_program.hpp).
 #pragma once
 
 #include <utility>
@@ -35,6 +35,8 @@ class Trace {
   const std::vector<double>& constants() const { return constants_; }
   Place size() const { return static_cast<Place>(nodes_.size()); }
   bool full() const { return nodes_.size() >= most_nodes; }
+  /// Nothing more will be written.
+  void close();
 
  private:
   std::vector<Node> nodes_;

@@ -120,7 +120,7 @@ double Expansion::step() const {
   double log_h = std::numeric_limits<double>::infinity();
   if (last_ > 0) log_h = (log_tolerance_ + std::log(scale / last_)) / used_;
   if (before > 0) log_h = std::min(log_h, (log_tolerance_ + std::log(scale / before)) / (used_ - 1));
-  double h = std::min(std::exp(log_h), std::max(longest, std::abs(t_) / longest));
+  double h = std::min({std::exp(log_h), std::max(longest, std::abs(t_) / longest), 1e150});  // its square is finite
   // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ≤ rᵏ is to hold.
   const double root = used_ == series_.order() ? root_ : std::exp(log_tolerance_ / used_), inverse = h / root;
   double power = slack * scale * raised(root / h, used_ - 2);
@@ -151,19 +151,21 @@ double Expansion::until_switch(double h) const {
     for (std::size_t part = 0; part < parts; ++part) {
       if ((sums[part] < 0) == before) continue;
       double low = part > 0 ? times[part - 1] : 0, high = times[part];
-      double time = low, slope = 0;
+      double time = low > 0 ? low : 0.5 * high;
       for (int i = 0; i < 60 && high - low > 1e-16 * high; ++i) {  // Newton's method, within these two
-        double sum = slope = 0;
+        double sum = 0, slope = 0;
         for (int k = used_ - 1; k >= 0; --k) {
           slope = slope * time + sum;
           sum = sum * time + series_.coefficient(value, k);
         }
         ((sum < 0) == before ? low : high) = time;
         const double next = time - sum / slope;
-        if (std::abs(next - time) <= 4 * std::numeric_limits<double>::epsilon() * time) break;
+        if (std::abs(next - time) <= 4 * std::numeric_limits<double>::epsilon() * time) {
+          high = time;
+          break;
+        }
         time = low < next && next < high ? next : 0.5 * (low + high);
       }
-      high = time;
       const double beyond = 4 * std::numeric_limits<double>::epsilon();
       end = std::min(end, high * (1 + beyond) + beyond * std::abs(t_));
       break;

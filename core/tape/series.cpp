@@ -114,8 +114,9 @@ Series::Series(Program program, int order, bool unroll)
       stride_(at(program_.rows)),
       groups_((program_.lane_a.size() + 3) / 4),
       rows_((static_cast<std::size_t>(order) + 1) * stride_ + 4),
-      trial_(stride_, std::numeric_limits<double>::quiet_NaN()),
+      trial_(stride_),
       lanes_(2 * groups_ * (static_cast<std::size_t>(order) + 1)) {
+  trial_[at(program_.time())] = std::numeric_limits<double>::quiet_NaN();  // of no state yet
   if (unrolled_) return;
   gains_.resize(program_.steps.size());
   ends_.resize(program_.products.size());

@@ -269,7 +269,7 @@ class Reader : TextReader {
         m.push_back(entry.constant());
       }
     for (std::size_t k = 0; k < n; ++k) {
-      if (!(m[k * n + k] * m[0] > 0)) return true;
+      if (!(m[0] > 0 ? m[k * n + k] > 0 : m[k * n + k] < 0)) return true;
       for (std::size_t i = k + 1; i < n; ++i)
         for (std::size_t j = k + 1; j < n; ++j) m[i * n + j] -= m[i * n + k] * m[k * n + j] / m[k * n + k];
     }

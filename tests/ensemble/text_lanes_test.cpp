@@ -219,6 +219,17 @@ TEST(TextLanes, HaveParametersOfTheirOwn) {
   }
 }
 
+/// Where hardly two members have the same operations there is nothing to share.
+TEST(TextLanes, AreLeftWhereMembersAreNotAlike) {
+  const auto power = texts::of(typed_v, {"x"}, {{"n", 3}}, "x^2/2 + x^n");
+  EnsemblePlan plan = plan_of(power, "leapfrog", {0.3, 0.1}, 0.02, 1);
+  std::vector<double> exponents;
+  for (int n = 20; n < 220; ++n) exponents.push_back(n + 0.5);
+  test::set_members(plan, 200, {{true, 0, Spread::values, exponents}});
+  EXPECT_FALSE(in_lanes(plan, lane_units().front()));
+  EXPECT_EQ(alone(plan).ended[0], 200);
+}
+
 TEST(TextLanes, MeetSectionsAsAlone) {
   const auto well = texts::of(typed_v, {"x", "y"}, {{"k", 1}}, "(x^2 + y^2)/2 + k*(x^2*y - y^3/3)");
   const auto damped = texts::of(typed_l, {"q"}, {{"a", 0.1}}, "v^2/2 - 2*q^2 - a*s");

@@ -56,7 +56,14 @@ TEST(Taylor, ErrorsAreThoseOfTheTolerance) {
 TEST(Taylor, IsUnrolledForOtherParametersToo) {
   const auto known = [](const auto& problem) {
     using X = StateOf<std::remove_cvref_t<decltype(problem)>>;
-    return tape::Series(taylor::record<X>(problem), 4).unrolled() || tape::unrolled_series().empty();
+    const auto program = taylor::record<X>(problem);
+    tape::Series series(program, 9), read(program, 9, false);
+    std::array<double, X::size> x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = 0.7 + 0.2 * static_cast<double>(i);
+    for (tape::Series* one : {&series, &read}) one->expand(x.data(), 1.5);
+    for (int k = 0; k <= 9; ++k)
+      EXPECT_TRUE(std::equal(series.coefficients(k), series.coefficients(k) + x.size(), read.coefficients(k)));
+    return series.unrolled() || tape::unrolled_series().empty();
   };
   EXPECT_TRUE(known(Kepler<>{.mu = 2}));
   EXPECT_TRUE(known(VanDerPol<>{.epsilon = 10}));

@@ -267,7 +267,7 @@ std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const
       if (known != words.end() && known->refusal.empty()) {
         made = known->meaning;
       } else if (known == words.end() && token.word == "pi") {
-        made = Symbol(DoubleDouble(std::numbers::pi, 1.2246467991473532e-16));
+        made = std::numbers::pi;
       } else if (known != words.end()) {
         return Fault{token.position, std::string(token.word) + " " + std::string(known->refusal), listed(words)};
       } else {

@@ -221,13 +221,12 @@ TEST(TextLanes, HaveParametersOfTheirOwn) {
 
 /// Where hardly two members have the same operations there is nothing to share.
 TEST(TextLanes, AreLeftWhereMembersAreNotAlike) {
-  const auto power = texts::of(typed_v, {"x"}, {{"n", 3}}, "x^2/2 + x^n");
-  EnsemblePlan plan = plan_of(power, "leapfrog", {0.3, 0.1}, 0.02, 1);
-  std::vector<double> exponents;
-  for (int n = 20; n < 220; ++n) exponents.push_back(n + 0.5);
-  test::set_members(plan, 200, {{true, 0, Spread::values, exponents}});
+  const auto powers = texts::of(typed_v, {"x", "y"}, {{"n", 3}, {"m", 3}}, "x^2/2 + y^2 + x^n + y^m");
+  EnsemblePlan plan = plan_of(powers, "leapfrog", {0.3, 0.2, 0.1, 0}, 0.02, 1);
+  const std::vector<double> exponents{2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  test::set_members(plan, 100, {{true, 0, Spread::values, exponents}, {true, 1, Spread::values, exponents}});
   EXPECT_FALSE(in_lanes(plan, lane_units().front()));
-  EXPECT_EQ(alone(plan).ended[0], 200);
+  EXPECT_EQ(alone(plan).ended[0], 100);
 }
 
 TEST(TextLanes, MeetSectionsAsAlone) {

@@ -56,6 +56,7 @@ export class Crossings {
 
   /** Adds what a line of the service brings, to be seen in the next frame; how many points there are. */
   add({ section }) {
+    if (!this.#asked.x) return 0; // of an answer that nobody awaits any more
     this.blocks.push({ member: section.member, x: section[this.#asked.x], y: section[this.#asked.y] });
     this.#due ||= requestAnimationFrame(() => this.draw());
     return this.blocks.reduce((sum, { member }) => sum + member.length, 0);

@@ -126,7 +126,8 @@ class TextTracer {
       return kept.try_emplace(one, other).first->second == other && other < made_.end;
     };
     for (Place i = made_.begin; i < made_.end; ++i) {
-      const auto &one = nodes[static_cast<std::size_t>(i)], &other = nodes[static_cast<std::size_t>(i + length)];
+      const Place twin = i + length;
+      const auto &one = nodes[static_cast<std::size_t>(i)], &other = nodes[static_cast<std::size_t>(twin)];
       if (one.kind != other.kind || one.code != other.code) return false;
       if (one.kind == Trace::Kind::constant) {
         const auto bits = [&](const Trace::Node& node) {

@@ -45,15 +45,16 @@ class Trace {
 
 class Traced {
  public:
-  Traced() = default;
-  Traced(double constant) : constant_(constant) {}  // NOLINT(google-explicit-constructor): a number like any other
+  constexpr Traced() = default;
+  constexpr Traced(double constant)
+      : constant_(constant) {}  // NOLINT(google-explicit-constructor): a number like any other
   static Traced time(Trace& trace) { return {trace, 0}; }
   static Traced step(Trace& trace) { return {trace, 1}; }
   static Traced variable(Trace& trace, std::size_t i) {
     return {trace, trace.write({Trace::Kind::variable, {}, static_cast<Trace::Place>(i)})};
   }
 
-  bool is_constant() const { return !trace_; }
+  constexpr bool is_constant() const { return !trace_; }
   double constant() const { return constant_; }
   /// Where it stands; a constant is written.
   Trace::Place on(Trace& trace) const { return trace_ ? place_ : trace.constant(constant_); }
@@ -89,7 +90,7 @@ class Traced {
   friend Mask operator>=(const Traced& a, const Traced& b);
   friend Traced select(const Mask& mask, const Traced& yes, const Traced& no);
   /// Nothing that depends on what is given is the same as something else: what is kept for the next time is not used.
-  friend bool operator==(const Traced& a, const Traced& b) {
+  friend constexpr bool operator==(const Traced& a, const Traced& b) {
     return a.is_constant() && b.is_constant() && a.constant_ == b.constant_;
   }
 

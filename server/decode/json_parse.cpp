@@ -11,7 +11,8 @@ namespace {
 // Builds the tree while the text is read, and looks at every bound before the tree grows.
 class Builder final : public nlohmann::json_sax<Json> {
  public:
-  Builder(const JsonBounds& bounds, Faults& faults) : bounds_(bounds), faults_(faults) {}
+  // Unless it `builds`, it only looks: of what there is nothing is kept but keys.
+  Builder(const JsonBounds& bounds, Faults& faults, bool builds) : bounds_(bounds), faults_(faults), builds_(builds) {}
 
   bool null() override { return value(nullptr); }
   bool boolean(bool x) override { return value(x); }
@@ -29,6 +30,7 @@ class Builder final : public nlohmann::json_sax<Json> {
   bool key(string_t& name) override {
     auto& level = levels_.back();
     level.key = std::move(name);
+    widen(level.node.get_ref<Json::object_t&>());
     if (level.node.contains(level.key)) {
       faults_.add({pointer_here(), "the key stands twice", "", ""});
     } else if (level.node.size() >= bounds_.keys) {
@@ -77,12 +79,22 @@ class Builder final : public nlohmann::json_sax<Json> {
     if (!levels_.empty()) ++levels_.back().index;
     return ++values_ <= bounds_.values || broken("more than " + std::to_string(bounds_.values) + " values");
   }
+  // Room for one more; grown by itself an object would copy all that it holds.
+  static void widen(Json::object_t& object) {
+    if (object.size() < object.capacity()) return;
+    using Container = Json::object_t::Container;
+    Container wider;
+    wider.reserve(std::max<std::size_t>(4, 2 * object.size()));
+    for (auto& [name, value] : object) wider.emplace_back(name, std::move(value));
+    static_cast<Container&>(object).swap(wider);
+  }
   bool put(Json&& json) {
+    if (!builds_) json = nullptr;
     if (levels_.empty()) {
       tree = std::move(json);
     } else if (auto& [node, index, name] = levels_.back(); node.is_object()) {
       node[name] = std::move(json);
-    } else {
+    } else if (builds_) {
       node.push_back(std::move(json));
     }
     return true;
@@ -109,6 +121,7 @@ class Builder final : public nlohmann::json_sax<Json> {
 
   const JsonBounds& bounds_;
   Faults& faults_;
+  const bool builds_;
   std::vector<Level> levels_;
   std::size_t values_ = 0;
 };
@@ -152,9 +165,11 @@ Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& 
   ParsedJson parsed;
   std::string patched;  // a copy where numbers that overflow are replaced by 0, so that what follows is read too
   for (std::size_t overflows = 0;; ++overflows) {
-    Builder builder(bounds, parsed.faults);
+    Builder builder(bounds, parsed.faults, overflows == 0);
     if (Json::sax_parse(text, &builder)) {
-      parsed.tree = std::move(builder.tree);
+      Builder second(bounds, parsed.faults, true);
+      if (overflows > 0) Json::sax_parse(text, &second);
+      parsed.tree = std::move(overflows > 0 ? second.tree : builder.tree);
       return parsed;
     }
     if (builder.bound_broken) return parsed;

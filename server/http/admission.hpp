@@ -46,6 +46,9 @@ class Admission {
       if (admission_) admission_->leave(*client_, counts_ ? std::optional(Clock::now() - start_) : std::nullopt);
     }
 
+    /// No run came of it.
+    void excuse() { counts_ = false; }
+
    private:
     Admission* admission_;
     Client* client_;

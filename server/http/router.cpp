@@ -37,7 +37,10 @@ Job read_in_turn(const Router::Prepare& prepare, HttpRequest request) {
   return [&prepare, request, accept = std::string(request.accept)](Admission::Pass pass) mutable {
     request.accept = accept;
     Prepared prepared = prepare(request);
-    if (auto* const refusal = std::get_if<Answer>(&prepared)) return std::move(*refusal);
+    if (auto* const refusal = std::get_if<Answer>(&prepared)) {
+      pass.excuse();
+      return std::move(*refusal);
+    }
     return std::get<Job>(prepared)(std::move(pass));
   };
 }
@@ -49,7 +52,8 @@ bool is_beyond(const std::string& range, std::size_t size) {
   std::size_t from = 0;
   if (!range.starts_with(unit)) return false;
   const auto [stop, error] = std::from_chars(range.data() + unit.size(), end, from);
-  return error == std::errc() && from >= size && std::string_view(stop, end) == "-";
+  const bool digits = error == std::errc() || error == std::errc::result_out_of_range;
+  return digits && (error != std::errc() || from >= size) && std::string_view(stop, end) == "-";
 }
 
 // What the head of a refused method is told.
@@ -198,7 +202,10 @@ Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_vi
   } else {
     answer.body = fixed.body;
   }
-  if (answer.status == 200 && head.method == "GET" && is_beyond(head.field("range"), answer.body.size())) {
+  // With If-Range the part is of a version that the client holds: the whole answers for any other.
+  const bool conditional = head.count("if-range") > 0;
+  if (answer.status == 200 && head.method == "GET" && !conditional &&
+      is_beyond(head.field("range"), answer.body.size())) {
     Answer refusal = error_(416, "nothing is there", request_id);
     refusal.headers.emplace_back("Content-Range", fmt::format("bytes */{}", answer.body.size()));
     return refusal;

@@ -373,6 +373,8 @@ TEST_F(Http, APartIsTheWholeUnlessItLiesBeyondTheEnd) {
   const Reply beyond = ask(port(), get("/", "Range: bytes=" + std::to_string(page_text.size()) + "-\r\n"));
   EXPECT_EQ(beyond.status, 416);
   EXPECT_EQ(beyond.fields.at("content-range"), "bytes */" + std::to_string(page_text.size()));
+  EXPECT_EQ(ask(port(), get("/", "Range: bytes=99999999999999999999-\r\n")).status, 416);
+  EXPECT_EQ(ask(port(), get("/", "If-Range: \"old\"\r\nRange: bytes=999999-\r\n")).status, 200);
 }
 
 TEST_F(Http, ConnectionsLastAsTheClientAsks) {

@@ -156,7 +156,7 @@ TEST_F(StudyHttp, FindsTheLongestStableStep) {
 
 TEST_F(StudyHttp, AutoRunsWhatItChose) {
   const std::string request =
-      R"({"problem":"pendulum","scheme":{"id":"auto","accuracy":1e-4},"until":{"t":5},
+      R"({"problem":"van_der_pol","scheme":{"id":"auto","accuracy":1e-4},"until":{"t":5},
           "diagnostics":["error"]})";
   Json json = Json::parse(ask(port(), post("/v1/simulate", request)).body);
   ASSERT_TRUE(json.contains("choice")) << json;

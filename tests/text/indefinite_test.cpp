@@ -50,7 +50,7 @@ TEST(ConstantsOfATextOnItsTape, HaveTwiceTheDigitsOfADouble) {
   const struct {
     const char* text;
     double low;  ///< what the double nearest to it is short of it
-  } rows[] = {{"pi", 1.2246467991473532e-16}, {"1/3", 1.8503717077085942e-17}, {"2*pi", 2.4492935982947064e-16}};
+  } rows[] = {{"1/3", 1.8503717077085942e-17}, {"2/3", 3.7007434154171884e-17}};
   for (const auto& [text, low] : rows) {
     tape::Tape tape;
     const auto parsed = std::get<text::Expression>(text::Expression::parse(text));

@@ -157,7 +157,8 @@ async function assertInSight(page, name, selector) {
     const shown = Math.min(y + high, height) - y;
     assert.ok(y >= 0 && shown > Math.min(0.75 * high, 0.35 * height) && wide > 0.25 * width,
               `${name} at ${width} × ${height}: ${shown} of ${high} at ${y}`);
-    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `${name} is not cut off at ${width}`);
+    const whole = page.waitForFunction((room) => document.documentElement.scrollWidth <= room, width, { timeout: 5000 });
+    assert.ok(await whole.then(() => true, () => false), `${name} is not cut off at ${width}`); // once it is laid out
     for (const colorScheme of folder ? ["light", "dark"] : []) {
       await page.emulateMedia({ colorScheme });
       await frames(page);

@@ -38,6 +38,10 @@ void recorded_as(bool in_catalogue) {
             EXPECT_EQ(std::bit_cast<std::uint64_t>(series->coefficients(k)[i]),
                       std::bit_cast<std::uint64_t>(plain.coefficients(k)[i]))
                 << "order " << k << " of variable " << i;
+        for (const auto* asked : {&program.switches, &program.poles})
+          for (const tape::Index value : *asked)
+            for (int k = 0; k < plain.order(); ++k)
+              EXPECT_EQ(series->coefficient(value, k), plain.coefficient(value, k)) << "order " << k;
       }
     const auto d = derivative(P<double>{}, full);
     for (std::size_t i = 0; i < y.size(); ++i) EXPECT_NEAR(read.coefficients(1)[i], d[i], 1e-14 * (1 + std::abs(d[i])));

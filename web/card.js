@@ -10,7 +10,7 @@ export const motion = (problem) => problem.variables.filter((variable) => !varia
  */
 export function axes(problem, own = []) {
   const moving = [...motion(problem), { name: "t" }].map(({ name, symbol }) => ({ id: name, title: symbol || name }));
-  const others = problem.columns.filter((name) => !["mode", "parameter"].includes(name) && !moving.some(({ id }) => id === name));
+  const others = problem.columns.filter((name) => name !== "parameter" && !moving.some(({ id }) => id === name));
   const derived = problem.columns.includes("energy") ? [{ id: "error_of_energy", title: "|H − H₀| / |H₀|" }] : [];
   return [...moving, ...others.map((name) => ({ id: name, title: words(name) })), ...derived,
           ...own.map(({ name }) => ({ id: name, title: name }))];

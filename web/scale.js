@@ -2,6 +2,9 @@
 
 const there = (v) => v !== null;
 
+/** A mode as a number: 0 in time, 1 in a coordinate; null where there is none. */
+export const inCoordinate = (mode) => (typeof mode === "string" ? Number(mode === "jacobi_maupertuis") : mode ?? null);
+
 /**
  * The curve `{t, x, y, stretched}` of a trajectory over two of its columns, null in both where either has no value; null:
  * nothing to draw. `log` names the axes that are logarithmic, as in "xy". `stretched(i)`: whether the curve comes to its
@@ -12,7 +15,7 @@ export function curveOf(trajectory, x, y, log = "") {
     (log.includes(axis) ? trajectory[name].map((v) => (v > 0 ? Math.log10(v) : null)) : trajectory[name]);
   const own = { x: scaled(x, "x"), y: scaled(y, "y") };
   const beside = (column, other) => column.map((v, i) => (other[i] === null ? null : v));
-  const stretched = (i) => trajectory.mode?.[i] === "jacobi_maupertuis";
+  const stretched = (i) => inCoordinate(trajectory.mode?.[i]) === 1;
   const curve = { t: trajectory.t, x: beside(own.x, own.y), y: beside(own.y, own.x), stretched };
   return curve.x.some(there) ? curve : null;
 }

@@ -9,7 +9,7 @@ const find = (selector) => document.querySelector(`#crossings ${selector}`);
 
 /** What is asked for at first: of a motion in a plane the strobe, of one with more variables the plane where the first is zero. */
 function cardsOf(problem) {
-  const names = motion(problem).map(({ name }) => name), shown = axes(problem).map(({ id }) => id).filter((id) => id !== "error_of_energy");
+  const names = motion(problem).map(({ name }) => name), shown = axes(problem).map(({ id }) => id).filter((id) => id !== "error_of_energy" && id !== "mode");
   const half = Math.floor(names.length / 2), wide = names.length > 3;
   const angle = (name) => (shown.includes(`${name}_wrapped`) ? `${name}_wrapped` : name);
   const vary = names[1], usual = problem.variables.find(({ name }) => name === vary).default ?? 0;

@@ -5,12 +5,15 @@ import { EnergyPlot } from "./energy.js";
 import { errorOfEnergy } from "./pictures.js";
 import { Plane } from "./plane.js";
 import { Player } from "./player.js";
-import { commonView, curveOf } from "./scale.js";
+import { commonView, curveOf, inCoordinate } from "./scale.js";
 import { begin, boxOf, inSpace, turnedBy } from "./space.js";
 import { fill } from "./table.js";
 
 const find = (selector) => document.querySelector(selector);
 const column = (trajectory, name) => (name === "error_of_energy" ? trajectory.energy && errorOfEnergy(trajectory) : trajectory[name]);
+/** A run whose columns are all numbers. */
+const numbered = (run) => (run.trajectory?.mode
+  ? { ...run, trajectory: { ...run.trajectory, mode: run.trajectory.mode.map(inCoordinate) } } : run);
 const times = ({ outcome }) => (outcome?.events ?? []).map(({ t }) => t);
 
 export class Sight {
@@ -26,12 +29,13 @@ export class Sight {
    * Runs `[{name, title, colour, trajectory}]` over the axes of the scene, each in its pane. A start is dragged by
    * `grab({name: value…}, done)`.
    */
-  show(scene, panes, runs, grab) {
+  show(scene, panes, given, grab) {
+    const runs = given.map(numbered);
     this.#panes = panes;
     const pictures = scene.axes.length > 2 ? this.#inSpace(scene, runs) : this.#inPlane(scene, runs, grab);
     panes.forEach((pane, i) => pane.show(pictures(runs.slice(i, i + 1))));
     this.#together.show(pictures(runs));
-    this.#again = () => this.show(scene, panes, runs, grab);
+    this.#again = () => this.show(scene, panes, given, grab);
     this.#move(scene.problem, runs.filter(({ trajectory }) => trajectory?.t.length > 1));
   }
 

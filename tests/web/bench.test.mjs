@@ -110,6 +110,13 @@ async function asJson(page, run) {
   return pane(page, run).locator(".curl pre").textContent();
 }
 
+pageTest("the mode of a hybrid stands on an axis, 0 in time and 1 in a coordinate; of other schemes there is none",
+  { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis&axes.x=t&axes.y=mode" }, async (page) => {
+    const hybrid = await drawn(page, plane("B"), "B");
+    assert.ok(hybrid.count > 100 && hybrid.bottom - hybrid.top > 100, `it goes up and down: ${JSON.stringify(hybrid)}`);
+    assert.equal((await drawn(page, plane("A"), "A")).count, 0);
+  });
+
 pageTest("any column over any other, on logarithmic axes, enlarged and whole again", {}, async (page) => {
   await page.selectOption("#axes [name=y]", "error_of_energy");
   await page.selectOption("#axes [name=x]", "step_size");

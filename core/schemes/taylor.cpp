@@ -14,7 +14,7 @@ using tape::Program;
 constexpr int most_chosen = 40;
 
 /// What a step of the order p costs, about, in nanoseconds, of a program that is unrolled: measured where a leapfrog
-/// step of Kepler's problem takes 17. Those that are read take three times as long, for much the same order.
+/// step of Kepler's problem takes 17. Those that are read take longer, at much the same best order.
 double cost(const Program& program, double p) {
   double fixed = 110;
   for (std::size_t i = 0; i < program.motion_steps; ++i)

@@ -1,7 +1,7 @@
 // Series of programs whose structure the compiler knows: an order is straight code, its values stand in registers, and
-// what waits for what is seen by the processor at once. Kepler's costs a third of what reading its program does. Only
-// the structure is known, the numbers are those of the program that a run has recorded: any program of that structure
-// may use it, and gets the bits that reading it gives.
+// what waits for what is seen by the processor at once. Only the structure is known, the numbers are those of the
+// program that a run has recorded: any program of that structure may use it, and gets the bits that reading it gives
+// where nothing overflows.
 #pragma once
 
 #include <span>

@@ -46,6 +46,10 @@ struct Lanes {
   LEAST_INLINE friend Lanes operator-(const Lanes& a, const Lanes& b) { return Lanes(a.v - b.v); }
   LEAST_INLINE friend Lanes operator*(const Lanes& a, const Lanes& b) { return Lanes(a.v * b.v); }
   LEAST_INLINE friend Lanes operator/(const Lanes& a, const Lanes& b) { return Lanes(a.v / b.v); }
+  LEAST_INLINE Lanes& operator+=(const Lanes& b) { return *this = *this + b; }
+  LEAST_INLINE Lanes& operator-=(const Lanes& b) { return *this = *this - b; }
+  LEAST_INLINE Lanes& operator*=(const Lanes& b) { return *this = *this * b; }
+  LEAST_INLINE Lanes& operator/=(const Lanes& b) { return *this = *this / b; }
   LEAST_INLINE friend LaneMask operator<(const Lanes& a, const Lanes& b) { return {a.v < b.v}; }
   LEAST_INLINE friend LaneMask operator>(const Lanes& a, const Lanes& b) { return {a.v > b.v}; }
   LEAST_INLINE friend LaneMask operator<=(const Lanes& a, const Lanes& b) { return {a.v <= b.v}; }

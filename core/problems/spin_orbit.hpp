@@ -37,8 +37,8 @@ struct SpinOrbit {
       const auto next = sk * c1 + ck * s1;
       ck = ck * c1 - sk * s1;
       sk = next;
-      a = a + even[k] * ck;
-      b = b + odd[k] * sk;
+      a += even[k] * ck;
+      b += odd[k] * sk;
     }
     const N strength = epsilon / shape;
     return Phase<N>{strength * a, strength * b, friction - lambda * (frequency * s) / shape};

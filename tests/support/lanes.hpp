@@ -56,6 +56,10 @@ inline Lanes operator*(const Lanes& a, const Lanes& b) {
 inline Lanes operator/(const Lanes& a, const Lanes& b) {
   return zip(a, b, [](double x, double y) { return x / y; });
 }
+inline Lanes& operator+=(Lanes& a, const Lanes& b) { return a = a + b; }
+inline Lanes& operator-=(Lanes& a, const Lanes& b) { return a = a - b; }
+inline Lanes& operator*=(Lanes& a, const Lanes& b) { return a = a * b; }
+inline Lanes& operator/=(Lanes& a, const Lanes& b) { return a = a / b; }
 inline Mask operator<(const Lanes& a, const Lanes& b) {
   return compare(a, b, [](double x, double y) { return x < y; });
 }

@@ -3,18 +3,46 @@
 #include <fmt/format.h>
 
 #include "core/catalogue/catalogue.hpp"
+#include "server/decode/custom_reader.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/http/accept.hpp"
 
 namespace least::server {
+namespace {
+
+constexpr std::size_t glance = 4096;  // bytes that are looked at
+
+// With what a body begins that is no request; nothing where it may be one, or has to be read to say what is wrong.
+std::optional<char> wrong_beginning(std::string_view body) {
+  constexpr std::string_view blank = " \t\r\n", byte_order = "\xEF\xBB\xBF", values = "[\"-0123456789tfn";
+  const std::size_t first = body.substr(0, glance).find_first_not_of(blank);
+  if (first == body.npos || body[first] == '{' || body.starts_with(byte_order)) return std::nullopt;
+  const bool is_json = values.find(body[first]) != values.npos;
+  return is_json && body.size() <= glance ? std::nullopt : std::optional(body[first]);
+}
+
+Result<ParsedJson, NotJson> read(std::string_view body) {
+  const auto wrong = wrong_beginning(body);
+  if (!wrong) return parse_json(body);
+  if (*wrong == '[' || *wrong == '"') return ParsedJson{Json::array(), {}};
+  return parse_json(body.substr(0, glance));
+}
+
+}  // namespace
 
 Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& types) {
   if (const auto form = negotiate(request.accept, types)) return *form;
   return problem_document(406, "the answer comes as " + listed(types), request.id);
 }
 
+Effort effort_of(std::string_view body) {
+  if (wrong_beginning(body)) return Effort::brief;
+  const bool has_text = body.size() <= glance && body.find(custom_id) != body.npos;  // of which equations are derived
+  return has_text ? Effort::work : Effort::reading;
+}
+
 Result<ParsedJson, Answer> json_of(const HttpRequest& request) {
-  auto parsed = parse_json(request.body);
+  auto parsed = read(request.body);
   if (parsed) return std::move(*parsed);
   const NotJson& why = parsed.error();
   return problem_document(400, fmt::format("not JSON at byte {}: {}", why.byte, why.detail), request.id);

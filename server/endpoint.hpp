@@ -10,6 +10,7 @@
 #include "server/decode/wording.hpp"
 #include "server/http/admission.hpp"
 #include "server/http/cancellation.hpp"
+#include "server/http/effort.hpp"
 #include "server/http/http_request.hpp"
 #include "server/http/router.hpp"
 #include "server/shared/answer.hpp"
@@ -36,7 +37,11 @@ Answer answer_now(Endpoint endpoint, const Context& context, const HttpRequest& 
 /// The position of the form that the client likes best, or 406.
 Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& types);
 
-/// The body as JSON, or 400.
+/// What it takes to read a body, from a glance at it. `brief`: it is no request whatever follows, which `json_of` sees
+/// without reading on.
+Effort effort_of(std::string_view body);
+
+/// The body as JSON, or 400. For a long one that is a list or a string stands an empty list: either is no request.
 Result<ParsedJson, Answer> json_of(const HttpRequest& request);
 
 /// 503, with the time after which it is worth to ask again.

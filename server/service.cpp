@@ -79,6 +79,7 @@ Service::Service(const Settings& settings, std::span<const Asset> assets)
   for (const Asset& asset : assets) router.add_page(asset);
   add_texts(router, context_.cards, context_.caps);
   add_probes(router);
+  router.add_glance(effort_of);
   router.add_hint([this](int status, std::string_view path) { return hint(context_.cards, status, path); });
   for (const ComputedRoute& route : computed_routes) {
     router.add_computed(

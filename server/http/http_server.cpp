@@ -116,10 +116,12 @@ class HttpServer::Impl final : private Handler {
 
   ExchangePtr begin(Message message, const std::string& client, Line line) override {
     const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(line));
-    if (router_.is_short(exchange->message.head)) {
+    const Message& request = exchange->message;
+    const Effort effort = router_.effort(request.head, request.body);
+    if (router_.is_short(request.head, effort)) {
       answer(exchange);
     } else {
-      workers_.post([this, exchange] { answer(exchange); });
+      workers_.post(effort, [this, exchange] { answer(exchange); });
     }
     return exchange;
   }
@@ -137,7 +139,7 @@ class HttpServer::Impl final : private Handler {
 
   void go_on(const ExchangePtr& exchange) override {
     if (exchange->writing.exchange(true)) return;
-    workers_.post([this, exchange] { guarded(exchange, [&] { write_pieces(*exchange); }); });
+    workers_.post(Effort::work, [this, exchange] { guarded(exchange, [&] { write_pieces(*exchange); }); });
   }
 
   void aborted(const std::string& client) noexcept override try {
@@ -189,8 +191,9 @@ class HttpServer::Impl final : private Handler {
     const auto gone = [exchange] { return exchange->left.load(); };
     admission_.wait(exchange->client, patience, gone, [=, this](std::optional<Admission::Pass> pass) {
       guarded(exchange, [&] {
+        const Effort effort = pass ? Effort::work : Effort::brief;
         const auto shared = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
-        workers_.post([=, this] {
+        workers_.post(effort, [=, this] {
           if (*shared) return compute(exchange, route, job, *std::exchange(*shared, std::nullopt), Clock::now() - from);
           turn_away(exchange, route);
         });

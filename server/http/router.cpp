@@ -87,6 +87,8 @@ void Router::add_computed(std::string_view path, Prepare prepare) { computed_.em
 
 void Router::add_hint(Hint hint) { hint_ = std::move(hint); }
 
+void Router::add_glance(Glance glance) { glance_ = glance; }
+
 // A page of another site can make a browser resolve its own name to this machine; then the name in Host gives it away.
 bool Router::host_allowed(const RequestHead& head) const {
   if (head.authority.empty() && head.count("host") == 0) return true;  // HTTP/1.0: no browser
@@ -101,9 +103,13 @@ bool Router::origin_allowed(const RequestHead& head) const {
          std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end();
 }
 
+Effort Router::effort(const RequestHead& head, std::string_view body) const {
+  return head.method == "POST" && computed_.contains(head.path) ? glance_(body) : Effort::brief;
+}
+
 // What a client wants packed may be large, or is packed for the first time.
-bool Router::is_short(const RequestHead& head) const {
-  return !computed_.contains(head.path) && head.count("accept-encoding") == 0;
+bool Router::is_short(const RequestHead& head, Effort effort) const {
+  return effort == Effort::brief && (!fixed_.contains(head.path) || head.count("accept-encoding") == 0);
 }
 
 Routed Router::operator()(const RequestHead& head, const HttpRequest& request) const {
@@ -172,7 +178,8 @@ Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, s
   if (head.count("content-length") == 0 && head.count("transfer-encoding") == 0) {
     return error_(411, "Content-Length or chunked coding is required", request.id);
   }
-  if (request.body.size() > soon_read) return read_in_turn(endpoint->second, request);
+  if (request.body.size() > soon_read && glance_(request.body) != Effort::brief)
+    return read_in_turn(endpoint->second, request);
   return endpoint->second(request);
 }
 

@@ -12,6 +12,7 @@
 
 #include "server/http/admission.hpp"
 #include "server/http/assets.hpp"
+#include "server/http/effort.hpp"
 #include "server/http/http_request.hpp"
 #include "server/http/request_head.hpp"
 #include "server/shared/answer.hpp"
@@ -29,6 +30,9 @@ using ErrorAnswer = Answer (*)(int status, std::string_view detail, std::string_
 
 /// What helps further beside a refusal, 404 or 405, of a path; begins as the rest of a sentence does, may be empty.
 using Hint = std::function<std::string(int status, std::string_view path)>;
+
+/// What it takes to read a body, from a glance at it; `brief`: it is refused.
+using Glance = Effort (*)(std::string_view body);
 
 /// What is left to compute of an answer when a request was read and found good, once there is a place for it. What it
 /// throws is a fault of the service.
@@ -58,12 +62,16 @@ class Router {
   /// GET: what the service is asked about itself, made anew each time. Any `Host` is answered: the probes of an
   /// orchestrator come with an address. `path` lives on.
   void add_probe(std::string_view path, Probe probe);
-  /// POST: computed for each request. `path` lives on. A body of more than 4 KiB is read when its turn has come.
+  /// POST: computed for each request. `path` lives on. A body of more than 4 KiB that is not refused at a glance is
+  /// read when its turn has come.
   void add_computed(std::string_view path, Prepare prepare);
   void add_hint(Hint hint);
+  void add_glance(Glance glance);
 
-  /// Whether a request is answered within microseconds: it need not be handed to a thread that may take its time.
-  bool is_short(const RequestHead& head) const;
+  /// What it takes to answer a request, as far as its turn to compute.
+  Effort effort(const RequestHead& head, std::string_view body) const;
+  /// Whether it is answered within microseconds: it need not be handed to a thread that may take its time.
+  bool is_short(const RequestHead& head, Effort effort) const;
   /// Answers a request, or says what is to be computed; throws what that throws.
   Routed operator()(const RequestHead& head, const HttpRequest& request) const;
   /// What goes with every answer of a route: its coding, and header fields.
@@ -90,6 +98,7 @@ class Router {
 
   Access access_;
   ErrorAnswer error_;
+  Glance glance_ = [](std::string_view) { return Effort::reading; };
   Hint hint_ = [](int, std::string_view) { return std::string(); };
   std::map<std::string, Fixed> fixed_;  // answers made once, by path
   std::map<std::string_view, Prepare> computed_;

@@ -1,19 +1,29 @@
 // The threads that do what takes its time. None of their tasks waits for a client to send or for a turn.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "server/http/effort.hpp"
 
 namespace least::server {
 
 class Workers {
  public:
   using Task = std::function<void()>;
+  using Clock = std::chrono::steady_clock;
+
+  /// A task that waits for longer goes before those of less effort: they cannot keep it waiting for ever.
+  static constexpr std::chrono::milliseconds patience{50};
 
   /// Throws where a thread cannot be had.
   void start(std::size_t threads) {
@@ -21,11 +31,11 @@ class Workers {
   }
   ~Workers() { finish(); }
 
-  /// In the order in which they come. A task may not throw.
-  void post(Task task) {
+  /// The least effort first, of the same in the order in which they come. A task may not throw.
+  void post(Effort effort, Task task) {
     {
       const std::lock_guard lock(mutex_);
-      tasks_.push_back(std::move(task));
+      tasks_[static_cast<std::size_t>(effort)].push_back({std::move(task), Clock::now()});
     }
     came_.notify_one();
   }
@@ -41,13 +51,31 @@ class Workers {
   }
 
  private:
+  struct Posted {
+    Task task;
+    Clock::time_point since;
+  };
+  using Queue = std::deque<Posted>;
+
+  // The queue whose first task is next; none where nothing is left.
+  Queue* next() {
+    Queue* chosen = nullptr;
+    const auto late = Clock::now() - patience;
+    for (Queue& queue : tasks_) {
+      if (queue.empty()) continue;
+      if (!chosen || queue.front().since < std::min(late, chosen->front().since)) chosen = &queue;
+    }
+    return chosen;
+  }
+
   void work() {
     std::unique_lock lock(mutex_);
     for (;;) {
-      came_.wait(lock, [this] { return ended_ || !tasks_.empty(); });
-      if (tasks_.empty()) return;
-      Task task = std::move(tasks_.front());
-      tasks_.pop_front();
+      Queue* queue = nullptr;
+      came_.wait(lock, [&] { return (queue = next()) != nullptr || ended_; });
+      if (!queue) return;
+      Task task = std::move(queue->front().task);
+      queue->pop_front();
       lock.unlock();
       task();
       task = nullptr;  // what it holds is let go outside of the lock, too
@@ -57,7 +85,7 @@ class Workers {
 
   std::mutex mutex_;
   std::condition_variable came_;
-  std::deque<Task> tasks_;
+  std::array<Queue, 3> tasks_;  // by effort
   bool ended_ = false;
   std::vector<std::jthread> threads_;  // last: they use the others
 };

@@ -6,6 +6,7 @@
 #include "server/decode/custom_reader.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/http/accept.hpp"
+#include "server/http/request_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -21,9 +22,9 @@ std::optional<char> wrong_beginning(std::string_view body) {
   return is_json && body.size() <= glance ? std::nullopt : std::optional(body[first]);
 }
 
-Result<ParsedJson, NotJson> read(std::string_view body) {
+Result<ParsedJson, NotJson> read(std::string_view body, MemoryBudget& memory) {
   const auto wrong = wrong_beginning(body);
-  if (!wrong) return parse_json(body);
+  if (!wrong) return parse_json(body, {}, &memory);
   if (*wrong == '[' || *wrong == '"') return ParsedJson{Json::array(), {}};
   return parse_json(body.substr(0, glance));
 }
@@ -41,10 +42,11 @@ Effort effort_of(std::string_view body) {
   return has_text ? Effort::work : Effort::reading;
 }
 
-Result<ParsedJson, Answer> json_of(const HttpRequest& request) {
-  auto parsed = read(request.body);
+Result<ParsedJson, Answer> json_of(const Context& context, const HttpRequest& request) {
+  auto parsed = read(request.body, context.memory);
   if (parsed) return std::move(*parsed);
   const NotJson& why = parsed.error();
+  if (why.no_memory) return busy(context, request, full_memory(context.memory));
   return problem_document(400, fmt::format("not JSON at byte {}: {}", why.byte, why.detail), request.id);
 }
 

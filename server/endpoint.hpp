@@ -41,8 +41,9 @@ Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& ty
 /// without reading on.
 Effort effort_of(std::string_view body);
 
-/// The body as JSON, or 400. For a long one that is a list or a string stands an empty list: either is no request.
-Result<ParsedJson, Answer> json_of(const HttpRequest& request);
+/// The body as JSON, or 400; 503 where there is no memory for its tree. For a long one that is a list or a string
+/// stands an empty list: either is no request.
+Result<ParsedJson, Answer> json_of(const Context& context, const HttpRequest& request);
 
 /// 503, with the time after which it is worth to ask again.
 Answer busy(const Context& context, const HttpRequest& request, std::string_view why);

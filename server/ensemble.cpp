@@ -102,7 +102,7 @@ Prepared run_ensemble_request(const Context& context, const HttpRequest& request
   const Names forms{"application/json", in_lines, in_cbor};
   auto form = form_for(request, forms);
   if (!form) return form.error();
-  auto parsed = json_of(request);
+  auto parsed = json_of(context, request);
   if (!parsed) return parsed.error();
   auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);

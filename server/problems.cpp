@@ -9,7 +9,7 @@ namespace least::server {
 Prepared describe_scene(const Context& context, const HttpRequest& request) {
   const auto form = form_for(request, {"application/json"});
   if (!form) return form.error();
-  auto body = json_of(request);
+  auto body = json_of(context, request);
   if (!body) return std::move(body.error());
   Faults faults = std::move(body->faults);
   const FieldPath top{"", &faults};

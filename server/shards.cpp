@@ -170,7 +170,7 @@ Answer write_part(const Context& context, const HttpRequest& request, const std:
   if (!shard)
     return refused("--shard", "must be I/N, not " + shard_text, "0/N, …, (N - 1)/N, N up to 1000000", request.id);
   if (output.empty()) return refused("--output", "is needed for one of several shards", "a file name", request.id);
-  auto parsed = json_of(request);
+  auto parsed = json_of(context, request);
   if (!parsed) return parsed.error();
   const auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);

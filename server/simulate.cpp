@@ -199,7 +199,7 @@ Prepared simulate(const Context& context, const HttpRequest& request) {
   types.push_back(in_lines);
   auto form = form_for(request, types);
   if (!form) return form.error();
-  auto parsed = json_of(request);
+  auto parsed = json_of(context, request);
   if (!parsed) return parsed.error();
   auto asked = decode(std::move(*parsed), context.cards, context.caps);
   if (!asked) return problem_document(asked.error(), request.id);

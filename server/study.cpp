@@ -78,7 +78,7 @@ Answer measured_stability(const Context& context, const HttpRequest& request, co
 Prepared measure_work_precision(const Context& context, const HttpRequest& request) {
   auto form = form_for(request, {"application/json", "application/x-ndjson"});
   if (!form) return form.error();
-  auto parsed = json_of(request);
+  auto parsed = json_of(context, request);
   if (!parsed) return parsed.error();
   auto plan = decode_work_precision(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
@@ -92,7 +92,7 @@ Prepared measure_work_precision(const Context& context, const HttpRequest& reque
 Prepared measure_stability(const Context& context, const HttpRequest& request) {
   auto form = form_for(request, {"application/json"});
   if (!form) return form.error();
-  auto parsed = json_of(request);
+  auto parsed = json_of(context, request);
   if (!parsed) return parsed.error();
   auto plan = decode_stability(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);

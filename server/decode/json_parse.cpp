@@ -1,6 +1,7 @@
 #include "server/decode/json_parse.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "server/shared/json_writer.hpp"
@@ -8,18 +9,30 @@
 namespace least::server {
 namespace {
 
+// What the allocator takes for so many bytes.
+constexpr std::size_t block(std::size_t bytes) { return std::max<std::size_t>(32, (bytes + 23) / 16 * 16); }
+// The same for what a string keeps elsewhere.
+std::size_t beside(const std::string& text) { return text.capacity() > 15 ? block(text.capacity() + 1) : 0; }
+
+// By how much a list of such elements grows.
+template <class Element>
+constexpr std::size_t more(std::size_t from, std::size_t to) {
+  return block(to * sizeof(Element)) - (from > 0 ? block(from * sizeof(Element)) : 0);
+}
+
 // Builds the tree while the text is read, and looks at every bound before the tree grows.
 class Builder final : public nlohmann::json_sax<Json> {
  public:
   // Unless it `builds`, it only looks: of what there is nothing is kept but keys.
-  Builder(const JsonBounds& bounds, Faults& faults, bool builds) : bounds_(bounds), faults_(faults), builds_(builds) {}
+  Builder(const JsonBounds& bounds, Faults& faults, bool builds, MemoryBudget* memory)
+      : held(memory), bounds_(bounds), faults_(faults), builds_(builds) {}
 
   bool null() override { return value(nullptr); }
   bool boolean(bool x) override { return value(x); }
   bool number_integer(number_integer_t x) override { return value(x); }
   bool number_unsigned(number_unsigned_t x) override { return value(x); }
   bool number_float(number_float_t x, const string_t&) override { return value(x); }
-  bool string(string_t& x) override { return value(std::move(x)); }
+  bool string(string_t& x) override { return holds(block(sizeof x) + beside(x)) && value(std::move(x)); }
   bool binary(binary_t&) override { return false; }  // there is none in a text
 
   bool start_object(std::size_t) override { return open(Json::object()); }
@@ -30,7 +43,7 @@ class Builder final : public nlohmann::json_sax<Json> {
   bool key(string_t& name) override {
     auto& level = levels_.back();
     level.key = std::move(name);
-    widen(level.node.get_ref<Json::object_t&>());
+    if (!holds(beside(level.key)) || !widen(level.node.get_ref<Json::object_t&>())) return false;
     if (level.node.contains(level.key)) {
       faults_.add({pointer_here(), "the key stands twice", "", ""});
     } else if (level.node.size() >= bounds_.keys) {
@@ -58,7 +71,8 @@ class Builder final : public nlohmann::json_sax<Json> {
   Json tree;
   std::size_t error_at = 0;
   std::string error_token, detail;
-  bool overflow = false, bound_broken = false;
+  Held held;
+  bool overflow = false, bound_broken = false, no_memory = false;
 
  private:
   // A list or an object that is not closed yet.
@@ -79,14 +93,30 @@ class Builder final : public nlohmann::json_sax<Json> {
     if (!levels_.empty()) ++levels_.back().index;
     return ++values_ <= bounds_.values || broken("more than " + std::to_string(bounds_.values) + " values");
   }
+  // Whether there is memory for so many bytes more.
+  bool holds(std::size_t bytes) {
+    bytes_ += bytes;
+    if (bytes_ > small_tree && !held.grow_to((bytes_ + small_tree - 1) / small_tree * small_tree)) no_memory = true;
+    return !no_memory;
+  }
   // Room for one more; grown by itself an object would copy all that it holds.
-  static void widen(Json::object_t& object) {
-    if (object.size() < object.capacity()) return;
+  bool widen(Json::object_t& object) {
+    if (object.size() < object.capacity()) return true;
     using Container = Json::object_t::Container;
+    const std::size_t room = std::max<std::size_t>(4, 2 * object.size());
+    if (!holds(more<Container::value_type>(object.capacity(), room))) return false;
     Container wider;
-    wider.reserve(std::max<std::size_t>(4, 2 * object.size()));
+    wider.reserve(room);
     for (auto& [name, value] : object) wider.emplace_back(name, std::move(value));
     static_cast<Container&>(object).swap(wider);
+    return true;
+  }
+  bool widen(Json::array_t& list) {
+    if (list.size() < list.capacity()) return true;
+    const std::size_t room = std::max<std::size_t>(2, 2 * list.size());
+    if (!holds(more<Json>(list.capacity(), room))) return false;
+    list.reserve(room);
+    return true;
   }
   bool put(Json&& json) {
     if (!builds_) json = nullptr;
@@ -95,13 +125,14 @@ class Builder final : public nlohmann::json_sax<Json> {
     } else if (auto& [node, index, name] = levels_.back(); node.is_object()) {
       node[name] = std::move(json);
     } else if (builds_) {
+      if (!widen(node.get_ref<Json::array_t&>())) return false;
       node.push_back(std::move(json));
     }
     return true;
   }
   bool value(Json&& json) { return step() && put(std::move(json)); }
   bool open(Json&& empty) {
-    if (!step()) return false;
+    if (!step() || !holds(block(sizeof(Json::array_t)))) return false;
     if (static_cast<int>(levels_.size()) >= bounds_.depth) {
       return broken("nested deeper than " + std::to_string(bounds_.depth) + " levels");
     }
@@ -123,7 +154,7 @@ class Builder final : public nlohmann::json_sax<Json> {
   Faults& faults_;
   const bool builds_;
   std::vector<Level> levels_;
-  std::size_t values_ = 0;
+  std::size_t values_ = 0, bytes_ = 0;
 };
 
 struct Foreign {
@@ -159,28 +190,34 @@ std::string why_not_json(std::string_view text, std::size_t byte, std::string sa
 
 }  // namespace
 
-Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& bounds) {
+Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& bounds, MemoryBudget* memory) {
   // The parser takes a zero byte for the end and would not see what follows.
   if (const auto zero = text.find('\0'); zero != text.npos) return NotJson{zero, "a zero byte"};
   ParsedJson parsed;
   std::string patched;  // a copy where numbers that overflow are replaced by 0, so that what follows is read too
+  std::optional<Builder> builder;  // of one pass: what it made and holds is gone before the next
   for (std::size_t overflows = 0;; ++overflows) {
-    Builder builder(bounds, parsed.faults, overflows == 0);
-    if (Json::sax_parse(text, &builder)) {
-      Builder second(bounds, parsed.faults, true);
-      if (overflows > 0) Json::sax_parse(text, &second);
-      parsed.tree = std::move(overflows > 0 ? second.tree : builder.tree);
+    builder.emplace(bounds, parsed.faults, overflows == 0, memory);
+    bool whole = Json::sax_parse(text, &*builder);
+    if (whole && overflows > 0) {
+      builder.emplace(bounds, parsed.faults, true, memory);
+      whole = Json::sax_parse(text, &*builder);
+    }
+    if (builder->no_memory) return NotJson{0, "", true};
+    if (whole) {
+      parsed.tree = std::move(builder->tree);
+      parsed.held = std::move(builder->held);
       return parsed;
     }
-    if (builder.bound_broken) return parsed;
-    const std::size_t length = builder.error_token.size();
-    const std::size_t start = builder.error_at - std::min(builder.error_at, length);
-    if (!builder.overflow) {
-      const std::size_t byte = builder.error_at == 0 ? 0 : builder.error_at - 1;
-      return NotJson{byte, why_not_json(text, std::min(byte, text.size()), builder.detail)};
+    if (builder->bound_broken) return parsed;
+    const std::size_t length = builder->error_token.size();
+    const std::size_t start = builder->error_at - std::min(builder->error_at, length);
+    if (!builder->overflow) {
+      const std::size_t byte = builder->error_at == 0 ? 0 : builder->error_at - 1;
+      return NotJson{byte, why_not_json(text, std::min(byte, text.size()), builder->detail)};
     }
     // Each overflow costs a pass: stop where reading on would no longer help anybody.
-    if (overflows == 16 || text.substr(start, length) != builder.error_token) return parsed;
+    if (overflows == 16 || text.substr(start, length) != builder->error_token) return parsed;
     if (patched.empty()) patched = text;
     patched.replace(start, length, std::string(length, ' ')).replace(start, 1, "0");
     text = patched;

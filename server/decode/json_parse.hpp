@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "server/shared/fault.hpp"
+#include "server/shared/memory_budget.hpp"
 #include "server/shared/result.hpp"
 
 namespace least::server {
@@ -23,16 +24,23 @@ struct JsonBounds {
 struct ParsedJson {
   Json tree;      ///< null where a bound was broken
   Faults faults;  ///< duplicate keys, numbers beyond a double, broken bounds
+  Held held{};    ///< the bytes of the tree, where it is no small one
 };
 
-/// Why a text is no JSON at all.
+/// Why a text is no JSON at all, or was not read.
 struct NotJson {
   std::size_t byte = 0;  ///< offset of the first byte that does not fit, from 0
   std::string detail;
+  bool no_memory = false;
 };
 
-/// Reads a text. Numbers too large for a double are faults at their place and stand as 0 in the tree.
-Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& bounds = {});
+/// Bytes up to which a tree is a small one.
+inline constexpr std::size_t small_tree = 64 * 1024;
+
+/// Reads a text. Numbers too large for a double are faults at their place and stand as 0 in the tree, which counts in
+/// `memory`, where there is any, from its beginning: it may be forty times as large as the text.
+Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& bounds = {},
+                                       MemoryBudget* memory = nullptr);
 
 /// `/a~1b` from `a/b`: one step of a JSON pointer (RFC 6901). Long keys are cut.
 std::string pointer_step(std::string_view key);

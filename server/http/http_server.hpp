@@ -29,8 +29,9 @@ struct HttpSettings {
 class HttpServer {
  public:
   /// What clients send and what of its answer has not left counts in `memory`, where there is any, which lives on:
-  /// beyond it the answer is 503. Not counted are 4 KiB of each of them, what is made of a request that is being read,
-  /// one a thread, and in the queue what is made of a short one, a quarter of a megabyte of recorded mechanics at most.
+  /// beyond it the answer is 503; so does, beyond 64 KiB, the tree of a request that is being read. Not counted are 4
+  /// KiB of each of them, and in the queue what is made of a short one, a quarter of a megabyte of recorded mechanics
+  /// at most.
   ///
   /// An answer that is computed while it leaves holds its place while its client reads. One that reads nothing loses it
   /// after `stall`, one that drips after `drip`, see ConnectionBounds, or when the run's own `limits.seconds` are over.

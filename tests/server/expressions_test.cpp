@@ -272,7 +272,7 @@ TEST_F(Expressions, ThatAreHugeAreRefusedAtOnce) {
     ASSERT_TRUE(parsed);
     double least = 1;
     for (int attempt = 0; attempt < 3; ++attempt) {
-      ParsedJson copy = *parsed;
+      ParsedJson copy{parsed->tree, {}};
       const auto from = Clock::now();
       const auto decoded = decode(std::move(copy), cards(), Caps{});
       least = std::min(least, std::chrono::duration<double>(Clock::now() - from).count());

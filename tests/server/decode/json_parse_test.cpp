@@ -1,6 +1,7 @@
 #include "server/decode/json_parse.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 namespace least::server {
 namespace {
@@ -84,6 +85,53 @@ TEST(JsonText, BoundsDepthValuesAndKeys) {
   EXPECT_TRUE(parse_json("[1,1,1]", {.values = 4})->faults.empty());
   EXPECT_TRUE(parse_json(R"({"a":1,"b":1,"c":1})", {.keys = 2})->faults.at("/c"));
 }
+
+std::string list_of(std::string_view value, int count) {
+  std::string text = "[";
+  for (int i = 0; i < count; ++i) (text += i ? "," : "") += value;
+  return text += ']';
+}
+
+TEST(JsonText, WithoutMemoryIsNotRead) {
+  MemoryBudget memory(1'000'000);
+  for (const char* end : {"", ",1e999", ",1e999,1e999"}) {
+    std::string text = list_of(R"({"a":1})", 100'000);
+    text.insert(text.size() - 1, end);
+    const auto parsed = parse_json(text, {}, &memory);
+    ASSERT_FALSE(parsed) << end;
+    EXPECT_TRUE(parsed.error().no_memory) << end;
+    EXPECT_EQ(memory.held(), 0u) << end;
+  }
+  const auto small = parse_json(list_of("1", 100), {}, &memory);
+  EXPECT_TRUE(small);
+  EXPECT_EQ(memory.held(), 0u) << "what is small is taken in any case";
+}
+
+#if !defined(__SANITIZE_ADDRESS__)  // which allocates otherwise
+
+TEST(JsonText, CountsTheMemoryOfItsTree) {
+  const auto in_use = [] {
+    const auto info = ::mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+  };
+  const std::string word = '"' + std::string(100, 'x') + '"';
+  for (const std::string& text :
+       {list_of("1", 200'000), list_of("[]", 100'000), list_of("[1]", 80'000), list_of(R"({"a":1})", 60'000),
+        list_of(R"({"a":1,"b":2,"c":3,"d":4,"e":[5]})", 20'000), list_of(R"("a")", 100'000), list_of(word, 8'000),
+        list_of("{" + word + ":1}", 8'000), list_of("1", 200'000).insert(1, "1e999,")}) {
+    MemoryBudget memory(1 << 30);
+    const double before = in_use();
+    {
+      const auto parsed = parse_json(text, {}, &memory);
+      const double taken = in_use() - before, held = static_cast<double>(memory.held());
+      EXPECT_GT(held, 0.9 * taken) << text.substr(0, 40);
+      EXPECT_LT(held, 1.3 * taken + 2 * small_tree) << text.substr(0, 40);
+    }
+    EXPECT_EQ(memory.held(), 0u);
+  }
+}
+
+#endif
 
 TEST(JsonText, ShowsValuesWithinBounds) {
   EXPECT_EQ(shown(Json(-1)), "-1");

@@ -85,6 +85,23 @@ TEST(Memory, IsBoundedAcrossRequestsThatWait) {
   EXPECT_TRUE(holds_within_time(service.port(), 0, 0));
 }
 
+// The tree of a text may be forty times as large as the text.
+TEST(Memory, IsBoundedAcrossTreesOfRequests) {
+  std::string columns;
+  while (columns.size() < 900'000) columns += R"({"a":1},)";
+  const std::string request =
+      post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","columns":[)" + columns + "1]}");
+  Service narrow(narrow_settings(), page_assets), wide(quiet_settings(), page_assets);
+  ASSERT_FALSE(narrow.start());
+  ASSERT_FALSE(wide.start());
+  EXPECT_EQ(ask(wide.port(), request).status, 422);
+  const Reply refused = ask(narrow.port(), request);
+  EXPECT_EQ(refused.status, 503);
+  EXPECT_NE(refused.body.find("--max-memory"), std::string::npos) << refused.body;
+  EXPECT_TRUE(refused.fields.contains("retry-after"));
+  EXPECT_TRUE(holds_within_time(narrow.port(), 0, 0));
+}
+
 #if !defined(__SANITIZE_ADDRESS__)  // which has needs of its own
 
 double mebibytes(const Process& service, const std::string& name) {

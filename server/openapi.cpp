@@ -1,5 +1,8 @@
 #include "server/openapi.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/run_answer.hpp"
 #include "server/openapi_schemas.hpp"
@@ -62,12 +65,62 @@ Json example_of(std::string_view path, const Cards& cards) {
 
 namespace {
 
-Json refusal(const char* why) {
-  return {{"description", why},
-          {"content", {{"application/problem+json", {{"schema", reference("ProblemDocument")}}}}}};
+// Who is told a status beside 200: by every operation, by those that compute, by those that do not, by a text that is
+// made once, by one of several.
+enum class By { all, computed, text, entry };
+
+struct Further {
+  const char* status;
+  By by;
+  const char* why;
+};
+constexpr Further further[] = {
+    {"304", By::text, "what If-None-Match names is what there is"},
+    {"400", By::all, "no JSON, or no well-formed request"},
+    {"403", By::all, "a Host or an Origin that is not allowed"},
+    {"404", By::entry, "no such id"},
+    {"406", By::computed, "no such form"},
+    {"406", By::text, "no such form"},
+    {"408", By::all, "the rest of the request did not come in time"},
+    {"411", By::computed, "neither a length nor chunks"},
+    {"413", By::all, "too large"},
+    {"414", By::all, "the target is too long"},
+    {"415", By::all, "a Content-Encoding that is not taken"},
+    {"416", By::text, "a Range that begins beyond the end"},
+    {"417", By::all, "something other than 100-continue is expected"},
+    {"422", By::computed, "every fault of the request, each with its place and what is allowed"},
+    {"431", By::all, "the head is too large"},
+    {"500", By::all, "a fault of the service"},
+    {"501", By::all, "a Transfer-Encoding that is not understood"},
+    {"503", By::all, "busy, out of memory, or about to end; Retry-After says when to ask again"},
+    {"505", By::all, "a version of HTTP that is not spoken"}};
+
+Json refusals() {
+  Json all = Json::object();
+  for (const auto& [status, by, why] : further) {
+    all[status] = {{"description", why}};
+    if (by == By::text && status == std::string_view("304")) continue;
+    all[status]["content"]["application/problem+json"]["schema"] = reference("ProblemDocument");
+  }
+  return all;
 }
 
-Json computed(std::string_view path, const Cards& cards) {
+Json responses(const Operation& operation, Json answer) {
+  constexpr std::string_view probes[] = {"/healthz", "/readyz", "/metrics"};
+  const bool computes = operation.method == "POST";
+  const bool text = !computes && std::find(std::begin(probes), std::end(probes), operation.path) == std::end(probes);
+  const bool entry = operation.path.find("{id}") != operation.path.npos;
+  Json all{{"200", std::move(answer)}};
+  for (const auto& [status, by, why] : further) {
+    if (by == By::all || (by == By::computed && computes) || (by == By::text && text) || (by == By::entry && entry)) {
+      all[status] = {{"$ref", std::string("#/components/responses/") + status}};
+    }
+  }
+  return all;
+}
+
+Json computed(const Operation& operation, const Cards& cards) {
+  const std::string_view path = operation.path;
   const bool simulates = path == "/v1/simulate";
   const std::string request = simulates                      ? "SimulateRequest"
                               : path == "/v1/ensemble"       ? "EnsembleRequest"
@@ -87,23 +140,15 @@ Json computed(std::string_view path, const Cards& cards) {
       {"requestBody",
        {{"required", true},
         {"content", {{"application/json", {{"schema", reference(request)}, {"examples", examples_of(path, cards)}}}}}}},
-      {"responses",
-       {{"200", {{"description", "computed, also where a run stopped before its end"}, {"content", content}}},
-        {"400", refusal("no JSON, or no well-formed request")},
-        {"406", refusal("no such form")},
-        {"411", refusal("neither a length nor chunks")},
-        {"413", refusal("too large")},
-        {"415", refusal("a Content-Encoding that is not taken")},
-        {"422", refusal("every fault of the request, each with its place and what is allowed")},
-        {"503", refusal("busy; Retry-After says when to ask again")}}}};
+      {"responses", responses(operation, {{"description", "computed, also where a run stopped before its end"},
+                                          {"content", std::move(content)}})}};
 }
 
 Json told(const Operation& operation, const Cards& cards) {
   const bool metrics = operation.path == "/metrics";
   Json type =
       metrics ? Json{{"text/plain", Json::object()}} : Json{{"application/json", {{"schema", {{"type", "object"}}}}}};
-  Json out{{"responses", {{"200", {{"description", operation.title}, {"content", std::move(type)}}}}}};
-  if (operation.path == "/readyz") out["responses"]["503"] = refusal("not ready");
+  Json out{{"responses", responses(operation, {{"description", operation.title}, {"content", std::move(type)}})}};
   if (operation.path.find("{id}") == operation.path.npos) return out;
   Json ids = Json::array();
   if (operation.path.find("/problems/") != operation.path.npos) {
@@ -114,7 +159,6 @@ Json told(const Operation& operation, const Cards& cards) {
   }
   out["parameters"] = Json::array(
       {Json{{"name", "id"}, {"in", "path"}, {"required", true}, {"schema", {{"type", "string"}, {"enum", ids}}}}});
-  out["responses"]["404"] = refusal("no such id");
   return out;
 }
 
@@ -138,11 +182,11 @@ std::string write_openapi(const Cards& cards, const Caps& caps) {
                   {"description", "Structure-preserving integration of mechanical systems."},
                   {"license", {{"name", "MIT"}, {"identifier", "MIT"}}}}},
                 {"paths", Json::object()},
-                {"components", {{"schemas", schemas(cards, caps)}}}};
+                {"components", {{"schemas", schemas(cards, caps)}, {"responses", refusals()}}}};
   for (const Operation& operation : operations()) {
     const bool posts = operation.method == "POST";
     Json one{{"operationId", operation_id(operation)}, {"summary", operation.title}};
-    one.update(posts ? computed(operation.path, cards) : told(operation, cards));
+    one.update(posts ? computed(operation, cards) : told(operation, cards));
     document["paths"][std::string(operation.path)][posts ? "post" : "get"] = std::move(one);
   }
   return document.dump() + '\n';

@@ -1,8 +1,12 @@
 // The OpenAPI document: sound in itself, true to the catalogue, and its examples are answered.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
@@ -107,20 +111,20 @@ class OpenApi : public Serving {
 };
 
 // Everything that points somewhere points to something.
-void expect_references_lead(const Json& part, const Json& schemas) {
+void expect_references_lead(const Json& part, const Json& document) {
   if (!part.is_structured()) return;
   if (part.is_object() && part.contains("$ref")) {
-    const std::string target = part["$ref"], folder = "#/components/schemas/";
-    EXPECT_EQ(target.find(folder), 0u) << target;
-    EXPECT_TRUE(schemas.contains(target.substr(folder.size()))) << target;
+    const std::string target = part["$ref"];
+    EXPECT_EQ(target.find("#/components/"), 0u) << target;
+    EXPECT_TRUE(document.contains(Json::json_pointer(target.substr(1)))) << target;
   }
-  for (const Json& child : part) expect_references_lead(child, schemas);
+  for (const Json& child : part) expect_references_lead(child, document);
 }
 
 TEST_F(OpenApi, IsSoundInItself) {
   EXPECT_EQ(document()["openapi"], "3.1.0");
   for (const char* key : {"title", "version"}) EXPECT_TRUE(document()["info"][key].is_string());
-  expect_references_lead(document(), document()["components"]["schemas"]);
+  expect_references_lead(document(), document());
   std::set<std::string> ids;
   for (const auto& [path, methods] : document()["paths"].items()) {
     EXPECT_EQ(path.front(), '/');
@@ -129,7 +133,8 @@ TEST_F(OpenApi, IsSoundInItself) {
       EXPECT_TRUE(ids.insert(operation.at("operationId")).second) << operation["operationId"];
       EXPECT_TRUE(operation["responses"].contains("200")) << path;
       for (const auto& [status, response] : operation["responses"].items()) {
-        EXPECT_TRUE(response.at("description").is_string()) << path << status;
+        const Json& told = status == "200" ? response : document()["components"]["responses"][status];
+        EXPECT_TRUE(told.at("description").is_string()) << path << status;
       }
       EXPECT_EQ(operation.contains("requestBody"), method == "post");
       EXPECT_EQ(path.find("{id}") != path.npos, operation.contains("parameters")) << path;
@@ -237,6 +242,69 @@ TEST_F(OpenApi, TheSchemaRefusesWhatTheServiceRefuses) {
   }
   const Reply refused = ask(port(), post("/v1/simulate", "{}"));
   EXPECT_EQ(Validator(document()).fault(schema("ProblemDocument"), Json::parse(refused.body)), "");
+}
+
+// Every status that can be brought about stands there, and of those that stand there every one can be.
+TEST(OpenApiStatuses, AreThoseThatTheServiceSends) {
+  Settings settings = quiet_settings();
+  settings.caps.samples = 1000;
+  settings.max_memory = 5'000'000;
+  settings.bounds.head_time = settings.bounds.body_time = std::chrono::milliseconds(300);
+  settings.bounds.stall = std::chrono::seconds(60);
+  const std::string large(4'500'000, 'x');
+  const Asset assets[] = {{"/index.html", "text/html", page_text}, {"/large.txt", "font/none", large}};
+  Service service(settings, assets);
+  ASSERT_FALSE(service.start());
+  const Json document = Json::parse(ask(service.port(), get("/v1/openapi.json")).body);
+  std::map<std::string, std::set<std::string>> told, sent;
+  const auto bring_about = [&](const std::string& name, std::vector<std::string> requests) {
+    std::vector<Client> clients;  // at once: some of them have to wait
+    for (std::string& request : requests) {
+      if (const auto hole = request.find("{id}"); hole != request.npos) request.replace(hole, 4, "kepler");
+      clients.emplace_back(service.port()).send(request);
+    }
+    for (Client& client : clients) sent[name].insert(std::to_string(client.receive().value_or(Reply{}).status));
+  };
+  for (const auto& [path, methods] : document["paths"].items()) {
+    const bool posts = methods.contains("post");
+    const std::string name = (posts ? "POST " : "GET ") + path, line = name + " HTTP/1.1\r\nHost: localhost\r\n";
+    for (const auto& [status, response] : methods[posts ? "post" : "get"]["responses"].items())
+      told[name].insert(status);
+    const auto with = [&](const std::string& field) { return line + field + "\r\nContent-Length: 2\r\n\r\n{}"; };
+    std::vector<std::string> requests{line + "Content-Length: 2\r\n\r\n{",
+                                      line + "\r\n",
+                                      line + "Transfer-Encoding: gzip\r\n\r\n",
+                                      line + "Content-Length: 123456789\r\n\r\n",
+                                      name + '?' + std::string(10'000, 'x') + " HTTP/1.1\r\nHost: localhost\r\n\r\n",
+                                      name + " HTTP/3.1\r\nHost: localhost\r\n\r\n"};
+    for (const char* field : {"Host: twice", "Origin: https://not.example", "Accept: image/png", "If-None-Match: *",
+                              "Range: bytes=99999999-", "Content-Encoding: gzip", "Expect: wonders"}) {
+      requests.push_back(with(field));
+    }
+    requests.push_back(with("X-Long: " + std::string(100'000, 'x')));
+    if (path.find("{id}") != path.npos) {
+      std::string other = with("X-Other: 1");
+      requests.push_back(other.replace(other.find("{id}"), 4, "no_such"));
+    }
+    if (path.find("/schemes/") != path.npos) {
+      for (std::string& request : requests)
+        if (const auto hole = request.find("{id}"); hole != request.npos) request.replace(hole, 4, "leapfrog");
+    }
+    bring_about(name, std::move(requests));
+    if (posts) {
+      const Json& examples = methods["post"]["requestBody"]["content"]["application/json"]["examples"];
+      bring_about(name, {post(path, examples.front()["value"].dump())});
+    }
+  }
+  Client reads_nothing(service.port());
+  reads_nothing.send(get("/large.txt"));
+  reads_nothing.peek();
+  for (const auto& [name, statuses] : told) {
+    const std::string body(900'000, ' ');
+    bring_about(name, {name + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: 900000\r\n\r\n" + body});
+    sent[name].insert("500");  // no request brings that about
+    EXPECT_EQ(sent[name], statuses) << name;
+  }
 }
 
 }  // namespace

@@ -213,7 +213,7 @@ Json ensemble_schema(const Cards& cards, Json properties) {
   properties.update(
       {{"scheme", reference("Scheme.stated")},
        {"limits", reference("Limits")},
-       {"columns", names_of_all(cards, &ProblemCard::columns)},
+       {"columns", columns_of_a_run(cards)},
        {"members", object_of({{"count", count_in(1, most)},
                               {"seed", count_in(0, most)},
                               {"vary", described(vary, "by JSON pointer, as /initial/q or /problem/mu", "")}})},

@@ -51,7 +51,7 @@ double Moments::variance() const {
 
 void Histogram::count(const HistogramAsked& asked, double value) {
   counts.resize(static_cast<std::size_t>(asked.bins));
-  if (std::isnan(value)) return;
+  if (!std::isfinite(value)) return;
   if (value < asked.low) {
     ++below;
   } else if (!(value < asked.high)) {

@@ -48,6 +48,7 @@ class Blocks {
  public:
   Blocks(const EnsemblePlan& plan, const Shard& shard, unsigned threads, const std::atomic<bool>& cancelled)
       : plan_(plan),
+        columns_(plan.request, plan.members.vary),
         shard_(shard),
         ahead_(std::int64_t{threads} * (plan.section || plan.final ? 1 : 4) + 1),
         budget_(plan.request.limits.seconds, stop_, [] { return true; }),
@@ -127,12 +128,13 @@ class Blocks {
     block.index = index;
     block.first = std::max(plan_.first, index * block_size);
     block.count = std::min(plan_.last, (index + 1) * block_size) - block.first;
-    if (!run_lane_members(plan_, block, stop_)) run_lone_members(plan_, block, stop_);
+    if (!run_lane_members(plan_, columns_, block, stop_)) run_lone_members(plan_, columns_, block, stop_);
     sum_up(plan_, block.harvest);
     return block;
   }
 
   const EnsemblePlan& plan_;
+  const MemberColumns columns_;
   const Shard shard_;
   const std::int64_t ahead_;  ///< blocks
   std::atomic<bool> stop_{false};

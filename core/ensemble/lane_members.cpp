@@ -53,8 +53,16 @@ bool is_of_lanes(const EnsemblePlan& plan) {
 /// A block on its way through lanes.
 class LaneBlock final : public LaneHost {
  public:
-  LaneBlock(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled)
-      : plan_(plan), block_(block), request_(plan.request), card_(request_.scene->card()), watch_(request_) {
+  LaneBlock(const EnsemblePlan& plan, const MemberColumns& columns, Block& block, const std::atomic<bool>& cancelled)
+      : plan_(plan),
+        columns_(columns),
+        block_(block),
+        request_(plan.request),
+        card_(request_.scene->card()),
+        watch_(request_),
+        needed_(columns.needed().size()) {
+    request_.columns = columns.needed();
+    request_.measures = {};
     const auto count = static_cast<std::size_t>(block.count);
     const SchemeCard& scheme = request_.scene->mechanics->schemes()[request_.scheme];
     const Grid grid(request_, request_.settings[*scheme.find("step")]);
@@ -88,7 +96,7 @@ class LaneBlock final : public LaneHost {
     fill_tables();
     ended_.assign(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
     crossings_.assign(count, 0);
-    finals_.resize(count * request_.columns.size());
+    finals_.resize(count * columns_.size());
   }
 
   bool run(std::span<const LaneUnit> units) {
@@ -109,7 +117,7 @@ class LaneBlock final : public LaneHost {
   }
   void gather() {
     Harvest& harvest = block_.harvest;
-    const auto columns = static_cast<std::ptrdiff_t>(request_.columns.size());
+    const auto columns = static_cast<std::ptrdiff_t>(columns_.size());
     for (std::size_t m = 0; m < ended_.size(); ++m) {
       ++harvest.ended[ended_[m]];
       if (static_cast<ReturnCode>(ended_[m]) != ReturnCode::completed) continue;
@@ -252,6 +260,7 @@ class LaneBlock final : public LaneHost {
   void take_final() {
     std::vector<double> state(task_.variables), row;
     for (std::size_t m = 0; m < task_.count; ++m) {
+      if (task_.cancelled->load(std::memory_order_relaxed)) return;  // expressions may be long
       if (static_cast<ReturnCode>(task_.ended[m]) != ReturnCode::completed) continue;
       for (std::size_t i = 0; i < state.size(); ++i) state[i] = task_.final[i * task_.count + m];
       row.clear();
@@ -287,11 +296,16 @@ class LaneBlock final : public LaneHost {
   }
 
   void append_columns(std::size_t m, double t, const double* state, std::vector<double>& to) {
-    const std::size_t size = to.size();
-    to.resize(size + request_.columns.size());
-    if (group_) return group_->columns(m, t, state, to.data() + size);
-    const auto parameters = parameters_of(m);
-    states_.columns({parameters, task_.full, t, state, request_.columns, to.data() + size});
+    if (group_) {
+      group_->columns(m, t, state, needed_.data());
+    } else {
+      const auto parameters = parameters_of(m);
+      states_.columns({parameters, task_.full, t, state, request_.columns, needed_.data()});
+    }
+    own_values_.clear();
+    for (std::size_t k = 0; k < varied_.size(); ++k) own_values_.push_back(values_[k * ended_.size() + in_block(m)]);
+    to.resize(to.size() + columns_.size());
+    columns_.fill(needed_.data(), t, own_values_, &to[to.size() - columns_.size()]);
   }
   void add_point(std::size_t m, double t, const double* state) {
     SectionPoints& points = block_.harvest.section;
@@ -304,7 +318,7 @@ class LaneBlock final : public LaneHost {
   /// In the order of members and crossings, as many as may be kept.
   void keep_first_points() {
     SectionPoints& all = block_.harvest.section;
-    const std::size_t columns = request_.columns.size();
+    const std::size_t columns = columns_.size();
     const auto most = static_cast<std::size_t>(request_.limits.samples);
     std::vector<std::size_t> order(all.t.size());
     std::iota(order.begin(), order.end(), 0);
@@ -325,8 +339,9 @@ class LaneBlock final : public LaneHost {
   }
 
   const EnsemblePlan& plan_;
+  const MemberColumns& columns_;
   Block& block_;
-  const Request& request_;
+  Request request_;  ///< that of the plan with the columns that are needed
   const ProblemCard& card_;
   const Watch watch_;
   bool fits_ = true;        ///< lanes can find the section
@@ -336,6 +351,7 @@ class LaneBlock final : public LaneHost {
   LaneMechanics states_;
   std::vector<double> left_, right_, between_;  ///< states about a crossing, as an expression reads them
   const TextGroup* group_ = nullptr;            ///< of which the task's members are, where the scene was given as text
+  std::vector<double> needed_, own_values_;     ///< of a row: columns of the card, parameters that vary
   std::vector<double> times_, start_, values_, finals_;
   std::vector<std::size_t> varied_;
   std::vector<std::uint8_t> ended_;
@@ -346,9 +362,14 @@ class LaneBlock final : public LaneHost {
 
 }  // namespace
 
-bool run_lane_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled,
-                      std::span<const LaneUnit> units) {
-  LaneBlock lanes(plan, block, cancelled);
+void evaluate_in_lanes(const LaneProgram& program, const LanePoint& point, double* out) {
+  static const auto evaluate = lane_units().back().programs().evaluate;
+  evaluate(program, point, out);
+}
+
+bool run_lane_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
+                      const std::atomic<bool>& cancelled, std::span<const LaneUnit> units) {
+  LaneBlock lanes(plan, columns, block, cancelled);
   if (!lanes.run(units)) {
     block.harvest = {};
     return false;

@@ -6,6 +6,7 @@
 
 #include "core/ensemble/ensemble.hpp"
 #include "core/ensemble/lane_task.hpp"
+#include "core/ensemble/member_columns.hpp"
 
 namespace least {
 
@@ -18,9 +19,12 @@ struct LaneUnit {
 };
 /// Those that this machine can run, the widest first; the last can do whatever lanes can.
 std::span<const LaneUnit> lane_units();
+/// What a program makes of a point, with the same bits on every machine.
+void evaluate_in_lanes(const LaneProgram& program, const LanePoint& point, double* out);
 
 /// Runs the members of a block as run_lone_members does, in the first of the units that can. False: none can.
-bool run_lane_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled,
-                      std::span<const LaneUnit> units = lane_units());
+/// `columns`: of the plan.
+bool run_lane_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
+                      const std::atomic<bool>& cancelled, std::span<const LaneUnit> units = lane_units());
 
 }  // namespace least

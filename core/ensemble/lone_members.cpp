@@ -28,7 +28,8 @@ std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, co
   request.events = plan.request.events;
   if (std::ranges::any_of(plan.members.vary, &Variation::parameter)) {  // they are constants of an expression
     MeasureReader reader(*request.scene);
-    reader.read(request.watched.list[0].card.name, request.watched.list[0].text);
+    const Measure& of = request.watched.list[0];
+    if (reader.read(of.card.name, of.text)) return {};  // with these parameters it is no number anywhere
     request.watched = reader.made();
   }
   request.record = {Record::Mode::every, 0, {}};
@@ -44,19 +45,26 @@ std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, co
 
 }  // namespace
 
-void run_lone_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled) {
+void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
+                      const std::atomic<bool>& cancelled) {
   Request request = plan.request;
+  request.columns = columns.needed();
+  request.measures = {};
   const SchemeCard& scheme = request.scene->mechanics->schemes()[request.scheme];
   const double end = Grid(request, request.settings[*scheme.find("step")]).end;
-  const std::size_t columns = request.columns.size();
+  const std::size_t width = columns.needed().size();
   request.diagnostics.clear();
   request.control = false;
   request.watched = {};
   request.events = {};
   std::vector<double> times = section_times(plan);
+  std::vector<double> varied;
   Harvest& harvest = block.harvest;
   for (std::int64_t i = block.first; i < block.first + block.count && !cancelled; ++i) {
     request.scene = member_scene(plan, i);
+    varied.clear();
+    for (const Variation& variation : plan.members.vary)
+      if (variation.parameter) varied.push_back(request.scene->parameters[variation.index]);
     if (const auto* text = request.scene->mechanics->text(); text && text->objection(request.scene->parameters)) {
       ++harvest.ended[static_cast<std::size_t>(ReturnCode::singular)];  // no run begins with a mass that is none
       continue;
@@ -70,21 +78,23 @@ void run_lone_members(const EnsemblePlan& plan, Block& block, const std::atomic<
     ++harvest.ended[static_cast<std::size_t>(solution.stop.reason)];
     harvest.cost.steps += solution.cost.steps;
     harvest.cost.force_evaluations += solution.cost.force_evaluations;
+    const auto append_row = [&](std::size_t k, std::vector<double>& to) {
+      to.resize(to.size() + columns.size());
+      columns.fill(&rows.values[k * width], request.record.times[k], varied, &to[to.size() - columns.size()]);
+    };
     SectionPoints points;
-    for (std::size_t k = 0; k < crossings && (k + 1) * columns <= rows.values.size(); ++k) {
+    for (std::size_t k = 0; k < crossings && (k + 1) * width <= rows.values.size(); ++k) {
       points.member.push_back(i);
       points.crossing.push_back(static_cast<std::int64_t>(k));
       points.t.push_back(request.record.times[k]);
+      append_row(k, points.values);
     }
-    points.values.assign(rows.values.begin(),
-                         rows.values.begin() + static_cast<std::ptrdiff_t>(points.t.size() * columns));
     const auto most = static_cast<std::size_t>(request.limits.samples);
     harvest.truncated = harvest.truncated || harvest.section.t.size() + points.t.size() > most;
-    harvest.section.append(points, most, columns);
+    harvest.section.append(points, most, columns.size());
     if (solution.stop.reason != ReturnCode::completed) continue;
     harvest.final_member.push_back(i);
-    harvest.final.insert(harvest.final.end(), rows.values.end() - static_cast<std::ptrdiff_t>(columns),
-                         rows.values.end());
+    append_row(rows.values.size() / width - 1, harvest.final);
   }
 }
 

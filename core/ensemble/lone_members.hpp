@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/ensemble/ensemble.hpp"
+#include "core/ensemble/member_columns.hpp"
 
 namespace least {
 
@@ -9,6 +10,8 @@ namespace least {
 std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t i);
 
 /// Runs the members of the block: their endings, the columns at the ends of those that completed, their sections.
-void run_lone_members(const EnsemblePlan& plan, Block& block, const std::atomic<bool>& cancelled);
+/// `columns`: of the plan.
+void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
+                      const std::atomic<bool>& cancelled);
 
 }  // namespace least

@@ -7,14 +7,6 @@
 #include "core/ensemble/lane_members.hpp"
 
 namespace least {
-namespace {
-
-void evaluate_in_lanes(const LaneProgram& program, const LanePoint& point, double* out) {
-  static const auto evaluate = lane_units().back().programs().evaluate;
-  evaluate(program, point, out);
-}
-
-}  // namespace
 
 void TextGroup::add(std::size_t member, std::vector<double> constants) {
   members_.push_back(member);

@@ -100,6 +100,9 @@ Traced pow(const Traced& x, double exponent) {
   if (x.is_constant()) return Sleef_cinz_powd1_u10purec(x.constant_, exponent);
   return Traced::made(LaneCode::raise, x, exponent);
 }
+Traced raise(const Traced& x, const Traced& exponent) {
+  return exponent.is_constant() ? pow(x, exponent.constant_) : Traced::made(LaneCode::raise, x, exponent);
+}
 Traced phi1(const Traced& z) {
   const Traced::Mask some = abs(z) > Traced(0);
   return select(some, expm1(z) / select(some, z, Traced(1)), Traced(1));

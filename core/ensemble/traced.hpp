@@ -80,6 +80,7 @@ class Traced {
   friend Traced acos(const Traced& x);
   friend Traced abs(const Traced& x);
   friend Traced pow(const Traced& x, double exponent);
+  friend Traced raise(const Traced& x, const Traced& exponent);
   friend Traced phi1(const Traced& z);
 
   /// What it is compared with is not known yet, unless both are constants.

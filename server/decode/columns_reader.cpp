@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/ensemble/member_columns.hpp"
+
 namespace least::server {
 namespace {
 
@@ -42,7 +44,8 @@ std::optional<std::string> read_own_name(const Json& object, const FieldPath& pa
 
 }  // namespace
 
-void read_expression(const Json& object, const FieldPath& path, std::string name, MeasureReader& reader) {
+template <class Reader>
+void read_expression(const Json& object, const FieldPath& path, std::string name, Reader& reader) {
   const Json* json = member(object, path, "expression", "a formula: \"sqrt(x^2 + y^2)\"");
   if (json == nullptr) return;
   auto fault = reader.read(std::move(name), json->get<std::string>());
@@ -53,11 +56,17 @@ void read_expression(const Json& object, const FieldPath& path, std::string name
   place.faults->add(
       {place.pointer, std::move(fault->detail), shown(*json), std::move(fault->allowed), fault->position});
 }
+template void read_expression(const Json&, const FieldPath&, std::string, MeasureReader&);
+template void read_expression(const Json&, const FieldPath&, std::string, MemberReader&);
 
 namespace {
 
-void read_own_column(const Json& json, const FieldPath& path, const Names& known, MeasureReader& reader,
-                     Names& own_names) {
+// What stands beside columns in the finals and the section of an ensemble's answer.
+constexpr std::string_view beside_columns[] = {"index", "member",     "crossing", "period",
+                                               "phase", "expression", "direction"};
+
+template <class Reader>
+void read_own_column(const Json& json, const FieldPath& path, const Names& known, Reader& reader, Names& own_names) {
   if (!read_object(json, path, {"name", "expression"}, "a column")) return;
   auto name = read_own_name(json, path);
   if (!name) return read_expression(json, path, {}, reader);  // for its faults
@@ -66,11 +75,15 @@ void read_own_column(const Json& json, const FieldPath& path, const Names& known
     path.at("name").fault("is the name of a column of the scene", json["name"]);
   if (std::ranges::find(own_names, word) != own_names.end())
     path.at("name").fault("the column stands twice", json["name"]);
+  if (std::is_same_v<Reader, MemberReader> && std::ranges::find(beside_columns, word) != std::end(beside_columns))
+    path.at("name").fault("is what the answer calls something else", json["name"]);
   own_names.push_back(word);
   read_expression(json, path, std::move(*name), reader);
 }
 
-void read_list_of_columns(const Json& json, const FieldPath& path, const ProblemCard& problem, Request& request) {
+template <class Reader>
+void read_list_of_columns(const Json& json, const FieldPath& path, const ProblemCard& problem, Reader& reader,
+                          Request& request) {
   Names known = names_in(problem.columns);
   for (std::size_t i = 0; i < known.size(); ++i) {
     if (problem.columns[i].hidden) known[i] = {};
@@ -83,7 +96,6 @@ void read_list_of_columns(const Json& json, const FieldPath& path, const Problem
     path.fault("must name at least one column; {\"record\": {\"every\": 0}} keeps no trajectory", json, listed(known));
     return;
   }
-  MeasureReader reader(*request.scene);
   Names own_names;
   for (std::size_t i = 0; i < json.size() && !path.faults->full(); ++i) {
     if (json[i].is_object()) {
@@ -102,14 +114,23 @@ void read_list_of_columns(const Json& json, const FieldPath& path, const Problem
     request.columns.push_back(*place);
   }
   request.measures = reader.made();
+  const std::size_t there = known.size() + request.measures.size();
+  std::erase_if(request.columns, [&](std::size_t place) { return place >= there; });  // refused: nothing has its card
 }
 
 }  // namespace
 
-void read_columns(const Json& root, const FieldPath& top, Request& request) {
+void read_columns(const Json& root, const FieldPath& top, const Members* members, Request& request) {
   const ProblemCard& problem = request.scene->card();
   if (const Json* json = find(root, "columns")) {
-    read_list_of_columns(*json, top.at("columns"), problem, request);
+    const FieldPath path = top.at("columns");
+    if (members) {
+      MemberReader reader(*request.scene, members->vary);
+      read_list_of_columns(*json, path, problem, reader, request);
+    } else {
+      MeasureReader reader(*request.scene);
+      read_list_of_columns(*json, path, problem, reader, request);
+    }
   } else {
     for (std::size_t i = 0; i < problem.columns.size(); ++i)
       if (problem.columns[i].by_default) request.columns.push_back(i);

@@ -1,16 +1,17 @@
 // What to report: columns by name or as expressions of the caller's own, events that are such, and diagnostics.
 #pragma once
 
-#include "core/run/request.hpp"
+#include "core/ensemble/members.hpp"
 #include "server/decode/field_reader.hpp"
 
 namespace least::server {
 
-/// Reads the `expression` of an object, which is called so, by the reader.
-void read_expression(const Json& object, const FieldPath& path, std::string name, MeasureReader& reader);
+/// Reads the `expression` of an object, which is called so, by the reader: a MeasureReader or a MemberReader.
+template <class Reader>
+void read_expression(const Json& object, const FieldPath& path, std::string name, Reader& reader);
 
-/// Reads `columns` and `diagnostics` into the request, whose scene is set.
-void read_columns(const Json& root, const FieldPath& top, Request& request);
+/// Reads `columns` and `diagnostics` into the request, whose scene is set; of an ensemble with its members.
+void read_columns(const Json& root, const FieldPath& top, const Members* members, Request& request);
 
 /// Reads `events` into the request, whose scene is set.
 void read_events(const Json& root, const FieldPath& top, Request& request);

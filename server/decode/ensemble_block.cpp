@@ -7,7 +7,7 @@ namespace least::server {
 namespace {
 
 const std::string& column_name(const EnsemblePlan& plan, std::size_t k) {
-  return plan.request.scene->card().columns[plan.request.columns[k]].name;
+  return plan.request.column(plan.request.columns[k]).name;
 }
 
 bool read_back(const Json& json, std::vector<double>& values, std::size_t first, std::size_t stride) {

@@ -211,12 +211,12 @@ void check_finals(const Json& root, const FieldPath& top, const EnsemblePlan& pl
       root["keep"], "statistics, section");
 }
 
-void read_histograms(const Json& root, const FieldPath& top, const ProblemCard& problem, EnsemblePlan& plan) {
+void read_histograms(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   const Json* json = find(root, "histograms");
-  if (json == nullptr) return;
+  if (json == nullptr || top.faults->within("/columns")) return;
   const FieldPath path = top.at("histograms");
   Names columns;
-  for (const auto column : plan.request.columns) columns.push_back(problem.columns[column].name);
+  for (const auto column : plan.request.columns) columns.push_back(plan.request.column(column).name);
   if (!read_object(*json, path, columns, "histograms, which are of the columns")) return;
   for (const auto& [name, entry] : json->items()) {
     const auto column = std::ranges::find(columns, name);
@@ -248,8 +248,7 @@ void read_histograms(const Json& root, const FieldPath& top, const ProblemCard& 
   }
 }
 
-void check_columns(const Json& root, const FieldPath& top, const ProblemCard& problem, Request& request) {
-  std::erase_if(request.columns, [&](std::size_t place) { return place >= problem.columns.size(); });
+void check_columns(const Json& root, const FieldPath& top, const ProblemCard& problem) {
   const Json* json = find(root, "columns");
   if (json == nullptr || !json->is_array()) return;
   Names fitting;
@@ -258,10 +257,6 @@ void check_columns(const Json& root, const FieldPath& top, const ProblemCard& pr
   }
   for (std::size_t i = 0; i < json->size() && !top.faults->full(); ++i) {
     const Json& name = (*json)[i];
-    if (name.is_object()) {
-      top.at("columns").at(i).fault("expressions are columns of single runs, not of ensembles", name, listed(fitting));
-      continue;
-    }
     const auto column =
         std::ranges::find(problem.columns, name.is_string() ? name.get<std::string>() : "", &ColumnCard::name);
     if (column == problem.columns.end() || is_of_state(*column)) continue;
@@ -309,17 +304,17 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
       check_settings(*scheme_card, *card, request.settings, top.at("scheme"));
     }
   }
-  read_plan(root, top, card, scheme_card, card ? span_of(*card, preset) : 0, caps, request);
-  request.diagnostics.clear();
   read_members(root, top, card, plan);
+  read_plan(root, top, card, scheme_card, card ? span_of(*card, preset) : 0, caps, &plan.members, request);
+  request.diagnostics.clear();
   if (card && plan.members.vary.empty()) check_start(*scene, top);
   read_range(root, top, plan);
   read_keep(root, top, plan);
   check_finals(root, top, plan);
   if (card) {
-    check_columns(root, top, *card, request);
+    check_columns(root, top, *card);
     read_section(root, top, *card, scheme_card, plan);
-    read_histograms(root, top, *card, plan);
+    read_histograms(root, top, plan);
   }
   if (!faults.empty()) return faults;
   return plan;

@@ -219,7 +219,7 @@ void read_norm(const Json& root, const FieldPath& top, Request& request) {
 }
 
 void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,
-               double default_span, const Caps& caps, Request& request) {
+               double default_span, const Caps& caps, const Members* members, Request& request) {
   read_limits(root, top, caps, request.limits);
   read_until(root, top, default_span, request);
   Span span;
@@ -229,7 +229,7 @@ void read_plan(const Json& root, const FieldPath& top, const ProblemCard* proble
     span = span_until(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
     span.open = request.until_steps && !step;
   }
-  if (problem) read_columns(root, top, request);  // as many as there are, as many rows fit
+  if (problem) read_columns(root, top, members, request);  // as many as there are, as many rows fit
   read_record(root, top, span, request);
 }
 

@@ -1,6 +1,7 @@
 // The second half of decoding: how long to run, what to keep, what to report, how much it may cost.
 #pragma once
 
+#include "core/ensemble/members.hpp"
 #include "server/decode/field_reader.hpp"
 #include "server/decode/simulate_request.hpp"
 
@@ -22,8 +23,8 @@ void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem
 void read_norm(const Json& root, const FieldPath& top, Request& request);
 
 /// Reads `until`, `record`, `columns`, `diagnostics` and `limits` into the request, whose start and settings are set.
-/// Cards are null where they are not known; what depends on them is then left alone.
+/// Cards are null where they are not known; what depends on them is then left alone. `members`: of an ensemble.
 void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,
-               double default_span, const Caps& caps, Request& request);
+               double default_span, const Caps& caps, const Members* members, Request& request);
 
 }  // namespace least::server

@@ -19,6 +19,7 @@ void read_section(const Json& root, const FieldPath& top, const ProblemCard& pro
   Section section;
   Names keys{"period", "phase", "expression", "direction", "member", "crossing"};  // the last two: of an answer
   for (const auto& column : problem.columns) keys.push_back(column.name);
+  for (const auto& own : plan.request.measures.list) keys.push_back(own.card.name);
   if (!read_object(*json, path, keys, "a section")) return;
   const Json *period = find(*json, "period"), *expression = find(*json, "expression");
   if ((period == nullptr) == (expression == nullptr)) {

@@ -44,7 +44,8 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
     }
   }
   read_norm(root, top, request);
-  read_plan(root, top, problem_card, scheme_card, problem_card ? span_of(*problem_card, preset) : 0, caps, request);
+  read_plan(root, top, problem_card, scheme_card, problem_card ? span_of(*problem_card, preset) : 0, caps, nullptr,
+            request);
 
   if (problem_card) read_events(root, top, request);
   if (!faults.empty()) return faults;

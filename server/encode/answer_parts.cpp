@@ -41,8 +41,9 @@ void write_limits(JsonWriter& json, const PlannedRun& run) {
   json.key("steps").integer(limits.steps).key("samples").integer(limits.samples).close('}');
 }
 
-// By name, or as the expression that it is.
-void write_column(JsonWriter& json, const Request& request, std::size_t place) {
+}  // namespace
+
+void write_asked_column(JsonWriter& json, const Request& request, std::size_t place) {
   const std::size_t known = request.scene->card().columns.size();
   if (place < known) {
     json.text(request.column(place).name);
@@ -51,6 +52,8 @@ void write_column(JsonWriter& json, const Request& request, std::size_t place) {
   const Measure& own = request.measures.list[place - known];
   json.open('{').key("name").text(own.card.name).key("expression").text(own.text).close('}');
 }
+
+namespace {
 
 void write_events_asked(JsonWriter& json, const Request& request) {
   json.open('[');
@@ -162,7 +165,7 @@ void write_echo(JsonWriter& json, const PlannedRun& run, std::string_view events
   write_until(json.key("until"), run.request);
   write_record(json.key("record"), run);
   json.key("columns").open('[');
-  for (const std::size_t place : run.request.columns) write_column(json, run.request, place);
+  for (const std::size_t place : run.request.columns) write_asked_column(json, run.request, place);
   json.close(']');
   if (!run.request.events.empty()) write_events_asked(json.key(events), run.request);
   write_limits(json.key("limits"), run);

@@ -15,6 +15,8 @@ void write_scene(JsonWriter& json, const Scene& scene);
 /// A scheme as a request spells it.
 void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings);
 void write_until(JsonWriter& json, const Request& request);
+/// A column as a request names it: by its name, or as the expression that it is.
+void write_asked_column(JsonWriter& json, const Request& request, std::size_t place);
 /// The member norm.
 void write_norm(JsonWriter& json, const Request& request);
 /// Why a scheme was chosen, and what else there was.

@@ -10,7 +10,7 @@ namespace least::server {
 namespace {
 
 const ColumnCard& column_of(const EnsemblePlan& plan, std::size_t k) {
-  return plan.request.scene->card().columns[plan.request.columns[k]];
+  return plan.request.column(plan.request.columns[k]);
 }
 
 void write_integers(JsonWriter& json, const std::vector<std::int64_t>& values) {
@@ -76,7 +76,7 @@ void write_ensemble_echo(JsonWriter& json, const EnsemblePlan& plan, const Cards
   json.key("samples").integer(limits.samples).close('}');
   write_members(json.key("members"), plan);
   json.key("range").open('[').integer(plan.first).integer(plan.last).close(']').key("columns").open('[');
-  for (std::size_t k = 0; k < request.columns.size(); ++k) json.text(column_of(plan, k).name);
+  for (const std::size_t place : request.columns) write_asked_column(json, request, place);
   json.close(']').key("keep").open('[');
   if (plan.statistics) json.text("statistics");
   if (plan.final) json.text("final");

@@ -55,9 +55,10 @@ void alone(benchmark::State& state, const EnsemblePlan& plan) {
 }
 void in_lanes(benchmark::State& state, const EnsemblePlan& plan, const LaneUnit& unit) {
   const std::atomic<bool> never{false};
+  const MemberColumns columns(plan.request, plan.members.vary);
   for (auto _ : state) {
     Block block{0, 0, members, {}};
-    if (!run_lane_members(plan, block, never, {&unit, 1}) || block.harvest.ended[0] != members)
+    if (!run_lane_members(plan, columns, block, never, {&unit, 1}) || block.harvest.ended[0] != members)
       state.SkipWithError("the members did not complete");
   }
   state.counters["units"] = static_cast<double>(members * steps_of_a_member);

@@ -1,6 +1,7 @@
 // Ensembles over HTTP and on the command line: faults by name, lines that add up to the answer, parts that merge.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -20,10 +21,11 @@ namespace {
 using EnsembleHttp = Serving;
 
 const std::string orbits =
-    R"({"problem":"kepler","initial":{"x":1,"y":0,"px":0,"py":1},"scheme":{"id":"leapfrog","step":0.05},
+    R"js({"problem":"kepler","initial":{"x":1,"y":0,"px":0,"py":1},"scheme":{"id":"leapfrog","step":0.05},
         "until":{"t":3},"members":{"count":9000,"seed":7,"vary":{"/initial/x":{"uniform":[0.8,1.2]},
-        "/initial/px":{"normal":[0,0.05]}}},"columns":["x","y","energy"],"keep":["statistics","final","section"],
-        "section":{"period":1.5},"histograms":{"x":{"range":[-2,2],"bins":8}}})";
+        "/initial/px":{"normal":[0,0.05]}}},"columns":["x","y","energy",{"name":"r","expression":"sqrt(x^2+y^2)"}],
+        "keep":["statistics","final","section"],"section":{"period":1.5},
+        "histograms":{"x":{"range":[-2,2],"bins":8},"r":{"range":[0,2],"bins":4}}})js";
 
 Json without_cost(const std::string& text) {
   Json answer = Json::parse(text);
@@ -88,6 +90,13 @@ TEST(EnsembleRequest, NamesEveryFault) {
   expect_fault("section", R"({"expression":"x","direction":"left"})", "/section/direction", "unknown direction");
   expect_fault("section", R"({"phase":1})", "/section", "either period or expression");
   expect_fault("columns", R"(["x","step_size"])", "/columns/1", "does not follow from a final state");
+  const auto own = [](const std::string& name, const std::string& text) {
+    return R"(["x",{"name":")" + name + R"(","expression":")" + text + R"("}])";
+  };
+  expect_fault("columns", own("r", "sqrt(x^2+"), "/columns/1/expression", "ends");
+  expect_fault("columns", own("r", "xx"), "/columns/1/expression", "unknown name xx");
+  expect_fault("columns", own("index", "x"), "/columns/1/name", "something else");
+  expect_fault("columns", own("x", "x"), "/columns/1/name", "name of a column");
   expect_fault("histograms", R"({"x":{"range":[1,0],"bins":3}})", "/histograms/x/range", "lower first");
   expect_fault("histograms", R"({"energy":{"range":[0,1],"bins":3}})", "/histograms/energy", "unknown key");
   expect_fault("record", R"({"every":1})", "/record", "unknown key");
@@ -99,6 +108,31 @@ TEST(EnsembleRequest, NamesEveryFault) {
   EXPECT_EQ(plan.error().list().at(0).pointer, "/keep");
 }
 
+// A column that was refused has no card: what else names it is left alone, and the request is refused, not the service.
+TEST_F(EnsembleHttp, RefusedColumnsAreNamedWhateverElseIsAsked) {
+  Json request = Json::parse(orbits);
+  request["columns"].push_back({{"name", "mean"}, {"expression", "1/0"}});
+  request["histograms"]["mean"] = {{"range", {0, 1}}, {"bins", 2}};
+  const auto reply = ask(port(), post("/v1/ensemble", request.dump()));
+  EXPECT_EQ(reply.status, 422) << reply.body;
+  EXPECT_NE(reply.body.find("/columns/4/expression"), std::string::npos) << reply.body;
+  const auto run = ask(port(), post("/v1/simulate", R"({"problem":{"id":"kepler","mu":0.2},"scheme":"leapfrog",
+      "columns":[{"name":"a","expression":"sqrt(mu-1/3)+0*x"},"error"],"record":{"curve":20}})"));
+  EXPECT_EQ(run.status, 422) << run.body;
+}
+// Of a parameter that varies the value beside it means nothing.
+TEST_F(EnsembleHttp, AnExpressionIsThatOfEachMember) {
+  Json request = Json::parse(R"({"problem":{"id":"kepler","mu":0.2},"scheme":"leapfrog","until":{"t":1},
+      "members":{"vary":{"/problem/mu":{"values":[0.5,0.2,2]}}},"keep":["final"],
+      "columns":[{"name":"a","expression":"sqrt(mu-1/3)+0*x"},{"name":"b","expression":"mu"}]})");
+  const auto reply = ask(port(), post("/v1/ensemble", request.dump()));
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json final = Json::parse(reply.body)["final"];
+  EXPECT_EQ(final["b"], Json::array({0.5, 0.2, 2.0}));
+  EXPECT_TRUE(final["a"][1].is_null());
+  EXPECT_NEAR(final["a"][2].get<double>(), std::sqrt(5 / 3.0), 1e-15);
+}
+
 TEST_F(EnsembleHttp, TheAnswerIsARequestThatGivesIt) {
   const auto reply = ask(port(), post("/v1/ensemble", orbits));
   ASSERT_EQ(reply.status, 200) << reply.body;
@@ -107,7 +141,7 @@ TEST_F(EnsembleHttp, TheAnswerIsARequestThatGivesIt) {
   EXPECT_EQ(answer["completed"], 9000);
   EXPECT_EQ(answer["final"]["index"].size(), 9000u);
   EXPECT_EQ(answer["section"]["member"].size(), 18000u);
-  for (const char* column : {"x", "y", "energy"}) {
+  for (const char* column : {"x", "y", "energy", "r"}) {
     double sum = 0;
     for (const auto& x : answer["final"][column]) sum += x.get<double>();
     EXPECT_NEAR(answer["statistics"][column]["mean"].get<double>(), sum / 9000, 1e-12) << column;
@@ -120,7 +154,7 @@ TEST_F(EnsembleHttp, TheAnswerIsARequestThatGivesIt) {
   for (const char* key : {"problem", "initial", "scheme", "until", "limits", "members", "range", "columns", "keep",
                           "section", "histograms"})
     again[key] = answer[key];
-  for (const char* key : {"member", "crossing", "t", "x", "y", "energy"}) again["section"].erase(key);
+  for (const char* key : {"member", "crossing", "t", "x", "y", "energy"}) again["section"].erase(key);  // `r` may stay
   EXPECT_EQ(without_cost(ask(port(), post("/v1/ensemble", again.dump())).body), without_cost(reply.body));
 }
 
@@ -139,8 +173,9 @@ TEST_F(EnsembleHttp, BinaryHoldsTheSameNumbers) {
   EXPECT_EQ(reply.fields.at("content-type"), "application/cbor");
   Json binary = Json::from_cbor(reply.body, true, true, Json::cbor_tag_handler_t::store);
   binary.erase("cost");
-  for (const auto& [part, columns] : {std::pair<const char*, std::vector<const char*>>{"final", {"x", "y", "energy"}},
-                                      {"section", {"t", "x", "y", "energy"}}}) {
+  for (const auto& [part, columns] :
+       {std::pair<const char*, std::vector<const char*>>{"final", {"x", "y", "energy", "r"}},
+        {"section", {"t", "x", "y", "energy", "r"}}}) {
     for (const char* column : columns) binary[part][column] = numbers_in(binary[part][column]);
   }
   EXPECT_EQ(binary, whole);

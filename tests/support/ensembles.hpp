@@ -54,15 +54,16 @@ inline void set_plane(least::EnsemblePlan& plan, const std::string& expression, 
 /// The members of the plan as one block, by a unit of lanes; nothing where it cannot.
 inline std::optional<least::Harvest> in_lanes(const least::EnsemblePlan& plan, const least::LaneUnit& unit) {
   const std::atomic<bool> never{false};
+  const least::MemberColumns columns(plan.request, plan.members.vary);
   least::Block block{0, plan.first, plan.last - plan.first, {}};
-  if (!least::run_lane_members(plan, block, never, {&unit, 1})) return std::nullopt;
+  if (!least::run_lane_members(plan, columns, block, never, {&unit, 1})) return std::nullopt;
   return block.harvest;
 }
 /// The same, each by a run of its own.
 inline least::Harvest alone(const least::EnsemblePlan& plan) {
   const std::atomic<bool> never{false};
   least::Block block{0, plan.first, plan.last - plan.first, {}};
-  least::run_lone_members(plan, block, never);
+  least::run_lone_members(plan, {plan.request, plan.members.vary}, block, never);
   return block.harvest;
 }
 /// All of it, as one machine with so many threads has it.

@@ -13,20 +13,11 @@ namespace {
 
 constexpr std::size_t glance = 4096;  // bytes that are looked at
 
-// With what a body begins that is no request; nothing where it may be one, or has to be read to say what is wrong.
-std::optional<char> wrong_beginning(std::string_view body) {
-  constexpr std::string_view blank = " \t\r\n", byte_order = "\xEF\xBB\xBF", values = "[\"-0123456789tfn";
+// Whether a body begins as no JSON does, so that what follows need not be read to say so.
+bool no_json_begins(std::string_view body) {
+  constexpr std::string_view blank = " \t\r\n", byte_order = "\xEF\xBB\xBF", values = "{[\"-0123456789tfn";
   const std::size_t first = body.substr(0, glance).find_first_not_of(blank);
-  if (first == body.npos || body[first] == '{' || body.starts_with(byte_order)) return std::nullopt;
-  const bool is_json = values.find(body[first]) != values.npos;
-  return is_json && body.size() <= glance ? std::nullopt : std::optional(body[first]);
-}
-
-Result<ParsedJson, NotJson> read(std::string_view body, MemoryBudget& memory) {
-  const auto wrong = wrong_beginning(body);
-  if (!wrong) return parse_json(body, {}, &memory);
-  if (*wrong == '[' || *wrong == '"') return ParsedJson{Json::array(), {}};
-  return parse_json(body.substr(0, glance));
+  return first != body.npos && values.find(body[first]) == values.npos && !body.starts_with(byte_order);
 }
 
 }  // namespace
@@ -37,13 +28,14 @@ Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& ty
 }
 
 Effort effort_of(std::string_view body) {
-  if (wrong_beginning(body)) return Effort::brief;
+  if (no_json_begins(body)) return Effort::brief;
   const bool has_text = body.size() <= glance && body.find(custom_id) != body.npos;  // of which equations are derived
   return has_text ? Effort::work : Effort::reading;
 }
 
 Result<ParsedJson, Answer> json_of(const Context& context, const HttpRequest& request) {
-  auto parsed = read(request.body, context.memory);
+  const std::string_view body = request.body;
+  auto parsed = parse_json(no_json_begins(body) ? body.substr(0, glance) : body, {}, &context.memory);
   if (parsed) return std::move(*parsed);
   const NotJson& why = parsed.error();
   if (why.no_memory) return busy(context, request, full_memory(context.memory));

@@ -37,12 +37,11 @@ Answer answer_now(Endpoint endpoint, const Context& context, const HttpRequest& 
 /// The position of the form that the client likes best, or 406.
 Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& types);
 
-/// What it takes to read a body, from a glance at it. `brief`: it is no request whatever follows, which `json_of` sees
+/// What it takes to read a body, from a glance at it. `brief`: it is no JSON whatever follows, which `json_of` sees
 /// without reading on.
 Effort effort_of(std::string_view body);
 
-/// The body as JSON, or 400; 503 where there is no memory for its tree. For a long one that is a list or a string
-/// stands an empty list: either is no request.
+/// The body as JSON, or 400; 503 where there is no memory for its tree.
 Result<ParsedJson, Answer> json_of(const Context& context, const HttpRequest& request);
 
 /// 503, with the time after which it is worth to ask again.

@@ -57,6 +57,7 @@ concept FixedStepSchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const ty
 ///   stepper.work()
 ///   stepper.active_method()                     optional: how the last step was taken
 ///   scheme.level(problem, x)                    optional: what stands for the energy of a run from x instead of H
+///   stepper.step_within(x, most) → StepStatus   optional: a step that is at most so long; such a run ends with it
 ///   stepper.parts                               optional: into so many parts a step is divided by whoever looks for
 ///                                               changes of sign
 ///   stepper.reach(x, t) → StepStatus            optional: x moved to the time t, which lies within one step from x,

@@ -1,5 +1,6 @@
-// Schemes that set their own clock: a step says how long it took, the end is overshot, and the states in between come
-// from the dense output of the step they lie in. Every step is looked at: they are few and dear.
+// Schemes that set their own clock: a step says how long it took, and the states in between come from the dense output
+// of the step they lie in. The end is overshot, unless a step can be told how long it may be at most: then the last one
+// ends there. Every step is looked at: they are few and dear.
 #pragma once
 
 #include <limits>
@@ -41,9 +42,11 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
     while (n < target.n && x.t < target.t) {
       X y = x;
       if (compensated && !told_time) y.t = 0;
-      result = step(stepper, y);
+      const double most = end_ - x.t + late;
+      result = step(stepper, y, most);
       if (!result) break;
-      const double h = duration(stepper, x, y), part = h - late, t = compensated ? x.t + part : y.t;
+      const double h = duration(stepper, x, y), part = h - late;
+      const double t = within && h == most ? end_ : compensated ? x.t + part : y.t;
       result = judge(y, h, t);
       if constexpr (hybrid && HasFrequency<P>) {  // steps in time, at either end of which the motion may be too fast
         const double frequency = problem_.frequency_squared(y.q);
@@ -164,6 +167,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
   static constexpr bool hybrid = requires(const Stepper& s) { s.active_method(); };
   static constexpr bool reads_time = requires { requires Scheme::reads_time; };
   static constexpr bool in_parts = requires { Stepper::parts; };
+  /// A step can be told how long it may be.
+  static constexpr bool within = requires(Stepper & s, X& x, double most) { s.step_within(x, most); };
 
   /// The scheme says of each step how long it took: the sum is compensated.
   static constexpr bool compensated = !reads_time;
@@ -208,8 +213,13 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
     }
   }
 
-  static BlockResult step(Stepper& stepper, X& y) {
-    const StepStatus status = stepper.step(y);
+  static BlockResult step(Stepper& stepper, X& y, [[maybe_unused]] double most) {
+    StepStatus status;
+    if constexpr (within) {
+      status = stepper.step_within(y, most);
+    } else {
+      status = stepper.step(y);
+    }
     return status == StepStatus::ok ? BlockResult{} : BlockResult::failed(status);
   }
   /// Of a step of length h that ended in y at the time t.

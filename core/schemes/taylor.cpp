@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace least::taylor {
@@ -60,11 +62,45 @@ int cheapest_order(const Program& program, double tolerance) {
   return best;
 }
 
-double raised(double x, int n) {
-  double power = 1;
-  for (; n > 0; n /= 2, x *= x)
-    if (n % 2) power *= x;
-  return power;
+/// log₂ x of a normal x > 0, to 0.01: enough for the length of a step, of which a root is taken besides.
+double rough_log2(double x) {
+  constexpr int mantissa = 52;
+  const auto bits = std::bit_cast<std::uint64_t>(x), one = std::bit_cast<std::uint64_t>(1.0);
+  const double part = std::bit_cast<double>((bits & ((std::uint64_t{1} << mantissa) - 1)) | one);
+  const auto whole = static_cast<std::int64_t>(bits >> mantissa) - static_cast<std::int64_t>(one >> mantissa);
+  return static_cast<double>(whole) + ((2 - part / 3) * part - 5.0 / 3);  // right where the part is 1 and 2
+}
+/// 2ˣ to 0.2 per cent, as far as it is a normal number.
+double rough_exp2(double x) {
+  constexpr double least = -1022, most = 1023;
+  constexpr std::int64_t bias = 1023;
+  const double within = x > least ? x < most ? x : most : least;
+  const auto shifted = static_cast<std::int64_t>(within + bias);  // not negative: its whole part
+  const double part = within + bias - static_cast<double>(shifted);
+  return std::bit_cast<double>(shifted << 52) * (1 + part * (2 + part) / 3);
+}
+
+/// Components by two, wherever they stand.
+typedef double Two __attribute__((vector_size(16)));
+typedef double Apart __attribute__((vector_size(16), aligned(8), may_alias));
+typedef std::int64_t Bits __attribute__((vector_size(16)));
+
+/// The largest of |cₖ| rᵏ⁻ˡ of the components of the motion, over the orders from l = `low` to `high`.
+double largest_term(const tape::Series& series, std::size_t moving, int low, int high, double r) {
+  constexpr Bits size{INT64_MAX, INT64_MAX}, first{INT64_MAX, 0};
+  double largest = 0;
+  for (std::size_t begin = 0; begin < moving; begin += 2) {
+    const Bits kept = begin + 1 < moving ? size : first;  // what stands behind the motion has no say
+    Two most{};
+    for (int k = high; k >= low; --k) {
+      const Two c = *reinterpret_cast<const Apart*>(series.coefficients(k) + begin);
+      const Two here = std::bit_cast<Two>(std::bit_cast<Bits>(c) & kept);
+      most *= r;
+      most = most < here ? here : most;
+    }
+    largest = std::max({largest, most[0], most[1]});
+  }
+  return largest;
 }
 
 tape::Series series_of(Program program, double tolerance, int order) {
@@ -76,14 +112,13 @@ tape::Series series_of(Program program, double tolerance, int order) {
 
 Expansion::Expansion(Program program, double tolerance, int order)
     : series_(series_of(std::move(program), tolerance, order)),
-      log_tolerance_(std::log(tolerance)),
-      root_(std::exp(log_tolerance_ / series_.order())),
+      log_tolerance_(std::log2(tolerance)),
+      root_(std::exp2(log_tolerance_ / series_.order())),
       variables_(series_.program().variables),
       moving_(series_.program().moving) {}
 
 void Expansion::limit(double rate) {
-  if (rate != 0)
-    longest_ = std::exp((log_tolerance_ + log_factorial(series_.order())) / series_.order()) / std::abs(rate);
+  if (rate != 0) longest_ = root_ * std::exp(log_factorial(series_.order()) / series_.order()) / std::abs(rate);
 }
 
 double Expansion::largest(int k) const {
@@ -110,22 +145,37 @@ void Expansion::move(const double* y, double t) {
 }
 
 double Expansion::step() const {
-  // Beyond which nothing is asked of a free motion; the next may be as much longer.
-  constexpr double longest = 0x1p20;
   constexpr double slack = 10;  // by how much other coefficients may exceed what the last two promise
   constexpr int looked_at = 8;
-  constexpr double kept = 1.0 / 16;  // of the tolerance the last terms: the first left out are a quarter of them
+  constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what those before the last ought to be
+  constexpr double kept = 1.0 / 16;         // of the tolerance the last terms: the first left out are a quarter of them
   if (used_ == 0) return 0;
-  const double scale = kept * std::max(1.0, largest(0)), before = used_ > 1 ? largest(used_ - 1) : 0;
+  const double size = std::max(1.0, largest(0)), scale = kept * size, before = used_ > 1 ? largest(used_ - 1) : 0;
+  // All logarithms to the base 2, of h: ρ = h ε^{−1/p} is how far the series seems to converge.
+  const double p = used_, log_scale = rough_log2(scale), log_root = log_tolerance_ / p;
   double log_h = std::numeric_limits<double>::infinity();
-  if (last_ > 0) log_h = (log_tolerance_ + std::log(scale / last_)) / used_;
-  if (before > 0) log_h = std::min(log_h, (log_tolerance_ + std::log(scale / before)) / (used_ - 1));
-  double h = std::min({std::exp(log_h), std::max(longest, std::abs(t_) / longest), 1e150});  // its square is finite
-  // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ≤ rᵏ is to hold.
-  const double root = used_ == series_.order() ? root_ : std::exp(log_tolerance_ / used_), inverse = h / root;
-  double power = slack * scale * raised(root / h, used_ - 2);
-  for (int k = used_ - 2; !series_.program().whole && k > 0 && k > used_ - looked_at; --k, power *= inverse)
-    if (const double size = largest(k); size > power) h = std::min(h, root * std::pow(scale / size, 1.0 / k));
+  if (last_ > 0) log_h = (log_scale - rough_log2(last_)) / p + log_root;
+  if (before > 0) log_h = std::min(log_h, (log_scale - rough_log2(before) + log_tolerance_) / (p - 1));
+  const double log_longest = std::max(20.0, rough_log2(std::abs(t_)) - 20);  // its square is finite
+  log_h = std::min(log_h, std::min(log_longest, 500.0));
+  double h = rough_exp2(log_h);
+  // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ρᵏ is to be of one size.
+  const double log_rho = log_h - log_root, rho = rough_exp2(log_rho);
+  const auto heed = [&](int low, int high) {
+    const double most = slack * scale;
+    if (!(low <= high && largest_term(series_, moving_, low, high, rho) > most * rough_exp2(-low * log_rho))) return;
+    const double root = used_ == series_.order() ? root_ : rough_exp2(log_root);
+    for (int k = low; k <= high; ++k)
+      if (const double c = largest(k); c > most * rough_exp2(-k * log_rho))
+        h = std::min(h, root * rough_exp2((log_scale - rough_log2(c)) / k));
+  };
+  if (!series_.program().whole) {
+    const int low = std::max(1, used_ - looked_at + 1);
+    heed(low, used_ - 2);
+    // A row that only begins to be something says nothing of how far it converges: then all of it is heeded.
+    const auto silent = [&](int k) { return largest(k) < hush * scale * rough_exp2(-k * log_rho); };
+    if (low > 1 && h * largest(1) > far * size && silent(low) && silent(low + 1)) heed(1, low - 1);
+  }
   h = std::min(h, longest_);
   for (const Index pole : series_.program().poles) {  // never over it, whatever the coefficients say
     const double ahead = -series_.coefficient(pole, 0) / series_.coefficient(pole, 1);
@@ -175,8 +225,6 @@ double Expansion::until_switch(double h) const {
 }
 
 void Expansion::evaluate(double h, double* low, double* y) const {
-  typedef double Two __attribute__((vector_size(16)));
-  typedef double Apart __attribute__((vector_size(16), aligned(8), may_alias));  // wherever they stand
   const double square = h * h;
   for (std::size_t begin = 0; begin < variables_; begin += 2) {
     const auto at = [&](int k) -> Two { return *reinterpret_cast<const Apart*>(series_.coefficients(k) + begin); };

@@ -5,12 +5,14 @@
 // direction, goes along and has no say in the steps: asking for more never changes a run. A step costs one pass over
 // the tape per order; by convention it counts as many force evaluations as its order. The state within a step is the
 // polynomial itself. Sums over steps are compensated. The tape is recorded when a run begins, by the problem with its
-// parameters: choices, whole exponents and what is zero leave it shorter; that takes about a microsecond. One engine
-// runs all tapes, so that a problem costs its recording and nothing else to compile. Sources: Jorba & Zou, Experimental
+// parameters: choices, whole exponents and what is zero leave it shorter; that takes a few microseconds, so that a
+// thread keeps what the last run of a problem has made of it, for the next with the same parameters. One engine runs
+// all tapes, so that a problem costs its recording and nothing else to compile. Sources: Jorba & Zou, Experimental
 // Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans. Math. Softw. 8, 114 (1982); Biscani & Izzo, MNRAS 504, 2614
 // (2021).
 #pragma once
 
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <span>
@@ -25,8 +27,8 @@ namespace least {
 
 namespace taylor {
 
-/// The series of a motion at one time, and how far it is good. Scratch of one run: steppers that are copies of each
-/// other share it, so they belong to one thread.
+/// The series of a motion at one time, and how far it is good. Scratch of a thread: all its steppers of the same
+/// equations, tolerance and order share it.
 class Expansion {
  public:
   /// Order 0: the one that promises the cheapest steps per unit of time.
@@ -44,6 +46,7 @@ class Expansion {
   /// own.
   void limit(double rate);
   int order() const { return series_.order(); }
+  const tape::Program& program() const { return series_.program(); }
 
  private:
   double largest(int k) const;
@@ -51,7 +54,7 @@ class Expansion {
 
   tape::Series series_;
   double longest_ = std::numeric_limits<double>::infinity();
-  double log_tolerance_, root_;  ///< root: ε^{1/p} of the order p
+  double log_tolerance_, root_;  ///< log₂ ε, and ε^{1/p} of the order p
   std::size_t variables_, moving_;
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;     ///< the order up to which coefficients are numbers
@@ -94,6 +97,35 @@ tape::Program record(const P& problem) {
   return {tape, rates, StateOf<P>::size};
 }
 
+template <class X, VectorField P>
+std::shared_ptr<Expansion> expand(const P& problem, tape::Program program, double tolerance, int order) {
+  auto made = std::make_shared<Expansion>(std::move(program), tolerance, order);
+  if constexpr (ConstantDamping<P>) made->limit(problem.damping());  // of s, also where (q, p) is at rest
+  return made;
+}
+/// For steps of one run: the one that the thread's last run of this type of problem has left or still uses, where that
+/// is of the same parameters, its program at least, where only the tolerance or the order is another.
+template <class X, VectorField P>
+std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int order) {
+  if constexpr (std::is_trivially_copyable_v<P>) {
+    struct Left {
+      P problem;
+      double tolerance;
+      int order;
+      std::shared_ptr<Expansion> expansion;
+    };
+    thread_local Left left;
+    const bool known = left.expansion && std::memcmp(&left.problem, &problem, sizeof(P)) == 0;
+    if (known && left.tolerance == tolerance && left.order == order) return left.expansion;
+    auto program = known ? left.expansion->program() : record<X>(problem);
+    auto made = expand<X>(problem, std::move(program), tolerance, order);
+    left = {problem, tolerance, order, made};
+    return made;
+  } else {
+    return expand<X>(problem, record<X>(problem), tolerance, order);
+  }
+}
+
 }  // namespace taylor
 
 template <VectorField P, taylor::Flat X>
@@ -104,20 +136,21 @@ class TaylorStepper {
   static constexpr int parts = 16;
 
   TaylorStepper(const P& problem, double tolerance, int order)
-      : expansion_(std::make_shared<taylor::Expansion>(taylor::record<X>(problem), tolerance, order)) {
-    if constexpr (ConstantDamping<P>) expansion_->limit(problem.damping());  // of s, also where (q, p) is at rest
-  }
+      : expansion_(taylor::expansion_of<X>(problem, tolerance, order)) {}
 
-  StepStatus step(X& x) noexcept {
+  StepStatus step(X& x) noexcept { return step_within(x, std::numeric_limits<double>::infinity()); }
+  /// A step that is at most so long: where it is as long to the bit, it has come to what lies so far ahead.
+  StepStatus step_within(X& x, double most) noexcept {
     const Values y = values(x);
     Values low = kept_from(y);
     expansion_->move(y.data(), x.t);
     work_.forces += expansion_->order();
     double h = expansion_->step();
     if (!(h > 0)) return StepStatus::singular;
+    if (!(x.t + h < x.t + most)) h = most;
     Values end, rest;
     for (;; h *= 0.5) {
-      if (!(x.t + h > x.t)) return StepStatus::underflow;
+      if (h < most && !(x.t + h > x.t)) return StepStatus::underflow;
       end = y;
       rest = low;
       expansion_->evaluate(h, rest.data(), end.data());

@@ -32,6 +32,40 @@ TEST(TaylorRuns, AreWithinTheToleranceOfTrueStates) {
   }
 }
 
+// From where a motion is symmetric in time half of the coefficients vanish, of low orders the newest that there are.
+TEST(TaylorRuns, BeginWhereTheNewestCoefficientsVanish) {
+  const std::vector<Request> symmetric{
+      until(at(of("henon_heiles", {"taylor"}, {}), {{"x", 0}, {"y", 0.5}, {"px", 0}, {"py", 0}}), 3),
+      until(at(of("pendulum", {"taylor"}, {}), {{"q", pi / 2}, {"p", 0}}), 3)};
+  for (const Request& plain : symmetric) {
+    const auto always = [] { return true; };
+    const auto growth = conditioning(*plain.scene, plain.end, always)->most_growth;
+    const auto truth = least::truth(*plain.scene, {plain.end}, always);
+    for (const double order : {4, 5, 6, 9, 0}) {
+      const auto result = go(set(plain, {{"tolerance", 1e-6}, {"order", order}}));
+      EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed);
+      EXPECT_LT(state_error(result.outcome.final, truth->states.front(), truth->states.front().size()),
+                50 * 1e-6 * growth)
+          << plain.scene->card().id << ' ' << order;
+    }
+  }
+}
+
+// Nothing is computed beyond the end: the last step is as long as is left, and is the last that is recorded.
+TEST(TaylorRuns, EndWithTheirLastStep) {
+  for (const char* problem : {"kepler", "damped_oscillator", "van_der_pol"}) {
+    const Request plain = until(of(problem, {"taylor"}, {}), 7.3);
+    const auto whole = go(until(plain, 9));
+    const auto result = go(plain);
+    ASSERT_EQ(result.outcome.t, 7.3);
+    ASSERT_EQ(result.rows.back().front(), 7.3) << problem;
+    EXPECT_EQ(result.rows.size(), result.outcome.cost.steps + 1);
+    const auto reached = [](const auto& row) { return row.front() < 7.3; };
+    EXPECT_EQ(std::ranges::count_if(whole.rows, reached), result.outcome.cost.steps) << problem;
+    for (std::size_t k = 0; k + 1 < result.rows.size(); ++k) EXPECT_EQ(result.rows[k], whole.rows[k]) << problem;
+  }
+}
+
 // Over ten thousand periods the energy drifts with the tolerance, whatever the sums keep.
 TEST(TaylorRuns, KeepNoStructureButTheirTolerance) {
   Request orbit = until(of("kepler", {"taylor"}, {}), 2e3 * pi);

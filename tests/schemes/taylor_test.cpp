@@ -169,6 +169,51 @@ TEST(Taylor, VanishingCoefficientsDoNotMakeALongStep) {
   EXPECT_NEAR(energy(quartic, x), 0.5, 1e-9);
 }
 
+/// ẋ = 1 − x¹²: from 0 on the coefficients of t² … t¹² vanish, and from next to 0 they say next to nothing.
+struct Saturation {
+  static constexpr int dim = 1;
+  template <class T, class S>
+  constexpr Vec<1, T> field(const Vec<1, T>& y, const S&) const {
+    using least::pow;
+    return {T(1) - pow(y[0], 12.0)};
+  }
+};
+TEST(Taylor, ARowOfVanishingCoefficientsDoesNotMakeALongStep) {
+  const double x = 0.95;
+  double time = 0;  // ∫ dx/(1 − x¹²)
+  for (int k = 0; k < 60; ++k) time += std::pow(x, 12 * k + 1) / (12 * k + 1);
+  for (const int order : {0, 4, 8, 9, 12, 20, 40})
+    for (const double start : {0.0, 1e-9}) {
+      const Point<1> from{0, {start}};
+      EXPECT_NEAR(taylor_at(Saturation{}, from, time, 1e-3, order).y[0], x, 1e-2) << order << ' ' << start;
+      EXPECT_NEAR(taylor_at(Saturation{}, from, 3, 1e-3, order).y[0], 1, 1e-2) << order << ' ' << start;
+    }
+}
+
+// What a thread keeps of one run for the next is of the same equations, and two that go on at once may share it.
+TEST(Taylor, WhatOtherRunsLeaveBehindChangesNoBit) {
+  const auto orbit = [](double mu, double tolerance, int steps, auto&& meanwhile) {
+    const Kepler<> kepler{.mu = mu};
+    State<2> x{0, {0.4, 0}, {0, 2}, {}};
+    auto stepper = Taylor{tolerance}.bind(kepler, x);
+    for (int k = 0; k < steps; ++k) {
+      EXPECT_EQ(stepper.step(x), StepStatus::ok);
+      meanwhile();
+    }
+    return x;
+  };
+  const auto nothing = [] {};
+  const auto alone = orbit(1, 1e-12, 20, nothing);
+  EXPECT_FALSE(orbit(2, 1e-12, 20, nothing) == alone);
+  EXPECT_FALSE(orbit(1, 1e-6, 20, nothing) == alone);
+  for (const auto& [mu, tolerance] : {std::pair{1.0, 1e-12}, {1.0, 1e-6}, {2.0, 1e-12}}) {
+    EXPECT_TRUE(orbit(1, 1e-12, 20, [&, mu = mu, tolerance = tolerance] { orbit(mu, tolerance, 3, nothing); }) ==
+                alone);
+    orbit(mu, tolerance, 3, nothing);
+    EXPECT_TRUE(orbit(1, 1e-12, 20, nothing) == alone) << mu << ' ' << tolerance;
+  }
+}
+
 // A force that ends at q = 0: steps end there, too, and go on behind it.
 TEST(Taylor, StepsEndWhereAFormulaChanges) {
   const LaneEmden<> star{1, AfterZero::clamp};

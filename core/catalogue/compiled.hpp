@@ -48,8 +48,9 @@ void with_scheme(const Request& request, F&& f) {
 template <class P>
 StepTangents<P> tangents_of(const P& problem, const Request& request) {
   using Full = FullStateOf<P>;
-  const Full start = start_of<Full>(problem, request.scene->initial, request.scene->start);
   StepTangents<P> tangents{[](const Full&) { return std::nullopt; }, [](const Full&) { return std::nullopt; }};
+  if (request.diagnostics.empty()) return tangents;  // nobody asks for them
+  const Full start = start_of<Full>(problem, request.scene->initial, request.scene->start);
   with_scheme<P>(request, [&]<class Scheme>(const Scheme& scheme) {
     if constexpr (ExtendsTo<Scheme, P>) {
       tangents.extended = [&problem, scheme, start](const Full& x) {
@@ -63,9 +64,10 @@ StepTangents<P> tangents_of(const P& problem, const Request& request) {
 }
 
 template <class X, class P>
-Solution solve(const P& problem, const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) {
+Solution solve(const P& problem, const Request& request, const std::vector<Column<P, X>>& columns, RowSink& sink,
+               const std::atomic<bool>& cancelled) {
   const X start = start_of<X>(problem, request.scene->initial, request.scene->start);
-  return Run<P, X>(problem, request, sink, cancelled).solve(start, tangents_of(problem, request));
+  return Run<P, X>(problem, request, columns, sink, cancelled).solve(start, tangents_of(problem, request));
 }
 
 template <class P>
@@ -101,8 +103,14 @@ ProblemCard complete_card(ProblemCard card) {
 /// Mechanics of one type of problem, which the parameters of a scene make.
 template <class P>
 class ProblemMechanics : public Mechanics {
+  using State = StateOf<P>;
+  using Full = FullRunState<P>;
+
  public:
-  explicit ProblemMechanics(ProblemCard described) : card_(complete_card<P>(std::move(described))) {}
+  explicit ProblemMechanics(ProblemCard described)
+      : card_(complete_card<P>(std::move(described))),
+        columns_(columns_of<P, State>(card_)),
+        full_columns_(columns_of<P, Full>(card_)) {}
 
   const ProblemCard& card() const override { return card_; }
   std::string_view key() const override { return card_.id; }
@@ -110,10 +118,9 @@ class ProblemMechanics : public Mechanics {
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
     const P problem = problem_of(request.scene->parameters);
-    using Full = FullRunState<P>;
     if constexpr (!std::is_same_v<State, Full>)
-      if (asks_for_full_state(card_, request)) return solve<Full>(problem, request, sink, cancelled);
-    return solve<State>(problem, request, sink, cancelled);
+      if (asks_for_full_state(card_, request)) return solve<Full>(problem, request, full_columns_, sink, cancelled);
+    return solve<State>(problem, request, columns_, sink, cancelled);
   }
   std::optional<RegularStart> regular_start([[maybe_unused]] std::span<const double> parameters,
                                             [[maybe_unused]] double t) const override {
@@ -147,8 +154,9 @@ class ProblemMechanics : public Mechanics {
   virtual P problem_of(std::span<const double> parameters) const = 0;
 
  private:
-  using State = StateOf<P>;
   ProblemCard card_;
+  std::vector<Column<P, State>> columns_;
+  std::vector<Column<P, Full>> full_columns_;
 };
 
 /// A problem of the catalogue.

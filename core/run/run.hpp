@@ -24,7 +24,8 @@ namespace least {
 template <class P, class X>
 class Run {
  public:
-  Run(const P& problem, const Request& request, RowSink& sink, const std::atomic<bool>& cancelled)
+  Run(const P& problem, const Request& request, const std::vector<Column<P, X>>& columns, RowSink& sink,
+      const std::atomic<bool>& cancelled)
       : problem_(problem),
         scene_(*request.scene),
         card_(scene_.card()),
@@ -39,13 +40,13 @@ class Run {
                                          : SaveSchedule::never),
         schedule_(request, end_),
         drawn_(request.record.mode == Record::Mode::curve ? scene_.start : infinite),
-        writer_(problem_, request, sink),
+        writer_(problem_, request, columns, sink),
         budget_(request.limits.seconds, cancelled,
                 [this] { return writer_.report(std::min(state_.x.t, end_), state_.n); }),
         watch_(request),
         diagnostics_(request.diagnostics, watch_),
         events_(static_cast<std::size_t>(most_rows_)),
-        guard_(request.scheme, request.settings, damping_of(problem) * grid_.step, HasFrequency<P>,
+        guard_(request.scheme, request.settings, guarded_damping(problem) * grid_.step, HasFrequency<P>,
                ConstantFrequency<P>),
         evidence_(fixed_ ? std::optional(grid_.steps) : std::nullopt, request.control) {}
 
@@ -67,10 +68,6 @@ class Run {
 
  private:
   static constexpr double infinite = std::numeric_limits<double>::infinity();
-  static double damping_of([[maybe_unused]] const P& problem) {
-    if constexpr (HasFrequency<P> && ConstantDamping<P>) return std::max<double>(problem.damping(), 0.0);
-    return 0;
-  }
 
   bool going() const { return outcome_.stop.reason == ReturnCode::completed; }
   bool arrived() const { return ended_ || state_.n == last_step_ || !(state_.x.t < loop_end_); }
@@ -295,8 +292,8 @@ class Run {
   }
   bool stop_as_unstable() {
     const double ratio = guard_.largest();
-    const auto known =
-        stable_steps(request_.scheme, request_.settings, ratio / nominal_step(), damping_of(problem_), nominal_step());
+    const auto known = stable_steps(request_.scheme, request_.settings, ratio / nominal_step(),
+                                    guarded_damping(problem_), nominal_step());
     return stop(ReturnCode::unstable_step, messages::unstable(ratio, guard_.bound(), known.limit));
   }
   /// What the setting `step` says.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -175,34 +176,40 @@ class Line {
 
 /// What is known of a line: everything up to `searched`.
 struct Known {
+  std::vector<double> line{};
   double searched = 0;
   std::vector<Interval> stable;
 };
 
 /// The stable intervals along z = z₁u, a = a₀ + a₁u up to u = needed and somewhat further, or as far as is looked:
-/// beyond, what is stable there goes on. (A step of 1e100 would ask for 10⁵ maps.)
-std::vector<Interval> along(std::size_t scheme, std::span<const double> settings, double z, double a0, double a,
-                            double needed) {
+/// beyond, what is stable there goes on. (A step of 1e100 would ask for 10⁵ maps.) Runs in a row ask for the same: a
+/// thread asks the others for what it has not asked for last. Good until it asks again.
+const std::vector<Interval>& along(std::size_t scheme, std::span<const double> settings, double z, double a0, double a,
+                                   double needed) {
   constexpr double farthest = 4096;
   needed = std::min(needed, farthest);
   static std::mutex mutex;
-  static std::map<std::vector<double>, Known> all;
-  std::vector<double> key(settings.begin(), settings.end());
+  static std::map<std::vector<double>, std::shared_ptr<const Known>> all;
+  thread_local std::shared_ptr<const Known> last = std::make_shared<const Known>();
+  thread_local std::vector<double> key;
+  key.assign(settings.begin(), settings.end());
   if (table[scheme].step < key.size()) key[table[scheme].step] = 0;
   for (double& x : key)
     if (std::isnan(x)) x = infinite;  // keys are ordered
   key.insert(key.end(), {static_cast<double>(scheme), z, a0, a});
+  if (last->line == key && last->searched >= needed) return last->stable;
   {
     const std::lock_guard lock(mutex);
-    if (const auto found = all.find(key); found != all.end() && found->second.searched >= needed)
-      return found->second.stable;
+    if (const auto found = all.find(key); found != all.end() && found->second->searched >= needed)
+      return (last = found->second)->stable;
   }
   double most = 0.25;
   while (most < needed) most *= 2;
-  Known known{most, Line(scheme, settings, z, a0, a).stable(most)};
+  last = std::make_shared<const Known>(Known{key, most, Line(scheme, settings, z, a0, a).stable(most)});
   const std::lock_guard lock(mutex);
   if (all.size() > 1000) all.clear();
-  return all.insert_or_assign(std::move(key), std::move(known)).first->second.stable;
+  all.insert_or_assign(key, last);
+  return last->stable;
 }
 
 }  // namespace
@@ -217,7 +224,7 @@ bool is_stable(std::size_t scheme, std::span<const double> settings, double z, d
 double flips_from(std::size_t scheme, std::span<const double> settings) { return table[scheme].flip(settings); }
 
 double stability_bound(std::size_t scheme, std::span<const double> settings, double a, double needed) {
-  const auto stable = along(scheme, settings, 1, a, 0, needed);
+  const auto& stable = along(scheme, settings, 1, a, 0, needed);
   return stable.empty() ? 0 : stable.front().high;
 }
 

@@ -7,9 +7,17 @@
 #include <limits>
 #include <span>
 
+#include "core/problem_traits.hpp"
 #include "core/run/stability.hpp"
 
 namespace least {
+
+/// The damping that stability is a matter of.
+template <class P>
+double guarded_damping([[maybe_unused]] const P& problem) {
+  if constexpr (HasFrequency<P> && ConstantDamping<P>) return std::max<double>(problem.damping(), 0.0);
+  return 0;
+}
 
 class StepGuard {
  public:

@@ -21,6 +21,7 @@ template <class X>
 std::vector<double> shown_variables(const Request& request, const X& x) {
   const auto& cards = request.scene->card().variables;
   std::vector<double> all;
+  all.reserve(cards.size());
   for (std::size_t i = 0; i < cards.size(); ++i) {
     const bool asked = request.measures.reads_variable(i) || request.watched.reads_variable(i) ||
                        std::ranges::find(request.columns, i + 1) != request.columns.end();
@@ -32,15 +33,18 @@ std::vector<double> shown_variables(const Request& request, const X& x) {
 template <class P, class X>
 class TrajectoryWriter {
  public:
-  /// The request's columns are positions among the card's. A problem without samples has none.
-  TrajectoryWriter(const P& problem, const Request& request, RowSink& sink)
+  /// The request's columns are positions among all there are, or its own. A request that keeps nothing has none.
+  TrajectoryWriter(const P& problem, const Request& request, const std::vector<Column<P, X>>& all, RowSink& sink)
       : problem_(problem), request_(request), sink_(sink) {
-    const auto all = columns_of<P, X>(request.scene->card());
+    if (request.record.mode == Record::Mode::every && request.record.count == 0) return;
     for (const std::size_t place : request.columns) {
       const ColumnCard& card = request.column(place);
       if (card.name == error_column) error_ = columns_.size();
       if (card.name != "t") drawn_.push_back(columns_.size());
-      columns_.push_back(place < all.size() ? all[place] : Column<P, X>{card, nullptr, place - all.size()});
+      if (place < all.size())
+        columns_.push_back({card, all[place].value, all[place].index});
+      else
+        columns_.push_back({card, nullptr, place - all.size()});
     }
     measured_.resize(request.measures.size());
     if (drawn_.empty() && !columns_.empty()) drawn_ = {0};  // only the time
@@ -103,6 +107,13 @@ class TrajectoryWriter {
   bool lacks_truth() const { return lacks_truth_; }
 
  private:
+  /// A column as it stands in the list of all, or one of the caller's own.
+  struct Asked {
+    const ColumnCard& card;
+    decltype(Column<P, X>::value) value;
+    std::size_t index;
+  };
+
   /// What the caller's own columns are at x: a value that does not exist is unknown, and no reason to stop.
   void measure(const X& x) {
     if (measured_.empty()) return;
@@ -111,7 +122,7 @@ class TrajectoryWriter {
       if (!std::isfinite(value)) value = unknown;
   }
   /// Of a column at x, which was measured.
-  double value(const Column<P, X>& column, const X& x, const StepInfo& step) const {
+  double value(const Asked& column, const X& x, const StepInfo& step) const {
     return column.value ? column.value(problem_, x, step, column.index) : measured_[column.index];
   }
   /// Where the i-th column of the last row stands, from the end of the rows.
@@ -173,7 +184,7 @@ class TrajectoryWriter {
   const P& problem_;
   const Request& request_;
   RowSink& sink_;
-  std::vector<Column<P, X>> columns_;
+  std::vector<Asked> columns_;
   std::vector<std::size_t> drawn_;  ///< which of them span the space of the curve: not the time
   std::optional<CurveThinner> curve_;
   std::vector<double> rows_;

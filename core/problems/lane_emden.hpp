@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/describe.hpp"
+#include "core/number/quad.hpp"
 #include "core/problem.hpp"
 
 namespace least::problems {
@@ -26,6 +27,14 @@ struct LaneEmden {
   constexpr bool continues() const { return after_zero == AfterZero::continue_; }
   /// Where the motion ends at the zero, steps look past it: as `signed_`, and for n = 0 straight on.
   constexpr bool straight() const { return bounded() || continues(); }
+  /// The power of q itself is meant there: also that of an odd whole n, which has the sign of q.
+  constexpr bool plain() const {
+    if constexpr (std::is_same_v<R, double>) {
+      const double half = (n - 1) / 2;
+      if (after_zero != AfterZero::clamp && half >= 0 && half == static_cast<int>(half)) return true;
+    }
+    return continues();
+  }
 
   template <class T, class S>
   constexpr T potential(const Vec<1, T>& q, const S&) const {
@@ -44,10 +53,10 @@ struct LaneEmden {
     using least::pow;
     using least::select;
     const auto past_zero = [&](const T& w) {
-      return continues() ? w : select(q[0] < T(0), after_zero == AfterZero::clamp ? T(0) : T(-w), w);
+      return plain() ? w : select(q[0] < T(0), after_zero == AfterZero::clamp ? T(0) : T(-w), w);
     };
     return {either(
-        n > 0, [&] { return past_zero(pow(continues() ? q[0] : abs(q[0]), n)); },
+        n > 0, [&] { return past_zero(pow(plain() ? q[0] : abs(q[0]), n)); },
         [&] { return straight() ? T(1) : past_zero(T(1)); })};
   }
   template <class S>
@@ -75,7 +84,8 @@ struct LaneEmden {
   /// q = Σ a_k t^{2k}, qⁿ = Σ c_k t^{2k} by Miller's recurrence, and s = t⁻² ∫₀ᵗ τ² (p²/2 − V) dτ.
   template <class T, class S>
   State<1, T, S, Action<T>> series(const S& t) const {
-    constexpr int last = 40;
+    // In doubles twelve terms are more than there are digits: each has a sixtieth of the one before at most.
+    constexpr int last = std::is_same_v<T, Quad> ? 40 : 12;
     const T power(n);
     Vec<last + 1, T> a{T(1)}, c{T(1)}, l{};
     for (std::size_t k = 0; k < last; ++k) {

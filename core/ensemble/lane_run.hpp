@@ -1,287 +1,16 @@
-// Members in lanes, eight packs of them in flight. What can go wrong is looked for every so many steps, and steps in
-// which something did are taken back and taken again one by one, as of a lone run. A member that ended stays where it
-// is, while the others of its group go on. Only units of lanes include this header.
+// The members of a task in lanes, group by group, in as few groups as hold those that have not ended. Only units of
+// lanes include this header.
 #pragma once
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <memory>
 #include <tuple>
 #include <vector>
 
-#include "core/ensemble/lane_steps.hpp"
+#include "core/ensemble/lane_group.hpp"
 #include "core/parameters.hpp"
 
 namespace least {
-
-/// The group of a task that begins with its member `first`. Lanes beyond the last member do what that does.
-template <class P, class X>
-class GroupRun {
- public:
-  GroupRun(LaneTask& task, const Group<P>& problems, std::size_t first)
-      : task_(task), problems_(problems), first_(first), lanes_(std::min(group_size, task.count - first)) {
-    for (std::size_t j = 0; j < packs; ++j) {
-      x_[j].t = task.start_time;
-      for (std::size_t lane = 0; lane < lane_count; ++lane) {
-        const std::size_t at = j * lane_count + lane;
-        const bool begins = at < lanes_ && task.ended[first + at] == static_cast<std::uint8_t>(cancelled);
-        alive_[j].on[static_cast<int>(lane)] = begins ? -1 : 0;
-        for (std::size_t i = 0; i < X::size; ++i)
-          x_[j][i].v[static_cast<int>(lane)] = task.start[i * task.count + first + std::min(at, lanes_ - 1)];
-      }
-    }
-  }
-
-  /// bind(problems, states) → GroupSteps from there
-  template <class Bind>
-  void run(Bind&& bind) {
-    check_start();
-    auto steps = bind(problems_, x_);
-    move(steps);
-  }
-
- private:
-  using Narrow = typename X::template in<double, double>;
-  static constexpr double largest_component = 1e75;
-  static constexpr std::int64_t block = 50;
-  using enum ReturnCode;
-  struct Passage {
-    std::size_t member;
-    double from, to;
-    std::array<double, X::size> before{}, after{};
-    Passage(std::size_t of, double start, double end) : member(of), from(start), to(end) {}
-  };
-
-  bool anyone() const {
-    return std::ranges::any_of(alive_, [](const LaneMask& m) { return any(m); });
-  }
-  /// Those of the mask that were going on until now.
-  void end(std::size_t j, const LaneMask& which, ReturnCode why) {
-    const LaneMask now = which & alive_[j];
-    if (!any(now)) return;
-    for (std::size_t lane = 0; lane < lane_count; ++lane)
-      if (now.on[lane]) task_.ended[member(j, lane)] = static_cast<std::uint8_t>(why);
-    alive_[j] = alive_[j] & !now;
-  }
-  void end_all(ReturnCode why) {
-    for (std::size_t j = 0; j < packs; ++j) end(j, alive_[j], why);
-  }
-  std::size_t member(std::size_t j, std::size_t lane) const { return first_ + j * lane_count + lane; }
-  template <class F>
-  void each_alive(F&& f) {
-    for (std::size_t j = 0; j < packs; ++j)
-      for (std::size_t lane = 0; lane < lane_count; ++lane)
-        if (alive_[j].on[lane]) f(j, lane);
-  }
-  static Narrow in_lane(const X& x, std::size_t lane) {
-    Narrow y;
-    y.t = x.t;
-    for (std::size_t i = 0; i < X::size; ++i) y[i] = x[i].v[lane];
-    return y;
-  }
-  static LaneMask finite(const X& x) {
-    LaneMask good{LaneMask::Vector{} - 1};
-    for (std::size_t i = 0; i < X::size; ++i) good = good & (abs(x[i]) < Lanes(largest_component));
-    return good;
-  }
-  template <class R>
-  static double lane_of(const R& x, std::size_t lane) {
-    if constexpr (std::is_same_v<R, Lanes>) {
-      return x.v[lane];
-    } else {
-      return x;
-    }
-  }
-  double damping_step(std::size_t j, std::size_t lane) const {
-    if constexpr (HasFrequency<P> && ConstantDamping<P>)
-      return std::max(lane_of(problems_[j].damping(), lane), 0.0) * task_.step;
-    return 0;
-  }
-
-  void check_start() {
-    const double square = task_.step * task_.step;
-    for (std::size_t j = 0; j < packs; ++j) {
-      end(j, !finite(x_[j]), not_finite);
-      if constexpr (HasDomain<P>)
-        if (problems_[j].bounded()) end(j, problems_[j].inside(x_[j].q) < Lanes(0), left_domain);
-      if constexpr (VectorField<P>) end(j, !finite(derivative(problems_[j], x_[j])), singular);
-      if constexpr (QuadraticContact<P>)
-        if (task_.steps > 0) end(j, pole(j, x_[j].action.s), singular);
-      if constexpr (HasFrequency<P>) {
-        const Lanes turn(problems_[j].frequency_squared(position(x_[j])));
-        for (std::size_t lane = 0; lane < lane_count; ++lane) {
-          const double alpha = damping_step(j, lane);
-          const std::size_t twin = lane > 0 ? lane - 1 : 0;
-          if constexpr (ConstantFrequency<P>) {
-            LaneMask here{};
-            here.on[lane] = -1;
-            if (task_.steps > 0 && task_.host->is_too_fast(turn.v[lane] * square, alpha)) end(j, here, unstable_step);
-          } else {
-            limit_[j].v[lane] =
-                lane > 0 && alpha == damping_step(j, twin) ? limit_[j].v[twin] : task_.host->turn_limit(alpha) / square;
-          }
-        }
-        if constexpr (!ConstantFrequency<P>)
-          if (task_.steps > 0) end(j, turn > limit_[j], unstable_step);
-      }
-    }
-  }
-  LaneMask pole(std::size_t j, const Lanes& s) const requires QuadraticContact<P> {
-    return -(problems_[j].action_curvature() * s * task_.step) > Lanes(2);
-  }
-
-  /// What went wrong with the pack, in the order in which a lone run looks for it.
-  template <class F>
-  void faults(std::size_t j, const Seen& seen, F&& fault) {
-    fault(seen.failed[j], singular);
-    if constexpr (QuadraticContact<P>) fault(pole(j, seen.lowest[j]), singular);
-    const LaneMask good = finite(x_[j]);
-    if constexpr (HasDomain<P>)
-      if (problems_[j].bounded()) fault(seen.left[j] & good, left_domain);
-    fault(!good, not_finite);
-    if constexpr (HasFrequency<P> && !ConstantFrequency<P>) fault(seen.turn[j] > limit_[j], unstable_step);
-  }
-  bool faultless(const Seen& seen) {
-    LaneMask wrong{};
-    for (std::size_t j = 0; j < packs; ++j)
-      faults(j, seen, [&](const LaneMask& which, ReturnCode) { wrong = wrong | (which & alive_[j]); });
-    return !any(wrong);
-  }
-
-  /// One step, from which members that fail are brought back.
-  void step_alone(GroupSteps<P, X>& steps, std::int64_t n, double h, double t) {
-    const Group<X> before = x_;
-    Seen seen;
-    steps.advance(x_, task_.start_time, task_.step, n, 1, h, seen);
-    for (std::size_t j = 0; j < packs; ++j) {
-      x_[j].t = t;
-      faults(j, seen, [&](const LaneMask& which, ReturnCode why) { end(j, which, why); });
-      for (std::size_t i = 0; i < X::size; ++i) x_[j][i] = select(alive_[j], x_[j][i], before[j][i]);
-    }
-    each_alive([&](std::size_t, std::size_t) { ++task_.taken; });
-    if (task_.watches) watch(before);
-    tell();
-  }
-  /// Notes who may have passed what is watched within the last step.
-  void watch(const Group<X>& before) {
-    for (std::size_t j = 0; j < packs; ++j) {
-      LaneMask passed = alive_[j];
-      if (task_.watched >= 0) {
-        const auto i = static_cast<std::size_t>(task_.watched);
-        const LaneMask was = before[j][i] < Lanes(task_.level), is = x_[j][i] < Lanes(task_.level);
-        passed = passed & ((was & !is) | (is & !was));
-      }
-      if (!any(passed)) continue;
-      for (std::size_t lane = 0; lane < lane_count; ++lane) {
-        if (!passed.on[lane]) continue;
-        Passage& passage = passages_.emplace_back(member(j, lane), before[j].t, x_[j].t);
-        for (std::size_t k = 0; k < X::size; ++k) {
-          passage.before[k] = before[j][k].v[lane];
-          passage.after[k] = x_[j][k].v[lane];
-        }
-      }
-    }
-  }
-  void tell() {
-    for (const Passage& p : passages_) task_.host->at_step(p.member, p.from, p.before, p.to, p.after);
-    passages_.clear();
-  }
-
-  double grid_time(std::int64_t n) const { return task_.start_time + static_cast<double>(n) * task_.step; }
-
-  void move(GroupSteps<P, X>& steps) {
-    const std::int64_t bound = steps.work().forces, taken = task_.taken;
-    std::int64_t n = 0;
-    std::size_t next = 0;  // of the times asked for
-    while (anyone()) {
-      for (; next < task_.times.size() && task_.times[next] < upcoming(n); ++next) {
-        if (task_.cancelled->load(std::memory_order_relaxed)) return end_all(cancelled);
-        say(steps, n, task_.times[next]);
-      }
-      if (n >= task_.steps) break;
-      if (n >= task_.step_limit) return end_all(step_limit);
-      if (task_.cancelled->load(std::memory_order_relaxed)) return end_all(cancelled);
-      std::int64_t until = std::min({task_.steps, task_.step_limit, n + block});
-      if (next < task_.times.size())  // to the last step at or before it
-        while (until > n + 1 && grid_time(until) > task_.times[next]) --until;
-      if (task_.watches && task_.watched < 0) {
-        for (; n < until && anyone(); ++n) step_alone(steps, n, task_.step, grid_time(n + 1));
-        continue;
-      }
-      const Group<X> before = x_;
-      steps.keep();
-      Seen seen;
-      advance(steps, n, until, seen);
-      if (faultless(seen)) {
-        tell();
-        each_alive([&](std::size_t, std::size_t) { task_.taken += until - n; });
-        n = until;
-        continue;
-      }
-      x_ = before;
-      steps.take_back();
-      passages_.clear();
-      for (; n < until && anyone(); ++n) step_alone(steps, n, task_.step, grid_time(n + 1));
-    }
-    finish(steps, n, next);
-    const std::int64_t all = steps.work().forces;
-    const std::int64_t made = n + (task_.tail > 0 ? 1 : 0);
-    if (made > 0) task_.forces += (task_.taken - taken) * std::max<std::int64_t>((all - bound) / made, 1);
-    task_.forces += bound * static_cast<std::int64_t>(lanes_);
-  }
-  /// Steps up to the n-th, in all of which passages of a level are noted.
-  void advance(GroupSteps<P, X>& steps, std::int64_t n, std::int64_t until, Seen& seen) {
-    if (!task_.watches) return steps.advance(x_, task_.start_time, task_.step, n, until - n, task_.step, seen);
-    for (; n < until; ++n) {
-      const Group<X> before = x_;
-      steps.advance(x_, task_.start_time, task_.step, n, 1, task_.step, seen);
-      watch(before);
-    }
-  }
-  /// The time of the next state on the way; what is asked for before it is told from the one before.
-  double upcoming(std::int64_t n) const { return n < task_.steps ? grid_time(n + 1) : task_.end; }
-
-  void finish(GroupSteps<P, X>& steps, std::int64_t n, std::size_t next) {
-    if (task_.tail > 0 && anyone()) {
-      if (n >= task_.step_limit) return end_all(step_limit);
-      step_alone(steps, n, task_.tail, task_.end);
-    }
-    for (X& x : x_) x.t = task_.end;
-    for (; next < task_.times.size() && !task_.cancelled->load(std::memory_order_relaxed); ++next)
-      say(steps, n, task_.end);
-    each_alive([&](std::size_t j, std::size_t lane) {
-      task_.ended[member(j, lane)] = static_cast<std::uint8_t>(completed);
-      for (std::size_t i = 0; i < X::size; ++i) task_.final[i * task_.count + member(j, lane)] = x_[j][i].v[lane];
-    });
-  }
-
-  /// The states at the time t, by a shorter step from the n-th, of which the run itself knows nothing.
-  void say(GroupSteps<P, X>& steps, std::int64_t n, double t) {
-    const Group<X> here = x_;
-    const double part = t - x_[0].t;
-    if (part > 0) {
-      steps.keep();
-      Seen seen;
-      steps.advance(x_, task_.start_time, task_.step, n, 1, part, seen);
-      steps.take_back();
-    }
-    each_alive([&](std::size_t j, std::size_t lane) {
-      const Narrow y = in_lane(x_[j], lane);
-      std::array<double, X::size> values;
-      for (std::size_t i = 0; i < X::size; ++i) values[i] = y[i];
-      task_.host->at_time(member(j, lane), t, values.data());
-    });
-    x_ = here;
-  }
-
-  LaneTask& task_;
-  Group<P> problems_;
-  std::size_t first_, lanes_;
-  Group<X> x_;
-  Group<LaneMask> alive_;
-  Group<Lanes> limit_{};  ///< of ω²
-  std::vector<Passage> passages_;
-};
 
 /// The problems of a group: of parameters that all share, or each lane of its own.
 template <template <class> class P, class R>
@@ -313,13 +42,56 @@ Group<P<R>> problems_of(const LaneTask& task, std::size_t first) {
   }
 }
 
+/// Fewer groups where their members are fewer: the last ones go on in lanes of the first.
+template <class Run>
+void close_ranks(std::vector<std::unique_ptr<Run>>& groups) {
+  std::size_t members = 0, into = 0;
+  for (const auto& group : groups) members += group->alive();
+  while (groups.size() * group_size >= members + group_size) {
+    for (; groups.back()->anyone(); ++into) groups[into]->take(*groups.back());
+    into -= into > 0;  // there may be room left
+    groups.back()->account();
+    groups.pop_back();
+  }
+}
+
+/// Runs the members of a task, so many groups at once. make(first) → the run of the group that begins with that member.
+template <class Make>
+void run_members(LaneTask& task, std::size_t groups_at_once, bool alike, Make&& make) {
+  constexpr std::int64_t stretch =
+      1000;  // steps of one group after the other: long against what it costs to turn to it
+  for (std::size_t first = 0; first < task.count;) {
+    std::vector<decltype(make(first))> groups;
+    for (; first < task.count && groups.size() < groups_at_once; first += group_size) groups.push_back(make(first));
+    for (std::int64_t n = std::min(stretch, task.steps); !groups.empty(); n = std::min(n + stretch, task.steps)) {
+      for (auto& group : groups) group->go(n);
+      if (n == task.steps) break;
+      if (alike) close_ranks(groups);
+    }
+    for (auto& group : groups) {
+      group->finish();
+      group->account();
+    }
+  }
+}
+/// As many groups as fit the cache that is a core's own.
+inline std::size_t groups_of(std::size_t bytes) {
+  constexpr std::size_t cache = std::size_t{1} << 20;
+  return std::max(cache / bytes, packs);
+}
+
 template <template <class> class P, class R, class X, class Scheme>
 bool run_groups(LaneTask& task, const Scheme& scheme) {
   if constexpr (requires { typename StepperOf<Scheme, P<R>, X>; }) {
-    for (std::size_t first = 0; first < task.count; first += group_size)
-      GroupRun<P<R>, X>(task, problems_of<P, R>(task, first), first).run([&](const auto& problems, const auto& x) {
-        return BoundGroup<P<R>, X, Scheme>(scheme, problems, x);
-      });
+    using Run = GroupRun<P<R>, X>;
+    using Steps = BoundGroup<P<R>, X, Scheme>;
+    const GroupOfClocks
+        one;  // of all members: they have the same steps, and where parameters are shared the same times
+    run_members(task, groups_of(sizeof(Run) + sizeof(Steps)), !general, [&](std::size_t first) {
+      auto run = std::make_unique<Run>(task, problems_of<P, R>(task, first), first);
+      run->begin([&](const auto& problems, const auto& x) { return std::make_unique<Steps>(scheme, problems, x); });
+      return run;
+    });
     task.variables = X::size;
     return true;
   }

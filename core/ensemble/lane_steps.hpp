@@ -57,6 +57,9 @@ class GroupSteps {
                        Seen& seen) = 0;
   virtual void keep() = 0;
   virtual void take_back() = 0;
+  /// What belongs to the state of a lane of another group, which made as many steps, and is kept here.
+  virtual void take_lane(GroupSteps& other, std::size_t from_pack, std::size_t from, std::size_t pack,
+                         std::size_t lane) = 0;
   virtual Work work() const = 0;
 };
 
@@ -89,6 +92,13 @@ class BoundGroup final : public GroupSteps<P, X> {
   }
   void keep() override { kept_ = steppers_; }
   void take_back() override { steppers_ = kept_; }
+  void take_lane(GroupSteps<P, X>& other, std::size_t from_pack, std::size_t from, std::size_t pack,
+                 std::size_t lane) override {
+    std::array<double, 2 * X::size> kept;  // NOLINT: written before it is read
+    std::size_t out = 0, in = 0;
+    static_cast<BoundGroup&>(other).steppers_[from_pack].each_kept([&](const Lanes& x) { kept[out++] = x.v[from]; });
+    steppers_[pack].each_kept([&](Lanes& x) { x.v[lane] = kept[in++]; });
+  }
   Work work() const override { return steppers_[0].work(); }
 
  private:

@@ -277,6 +277,13 @@ class ProgramSteps final : public GroupSteps<Programmed, ProgrammedState> {
     run_.take_back(kept_);
     steps_ = kept_steps_;
   }
+  void take_lane(GroupSteps& other, std::size_t from_pack, std::size_t from, std::size_t pack,
+                 std::size_t lane) override {
+    auto& run = static_cast<ProgramSteps&>(other).run_;
+    const auto take = [&](std::size_t place) { run_.at(place)[pack].v[lane] = run.at(place)[from_pack].v[from]; };
+    for (std::size_t k = 0; k < program_.own; ++k) take(program_.rows.size() + k);
+    for (const auto place : program_.kept) take(place);
+  }
   Work work() const override { return {program_.forces_at_start + steps_ * program_.forces_of_step}; }
 
  private:
@@ -292,10 +299,13 @@ class ProgramSteps final : public GroupSteps<Programmed, ProgrammedState> {
 };
 
 inline bool run_program(LaneTask& task) {
-  for (std::size_t first = 0; first < task.count; first += group_size)
-    GroupRun<Programmed, ProgrammedState>(task, {}, first).run([&](const auto&, const auto& x) {
-      return ProgramSteps(task, first, x);
-    });
+  using Run = GroupRun<Programmed, ProgrammedState>;
+  const std::size_t registers = task.program->registers * packs * sizeof(Lanes);
+  run_members(task, groups_of(sizeof(Run) + registers), true, [&](std::size_t first) {
+    auto run = std::make_unique<Run>(task, Group<Programmed>{}, first);
+    run->begin([&](const auto&, const auto& x) { return std::make_unique<ProgramSteps>(task, first, x); });
+    return run;
+  });
   return true;
 }
 

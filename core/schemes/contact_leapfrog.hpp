@@ -28,10 +28,10 @@ class ContactLeapfrogStepper {
   ContactLeapfrogStepper(const P& problem, const X& x, double step, const Weights<S>& weights)
       : problem_(problem),
         weights_(&weights),
-        clock_(problem, x.t, step, weights.ends(), [&](std::size_t, const S& t) { return phase(problem, t); }) {
-    const auto f = phase(problem_, x.t);
-    look(seen_, x.q, f);
-    if constexpr (LinearContact<P>) seen_.damping = damping(problem_, f);
+        clock_(problem, x.t, step, weights.ends(), [&](std::size_t, const S& t) { return end_of(t); }) {
+    const End start = end_of(x.t);
+    look(seen_, x.q, start.phase);
+    seen_.damping = start.damping;
   }
 
   StatusOf<T> step(X& x, const S& h) noexcept {
@@ -56,6 +56,12 @@ class ContactLeapfrogStepper {
     return status;
   }
   const Work& work() const { return work_; }
+  /// f of each number that belongs to the state: who moves a lane moves them with it.
+  template <class Each>
+  void each_kept(Each&& f) {
+    for (T& component : seen_.slope) f(component);
+    if constexpr (X::acting) f(seen_.potential);
+  }
 
  private:
   using F = decltype(phase(std::declval<const P&>(), std::declval<const S&>()));
@@ -68,10 +74,21 @@ class ContactLeapfrogStepper {
     T potential{};
     A damping{};
   };
+  /// What a stage needs of the time at its end.
+  struct End {
+    F phase;
+    A damping{};
+  };
   struct Factors {
     A before{}, after{};  ///< 1 − hα₀/2 and 1/(1 + hα₁/2)
   };
 
+  template <class Time>
+  End end_of(const Time& t) const {
+    End end{phase(problem_, t), {}};
+    if constexpr (LinearContact<P>) end.damping = damping(problem_, end.phase);
+    return end;
+  }
   void look(Seen& seen, const Vec<n, T>& q, const F& f) {
     seen.slope = gradient(problem_, q, f);
     if constexpr (X::acting) seen.potential = problem_.potential(q, f);
@@ -99,12 +116,11 @@ class ContactLeapfrogStepper {
   }
   StatusOf<T> linear(X& y, Seen& seen, StatusOf<T> status, const S& h, std::size_t i,
                      const S& t) requires LinearContact<P> {
-    const auto f = clock_.at(i, t, [&](const auto& time) { return phase(problem_, time); });
+    const auto [f, next] = clock_.at(i, t, [&](const auto& time) { return end_of(time); });
     Factors c;
     if constexpr (ConstantDamping<P>) {
       c = factors_[i];
     } else {
-      const A next = damping(problem_, f);
       c = factors(h, seen.damping, next);
       seen.damping = next;
     }
@@ -165,7 +181,7 @@ class ContactLeapfrogStepper {
 
   P problem_;
   const Weights<S>* weights_;
-  PhaseClock<F, P, S> clock_;
+  PhaseClock<End, P, S> clock_;
   Seen seen_;
   S prepared_ = S(unusable);  ///< the step that factors_ are for
   std::array<Factors, ConstantDamping<P> ? compositions::most_stages : 1> factors_{};

@@ -66,6 +66,9 @@ class ContactSplittingStepper {
     return status;
   }
   const Work& work() const { return work_; }
+  /// Nothing else belongs to the state: who moves a lane moves nothing with it.
+  template <class F>
+  void each_kept(F&&) {}
 
  private:
   static constexpr bool constant = ConstantDamping<P> || QuadraticContact<P>;
@@ -201,6 +204,9 @@ class PalindromeStepper {
     return StepStatus::ok;
   }
   const Work& work() const { return work_; }
+  /// Nothing else belongs to the state: who moves a lane moves nothing with it.
+  template <class F>
+  void each_kept(F&&) {}
 
  private:
   template <int I, class Y, class F>

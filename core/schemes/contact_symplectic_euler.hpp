@@ -56,6 +56,9 @@ class ContactSymplecticEulerStepper {
     return status;
   }
   const Work& work() const { return work_; }
+  /// Nothing else belongs to the state: who moves a lane moves nothing with it.
+  template <class F>
+  void each_kept(F&&) {}
 
  private:
   using F = decltype(phase(std::declval<const P&>(), std::declval<const S&>()));

@@ -35,6 +35,9 @@ class ExplicitRungeKutta {
     return StepStatus::ok;
   }
   const Work& work() const { return work_; }
+  /// Nothing else belongs to the state: who moves a lane moves nothing with it.
+  template <class F>
+  void each_kept(F&&) {}
 
  private:
   P problem_;

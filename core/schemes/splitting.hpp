@@ -64,6 +64,11 @@ class KickDrift {
     return StepStatus::ok;
   }
   const Work& work() const { return work_; }
+  /// f of each number that belongs to the state: who moves a lane moves them with it.
+  template <class F>
+  void each_kept(F&& f) {
+    for (T& component : slope_) f(component);
+  }
 
  private:
   void kick(X& x, const S& h) const {

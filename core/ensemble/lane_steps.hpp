@@ -5,6 +5,7 @@
 #include "core/number/lanes.hpp"
 
 // The schemes see lanes only where they come first.
+#include "core/ensemble/lane_clock.hpp"
 #include "core/ensemble/lane_schemes.hpp"
 #include "core/problem_traits.hpp"
 

@@ -67,7 +67,7 @@ std::string described(const Request& request) {
 TEST(EveryChoice, AnswersEverythingThatCanBeAskedOfIt) {
   for_each_run([](const Request& plain) {
     Request request = everything(plain, false);
-    request.limits.seconds = 60;  // on a busy machine under a sanitizer, too
+    request.limits.seconds = 60;                   // on a busy machine under a sanitizer, too
     if (problem_of(request).id == "lane_emden") {  // its energy at t = 0 is not defined; and a star with no surface
       request = set(request, {{"n", 5}});
       runs::scene(request).start = 0.1;

@@ -5,7 +5,7 @@ import { extent } from "./scale.js";
 const reach = 12; // pixels from which a point is taken
 
 /** The colours of members, from red over green to violet, as a canvas holds them in memory. */
-function hues(n, bright) {
+export function hues(n, bright) {
   return Uint32Array.from({ length: n }, (_, i) => {
     const channel = (shift) => {
       const k = (shift + (i / Math.max(n - 1, 1)) * 9.6) % 12;

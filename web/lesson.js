@@ -110,7 +110,7 @@ export class Lesson {
     this.#player.rest();
     this.#study?.stop();
     this.#stage.build(this.#lesson, runs.map((_, i) => this.#titleOf(i)));
-    this.#study = study ? new Study(find("#stage"), this.#catalogue.schemes) : portrait ? new Portrait(find("#stage"), this.#lesson.labels) : null;
+    this.#study = study ? new Study(find("#stage"), this.#catalogue.schemes) : portrait ? new Portrait(find("#stage"), this.#lesson.labels, portrait.keep.includes("final")) : null;
     find(".player").hidden = views.every(({ bins }) => bins);
     this.#control = control ? slider(control.label, control, this.#setting(), (value, done) => this.#move(value, done)) : null;
     find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));

@@ -141,6 +141,29 @@ export const lessons = [
     labels: ["angle", "spin"], control: { sets: "problem.epsilon", label: "how oblong, ε", low: 0.001, high: 0.1, log: true },
   },
   {
+    id: "galaxy", title: "A star in a galaxy: order, and with a little more energy chaos",
+    look: "Hénon and Heiles' star at twenty starts of the same energy, each a colour: where it is and how fast it goes, whenever it " +
+          "crosses a plane. The energy is 1/12.",
+    see: "Every star keeps to a curve of its own, as if there were a second law beside the energy. At 1/8 the curves between the " +
+         "islands dissolve: one star's points fill what is left. At 1/6 hardly an island remains.",
+    portrait: { problem: { id: "henon_heiles" }, until: { t: 1500 }, scheme: { id: "leapfrog", step: 0.1, composition: "suzuki_4" },
+                section: { expression: "x", direction: "up" }, columns: ["y", "py"], keep: ["section"], surface: { energy: 1 / 12, starts: 10 } },
+    labels: ["y", "momentum of y"], control: { sets: "surface.energy", label: "energy", low: 0.02, high: 1 / 6 },
+  },
+  {
+    id: "basins", title: "Which way a pendulum ends up turning can hang on the last digit of its start",
+    look: "A pendulum with friction, driven hard, from 512 × 512 starts. Each is a pixel, coloured by how fast it turns after " +
+          "forty strokes of the drive.",
+    see: "Nearly all end in one of two motions, each the mirror image of the other: two colours. Their basins are folded into each " +
+         "other so finely that near the boundary no start is known well enough.",
+    portrait: { problem: { id: "custom", title: "Driven pendulum with friction", variables: ["q"], parameters: { a: 2, alpha: 0.2 },
+                           potential: "-cos(q) - a*q*cos(t)", damping: "alpha", a: 2 },
+                initial: { q: 0, p: 0 }, until: { t: 40 * tau }, scheme: { id: "contact_splitting", step: tau / 48 }, columns: ["p"],
+                limits: { seconds: 60 }, keep: ["final"],
+                members: { vary: { "/initial/q": { grid: [-Math.PI, Math.PI, 512] }, "/initial/p": { grid: [-2, 4, 512] } } } },
+    labels: ["angle at the start", "velocity at the start"], control: { sets: "problem.a", label: "drive a", low: 1.8, high: 2.2 },
+  },
+  {
     id: "cosmos", title: "Where H = 0, every orbit runs on one sphere, from pole to pole",
     look: "An oscillator in an expanding universe: place, momentum and action are a space of three. Drag it to turn it.",
     see: "The surface H = 0 is a sphere, and a contact scheme holds orbits on it, from the repelling pole below to the " +

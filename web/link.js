@@ -5,7 +5,7 @@
 import { linked } from "./text.js";
 
 export const names = ["A", "B", "C", "D", "E", "F"];
-const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", ...names];
+const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", "basins", ...names];
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();
@@ -40,11 +40,12 @@ export function lessonOf(hash) {
 export const lessonHash = (id, { set, steps } = {}) =>
   `#lesson=${id}${set === undefined ? "" : `&set=${set}`}${steps ? `&steps=${steps.join(",")}` : ""}`;
 
-/** The workbench with these requests, as far as they are of one scene: that of the first. */
+/** The workbench with these requests, as far as they are of one scene: that of the first, with its basins. */
 export function benchLink(requests) {
   const scene = ({ problem, initial, until }) => ({ problem, initial, until }), first = JSON.stringify(scene(requests[0]));
   const { problem: { preset, ...asked }, ...rest } = scene(requests[0]), problem = linked(asked);
   const schemes = requests.filter((request) => JSON.stringify(scene(request)) === first).map(({ scheme }) => scheme);
-  return toHash({ problem, ...(preset ? { preset: { id: preset } } : {}), ...rest,
+  const { basins } = requests[0];
+  return toHash({ problem, ...(preset ? { preset: { id: preset } } : {}), ...rest, ...(basins ? { basins } : {}),
                   ...Object.fromEntries(schemes.map((scheme, i) => [names[i], typeof scheme === "string" ? { id: scheme } : scheme])) });
 }

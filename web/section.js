@@ -27,6 +27,13 @@ function cardsOf(problem) {
   ];
 }
 
+/** Of the schemes asked for the first that can go in lanes, else one of the problem's that keeps its structure. */
+export function schemeOf(problem, schemes, cards) {
+  const fits = ({ id }) => cards.some((card) => card.id === id && !card.implicit && !card.own_clock);
+  const keeps = cards.filter(({ id, structure, symmetric }) => problem.schemes.includes(id) && structure !== "none" && symmetric);
+  return schemes.find(fits) ?? keeps.map(({ id }) => ({ id })).find(fits) ?? schemes[0];
+}
+
 export class Section {
   #crossings = new Crossings(find("canvas"), (member) => this.#run(member));
   #picked; // ({name: value}): the start of a member
@@ -56,19 +63,12 @@ export class Section {
     find("figure").hidden = find("#one").hidden = true;
   }
 
-  /** The first of the schemes asked for that can go in lanes, else one of the problem that keeps its structure. */
-  #schemeOf(schemes, cards) {
-    const fits = ({ id }) => cards.some((card) => card.id === id && !card.implicit && !card.own_clock);
-    const keeps = cards.filter(({ id, structure, symmetric }) => this.#problem.schemes.includes(id) && structure !== "none" && symmetric);
-    return schemes.find(fits) ?? keeps.map(({ id }) => ({ id })).find(fits) ?? schemes[0];
-  }
-
   /**
    * Asks for the members of a `scene`, with one of the `schemes` that are shown where that can be; `told(text)` hears how many
    * points there are. `{faults}` or `{said}`.
    */
   async measure({ scene, schemes }, cards, signal, told) {
-    const scheme = this.#schemeOf(schemes, cards);
+    const scheme = schemeOf(this.#problem, schemes, cards);
     const { where, direction, period, vary, from, to, count: n, x, y } = this.chosen();
     const section = period ? { period, phase: 0 } : { expression: where ?? "", direction };
     this.clear();

@@ -1,6 +1,7 @@
 // The studies of a scene: what a digit costs with each scheme, and how long a step may be. Both are asked for by a button.
 import * as api from "./api.js";
 import { title } from "./card.js";
+import { Basins } from "./basins.js";
 import { element, faultText } from "./forms.js";
 import { format } from "./numbers.js";
 import { PrecisionPlot } from "./precision.js";
@@ -24,19 +25,23 @@ export class Studies {
   #underWay = {};
   #plot = new PrecisionPlot(find("#precision"));
   #section;
+  #basins;
 
   /** `ask()` gives `{scene: {problem, initial, until}, schemes}` as the forms stand; `picked(start)`: a member is to be run. */
   constructor(schemes, ask, picked) {
-    this.#section = new Section((start) => {
+    const run = (start) => {
       picked(start);
       this.#scene = JSON.stringify(this.#ask().scene); // what was found stays
-    });
+    };
+    this.#section = new Section(run);
+    this.#basins = new Basins(run);
     this.#schemes = schemes;
     this.#ask = ask;
     find("#measure-precision").addEventListener("click", () => this.#start("precision", () => this.#measure()));
     find("#measure-stability").addEventListener("click", () => this.#start("stability", () => this.#search()));
-    find("#measure-section").addEventListener("click", () => this.#start("section", () =>
-      this.#section.measure(this.#ask(), this.#schemes, this.#underWay.section.signal, (text) => this.#tell("section", text))));
+    for (const [study, runs] of [["section", this.#section], ["basins", this.#basins]])
+      find(`#measure-${study}`).addEventListener("click", () => this.#start(study, () =>
+        runs.measure(this.#ask(), this.#schemes, this.#underWay[study].signal, (text) => this.#tell(study, text))));
     find("#cost").addEventListener("change", (event) => this.#plot.over(event.target.value));
   }
 
@@ -45,12 +50,13 @@ export class Studies {
     const scene = JSON.stringify(this.#ask().scene);
     if (scene === this.#scene) return;
     this.#scene = scene;
-    for (const study of ["precision", "stability", "section"]) {
+    for (const study of ["precision", "stability", "section", "basins"]) {
       this.#stop(study);
       this.#tell(study, "");
     }
     this.#plot.start([]);
     this.#section.clear();
+    this.#basins.clear();
     find("#stability").replaceChildren();
     find("#precision-notes").replaceChildren();
   }
@@ -58,15 +64,17 @@ export class Studies {
   draw() {
     this.#plot.draw();
     this.#section.draw();
+    this.#basins.draw();
   }
 
-  /** What stands in a link: the choices of the studies, and of the section of a problem. */
-  offer(problem, { study = {}, section = {} }) {
+  /** What stands in a link: the choices of the studies, and of the section and the basins of a problem. */
+  offer(problem, { study = {}, section = {}, basins = {} }) {
     this.choices = study;
     this.#section.offer(problem, section);
+    this.#basins.offer(problem, basins);
   }
   chosen(changed) {
-    return { study: this.choices, section: this.#section.chosen(changed) };
+    return { study: this.choices, section: this.#section.chosen(changed), basins: this.#basins.chosen(changed) };
   }
 
   /** What is chosen to be measured, as far as it is not the usual. */

@@ -85,6 +85,15 @@ const claims = {
     const found = widths(points), sways = found.filter((width) => width < Math.PI).length;
     assert.ok(found.length === 40 && sways >= 5 && sways <= 15 && found.filter((width) => width > 5.4).length === 40 - sways, `${found}`);
   },
+  galaxy({ member, x, y }) {
+    const visited = Array.from({ length: 20 }, (_, m) => new Set(member.flatMap((of, i) => (
+      of === m ? [`${Math.floor(x[i] * 50)},${Math.floor(y[i] * 50)}`] : []))).size);
+    assert.ok(member.length > 4000 && Math.max(...visited) < 125, `each on a curve of its own, not all over the plane: ${visited}`);
+  },
+  basins({ ends }) {
+    const near = (speed) => share(ends, (v) => Math.abs(v - speed) < 0.02), [back, forth] = [near(-0.607), near(2.04)];
+    assert.ok(ends.length === 512 * 512 && back > 0.3 && forth > 0.3 && back + forth > 0.95, `${back} and ${forth} of ${ends.length}`);
+  },
   typed: (runs) => assert.deepEqual(runs.map(({ final: { x } }) => Math.round(x)), [1, -1, 1]),
   digits(curves) {
     assert.equal(curves.length, 5);

@@ -5,22 +5,28 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace least::server {
 
 /// No number is longer.
 inline constexpr std::size_t longest_number = 24;
 
-/// Writes a number and returns where it ends; what is not finite becomes `null`. Minus zero is `-0.0`: a reader takes a
-/// bare `-0` for an integer.
+/// Writes a number into so many bytes and returns where it ends; what is not finite becomes `null`. Minus zero is
+/// `-0.0`: a reader takes a bare `-0` for an integer.
 char* write_number(char* at, double x);
 
 /// Appends a number, the same way.
-void append_number(std::string& out, double x);
-void append_number(std::string& out, std::int64_t n);
+void append_number(std::string& out, double x, bool comma = false);
+void append_number(std::string& out, std::int64_t n, bool comma = false);
 
 /// Appends a quoted string. `ascii` escapes everything beyond ASCII too (for header fields).
 void append_string(std::string& out, std::string_view text, bool ascii = false);
+/// What stands before and after it.
+struct Around {
+  bool comma = false, colon = false;
+};
+void append_string(std::string& out, std::string_view text, Around around, bool ascii);
 
 /// The head of an item of CBOR (RFC 8949, 3): its major type and its number.
 void append_cbor_head(std::string& out, unsigned major, std::uint64_t number);
@@ -50,32 +56,22 @@ class JsonWriter {
     return *this;
   }
   JsonWriter& key(std::string_view name) {
-    text(name);
-    if (!cbor()) out_ += ':';
+    string(name, true);
     first_ = true;
     return *this;
   }
-  JsonWriter& text(std::string_view value) {
-    comma();
-    if (cbor()) {
-      append_cbor_head(out_, 3, value.size());
-      out_ += value;
-    } else {
-      append_string(out_, value, notation_ == Notation::ascii);
-    }
-    return *this;
-  }
+  JsonWriter& text(std::string_view value) { return string(value, false); }
   JsonWriter& number(double value) {
-    comma();
-    cbor() ? append_cbor(out_, value) : append_number(out_, value);
+    const bool comma = comes_after();
+    cbor() ? append_cbor(out_, value) : append_number(out_, value, comma);
     return *this;
   }
   JsonWriter& integer(std::int64_t value) {
-    comma();
+    const bool comma = comes_after();
     if (cbor()) {
       append_cbor_head(out_, value < 0 ? 1 : 0, static_cast<std::uint64_t>(value < 0 ? -1 - value : value));
     } else {
-      append_number(out_, value);
+      append_number(out_, value, comma);
     }
     return *this;
   }
@@ -97,9 +93,20 @@ class JsonWriter {
     first_ = false;
     return *this;
   }
+  JsonWriter& string(std::string_view value, bool colon) {
+    const bool comma = comes_after();
+    if (cbor()) {
+      append_cbor_head(out_, 3, value.size());
+      out_ += value;
+    } else {
+      append_string(out_, value, {comma, colon}, notation_ == Notation::ascii);
+    }
+    return *this;
+  }
+  /// Whether something stands before what comes now.
+  bool comes_after() { return !std::exchange(first_, false); }
   void comma() {
-    if (!first_ && !cbor()) out_ += ',';
-    first_ = false;
+    if (comes_after() && !cbor()) out_ += ',';
   }
   std::string& out_;
   Notation notation_;

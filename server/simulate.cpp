@@ -34,9 +34,11 @@ class Task {
     return {request_, request_.scene->card(), context_.cards.schemes[request_.scheme], choice_ ? &*choice_ : nullptr};
   }
   Solution run(RowSink& sink, const std::atomic<bool>& cancelled) const {
-    Request limited = request_;
-    limited.limits.seconds = seconds_;  // what the choice left of them
-    Solution outcome = request_.scene->mechanics->run(limited, sink, cancelled);
+    std::optional<Request> limited;
+    if (seconds_ != request_.limits.seconds) {  // so many the choice left of them
+      limited.emplace(request_).limits.seconds = seconds_;
+    }
+    Solution outcome = request_.scene->mechanics->run(limited ? *limited : request_, sink, cancelled);
     if (outcome.stop.reason == ReturnCode::deadline) outcome.stop.detail = messages::deadline(request_.limits.seconds);
     return outcome;
   }
@@ -194,9 +196,12 @@ Answer compute(const Context& context, const HttpRequest& request, std::size_t f
 }  // namespace
 
 Prepared simulate(const Context& context, const HttpRequest& request) {
-  Names types;
-  for (const Form& form : forms()) types.push_back(form.type);
-  types.push_back(in_lines);
+  static const Names types = [] {
+    Names all;
+    for (const Form& form : forms()) all.push_back(form.type);
+    all.push_back(in_lines);
+    return all;
+  }();
   auto form = form_for(request, types);
   if (!form) return form.error();
   auto parsed = json_of(context, request);

@@ -132,6 +132,7 @@ void read_columns(const Json& root, const FieldPath& top, const Members* members
       read_list_of_columns(*json, path, problem, reader, request);
     }
   } else {
+    request.columns.reserve(problem.columns.size());
     for (std::size_t i = 0; i < problem.columns.size(); ++i)
       if (problem.columns[i].by_default) request.columns.push_back(i);
   }

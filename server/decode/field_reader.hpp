@@ -39,7 +39,7 @@ struct FieldPath {
 };
 
 inline const Json* find(const Json& object, std::string_view key) {
-  const auto it = object.is_object() ? object.find(std::string(key)) : object.end();
+  const auto it = object.is_object() ? object.find(key) : object.end();
   return it == object.end() ? nullptr : &*it;
 }
 

@@ -25,7 +25,9 @@ class Builder final : public nlohmann::json_sax<Json> {
  public:
   // Unless it `builds`, it only looks: of what there is nothing is kept but keys.
   Builder(const JsonBounds& bounds, Faults& faults, bool builds, MemoryBudget* memory)
-      : held(memory), bounds_(bounds), faults_(faults), builds_(builds) {}
+      : held(memory), bounds_(bounds), faults_(faults), builds_(builds) {
+    levels_.reserve(4);
+  }
 
   bool null() override { return value(nullptr); }
   bool boolean(bool x) override { return value(x); }
@@ -227,14 +229,11 @@ Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& 
 std::string pointer_step(std::string_view key) {
   std::string step = "/";
   const std::string_view kept = clipped(key, 80);
-  for (const char c : kept) {
-    if (c == '~') {
-      step += "~0";
-    } else if (c == '/') {
-      step += "~1";
-    } else {
-      step += c;
-    }
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const std::size_t from = i;
+    while (i < kept.size() && kept[i] != '~' && kept[i] != '/') ++i;
+    step.append(kept, from, i - from);
+    if (i < kept.size()) step += kept[i] == '~' ? "~0" : "~1";
   }
   if (kept.size() < key.size()) step += "…";
   return step;

@@ -193,7 +193,8 @@ void read_record(const Json& root, const FieldPath& top, const Span& span, Reque
 }
 
 bool fault_free(const FieldPath& top, std::initializer_list<const char*> pointers) {
-  return std::none_of(pointers.begin(), pointers.end(), [&](const char* pointer) { return top.faults->at(pointer); });
+  return top.faults->empty() ||
+         std::none_of(pointers.begin(), pointers.end(), [&](const char* pointer) { return top.faults->at(pointer); });
 }
 
 }  // namespace
@@ -214,8 +215,9 @@ void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem
 
 void read_norm(const Json& root, const FieldPath& top, Request& request) {
   const Json* json = find(root, "norm");
+  if (json == nullptr) return;
   const Names names(norm_names.begin(), norm_names.end());
-  if (json) request.norm = static_cast<Norm>(read_name(*json, top.at("norm"), names, "norm").value_or(0));
+  request.norm = static_cast<Norm>(read_name(*json, top.at("norm"), names, "norm").value_or(0));
 }
 
 void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,

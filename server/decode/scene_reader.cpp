@@ -14,7 +14,9 @@ namespace {
 
 template <class Items>
 Names keys_of(const Items& items, std::initializer_list<std::string_view> more) {
-  Names names(more);
+  Names names;
+  names.reserve(more.size() + items.size());
+  names.insert(names.end(), more.begin(), more.end());
   for (const auto& item : items) names.push_back(item.name);
   return names;
 }
@@ -162,6 +164,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     if (auto objection = text->objection(scene.parameters))
       path.faults->add({path.pointer + objection->pointer, std::move(objection->detail), {}, {}, {}});
   const Json* initial = find(root, "initial");
+  if (initial == nullptr) return preset;
   const FieldPath start = top.at("initial");
   const Names names = keys_of(card.variables, {"t"});
   const std::vector<std::string> velocities = text ? velocity_names(*text) : std::vector<std::string>();
@@ -169,8 +172,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   for (const auto& variable : card.variables)
     if (!variable.hidden) known.push_back(variable.name);
   known.insert(known.end(), velocities.begin(), velocities.end());
-  if (initial == nullptr || !read_object(*initial, start, known, fmt::format("the start of {}", card.id)))
-    return preset;
+  if (!read_object(*initial, start, known, fmt::format("the start of {}", card.id))) return preset;
   bool given = false;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i > 0 && card.variables[i - 1].hidden) continue;

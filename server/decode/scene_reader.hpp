@@ -13,11 +13,13 @@ namespace least::server {
 
 inline Names names_of(std::span<const SchemeCard> cards) {
   Names names;
+  names.reserve(cards.size() + 1);  // and one that is not among them
   for (const auto& card : cards) names.push_back(card.id);
   return names;
 }
 inline Names names_of(std::span<const std::shared_ptr<const Mechanics>> problems) {
   Names names;
+  names.reserve(problems.size() + 1);
   for (const auto& problem : problems) names.push_back(problem->card().id);
   return names;
 }

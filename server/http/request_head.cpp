@@ -1,6 +1,7 @@
 #include "server/http/request_head.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 #include <utility>
@@ -11,11 +12,14 @@ namespace {
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool is_token(std::string_view s) {
-  const auto good = [](char c) {
-    return (c >= '0' && c <= '9') || (lower(c) >= 'a' && lower(c) <= 'z') ||
-           std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
-  };
-  return !s.empty() && std::all_of(s.begin(), s.end(), good);
+  static constexpr auto good = [] {
+    std::array<bool, 256> all{};
+    for (const char c :
+         std::string_view("!#$%&'*+-.^_`|~0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"))
+      all[static_cast<unsigned char>(c)] = true;
+    return all;
+  }();
+  return !s.empty() && std::all_of(s.begin(), s.end(), [](char c) { return good[static_cast<unsigned char>(c)]; });
 }
 
 bool is_visible(std::string_view s) {

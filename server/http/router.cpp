@@ -120,6 +120,7 @@ Routed Router::operator()(const RequestHead& head, const HttpRequest& request) c
 
 void Router::dress(const RequestHead& head, std::string_view route, Answer& answer) const {
   auto& headers = answer.headers;
+  headers.reserve(8);  // with those of every answer
   if (head.method == "POST" && computed_.contains(route)) {
     headers.emplace_back("Vary", "Accept, Accept-Encoding");
     headers.emplace_back("Cache-Control", "no-store");

@@ -40,7 +40,10 @@ struct Answer {
   std::shared_ptr<std::vector<Note>> notes = nullptr;
 
   void note(std::string_view name, std::variant<std::string, double, std::int64_t> value) {
-    if (!notes) notes = std::make_shared<std::vector<Note>>();
+    if (!notes) {
+      notes = std::make_shared<std::vector<Note>>();
+      notes->reserve(5);  // of a run
+    }
     notes->push_back({name, std::move(value)});
   }
 };

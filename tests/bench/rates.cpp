@@ -139,17 +139,27 @@ void ours(benchmark::State& state, std::string_view request) {
 
 void health(benchmark::State& state) { ours(state, hello); }
 
+std::string simulate(const std::string& body) {
+  return "POST /v1/simulate HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + std::to_string(body.size()) +
+         "\r\n\r\n" + body;
+}
+
+// Everything but a run and its answer: the request is read, and refused.
+void no_run(benchmark::State& state) {
+  ours(state, simulate(R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":0}})"));
+}
+
 void tiny_run(benchmark::State& state) {
-  const std::string body = R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})";
-  ours(state, "POST /v1/simulate HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + std::to_string(body.size()) +
-                  "\r\n\r\n" + body);
+  ours(state, simulate(R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})"));
 }
 
 const bool registered = [] {
   benchmark::RegisterBenchmark("rate/bare", bare)->Unit(benchmark::kMillisecond)->UseRealTime();
   benchmark::RegisterBenchmark("rate/health", health)->Unit(benchmark::kMillisecond)->UseRealTime();
+  benchmark::RegisterBenchmark("rate/no_run", no_run)->Unit(benchmark::kMillisecond)->UseRealTime();
   benchmark::RegisterBenchmark("rate/run", tiny_run)->Unit(benchmark::kMillisecond)->UseRealTime();
   bench::compare("/healthz on 8 connections; a server on bare sockets", "rate/health", "rate/bare", 1 / 0.55);
+  bench::compare("… a request that is read and refused; the same", "rate/no_run", "rate/bare", 0);
   bench::compare("… a run of ten steps; the same", "rate/run", "rate/bare", 0);
   return true;
 }();

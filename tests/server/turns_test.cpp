@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <ctime>
@@ -344,6 +346,40 @@ TEST(Fairness, ManyConnectionsDoNotShutOutOne) {
   }
   end = true;
   EXPECT_EQ(served, 20);
+}
+
+// A class behind one address: whoever has much to ask on one connection is served as often as those who ask once.
+TEST(Fairness, ConnectionsOfOneAddressAreServedAlike) {
+  Settings settings = quiet_settings();
+  settings.threads = 1;
+  settings.queue = 16;
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  const std::string request = post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":20000},
+    "record":{"every":0},"diagnostics":[]})");
+  constexpr std::size_t connections = 8;
+  std::array<std::atomic<int>, connections> served{};
+  std::atomic<int> failed{0}, all{0};
+  {
+    std::vector<std::jthread> class_;
+    for (std::size_t i = 0; i < connections; ++i) {
+      class_.emplace_back([&, i] {
+        Client client(service.port());
+        const int ahead = i == 0 ? 50 : 1;  // so many are on their way
+        for (int k = 0; k < ahead; ++k) client.send(request);
+        while (all < 400) {
+          const auto reply = client.receive();
+          ++(reply && reply->status == 200 ? served[i] : failed);
+          ++all;
+          client.send(request);
+        }
+      });
+    }
+  }
+  EXPECT_EQ(failed, 0);
+  const auto [least, most] = std::minmax_element(served.begin() + 1, served.end());
+  EXPECT_GT(2 * *least, *most);
+  EXPECT_LT(served[0], 2 * *least) << "who asks ahead waits like all";
 }
 
 }  // namespace

@@ -37,10 +37,11 @@ void check(std::string_view bytes) {
     const Json document = Json::parse(problem_document(400, parsed.error().detail, "id").body);
     return ensure(document["status"] == 400, "a refusal that is none");
   }
-  if (const auto plan = decode_work_precision(*parsed, cards, {}); !plan) check(plan.error(), bytes);
-  if (const auto plan = decode_stability(*parsed, cards, {}); !plan) check(plan.error(), bytes);
-  if (const auto plan = decode_ensemble(*parsed, cards, {}); !plan) check(plan.error(), bytes);
-  const auto read = decode(*parsed, cards, {});
+  const auto copy = [&] { return ParsedJson{parsed->tree, parsed->faults}; };
+  if (const auto plan = decode_work_precision(copy(), cards, {}); !plan) check(plan.error(), bytes);
+  if (const auto plan = decode_stability(copy(), cards, {}); !plan) check(plan.error(), bytes);
+  if (const auto plan = decode_ensemble(copy(), cards, {}); !plan) check(plan.error(), bytes);
+  const auto read = decode(copy(), cards, {});
   if (!read) return check(read.error(), bytes);
   if (read->wish) return;  // its scheme is still to be chosen
   const std::string first = echo_of(*read, cards);

@@ -22,7 +22,7 @@ std::vector<Leaving> all_that_leave() {
           {"perturbed_kepler", "contact_leapfrog", 0.02, {{false, 3, Spread::uniform, {0.1, 1.6}}}},
           {"perturbed_kepler", "contact_splitting", 0.02, {{false, 3, Spread::uniform, {0.1, 1.6}}}}};
 }
-EnsemblePlan plan_of(const Leaving& leaving) {
+EnsemblePlan ensemble_leaving(const Leaving& leaving) {
   EnsemblePlan plan = test::ensemble_of(leaving.problem, leaving.scheme, 1);
   test::setting(plan, "step") = leaving.step;
   plan.request.until_steps = true;
@@ -49,7 +49,7 @@ void expect_the_same(const Harvest& a, const Harvest& b, const std::string& name
 
 TEST(EnsembleRanks, ClosingThemChangesNoBit) {
   for (const Leaving& leaving : all_that_leave()) {
-    const EnsemblePlan plan = plan_of(leaving);
+    const EnsemblePlan plan = ensemble_leaving(leaving);
     const std::string name = std::string(leaving.problem) + " by " + leaving.scheme;
     const Harvest still = *test::in_lanes(plan, lane_units().back());  // where each member keeps its lane
     EXPECT_GT(still.ended[0], 70) << name;
@@ -61,7 +61,7 @@ TEST(EnsembleRanks, ClosingThemChangesNoBit) {
 
 // Of programs members change their lanes in every unit: against others that they meet there, and against a run.
 TEST(EnsembleRanks, OfTextsTheyAreClosed) {
-  EnsemblePlan plan = plan_of(all_that_leave()[0]);
+  EnsemblePlan plan = ensemble_leaving(all_that_leave()[0]);
   const auto typed = texts::all();
   const auto found = std::ranges::find(typed, "henon_heiles", &texts::Typed::id);
   ASSERT_NE(found, typed.end());

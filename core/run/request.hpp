@@ -65,6 +65,9 @@ struct Request {
     return place < known.size() ? known[place] : measures.list.at(place - known.size()).card;
   }
   bool control = false;  ///< afterwards a second, short run by another scheme, and a warning where they disagree
+  /// Of a search, which wants a rough answer soon: stability is looked at roughly, and nothing is said of why a run
+  /// ends or against it.
+  bool probe = false;
 };
 
 }  // namespace least

@@ -47,7 +47,7 @@ class Run {
         diagnostics_(request.diagnostics, watch_),
         events_(static_cast<std::size_t>(most_rows_)),
         guard_(request.scheme, request.settings, guarded_damping(problem) * grid_.step, HasFrequency<P>,
-               ConstantFrequency<P>),
+               ConstantFrequency<P>, request.probe),
         evidence_(fixed_ ? std::optional(grid_.steps) : std::nullopt, request.control) {}
 
   /// `tangents`: of steps of the scheme, for the diagnostics.
@@ -282,6 +282,7 @@ class Run {
   /// When the motion that began at the start becomes infinite, if it does so near here; else unknown.
   double true_singularity() {
     if constexpr (QuadraticContact<P>) {
+      if (request_.probe) return unknown;
       // Of steps that adapt the mean: the last ones before an end are as short as time can tell.
       const bool adapts = !fixed_ && state_.n > 0;
       const double step = adapts ? (state_.x.t - scene_.start) / static_cast<double>(state_.n) : grid_.step;
@@ -291,6 +292,7 @@ class Run {
     return unknown;
   }
   bool stop_as_unstable() {
+    if (request_.probe) return stop(ReturnCode::unstable_step, {});
     const double ratio = guard_.largest();
     const auto known = stable_steps(request_.scheme, request_.settings, ratio / nominal_step(),
                                     guarded_damping(problem_), nominal_step());
@@ -354,6 +356,7 @@ class Run {
   }
 
   void warn_of_the_run() {
+    if (request_.probe) return;
     if (kept_ > most_rows_) warn("samples_truncated", "more rows of columns than limits.samples; the first are kept");
     evidence_.finish(problem_, state_);
     warn_of_run<P, X>(

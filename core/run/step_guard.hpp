@@ -24,8 +24,10 @@ class StepGuard {
   /// `damping_step`: a constant damping times the step. `constant`: ω is the same everywhere, so that a step is stable
   /// or not; else every ω up to the largest has to be. Where the scheme grows at every step even without damping it is
   /// not unstable, it is what it is: nothing is too fast for it.
-  StepGuard(std::size_t scheme, std::span<const double> settings, double damping_step, bool watches, bool constant)
-      : scheme_(scheme), settings_(settings), damping_step_(damping_step), constant_(constant) {
+  /// `roughly`: only the largest ω is held against the scheme, which may be unstable at smaller ones.
+  StepGuard(std::size_t scheme, std::span<const double> settings, double damping_step, bool watches, bool constant,
+            bool roughly)
+      : scheme_(scheme), settings_(settings), damping_step_(damping_step), constant_(constant), roughly_(roughly) {
     grows_ = stability_bound(scheme, settings, 0, 0) == 0;
     if (watches && !grows_) cleared_ = 0;
   }
@@ -34,9 +36,9 @@ class StepGuard {
   /// Whether what was seen is beyond the bound, which is measured as far as it is asked for.
   bool exceeded() {
     if (!(largest_ > cleared_)) return false;
-    if (constant_) {
-      if (const double z = largest(); z < bound(2 * z) || is_stable(scheme_, settings_, largest(), damping_step_))
-        cleared_ = largest_;
+    if (constant_ || roughly_) {
+      const double z = largest();
+      if ((!roughly_ && z < bound(2 * z)) || is_stable(scheme_, settings_, z, damping_step_)) cleared_ = largest_;
     } else {
       const double needed = 4 * largest(),
                    limit = std::min(stability_bound(scheme_, settings_, damping_step_, needed), needed);
@@ -67,7 +69,7 @@ class StepGuard {
   std::size_t scheme_;
   std::span<const double> settings_;
   double damping_step_;
-  bool constant_, grows_ = false;
+  bool constant_, roughly_, grows_ = false;
   double largest_ = 0;         ///< (ωh)²
   double cleared_ = infinite;  ///< up to here steps are stable
 };

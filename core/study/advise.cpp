@@ -32,12 +32,18 @@ class Contest {
     return best;
   }
   /// Where none is: the one with the smallest error, or one nearly as good that costs less.
-  const Search* runner_up() const {
-    double least_error = std::numeric_limits<double>::infinity();
-    for (const Search& search : searches_) least_error = std::fmin(least_error, search.best().trial.error);
+  const Search* runner_up() {
+    constexpr double near = 1.5;
+    double least_error = 0;
+    do {  // errors at few times are not the largest
+      least_error = std::numeric_limits<double>::infinity();
+      for (const Search& search : searches_) least_error = std::fmin(least_error, search.best().trial.error);
+    } while (std::ranges::any_of(searches_, [&](Search& search) {
+      return search.best().trial.error <= near * least_error && search.measure_best(left());
+    }));
     const Search* best = nullptr;
     for (const Search& search : searches_)
-      if (search.best().trial.error <= 1.5 * least_error &&
+      if (search.best().trial.error <= near * least_error &&
           (!best || search.best().trial.forces < best->best().trial.forces))
         best = &search;
     return best;
@@ -54,7 +60,7 @@ class Contest {
           next = &search;
       }
       if (!next) return;
-      next->advance(left());
+      next->advance(left(), useful_steps());
     }
   }
 
@@ -70,12 +76,18 @@ class Contest {
         if (!search.over() && !search.good() && search.likely_cost() < (next ? next->likely_cost() : most))
           next = &search;
       if (!next) return;
-      next->advance(left());
+      next->advance(left(), useful_steps());
       found += next->good().has_value();
     }
   }
 
  private:
+  /// A run of more has nothing to offer beside the best.
+  std::int64_t useful_steps() const {
+    const Search* best = winner();
+    return best ? std::min<std::int64_t>(1000 + 8 * best->good()->trial.forces, Search::most_forces)
+                : Search::most_forces;
+  }
   /// Whether one that has come to its end was better at much less cost.
   bool beaten(const Search& search) const {
     return std::ranges::any_of(searches_, [&](const Search& other) {
@@ -158,7 +170,7 @@ Advice cheapest(Contest& contest, double accuracy) {
         name(contest.subject().card(advice.alternatives.front().scheme), advice.alternatives.front().scheme),
         static_cast<double>(advice.alternatives.front().force_evaluations) /
             static_cast<double>(std::max<std::int64_t>(probe.trial.forces, 1)));
-  if (best->limited_by_stability()) advice.reason += "; longer steps are not stable (stiffness)";
+  if (best->limited_by_stability(contest.left())) advice.reason += "; longer steps are not stable (stiffness)";
   advice.reason += measured_up_to(contest.subject());
   if (contest.timed_out()) advice.reason += "; the time for the search ran out";
   return advice;
@@ -183,7 +195,7 @@ Advice best_within(Contest& contest, double seconds) {
       if (!search.over() && (!next || finest(search) < finest(*next))) next = &search;
     }
     if (!next) break;
-    next->advance(contest.left());
+    next->advance(contest.left(), Search::most_forces);
     const Probe& probe = next->best();
     if (probe.trial.seconds > seconds || !(probe.trial.error >= 0)) continue;
     within[static_cast<std::size_t>(next - contest.searches().data())] = probe;

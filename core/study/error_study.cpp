@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "core/composition.hpp"
 #include "core/problem_traits.hpp"
@@ -163,6 +164,7 @@ double ErrorStudy::longest(const SchemeConfig& choice, const ResolutionParameter
     Request one = request(dial.at(choice, value), 1, 1);
     one.until_steps = true;
     one.steps = 1;
+    one.probe = true;
     Samples none;
     const Solution outcome = scene_.scene->mechanics->run(one, none, cancelled_);
     if (outcome.stop.reason == ReturnCode::completed && outcome.t > scene_.scene->start)
@@ -171,11 +173,10 @@ double ErrorStudy::longest(const SchemeConfig& choice, const ResolutionParameter
   return dial.value(choice);
 }
 
-Trial ErrorStudy::run(const SchemeConfig& choice, double seconds, std::int64_t step_limit, States& states) const {
-  Request measured = request(choice, seconds, step_limit);
+Trial ErrorStudy::run(Request measured, const std::vector<double>& times, States& states) const {
   const std::size_t size = conditioning_->variables;
   if (!at_end_) {
-    measured.record = {Record::Mode::times, 1, times_};
+    measured.record = {Record::Mode::times, 1, times};
     for (std::size_t i = 0; i < size; ++i) measured.columns.push_back(i + 1);
   }
   Samples samples;
@@ -200,7 +201,7 @@ double ErrorStudy::error(const States& states, const States& truth) const {
 
 Trial ErrorStudy::run(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const {
   States states, finer;
-  Trial trial = run(choice, seconds, step_limit, states);
+  Trial trial = run(request(choice, seconds, step_limit), times_, states);
   if (trial.status != ReturnCode::completed) return trial;
   if (known()) {
     trial.error = error(states, truth_->states);
@@ -208,8 +209,31 @@ Trial ErrorStudy::run(const SchemeConfig& choice, double seconds, std::int64_t s
   }
   const ResolutionParameter dial(card(choice));
   const double value = dial.value(choice) / (dial.adaptive() ? 100 : 2);
-  const Trial half = run(dial.at(choice, value), seconds - trial.seconds, 2 * step_limit, finer);
+  const Trial half = run(request(dial.at(choice, value), seconds - trial.seconds, 2 * step_limit), times_, finer);
   trial.error = half.status == ReturnCode::completed ? error(states, finer) : unknown;
+  return trial;
+}
+
+Trial ErrorStudy::look(const SchemeConfig& choice, double seconds, std::int64_t step_limit, double accuracy) const {
+  if (!known() || at_end_) return run(choice, seconds, step_limit);
+  constexpr std::size_t apart = 16;
+  States truth, states;
+  std::vector<double> times;
+  for (std::size_t i = times_.size() - 1 - (times_.size() - 1) / apart * apart; i < times_.size(); i += apart) {
+    times.push_back(times_[i]);
+    truth.push_back(truth_->states[i]);
+  }
+  Request probe = request(choice, seconds, step_limit);
+  probe.probe = true;
+  Trial trial = run(probe, times, states);
+  if (trial.status != ReturnCode::completed) return trial;
+  trial.error = error(states, truth);
+  if (!(trial.error < plateau())) return trial;
+  if (trial.error <= accuracy) return run(choice, seconds - trial.seconds, step_limit);
+  States all;
+  probe.limits.seconds -= trial.seconds;
+  trial = run(std::move(probe), times_, all);
+  if (trial.status == ReturnCode::completed) trial.error = error(all, truth_->states);
   return trial;
 }
 

@@ -71,6 +71,9 @@ class ErrorStudy {
   double longest(const SchemeConfig& choice, const ResolutionParameter& dial) const;
   /// A run, at most so many seconds and steps long.
   Trial run(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
+  /// The same of a search: an error above the plateau is that at a few of the times, as states between steps are most
+  /// of what a run of few long steps costs; and what is not accurate enough is only a probe.
+  Trial look(const SchemeConfig& choice, double seconds, std::int64_t step_limit, double accuracy) const;
   /// The smallest time of runs that keep nothing: of three, or as many as take two milliseconds.
   double time(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
 
@@ -78,7 +81,7 @@ class ErrorStudy {
   using States = std::vector<std::vector<double>>;
 
   Request request(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
-  Trial run(const SchemeConfig& choice, double seconds, std::int64_t step_limit, States& states) const;
+  Trial run(Request measured, const std::vector<double>& times, States& states) const;
   double error(const States& states, const States& truth) const;
 
   Request scene_;  ///< up to where the motion goes

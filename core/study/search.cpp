@@ -19,7 +19,8 @@ Search::Search(const ErrorStudy& subject, SchemeConfig choice, double accuracy)
       choice_(std::move(choice)),
       dial_(subject.card(choice_)),
       accuracy_(accuracy),
-      longest_(subject.longest(choice_, dial_)) {}
+      longest_(subject.longest(choice_, dial_)),
+      measured_(!(accuracy > 0)) {}
 
 double Search::least_cost() const {
   if (!bad_) return 0;
@@ -53,11 +54,27 @@ double Search::next() const {
   return coarsest / std::clamp(std::pow(bad_->trial.error / (aim * accuracy_), 1 / p), 1.03, stride * stride);
 }
 
-void Search::advance(double seconds) {
+void Search::advance(double seconds, std::int64_t most_steps) {
   const double value = next();
-  const Trial trial = subject_.run(dial_.at(choice_, value), seconds, static_cast<std::int64_t>(most_forces));
+  const SchemeConfig choice = dial_.at(choice_, value);
+  // The best within a time has no accuracy that others could miss.
+  const Trial trial =
+      accuracy_ > 0 ? subject_.look(choice, seconds, most_steps, accuracy_) : subject_.run(choice, seconds, most_steps);
   if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return;
   settle({value, trial});
+}
+
+bool Search::measure_best(double seconds) {
+  if (measured_) return false;
+  measured_ = true;
+  const Trial whole = subject_.run(choice(best_), seconds, most_forces);
+  if (whole.status == ReturnCode::completed) best_.trial = whole;
+  return true;
+}
+
+bool Search::limited_by_stability(double seconds) const {
+  if (!good_ || !bad_) return false;
+  return subject_.run(choice(*bad_), seconds, most_forces).status != ReturnCode::completed;
 }
 
 void Search::settle(const Probe& probe) {
@@ -76,7 +93,7 @@ void Search::settle(const Probe& probe) {
     over_ = !bad_ || bad_->value < near * good_->value || good_->trial.error > accuracy_ / 1.2;
     return;
   }
-  too_dear_ = trial.status == ReturnCode::step_limit || 1.5 * least_cost() > most_forces;
+  too_dear_ = trial.status == ReturnCode::step_limit || 1.5 * least_cost() > double(most_forces);
   over_ =
       stalled() || too_dear_ || trial.error < subject_.floor() || next() < std::max(dial_.range.low, 1e-12 * longest_);
 }

@@ -17,8 +17,9 @@ class Search {
   Search(const ErrorStudy& subject, SchemeConfig choice, double accuracy);
 
   /// The run to be made next: coarse ones first, then where the order seen so far predicts the accuracy, then between
-  /// the coarsest that is good and the finest that is not.
-  void advance(double seconds);
+  /// the coarsest that is good and the finest that is not. At most so long, and of at most so many steps: one that
+  /// takes more is too dear.
+  void advance(double seconds, std::int64_t most_steps);
   /// Nothing better will come.
   bool over() const { return over_; }
   void give_up() { over_ = true; }
@@ -27,8 +28,10 @@ class Search {
   const std::optional<Probe>& good() const { return good_; }
   /// The finest that is not.
   const std::optional<Probe>& bad() const { return bad_; }
-  /// The most accurate that completed; the error of none is NaN.
+  /// The most accurate that completed; the error of none is NaN. One that is not good may be known at few times only.
   const Probe& best() const { return best_; }
+  /// Makes it known along the span, if there is time; true where that had not been tried.
+  bool measure_best(double seconds);
   SchemeConfig choice(const Probe& probe) const { return dial_.at(choice_, probe.value); }
   const SchemeConfig& scheme() const { return choice_; }
   const ResolutionParameter& dial() const { return dial_; }
@@ -42,13 +45,13 @@ class Search {
   bool stalled() const { return flat_ >= 2; }
   bool too_dear() const { return too_dear_; }
   /// What is not good enough fails, it is not inaccurate.
-  bool limited_by_stability() const { return good_ && bad_ && bad_->trial.status != ReturnCode::completed; }
+  bool limited_by_stability(double seconds) const;
+
+  static constexpr std::int64_t most_forces = 20'000'000;
 
  private:
   double next() const;
   void settle(const Probe& probe);
-
-  static constexpr double most_forces = 2e7;
 
   const ErrorStudy& subject_;
   SchemeConfig choice_;
@@ -56,6 +59,7 @@ class Search {
   double accuracy_, longest_;
   std::optional<Probe> good_, bad_, before_;  ///< before_: the bad one before the last
   Probe best_;
+  bool measured_;  ///< best_ is known along the span
   int flat_ = 0;
   bool over_ = false, too_dear_ = false;
 };

@@ -213,6 +213,20 @@ TEST(Advice, FindsTheBestWithinATime) {
   EXPECT_FALSE(advise(heiles, {std::nan(""), 1e-9, {}}, never).choice);
 }
 
+// What a search tries out moves as any run does, and is silent.
+TEST(Advice, ProbesMoveAsRunsDo) {
+  Request loud = with(scene("damped_kepler", 20), choice(scene("damped_kepler"), "contact_leapfrog"));
+  runs::set(loud, "step", 0.04);
+  Request quiet = loud;
+  quiet.probe = true;
+  const auto run = runs::go(loud).outcome, probe = runs::go(quiet).outcome;
+  EXPECT_EQ(run.stop.reason, ReturnCode::completed) << run.stop.detail;
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(run.final[i], probe.final[i]);
+  EXPECT_EQ(run.cost.force_evaluations, probe.cost.force_evaluations);
+  EXPECT_FALSE(run.warnings.empty());
+  EXPECT_TRUE(probe.warnings.empty());
+}
+
 // Where the reference cannot be had, runs are held against their like of half the step.
 TEST(Advice, DoesWithoutAReference) {
   const Request heiles = scene("henon_heiles", 30);

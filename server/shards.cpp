@@ -16,6 +16,7 @@
 #include "server/decode/wording.hpp"
 #include "server/encode/ensemble_json.hpp"
 #include "server/encode/problem_document.hpp"
+#include "server/shared/log.hpp"
 
 namespace least::server {
 namespace {
@@ -162,6 +163,16 @@ void check_parts(std::vector<Part>& parts, const EnsemblePlan& plan, Faults& fau
   if (!missing.empty()) faults.add({"", "there is no part for the shards " + missing, {}, {}});
 }
 
+// What a merge costs, and with it how far it carries: it alone is not shared out.
+void tell_of_merge(std::int64_t blocks, double seconds) {
+  const double of_one = seconds / static_cast<double>(blocks), members = 1e12;
+  LogLine(spdlog::level::info, "merged")
+      .with("blocks", blocks)
+      .with("seconds", seconds)
+      .with("microseconds_a_block", of_one * 1e6)
+      .with("hours_for_1e12_members", of_one * (members / static_cast<double>(block_size)) / 3600);
+}
+
 }  // namespace
 
 Answer write_part(const Context& context, const HttpRequest& request, const std::string& shard_text,
@@ -224,6 +235,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
     all.add(block->harvest, static_cast<std::size_t>(plan->request.limits.samples));
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  tell_of_merge(plan->end_block() - plan->first_block(), seconds);
   return {200, "application/json", encode_ensemble(*plan, cards, all, {ReturnCode::completed, seconds}), {}};
 }
 

@@ -142,7 +142,7 @@ class LaneBlock final : public LaneHost {
   bool is_too_fast(double turn_squared, double damping_step) override {
     const auto [known, fresh] = too_fast_.try_emplace({turn_squared, damping_step});
     if (fresh) {
-      StepGuard guard(request_.scheme, request_.settings, damping_step, true, true);
+      StepGuard guard(request_.scheme, request_.settings, damping_step, true, true, false);
       guard.see(turn_squared);
       known->second = guard.exceeded();
     }

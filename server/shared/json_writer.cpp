@@ -7,7 +7,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace least::server {
 namespace {
@@ -61,75 +60,13 @@ void escape(std::string& out, std::string_view text, std::size_t& i, bool ascii)
   }
 }
 
-static_assert(std::endian::native == std::endian::little, "write_eight would have to turn its bytes around");
-
-constexpr auto powers_of_ten = [] {
-  std::array<std::uint64_t, 20> all{1};
-  for (std::size_t i = 1; i < all.size(); ++i) all[i] = 10 * all[i - 1];
-  return all;
-}();
-
-int count_of_digits(std::uint64_t n) {
-  const auto least = static_cast<std::size_t>(std::bit_width(n)) * 1233 >> 12;  // 3.32 bits a digit
-  return static_cast<int>(least) + (n >= powers_of_ten[least] ? 1 : 0);
-}
-
-// Eight digits: two halves, then four pairs, then all of them stand side by side and are divided at once.
-void write_eight(char* at, std::uint64_t n) {
-  std::uint64_t sides = n / 10'000 | n % 10'000 << 32;
-  const std::uint64_t hundreds = sides * 10'486 >> 20 & 0x7F'0000'007F;
-  sides = hundreds | (sides - 100 * hundreds) << 16;
-  const std::uint64_t tens = sides * 103 >> 10 & 0x000F'000F'000F'000F;
-  sides = tens | (sides - 10 * tens) << 8 | 0x3030'3030'3030'3030;
-  std::memcpy(at, &sides, sizeof sides);
-}
-
-// Of a number of so many digits, with zeros after them, as many as a double has at most.
-constexpr int most_digits = 17;
-void write_digits(char* at, std::uint64_t n, int count) {
-  n *= powers_of_ten[static_cast<std::size_t>(most_digits - count)];
-  *at = static_cast<char>('0' + n / powers_of_ten[16]);
-  n %= powers_of_ten[16];
-  write_eight(at + 1, n / powers_of_ten[8]);
-  write_eight(at + 9, n % powers_of_ten[8]);
-}
-
 }  // namespace
 
-// The digits are those of the library that formats; to lay them out it takes as long as to find them, as it knows every
-// format there is. 320 instructions for a number of 17 digits, 470 with its layout; std::to_chars takes twice as long.
+// 25 ns for a number of few digits, 45 ns for one of 17; std::to_chars takes 47 ns, laid out like this.
 char* write_number(char* at, double x) {
   if (!std::isfinite(x)) return std::copy_n("null", 4, at);
   if (x == 0) return std::signbit(x) ? std::copy_n("-0.0", 4, at) : std::copy_n("0", 1, at);
-  if (x < 0) *at++ = '-';
-  const auto [digits, exponent] = fmt::detail::dragonbox::to_decimal(std::abs(x));
-  const int count = count_of_digits(digits), leading = exponent + count - 1;  // the exponent of the first of them
-  if (leading < -4 || leading >= 16) {
-    write_digits(at + 1, digits, count);
-    at[0] = at[1];
-    if (count > 1) at[1] = '.', at += count;
-    *++at = 'e';
-    *++at = leading < 0 ? '-' : '+';
-    const int size = std::abs(leading);
-    if (size >= 100) *++at = static_cast<char>('0' + size / 100);
-    *++at = static_cast<char>('0' + size / 10 % 10);
-    *++at = static_cast<char>('0' + size % 10);
-    return ++at;
-  }
-  if (leading < 0) {
-    std::memcpy(at, "0.000", 5);
-    at += 1 - leading;
-    write_digits(at, digits, count);
-    return at + count;
-  }
-  if (exponent >= 0) {
-    write_digits(at, digits, count);
-    return at + count + exponent;
-  }
-  write_digits(at + 1, digits, count);
-  for (int i = 0; i <= leading; ++i) at[i] = at[i + 1];
-  at[leading + 1] = '.';
-  return at + count + 1;
+  return fmt::format_to(at, FMT_COMPILE("{}"), x);
 }
 
 void append_number(std::string& out, double x, bool comma) {

@@ -114,8 +114,6 @@ void read_list_of_columns(const Json& json, const FieldPath& path, const Problem
     request.columns.push_back(*place);
   }
   request.measures = reader.made();
-  const std::size_t there = known.size() + request.measures.size();
-  std::erase_if(request.columns, [&](std::size_t place) { return place >= there; });  // refused: nothing has its card
 }
 
 }  // namespace

@@ -228,8 +228,8 @@ Trial ErrorStudy::look(const SchemeConfig& choice, double seconds, std::int64_t 
   Trial trial = run(probe, times, states);
   if (trial.status != ReturnCode::completed) return trial;
   trial.error = error(states, truth);
-  if (!(trial.error < plateau())) return trial;
   if (trial.error <= accuracy) return run(choice, seconds - trial.seconds, step_limit);
+  if (!(trial.error < plateau())) return trial;
   States all;
   probe.limits.seconds -= trial.seconds;
   trial = run(std::move(probe), times_, all);

@@ -99,6 +99,12 @@ TEST_P(Advised, MeetsTheAccuracyAtTheLeastCost) {
 INSTANTIATE_TEST_SUITE_P(AllProblems, Advised, testing::Range<std::size_t>(0, runs::problem_cards().size()),
                          [](const auto& which) { return std::string(runs::problem_cards()[which.param].id); });
 
+// Of rough runs, too, the error is that along the whole span.
+TEST(Advice, IsMeasuredWhereLittleIsAskedFor) {
+  hold_against_all("henon_heiles", {8e-3, 3e-2}, 40);
+  hold_against_all("van_der_pol", {8e-3, 3e-2});
+}
+
 std::string id(const SchemeConfig& choice) { return std::string(schemes()[choice.scheme].id); }
 
 TEST(Advice, KeepsWhatIsToBeKept) {

@@ -92,7 +92,7 @@ constexpr Further further[] = {
     {"431", By::all, "the head is too large"},
     {"500", By::all, "a fault of the service"},
     {"501", By::all, "a Transfer-Encoding that is not understood"},
-    {"503", By::all, "busy, out of memory, or about to end; Retry-After says when to ask again"},
+    {"503", By::all, "busy, out of memory, or about to end; where there is Retry-After, it says when to ask again"},
     {"505", By::all, "a version of HTTP that is not spoken"}};
 
 Json refusals() {

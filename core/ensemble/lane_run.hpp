@@ -45,6 +45,10 @@ Group<P<R>> problems_of(const LaneTask& task, std::size_t first) {
 /// Fewer groups where their members are fewer: the last ones go on in lanes of the first.
 template <class Run>
 void close_ranks(std::vector<std::unique_ptr<Run>>& groups) {
+  std::erase_if(groups, [](auto& group) {  // it stands still where its last member ended: nobody can go on from there
+    if (!group->anyone()) group->account();
+    return !group->anyone();
+  });
   std::size_t members = 0, into = 0;
   for (const auto& group : groups) members += group->alive();
   while (groups.size() * group_size >= members + group_size) {

@@ -213,15 +213,18 @@ void check_finals(const Json& root, const FieldPath& top, const EnsemblePlan& pl
 
 void read_histograms(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   const Json* json = find(root, "histograms");
-  if (json == nullptr || top.faults->within("/columns")) return;
+  if (json == nullptr) return;
   const FieldPath path = top.at("histograms");
+  const bool refused = top.faults->within("/columns");  // then a name may be that of a column which has no card
+  const std::size_t cards = plan.request.scene->card().columns.size() + plan.request.measures.size();
   Names columns;
-  for (const auto column : plan.request.columns) columns.push_back(plan.request.column(column).name);
-  if (!read_object(*json, path, columns, "histograms, which are of the columns")) return;
+  for (const auto column : plan.request.columns)
+    columns.push_back(column < cards ? std::string_view(plan.request.column(column).name) : std::string_view());
+  if (refused ? !json->is_object() : !read_object(*json, path, columns, "histograms, which are of the columns")) return;
   for (const auto& [name, entry] : json->items()) {
     const auto column = std::ranges::find(columns, name);
     const FieldPath place = path.at(name);
-    if (column == columns.end()) continue;
+    if (column == columns.end() || column->empty()) continue;
     if (!read_object(entry, place, {"range", "bins", "counts", "below", "above"}, "a histogram")) continue;
     const Json *range = find(entry, "range"), *bins = find(entry, "bins");
     if (range == nullptr || bins == nullptr) {

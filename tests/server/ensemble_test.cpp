@@ -116,6 +116,11 @@ TEST_F(EnsembleHttp, RefusedColumnsAreNamedWhateverElseIsAsked) {
   const auto reply = ask(port(), post("/v1/ensemble", request.dump()));
   EXPECT_EQ(reply.status, 422) << reply.body;
   EXPECT_NE(reply.body.find("/columns/4/expression"), std::string::npos) << reply.body;
+  EXPECT_EQ(reply.body.find("/histograms"), std::string::npos) << reply.body;
+  request["histograms"]["x"]["range"] = {1, 0};  // what is at fault besides is named, too
+  const auto both = ask(port(), post("/v1/ensemble", request.dump()));
+  EXPECT_NE(both.body.find("/columns/4/expression"), std::string::npos) << both.body;
+  EXPECT_NE(both.body.find("/histograms/x/range"), std::string::npos) << both.body;
   const auto run = ask(port(), post("/v1/simulate", R"({"problem":{"id":"kepler","mu":0.2},"scheme":"leapfrog",
       "columns":[{"name":"a","expression":"sqrt(mu-1/3)+0*x"},"error"],"record":{"curve":20}})"));
   EXPECT_EQ(run.status, 422) << run.body;

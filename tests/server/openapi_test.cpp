@@ -168,7 +168,7 @@ TEST_F(OpenApi, EveryExampleFitsItsSchemaAndIsAnswered) {
   std::size_t sent = 0;
   for (const auto& [path, methods] : document()["paths"].items()) {
     if (!methods.contains("post")) continue;
-    const Json& body = methods["post"]["requestBody"]["content"]["application/json"];
+    const Json& body = operation["requestBody"]["content"]["application/json"];
     EXPECT_FALSE(body["examples"].empty()) << path;
     for (const auto& [name, example] : body["examples"].items()) {
       EXPECT_EQ(Validator(document()).fault(body["schema"], example["value"]), "") << path << " " << name;
@@ -265,11 +265,14 @@ TEST(OpenApiStatuses, AreThoseThatTheServiceSends) {
     }
     for (Client& client : clients) sent[name].insert(std::to_string(client.receive().value_or(Reply{}).status));
   };
-  for (const auto& [path, methods] : document["paths"].items()) {
-    const bool posts = methods.contains("post");
+  std::vector<std::pair<std::string, std::string>> operations;
+  for (const auto& [path, methods] : document["paths"].items())
+    for (const auto& [method, operation] : methods.items()) operations.emplace_back(path, method);
+  for (const auto& [path, method] : operations) {
+    const Json& operation = document["paths"][path][method];
+    const bool posts = method == "post";
     const std::string name = (posts ? "POST " : "GET ") + path, line = name + " HTTP/1.1\r\nHost: localhost\r\n";
-    for (const auto& [status, response] : methods[posts ? "post" : "get"]["responses"].items())
-      told[name].insert(status);
+    for (const auto& [status, response] : operation["responses"].items()) told[name].insert(status);
     const auto with = [&](const std::string& field) { return line + field + "\r\nContent-Length: 2\r\n\r\n{}"; };
     std::vector<std::string> requests{line + "Content-Length: 2\r\n\r\n{",
                                       line + "\r\n",

@@ -168,7 +168,7 @@ TEST_F(OpenApi, EveryExampleFitsItsSchemaAndIsAnswered) {
   std::size_t sent = 0;
   for (const auto& [path, methods] : document()["paths"].items()) {
     if (!methods.contains("post")) continue;
-    const Json& body = operation["requestBody"]["content"]["application/json"];
+    const Json& body = methods["post"]["requestBody"]["content"]["application/json"];
     EXPECT_FALSE(body["examples"].empty()) << path;
     for (const auto& [name, example] : body["examples"].items()) {
       EXPECT_EQ(Validator(document()).fault(body["schema"], example["value"]), "") << path << " " << name;
@@ -295,7 +295,7 @@ TEST(OpenApiStatuses, AreThoseThatTheServiceSends) {
     }
     bring_about(name, std::move(requests));
     if (posts) {
-      const Json& examples = methods["post"]["requestBody"]["content"]["application/json"]["examples"];
+      const Json& examples = operation["requestBody"]["content"]["application/json"]["examples"];
       bring_about(name, {post(path, examples.front()["value"].dump())});
     }
   }

@@ -114,7 +114,7 @@ std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int 
       int order;
       std::shared_ptr<Expansion> expansion;
     };
-    thread_local Left left;
+    thread_local Left left;  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): for padding it may only miss
     const bool known = left.expansion && std::memcmp(&left.problem, &problem, sizeof(P)) == 0;
     if (known && left.tolerance == tolerance && left.order == order) return left.expansion;
     auto program = known ? left.expansion->program() : record<X>(problem);

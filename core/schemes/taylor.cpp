@@ -158,7 +158,7 @@ double Expansion::step() const {
   if (before > 0) log_h = std::min(log_h, (log_scale - rough_log2(before) + log_tolerance_) / (p - 1));
   const double log_longest = std::max(20.0, rough_log2(std::abs(t_)) - 20);  // its square is finite
   log_h = std::min(log_h, std::min(log_longest, 500.0));
-  double h = rough_exp2(log_h);
+  double h = log_h > -1022 ? rough_exp2(log_h) : 0;  // of no tolerance no step
   // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ρᵏ is to be of one size.
   const double log_rho = log_h - log_root, rho = rough_exp2(log_rho);
   const auto heed = [&](int low, int high) {

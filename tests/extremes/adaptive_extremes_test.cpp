@@ -155,7 +155,8 @@ TEST(WithinAStep, AnEndBeforeTheSurfaceIsReached) {
       }
       request.record = {};
       const auto stepped = go(request);
-      EXPECT_EQ(stepped.rows.size(), static_cast<std::size_t>(stepped.outcome.cost.steps)) << what;
+      const int ends = scheme == "taylor" ? 1 : 0;  // its last step ends there, those of the others beyond
+      EXPECT_EQ(stepped.rows.size(), static_cast<std::size_t>(stepped.outcome.cost.steps + ends)) << what;
       EXPECT_EQ(stepped.outcome.final[0], result.outcome.final[0]) << what;
     }
 }

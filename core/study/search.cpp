@@ -54,12 +54,12 @@ double Search::next() const {
   return coarsest / std::clamp(std::pow(bad_->trial.error / (aim * accuracy_), 1 / p), 1.03, stride * stride);
 }
 
-void Search::advance(double seconds, std::int64_t most_steps) {
+void Search::advance(double seconds, std::int64_t step_limit) {
   const double value = next();
   const SchemeConfig choice = dial_.at(choice_, value);
   // The best within a time has no accuracy that others could miss.
   const Trial trial =
-      accuracy_ > 0 ? subject_.look(choice, seconds, most_steps, accuracy_) : subject_.run(choice, seconds, most_steps);
+      accuracy_ > 0 ? subject_.look(choice, seconds, step_limit, accuracy_) : subject_.run(choice, seconds, step_limit);
   if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return;
   settle({value, trial});
 }

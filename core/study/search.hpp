@@ -19,7 +19,7 @@ class Search {
   /// The run to be made next: coarse ones first, then where the order seen so far predicts the accuracy, then between
   /// the coarsest that is good and the finest that is not. At most so long, and of at most so many steps: one that
   /// takes more is too dear.
-  void advance(double seconds, std::int64_t most_steps);
+  void advance(double seconds, std::int64_t step_limit);
   /// Nothing better will come.
   bool over() const { return over_; }
   void give_up() { over_ = true; }

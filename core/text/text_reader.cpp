@@ -29,10 +29,10 @@ void TextReader::check_names() {
   for (const auto column : column_names()) taken.emplace(column);
   for (const auto function : function_names()) taken.emplace(function);
   const auto take = [&](const std::string& pointer, const std::string& name, std::string_view what,
-                        std::size_t longest) {
-    if (!is_name(name) || name.size() > longest) {
+                        std::size_t most_letters) {
+    if (!is_name(name) || name.size() > most_letters) {
       fault(pointer, "\"" + name.substr(0, 40) + "\" cannot be a name",
-            "a letter, then letters, digits, _: at most " + std::to_string(longest));
+            "a letter, then letters, digits, _: at most " + std::to_string(most_letters));
     } else if (!taken.insert(name).second) {
       fault(pointer, name + " is " + std::string(what) + " and something else already", "names that differ");
     }

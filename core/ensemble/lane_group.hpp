@@ -4,9 +4,7 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <memory>
 #include <vector>
 
 #include "core/ensemble/lane_steps.hpp"
@@ -14,30 +12,33 @@
 namespace least {
 
 /// The group of a task that begins with its member `first`. Lanes beyond the last member do what that does.
-template <class P, class X>
 class GroupRun {
  public:
-  GroupRun(LaneTask& task, const Group<P>& problems, std::size_t first) : task_(task), problems_(problems) {
+  /// States of so many components.
+  GroupRun(LaneTask& task, std::size_t size, std::size_t first)
+      : task_(task), size_(size), before_(packs * size), last_(before_), t_(task.start_time) {
     const std::size_t lanes = std::min(group_size, task.count - first);
     started_ = static_cast<std::int64_t>(lanes);
-    for (std::size_t j = 0; j < packs; ++j) {
-      x_[j].t = task.start_time;
+    for (std::size_t j = 0; j < packs; ++j)
       for (std::size_t lane = 0; lane < lane_count; ++lane) {
         const std::size_t at = j * lane_count + lane;
         const bool begins = at < lanes && task.ended[first + at] == static_cast<std::uint8_t>(cancelled);
         alive_[j].on[static_cast<int>(lane)] = begins ? -1 : 0;
         members_[at] = first + at;
-        for (std::size_t i = 0; i < X::size; ++i)
-          x_[j][i].v[static_cast<int>(lane)] = task.start[i * task.count + first + std::min(at, lanes - 1)];
+        for (std::size_t i = 0; i < size; ++i)
+          before_[j * size + i].v[static_cast<int>(lane)] =
+              task.start[i * task.count + first + std::min(at, lanes - 1)];
       }
-    }
   }
 
-  /// bind(problems, states) → GroupSteps from there
-  template <class Bind>
-  void begin(Bind&& bind) {
-    check_start();
-    steps_ = bind(problems_, x_);
+  /// The states that it begins with.
+  const Lanes* start() const { return before_.data(); }
+  /// Steps from there.
+  void begin(std::unique_ptr<GroupSteps> steps) {
+    steps_ = std::move(steps);
+    if (task_.count < group_size) steps_->use((task_.count + lane_count - 1) / lane_count);  // nobody else comes
+    for (std::size_t j = 0; j < packs; ++j)
+      for (const auto& fault : steps_->at_start(task_, j)) end(j, fault.where, fault.why);
     forces_at_start_ = steps_->work().forces;
   }
   std::size_t alive() const {
@@ -66,9 +67,10 @@ class GroupRun {
         step_one_by_one(until);
         continue;
       }
-      const Group<X> before = x_;
+      note(before_);
       steps_->keep();
       Seen seen;
+      const double t = t_;
       advance(until, seen);
       if (faultless(seen)) {
         tell();
@@ -77,7 +79,8 @@ class GroupRun {
         n_ = until;
         continue;
       }
-      x_ = before;
+      go_back(before_);
+      t_ = t;
       steps_->take_back();
       passages_.clear();
       step_one_by_one(until);
@@ -89,11 +92,11 @@ class GroupRun {
       if (n_ >= task_.step_limit) return end_all(step_limit);
       step_alone(task_.tail, task_.end);
     }
-    for (X& x : x_) x.t = task_.end;
+    t_ = task_.end;
     for (; next_ < task_.times.size() && !task_.cancelled->load(std::memory_order_relaxed); ++next_) say(task_.end);
     each_alive([&](std::size_t j, std::size_t lane) {
       task_.ended[member(j, lane)] = static_cast<std::uint8_t>(completed);
-      for (std::size_t i = 0; i < X::size; ++i) task_.final[i * task_.count + member(j, lane)] = x_[j][i].v[lane];
+      for (std::size_t i = 0; i < size_; ++i) task_.final[i * task_.count + member(j, lane)] = pack(j)[i].v[lane];
     });
   }
   /// Members of the other group, which made as many steps, go on in lanes of this one in which nobody does: as many as
@@ -103,12 +106,11 @@ class GroupRun {
     other.each_alive([&](std::size_t j, std::size_t lane) {
       while (to < group_size && alive_[to / lane_count].on[to % lane_count]) ++to;
       if (to == group_size) return;
-      const std::size_t pack = to / lane_count, here = to % lane_count;
-      for (std::size_t i = 0; i < X::size; ++i) x_[pack][i].v[here] = other.x_[j][i].v[lane];
-      limit_[pack].v[here] = other.limit_[j].v[lane];
-      steps_->take_lane(*other.steps_, j, lane, pack, here);
+      const std::size_t into = to / lane_count, here = to % lane_count;
+      for (std::size_t i = 0; i < size_; ++i) pack(into)[i].v[here] = other.pack(j)[i].v[lane];
+      steps_->take_lane(*other.steps_, j, lane, into, here);
       members_[to] = other.member(j, lane);
-      alive_[pack].on[here] = -1;
+      alive_[into].on[here] = -1;
       other.alive_[j].on[lane] = 0;
     });
   }
@@ -121,17 +123,22 @@ class GroupRun {
   }
 
  private:
-  using Narrow = typename X::template in<double, double>;
-  static constexpr double largest_component = 1e75;
   static constexpr std::int64_t block = 50;
   using enum ReturnCode;
+  /// Of a member, from one time to another: its states before and after, one behind the other.
   struct Passage {
     std::size_t member;
     double from, to;
-    std::array<double, X::size> before{}, after{};
-    Passage(std::size_t of, double start, double end) : member(of), from(start), to(end) {}
+    std::vector<double> states;
   };
 
+  Lanes* pack(std::size_t j) { return steps_->state(j); }
+  void note(std::vector<Lanes>& x) {
+    for (std::size_t j = 0; j < packs; ++j) std::copy_n(pack(j), size_, x.data() + j * size_);
+  }
+  void go_back(const std::vector<Lanes>& x) {
+    for (std::size_t j = 0; j < packs; ++j) std::copy_n(x.data() + j * size_, size_, pack(j));
+  }
   /// Those of the mask that were going on until now.
   void end(std::size_t j, const LaneMask& which, ReturnCode why) {
     const LaneMask now = which & alive_[j];
@@ -150,118 +157,53 @@ class GroupRun {
       for (std::size_t lane = 0; lane < lane_count; ++lane)
         if (alive_[j].on[lane]) f(j, lane);
   }
-  static Narrow in_lane(const X& x, std::size_t lane) {
-    Narrow y;
-    y.t = x.t;
-    for (std::size_t i = 0; i < X::size; ++i) y[i] = x[i].v[lane];
-    return y;
-  }
-  static LaneMask finite(const X& x) {
-    LaneMask good{LaneMask::Vector{} - 1};
-    for (std::size_t i = 0; i < X::size; ++i) good = good & (abs(x[i]) < Lanes(largest_component));
-    return good;
-  }
-  template <class R>
-  static double lane_of(const R& x, std::size_t lane) {
-    if constexpr (std::is_same_v<R, Lanes>) {
-      return x.v[lane];
-    } else {
-      return x;
-    }
-  }
-  double damping_step(std::size_t j, std::size_t lane) const {
-    if constexpr (HasFrequency<P> && ConstantDamping<P>)
-      return std::max(lane_of(problems_[j].damping(), lane), 0.0) * task_.step;
-    return 0;
-  }
-
-  void check_start() {
-    const double square = task_.step * task_.step;
-    for (std::size_t j = 0; j < packs; ++j) {
-      end(j, !finite(x_[j]), not_finite);
-      if constexpr (HasDomain<P>)
-        if (problems_[j].bounded()) end(j, problems_[j].inside(x_[j].q) < Lanes(0), left_domain);
-      if constexpr (VectorField<P>) end(j, !finite(derivative(problems_[j], x_[j])), singular);
-      if constexpr (QuadraticContact<P>)
-        if (task_.steps > 0) end(j, pole(j, x_[j].action.s), singular);
-      if constexpr (HasFrequency<P>) {
-        const Lanes turn(problems_[j].frequency_squared(position(x_[j])));
-        for (std::size_t lane = 0; lane < lane_count; ++lane) {
-          const double alpha = damping_step(j, lane);
-          const std::size_t twin = lane > 0 ? lane - 1 : 0;
-          if constexpr (ConstantFrequency<P>) {
-            LaneMask here{};
-            here.on[lane] = -1;
-            if (task_.steps > 0 && task_.host->is_too_fast(turn.v[lane] * square, alpha)) end(j, here, unstable_step);
-          } else {
-            limit_[j].v[lane] =
-                lane > 0 && alpha == damping_step(j, twin) ? limit_[j].v[twin] : task_.host->turn_limit(alpha) / square;
-          }
-        }
-        if constexpr (!ConstantFrequency<P>)
-          if (task_.steps > 0) end(j, turn > limit_[j], unstable_step);
-      }
-    }
-  }
-  LaneMask pole(std::size_t j, const Lanes& s) const requires QuadraticContact<P> {
-    return -(problems_[j].action_curvature() * s * task_.step) > Lanes(2);
-  }
-
-  /// What went wrong with the pack, in the order in which a lone run looks for it.
-  template <class F>
-  void faults(std::size_t j, const Seen& seen, F&& fault) {
-    fault(seen.failed[j], singular);
-    if constexpr (QuadraticContact<P>) fault(pole(j, seen.lowest[j]), singular);
-    const LaneMask good = finite(x_[j]);
-    if constexpr (HasDomain<P>)
-      if (problems_[j].bounded()) fault(seen.left[j] & good, left_domain);
-    fault(!good, not_finite);
-    if constexpr (HasFrequency<P> && !ConstantFrequency<P>) fault(seen.turn[j] > limit_[j], unstable_step);
-  }
   bool faultless(const Seen& seen) {
     LaneMask wrong{};
     for (std::size_t j = 0; j < packs; ++j)
-      faults(j, seen, [&](const LaneMask& which, ReturnCode) { wrong = wrong | (which & alive_[j]); });
+      for (const auto& fault : steps_->after(j, seen, task_.step, false)) wrong = wrong | (fault.where & alive_[j]);
     return !any(wrong);
   }
 
   /// One step, from which members that fail are brought back.
   void step_alone(double h, double t) {
-    const Group<X> before = x_;
+    note(before_);
     Seen seen;
-    steps_->advance(x_, task_.start_time, task_.step, n_, 1, h, seen);
+    steps_->advance(t_, task_.start_time, task_.step, n_, 1, h, seen);
     ++made_;
     for (std::size_t j = 0; j < packs; ++j) {
-      x_[j].t = t;
-      faults(j, seen, [&](const LaneMask& which, ReturnCode why) { end(j, which, why); });
-      for (std::size_t i = 0; i < X::size; ++i) x_[j][i] = select(alive_[j], x_[j][i], before[j][i]);
+      for (const auto& fault : steps_->after(j, seen, task_.step, true)) end(j, fault.where, fault.why);
+      for (std::size_t i = 0; i < size_; ++i) pack(j)[i] = select(alive_[j], pack(j)[i], before_[j * size_ + i]);
     }
     taken_ += static_cast<std::int64_t>(alive());
-    if (task_.watches) watch(before);
+    if (task_.watches) watch(before_, t);
+    t_ = t;
     tell();
   }
-  /// Notes who may have passed what is watched within the last step.
-  void watch(const Group<X>& before) {
+  /// Notes who may have passed what is watched within the step to the time t.
+  void watch(const std::vector<Lanes>& before, double t) {
     for (std::size_t j = 0; j < packs; ++j) {
+      const Lanes *was = before.data() + j * size_, *is = pack(j);
       LaneMask passed = alive_[j];
       if (task_.watched >= 0) {
-        const auto i = static_cast<std::size_t>(task_.watched);
-        const LaneMask was = before[j][i] < Lanes(task_.level), is = x_[j][i] < Lanes(task_.level);
-        passed = passed & ((was & !is) | (is & !was));
+        const LaneMask below = was[task_.watched] < Lanes(task_.level), then = is[task_.watched] < Lanes(task_.level);
+        passed = passed & ((below & !then) | (then & !below));
       }
       if (!any(passed)) continue;
       for (std::size_t lane = 0; lane < lane_count; ++lane) {
         if (!passed.on[lane]) continue;
-        Passage& passage = passages_.emplace_back(member(j, lane), before[j].t, x_[j].t);
-        for (std::size_t k = 0; k < X::size; ++k) {
-          passage.before[k] = before[j][k].v[lane];
-          passage.after[k] = x_[j][k].v[lane];
+        Passage& passage = passages_.emplace_back(Passage{member(j, lane), t_, t, std::vector<double>(2 * size_)});
+        for (std::size_t k = 0; k < size_; ++k) {
+          passage.states[k] = was[k].v[lane];
+          passage.states[size_ + k] = is[k].v[lane];
         }
       }
     }
   }
   void tell() {
-    for (const Passage& p : passages_) task_.host->at_step(p.member, p.from, p.before, p.to, p.after);
+    for (const Passage& p : passages_) {
+      const std::span<const double> states(p.states);
+      task_.host->at_step(p.member, p.from, states.first(size_), p.to, states.last(size_));
+    }
     passages_.clear();
   }
 
@@ -272,11 +214,19 @@ class GroupRun {
   }
   /// Steps up to the one with this number, in all of which passages of a level are noted.
   void advance(std::int64_t until, Seen& seen) {
-    if (!task_.watches) return steps_->advance(x_, task_.start_time, task_.step, n_, until - n_, task_.step, seen);
+    const auto take_steps = [&](std::int64_t from, std::int64_t to) {
+      steps_->advance(t_, task_.start_time, task_.step, from, to - from, task_.step, seen);
+    };
+    if (!task_.watches) {
+      take_steps(n_, until);
+      t_ = grid_time(until);
+      return;
+    }
     for (std::int64_t n = n_; n < until; ++n) {
-      const Group<X> before = x_;
-      steps_->advance(x_, task_.start_time, task_.step, n, 1, task_.step, seen);
-      watch(before);
+      note(last_);
+      take_steps(n, n + 1);
+      watch(last_, grid_time(n + 1));
+      t_ = grid_time(n + 1);
     }
   }
   /// The time of the next state on the way; what is asked for before it is told from the one before.
@@ -284,30 +234,29 @@ class GroupRun {
 
   /// The states at the time t, by a shorter step of which the run itself knows nothing.
   void say(double t) {
-    const Group<X> here = x_;
-    const double part = t - x_[0].t;
+    note(before_);
+    const double part = t - t_;
     if (part > 0) {
       steps_->keep();
       Seen seen;
-      steps_->advance(x_, task_.start_time, task_.step, n_, 1, part, seen);
+      steps_->advance(t_, task_.start_time, task_.step, n_, 1, part, seen);
       steps_->take_back();
     }
+    std::vector<double> state(size_);
     each_alive([&](std::size_t j, std::size_t lane) {
-      const Narrow y = in_lane(x_[j], lane);
-      std::array<double, X::size> values;
-      for (std::size_t i = 0; i < X::size; ++i) values[i] = y[i];
-      task_.host->at_time(member(j, lane), t, values.data());
+      for (std::size_t i = 0; i < size_; ++i) state[i] = pack(j)[i].v[lane];
+      task_.host->at_time(member(j, lane), t, state.data());
     });
-    x_ = here;
+    go_back(before_);
   }
 
   LaneTask& task_;
-  Group<P> problems_;
-  std::unique_ptr<GroupSteps<P, X>> steps_;
+  std::size_t size_;
+  std::unique_ptr<GroupSteps> steps_;
   std::array<std::size_t, group_size> members_{};  ///< of each lane
-  Group<X> x_;
+  std::vector<Lanes> before_, last_;               ///< states with which a block or a step began
+  double t_;                                       ///< time of the states
   Group<LaneMask> alive_;
-  Group<Lanes> limit_{};  ///< of ω²
   std::vector<Passage> passages_;
   std::int64_t n_ = 0;                 ///< steps so far
   std::size_t next_ = 0;               ///< of the times asked for

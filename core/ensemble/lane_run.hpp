@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <memory>
 #include <tuple>
 #include <vector>
 
@@ -43,8 +42,7 @@ Group<P<R>> problems_of(const LaneTask& task, std::size_t first) {
 }
 
 /// Fewer groups where their members are fewer: the last ones go on in lanes of the first.
-template <class Run>
-void close_ranks(std::vector<std::unique_ptr<Run>>& groups) {
+inline void close_ranks(std::vector<std::unique_ptr<GroupRun>>& groups) {
   std::erase_if(groups, [](auto& group) {  // it stands still where its last member ended: nobody can go on from there
     if (!group->anyone()) group->account();
     return !group->anyone();
@@ -59,14 +57,27 @@ void close_ranks(std::vector<std::unique_ptr<Run>>& groups) {
   }
 }
 
-/// Runs the members of a task, so many groups at once. make(first) → the run of the group that begins with that member.
-template <class Make>
-void run_members(LaneTask& task, std::size_t groups_at_once, bool alike, Make&& make) {
-  constexpr std::int64_t stretch =
-      1000;  // steps of one group after the other: long against what it costs to turn to it
+/// Makes the steps of the group that begins with that member, from its states.
+class GroupMaker {
+ public:
+  virtual ~GroupMaker() = default;
+  virtual std::unique_ptr<GroupSteps> of(std::size_t first, const Lanes* x) const = 0;
+};
+/// Runs the members of a task, as many groups at once as fit the cache that is a core's own: of a group so many bytes,
+/// of a state so many components. Alike: members may go on in lanes of others.
+inline void run_members(LaneTask& task, const GroupMaker& maker, std::size_t bytes, std::size_t size, bool alike) {
+  constexpr std::size_t cache = std::size_t{1} << 18;
+  // Steps of one group after the other: long against what it costs to turn to it.
+  constexpr std::int64_t stretch = GroupOfClocks::stretch;
+  const std::size_t at_once =
+      std::max(cache / (bytes + sizeof(GroupRun) + 3 * group_size * size * sizeof(double)), packs);
   for (std::size_t first = 0; first < task.count;) {
-    std::vector<decltype(make(first))> groups;
-    for (; first < task.count && groups.size() < groups_at_once; first += group_size) groups.push_back(make(first));
+    GroupOfClocks clocks;  // they have the same steps, and where parameters are shared the same times
+    std::vector<std::unique_ptr<GroupRun>> groups;
+    for (; first < task.count && groups.size() < at_once; first += group_size) {
+      groups.push_back(std::make_unique<GroupRun>(task, size, first));
+      groups.back()->begin(maker.of(first, groups.back()->start()));
+    }
     for (std::int64_t n = std::min(stretch, task.steps); !groups.empty(); n = std::min(n + stretch, task.steps)) {
       for (auto& group : groups) group->go(n);
       if (n == task.steps) break;
@@ -78,36 +89,31 @@ void run_members(LaneTask& task, std::size_t groups_at_once, bool alike, Make&& 
     }
   }
 }
-/// As many groups as fit the cache that is a core's own.
-inline std::size_t groups_of(std::size_t bytes) {
-  constexpr std::size_t cache = std::size_t{1} << 20;
-  return std::max(cache / bytes, packs);
-}
 
-template <template <class> class P, class R, class X, class Scheme>
-bool run_groups(LaneTask& task, const Scheme& scheme) {
-  if constexpr (requires { typename StepperOf<Scheme, P<R>, X>; }) {
-    using Run = GroupRun<P<R>, X>;
-    using Steps = BoundGroup<P<R>, X, Scheme>;
-    const GroupOfClocks
-        one;  // of all members: they have the same steps, and where parameters are shared the same times
-    run_members(task, groups_of(sizeof(Run) + sizeof(Steps)), !general, [&](std::size_t first) {
-      auto run = std::make_unique<Run>(task, problems_of<P, R>(task, first), first);
-      run->begin([&](const auto& problems, const auto& x) { return std::make_unique<Steps>(scheme, problems, x); });
-      return run;
-    });
-    task.variables = X::size;
-    return true;
+/// Of a task of the problem P, by a scheme.
+template <template <class> class P, class R>
+class ProblemMaker final : public GroupMaker {
+ public:
+  ProblemMaker(const LaneTask& task, const void* scheme, BindGroup<P<R>> bind)
+      : task_(task), scheme_(scheme), bind_(bind) {}
+  std::unique_ptr<GroupSteps> of(std::size_t first, const Lanes* x) const override {
+    return bind_(scheme_, problems_of<P, R>(task_, first), x, task_.start_time);
   }
-  return false;
-}
+
+ private:
+  const LaneTask& task_;
+  const void* scheme_;
+  BindGroup<P<R>> bind_;
+};
 
 /// A task of the problem P.
 template <template <class> class P>
 bool run_lanes(LaneTask& task) {
-  if constexpr (HasSeries<P<double>>)  // its first steps are not the scheme's
-    if (task.start_time >= 0 && task.start_time <= P<double>::series_until) return false;
   using Problem = P<double>;
+  using R = std::conditional_t<general, Lanes, double>;
+  using X = std::conditional_t<general, FullStateOf<Problem, Lanes>, StateOf<Problem, Lanes>>;
+  if constexpr (HasSeries<Problem>)  // its first steps are not the scheme's
+    if (task.start_time >= 0 && task.start_time <= Problem::series_until) return false;
   const bool own = task.full || !task.varied.empty();  // of each lane, or more than the motion needs
   if constexpr (general) {
     if (task.full && !std::is_same_v<FullRunState<Problem>, FullStateOf<Problem>>) return false;
@@ -115,13 +121,12 @@ bool run_lanes(LaneTask& task) {
     return false;
   }
   bool ran = false;
-  with_lane_scheme(task.scheme, task.settings, [&](const auto& scheme) {
-    if constexpr (general) {
-      ran = run_groups<P, Lanes, FullStateOf<Problem, Lanes>>(task, scheme);
-    } else {
-      ran = run_groups<P, double, StateOf<Problem, Lanes>>(task, scheme);
-    }
-  });
+  with_bound_scheme<P<R>, X>(task.scheme, task.settings,
+                             [&](const void* scheme, BindGroup<P<R>> bind, std::size_t bytes) {
+                               run_members(task, ProblemMaker<P, R>(task, scheme, bind), bytes, X::size, !general);
+                               task.variables = X::size;
+                               ran = true;
+                             });
   return ran;
 }
 

@@ -9,38 +9,31 @@
 
 namespace least {
 
-template <class X>
-X lane_state(const double* values, double t) {
-  X x;
-  x.t = t;
-  for (std::size_t i = 0; i < X::size; ++i) x[i] = values[i];
-  return x;
-}
-
-template <template <class> class P, class X>
-void columns_of_state(const LaneState& state) {
+template <template <class> class P>
+void lane_columns(const LaneState& state) {
+  using X = FullStateOf<P<double>>;
   static const auto all = columns_of<P<double>, X>(About<P>::card());
   const auto problem = from_values<P<double>>(About<P>::fields, state.parameters);
-  const X x = lane_state<X>(state.values, state.t);
+  X x;  // what is not carried is not read
+  x.t = state.t;
+  for (std::size_t i = 0; i < (state.full ? X::size : StateOf<P<double>>::size); ++i) x[i] = state.values[i];
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     const auto& column = all[state.columns[i]];
     state.out[i] = column.value(problem, x, {}, column.index);
   }
 }
-template <template <class> class P>
-void lane_columns(const LaneState& state) {
-  state.full ? columns_of_state<P, FullStateOf<P<double>>>(state) : columns_of_state<P, StateOf<P<double>>>(state);
-}
 
-template <class X, class Stepper>
+/// Of the first pack of a group of the same members.
 class BoundPath final : public LanePath {
  public:
-  BoundPath(const X& x, const Stepper& stepper) : x_(x), stepper_(stepper) {}
+  BoundPath(GroupSteps& steps, const std::vector<Lanes>& start, double t) : steps_(steps), start_(start), t_(t) {}
   bool at(double t, double* state) const override {
-    X x = x_;
-    Stepper stepper = stepper_;
-    bool good = all(succeeded(LaneStatuses(stepper.step(x, t - x.t))));
-    for (std::size_t i = 0; i < X::size; ++i) {
+    Lanes* const x = std::copy_n(start_.data(), steps_.size(), steps_.state(0)) - steps_.size();
+    Seen seen;
+    steps_.advance(t_, t_, 0, 0, 1, t - t_, seen);
+    steps_.take_back();
+    bool good = all(seen.well[0]);
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
       state[i] = x[i].v[0];
       good = good && std::isfinite(state[i]);
     }
@@ -48,18 +41,22 @@ class BoundPath final : public LanePath {
   }
 
  private:
-  X x_;
-  Stepper stepper_;
+  GroupSteps& steps_;
+  const std::vector<Lanes>& start_;
+  double t_;
 };
 template <template <class> class P>
 void show_path(const LaneStep& step, LaneHost& host) {
   using X = FullStateOf<P<double>, Lanes>;
-  const auto problem = parameters::in<Lanes>(from_values<P<double>>(About<P>::fields, step.parameters));
-  X x;
-  x.t = step.t;
-  for (std::size_t i = 0; i < X::size; ++i) x[i] = i < step.before.size() ? step.before[i] : 0.0;
-  with_lane_scheme(step.scheme, step.settings, [&](const auto& scheme) {
-    if constexpr (requires { scheme.bind(problem, x); }) host.look(BoundPath(x, scheme.bind(problem, x)));
+  Group<P<Lanes>> problems;
+  problems.fill(parameters::in<Lanes>(from_values<P<double>>(About<P>::fields, step.parameters)));
+  std::vector<Lanes> x(packs * X::size);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = i % X::size < step.before.size() ? step.before[i % X::size] : 0.0;
+  with_bound_scheme<P<Lanes>, X>(step.scheme, step.settings, [&](const void* scheme, auto bind, std::size_t) {
+    const auto steps = bind(scheme, problems, x.data(), step.t);
+    steps->use(1);
+    steps->keep();
+    host.look(BoundPath(*steps, x, step.t));
   });
 }
 

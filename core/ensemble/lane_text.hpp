@@ -237,37 +237,32 @@ class ProgramRun {
   bool prepared_ = false;
 };
 
-/// In the place of a problem: the program says it all.
-struct Programmed {};
-using ProgrammedState = Point<static_cast<int>(program_rows), Lanes, double>;
-
-class ProgramSteps final : public GroupSteps<Programmed, ProgrammedState> {
+class ProgramSteps final : public GroupSteps {
  public:
-  ProgramSteps(const LaneTask& task, std::size_t first, const Group<ProgrammedState>& x)
-      : program_(*task.program), run_(program_) {
+  ProgramSteps(const LaneTask& task, std::size_t first, const Lanes* x)
+      : program_(*task.program), run_(program_), x_(x, x + packs * program_rows) {
+    show_states(x_.data(), program_rows, program_rows);
     for (std::size_t k = 0; k < program_.own; ++k)
       for (std::size_t j = 0; j < packs; ++j)
         for (std::size_t lane = 0; lane < lane_count; ++lane)
           run_.at(program_.rows.size() + k)[j].v[lane] =
               task.own[k * task.count + std::min(first + j * lane_count + lane, task.count - 1)];
-    load(x);
+    load();
     run_.start(task.start_time, task.step);
   }
 
-  void advance(Group<ProgrammedState>& x, double start, double step, std::int64_t n, std::int64_t count, double h,
-               Seen& seen) override {
-    load(x);
+  void advance(double, double start, double step, std::int64_t n, std::int64_t count, double h, Seen& seen) override {
+    load();
     run_.set_step(h);
     for (std::int64_t end = n + count; n < end; ++n) {
       run_.step(start + static_cast<double>(n) * step);
       if (program_.failed < 0) continue;
       const Lanes* const failed = run_.at(static_cast<std::size_t>(program_.failed));
-      for (std::size_t j = 0; j < packs; ++j) seen.failed[j] = seen.failed[j] | !(failed[j] <= Lanes(0));
+      for (std::size_t j = 0; j < packs; ++j) seen.well[j] = seen.well[j] & (failed[j] <= Lanes(0));
     }
     steps_ += count;
     for (std::size_t k = 0; k < program_.rows.size(); ++k)
-      for (std::size_t j = 0; j < packs; ++j) x[j][program_.rows[k]] = run_.at(k)[j];
-    for (auto& one : x) one.t = start + static_cast<double>(n) * step;
+      for (std::size_t j = 0; j < packs; ++j) state(j)[program_.rows[k]] = run_.at(k)[j];
   }
   void keep() override {
     run_.keep(kept_);
@@ -287,25 +282,31 @@ class ProgramSteps final : public GroupSteps<Programmed, ProgrammedState> {
   Work work() const override { return {program_.forces_at_start + steps_ * program_.forces_of_step}; }
 
  private:
-  void load(const Group<ProgrammedState>& x) {
+  void load() {
     for (std::size_t k = 0; k < program_.rows.size(); ++k)
-      for (std::size_t j = 0; j < packs; ++j) run_.at(k)[j] = x[j][program_.rows[k]];
+      for (std::size_t j = 0; j < packs; ++j) run_.at(k)[j] = state(j)[program_.rows[k]];
   }
 
   const LaneProgram& program_;
   ProgramRun<Lanes, packs> run_;
   ProgramRun<Lanes, packs>::Kept kept_;
+  std::vector<Lanes> x_;
   std::int64_t steps_ = 0, kept_steps_ = 0;
 };
 
+class ProgramMaker final : public GroupMaker {
+ public:
+  explicit ProgramMaker(const LaneTask& task) : task_(task) {}
+  std::unique_ptr<GroupSteps> of(std::size_t first, const Lanes* x) const override {
+    return std::make_unique<ProgramSteps>(task_, first, x);
+  }
+
+ private:
+  const LaneTask& task_;
+};
+
 inline bool run_program(LaneTask& task) {
-  using Run = GroupRun<Programmed, ProgrammedState>;
-  const std::size_t registers = task.program->registers * packs * sizeof(Lanes);
-  run_members(task, groups_of(sizeof(Run) + registers), true, [&](std::size_t first) {
-    auto run = std::make_unique<Run>(task, Group<Programmed>{}, first);
-    run->begin([&](const auto&, const auto& x) { return std::make_unique<ProgramSteps>(task, first, x); });
-    return run;
-  });
+  run_members(task, ProgramMaker(task), task.program->registers * packs * sizeof(Lanes), program_rows, true);
   return true;
 }
 

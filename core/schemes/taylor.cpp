@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/tape/series_rules.hpp"
+
 namespace least::taylor {
 namespace {
 
@@ -18,12 +20,16 @@ constexpr int most_chosen = 40;
 /// What a step of the order p costs, about, in nanoseconds, of a program that is unrolled: measured where a leapfrog
 /// step of Kepler's problem takes 17. Those that are read take longer, at much the same best order.
 double cost(const Program& program, double p) {
-  double fixed = 110;
-  for (std::size_t i = 0; i < program.motion_steps; ++i)
-    fixed += program.steps[i].function == tape::Op::constant ? 3 : 15;
-  const auto steps = static_cast<double>(program.motion_steps);
-  const std::size_t fours = (program.motion_lanes + 3) / 4;
-  return fixed + p * (1.5 + 0.7 * steps + 0.13 * static_cast<double>(fours) * p);
+  double fixed = 90;
+  for (std::size_t i = 0; i < program.motion_steps; ++i) {
+    const tape::Step& step = program.steps[i];
+    const bool called = step.function != tape::Op::constant && step.products == 0;
+    if (called || step.rule == tape::Rule::power || step.rule == tape::Rule::root) fixed += 15;
+  }
+  std::size_t slots = 0;
+  for (std::size_t i = 0; i < program.motion_lanes; ++i) slots += program.lane_a[i] == program.lane_b[i] ? 1 : 2;
+  const auto steps = static_cast<double>(program.motion_steps), fours = static_cast<double>((slots + 3) / 4);
+  return fixed + p * (3.5 + 0.95 * steps + 0.065 * fours * p);
 }
 
 /// ln n!
@@ -85,16 +91,20 @@ typedef double Two __attribute__((vector_size(16)));
 typedef double Apart __attribute__((vector_size(16), aligned(8), may_alias));
 typedef std::int64_t Bits __attribute__((vector_size(16)));
 
+constexpr Bits both{INT64_MAX, INT64_MAX}, first{INT64_MAX, 0};
+/// The sizes of two components, of which only those of the motion have a say.
+Two sizes(const double* c, const Bits& kept) {
+  return std::bit_cast<Two>(std::bit_cast<Bits>(Two(*reinterpret_cast<const Apart*>(c))) & kept);
+}
+
 /// The largest of |cₖ| rᵏ⁻ˡ of the components of the motion, over the orders from l = `low` to `high`.
 double largest_term(const tape::Series& series, std::size_t moving, int low, int high, double r) {
-  constexpr Bits size{INT64_MAX, INT64_MAX}, first{INT64_MAX, 0};
   double largest = 0;
   for (std::size_t begin = 0; begin < moving; begin += 2) {
-    const Bits kept = begin + 1 < moving ? size : first;  // what stands behind the motion has no say
+    const Bits kept = begin + 1 < moving ? both : first;
     Two most{};
     for (int k = high; k >= low; --k) {
-      const Two c = *reinterpret_cast<const Apart*>(series.coefficients(k) + begin);
-      const Two here = std::bit_cast<Two>(std::bit_cast<Bits>(c) & kept);
+      const Two here = sizes(series.coefficients(k) + begin, kept);
       most *= r;
       most = most < here ? here : most;
     }
@@ -122,14 +132,14 @@ void Expansion::limit(double rate) {
 }
 
 double Expansion::largest(int k) const {
-  const double* c = series_.coefficients(k);
-  double most = 0, sum = 0;
-  for (std::size_t i = 0; i < moving_; ++i) {
-    const double size = std::abs(c[i]);
-    most = size > most ? size : most;
-    sum += size;
+  Two most{}, sums{};
+  for (std::size_t begin = 0; begin < moving_; begin += 2) {
+    const Two here = sizes(series_.coefficients(k) + begin, begin + 1 < moving_ ? both : first);
+    most = most < here ? here : most;
+    sums += here;
   }
-  return sum < std::numeric_limits<double>::infinity() ? most : sum;  // NaN comes in and stays
+  const double sum = sums[0] + sums[1];
+  return sum < std::numeric_limits<double>::infinity() ? std::max(most[0], most[1]) : sum;  // NaN comes in and stays
 }
 
 void Expansion::move(const double* y, double t) {
@@ -152,19 +162,22 @@ double Expansion::step() const {
   if (used_ == 0) return 0;
   const double size = std::max(1.0, largest(0)), scale = kept * size, before = used_ > 1 ? largest(used_ - 1) : 0;
   // All logarithms to the base 2, of h: ρ = h ε^{−1/p} is how far the series seems to converge.
-  const double p = used_, log_scale = rough_log2(scale), log_root = log_tolerance_ / p;
+  const double log_scale = rough_log2(scale), log_term = log_scale + log_tolerance_,
+               part = tape::inverses[tape::at(used_)];
+  const double log_root = log_tolerance_ * part;
   double log_h = std::numeric_limits<double>::infinity();
-  if (last_ > 0) log_h = (log_scale - rough_log2(last_)) / p + log_root;
-  if (before > 0) log_h = std::min(log_h, (log_scale - rough_log2(before) + log_tolerance_) / (p - 1));
-  const double log_longest = std::max(20.0, rough_log2(std::abs(t_)) - 20);  // its square is finite
-  log_h = std::min(log_h, std::min(log_longest, 500.0));
+  if (last_ > 0) log_h = (log_term - rough_log2(last_)) * part;
+  if (before > 0) log_h = std::min(log_h, (log_term - rough_log2(before)) * tape::inverses[tape::at(used_ - 1)]);
+  constexpr double long_step = 20, longest = 500;  // its square is finite
+  if (log_h > long_step)
+    log_h = std::min(log_h, std::min(std::max(long_step, rough_log2(std::abs(t_)) - long_step), longest));
   double h = log_h > -1022 ? rough_exp2(log_h) : 0;  // of no tolerance no step
   // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ρᵏ is to be of one size.
-  const double log_rho = log_h - log_root, rho = rough_exp2(log_rho);
+  const double root = used_ == series_.order() ? root_ : rough_exp2(log_root);
+  const double log_rho = log_h - log_root, rho = h / root;
   const auto heed = [&](int low, int high) {
     const double most = slack * scale;
     if (!(low <= high && largest_term(series_, moving_, low, high, rho) > most * rough_exp2(-low * log_rho))) return;
-    const double root = used_ == series_.order() ? root_ : rough_exp2(log_root);
     for (int k = low; k <= high; ++k)
       if (const double c = largest(k); c > most * rough_exp2(-k * log_rho))
         h = std::min(h, root * rough_exp2((log_scale - rough_log2(c)) / k));
@@ -225,20 +238,33 @@ double Expansion::until_switch(double h) const {
 }
 
 void Expansion::evaluate(double h, double* low, double* y) const {
-  const double square = h * h;
+  const double square = h * h, fourth = std::min(square * square, std::numeric_limits<double>::max());
   for (std::size_t begin = 0; begin < variables_; begin += 2) {
     const auto at = [&](int k) -> Two { return *reinterpret_cast<const Apart*>(series_.coefficients(k) + begin); };
-    Two odd{}, even{};  // of the powers of h: two sums that do not wait for each other
+    Two a{}, b{}, c{}, d{};  // of every fourth power of h: sums that do not wait for each other
     int k = used_;
-    if (k % 2 == 0) even = at(k--);
-    for (; k > 1; k -= 2) {
-      odd = odd * square + at(k);
-      even = even * square + at(k - 1);
+    switch (k % 4) {
+      case 3:
+        c = at(k--);
+        [[fallthrough]];
+      case 2:
+        b = at(k--);
+        [[fallthrough]];
+      case 1:
+        a = at(k--);
+        break;
+      default:
+        break;
     }
-    if (k == 1) odd = odd * square + at(1);
-    odd = odd * h + even * square;
+    for (; k > 0; k -= 4) {
+      d = d * fourth + at(k);
+      c = c * fourth + at(k - 1);
+      b = b * fourth + at(k - 2);
+      a = a * fourth + at(k - 3);
+    }
+    const Two sum = ((a + b * h) + (c + d * h) * square) * h;
     for (std::size_t i = begin; i < std::min(begin + 2, variables_); ++i) {
-      const double from = y[i], change = odd[i - begin] + low[i], to = from + change;
+      const double from = y[i], change = sum[i - begin] + low[i], to = from + change;
       const double back = to - from;
       low[i] = (from - (to - back)) + (change - back);
       y[i] = to;

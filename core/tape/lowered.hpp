@@ -26,6 +26,53 @@ constexpr void gather(Program& program) {
   program.products = std::move(products);
 }
 
+/// sin and cos of p a, a linear in time, of which two known pairs have factors that add up to p, begin as sums of
+/// products of these: of many harmonics only the first costs a call.
+constexpr void start_by_addition(Program& program) {
+  const auto is_pair = [&](std::size_t i, Index a) {
+    const Step &x = program.steps[i], &y = program.steps[i + 1];
+    return x.rule == Rule::linear_integral && x.function == Op::sin && y.function == Op::cos && x.w == y.out &&
+           y.w == x.out && x.a == a;
+  };
+  for (std::size_t i = 0; i + 1 < program.steps.size(); ++i) {
+    Step &sine = program.steps[i], &cosine = program.steps[i + 1];
+    for (std::size_t j = i; j-- > 0 && sine.products == 0;)
+      for (std::size_t k = 0; k <= j && sine.products == 0; ++k) {
+        if (!is_pair(i, sine.a) || !is_pair(j, sine.a) || !is_pair(k, sine.a)) continue;
+        const Step &x = program.steps[j], &y = program.steps[k];
+        if (x.p + y.p != sine.p) continue;
+        sine.products = cosine.products = 2;
+        sine.first_product = static_cast<Index>(program.products.size());
+        cosine.first_product = sine.first_product + 2;
+        program.products.push_back({x.out, y.w, none, 1});
+        program.products.push_back({x.w, y.out, none, 1});
+        program.products.push_back({x.w, y.w, none, 1});
+        program.products.push_back({x.out, y.out, none, -1});
+      }
+  }
+}
+
+/// Two slots lie side by side in a half of four: the other factors are those, exchanged.
+constexpr void place_lanes(Program& program) {
+  const std::size_t lanes = program.lane_a.size();
+  program.low.reserve(2 * lanes + 4);
+  program.high.reserve(2 * lanes + 4);
+  program.slot.assign(lanes, 0);
+  const auto add = [&](Index low, Index high) {
+    program.low.push_back(low);
+    program.high.push_back(high);
+  };
+  for (const bool square : {false, true})
+    for (std::size_t i = 0; i < lanes; ++i) {
+      const Index a = program.lane_a[i], b = program.lane_b[i];
+      if ((a == b) != square) continue;
+      program.slot[i] = static_cast<Index>(program.low.size());
+      add(a, b);
+      if (!square) add(b, a);
+    }
+  while (program.low.size() % 4 != 0) add(program.low.back(), program.low.back());  // of no use
+}
+
 /// Of a tape the rates ẋ of the variables, in their order; the first `most` of them are the motion, which what follows
 /// after them does not change by a bit.
 constexpr Program lowered(const Tape& tape, std::span<const Index> rates, std::size_t most) {
@@ -54,7 +101,9 @@ constexpr Program lowered(const Tape& tape, std::span<const Index> rates, std::s
     program.switches.resize(seen);
     program.poles.resize(known);
   }
+  start_by_addition(program);
   gather(program);
+  place_lanes(program);
   return program;
 }
 

@@ -17,7 +17,7 @@ enum class Rule : std::uint8_t {
   quotient,  ///< out = c a/b, the lane is (b, out); a none: c/b
   root,      ///< out = √a, (out, out)
   power,     ///< out = aᵖ: b = ȧ; lanes (ȧ, out) and, number w, (a, ȯut)
-  integral,  ///< ȯut = c w ȧ: b = ȧ, (ȧ, w); at the start f(p a)
+  integral,  ///< ȯut = c w ȧ: b = ȧ, (ȧ, w); at the start f(p a), the sum of the products if there are any
   log_like,  ///< ȯut = c ȧ/w: b = ȧ, (w, ȯut); at the start f(a)
   select,    ///< out = a where w < 0, else b
   // The same where one of the two is linear in time; no lanes.
@@ -60,6 +60,9 @@ struct Program {
   std::vector<Value> values;
   std::vector<Product> products;
   std::vector<Index> lane_a, lane_b;
+  /// Lanes as they are summed: aⱼ b_{k−j} and bⱼ a_{k−j} side by side, for j < k/2; of a square one is enough. By slot
+  /// the factors of the lower order and of the higher, filled up to fours; by lane its first slot.
+  std::vector<Index> low, high, slot;
   std::vector<Index> rate;      ///< the value that is the rate of a variable
   std::vector<Index> weighted;  ///< where k times the coefficients of a variable, and of the time after them, go
   std::vector<Index> switches;  ///< values at whose zeros the formulas change

@@ -55,14 +55,10 @@ struct Reader {
   }
 
   LEAST_WIDE static void expand(const Program& p, const Workspace& of, Gain* gains, Ends* ends, std::size_t groups,
-                                const Index* places, Four* sums) {
+                                const Index* places, Four* slots, double* sums) {
     const Rules<false> rules = rules_of(p);
     const std::size_t stride = of.stride;
-    if (of.begun) {
-      std::copy_n(of.begun, stride, of.rows);
-    } else {
-      begin(p, of.rows);
-    }
+    if (of.begun != of.rows) std::copy_n(of.begun, stride, of.rows);
     for (std::size_t i = 0; i < p.steps.size(); ++i) gains[i] = Rules<false>::gain_of(p.steps[i], p.steps[i], of.rows);
     for (std::size_t i = 0; i < p.products.size(); ++i) {
       const Program::Product& term = p.products[i];
@@ -72,14 +68,20 @@ struct Reader {
     for (std::size_t k = 0; k < of.orders; ++k) {
       double* const row = of.rows + k * stride;
       if (k > 0) {
-        for (std::size_t g = 0; g < groups; ++g) sum_lanes<1>(of.lanes + g, groups, k, sums + g);
-        const double order = static_cast<double>(k), part = inverses[k], twice = k > 2 ? 1 : k > 1 ? 0.5 : 0;
+        for (std::size_t g = 0; g < groups; ++g) {
+          sum_slots<1>(of.lanes + g, groups, k, slots + g);
+          if (k == 1) continue;
+          const Four *low = of.lanes + 2 * groups + g, *high = of.lanes + (2 * k - 1) * groups + g;
+          slots[g].lane += (low->lane * (k == 2 ? 0.5 : 1.0)) * high->lane;
+        }
+        for (std::size_t i = 0; i < p.slot.size(); ++i)
+          sums[i] = sum_of(slots->begin() + p.slot[i], p.lane_a[i] == p.lane_b[i]);
+        const double order = static_cast<double>(k), part = inverses[k];
         const double* const last = row - stride;
-        const double* const flat = sums->begin();
         if (k == 1)
-          for (const Step& s : p.linear) rules.advance(s, s, order, part, twice, second, last, row, flat, {}, ends);
+          for (const Step& s : p.linear) rules.advance(s, s, order, part, second, last, row, sums, {}, ends);
         const Gain* gain = gains;
-        for (const Step& s : p.steps) rules.advance(s, s, order, part, twice, second, last, row, flat, *gain++, ends);
+        for (const Step& s : p.steps) rules.advance(s, s, order, part, second, last, row, sums, *gain++, ends);
       }
       double* const next = row + stride;
       for (std::size_t i = 0; i < p.variables; ++i) {
@@ -112,7 +114,7 @@ Series::Series(Program program, int order, bool unroll)
       unrolled_(unroll ? unrolled_of(program_) : nullptr),
       order_(order),
       stride_(at(program_.rows)),
-      groups_((program_.lane_a.size() + 3) / 4),
+      groups_(program_.low.size() / 4),
       rows_((static_cast<std::size_t>(order) + 1) * stride_ + 4),
       trial_(stride_),
       lanes_(2 * groups_ * (static_cast<std::size_t>(order) + 1)) {
@@ -120,12 +122,10 @@ Series::Series(Program program, int order, bool unroll)
   if (unrolled_) return;
   gains_.resize(program_.steps.size());
   ends_.resize(program_.products.size());
-  sums_.resize(groups_ + 1);
-  places_.assign(8 * groups_, Program::zero);
-  for (std::size_t i = 0; i < program_.lane_a.size(); ++i) {
-    places_[i] = program_.lane_a[i];
-    places_[4 * groups_ + i] = program_.lane_b[i];
-  }
+  slots_.resize(groups_ + 1);
+  sums_.resize(program_.lane_a.size());
+  places_ = program_.low;
+  places_.insert(places_.end(), program_.high.begin(), program_.high.end());
 }
 
 void Series::expand(const double* x, double t) {
@@ -134,22 +134,26 @@ void Series::expand(const double* x, double t) {
                      std::equal(x, x + program_.variables, trial_.data() + Program::first_variable);
   std::copy_n(x, program_.variables, row + Program::first_variable);
   row[program_.time()] = t;
-  const Workspace of{static_cast<std::size_t>(order_), stride_, begun ? trial_.data() : nullptr, row, lanes_.data()};
+  if (!begun) begin(row);
+  const Workspace of{static_cast<std::size_t>(order_), stride_, begun ? trial_.data() : row, row, lanes_.data()};
   if (unrolled_) return unrolled_->expand(program_, of);
-  std::fill_n(row + stride_, stride_, 0.0);  // order 1 is read before it is written, times 0
   row[stride_ + at(program_.time())] = 1;
   row[stride_ + at(program_.weighted.back())] = 1;
-  Reader::expand(program_, of, gains_.data(), ends_.data(), groups_, places_.data(), sums_.data());
+  Reader::expand(program_, of, gains_.data(), ends_.data(), groups_, places_.data(), slots_.data(), sums_.data());
+}
+
+void Series::begin(double* row) const {
+  if (unrolled_) {
+    unrolled_->begin(program_, row);
+  } else {
+    Reader::begin(program_, row);
+  }
 }
 
 bool Series::defined(const double* x, double t) {
   std::copy_n(x, program_.variables, trial_.data() + Program::first_variable);
   trial_[at(program_.time())] = t;
-  if (unrolled_) {
-    unrolled_->begin(program_, trial_.data());
-  } else {
-    Reader::begin(program_, trial_.data());
-  }
+  begin(trial_.data());
   for (std::size_t i = 0; i < program_.moving; ++i)
     if (!std::isfinite(trial_[at(program_.rate[i])])) return false;
   return true;

@@ -17,10 +17,10 @@ struct alignas(32) Four {
   double lane __attribute__((vector_size(32)));
   double* begin() { return reinterpret_cast<double*>(this); }
 };
-/// Where a series stands: rows of coefficients, by order; groups of lanes, by order the first factors and the second.
+/// Where a series stands: rows of coefficients, by order; groups of slots, by order the lower factors and the higher.
 struct Workspace {
   std::size_t orders, stride;
-  const double* begun;  ///< order 0 of all values, where it is known; else the variables and the time stand in `rows`
+  const double* begun;  ///< order 0 of all values
   double* rows;
   Four* lanes;
 };
@@ -57,6 +57,8 @@ class Series {
   const Program& program() const { return program_; }
 
  private:
+  /// Order 0, from the variables and the time that stand there.
+  void begin(double* row) const;
   const double* row(int k) const { return rows_.data() + static_cast<std::size_t>(k) * stride_; }
 
   Program program_;
@@ -69,7 +71,8 @@ class Series {
   // For a program that is read: of its steps, of its products, of its lanes, and where their factors stand.
   std::vector<Gain> gains_;
   std::vector<Ends> ends_;
-  std::vector<Four> sums_;
+  std::vector<Four> slots_;
+  std::vector<double> sums_;
   std::vector<Index> places_;
 };
 

@@ -25,27 +25,37 @@ struct Lists {
   const Program::Product* products;
 };
 
-/// Σ aⱼ b_{k−j} of groups of lanes but for what is new in order k or in the last: 1 < j < k − 1. Of every order there
-/// stand the groups of a, then those of b, `all` of each.
+/// Σ lowⱼ high_{k−j} of groups of slots over 1 < j < k/2, and half of it where j = k/2: what is older than the last
+/// order, from the middle outwards, so that the newest come last. Of every order there stand the groups of the factors
+/// that are of the lower order, then those of the higher, `all` of each.
 template <std::size_t Groups>
-[[gnu::always_inline]] inline void sum_lanes(const Four* lanes, std::size_t all, std::size_t k, Four* sums) {
-  std::array<Four, Groups + 1> even{}, odd{};
+[[gnu::always_inline]] inline void sum_slots(const Four* orders, std::size_t all, std::size_t k, Four* sums) {
   const std::size_t stride = 2 * all;
-  if (Groups > 0 && k > 3) {
-    const Four *a = lanes + 2 * stride, *b = lanes + (k - 2) * stride + all;
-    for (std::size_t pairs = (k - 3) / 2; pairs > 0; --pairs, a += 2 * stride, b -= 2 * stride)
 #pragma GCC unroll 16
-      for (std::size_t g = 0; g < Groups; ++g) {
-        even[g].lane += a[g].lane * b[g].lane;
-        odd[g].lane += (a + stride)[g].lane * (b - stride)[g].lane;
-      }
-    if (k % 2 == 0)
+  for (std::size_t g = 0; g < Groups; ++g) sums[g].lane = Four{}.lane;
+  if (Groups == 0 || k < 4) return;
+  const Four *low = orders + k / 2 * stride, *high = orders + (k - k / 2) * stride + all, *const end = orders + stride;
+  if (k % 2 == 0) {
 #pragma GCC unroll 16
-      for (std::size_t g = 0; g < Groups; ++g) even[g].lane += a[g].lane * b[g].lane;
+    for (std::size_t g = 0; g < Groups; ++g) sums[g].lane = 0.5 * (low[g].lane * high[g].lane);
+    low -= stride;
+    high += stride;
   }
+  if ((k - 1) / 2 % 2 == 0) {
 #pragma GCC unroll 16
-  for (std::size_t g = 0; g < Groups; ++g) sums[g].lane = even[g].lane + odd[g].lane;
+    for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += low[g].lane * high[g].lane;
+    low -= stride;
+    high += stride;
+  }
+  for (; low != end; low -= 2 * stride, high += 2 * stride) {
+#pragma GCC unroll 16
+    for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += low[g].lane * high[g].lane;
+#pragma GCC unroll 16
+    for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += (low - stride)[g].lane * (high + stride)[g].lane;
+  }
 }
+/// Of a lane that has two slots or one.
+inline double sum_of(const double* slots, bool square) { return square ? 2 * slots[0] : slots[0] + slots[1]; }
 
 double value_of(Op function, double x);
 
@@ -74,6 +84,14 @@ struct Rules {
     }
   }
 
+  /// Of order 0.
+  [[gnu::always_inline]] inline double products_of(const Step& s, const double* row) const {
+    const auto *products = structure.products + s.first_product, *by = numbers.products + s.first_product;
+    double sum = 0;
+    each(s.products, [&](std::size_t i) { sum += by[i].factor * (row[products[i].a] * row[products[i].b]); });
+    return sum;
+  }
+
   /// Order 0: the value itself.
   [[gnu::always_inline]] inline void begin(const Step& s, const Step& n, double* row) const {
     double& out = row[s.out];
@@ -83,9 +101,7 @@ struct Rules {
         double sum = n.c;
         const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
         each(s.values, [&](std::size_t i) { sum += factors[i].factor * row[values[i].value]; });
-        const auto *products = structure.products + s.first_product, *by = numbers.products + s.first_product;
-        each(s.products, [&](std::size_t i) { sum += by[i].factor * (row[products[i].a] * row[products[i].b]); });
-        out = sum;
+        out = s.products > 0 ? sum + products_of(s, row) : sum;
         break;
       }
       case Rule::quotient:
@@ -101,7 +117,7 @@ struct Rules {
         break;
       case Rule::integral:
       case Rule::linear_integral:
-        out = value_of(s.function, n.p * a);
+        out = s.products > 0 ? products_of(s, row) : value_of(s.function, n.p * a);
         break;
       case Rule::log_like:
         out = value_of(s.function, a);
@@ -126,8 +142,10 @@ struct Rules {
       case Rule::root:
         return {0.5 / row[s.out], 0, 0};
       case Rule::power:
-      case Rule::linear_power:
-        return {1 / row[s.a], n.p * row[s.out] / row[s.a], 0};
+      case Rule::linear_power: {
+        const double inverse = 1 / row[s.a];
+        return {inverse, n.p * row[s.out] * inverse, 0};
+      }
       case Rule::integral:
         return {0, n.c * row[s.w], 0};
       case Rule::log_like:
@@ -141,17 +159,12 @@ struct Rules {
     }
   }
 
-  /// Order k of a step, at `row`; `second`: order 1, `last`: order k − 1; `sums`: of lanes, but for what is new in
-  /// order k or in the last. From one order to the next the way leads through the terms that are new: they are
-  /// multiplied once and come last. `twice`: of order 2 the two terms of order 1 are one, so ½ there; 0 at order 1,
-  /// which has none.
-  [[gnu::always_inline]] inline void advance(const Step& s, const Step& n, double order, double part, double twice,
+  /// Order k of a step, at `row`; `second`: order 1, `last`: order k − 1; `sums`: of lanes, without what is new in
+  /// order k. From one order to the next the way leads through the terms that are new: they are multiplied once and
+  /// come last.
+  [[gnu::always_inline]] inline void advance(const Step& s, const Step& n, double order, double part,
                                              const double* second, const double* last, double* row, const double* sums,
                                              const Gain& gain, const Ends* ends) const {
-    // Σ aⱼ b_{k−j}, 0 < j < k: what has just been written is read one by one, not by fours.
-    const auto old = [&](Index lane, Index a, Index b) {
-      return sums[lane] + twice * (second[a] * last[b] + last[a] * second[b]);
-    };
     double out = 0;
     switch (s.rule) {
       case Rule::sum: {  // what is known early comes first; of the factors of a product it is the second that is late
@@ -159,7 +172,7 @@ struct Rules {
         const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
         const Ends* const end = ends + s.first_product;
         each(s.products, [&](std::size_t i) {
-          const double known = by[i].factor * old(products[i].lane, products[i].a, products[i].b);
+          const double known = by[i].factor * sums[products[i].lane];
           out = i > 0 ? out + known : known;
         });
         each(s.products, [&](std::size_t i) {
@@ -179,19 +192,19 @@ struct Rules {
         break;
       }
       case Rule::quotient:
-        out = gain.a * (s.a == none ? 0 : row[s.a]) - old(s.lane, s.b, s.out) * gain.inverse - row[s.b] * gain.b;
+        out = gain.a * (s.a == none ? 0 : row[s.a]) - sums[s.lane] * gain.inverse - row[s.b] * gain.b;
         break;
       case Rule::root:
-        out = (row[s.a] - old(s.lane, s.out, s.out)) * gain.inverse;
+        out = (row[s.a] - sums[s.lane]) * gain.inverse;
         break;
       case Rule::power:
-        out = (n.p * old(s.lane, s.b, s.out) - old(s.w, s.a, s.weighted)) * (part * gain.inverse) + row[s.a] * gain.a;
+        out = (n.p * sums[s.lane] - sums[s.w]) * (part * gain.inverse) + row[s.a] * gain.a;
         break;
       case Rule::integral:
-        out = (n.c * part) * old(s.lane, s.b, s.w) + row[s.a] * gain.a;
+        out = (n.c * part) * sums[s.lane] + row[s.a] * gain.a;
         break;
       case Rule::log_like:
-        out = row[s.a] * gain.a - old(s.lane, s.w, s.weighted) * (part * gain.inverse);
+        out = row[s.a] * gain.a - sums[s.lane] * (part * gain.inverse);
         break;
       case Rule::select:
         out = gain.inverse != 0 ? row[s.a] : row[s.b];

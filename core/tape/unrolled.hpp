@@ -36,14 +36,14 @@ constexpr bool read_structure(const Program& p, Visit&& visit) {
 
 /// What a program comes to in lists of fixed size, so that it can be a constant.
 template <std::size_t Steps, std::size_t Linear, std::size_t Values, std::size_t Products, std::size_t Lanes,
-          std::size_t Variables, std::size_t Kept, std::size_t Numbers>
+          std::size_t Slots, std::size_t Variables, std::size_t Kept, std::size_t Numbers>
 struct Fixed {
-  static constexpr std::size_t groups = (Lanes + 3) / 4;
   std::array<Step, Steps> steps;
   std::array<Step, Linear> linear;
   std::array<Program::Value, Values> values;
   std::array<Program::Product, Products> products;
-  std::array<Index, 4 * groups> lane_a, lane_b;
+  std::array<Index, Lanes> slot;
+  std::array<Index, Slots> low, high;
   std::array<Index, Variables> rate;
   std::array<Index, Variables + 1> weighted;
   std::array<Index, Kept> kept;  ///< values that are asked for at every order
@@ -54,8 +54,8 @@ struct Fixed {
 /// As much of it as any program may need that is unrolled, and how much of that is used.
 struct Measured {
   static constexpr std::size_t most = 64;
-  Fixed<most, 8, 4 * most, 2 * most, most, 24, 16, 16 * most> lists{};
-  std::array<std::size_t, 8> used{};
+  Fixed<most, 8, 4 * most, 2 * most, most, 2 * most, 24, 16, 16 * most> lists{};
+  std::array<std::size_t, 9> used{};
 };
 template <class From, class To>
 constexpr void copy_first(std::size_t count, const From& from, To& to) {
@@ -71,14 +71,16 @@ constexpr Measured measured(const Program& p) {
     to.structure[numbers++] = n;
     return true;
   });
-  made.used = {p.steps.size(), p.linear.size(), p.values.size(), p.products.size(), p.lane_a.size(), p.variables,
-               kept,           numbers};
+  made.used = {p.steps.size(),  p.linear.size(), p.values.size(), p.products.size(),
+               p.lane_a.size(), p.low.size(),    p.variables,     kept,
+               numbers};
   copy_first(p.steps.size(), p.steps, to.steps);
   copy_first(p.linear.size(), p.linear, to.linear);
   copy_first(p.values.size(), p.values, to.values);
   copy_first(p.products.size(), p.products, to.products);
-  copy_first(p.lane_a.size(), p.lane_a, to.lane_a);
-  copy_first(p.lane_b.size(), p.lane_b, to.lane_b);
+  copy_first(p.slot.size(), p.slot, to.slot);
+  copy_first(p.low.size(), p.low, to.low);
+  copy_first(p.high.size(), p.high, to.high);
   copy_first(p.rate.size(), p.rate, to.rate);
   copy_first(p.weighted.size(), p.weighted, to.weighted);
   to.rows = at(p.rows);
@@ -88,14 +90,15 @@ constexpr Measured measured(const Program& p) {
 template <const Measured& M>
 constexpr auto shrunk() {
   constexpr auto& n = M.used;
-  Fixed<n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]> made{};
+  Fixed<n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8]> made{};
   const auto take = [](const auto& from, auto& to) { copy_first(to.size(), from, to); };
   take(M.lists.steps, made.steps);
   take(M.lists.linear, made.linear);
   take(M.lists.values, made.values);
   take(M.lists.products, made.products);
-  take(M.lists.lane_a, made.lane_a);
-  take(M.lists.lane_b, made.lane_b);
+  take(M.lists.slot, made.slot);
+  take(M.lists.low, made.low);
+  take(M.lists.high, made.high);
   take(M.lists.rate, made.rate);
   take(M.lists.weighted, made.weighted);
   take(M.lists.kept, made.kept);
@@ -116,12 +119,8 @@ class Unrolled {
 
   [[gnu::always_inline]] static inline void expand(const Program& p, const Workspace& of) {
     const Rules<true> rules{{S.values.data(), S.products.data()}, {p.values.data(), p.products.data()}};
-    Row row{}, second{}, last{};
-    if (of.begun) {
-      each<S.rows - first>([&](auto i) { row[first + i] = of.begun[first + i]; });
-    } else {
-      start(rules, p, of.rows, row);
-    }
+    Row row{}, second{}, half{}, last{};
+    each<S.rows - first>([&](auto i) { row[first + i] = of.begun[first + i]; });
     std::array<Gain, steps> gains;
     std::array<Ends, S.products.size()> ends;
     each<steps>([&](auto i) { gains[i] = Rules<true>::gain_of(S.steps[i], p.steps[i], row.data()); });
@@ -133,12 +132,24 @@ class Unrolled {
     // Order 1 of what is linear in time, which has no other but the first.
     second[time] = second[at(S.weighted.back())] = 1;
     each<linear>([&](auto i) {
-      rules.advance(S.linear[i], p.linear[i], 1, 1, 0, second.data(), row.data(), second.data(), nullptr, {}, nullptr);
+      rules.advance(S.linear[i], p.linear[i], 1, 1, second.data(), row.data(), second.data(), nullptr, {}, nullptr);
     });
-    auto next = finish(of, 0, row);
+    Fours high, share{};
+    auto next = finish(of, 0, row, high);
     for (std::size_t k = 1; k < of.orders; ++k) {
-      std::array<Four, groups + 1> sums;
-      sum_lanes<groups>(of.lanes, groups, k, sums.data());
+      Fours slots;
+      sum_slots<groups>(of.lanes, groups, k, slots.data());
+      if constexpr (!alone) each<groups>([&](auto g) { slots[g].lane += share[g].lane * high[g].lane; });
+      std::array<double, lanes + 1> sums;
+      each<lanes>([&](auto i) {
+        constexpr std::size_t slot = at(S.slot[i]), a = at(S.low[slot]), b = at(S.high[slot]);
+        double* const both = slots[0].begin() + slot;
+        if constexpr (alone) {
+          both[0] += half[a] * row[b];
+          if constexpr (a != b) both[1] += half[b] * row[a];
+        }
+        sums[i] = sum_of(both, a == b);
+      });
       last = row;
       each<variables>([&](auto i) {
         row[first + i] = next[i];
@@ -150,13 +161,16 @@ class Unrolled {
         row[at(S.linear[i].out)] = once * second[at(S.linear[i].out)];
         row[at(S.linear[i].weighted)] = once * second[at(S.linear[i].weighted)];
       });
-      const double twice = k > 2 ? 1 : k > 1 ? 0.5 : 0;
       each<steps>([&](auto i) {
-        rules.advance(S.steps[i], p.steps[i], static_cast<double>(k), inverses[k], twice, second.data(), last.data(),
-                      row.data(), sums[0].begin(), gains[i], ends.data());
+        rules.advance(S.steps[i], p.steps[i], static_cast<double>(k), inverses[k], second.data(), last.data(),
+                      row.data(), sums.data(), gains[i], ends.data());
       });
       if (k == 1) second = row;
-      next = finish(of, k, row);
+      next = finish(of, k, row, high);
+      if constexpr (alone)
+        if (k < 3) each<S.rows>([&](auto i) { half[i] = second[i] * (k == 1 ? 0.5 : 1.0); });
+      if constexpr (!alone)
+        if (k < 3) each<groups>([&](auto g) { share[g].lane = of.lanes[2 * groups + g].lane * (k == 1 ? 0.5 : 1.0); });
     }
   }
 
@@ -164,27 +178,6 @@ class Unrolled {
   [[gnu::always_inline]] static inline void begin(const Program& p, double* values) {
     const Rules<true> rules{{S.values.data(), S.products.data()}, {p.values.data(), p.products.data()}};
     Row row{};
-    start(rules, p, values, row);
-    each<S.rows - first>([&](auto i) { values[first + i] = row[first + i]; });
-  }
-
- private:
-  static constexpr std::size_t steps = S.steps.size(), linear = S.linear.size(), variables = S.rate.size(),
-                               groups = S.lane_a.size() / 4, first = at(Program::first_variable),
-                               time = first + variables;
-  using Row = std::array<double, S.rows>;
-
-  template <std::size_t N, class F>
-  [[gnu::always_inline]] static inline void each(F&& f) {
-    [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
-      (f(std::integral_constant<std::size_t, I>{}), ...);
-    }
-    (std::make_index_sequence<N>{});
-  }
-
-  /// Order 0, from variables and the time that stand in `values`.
-  [[gnu::always_inline]] static inline void start(const Rules<true>& rules, const Program& p, const double* values,
-                                                  Row& row) {
     each<variables + 1>([&](auto i) { row[first + i] = values[first + i]; });
     each<linear>([&](auto i) { rules.begin(S.linear[i], p.linear[i], row.data()); });
     each<steps>([&](auto i) {
@@ -197,11 +190,31 @@ class Unrolled {
         rules.begin(S.steps[i], p.steps[i], row.data());
       }
     });
+    each<S.rows - first>([&](auto i) { values[first + i] = row[first + i]; });
   }
+
+ private:
+  static constexpr std::size_t steps = S.steps.size(), linear = S.linear.size(), variables = S.rate.size(),
+                               lanes = S.slot.size(), groups = S.low.size() / 4, first = at(Program::first_variable),
+                               time = first + variables;
+  /// Few lanes add the terms of the last order one by one: that is more to do, but sooner done.
+  static constexpr bool alone = lanes <= 2;
+  using Row = std::array<double, S.rows>;
+  using Fours = std::array<Four, groups + 1>;
+
+  template <std::size_t N, class F>
+  [[gnu::always_inline]] static inline void each(F&& f) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+      (f(std::integral_constant<std::size_t, I>{}), ...);
+    }
+    (std::make_index_sequence<N>{});
+  }
+
   /// Whether a step and the next are sine and cosine of the same.
   static constexpr bool is_pair(std::size_t i) {
-    return i + 1 < steps && S.steps[i].function == Op::sin && S.steps[i + 1].function == Op::cos &&
-           S.steps[i].w == S.steps[i + 1].out && S.steps[i + 1].w == S.steps[i].out;
+    return i + 1 < steps && S.steps[i].products == 0 && S.steps[i].function == Op::sin &&
+           S.steps[i + 1].function == Op::cos && S.steps[i].w == S.steps[i + 1].out &&
+           S.steps[i + 1].w == S.steps[i].out;
   }
 
   /// Written in one piece, as it is read soon after: from four pieces a processor cannot hand it on.
@@ -215,18 +228,24 @@ class Unrolled {
 
   /// The next coefficients of variables; what has become of order k goes to where it is read.
   [[gnu::always_inline]] static inline std::array<double, variables> finish(const Workspace& of, std::size_t k,
-                                                                            const Row& row) {
+                                                                            const Row& row, Fours& high) {
     double* const here = of.rows + k * S.rows;
     std::array<double, variables> next;
     each<variables>([&](auto i) { here[S.rows + first + i] = next[i] = row[at(S.rate[i])] * inverses[k + 1]; });
     each<S.kept.size()>([&](auto i) { here[at(S.kept[i])] = row[at(S.kept[i])]; });
-    Four* const lanes = of.lanes + k * 2 * groups;
+    Four* const fours = of.lanes + k * 2 * groups;
     each<groups>([&](auto g) {
       constexpr std::size_t f = 4 * g;
-      together(lanes[g], row[at(S.lane_a[f])], row[at(S.lane_a[f + 1])], row[at(S.lane_a[f + 2])],
-               row[at(S.lane_a[f + 3])]);
-      together(lanes[groups + g], row[at(S.lane_b[f])], row[at(S.lane_b[f + 1])], row[at(S.lane_b[f + 2])],
-               row[at(S.lane_b[f + 3])]);
+      together(fours[g], row[at(S.low[f])], row[at(S.low[f + 1])], row[at(S.low[f + 2])], row[at(S.low[f + 3])]);
+      constexpr auto place = [](int i) { return S.high[f + at(i)] == S.low[f + at(i)] ? i : i ^ 1; };
+#if defined(__GNUC__) && !defined(__clang__)  // one instruction, which the compiler does not find in what stands below
+      constexpr std::int64_t places __attribute__((vector_size(32))) = {place(0), place(1), place(2), place(3)};
+      high[g].lane = __builtin_shuffle(fours[g].lane, places);
+#else
+      const auto& low = fours[g].lane;
+      high[g].lane = Four{{low[place(0)], low[place(1)], low[place(2)], low[place(3)]}}.lane;
+#endif
+      fours[groups + g].lane = high[g].lane;
     });
     return next;
   }

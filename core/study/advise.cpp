@@ -2,21 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/study/search.hpp"
 
 namespace least {
 namespace {
 
-/// All candidates at once, always the one whose next run is the cheapest, until nothing cheaper can come.
+/// All candidates at once, always the one whose next run is the cheapest, first among those that choose their steps,
+/// until nothing cheaper can come.
 class Contest {
  public:
   Contest(const Request& scene, const Keep& keep, double accuracy, double seconds, const std::atomic<bool>& cancelled)
-      : cancelled_(cancelled), deadline_(seconds), subject_(scene, false, seconds / 2, cancelled) {
-    // Between the times at which runs are held against the truth their errors may be somewhat larger.
-    constexpr double margin = 0.87;
+      : cancelled_(cancelled),
+        deadline_(seconds),
+        subject_(scene, false, seconds / 2, cancelled),
+        accuracy_(margin * accuracy) {
     for (SchemeConfig& choice : candidates(*scene.scene->mechanics, keep))
-      searches_.emplace_back(subject_, std::move(choice), margin * accuracy);
+      searches_.emplace_back(subject_, std::move(choice), accuracy_);
   }
 
   const ErrorStudy& subject() const { return subject_; }
@@ -50,17 +53,18 @@ class Contest {
   }
 
   void go() {
+    // Those that choose their steps come near the accuracy in few runs: what they cost says how far others need to go.
     while (!timed_out()) {
-      const Search* best = winner();
-      const double most = best ? best->likely_cost() / 1.05 : std::numeric_limits<double>::infinity();
+      const double most = worth();
       Search* next = nullptr;
       for (Search& search : searches_) {
-        if (!best && beaten(search)) search.give_up();
-        if (!search.over() && search.least_cost() < most && (!next || search.least_cost() < next->least_cost()))
-          next = &search;
+        if (!winner() && beaten(search)) search.give_up();
+        if (search.over() || !(search.least_cost() < most) || search.out_of_reach(aim(), most)) continue;
+        const auto later = [](const Search& one) { return std::pair(!one.dial().adaptive(), one.least_cost()); };
+        if (!next || later(search) < later(*next)) next = &search;
       }
       if (!next) return;
-      next->advance(left(), useful_steps());
+      next->advance(left(), useful_steps(), most);
     }
   }
 
@@ -76,12 +80,27 @@ class Contest {
         if (!search.over() && !search.good() && search.likely_cost() < (next ? next->likely_cost() : most))
           next = &search;
       if (!next) return;
-      next->advance(left(), useful_steps());
+      next->advance(left(), useful_steps(), std::numeric_limits<double>::infinity());
       found += next->good().has_value();
     }
   }
 
  private:
+  /// Errors below the floor mean nothing, and those of long runs end somewhat above: where the accuracy is smaller,
+  /// this is about as near as anything comes.
+  double aim() const {
+    constexpr double above = 10;
+    return subject_.floor() > accuracy_ ? above * subject_.floor() : accuracy_;
+  }
+  /// Where a run has to cost less to be of interest.
+  double worth() const {
+    constexpr double less = 1.05, more = 1.5;
+    if (const Search* best = winner()) return best->likely_cost() / less;
+    double most = std::numeric_limits<double>::infinity();
+    for (const Search& search : searches_)
+      if (search.best().trial.error <= aim()) most = std::fmin(most, static_cast<double>(search.best().trial.forces));
+    return more * most;  // what is more accurate at little more cost
+  }
   /// A run of more has nothing to offer beside the best.
   std::int64_t useful_steps() const {
     const Search* best = winner();
@@ -96,9 +115,13 @@ class Contest {
     });
   }
 
+  /// Between the times at which runs are held against the truth their errors may be somewhat larger.
+  static constexpr double margin = 0.87;
+
   const std::atomic<bool>& cancelled_;
   Deadline deadline_;
   ErrorStudy subject_;
+  double accuracy_;
   std::vector<Search> searches_;
 };
 
@@ -195,7 +218,7 @@ Advice best_within(Contest& contest, double seconds) {
       if (!search.over() && (!next || finest(search) < finest(*next))) next = &search;
     }
     if (!next) break;
-    next->advance(contest.left(), Search::most_forces);
+    next->advance(contest.left(), Search::most_forces, std::numeric_limits<double>::infinity());
     const Probe& probe = next->best();
     if (probe.trial.seconds > seconds || !(probe.trial.error >= 0)) continue;
     within[static_cast<std::size_t>(next - contest.searches().data())] = probe;

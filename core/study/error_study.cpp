@@ -216,24 +216,23 @@ Trial ErrorStudy::run(const SchemeConfig& choice, double seconds, std::int64_t s
 
 Trial ErrorStudy::look(const SchemeConfig& choice, double seconds, std::int64_t step_limit, double accuracy) const {
   if (!known() || at_end_) return run(choice, seconds, step_limit);
-  constexpr std::size_t apart = 16;
-  States truth, states;
-  std::vector<double> times;
-  for (std::size_t i = times_.size() - 1 - (times_.size() - 1) / apart * apart; i < times_.size(); i += apart) {
-    times.push_back(times_[i]);
-    truth.push_back(truth_->states[i]);
-  }
   Request probe = request(choice, seconds, step_limit);
   probe.probe = true;
-  Trial trial = run(probe, times, states);
-  if (trial.status != ReturnCode::completed) return trial;
-  trial.error = error(states, truth);
-  if (trial.error <= accuracy) return run(choice, seconds - trial.seconds, step_limit);
-  if (!(trial.error < plateau())) return trial;
-  States all;
-  probe.limits.seconds -= trial.seconds;
-  trial = run(std::move(probe), times_, all);
-  if (trial.status == ReturnCode::completed) trial.error = error(all, truth_->states);
+  Trial trial;
+  for (const std::size_t apart : {16, 4}) {
+    States truth, states;
+    std::vector<double> times;
+    for (std::size_t i = (times_.size() - 1) % apart; i < times_.size(); i += apart) {
+      times.push_back(times_[i]);
+      truth.push_back(truth_->states[i]);
+    }
+    trial = run(probe, times, states);
+    if (trial.status != ReturnCode::completed) return trial;
+    trial.error = error(states, truth);
+    if (trial.error <= accuracy) return run(choice, seconds - trial.seconds, step_limit);
+    if (!(trial.error < plateau())) return trial;
+    probe.limits.seconds -= trial.seconds;
+  }
   return trial;
 }
 

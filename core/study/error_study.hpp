@@ -71,8 +71,8 @@ class ErrorStudy {
   double longest(const SchemeConfig& choice, const ResolutionParameter& dial) const;
   /// A run, at most so many seconds and steps long.
   Trial run(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
-  /// The same of a search: an error above the plateau is that at a few of the times, as states between steps are most
-  /// of what a run of few long steps costs; and what is not accurate enough is only a probe.
+  /// The same of a search: of what is not accurate enough, which is only a probe, the error is that at some of the
+  /// times, above the plateau at few of them: states between steps are most of what a run of few long steps costs.
   Trial look(const SchemeConfig& choice, double seconds, std::int64_t step_limit, double accuracy) const;
   /// The smallest time of runs that keep nothing: of three, or as many as take two milliseconds.
   double time(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;

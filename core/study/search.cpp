@@ -35,6 +35,13 @@ double Search::likely_cost() const {
   return least_cost() * std::pow(bad_->trial.error / accuracy_, 1.0 / (declared > 0 ? declared : 6));
 }
 
+bool Search::out_of_reach(double error, double most) const {
+  constexpr double steepest = 2, more = 12;  // times the order: near a change of their sign errors fall far faster
+  const int declared = declared_order();
+  if (declared == 0 || good_ || !bad_ || !std::isfinite(bad_->trial.error) || std::isinf(most)) return false;
+  return std::log(bad_->trial.error / error) > (steepest * declared + more) * std::log(most / least_cost());
+}
+
 double Search::next() const {
   constexpr double aim = 0.9;
   if (!bad_) return longest_;
@@ -54,8 +61,10 @@ double Search::next() const {
   return coarsest / std::clamp(std::pow(bad_->trial.error / (aim * accuracy_), 1 / p), 1.03, stride * stride);
 }
 
-void Search::advance(double seconds, std::int64_t step_limit) {
-  const double value = next();
+void Search::advance(double seconds, std::int64_t step_limit, double most) {
+  double value = next();
+  if (!dial_.adaptive() && bad_ && !good_ && least_cost() < most)
+    value = std::max(value, bad_->value * least_cost() / most);
   const SchemeConfig choice = dial_.at(choice_, value);
   // The best within a time has no accuracy that others could miss.
   const Trial trial =

@@ -18,8 +18,8 @@ class Search {
 
   /// The run to be made next: coarse ones first, then where the order seen so far predicts the accuracy, then between
   /// the coarsest that is good and the finest that is not. At most so long, and of at most so many steps: one that
-  /// takes more is too dear.
-  void advance(double seconds, std::int64_t step_limit);
+  /// takes more is too dear. As long as none is good, one of equal steps costs no more than about `most`.
+  void advance(double seconds, std::int64_t step_limit, double most);
   /// Nothing better will come.
   bool over() const { return over_; }
   void give_up() { over_ = true; }
@@ -41,6 +41,8 @@ class Search {
   /// What a run that is accurate enough costs at least, and about, in force evaluations.
   double least_cost() const;
   double likely_cost() const;
+  /// Whether nothing that costs less than `most` has so small an error: it would have to fall faster than ever seen.
+  bool out_of_reach(double error, double most) const;
   /// Shorter steps no longer help.
   bool stalled() const { return flat_ >= 2; }
   bool too_dear() const { return too_dear_; }

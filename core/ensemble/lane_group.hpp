@@ -23,11 +23,10 @@ class GroupRun {
       for (std::size_t lane = 0; lane < lane_count; ++lane) {
         const std::size_t at = j * lane_count + lane;
         const bool begins = at < lanes && task.ended[first + at] == static_cast<std::uint8_t>(cancelled);
-        alive_[j].on[static_cast<int>(lane)] = begins ? -1 : 0;
+        alive_[j].set(lane, begins);
         members_[at] = first + at;
         for (std::size_t i = 0; i < size; ++i)
-          before_[j * size + i].v[static_cast<int>(lane)] =
-              task.start[i * task.count + first + std::min(at, lanes - 1)];
+          before_[j * size + i][lane] = task.start[i * task.count + first + std::min(at, lanes - 1)];
       }
   }
 
@@ -44,7 +43,7 @@ class GroupRun {
   std::size_t alive() const {
     std::size_t count = 0;
     for (const LaneMask& m : alive_)
-      for (std::size_t lane = 0; lane < lane_count; ++lane) count += m.on[lane] != 0;
+      for (std::size_t lane = 0; lane < lane_count; ++lane) count += m[lane] != 0;
     return count;
   }
   bool anyone() const {
@@ -96,7 +95,7 @@ class GroupRun {
     for (; next_ < task_.times.size() && !task_.cancelled->load(std::memory_order_relaxed); ++next_) say(task_.end);
     each_alive([&](std::size_t j, std::size_t lane) {
       task_.ended[member(j, lane)] = static_cast<std::uint8_t>(completed);
-      for (std::size_t i = 0; i < size_; ++i) task_.final[i * task_.count + member(j, lane)] = pack(j)[i].v[lane];
+      for (std::size_t i = 0; i < size_; ++i) task_.final[i * task_.count + member(j, lane)] = pack(j)[i][lane];
     });
   }
   /// Members of the other group, which made as many steps, go on in lanes of this one in which nobody does: as many as
@@ -104,14 +103,14 @@ class GroupRun {
   void take(GroupRun& other) {
     std::size_t to = 0;
     other.each_alive([&](std::size_t j, std::size_t lane) {
-      while (to < group_size && alive_[to / lane_count].on[to % lane_count]) ++to;
+      while (to < group_size && alive_[to / lane_count][to % lane_count]) ++to;
       if (to == group_size) return;
       const std::size_t into = to / lane_count, here = to % lane_count;
-      for (std::size_t i = 0; i < size_; ++i) pack(into)[i].v[here] = other.pack(j)[i].v[lane];
+      for (std::size_t i = 0; i < size_; ++i) pack(into)[i][here] = other.pack(j)[i][lane];
       steps_->take_lane(*other.steps_, j, lane, into, here);
       members_[to] = other.member(j, lane);
-      alive_[into].on[here] = -1;
-      other.alive_[j].on[lane] = 0;
+      alive_[into].set(here, true);
+      other.alive_[j].set(lane, false);
     });
   }
   /// What it cost, when all is done.
@@ -144,7 +143,7 @@ class GroupRun {
     const LaneMask now = which & alive_[j];
     if (!any(now)) return;
     for (std::size_t lane = 0; lane < lane_count; ++lane)
-      if (now.on[lane]) task_.ended[member(j, lane)] = static_cast<std::uint8_t>(why);
+      if (now[lane]) task_.ended[member(j, lane)] = static_cast<std::uint8_t>(why);
     alive_[j] = alive_[j] & !now;
   }
   void end_all(ReturnCode why) {
@@ -155,7 +154,7 @@ class GroupRun {
   void each_alive(F&& f) {
     for (std::size_t j = 0; j < packs; ++j)
       for (std::size_t lane = 0; lane < lane_count; ++lane)
-        if (alive_[j].on[lane]) f(j, lane);
+        if (alive_[j][lane]) f(j, lane);
   }
   bool faultless(const Seen& seen) {
     LaneMask wrong{};
@@ -190,11 +189,11 @@ class GroupRun {
       }
       if (!any(passed)) continue;
       for (std::size_t lane = 0; lane < lane_count; ++lane) {
-        if (!passed.on[lane]) continue;
+        if (!passed[lane]) continue;
         Passage& passage = passages_.emplace_back(Passage{member(j, lane), t_, t, std::vector<double>(2 * size_)});
         for (std::size_t k = 0; k < size_; ++k) {
-          passage.states[k] = was[k].v[lane];
-          passage.states[size_ + k] = is[k].v[lane];
+          passage.states[k] = was[k][lane];
+          passage.states[size_ + k] = is[k][lane];
         }
       }
     }
@@ -244,7 +243,7 @@ class GroupRun {
     }
     std::vector<double> state(size_);
     each_alive([&](std::size_t j, std::size_t lane) {
-      for (std::size_t i = 0; i < size_; ++i) state[i] = pack(j)[i].v[lane];
+      for (std::size_t i = 0; i < size_; ++i) state[i] = pack(j)[i][lane];
       task_.host->at_time(member(j, lane), t, state.data());
     });
     go_back(before_);

@@ -31,7 +31,7 @@ Group<P<R>> problems_of(const LaneTask& task, std::size_t first) {
           const double* row = task.values + static_cast<std::size_t>(varied - task.varied.begin()) * task.count;
           parameters::with_member(all[j], field, [&](R& value) {
             for (std::size_t lane = 0; lane < lane_count; ++lane)
-              value.v[lane] = row[std::min(first + j * lane_count + lane, task.count - 1)];
+              value[lane] = row[std::min(first + j * lane_count + lane, task.count - 1)];
           });
         }
       };

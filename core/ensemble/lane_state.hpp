@@ -34,7 +34,7 @@ class BoundPath final : public LanePath {
     steps_.take_back();
     bool good = all(seen.well[0]);
     for (std::size_t i = 0; i < steps_.size(); ++i) {
-      state[i] = x[i].v[0];
+      state[i] = x[i][0];
       good = good && std::isfinite(state[i]);
     }
     return good;

@@ -1,4 +1,4 @@
-// Steps of a group of members: eight packs of lanes, one after the other, so that the latency of one is hidden by the
+// Steps of a group of members: packs of lanes, one after the other, so that the latency of one is hidden by the
 // others. Only units of lanes include this header.
 #pragma once
 
@@ -14,21 +14,21 @@
 
 namespace least {
 
-/// A status for each lane.
+/// Of each lane whether it goes on.
 struct LaneStatuses {
-  LaneMask::Vector of;
+  LaneMask well;
   LEAST_INLINE LaneStatuses(StepStatus all)  // NOLINT(google-explicit-constructor): one for all
-      : of(static_cast<std::int64_t>(all) - LaneMask::Vector{}) {}
+      : well(succeeded(all) ? LaneMask::everywhere() : LaneMask{}) {}
 };
-LEAST_INLINE LaneMask succeeded(const LaneStatuses& status) { return {status.of == 0}; }
-LEAST_INLINE bool all_failed(LaneStatuses& status, const LaneMask& where, StepStatus why) {
-  const auto code = static_cast<std::int64_t>(why) - LaneMask::Vector{};
-  status.of = (where.on & (status.of == 0)) ? code : status.of;
-  return !any(succeeded(status));
+LEAST_INLINE LaneMask succeeded(const LaneStatuses& status) { return status.well; }
+LEAST_INLINE bool all_failed(LaneStatuses& status, const LaneMask& where, StepStatus) {
+  status.well = status.well & !where;
+  return !any(status.well);
 }
 /// What does not depend on the lane fails all of them.
-LEAST_INLINE bool all_failed(LaneStatuses& status, bool where, StepStatus why) {
-  return where && all_failed(status, LaneMask{LaneMask::Vector{} - 1}, why);
+LEAST_INLINE bool all_failed(LaneStatuses& status, bool where, StepStatus) {
+  if (where) status.well = {};
+  return where;
 }
 
 template <>
@@ -40,7 +40,7 @@ struct StatusFor<Lanes> {
 /// parameters and what follows from them, and carry what the motion needs: that is fast, and half of the compilation.
 inline constexpr bool general = LEAST_LANE_BYTES == 16;
 
-inline constexpr std::size_t packs = 8;
+inline constexpr std::size_t packs = 8 / lane_registers;
 inline constexpr std::size_t group_size = packs * lane_count;
 template <class T>
 using Group = std::array<T, packs>;
@@ -50,7 +50,7 @@ struct Seen {
   Group<LaneMask> well, inside, slow;  ///< slow: ω² was below its limit for sure
   Group<Lanes> lowest{};               ///< s
   Seen() {
-    well.fill({LaneMask::Vector{} - 1});
+    well.fill(LaneMask::everywhere());
     slow = inside = well;
   }
 };
@@ -73,7 +73,7 @@ class LaneFaults {
 
 inline LaneMask finite(const Lanes* x, std::size_t size) {
   constexpr double largest_component = 1e75;
-  LaneMask good{LaneMask::Vector{} - 1};
+  LaneMask good = LaneMask::everywhere();
   for (std::size_t i = 0; i < size; ++i) good = good & (abs(x[i]) < Lanes(largest_component));
   return good;
 }
@@ -198,8 +198,8 @@ class ProblemSteps : public GroupSteps {
   }
   void take_limit(const ProblemSteps& other, std::size_t from_pack, std::size_t from, std::size_t pack,
                   std::size_t lane) {
-    limit_[pack].v[lane] = other.limit_[from_pack].v[from];
-    screen_[pack].v[lane] = other.screen_[from_pack].v[from];
+    limit_[pack][lane] = other.limit_[from_pack][from];
+    screen_[pack][lane] = other.screen_[from_pack][from];
   }
 
  private:
@@ -217,10 +217,10 @@ class ProblemSteps : public GroupSteps {
     for (std::size_t lane = 0; lane < lane_count; ++lane) {
       const double alpha = damping_step(lane);
       if constexpr (ConstantFrequency<P>) {
-        if (task.steps > 0 && task.host->is_too_fast(turn.v[lane] * square, alpha)) fast.on[lane] = -1;
+        if (task.steps > 0 && task.host->is_too_fast(turn[lane] * square, alpha)) fast.set(lane, true);
       } else {
-        limit_[j].v[lane] =
-            lane > 0 && alpha == damping_step(lane - 1) ? limit_[j].v[lane - 1] : task.host->turn_limit(alpha) / square;
+        limit_[j][lane] =
+            lane > 0 && alpha == damping_step(lane - 1) ? limit_[j][lane - 1] : task.host->turn_limit(alpha) / square;
       }
     }
     if constexpr (ConstantFrequency<P>) return fast;
@@ -230,7 +230,7 @@ class ProblemSteps : public GroupSteps {
   template <class R>
   static double lane_of(const R& x, std::size_t lane) {
     if constexpr (std::is_same_v<R, Lanes>) {
-      return x.v[lane];
+      return x[lane];
     } else {
       return x;
     }
@@ -248,7 +248,6 @@ class BoundGroup final : public ProblemSteps<P, X> {
       : ProblemSteps<P, X>(problems),
         slots_(bind(scheme, x, t, std::make_index_sequence<packs>{})),
         kept_{kept(std::make_index_sequence<packs>{})} {
-    static_assert(sizeof(Slot) % sizeof(Lanes) == 0 && alignof(Slot) == alignof(Lanes));
     this->show_states(slots_[0].x, X::size, sizeof(Slot) / sizeof(Lanes));
   }
 
@@ -290,15 +289,15 @@ class BoundGroup final : public ProblemSteps<P, X> {
     std::array<double, 2 * X::size> kept;  // NOLINT: written before it is read
     std::size_t out = 0, in = 0;
     auto& from_group = static_cast<BoundGroup&>(other);
-    from_group.slots_[from_pack].stepper.each_kept([&](const Lanes& x) { kept[out++] = x.v[from]; });
-    slots_[pack].stepper.each_kept([&](Lanes& x) { x.v[lane] = kept[in++]; });
+    from_group.slots_[from_pack].stepper.each_kept([&](const Lanes& x) { kept[out++] = x[from]; });
+    slots_[pack].stepper.each_kept([&](Lanes& x) { x[lane] = kept[in++]; });
     this->take_limit(from_group, from_pack, from, pack, lane);
   }
   Work work() const override { return slots_[0].stepper.work(); }
 
  private:
   using Stepper = StepperOf<Scheme, P, X>;
-  struct Slot {
+  struct alignas(sizeof(Lanes)) Slot {
     Slot(Stepper&& made, const Lanes* state) : stepper(std::move(made)) { std::copy_n(state, X::size, x); }
     Lanes x[X::size];
     Stepper stepper;

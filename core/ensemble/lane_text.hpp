@@ -11,7 +11,7 @@ namespace lane_functions {
 using least::abs, least::cos, least::exp, least::expm1, least::log, least::pow, least::sin, least::sqrt, least::tanh;
 #ifdef LEAST_SLEEF
 #define LEAST_LANE_FUNCTION(name) \
-  LEAST_INLINE Lanes name(const Lanes& a) { return Lanes(LEAST_SLEEF(name, u10)(a.v)); }
+  LEAST_INLINE Lanes name(const Lanes& a) { return LEAST_OF_EACH(LEAST_SLEEF(name, u10)); }
 #else
 #define LEAST_LANE_FUNCTION(name) \
   LEAST_INLINE Lanes name(const Lanes& a) { return detail::each(a, Sleef_cinz_##name##d1_u10purec); }
@@ -245,7 +245,7 @@ class ProgramSteps final : public GroupSteps {
     for (std::size_t k = 0; k < program_.own; ++k)
       for (std::size_t j = 0; j < packs; ++j)
         for (std::size_t lane = 0; lane < lane_count; ++lane)
-          run_.at(program_.rows.size() + k)[j].v[lane] =
+          run_.at(program_.rows.size() + k)[j][lane] =
               task.own[k * task.count + std::min(first + j * lane_count + lane, task.count - 1)];
     load();
     run_.start(task.start_time, task.step);
@@ -275,7 +275,7 @@ class ProgramSteps final : public GroupSteps {
   void take_lane(GroupSteps& other, std::size_t from_pack, std::size_t from, std::size_t pack,
                  std::size_t lane) override {
     auto& run = static_cast<ProgramSteps&>(other).run_;
-    const auto take = [&](std::size_t place) { run_.at(place)[pack].v[lane] = run.at(place)[from_pack].v[from]; };
+    const auto take = [&](std::size_t place) { run_.at(place)[pack][lane] = run.at(place)[from_pack][from]; };
     for (std::size_t k = 0; k < program_.own; ++k) take(program_.rows.size() + k);
     for (const auto place : program_.kept) take(place);
   }

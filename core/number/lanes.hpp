@@ -1,7 +1,8 @@
-// A number of several doubles that move together, by GCC's vector extension: as many as fit a register of the
-// instruction set that a unit is compiled for (LEAST_LANE_BYTES). Elementary functions are SLEEF's of the family whose
-// bits are the same in every instruction set and alone (`cinz`, without fused operations): sin and cos to 3.5 ulp, the
-// others to 1. Only units of lanes include this header.
+// A number of several doubles that move together, by GCC's vector extension: as many as fit two registers of the
+// instruction set that a unit is compiled for (LEAST_LANE_BYTES), or one of the narrowest. Of two, one is computed
+// while the other waits for a root or a quotient, and what a step does for all lanes alike it does half as often.
+// Elementary functions are SLEEF's of the family whose bits are the same in every instruction set and alone (`cinz`,
+// without fused operations): sin and cos to 3.5 ulp, the others to 1. Only units of lanes include this header.
 #pragma once
 
 #ifndef LEAST_LANE_BYTES
@@ -22,73 +23,120 @@
 
 namespace least {
 
-inline constexpr std::size_t lane_count = LEAST_LANE_BYTES / sizeof(double);
+// LEAST_PAIR(of the first register, of the second)
+#if LEAST_LANE_BYTES > 16
+#define LEAST_PAIR(a, b) a, b
+inline constexpr std::size_t lane_registers = 2;
+#else
+#define LEAST_PAIR(a, b) a
+inline constexpr std::size_t lane_registers = 1;
+#endif
+inline constexpr std::size_t lane_count = lane_registers * LEAST_LANE_BYTES / sizeof(double);
 
 struct LaneMask {
-  typedef std::int64_t Vector __attribute__((vector_size(LEAST_LANE_BYTES)));
-  Vector on{};  ///< −1 where it is set
+  typedef std::int64_t Register __attribute__((vector_size(LEAST_LANE_BYTES)));
+  Register LEAST_PAIR(low{}, high{});  ///< −1 where it is set
 
-  LEAST_INLINE friend LaneMask operator!(const LaneMask& a) { return {~a.on}; }
-  LEAST_INLINE friend LaneMask operator&(const LaneMask& a, const LaneMask& b) { return {a.on & b.on}; }
-  LEAST_INLINE friend LaneMask operator|(const LaneMask& a, const LaneMask& b) { return {a.on | b.on}; }
+  static LaneMask everywhere() {
+    const Register none{};
+    return {LEAST_PAIR(none - 1, none - 1)};
+  }
+  std::int64_t operator[](std::size_t lane) const { return reinterpret_cast<const std::int64_t*>(this)[lane]; }
+  void set(std::size_t lane, bool on) { reinterpret_cast<std::int64_t*>(this)[lane] = on ? -1 : 0; }
+  LEAST_INLINE friend LaneMask operator!(const LaneMask& a) { return {LEAST_PAIR(~a.low, ~a.high)}; }
+  LEAST_INLINE friend LaneMask operator&(const LaneMask& a, const LaneMask& b) {
+    return {LEAST_PAIR(a.low & b.low, a.high & b.high)};
+  }
+  LEAST_INLINE friend LaneMask operator|(const LaneMask& a, const LaneMask& b) {
+    return {LEAST_PAIR(a.low | b.low, a.high | b.high)};
+  }
 };
 
 struct Lanes {
-  typedef double Vector __attribute__((vector_size(LEAST_LANE_BYTES)));
-  Vector v{};
+  typedef double Register __attribute__((vector_size(LEAST_LANE_BYTES)));
+  Register LEAST_PAIR(low{}, high{});
 
   Lanes() = default;
-  LEAST_INLINE Lanes(double x) : v(x - Vector{}) {}  // NOLINT(google-explicit-constructor): in every lane
-  LEAST_INLINE explicit Lanes(Vector x) : v(x) {}
+  LEAST_INLINE Lanes(double x)  // NOLINT(google-explicit-constructor): in every lane
+      : LEAST_PAIR(low(x - Register{}), high(x - Register{})) {}
+  LEAST_INLINE explicit Lanes(LEAST_PAIR(Register x, Register y)) : LEAST_PAIR(low(x), high(y)) {}
 
-  LEAST_INLINE friend Lanes operator-(const Lanes& a) { return Lanes(-a.v); }
-  LEAST_INLINE friend Lanes operator+(const Lanes& a, const Lanes& b) { return Lanes(a.v + b.v); }
-  LEAST_INLINE friend Lanes operator-(const Lanes& a, const Lanes& b) { return Lanes(a.v - b.v); }
-  LEAST_INLINE friend Lanes operator*(const Lanes& a, const Lanes& b) { return Lanes(a.v * b.v); }
-  LEAST_INLINE friend Lanes operator/(const Lanes& a, const Lanes& b) { return Lanes(a.v / b.v); }
+  double operator[](std::size_t lane) const { return reinterpret_cast<const double*>(this)[lane]; }
+  double& operator[](std::size_t lane) { return reinterpret_cast<double*>(this)[lane]; }
+  LEAST_INLINE friend Lanes operator-(const Lanes& a) { return Lanes(LEAST_PAIR(-a.low, -a.high)); }
+  LEAST_INLINE friend Lanes operator+(const Lanes& a, const Lanes& b) {
+    return Lanes(LEAST_PAIR(a.low + b.low, a.high + b.high));
+  }
+  LEAST_INLINE friend Lanes operator-(const Lanes& a, const Lanes& b) {
+    return Lanes(LEAST_PAIR(a.low - b.low, a.high - b.high));
+  }
+  LEAST_INLINE friend Lanes operator*(const Lanes& a, const Lanes& b) {
+    return Lanes(LEAST_PAIR(a.low * b.low, a.high * b.high));
+  }
+  LEAST_INLINE friend Lanes operator/(const Lanes& a, const Lanes& b) {
+    return Lanes(LEAST_PAIR(a.low / b.low, a.high / b.high));
+  }
   LEAST_INLINE Lanes& operator+=(const Lanes& b) { return *this = *this + b; }
   LEAST_INLINE Lanes& operator-=(const Lanes& b) { return *this = *this - b; }
   LEAST_INLINE Lanes& operator*=(const Lanes& b) { return *this = *this * b; }
   LEAST_INLINE Lanes& operator/=(const Lanes& b) { return *this = *this / b; }
-  LEAST_INLINE friend LaneMask operator<(const Lanes& a, const Lanes& b) { return {a.v < b.v}; }
-  LEAST_INLINE friend LaneMask operator>(const Lanes& a, const Lanes& b) { return {a.v > b.v}; }
-  LEAST_INLINE friend LaneMask operator<=(const Lanes& a, const Lanes& b) { return {a.v <= b.v}; }
-  LEAST_INLINE friend LaneMask operator>=(const Lanes& a, const Lanes& b) { return {a.v >= b.v}; }
+  LEAST_INLINE friend LaneMask operator<(const Lanes& a, const Lanes& b) {
+    return {LEAST_PAIR(a.low < b.low, a.high < b.high)};
+  }
+  LEAST_INLINE friend LaneMask operator>(const Lanes& a, const Lanes& b) {
+    return {LEAST_PAIR(a.low > b.low, a.high > b.high)};
+  }
+  LEAST_INLINE friend LaneMask operator<=(const Lanes& a, const Lanes& b) {
+    return {LEAST_PAIR(a.low <= b.low, a.high <= b.high)};
+  }
+  LEAST_INLINE friend LaneMask operator>=(const Lanes& a, const Lanes& b) {
+    return {LEAST_PAIR(a.low >= b.low, a.high >= b.high)};
+  }
 };
 
 LEAST_INLINE bool any(const LaneMask& m) {
+#if LEAST_LANE_BYTES > 16
+  const LaneMask::Register both = m.low | m.high;
+#else
+  const LaneMask::Register both = m.low;
+#endif
   std::int64_t all = 0;
-  for (std::size_t i = 0; i < lane_count; ++i) all |= m.on[i];
+  for (std::size_t i = 0; i < LEAST_LANE_BYTES / sizeof(double); ++i) all |= both[i];
   return all != 0;
 }
 LEAST_INLINE bool all(const LaneMask& m) { return !any(!m); }
-LEAST_INLINE Lanes select(const LaneMask& m, const Lanes& yes, const Lanes& no) { return Lanes(m.on ? yes.v : no.v); }
-
-LEAST_INLINE Lanes abs(const Lanes& a) {
-  const LaneMask::Vector sign = {};
-  return Lanes(reinterpret_cast<Lanes::Vector>(reinterpret_cast<LaneMask::Vector>(a.v) & ~(sign - sign + INT64_MIN)));
+LEAST_INLINE Lanes select(const LaneMask& m, const Lanes& yes, const Lanes& no) {
+  return Lanes(LEAST_PAIR(m.low ? yes.low : no.low, m.high ? yes.high : no.high));
 }
 
 namespace detail {
+LEAST_INLINE Lanes::Register abs(Lanes::Register a) {
+  const LaneMask::Register sign = {};
+  return reinterpret_cast<Lanes::Register>(reinterpret_cast<LaneMask::Register>(a) & ~(sign - sign + INT64_MIN));
+}
 template <class F>
 LEAST_INLINE Lanes each(const Lanes& a, F&& f) {
   Lanes r;
-  for (std::size_t i = 0; i < lane_count; ++i) r.v[i] = f(a.v[i]);
+  for (std::size_t i = 0; i < lane_count; ++i) r[i] = f(a[i]);
   return r;
 }
 }  // namespace detail
+LEAST_INLINE Lanes abs(const Lanes& a) { return Lanes(LEAST_PAIR(detail::abs(a.low), detail::abs(a.high))); }
+
+/// A function of one register, of all.
+#define LEAST_OF_EACH(function) Lanes(LEAST_PAIR(function(a.low), function(a.high)))
 
 #if defined(__AVX512F__)
 #define LEAST_SLEEF(name, ulp) Sleef_cinz_##name##d8_##ulp##avx512fnofma
-LEAST_INLINE Lanes sqrt(const Lanes& a) { return Lanes(_mm512_sqrt_pd(a.v)); }
-LEAST_INLINE Lanes floor(const Lanes& a) { return Lanes(_mm512_floor_pd(a.v)); }
+LEAST_INLINE Lanes sqrt(const Lanes& a) { return LEAST_OF_EACH(_mm512_sqrt_pd); }
+LEAST_INLINE Lanes floor(const Lanes& a) { return LEAST_OF_EACH(_mm512_floor_pd); }
 #elif defined(__AVX2__)
 #define LEAST_SLEEF(name, ulp) Sleef_cinz_##name##d4_##ulp##avx
-LEAST_INLINE Lanes sqrt(const Lanes& a) { return Lanes(_mm256_sqrt_pd(a.v)); }
-LEAST_INLINE Lanes floor(const Lanes& a) { return Lanes(_mm256_floor_pd(a.v)); }
+LEAST_INLINE Lanes sqrt(const Lanes& a) { return LEAST_OF_EACH(_mm256_sqrt_pd); }
+LEAST_INLINE Lanes floor(const Lanes& a) { return LEAST_OF_EACH(_mm256_floor_pd); }
 #elif defined(__SSE2__)
 #define LEAST_SLEEF(name, ulp) Sleef_cinz_##name##d2_##ulp##sse2
-LEAST_INLINE Lanes sqrt(const Lanes& a) { return Lanes(_mm_sqrt_pd(a.v)); }
+LEAST_INLINE Lanes sqrt(const Lanes& a) { return LEAST_OF_EACH(_mm_sqrt_pd); }
 LEAST_INLINE Lanes floor(const Lanes& a) {
   return detail::each(a, [](double x) { return __builtin_floor(x); });
 }
@@ -102,14 +150,16 @@ LEAST_INLINE Lanes floor(const Lanes& a) {
 #endif
 
 #ifdef LEAST_SLEEF
-LEAST_INLINE Lanes sin(const Lanes& a) { return Lanes(LEAST_SLEEF(sin, u35)(a.v)); }
-LEAST_INLINE Lanes cos(const Lanes& a) { return Lanes(LEAST_SLEEF(cos, u35)(a.v)); }
-LEAST_INLINE Lanes exp(const Lanes& a) { return Lanes(LEAST_SLEEF(exp, u10)(a.v)); }
-LEAST_INLINE Lanes log(const Lanes& a) { return Lanes(LEAST_SLEEF(log, u10)(a.v)); }
-LEAST_INLINE Lanes tanh(const Lanes& a) { return Lanes(LEAST_SLEEF(tanh, u10)(a.v)); }
-LEAST_INLINE Lanes pow(const Lanes& a, const Lanes& y) { return Lanes(LEAST_SLEEF(pow, u10)(a.v, y.v)); }
-LEAST_INLINE Lanes expm1(const Lanes& a) { return Lanes(LEAST_SLEEF(expm1, u10)(a.v)); }
-LEAST_INLINE Lanes log1p(const Lanes& a) { return Lanes(LEAST_SLEEF(log1p, u10)(a.v)); }
+LEAST_INLINE Lanes sin(const Lanes& a) { return LEAST_OF_EACH(LEAST_SLEEF(sin, u35)); }
+LEAST_INLINE Lanes cos(const Lanes& a) { return LEAST_OF_EACH(LEAST_SLEEF(cos, u35)); }
+LEAST_INLINE Lanes exp(const Lanes& a) { return LEAST_OF_EACH(LEAST_SLEEF(exp, u10)); }
+LEAST_INLINE Lanes log(const Lanes& a) { return LEAST_OF_EACH(LEAST_SLEEF(log, u10)); }
+LEAST_INLINE Lanes tanh(const Lanes& a) { return LEAST_OF_EACH(LEAST_SLEEF(tanh, u10)); }
+LEAST_INLINE Lanes pow(const Lanes& a, const Lanes& y) {
+  return Lanes(LEAST_PAIR(LEAST_SLEEF(pow, u10)(a.low, y.low), LEAST_SLEEF(pow, u10)(a.high, y.high)));
+}
+LEAST_INLINE Lanes expm1(const Lanes& a) { return LEAST_OF_EACH(LEAST_SLEEF(expm1, u10)); }
+LEAST_INLINE Lanes log1p(const Lanes& a) { return LEAST_OF_EACH(LEAST_SLEEF(log1p, u10)); }
 #else  // one by one
 LEAST_INLINE Lanes sin(const Lanes& a) { return detail::each(a, Sleef_cinz_sind1_u35purec); }
 LEAST_INLINE Lanes cos(const Lanes& a) { return detail::each(a, Sleef_cinz_cosd1_u35purec); }
@@ -120,21 +170,24 @@ LEAST_INLINE Lanes expm1(const Lanes& a) { return detail::each(a, Sleef_cinz_exp
 LEAST_INLINE Lanes log1p(const Lanes& a) { return detail::each(a, Sleef_cinz_log1pd1_u10purec); }
 LEAST_INLINE Lanes pow(const Lanes& a, const Lanes& y) {
   Lanes r;
-  for (std::size_t i = 0; i < lane_count; ++i) r.v[i] = Sleef_cinz_powd1_u10purec(a.v[i], y.v[i]);
+  for (std::size_t i = 0; i < lane_count; ++i) r[i] = Sleef_cinz_powd1_u10purec(a[i], y[i]);
   return r;
 }
 #endif
 LEAST_INLINE Lanes pow(const Lanes& a, double y) { return pow(a, Lanes(y)); }
 LEAST_INLINE std::pair<Lanes, Lanes> sincos(const Lanes& a) {
 #ifdef LEAST_SLEEF
-  const auto both = LEAST_SLEEF(sincos, u35)(a.v);
-  return {Lanes(both.x), Lanes(both.y)};
+  const auto low = LEAST_SLEEF(sincos, u35)(a.low);
+#if LEAST_LANE_BYTES > 16
+  const auto high = LEAST_SLEEF(sincos, u35)(a.high);
+#endif
+  return {Lanes(LEAST_PAIR(low.x, high.x)), Lanes(LEAST_PAIR(low.y, high.y))};
 #else
   std::pair<Lanes, Lanes> r;
   for (std::size_t i = 0; i < lane_count; ++i) {
-    const auto both = Sleef_cinz_sincosd1_u35purec(a.v[i]);
-    r.first.v[i] = both.x;
-    r.second.v[i] = both.y;
+    const auto both = Sleef_cinz_sincosd1_u35purec(a[i]);
+    r.first[i] = both.x;
+    r.second[i] = both.y;
   }
   return r;
 #endif

@@ -1,4 +1,4 @@
-// A group of members in lanes, eight packs of them in flight. What can go wrong is looked for every so many steps, and
+// A group of members in lanes, packs of them in flight. What can go wrong is looked for every so many steps, and
 // steps in which something did are taken back and taken again one by one, as of a lone run. A member that ended leaves
 // its lane to one of another group. Only units of lanes include this header.
 #pragma once

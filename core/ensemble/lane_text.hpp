@@ -1,5 +1,5 @@
 // Members of a scene as text in lanes: programs (core/ensemble/lane_program.hpp), instruction by instruction, each for
-// eight packs of lanes. Only units of lanes include this header.
+// the packs of a group. Only units of lanes include this header.
 #pragma once
 
 #include "core/ensemble/lane_run.hpp"

@@ -60,10 +60,7 @@ struct Reader {
     const std::size_t stride = of.stride;
     if (of.begun != of.rows) std::copy_n(of.begun, stride, of.rows);
     for (std::size_t i = 0; i < p.steps.size(); ++i) gains[i] = Rules<false>::gain_of(p.steps[i], p.steps[i], of.rows);
-    for (std::size_t i = 0; i < p.products.size(); ++i) {
-      const Program::Product& term = p.products[i];
-      ends[i] = {term.factor * of.rows[term.a], term.factor * of.rows[term.b]};
-    }
+    for (std::size_t i = 0; i < p.products.size(); ++i) ends[i] = ends_of(p.products[i], p.products[i].factor, of.rows);
     double* const second = of.rows + stride;
     for (std::size_t k = 0; k < of.orders; ++k) {
       double* const row = of.rows + k * stride;

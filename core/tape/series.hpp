@@ -31,9 +31,10 @@ struct UnrolledSeries;
 struct Gain {
   double inverse = 0, a = 0, b = 0;
 };
-/// Order 0 of the two factors of a product, with its own factor.
+/// Order 0 of the two factors of a product, with its own factor; and what its sums are multiplied with, twice that of a
+/// square.
 struct Ends {
-  double a, b;
+  double a, b, sums;
 };
 
 class Series {

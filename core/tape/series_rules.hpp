@@ -54,8 +54,11 @@ template <std::size_t Groups>
     for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += (low - stride)[g].lane * (high + stride)[g].lane;
   }
 }
-/// Of a lane that has two slots or one.
-inline double sum_of(const double* slots, bool square) { return square ? 2 * slots[0] : slots[0] + slots[1]; }
+/// Of a lane that has two slots; of a square, which has one, half of it.
+inline double sum_of(const double* slots, bool square) { return square ? slots[0] : slots[0] + slots[1]; }
+inline Ends ends_of(const Program::Product& term, double factor, const double* row) {
+  return {factor * row[term.a], factor * row[term.b], term.a == term.b ? 2 * factor : factor};
+}
 
 double value_of(Op function, double x);
 
@@ -140,7 +143,7 @@ struct Rules {
         return {inverse, s.a == none ? 0 : n.c * inverse, row[s.out] * inverse};
       }
       case Rule::root:
-        return {0.5 / row[s.out], 0, 0};
+        return {0.5 / row[s.out], 1 / row[s.out], 0};
       case Rule::power:
       case Rule::linear_power: {
         const double inverse = 1 / row[s.a];
@@ -168,11 +171,11 @@ struct Rules {
     double out = 0;
     switch (s.rule) {
       case Rule::sum: {  // what is known early comes first; of the factors of a product it is the second that is late
-        const auto *products = structure.products + s.first_product, *by = numbers.products + s.first_product;
+        const auto* products = structure.products + s.first_product;
         const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
         const Ends* const end = ends + s.first_product;
         each(s.products, [&](std::size_t i) {
-          const double known = by[i].factor * sums[products[i].lane];
+          const double known = end[i].sums * sums[products[i].lane];
           out = i > 0 ? out + known : known;
         });
         each(s.products, [&](std::size_t i) {
@@ -195,7 +198,7 @@ struct Rules {
         out = gain.a * (s.a == none ? 0 : row[s.a]) - sums[s.lane] * gain.inverse - row[s.b] * gain.b;
         break;
       case Rule::root:
-        out = (row[s.a] - sums[s.lane]) * gain.inverse;
+        out = row[s.a] * gain.inverse - sums[s.lane] * gain.a;
         break;
       case Rule::power:
         out = (n.p * sums[s.lane] - sums[s.w]) * (part * gain.inverse) + row[s.a] * gain.a;

@@ -124,11 +124,7 @@ class Unrolled {
     std::array<Gain, steps> gains;
     std::array<Ends, S.products.size()> ends;
     each<steps>([&](auto i) { gains[i] = Rules<true>::gain_of(S.steps[i], p.steps[i], row.data()); });
-    each<S.products.size()>([&](auto i) {
-      constexpr Program::Product term = S.products[i];
-      const double factor = p.products[i].factor;
-      ends[i] = {factor * row[at(term.a)], factor * row[at(term.b)]};
-    });
+    each<S.products.size()>([&](auto i) { ends[i] = ends_of(S.products[i], p.products[i].factor, row.data()); });
     // Order 1 of what is linear in time, which has no other but the first.
     second[time] = second[at(S.weighted.back())] = 1;
     each<linear>([&](auto i) {
@@ -136,7 +132,9 @@ class Unrolled {
     });
     Fours high, share{};
     auto next = finish(of, 0, row, high);
+    double order = 0;
     for (std::size_t k = 1; k < of.orders; ++k) {
+      order += 1;
       Fours slots;
       sum_slots<groups>(of.lanes, groups, k, slots.data());
       if constexpr (!alone) each<groups>([&](auto g) { slots[g].lane += share[g].lane * high[g].lane; });
@@ -162,8 +160,8 @@ class Unrolled {
         row[at(S.linear[i].weighted)] = once * second[at(S.linear[i].weighted)];
       });
       each<steps>([&](auto i) {
-        rules.advance(S.steps[i], p.steps[i], static_cast<double>(k), inverses[k], second.data(), last.data(),
-                      row.data(), sums.data(), gains[i], ends.data());
+        rules.advance(S.steps[i], p.steps[i], order, inverses[k], second.data(), last.data(), row.data(), sums.data(),
+                      gains[i], ends.data());
       });
       if (k == 1) second = row;
       next = finish(of, k, row, high);

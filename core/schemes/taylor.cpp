@@ -46,7 +46,8 @@ double log_factorial(int n) {
 /// where it converges everywhere. There its terms first grow, to eʰ, and what rounding takes from them has to stay
 /// below the tolerance.
 int cheapest_order(const Program& program, double tolerance) {
-  constexpr int least_chosen = 4;
+  // Of few terms the first are no sign yet of how far a series converges, and steps are shorter than they may be.
+  const int least_chosen = program.whole ? 4 : 14;
   const double digits = -std::log(tolerance), longest = std::log(std::max(1.5, std::log(0x1p53 * tolerance)));
   const auto length = [&](int p) { return ((program.whole ? log_factorial(p) : 0) - digits) / p; };
   const auto dear = [&](int p) { return std::log(cost(program, p)) - length(p); };

@@ -154,6 +154,14 @@ TEST(Conditioning, IsTheGrowthOfDifferences) {
   }
 }
 
+// Where they grow so far that the motion itself has to be followed to all its digits.
+TEST(Conditioning, IsThatOfTheTrueMotionWhereItIsChaotic) {
+  const Request request = scene("thermostat", 100);
+  const double measured = spread(request, 0x1p-50);
+  EXPECT_GT(measured, 1e12);
+  EXPECT_NEAR(conditioning(request, always)->growth, measured, 0.02 * measured);
+}
+
 TEST(Conditioning, TellsChaosFromTheRest) {
   const auto chaotic = [](const Request& request) { return conditioning(request, always)->chaotic(); };
   EXPECT_TRUE(chaotic(scene("lorenz", 40)));

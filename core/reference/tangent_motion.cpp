@@ -1,0 +1,97 @@
+#include "core/reference/tangent_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/tape/derivative.hpp"
+
+namespace least {
+namespace {
+
+double largest_of(std::span<const double> x) {
+  double most = 0;
+  for (const double component : x) most = std::abs(component) <= most ? most : std::abs(component);
+  return most;
+}
+
+}  // namespace
+
+tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const tape::Index> rates,
+                                        std::span<const int> directions) {
+  const std::size_t size = rates.size();
+  std::vector<int> variables(size);
+  for (std::size_t j = 0; j < size; ++j) variables[j] = static_cast<int>(j);
+  std::vector<tape::Index> all(rates.begin(), rates.end());
+  all.resize(size * (1 + directions.size()));
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto slopes = tape::gradient(equations, Symbol::at(equations, rates[i]), variables);
+    for (std::size_t d = 0; d < directions.size(); ++d) {
+      Symbol rate;
+      for (std::size_t j = 0; j < size; ++j) rate += slopes[j] * Symbol::variable(equations, (1 + d) * size + j);
+      all[(1 + d) * size + i] = rate.on(equations);
+    }
+  }
+  return {equations, all, all.size()};
+}
+
+TangentMotion::TangentMotion(tape::Tape equations, std::span<const tape::Index> rates, std::span<const int> directions,
+                             double tolerance)
+    : size_(rates.size()),
+      directions_(directions.begin(), directions.end()),
+      expansion_(program_of(std::move(equations), rates, directions), tolerance, 0) {}
+
+void TangentMotion::start(std::span<const double> x, double t) {
+  t_ = t;
+  scale_ = largest_of(x);
+  y_.assign(size_ * (1 + directions_.size()), 0);
+  std::copy(x.begin(), x.end(), y_.begin());
+  for (std::size_t d = 0; d < directions_.size(); ++d)
+    y_[(1 + d) * size_ + static_cast<std::size_t>(directions_[d])] = 1;
+  exponents_.assign(directions_.size(), 0);
+  low_.assign(y_.size(), 0);
+  rescale();
+  seen_ = y_;
+}
+
+/// Derivatives to about the size that decides on steps.
+void TangentMotion::rescale() {
+  const int wanted = std::ilogb(std::max(1.0, largest_of(std::span(y_).first(size_))));
+  for (std::size_t d = 0; d < directions_.size(); ++d) {
+    const std::span<double> u = std::span(y_).subspan((1 + d) * size_, size_);
+    const double size = largest_of(u);
+    if (!(size > 0)) continue;
+    const int by = wanted - std::ilogb(size);
+    if (by == 0) continue;
+    for (double& component : u) component = std::ldexp(component, by);
+    exponents_[d] -= by;
+  }
+}
+
+double TangentMotion::step() {
+  expansion_.move(y_.data(), t_);
+  return expansion_.step();
+}
+
+bool TangentMotion::look(double ahead) {
+  seen_ = y_;
+  std::ranges::fill(low_, 0.0);
+  expansion_.evaluate(ahead, low_.data(), seen_.data());
+  return std::ranges::all_of(seen_, [](double component) { return std::isfinite(component); });
+}
+
+bool TangentMotion::move(double t) {
+  if (!expansion_.defined(seen_.data(), t)) return false;
+  y_ = seen_;
+  t_ = t;
+  rescale();
+  return true;
+}
+
+double TangentMotion::growth() const {
+  double most = 0;
+  for (std::size_t d = 0; d < directions_.size(); ++d)
+    most = std::max(most, std::ldexp(largest_of(std::span(seen_).subspan((1 + d) * size_, size_)), exponents_[d]));
+  return most * scale_;
+}
+
+}  // namespace least

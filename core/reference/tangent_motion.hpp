@@ -1,0 +1,47 @@
+// A motion and its derivatives in directions of its start, all at once, by the Taylor series of its equations and of
+// their variational equations u̇ = (∂f/∂x) u, which are derived on the tape. Derivatives are rescaled from step to step,
+// so that they have as many digits as the motion itself, however far they grow or shrink.
+// Source: Barrio, SIAM J. Sci. Comput. 27, 1929 (2006).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/schemes/taylor.hpp"
+
+namespace least {
+
+class TangentMotion {
+ public:
+  /// Of the tape of equations the rates ẋ of the variables, in their order, and the variables that may differ at the
+  /// start.
+  TangentMotion(tape::Tape equations, std::span<const tape::Index> rates, std::span<const int> directions,
+                double tolerance);
+
+  void start(std::span<const double> x, double t);
+  double time() const { return t_; }
+  /// How long the next step may be; 0: there is none.
+  double step();
+  /// What is seen becomes the motion at this time after the last step, within the next. False: it is not finite there.
+  bool look(double ahead);
+  /// A step, as long as the last look went ahead, to the time t. False: the equations mean nothing there.
+  bool move(double t);
+
+  std::span<const double> state() const { return std::span(seen_).first(size_); }
+  /// The largest of all derivatives, times the largest component at the start.
+  double growth() const;
+
+ private:
+  static tape::Program program_of(tape::Tape equations, std::span<const tape::Index> rates,
+                                  std::span<const int> directions);
+  void rescale();
+
+  std::size_t size_;  ///< of the state
+  std::vector<int> directions_;
+  taylor::Expansion expansion_;
+  double t_ = 0, scale_ = 0;
+  std::vector<double> y_, seen_, low_;  ///< the state, then its derivatives, one after the other
+  std::vector<int> exponents_;          ///< of two: by what those of a direction have been divided
+};
+
+}  // namespace least

@@ -32,6 +32,9 @@ Op partner_of(Op op) {
   }
 }
 
+/// Times a power of two.
+DoubleDouble scaled(double by, const DoubleDouble& x) { return {by * x.high(), by * x.low()}; }
+
 DoubleDouble inverse_of(std::size_t k) { return DoubleDouble(1) / DoubleDouble(static_cast<double>(k)); }
 
 }  // namespace
@@ -102,6 +105,16 @@ TrueMotion::TrueMotion(tape::Tape equations, std::span<const Index> rates, doubl
     if (node.op == Op::power && tape_[node.a].linear) poles_.push_back(node.a);
     if (node.op == Op::sqrt && tape_[node.a].linear) poles_.push_back(node.a);
   }
+  for (Index i = 0; i < tape_.size(); ++i) {
+    const Op op = tape_[i].op;
+    if (op == Op::time) time_ = i;
+    if (op == Op::variable || op == Op::time) {
+      if (const Index slope = rows_of_[nth(i)].weighted; slope != tape::none) given_.emplace_back(i, slope);
+    } else if (op != Op::constant) {
+      made_.push_back(i);
+    }
+  }
+  reciprocals_.resize(nth(tape_.size()));
   for (std::size_t k = 0; k <= order_; ++k) inverses_.push_back(k > 0 ? inverse_of(k) : DoubleDouble(0));
   rows_.assign(nth(rows) * (order_ + 1), DoubleDouble());
   for (Index i = 0; i < tape_.size(); ++i)
@@ -112,6 +125,7 @@ void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
   x_ = std::move(x);
   t_ = t;
   length_ = 0;
+  begun_ = false;
   longest_ = first_step;
   lost_ = false;
   double size = 0;
@@ -119,139 +133,17 @@ void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
   least_size_ = size > 0 && size < 1 ? size : 1;
 }
 
-/// Order 0.
-void TrueMotion::begin(Index i) {
-  const Node& node = tape_[i];
-  DoubleDouble* const out = row(i);
-  const DoubleDouble* const a = node.a == tape::none ? nullptr : row(node.a);
-  const DoubleDouble* const b = node.b == tape::none ? nullptr : row(node.b);
-  const Index helper = rows_of_[nth(i)].helper;
-  switch (node.op) {
-    case Op::constant:
-    case Op::variable:
-      return;
-    case Op::time:
-      out[0] = t_;
-      out[1] = unit_;
-      return;
-    case Op::add:
-      out[0] = a[0] + b[0];
-      return;
-    case Op::subtract:
-      out[0] = a[0] - b[0];
-      return;
-    case Op::multiply:
-      out[0] = a[0] * b[0];
-      return;
-    case Op::divide:
-      out[0] = a[0] / b[0];
-      return;
-    case Op::power:
-      out[0] = power(a[0], node.value);
-      return;
-    default:
-      out[0] = elementary(node.op, a[0]);
-  }
-  if (node.op == Op::tan) row(helper)[0] = DoubleDouble(1) + out[0] * out[0];
-  if (node.op == Op::tanh) {  // 1 − tanh² would lose all its digits
-    const DoubleDouble slope = DoubleDouble(1) / elementary(Op::cosh, a[0]);
-    row(helper)[0] = slope * slope;
-  }
-  if (node.op == Op::atan) row(helper)[0] = DoubleDouble(1) + a[0] * a[0];
-  if (node.op == Op::asin || node.op == Op::acos) {
-    row(helper + 1)[0] = DoubleDouble(1) - a[0] * a[0];
-    row(helper)[0] = elementary(Op::sqrt, row(helper + 1)[0]);
-  }
-}
-
-/// Order k > 0, of what the node is made of known up to k.
-void TrueMotion::extend(Index i, std::size_t k) {
-  const Node& node = tape_[i];
-  const Rows& own = rows_of_[nth(i)];
-  DoubleDouble* const out = row(i);
-  const DoubleDouble* const a = node.a == tape::none ? nullptr : row(node.a);
-  const DoubleDouble* const b = node.b == tape::none ? nullptr : row(node.b);
-  const auto constant = [&](Index operand) { return tape_[operand].op == Op::constant; };
-  const auto slope_of = [&](Index operand) -> const DoubleDouble* { return row(rows_of_[nth(operand)].weighted); };
-  const DoubleDouble inverse = inverses_[k];
-  // Σ w_j ȯut_{k−j} over 0 < j < k, where ȯut = ȧ/w.
-  const auto log_like = [&](const DoubleDouble* w, const DoubleDouble& change) {
-    out[k] = (change - inverse * convolve(w, row(own.weighted), k, 1, k - 1)) / w[0];
-  };
-  switch (node.op) {
-    case Op::add:
-      out[k] = a[k] + b[k];
-      break;
-    case Op::subtract:
-      out[k] = a[k] - b[k];
-      break;
-    case Op::multiply:
-      out[k] = constant(node.a)   ? a[0] * b[k]
-               : constant(node.b) ? a[k] * b[0]
-               : a == b           ? square(a, k, 0)
-                                  : convolve(a, b, k, 0, k);
-      break;
-    case Op::divide:
-      out[k] = (a[k] - convolve(b, out, k, 1, k)) / b[0];
-      break;
-    case Op::power:
-      out[k] = (node.value * convolve(slope_of(node.a), out, k, 1, k) - convolve(a, row(own.weighted), k, 1, k - 1)) *
-               inverse / a[0];
-      break;
-    case Op::sqrt:
-      out[k] = (a[k] - (k > 1 ? square(out, k, 1) : DoubleDouble())) / (2.0 * out[0]);
-      break;
-    case Op::exp:
-      out[k] = inverse * convolve(slope_of(node.a), out, k, 1, k);
-      break;
-    case Op::sin:
-    case Op::sinh:
-    case Op::cosh:
-      out[k] = inverse * convolve(slope_of(node.a), row(own.helper), k, 1, k);
-      break;
-    case Op::cos:
-      out[k] = -(inverse * convolve(slope_of(node.a), row(own.helper), k, 1, k));
-      break;
-    case Op::tan:
-    case Op::tanh: {
-      DoubleDouble* const w = row(own.helper);
-      out[k] = inverse * convolve(slope_of(node.a), w, k, 1, k);
-      w[k] = node.op == Op::tan ? square(out, k, 0) : -square(out, k, 0);
-      break;
-    }
-    case Op::log:
-      log_like(a, a[k]);
-      break;
-    case Op::atan:
-      row(own.helper)[k] = square(a, k, 0);
-      log_like(row(own.helper), a[k]);
-      break;
-    case Op::asin:
-    case Op::acos: {
-      DoubleDouble *const w = row(own.helper), *const u = row(own.helper + 1);
-      u[k] = -square(a, k, 0);
-      w[k] = (u[k] - (k > 1 ? square(w, k, 1) : DoubleDouble())) / (2.0 * w[0]);
-      log_like(w, node.op == Op::asin ? a[k] : -a[k]);
-      break;
-    }
-    default:
-      return;
-  }
-  if (own.weighted != tape::none) row(own.weighted)[k] = static_cast<double>(k) * out[k];
-}
-
 void TrueMotion::expand() {
   for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x_[v];
-  for (Index i = 0; i < tape_.size(); ++i) begin(i);
+  for (Index i = 0; i < tape_.size() && !begun_; ++i) begin(i);
+  begun_ = true;
+  if (time_ != tape::none) row(time_)[1] = unit_;
   for (std::size_t k = 0; k < order_; ++k) {
     if (k > 0)
-      for (Index i = 0; i < tape_.size(); ++i) extend(i, k);
+      for (const Index i : made_) extend(i, k);
     for (std::size_t v = 0; v < variables_.size(); ++v)
-      row(variables_[v])[k + 1] = unit_ * row(rates_[v])[k] * inverses_[k + 1];
-    for (Index i = 0; i < tape_.size(); ++i)  // of what no rule makes
-      if (const Index slope = rows_of_[nth(i)].weighted;
-          slope != tape::none && (tape_[i].op == Op::variable || tape_[i].op == Op::time))
-        row(slope)[k + 1] = static_cast<double>(k + 1) * row(i)[k + 1];
+      row(variables_[v])[k + 1] = scaled(unit_, row(rates_[v])[k] * inverses_[k + 1]);
+    for (const auto& [i, slope] : given_) row(slope)[k + 1] = static_cast<double>(k + 1) * row(i)[k + 1];
   }
 }
 
@@ -329,34 +221,34 @@ bool TrueMotion::settle(const std::function<bool()>& keep_going) {
 bool TrueMotion::solves(double h) {
   constexpr double slack = 1e6;  // of tolerances: what is looked for is no matter of digits
   const DoubleDouble t = t_;
-  std::vector<DoubleDouble> slopes, here, there;
+  slopes_.clear();
+  ahead_.clear();
   for (const Index variable : variables_) {
     const DoubleDouble* const c = row(variable);
     DoubleDouble slope = static_cast<double>(order_) * c[order_];
     for (std::size_t k = order_; k-- > 1;) slope = slope * h + static_cast<double>(k) * c[k];
-    slopes.push_back(slope);
-    here.push_back(c[0]);
-    there.push_back(within(variable, h));
+    slopes_.push_back(slope);
+    ahead_.push_back(within(variable, h));
   }
   const auto stand = [&](const std::vector<DoubleDouble>& x) {
     for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x[v];
   };
-  stand(there);
+  stand(ahead_);
   t_ = t_ + DoubleDouble(h * unit_);
   for (Index i = 0; i < tape_.size(); ++i) begin(i);
   const double scale = std::max(least_size_, largest(0));
   bool good = true;
   for (std::size_t v = 0; v < variables_.size() && good; ++v) {
-    const DoubleDouble rate = unit_ * row(rates_[v])[0];
-    good = std::abs((rate - slopes[v]).high()) * h <= slack * tolerance_ * std::max(scale, std::abs(rate.high()) * h);
+    const DoubleDouble rate = scaled(unit_, row(rates_[v])[0]);
+    good = std::abs((rate - slopes_[v]).high()) * h <= slack * tolerance_ * std::max(scale, std::abs(rate.high()) * h);
   }
-  stand(here);
+  stand(x_);
   t_ = t;
   return good;
 }
 
-/// The step that the series allows, shortened until it solves the equations. One that is as long as it may be, because
-/// hardly anything happens, is looked at on its way.
+/// The step that the series allows, shortened until it solves the equations; order 0 is left at its end. One that is as
+/// long as it may be, because hardly anything happens, is looked at on its way.
 void TrueMotion::shorten() {
   constexpr int parts = 8;
   const bool idle = length_ * unit_ >= 0.99 * longest_;
@@ -366,6 +258,7 @@ void TrueMotion::shorten() {
     if (good) return;
     length_ *= 0.5;
   }
+  solves(length_);
 }
 
 DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& h) const {
@@ -383,7 +276,7 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
     shorten();
   }
   while ((DoubleDouble(t) - t_).high() > length_ * unit_) {
-    for (std::size_t v = 0; v < variables_.size(); ++v) x_[v] = within(variables_[v], length_);
+    x_ = ahead_;
     t_ = t_ + DoubleDouble(length_ * unit_);
     longest_ = 2 * length_ * unit_;
     if (!settle(keep_going)) return {};

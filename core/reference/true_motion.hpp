@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/tape/double_double.hpp"
@@ -36,6 +37,7 @@ class TrueMotion {
   DoubleDouble* row(tape::Index i) { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
   const DoubleDouble* row(tape::Index i) const { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
   void begin(tape::Index i);
+  const DoubleDouble* divisor_of(tape::Index i) const;
   void extend(tape::Index i, std::size_t k);
   void expand();
   double largest(std::size_t k) const;
@@ -48,14 +50,19 @@ class TrueMotion {
 
   tape::Tape tape_;
   std::vector<tape::Index> rates_, variables_;
-  std::vector<tape::Index> poles_;  ///< divisors linear in time
-  std::vector<Rows> rows_of_;       ///< by node
+  std::vector<tape::Index> poles_;                          ///< divisors linear in time
+  std::vector<Rows> rows_of_;                               ///< by node
+  std::vector<tape::Index> made_;                           ///< nodes of which a rule makes orders
+  std::vector<std::pair<tape::Index, tape::Index>> given_;  ///< others that are weighted, and where that goes
+  tape::Index time_ = tape::none;
   double tolerance_, least_size_ = 1;
   std::size_t order_;
-  std::vector<DoubleDouble> inverses_, rows_, x_, asked_;
-  DoubleDouble t_{};              ///< where the series stands
-  double unit_ = 1, length_ = 0;  ///< of time; of the step from there, in units; 0: there is no series yet
-  double longest_ = 0;            ///< a step may be
+  std::vector<DoubleDouble> inverses_, reciprocals_, rows_, x_, asked_;
+  std::vector<DoubleDouble> ahead_, slopes_;  ///< at the end of the step, and as its polynomials have it
+  bool begun_ = false;                        ///< order 0 of all nodes is that at x_, or at `ahead_`
+  DoubleDouble t_{};                          ///< where the series stands
+  double unit_ = 1, length_ = 0;              ///< of time; of the step from there, in units; 0: there is no series yet
+  double longest_ = 0;                        ///< a step may be
   bool lost_ = false;
 };
 

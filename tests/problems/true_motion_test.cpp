@@ -77,6 +77,18 @@ TEST(TrueMotion, GoesOnAtEveryScaleAndEndsAtASingularity) {
   }
 }
 
+TEST(TrueMotion, KeepsNothingOfAnEarlierStart) {
+  tape::Tape tape;
+  const auto rates = taylor::write_equations<Point<1>>(BlowUp{}, tape);
+  TrueMotion motion(std::move(tape), rates, fine_tolerance);
+  for (const double x : {1.0, 0.5}) {
+    motion.start({x}, 0);
+    const auto there = motion.at(0.5, always);
+    ASSERT_EQ(there.size(), 1U);
+    EXPECT_LT(std::abs((there[0] * (DoubleDouble(1) - DoubleDouble(0.5 * x)) - DoubleDouble(x)).high()), 1e-25);
+  }
+}
+
 TEST(TrueMotion, GivesUpWhenTold) {
   int left = 3;
   EXPECT_FALSE(quad_precision_run(BlowUp{}, Point<1>{0, {1.0}}, {0.9999}, [&] { return --left > 0; }).complete);

@@ -94,7 +94,7 @@ class Contest {
   }
   /// Where a run has to cost less to be of interest.
   double worth() const {
-    constexpr double less = 1.05, more = 1.5;
+    constexpr double less = 1.05, more = 1.1;
     if (const Search* best = winner()) return best->likely_cost() / less;
     double most = std::numeric_limits<double>::infinity();
     for (const Search& search : searches_)

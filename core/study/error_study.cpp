@@ -122,7 +122,7 @@ ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const 
   conditioning_ = least::conditioning(*scene_.scene, scene_.end, keep_going);
   if (conditioning_->ends) scene_.end = conditioning_->reached;
   if (!at_end) {
-    constexpr int count = 64;
+    constexpr int count = 256;  // of long runs errors have a peak in every turn
     const double span = scene_.end - scene_.scene->start;
     times_ = conditioning_->pace;  // or a fast passage would not be seen
     for (int k = 1; k < count; ++k) times_.push_back(scene_.scene->start + span * k / count);
@@ -219,7 +219,7 @@ Trial ErrorStudy::look(const SchemeConfig& choice, double seconds, std::int64_t 
   Request probe = request(choice, seconds, step_limit);
   probe.probe = true;
   Trial trial;
-  for (const std::size_t apart : {16, 4}) {
+  for (const std::size_t apart : {48, 12}) {
     States truth, states;
     std::vector<double> times;
     for (std::size_t i = (times_.size() - 1) % apart; i < times_.size(); i += apart) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/reference/reference.hpp"
 #include "tests/core/asking.hpp"
@@ -43,6 +44,22 @@ TEST(Orbit, IsTheSameMirroredTurnedAndInSpace) {
   const double c = 0.8, s = 0.6;
   runs::scene(space).initial = {0, -4 * c, -4 * s, -0.1, -0.1 * c, -0.1 * s};
   EXPECT_NEAR(ask(space, "orbit/apsidal_rotation"), -plane, 1e-8) << "about L, along which the motion is positive";
+}
+
+// Steps that are long where the body is slow turn by most of a revolution at a close passage.
+TEST(Orbit, CountsRevolutionsWhateverAStepTurns) {
+  for (const double e : {0.0, 0.9, 0.9999, 0.99999}) {
+    Request request = asking("kepler", "time_transformed", "orbit");
+    runs::set(request, "composition", "kahan_li_6");
+    runs::set(request, "kappa", unknown);  // the energy
+    for (const double direction : {1.0, -1.0}) {
+      runs::scene(request).initial = {1 - e, 0, 0, direction * std::sqrt((1 + e) / (1 - e))};
+      request.end = 20.5 * std::numbers::pi;
+      EXPECT_EQ(ask(request, "orbit/revolutions"), 10) << e;
+      runs::scene(request).initial = {-1 - e, 0, 0, direction * std::sqrt((1 - e) / (1 + e))};
+      EXPECT_EQ(ask(request, "orbit/revolutions"), 10) << e << " from afar";
+    }
+  }
 }
 
 TEST(Orbit, ClosesWhereTheSchemeIsAccurate) {

@@ -11,8 +11,8 @@
 namespace least {
 
 /// Revolutions in the plane of the start, counted when the body passes the direction it started from. Angles are
-/// measured in the direction of motion; `sense_` turns them counter-clockwise in the plane. A straight line has no
-/// revolutions, a circle no apsis.
+/// measured in the direction of motion, a step turns by less than a revolution; `sense_` turns them counter-clockwise
+/// in the plane. A straight line has no revolutions, a circle no apsis.
 template <TwoBody P, class X>
 class OrbitTrack {
  public:
@@ -32,12 +32,12 @@ class OrbitTrack {
     const Elements e = elements(x);
     apsis_ = apsis(e);
     has_apsis_ = e.eccentricity > two_body::least_eccentricity;
-    before_ = 0;
+    before_ = {radius_, 0};
   }
 
   void see(const P&, const X& x) {
-    const double across = dot(x.q, e2_);
-    if (defined_ && before_ < 0 && across >= 0 && dot(x.q, e1_) > 0) {
+    const Place here{dot(x.q, e1_), dot(x.q, e2_)};
+    if (defined_ && passed(before_, here, dot(x.p, e1_), dot(x.p, e2_))) {
       const Elements e = elements(x);
       const double now = apsis(e);
       rotation_ += std::remainder(now - apsis_, 8 * std::atan(1.0));
@@ -46,7 +46,7 @@ class OrbitTrack {
       closure_ = std::abs(e.angular_momentum * e.angular_momentum / (mu_ + dot(e.lenz, e1_)) - radius_);
       ++revolutions_;
     }
-    before_ = across;
+    before_ = here;
   }
 
   /// closure: distance by which the last whole revolution misses the start; apsidal_rotation: of the Laplace–Runge–Lenz
@@ -66,12 +66,31 @@ class OrbitTrack {
   }
 
  private:
+  /// In the plane of the start: along its direction, and across it in the direction of motion.
+  struct Place {
+    double along, across;
+  };
+  /// Whether a step passed the direction of the start. One of less than a revolution ends at a smaller angle where it
+  /// did, and only there: at a close passage it may be the better half.
+  static bool passed(const Place& before, const Place& now, double p_along, double p_across) {
+    constexpr double rounding = 1e-9;
+    const bool was_above = before.across >= 0, is_above = now.across >= 0;
+    if (was_above && !is_above) return false;
+    if (was_above == is_above) {
+      const double turned = before.along * now.across - before.across * now.along;
+      const double size = std::abs(before.along * now.across) + std::abs(before.across * now.along);
+      if (!(turned < -rounding * size)) return false;
+    }
+    return now.along * p_across > now.across * p_along;  // it moves in the direction that it began with
+  }
+
   using Elements = two_body::Elements<P::dof>;
   Elements elements(const X& x) const { return two_body::elements(x.q, x.p, mu_); }
   double apsis(const Elements& e) const { return std::atan2(dot(e.lenz, e2_), dot(e.lenz, e1_)); }
 
   Vec<P::dof> e1_{}, e2_{};
-  double mu_ = 0, radius_ = 0, before_ = 0, apsis_ = 0, rotation_ = 0, closure_ = 0, sense_ = 1;
+  Place before_{};
+  double mu_ = 0, radius_ = 0, apsis_ = 0, rotation_ = 0, closure_ = 0, sense_ = 1;
   std::int64_t revolutions_ = 0;
   bool defined_ = false, has_apsis_ = false;
 };

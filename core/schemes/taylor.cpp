@@ -143,6 +143,32 @@ double Expansion::largest(int k) const {
   return sum < std::numeric_limits<double>::infinity() ? std::max(most[0], most[1]) : sum;  // NaN comes in and stays
 }
 
+double Expansion::largest_carried(int k) const {
+  double most = 0;
+  for (std::size_t i = moving_; i < variables_; ++i) {
+    const double here = std::abs(series_.coefficients(k)[i]);
+    if (!(here <= most)) most = here;
+    if (std::isnan(most)) break;
+  }
+  return most;
+}
+
+double Expansion::carried_step() const {
+  constexpr double slack = 10;  // more than of the motion: derivatives of its series by the start are somewhat larger
+  double h = std::numeric_limits<double>::infinity();
+  const double log_term = std::log2(slack * std::max({1.0, largest(0), largest_carried(0)})) + log_tolerance_;
+  for (const int k : {used_ - 1, used_})
+    if (const double c = k > 0 ? largest_carried(k) : 0; c > 0)
+      h = std::min(h, std::exp2((log_term - std::log2(c)) / k));
+  return h;
+}
+
+void Expansion::make_beside() {
+  if (beside_) return;
+  beside_ = std::make_unique<Expansion>(program(), std::exp2(log_tolerance_), order());
+  beside_->longest_ = longest_;
+}
+
 void Expansion::move(const double* y, double t) {
   if (t == t_ && std::equal(y, y + variables_, series_.coefficients(0))) return;
   series_.expand(y, t);

@@ -2,16 +2,18 @@
 // tape (core/tape). Of any order, so that a step is as long as the series converges well: a third of the way to the
 // nearest singularity, in complex time, at twelve digits. Sets its own clock, reads the time, keeps no structure:
 // energy drifts at a rate that the tolerance sets. What a state carries beyond the motion, an action or a tangent
-// direction, goes along and has no say in the steps: asking for more never changes a run. A step costs one pass over
-// the tape per order; by convention it counts as many force evaluations as its order. The state within a step is the
-// polynomial itself. Sums over steps are compensated. The tape is recorded when a run begins, by the problem with its
-// parameters: choices, whole exponents and what is zero leave it shorter; that takes a few microseconds, so that a
-// thread keeps what the last run of a problem has made of it, for the next with the same parameters. One engine runs
-// all tapes, so that a problem costs its recording and nothing else to compile. Sources: Jorba & Zou, Experimental
-// Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans. Math. Softw. 8, 114 (1982); Biscani & Izzo, MNRAS 504, 2614
-// (2021).
+// direction, has no say in the steps: asking for more never changes a run. Where its own series, as that of an action
+// of twice the frequency, is not good for all of a step, it is begun anew on the way, beside that of the motion. A step
+// costs one pass over the tape per order; by convention it counts as many force evaluations as its order. The state
+// within a step is the polynomial itself. Sums over steps are compensated. The tape is recorded when a run begins, by
+// the problem with its parameters: choices, whole exponents and what is zero leave it shorter; that takes a few
+// microseconds, so that a thread keeps what the last run of a problem has made of it, for the next with the same
+// parameters. One engine runs all tapes, so that a problem costs its recording and nothing else to compile. Sources:
+// Jorba & Zou, Experimental Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans. Math. Softw. 8, 114 (1982); Biscani
+// & Izzo, MNRAS 504, 2614 (2021).
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -38,6 +40,11 @@ class Expansion {
   void move(const double* y, double t);
   /// How long a step from there may be; 0: the series means nothing.
   double step() const;
+  /// How far from there the series of what is carried beyond the motion is good, by its last two terms.
+  double carried_step() const;
+  /// Another one of the same equations, tolerance and order: for what is carried, within a step of the motion.
+  Expansion& beside() { return *beside_; }
+  void make_beside();
   /// The state at the time h from there. `low`: what rounding has kept from y; becomes what it keeps from the result.
   void evaluate(double h, double* low, double* y) const;
   /// Whether the motion goes on from y.
@@ -50,6 +57,7 @@ class Expansion {
 
  private:
   double largest(int k) const;
+  double largest_carried(int k) const;
   double until_switch(double h) const;
 
   tape::Series series_;
@@ -59,6 +67,7 @@ class Expansion {
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;     ///< the order up to which coefficients are numbers
   double last_ = 0;  ///< the largest of that order
+  std::unique_ptr<Expansion> beside_;
 };
 
 /// States that are doubles at heart: plain, or with a tangent direction.
@@ -136,7 +145,9 @@ class TaylorStepper {
   static constexpr int parts = 16;
 
   TaylorStepper(const P& problem, double tolerance, int order)
-      : expansion_(taylor::expansion_of<X>(problem, tolerance, order)) {}
+      : expansion_(taylor::expansion_of<X>(problem, tolerance, order)) {
+    if constexpr (carries) expansion_->make_beside();
+  }
 
   StepStatus step(X& x) noexcept { return step_within(x, std::numeric_limits<double>::infinity()); }
   /// A step that is at most so long: where it is as long to the bit, it has come to what lies so far ahead.
@@ -155,6 +166,10 @@ class TaylorStepper {
       rest = low;
       expansion_->evaluate(h, rest.data(), end.data());
       if (expansion_->defined(end.data(), x.t + h)) break;
+    }
+    if constexpr (carries) {
+      mark_ = {0, y, low};
+      carry(x.t, h, mark_, rest, end);
     }
     start_ = y;
     start_low_ = low;
@@ -180,7 +195,9 @@ class TaylorStepper {
       const double h = std::min(expansion_->step(), t - x.t);
       if (!(h > 0)) return StepStatus::singular;
       if (!(x.t + h > x.t)) return StepStatus::underflow;
+      [[maybe_unused]] Mark mark{0, y, low};
       expansion_->evaluate(h, low.data(), y.data());
+      if constexpr (carries) carry(x.t, h, mark, low, y);
       assign(y, x);
       x.t = h < t - x.t ? x.t + h : t;
     }
@@ -193,6 +210,10 @@ class TaylorStepper {
     Values y = start_, low = start_low_;
     expansion_->move(y.data(), t_);
     expansion_->evaluate(h, low.data(), y.data());
+    if constexpr (carries) {
+      if (h < mark_.after) mark_ = {0, start_, start_low_};
+      carry(t_, h, mark_, low, y);
+    }
     assign(y, x);
     x.t = t;
     return true;
@@ -205,6 +226,33 @@ class TaylorStepper {
   explicit TaylorStepper(std::shared_ptr<taylor::Expansion> expansion) : expansion_(std::move(expansion)) {}
 
   using Values = std::array<double, taylor::components<X>>;
+  static constexpr std::size_t moving = StateOf<P>::size;
+  static constexpr bool carries = taylor::components<X> > moving;
+  /// Where the series of what is carried was last begun within a step.
+  struct Mark {
+    double after = 0;  ///< the step's beginning
+    Values y{}, low{};
+  };
+  struct Nothing {};
+
+  /// Of the state y at the time h after t, to which the series of the motion has led, what is carried: in as many steps
+  /// as it needs, from the mark on, which goes along.
+  void carry(double t, double h, Mark& mark, Values& low, Values& y) const noexcept {
+    if (mark.after == 0 && !(expansion_->carried_step() < h)) return;
+    constexpr int most_parts = 1000;
+    taylor::Expansion& series = expansion_->beside();
+    for (int part = 0; part < most_parts; ++part) {
+      series.move(mark.y.data(), t + mark.after);
+      const double most = std::min(series.step(), series.carried_step());
+      if (!(most < h - mark.after && mark.after + most > mark.after)) break;
+      series.evaluate(most, mark.low.data(), mark.y.data());
+      mark.after += most;
+    }
+    Values end = mark.y, rest = mark.low;
+    series.evaluate(h - mark.after, rest.data(), end.data());
+    std::copy(end.begin() + moving, end.end(), y.begin() + moving);
+    std::copy(rest.begin() + moving, rest.end(), low.begin() + moving);
+  }
 
   static Values values(const X& x) {
     Values y;
@@ -225,6 +273,8 @@ class TaylorStepper {
   double t_ = 0, h_ = 0;        ///< of the last step
   Values start_{}, end_{};      ///< where it began and ended
   Values start_low_{}, low_{};  ///< what rounding has kept from them
+  /// In it: states in between, asked for in turn, cost few series.
+  [[no_unique_address]] mutable std::conditional_t<carries, Mark, Nothing> mark_;
   Work work_;
 };
 
@@ -262,7 +312,7 @@ struct Taylor {
             "runs are so long that the drift of the energy counts, which the tolerance sets; forces are not "
             "smooth; the motion is stiff (steps end where the series does). A step counts as many force "
             "evaluations as its order",
-        .needs = "equations of motion",
+        .needs = "equations of motion whose rates are formulas",
         .references = {"Jorba, Zou, Experimental Mathematics 14, 99 (2005)", "Biscani, Izzo, MNRAS 504, 2614 (2021)"}};
   }
   template <VectorField P, taylor::Flat X>

@@ -27,20 +27,27 @@ constexpr void gather(Program& program) {
 }
 
 /// sin and cos of p a, a linear in time, of which two known pairs have factors that add up to p, begin as sums of
-/// products of these: of many harmonics only the first costs a call.
+/// products of these: of many harmonics only the first costs a call. Rounding adds up: of so many calls, then anew.
 constexpr void start_by_addition(Program& program) {
-  const auto is_pair = [&](std::size_t i, Index a) {
-    const Step &x = program.steps[i], &y = program.steps[i + 1];
-    return x.rule == Rule::linear_integral && x.function == Op::sin && y.function == Op::cos && x.w == y.out &&
-           y.w == x.out && x.a == a;
+  constexpr std::size_t most_pairs = 64;
+  constexpr int most_calls = 16;
+  struct Pair {
+    std::size_t step;
+    int calls;
   };
-  for (std::size_t i = 0; i + 1 < program.steps.size(); ++i) {
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i + 1 < program.steps.size() && pairs.size() < most_pairs; ++i) {
     Step &sine = program.steps[i], &cosine = program.steps[i + 1];
-    for (std::size_t j = i; j-- > 0 && sine.products == 0;)
-      for (std::size_t k = 0; k <= j && sine.products == 0; ++k) {
-        if (!is_pair(i, sine.a) || !is_pair(j, sine.a) || !is_pair(k, sine.a)) continue;
-        const Step &x = program.steps[j], &y = program.steps[k];
-        if (x.p + y.p != sine.p) continue;
+    if (sine.rule != Rule::linear_integral || sine.function != Op::sin || cosine.function != Op::cos ||
+        sine.w != cosine.out || cosine.w != sine.out || cosine.a != sine.a)
+      continue;
+    int calls = 1;
+    for (std::size_t j = pairs.size(); j-- > 0 && calls == 1;)
+      for (std::size_t k = 0; k <= j && calls == 1; ++k) {
+        const Step &x = program.steps[pairs[j].step], &y = program.steps[pairs[k].step];
+        const int together = pairs[j].calls + pairs[k].calls;
+        if (x.a != sine.a || y.a != sine.a || x.p + y.p != sine.p || together > most_calls) continue;
+        calls = together;
         sine.products = cosine.products = 2;
         sine.first_product = static_cast<Index>(program.products.size());
         cosine.first_product = sine.first_product + 2;
@@ -49,6 +56,7 @@ constexpr void start_by_addition(Program& program) {
         program.products.push_back({x.w, y.w, none, 1});
         program.products.push_back({x.out, y.out, none, -1});
       }
+    pairs.push_back({i, calls});
   }
 }
 

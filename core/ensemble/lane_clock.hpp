@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -33,6 +34,7 @@ class GroupOfClocks {
   template <class Make>
   static auto* join(Make&& make) {
     using Made = typename decltype(make())::element_type;
+    assert(current_);
     if (!current_->shared_) current_->shared_ = make();
     return static_cast<Made*>(current_->shared_.get());
   }
@@ -108,6 +110,7 @@ class PhaseClock<Entry, P<double>, double> {
     }
     template <class Make>
     [[gnu::noinline]] Entry add(std::size_t i, double time, Make&& make) {
+      assert(row == &table[rows] || row == &table[(end - 1) % rows]);  // where its own clock is
       const Entry entry = row == &table[rows] ? make(time) : own.at(i, time, make);
       if (i == row->count) row->entries[row->count++] = entry;
       return entry;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/ensemble/lane_steps.hpp"
@@ -81,7 +82,7 @@ class GroupRun {
       go_back(before_);
       t_ = t;
       steps_->take_back();
-      passages_.clear();
+      forget();
       step_one_by_one(until);
     }
   }
@@ -124,11 +125,10 @@ class GroupRun {
  private:
   static constexpr std::int64_t block = 50;
   using enum ReturnCode;
-  /// Of a member, from one time to another: its states before and after, one behind the other.
+  /// Of a member, from one time to another.
   struct Passage {
     std::size_t member;
     double from, to;
-    std::vector<double> states;
   };
 
   Lanes* pack(std::size_t j) { return steps_->state(j); }
@@ -190,20 +190,23 @@ class GroupRun {
       if (!any(passed)) continue;
       for (std::size_t lane = 0; lane < lane_count; ++lane) {
         if (!passed[lane]) continue;
-        Passage& passage = passages_.emplace_back(Passage{member(j, lane), t_, t, std::vector<double>(2 * size_)});
-        for (std::size_t k = 0; k < size_; ++k) {
-          passage.states[k] = was[k][lane];
-          passage.states[size_ + k] = is[k][lane];
-        }
+        passages_.push_back({member(j, lane), t_, t});
+        for (std::size_t k = 0; k < size_; ++k) passed_.push_back(was[k][lane]);
+        for (std::size_t k = 0; k < size_; ++k) passed_.push_back(is[k][lane]);
       }
     }
   }
   void tell() {
+    std::span<const double> states(passed_);
     for (const Passage& p : passages_) {
-      const std::span<const double> states(p.states);
-      task_.host->at_step(p.member, p.from, states.first(size_), p.to, states.last(size_));
+      task_.host->at_step(p.member, p.from, states.first(size_), p.to, states.subspan(size_, size_));
+      states = states.subspan(2 * size_);
     }
+    forget();
+  }
+  void forget() {
     passages_.clear();
+    passed_.clear();
   }
 
   double grid_time(std::int64_t n) const { return task_.start_time + static_cast<double>(n) * task_.step; }
@@ -257,6 +260,7 @@ class GroupRun {
   double t_;                                       ///< time of the states
   Group<LaneMask> alive_;
   std::vector<Passage> passages_;
+  std::vector<double> passed_;         ///< of each passage the states before and after
   std::int64_t n_ = 0;                 ///< steps so far
   std::size_t next_ = 0;               ///< of the times asked for
   std::int64_t taken_ = 0, made_ = 0;  ///< steps of members, of the group

@@ -54,13 +54,18 @@ class Contest {
 
   void go() {
     // Those that choose their steps come near the accuracy in few runs: what they cost says how far others need to go.
+    // Where it does not within half of the time, the others have their turn.
+    const double half = left() / 2;
     while (!timed_out()) {
       const double most = worth();
+      const bool adaptive_first = left() > half;
       Search* next = nullptr;
       for (Search& search : searches_) {
         if (!winner() && beaten(search)) search.give_up();
         if (search.over() || !(search.least_cost() < most) || search.out_of_reach(aim(), most)) continue;
-        const auto later = [](const Search& one) { return std::pair(!one.dial().adaptive(), one.least_cost()); };
+        const auto later = [&](const Search& one) {
+          return std::pair(adaptive_first && !one.dial().adaptive(), one.least_cost());
+        };
         if (!next || later(search) < later(*next)) next = &search;
       }
       if (!next) return;
@@ -253,6 +258,11 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
   if (contest.searches().empty()) {
     Advice advice;
     advice.reason = "no scheme that applies to this problem keeps what is to be kept";
+    return advice;
+  }
+  if (contest.subject().ends_early() && !(contest.subject().end() > contest.subject().start())) {
+    Advice advice;
+    advice.reason = "the motion ends at once";
     return advice;
   }
   return timed ? best_within(contest, wish.seconds) : cheapest(contest, wish.accuracy);

@@ -38,7 +38,8 @@ double Search::likely_cost() const {
 bool Search::out_of_reach(double error, double most) const {
   constexpr double steepest = 2, more = 12;  // times the order: near a change of their sign errors fall far faster
   const int declared = declared_order();
-  if (declared == 0 || good_ || !bad_ || !std::isfinite(bad_->trial.error) || std::isinf(most)) return false;
+  // Where a coarse run is unstable the error of a finer one falls as fast as it likes.
+  if (declared == 0 || good_ || !bad_ || !(bad_->trial.error < 0.3) || std::isinf(most)) return false;
   return std::log(bad_->trial.error / error) > (steepest * declared + more) * std::log(most / least_cost());
 }
 

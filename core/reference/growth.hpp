@@ -136,9 +136,10 @@ class GrowthOfDifferences {
     };
     seen(start.t);
     double most = std::numeric_limits<double>::infinity();  ///< of steps, at the edge of the domain
+    double longest = 0;                                     ///< so far: of a motion that ends steps become shorter
     for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {
       const double from = motion.time(), left = found_.reached - from, h = std::min({motion.step(), left, most});
-      if (!(h > 1e-13 * std::max(std::abs(from), left))) return ends(from);
+      if (!(h > 1e-13 * std::max(std::abs(from), longest))) return ends(from);
       const auto time = [&](int part) { return part == parts && h == left ? found_.reached : from + h * part / parts; };
       int part = 0;
       while (part < parts && motion.look(h * (part + 1) / parts) && seen(time(part + 1))) ++part;
@@ -149,6 +150,7 @@ class GrowthOfDifferences {
         continue;
       }
       most = std::numeric_limits<double>::infinity();
+      longest = std::max(longest, h);
       found_.complete = step < patience && (step % 16 != 0 || keep_going_());
     }
     found_.growth = std::max(found_.growth, absolute);

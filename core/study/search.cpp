@@ -64,6 +64,8 @@ double Search::next() const {
 
 void Search::advance(double seconds, std::int64_t step_limit, double most) {
   double value = next();
+  constexpr int fewest = 6;  // force evaluations of a step of schemes that choose its length
+  if (dial_.adaptive()) step_limit /= fewest;
   if (!dial_.adaptive() && bad_ && !good_ && least_cost() < most)
     value = std::max(value, bad_->value * least_cost() / most);
   const SchemeConfig choice = dial_.at(choice_, value);

@@ -28,6 +28,18 @@ void locate_sections(const P& problem, const Integrator<P, X>& integrator, const
   }
 }
 
+/// Shows the diagnostics what lies within the last step, which ended in the state.
+template <class P, class X>
+void look_within(const P& problem, const Integrator<P, X>& integrator, const IntegrationState<X>& state,
+                 DiagnosticSet<P, X>& diagnostics) {
+  const double from = integrator.left().t, parts = integrator.parts();
+  for (double part = 1; part < parts; ++part) {
+    X x = state.x;
+    if (integrator.state_at(state, from + part * (state.x.t - from) / parts, x) == StepStatus::ok)
+      diagnostics.look(problem, x);
+  }
+}
+
 /// The zeros of what the caller watches, with the states there, between two states of the last step or of the next one:
 /// in their order, up to the first that ends the run.
 template <class P, class X>

@@ -1,5 +1,6 @@
 #include "core/run/root.hpp"
 
+#include <boost/math/tools/minima.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cstdint>
 #include <numeric>
@@ -14,6 +15,15 @@ double root(const std::function<double(double)>& f, double a, double b) {
   const auto [low, high] =
       boost::math::tools::toms748_solve(f, a, b, fa, fb, boost::math::tools::eps_tolerance<double>(50), most);
   return std::midpoint(low, high);
+}
+
+std::optional<double> dip(const std::function<double(double)>& f, double a, double b) {
+  const double near = (b - a) / 1024;
+  if (!(f(a + near) < f(a) && f(b - near) < f(b))) return std::nullopt;
+  constexpr int bits = 26;  // half of the digits: all that a minimum has
+  std::uintmax_t most = 50;
+  const auto [place, value] = boost::math::tools::brent_find_minima(f, a, b, bits, most);
+  return value < 0 ? std::optional(place) : std::nullopt;
 }
 
 }  // namespace least

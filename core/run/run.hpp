@@ -231,6 +231,7 @@ class Run {
       step_back();
       if (!fail(result)) return;
     } else if (state_.x.t != before && diagnostics_.sees_steps()) {
+      if (!fixed_ && diagnostics_.looks_within()) look_within(problem_, *integrator_, state_, diagnostics_);
       diagnostics_.see(problem_, state_.x);
       const bool crossed = std::exchange(diagnostics_.crossed, false);
       if (crossed || integrator_->parts() > 1) locate_sections();
@@ -243,8 +244,7 @@ class Run {
       if (watch_.ends(which) && outcome_.event.empty()) outcome_.event = watch_.name(which);
     }
     if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
-    if (fixed_ && !draw(end_)) return;
-    if (end_ < infinite) save_rest(state_.x, step);
+    if (end_ < infinite && (!fixed_ || draw(end_))) save_rest(state_.x, step);
   }
   /// The samples that are left up to the state x, in which the run ends.
   bool save_rest(const X& x, const StepInfo& step) {

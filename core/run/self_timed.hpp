@@ -67,7 +67,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
       ++n;
       if (diagnostics && x.t <= end_) {
         if constexpr (in_parts)
-          if (diagnostics->watches()) see_signs_within(stepper, left, x, *diagnostics);
+          if (diagnostics->looks_within()) look_within(stepper, left, x, *diagnostics);
         diagnostics->see(problem_, x);
       }
       if (method_of(stepper) != method || (diagnostics && diagnostics->crossed)) break;
@@ -231,19 +231,19 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
     return this->left_domain(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
   }
 
-  /// The signs between the last two states, `left` and x: by the step's own polynomial; where it has none, of what the
-  /// caller watches, by one through both ends.
-  void see_signs_within(const Stepper& stepper, const X& left, const X& x, DiagnosticSet<P, X>& diagnostics) const {
+  /// What diagnostics look at between the last two states, `left` and x: by the step's own polynomial; where it has
+  /// none, and that will do, by one through both ends.
+  void look_within(const Stepper& stepper, const X& left, const X& x, DiagnosticSet<P, X>& diagnostics) const {
     X between = x;
     std::optional<HermitePath<P, X>> path;
     for (int i = 1; i < Stepper::parts; ++i) {
       const double t = left.t + i * (x.t - left.t) / Stepper::parts;
       if (!stepper.interpolate(between, t)) {
-        if (!diagnostics.watches_events()) return;
+        if (!diagnostics.looks_at_any_path()) return;
         if (!path) path.emplace(problem_, left, x);
         between = (*path)(t);
       }
-      diagnostics.see_signs(problem_, between);
+      diagnostics.look(problem_, between);
     }
   }
 

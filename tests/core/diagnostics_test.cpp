@@ -62,6 +62,20 @@ TEST(Orbit, CountsRevolutionsWhateverAStepTurns) {
   }
 }
 
+// A circle's series converges everywhere: steps of more than a revolution.
+TEST(Orbit, CountsRevolutionsWithinAStep) {
+  for (const double end : {20.5 * std::numbers::pi, 1.9 * std::numbers::pi}) {
+    Request request = asking("kepler", "taylor", "orbit");
+    runs::scene(request).initial = {1, 0, 0, 1};
+    runs::set(request, "order", 40);
+    runs::set(request, "tolerance", 1e-3);
+    request.end = end;
+    const auto run = runs::go(request);
+    EXPECT_LT(double(run.outcome.cost.steps), 1 + end / (2 * std::numbers::pi)) << "steps are shorter than a turn";
+    EXPECT_EQ(runs::number(run.outcome.diagnostics, "orbit/revolutions"), std::floor(end / (2 * std::numbers::pi)));
+  }
+}
+
 TEST(Orbit, ClosesWhereTheSchemeIsAccurate) {
   Request request = asking("kepler", "leapfrog", "orbit");
   runs::scene(request).initial = {1, 0, 0, 1.1};

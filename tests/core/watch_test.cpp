@@ -223,6 +223,43 @@ TEST(Watch, FindsTwoZerosOfOneLongStep) {
   }
 }
 
+// An expression that comes down to zero and turns back is below it for less than a step, wherever that lies.
+TEST(Watch, FindsTheZerosOnEitherSideOfATurn) {
+  const double level = 0.9999, half = std::acos(level);  // it is above for a 444th of the period
+  for (const std::size_t index : runs::problem_card("harmonic_oscillator").schemes) {
+    const SchemeCard& scheme = schemes()[index];
+    for (const double turned : {0.0, 0.3, 1.01, 2.6}) {
+      Request request = runs::defaults("harmonic_oscillator", scheme.id);
+      request.end = 10.5 * full_turn;
+      runs::only_final(request);
+      runs::begin(request, "q", std::cos(turned));
+      runs::begin(request, "p", std::sin(turned));
+      if (scheme.find("step")) runs::set(request, "step", 0.09);
+      const auto run = runs::go(watching(request, {{"above", "q-.9999*sqrt(2*energy)"},
+                                                   {"up", "q-.9999*sqrt(q^2+p^2)", 1},
+                                                   {"down", "q-.9999*sqrt(q^2+p^2)", -1},
+                                                   {"touch", "q-1.01*sqrt(q^2+p^2)"}}));
+      ASSERT_EQ(run.outcome.stop.reason, ReturnCode::completed) << scheme.id << " " << run.outcome.stop.detail;
+      int above = 0, up = 0, down = 0;
+      double rise = unknown;
+      for (const Found& event : found(run.outcome)) {
+        above += event.name == "above";
+        up += event.name == "up";
+        down += event.name == "down";
+        EXPECT_NE(event.name, "touch") << scheme.id;
+        if (event.name == "up") rise = event.t;
+        if (event.name == "down" && !std::isnan(rise)) {
+          EXPECT_NEAR(event.t - rise, 2 * half, 5e-4) << scheme.id;
+        }
+      }
+      const int rises = turned == 0 ? 10 : 11;
+      EXPECT_EQ(up, rises) << scheme.id << " " << turned;
+      EXPECT_EQ(down, 11) << scheme.id << " " << turned;
+      EXPECT_EQ(above, 11 + rises) << scheme.id << " " << turned;
+    }
+  }
+}
+
 // From above no sign changes at the end itself, and no step ahead shows that it would have.
 TEST(Watch, FindsAZeroAtTheVeryEnd) {
   for (const char* scheme : {"leapfrog", "galerkin_4", "taylor", "dormand_prince_5", "bulirsch_stoer"})

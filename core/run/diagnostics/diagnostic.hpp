@@ -3,7 +3,8 @@
 //   sees               what it sees of a run
 //   applies<P>         whether it means something on a scene
 //   Seen<P, X>         a value, so that a block of steps can be taken back; where it sees every step
-//                        start(problem, x) or start(problem, x, tangents of steps), see(problem, x)
+//                        start(problem, x) or start(problem, x, tangents of steps), see(problem, x);
+//                        look(problem, x) where it also looks at states within long steps
 //                      and in every case
 //                        report(end) → Report, asked once, when the run is over
 // A new diagnostic is its row and a line in the table; the catalogue, the decoder and the page follow.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/exact/elements.hpp"
@@ -11,8 +12,8 @@
 namespace least {
 
 /// Revolutions in the plane of the start, counted when the body passes the direction it started from. Angles are
-/// measured in the direction of motion, a step turns by less than a revolution; `sense_` turns them counter-clockwise
-/// in the plane. A straight line has no revolutions, a circle no apsis.
+/// measured in the direction of motion, between two looks it turns by less than a revolution; `sense_` turns them
+/// counter-clockwise in the plane. A straight line has no revolutions, a circle no apsis.
 template <TwoBody P, class X>
 class OrbitTrack {
  public:
@@ -35,18 +36,23 @@ class OrbitTrack {
     before_ = {radius_, 0};
   }
 
-  void see(const P&, const X& x) {
+  /// A state within a step, which may be as long as several revolutions.
+  void look(const P&, const X& x) {
     const Place here{dot(x.q, e1_), dot(x.q, e2_)};
-    if (defined_ && passed(before_, here, dot(x.p, e1_), dot(x.p, e2_))) {
+    if (defined_ && passed(before_, here, dot(x.p, e1_), dot(x.p, e2_))) ++passages_;
+    before_ = here;
+  }
+  void see(const P& problem, const X& x) {
+    look(problem, x);
+    if (passages_ > 0) {
       const Elements e = elements(x);
       const double now = apsis(e);
       rotation_ += std::remainder(now - apsis_, 8 * std::atan(1.0));
       apsis_ = now;
       // Where the osculating ellipse cuts the direction of the start.
       closure_ = std::abs(e.angular_momentum * e.angular_momentum / (mu_ + dot(e.lenz, e1_)) - radius_);
-      ++revolutions_;
+      revolutions_ += std::exchange(passages_, 0);
     }
-    before_ = here;
   }
 
   /// closure: distance by which the last whole revolution misses the start; apsidal_rotation: of the Laplace–Runge–Lenz
@@ -91,7 +97,7 @@ class OrbitTrack {
   Vec<P::dof> e1_{}, e2_{};
   Place before_{};
   double mu_ = 0, radius_ = 0, apsis_ = 0, rotation_ = 0, closure_ = 0, sense_ = 1;
-  std::int64_t revolutions_ = 0;
+  std::int64_t revolutions_ = 0, passages_ = 0;  ///< passages_: of the step that is being made
   bool defined_ = false, has_apsis_ = false;
 };
 

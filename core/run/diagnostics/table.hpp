@@ -43,12 +43,15 @@ std::vector<DiagnosticCard> diagnostic_cards() {
 template <class P, class X>
 class DiagnosticSet {
  public:
-  bool crossed = false;  ///< a section, or what the caller watches, changed its sign since this was last cleared
+  bool crossed = false;  ///< a section, or what the caller watches, may have vanished since this was last cleared
 
   /// `asked`: positions among the problem's cards. `watch` outlives the set.
   DiagnosticSet(const std::vector<std::size_t>& asked, const Watch& watch) : watch_(watch.empty() ? nullptr : &watch) {
     for (const std::size_t index : asked) wanted_.at(index) = true;
-    for_each([&]<class Row>(Row, auto&) { sees_[static_cast<std::size_t>(Row::sees)] = true; });
+    for_each([&]<class Row>(Row, auto& seen) {
+      sees_[static_cast<std::size_t>(Row::sees)] = true;
+      if constexpr (requires(const P& problem, const X& x) { seen.look(problem, x); }) turns_ = true;
+    });
     watches_ = watch_ || watches_sections();
   }
 
@@ -56,7 +59,9 @@ class DiagnosticSet {
   bool watches_sections() const { return sees(Sees::sections); }
   /// Sections, or what the caller asked for.
   bool watches() const { return watches_; }
-  bool watches_events() const { return watch_ != nullptr; }
+  /// Whether states within a step are of interest; and also those of a path through its ends.
+  bool looks_within() const { return watches_ || turns_; }
+  bool looks_at_any_path() const { return watch_ || turns_; }
   bool keeps_states() const { return sees(Sees::states); }
 
   /// `tangents`: of steps of the scheme; they outlive the set.
@@ -66,25 +71,20 @@ class DiagnosticSet {
       if constexpr (requires { seen.start(problem, x, tangents); }) seen.start(problem, x, tangents);
     });
     before_ = sections(problem, x);
-    if (watch_) signs_ = signs(problem, x);
+    if (watch_) watched(problem, x);
   }
   /// Nothing but signs is seen of a state before which the run may end: see `resume`.
   void see(const P& problem, const X& x) {
     if (watches_) see_signs(problem, x);
     if (!halted_) take(problem, x);
   }
-  /// Whether something changed its sign, of a state at the end of a step or within one.
-  void see_signs(const P& problem, const X& x) {
-    if (watches_sections()) {
-      const auto now = sections(problem, x);
-      for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
-      before_ = now;
-    }
-    if (!watch_) return;
-    const Watch::Signs now = signs(problem, x);
-    crossed = crossed || watch_->crossed(signs_, now);
-    halted_ = halted_ || watch_->halts(signs_, now);
-    signs_ = now;
+  /// A state within a step.
+  void look(const P& problem, const X& x) {
+    if (watches_) see_signs(problem, x);
+    if (halted_) return;
+    for_each([&](auto, auto& seen) {
+      if constexpr (requires { seen.look(problem, x); }) seen.look(problem, x);
+    });
   }
   /// Where the last state was kept back, and the run goes on: that state.
   void resume(const P& problem, const X& x) {
@@ -125,13 +125,25 @@ class DiagnosticSet {
   }
   using Values = decltype(std::apply([](auto... row) { return std::tuple<decltype(seen_by(row))...>{}; }, Rows{}));
 
+  /// Whether something may have vanished since the last state that was looked at.
+  void see_signs(const P& problem, const X& x) {
+    if (watches_sections()) {
+      const auto now = sections(problem, x);
+      for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
+      before_ = now;
+    }
+    if (!watch_) return;
+    const Watch::Signs passed = watched(problem, x);
+    crossed = crossed || passed != 0;
+    halted_ = halted_ || watch_->halts(passed);
+  }
   void take(const P& problem, const X& x) {
     for_each([&](auto, auto& seen) {
       if constexpr (requires { seen.see(problem, x); }) seen.see(problem, x);
     });
   }
-  Watch::Signs signs(const P& problem, const X& x) const {
-    return watch_->signs(observe(problem, x, watch_->measures()).data(), x.t);
+  Watch::Signs watched(const P& problem, const X& x) {
+    return watch_->look(looks_, observe(problem, x, watch_->measures()).data(), x.t);
   }
   bool sees(Sees what) const { return sees_[static_cast<std::size_t>(what)]; }
 
@@ -155,8 +167,8 @@ class DiagnosticSet {
   std::array<bool, 4> sees_{};
   Values values_;
   const Watch* watch_;  ///< null: nothing of the caller's own
-  Watch::Signs signs_ = 0;
-  bool watches_ = false, halted_ = false;
+  Watch::Looks looks_;
+  bool watches_ = false, turns_ = false, halted_ = false;
   decltype(sections(std::declval<const P&>(), std::declval<const X&>())) before_{};
 };
 

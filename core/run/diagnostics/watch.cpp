@@ -3,13 +3,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "core/run/root.hpp"
 
 namespace least {
 namespace {
 
-using Values = std::array<double, most_events>;
+using Values = Watch::Looks::Values;
+
+/// Whether between the last two of three values of one sign there may be two zeros: a parabola through them has its
+/// minimum there, or near there, and comes down to zero, or nearly.
+bool may_dip(double t0, double g0, double t1, double g1, double t, double g) {
+  const double h0 = t1 - t0, h = t - t1;
+  const double slope = (g1 - g0) / h0, bend = ((g - g1) / h - slope) / (h0 + h), here = slope + bend * h0;
+  const double ahead = -here / (2 * bend);
+  const double least = g1 + here * ahead / 2, depth = bend * h * h;
+  const double sign = g < 0 ? -1 : 1;
+  return sign * bend > 0 && ahead > -0.5 * h && ahead < 1.5 * h && sign * least < 0.25 * sign * depth;
+}
 
 }  // namespace
 
@@ -26,9 +39,32 @@ Watch::Watch(const Request& request) : measures_(request.watched), start_(reques
 Watch::Signs Watch::signs(const double* observed, double t) const {
   Values values;  // NOLINT: written before it is read
   measures_.evaluate(observed, t, values.data());
+  return signs(values);
+}
+
+Watch::Signs Watch::signs(const Values& values) const {
   Signs signs = 0;
   for (std::size_t i = 0; i < measures_.size(); ++i) signs |= Signs{values[i] < 0} << i;
   return signs;
+}
+
+Watch::Signs Watch::look(Looks& looks, const double* observed, double t) const {
+  Values values;  // NOLINT: written before it is read
+  measures_.evaluate(observed, t, values.data());
+  const Signs now = signs(values);
+  Signs passed = changed(looks.signs, now);
+  const bool begins = !(looks.t_before < looks.t_last);  // nothing is known of what was before
+  for (std::size_t i = 0; i < measures_.size(); ++i) {
+    const Signs bit = Signs{1} << i;
+    if (((looks.signs ^ now) & bit) == 0 &&
+        (begins || may_dip(looks.t_before, looks.before[i], looks.t_last, looks.last[i], t, values[i])))
+      passed |= bit;
+    looks.before[i] = looks.last[i];
+    looks.last[i] = values[i];
+  }
+  looks.t_before = std::exchange(looks.t_last, t);
+  looks.signs = now;
+  return passed;
 }
 
 std::vector<Zero> Watch::locate(const double* left, double from, const double* right, double to,
@@ -39,9 +75,6 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
   std::vector<double> observed(measures_.reads.size());
   std::vector<Zero> zeros;
   for (std::size_t i = 0; i < measures_.size(); ++i) {
-    const bool rises = was[i] < 0 && is[i] >= 0, falls = was[i] >= 0 && is[i] < 0;
-    if (!((rises && (up_ >> i & 1)) || (falls && (down_ >> i & 1)))) continue;
-    if (was[i] == 0 && !(from > start_)) continue;
     const auto value = [&](double t) {
       Values values{};
       if (t == from) return was[i];
@@ -50,10 +83,25 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
       measures_.evaluate(observed.data(), t, values.data());
       return values[i];
     };
-    const double t = from + root([&](double part) { return value(part < to - from ? from + part : to); }, 0, to - from);
-    // Towards a pole values grow, and interpolation between them may leave the step.
-    if (from <= t && t <= to && std::abs(value(t)) <= std::max(std::abs(was[i]), std::abs(is[i])))
-      zeros.push_back({t, i});
+    const auto add = [&](double a, double b) {
+      const double before = value(a), after = value(b);
+      const bool rises = before < 0 && after >= 0, falls = before >= 0 && after < 0;
+      if (!((rises && (up_ >> i & 1)) || (falls && (down_ >> i & 1)))) return;
+      if (before == 0 && !(a > start_)) return;
+      const double t = a + root([&](double part) { return value(part < b - a ? a + part : b); }, 0, b - a);
+      // Towards a pole values grow, and interpolation between them may leave the step.
+      if (a <= t && t <= b && std::abs(value(t)) <= std::max(std::abs(before), std::abs(after)))
+        zeros.push_back({t, i});
+    };
+    const double sign = is[i] < 0 ? -1 : 1;
+    std::optional<double> between;
+    if ((was[i] < 0) == (is[i] < 0)) between = dip([&](double t) { return sign * value(t); }, from, to);
+    if (between) {
+      add(from, *between);
+      add(*between, to);
+    } else {
+      add(from, to);
+    }
   }
   std::ranges::stable_sort(zeros, {}, &Zero::t);
   const auto end = std::ranges::find_if(zeros, [&](const Zero& zero) { return ends(zero.which); });

@@ -1,7 +1,8 @@
-// Events of the caller's own: where expressions vanish along a run. Between steps only signs are looked at; the zeros
-// of a step in which one changed are then located by its dense output.
+// Events of the caller's own: where expressions vanish along a run. Between steps only values are looked at; the zeros
+// of a step in which one changed its sign, or seems to have come back from one, are then located by its dense output.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -24,15 +25,26 @@ class Watch {
   /// Writes what `observe` says of the state at a time between those of the two states; false: there is none.
   using ObserveAt = std::function<bool(double t, double* observed)>;
 
+  /// The last states that were looked at.
+  struct Looks {
+    using Values = std::array<double, most_events>;
+    Values before{}, last{};
+    double t_before = unknown, t_last = unknown;
+    Signs signs = 0;  ///< of the last
+  };
+
   explicit Watch(const Request& request);
 
   bool empty() const { return measures_.empty(); }
   const Measures& measures() const { return measures_; }
   /// Of the state that was observed at t.
   Signs signs(const double* observed, double t) const;
-  /// Whether what changed between two states is to be located, and whether it may end the run.
+  /// Whether what changed between two states is to be located.
   bool crossed(Signs was, Signs is) const { return changed(was, is) != 0; }
-  bool halts(Signs was, Signs is) const { return (changed(was, is) & halting_) != 0; }
+  /// Looks at the next state, which was observed at t: what is to be located between the last one and this.
+  Signs look(Looks& looks, const double* observed, double t) const;
+  /// Whether something of it may end the run.
+  bool halts(Signs passed) const { return (passed & halting_) != 0; }
 
   /// The zeros after the state that was observed at `from` up to the one at `to`, in the order of their times and up to
   /// the first that ends the run. A start that lies on a zero is none; neither is a pole, where the sign changes too.
@@ -51,6 +63,7 @@ class Watch {
   Report event(const Zero& zero, const ProblemCard& problem, const std::vector<double>& state) const;
 
  private:
+  Signs signs(const Looks::Values& values) const;
   Signs changed(Signs was, Signs is) const { return (was & ~is & up_) | (is & ~was & down_); }
 
   const Measures& measures_;

@@ -26,9 +26,10 @@ double cost(const Program& program, double p) {
     const bool called = step.function != tape::Op::constant && step.products == 0;
     if (called || step.rule == tape::Rule::power || step.rule == tape::Rule::root) fixed += 15;
   }
-  std::size_t slots = 0;
+  std::size_t slots = 3;  // in whole fours
   for (std::size_t i = 0; i < program.motion_lanes; ++i) slots += program.lane_a[i] == program.lane_b[i] ? 1 : 2;
-  const auto steps = static_cast<double>(program.motion_steps), fours = static_cast<double>((slots + 3) / 4);
+  slots /= 4;
+  const auto steps = static_cast<double>(program.motion_steps), fours = static_cast<double>(slots);
   return fixed + p * (3.5 + 0.95 * steps + 0.065 * fours * p);
 }
 

@@ -28,14 +28,16 @@ void locate_sections(const P& problem, const Integrator<P, X>& integrator, const
   }
 }
 
-/// Shows the diagnostics what lies within the last step, which ended in the state.
+/// Shows the diagnostics what lies within the last step up to this time, and nothing beyond; or within the next one.
 template <class P, class X>
-void look_within(const P& problem, const Integrator<P, X>& integrator, const IntegrationState<X>& state,
+void look_within(const P& problem, const Integrator<P, X>& integrator, const IntegrationState<X>& state, double until,
                  DiagnosticSet<P, X>& diagnostics) {
-  const double from = integrator.left().t, parts = integrator.parts();
+  if (!diagnostics.looks_within()) return;
+  diagnostics.look_again();
+  const double from = until > state.x.t ? state.x.t : integrator.left().t, parts = integrator.parts();
   for (double part = 1; part < parts; ++part) {
     X x = state.x;
-    if (integrator.state_at(state, from + part * (state.x.t - from) / parts, x) == StepStatus::ok)
+    if (integrator.state_at(state, from + part * (until - from) / parts, x) == StepStatus::ok)
       diagnostics.look(problem, x);
   }
 }

@@ -21,7 +21,7 @@ class EqualSteps : public BoundIntegrator<P, X> {
     std::int64_t count = std::min(target.n, grid_.step_before(target.t)) - state.n;
     if (count <= 0) return {};
     if (on_series(state.n)) return advance_on_series(state, count, diagnostics);
-    if (diagnostics && diagnostics->watches()) count = std::min<std::int64_t>(count, 256);
+    if (diagnostics && diagnostics->watches()) count = std::min(count, watched_);
     if (keeps_last_step_) {  // where the last one begins is to be known
       if (count > 1)
         if (const BlockResult result = take_steps(state, count - 1, guard, diagnostics);
@@ -166,7 +166,11 @@ class EqualSteps : public BoundIntegrator<P, X> {
 
   BlockResult take_steps(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
     const Kept before = keep(state, guard, diagnostics);
-    if (block(state, count, guard, diagnostics) && !(diagnostics && diagnostics->crossed)) return {};
+    if (block(state, count, guard, diagnostics) && !(diagnostics && diagnostics->crossed)) {
+      watched_ = std::min<std::int64_t>(2 * watched_, 256);
+      return {};
+    }
+    watched_ = 8;
     take_back(before, state, guard, diagnostics);
     return replay(state, count, guard, diagnostics);
   }
@@ -251,6 +255,7 @@ class EqualSteps : public BoundIntegrator<P, X> {
   }
 
   X left_;
+  std::int64_t watched_ = 8;  ///< the length of blocks of which something is watched: much of one may be made again
   bool along_series_ = false, keeps_last_step_ = false;
   std::int64_t series_steps_ = 0;
   Work before_;  ///< of steppers that were put aside

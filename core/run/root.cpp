@@ -18,12 +18,14 @@ double root(const std::function<double(double)>& f, double a, double b) {
 }
 
 std::optional<double> dip(const std::function<double(double)>& f, double a, double b) {
-  const double near = (b - a) / 1024;
-  if (!(f(a + near) < f(a) && f(b - near) < f(b))) return std::nullopt;
+  const auto at = [&](double part) { return a + part * (b - a); };  // in parts: Boost's bounds are absolute, too
+  const auto value = [&](double part) { return f(at(part)); };
+  constexpr double near = 0x1p-16;
+  if (!(value(near) < f(a) && value(1 - near) < f(b))) return std::nullopt;
   constexpr int bits = 26;  // half of the digits: all that a minimum has
   std::uintmax_t most = 50;
-  const auto [place, value] = boost::math::tools::brent_find_minima(f, a, b, bits, most);
-  return value < 0 ? std::optional(place) : std::nullopt;
+  const auto [place, least] = boost::math::tools::brent_find_minima(value, 0.0, 1.0, bits, most);
+  return least < 0 ? std::optional(at(place)) : std::nullopt;
 }
 
 }  // namespace least

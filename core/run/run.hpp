@@ -231,7 +231,7 @@ class Run {
       step_back();
       if (!fail(result)) return;
     } else if (state_.x.t != before && diagnostics_.sees_steps()) {
-      if (!fixed_ && diagnostics_.looks_within()) look_within(problem_, *integrator_, state_, diagnostics_);
+      look_within(problem_, *integrator_, state_, end_, diagnostics_);
       diagnostics_.see(problem_, state_.x);
       const bool crossed = std::exchange(diagnostics_.crossed, false);
       if (crossed || integrator_->parts() > 1) locate_sections();
@@ -262,8 +262,8 @@ class Run {
   /// time up to it, by steps up to the last one before it; diagnostics take it for the end of that step.
   void finish_at_event() {
     const auto [x, which] = *ended_;
-    const StepInfo step = last_step();
-    if (draw(x.t)) save_rest(x, step);
+    if (draw(x.t)) save_rest(x, last_step());
+    look_within(problem_, *integrator_, state_, x.t, diagnostics_);
     if (x.t > state_.x.t) ++state_.n;
     state_.x = x;
     diagnostics_.end(problem_, x);
@@ -325,7 +325,7 @@ class Run {
     if (!draw(until)) return false;
     if (when > end_) {
       state_ = {x, state_.n + 1};
-      if (diagnostics_.sees_steps()) diagnostics_.see(problem_, x);
+      diagnostics_.end(problem_, x);
       return true;
     }
     if (diagnostics_.watches_sections()) events_.add(0, false, when, value_of(x[0]));

@@ -232,14 +232,14 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
   }
 
   /// What diagnostics look at between the last two states, `left` and x: by the step's own polynomial; where it has
-  /// none, and that will do, by one through both ends.
+  /// none, and the caller watches something, by one through both ends.
   void look_within(const Stepper& stepper, const X& left, const X& x, DiagnosticSet<P, X>& diagnostics) const {
     X between = x;
     std::optional<HermitePath<P, X>> path;
     for (int i = 1; i < Stepper::parts; ++i) {
       const double t = left.t + i * (x.t - left.t) / Stepper::parts;
       if (!stepper.interpolate(between, t)) {
-        if (!diagnostics.looks_at_any_path()) return;
+        if (!diagnostics.watches_events()) return;
         if (!path) path.emplace(problem_, left, x);
         between = (*path)(t);
       }

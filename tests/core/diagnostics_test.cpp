@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/reference/reference.hpp"
+#include "core/run/measures.hpp"
 #include "tests/core/asking.hpp"
 
 namespace {
@@ -73,6 +74,17 @@ TEST(Orbit, CountsRevolutionsWithinAStep) {
     const auto run = runs::go(request);
     EXPECT_LT(double(run.outcome.cost.steps), 1 + end / (2 * std::numbers::pi)) << "steps are shorter than a turn";
     EXPECT_EQ(runs::number(run.outcome.diagnostics, "orbit/revolutions"), std::floor(end / (2 * std::numbers::pi)));
+    for (const char* expression : {"x-50", "t-5"}) {  // an end that never comes, and one within a step
+      MeasureReader reader(*request.scene);
+      EXPECT_FALSE(reader.read("end", expression));
+      Request watched = request;
+      watched.events = {{0, true}};
+      watched.watched = reader.made();
+      const auto same = runs::go(watched);
+      EXPECT_EQ(runs::number(same.outcome.diagnostics, "orbit/revolutions"),
+                std::floor(same.outcome.t / (2 * std::numbers::pi)))
+          << expression << " until " << same.outcome.t;
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 // Events of the caller's own: the zeros of expressions along a run, and ends at them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -258,6 +259,33 @@ TEST(Watch, FindsTheZerosOnEitherSideOfATurn) {
       EXPECT_EQ(above, 11 + rises) << scheme.id << " " << turned;
     }
   }
+}
+
+// Wherever time begins; also of what turns sharply, as distances do, and whatever else is watched.
+TEST(Watch, FindsSharpTurnsAtAnyTime) {
+  for (const double start : {0.0, 1e7})
+    for (const char* scheme : {"leapfrog", "runge_kutta_4", "taylor"})
+      for (int phase = 0; phase < 10; ++phase) {
+        Request request = runs::defaults("harmonic_oscillator", scheme);
+        runs::scene(request).start = start;
+        request.end = start + 10;
+        runs::only_final(request);
+        runs::begin(request, "q", 1);
+        runs::begin(request, "p", 0);
+        if (std::string_view(scheme) != "taylor") runs::set(request, "step", 0.1);
+        const std::string turn = std::to_string(start + 5 + 0.01 * phase);
+        const std::string sharp = "sqrt(1e-6+(t-" + turn + ")^2)-.003", smooth = "(t-" + turn + ")^2-1e-4";
+        const auto alone =
+            found(runs::go(watching(request, {{"sharp", sharp.c_str()}, {"smooth", smooth.c_str()}})).outcome);
+        EXPECT_EQ(alone.size(), 4U) << scheme << " from " << start << ", " << turn;
+        const auto among = found(runs::go(watching(request, {{"never", "q-50", 0, true},
+                                                             {"tick", "sin(40*t)", -1},
+                                                             {"sharp", sharp.c_str()},
+                                                             {"smooth", smooth.c_str()}}))
+                                     .outcome);
+        EXPECT_EQ(std::ranges::count(among, "sharp", &Found::name), 2) << scheme << " from " << start << ", " << turn;
+        EXPECT_EQ(std::ranges::count(among, "smooth", &Found::name), 2) << scheme << " from " << start << ", " << turn;
+      }
 }
 
 // From above no sign changes at the end itself, and no step ahead shows that it would have.

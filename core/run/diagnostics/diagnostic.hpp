@@ -4,7 +4,8 @@
 //   applies<P>         whether it means something on a scene
 //   Seen<P, X>         a value, so that a block of steps can be taken back; where it sees every step
 //                        start(problem, x) or start(problem, x, tangents of steps), see(problem, x);
-//                        look(problem, x) where it also looks at states within long steps
+//                        look(problem, x) where it also looks at states within long steps, look_again() to do so
+//                        where the run ends within one
 //                      and in every case
 //                        report(end) → Report, asked once, when the run is over
 // A new diagnostic is its row and a line in the table; the catalogue, the decoder and the page follow.

@@ -33,7 +33,7 @@ class OrbitTrack {
     const Elements e = elements(x);
     apsis_ = apsis(e);
     has_apsis_ = e.eccentricity > two_body::least_eccentricity;
-    before_ = {radius_, 0};
+    before_ = at_step_ = {radius_, 0};
   }
 
   /// A state within a step, which may be as long as several revolutions.
@@ -42,8 +42,13 @@ class OrbitTrack {
     if (defined_ && passed(before_, here, dot(x.p, e1_), dot(x.p, e2_))) ++passages_;
     before_ = here;
   }
+  void look_again() {
+    before_ = at_step_;
+    passages_ = 0;
+  }
   void see(const P& problem, const X& x) {
     look(problem, x);
+    at_step_ = before_;
     if (passages_ > 0) {
       const Elements e = elements(x);
       const double now = apsis(e);
@@ -95,7 +100,7 @@ class OrbitTrack {
   double apsis(const Elements& e) const { return std::atan2(dot(e.lenz, e2_), dot(e.lenz, e1_)); }
 
   Vec<P::dof> e1_{}, e2_{};
-  Place before_{};
+  Place before_{}, at_step_{};  ///< at the last look, at the end of the last step
   double mu_ = 0, radius_ = 0, apsis_ = 0, rotation_ = 0, closure_ = 0, sense_ = 1;
   std::int64_t revolutions_ = 0, passages_ = 0;  ///< passages_: of the step that is being made
   bool defined_ = false, has_apsis_ = false;

@@ -59,9 +59,9 @@ class DiagnosticSet {
   bool watches_sections() const { return sees(Sees::sections); }
   /// Sections, or what the caller asked for.
   bool watches() const { return watches_; }
-  /// Whether states within a step are of interest; and also those of a path through its ends.
+  bool watches_events() const { return watch_ != nullptr; }
+  /// Whether states within a step are of interest.
   bool looks_within() const { return watches_ || turns_; }
-  bool looks_at_any_path() const { return watch_ || turns_; }
   bool keeps_states() const { return sees(Sees::states); }
 
   /// `tangents`: of steps of the scheme; they outlive the set.
@@ -81,9 +81,14 @@ class DiagnosticSet {
   /// A state within a step.
   void look(const P& problem, const X& x) {
     if (watches_) see_signs(problem, x);
-    if (halted_) return;
     for_each([&](auto, auto& seen) {
       if constexpr (requires { seen.look(problem, x); }) seen.look(problem, x);
+    });
+  }
+  /// Of the step in which the run ends: not all of what was looked at is part of it.
+  void look_again() {
+    for_each([](auto, auto& seen) {
+      if constexpr (requires { seen.look_again(); }) seen.look_again();
     });
   }
   /// Where the last state was kept back, and the run goes on: that state.
@@ -135,7 +140,7 @@ class DiagnosticSet {
     if (!watch_) return;
     const Watch::Signs passed = watched(problem, x);
     crossed = crossed || passed != 0;
-    halted_ = halted_ || watch_->halts(passed);
+    halted_ = halted_ || (passed != 0 && watch_->may_end());  // what is located may be more than that
   }
   void take(const P& problem, const X& x) {
     for_each([&](auto, auto& seen) {

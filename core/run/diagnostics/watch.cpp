@@ -13,15 +13,11 @@ namespace {
 
 using Values = Watch::Looks::Values;
 
-/// Whether between the last two of three values of one sign there may be two zeros: a parabola through them has its
-/// minimum there, or near there, and comes down to zero, or nearly.
+/// Whether between the last two of three values of one sign there may be two zeros: what bends away from zero lies
+/// beyond the line through the first two, so that this has to come down to zero.
 bool may_dip(double t0, double g0, double t1, double g1, double t, double g) {
-  const double h0 = t1 - t0, h = t - t1;
-  const double slope = (g1 - g0) / h0, bend = ((g - g1) / h - slope) / (h0 + h), here = slope + bend * h0;
-  const double ahead = -here / (2 * bend);
-  const double least = g1 + here * ahead / 2, depth = bend * h * h;
-  const double sign = g < 0 ? -1 : 1;
-  return sign * bend > 0 && ahead > -0.5 * h && ahead < 1.5 * h && sign * least < 0.25 * sign * depth;
+  const double slope = (g1 - g0) / (t1 - t0), sign = g < 0 ? -1 : 1;
+  return sign * ((g - g1) / (t - t1) - slope) > 0 && sign * (g1 + slope * (t - t1)) <= 0;
 }
 
 }  // namespace

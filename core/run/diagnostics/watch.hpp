@@ -43,8 +43,6 @@ class Watch {
   bool crossed(Signs was, Signs is) const { return changed(was, is) != 0; }
   /// Looks at the next state, which was observed at t: what is to be located between the last one and this.
   Signs look(Looks& looks, const double* observed, double t) const;
-  /// Whether something of it may end the run.
-  bool halts(Signs passed) const { return (passed & halting_) != 0; }
 
   /// The zeros after the state that was observed at `from` up to the one at `to`, in the order of their times and up to
   /// the first that ends the run. A start that lies on a zero is none; neither is a pole, where the sign changes too.

@@ -275,9 +275,10 @@ TEST(Watch, FindsSharpTurnsAtAnyTime) {
         if (std::string_view(scheme) != "taylor") runs::set(request, "step", 0.1);
         const std::string turn = std::to_string(start + 5 + 0.01 * phase);
         const std::string sharp = "sqrt(1e-6+(t-" + turn + ")^2)-.003", smooth = "(t-" + turn + ")^2-1e-4";
-        const auto alone =
-            found(runs::go(watching(request, {{"sharp", sharp.c_str()}, {"smooth", smooth.c_str()}})).outcome);
-        EXPECT_EQ(alone.size(), 4U) << scheme << " from " << start << ", " << turn;
+        for (const std::string& one : {sharp, smooth}) {
+          EXPECT_EQ(found(runs::go(watching(request, {{"alone", one.c_str()}})).outcome).size(), 2U)
+              << scheme << " " << one;
+        }
         const auto among = found(runs::go(watching(request, {{"never", "q-50", 0, true},
                                                              {"tick", "sin(40*t)", -1},
                                                              {"sharp", sharp.c_str()},

@@ -146,7 +146,7 @@ Json events_asked() {
   properties["stop"] = described({{"type", "boolean"}, {"default", false}}, "ends the run there", "");
   Json events = list_of(object_of(std::move(properties), {"name", "expression"}));
   events["maxItems"] = most_events;
-  return described(std::move(events), "zeros of expressions along the run", "");
+  return described(std::move(events), "zeros of expressions along the run, also two of them within a step", "");
 }
 
 Json fault_schemas() {
@@ -221,7 +221,8 @@ Json ensemble_schema(const Cards& cards, Json properties) {
        {"section",
         {{"oneOf",
           {object_of({{"period", number}, {"phase", number}}, {"period"}),
-           object_of({{"expression", {{"type", "string"}}}, {"direction", directions}}, {"expression"})}}}},
+           described(object_of({{"expression", {{"type", "string"}}}, {"direction", directions}}, {"expression"}),
+                     "where the expression changes its sign from one step to the next", "")}}}},
        {"keep", list_of({{"type", "string"}, {"enum", {"statistics", "final", "section"}}})},
        {"histograms", {{"type", "object"}, {"additionalProperties", histogram}}}});
   return object_of(std::move(properties), {"problem", "scheme", "members"});

@@ -1,5 +1,6 @@
 #include "core/run/mechanics.hpp"
 
+#include <cmath>
 #include <cstring>
 
 namespace least {
@@ -29,6 +30,7 @@ std::size_t Truth::bytes() const {
 
 bool Conditioning::chaotic() const {
   constexpr double far = 5;
+  if (std::isinf(so_far[7])) return true;
   return so_far[7] > 1e6 && so_far[7] > 30 * so_far[3] && so_far[5] > far * so_far[3] && so_far[7] > far * so_far[5];
 }
 

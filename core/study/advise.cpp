@@ -144,13 +144,17 @@ std::string measured_up_to(const ErrorStudy& subject) {
   return fmt::format("; measured up to t = {:.6g}, shortly before the motion ends", subject.end());
 }
 
+std::string growth_of(const Conditioning& known) {
+  const std::string times = std::isinf(known.most_growth) ? "beyond 1e308" : fmt::format("{:.2g}", known.most_growth);
+  return times + (known.chaotic() ? " times, exponentially" : " times");
+}
+
 /// What keeps every scheme from the accuracy.
 std::string obstacle(const Contest& contest, const Search& best, double accuracy) {
   const ErrorStudy& subject = contest.subject();
   if (subject.floor() > accuracy)
-    return fmt::format(
-        "conditioning: differences of the start grow {:.2g} times{}, so that errors below {:.1e} mean nothing",
-        subject.conditioning().most_growth, subject.conditioning().chaotic() ? ", exponentially" : "", subject.floor());
+    return fmt::format("conditioning: differences of the start grow {}, so that errors below {:.1e} mean nothing",
+                       growth_of(subject.conditioning()), subject.floor());
   if (best.stalled()) return "round-off: shorter steps do not help any more";
   if (contest.timed_out()) return "the time for the search ran out";
   return "more accurate runs would take more than 2e7 force evaluations";
@@ -250,22 +254,66 @@ Advice best_within(Contest& contest, double seconds) {
   return advice;
 }
 
+/// Where differences grow exponentially until errors at the end mean nothing, whatever comes nearest there does so by
+/// chance: the time up to which this accuracy is still to be had.
+std::optional<double> horizon(const Request& scene, const Conditioning& known, double accuracy) {
+  constexpr double chance = 0.1, rounding = 0x1p-53, above = 1000;
+  if (!known.chaotic() || !(rounding * known.growth_in(scene.norm, false) > chance)) return std::nullopt;
+  // Exponentially from one eighth of the span to the next.
+  const double most = std::log(accuracy / (above * rounding));
+  double last = 0, eighths = 0;
+  for (const double growth : known.so_far) {
+    const double next = std::log(std::min(growth, std::numeric_limits<double>::max()));
+    if (next > most) {
+      eighths += std::max(most - last, 0.0) / (next - last);
+      break;
+    }
+    last = next;
+    ++eighths;
+  }
+  if (!(eighths > 0)) return std::nullopt;
+  const double start = scene.scene->start, end = known.ends ? known.reached : scene.end;
+  return start + (end - start) * eighths / Conditioning::parts;
+}
+
 }  // namespace
 
 Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled) {
   const bool timed = std::isnan(wish.accuracy);
-  Contest contest(scene, wish.keep, timed ? 0 : wish.accuracy, scene.limits.seconds, cancelled);
+  constexpr double fine = 1e-6;  // far below what a motion is, far above round-off
+  const Deadline deadline(scene.limits.seconds);
+  const auto known = conditioning(*scene.scene, scene.end, [&] {
+    return deadline.left() > scene.limits.seconds / 2 && !cancelled.load(std::memory_order_relaxed);
+  });
+  auto until = horizon(scene, *known, timed ? fine : wish.accuracy);
+  const double start = scene.scene->start;
+  double seconds = wish.seconds;
+  if (until && timed) {
+    seconds *= (*until - start) / (scene.end - start);
+    if (seconds < 1e-3) until.reset();  // the states that are asked for would be most of the time
+  }
+  Request measured = scene;
+  if (until) measured.end = *until;
+  Contest contest(measured, wish.keep, timed ? 0 : wish.accuracy, deadline.left(), cancelled);
+  Advice advice;
   if (contest.searches().empty()) {
-    Advice advice;
     advice.reason = "no scheme that applies to this problem keeps what is to be kept";
     return advice;
   }
-  if (contest.subject().ends_early() && !(contest.subject().end() > contest.subject().start())) {
-    Advice advice;
+  if (contest.subject().ends_early() && !(contest.subject().end() > start)) {
     advice.reason = "the motion ends at once";
     return advice;
   }
-  return timed ? best_within(contest, wish.seconds) : cheapest(contest, wish.accuracy);
+  advice = timed ? best_within(contest, until ? seconds : wish.seconds) : cheapest(contest, wish.accuracy);
+  if (until && advice.choice) {
+    advice.reason =
+        fmt::format("errors at the end mean nothing, as differences of the start grow {}; up to t = {:.4g}, {}",
+                    growth_of(*known), *until, advice.reason);
+    advice.estimated_error = unknown;
+    advice.met = timed;
+    advice.alternatives.clear();
+  }
+  return advice;
 }
 
 }  // namespace least

@@ -105,13 +105,16 @@ struct Alternative {
 struct Advice {
   std::optional<SchemeConfig> choice;  ///< empty where no scheme fits the wish's `keep`, or none completes
   std::string reason;                  ///< in words: why this one; or what the best is, and why there is nothing better
-  double estimated_error = std::numeric_limits<double>::quiet_NaN();  ///< against the reference, or at half the step
+  /// Against the reference, or at half the step; NaN where errors at the end mean nothing, and others were measured.
+  double estimated_error = std::numeric_limits<double>::quiet_NaN();
   bool met = false;
   std::vector<Alternative> alternatives;  ///< cheapest first, without the choice
 };
 
-/// The cheapest measured run that grants the wish, by force evaluations. Takes scene.limits.seconds at most; the same
-/// wish gets the same answer unless that time runs out or seconds are what is wished for. The scene ends at a time.
+/// The cheapest measured run that grants the wish, by force evaluations. Of a motion that is chaotic for so long that
+/// errors at its end mean nothing: up to the time where they do, and so nothing is met but a wish for seconds. Takes
+/// scene.limits.seconds at most; the same wish gets the same answer unless that time runs out or seconds are what is
+/// wished for. The scene ends at a time.
 Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled);
 
 /// The largest stable step of a scheme on a scene.

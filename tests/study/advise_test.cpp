@@ -207,6 +207,22 @@ TEST(Advice, SaysWhatKeepsItFromTheAccuracy) {
   EXPECT_NE(id(*easy.choice), "runge_kutta_4");
 }
 
+// What is near the truth at the end of a long chaotic motion is so by chance, as one step is that ends at rest.
+TEST(Advice, IsRightForAsLongAsAChaoticMotionCanBeKnown) {
+  const ErrorStudy knowable(scene("lorenz", 15), false, 20, never);
+  const Wish within{std::nan(""), 0.05, {}};
+  for (const auto& [end, wish] :
+       {std::pair(60.0, Wish{1e-6, 0, {}}), std::pair(5000.0, Wish{1e-6, 0, {}}), std::pair(60.0, within)}) {
+    const Advice advice = advise(scene("lorenz", end), wish, never);
+    ASSERT_TRUE(advice.choice) << advice.reason;
+    EXPECT_LT(knowable.run(*advice.choice, 20, 10'000'000).error, 1e-6) << advice.reason;
+    EXPECT_EQ(advice.met, std::isnan(wish.accuracy));
+    EXPECT_TRUE(std::isnan(advice.estimated_error)) << "nothing can be known of the end";
+    EXPECT_NE(advice.reason.find("exponentially; up to t = "), std::string::npos) << advice.reason;
+    EXPECT_TRUE(advice.alternatives.empty());
+  }
+}
+
 TEST(Advice, FindsTheBestWithinATime) {
   const Request heiles = scene("henon_heiles");
   const Advice quick = advise(heiles, {std::nan(""), 3e-5, {}}, never),

@@ -25,23 +25,41 @@ struct Departure {
   double reached = 0;       ///< the time that the control run came to
   /// From here on the run is far from either control, and they from each other.
   std::optional<double> parted_at{};
+  /// Where both controls come to a standstill and the run went on.
+  std::optional<double> stands_at{};
+};
+
+template <class X>
+struct ControlRun {
+  std::vector<X> states;
+  /// The time beyond which there is no step worth the name, as before a singularity: however stiff a motion is, its
+  /// steps are longer against the time that they took until now.
+  std::optional<double> stands_at{};
 };
 
 /// The motion at the times of states, which increase, as far as it gets with so many force evaluations and those of a
 /// step, and before it is cancelled.
 template <class P>
-std::vector<StateOf<P>> control_run(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states,
-                                    double tolerance, std::int64_t most_forces, const std::atomic<bool>& cancelled) {
-  std::vector<StateOf<P>> motion;
+ControlRun<StateOf<P>> control_run(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states, double tolerance,
+                                   std::int64_t most_forces, const std::atomic<bool>& cancelled) {
+  constexpr double standstill = 1e-9;
+  ControlRun<StateOf<P>> motion;
+  double before = x.t;
+  const double start = x.t;
   auto stepper = AnyOdeintScheme{odeint::Method::dormand_prince_5, tolerance}.bind(problem, x);
   for (const StateOf<P>& state : states) {
-    while (x.t < state.t && stepper.work().forces < most_forces && !cancelled.load(std::memory_order_relaxed))
-      if (stepper.step(x) != StepStatus::ok) return motion;
+    while (x.t < state.t && stepper.work().forces < most_forces && !cancelled.load(std::memory_order_relaxed)) {
+      before = x.t;
+      if (stepper.step(x) == StepStatus::ok) continue;
+      motion.stands_at = x.t;
+      return motion;
+    }
+    if (x.t < state.t && x.t - before < standstill * (x.t - start)) motion.stands_at = x.t;
     StateOf<P> here = x;
     if (x.t < state.t || (x.t > state.t && !stepper.interpolate(here, state.t))) return motion;
     if constexpr (HasDomain<P>)
       if (problem.bounded() && !(problem.inside(here.q) >= 0)) return motion;
-    motion.push_back(here);
+    motion.states.push_back(here);
   }
   return motion;
 }
@@ -69,17 +87,23 @@ Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> 
       found.t = truth[i].t;
     }
   };
-  hold(motion.size(), motion);
-  if (found.error <= large) return found;
+  hold(motion.states.size(), motion.states);
+  if (found.error <= large) {
+    constexpr double beyond = 0.01, near = 1e-3;  // of the time until there
+    if (!motion.stands_at || !(states.back().t - *motion.stands_at > beyond * (*motion.stands_at - x.t))) return found;
+    const auto closer = control_run(problem, x, states, tolerance / 100, 4 * most_forces, cancelled).stands_at;
+    if (closer && std::abs(*closer - *motion.stands_at) < near * (*closer - x.t)) found.stands_at = closer;
+    return found;
+  }
   for (int closer_ones = 0; closer_ones < 2; ++closer_ones) {
     tolerance /= 100;
     most_forces *= 4;
     auto closer = control_run(problem, x, states, tolerance, most_forces, cancelled);
-    const std::size_t both = std::min(closer.size(), motion.size());
+    const std::size_t both = std::min(closer.states.size(), motion.states.size());
     std::size_t agreed = 0;
-    while (agreed < both && state_error(motion[agreed], closer[agreed], norm) < 0.1 * large) ++agreed;
-    hold(agreed, closer);
-    if (agreed == both || !(found.error <= large) || state_error(states[agreed], closer[agreed], norm) <= large)
+    while (agreed < both && state_error(motion.states[agreed], closer.states[agreed], norm) < 0.1 * large) ++agreed;
+    hold(agreed, closer.states);
+    if (agreed == both || !(found.error <= large) || state_error(states[agreed], closer.states[agreed], norm) <= large)
       return found;
     found.parted_at = states[agreed].t;
     motion = std::move(closer);

@@ -75,6 +75,13 @@ std::string sensitive(double t) {
       t);
 }
 
+std::string beyond_singularity(double t) {
+  return fmt::format(
+      "control runs of Dormand–Prince 5(4) come to a standstill at t = {:.7g}, where this one went on: the motion is "
+      "singular there, or as good as that",
+      t);
+}
+
 std::string departs(double error, double t, double reached) {
   return fmt::format(
       "at t = {:.4g} it is off by {:.2g}, by a control run of Dormand–Prince 5(4) that went as far as t = "

@@ -27,6 +27,7 @@ std::string grows(double by_step, double together, bool damped);
 std::string grows_by_energy(double before, double now);
 std::string error(double most, double t);
 std::string sensitive(double t);
+std::string beyond_singularity(double t);
 std::string departs(double error, double t, double reached);
 /// Of a hybrid, or of a scheme that solves for the length of its steps.
 std::string fallback_steps(std::int64_t steps, bool hybrid);

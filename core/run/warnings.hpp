@@ -118,6 +118,8 @@ void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
     warnings.push_back({"large_error", messages::departs(control.error, control.t, control.reached)});
   else if (control.parted_at)
     warnings.push_back({"sensitive", messages::sensitive(*control.parted_at)});
+  else if (control.stands_at)
+    warnings.push_back({"beyond_singularity", messages::beyond_singularity(*control.stands_at)});
 }
 
 }  // namespace least

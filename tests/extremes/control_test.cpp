@@ -33,6 +33,27 @@ TEST(Control, WhatIsFarBeyondResolutionSaysSo) {
   EXPECT_EQ(with.outcome.cost.force_evaluations, without.outcome.cost.force_evaluations);
 }
 
+// Through a collision steps that follow the motion swing as if it were elastic, and stiff motion is slow, not singular.
+TEST(Control, WhatGoesOnBeyondASingularitySaysSo) {
+  const auto warns = [](Request request, double end) {
+    request.end = end;
+    const auto result = go(controlled(request));
+    EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << name(request);
+    return warned(result, "beyond_singularity");
+  };
+  const Request falls = at(of("kepler", {"time_transformed"}, {}), {{"px", 0}, {"py", 0}});
+  const double collision = std::sqrt(8.0) * pi;  // π (r/2)^(3/2) from rest at r = 4
+  EXPECT_TRUE(warns(falls, 1.1 * collision));
+  EXPECT_FALSE(warns(falls, 0.9 * collision));
+  EXPECT_FALSE(warns(at(falls, {{"px", 0.01}}), 1.1 * collision));
+  for (const double damping : {1e3, 1e6, 1e12})
+    EXPECT_FALSE(warns(set(of("damped_oscillator", {"contact_splitting"}, {}), {{"damping", damping}}), 50)) << damping;
+  for (const double epsilon : {10., 1e3})
+    EXPECT_FALSE(
+        warns(set(of("van_der_pol", {"contact_splitting", {{"step", 0.001}}}, {}), {{"epsilon", epsilon}}), 20))
+        << epsilon;
+}
+
 /// The request of a preset, where it runs under this scheme.
 Request preset(const ProblemCard& problem, const SchemeCard& scheme, const PresetCard* with) {
   Request request = of(problem.id, {scheme.id}, {});

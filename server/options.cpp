@@ -114,6 +114,15 @@ std::string with_its_source(std::string message, std::span<const char* const> ar
   return std::getenv(variable.c_str()) ? variable + message.substr(option.size()) : message;
 }
 
+/// CLI11 2.4 passes over variables of the environment whose values it would refuse: throws what it says of them.
+void refuse_forgotten_environment(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands())
+    for (CLI::Option* option : command->get_options()) {
+      const char* value = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
+      if (value && *value && option->count() == 0) option->add_result(value)->run_callback();
+    }
+}
+
 }  // namespace
 
 Result<Options, int> parse_options(int argc, char** argv) {
@@ -147,6 +156,7 @@ Result<Options, int> parse_options(int argc, char** argv) {
   add(*health, "--port", options.settings.port, "its port")->check(CLI::Range(0, 65535));
   try {
     app.parse(argc, argv);
+    refuse_forgotten_environment(app);
   } catch (const CLI::ParseError& e) {
     const std::span<const char* const> arguments(argv + 1, argv + std::max(argc, 1));
     if (e.get_exit_code() != 0) {

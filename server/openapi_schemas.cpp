@@ -179,10 +179,12 @@ Json answer_schema() {
       {"diagnostics", object},
       {"cost", object},
       {"choice",
-       described(object,
-                 "of scheme auto: reason, met, estimated_error, alternatives. Their seconds were measured: like those "
-                 "of cost, they differ from one answer to the same request to the next",
-                 "")},
+       described(
+           object,
+           "of scheme auto: reason, met, estimated_error (null where errors at the end mean nothing, as in long "
+           "chaos), alternatives. Their seconds were measured: like those of cost, they differ from one answer to "
+           "the same request to the next",
+           "")},
       {"events", described(list, "what was found along the run: t, kind, and what goes with it", "")},
       {"events_asked", described(list, "the member events of the request", "")},
       {"end", described(object, "the event that ended the run", "")},

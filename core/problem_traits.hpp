@@ -11,6 +11,7 @@
 //   stiffness_rate()            a run warns where a step is half its inverse
 //   quantities(y, t)            further columns
 //   gravitational_parameter()   μ of an orbit about the origin, p being the velocity: its elements are said
+//   log_gradient(q, factor)     factor·∇ln|V|, where that is less to compute than V and ∇V
 #pragma once
 
 #include <cmath>
@@ -63,6 +64,10 @@ concept HasQuantities = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
 template <class P>
 concept TwoBody = requires(const P& m) {
   { m.gravitational_parameter() } -> std::convertible_to<double>;
+};
+template <class P, class T>
+concept HasLogGradient = requires(const P& m, const Vec<P::dof, T>& q, const T& factor) {
+  m.log_gradient(q, factor);
 };
 
 constexpr double value_of(double x) { return x; }

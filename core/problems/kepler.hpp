@@ -25,6 +25,12 @@ struct Kepler {
     const T w = frequency_squared(q);
     return {w * q[0], w * q[1]};
   }
+  /// Of ln(−V), times a factor: without the root that V waits for.
+  template <class T>
+  constexpr Vec<2, T> log_gradient(const Vec<2, T>& q, const T& factor) const {
+    const T c = -factor / dot(q, q);
+    return {c * q[0], c * q[1]};
+  }
   constexpr R gravitational_parameter() const { return mu; }
   /// A periapsis passage loses accuracy long before it loses stability: ωh from which a run warns.
   static constexpr double careful_step = 0.3;

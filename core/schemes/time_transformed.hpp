@@ -36,11 +36,14 @@ struct TransformedTime {
   using S = std::conditional_t<std::numeric_limits<Constant>::is_specialized, Constant, double>;
 
   P problem;
-  T level, kappa;  ///< E₀ + κ and κ
+  T level, kappa;         ///< E₀ + κ and κ
+  bool gap_is_potential;  ///< D = −V, as κ = −E₀
   const Weights<S>* weights;
 
+  /// 2(K + κ)
+  T speed(const X& x) const { return dot(x.p, velocity(problem, x.q, x.p)) + 2.0 * kappa; }
   /// dt/dτ = 1/(K + κ)
-  T pace(const X& x) const { return 1.0 / (0.5 * dot(x.p, velocity(problem, x.q, x.p)) + kappa); }
+  T pace(const X& x) const { return 2.0 / speed(x); }
 };
 
 /// Drift, kick, drift; drifts that meet in a composition are one.
@@ -55,11 +58,11 @@ class TransformedLeapfrog {
 
   TransformedLeapfrog(const Time& time, const X& x) : time_(time) { settle(x, {}); }
   /// Takes x for the state that the next move begins at.
-  void settle(const X& x, NoMemory) { pace_ = time_.pace(x); }
+  void settle(const X& x, NoMemory) { speed_ = time_.speed(x); }
   static NoMemory memory() { return {}; }
-  const T& pace(const X&) const { return pace_; }
+  T pace(const X&) const { return 2.0 / speed_; }
   /// The largest |(D/(K + κ))² − 1| of a kick.
-  const T& strain() const { return strain_; }
+  T strain() const { return strain_ / strain_level_; }
   int stages() const { return time_.weights->stages; }
 
   /// Moves q and p by the parameter σ, on or back; `time` is what that takes.
@@ -68,32 +71,46 @@ class TransformedLeapfrog {
     using least::all;
     using least::select;
     X x = state;  // locals, which stay in registers from stage to stage
-    T pace = pace_, elapsed(0);
-    const T half = 0.5 * sigma;
+    T speed = speed_, elapsed(0);
     typename Time::S before(0);
-    auto sound = pace > T(0);
+    auto sound = speed > T(0);
     for (std::size_t i = 0; i < static_cast<std::size_t>(time_.weights->stages); ++i) {
       const auto& gamma = time_.weights->gamma[i];
-      drift(x, half * (before + gamma) * pace, elapsed);
+      drift(x, sigma * (before + gamma) / speed, elapsed);
       before = gamma;
       const Slopes<P, T> here(time_.problem, x.q);
       ++work.forces;
-      const T gap = time_.level - here.potential, kick = sigma * gamma / gap, ratio = gap * pace;
-      for (std::size_t k = 0; k < x.p.size(); ++k) x.p[k] = x.p[k] - kick * here.gradient[k];
-      pace = time_.pace(x);
-      const T square = ratio * (gap * pace), off = abs(square - 1.0);
-      strain_ = select(off > strain_, off, strain_);
-      sound = sound & (gap > T(0)) & near_level<T>(square);  // keeps the pace positive
+      const T gap = time_.level - here.potential;
+      const auto by = kick(x.q, here, gap, T(sigma * gamma));
+      for (std::size_t k = 0; k < x.p.size(); ++k) x.p[k] = x.p[k] + by[k];
+      const T square = 4.0 * (gap * gap);
+      T level = speed;
+      speed = time_.speed(x);
+      level = level * speed;
+      const T off = abs(square - level);
+      const auto more = off * strain_level_ > strain_ * level;  // a fraction: the divider has enough to do
+      strain_ = select(more, off, strain_);
+      strain_level_ = select(more, level, strain_level_);
+      sound = sound & (gap > T(0)) & near_level(square, level);  // keeps the speed positive
     }
-    drift(x, half * before * pace, elapsed);
+    drift(x, sigma * before / speed, elapsed);
     if (!all(sound & (elapsed * sigma > T(0)))) return StepStatus::singular;
     state = x;
-    pace_ = pace;
+    speed_ = speed;
     time = elapsed;
     return StepStatus::ok;
   }
 
  private:
+  /// −σ∇V/D
+  Vec<P::dof, T> kick(const Vec<P::dof, T>& q, const Slopes<P, T>& here, const T& gap, const T& sigma) const {
+    if constexpr (HasLogGradient<P, T>)
+      if (time_.gap_is_potential) return time_.problem.log_gradient(q, sigma);
+    Vec<P::dof, T> by = here.gradient;
+    const T factor = -sigma / gap;
+    for (T& c : by) c = factor * c;
+    return by;
+  }
   void drift(X& x, const T& dt, T& elapsed) const {
     const auto v = velocity(time_.problem, x.q, x.p);
     for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + dt * v[i];
@@ -101,8 +118,8 @@ class TransformedLeapfrog {
   }
 
   Time time_;
-  T strain_ = T(0);
-  T pace_{};  ///< at the present p: drifts leave it as it is, so the next step begins with it
+  T strain_ = T(0), strain_level_ = T(1);
+  T speed_{};  ///< at the present p: drifts leave it as it is, so the next step begins with it
 };
 
 /// The midpoint rule, solved for the displacement by parameter u = (q₁ − q₀)/σ.
@@ -192,7 +209,7 @@ class TransformedMidpoint {
     elapsed = elapsed + sigma / at.gap;
     const T square = at.ratio * at.ratio, off = abs(square - 1.0);
     strain_ = select(off > strain_, off, strain_);
-    return all((at.gap > T(0)) & (at.ratio > T(0)) & near_level<T>(square)) ? StepStatus::ok : StepStatus::singular;
+    return all((at.gap > T(0)) & (at.ratio > T(0)) & near_level(square, T(1))) ? StepStatus::ok : StepStatus::singular;
   }
 
   Time time_;
@@ -275,7 +292,7 @@ struct TimeTransformed {
     using T = typename X::Number;
     using Time = TransformedTime<P, X>;
     const bool kepler = std::isnan(kappa);
-    const Time time{problem, kepler ? T(0) : energy + kappa, kepler ? -energy : T(kappa),
+    const Time time{problem, kepler ? T(0) : energy + kappa, kepler ? -energy : T(kappa), kepler,
                     &Weights<typename Time::S>::of(composition)};
     if constexpr (ConfigurationMetric<P>) {
       using Kernel = TransformedMidpoint<P, X>;

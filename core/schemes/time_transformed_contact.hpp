@@ -336,7 +336,7 @@ class TransformedContact {
       return fail(TransformedFault::potential, b);
     if (!all(a > T(0))) [[unlikely]]
       return fail(TransformedFault::kinetic, a);
-    if (!all((square >= 0.25 * level) & (square <= 4.0 * level))) [[unlikely]]
+    if (!all(near_level(square, level))) [[unlikely]]
       return fail(TransformedFault::level, T(square / level));
     const auto more = off * strain_level_ > strain_ * level;  // a fraction: the divider has enough to do
     strain_ = select(more, off, strain_);

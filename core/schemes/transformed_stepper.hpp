@@ -17,10 +17,10 @@ namespace least {
 /// Of kernels that keep nothing but what follows from the state.
 struct NoMemory {};
 
-/// Whether the square of a ratio that is 1 on the motion's level, at a kick, is near 1.
+/// Whether at a kick a square is near what it is on the motion's level.
 template <class T>
-auto near_level(const T& ratio_squared) {
-  return (ratio_squared >= T(0.25)) & (ratio_squared <= T(4));
+auto near_level(const T& square, const T& level) {
+  return (square >= 0.25 * level) & (square <= 4.0 * level);
 }
 
 template <class Kernel, class X>

@@ -96,6 +96,11 @@ void force_is_minus_gradient() {
       const auto derived = problem.potential(seed<P<double>::dof, double>(x.q), f).slope;
       for (std::size_t i = 0; i < by_hand.size(); ++i)
         EXPECT_NEAR(by_hand[i], derived[i], 1e-13 * (1 + std::abs(derived[i])));
+      if constexpr (HasLogGradient<P<double>, double>) {
+        const auto stated = problem.log_gradient(x.q, 3.0);
+        for (std::size_t i = 0; i < by_hand.size(); ++i)
+          EXPECT_NEAR(stated[i], 3 * by_hand[i] / problem.potential(x.q, f), 1e-13 * (1 + std::abs(stated[i])));
+      }
       // The potential itself against a difference quotient, so that the derivative of a wrong branch is not taken for
       // truth.
       for (std::size_t i = 0; i < by_hand.size(); ++i) {

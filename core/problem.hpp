@@ -120,7 +120,8 @@ concept GeneralLagrangian = GeneralHamiltonian<P> && requires(const P& m, const 
   m.lagrangian(q, q, 0.0, phase(m, 0.0));
 };
 
-/// Its rates are found by iteration: no tape says them.
+/// Velocities follow from momenta by iteration. A tape says rates of states that have both: rates(x, t) of x = (q, p,
+/// s, v), with v from velocities(q, p, s, t).
 template <class P>
 concept IteratesForRates = requires {
   requires P::iterates;

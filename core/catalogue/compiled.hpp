@@ -81,7 +81,6 @@ std::string offers() {
                       : SplitFlow<P>           ? "a vector field that is a sum of exact flows"
                                                : "";
   if (VectorField<P>) words += words.empty() ? "equations of motion" : ", equations of motion";
-  if (IteratesForRates<P>) words += " whose rates are found by iteration";
   if (Autonomous<P>) words += " that do not depend on time";
   return words;
 }

@@ -18,7 +18,7 @@ double true_blow_up_time(const P& problem, const StateOf<P>& x0, double latest, 
   const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
   if (!TrueMotion::covers(tape)) return unknown;
   TrueMotion truth(std::move(tape), rates, 1e-20);
-  truth.start(digits_of(x0), x0.t);
+  truth.start(digits_of(problem, x0), x0.t);
   for (StateOf<P> x = x0; x.t <= latest;) {
     const double when = blow_up_time(problem, x), wait = when - x.t;
     if (wait < 1e-13 * std::max(1.0, std::abs(when))) return when;

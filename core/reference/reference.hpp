@@ -94,13 +94,13 @@ Reference<P> extrapolated_run(const P& problem, const StateOf<P>& x0, const std:
   return std::move(runs).result();
 }
 
-/// The components of a state, to the digits that they have.
-template <class X>
-std::vector<DoubleDouble> digits_of(const X& x) {
+/// A state as the tape of the problem's equations has it, to the digits that it has.
+template <class P, class X>
+std::vector<DoubleDouble> digits_of(const P& problem, const X& x) {
   std::vector<DoubleDouble> digits;
-  for (std::size_t i = 0; i < X::size; ++i) {
-    const auto high = static_cast<double>(x[i]);
-    digits.emplace_back(high, static_cast<double>(x[i] - typename X::Number(high)));
+  for (const Quad& number : taylor::values_of(problem, convert<Quad, Quad>(x))) {
+    const auto high = static_cast<double>(number);
+    digits.emplace_back(high, static_cast<double>(number - Quad(high)));
   }
   return digits;
 }
@@ -116,9 +116,9 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
     coarse.start(x, t);
   };
   if (!starts_series(problem, x0)) {
-    start(digits_of(x0), x0.t);
+    start(digits_of(problem, x0), x0.t);
   } else if constexpr (HasSeries<P>) {
-    start(digits_of(series_state<StateOf<P, Quad, Quad>>(problem, P::series_until)), P::series_until);
+    start(digits_of(problem, series_state<StateOf<P, Quad, Quad>>(problem, P::series_until)), P::series_until);
   }
   for (const double t : times) {
     if constexpr (HasSeries<P>)
@@ -145,12 +145,10 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
 template <class P, class KeepGoing>
 Reference<P> quad_precision_run(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
                                 KeepGoing&& keep_going) {
-  if constexpr (!IteratesForRates<P>) {
-    tape::Tape tape;
-    const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
-    if (TrueMotion::covers(tape))
-      if (auto run = series_run(problem, x0, times, std::move(tape), rates, keep_going)) return *std::move(run);
-  }
+  tape::Tape tape;
+  const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
+  if (TrueMotion::covers(tape))
+    if (auto run = series_run(problem, x0, times, std::move(tape), rates, keep_going)) return *std::move(run);
   return extrapolated_run(problem, x0, times, keep_going);
 }
 

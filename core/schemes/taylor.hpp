@@ -5,12 +5,13 @@
 // direction, has no say in the steps: asking for more never changes a run. Where its own series, as that of an action
 // of twice the frequency, is not good for all of a step, it is begun anew on the way, beside that of the motion. A step
 // costs one pass over the tape per order; by convention it counts as many force evaluations as its order. The state
-// within a step is the polynomial itself. Sums over steps are compensated. The tape is recorded when a run begins, by
-// the problem with its parameters: choices, whole exponents and what is zero leave it shorter; that takes a few
-// microseconds, so that a thread keeps what the last run of a problem has made of it, for the next with the same
-// parameters. One engine runs all tapes, so that a problem costs its recording and nothing else to compile. Sources:
-// Jorba & Zou, Experimental Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans. Math. Softw. 8, 114 (1982); Biscani
-// & Izzo, MNRAS 504, 2614 (2021).
+// within a step is the polynomial itself. Sums over steps are compensated. Velocities of a Lagrangian that is not
+// quadratic in them have series of their own within a step, and are found anew from the momenta where it begins. The
+// tape is recorded when a run begins, by the problem with its parameters: choices, whole exponents and what is zero
+// leave it shorter; that takes a few microseconds, so that a thread keeps what the last run of a problem has made of
+// it, for the next with the same parameters. One engine runs all tapes, so that a problem costs its recording and
+// nothing else to compile. Sources: Jorba & Zou, Experimental Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans.
+// Math. Softw. 8, 114 (1982); Biscani & Izzo, MNRAS 504, 2614 (2021).
 #pragma once
 
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include <memory>
 #include <span>
 #include <tuple>
+#include <variant>
 
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
@@ -75,6 +77,14 @@ template <class X>
 concept Flat = std::is_same_v<typename X::Time, double> &&(std::is_same_v<typename X::Number, double> || Sloped<X>);
 template <Flat X>
 inline constexpr std::size_t components = Sloped<X> ? 2 * X::size : X::size;
+/// What a series has beside them: velocities that are found by iteration.
+template <class P>
+inline constexpr std::size_t found = [] {
+  if constexpr (IteratesForRates<P>) return P::dof;
+  return 0;
+}();
+template <class P, class X>
+inline constexpr std::size_t variables = components<X> + found<P>;
 
 /// The i-th component: values, then slopes.
 template <class X>
@@ -86,24 +96,40 @@ constexpr auto& component(X& x, std::size_t i) {
   }
 }
 
-/// The equations of motion of a problem, on states like X, written on a tape: the rates of its components.
+/// The equations of motion of a problem, on states like X, written on a tape: the rates of its variables.
 template <class X, VectorField P>
-constexpr std::array<tape::Index, components<X>> write_equations(const P& problem, tape::Tape& tape) {
-  using Number = std::conditional_t<Sloped<X>, Dual<Symbol, 1>, Symbol>;
-  typename X::template in<Number, Symbol> x;
-  for (std::size_t i = 0; i < components<X>; ++i) component(x, i) = Symbol::variable(tape, i);
-  x.t = Symbol::time(tape);
-  auto rate = derivative(problem, x);
-  std::array<tape::Index, components<X>> rates;
-  for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = component(rate, i).on(tape);
+constexpr std::array<tape::Index, variables<P, X>> write_equations(const P& problem, tape::Tape& tape) {
+  std::array<tape::Index, variables<P, X>> rates;
+  if constexpr (IteratesForRates<P>) {
+    std::array<Symbol, variables<P, X>> x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = Symbol::variable(tape, i);
+    const auto rate = problem.rates(x, Symbol::time(tape));
+    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = rate[i].on(tape);
+  } else {
+    using Number = std::conditional_t<Sloped<X>, Dual<Symbol, 1>, Symbol>;
+    typename X::template in<Number, Symbol> x;
+    for (std::size_t i = 0; i < components<X>; ++i) component(x, i) = Symbol::variable(tape, i);
+    x.t = Symbol::time(tape);
+    auto rate = derivative(problem, x);
+    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = component(rate, i).on(tape);
+  }
   return rates;
+}
+/// A state without tangent direction, as such a tape has it.
+template <class P, class X>
+auto values_of([[maybe_unused]] const P& problem, const X& x) {
+  std::array<typename X::Number, X::size + found<P>> y;
+  for (std::size_t i = 0; i < X::size; ++i) y[i] = x[i];
+  if constexpr (IteratesForRates<P>)
+    std::ranges::copy(problem.velocities(x.q, x.p, x.action.s, x.t), y.begin() + X::size);
+  return y;
 }
 /// As lists for a series.
 template <class X, VectorField P>
 tape::Program record(const P& problem) {
   tape::Tape tape;
   const auto rates = write_equations<X>(problem, tape);
-  return {tape, rates, StateOf<P>::size};
+  return {tape, rates, StateOf<P>::size + found<P>};
 }
 
 template <class X, VectorField P>
@@ -146,6 +172,7 @@ class TaylorStepper {
 
   TaylorStepper(const P& problem, double tolerance, int order)
       : expansion_(taylor::expansion_of<X>(problem, tolerance, order)) {
+    if constexpr (IteratesForRates<P>) problem_ = problem;
     if constexpr (carries) expansion_->make_beside();
   }
 
@@ -220,14 +247,19 @@ class TaylorStepper {
   }
   const Work& work() const noexcept { return work_; }
   /// One that has taken no step yet, of the same program.
-  TaylorStepper anew() const { return TaylorStepper(expansion_); }
+  TaylorStepper anew() const {
+    TaylorStepper other;
+    other.expansion_ = expansion_;
+    other.problem_ = problem_;
+    return other;
+  }
 
  private:
-  explicit TaylorStepper(std::shared_ptr<taylor::Expansion> expansion) : expansion_(std::move(expansion)) {}
+  TaylorStepper() = default;
 
-  using Values = std::array<double, taylor::components<X>>;
-  static constexpr std::size_t moving = StateOf<P>::size;
-  static constexpr bool carries = taylor::components<X> > moving;
+  using Values = std::array<double, taylor::variables<P, X>>;
+  static constexpr std::size_t moving = StateOf<P>::size + taylor::found<P>;
+  static constexpr bool carries = taylor::variables<P, X> > moving;
   /// Where the series of what is carried was last begun within a step.
   struct Mark {
     double after = 0;  ///< the step's beginning
@@ -254,13 +286,17 @@ class TaylorStepper {
     std::copy(rest.begin() + moving, rest.end(), low.begin() + moving);
   }
 
-  static Values values(const X& x) {
-    Values y;
-    for (std::size_t i = 0; i < y.size(); ++i) y[i] = taylor::component(x, i);
-    return y;
+  Values values(const X& x) const {
+    if constexpr (IteratesForRates<P>) {
+      return taylor::values_of(problem_, x);
+    } else {
+      Values y;
+      for (std::size_t i = 0; i < y.size(); ++i) y[i] = taylor::component(x, i);
+      return y;
+    }
   }
   static void assign(const Values& y, X& x) {
-    for (std::size_t i = 0; i < y.size(); ++i) taylor::component(x, i) = y[i];
+    for (std::size_t i = 0; i < taylor::components<X>; ++i) taylor::component(x, i) = y[i];
   }
   /// Of the components that are as the last step left them.
   Values kept_from(const Values& y) const {
@@ -270,6 +306,7 @@ class TaylorStepper {
   }
 
   std::shared_ptr<taylor::Expansion> expansion_;
+  [[no_unique_address]] std::conditional_t<IteratesForRates<P>, P, std::monostate> problem_;
   double t_ = 0, h_ = 0;        ///< of the last step
   Values start_{}, end_{};      ///< where it began and ended
   Values start_low_{}, low_{};  ///< what rounding has kept from them
@@ -312,11 +349,11 @@ struct Taylor {
             "runs are so long that the drift of the energy counts, which the tolerance sets; forces are not "
             "smooth; the motion is stiff (steps end where the series does). A step counts as many force "
             "evaluations as its order",
-        .needs = "equations of motion whose rates are formulas",
+        .needs = "equations of motion",
         .references = {"Jorba, Zou, Experimental Mathematics 14, 99 (2005)", "Biscani, Izzo, MNRAS 504, 2614 (2021)"}};
   }
   template <VectorField P, taylor::Flat X>
-  requires(!IteratesForRates<P>) auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
+  auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
     return TaylorStepper<P, X>(problem, tolerance, order);
   }
 };

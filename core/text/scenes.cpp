@@ -1,11 +1,37 @@
 #include "core/text/scenes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/text/folding.hpp"
 
 namespace least::text {
+namespace {
+
+/// x with A x = b in the place of b, on a tape, where no pivot is a matter of numbers: rows with what is zero whatever
+/// the state are not taken for one.
+void eliminate(std::vector<Symbol>& a, std::vector<Symbol>& b) {
+  const std::size_t n = b.size();
+  const auto is_zero = [](const Symbol& y) { return y.is_constant() && y.constant() == 0; };
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t pivot = k;
+    while (pivot + 1 < n && is_zero(a[pivot * n + k])) ++pivot;
+    for (std::size_t j = 0; j < n; ++j) std::swap(a[k * n + j], a[pivot * n + j]);
+    std::swap(b[k], b[pivot]);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == k || is_zero(a[i * n + k])) continue;
+      const Symbol share = a[i * n + k] / a[k * n + k];
+      for (std::size_t j = k; j < n; ++j) a[i * n + j] = a[i * n + j] - share * a[k * n + j];
+      b[i] = b[i] - share * b[k];
+    }
+  }
+  for (std::size_t k = 0; k < n; ++k) b[k] = b[k] / a[k * n + k];
+}
+
+}  // namespace
+
 Formulas::Formulas(const Form& form, std::span<const double> parameters)
     : coordinates(form.coordinates), reads_action(form.reads_action) {
   Folding fold(form.tape, parameters);
@@ -100,6 +126,46 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
   }
   if (!(wrong <= 1e-12 * (1 + size))) v.fill(std::numeric_limits<double>::quiet_NaN());
   return v;
+}
+
+LagrangianScene::Extended LagrangianScene::rates(const Extended& x, const Symbol& t) const {
+  using Along = Dual<Symbol, 1>;  // the motion, but for v
+  constexpr std::size_t action = 2 * dof, velocity = action + 1;
+  const std::size_t n = coordinates();
+  const auto moving = [](const Symbol& value, const Symbol& rate) {
+    Along y(value);
+    y.slope[0] = rate;
+    return y;
+  };
+  std::array<Along, std::size_t(first_parameter)> y;
+  for (std::size_t i = 0; i < n; ++i) {
+    y[i] = moving(x[i], x[velocity + i]);
+    y[first_momentum + i] = Along(x[velocity + i]);
+  }
+  y[action_variable] = Along(x[action]);
+  std::array<Along, 2 * dof + 2> all;  // L, L_q, L_v, L_s
+  Extended rate{};
+  if (reads_action()) {
+    formulas->all_of_lagrangian.evaluate(y.data(), moving(t, Symbol(1)), all.data());
+    rate[action] = all[0].value;
+    y[action_variable] = moving(x[action], rate[action]);
+  }
+  formulas->all_of_lagrangian.evaluate(y.data(), moving(t, Symbol(1)), all.data());
+  const Symbol by_action = all[1 + 2 * n].value;
+  std::vector<Symbol> matrix(n * n), right(n);
+  std::array<Symbol, std::size_t(first_parameter)> plain;
+  for (std::size_t i = 0; i < plain.size(); ++i) plain[i] = y[i].value;
+  std::array<Symbol, std::size_t(dof + dof * dof)> momenta;
+  formulas->momenta.evaluate(plain.data(), t, momenta.data());
+  for (std::size_t i = 0; i < n; ++i) {
+    rate[i] = x[velocity + i];
+    rate[dof + i] = all[1 + i].value + by_action * x[dof + i];
+    right[i] = rate[dof + i] - all[1 + n + i].slope[0];
+    for (std::size_t j = 0; j < n; ++j) matrix[i * n + j] = momenta[n + i * n + j];
+  }
+  eliminate(matrix, right);
+  std::ranges::copy(right, rate.begin() + velocity);
+  return rate;
 }
 
 }  // namespace least::text

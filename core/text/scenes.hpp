@@ -208,8 +208,11 @@ struct LagrangianScene : GeneralScene {
     return slopes;
   }
 
- private:
-  /// Found in double, then brought to the digits of T and of its derivatives, which each round doubles.
+  /// Of q, p, s and v the rates, on their tape: Herglotz's equations d(∂L/∂v)/dt = ∂L/∂q + ∂L/∂s ∂L/∂v, solved for v̇.
+  using Extended = std::array<Symbol, std::size_t(3 * dof + 1)>;
+  Extended rates(const Extended& x, const Symbol& t) const;
+  /// v with ∂L/∂v = p: found in double, then brought to the digits of T and of its derivatives, which each round
+  /// doubles.
   template <class T, class S>
   Vec<dof, T> velocities(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
     const auto plain_of = [](const auto& x) {

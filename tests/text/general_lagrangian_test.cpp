@@ -2,6 +2,7 @@
 // their order, and are those of the compiled schemes.
 #include <gtest/gtest.h>
 
+#include "core/reference/reference.hpp"
 #include "core/schemes/list.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/scenes.hpp"
@@ -18,8 +19,8 @@ struct General {
   Definition definition;
 };
 std::vector<General> generals() {
-  return {{"timed",
-           of(lagrangian, {"q"}, {{"k", 1}}, "v^2/2 + v^4/12 + 0.3*q*v - (k + 0.2*sin(t))*q^2/2 - 0.1*s - 0.05*s^2")},
+  return {{"timed", of(lagrangian, {"q"}, {{"k", 1}},
+                       "v^2/2 + v^4/12 + 0.3*cos(t)*q*v - (k + 0.2*sin(t))*q^2/2 - 0.1*s - 0.05*s^2")},
           {"plane", of(lagrangian, {"x", "y"}, {{"k", 2}},
                        "(vx^2 + vy^2)/2 + (vx^2 + vx*vy + vy^2)^2/20 + 0.2*x*vy - (x^2 + k*y^2)/2 - x^2*y/3"
                        " - 0.1*s - 0.05*s*x + 0.02*s*vy")},
@@ -27,14 +28,15 @@ std::vector<General> generals() {
 }
 
 /// From a start of its own, to t = 2.
-Request request_of(const std::shared_ptr<const Mechanics>& mechanics, const char* scheme, double step) {
+Request request_of(const std::shared_ptr<const Mechanics>& mechanics, const char* scheme, double fineness,
+                   const char* dial = "step") {
   Request request = typed_as(runs::defaults("damped_oscillator", scheme), mechanics);
   auto& initial = runs::scene(request).initial;
   const auto& variables = mechanics->card().variables;
   for (std::size_t i = 0; i < variables.size(); ++i)
     initial[i] = variables[i].hidden ? 0 : 0.5 - 0.15 * double(i % 8) + (i >= 8 ? 0.1 : 0);
   request.end = 2;
-  runs::set(request, "step", step);
+  runs::set(request, dial, fineness);
   runs::only_final(request);
   return request;
 }
@@ -115,12 +117,13 @@ TEST(GeneralLagrangian, MidpointReturnsByANegativeStep) {
 }
 
 /// A problem of the catalogue, said with a term that has a factor of zero: no form is found in it.
-TEST(GeneralLagrangian, AgreesWithTheCompiledSchemes) {
+struct SaidTwice {
+  Typed typed;
+  std::vector<std::pair<const char*, const char*>> schemes;  ///< of the compiled problem, of the text
+};
+std::vector<SaidTwice> said_twice() {
   const double pi = 3.141592653589793;
-  const struct {
-    Typed typed;
-    std::vector<std::pair<const char*, const char*>> schemes;  ///< of the compiled problem, of the text
-  } rows[] = {
+  return {
       {{"damped_oscillator",
         of(lagrangian, {"q"}, {{"k", 1}, {"alpha", 0.1}, {"z", 0}}, "v^2/2 - k*q^2/2 - alpha*s + z*v^4")},
        {{"contact_variational_midpoint", "contact_variational_midpoint"},
@@ -139,7 +142,10 @@ TEST(GeneralLagrangian, AgreesWithTheCompiledSchemes) {
            " + (m1 + m2)*g*l1*cos(theta1) + m2*g*l2*cos(theta2) + z*vtheta1^4 + z*vtheta2^4")},
        {{"variational_midpoint", "contact_variational_midpoint"}, {"galerkin_4", "contact_galerkin_4"}}},
   };
-  for (const auto& [typed, schemes] : rows) {
+}
+
+TEST(GeneralLagrangian, AgreesWithTheCompiledSchemes) {
+  for (const auto& [typed, schemes] : said_twice()) {
     const auto mechanics = mechanics_of(typed.definition);
     ASSERT_EQ(mechanics->text()->form->kind, text::FormKind::lagrangian) << typed.id;
     for (const auto& [of_compiled, of_text] : schemes) {
@@ -166,6 +172,52 @@ TEST(GeneralLagrangian, AgreesWithTheCompiledSchemes) {
             << typed.id << " " << of_text << " " << mechanics->card().variables[i].name;
       }
     }
+  }
+}
+
+/// Series of (q, p, s) and of the velocities, which have equations of their own there.
+TEST(GeneralLagrangian, HasATaylorSeries) {
+  auto all = generals();
+  all.push_back({"exchanged", of(lagrangian, {"x", "y"}, {}, "vx*(vy + vy^3/3) - x*y - 0.1*s")});
+  for (const General& general : all) {
+    const auto mechanics = mechanics_of(general.definition);
+    const Request request = request_of(mechanics, "taylor", 1e-14, "tolerance");
+    text::LagrangianScene problem;
+    problem.formulas = std::make_shared<text::Formulas>(*mechanics->text()->form, request.scene->parameters);
+    const auto start = start_of<StateOf<text::LagrangianScene>>(problem, request.scene->initial, request.scene->start);
+    const std::vector<double> times{1, request.end};
+    const auto series = quad_precision_run(problem, start, times, [] { return true; });
+    const auto steps = extrapolated_run(problem, start, times, [] { return true; });
+    ASSERT_TRUE(series.complete && steps.complete) << general.name;
+    EXPECT_LT(series.uncertainty, 1.2e-16) << general.name;
+    EXPECT_LE(state_error(series.states.back(), steps.states.back()), 2.3e-16) << general.name;
+    EXPECT_GT(state_error(series.states.back(), start), 0.1) << general.name << ": it moves";
+    const auto end = end_of(request);
+    for (std::size_t i = 0; i < start.size; ++i)
+      EXPECT_NEAR(end[i], series.states.back()[i], 2e-14 * std::max(1.0, std::abs(end[i]))) << general.name << " " << i;
+  }
+}
+
+TEST(GeneralLagrangian, HasTheSeriesOfTheCompiledScheme) {
+  for (const auto& row : said_twice()) {
+    const Typed& typed = row.typed;
+    Request compiled = runs::defaults(typed.id, "taylor");
+    compiled.end = compiled.scene->start + 5;
+    compiled.record = {Record::Mode::samples, 11, {}};
+    Request general = typed_as(compiled, mechanics_of(typed.definition));
+    for (Request* request : {&compiled, &general}) {
+      request->columns.clear();
+      for (const auto& name : typed.definition.variables)
+        request->columns.push_back(
+            runs::position(runs::card(*request).columns, name, [](const auto& column) { return column.name; }));
+    }
+    const auto [a, states] = runs::go(compiled);
+    const auto [b, states_of_text] = runs::go(general);
+    ASSERT_EQ(b.stop.reason, ReturnCode::completed) << typed.id << " " << b.stop.detail;
+    ASSERT_EQ(states.size(), states_of_text.size());
+    for (std::size_t k = 0; k < states.size(); ++k)
+      for (std::size_t i = 0; i < states[k].size(); ++i)
+        EXPECT_NEAR(states_of_text[k][i], states[k][i], 1e-10) << typed.id << " " << k;
   }
 }
 

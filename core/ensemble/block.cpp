@@ -50,7 +50,6 @@ double Moments::variance() const {
 }
 
 void Histogram::count(const HistogramAsked& asked, double value) {
-  counts.resize(static_cast<std::size_t>(asked.bins));
   if (!std::isfinite(value)) return;
   if (value < asked.low) {
     ++below;

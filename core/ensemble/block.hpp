@@ -34,7 +34,8 @@ struct HistogramAsked {
   double low = 0, high = 1;
   std::int64_t bins = 1;
 };
-/// Counts by bin, and of the values on either side of the range; what is no finite number is not counted.
+/// Counts by bin, as many as there are, and of the values on either side of the range; what is no finite number is not
+/// counted.
 struct Histogram {
   std::vector<std::int64_t> counts;
   std::int64_t below = 0, above = 0;

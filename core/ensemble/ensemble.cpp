@@ -27,6 +27,7 @@ void sum_up(const EnsemblePlan& plan, Harvest& harvest) {
   for (std::size_t k = 0; plan.statistics && k < columns; ++k) harvest.columns.push_back(Moments::of(column(k)));
   for (const HistogramAsked& asked : plan.histograms) {
     Histogram& histogram = harvest.histograms.emplace_back();
+    histogram.counts.resize(static_cast<std::size_t>(asked.bins));  // also of a block in which nobody completed
     for (const double x : column(asked.column)) histogram.count(asked, x);
   }
   if (plan.final) return;

@@ -142,6 +142,8 @@ void read_members(const Json& root, const FieldPath& top, const ProblemCard* pro
   }
   const Json* vary = find(*json, "vary");
   if (vary != nullptr && problem != nullptr) read_vary(*vary, path.at("vary"), *problem, members);
+  const Json* count = find(*json, "count");
+  if (count != nullptr) members.count = read_integer(*count, path.at("count"), 1, greatest_count).value_or(1);
   if (path.faults->within(path.at("vary").pointer)) return;
   double product = 1;
   bool listed_values = false;
@@ -154,13 +156,12 @@ void read_members(const Json& root, const FieldPath& top, const ProblemCard* pro
     path.at("vary").lacks(fmt::format("the grids make {} members, more than can be counted", shortest(product)));
     return;
   }
-  const Json* count = find(*json, "count");
   if (count == nullptr) {
     if (!listed_values) path.at("count").lacks("is required where no grid and no values make it", "[1, 2^53]");
     members.count = static_cast<std::int64_t>(product);
     return;
   }
-  members.count = read_integer(*count, path.at("count"), 1, greatest_count).value_or(1);
+  if (path.faults->within(path.at("count").pointer)) return;
   if (listed_values && static_cast<double>(members.count) != product) {
     path.at("count").fault(fmt::format("grids and values make {} members", shortest(product)), *count,
                            shortest(product));
@@ -224,7 +225,8 @@ void read_histograms(const Json& root, const FieldPath& top, EnsemblePlan& plan)
   for (const auto& [name, entry] : json->items()) {
     const auto column = std::ranges::find(columns, name);
     const FieldPath place = path.at(name);
-    if (column == columns.end() || column->empty()) continue;
+    const bool known = column != columns.end() && !column->empty();
+    if (!known && !refused) continue;
     if (!read_object(entry, place, {"range", "bins", "counts", "below", "above"}, "a histogram")) continue;
     const Json *range = find(entry, "range"), *bins = find(entry, "bins");
     if (range == nullptr || bins == nullptr) {
@@ -247,7 +249,7 @@ void read_histograms(const Json& root, const FieldPath& top, EnsemblePlan& plan)
       continue;
     }
     asked.bins = read_integer(*bins, place.at("bins"), 1, most_bins).value_or(1);
-    plan.histograms.push_back(asked);
+    if (known) plan.histograms.push_back(asked);
   }
 }
 

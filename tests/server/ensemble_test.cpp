@@ -59,6 +59,7 @@ TEST(EnsembleRequest, NamesEveryFault) {
   expect_fault("members", "7", "/members", "must be an object");
   expect_fault("members", R"({"count":0})", "/members/count", "at least 1");
   expect_fault("members", R"({})", "/members/count", "is required where no grid");
+  expect_fault("members", R"({"count":-2,"vary":{"/initial/xx":{"uniform":[0,1]}}})", "/members/count", "at least 1");
   expect_fault("members", vary(R"("/initial/xx":{"uniform":[0,1]})"), of_x + "x", "did you mean \"/initial/x\"");
   expect_fault("members", vary(R"("/initial/t":{"uniform":[0,1]})"), "/members/vary/~1initial~1t", "the same time");
   expect_fault("members", vary(R"("/scheme/step":{"uniform":[0,1]})"), "/members/vary/~1scheme~1step", "the scheme");
@@ -327,6 +328,16 @@ TEST_F(EnsembleParts, MergeToTheBytesOfOneRun) {
   EXPECT_EQ(without_cost(merged({"1", "0"})).dump(), without_cost(whole).dump());
   EXPECT_EQ(whole.substr(0, whole.find("\"cost\"")), merged({"0", "1"}).substr(0, whole.find("\"cost\"")));
   EXPECT_EQ(without_cost(whole)["completed"], 9000);
+}
+
+// Of a block in which nobody comes to the end the counts are zeros.
+TEST_F(EnsembleParts, MergeWhereNobodyCompletes) {
+  Json request = Json::parse(orbits);
+  request["limits"] = {{"steps", 3}};
+  for (const std::string shard : {"0", "1"}) EXPECT_EQ(part(request.dump(), shard + "/2", shard).status, 200);
+  const Json answer = Json::parse(merged({"0", "1"}));
+  EXPECT_EQ(answer["completed"], 0) << answer.dump();
+  EXPECT_FALSE(answer["histograms"].empty());
 }
 
 TEST_F(EnsembleParts, AreNotComputedTwiceAndReplacedWhereTheyAreNotWhole) {

@@ -96,7 +96,9 @@ void Search::settle(const Probe& probe) {
     good_ = probe;
   } else {
     const double last = bad_ ? bad_->trial.error : std::numeric_limits<double>::infinity();
-    if (!good_) flat_ = trial.error > 0.9 * last && trial.error < subject_.plateau() ? flat_ + 1 : 0;
+    // Of a step as long as the run a finer tolerance may make the same run.
+    const bool same = bad_ && trial.error == last && trial.forces == bad_->trial.forces;
+    if (!good_ && !same) flat_ = trial.error > 0.9 * last && trial.error < subject_.plateau() ? flat_ + 1 : 0;
     if (bad_) before_ = bad_;
     bad_ = probe;
   }

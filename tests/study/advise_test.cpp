@@ -105,6 +105,17 @@ TEST(Advice, IsMeasuredWhereLittleIsAskedFor) {
   hold_against_all("van_der_pol", {8e-3, 3e-2});
 }
 
+// Of a step as long as the run coarse tolerances all make the same run: that is no sign that finer ones do not help.
+TEST(Advice, LooksBeyondRunsThatAreTheSame) {
+  for (const double accuracy : {1e-10, 1e-13}) {
+    const Advice advice = advise(scene("harmonic_oscillator", 10), {accuracy, 0, {}}, never);
+    ASSERT_TRUE(advice.choice);
+    EXPECT_TRUE(advice.met) << advice.reason;
+    EXPECT_EQ(schemes()[advice.choice->scheme].id, "taylor") << advice.reason;
+    EXPECT_LE(runs::go(with(scene("harmonic_oscillator", 10), *advice.choice)).outcome.cost.force_evaluations, 100);
+  }
+}
+
 std::string id(const SchemeConfig& choice) { return std::string(schemes()[choice.scheme].id); }
 
 TEST(Advice, KeepsWhatIsToBeKept) {

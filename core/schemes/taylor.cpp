@@ -16,6 +16,7 @@ using tape::Index;
 using tape::Program;
 
 constexpr int most_chosen = 40;
+constexpr std::size_t places = 4;  // of a step at which it is held against the equations
 
 /// What a step of the order p costs, about, in nanoseconds, of a program that is unrolled: measured where a leapfrog
 /// step of Kepler's problem takes 17. Those that are read take longer, at much the same best order.
@@ -115,6 +116,18 @@ double largest_term(const tape::Series& series, std::size_t moving, int low, int
   return largest;
 }
 
+bool reads_time(const Program& program) {
+  const Index time = program.time();
+  const auto is_time = [time](Index value) { return value == time; };
+  return !program.linear.empty() ||
+         std::ranges::any_of(program.steps,
+                             [&](const tape::Step& s) { return s.a == time || s.b == time || s.w == time; }) ||
+         std::ranges::any_of(program.values, is_time, &Program::Value::value) ||
+         std::ranges::any_of(program.products, is_time, &Program::Product::a) ||
+         std::ranges::any_of(program.products, is_time, &Program::Product::b) ||
+         std::ranges::any_of(program.rate, is_time);
+}
+
 tape::Series series_of(Program program, double tolerance, int order) {
   const int chosen = order > 0 ? order : cheapest_order(program, tolerance);
   return {std::move(program), chosen};
@@ -127,7 +140,10 @@ Expansion::Expansion(Program program, double tolerance, int order)
       log_tolerance_(std::log2(tolerance)),
       root_(std::exp2(log_tolerance_ / series_.order())),
       variables_(series_.program().variables),
-      moving_(series_.program().moving) {}
+      moving_(series_.program().moving),
+      reads_time_(reads_time(series_.program())),
+      way_(places * variables_),
+      slopes_(way_) {}
 
 void Expansion::limit(double rate) {
   if (rate != 0) longest_ = root_ * std::exp(log_factorial(series_.order()) / series_.order()) / std::abs(rate);
@@ -182,7 +198,49 @@ void Expansion::move(const double* y, double t) {
   for (double next = largest(1); std::isfinite(next); next = largest(used_ + 1)) ++used_, last_ = next;
 }
 
-double Expansion::step() const {
+double Expansion::step(double most) {
+  double h = std::min(series_step(), most);
+  if (may_hide_what_comes(h, most))
+    while (h > 0 && !solves(h)) h *= 0.5;
+  return h;
+}
+
+/// A force that sleeps, as t⁴⁰ or a pulse that is yet to come, leaves no trace in the series: its last terms vanish, or
+/// it hardly moves, or it seems good up to the end, or as far as one likes.
+bool Expansion::may_hide_what_comes(double h, double most) const {
+  constexpr double little = 0.01;
+  if (!reads_time_ || used_ == 0) return false;
+  return series_.program().whole || !(h < most) || (last_ == 0 && (used_ == 1 || largest(used_ - 1) == 0)) ||
+         largest(1) * h < little * std::max(1.0, largest(0));
+}
+/// Whether the polynomials solve the equations at a few places within the step, to about the tolerance.
+bool Expansion::solves(double h) {
+  constexpr double slack = 100, grain = 1e-12;
+  const double most = std::max(1.0, largest(0)) * std::max(slack * std::exp2(log_tolerance_), grain);
+  std::array<double, places> part, value, slope;
+  for (std::size_t place = 0; place < places; ++place) part[place] = h * static_cast<double>(place + 1) / places;
+  for (std::size_t i = 0; i < variables_; ++i) {
+    value.fill(0);
+    slope.fill(0);
+    for (int k = used_; k >= 0; --k)
+      for (std::size_t place = 0; place < places; ++place) {  // side by side, as each alone waits for itself
+        slope[place] = slope[place] * part[place] + value[place];
+        value[place] = value[place] * part[place] + series_.coefficients(k)[i];
+      }
+    for (std::size_t place = 0; place < places; ++place) {
+      way_[place * variables_ + i] = value[place];
+      slopes_[place * variables_ + i] = slope[place];
+    }
+  }
+  for (std::size_t place = 0; place < places; ++place) {
+    if (!series_.defined(way_.data() + place * variables_, t_ + part[place])) return false;
+    for (std::size_t i = 0; i < moving_; ++i)
+      if (!(std::abs(series_.rate(i) - slopes_[place * variables_ + i]) * h <= most)) return false;
+  }
+  return true;
+}
+
+double Expansion::series_step() const {
   constexpr double slack = 10;  // by how much other coefficients may exceed what the last two promise
   constexpr int looked_at = 8;
   constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what those before the last ought to be

@@ -21,6 +21,7 @@
 #include <span>
 #include <tuple>
 #include <variant>
+#include <vector>
 
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
@@ -40,8 +41,8 @@ class Expansion {
 
   /// At the state y at the time t; nothing is done where it is there already.
   void move(const double* y, double t);
-  /// How long a step from there may be; 0: the series means nothing.
-  double step() const;
+  /// How long a step from there may be, `most` at most; 0: the series means nothing.
+  double step(double most = std::numeric_limits<double>::infinity());
   /// How far from there the series of what is carried beyond the motion is good, by its last two terms.
   double carried_step() const;
   /// Another one of the same equations, tolerance and order: for what is carried, within a step of the motion.
@@ -61,14 +62,19 @@ class Expansion {
   double largest(int k) const;
   double largest_carried(int k) const;
   double until_switch(double h) const;
+  double series_step() const;
+  bool may_hide_what_comes(double h, double most) const;
+  bool solves(double h);
 
   tape::Series series_;
   double longest_ = std::numeric_limits<double>::infinity();
   double log_tolerance_, root_;  ///< log₂ ε, and ε^{1/p} of the order p
   std::size_t variables_, moving_;
   double t_ = std::numeric_limits<double>::quiet_NaN();
-  int used_ = 0;     ///< the order up to which coefficients are numbers
-  double last_ = 0;  ///< the largest of that order
+  int used_ = 0;                      ///< the order up to which coefficients are numbers
+  double last_ = 0;                   ///< the largest of that order
+  bool reads_time_;                   ///< the equations do
+  std::vector<double> way_, slopes_;  ///< states on the way, and as the polynomials change there
   std::unique_ptr<Expansion> beside_;
 };
 
@@ -183,7 +189,7 @@ class TaylorStepper {
     Values low = kept_from(y);
     expansion_->move(y.data(), x.t);
     work_.forces += expansion_->order();
-    double h = expansion_->step();
+    double h = expansion_->step(most);
     if (!(h > 0)) return StepStatus::singular;
     if (!(x.t + h < x.t + most)) h = most;
     Values end, rest;
@@ -219,7 +225,7 @@ class TaylorStepper {
       Values y = values(x), low{};
       expansion_->move(y.data(), x.t);
       work_.forces += expansion_->order();
-      const double h = std::min(expansion_->step(), t - x.t);
+      const double h = expansion_->step(t - x.t);
       if (!(h > 0)) return StepStatus::singular;
       if (!(x.t + h > x.t)) return StepStatus::underflow;
       [[maybe_unused]] Mark mark{0, y, low};

@@ -48,6 +48,8 @@ class Series {
   void expand(const double* x, double t);
   /// Whether the rates of the motion at x are numbers.
   bool defined(const double* x, double t);
+  /// The rate of a variable where that was asked for last.
+  double rate(std::size_t variable) const { return trial_[static_cast<std::size_t>(program_.rate[variable])]; }
   /// x⁽ᵏ⁾/k! of the variables, 0 ≤ k ≤ order; up to a multiple of four there are numbers to be read behind them.
   const double* coefficients(int k) const { return row(k) + Program::first_variable; }
   /// The same of any value, for k below the order.

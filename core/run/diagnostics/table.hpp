@@ -60,6 +60,11 @@ class DiagnosticSet {
   /// Sections, or what the caller asked for.
   bool watches() const { return watches_; }
   bool watches_events() const { return watch_ != nullptr; }
+  /// What the caller watches, at a state: so many numbers.
+  std::size_t watched_count() const { return watch_->measures().size(); }
+  void watched_values(const P& problem, const X& x, double* values) const {
+    watch_->measures().evaluate(observe(problem, x, watch_->measures()).data(), x.t, values);
+  }
   /// Whether states within a step are of interest.
   bool looks_within() const { return watches_ || turns_; }
   bool keeps_states() const { return sees(Sees::states); }

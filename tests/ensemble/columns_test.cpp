@@ -101,7 +101,7 @@ TEST(OwnColumns, WhatDoesNotExistIsUnknownInItsPlace) {
 }
 
 TEST(Histograms, CountWhatIsFinite) {
-  Histogram of;
+  Histogram of{{0, 0}};
   for (const double x : {0.5, -2.0, 3.0, 7.0, HUGE_VAL, -HUGE_VAL, std::nan("")}) of.count({0, -1, 1, 2}, x);
   EXPECT_EQ(of.counts, (std::vector<std::int64_t>{0, 1}));
   EXPECT_EQ(of.below, 1);

@@ -99,7 +99,7 @@ TEST(Moments, OfBlocksAreThoseOfAll) {
 
 TEST(Histogram, CountsEveryValueOnce) {
   const HistogramAsked asked{0, -1, 1, 4};
-  Histogram h;
+  Histogram h{{0, 0, 0, 0}};
   for (const double x : {-1.0, -0.5, std::nextafter(1.0, 0.0), 1.0, -1.1, 0.0, 0.2}) h.count(asked, x);
   EXPECT_EQ(h.counts, (std::vector<std::int64_t>{1, 1, 2, 1}));
   EXPECT_EQ(h.below, 1);

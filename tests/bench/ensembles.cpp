@@ -17,7 +17,7 @@ namespace {
 
 using namespace least;
 
-constexpr std::int64_t steps_of_a_member = 4096, members = 512;
+constexpr std::int64_t steps_of_a_member = 4096, members = block_size;
 
 EnsemblePlan members_of(const std::string& problem, const std::string& scheme, double step) {
   EnsemblePlan plan = test::ensemble_of(problem, scheme, 1);

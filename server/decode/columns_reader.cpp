@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/ensemble/ensemble.hpp"
 #include "core/ensemble/member_columns.hpp"
 
 namespace least::server {
@@ -81,6 +82,17 @@ void read_own_column(const Json& json, const FieldPath& path, const Names& known
   read_expression(json, path, std::move(*name), reader);
 }
 
+// What may stand where `json` does: of members what follows from a final state, and what is named, which is refused in
+// words of its own.
+template <class Reader>
+Names columns_for(const Json& json, const ProblemCard& problem, Names known) {
+  if (!std::is_same_v<Reader, MemberReader>) return known;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (!is_of_state(problem.columns[i]) && json != known[i]) known[i] = {};
+  }
+  return known;
+}
+
 template <class Reader>
 void read_list_of_columns(const Json& json, const FieldPath& path, const ProblemCard& problem, Reader& reader,
                           Request& request) {
@@ -89,11 +101,12 @@ void read_list_of_columns(const Json& json, const FieldPath& path, const Problem
     if (problem.columns[i].hidden) known[i] = {};
   }
   if (!json.is_array()) {
-    request.columns = read_names(json, path, known, "column");
+    request.columns = read_names(json, path, columns_for<Reader>(json, problem, known), "column");
     return;
   }
   if (json.empty()) {
-    path.fault("must name at least one column; {\"record\": {\"every\": 0}} keeps no trajectory", json, listed(known));
+    path.fault("must name at least one column; {\"record\": {\"every\": 0}} keeps no trajectory", json,
+               listed(columns_for<Reader>(json, problem, known)));
     return;
   }
   Names own_names;
@@ -107,7 +120,8 @@ void read_list_of_columns(const Json& json, const FieldPath& path, const Problem
       read_own_column(json[i], path.at(i), known, reader, own_names);
       continue;
     }
-    const auto place = read_name(json[i], path.at(i), known, "column", ", or {\"name\": …, \"expression\": …}");
+    const auto place = read_name(json[i], path.at(i), columns_for<Reader>(json[i], problem, known), "column",
+                                 ", or {\"name\": …, \"expression\": …}");
     if (!place) continue;
     if (std::ranges::find(request.columns, *place) != request.columns.end())
       path.at(i).fault("the column stands twice", json[i]);

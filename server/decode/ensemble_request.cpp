@@ -269,6 +269,20 @@ void check_columns(const Json& root, const FieldPath& top, const ProblemCard& pr
   }
 }
 
+// A scheme that members cannot have is known all the same, and refused in words of its own.
+NamedEntry read_scheme(const Json* json, const FieldPath& path, const Cards& cards) {
+  const Json* id = json != nullptr && json->is_object() ? find(*json, "id") : json;
+  if (id != nullptr && *id == auto_card().id) {
+    path.fault("auto chooses for one run, and members have one scheme in common: name it", *json);
+    return {std::nullopt, path};
+  }
+  Names names = names_of(cards.schemes);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!ensemble_objection(cards.schemes[i]).empty() && !(id != nullptr && *id == names[i])) names[i] = {};
+  }
+  return read_entry(json, path, "scheme", names);
+}
+
 void check_scheme(const Cards& cards, const ProblemCard& problem, std::size_t scheme, const FieldPath& path) {
   const std::string why = ensemble_objection(cards.schemes[scheme]);
   if (why.empty()) return;
@@ -293,7 +307,8 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   if (!read_object(root, top, keys, "the request")) return faults;
 
   const auto problem = read_problem(root, top, cards);
-  const NamedEntry scheme = read_entry(find(root, "scheme"), top.at("scheme"), "scheme", names_of(cards.schemes));
+  const Json* asked = find(root, "scheme");
+  const NamedEntry scheme = read_scheme(asked, top.at("scheme"), cards);
   const auto scene = std::make_shared<Scene>();
   request.scene = scene;
   scene->mechanics = problem;
@@ -302,7 +317,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   if (scheme_card) {
     request.scheme = *scheme.index;
-    request.settings = read_settings(*find(root, "scheme"), top.at("scheme"), *scheme_card, card, preset);
+    request.settings = read_settings(*asked, top.at("scheme"), *scheme_card, card, preset);
     if (card) {
       check_pair(cards, *card, *scheme.index, scheme.path);
       check_scheme(cards, *card, *scheme.index, scheme.path);

@@ -52,6 +52,21 @@ void expect_fault(const std::string& member, const std::string& value, std::stri
   EXPECT_NE(faults.find(words), std::string::npos) << value << "\n" << faults;
 }
 
+TEST(EnsembleRequest, AllowsWhatMembersCanHave) {
+  for (const char* const unknown : {R"("contact_leap")", R"({"id":"taylorr"})", "7"}) {
+    const std::string faults = faults_of("scheme", Json::parse(unknown));
+    EXPECT_NE(faults.find("leapfrog"), std::string::npos) << faults;
+    for (const char* const refused : {"taylor\"", "taylor,", "variational_midpoint", "fehlberg_78", "auto"})
+      EXPECT_EQ(faults.find(refused), std::string::npos) << faults;
+  }
+  expect_fault("scheme", R"({"id":"auto","accuracy":1e-6})", "/scheme", "one scheme in common");
+  for (const char* const unknown : {R"(["xx"])", R"([])", R"("energy")"}) {
+    const std::string faults = faults_of("columns", Json::parse(unknown));
+    EXPECT_NE(faults.find("energy"), std::string::npos) << faults;
+    EXPECT_EQ(faults.find("step_size"), std::string::npos) << faults;
+  }
+}
+
 TEST(EnsembleRequest, NamesEveryFault) {
   EXPECT_EQ(faults_of("keep", Json::array({"statistics", "final"})), "");
   const auto vary = [](const std::string& what) { return R"({"count":10,"vary":{)" + what + "}}"; };

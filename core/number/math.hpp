@@ -23,8 +23,8 @@ template <int N, class T = double>
 using Mat = Vec<N, Vec<N, T>>;
 
 #ifdef LEAST_LANE_BYTES  // a unit of lanes: those whose bits are the same in lanes and alone, core/number/lanes.hpp
-inline double sin(double x) { return Sleef_cinz_sind1_u35purec(x); }
-inline double cos(double x) { return Sleef_cinz_cosd1_u35purec(x); }
+double sin(double x);
+double cos(double x);
 inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
 inline double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
 inline double tanh(double x) { return Sleef_cinz_tanhd1_u10purec(x); }

@@ -47,17 +47,19 @@ namespace {
 /// Blocks go to threads as these ask for them, and to the receiver in their order.
 class Blocks {
  public:
-  Blocks(const EnsemblePlan& plan, const Shard& shard, unsigned threads, const std::atomic<bool>& cancelled)
+  Blocks(const EnsemblePlan& plan, const Shard& shard, unsigned threads, const std::atomic<bool>& cancelled,
+         const Share& share)
       : plan_(plan),
         columns_(plan.request, plan.members.vary),
         shard_(shard),
         ahead_(std::int64_t{threads} * (plan.section || plan.final ? 1 : 4) + 1),
         budget_(plan.request.limits.seconds, stop_, [] { return true; }),
-        cancelled_(cancelled) {
+        cancelled_(cancelled),
+        share_(share) {
     next_ = awaited_ = first_block(plan, shard);
     for (unsigned i = 0; i < threads; ++i) {
       try {
-        threads_.emplace_back([this] { work(); });
+        threads_.emplace_back([this, i] { work(i); });
       } catch (const std::system_error&) {  // as many as the system allows
         if (threads_.empty()) throw;
         break;
@@ -74,7 +76,8 @@ class Blocks {
   /// The next one; nothing at the end, of which `reason` speaks.
   std::optional<Block> take() {
     std::unique_lock lock(mutex_);
-    for (;;) {
+    for (unsigned working = 0;;) {
+      if (share_ && std::exchange(working, share_()) != working) changed_.notify_all();
       if (cancelled_.load(std::memory_order_relaxed)) end_locked(ReturnCode::cancelled);
       if (budget_.seconds() > plan_.request.limits.seconds) end_locked(ReturnCode::deadline);
       if (failure_) std::rethrow_exception(failure_);
@@ -102,9 +105,9 @@ class Blocks {
     end_locked(reason);
   }
 
-  void work() {
+  void work(unsigned thread) {
     try {
-      while (const auto index = claim()) {
+      while (const auto index = claim(thread)) {
         Block block = compute(*index);
         const std::lock_guard lock(mutex_);
         if (stop_) return;
@@ -118,10 +121,12 @@ class Blocks {
     }
   }
   /// No thread runs far ahead of what was received: memory does not grow with the number of members.
-  std::optional<std::int64_t> claim() {
+  std::optional<std::int64_t> claim(unsigned thread) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return stop_ || next_ - awaited_ < ahead_ * shard_.of; });
-    if (stop_ || next_ >= plan_.end_block()) return std::nullopt;
+    const auto over = [&] { return stop_ || next_ >= plan_.end_block(); };
+    const auto may = [&] { return !share_ || thread < share_(); };
+    changed_.wait(lock, [&] { return over() || (may() && next_ - awaited_ < ahead_ * shard_.of); });
+    if (over()) return std::nullopt;
     return std::exchange(next_, next_ + shard_.of);
   }
   Block compute(std::int64_t index) const {
@@ -141,6 +146,7 @@ class Blocks {
   std::atomic<bool> stop_{false};
   Budget budget_;
   const std::atomic<bool>& cancelled_;
+  const Share& share_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::int64_t next_ = 0, awaited_ = 0;
@@ -182,8 +188,8 @@ std::vector<double> section_times(const EnsemblePlan& plan) {
 }
 
 ReturnCode run_ensemble(const EnsemblePlan& plan, const Shard& shard, unsigned threads,
-                        const std::atomic<bool>& cancelled, const TakeBlock& take) {
-  Blocks blocks(plan, shard, std::max(threads, 1U), cancelled);
+                        const std::atomic<bool>& cancelled, const TakeBlock& take, const Share& share) {
+  Blocks blocks(plan, shard, std::max(threads, 1U), cancelled, share);
   while (const auto block = blocks.take())
     if (!take(*block)) return ReturnCode::cancelled;
   return blocks.reason();

@@ -48,9 +48,12 @@ std::int64_t first_block(const EnsemblePlan& plan, const Shard& shard);
 /// Receives the blocks in their order; false ends the ensemble.
 using TakeBlock = std::function<bool(const Block&)>;
 
-/// Runs the members of the shard on so many threads. `completed`, or why it ended early (deadline, cancelled): then the
-/// blocks that were received are whole, and the first ones.
+/// How many of the threads may compute for now, at least one. Any of them asks.
+using Share = std::function<unsigned()>;
+
+/// Runs the members of the shard on so many threads, or as many of them as the share says. `completed`, or why it ended
+/// early (deadline, cancelled): then the blocks that were received are whole, and the first ones.
 ReturnCode run_ensemble(const EnsemblePlan& plan, const Shard& shard, unsigned threads,
-                        const std::atomic<bool>& cancelled, const TakeBlock& take);
+                        const std::atomic<bool>& cancelled, const TakeBlock& take, const Share& share = {});
 
 }  // namespace least

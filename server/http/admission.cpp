@@ -23,8 +23,18 @@ std::optional<Admission::Pass> Admission::enter_besides(std::string_view name) {
   const std::lock_guard lock(mutex_);
   const auto client = clients_.find(name);
   const bool room = client != clients_.end() && running_ < places_ && waiting_ == 0 && !closed_;
-  if (!room || client->second.running >= (places_ + 1) / 2) return std::nullopt;
+  if (!room || client->second.running >= share_of(client->second)) return std::nullopt;
   return admitted(client->second, false);
+}
+
+bool Admission::gives_way(std::string_view name) const {
+  const std::lock_guard lock(mutex_);
+  const auto client = clients_.find(name);
+  return waiting_ > 0 || closed_ || (client != clients_.end() && client->second.running > share_of(client->second));
+}
+
+unsigned Admission::share_of(const Client& client) const {
+  return running_ > client.running ? (places_ + 1) / 2 : places_;
 }
 
 std::optional<Admission::Pass> Admission::enter(std::string_view name) {

@@ -71,8 +71,12 @@ class Admission {
   /// Ends the waits that are over. To be called now and then.
   void look();
 
-  /// A further place for a run that has one, as long as nobody waits and its client holds less than half of them.
+  /// A further place for a run that has one, as long as nobody waits and its client holds less than its share: half of
+  /// them, or all while no other client computes.
   std::optional<Pass> enter_besides(std::string_view client);
+  /// Whether a client that holds places besides is to give them back: somebody waits, or it holds more than its share.
+  bool gives_way(std::string_view client) const;
+  unsigned places() const { return places_; }
 
   /// Nobody enters any more; those who wait leave with nothing.
   void close();
@@ -112,6 +116,7 @@ class Admission {
   Turns::iterator next();
   bool make_room(const Client& newcomer, Waiters& calls);
   double expected_wait(std::size_t own) const;
+  unsigned share_of(const Client& client) const;
   void forget(const Client& client);
 
   mutable std::mutex mutex_;

@@ -55,6 +55,18 @@ bool is_whole(const std::string& path, const std::string& head, const std::strin
          tail_of(file).ends_with('\n' + end);
 }
 
+// Whether a part may take the place of what is there: nothing, another part, or as much of one as was written.
+bool may_be_replaced(const std::string& path) {
+  constexpr std::string_view begin = "{\"kind\":\"head\"";
+  std::error_code none;
+  if (!std::filesystem::exists(path, none)) return !std::filesystem::is_symlink(path, none);
+  if (!std::filesystem::is_regular_file(path, none)) return false;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(begin.size(), '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  return !file.bad() && begin.starts_with(text.substr(0, static_cast<std::size_t>(file.gcount())));
+}
+
 // A file that is there under its own name once all of it is written. Until then it is hidden, so that what a power cut
 // leaves of it is not among `part.*`, and named after whoever writes it: processes of several containers have one
 // number.
@@ -191,6 +203,9 @@ Answer write_part(const Context& context, const HttpRequest& request, const std:
     return Answer{200, "text/plain", fmt::format("{}: {}\n", output, what), {}};
   };
   if (is_whole(output, head, end)) return done("is whole, nothing was computed");
+  if (!may_be_replaced(output))
+    return refused("--output", output + " is there and is no part of an ensemble: it would be lost",
+                   "another name, or that of a part", request.id);
   Draft draft(output);
   bool written = draft.write(head);
   const ReturnCode reason = run_ensemble(*plan, *shard, threads, context.cancelled, [&](const Block& block) {

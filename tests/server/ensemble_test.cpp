@@ -1,37 +1,19 @@
-// Ensembles over HTTP and on the command line: faults by name, lines that add up to the answer, parts that merge.
+// Ensembles over HTTP: faults by name, lines that add up to the answer.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <thread>
 
 #include "core/catalogue/catalogue.hpp"
 #include "server/decode/ensemble_request.hpp"
-#include "server/endpoint.hpp"
-#include "server/shards.hpp"
 #include "tests/server/client.hpp"
+#include "tests/server/ensembles.hpp"
 #include "tests/server/fixture.hpp"
 
 namespace least::server::test {
 namespace {
 
 using EnsembleHttp = Serving;
-
-const std::string orbits =
-    R"js({"problem":"kepler","initial":{"x":1,"y":0,"px":0,"py":1},"scheme":{"id":"leapfrog","step":0.05},
-        "until":{"t":3},"members":{"count":9000,"seed":7,"vary":{"/initial/x":{"uniform":[0.8,1.2]},
-        "/initial/px":{"normal":[0,0.05]}}},"columns":["x","y","energy",{"name":"r","expression":"sqrt(x^2+y^2)"}],
-        "keep":["statistics","final","section"],"section":{"period":1.5},
-        "histograms":{"x":{"range":[-2,2],"bins":8},"r":{"range":[0,2],"bins":4}}})js";
-
-Json without_cost(const std::string& text) {
-  Json answer = Json::parse(text);
-  answer.erase("cost");
-  return answer;
-}
 
 // The faults of a request that differs from a good one in one member: pointer and words.
 std::string faults_of(const std::string& member, const Json& value) {
@@ -302,108 +284,6 @@ TEST_F(EnsembleHttp, ALimitOfTimeIsNamed) {
   const Json answer = Json::parse(ask(port(), post("/v1/ensemble", request.dump())).body);
   EXPECT_EQ(answer["status"], "stopped");
   EXPECT_EQ(answer["stop"]["reason"], "deadline");
-}
-
-// Parts of an ensemble in a folder of their own.
-class EnsembleParts : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "ensemble-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  Answer part(const std::string& request, const std::string& shard, const std::string& name) {
-    return write_part(context_, {request, "", "test"}, shard, path(name), 2);
-  }
-  std::string merged(const std::vector<std::string>& names) {
-    std::vector<std::string> paths;
-    for (const auto& name : names) paths.push_back(path(name));
-    return merge_parts(context_.cards, paths, "test").body;
-  }
-  void expect_refused(const std::vector<std::string>& names, std::string_view words) {
-    const std::string said = merged(names);
-    EXPECT_NE(said.find("\"status\":422"), std::string::npos) << said.substr(0, 300);
-    EXPECT_NE(said.find(words), std::string::npos) << said.substr(0, 300);
-  }
-
-  std::filesystem::path folder_;
-  std::atomic<bool> cancelled_{false};
-  Admission admission_{2, 0};
-  MemoryBudget memory_{std::size_t{1} << 30};
-  Context context_{catalogue_cards(), {}, admission_, cancelled_, memory_};
-};
-
-TEST_F(EnsembleParts, MergeToTheBytesOfOneRun) {
-  for (const std::string shard : {"0", "1"}) EXPECT_EQ(part(orbits, shard + "/2", shard).status, 200);
-  EXPECT_EQ(part(orbits, "0/1", "all").status, 200);
-  const std::string whole = merged({"all"});
-  EXPECT_EQ(without_cost(merged({"1", "0"})).dump(), without_cost(whole).dump());
-  EXPECT_EQ(whole.substr(0, whole.find("\"cost\"")), merged({"0", "1"}).substr(0, whole.find("\"cost\"")));
-  EXPECT_EQ(without_cost(whole)["completed"], 9000);
-}
-
-// Of a block in which nobody comes to the end the counts are zeros.
-TEST_F(EnsembleParts, MergeWhereNobodyCompletes) {
-  Json request = Json::parse(orbits);
-  request["limits"] = {{"steps", 3}};
-  for (const std::string shard : {"0", "1"}) EXPECT_EQ(part(request.dump(), shard + "/2", shard).status, 200);
-  const Json answer = Json::parse(merged({"0", "1"}));
-  EXPECT_EQ(answer["completed"], 0) << answer.dump();
-  EXPECT_FALSE(answer["histograms"].empty());
-}
-
-TEST_F(EnsembleParts, AreNotComputedTwiceAndReplacedWhereTheyAreNotWhole) {
-  EXPECT_EQ(part(orbits, "1/2", "1").body, path("1") + ": 1 blocks\n");
-  EXPECT_EQ(part(orbits, "1/2", "1").body, path("1") + ": is whole, nothing was computed\n");
-  EXPECT_EQ(part(orbits, "0/2", "1").body, path("1") + ": 2 blocks\n") << "another shard";
-  std::filesystem::resize_file(path("1"), std::filesystem::file_size(path("1")) - 1);
-  EXPECT_EQ(part(orbits, "0/2", "1").body, path("1") + ": 2 blocks\n") << "truncated";
-  Json longer = Json::parse(orbits);
-  longer["limits"] = {{"seconds", 0.05}};
-  longer["until"]["t"] = 1e5;
-  const auto late = part(longer.dump(), "0/2", "late");
-  EXPECT_EQ(late.status, 422);
-  EXPECT_FALSE(std::filesystem::exists(path("late"))) << "whole or not at all";
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "nothing else is left behind";
-}
-
-// What is left behind where a machine fails while it writes is no part, and does not pass for one.
-TEST_F(EnsembleParts, AreHiddenUntilTheyAreWhole) {
-  Json request = Json::parse(orbits);
-  request["until"]["t"] = 1e6;
-  std::atomic<bool> ended{false};
-  std::thread writer([&] {
-    part(request.dump(), "0/1", "part.0");
-    ended = true;
-  });
-  std::vector<std::string> names;
-  while (names.empty() && !ended) {
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) names.push_back(entry.path().filename());
-  }
-  cancelled_ = true;
-  writer.join();
-  EXPECT_FALSE(names.empty());
-  for (const std::string& name : names) EXPECT_EQ(name.front(), '.') << name;
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 0) << "nothing is left where it is told";
-}
-
-TEST_F(EnsembleParts, AreRefusedByName) {
-  for (const std::string shard : {"0", "1", "2"}) part(orbits, shard + "/3", shard);
-  part(orbits, "1/2", "half");
-  expect_refused({"0", "2"}, "no part for the shards 1/3");
-  expect_refused({"0", "1", "2", "1"}, "is shard 1/3, and so is " + path("1"));
-  expect_refused({"0", "1", "2", "half"}, path("half") + " is a part of another ensemble");
-  expect_refused({"0", "1", "none"}, path("none") + " cannot be read");
-  std::ofstream(path("text")) << "one\ntwo\n";
-  expect_refused({"text", "0"}, path("text") + " is no part");
-  std::filesystem::resize_file(path("2"), std::filesystem::file_size(path("2")) - 10);
-  expect_refused({"0", "1", "2"}, path("2") + " is truncated");
-  EXPECT_TRUE(std::filesystem::exists(path("0"))) << "what is good is kept";
-  for (const char* shard : {"17/16", "16/16", "-1/4", "1", "a/b", "1/2x"})
-    EXPECT_NE(part(orbits, shard, "x").body.find("must be I/N"), std::string::npos) << shard;
 }
 
 }  // namespace

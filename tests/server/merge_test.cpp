@@ -1,10 +1,16 @@
-// What a merge says of itself, as the built binary does it.
+// Parts of ensembles: they are written whole or not at all, and merge.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <thread>
 
-#include "server/decode/json_parse.hpp"
+#include "core/catalogue/catalogue.hpp"
+#include "server/endpoint.hpp"
+#include "server/shards.hpp"
+#include "tests/server/ensembles.hpp"
 #include "tests/server/process.hpp"
 
 namespace least::server::test {
@@ -29,6 +35,128 @@ TEST(Command, MergeSaysWhatItTakes) {
   EXPECT_NEAR(number("hours_for_1e12_members"), number("microseconds_a_block") * 1e6 / 4096 / 3600,
               1e-3 * number("hours_for_1e12_members"));
   std::filesystem::remove(part);
+}
+
+// Parts of an ensemble in a folder of their own.
+class EnsembleParts : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "ensemble-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  Answer part(const std::string& request, const std::string& shard, const std::string& name) {
+    return write_part(context_, {request, "", "test"}, shard, path(name), 2);
+  }
+  std::string merged(const std::vector<std::string>& names) {
+    std::vector<std::string> paths;
+    for (const auto& name : names) paths.push_back(path(name));
+    return merge_parts(context_.cards, paths, "test").body;
+  }
+  void expect_refused(const std::vector<std::string>& names, std::string_view words) {
+    const std::string said = merged(names);
+    EXPECT_NE(said.find("\"status\":422"), std::string::npos) << said.substr(0, 300);
+    EXPECT_NE(said.find(words), std::string::npos) << said.substr(0, 300);
+  }
+
+  std::filesystem::path folder_;
+  std::atomic<bool> cancelled_{false};
+  Admission admission_{2, 0};
+  MemoryBudget memory_{std::size_t{1} << 30};
+  Context context_{catalogue_cards(), {}, admission_, cancelled_, memory_};
+};
+
+TEST_F(EnsembleParts, MergeToTheBytesOfOneRun) {
+  for (const std::string shard : {"0", "1"}) EXPECT_EQ(part(orbits, shard + "/2", shard).status, 200);
+  EXPECT_EQ(part(orbits, "0/1", "all").status, 200);
+  const std::string whole = merged({"all"});
+  EXPECT_EQ(without_cost(merged({"1", "0"})).dump(), without_cost(whole).dump());
+  EXPECT_EQ(whole.substr(0, whole.find("\"cost\"")), merged({"0", "1"}).substr(0, whole.find("\"cost\"")));
+  EXPECT_EQ(without_cost(whole)["completed"], 9000);
+}
+
+// Of a block in which nobody comes to the end the counts are zeros.
+TEST_F(EnsembleParts, MergeWhereNobodyCompletes) {
+  Json request = Json::parse(orbits);
+  request["limits"] = {{"steps", 3}};
+  for (const std::string shard : {"0", "1"}) EXPECT_EQ(part(request.dump(), shard + "/2", shard).status, 200);
+  const Json answer = Json::parse(merged({"0", "1"}));
+  EXPECT_EQ(answer["completed"], 0) << answer.dump();
+  EXPECT_FALSE(answer["histograms"].empty());
+}
+
+TEST_F(EnsembleParts, AreNotComputedTwiceAndReplacedWhereTheyAreNotWhole) {
+  EXPECT_EQ(part(orbits, "1/2", "1").body, path("1") + ": 1 blocks\n");
+  EXPECT_EQ(part(orbits, "1/2", "1").body, path("1") + ": is whole, nothing was computed\n");
+  EXPECT_EQ(part(orbits, "0/2", "1").body, path("1") + ": 2 blocks\n") << "another shard";
+  std::filesystem::resize_file(path("1"), std::filesystem::file_size(path("1")) - 1);
+  EXPECT_EQ(part(orbits, "0/2", "1").body, path("1") + ": 2 blocks\n") << "truncated";
+  Json longer = Json::parse(orbits);
+  longer["limits"] = {{"seconds", 0.05}};
+  longer["until"]["t"] = 1e5;
+  const auto late = part(longer.dump(), "0/2", "late");
+  EXPECT_EQ(late.status, 422);
+  EXPECT_FALSE(std::filesystem::exists(path("late"))) << "whole or not at all";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "nothing else is left behind";
+}
+
+// What is left behind where a machine fails while it writes is no part, and does not pass for one.
+TEST_F(EnsembleParts, AreHiddenUntilTheyAreWhole) {
+  Json request = Json::parse(orbits);
+  request["until"]["t"] = 1e6;
+  std::atomic<bool> ended{false};
+  std::thread writer([&] {
+    part(request.dump(), "0/1", "part.0");
+    ended = true;
+  });
+  std::vector<std::string> names;
+  while (names.empty() && !ended) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) names.push_back(entry.path().filename());
+  }
+  cancelled_ = true;
+  writer.join();
+  EXPECT_FALSE(names.empty());
+  for (const std::string& name : names) EXPECT_EQ(name.front(), '.') << name;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 0) << "nothing is left where it is told";
+}
+
+// A wrong name costs nothing but the time to read what is said.
+TEST_F(EnsembleParts, TakeThePlaceOfNothingElse) {
+  const std::string letter = "{\"kind\":\"letter\"}\n";
+  std::ofstream(path("letter")) << letter;
+  std::filesystem::create_directory(path("folder"));
+  std::filesystem::create_symlink(path("nowhere"), path("link"));
+  for (const char* name : {"letter", "folder", "link"}) {
+    const auto answer = part(orbits, "0/2", name);
+    EXPECT_EQ(answer.status, 422) << name;
+    EXPECT_NE(answer.body.find(path(name) + " is there and is no part of an ensemble"), std::string::npos) << name;
+  }
+  std::string kept;
+  EXPECT_TRUE(std::getline(std::ifstream(path("letter")), kept));
+  EXPECT_EQ(kept + '\n', letter);
+  for (const char* begun : {"", "{\"ki"}) {
+    std::ofstream(path("begun")) << begun;
+    EXPECT_EQ(part(orbits, "0/2", "begun").status, 200) << "what a lost machine may have left: " << begun;
+  }
+}
+
+TEST_F(EnsembleParts, AreRefusedByName) {
+  for (const std::string shard : {"0", "1", "2"}) part(orbits, shard + "/3", shard);
+  part(orbits, "1/2", "half");
+  expect_refused({"0", "2"}, "no part for the shards 1/3");
+  expect_refused({"0", "1", "2", "1"}, "is shard 1/3, and so is " + path("1"));
+  expect_refused({"0", "1", "2", "half"}, path("half") + " is a part of another ensemble");
+  expect_refused({"0", "1", "none"}, path("none") + " cannot be read");
+  std::ofstream(path("text")) << "one\ntwo\n";
+  expect_refused({"text", "0"}, path("text") + " is no part");
+  std::filesystem::resize_file(path("2"), std::filesystem::file_size(path("2")) - 10);
+  expect_refused({"0", "1", "2"}, path("2") + " is truncated");
+  EXPECT_TRUE(std::filesystem::exists(path("0"))) << "what is good is kept";
+  for (const char* shard : {"17/16", "16/16", "-1/4", "1", "a/b", "1/2x"})
+    EXPECT_NE(part(orbits, shard, "x").body.find("must be I/N"), std::string::npos) << shard;
 }
 
 }  // namespace

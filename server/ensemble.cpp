@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/ensemble/lone_members.hpp"
 #include "server/decode/ensemble_request.hpp"
 #include "server/encode/ensemble_json.hpp"
 #include "server/encode/problem_document.hpp"
@@ -67,6 +68,7 @@ std::pair<Harvest, EnsembleEnd> compute(const EnsemblePlan& plan, const Context&
   };
   result.second.reason =
       run_ensemble(plan, {}, places.most(), watch.cancelled(), take, [&places] { return places.count(); });
+  if (result.second.reason == ReturnCode::completed) result.second.warnings = warnings_of_few(plan, watch.cancelled());
   result.second.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/ensemble/lone_members.hpp"
 #include "server/decode/ensemble_block.hpp"
 #include "server/decode/ensemble_request.hpp"
 #include "server/decode/field_reader.hpp"
@@ -251,7 +252,9 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   tell_of_merge(plan->end_block() - plan->first_block(), seconds);
-  return {200, "application/json", encode_ensemble(*plan, cards, all, {ReturnCode::completed, seconds}), {}};
+  const std::atomic<bool> never{false};
+  const EnsembleEnd end{ReturnCode::completed, seconds, warnings_of_few(*plan, never)};
+  return {200, "application/json", encode_ensemble(*plan, cards, all, end), {}};
 }
 
 }  // namespace least::server

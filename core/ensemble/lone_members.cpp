@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/run/diagnostics/watch.hpp"
+#include "core/run/messages.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/text/scene.hpp"
 
@@ -43,6 +44,12 @@ std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, co
   return times;
 }
 
+/// What no run begins with, as a mass that is none.
+bool cannot_begin(const Scene& scene) {
+  const auto* text = scene.mechanics->text();
+  return text && text->objection(scene.parameters);
+}
+
 }  // namespace
 
 void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
@@ -65,8 +72,8 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
     varied.clear();
     for (const Variation& variation : plan.members.vary)
       if (variation.parameter) varied.push_back(request.scene->parameters[variation.index]);
-    if (const auto* text = request.scene->mechanics->text(); text && text->objection(request.scene->parameters)) {
-      ++harvest.ended[static_cast<std::size_t>(ReturnCode::singular)];  // no run begins with a mass that is none
+    if (cannot_begin(*request.scene)) {
+      ++harvest.ended[static_cast<std::size_t>(ReturnCode::singular)];
       continue;
     }
     if (plan.section && plan.section->plane) times = crossing_times(plan, request, cancelled, harvest.truncated);
@@ -96,6 +103,43 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
     harvest.final_member.push_back(i);
     append_row(rows.values.size() / width - 1, harvest.final);
   }
+}
+
+std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic<bool>& cancelled) {
+  constexpr std::int64_t most = 8, steps_of_all = 4'000'000;
+  const std::int64_t members = plan.last - plan.first, few = std::min(members, most);
+  Request request = plan.request;
+  request.record = {Record::Mode::every, 0, {}};
+  request.columns = {0};
+  request.measures = {};
+  request.watched = {};
+  request.events = {};
+  request.diagnostics.clear();
+  request.control = true;
+  request.limits.steps = std::min(request.limits.steps, steps_of_all / few);
+
+  struct Said {
+    Warning first;
+    std::int64_t member, count;
+  };
+  std::vector<Said> all;
+  for (std::int64_t k = 0; k < few; ++k) {
+    const std::int64_t member = plan.first + (few > 1 ? k * (members - 1) / (few - 1) : 0);
+    request.scene = member_scene(plan, member);
+    if (cannot_begin(*request.scene)) continue;
+    Samples none;
+    for (Warning& warning : request.scene->mechanics->run(request, none, cancelled).warnings) {
+      const auto known = std::ranges::find(all, warning.code, [](const Said& said) { return said.first.code; });
+      if (known != all.end())
+        ++known->count;
+      else
+        all.push_back({std::move(warning), member, 1});
+    }
+  }
+  std::vector<Warning> warnings;
+  for (const auto& [first, member, count] : all)
+    warnings.push_back({first.code, messages::of_few(few, count, member, first.detail)});
+  return warnings;
 }
 
 }  // namespace least

@@ -14,4 +14,8 @@ std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t
 void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
                       const std::atomic<bool>& cancelled);
 
+/// What runs of a few members, spread over all, say against themselves: of each code how many do, and the first one's
+/// words. It follows from the plan alone, and costs a bounded number of steps, however many and long the members are.
+std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic<bool>& cancelled);
+
 }  // namespace least

@@ -89,6 +89,10 @@ std::string departs(double error, double t, double reached) {
       t, error, reached);
 }
 
+std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member, std::string_view words) {
+  return fmt::format("{} of {} members that were run alone, too; member {}: {}", count, few, member, words);
+}
+
 std::string fallback_steps(std::int64_t steps, bool hybrid) {
   return fmt::format("{} {} could not be taken {}", steps, steps == 1 ? "step" : "steps",
                      hybrid ? "along any coordinate and went in time instead"

@@ -156,7 +156,7 @@ void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harve
   Cost cost = all.cost;
   cost.seconds = end.seconds;
   write_cost(json.key("cost"), cost);
-  std::vector<Warning> warnings;
+  std::vector<Warning> warnings = end.warnings;
   if (all.truncated) {
     warnings.push_back({"section_truncated",
                         fmt::format("more points of the section than limits.samples = {} has room for; the first are "

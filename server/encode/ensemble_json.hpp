@@ -8,10 +8,11 @@
 
 namespace least::server {
 
-/// Where an ensemble ended, and how long it took.
+/// Where an ensemble ended, how long it took, and what some of its members say against themselves.
 struct EnsembleEnd {
   ReturnCode reason = ReturnCode::completed;
   double seconds = 0;
+  std::vector<Warning> warnings{};
 };
 
 /// The whole answer, `application/json` or `application/cbor` (RFC 8949): the members of JSON, the columns of finals

@@ -146,4 +146,44 @@ TEST(Ensemble, AStroboscopicSectionIsTakenAtItsTimes) {
   EXPECT_FALSE(all.truncated);
 }
 
+std::vector<std::string> codes_of(const std::vector<Warning>& warnings) {
+  std::vector<std::string> codes;
+  for (const Warning& warning : warnings) codes.emplace_back(warning.code);
+  return codes;
+}
+
+/// What lone runs warn of, an ensemble warns of, too: of a few members, whatever they are.
+TEST(Ensemble, WarnsOfWhatItsMembersWarnOf) {
+  const std::atomic<bool> never{false};
+  EnsemblePlan plan = kepler_members();
+  test::setting(plan, "step") = 0.005;
+  EXPECT_EQ(codes_of(warnings_of_few(plan, never)), std::vector<std::string>{});
+  plan.request.end = 100;
+  test::setting(plan, "step") = 0.5;
+  const auto warnings = warnings_of_few(plan, never);
+  const auto codes = codes_of(warnings);
+  ASSERT_EQ(std::ranges::count(codes, "large_error"), 1) << "each once";
+  const auto& large = warnings[static_cast<std::size_t>(std::ranges::find(codes, "large_error") - codes.begin())];
+  EXPECT_TRUE(large.detail.starts_with("8 of 8 members that were run alone, too; member 0: at t = ")) << large.detail;
+  const auto again = warnings_of_few(plan, never);
+  ASSERT_EQ(again.size(), warnings.size());
+  for (std::size_t i = 0; i < again.size(); ++i) EXPECT_EQ(again[i].detail, warnings[i].detail);
+
+  // The last ones alone are bad, as their step is long for how near they come.
+  plan.request.end = 20;
+  test::setting(plan, "step") = 0.02;
+  plan.members.vary = {{false, 3, Spread::grid, {1, 0.1, 5}}};
+  plan.members.count = plan.last = 5;
+  const auto some_of_them = warnings_of_few(plan, never);
+  ASSERT_FALSE(some_of_them.empty());
+  EXPECT_NE(some_of_them.back().detail.find(" of 5 members that were run alone, too; member "), std::string::npos);
+  EXPECT_FALSE(some_of_them.back().detail.starts_with("5 of 5")) << some_of_them.back().detail;
+
+  // However long they are.
+  plan.request.until_steps = true;
+  plan.request.steps = plan.request.limits.steps = 10'000'000'000;
+  test::setting(plan, "step") = 0.5;
+  EXPECT_FALSE(warnings_of_few(plan, never).empty());
+}
+
 }  // namespace

@@ -1,6 +1,7 @@
 // Ensembles over HTTP: faults by name, lines that add up to the answer.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -275,6 +276,23 @@ TEST_F(EnsembleHttp, LinesAddUpToTheAnswer) {
       EXPECT_EQ(joined, value) << part << " " << key;
     }
   }
+}
+
+TEST_F(EnsembleHttp, WarnsInEveryForm) {
+  Json request = Json::parse(orbits);
+  request["scheme"]["step"] = 0.9;
+  request["until"]["t"] = 60;
+  request["keep"] = {"statistics"};
+  request.erase("section");
+  const auto codes = [](const Json& answer) {
+    std::vector<std::string> all;
+    for (const Json& warning : answer["warnings"]) all.push_back(warning["code"]);
+    return all;
+  };
+  const auto whole = codes(Json::parse(ask(port(), post("/v1/ensemble", request.dump())).body));
+  EXPECT_NE(std::ranges::find(whole, "large_error"), whole.end());
+  const std::string lines = ask(port(), post("/v1/ensemble", request.dump(), "Accept: application/x-ndjson\r\n")).body;
+  EXPECT_EQ(codes(Json::parse(lines.substr(lines.rfind("\n{") + 1))), whole);
 }
 
 TEST_F(EnsembleHttp, ALimitOfTimeIsNamed) {

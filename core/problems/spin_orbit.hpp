@@ -129,7 +129,8 @@ struct About<problems::SpinOrbit> {
         .title = "Spin–orbit problem",
         .summary =
             "A moon that turns once per revolution, like ours, and sways about it. Look once per period 2π: "
-            "islands around the resonance, chaos at their edge and, with friction, capture.",
+            "islands around the resonance, chaos at their edge and, with friction, capture. Steps that divide 2π "
+            "take half the time: what depends on the time alone is known after one period.",
         .formula =
             "<math><mover><mi>q</mi><mo>¨</mo></mover><mo>+</mo><mrow><mo>(</mo><mi>c</mi><mo>+</mo><mfrac>"
             "<mover><mi>C</mi><mo>˙</mo></mover><mi>C</mi></mfrac><mo>)</mo></mrow><mover><mi>q</mi>"

@@ -16,22 +16,23 @@ using tape::Index;
 using tape::Program;
 
 constexpr int most_chosen = 40;
-constexpr std::size_t places = 4;  // of a step at which it is held against the equations
+constexpr double allowed = 1.0 / 16;  // of the tolerance the last terms: the first left out are a quarter of them
+constexpr std::size_t places = 4;     // of a step at which it is held against the equations
 
 /// What a step of the order p costs, about, in nanoseconds, of a program that is unrolled: measured where a leapfrog
-/// step of Kepler's problem takes 17. Those that are read take longer, at much the same best order.
+/// step of Kepler's problem takes 14. Those that are read take longer, at much the same best order.
 double cost(const Program& program, double p) {
-  double fixed = 90;
+  double fixed = 68;
   for (std::size_t i = 0; i < program.motion_steps; ++i) {
     const tape::Step& step = program.steps[i];
     const bool called = step.function != tape::Op::constant && step.products == 0;
-    if (called || step.rule == tape::Rule::power || step.rule == tape::Rule::root) fixed += 15;
+    if (called || step.rule == tape::Rule::power || step.rule == tape::Rule::root) fixed += 14;
   }
   std::size_t slots = 3;  // in whole fours
   for (std::size_t i = 0; i < program.motion_lanes; ++i) slots += program.lane_a[i] == program.lane_b[i] ? 1 : 2;
   slots /= 4;
   const auto steps = static_cast<double>(program.motion_steps), fours = static_cast<double>(slots);
-  return fixed + p * (3.5 + 0.95 * steps + 0.065 * fours * p);
+  return fixed + p * (4.5 + 0.3 * steps + 0.045 * fours * p);
 }
 
 /// ln n!
@@ -50,7 +51,9 @@ double log_factorial(int n) {
 int cheapest_order(const Program& program, double tolerance) {
   // Of few terms the first are no sign yet of how far a series converges, and steps are shorter than they may be.
   const int least_chosen = program.whole ? 4 : 14;
-  const double digits = -std::log(tolerance), longest = std::log(std::max(1.5, std::log(0x1p53 * tolerance)));
+  // What the last terms may be; where rounding comes near, longer steps of higher orders would lose digits to it.
+  const double least = std::max(allowed * tolerance, std::min(tolerance, 0x1p-47));
+  const double digits = -std::log(least), longest = std::log(std::max(1.5, std::log(0x1p53 * tolerance)));
   const auto length = [&](int p) { return ((program.whole ? log_factorial(p) : 0) - digits) / p; };
   const auto dear = [&](int p) { return std::log(cost(program, p)) - length(p); };
   int best = program.whole ? most_chosen : std::clamp(static_cast<int>(digits) + 2, least_chosen, most_chosen);
@@ -71,13 +74,14 @@ int cheapest_order(const Program& program, double tolerance) {
   return best;
 }
 
+constexpr double third = 1.0 / 3;
 /// log₂ x of a normal x > 0, to 0.01: enough for the length of a step, of which a root is taken besides.
 double rough_log2(double x) {
   constexpr int mantissa = 52;
   const auto bits = std::bit_cast<std::uint64_t>(x), one = std::bit_cast<std::uint64_t>(1.0);
   const double part = std::bit_cast<double>((bits & ((std::uint64_t{1} << mantissa) - 1)) | one);
   const auto whole = static_cast<std::int64_t>(bits >> mantissa) - static_cast<std::int64_t>(one >> mantissa);
-  return static_cast<double>(whole) + ((2 - part / 3) * part - 5.0 / 3);  // right where the part is 1 and 2
+  return static_cast<double>(whole) + ((2 - part * third) * part - 5 * third);  // right where the part is 1 and 2
 }
 /// 2ˣ to 0.2 per cent, as far as it is a normal number.
 double rough_exp2(double x) {
@@ -86,7 +90,7 @@ double rough_exp2(double x) {
   const double within = x > least ? x < most ? x : most : least;
   const auto shifted = static_cast<std::int64_t>(within + bias);  // not negative: its whole part
   const double part = within + bias - static_cast<double>(shifted);
-  return std::bit_cast<double>(shifted << 52) * (1 + part * (2 + part) / 3);
+  return std::bit_cast<double>(shifted << 52) * (1 + part * (2 + part) * third);
 }
 
 /// Components by two, wherever they stand.
@@ -244,9 +248,8 @@ double Expansion::series_step() const {
   constexpr double slack = 10;  // by how much other coefficients may exceed what the last two promise
   constexpr int looked_at = 8;
   constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what those before the last ought to be
-  constexpr double kept = 1.0 / 16;         // of the tolerance the last terms: the first left out are a quarter of them
   if (used_ == 0) return 0;
-  const double size = std::max(1.0, largest(0)), scale = kept * size, before = used_ > 1 ? largest(used_ - 1) : 0;
+  const double size = std::max(1.0, largest(0)), scale = allowed * size, before = used_ > 1 ? largest(used_ - 1) : 0;
   // All logarithms to the base 2, of h: ρ = h ε^{−1/p} is how far the series seems to converge.
   const double log_scale = rough_log2(scale), log_term = log_scale + log_tolerance_,
                part = tape::inverses[tape::at(used_)];

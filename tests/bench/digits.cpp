@@ -98,7 +98,8 @@ Contestant ours(const TrueOrbit& orbit, const SchemeConfig& choice) {
           card.parameters[dial.index].symbol,
           card.id == "taylor"           ? Owner::taylor
           : card.id == "bulirsch_stoer" ? Owner::peer
-                                        : Owner::structure};
+                                        : Owner::structure,
+          dial.name == "step" ? orbit.scene.scene->mechanics->period(orbit.scene.scene->parameters) : 0};
 }
 
 Contestant theirs(const TrueOrbit& orbit, const Peer& peer) {

@@ -46,7 +46,7 @@ void bench::Ladder::descend() {
     else
       rung = {value, run.forces};
   }
-  value /= contestant.finer;
+  value = contestant.setting(value / contestant.finer);
   given_up = together > most_seconds || run.forces >= most_forces;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -32,6 +33,9 @@ struct Contestant {
   std::function<std::function<void()>(double)> prepared;  ///< a run as one would make it, straight to the end
   std::string_view symbol{};                              ///< of the setting
   Owner owner = Owner::peer;
+  double period = 0;  ///< that the setting is to divide
+  /// The setting itself, or the next finer one that divides the period.
+  double setting(double value) const { return value < period ? period / std::ceil(period / value) : value; }
 };
 
 /// The coarsest setting of a contestant at which it reaches each accuracy, and at the next finer one, too: in the noise
@@ -43,7 +47,7 @@ struct Ladder {
     bool holds = false;
   };
   Contestant contestant;
-  double value = contestant.coarsest;
+  double value = contestant.setting(contestant.coarsest);
   double cost = 0, together = 0;  ///< seconds: of the last run, of all
   bool given_up = false;          ///< its budget is spent, or others are far ahead
   std::array<std::optional<Rung>, accuracies.size()> rungs{};

@@ -303,8 +303,9 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
                                            const std::vector<double>& x) const {
   const std::size_t n = form->coordinates;
   Folding fold(form->tape, parameters);
+  const tape::Formula hessian = fold.formula(form->hessian);
   std::vector<double> matrix(n * n);
-  fold.formula(form->hessian).evaluate(x.data(), t, matrix.data());
+  hessian.evaluate(x.data(), t, matrix.data());
   double volume = 1;  // of rows as long as these at right angles
   for (std::size_t i = 0; i < n; ++i) {
     double row = 0;
@@ -315,7 +316,17 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
   const double determinant = detail::determinant_by_lu(n, lu.data());
   const std::string second = std::string("its second derivative by the ") +
                              (definition.kind == Definition::Kind::lagrangian ? "velocities" : "momenta");
-  if (!(std::isfinite(determinant) && std::abs(determinant) > 1e-14 * volume))
+  // Velocities that were found from momenta may miss the place where it vanishes by a little.
+  double nearby = 0;
+  for (const double aside : {-1e-3, 1e-3}) {
+    if (form->kind != FormKind::lagrangian) break;
+    std::vector<double> y = x, there(n * n);
+    for (std::size_t i = first_momentum; i < first_momentum + n; ++i) y[i] += aside * (1 + std::abs(y[i]));
+    hessian.evaluate(y.data(), t, there.data());
+    nearby = std::fmax(nearby, std::abs(detail::determinant_by_lu(n, there.data())));
+  }
+  constexpr double rounding = 1e-14, vanishing = 1e-10;
+  if (!(std::isfinite(determinant) && std::abs(determinant) > std::max(rounding * volume, vanishing * nearby)))
     return "is not regular at the start: " + second + " has no inverse there";
   if (form->kind != FormKind::metric) return {};
   // Cholesky's elimination: a metric is positive definite where every pivot is.

@@ -221,4 +221,25 @@ TEST(GeneralLagrangian, HasTheSeriesOfTheCompiledScheme) {
   }
 }
 
+/// Where ∂²L/∂v² vanishes there is no acceleration: a start there is refused, those beside it are not.
+TEST(GeneralLagrangian, StartsWhereItIsRegular) {
+  struct Case {
+    const char *text, *why;
+    double momentum;
+  };
+  constexpr auto none = "", singular = "is not regular at the start: its second derivative by the velocities has no";
+  for (const auto& [text, why, p] :
+       {Case{"v^4/4 - q^2", singular, 0}, Case{"v^4/4 - q^2", none, 0.1}, Case{"v^4/4 + 1e-5*v^2 - q^2", none, 0},
+        Case{"v^3/3 - q^2", singular, 0}, Case{"exp(v) - v - q^2", none, 0}, Case{"-sqrt(1 - v^2) - q^2", none, 50}}) {
+    const auto mechanics = mechanics_of(of(lagrangian, {"q"}, {}, text));
+    const auto half = static_cast<std::size_t>(mechanics->text()->capacity);
+    std::vector<double> start(2 * half + 1, 0.0);
+    start[0] = 1;
+    start[half] = p;
+    const auto objection = mechanics->text()->objection_to_start({}, 0, start);
+    EXPECT_EQ(objection.has_value(), *why != 0) << text << ' ' << p;
+    EXPECT_NE((objection ? objection->detail : "").find(why), std::string::npos) << text << ' ' << p;
+  }
+}
+
 }  // namespace

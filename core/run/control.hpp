@@ -74,9 +74,7 @@ Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> 
   while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // along a series
   double tolerance = 1e-8, size = 0;
   for (std::size_t i = 0; i < StateOf<P>::size; ++i) size = std::max(size, std::abs(x[i]));
-  // What grows from next to nothing is to be seen from the start.
-  constexpr double next_to_nothing = 1e-12;  // below what the closest of them sees
-  if (size > 0 && size < (norm == Norm::relative ? 1 : next_to_nothing)) tolerance = std::max(tolerance * size, 1e-300);
+  if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
   auto motion = control_run(problem, x, states, tolerance, most_forces, cancelled);
   Departure found;
   const auto hold = [&](std::size_t count, const std::vector<StateOf<P>>& truth) {

@@ -54,17 +54,6 @@ TEST(Control, WhatGoesOnBeyondASingularitySaysSo) {
         << epsilon;
 }
 
-// Growth from next to nothing, of which a control of an absolute tolerance would see nothing until it is late.
-TEST(Control, SeesWhatGrowsFromNextToNothing) {
-  const auto warns = [](double start, double step) {
-    const Request request = set(at(of("gradient_flow", {"runge_kutta_4"}, {}), {{"x", start}, {"y", 0}}),
-                                {{"step", step}, {"a", 10}, {"c", 0}});
-    return warned(go(controlled(until(request, 8))), "large_error");
-  };
-  for (const double start : {1e-20, 1e-15, 1e-8, 1e-3}) EXPECT_FALSE(warns(start, 1e-3)) << start;
-  for (const double start : {1e-8, 1e-3}) EXPECT_TRUE(warns(start, 0.2)) << start;
-}
-
 /// The request of a preset, where it runs under this scheme.
 Request preset(const ProblemCard& problem, const SchemeCard& scheme, const PresetCard* with) {
   Request request = of(problem.id, {scheme.id}, {});

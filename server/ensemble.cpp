@@ -15,7 +15,8 @@
 namespace least::server {
 namespace {
 
-// One place was waited for, as for a run; those that are free besides are taken, too, as long as nobody needs them.
+// One place was waited for, as for a run; those that are free besides are taken, too, as long as nobody needs them. A
+// thread whose place is given back ends with its block.
 class Places {
  public:
   Places(const Context& context, const HttpRequest& request, Admission::Pass&& first)
@@ -68,8 +69,11 @@ std::pair<Harvest, EnsembleEnd> compute(const EnsemblePlan& plan, const Context&
   };
   result.second.reason =
       run_ensemble(plan, {}, places.most(), watch.cancelled(), take, [&places] { return places.count(); });
-  if (result.second.reason == ReturnCode::completed) result.second.warnings = warnings_of_few(plan, watch.cancelled());
   result.second.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (result.second.reason == ReturnCode::completed) {
+    result.second.warnings = warnings_of_few(plan, watch.cancelled());
+    if (watch.cancelled()) result.second.reason = ReturnCode::cancelled;
+  }
   return result;
 }
 
@@ -121,6 +125,7 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
     return fits = held.grow_to(bytes_of(sums));
   });
   if (!fits) return busy(context, request, "answers that others read fill the memory");
+  places->leave();
   const Notation notation = form == in_cbor ? Notation::cbor : Notation::json;
   return {200, std::string(form), encode_ensemble(plan, context.cards, all, end, notation), {}};
 }

@@ -16,6 +16,7 @@ Admission::Client& Admission::client_of(std::string_view name) {
 
 std::optional<Admission::Pass> Admission::admitted(Client& client, bool counts) noexcept {
   ++running_, ++client.running;
+  if (!counts) ++besides_;
   return std::optional<Pass>(std::in_place, *this, client, counts);
 }
 
@@ -55,7 +56,7 @@ void Admission::wait(std::string_view name, std::chrono::milliseconds patience, 
     Client& own = client_of(name);  // nothing is thrown from here on
     const bool room = running_ < places_ && waiting_ == 0;
     const bool hopeless = expected_wait(own.waiting.size()) > std::chrono::duration<double>(patience).count();
-    if (closed_ || hopeless || (!room && waiting_ >= queue_ && !make_room(own, calls))) {
+    if (closed_ || hopeless || (!room && waiting_ >= queue_ + besides_ && !make_room(own, calls))) {
       refuse(calls, newcomer, newcomer.begin());
       forget(own);
     } else {
@@ -108,7 +109,7 @@ void Admission::refuse(Waiters& calls, Waiters& from, Waiters::iterator waiter) 
 
 Admission::Load Admission::load() const {
   const std::lock_guard lock(mutex_);
-  return {running_, waiting_, running_ >= places_ && waiting_ >= queue_};
+  return {running_, waiting_, running_ >= places_ && waiting_ >= queue_ + besides_};
 }
 
 int Admission::retry_after() const {
@@ -116,7 +117,7 @@ int Admission::retry_after() const {
   return static_cast<int>(std::clamp(std::ceil(expected_wait(0)), 1.0, 60.0));
 }
 
-void Admission::leave(Client& client, std::optional<Clock::duration> took) noexcept {
+void Admission::leave(Client& client, std::optional<Clock::duration> took, bool beside) noexcept {
   const double seconds = took ? std::chrono::duration<double>(*took).count() : 0;
   if (metrics_ && took) metrics_->ran(seconds);
   Waiters calls;
@@ -124,6 +125,7 @@ void Admission::leave(Client& client, std::optional<Clock::duration> took) noexc
     const std::lock_guard lock(mutex_);
     if (took) mean_ += 0.1 * (seconds - mean_);
     --running_, --client.running;
+    if (beside) --besides_;
     forget(client);
     admit_waiting(calls);
   }
@@ -170,7 +172,7 @@ bool Admission::make_room(const Client& newcomer, Waiters& calls) {
 
 // In seconds, for one whose client has `own` requests waiting already: as many are served of every other before it.
 double Admission::expected_wait(std::size_t own) const {
-  if (running_ < places_ || places_ == 0) return 0;
+  if (running_ - besides_ + waiting_ < places_ || places_ == 0) return 0;
   std::size_t ahead = 1;  // one of those who compute has to end
   for (const Client* client : turns_) ahead += std::min(client->waiting.size(), own + 1);
   return static_cast<double>(ahead) * mean_ / places_;

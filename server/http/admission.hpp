@@ -35,15 +35,17 @@ class Admission {
    public:
     /// `counts`: as a run, among those whose times are told.
     Pass(Admission& admission, Client& client, bool counts) noexcept
-        : admission_(&admission), client_(&client), counts_(counts) {}
+        : admission_(&admission), client_(&client), counts_(counts), beside_(!counts) {}
     Pass(Pass&& other) noexcept
         : admission_(std::exchange(other.admission_, nullptr)),
           client_(other.client_),
           counts_(other.counts_),
+          beside_(other.beside_),
           start_(other.start_) {}
     Pass& operator=(Pass&&) = delete;
     ~Pass() {
-      if (admission_) admission_->leave(*client_, counts_ ? std::optional(Clock::now() - start_) : std::nullopt);
+      if (!admission_) return;
+      admission_->leave(*client_, counts_ ? std::optional(Clock::now() - start_) : std::nullopt, beside_);
     }
 
     /// No run came of it.
@@ -52,12 +54,12 @@ class Admission {
    private:
     Admission* admission_;
     Client* client_;
-    bool counts_;
+    bool counts_, beside_;
     Clock::time_point start_ = Clock::now();
   };
 
   /// A turn that is free now.
-  std::optional<Pass> enter(std::string_view client);
+  std::optional<Pass> enter(std::string_view name);
 
   /// What is done when the turn comes, or with nothing when it does not. It is called once, by whoever gives a place
   /// back, ends the wait or asks: it hands its work on, and may not throw.
@@ -66,16 +68,16 @@ class Admission {
   /// Waits for a turn, without a thread. There is none, and that at once: the queue is full, or the turn is not to be
   /// expected within `patience`; or later: the patience is over, the client `gone` (may be empty), its place in the
   /// queue needed by another, or the service ends.
-  void wait(std::string_view client, std::chrono::milliseconds patience, std::function<bool()> gone, Turn turn);
+  void wait(std::string_view name, std::chrono::milliseconds patience, std::function<bool()> gone, Turn turn);
 
   /// Ends the waits that are over. To be called now and then.
   void look();
 
   /// A further place for a run that has one, as long as nobody waits and its client holds less than its share: half of
   /// them, or all while no other client computes.
-  std::optional<Pass> enter_besides(std::string_view client);
+  std::optional<Pass> enter_besides(std::string_view name);
   /// Whether a client that holds places besides is to give them back: somebody waits, or it holds more than its share.
-  bool gives_way(std::string_view client) const;
+  bool gives_way(std::string_view name) const;
   unsigned places() const { return places_; }
 
   /// Nobody enters any more; those who wait leave with nothing.
@@ -108,7 +110,7 @@ class Admission {
 
   Client& client_of(std::string_view name);
   std::optional<Pass> admitted(Client& client, bool counts = true) noexcept;
-  void leave(Client& client, std::optional<Clock::duration> took) noexcept;
+  void leave(Client& client, std::optional<Clock::duration> took, bool beside) noexcept;
   // `calls`: those whose turn came or never will, called when the lock is free.
   static void run(Waiters calls) noexcept;
   void refuse(Waiters& calls, Waiters& from, Waiters::iterator waiter) noexcept;
@@ -123,6 +125,7 @@ class Admission {
   const unsigned places_, queue_;
   Metrics* const metrics_;
   unsigned running_ = 0, waiting_ = 0;
+  unsigned besides_ = 0;                                // of those who run: they give way to whoever waits
   std::map<std::string, Client, std::less<>> clients_;  // those who compute or wait
   Turns turns_;                                         // those who wait, the next one first
   double mean_ = 0;                                     // seconds of a run, the latest counting most

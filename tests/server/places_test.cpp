@@ -47,6 +47,29 @@ TEST(Places, BesidesAreAllForOneAndHalfAmongSeveral) {
   EXPECT_EQ(all_besides(admission, "a").size(), 2u);
 }
 
+/// How long others took until now does not turn away who needs one of these places: it is free at the next look.
+TEST(Places, BesidesAreAsGoodAsFreeForOthers) {
+  Admission admission(2, 0);
+  {
+    const auto slow = admission.enter("a");
+    std::this_thread::sleep_for(50ms);
+  }
+  const auto a = admission.enter("a");
+  auto besides = all_besides(admission, "a");
+  ASSERT_EQ(besides.size(), 1u);
+  EXPECT_FALSE(admission.load().full);
+  std::optional<Admission::Pass> b;
+  bool refused = false;
+  admission.wait("b", 1ms, {}, [&](std::optional<Admission::Pass> pass) {
+    refused = !pass;
+    if (pass) b.emplace(std::move(*pass));
+  });
+  EXPECT_FALSE(refused);
+  EXPECT_TRUE(admission.gives_way("a"));
+  besides.clear();
+  EXPECT_TRUE(b);
+}
+
 void await_computing(int port, unsigned wanted) {
   unsigned found = ~0U;
   for (const auto from = std::chrono::steady_clock::now();

@@ -197,6 +197,18 @@ using SinCos = std::pair<Lanes, Lanes>;
   }
   return both;
 }
+/// A sine that rounding takes beyond 1 would leave 1 - s^2 without a root.
+LEAST_INLINE Lanes::Register within_one(const Lanes::Register& a) {
+  const Lanes::Register one = Lanes(1).low;
+#if defined(__AVX512F__)
+  return _mm512_max_pd(_mm512_min_pd(a, one), -one);
+#elif defined(__AVX2__)
+  return _mm256_max_pd(_mm256_min_pd(a, one), -one);
+#else
+  const Lanes::Register below = a > one ? one : a;
+  return below < -one ? -one : below;
+#endif
+}
 /// What is left of a number, to 2e-20, when the nearest half turns are taken off. The first of the two parts of π has
 /// 31 bits: its products with up to a million half turns are exact.
 struct Rest {
@@ -211,11 +223,12 @@ struct Rest {
   /// To 4e-18 of itself by the algorithm of Remez, rounded to 2.5 units.
   LEAST_INLINE Lanes sine() const {
     const Lanes &x = square, x2 = x * x, x4 = x2 * x2;
-    return r + r * (x * (((x * 0x1.8828f8cc23f69p-49 - 0x1.ae43176a2af7dp-41) * x2 +
-                          (x * 0x1.6123cb11ca283p-33 - 0x1.ae6454cafd18dp-26)) *
-                             x4 +
-                         ((x * 0x1.71de3a5287076p-19 - 0x1.a01a01a0148a1p-13) * x2 +
-                          (x * 0x1.11111111110c1p-7 - 0x1.5555555555555p-3))));
+    const Lanes value = r + r * (x * (((x * 0x1.8828f8cc23f69p-49 - 0x1.ae43176a2af7dp-41) * x2 +
+                                       (x * 0x1.6123cb11ca283p-33 - 0x1.ae6454cafd18dp-26)) *
+                                          x4 +
+                                      ((x * 0x1.71de3a5287076p-19 - 0x1.a01a01a0148a1p-13) * x2 +
+                                       (x * 0x1.11111111110c1p-7 - 0x1.5555555555555p-3))));
+    return Lanes(LEAST_PAIR(within_one(value.low), within_one(value.high)));
   }
   /// To 6e-18 by the same, rounded to 3e-16 whatever its size.
   LEAST_INLINE Lanes cosine() const {

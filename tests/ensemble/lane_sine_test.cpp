@@ -52,6 +52,17 @@ TEST(LaneSine, IsRight) {
   EXPECT_GT(std::min<long double>(sine, cosine), 1e-17);  // both were measured
 }
 
+/// 1 - s^2 is to have a root.
+TEST(LaneSine, IsNeverMoreThanOne) {
+  for (const double quarter : {-0.5, 0.5, 1.5, 20.5}) {
+    double x = quarter * std::numbers::pi - 1e-6;
+    for (int i = 0; i < 100'000; ++i, x += 2e-11) {
+      ASSERT_LE(std::abs(sin(Lanes(x))[0]), 1) << x;
+      ASSERT_LE(std::abs(cos(Lanes(x - std::numbers::pi / 2))[0]), 1) << x;
+    }
+  }
+}
+
 TEST(LaneSine, OfAnySizeIsThatOfTheLibrary) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const double x : {most, 1e7, -3e12, 1e300})

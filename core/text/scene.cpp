@@ -318,12 +318,13 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
                              (definition.kind == Definition::Kind::lagrangian ? "velocities" : "momenta");
   // Velocities that were found from momenta may miss the place where it vanishes by a little.
   double nearby = 0;
-  for (const double aside : {-1e-3, 1e-3}) {
+  for (const double aside : {-1e-6, 1e-6}) {
     if (form->kind != FormKind::lagrangian) break;
     std::vector<double> y = x, there(n * n);
     for (std::size_t i = first_momentum; i < first_momentum + n; ++i) y[i] += aside * (1 + std::abs(y[i]));
     hessian.evaluate(y.data(), t, there.data());
-    nearby = std::fmax(nearby, std::abs(detail::determinant_by_lu(n, there.data())));
+    const double here = std::abs(detail::determinant_by_lu(n, there.data()));
+    if (std::isfinite(here)) nearby = std::max(nearby, here);
   }
   constexpr double rounding = 1e-14, vanishing = 1e-10;
   if (!(std::isfinite(determinant) && std::abs(determinant) > std::max(rounding * volume, vanishing * nearby)))

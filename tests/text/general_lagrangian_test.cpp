@@ -230,7 +230,8 @@ TEST(GeneralLagrangian, StartsWhereItIsRegular) {
   constexpr auto none = "", singular = "is not regular at the start: its second derivative by the velocities has no";
   for (const auto& [text, why, p] :
        {Case{"v^4/4 - q^2", singular, 0}, Case{"v^4/4 - q^2", none, 0.1}, Case{"v^4/4 + 1e-5*v^2 - q^2", none, 0},
-        Case{"v^3/3 - q^2", singular, 0}, Case{"exp(v) - v - q^2", none, 0}, Case{"-sqrt(1 - v^2) - q^2", none, 50}}) {
+        Case{"v^3/3 - q^2", singular, 0}, Case{"exp(v) - v - q^2", none, 0}, Case{"cosh(1e5*v) - q^2", none, 0},
+        Case{"-1e-6*sqrt(1 - (1000*v)^2) - 1e-6*q^2", none, 0}, Case{"-sqrt(1 - v^2) - q^2", none, 50}}) {
     const auto mechanics = mechanics_of(of(lagrangian, {"q"}, {}, text));
     const auto half = static_cast<std::size_t>(mechanics->text()->capacity);
     std::vector<double> start(2 * half + 1, 0.0);

@@ -56,16 +56,23 @@ bool is_whole(const std::string& path, const std::string& head, const std::strin
          tail_of(file).ends_with('\n' + end);
 }
 
-// Whether a part may take the place of what is there: nothing, another part, or as much of one as was written.
+// Whether a part may take the place of what is there: nothing, another part, or as much of one as was written. An
+// answer in lines begins as a part does; its second line tells them apart.
 bool may_be_replaced(const std::string& path) {
-  constexpr std::string_view begin = "{\"kind\":\"head\"";
-  std::error_code none;
-  if (!std::filesystem::exists(path, none)) return !std::filesystem::is_symlink(path, none);
-  if (!std::filesystem::is_regular_file(path, none)) return false;
+  constexpr std::string_view head = "{\"kind\":\"head\"", shard = "{\"kind\":\"shard\"";
+  std::error_code error;
+  const auto status = std::filesystem::symlink_status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return true;
   std::ifstream file(path, std::ios::binary);
-  std::string text(begin.size(), '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  return !file.bad() && begin.starts_with(text.substr(0, static_cast<std::size_t>(file.gcount())));
+  if (!std::filesystem::is_regular_file(path, error) || error || !file.is_open()) return false;
+  std::string first, second;
+  std::getline(file, first);
+  const bool whole = !file.eof();
+  std::getline(file, second);
+  const auto begun = [](std::string_view line, std::string_view with) {
+    return line.starts_with(with) || with.starts_with(line);
+  };
+  return begun(first, head) && (!whole || begun(second, shard));
 }
 
 // A file that is there under its own name once all of it is written. Until then it is hidden, so that what a power cut
@@ -156,7 +163,9 @@ void check_parts(std::vector<Part>& parts, const EnsemblePlan& plan, Faults& fau
   const std::int64_t of = parts[0].shard.of;
   std::vector<const Part*> seen(static_cast<std::size_t>(of));
   for (Part& part : parts) {
-    const auto fault = [&](std::string what) { faults.add({"/" + part.path, part.path + what, {}, {}}); };
+    const auto fault = [&](std::string_view what) {
+      faults.add({"/" + part.path, fmt::format("{}{}", part.path, what), {}, {}});
+    };
     if (part.head != parts[0].head || part.shard.of != of) {
       fault(" is a part of another ensemble than " + parts[0].path);
       continue;
@@ -230,6 +239,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
   const auto start = std::chrono::steady_clock::now();
   Faults faults;
   std::vector<Part> parts;
+  parts.reserve(paths.size());
   for (const std::string& path : paths) parts.push_back(open_part(path, faults));
   if (!faults.empty()) return problem_document(faults, id);
   const auto plan = plan_of(parts[0], cards);

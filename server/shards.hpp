@@ -18,6 +18,6 @@ Answer write_part(const Context& context, const HttpRequest& request, const std:
 
 /// The answer that the whole ensemble would have had in one run, but for its cost; or what is wrong with the parts, by
 /// their names.
-Answer merge_parts(const Cards& cards, const std::vector<std::string>& parts, std::string_view id);
+Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, std::string_view id);
 
 }  // namespace least::server

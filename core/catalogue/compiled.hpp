@@ -174,13 +174,6 @@ class CompiledMechanics final : public ProblemMechanics<P<double>> {
   P<double> problem_of(std::span<const double> parameters) const override {
     return from_values<P<double>>(About<P>::fields, parameters);
   }
-  double period([[maybe_unused]] std::span<const double> parameters) const override {
-    if constexpr (Periodic<P<double>>) {
-      return problem_of(parameters).period();
-    } else {
-      return 0;
-    }
-  }
 };
 
 }  // namespace least

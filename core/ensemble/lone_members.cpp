@@ -1,6 +1,7 @@
 #include "core/ensemble/lone_members.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/run/diagnostics/watch.hpp"
 #include "core/run/messages.hpp"
@@ -106,7 +107,7 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
 }
 
 std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic<bool>& cancelled) {
-  constexpr std::int64_t most = 8, steps_of_all = 4'000'000;
+  constexpr std::int64_t most = 8, steps_of_all = 400'000;
   const std::int64_t members = plan.last - plan.first, few = std::min(members, most);
   Request request = plan.request;
   request.record = {Record::Mode::every, 0, {}};
@@ -117,9 +118,10 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
   request.diagnostics.clear();
   request.control = true;
   request.limits.steps = std::min(request.limits.steps, steps_of_all / few);
+  request.limits.seconds = std::numeric_limits<double>::infinity();  // how fast a machine is changes no answer
 
   struct Said {
-    Warning first;
+    std::string_view code;
     std::int64_t member, count;
   };
   std::vector<Said> all;
@@ -128,17 +130,17 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
     request.scene = member_scene(plan, member);
     if (cannot_begin(*request.scene)) continue;
     Samples none;
-    for (Warning& warning : request.scene->mechanics->run(request, none, cancelled).warnings) {
-      const auto known = std::ranges::find(all, warning.code, [](const Said& said) { return said.first.code; });
+    for (const Warning& warning : request.scene->mechanics->run(request, none, cancelled).warnings) {
+      const auto known = std::ranges::find(all, warning.code, &Said::code);
       if (known != all.end())
         ++known->count;
       else
-        all.push_back({std::move(warning), member, 1});
+        all.push_back({warning.code, member, 1});
     }
   }
   std::vector<Warning> warnings;
-  for (const auto& [first, member, count] : all)
-    warnings.push_back({first.code, messages::of_few(few, count, member, first.detail)});
+  warnings.reserve(all.size());
+  for (const auto& [code, member, count] : all) warnings.push_back({code, messages::of_few(few, count, member)});
   return warnings;
 }
 

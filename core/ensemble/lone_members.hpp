@@ -14,8 +14,9 @@ std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t
 void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
                       const std::atomic<bool>& cancelled);
 
-/// What runs of a few members, spread over all, say against themselves: of each code how many do, and the first one's
-/// words. It follows from the plan alone, and costs a bounded number of steps, however many and long the members are.
+/// What runs of a few members, spread over all, say against themselves: of each code how many do, and which is the
+/// first. It follows from the plan alone, and costs a bounded number of steps, however many and long the members are.
+/// None of their numbers: they take elementary functions from the C library, whose last bits are those of a machine.
 std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic<bool>& cancelled);
 
 }  // namespace least

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/phases.hpp"
 #include "core/run/discrete_energy.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/save_schedule.hpp"
@@ -105,32 +106,23 @@ class EqualSteps : public BoundIntegrator<P, X> {
     return energy_of_step(left_, state.n > grid_.steps ? grid_.tail : grid_.step);
   }
   /// Looked at over the span, not at each step. The first that turns the momentum over, else the first that is stiff.
-  /// At its ends and in few places between, in no step with anything that repeats, it has to be halfway to one of them:
-  /// what depends on time may be dear.
+  /// Of what repeats one period is enough.
   std::optional<StrongDamping> strong_damping([[maybe_unused]] std::int64_t n) const final {
     std::optional<StrongDamping> found;
     if constexpr (LinearContact<P>) {
       const auto [flips, stiff] = damping_limits();
       if (flips == never && stiff == never) return found;
-      constexpr std::int64_t few = 32, most = 1000;
+      constexpr std::int64_t most = 1000;
       n = std::min(n, grid_.steps);
-      const auto time_at = [&](double part) {
-        const auto step = static_cast<std::int64_t>(static_cast<double>(n) * part);
-        return grid_.time(std::max<std::int64_t>(step, 2));  // the first may begin where damping is singular
-      };
-      const auto strength_at = [&](double t) { return damping(problem_, phase(problem_, t)) * grid_.step; };
-      if (n > few) {
-        constexpr double golden = 0.6180339887498949;
-        double largest = std::max(strength_at(time_at(0)), strength_at(time_at(1)));
-        for (std::int64_t k = 1; k <= few; ++k) {
-          const double turns = golden * static_cast<double>(k);
-          largest = std::max(largest, strength_at(time_at(turns - std::floor(turns))));
-        }
-        if (!(largest > 0.5 * std::min(flips, stiff))) return found;
-      }
+      if constexpr (Periodic<P>)
+        if (const double steps = std::ceil(problem_.period() / grid_.step); steps > 0 && steps < double(n))
+          n = static_cast<std::int64_t>(steps) + 1;
       const std::int64_t looks = std::min(n, most);
       for (std::int64_t k = 1; k <= looks && !(found && found->flips); ++k) {
-        const double t = time_at(static_cast<double>(k) / static_cast<double>(looks)), strength = strength_at(t);
+        const auto step =
+            static_cast<std::int64_t>(static_cast<double>(n) * static_cast<double>(k) / static_cast<double>(looks));
+        const double t = grid_.time(std::max<std::int64_t>(step, 2));  // the first may begin where damping is singular
+        const double strength = damping(problem_, phase(problem_, t)) * grid_.step;
         const bool over = strength >= flips;
         if (over || (strength > stiff && !found)) found = {t, strength, over ? flips : stiff, over};
       }

@@ -114,10 +114,6 @@ class Mechanics {
   /// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.
   virtual Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const = 0;
 
-  /// After which the equations are the same again: of a step that divides it, what depends on time is computed for one
-  /// such time only. 0: there is none, or nothing to be gained.
-  virtual double period(std::span<const double>) const { return 0; }
-
   /// At the time t; empty where the card's own start stands for every time.
   virtual std::optional<RegularStart> regular_start(std::span<const double> parameters, double t) const = 0;
 

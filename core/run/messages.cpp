@@ -89,8 +89,8 @@ std::string departs(double error, double t, double reached) {
       t, error, reached);
 }
 
-std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member, std::string_view words) {
-  return fmt::format("{} of {} members that were run alone, too; member {}: {}", count, few, member, words);
+std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member) {
+  return fmt::format("say {} of {} members that were run alone, too; the first is member {}", count, few, member);
 }
 
 std::string fallback_steps(std::int64_t steps, bool hybrid) {

@@ -29,8 +29,8 @@ std::string error(double most, double t);
 std::string sensitive(double t);
 std::string beyond_singularity(double t);
 std::string departs(double error, double t, double reached);
-/// What `count` of `few` members of an ensemble say, the first of them in these words.
-std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member, std::string_view words);
+/// What `count` of `few` members of an ensemble say, this one first.
+std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member);
 /// Of a hybrid, or of a scheme that solves for the length of its steps.
 std::string fallback_steps(std::int64_t steps, bool hybrid);
 std::string strain(double strain);

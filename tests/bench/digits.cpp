@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/problems/spin_orbit.hpp"
 #include "core/state_error.hpp"
 #include "core/study/error_study.hpp"
 #include "tests/bench/ladder.hpp"
@@ -99,7 +100,7 @@ Contestant ours(const TrueOrbit& orbit, const SchemeConfig& choice) {
           card.id == "taylor"           ? Owner::taylor
           : card.id == "bulirsch_stoer" ? Owner::peer
                                         : Owner::structure,
-          dial.name == "step" ? orbit.scene.scene->mechanics->period(orbit.scene.scene->parameters) : 0};
+          dial.name == "step" && orbit.scene.scene->card().id == "spin_orbit" ? problems::SpinOrbit<>{}.period() : 0};
 }
 
 Contestant theirs(const TrueOrbit& orbit, const Peer& peer) {

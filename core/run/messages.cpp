@@ -90,7 +90,7 @@ std::string departs(double error, double t, double reached) {
 }
 
 std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member) {
-  return fmt::format("say {} of {} members that were run alone, too; the first is member {}", count, few, member);
+  return fmt::format("said by {} of {} members that were run alone, too; the first is member {}", count, few, member);
 }
 
 std::string fallback_steps(std::int64_t steps, bool hybrid) {

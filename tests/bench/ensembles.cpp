@@ -13,6 +13,11 @@
 #include "tests/support/runs.hpp"
 #include "tests/support/texts.hpp"
 
+#if defined(__x86_64__)
+double odeint_members_avx512(std::int64_t members, std::int64_t steps, double h);
+double odeint_members_avx2(std::int64_t members, std::int64_t steps, double h);
+#endif
+
 namespace {
 
 using namespace least;
@@ -68,6 +73,21 @@ void on_threads(benchmark::State& state, const EnsemblePlan& plan, unsigned thre
   state.counters["units"] = static_cast<double>(plan.members.count * steps_of_a_member);
 }
 
+/// What Boost.Odeint takes for Kepler's members where its state is of registers, by hand.
+void add_peer([[maybe_unused]] const LaneUnit& unit, [[maybe_unused]] double step) {
+#if defined(__x86_64__)
+  const auto peer = unit.width == 8 ? odeint_members_avx512 : unit.width == 4 ? odeint_members_avx2 : nullptr;
+  if (!peer) return;
+  const std::string name = "odeint/" + std::string(unit.name) + "/kepler";
+  add_row(name, [peer, step](benchmark::State& state) {
+    for (auto _ : state) benchmark::DoNotOptimize(peer(members, steps_of_a_member, step));
+    state.counters["units"] = static_cast<double>(members * steps_of_a_member);
+  });
+  bench::compare("… ours, Boost.Odeint velocity_verlet on registers of " + std::string(unit.name),
+                 "lanes/" + std::string(unit.name) + "/kepler/leapfrog", name, 1);
+#endif
+}
+
 const bool ensembles_registered = [] {
   struct Case {
     std::string problem, scheme;
@@ -91,6 +111,7 @@ const bool ensembles_registered = [] {
                      unit.width == 8   ? wide
                      : unit.width == 4 ? narrow
                                        : 0);
+      if (problem == "kepler") add_peer(unit, step);
       if (problem != "kepler" && problem != "perturbed_kepler") continue;
       const EnsemblePlan typed = typed_members_of(plan, problem);
       add_row("text " + name, [typed, unit](benchmark::State& state) { in_lanes(state, typed, unit); });

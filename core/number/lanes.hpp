@@ -2,9 +2,8 @@
 // instruction set that a unit is compiled for (LEAST_LANE_BYTES), or one of the narrowest. Of two, one is computed
 // while the other waits for a root or a quotient, and what a step does for all lanes alike it does half as often.
 // Elementary functions are SLEEF's of the family whose bits are the same in every instruction set and alone (`cinz`,
-// without fused operations), to 1 ulp. Sine and cosine are ours where they turn little: those are calls, around which
-// registers are saved and which no other pack overtakes, and beyond 15 twice as dear. Only units of lanes include this
-// header.
+// without fused operations), to 1 ulp. Sine and cosine are ours up to 3e6: SLEEF's are calls, around which registers
+// are saved and which no other pack overtakes, and beyond 15 twice as dear. Only units of lanes include this header.
 #pragma once
 
 #ifndef LEAST_LANE_BYTES

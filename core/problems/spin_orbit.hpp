@@ -130,7 +130,7 @@ struct About<problems::SpinOrbit> {
         .summary =
             "A moon that turns once per revolution, like ours, and sways about it. Look once per period 2π: "
             "islands around the resonance, chaos at their edge and, with friction, capture. Steps that divide 2π "
-            "take about two thirds of the time of others: what depends on time alone is known after one period.",
+            "take half the time of others: what depends on time alone is known after one period.",
         .formula =
             "<math><mover><mi>q</mi><mo>¨</mo></mover><mo>+</mo><mrow><mo>(</mo><mi>c</mi><mo>+</mo><mfrac>"
             "<mover><mi>C</mi><mo>˙</mo></mover><mi>C</mi></mfrac><mo>)</mo></mrow><mover><mi>q</mi>"

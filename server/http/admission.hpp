@@ -33,7 +33,7 @@ class Admission {
   /// The right to compute, given back at its end.
   class Pass {
    public:
-    /// `counts`: as a run, among those whose times are told.
+    /// `counts`: as a run, among those whose times are told; else a place that a run has besides its own.
     Pass(Admission& admission, Client& client, bool counts) noexcept
         : admission_(&admission), client_(&client), counts_(counts), beside_(!counts) {}
     Pass(Pass&& other) noexcept

@@ -9,14 +9,10 @@
 #include <string>
 
 #include "core/ensemble/lane_members.hpp"
+#include "tests/bench/peer_lanes.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/texts.hpp"
-
-#if defined(__x86_64__)
-double odeint_members_avx512(std::int64_t members, std::int64_t steps, double h);
-double odeint_members_avx2(std::int64_t members, std::int64_t steps, double h);
-#endif
 
 namespace {
 
@@ -76,7 +72,7 @@ void on_threads(benchmark::State& state, const EnsemblePlan& plan, unsigned thre
 /// What Boost.Odeint takes for Kepler's members where its state is of registers, by hand.
 void add_peer([[maybe_unused]] const LaneUnit& unit, [[maybe_unused]] double step) {
 #if defined(__x86_64__)
-  const auto peer = unit.width == 8 ? odeint_members_avx512 : unit.width == 4 ? odeint_members_avx2 : nullptr;
+  const auto peer = unit.width == 8 ? odeint_members<64> : unit.width == 4 ? odeint_members<32> : nullptr;
   if (!peer) return;
   const std::string name = "odeint/" + std::string(unit.name) + "/kepler";
   add_row(name, [peer, step](benchmark::State& state) {

@@ -133,7 +133,7 @@ TEST_F(EnsembleParts, TakeThePlaceOfNothingElse) {
   std::filesystem::create_directory(path("folder"));
   std::filesystem::create_symlink(path("nowhere"), path("link"));
   std::ofstream(path("answer")) << "{\"kind\":\"head\"}\n{\"kind\":\"block\"}\n";
-  std::ofstream(path("secret")) << letter;
+  std::ofstream(path("secret")) << letter;  // which root may read all the same
   std::filesystem::permissions(path("secret"), std::filesystem::perms::none);
   for (const char* name : {"letter", "answer", "folder", "link", "secret"}) {
     const auto answer = part(orbits, "0/2", name);

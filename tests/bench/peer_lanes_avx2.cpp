@@ -1,9 +1,0 @@
-#if defined(__x86_64__)
-#define LEAST_LANE_BYTES 32
-#include "tests/bench/peer_lanes.hpp"
-
-double odeint_members_avx2(std::int64_t members, std::int64_t steps, double h);
-double odeint_members_avx2(std::int64_t members, std::int64_t steps, double h) {
-  return odeint_members(members, steps, h);
-}
-#endif

@@ -140,7 +140,8 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
   }
   std::vector<Warning> warnings;
   warnings.reserve(all.size());
-  for (const auto& [code, member, count] : all) warnings.push_back({code, messages::of_few(few, count, member)});
+  for (const auto& [code, member, count] : all)  // the page shows the words alone
+    warnings.push_back({code, std::string(code) + ": " + messages::of_few(few, count, member)});
   return warnings;
 }
 

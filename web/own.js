@@ -56,6 +56,7 @@ export class Own {
     find("#kind").addEventListener("change", () => this.#turn());
     document.querySelector("#own").addEventListener("input", () => {
       stirred();
+      this.#busy(true);
       this.#label();
       clearTimeout(this.#timer);
       this.#timer = setTimeout(() => this.#read(), pause);
@@ -116,6 +117,7 @@ export class Own {
 
   close() {
     clearTimeout(this.#timer);
+    this.#timer = 0;
     this.#flight?.abort();
     this.#faulty = false;
     document.querySelector("#own").hidden = true;
@@ -150,6 +152,11 @@ export class Own {
     }
   }
 
+  /** Whether what is shown may be of other texts than those in the fields. */
+  #busy(is) {
+    document.querySelector("#own").ariaBusy = String(is);
+  }
+
   async #read() {
     clearTimeout(this.#timer);
     this.#timer = 0;
@@ -162,6 +169,7 @@ export class Own {
     this.#flight?.abort();
     const mine = (this.#flight = new AbortController()), texts = this.texts, { problem, faults: doubled } = definitionOf(texts);
     const start = startIn(problem, this.#start());
+    this.#busy(true);
     try {
       const from = doubled.length ? { faults: doubled } : await api.describe(problem, start, mine.signal);
       // What can be read, but not from this start, is shown; another start may do.
@@ -173,6 +181,8 @@ export class Own {
     } catch (error) {
       if (!mine.signal.aborted) throw error;
       return null;
+    } finally {
+      if (this.#flight === mine && !this.#timer) this.#busy(false);
     }
   }
 

@@ -15,12 +15,13 @@ const well = "#problem=custom&problem.variables=q&problem.parameters=gamma=0.05&
 const own = { hash: well };
 const refused = { ...own, expected: /status of 422/ };
 
-/** Types texts and waits for what is made of the last of them. */
+/** Types texts and waits for what is made of the last of them: what stands there before may be of the first. */
 async function type(page, texts, ready = "#results[aria-busy=false]") {
   for (const [key, value] of Object.entries(texts)) {
     if (key === "kind") await page.selectOption("#kind", value);
     else await text(page, key).fill(value);
   }
+  await page.waitForSelector("#own[aria-busy=false]");
   await page.waitForSelector(ready);
 }
 /** Waits until `read()` resolves to `wanted`. */

@@ -34,22 +34,51 @@ inline constexpr std::size_t lane_registers = 1;
 #endif
 inline constexpr std::size_t lane_count = lane_registers * LEAST_LANE_BYTES / sizeof(double);
 
-struct LaneMask {
-  typedef std::int64_t Register __attribute__((vector_size(LEAST_LANE_BYTES)));
-  Register LEAST_PAIR(low{}, high{});  ///< −1 where it is set
+// LEAST_COMPARED(of one register, an operator and its name, of another)
+#if defined(__AVX512F__)
+#define LEAST_COMPARED(a, sign, name, b) _mm512_cmp_pd_mask(a, b, name)
+#else
+#define LEAST_COMPARED(a, sign, name, b) ((a)sign(b))
+#endif
 
-  static LaneMask everywhere() {
-    const Register none{};
-    return {LEAST_PAIR(none - 1, none - 1)};
+/// Of which lanes something is true.
+struct LaneMask {
+  static constexpr std::size_t width = LEAST_LANE_BYTES / sizeof(double);
+#if defined(__AVX512F__)
+  typedef std::uint8_t Register;  ///< a bit for each lane: a comparison's result as it comes
+  static constexpr Register none = 0, full = 0xff;
+#else
+  typedef std::int64_t Register __attribute__((vector_size(LEAST_LANE_BYTES)));  ///< 0 or −1
+  static constexpr Register none{}, full = none - 1;
+#endif
+  Register LEAST_PAIR(low = none, high = none);
+
+  static LaneMask everywhere() { return {LEAST_PAIR(full, full)}; }
+  bool operator[](std::size_t lane) const {
+    const Register& half = reinterpret_cast<const Register*>(this)[lane / width];
+#if defined(__AVX512F__)
+    return (half >> lane % width & 1) != 0;
+#else
+    return half[lane % width] != 0;
+#endif
   }
-  std::int64_t operator[](std::size_t lane) const { return reinterpret_cast<const std::int64_t*>(this)[lane]; }
-  void set(std::size_t lane, bool on) { reinterpret_cast<std::int64_t*>(this)[lane] = on ? -1 : 0; }
-  LEAST_INLINE friend LaneMask operator!(const LaneMask& a) { return {LEAST_PAIR(~a.low, ~a.high)}; }
+  void set(std::size_t lane, bool on) {
+    Register& half = reinterpret_cast<Register*>(this)[lane / width];
+#if defined(__AVX512F__)
+    const auto bit = 1U << lane % width;
+    half = static_cast<Register>(on ? half | bit : half & ~bit);
+#else
+    half[lane % width] = on ? -1 : 0;
+#endif
+  }
+  LEAST_INLINE friend LaneMask operator!(const LaneMask& a) {
+    return {LEAST_PAIR(static_cast<Register>(~a.low), static_cast<Register>(~a.high))};
+  }
   LEAST_INLINE friend LaneMask operator&(const LaneMask& a, const LaneMask& b) {
-    return {LEAST_PAIR(a.low & b.low, a.high & b.high)};
+    return {LEAST_PAIR(static_cast<Register>(a.low & b.low), static_cast<Register>(a.high & b.high))};
   }
   LEAST_INLINE friend LaneMask operator|(const LaneMask& a, const LaneMask& b) {
-    return {LEAST_PAIR(a.low | b.low, a.high | b.high)};
+    return {LEAST_PAIR(static_cast<Register>(a.low | b.low), static_cast<Register>(a.high | b.high))};
   }
 };
 
@@ -82,20 +111,23 @@ struct Lanes {
   LEAST_INLINE Lanes& operator*=(const Lanes& b) { return *this = *this * b; }
   LEAST_INLINE Lanes& operator/=(const Lanes& b) { return *this = *this / b; }
   LEAST_INLINE friend LaneMask operator<(const Lanes& a, const Lanes& b) {
-    return {LEAST_PAIR(a.low < b.low, a.high < b.high)};
+    return {LEAST_PAIR(LEAST_COMPARED(a.low, <, _CMP_LT_OS, b.low), LEAST_COMPARED(a.high, <, _CMP_LT_OS, b.high))};
   }
   LEAST_INLINE friend LaneMask operator>(const Lanes& a, const Lanes& b) {
-    return {LEAST_PAIR(a.low > b.low, a.high > b.high)};
+    return {LEAST_PAIR(LEAST_COMPARED(a.low, >, _CMP_GT_OS, b.low), LEAST_COMPARED(a.high, >, _CMP_GT_OS, b.high))};
   }
   LEAST_INLINE friend LaneMask operator<=(const Lanes& a, const Lanes& b) {
-    return {LEAST_PAIR(a.low <= b.low, a.high <= b.high)};
+    return {LEAST_PAIR(LEAST_COMPARED(a.low, <=, _CMP_LE_OS, b.low), LEAST_COMPARED(a.high, <=, _CMP_LE_OS, b.high))};
   }
   LEAST_INLINE friend LaneMask operator>=(const Lanes& a, const Lanes& b) {
-    return {LEAST_PAIR(a.low >= b.low, a.high >= b.high)};
+    return {LEAST_PAIR(LEAST_COMPARED(a.low, >=, _CMP_GE_OS, b.low), LEAST_COMPARED(a.high, >=, _CMP_GE_OS, b.high))};
   }
 };
 
 LEAST_INLINE bool any(const LaneMask& m) {
+#if defined(__AVX512F__)
+  return (m.low | m.high) != 0;
+#else
 #if LEAST_LANE_BYTES > 16
   const LaneMask::Register both = m.low | m.high;
 #else
@@ -103,28 +135,30 @@ LEAST_INLINE bool any(const LaneMask& m) {
 #endif
   std::int64_t all = 0;
   bool known = true;  // to the compiler
-  for (std::size_t i = 0; i < LEAST_LANE_BYTES / sizeof(double); ++i) {
+  for (std::size_t i = 0; i < LaneMask::width; ++i) {
     known = known && __builtin_constant_p(both[i]);
     all |= both[i];
   }
-#if defined(__AVX512F__)
-  const auto bits = reinterpret_cast<__m512i>(both);
-  if (!known) return _mm512_test_epi64_mask(bits, bits) != 0;
-#elif defined(__AVX2__)
+#if defined(__AVX2__)
   const auto bits = reinterpret_cast<__m256i>(both);
   if (!known) return _mm256_testz_si256(bits, bits) == 0;
 #endif
   return all != 0;
+#endif
 }
 LEAST_INLINE bool all(const LaneMask& m) { return !any(!m); }
 LEAST_INLINE Lanes select(const LaneMask& m, const Lanes& yes, const Lanes& no) {
+#if defined(__AVX512F__)
+  return Lanes(_mm512_mask_blend_pd(m.low, no.low, yes.low), _mm512_mask_blend_pd(m.high, no.high, yes.high));
+#else
   return Lanes(LEAST_PAIR(m.low ? yes.low : no.low, m.high ? yes.high : no.high));
+#endif
 }
 
 namespace detail {
+typedef std::int64_t Bits __attribute__((vector_size(LEAST_LANE_BYTES)));
 LEAST_INLINE Lanes::Register abs(Lanes::Register a) {
-  const LaneMask::Register sign = {};
-  return reinterpret_cast<Lanes::Register>(reinterpret_cast<LaneMask::Register>(a) & ~(sign - sign + INT64_MIN));
+  return reinterpret_cast<Lanes::Register>(reinterpret_cast<Bits>(a) & ~(Bits{} + INT64_MIN));
 }
 template <class F>
 LEAST_INLINE Lanes each(const Lanes& a, F&& f) {
@@ -239,7 +273,6 @@ struct Rest {
   }
   /// With the sign that the half turns give it.
   LEAST_INLINE Lanes turned(const Lanes& x) const {
-    using Bits = LaneMask::Register;
     const auto flip = [](const Lanes::Register& value, const Lanes::Register& by) {
       return reinterpret_cast<Lanes::Register>(reinterpret_cast<Bits>(value) ^ (reinterpret_cast<Bits>(by) << 63));
     };

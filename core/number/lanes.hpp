@@ -34,53 +34,52 @@ inline constexpr std::size_t lane_registers = 1;
 #endif
 inline constexpr std::size_t lane_count = lane_registers * LEAST_LANE_BYTES / sizeof(double);
 
-// LEAST_COMPARED(of one register, an operator and its name, of another)
-#if defined(__AVX512F__)
-#define LEAST_COMPARED(a, sign, name, b) _mm512_cmp_pd_mask(a, b, name)
-#else
-#define LEAST_COMPARED(a, sign, name, b) ((a)sign(b))
-#endif
-
 /// Of which lanes something is true.
+#if defined(__AVX512F__)
 struct LaneMask {
-  static constexpr std::size_t width = LEAST_LANE_BYTES / sizeof(double);
-#if defined(__AVX512F__)
-  typedef std::uint8_t Register;  ///< a bit for each lane: a comparison's result as it comes
-  static constexpr Register none = 0, full = 0xff;
-#else
-  typedef std::int64_t Register __attribute__((vector_size(LEAST_LANE_BYTES)));  ///< 0 or −1
-  static constexpr Register none{}, full = none - 1;
-#endif
-  Register LEAST_PAIR(low = none, high = none);
+  std::uint16_t bits = 0;  ///< as comparisons give them
 
-  static LaneMask everywhere() { return {LEAST_PAIR(full, full)}; }
-  bool operator[](std::size_t lane) const {
-    const Register& half = reinterpret_cast<const Register*>(this)[lane / width];
-#if defined(__AVX512F__)
-    return (half >> lane % width & 1) != 0;
-#else
-    return half[lane % width] != 0;
-#endif
-  }
+  static LaneMask everywhere() { return {0xffff}; }
+  LEAST_INLINE static LaneMask of(__mmask8 low, __mmask8 high) { return {static_cast<std::uint16_t>(low | high << 8)}; }
+  LEAST_INLINE __mmask8 low() const { return static_cast<__mmask8>(bits); }
+  LEAST_INLINE __mmask8 high() const { return static_cast<__mmask8>(bits >> 8); }
+
+  bool operator[](std::size_t lane) const { return (bits >> lane & 1) != 0; }
   void set(std::size_t lane, bool on) {
-    Register& half = reinterpret_cast<Register*>(this)[lane / width];
-#if defined(__AVX512F__)
-    const auto bit = 1U << lane % width;
-    half = static_cast<Register>(on ? half | bit : half & ~bit);
-#else
-    half[lane % width] = on ? -1 : 0;
-#endif
+    bits = static_cast<std::uint16_t>((bits & ~(1U << lane)) | static_cast<unsigned>(on) << lane);
   }
-  LEAST_INLINE friend LaneMask operator!(const LaneMask& a) {
-    return {LEAST_PAIR(static_cast<Register>(~a.low), static_cast<Register>(~a.high))};
-  }
+  LEAST_INLINE friend LaneMask operator!(const LaneMask& a) { return {static_cast<std::uint16_t>(~a.bits)}; }
   LEAST_INLINE friend LaneMask operator&(const LaneMask& a, const LaneMask& b) {
-    return {LEAST_PAIR(static_cast<Register>(a.low & b.low), static_cast<Register>(a.high & b.high))};
+    return {static_cast<std::uint16_t>(a.bits & b.bits)};
   }
   LEAST_INLINE friend LaneMask operator|(const LaneMask& a, const LaneMask& b) {
-    return {LEAST_PAIR(static_cast<Register>(a.low | b.low), static_cast<Register>(a.high | b.high))};
+    return {static_cast<std::uint16_t>(a.bits | b.bits)};
   }
 };
+#define LEAST_COMPARED(a, sign, name, b) \
+  LaneMask::of(_mm512_cmp_pd_mask(a.low, b.low, name), _mm512_cmp_pd_mask(a.high, b.high, name))
+#else
+struct LaneMask {
+  typedef std::int64_t Register __attribute__((vector_size(LEAST_LANE_BYTES)));
+  Register LEAST_PAIR(low{}, high{});  ///< −1 where it is set
+
+  static LaneMask everywhere() {
+    const Register none{};
+    return {LEAST_PAIR(none - 1, none - 1)};
+  }
+  std::int64_t operator[](std::size_t lane) const { return reinterpret_cast<const std::int64_t*>(this)[lane]; }
+  void set(std::size_t lane, bool on) { reinterpret_cast<std::int64_t*>(this)[lane] = on ? -1 : 0; }
+  LEAST_INLINE friend LaneMask operator!(const LaneMask& a) { return {LEAST_PAIR(~a.low, ~a.high)}; }
+  LEAST_INLINE friend LaneMask operator&(const LaneMask& a, const LaneMask& b) {
+    return {LEAST_PAIR(a.low & b.low, a.high & b.high)};
+  }
+  LEAST_INLINE friend LaneMask operator|(const LaneMask& a, const LaneMask& b) {
+    return {LEAST_PAIR(a.low | b.low, a.high | b.high)};
+  }
+};
+#define LEAST_COMPARED(a, sign, name, b) \
+  { LEAST_PAIR(a.low sign b.low, a.high sign b.high) }
+#endif
 
 struct Lanes {
   typedef double Register __attribute__((vector_size(LEAST_LANE_BYTES)));
@@ -110,23 +109,19 @@ struct Lanes {
   LEAST_INLINE Lanes& operator-=(const Lanes& b) { return *this = *this - b; }
   LEAST_INLINE Lanes& operator*=(const Lanes& b) { return *this = *this * b; }
   LEAST_INLINE Lanes& operator/=(const Lanes& b) { return *this = *this / b; }
-  LEAST_INLINE friend LaneMask operator<(const Lanes& a, const Lanes& b) {
-    return {LEAST_PAIR(LEAST_COMPARED(a.low, <, _CMP_LT_OS, b.low), LEAST_COMPARED(a.high, <, _CMP_LT_OS, b.high))};
-  }
-  LEAST_INLINE friend LaneMask operator>(const Lanes& a, const Lanes& b) {
-    return {LEAST_PAIR(LEAST_COMPARED(a.low, >, _CMP_GT_OS, b.low), LEAST_COMPARED(a.high, >, _CMP_GT_OS, b.high))};
-  }
+  LEAST_INLINE friend LaneMask operator<(const Lanes& a, const Lanes& b) { return LEAST_COMPARED(a, <, _CMP_LT_OS, b); }
+  LEAST_INLINE friend LaneMask operator>(const Lanes& a, const Lanes& b) { return LEAST_COMPARED(a, >, _CMP_GT_OS, b); }
   LEAST_INLINE friend LaneMask operator<=(const Lanes& a, const Lanes& b) {
-    return {LEAST_PAIR(LEAST_COMPARED(a.low, <=, _CMP_LE_OS, b.low), LEAST_COMPARED(a.high, <=, _CMP_LE_OS, b.high))};
+    return LEAST_COMPARED(a, <=, _CMP_LE_OS, b);
   }
   LEAST_INLINE friend LaneMask operator>=(const Lanes& a, const Lanes& b) {
-    return {LEAST_PAIR(LEAST_COMPARED(a.low, >=, _CMP_GE_OS, b.low), LEAST_COMPARED(a.high, >=, _CMP_GE_OS, b.high))};
+    return LEAST_COMPARED(a, >=, _CMP_GE_OS, b);
   }
 };
 
 LEAST_INLINE bool any(const LaneMask& m) {
 #if defined(__AVX512F__)
-  return (m.low | m.high) != 0;
+  return m.bits != 0;
 #else
 #if LEAST_LANE_BYTES > 16
   const LaneMask::Register both = m.low | m.high;
@@ -135,7 +130,7 @@ LEAST_INLINE bool any(const LaneMask& m) {
 #endif
   std::int64_t all = 0;
   bool known = true;  // to the compiler
-  for (std::size_t i = 0; i < LaneMask::width; ++i) {
+  for (std::size_t i = 0; i < LEAST_LANE_BYTES / sizeof(double); ++i) {
     known = known && __builtin_constant_p(both[i]);
     all |= both[i];
   }
@@ -149,7 +144,7 @@ LEAST_INLINE bool any(const LaneMask& m) {
 LEAST_INLINE bool all(const LaneMask& m) { return !any(!m); }
 LEAST_INLINE Lanes select(const LaneMask& m, const Lanes& yes, const Lanes& no) {
 #if defined(__AVX512F__)
-  return Lanes(_mm512_mask_blend_pd(m.low, no.low, yes.low), _mm512_mask_blend_pd(m.high, no.high, yes.high));
+  return Lanes(_mm512_mask_blend_pd(m.low(), no.low, yes.low), _mm512_mask_blend_pd(m.high(), no.high, yes.high));
 #else
   return Lanes(LEAST_PAIR(m.low ? yes.low : no.low, m.high ? yes.high : no.high));
 #endif

@@ -69,6 +69,7 @@ class GroupRun {
       }
       note(before_);
       steps_->keep();
+      const Group<Lanes> earlier = earlier_;
       Seen seen;
       const double t = t_;
       advance(until, seen);
@@ -81,6 +82,7 @@ class GroupRun {
       }
       go_back(before_);
       t_ = t;
+      earlier_ = earlier;
       steps_->take_back();
       forget();
       step_one_by_one(until);
@@ -109,6 +111,7 @@ class GroupRun {
       const std::size_t into = to / lane_count, here = to % lane_count;
       for (std::size_t i = 0; i < size_; ++i) pack(into)[i][here] = other.pack(j)[i][lane];
       steps_->take_lane(*other.steps_, j, lane, into, here);
+      earlier_[into][here] = other.earlier_[j][lane];
       members_[to] = other.member(j, lane);
       alive_[into].set(here, true);
       other.alive_[j].set(lane, false);
@@ -178,14 +181,18 @@ class GroupRun {
     t_ = t;
     tell();
   }
-  /// Notes who may have passed what is watched within the step to the time t.
+  /// Notes who may have passed what is watched within the step to the time t, or have come back from it: as of a lone
+  /// run, of the first step nothing is known.
   void watch(const std::vector<Lanes>& before, double t) {
     for (std::size_t j = 0; j < packs; ++j) {
       const Lanes *was = before.data() + j * size_, *is = pack(j);
       LaneMask passed = alive_[j];
-      if (task_.watched >= 0) {
-        const LaneMask below = was[task_.watched] < Lanes(task_.level), then = is[task_.watched] < Lanes(task_.level);
-        passed = passed & ((below & !then) | (then & !below));
+      if (task_.watched >= 0) {  // on which side it was and is, and would be had it gone on as in the step before
+        const Lanes first = was[task_.watched], level(task_.level);
+        const Lanes ahead = first + (first - earlier_[j]) * Lanes((t - t_) / task_.step);
+        const LaneMask below = first < level, then = is[task_.watched] < level, straight = ahead < level;
+        if (t_ > task_.start_time) passed = passed & (below | then | straight) & !(below & then & straight);
+        earlier_[j] = first;
       }
       if (!any(passed)) continue;
       for (std::size_t lane = 0; lane < lane_count; ++lane) {
@@ -259,6 +266,7 @@ class GroupRun {
   std::vector<Lanes> before_, last_;               ///< states with which a block or a step began
   double t_;                                       ///< time of the states
   Group<LaneMask> alive_;
+  Group<Lanes> earlier_;  ///< what is watched, a step before the states
   std::vector<Passage> passages_;
   std::vector<double> passed_;         ///< of each passage the states before and after
   std::int64_t n_ = 0;                 ///< steps so far

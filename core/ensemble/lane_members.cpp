@@ -96,6 +96,7 @@ class LaneBlock final : public LaneHost {
     fill_tables();
     ended_.assign(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
     crossings_.assign(count, 0);
+    if (task_.watches && task_.watched < 0) looks_.resize(count);
     finals_.resize(count * columns_.size());
   }
 
@@ -153,7 +154,7 @@ class LaneBlock final : public LaneHost {
                std::span<const double> after) override {
     std::ranges::copy(before, left_.begin());
     std::ranges::copy(after, right_.begin());
-    if (!watch_.crossed(watch_.signs(left_.data(), t_before), watch_.signs(right_.data(), t))) return;
+    if (!may_cross(m, t_before, t)) return;
     member_ = m;
     from_ = t_before;
     to_ = t;
@@ -171,6 +172,16 @@ class LaneBlock final : public LaneHost {
   }
 
  private:
+  /// Between the states at both ends of a step: of a level the lanes know whether it may be passed twice.
+  bool may_cross(std::size_t m, double from, double to) {
+    if (task_.watched >= 0) {
+      const Watch::Signs was = watch_.signs(left_.data(), from), is = watch_.signs(right_.data(), to);
+      return was == is || watch_.crossed(was, is);
+    }
+    Watch::Looks& looks = looks_[in_block(m)];
+    if (!(looks.t_last == from)) watch_.look(looks, left_.data(), from);
+    return watch_.look(looks, right_.data(), to) != 0;
+  }
   /// Of the step that at_step is told of.
   class TextPath final : public LanePath {
    public:
@@ -356,6 +367,7 @@ class LaneBlock final : public LaneHost {
   std::vector<std::size_t> varied_;
   std::vector<std::uint8_t> ended_;
   std::vector<std::int64_t> crossings_;
+  std::vector<Watch::Looks> looks_;  ///< of each member, where all of its steps are told
   std::map<double, double> limits_;
   std::map<std::pair<double, double>, bool> too_fast_;
 };

@@ -35,7 +35,7 @@ class LaneHost {
   /// The same question of a scene whose ω is the same everywhere.
   virtual bool is_too_fast(double turn_squared, double damping_step) = 0;
   /// A member's state at a time that was asked for, or before and after a step in which what is watched may have
-  /// changed its sign.
+  /// changed its sign, once or twice.
   virtual void at_time(std::size_t member, double t, const double* state) = 0;
   virtual void at_step(std::size_t member, double t_before, std::span<const double> before, double t,
                        std::span<const double> after) = 0;
@@ -61,7 +61,7 @@ struct LaneTask {
   std::int64_t steps = 0, step_limit = 0;
   std::span<const double> times;  ///< at which states are asked for, increasing
   bool watches = false;           ///< whether steps are told
-  int watched = -1;               ///< only those in which this variable passes the level; −1: all of them
+  int watched = -1;               ///< only those in which this variable may pass the level; −1: all of them
   double level = 0;
   LaneHost* host = nullptr;
   const std::atomic<bool>* cancelled = nullptr;

@@ -238,6 +238,33 @@ TEST(LaneMembers, MeetPlanesWhereTheyLie) {
   EXPECT_EQ(few.section.member, (std::vector<std::int64_t>{0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1}));
 }
 
+// Where it turns an oscillator passes a plane and comes back, most often within one step, and so does the momentum of a
+// pendulum that just gets over the top; both in their first step as well.
+TEST(LaneMembers, MeetPlanesTheyPassTwiceWithinAStep) {
+  for (const auto& [problem, start, from, to, plane, times] :
+       {std::tuple{"harmonic_oscillator", std::vector{0.9995, 0.03}, 0.9995, 0.9996, "q - 0.9998", 48},
+        {"harmonic_oscillator", {0.9995, 0.03}, 0.9995, 0.9996, "q + 1e-9*sin(t) - 0.9998", 48},
+        {"pendulum", {3.121592, 0.5}, 3.121592, 3.121593, "p - 0.4998", 55}}) {
+    EnsemblePlan plan = test::ensemble_of(problem, "leapfrog", 300);
+    test::setting(plan, "step") = 0.1;
+    test::setting(plan, "composition") = 4;
+    Scene scene = *plan.request.scene;
+    scene.initial = start;
+    plan.request.scene = std::make_shared<const Scene>(scene);
+    test::set_members(plan, 37, {{false, 0, Spread::grid, {from, to, 37}}});
+    test::set_plane(plan, plane, -1);
+    const SectionPoints lone = alone(plan).section;
+    EXPECT_EQ(lone.t.size(), 37U * times) << plane;  // once a turn
+    for (const LaneUnit& unit : lane_units()) {
+      const SectionPoints met = in_lanes(plan, unit)->section;
+      EXPECT_EQ(met.member, lone.member) << plane << " in " << unit.name;
+      EXPECT_EQ(met.crossing, lone.crossing) << plane << " in " << unit.name;
+      ASSERT_EQ(met.t.size(), lone.t.size()) << plane << " in " << unit.name;
+      for (std::size_t i = 0; i < met.t.size(); ++i) EXPECT_NEAR(met.t[i], lone.t[i], 1e-8) << plane;
+    }
+  }
+}
+
 TEST(LaneMembers, MeetPlanesAsAlone) {
   for (const auto& [problem, scheme, expression] : {std::tuple{"pendulum", "leapfrog", "q"},
                                                     {"henon_heiles", "leapfrog", "x*px + y*py - 0.01"},

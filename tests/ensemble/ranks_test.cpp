@@ -1,6 +1,8 @@
 // Members that end leave their lanes to others, and nobody's bits tell.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/ensembles.hpp"
 #include "tests/support/texts.hpp"
 
@@ -51,14 +53,58 @@ void expect_the_same(const Harvest& a, const Harvest& b, const std::string& name
 
 TEST(EnsembleRanks, ClosingThemChangesNoBit) {
   for (const Leaving& leaving : all_that_leave()) {
-    const EnsemblePlan plan = ensemble_leaving(leaving);
-    const std::string name = std::string(leaving.problem) + " by " + leaving.scheme;
-    const Harvest still = *test::in_lanes(plan, lane_units().back());  // where each member keeps its lane
-    EXPECT_GT(still.ended[0], 70) << name;
-    EXPECT_LT(still.ended[0], 630) << name;
-    for (const LaneUnit& unit : lane_units().first(lane_units().size() - 1))
-      expect_the_same(*test::in_lanes(plan, unit), still, name + ", " + std::string(unit.name));
+    EnsemblePlan plan = ensemble_leaving(leaving);
+    for (const char* plane : {"", "y - 0.2"}) {  // which some pass twice within a step
+      if (*plane) test::set_plane(plan, plane, 0);
+      const std::string name = std::string(leaving.problem) + " by " + leaving.scheme + " " + plane;
+      const Harvest still = *test::in_lanes(plan, lane_units().back());  // where each member keeps its lane
+      EXPECT_GT(still.ended[0], 70) << name;
+      EXPECT_LT(still.ended[0], 630) << name;
+      EXPECT_GT(still.section.t.size(), 700u) << name;
+      for (const LaneUnit& unit : lane_units().first(lane_units().size() - 1))
+        expect_the_same(*test::in_lanes(plan, unit), still, name + ", " + std::string(unit.name));
+    }
   }
+}
+
+// An oscillator that is driven away passes a plane twice within the first step after `until`, and with it run some that
+// leave at all times before `steps`: where a block is taken again, and where lanes are given to others, it counts where
+// each was a step before.
+void expect_passages(int until, int turns, std::int64_t steps) {
+  EnsemblePlan plan = test::ensemble_of("damped_oscillator", "contact_leapfrog", 1);
+  const double period = (until + 0.5) / turns, turn = 2 * 3.141592653589793 / period, growth = 0.02;
+  test::setting(plan, "step") = 2 * std::sin(turn / 2);
+  plan.request.until_steps = true;
+  plan.request.steps = steps;
+  Scene scene = *plan.request.scene;
+  ASSERT_EQ(scene.card().parameters[1].name, "damping");
+  scene.initial = {1, 0};
+  scene.parameters = {1, -2 * growth / test::setting(plan, "step")};
+  plan.request.scene = std::make_shared<const Scene>(scene);
+  std::vector<double> starts;
+  for (int i = 0; i < 140; ++i) {
+    starts.push_back(1 + 1e-6 * i);
+    const double leaves = 1e75 * std::exp(-growth * static_cast<double>(steps) * (i * 37 % 140) / 140);
+    starts.push_back(i % 4 < 2 ? leaves : -leaves);
+  }
+  test::set_members(plan, static_cast<std::int64_t>(starts.size()), {{false, 0, Spread::values, starts}});
+  const double level = std::exp(growth * until) * (1 + std::cos(turn / 2)) / 2;
+  test::set_plane(plan, "q - " + std::to_string(level), 0);
+  const Harvest lone = test::alone(plan);
+  EXPECT_GT(lone.ended[0], 140);
+  EXPECT_LT(lone.ended[0], 250);
+  const auto of = [](const Harvest& all) {
+    std::vector<std::int64_t> crossings;
+    for (std::size_t i = 0; i < all.section.t.size(); ++i)
+      if (all.section.member[i] % 2 == 0) crossings.push_back(all.section.member[i]);
+    return crossings;
+  };
+  EXPECT_GE(of(lone).size(), 280u);
+  for (const LaneUnit& unit : lane_units()) EXPECT_EQ(of(*test::in_lanes(plan, unit)), of(lone)) << unit.name;
+}
+TEST(EnsembleRanks, WhereTheyAreClosedNoPassageIsMissed) {
+  expect_passages(50, 8, 58);
+  expect_passages(250, 40, 252);
 }
 
 // Of programs members change their lanes in every unit: against others that they meet there, and against a run.

@@ -99,9 +99,9 @@ std::optional<std::string> contents(const std::string& name, std::size_t most) {
   return text;
 }
 
-// What a command says, and 0 where HTTP would say 200.
+// What a command says, and 0 where HTTP would say 200; `failed` where that would be no fault of the request.
 template <class Compute>
-int say(std::string_view id, Compute&& compute) {
+int say(std::string_view id, Compute&& compute, int failed = 2) {
   Answer answer;
   try {
     answer = compute();
@@ -117,14 +117,14 @@ int say(std::string_view id, Compute&& compute) {
     }
     return 0;
   }
-  if (!answer.stream) return print(answer.body, answer.status == 200 ? 0 : 2);
+  if (!answer.stream) return print(answer.body, answer.status == 200 ? 0 : answer.status >= 500 ? failed : 2);
   const auto end = answer.stream([](std::string_view piece) { return print(piece, 0) == 0; });
   return end ? print(*end, 0) : 1;
 }
 
 // The same to the request in the file that the options name, with so many threads at most.
 template <class Compute>
-int answer_file(const Options& options, std::string_view id, unsigned threads, Compute&& compute) {
+int answer_file(const Options& options, std::string_view id, unsigned threads, Compute&& compute, int failed = 2) {
   const std::size_t most = options.settings.bounds.body;
   const auto body = contents(options.file, most);
   if (!body) return print(problem_document(400, "cannot read " + options.file, id).body, 2);
@@ -137,7 +137,8 @@ int answer_file(const Options& options, std::string_view id, unsigned threads, C
   MemoryBudget memory(options.settings.max_memory);
   const Context context{catalogue_cards(), options.settings.caps, admission, cancelled, memory};
   const HttpRequest request{*body, "", id};
-  return say(id, [&] { return compute(context, request); });
+  return say(
+      id, [&] { return compute(context, request); }, failed);
 }
 
 int health(const Options& options) {
@@ -156,10 +157,12 @@ int ensemble(const Options& options) {
   const unsigned cores = std::max(std::thread::hardware_concurrency(), 1U);
   const unsigned threads = options.settings.threads > 0 ? options.settings.threads : cores;
   const bool part = !options.output.empty() || options.shard != Options{}.shard;
-  return answer_file(options, "ensemble", threads, [&](const Context& context, const HttpRequest& request) {
+  const auto answer = [&](const Context& context, const HttpRequest& request) {
     return part ? write_part(context, request, options.shard, options.output, threads)
                 : answer_now(run_ensemble_request, context, request);
-  });
+  };
+  constexpr int again = 1;  // a queue may try it once more: a disk was full
+  return answer_file(options, "ensemble", threads, answer, again);
 }
 
 int merge(const Options& options) {

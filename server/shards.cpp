@@ -4,11 +4,16 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <boost/crc.hpp>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <system_error>
 
 #include "core/ensemble/lone_members.hpp"
 #include "server/decode/ensemble_block.hpp"
@@ -39,21 +44,54 @@ std::int64_t blocks_of(const EnsemblePlan& plan, const Shard& shard) {
 std::string shard_line(const Shard& shard) {
   return fmt::format("{{\"kind\":\"shard\",\"index\":{},\"of\":{}}}\n", shard.index, shard.of);
 }
-std::string last_line(std::int64_t blocks) { return fmt::format("{{\"kind\":\"end\",\"blocks\":{}}}\n", blocks); }
-
-// The end of a file, as far as such a last line may go.
-std::string tail_of(std::ifstream& file) {
-  constexpr std::streamoff most = 64;
-  file.seekg(0, std::ios::end);
-  const auto size = static_cast<std::streamoff>(file.tellg());
-  file.seekg(std::max<std::streamoff>(size - most, 0));
-  return {std::istreambuf_iterator<char>(file), {}};
+std::string last_line_begun(std::int64_t blocks) {
+  return fmt::format("{{\"kind\":\"end\",\"blocks\":{},\"crc32\":", blocks);
 }
-bool is_whole(const std::string& path, const std::string& head, const std::string& end) {
+std::string last_line(std::int64_t blocks, const boost::crc_32_type& sum) {
+  return fmt::format("{}{}}}\n", last_line_begun(blocks), sum.checksum());
+}
+
+// The lines of a part, and whether they are those that were written.
+class PartLines {
+ public:
+  explicit PartLines(const std::string& path) : file_(path, std::ios::binary) {}
+  bool opened() const { return file_.is_open(); }
+  // A whole line, without its end.
+  bool next(std::string& line) {
+    if (!std::getline(file_, line) || file_.eof()) return false;
+    sum_.process_bytes(line.data(), line.size());
+    sum_.process_byte('\n');
+    return true;
+  }
+  // After so many blocks.
+  bool ends(std::int64_t blocks) {
+    const std::string wanted = last_line(blocks, sum_);
+    std::string line;
+    return next(line) && line + '\n' == wanted && file_.peek() == std::ifstream::traits_type::eof();
+  }
+
+ private:
+  std::ifstream file_;
+  boost::crc_32_type sum_;
+};
+bool is_whole(const std::string& path, const std::string& head, std::int64_t blocks) {
+  PartLines lines(path);
+  std::string line, begun;
+  while (begun.size() < head.size() && lines.next(line)) begun += line + '\n';
+  if (begun != head) return false;
+  for (std::int64_t i = 0; i < blocks; ++i)
+    if (!lines.next(line)) return false;
+  return lines.ends(blocks);
+}
+// Whether its last line is that of a part, as far as can be told before the others are read.
+bool has_an_end(const std::string& path, std::int64_t blocks) {
+  constexpr std::streamoff most = 64;
   std::ifstream file(path, std::ios::binary);
-  std::string text(head.size(), '\0');
-  return file.read(text.data(), static_cast<std::streamsize>(text.size())) && text == head &&
-         tail_of(file).ends_with('\n' + end);
+  file.seekg(0, std::ios::end);
+  file.seekg(std::max<std::streamoff>(static_cast<std::streamoff>(file.tellg()) - most, 0));
+  const std::string tail{std::istreambuf_iterator<char>(file), {}};
+  const auto at = tail.find('\n' + last_line_begun(blocks));
+  return at != std::string::npos && tail.find("}\n", at) == tail.size() - 2;
 }
 
 // Whether a part may take the place of what is there: nothing, another part, or as much of one as was written. An
@@ -116,21 +154,23 @@ Answer refused(std::string pointer, std::string detail, std::string allowed, std
 // A part as it is read: its first two lines, then block after block.
 struct Part {
   std::string path;
-  std::ifstream file;
+  PartLines lines;
   std::string head;
   Shard shard;
+  bool damaged = false;
 };
 
 Part open_part(const std::string& path, Faults& faults) {
-  Part part{path, std::ifstream(path, std::ios::binary), {}, {}};
+  errno = 0;
+  Part part{path, PartLines(path), {}, {}};
   const auto fault = [&](std::string_view what) {
     faults.add({"/" + path, fmt::format("{} {}", path, what), {}, {}});
     part.shard.of = 0;
   };
   std::string line;
-  if (!part.file) {
-    fault("cannot be read");
-  } else if (!std::getline(part.file, part.head) || !std::getline(part.file, line)) {
+  if (!part.lines.opened()) {
+    fault("cannot be read: " + std::generic_category().message(errno));
+  } else if (!part.lines.next(part.head) || !part.lines.next(line)) {
     fault("is truncated: it has no head");
   } else {
     const Json shard = Json::parse(line, nullptr, false);
@@ -158,23 +198,30 @@ Result<EnsemblePlan, Faults> plan_of(const Part& part, const Cards& cards) {
   return plan;
 }
 
-// Faults of the parts against each other; empty: they are all there, once.
-void check_parts(std::vector<Part>& parts, const EnsemblePlan& plan, Faults& faults) {
-  const std::int64_t of = parts[0].shard.of;
+// One of the ensemble that most of the parts are of.
+const Part& one_of_most(const std::vector<Part>& parts) {
+  std::map<std::pair<std::string_view, std::int64_t>, int> counts;
+  const auto count = [&](const Part& part) -> int& { return counts[{part.head, part.shard.of}]; };
+  for (const Part& part : parts) ++count(part);
+  return *std::ranges::max_element(parts, {}, count);
+}
+
+// Faults of the parts against each other; none: they are all there, once.
+void check_parts(const std::vector<Part>& parts, const Part& model, const EnsemblePlan& plan, Faults& faults) {
+  const std::int64_t of = model.shard.of;
   std::vector<const Part*> seen(static_cast<std::size_t>(of));
-  for (Part& part : parts) {
+  for (const Part& part : parts) {
     const auto fault = [&](std::string_view what) {
       faults.add({"/" + part.path, fmt::format("{}{}", part.path, what), {}, {}});
     };
-    if (part.head != parts[0].head || part.shard.of != of) {
-      fault(" is a part of another ensemble than " + parts[0].path);
+    if (part.head != model.head || part.shard.of != of) {
+      fault(" is a part of another ensemble than " + model.path);
       continue;
     }
     const Part*& place = seen[static_cast<std::size_t>(part.shard.index)];
     if (place) fault(fmt::format(" is shard {}/{}, and so is {}", part.shard.index, of, place->path));
     place = &part;
-    std::ifstream file(part.path, std::ios::binary);
-    if (!tail_of(file).ends_with('\n' + last_line(blocks_of(plan, part.shard)))) fault(" is truncated");
+    if (!has_an_end(part.path, blocks_of(plan, part.shard))) fault(" is truncated");
   }
   std::string missing;
   constexpr int most_named = 100;
@@ -208,26 +255,31 @@ Answer write_part(const Context& context, const HttpRequest& request, const std:
   const auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
   const std::string head = encode_ensemble_head(*plan, context.cards) + shard_line(*shard);
-  const std::string end = last_line(blocks_of(*plan, *shard));
+  const std::int64_t blocks = blocks_of(*plan, *shard);
   const auto done = [&](std::string_view what) {
     return Answer{200, "text/plain", fmt::format("{}: {}\n", output, what), {}};
   };
-  if (is_whole(output, head, end)) return done("is whole, nothing was computed");
+  if (is_whole(output, head, blocks)) return done("is whole, nothing was computed");
   if (!may_be_replaced(output))
     return refused("--output", output + " is there and is no part of an ensemble: it would be lost",
                    "another name, or that of a part", request.id);
   Draft draft(output);
-  bool written = draft.write(head);
+  boost::crc_32_type sum;
+  const auto write = [&](const std::string& text) {
+    sum.process_bytes(text.data(), text.size());
+    return draft.write(text);
+  };
+  bool written = write(head);
   const ReturnCode reason = run_ensemble(*plan, *shard, threads, context.cancelled, [&](const Block& block) {
-    return written = written && draft.write(encode_ensemble_block(*plan, block));
+    return written = written && write(encode_ensemble_block(*plan, block));
   });
   if (written && reason != ReturnCode::completed) {
     return refused("/limits/seconds", fmt::format("ended early ({}): no part was written", name(reason)),
                    "a longer time, or smaller shards", request.id);
   }
-  if (!written || !draft.write(end) || !draft.keep())
+  if (!written || !draft.write(last_line(blocks, sum)) || !draft.keep())
     return problem_document(500, "cannot write " + output, request.id);
-  return done(fmt::format("{} blocks", blocks_of(*plan, *shard)));
+  return done(fmt::format("{} blocks", blocks));
 }
 
 Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, std::string_view id) {
@@ -241,25 +293,35 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
   std::vector<Part> parts;
   parts.reserve(paths.size());
   for (const std::string& path : paths) parts.push_back(open_part(path, faults));
-  if (!faults.empty()) return problem_document(faults, id);
-  const auto plan = plan_of(parts[0], cards);
-  if (!plan) return problem_document(plan.error(), id);
-  check_parts(parts, *plan, faults);
+  std::erase_if(parts, [](const Part& part) { return part.shard.of == 0; });
+  if (parts.empty()) return problem_document(faults, id);
+  const Part& model = one_of_most(parts);
+  const auto plan = plan_of(model, cards);
+  if (!plan) return problem_document(faults.empty() ? plan.error() : faults, id);
+  check_parts(parts, model, *plan, faults);
   if (!faults.empty()) return problem_document(faults, id);
   std::ranges::sort(parts, {}, [](const Part& part) { return part.shard.index; });
 
   Harvest all;
   std::string line;
+  const auto damaged = [&](Part& part, const std::string& how) {
+    if (!part.damaged) faults.add({"/" + part.path, fmt::format("{} is damaged: {}", part.path, how), {}, {}});
+    part.damaged = true;
+  };
   for (std::int64_t b = plan->first_block(); b < plan->end_block(); ++b) {
     Part& part = parts[static_cast<std::size_t>(b) % parts.size()];
+    if (part.damaged) continue;
     const auto block =
-        std::getline(part.file, line) ? read_ensemble_block(*plan, Json::parse(line, nullptr, false)) : std::nullopt;
+        part.lines.next(line) ? read_ensemble_block(*plan, Json::parse(line, nullptr, false)) : std::nullopt;
     if (!block || block->index != b) {
-      faults.add({"/" + part.path, fmt::format("{} is damaged: block {} is not there", part.path, b), {}, {}});
-      return problem_document(faults, id);
+      damaged(part, fmt::format("block {} is not there", b));
+    } else if (faults.empty()) {
+      all.add(block->harvest, static_cast<std::size_t>(plan->request.limits.samples));
     }
-    all.add(block->harvest, static_cast<std::size_t>(plan->request.limits.samples));
   }
+  for (Part& part : parts)
+    if (!part.damaged && !part.lines.ends(blocks_of(*plan, part.shard))) damaged(part, "it is not what was written");
+  if (!faults.empty()) return problem_document(faults, id);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   tell_of_merge(plan->end_block() - plan->first_block(), seconds);
   const std::atomic<bool> never{false};

@@ -29,7 +29,7 @@ TEST(EnsemblePhysics, AThermostatKeepsTheMomentsOfItsDensity) {
   ASSERT_EQ(all.ended[0], count);
   // ⟨q²⟩ = ⟨p²⟩ = 1, ⟨p⁴⟩ = 3, ⟨s²⟩ = π²/3, each within four of its standard errors.
   const double pi2 = std::numbers::pi * std::numbers::pi;
-  double q2 = 0, p2 = 0, p4 = 0, s2 = 0;
+  double q2 = 0, p2 = 0, p4 = 0, s2 = 0, moved = 0;
   const std::size_t columns = plan.request.columns.size();
   for (std::size_t i = 0; i < all.final_member.size(); ++i) {
     const double* x = &all.final[i * columns + 1];
@@ -37,7 +37,10 @@ TEST(EnsemblePhysics, AThermostatKeepsTheMomentsOfItsDensity) {
     p2 += x[1] * x[1] / count;
     p4 += x[1] * x[1] * x[1] * x[1] / count;
     s2 += x[2] * x[2] / count;
+    const double from = plan.members.of(all.final_member[i])[0];
+    moved += (x[0] - from) * (x[0] - from) / count;
   }
+  EXPECT_GT(moved, 1) << "they begin with these moments, and must not keep them by standing still";
   const double error = 4 / std::sqrt(double(count));
   EXPECT_NEAR(q2, 1, error * std::sqrt(2.0));
   EXPECT_NEAR(p2, 1, error * std::sqrt(2.0));

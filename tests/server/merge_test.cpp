@@ -106,6 +106,44 @@ TEST_F(EnsembleParts, AreNotComputedTwiceAndReplacedWhereTheyAreNotWhole) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "nothing else is left behind";
 }
 
+// A disk that gives back other bytes than it was given, or a hand: no wrong number comes of it, and another run mends
+// it.
+TEST_F(EnsembleParts, ThatAreNotWhatWasWrittenAreTold) {
+  for (const std::string shard : {"0", "1", "2"}) part(orbits, shard + "/3", shard);
+  const std::string good = merged({"0", "1", "2"});
+  const auto text_of = [&](const std::string& name) {
+    std::ifstream file(path(name), std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  const auto without_its_third_line = [](std::string text) {
+    const auto second = text.find('\n', text.find('\n') + 1) + 1;
+    return text.erase(second, text.find('\n', second) + 1 - second);
+  };
+  const auto with_another_count = [](std::string text) {
+    return text.replace(text.find("\"completed\":4096"), 16, "\"completed\":4095");
+  };
+  const auto twice = [](const std::string& text) { return text + text; };
+  const auto damage = [&](const std::string& name, auto&& change) {
+    const std::string text = text_of(name);
+    std::ofstream(path(name), std::ios::binary) << change(text);
+  };
+  damage("0", without_its_third_line);
+  damage("1", with_another_count);
+  expect_refused({"0", "1", "2"}, path("0") + " is damaged: block 0 is not there");
+  expect_refused({"0", "1", "2"}, path("1") + " is damaged: it is not what was written");
+  damage("2", twice);
+  expect_refused({"0", "1", "2"}, path("2") + " is damaged: it is not what was written");
+  for (const std::string shard : {"0", "1", "2"})
+    EXPECT_EQ(part(orbits, shard + "/3", shard).body, path(shard) + ": 1 blocks\n") << "computed once more";
+  EXPECT_EQ(without_cost(merged({"0", "1", "2"})).dump(), without_cost(good).dump());
+}
+
+// A queue tries again what failed, but not what was refused.
+TEST(Command, EnsemblesThatFailEndOtherwiseThanThoseThatAreRefused) {
+  EXPECT_EQ(Process({"ensemble", "-", "--shard", "0/1", "--output", "/nowhere/part"}, orbits).wait(), 1);
+  EXPECT_EQ(Process({"ensemble", "-", "--shard", "2/1", "--output", "/nowhere/part"}, orbits).wait(), 2);
+}
+
 // What is left behind where a machine fails while it writes is no part, and does not pass for one.
 TEST_F(EnsembleParts, AreHiddenUntilTheyAreWhole) {
   Json request = Json::parse(orbits);
@@ -160,6 +198,9 @@ TEST_F(EnsembleParts, AreRefusedByName) {
   expect_refused({"text", "0"}, path("text") + " is no part");
   std::filesystem::resize_file(path("2"), std::filesystem::file_size(path("2")) - 10);
   expect_refused({"0", "1", "2"}, path("2") + " is truncated");
+  expect_refused({"0", "1", "2", "none"}, path("none") + " cannot be read: No such file");
+  expect_refused({"0", "1", "2", "none"}, path("2") + " is truncated");  // each is named at once
+  expect_refused({"half", "0", "1"}, path("half") + " is a part of another ensemble than " + path("0"));
   EXPECT_TRUE(std::filesystem::exists(path("0"))) << "what is good is kept";
   for (const char* shard : {"17/16", "16/16", "-1/4", "1", "a/b", "1/2x"})
     EXPECT_NE(part(orbits, shard, "x").body.find("must be I/N"), std::string::npos) << shard;

@@ -32,6 +32,7 @@ constexpr std::int64_t most_shards = 1'000'000;
 std::optional<Shard> parse_shard(const std::string& text) {
   Shard shard;
   char slash = 0, more = 0;
+  if (text.find_first_not_of("0123456789/") != std::string::npos) return std::nullopt;
   if (std::sscanf(text.c_str(), "%ld%c%ld%c", &shard.index, &slash, &shard.of, &more) != 3) return std::nullopt;
   const bool good = slash == '/' && shard.index >= 0 && shard.index < shard.of && shard.of <= most_shards;
   return good ? std::optional(shard) : std::nullopt;

@@ -240,7 +240,7 @@ TEST(EnsemblePhysics, ThePeriodOfVanDerPolGrowsAsIsKnown) {
 /// fractal.
 TEST(EnsemblePhysics, BasinsOfTheDrivenPendulumHaveAFractalBoundary) {
   constexpr double turn = 2 * std::numbers::pi;
-  constexpr int grid = 32, steps = 48, turns = 40;
+  constexpr int grid = 512, steps = 48, turns = 40;
   auto typed = texts::of(text::Definition::Kind::potential, {"q"}, {{"a", 2}, {"alpha", 0.2}}, "-cos(q) - a*q*cos(t)");
   const auto pendulum = texts::mechanics_of(texts::damped(std::move(typed), "alpha"));
   EnsemblePlan plan = test::ensemble_of("damped_pendulum", "contact_splitting", 1);
@@ -270,13 +270,14 @@ TEST(EnsemblePhysics, BasinsOfTheDrivenPendulumHaveAFractalBoundary) {
   EXPECT_NEAR(left, -0.607, 0.01);
   EXPECT_NEAR(right, 2.04, 0.01);
   const auto side = [&](double x) { return std::abs(x - left) < 0.02 ? -1 : std::abs(x - right) < 0.02 ? 1 : 0; };
-  int settled = 0;
+  int settled = 0, opposite = 0;
   for (std::size_t i = 0; i < here.size(); ++i) {
     if (side(here[i]) == 0) continue;
     ++settled;
-    EXPECT_NEAR(later[i], side(here[i]) < 0 ? -right : -left, 0.1);
+    opposite += std::abs(later[i] + (side(here[i]) < 0 ? right : left)) < 0.1;
   }
   EXPECT_GT(settled, 0.95 * grid * grid);
+  EXPECT_GT(opposite, 0.999 * settled) << "half a turn later; the others pass by on their way";
   // How many have a neighbour at a distance that ends elsewhere: a power of the distance, 1 for a smooth boundary.
   const auto uncertain = [&](double distance) {
     const auto there = ends(distance, 0);
@@ -285,7 +286,7 @@ TEST(EnsemblePhysics, BasinsOfTheDrivenPendulumHaveAFractalBoundary) {
     return static_cast<double>(count) / settled;
   };
   const double wide = uncertain(1e-1), narrow = uncertain(1e-3);
-  EXPECT_NEAR(std::log10(wide / narrow) / 2, 0.35, 0.12) << wide << ", " << narrow;
+  EXPECT_NEAR(std::log10(wide / narrow) / 2, 0.335, 0.01) << wide << ", " << narrow;
 }
 
 }  // namespace

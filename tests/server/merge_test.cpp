@@ -202,7 +202,7 @@ TEST_F(EnsembleParts, AreRefusedByName) {
   expect_refused({"0", "1", "2", "none"}, path("2") + " is truncated");  // each is named at once
   expect_refused({"half", "0", "1"}, path("half") + " is a part of another ensemble than " + path("0"));
   EXPECT_TRUE(std::filesystem::exists(path("0"))) << "what is good is kept";
-  for (const char* shard : {"17/16", "16/16", "-1/4", "1", "a/b", "1/2x"})
+  for (const char* shard : {"17/16", "16/16", "-1/4", "1", "a/b", "1/2x", " 1/2", "+1/2"})
     EXPECT_NE(part(orbits, shard, "x").body.find("must be I/N"), std::string::npos) << shard;
 }
 

@@ -306,7 +306,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
   Harvest all;
   std::string line;
   const auto damaged = [&](Part& part, const std::string& how) {
-    if (!part.damaged) faults.add({"/" + part.path, fmt::format("{} is damaged: {}", part.path, how), {}, {}});
+    faults.add({"/" + part.path, fmt::format("{} is damaged: {}", part.path, how), {}, {}});
     part.damaged = true;
   };
   for (std::int64_t b = plan->first_block(); b < plan->end_block(); ++b) {

@@ -184,12 +184,12 @@ class GroupRun {
   /// Notes who may have passed what is watched within the step to the time t, or have come back from it: as of a lone
   /// run, of the first step nothing is known.
   void watch(const std::vector<Lanes>& before, double t) {
+    const Lanes level(task_.level), part((t - t_) / task_.step);  // of a step like the one before
     for (std::size_t j = 0; j < packs; ++j) {
       const Lanes *was = before.data() + j * size_, *is = pack(j);
       LaneMask passed = alive_[j];
       if (task_.watched >= 0) {  // on which side it was and is, and would be had it gone on as in the step before
-        const Lanes first = was[task_.watched], level(task_.level);
-        const Lanes ahead = first + (first - earlier_[j]) * Lanes((t - t_) / task_.step);
+        const Lanes first = was[task_.watched], ahead = first + (first - earlier_[j]) * part;
         const LaneMask below = first < level, then = is[task_.watched] < level, straight = ahead < level;
         if (t_ > task_.start_time) passed = passed & (below | then | straight) & !(below & then & straight);
         earlier_[j] = first;

@@ -49,7 +49,7 @@ export class Player {
   /** Starts by itself, unless less motion is wished for. */
   begin() {
     if (still.matches) return this.rest();
-    this.#time = this.#span[0];
+    this.#set(this.#span[0]);
     this.play();
   }
 
@@ -66,7 +66,7 @@ export class Player {
 
   play() {
     if (this.playing) return;
-    if (this.#time === null) this.#time = this.#span[0];
+    if (this.#time === null) this.#set(this.#span[0]);
     this.#last = performance.now();
     this.#button.textContent = "❚❚ Pause";
     this.#frame = requestAnimationFrame((now) => this.#tick(now));

@@ -68,6 +68,7 @@ export class Runs {
   #cut() {
     find("#progress").hidden = true;
     cancelAnimationFrame(this.#frame);
+    this.#frame = 0;
     const under = this.list.filter(({ outcome }) => outcome?.status === "running");
     for (const { name, outcome } of under) this.#outcomes[name] = cut(outcome);
     return under;
@@ -112,8 +113,10 @@ export class Runs {
     find("#progress").value = parts.reduce((sum, part) => sum + part, 0) / parts.length;
     if (outcome.trajectory.t.length < 2) return;
     this.#outcomes = { ...this.#outcomes, [name]: outcome };
-    cancelAnimationFrame(this.#frame);
-    this.#frame = requestAnimationFrame(() => this.#shown());
+    this.#frame ||= requestAnimationFrame(() => { // and not put off by what comes faster than frames
+      this.#frame = 0;
+      this.#shown();
+    });
   }
 
   #show(answers) {

@@ -1,11 +1,11 @@
 // Where many runs end: a pixel for each start, in the colour of its end, and the way back to a run.
 import assert from "node:assert/strict";
-import { becomes, origin, pageTest, settled } from "./browser.mjs";
+import { becomes, origin, pageTest, seen, settled } from "./browser.mjs";
 import { fieldAt } from "./made.mjs";
 
 const canvas = "#basins canvas.plane";
 /** The colour of the picture at a fraction of the canvas: red, green, blue. */
-const colourAt = (page, x, y) => page.locator(canvas).evaluate((picture, [across, down]) => {
+const colourAt = (page, x, y) => seen(page, canvas, (picture, [across, down]) => {
   const pen = new OffscreenCanvas(picture.width, picture.height).getContext("2d", { willReadFrequently: true });
   pen.drawImage(picture, 0, 0);
   return [...pen.getImageData(Math.round(across * picture.width), Math.round(down * picture.height), 1, 1).data].slice(0, 3);

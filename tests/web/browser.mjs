@@ -2,6 +2,7 @@
 //   LEAST_BINARY      the program (required)
 //   LEAST_BROWSER     a Chromium; else the first one found on the PATH
 //   LEAST_PAGE        a folder whose files stand for those that the program holds, to test the page without building it
+//   LEAST_SLOW        milliseconds by which frames, and up to three times which answers come later, as where much else goes on
 //   LEAST_SCREENSHOTS a folder for pictures of every lesson and of the workbench, on screens of four sizes, light and dark
 // Without a browser the tests are skipped, loudly; under CI that is a failure.
 import assert from "node:assert/strict";
@@ -51,6 +52,23 @@ const listening = (opened) => opened.addInitScript(() =>
     dataset.times = Number(dataset.times ?? 0) + 1;
   }));
 
+/** Makes frames and answers late: a test that reads what is not there yet then fails always, and not on some days. */
+const slowed = (opened, by) => opened.addInitScript((late) => {
+  const frame = window.requestAnimationFrame.bind(window), ask = window.fetch, dropped = new Set();
+  let asked = 0;
+  window.requestAnimationFrame = (draw) => {
+    const id = ++asked;
+    setTimeout(() => frame((now) => dropped.delete(id) || draw(now)), late);
+    return id;
+  };
+  window.cancelAnimationFrame = (id) => dropped.add(id);
+  window.fetch = async (...given) => {
+    const answer = await ask(...given);
+    await new Promise((resolve) => setTimeout(resolve, 3 * late * Math.random()));
+    return answer;
+  };
+}, by);
+
 // A page is made ready in a tenth of the time that a new one takes to come up, so it is used again where a test asks for no
 // more than what can be set on it.
 let used = null;
@@ -70,6 +88,7 @@ async function pageFor(prepare, context) {
   const opened = await browser.newContext({ viewport, reducedMotion, colorScheme, ...context });
   await servePage(opened);
   await listening(opened);
+  if (process.env.LEAST_SLOW) await slowed(opened, Number(process.env.LEAST_SLOW));
   await prepare?.(opened);
   const page = await opened.newPage();
   page.setDefaultTimeout(60_000);
@@ -124,7 +143,7 @@ export function pageTest(name, { hash = workbench, ready = "#results[aria-busy=f
 /** Until what was asked for has been drawn, however slow the machine is. */
 export const frames = (page) =>
   page.evaluate(async () => {
-    for (let i = 0; i < 4; i++) await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+    for (let i = 0; i < 2; i++) await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
   });
 /** Until `value()` is something that `good` likes, within the time of the test. */
 export async function becomes(value, good) {
@@ -148,11 +167,17 @@ export async function number(page, row, name) {
   return Number(await cell.locator("data").getAttribute("value"));
 }
 
+/** What `look(canvas, given)` sees in a canvas once what the page has to show is drawn: that is done in a later frame. */
+export async function seen(page, selector, look, given) {
+  await frames(page);
+  return page.locator(selector).evaluate(look, given);
+}
+
 /**
  * How many pixels of a canvas have the colour of a run, or any other colour of the page (`--stretch`), and the box around
  * them; of all its columns, or of those between two fractions of its width.
  */
-export const drawn = (page, selector, run, columns = [0, 1]) => page.locator(selector).evaluate((canvas, [variable, from, to]) => {
+export const drawn = (page, selector, run, columns = [0, 1]) => seen(page, selector, (canvas, [variable, from, to]) => {
   const probe = document.createElement("span");
   probe.style.color = `var(${variable})`;
   document.body.append(probe);

@@ -1,21 +1,21 @@
 // Many runs seen where they cross a plane: the program's points, in the colours of their members, and the way back to a run.
 import assert from "node:assert/strict";
-import { becomes, origin, pageTest, settled } from "./browser.mjs";
+import { becomes, origin, pageTest, seen, settled } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
 
 /** Coloured pixels of the picture: how many, the box around them, and one of them, all in fractions of the canvas. */
-const coloured = (page) => page.locator("#crossings canvas.plane").evaluate((canvas) => {
-  const { width, height } = canvas, pen = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }), seen = [], hues = new Set();
+const coloured = (page) => seen(page, "#crossings canvas.plane", (canvas) => {
+  const { width, height } = canvas, pen = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }), found = [], hues = new Set();
   pen.drawImage(canvas, 0, 0);
   const { data } = pen.getImageData(0, 0, width, height);
   for (let i = 0; i < data.length; i += 4) {
     const of = [data[i], data[i + 1], data[i + 2]];
     if (Math.max(...of) - Math.min(...of) < 100) continue;
-    seen.push([((i / 4) % width) / width, Math.floor(i / 4 / width) / height]);
+    found.push([((i / 4) % width) / width, Math.floor(i / 4 / width) / height]);
     hues.add(of.join());
   }
-  const ends = (k) => seen.reduce(([low, high], at) => [Math.min(low, at[k]), Math.max(high, at[k])], [1, 0]);
-  return { count: seen.length, hues: hues.size, x: ends(0), y: ends(1), one: seen[Math.floor(seen.length / 3)] };
+  const ends = (k) => found.reduce(([low, high], at) => [Math.min(low, at[k]), Math.max(high, at[k])], [1, 0]);
+  return { count: found.length, hues: hues.size, x: ends(0), y: ends(1), one: found[Math.floor(found.length / 3)] };
 });
 
 const chaos = { hash: "#problem=henon_heiles&until.t=300&A=leapfrog&B=leapfrog", expected: /status of 422/ };
@@ -27,16 +27,16 @@ pageTest("a section of many runs: points by member, and a click runs the member"
   assert.deepEqual([asked.section, asked.columns, asked.members], [{ expression: "x", direction: "up" }, ["y", "py"],
                                                                     { vary: { "/initial/y": { grid: [-0.1, 0.3, 40] } } }]);
   const { section } = await (await fetch(`${origin}/v1/ensemble`, { method: "POST", body: JSON.stringify(asked) })).json();
-  const seen = await coloured(page);
-  assert.ok(seen.count > 1000 && seen.hues > 30, `${seen.count} pixels in ${seen.hues} colours`);
+  const picture = await coloured(page);
+  assert.ok(picture.count > 1000 && picture.hues > 30, `${picture.count} pixels in ${picture.hues} colours`);
   await page.locator("#crossings canvas.plane").scrollIntoViewIfNeeded();
   const box = await page.locator("#crossings canvas.plane").boundingBox();
-  await page.mouse.click(box.x + seen.one[0] * box.width, box.y + seen.one[1] * box.height);
+  await page.mouse.click(box.x + picture.one[0] * box.width, box.y + picture.one[1] * box.height);
   await settled(page);
   const member = Number(await page.inputValue("#member")), start = Number(await fieldAt(page, "/initial/y").inputValue());
   assert.ok(Math.abs(start - (-0.1 + (0.4 * member) / 39)) < 1e-12, "the start of that member");
   const part = (values, v) => (v - Math.min(...values)) / (Math.max(...values) - Math.min(...values));
-  const at = [part(seen.x, seen.one[0]), 1 - part(seen.y, seen.one[1])];
+  const at = [part(picture.x, picture.one[0]), 1 - part(picture.y, picture.one[1])];
   const distances = section.member.map((m, i) => (m === member
     ? Math.hypot(part(section.y, section.y[i]) - at[0], part(section.py, section.py[i]) - at[1]) : Infinity));
   assert.ok(Math.min(...distances) < 0.02, `it has a point there: ${Math.min(...distances)}`);

@@ -44,7 +44,7 @@ concept HasDomain = requires(const P& m, const Vec<P::dof>& q) {
 };
 template <class P>
 concept HasSeries = requires(const P& m) {
-  m.template series<double>(0.0);
+  m.template series<double, true>(0.0);
   P::series_until;
 };
 template <class P>
@@ -132,7 +132,8 @@ double variable(const X& x, std::size_t i) {
 template <class X, HasSeries P>
 X series_state(const P& problem, const typename X::Time& t) {
   X x;
-  assign(x, problem.template series<typename X::Number>(t));
+  constexpr bool acting = X::size > StateOf<P>::size || StateOf<P>::acting;
+  assign(x, problem.template series<typename X::Number, acting>(t));
   x.t = t;
   return x;
 }

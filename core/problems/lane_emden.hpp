@@ -81,9 +81,11 @@ struct LaneEmden {
 
   /// Up to here the series replaces the steps: α = 2/t is infinite at the start.
   static constexpr double series_until = 0.1;
-  /// q = Σ a_k t^{2k}, qⁿ = Σ c_k t^{2k} by Miller's recurrence, and s = t⁻² ∫₀ᵗ τ² (p²/2 − V) dτ.
-  template <class T, class S>
+  /// q = Σ a_k t^{2k}, qⁿ = Σ c_k t^{2k} by Miller's recurrence, and s = t⁻² ∫₀ᵗ τ² (p²/2 − V) dτ, where it is `asked`
+  /// for, else 0.
+  template <class T, bool asked, class S>
   State<1, T, S, Action<T>> series(const S& t) const {
+    if (t == S(0)) return {t, {T(1)}, {T(0)}, {T(0)}};
     // In doubles twelve terms are more than there are digits: each has a sixtieth of the one before at most.
     constexpr int last = std::is_same_v<T, Quad> ? 40 : 12;
     const T power(n);
@@ -95,6 +97,7 @@ struct LaneEmden {
         c[k] = sum / double(k);
       }
       a[k + 1] = -c[k] / double((2 * k + 2) * (2 * k + 3));
+      if constexpr (!asked) continue;
       for (std::size_t i = 0; i <= k; ++i) l[k] = l[k] - a[i] * c[k - i] / (power + 1.0);
       for (std::size_t i = 1; i <= k; ++i) l[k] = l[k] + 2.0 * double(i * (k + 1 - i)) * (a[i] * a[k + 1 - i]);
     }
@@ -105,7 +108,7 @@ struct LaneEmden {
       p = p * t2 + 2.0 * double(k + 1) * a[k + 1];
       s = s * t2 + l[k] / double(2 * k + 3);
     }
-    return {t, {q}, {T(0) + p * t}, {T(0) + s * t}};  // 0 + …: no −0 at the start
+    return {t, {q}, {p * t}, {s * t}};
   }
 
   /// n = 0, 1 and 5 from the regular start.

@@ -74,24 +74,29 @@ int cheapest_order(const Program& program, double tolerance) {
   return best;
 }
 
-constexpr double third = 1.0 / 3;
-/// log₂ x of a normal x > 0, to 0.01: enough for the length of a step, of which a root is taken besides.
-double rough_log2(double x) {
-  constexpr int mantissa = 52;
-  const auto bits = std::bit_cast<std::uint64_t>(x), one = std::bit_cast<std::uint64_t>(1.0);
-  const double part = std::bit_cast<double>((bits & ((std::uint64_t{1} << mantissa) - 1)) | one);
-  const auto whole = static_cast<std::int64_t>(bits >> mantissa) - static_cast<std::int64_t>(one >> mantissa);
-  return static_cast<double>(whole) + ((2 - part * third) * part - 5 * third);  // right where the part is 1 and 2
+constexpr std::int64_t one = std::bit_cast<std::int64_t>(1.0), mantissa = (std::int64_t{1} << 52) - 1;
+/// log₂ ((a/b)^{1/k}) of numbers ≥ 0, in units of 2⁻⁵²: read off their bits, which are a logarithm to 0.09. So a k-th
+/// power of what follows from it is right to 6 per cent: enough for the length of a step.
+std::int64_t rough_log2_root(double a, double b, int k) {
+  constexpr int shift = 62;
+  static constexpr auto parts = [] {
+    std::array<std::int64_t, tape::Series::most_orders + 1> all{};
+    for (std::size_t i = 1; i < all.size(); ++i) all[i] = (std::int64_t{1} << shift) / static_cast<std::int64_t>(i);
+    return all;
+  }();
+  __extension__ using Wide = __int128;
+  const std::int64_t log_ratio = std::bit_cast<std::int64_t>(a) - std::bit_cast<std::int64_t>(b);
+  return static_cast<std::int64_t>((Wide{log_ratio} * parts[tape::at(k)]) >> shift);
 }
-/// 2ˣ to 0.2 per cent, as far as it is a normal number.
-double rough_exp2(double x) {
-  constexpr double least = -1022, most = 1023;
-  constexpr std::int64_t bias = 1023;
-  const double within = x > least ? x < most ? x : most : least;
-  const auto shifted = static_cast<std::int64_t>(within + bias);  // not negative: its whole part
-  const double part = within + bias - static_cast<double>(shifted);
-  return std::bit_cast<double>(shifted << 52) * (1 + part * (2 + part) * third);
+/// 2ˣ of x in these units to 0.2 per cent, 0 where that is less than a normal number.
+double rough_exp2(std::int64_t x) {
+  constexpr double third = 1.0 / 3;
+  const std::int64_t bits = x + one;
+  if (bits <= mantissa) return 0;
+  const double part = std::bit_cast<double>((bits & mantissa) | one);
+  return std::bit_cast<double>(bits & ~mantissa) * ((2 + part * part) * third);
 }
+constexpr std::int64_t whole_log2(int n) { return std::int64_t{n} * (mantissa + 1); }
 
 /// Components by two, wherever they stand.
 typedef double Two __attribute__((vector_size(16)));
@@ -99,25 +104,23 @@ typedef double Apart __attribute__((vector_size(16), aligned(8), may_alias));
 typedef std::int64_t Bits __attribute__((vector_size(16)));
 
 constexpr Bits both{INT64_MAX, INT64_MAX}, first{INT64_MAX, 0};
+/// A sum, and what rounding has kept from it.
+template <class X>
+struct Sum {
+  X value, kept;
+};
+template <class X>
+Sum<X> added(X from, X by, X kept) {
+  const X change = by + kept, end = from + change, back = end - from;
+  return {end, (from - (end - back)) + (change - back)};
+}
+template <class X>
+X larger(const X& a, const X& b) {
+  return a < b ? b : a;
+}
 /// The sizes of two components, of which only those of the motion have a say.
 Two sizes(const double* c, const Bits& kept) {
   return std::bit_cast<Two>(std::bit_cast<Bits>(Two(*reinterpret_cast<const Apart*>(c))) & kept);
-}
-
-/// The largest of |cₖ| rᵏ⁻ˡ of the components of the motion, over the orders from l = `low` to `high`.
-double largest_term(const tape::Series& series, std::size_t moving, int low, int high, double r) {
-  double largest = 0;
-  for (std::size_t begin = 0; begin < moving; begin += 2) {
-    const Bits kept = begin + 1 < moving ? both : first;
-    Two most{};
-    for (int k = high; k >= low; --k) {
-      const Two here = sizes(series.coefficients(k) + begin, kept);
-      most *= r;
-      most = most < here ? here : most;
-    }
-    largest = std::max({largest, most[0], most[1]});
-  }
-  return largest;
 }
 
 bool reads_time(const Program& program) {
@@ -141,8 +144,8 @@ tape::Series series_of(Program program, double tolerance, int order) {
 
 Expansion::Expansion(Program program, double tolerance, int order)
     : series_(series_of(std::move(program), tolerance, order)),
-      log_tolerance_(std::log2(tolerance)),
-      root_(std::exp2(log_tolerance_ / series_.order())),
+      tolerance_(tolerance),
+      inverse_root_(std::pow(tolerance, -1.0 / series_.order())),
       variables_(series_.program().variables),
       moving_(series_.program().moving),
       reads_time_(reads_time(series_.program())),
@@ -150,7 +153,8 @@ Expansion::Expansion(Program program, double tolerance, int order)
       slopes_(way_) {}
 
 void Expansion::limit(double rate) {
-  if (rate != 0) longest_ = root_ * std::exp(log_factorial(series_.order()) / series_.order()) / std::abs(rate);
+  if (rate != 0)
+    longest_ = std::exp(log_factorial(series_.order()) / series_.order()) / (inverse_root_ * std::abs(rate));
 }
 
 double Expansion::largest(int k) const {
@@ -177,7 +181,7 @@ double Expansion::largest_carried(int k) const {
 double Expansion::carried_step() const {
   constexpr double slack = 10;  // more than of the motion: derivatives of its series by the start are somewhat larger
   double h = std::numeric_limits<double>::infinity();
-  const double log_term = std::log2(slack * std::max({1.0, largest(0), largest_carried(0)})) + log_tolerance_;
+  const double log_term = std::log2(slack * tolerance_ * std::max({1.0, largest(0), largest_carried(0)}));
   for (const int k : {used_ - 1, used_})
     if (const double c = k > 0 ? largest_carried(k) : 0; c > 0)
       h = std::min(h, std::exp2((log_term - std::log2(c)) / k));
@@ -186,7 +190,7 @@ double Expansion::carried_step() const {
 
 void Expansion::make_beside() {
   if (beside_) return;
-  beside_ = std::make_unique<Expansion>(program(), std::exp2(log_tolerance_), order());
+  beside_ = std::make_unique<Expansion>(program(), tolerance_, order());
   beside_->longest_ = longest_;
 }
 
@@ -203,7 +207,8 @@ void Expansion::move(const double* y, double t) {
 }
 
 double Expansion::step(double most) {
-  double h = std::min(series_step(), most);
+  double h = used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
+  h = std::min(h, most);
   if (may_hide_what_comes(h, most))
     while (h > 0 && !solves(h)) h *= 0.5;
   return h;
@@ -220,7 +225,7 @@ bool Expansion::may_hide_what_comes(double h, double most) const {
 /// Whether the polynomials solve the equations at a few places within the step, to about the tolerance.
 bool Expansion::solves(double h) {
   constexpr double slack = 100, grain = 1e-12;
-  const double most = std::max(1.0, largest(0)) * std::max(slack * std::exp2(log_tolerance_), grain);
+  const double most = std::max(1.0, largest(0)) * std::max(slack * tolerance_, grain);
   std::array<double, places> part, value, slope;
   for (std::size_t place = 0; place < places; ++place) part[place] = h * static_cast<double>(place + 1) / places;
   for (std::size_t i = 0; i < variables_; ++i) {
@@ -244,39 +249,61 @@ bool Expansion::solves(double h) {
   return true;
 }
 
+double Expansion::heeded(double h, int from, int to, double most, double rho, double scale) const {
+  for (int k = from; k >= to; --k)
+    if (const double c = largest(k); c > (most *= rho))
+      h = std::min(h, rough_exp2(rough_log2_root(scale, c, k)) * std::pow(tolerance_, 1.0 / used_));
+  return h;
+}
+
+template <std::size_t Pairs>
 double Expansion::series_step() const {
   constexpr double slack = 10;  // by how much other coefficients may exceed what the last two promise
   constexpr int looked_at = 8;
   constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what those before the last ought to be
-  if (used_ == 0) return 0;
-  const double size = std::max(1.0, largest(0)), scale = allowed * size, before = used_ > 1 ? largest(used_ - 1) : 0;
-  // All logarithms to the base 2, of h: ρ = h ε^{−1/p} is how far the series seems to converge.
-  const double log_scale = rough_log2(scale), log_term = log_scale + log_tolerance_,
-               part = tape::inverses[tape::at(used_)];
-  const double log_root = log_tolerance_ * part;
-  double log_h = std::numeric_limits<double>::infinity();
-  if (last_ > 0) log_h = (log_term - rough_log2(last_)) * part;
-  if (before > 0) log_h = std::min(log_h, (log_term - rough_log2(before)) * tape::inverses[tape::at(used_ - 1)]);
-  constexpr double long_step = 20, longest = 500;  // its square is finite
-  if (log_h > long_step)
-    log_h = std::min(log_h, std::min(std::max(long_step, rough_log2(std::abs(t_)) - long_step), longest));
-  double h = log_h > -1022 ? rough_exp2(log_h) : 0;  // of no tolerance no step
-  // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ρᵏ is to be of one size.
-  const double root = used_ == series_.order() ? root_ : rough_exp2(log_root);
-  const double log_rho = log_h - log_root, rho = h / root;
-  const auto heed = [&](int low, int high) {
-    const double most = slack * scale;
-    if (!(low <= high && largest_term(series_, moving_, low, high, rho) > most * rough_exp2(-low * log_rho))) return;
-    for (int k = low; k <= high; ++k)
-      if (const double c = largest(k); c > most * rough_exp2(-k * log_rho))
-        h = std::min(h, root * rough_exp2((log_scale - rough_log2(c)) / k));
+  const std::size_t pairs = Pairs > 0 ? Pairs : (moving_ + 1) / 2;
+  const Bits kept = moving_ % 2 == 0 ? both : first;
+  const auto sizes_of = [&](int k, std::size_t pair) {
+    return sizes(series_.coefficients(k) + 2 * pair, pair + 1 < pairs ? both : kept);
   };
-  if (!series_.program().whole) {
+  const auto size_of = [&](int k) {
+    Two most = sizes_of(k, 0);
+    for (std::size_t pair = 1; pair < pairs; ++pair) most = larger(most, sizes_of(k, pair));
+    return larger(most[0], most[1]);
+  };
+  const double size = larger(1.0, size_of(0)), scale = allowed * size, term = scale * tolerance_;
+  if (!(term > 0)) return 0;
+  const double before = used_ > 1 ? size_of(used_ - 1) : 0;
+  std::int64_t log_h = std::numeric_limits<std::int64_t>::max();
+  if (last_ > 0) log_h = rough_log2_root(term, last_, used_);
+  if (before > 0) log_h = std::min(log_h, rough_log2_root(term, before, used_ - 1));
+  constexpr std::int64_t long_step = whole_log2(20), longest = whole_log2(500);  // its square is finite
+  const bool cut = log_h > long_step;
+  if (cut) {
+    const std::int64_t log_t = rough_log2_root(std::abs(t_), 1, 1);
+    log_h = std::min(log_h, std::min(std::max(long_step, log_t - long_step), longest));
+  }
+  double h = rough_exp2(log_h);
+  if (!series_.program().whole && h > 0) {
+    // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ρᵏ is to be of one size,
+    // where ρ = h ε^{−1/p} is how far the series seems to converge.
+    const double inverse_root = used_ == series_.order() ? inverse_root_ : std::pow(tolerance_, -1.0 / used_);
+    const double rho = h * inverse_root;  // of the order before the last:
+    const double promised = cut ? scale * std::pow(rho, 1 - used_) : larger(last_ * rho, before * inverse_root);
     const int low = std::max(1, used_ - looked_at + 1);
-    heed(low, used_ - 2);
+    double here = promised;  // of the order low
+    for (int k = used_ - 2; k >= low; --k) here *= rho;
+    Two above{};  // the largest of cₖ ρᵏ⁻ˡ
+    for (std::size_t pair = 0; pair < pairs; ++pair) {
+      Two most{};
+      for (int k = used_ - 2; k >= low; --k) most = larger(most * rho, sizes_of(k, pair));
+      above = larger(above, most);
+    }
+    const auto heed = [&](int from, int to, double most) { h = heeded(h, from, to, slack * most, rho, scale); };
+    if (larger(above[0], above[1]) > slack * here) heed(used_ - 2, low, promised);
     // A row that only begins to be something says nothing of how far it converges: then all of it is heeded.
-    const auto silent = [&](int k) { return largest(k) < hush * scale * rough_exp2(-k * log_rho); };
-    if (low > 1 && h * largest(1) > far * size && silent(low) && silent(low + 1)) heed(1, low - 1);
+    if (low > 1 && h * size_of(1) > far * size && size_of(low) < hush * here && size_of(low + 1) * rho < hush * here)
+      heed(low - 1, 1, here);
   }
   h = std::min(h, longest_);
   for (const Index pole : series_.program().poles) {  // never over it, whatever the coefficients say
@@ -352,11 +379,15 @@ void Expansion::evaluate(double h, double* low, double* y) const {
       a = a * fourth + at(k - 3);
     }
     const Two sum = ((a + b * h) + (c + d * h) * square) * h;
-    for (std::size_t i = begin; i < std::min(begin + 2, variables_); ++i) {
-      const double from = y[i], change = sum[i - begin] + low[i], to = from + change;
-      const double back = to - from;
-      low[i] = (from - (to - back)) + (change - back);
-      y[i] = to;
+    if (begin + 1 < variables_) {  // written by two, as they are copied: what is written one by one cannot be handed on
+      Apart *const to = reinterpret_cast<Apart*>(y + begin), *const kept = reinterpret_cast<Apart*>(low + begin);
+      const Sum<Two> end = added<Two>(*to, sum, *kept);
+      *to = end.value;
+      *kept = end.kept;
+    } else {
+      const Sum<double> end = added(y[begin], sum[0], low[begin]);
+      y[begin] = end.value;
+      low[begin] = end.kept;
     }
   }
 }

@@ -62,13 +62,16 @@ class Expansion {
   double largest(int k) const;
   double largest_carried(int k) const;
   double until_switch(double h) const;
+  template <std::size_t Pairs>
   double series_step() const;
+  /// A step h, shorter where a coefficient of an order k in `from` ≥ k ≥ `to` exceeds `most` ρ^(`from` + 1 − k).
+  double heeded(double h, int from, int to, double most, double rho, double scale) const;
   bool may_hide_what_comes(double h, double most) const;
   bool solves(double h);
 
   tape::Series series_;
   double longest_ = std::numeric_limits<double>::infinity();
-  double log_tolerance_, root_;  ///< log₂ ε, and ε^{1/p} of the order p
+  double tolerance_, inverse_root_;  ///< ε, and ε^{−1/p} of the order p
   std::size_t variables_, moving_;
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;                      ///< the order up to which coefficients are numbers

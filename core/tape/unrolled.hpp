@@ -4,6 +4,7 @@
 // where nothing overflows.
 #pragma once
 
+#include <cstring>
 #include <span>
 #include <utility>
 
@@ -194,7 +195,7 @@ class Unrolled {
  private:
   static constexpr std::size_t steps = S.steps.size(), linear = S.linear.size(), variables = S.rate.size(),
                                lanes = S.slot.size(), groups = S.low.size() / 4, first = at(Program::first_variable),
-                               time = first + variables;
+                               time = first + variables, stride = stride_of(S.rows);
   /// Few lanes add the terms of the last order one by one: that is more to do, but sooner done.
   static constexpr bool alone = lanes <= 2;
   using Row = std::array<double, S.rows>;
@@ -227,9 +228,15 @@ class Unrolled {
   /// The next coefficients of variables; what has become of order k goes to where it is read.
   [[gnu::always_inline]] static inline std::array<double, variables> finish(const Workspace& of, std::size_t k,
                                                                             const Row& row, Fours& high) {
-    double* const here = of.rows + k * S.rows;
+    double* const here = of.rows + k * stride;
     std::array<double, variables> next;
-    each<variables>([&](auto i) { here[S.rows + first + i] = next[i] = row[at(S.rate[i])] * inverses[k + 1]; });
+    each<variables>([&](auto i) { next[i] = row[at(S.rate[i])] * inverses[k + 1]; });
+    each<(variables + 1) / 2>([&](auto i) {  // by two, as they are read soon after
+      const bool odd = 2 * i + 1 == variables;
+      typedef double Two __attribute__((vector_size(16)));
+      const Two two{next[2 * i], odd ? 0 : next[odd ? 0 : 2 * i + 1]};
+      std::memcpy(here + stride + first + 2 * i, &two, sizeof two);
+    });
     each<S.kept.size()>([&](auto i) { here[at(S.kept[i])] = row[at(S.kept[i])]; });
     Four* const fours = of.lanes + k * 2 * groups;
     each<groups>([&](auto g) {

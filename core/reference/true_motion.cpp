@@ -225,10 +225,13 @@ bool TrueMotion::solves(double h) {
   ahead_.clear();
   for (const Index variable : variables_) {
     const DoubleDouble* const c = row(variable);
-    DoubleDouble slope = static_cast<double>(order_) * c[order_];
-    for (std::size_t k = order_; k-- > 1;) slope = slope * h + static_cast<double>(k) * c[k];
+    DoubleDouble value = c[order_], slope{};
+    for (std::size_t k = order_; k-- > 0;) {
+      slope = slope * h + value;
+      value = value * h + c[k];
+    }
     slopes_.push_back(slope);
-    ahead_.push_back(within(variable, h));
+    ahead_.push_back(value);
   }
   const auto stand = [&](const std::vector<DoubleDouble>& x) {
     for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x[v];

@@ -185,7 +185,7 @@ Trial ErrorStudy::run(Request measured, const std::vector<double>& times, States
     states.emplace_back(samples.values.begin() + static_cast<std::ptrdiff_t>(i),
                         samples.values.begin() + static_cast<std::ptrdiff_t>(i + size));
   if (at_end_) states.emplace_back(outcome.final.begin(), outcome.final.begin() + static_cast<std::ptrdiff_t>(size));
-  return {outcome.stop.reason, unknown, outcome.cost.force_evaluations, outcome.cost.seconds};
+  return {outcome.stop.reason, unknown, outcome.cost.force_evaluations, outcome.cost.seconds, false};
 }
 
 double ErrorStudy::error(const States& states, const States& truth) const {
@@ -197,6 +197,25 @@ double ErrorStudy::error(const States& states, const States& truth) const {
     if (std::isnan(most)) break;
   }
   return most;
+}
+
+/// From the last of the times up to which it is small, as differences of the start grow from there to the end; NaN: it
+/// never is.
+double ErrorStudy::foreseen_error(const std::vector<double>& times, const States& states, const States& truth) const {
+  constexpr double small = 0.03, parts = Conditioning::parts;
+  const auto log_growth = [&](double eighths) {
+    const auto before = static_cast<std::size_t>(std::min(eighths, parts - 1));
+    const auto log_at = [&](std::size_t k) { return k > 0 ? std::log(conditioning_->so_far[k - 1]) : 0; };
+    return std::lerp(log_at(before), log_at(before + 1), eighths - static_cast<double>(before));
+  };
+  double foreseen = unknown;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const double here = state_error(states[i], truth[i], truth[i].size(), scene_.norm);
+    if (!(here < small)) break;
+    const double eighths = parts * (times[i] - start()) / (end() - start());
+    foreseen = here * std::exp(log_growth(parts) - log_growth(eighths));
+  }
+  return foreseen;
 }
 
 Trial ErrorStudy::run(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const {
@@ -230,7 +249,14 @@ Trial ErrorStudy::look(const SchemeConfig& choice, double seconds, std::int64_t 
     if (trial.status != ReturnCode::completed) return trial;
     trial.error = error(states, truth);
     if (trial.error <= accuracy) return run(choice, seconds - trial.seconds, step_limit);
-    if (!(trial.error < plateau())) return trial;
+    if (!(trial.error < plateau())) {
+      if (const double foreseen = foreseen_error(times, states, truth);
+          conditioning_->chaotic() && foreseen > trial.error) {
+        trial.error = foreseen;
+        trial.foreseen = true;
+      }
+      return trial;
+    }
     probe.limits.seconds -= trial.seconds;
   }
   return trial;

@@ -46,6 +46,7 @@ struct Trial {
   double error = std::numeric_limits<double>::quiet_NaN();  ///< NaN where the run did not complete
   std::int64_t forces = 0;
   double seconds = 0;
+  bool foreseen = false;  ///< the error has grown until it means nothing: what it would be, were it still small
 };
 
 class ErrorStudy {
@@ -79,6 +80,8 @@ class ErrorStudy {
 
  private:
   using States = std::vector<std::vector<double>>;
+
+  double foreseen_error(const std::vector<double>& times, const States& states, const States& truth) const;
 
   Request request(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
   Trial run(Request measured, const std::vector<double>& times, States& states) const;

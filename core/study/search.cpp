@@ -12,6 +12,9 @@ double order(const Probe& coarse, const Probe& fine) {
   return std::log(coarse.trial.error / fine.trial.error) / std::log(coarse.value / fine.value);
 }
 
+/// Whether finer runs will follow from it: of coarse ones errors are as large as the motion, whatever the step.
+bool tells(const Trial& trial) { return trial.error < 0.3 || trial.foreseen; }
+
 }  // namespace
 
 Search::Search(const ErrorStudy& subject, SchemeConfig choice, double accuracy)
@@ -39,7 +42,7 @@ bool Search::out_of_reach(double error, double most) const {
   constexpr double steepest = 2, more = 12;  // times the order: near a change of their sign errors fall far faster
   const int declared = declared_order();
   // Where a coarse run is unstable the error of a finer one falls as fast as it likes.
-  if (declared == 0 || good_ || !bad_ || !(bad_->trial.error < 0.3) || std::isinf(most)) return false;
+  if (declared == 0 || good_ || !bad_ || !tells(bad_->trial) || std::isinf(most)) return false;
   return std::log(bad_->trial.error / error) > (steepest * declared + more) * std::log(most / least_cost());
 }
 
@@ -55,7 +58,7 @@ double Search::next() const {
     return good_->value * std::clamp(ahead, std::pow(ratio, 0.1), std::pow(ratio, 0.9));
   }
   const double stride = dial_.adaptive() ? 10 : 2;
-  if (!before_ || accuracy_ == 0 || !(bad_->trial.error < 0.3) || !(bad_->trial.error < before_->trial.error))
+  if (!before_ || accuracy_ == 0 || !tells(bad_->trial) || !(bad_->trial.error < before_->trial.error))
     return coarsest / stride;
   const int declared = declared_order();
   const double seen = order(*before_, *bad_), p = declared > 0 ? std::min(seen, 1.2 * declared) : seen;

@@ -234,6 +234,21 @@ TEST(Advice, IsRightForAsLongAsAChaoticMotionCanBeKnown) {
   }
 }
 
+// Errors that have grown as large as the motion say nothing of the step; those of earlier times do.
+TEST(Advice, ForeseesErrorsInChaos) {
+  const auto trial_of = [](double tolerance) {
+    const ErrorStudy subject(scene("thermostat"), false, 20, never);
+    const SchemeConfig taylor = choice(scene("thermostat"), "taylor");
+    const SchemeConfig turned = dial_of(taylor).at(taylor, tolerance);
+    EXPECT_LT(subject.run(turned, 20, 10'000'000).error, 10) << "none is larger than what moves";
+    return subject.look(turned, 20, 10'000'000, 1e-9);
+  };
+  const Trial coarse = trial_of(1e-6), fine = trial_of(1e-8), known = trial_of(1e-12);
+  EXPECT_TRUE(coarse.foreseen && fine.foreseen && !known.foreseen);
+  EXPECT_NEAR(std::log10(coarse.error / fine.error), 2, 1);
+  EXPECT_NEAR(std::log10(fine.error / known.error), 4, 2);
+}
+
 TEST(Advice, FindsTheBestWithinATime) {
   const Request heiles = scene("henon_heiles");
   const Advice quick = advise(heiles, {std::nan(""), 3e-5, {}}, never),

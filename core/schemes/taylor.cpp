@@ -118,9 +118,14 @@ template <class X>
 X larger(const X& a, const X& b) {
   return a < b ? b : a;
 }
-/// The sizes of two components, of which only those of the motion have a say.
+/// The sizes of two components, of which only those of the motion have a say. Read one by one, as they have just been
+/// written so: a processor would wait until it can read both at once.
 Two sizes(const double* c, const Bits& kept) {
-  return std::bit_cast<Two>(std::bit_cast<Bits>(Two(*reinterpret_cast<const Apart*>(c))) & kept);
+  double a = c[0], b = c[1];
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  asm("" : "+x"(a), "+x"(b));
+#endif
+  return std::bit_cast<Two>(std::bit_cast<Bits>(Two{a, b}) & kept);
 }
 
 bool reads_time(const Program& program) {

@@ -110,7 +110,7 @@ Series::Series(Program program, int order, bool unroll)
     : program_(std::move(program)),
       unrolled_(unroll ? unrolled_of(program_) : nullptr),
       order_(order),
-      stride_(stride_of(at(program_.rows))),
+      stride_(at(program_.rows)),
       groups_(program_.low.size() / 4),
       rows_((static_cast<std::size_t>(order) + 1) * stride_ + 4),
       trial_(stride_),

@@ -52,8 +52,6 @@ class Series {
   double rate(std::size_t variable) const { return trial_[static_cast<std::size_t>(program_.rate[variable])]; }
   /// x⁽ᵏ⁾/k! of the variables, 0 ≤ k ≤ order; up to a multiple of four there are numbers to be read behind them.
   const double* coefficients(int k) const { return row(k) + Program::first_variable; }
-  /// From one order to the next.
-  std::size_t stride() const { return stride_; }
   /// The same of any value, for k below the order.
   double coefficient(Index value, int k) const { return row(k)[value]; }
 

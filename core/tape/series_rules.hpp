@@ -13,9 +13,6 @@ namespace least::tape {
 
 constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// From a row to the next: two numbers of it, the first variables at least, never lie in two lines of a cache.
-constexpr std::size_t stride_of(std::size_t rows) { return rows + rows % 2; }
-
 inline constexpr auto inverses = [] {
   std::array<double, Series::most_orders + 1> all{};
   for (std::size_t k = 1; k < all.size(); ++k) all[k] = 1 / static_cast<double>(k);

@@ -4,7 +4,6 @@
 // where nothing overflows.
 #pragma once
 
-#include <cstring>
 #include <span>
 #include <utility>
 
@@ -142,12 +141,13 @@ class Unrolled {
       std::array<double, lanes + 1> sums;
       each<lanes>([&](auto i) {
         constexpr std::size_t slot = at(S.slot[i]), a = at(S.low[slot]), b = at(S.high[slot]);
-        double* const both = slots[0].begin() + slot;
         if constexpr (alone) {
-          both[0] += half[a] * row[b];
-          if constexpr (a != b) both[1] += half[b] * row[a];
+          const auto slots_of = slots[0].lane;
+          sums[i] = slots_of[slot] + half[a] * row[b];
+          if constexpr (a != b) sums[i] += slots_of[slot + 1] + half[b] * row[a];
+        } else {
+          sums[i] = sum_of(slots[0].begin() + slot, a == b);
         }
-        sums[i] = sum_of(both, a == b);
       });
       last = row;
       each<variables>([&](auto i) {
@@ -195,7 +195,7 @@ class Unrolled {
  private:
   static constexpr std::size_t steps = S.steps.size(), linear = S.linear.size(), variables = S.rate.size(),
                                lanes = S.slot.size(), groups = S.low.size() / 4, first = at(Program::first_variable),
-                               time = first + variables, stride = stride_of(S.rows);
+                               time = first + variables;
   /// Few lanes add the terms of the last order one by one: that is more to do, but sooner done.
   static constexpr bool alone = lanes <= 2;
   using Row = std::array<double, S.rows>;
@@ -228,15 +228,9 @@ class Unrolled {
   /// The next coefficients of variables; what has become of order k goes to where it is read.
   [[gnu::always_inline]] static inline std::array<double, variables> finish(const Workspace& of, std::size_t k,
                                                                             const Row& row, Fours& high) {
-    double* const here = of.rows + k * stride;
+    double* const here = of.rows + k * S.rows;
     std::array<double, variables> next;
-    each<variables>([&](auto i) { next[i] = row[at(S.rate[i])] * inverses[k + 1]; });
-    each<(variables + 1) / 2>([&](auto i) {  // by two, as they are read soon after
-      const bool odd = 2 * i + 1 == variables;
-      typedef double Two __attribute__((vector_size(16)));
-      const Two two{next[2 * i], odd ? 0 : next[odd ? 0 : 2 * i + 1]};
-      std::memcpy(here + stride + first + 2 * i, &two, sizeof two);
-    });
+    each<variables>([&](auto i) { here[S.rows + first + i] = next[i] = row[at(S.rate[i])] * inverses[k + 1]; });
     each<S.kept.size()>([&](auto i) { here[at(S.kept[i])] = row[at(S.kept[i])]; });
     Four* const fours = of.lanes + k * 2 * groups;
     each<groups>([&](auto g) {

@@ -36,6 +36,8 @@ namespace taylor {
 /// equations, tolerance and order share it.
 class Expansion {
  public:
+  static constexpr double allowed = 1.0 / 16;  ///< of the tolerance the last terms: the first left out are 1/4 of them
+
   /// Order 0: the one that promises the cheapest steps per unit of time.
   Expansion(tape::Program program, double tolerance, int order);
 
@@ -48,8 +50,10 @@ class Expansion {
   /// Another one of the same equations, tolerance and order: for what is carried, within a step of the motion.
   Expansion& beside() { return *beside_; }
   void make_beside();
-  /// The state at the time h from there. `low`: what rounding has kept from y; becomes what it keeps from the result.
-  void evaluate(double h, double* low, double* y) const;
+  /// The state at the time h from there, where it is y, to `end`. `low`: what rounding has kept from y; `rest`: what it
+  /// keeps from the result. They may be the same.
+  void evaluate(double h, const double* y, const double* low, double* end, double* rest) const;
+  void evaluate(double h, double* low, double* y) const { evaluate(h, y, low, y, low); }
   /// Whether the motion goes on from y.
   bool defined(const double* y, double t) { return !series_.program().partial || series_.defined(y, t); }
   /// No step is longer than one in which e^{rate t} is told to the tolerance: a rate that what is carried has of its
@@ -59,6 +63,8 @@ class Expansion {
   const tape::Program& program() const { return series_.program(); }
 
  private:
+  static constexpr std::size_t places = 4;  ///< of a step at which it is held against the equations
+
   double largest(int k) const;
   double largest_carried(int k) const;
   double until_switch(double h) const;
@@ -188,31 +194,26 @@ class TaylorStepper {
   StepStatus step(X& x) noexcept { return step_within(x, std::numeric_limits<double>::infinity()); }
   /// A step that is at most so long: where it is as long to the bit, it has come to what lies so far ahead.
   StepStatus step_within(X& x, double most) noexcept {
-    const Values y = values(x);
-    Values low = kept_from(y);
-    expansion_->move(y.data(), x.t);
+    begin(x);
+    expansion_->move(end_.data(), x.t);
+    const Values y = end_, low = low_;
     work_.forces += expansion_->order();
     double h = expansion_->step(most);
     if (!(h > 0)) return StepStatus::singular;
     if (!(x.t + h < x.t + most)) h = most;
-    Values end, rest;
     for (;; h *= 0.5) {
       if (h < most && !(x.t + h > x.t)) return StepStatus::underflow;
-      end = y;
-      rest = low;
-      expansion_->evaluate(h, rest.data(), end.data());
-      if (expansion_->defined(end.data(), x.t + h)) break;
+      expansion_->evaluate(h, y.data(), low.data(), end_.data(), low_.data());
+      if (expansion_->defined(end_.data(), x.t + h)) break;
     }
     if constexpr (carries) {
       mark_ = {0, y, low};
-      carry(x.t, h, mark_, rest, end);
+      carry(x.t, h, mark_, low_, end_);
     }
     start_ = y;
     start_low_ = low;
     t_ = x.t;
     h_ = h;
-    low_ = rest;
-    end_ = end;
     assign(end_, x);
     x.t = t_ + h;
     return StepStatus::ok;
@@ -307,11 +308,19 @@ class TaylorStepper {
   static void assign(const Values& y, X& x) {
     for (std::size_t i = 0; i < taylor::components<X>; ++i) taylor::component(x, i) = y[i];
   }
-  /// Of the components that are as the last step left them.
-  Values kept_from(const Values& y) const {
-    Values low;
-    for (std::size_t i = 0; i < y.size(); ++i) low[i] = y[i] == end_[i] ? low_[i] : 0;
-    return low;
+  /// Where a step begins: where the last one ended, with what rounding has kept from it, but for what is changed.
+  void begin(const X& x) {
+    if constexpr (IteratesForRates<P>) {
+      const Values y = values(x);
+      for (std::size_t i = 0; i < y.size(); ++i) set(i, y[i]);
+    } else {
+      for (std::size_t i = 0; i < end_.size(); ++i) set(i, tape::read_alone(taylor::component(x, i)));
+    }
+  }
+  void set(std::size_t i, double value) {
+    if (value == end_[i]) return;
+    end_[i] = value;
+    low_[i] = 0;
   }
 
   std::shared_ptr<taylor::Expansion> expansion_;

@@ -1,14 +1,8 @@
 #include "core/tape/double_double.hpp"
 
 #include "core/number/quad.hpp"
+#include "core/tape/wide.hpp"
 
-// Where the machine has wider registers, they are used: what is computed is the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define LEAST_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define LEAST_WIDE
-#endif
 
 namespace least {
 namespace {

@@ -6,14 +6,7 @@
 #include <utility>
 
 #include "core/tape/unrolled.hpp"
-
-// Where the machine has wider registers, they are used: what is computed is the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define LEAST_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define LEAST_WIDE
-#endif
+#include "core/tape/wide.hpp"
 
 namespace least::tape {
 
@@ -54,31 +47,46 @@ struct Reader {
     for (const Step& s : p.steps) rules.begin(s, s, row);
   }
 
-  LEAST_WIDE static void expand(const Program& p, const Workspace& of, Gain* gains, Ends* ends, std::size_t groups,
-                                const Index* places, Four* slots, double* sums) {
+  LEAST_WIDE static void expand(const Program& p, const Workspace& of, Series::Reading& by) {
     const Rules<false> rules = rules_of(p);
-    const std::size_t stride = of.stride;
-    if (of.begun != of.rows) std::copy_n(of.begun, stride, of.rows);
-    for (std::size_t i = 0; i < p.steps.size(); ++i) gains[i] = Rules<false>::gain_of(p.steps[i], p.steps[i], of.rows);
-    for (std::size_t i = 0; i < p.products.size(); ++i) ends[i] = ends_of(p.products[i], p.products[i].factor, of.rows);
+    const std::size_t stride = of.stride, groups = p.low.size() / 4;
+    if (of.begun) {
+      std::copy_n(of.begun, stride, of.rows);
+    } else {
+      std::copy_n(of.x, p.variables, of.rows + Program::first_variable);
+      of.rows[p.time()] = of.t;
+      begin(p, of.rows);
+    }
+    for (std::size_t i = 0; i < p.steps.size(); ++i)
+      by.gains[i] = Rules<false>::gain_of(p.steps[i], p.steps[i], of.rows);
+    for (std::size_t i = 0; i < p.products.size(); ++i)
+      by.ends[i] = ends_of(p.products[i], p.products[i].factor, of.rows);
     double* const second = of.rows + stride;
     for (std::size_t k = 0; k < of.orders; ++k) {
       double* const row = of.rows + k * stride;
       if (k > 0) {
+        const double* const last = row - stride;
+        const double share = k == 2 ? 0.5 : 1;
+        if (k <= 3)
+          for (std::size_t i = 0; i < stride; ++i) by.half[i] = k == 1 ? 0 : share * second[i];
         for (std::size_t g = 0; g < groups; ++g) {
-          sum_slots<1>(of.lanes + g, groups, k, slots + g);
+          sum_slots<1>(of.lanes + g, groups, k, &by.older_slots[g]);
+          by.slots[g] = by.older_slots[g];
           if (k == 1) continue;
           const Four *low = of.lanes + 2 * groups + g, *high = of.lanes + (2 * k - 1) * groups + g;
-          slots[g].lane += (low->lane * (k == 2 ? 0.5 : 1.0)) * high->lane;
+          by.slots[g].lane += (low->lane * share) * high->lane;
         }
-        for (std::size_t i = 0; i < p.slot.size(); ++i)
-          sums[i] = sum_of(slots->begin() + p.slot[i], p.lane_a[i] == p.lane_b[i]);
-        const double order = static_cast<double>(k), part = inverses[k];
-        const double* const last = row - stride;
+        for (std::size_t i = 0; i < p.slot.size(); ++i) {
+          const bool square = p.lane_a[i] == p.lane_b[i];
+          by.older[i] = sum_of(by.older_slots.front().begin() + p.slot[i], square);
+          by.sums[i] = sum_of(by.slots.front().begin() + p.slot[i], square);
+        }
+        const Known known{static_cast<double>(k), inverses[k],    second,        by.half.data(), last,
+                          by.older.data(),        by.sums.data(), by.ends.data()};
         if (k == 1)
-          for (const Step& s : p.linear) rules.advance(s, s, order, part, second, last, row, sums, {}, ends);
-        const Gain* gain = gains;
-        for (const Step& s : p.steps) rules.advance(s, s, order, part, second, last, row, sums, *gain++, ends);
+          for (const Step& s : p.linear) rules.advance(s, s, known, {}, row);
+        const Gain* gain = by.gains.data();
+        for (const Step& s : p.steps) rules.advance(s, s, known, *gain++, row);
       }
       double* const next = row + stride;
       for (std::size_t i = 0; i < p.variables; ++i) {
@@ -87,7 +95,7 @@ struct Reader {
         next[p.weighted[i]] = rate;
       }
       double* const lanes = (of.lanes + k * 2 * groups)->begin();
-      for (std::size_t i = 0; i < 8 * groups; ++i) lanes[i] = row[places[i]];
+      for (std::size_t i = 0; i < 8 * groups; ++i) lanes[i] = row[by.places[i]];
     }
   }
 
@@ -117,26 +125,25 @@ Series::Series(Program program, int order, bool unroll)
       lanes_(2 * groups_ * (static_cast<std::size_t>(order) + 1)) {
   trial_[at(program_.time())] = std::numeric_limits<double>::quiet_NaN();  // of no state yet
   if (unrolled_) return;
-  gains_.resize(program_.steps.size());
-  ends_.resize(program_.products.size());
-  slots_.resize(groups_ + 1);
-  sums_.resize(program_.lane_a.size());
-  places_ = program_.low;
-  places_.insert(places_.end(), program_.high.begin(), program_.high.end());
+  reading_.gains.resize(program_.steps.size());
+  reading_.ends.resize(program_.products.size());
+  reading_.half.resize(stride_);
+  for (auto* slots : {&reading_.older_slots, &reading_.slots}) slots->resize(groups_ + 1);
+  for (auto* sums : {&reading_.older, &reading_.sums}) sums->resize(program_.lane_a.size());
+  reading_.places = program_.low;
+  reading_.places.insert(reading_.places.end(), program_.high.begin(), program_.high.end());
 }
 
 void Series::expand(const double* x, double t) {
   double* const row = rows_.data();
   const bool begun = t == trial_[at(program_.time())] &&
                      std::equal(x, x + program_.variables, trial_.data() + Program::first_variable);
-  std::copy_n(x, program_.variables, row + Program::first_variable);
-  row[program_.time()] = t;
-  if (!begun) begin(row);
-  const Workspace of{static_cast<std::size_t>(order_), stride_, begun ? trial_.data() : row, row, lanes_.data()};
+  const Workspace of{
+      static_cast<std::size_t>(order_), stride_, x, t, begun ? trial_.data() : nullptr, row, lanes_.data()};
   if (unrolled_) return unrolled_->expand(program_, of);
   row[stride_ + at(program_.time())] = 1;
   row[stride_ + at(program_.weighted.back())] = 1;
-  Reader::expand(program_, of, gains_.data(), ends_.data(), groups_, places_.data(), slots_.data(), sums_.data());
+  Reader::expand(program_, of, reading_);
 }
 
 void Series::begin(double* row) const {

@@ -17,10 +17,22 @@ struct alignas(32) Four {
   double lane __attribute__((vector_size(32)));
   double* begin() { return reinterpret_cast<double*>(this); }
 };
+/// A number read by itself. Compilers read by two what stands side by side; where it has just been written one by one,
+/// a processor waits for that until it is in memory.
+[[gnu::always_inline]] inline double read_alone(const double& x) {
+  double value = x;
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  asm("" : "+x"(value));
+#endif
+  return value;
+}
+
 /// Where a series stands: rows of coefficients, by order; groups of slots, by order the lower factors and the higher.
 struct Workspace {
   std::size_t orders, stride;
-  const double* begun;  ///< order 0 of all values
+  const double* x;  ///< the variables
+  double t;
+  const double* begun;  ///< order 0 of all values; null: of those it is to be computed
   double* rows;
   Four* lanes;
 };
@@ -41,6 +53,17 @@ class Series {
  public:
   static constexpr int most_orders = 48;
 
+  /// Scratch of a program that is read: of its steps, of its products, of its values, of its lanes without the terms of
+  /// the last order and with them; and where factors stand.
+  struct Reading {
+    std::vector<Gain> gains;
+    std::vector<Ends> ends;
+    std::vector<double> half;
+    std::vector<Four> older_slots, slots;
+    std::vector<double> older, sums;
+    std::vector<Index> places;
+  };
+
   /// Up to this order, at least 1 and at most `most_orders`. Unless `unroll`, the program is read in any case.
   Series(Program program, int order, bool unroll = true);
 
@@ -56,6 +79,7 @@ class Series {
   double coefficient(Index value, int k) const { return row(k)[value]; }
 
   int order() const { return order_; }
+  std::size_t stride() const { return stride_; }  ///< of coefficients, from one order to the next
   bool unrolled() const { return unrolled_ != nullptr; }
   const Program& program() const { return program_; }
 
@@ -71,12 +95,7 @@ class Series {
   std::vector<double> rows_;   ///< by order, every value
   std::vector<double> trial_;  ///< order 0 of the values at the state that was asked for last
   std::vector<Four> lanes_;
-  // For a program that is read: of its steps, of its products, of its lanes, and where their factors stand.
-  std::vector<Gain> gains_;
-  std::vector<Ends> ends_;
-  std::vector<Four> slots_;
-  std::vector<double> sums_;
-  std::vector<Index> places_;
+  Reading reading_;
 };
 
 }  // namespace least::tape

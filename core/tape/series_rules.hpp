@@ -9,6 +9,9 @@
 #include "core/tape/program.hpp"
 #include "core/tape/series.hpp"
 
+// Of lambdas that are straight code: one that a compiler leaves out of line takes all through memory.
+#define LEAST_INLINE __attribute__((always_inline))
+
 namespace least::tape {
 
 constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
@@ -54,6 +57,23 @@ template <std::size_t Groups>
     for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += (low - stride)[g].lane * (high + stride)[g].lane;
   }
 }
+/// The same of the orders 2 m + 1 and 2 m + 2 at once: what the second needs is known before the first.
+template <std::size_t Groups>
+[[gnu::always_inline]] inline void sum_two(const Four* orders, std::size_t all, std::size_t m, Four* odd, Four* even) {
+  const std::size_t stride = 2 * all;
+#pragma GCC unroll 16
+  for (std::size_t g = 0; g < Groups; ++g) odd[g].lane = even[g].lane = Four{}.lane;
+  if (Groups == 0 || m == 0) return;
+  const Four *low = orders + m * stride, *high = low + stride + all, *const end = orders + stride;
+#pragma GCC unroll 16
+  for (std::size_t g = 0; g < Groups; ++g) even[g].lane = 0.5 * (low[g + stride].lane * high[g].lane);
+  for (; low != end; low -= stride, high += stride) {
+#pragma GCC unroll 16
+    for (std::size_t g = 0; g < Groups; ++g) odd[g].lane += low[g].lane * high[g].lane;
+#pragma GCC unroll 16
+    for (std::size_t g = 0; g < Groups; ++g) even[g].lane += low[g].lane * high[g + stride].lane;
+  }
+}
 /// Of a lane that has two slots; of a square, which has one, half of it.
 inline double sum_of(const double* slots, bool square) { return square ? slots[0] : slots[0] + slots[1]; }
 inline Ends ends_of(const Program::Product& term, double factor, const double* row) {
@@ -61,6 +81,17 @@ inline Ends ends_of(const Program::Product& term, double factor, const double* r
 }
 
 double value_of(Op function, double x);
+
+/// What is known when order k is computed.
+struct Known {
+  double order, part;    ///< k, 1/k
+  const double* second;  ///< order 1
+  const double* half;  ///< what the terms of order k − 1 are multiplied with in sums: order 1, half of it where k = 2
+  const double* last;  ///< order k − 1
+  const double* older;  ///< sums of lanes without these terms
+  const double* sums;   ///< with them
+  const Ends* ends;
+};
 
 /// Powers of distances are halves.
 inline double power_of(double x, double p) {
@@ -91,7 +122,8 @@ struct Rules {
   [[gnu::always_inline]] inline double products_of(const Step& s, const double* row) const {
     const auto *products = structure.products + s.first_product, *by = numbers.products + s.first_product;
     double sum = 0;
-    each(s.products, [&](std::size_t i) { sum += by[i].factor * (row[products[i].a] * row[products[i].b]); });
+    each(s.products,
+         [&](std::size_t i) LEAST_INLINE { sum += by[i].factor * (row[products[i].a] * row[products[i].b]); });
     return sum;
   }
 
@@ -103,7 +135,7 @@ struct Rules {
       case Rule::sum: {
         double sum = n.c;
         const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
-        each(s.values, [&](std::size_t i) { sum += factors[i].factor * row[values[i].value]; });
+        each(s.values, [&](std::size_t i) LEAST_INLINE { sum += factors[i].factor * row[values[i].value]; });
         out = s.products > 0 ? sum + products_of(s, row) : sum;
         break;
       }
@@ -162,71 +194,83 @@ struct Rules {
     }
   }
 
-  /// Order k of a step, at `row`; `second`: order 1, `last`: order k − 1; `sums`: of lanes, without what is new in
-  /// order k. From one order to the next the way leads through the terms that are new: they are multiplied once and
-  /// come last.
-  [[gnu::always_inline]] inline void advance(const Step& s, const Step& n, double order, double part,
-                                             const double* second, const double* last, double* row, const double* sums,
-                                             const Gain& gain, const Ends* ends) const {
+  /// Order k of a step. From one order to the next the way leads through the terms that are new: they are multiplied
+  /// once and come last.
+  [[gnu::always_inline]] inline void advance(const Step& s, const Step& n, const Known& of, const Gain& gain,
+                                             double* row) const {
     double out = 0;
+    const double *half = of.half, *last = of.last, part = of.part;
     switch (s.rule) {
       case Rule::sum: {  // what is known early comes first; of the factors of a product it is the second that is late
         const auto* products = structure.products + s.first_product;
         const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
-        const Ends* const end = ends + s.first_product;
-        each(s.products, [&](std::size_t i) {
-          const double known = end[i].sums * sums[products[i].lane];
+        const Ends* const end = of.ends + s.first_product;
+        each(s.products, [&](std::size_t i) LEAST_INLINE {
+          const double known = end[i].sums * of.sums[products[i].lane];
           out = i > 0 ? out + known : known;
         });
-        each(s.products, [&](std::size_t i) {
+        each(s.products, [&](std::size_t i) LEAST_INLINE {
           if (products[i].a != products[i].b) out += row[products[i].a] * end[i].b;
         });
-        const auto term = [&](std::size_t i) { return factors[i].factor * row[values[i].value]; };
+        const auto term = [&](std::size_t i) LEAST_INLINE { return factors[i].factor * row[values[i].value]; };
         if (s.values > many) {  // four sums, which do not wait for each other
           std::array<double, 4> fours{};
-          each(s.values, [&](std::size_t i) { fours[i % 4] += term(i); });
+          each(s.values, [&](std::size_t i) LEAST_INLINE { fours[i % 4] += term(i); });
           out += (fours[0] + fours[1]) + (fours[2] + fours[3]);
         } else {
-          each(s.values, [&](std::size_t i) { out = i > 0 || s.products > 0 ? out + term(i) : term(i); });
+          each(s.values, [&](std::size_t i) LEAST_INLINE { out = i > 0 || s.products > 0 ? out + term(i) : term(i); });
         }
-        each(s.products, [&](std::size_t i) {
+        each(s.products, [&](std::size_t i) LEAST_INLINE {
           out += row[products[i].b] * (products[i].a != products[i].b ? end[i].a : end[i].a + end[i].b);
         });
         break;
       }
-      case Rule::quotient:
-        out = gain.a * (s.a == none ? 0 : row[s.a]) - sums[s.lane] * gain.inverse - row[s.b] * gain.b;
+      case Rule::quotient: {
+        const double known = of.older[s.lane] * gain.inverse + last[s.b] * (half[s.out] * gain.inverse);
+        out = gain.a * (s.a == none ? 0 : row[s.a]) - (known + last[s.out] * (half[s.b] * gain.inverse)) -
+              row[s.b] * gain.b;
         break;
+      }
       case Rule::root:
-        out = row[s.a] * gain.inverse - sums[s.lane] * gain.a;
+        out = row[s.a] * gain.inverse - (of.older[s.lane] * gain.a + last[s.out] * (half[s.out] * gain.a));
         break;
-      case Rule::power:
-        out = (n.p * sums[s.lane] - sums[s.w]) * (part * gain.inverse) + row[s.a] * gain.a;
+      case Rule::power: {
+        const double before = of.order - 1, by = part * gain.inverse;
+        const double known =
+            (n.p * of.older[s.lane] - of.older[s.w]) * by + last[s.a] * ((n.p * before - 1) * (half[s.out] * by));
+        out = known + last[s.out] * ((n.p - before) * (half[s.a] * by)) + row[s.a] * gain.a;
         break;
-      case Rule::integral:
-        out = (n.c * part) * sums[s.lane] + row[s.a] * gain.a;
+      }
+      case Rule::integral: {
+        const double by = n.c * part;
+        const double known = by * of.older[s.lane] + last[s.b] * (half[s.w] * by);
+        out = known + last[s.w] * (half[s.b] * by) + row[s.a] * gain.a;
         break;
-      case Rule::log_like:
-        out = row[s.a] * gain.a - sums[s.lane] * (part * gain.inverse);
+      }
+      case Rule::log_like: {
+        const double by = part * gain.inverse;
+        const double known = of.older[s.lane] * by + last[s.w] * (half[s.weighted] * by);
+        out = row[s.a] * gain.a - (known + last[s.weighted] * (half[s.w] * by));
         break;
+      }
       case Rule::select:
         out = gain.inverse != 0 ? row[s.a] : row[s.b];
         break;
       case Rule::linear_product:
-        out = n.c * (row[s.w] * gain.a + second[s.a] * last[s.w]);
+        out = n.c * (row[s.w] * gain.a + of.second[s.a] * last[s.w]);
         break;
       case Rule::linear_quotient:
-        out = gain.a * (s.a == none ? 0 : row[s.a]) - second[s.b] * last[s.out] * gain.inverse;
+        out = gain.a * (s.a == none ? 0 : row[s.a]) - of.second[s.b] * last[s.out] * gain.inverse;
         break;
       case Rule::linear_power:
-        out = second[s.a] * last[s.out] * (n.p - order + 1) * (part * gain.inverse);
+        out = of.second[s.a] * last[s.out] * (n.p - of.order + 1) * (part * gain.inverse);
         break;
       case Rule::linear_integral:
-        out = n.c * part * (second[s.a] * last[s.w]);
+        out = n.c * part * (of.second[s.a] * last[s.w]);
         break;
     }
     row[s.out] = out;
-    row[s.weighted] = order * out;
+    row[s.weighted] = of.order * out;
   }
 };
 

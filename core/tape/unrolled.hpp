@@ -4,6 +4,7 @@
 // where nothing overflows.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -120,56 +121,74 @@ class Unrolled {
   [[gnu::always_inline]] static inline void expand(const Program& p, const Workspace& of) {
     const Rules<true> rules{{S.values.data(), S.products.data()}, {p.values.data(), p.products.data()}};
     Row row{}, second{}, half{}, last{};
-    each<S.rows - first>([&](auto i) { row[first + i] = of.begun[first + i]; });
+    if (of.begun) {
+      each<S.rows - first>([&](auto i) LEAST_INLINE { row[first + i] = of.begun[first + i]; });
+    } else {
+      each<variables>([&](auto i) LEAST_INLINE { row[first + i] = of.x[i]; });
+      row[time] = of.t;
+      begin(p, rules, row);
+    }
+    each<variables>([&](auto i) LEAST_INLINE { of.rows[first + i] = row[first + i]; });
     std::array<Gain, steps> gains;
     std::array<Ends, S.products.size()> ends;
-    each<steps>([&](auto i) { gains[i] = Rules<true>::gain_of(S.steps[i], p.steps[i], row.data()); });
-    each<S.products.size()>([&](auto i) { ends[i] = ends_of(S.products[i], p.products[i].factor, row.data()); });
+    each<steps>([&](auto i) LEAST_INLINE { gains[i] = Rules<true>::gain_of(S.steps[i], p.steps[i], row.data()); });
+    each<S.products.size()>([&](auto i) LEAST_INLINE {
+      const Program::Product& term = S.products[i];
+      ends[i] = ends_of(term, p.products[i].factor, row.data());
+    });
     // Order 1 of what is linear in time, which has no other but the first.
     second[time] = second[at(S.weighted.back())] = 1;
-    each<linear>([&](auto i) {
-      rules.advance(S.linear[i], p.linear[i], 1, 1, second.data(), row.data(), second.data(), nullptr, {}, nullptr);
+    each<linear>([&](auto i) LEAST_INLINE {
+      rules.advance(S.linear[i], p.linear[i], {1, 1, second.data(), half.data(), row.data(), nullptr, nullptr, nullptr},
+                    {}, second.data());
     });
     Fours high, share{};
     auto next = finish(of, 0, row, high);
     double order = 0;
-    for (std::size_t k = 1; k < of.orders; ++k) {
+    const auto take = [&](std::size_t k, bool early, const Fours& slots) LEAST_INLINE {
       order += 1;
-      Fours slots;
-      sum_slots<groups>(of.lanes, groups, k, slots.data());
-      if constexpr (!alone) each<groups>([&](auto g) { slots[g].lane += share[g].lane * high[g].lane; });
-      std::array<double, lanes + 1> sums;
-      each<lanes>([&](auto i) {
+      std::array<double, lanes + 1> older, sums;
+      Fours all;  // with the terms of the last order
+      if constexpr (!alone)
+        each<groups>([&](auto g) LEAST_INLINE { all[g].lane = slots[g].lane + share[g].lane * high[g].lane; });
+      each<lanes>([&](auto i) LEAST_INLINE {
         constexpr std::size_t slot = at(S.slot[i]), a = at(S.low[slot]), b = at(S.high[slot]);
         if constexpr (alone) {
-          const auto slots_of = slots[0].lane;
-          sums[i] = slots_of[slot] + half[a] * row[b];
-          if constexpr (a != b) sums[i] += slots_of[slot + 1] + half[b] * row[a];
+          sums[i] = slots[slot / 4].lane[slot % 4] + half[a] * row[b];
+          if constexpr (a != b) sums[i] += slots[(slot + 1) / 4].lane[(slot + 1) % 4] + half[b] * row[a];
         } else {
-          sums[i] = sum_of(slots[0].begin() + slot, a == b);
+          sums[i] = sum_of(all[0].begin() + slot, a == b);
         }
+        older[i] = slots[slot / 4].lane[slot % 4];
+        if constexpr (a != b) older[i] += slots[(slot + 1) / 4].lane[(slot + 1) % 4];
       });
       last = row;
-      each<variables>([&](auto i) {
+      each<variables>([&](auto i) LEAST_INLINE {
         row[first + i] = next[i];
         row[at(S.weighted[i])] = last[at(S.rate[i])];
       });
-      const double once = k == 1 ? 1 : 0;
+      const double once = early && k == 1 ? 1 : 0;
       row[time] = row[at(S.weighted.back())] = once;
-      each<linear>([&](auto i) {
+      each<linear>([&](auto i) LEAST_INLINE {
         row[at(S.linear[i].out)] = once * second[at(S.linear[i].out)];
         row[at(S.linear[i].weighted)] = once * second[at(S.linear[i].weighted)];
       });
-      each<steps>([&](auto i) {
-        rules.advance(S.steps[i], p.steps[i], order, inverses[k], second.data(), last.data(), row.data(), sums.data(),
-                      gains[i], ends.data());
-      });
-      if (k == 1) second = row;
+      const Known known{order,       inverses[k],  second.data(), half.data(),
+                        last.data(), older.data(), sums.data(),   ends.data()};
+      each<steps>([&](auto i) LEAST_INLINE { rules.advance(S.steps[i], p.steps[i], known, gains[i], row.data()); });
       next = finish(of, k, row, high);
-      if constexpr (alone)
-        if (k < 3) each<S.rows>([&](auto i) { half[i] = second[i] * (k == 1 ? 0.5 : 1.0); });
-      if constexpr (!alone)
-        if (k < 3) each<groups>([&](auto g) { share[g].lane = of.lanes[2 * groups + g].lane * (k == 1 ? 0.5 : 1.0); });
+      if (!early) return;
+      if (k == 1) second = row;
+      const double part = k == 1 ? 0.5 : 1.0;
+      each<S.rows>([&](auto i) LEAST_INLINE { half[i] = second[i] * part; });
+      each<groups>([&](auto g) LEAST_INLINE { share[g].lane = of.lanes[2 * groups + g].lane * part; });
+    };
+    for (std::size_t k = 1; k < of.orders; k += 2) {
+      Fours odd{}, even{};
+      sum_two<groups>(of.lanes, groups, k / 2, odd.data(), even.data());
+      take(k, k == 1, odd);
+      if (k + 1 == of.orders) break;
+      take(k + 1, k == 1, even);
     }
   }
 
@@ -177,9 +196,38 @@ class Unrolled {
   [[gnu::always_inline]] static inline void begin(const Program& p, double* values) {
     const Rules<true> rules{{S.values.data(), S.products.data()}, {p.values.data(), p.products.data()}};
     Row row{};
-    each<variables + 1>([&](auto i) { row[first + i] = values[first + i]; });
-    each<linear>([&](auto i) { rules.begin(S.linear[i], p.linear[i], row.data()); });
-    each<steps>([&](auto i) {
+    each<variables + 1>([&](auto i) LEAST_INLINE { row[first + i] = values[first + i]; });
+    begin(p, rules, row);
+    each<S.rows - first>([&](auto i) LEAST_INLINE { values[first + i] = row[first + i]; });
+  }
+
+ private:
+  static constexpr std::size_t steps = S.steps.size(), linear = S.linear.size(), variables = S.rate.size(),
+                               lanes = S.slot.size(), groups = S.low.size() / 4, first = at(Program::first_variable),
+                               time = first + variables;
+  /// Whether a value that others follow from in the same order is a product of two such values.
+  static constexpr bool chained = std::ranges::any_of(S.steps, [](const Step& s) {
+    const auto products = std::span(S.products).subspan(at(s.first_product), at(s.products));
+    const auto computed = [](Index value) { return at(value) > time; };
+    return s.rule == Rule::sum && !std::ranges::count(S.rate, s.out) &&
+           std::ranges::any_of(products, [=](const auto& term) { return computed(term.a) && computed(term.b); });
+  });
+  /// The terms of the last order are added to sums one by one: that is more to do than by fours, but sooner done.
+  static constexpr bool alone = lanes <= (chained ? 8 : 6);
+  using Row = std::array<double, S.rows>;
+  using Fours = std::array<Four, groups + 1>;
+
+  template <std::size_t N, class F>
+  [[gnu::always_inline]] static inline void each(F&& f) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) LEAST_INLINE {
+      (f(std::integral_constant<std::size_t, I>{}), ...);
+    }
+    (std::make_index_sequence<N>{});
+  }
+
+  [[gnu::always_inline]] static inline void begin(const Program& p, const Rules<true>& rules, Row& row) {
+    each<linear>([&](auto i) LEAST_INLINE { rules.begin(S.linear[i], p.linear[i], row.data()); });
+    each<steps>([&](auto i) LEAST_INLINE {
       if constexpr (i > 0 && is_pair(i - 1)) return;
       if constexpr (is_pair(i)) {  // of one argument: for the price of little more than one
         const double x = p.steps[i].p * row[at(S.steps[i].a)];
@@ -189,24 +237,6 @@ class Unrolled {
         rules.begin(S.steps[i], p.steps[i], row.data());
       }
     });
-    each<S.rows - first>([&](auto i) { values[first + i] = row[first + i]; });
-  }
-
- private:
-  static constexpr std::size_t steps = S.steps.size(), linear = S.linear.size(), variables = S.rate.size(),
-                               lanes = S.slot.size(), groups = S.low.size() / 4, first = at(Program::first_variable),
-                               time = first + variables;
-  /// Few lanes add the terms of the last order one by one: that is more to do, but sooner done.
-  static constexpr bool alone = lanes <= 2;
-  using Row = std::array<double, S.rows>;
-  using Fours = std::array<Four, groups + 1>;
-
-  template <std::size_t N, class F>
-  [[gnu::always_inline]] static inline void each(F&& f) {
-    [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
-      (f(std::integral_constant<std::size_t, I>{}), ...);
-    }
-    (std::make_index_sequence<N>{});
   }
 
   /// Whether a step and the next are sine and cosine of the same.
@@ -230,10 +260,11 @@ class Unrolled {
                                                                             const Row& row, Fours& high) {
     double* const here = of.rows + k * S.rows;
     std::array<double, variables> next;
-    each<variables>([&](auto i) { here[S.rows + first + i] = next[i] = row[at(S.rate[i])] * inverses[k + 1]; });
-    each<S.kept.size()>([&](auto i) { here[at(S.kept[i])] = row[at(S.kept[i])]; });
+    each<variables>([&](auto i)
+                        LEAST_INLINE { here[S.rows + first + i] = next[i] = row[at(S.rate[i])] * inverses[k + 1]; });
+    each<S.kept.size()>([&](auto i) LEAST_INLINE { here[at(S.kept[i])] = row[at(S.kept[i])]; });
     Four* const fours = of.lanes + k * 2 * groups;
-    each<groups>([&](auto g) {
+    each<groups>([&](auto g) LEAST_INLINE {
       constexpr std::size_t f = 4 * g;
       together(fours[g], row[at(S.low[f])], row[at(S.low[f + 1])], row[at(S.low[f + 2])], row[at(S.low[f + 3])]);
       constexpr auto place = [](int i) { return S.high[f + at(i)] == S.low[f + at(i)] ? i : i ^ 1; };

@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "core/schemes/taylor.hpp"
+#include "core/tape/series_rules.hpp"
+
+// How long a step of a Taylor series may be.
+
+namespace least::taylor {
+namespace {
+
+using tape::Index;
+
+constexpr std::int64_t one = std::bit_cast<std::int64_t>(1.0), mantissa = (std::int64_t{1} << 52) - 1;
+/// log₂ ((a/b)^{1/k}) of numbers ≥ 0, in units of 2⁻⁵²: read off their bits, which are a logarithm to 0.09. So a k-th
+/// power of what follows from it is right to 6 per cent: enough for the length of a step.
+std::int64_t rough_log2_root(double a, double b, int k) {
+  constexpr int shift = 62;
+  static constexpr auto parts = [] {
+    std::array<std::int64_t, tape::Series::most_orders + 1> all{};
+    for (std::size_t i = 1; i < all.size(); ++i) all[i] = (std::int64_t{1} << shift) / static_cast<std::int64_t>(i);
+    return all;
+  }();
+  __extension__ using Wide = __int128;
+  const std::int64_t log_ratio = std::bit_cast<std::int64_t>(a) - std::bit_cast<std::int64_t>(b);
+  return static_cast<std::int64_t>((Wide{log_ratio} * parts[tape::at(k)]) >> shift);
+}
+/// 2ˣ of x in these units to 0.2 per cent, 0 where that is less than a normal number.
+double rough_exp2(std::int64_t x) {
+  constexpr double third = 1.0 / 3;
+  const std::int64_t bits = x + one;
+  if (bits <= mantissa) return 0;
+  const double part = std::bit_cast<double>((bits & mantissa) | one);
+  return std::bit_cast<double>(bits & ~mantissa) * ((2 + part * part) * third);
+}
+constexpr std::int64_t whole_log2(int n) { return std::int64_t{n} * (mantissa + 1); }
+
+/// Components by two.
+typedef double Two __attribute__((vector_size(16)));
+typedef std::int64_t Bits __attribute__((vector_size(16)));
+
+constexpr Bits both{INT64_MAX, INT64_MAX}, first{INT64_MAX, 0};
+template <class X>
+X larger(const X& a, const X& b) {
+  return a < b ? b : a;
+}
+/// The sizes of two components, of which only those of the motion have a say.
+Two sizes(const double* c, const Bits& kept) {
+  return std::bit_cast<Two>(std::bit_cast<Bits>(Two{tape::read_alone(c[0]), c[1]}) & kept);
+}
+
+constexpr std::int64_t long_step = whole_log2(20), longest_step = whole_log2(500);  // its square is finite
+constexpr int looked_at = 8;                                                        // orders
+constexpr double excess = 10;             // by how much their coefficients may exceed what the last two promise
+constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what those before the last ought to be
+
+}  // namespace
+
+double Expansion::largest(int k) const {
+  Two most{}, sums{};
+  for (std::size_t begin = 0; begin < moving_; begin += 2) {
+    const Two here = sizes(series_.coefficients(k) + begin, begin + 1 < moving_ ? both : first);
+    most = most < here ? here : most;
+    sums += here;
+  }
+  const double sum = sums[0] + sums[1];
+  return sum < std::numeric_limits<double>::infinity() ? std::max(most[0], most[1]) : sum;  // NaN comes in and stays
+}
+
+double Expansion::largest_carried(int k) const {
+  double most = 0;
+  for (std::size_t i = moving_; i < variables_; ++i) {
+    const double here = std::abs(series_.coefficients(k)[i]);
+    if (!(here <= most)) most = here;
+    if (std::isnan(most)) break;
+  }
+  return most;
+}
+
+double Expansion::carried_step() const {
+  constexpr double slack = 10;  // more than of the motion: derivatives of its series by the start are somewhat larger
+  double h = std::numeric_limits<double>::infinity();
+  const double log_term = std::log2(slack * tolerance_ * std::max({1.0, largest(0), largest_carried(0)}));
+  for (const int k : {used_ - 1, used_})
+    if (const double c = k > 0 ? largest_carried(k) : 0; c > 0)
+      h = std::min(h, std::exp2((log_term - std::log2(c)) / k));
+  return h;
+}
+
+double Expansion::step(double most) {
+  double h = used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
+  h = std::min(h, most);
+  if (may_hide_what_comes(h, most))
+    while (h > 0 && !solves(h)) h *= 0.5;
+  return h;
+}
+
+/// A force that sleeps, as t⁴⁰ or a pulse that is yet to come, leaves no trace in the series: its last terms vanish, or
+/// it hardly moves, or it seems good up to the end, or as far as one likes.
+bool Expansion::may_hide_what_comes(double h, double most) const {
+  constexpr double little = 0.01;
+  if (!reads_time_ || used_ == 0) return false;
+  return series_.program().whole || !(h < most) || (last_ == 0 && (used_ == 1 || largest(used_ - 1) == 0)) ||
+         largest(1) * h < little * std::max(1.0, largest(0));
+}
+/// Whether the polynomials solve the equations at a few places within the step, to about the tolerance.
+bool Expansion::solves(double h) {
+  constexpr double slack = 100, grain = 1e-12;
+  const double most = std::max(1.0, largest(0)) * std::max(slack * tolerance_, grain);
+  std::array<double, places> part, value, slope;
+  for (std::size_t place = 0; place < places; ++place) part[place] = h * static_cast<double>(place + 1) / places;
+  for (std::size_t i = 0; i < variables_; ++i) {
+    value.fill(0);
+    slope.fill(0);
+    for (int k = used_; k >= 0; --k)
+      for (std::size_t place = 0; place < places; ++place) {  // side by side, as each alone waits for itself
+        slope[place] = slope[place] * part[place] + value[place];
+        value[place] = value[place] * part[place] + series_.coefficients(k)[i];
+      }
+    for (std::size_t place = 0; place < places; ++place) {
+      way_[place * variables_ + i] = value[place];
+      slopes_[place * variables_ + i] = slope[place];
+    }
+  }
+  for (std::size_t place = 0; place < places; ++place) {
+    if (!series_.defined(way_.data() + place * variables_, t_ + part[place])) return false;
+    for (std::size_t i = 0; i < moving_; ++i)
+      if (!(std::abs(series_.rate(i) - slopes_[place * variables_ + i]) * h <= most)) return false;
+  }
+  return true;
+}
+
+double Expansion::heeded(double h, int from, int to, double most, double rho, double scale) const {
+  for (int k = from; k >= to; --k)
+    if (const double c = largest(k); c > (most *= rho))
+      h = std::min(h, rough_exp2(rough_log2_root(scale, c, k)) * std::pow(tolerance_, 1.0 / used_));
+  return h;
+}
+
+template <std::size_t Pairs>
+double Expansion::series_step() const {
+  const std::size_t pairs = Pairs > 0 ? Pairs : (moving_ + 1) / 2, stride = series_.stride();
+  const Bits kept = moving_ % 2 == 0 ? both : first;
+  const double *const newest = series_.coefficients(used_), *const oldest = series_.coefficients(0);
+  const auto sizes_at = [&](const double* c, std::size_t pair) {
+    return sizes(c + 2 * pair, pair + 1 < pairs ? both : kept);
+  };
+  const auto size_at = [&](const double* c) {
+    Two most = sizes_at(c, 0);
+    for (std::size_t pair = 1; pair < pairs; ++pair) most = larger(most, sizes_at(c, pair));
+    return larger(most[0], most[1]);
+  };
+  const double size = larger(1.0, size_at(oldest)), scale = allowed * size, term = scale * tolerance_;
+  if (!(term > 0)) return 0;
+  const double last = size_at(newest), before = used_ > 1 ? size_at(newest - stride) : 0;
+  std::int64_t log_h = std::numeric_limits<std::int64_t>::max();
+  if (last > 0) log_h = rough_log2_root(term, last, used_);
+  if (before > 0) log_h = std::min(log_h, rough_log2_root(term, before, used_ - 1));
+  const bool cut = log_h > long_step;
+  if (cut) {
+    const std::int64_t log_t = rough_log2_root(std::abs(t_), 1, 1);
+    log_h = std::min(log_h, std::min(std::max(long_step, log_t - long_step), longest_step));
+  }
+  double h = rough_exp2(log_h);
+  if (!series_.program().whole && h > 0) {
+    // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ρᵏ is to be of one size,
+    // where ρ = h ε^{−1/p} is how far the series seems to converge.
+    const double inverse_root = used_ == series_.order() ? inverse_root_ : std::pow(tolerance_, -1.0 / used_);
+    const double rho = h * inverse_root;  // of the order before the last:
+    const double promised = cut ? scale * std::pow(rho, 1 - used_) : larger(last * rho, before * inverse_root);
+    double here = promised;  // of the lowest order looked at
+    Two above{};             // the largest of cₖ ρᵏ there
+    const auto look = [&](int rows) __attribute__((always_inline)) {
+#pragma GCC unroll 8
+      for (int row = 0; row < rows; ++row) here *= rho;
+      for (std::size_t pair = 0; pair < pairs; ++pair) {
+        const double* c = newest - 2 * stride;
+        Two most{};
+#pragma GCC unroll 8
+        for (int row = 0; row < rows; ++row, c -= stride) most = larger(most * rho, sizes_at(c, pair));
+        above = larger(above, most);
+      }
+    };
+    const int low = used_ - looked_at + 1;
+    if (low > 1)
+      look(looked_at - 2);
+    else
+      look(used_ - 2);
+    if (larger(above[0], above[1]) > excess * here)
+      h = heeded(h, used_ - 2, std::max(1, low), excess * promised, rho, scale);
+    // A row that only begins to be something says nothing of how far it converges: then all of it is heeded.
+    const double little = hush * here;
+    if (low > 1 && h * size_at(oldest + stride) > far * size) [[unlikely]]
+      if (size_at(newest - (looked_at - 1) * stride) < little &&
+          size_at(newest - (looked_at - 2) * stride) * rho < little)
+        h = heeded(h, low - 1, 1, excess * here, rho, scale);
+  }
+  h = std::min(h, longest_);
+  for (const Index pole : series_.program().poles) {  // never over it, whatever the coefficients say
+    const double ahead = -series_.coefficient(pole, 0) / series_.coefficient(pole, 1);
+    if (ahead > 0) h = std::min(h, 0.5 * ahead);
+  }
+  return series_.program().switches.empty() ? h : until_switch(h);
+}
+
+/// Up to h, or to shortly behind the first time at which a formula changes.
+double Expansion::until_switch(double h) const {
+  constexpr std::size_t parts = 8;
+  double end = h;
+  for (const Index value : series_.program().switches) {
+    double most = 0;
+    for (int k = used_ - 1; k > 0; --k) most = (most + std::abs(series_.coefficient(value, k))) * end;
+    if (most < std::abs(series_.coefficient(value, 0))) continue;  // it stays on its side
+    const bool before = series_.coefficient(value, 0) < 0;
+    std::array<double, parts> times, sums{};  // side by side, as each alone waits for itself
+    for (std::size_t part = 0; part < parts; ++part) times[part] = end * static_cast<double>(part + 1) / parts;
+    for (int k = used_ - 1; k >= 0; --k)
+      for (std::size_t part = 0; part < parts; ++part)
+        sums[part] = sums[part] * times[part] + series_.coefficient(value, k);
+    for (std::size_t part = 0; part < parts; ++part) {
+      if ((sums[part] < 0) == before) continue;
+      double low = part > 0 ? times[part - 1] : 0, high = times[part];
+      double time = low > 0 ? low : 0.5 * high;
+      for (int i = 0; i < 60 && high - low > 1e-16 * high; ++i) {  // Newton's method, within these two
+        double sum = 0, slope = 0;
+        for (int k = used_ - 1; k >= 0; --k) {
+          slope = slope * time + sum;
+          sum = sum * time + series_.coefficient(value, k);
+        }
+        ((sum < 0) == before ? low : high) = time;
+        const double next = time - sum / slope;
+        if (std::abs(next - time) <= 4 * std::numeric_limits<double>::epsilon() * time) {
+          high = time;
+          break;
+        }
+        time = low < next && next < high ? next : 0.5 * (low + high);
+      }
+      const double beyond = 4 * std::numeric_limits<double>::epsilon();
+      end = std::min(end, high * (1 + beyond) + beyond * std::abs(t_));
+      break;
+    }
+  }
+  return end;
+}
+
+}  // namespace least::taylor

@@ -1,8 +1,6 @@
 #include "core/tape/double_double.hpp"
 
 #include "core/number/quad.hpp"
-#include "core/tape/wide.hpp"
-
 
 namespace least {
 namespace {
@@ -15,17 +13,35 @@ typedef double TwoNumbers __attribute__((vector_size(32), aligned(8), may_alias)
   return *reinterpret_cast<const TwoNumbers*>(x);
 }
 
-Quad wide(const DoubleDouble& x) { return Quad(x.high()) + Quad(x.low()); }
-DoubleDouble narrow(const Quad& x) {
-  const auto high = static_cast<double>(x);
-  return {high, static_cast<double>(x - Quad(high))};
+/// What rounding has left of a product: by a fused multiplication, or by halves of the factors; the same to the bit.
+template <bool fused>
+[[gnu::always_inline]] inline double low_of(double x, double y, double product) {
+  return fused ? __builtin_fma(x, y, -product) : DoubleDouble::exact_product(x, y).low();
+}
+template <bool fused>
+[[gnu::always_inline]] inline void low_of(const FourTerms& x, const FourTerms& y, const FourTerms& product,
+                                          FourTerms& low) {
+  if constexpr (fused) {
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)  // which the compiler does not find for itself
+    low = product;
+    asm("vfmsub231pd %2, %1, %0" : "+x"(low) : "x"(x), "x"(y));
+#else
+    for (int lane = 0; lane < 4; ++lane) low[lane] = low_of<true>(x[lane], y[lane], product[lane]);
+#endif
+  } else {
+    constexpr double splitter = 0x1p27 + 1;
+    const FourTerms wide_x = splitter * x, wide_y = splitter * y;
+    const FourTerms upper_x = wide_x - (wide_x - x), upper_y = wide_y - (wide_y - y), lower_x = x - upper_x,
+                    lower_y = y - upper_y;
+    low = ((upper_x * upper_y - product) + upper_x * lower_y + lower_x * upper_y) + lower_x * lower_y;
+  }
 }
 
-}  // namespace
-
-// What rounding leaves is summed apart. Four sums side by side, whatever the machine; what is left over is added alone.
-LEAST_WIDE DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first,
-                                 std::size_t last) {
+/// What rounding leaves is summed apart. Four sums side by side, whatever the machine; what is left over is added
+/// alone.
+template <bool fused>
+[[gnu::always_inline]] inline DoubleDouble convolve_by(const DoubleDouble* a, const DoubleDouble* b, std::size_t k,
+                                                       std::size_t first, std::size_t last) {
   FourTerms sums{}, rests{};
   std::size_t j = first;
   for (; j + 4 <= last + 1; j += 4) {
@@ -35,17 +51,14 @@ LEAST_WIDE DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, s
     const FourTerms dx = __builtin_shufflevector(a0, a2, 1, 5, 3, 7);
     const FourTerms y = __builtin_shufflevector(b1, b3, 2, 6, 0, 4);
     const FourTerms dy = __builtin_shufflevector(b1, b3, 3, 7, 1, 5);
-    constexpr double splitter = 0x1p27 + 1;
-    const FourTerms product = x * y, wide_x = splitter * x, wide_y = splitter * y;
-    const FourTerms upper_x = wide_x - (wide_x - x), upper_y = wide_y - (wide_y - y), lower_x = x - upper_x,
-                    lower_y = y - upper_y;
-    const FourTerms low = ((upper_x * upper_y - product) + upper_x * lower_y + lower_x * upper_y) + lower_x * lower_y;
-    const FourTerms next = sums + product, part = next - sums;
+    const FourTerms product = x * y, next = sums + product, part = next - sums;
+    FourTerms low;
+    low_of<fused>(x, y, product, low);
     rests += ((sums - (next - part)) + (product - part)) + (low + (x * dy + dx * y));
     sums = next;
   }
   double sum = 0, rest = (rests[0] + rests[1]) + (rests[2] + rests[3]);
-  const auto add = [&](double x, double low) {
+  const auto add = [&](double x, double low) __attribute__((always_inline)) {
     const DoubleDouble next = DoubleDouble::exact_sum(sum, x);
     sum = next.high();
     rest += next.low() + low;
@@ -53,10 +66,42 @@ LEAST_WIDE DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, s
   for (int lane = 0; lane < 4; ++lane) add(sums[lane], 0);
   for (; j <= last; ++j) {
     const DoubleDouble &x = a[j], &y = b[k - j];
-    const DoubleDouble product = DoubleDouble::exact_product(x.high(), y.high());
-    add(product.high(), product.low() + (x.high() * y.low() + x.low() * y.high()));
+    const double product = x.high() * y.high();
+    add(product, low_of<fused>(x.high(), y.high(), product) + (x.high() * y.low() + x.low() * y.high()));
   }
   return DoubleDouble::exact_sum(sum, rest);
+}
+
+using Convolution = DoubleDouble (*)(const DoubleDouble*, const DoubleDouble*, std::size_t, std::size_t, std::size_t);
+template <bool fused>
+DoubleDouble convolve_so(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first,
+                         std::size_t last) {
+  return convolve_by<fused>(a, b, k, first, last);
+}
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+[[gnu::target("avx2,fma")]] DoubleDouble convolve_fused(const DoubleDouble* a, const DoubleDouble* b, std::size_t k,
+                                                        std::size_t first, std::size_t last) {
+  return convolve_by<true>(a, b, k, first, last);
+}
+const Convolution convolve_here =
+    __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &convolve_fused : &convolve_so<false>;
+#elif defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+constexpr Convolution convolve_here = &convolve_so<true>;
+#else
+constexpr Convolution convolve_here = &convolve_so<false>;
+#endif
+
+Quad wide(const DoubleDouble& x) { return Quad(x.high()) + Quad(x.low()); }
+DoubleDouble narrow(const Quad& x) {
+  const auto high = static_cast<double>(x);
+  return {high, static_cast<double>(x - Quad(high))};
+}
+
+}  // namespace
+
+DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first,
+                      std::size_t last) {
+  return convolve_here(a, b, k, first, last);
 }
 DoubleDouble square(const DoubleDouble* a, std::size_t k, std::size_t first) {
   DoubleDouble sum = 2.0 * convolve(a, a, k, first, (k - 1) / 2);

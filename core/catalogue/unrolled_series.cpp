@@ -9,9 +9,13 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define LEAST_FOURS [[gnu::target("avx2")]]
 #define LEAST_HAS_FOURS __builtin_cpu_supports("avx2")
+#define LEAST_MORE_FOURS [[gnu::target("avx2,avx512f,avx512vl")]]
+#define LEAST_HAS_MORE_FOURS (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl"))
 #else
 #define LEAST_FOURS
 #define LEAST_HAS_FOURS true
+#define LEAST_MORE_FOURS
+#define LEAST_HAS_MORE_FOURS false
 #endif
 
 namespace least::tape {
@@ -53,22 +57,33 @@ LEAST_FOURS void begin(const Program& program, double* values) {
   Unrolled<S>::begin(program, values);
 }
 
+/// The same for programs of more sums than sixteen registers hold, where there are thirty-two.
 template <const auto& S>
-constexpr UnrolledSeries unrolled{&Unrolled<S>::fits, &expand<S>, &begin<S>};
+LEAST_MORE_FOURS void expand_in_more(const Program& program, const Workspace& of) {
+  Unrolled<S>::expand(program, of);
+}
+template <const auto& S>
+UnrolledSeries unrolled() {
+  constexpr std::size_t many = 12;
+  UnrolledSeries made{&Unrolled<S>::fits, &expand<S>, &begin<S>};
+  if constexpr (S.low.size() >= many)
+    if (LEAST_HAS_MORE_FOURS) made.expand = &expand_in_more<S>;
+  return made;
+}
 
 template <const auto& A, const auto& B>
 constexpr bool alike = std::ranges::equal(A.structure, B.structure);
 
 /// All that differ of a problem.
 template <template <class> class P>
-constexpr auto all_of() {
+std::vector<UnrolledSeries> all_of() {
   constexpr auto &a = structure<P, Met::defaults, false>, &b = structure<P, Met::defaults, true>;
   constexpr auto &c = structure<P, Met::numbers, false>, &d = structure<P, Met::numbers, true>;
-  std::vector<UnrolledSeries> all{unrolled<a>};
-  if constexpr (!alike<a, b>) all.push_back(unrolled<b>);
+  std::vector<UnrolledSeries> all{unrolled<a>()};
+  if constexpr (!alike<a, b>) all.push_back(unrolled<b>());
   if constexpr (!alike<a, c>) {
-    all.push_back(unrolled<c>);
-    if constexpr (!alike<c, d>) all.push_back(unrolled<d>);
+    all.push_back(unrolled<c>());
+    if constexpr (!alike<c, d>) all.push_back(unrolled<d>());
   }
   return all;
 }

@@ -120,24 +120,21 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
   } else if constexpr (HasSeries<P>) {
     start(digits_of(problem, series_state<StateOf<P, Quad, Quad>>(problem, P::series_until)), P::series_until);
   }
-  for (const double t : times) {
-    if constexpr (HasSeries<P>)
-      if (starts_series(problem, x0) && t <= P::series_until) {  // where the equations may be singular
-        const auto x = series_state<StateOf<P, Quad, Quad>>(problem, t);
+  std::size_t done = 0;
+  if constexpr (HasSeries<P>)
+    if (starts_series(problem, x0))
+      for (; done < times.size() && times[done] <= P::series_until; ++done) {  // where equations may be singular
+        const auto x = series_state<StateOf<P, Quad, Quad>>(problem, times[done]);
         runs.add(
-            t, [&](std::size_t i) { return static_cast<double>(x[i]); }, [](std::size_t) { return 0.0; });
-        continue;
+            times[done], [&](std::size_t i) { return static_cast<double>(x[i]); }, [](std::size_t) { return 0.0; });
       }
-    const auto x = fine.at(t, keep_going);
-    const auto y = x.empty() ? x : coarse.at(t, keep_going);
-    if (fine.lost() || coarse.lost()) return std::nullopt;
-    if (y.empty()) {
-      runs.give_up();
-      break;
-    }
-    const auto state = [&](std::size_t i) { return x[i].high(); };
-    if (!runs.add(t, state, [&](std::size_t i) { return (y[i] - x[i]).high(); })) break;
+  const auto states = side_by_side(fine, coarse, std::span(times).subspan(done), keep_going);
+  if (fine.lost() || coarse.lost()) return std::nullopt;
+  for (const auto& [x, y] : states) {
+    const auto state = [&x = x](std::size_t i) { return x[i].high(); };
+    if (!runs.add(times[done++], state, [&x = x, &y = y](std::size_t i) { return (y[i] - x[i]).high(); })) break;
   }
+  if (done < times.size()) runs.give_up();
   return std::move(runs).result();
 }
 

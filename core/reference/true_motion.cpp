@@ -1,9 +1,14 @@
 #include "core/reference/true_motion.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <utility>
+
+#include "core/tape/wide.hpp"
 
 namespace least {
 namespace {
@@ -133,7 +138,7 @@ void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
   least_size_ = size > 0 && size < 1 ? size : 1;
 }
 
-void TrueMotion::expand() {
+LEAST_FUSED void TrueMotion::expand() {
   for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x_[v];
   for (Index i = 0; i < tape_.size() && !begun_; ++i) begin(i);
   begun_ = true;
@@ -218,7 +223,7 @@ bool TrueMotion::settle(const std::function<bool()>& keep_going) {
 
 /// Whether the polynomials solve the equations at a time within the step, in units. A series knows nothing of what
 /// begins behind its digits: a force that is switched on later.
-bool TrueMotion::solves(double h) {
+LEAST_FUSED bool TrueMotion::solves(double h) {
   constexpr double slack = 1e6;  // of tolerances: what is looked for is no matter of digits
   const DoubleDouble t = t_;
   slopes_.clear();
@@ -264,7 +269,7 @@ void TrueMotion::shorten() {
   solves(length_);
 }
 
-DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& h) const {
+LEAST_FUSED DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& h) const {
   const DoubleDouble* const c = row(variable);
   DoubleDouble sum = c[order_];
   for (std::size_t k = order_; k-- > 0;) sum = sum * h + c[k];
@@ -290,6 +295,33 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
   asked_.clear();
   for (const Index variable : variables_) asked_.push_back(within(variable, h));
   return asked_;
+}
+
+std::vector<std::array<std::vector<DoubleDouble>, 2>> side_by_side(TrueMotion& one, TrueMotion& other,
+                                                                   std::span<const double> times,
+                                                                   const std::function<bool()>& keep_going) {
+  using States = std::vector<std::vector<DoubleDouble>>;
+  const auto states_of = [times](TrueMotion& motion, const std::function<bool()>& going) {
+    States states;
+    for (const double t : times) {
+      const auto x = motion.at(t, going);
+      if (x.empty()) break;
+      states.emplace_back(x.begin(), x.end());
+    }
+    return states;
+  };
+  std::atomic<bool> wanted{true};
+  // Where there is no thread to be had, it is done when it is asked for.
+  auto promise = std::async(std::launch::async | std::launch::deferred,
+                            [&] { return states_of(other, [&wanted] { return wanted.load(); }); });
+  States first = states_of(one, keep_going);
+  while (promise.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout)
+    if (!keep_going()) wanted = false;
+  States second = promise.get();
+  std::vector<std::array<std::vector<DoubleDouble>, 2>> both;
+  for (std::size_t i = 0; i < std::min(first.size(), second.size()); ++i)
+    both.push_back({std::move(first[i]), std::move(second[i])});
+  return both;
 }
 
 }  // namespace least

@@ -3,6 +3,7 @@
 // time within a step is told by the polynomial. Sources: as core/tape/series.hpp.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 #include <utility>
@@ -65,5 +66,11 @@ class TrueMotion {
   double longest_ = 0;                        ///< a step may be
   bool lost_ = false;
 };
+
+/// The states of two motions of the same equations at increasing times, as far as both come; side by side, as each
+/// takes its time. keep_going() is asked by the thread that calls.
+std::vector<std::array<std::vector<DoubleDouble>, 2>> side_by_side(TrueMotion& one, TrueMotion& other,
+                                                                   std::span<const double> times,
+                                                                   const std::function<bool()>& keep_going);
 
 }  // namespace least

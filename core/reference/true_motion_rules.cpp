@@ -1,5 +1,6 @@
 // What operations make of series, order by order.
 #include "core/reference/true_motion.hpp"
+#include "core/tape/wide.hpp"
 
 namespace least {
 namespace {
@@ -80,7 +81,7 @@ const DoubleDouble* TrueMotion::divisor_of(Index i) const {
 }
 
 /// Order k > 0, of what the node is made of known up to k.
-void TrueMotion::extend(Index i, std::size_t k) {
+LEAST_FUSED void TrueMotion::extend(Index i, std::size_t k) {
   const Node& node = tape_[i];
   const Rows& own = rows_of_[place_of(i)];
   DoubleDouble* const out = row(i);

@@ -15,10 +15,6 @@ typedef double TwoNumbers __attribute__((vector_size(32), aligned(8), may_alias)
 
 /// What rounding has left of a product: by a fused multiplication, or by halves of the factors; the same to the bit.
 template <bool fused>
-[[gnu::always_inline]] inline double low_of(double x, double y, double product) {
-  return fused ? __builtin_fma(x, y, -product) : DoubleDouble::exact_product(x, y).low();
-}
-template <bool fused>
 [[gnu::always_inline]] inline void low_of(const FourTerms& x, const FourTerms& y, const FourTerms& product,
                                           FourTerms& low) {
   if constexpr (fused) {
@@ -26,7 +22,7 @@ template <bool fused>
     low = product;
     asm("vfmsub231pd %2, %1, %0" : "+x"(low) : "x"(x), "x"(y));
 #else
-    for (int lane = 0; lane < 4; ++lane) low[lane] = low_of<true>(x[lane], y[lane], product[lane]);
+    for (int lane = 0; lane < 4; ++lane) low[lane] = DoubleDouble::exact_product(x[lane], y[lane]).low();
 #endif
   } else {
     constexpr double splitter = 0x1p27 + 1;
@@ -66,8 +62,8 @@ template <bool fused>
   for (int lane = 0; lane < 4; ++lane) add(sums[lane], 0);
   for (; j <= last; ++j) {
     const DoubleDouble &x = a[j], &y = b[k - j];
-    const double product = x.high() * y.high();
-    add(product, low_of<fused>(x.high(), y.high(), product) + (x.high() * y.low() + x.low() * y.high()));
+    const DoubleDouble product = DoubleDouble::exact_product(x.high(), y.high());
+    add(product.high(), product.low() + (x.high() * y.low() + x.low() * y.high()));
   }
   return DoubleDouble::exact_sum(sum, rest);
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cmath>
+#include <type_traits>
 
 #include "core/tape/tape.hpp"
 
@@ -52,6 +53,7 @@ class DoubleDouble {
   }
   /// a b, exactly, where nothing over- or underflows.
   static constexpr DoubleDouble exact_product(double a, double b) {
+    if (!std::is_constant_evaluated()) return {a * b, __builtin_fma(a, b, -(a * b))};
     constexpr double splitter = 0x1p27 + 1;
     const double product = a * b, wide_a = splitter * a, wide_b = splitter * b;
     const double upper_a = wide_a - (wide_a - a), upper_b = wide_b - (wide_b - b);

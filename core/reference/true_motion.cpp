@@ -169,7 +169,8 @@ std::size_t TrueMotion::finite_orders() const {
   return order;
 }
 
-/// How long a step may be, in units, by the first `used` orders. As of the scheme `taylor`, core/schemes/taylor.cpp.
+/// How long a step may be, in units, by the first `used` orders. As of the scheme `taylor`,
+/// core/schemes/taylor_length.cpp.
 double TrueMotion::length(std::size_t used) const {
   constexpr double kept = 1.0 / 16, slack = 10;
   constexpr std::size_t looked_at = 8;

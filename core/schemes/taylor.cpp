@@ -125,16 +125,6 @@ struct Polynomials {
     One::write((start - (to - back)) + (change - back), rest + begin);
   }
 };
-LEAST_WIDE void add_polynomials(const double* first, std::size_t stride, int order, double h, std::size_t variables,
-                                const double* y, const double* low, double* end, double* rest) {
-  const double square = h * h, fourth = std::min(square * square, std::numeric_limits<double>::max());
-  const Polynomials of{first, stride, order, h, square, fourth};
-  std::size_t begin = 0;
-  for (; begin + 4 <= variables; begin += 4) of.add<4>(begin, y, low, end, rest);
-  for (; begin + 2 <= variables; begin += 2) of.add<2>(begin, y, low, end, rest);
-  for (; begin < variables; ++begin) of.add<1>(begin, y, low, end, rest);
-}
-
 bool reads_time(const Program& program) {
   const Index time = program.time();
   const auto is_time = [time](Index value) { return value == time; };
@@ -180,15 +170,18 @@ void Expansion::move(const double* y, double t) {
   series_.expand(y, t);
   t_ = t;
   used_ = series_.order();
-  last_ = largest(used_);
-  if (std::isfinite(last_)) return;
+  if (finite(used_)) return;
   used_ = 0;  // near a singularity high orders overflow before low ones mean nothing
-  last_ = 0;
-  for (double next = largest(1); std::isfinite(next); next = largest(used_ + 1)) ++used_, last_ = next;
+  while (finite(used_ + 1)) ++used_;
 }
 
-void Expansion::evaluate(double h, const double* y, const double* low, double* end, double* rest) const {
-  add_polynomials(series_.coefficients(1), series_.stride(), used_, h, variables_, y, low, end, rest);
+LEAST_WIDE void Expansion::evaluate(double h, const double* y, const double* low, double* end, double* rest) const {
+  const double square = h * h, fourth = std::min(square * square, std::numeric_limits<double>::max());
+  const Polynomials of{series_.coefficients(1), series_.stride(), used_, h, square, fourth};
+  std::size_t begin = 0;
+  for (; begin + 4 <= variables_; begin += 4) of.add<4>(begin, y, low, end, rest);
+  for (; begin + 2 <= variables_; begin += 2) of.add<2>(begin, y, low, end, rest);
+  for (; begin < variables_; ++begin) of.add<1>(begin, y, low, end, rest);
 }
 
 }  // namespace least::taylor

@@ -65,7 +65,9 @@ class Expansion {
  private:
   static constexpr std::size_t places = 4;  ///< of a step at which it is held against the equations
 
+  /// Of an order that is finite.
   double largest(int k) const;
+  bool finite(int k) const;
   double largest_carried(int k) const;
   double until_switch(double h) const;
   template <std::size_t Pairs>
@@ -81,7 +83,6 @@ class Expansion {
   std::size_t variables_, moving_;
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;                      ///< the order up to which coefficients are numbers
-  double last_ = 0;                   ///< the largest of that order
   bool reads_time_;                   ///< the equations do
   std::vector<double> way_, slopes_;  ///< states on the way, and as the polynomials change there
   std::unique_ptr<Expansion> beside_;

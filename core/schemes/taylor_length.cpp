@@ -60,15 +60,16 @@ constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what t
 
 }  // namespace
 
+bool Expansion::finite(int k) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < moving_; ++i) sum += std::abs(series_.coefficients(k)[i]);
+  return sum < std::numeric_limits<double>::infinity();
+}
+
 double Expansion::largest(int k) const {
-  Two most{}, sums{};
-  for (std::size_t begin = 0; begin < moving_; begin += 2) {
-    const Two here = sizes(series_.coefficients(k) + begin, begin + 1 < moving_ ? both : first);
-    most = most < here ? here : most;
-    sums += here;
-  }
-  const double sum = sums[0] + sums[1];
-  return sum < std::numeric_limits<double>::infinity() ? std::max(most[0], most[1]) : sum;  // NaN comes in and stays
+  double most = 0;
+  for (std::size_t i = 0; i < moving_; ++i) most = std::max(most, std::abs(series_.coefficients(k)[i]));
+  return most;
 }
 
 double Expansion::largest_carried(int k) const {
@@ -94,7 +95,7 @@ double Expansion::carried_step() const {
 double Expansion::step(double most) {
   double h = used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
   h = std::min(h, most);
-  if (may_hide_what_comes(h, most))
+  if (reads_time_ && may_hide_what_comes(h, most))
     while (h > 0 && !solves(h)) h *= 0.5;
   return h;
 }
@@ -103,8 +104,8 @@ double Expansion::step(double most) {
 /// it hardly moves, or it seems good up to the end, or as far as one likes.
 bool Expansion::may_hide_what_comes(double h, double most) const {
   constexpr double little = 0.01;
-  if (!reads_time_ || used_ == 0) return false;
-  return series_.program().whole || !(h < most) || (last_ == 0 && (used_ == 1 || largest(used_ - 1) == 0)) ||
+  if (used_ == 0) return false;
+  return series_.program().whole || !(h < most) || (largest(used_) == 0 && (used_ == 1 || largest(used_ - 1) == 0)) ||
          largest(1) * h < little * std::max(1.0, largest(0));
 }
 /// Whether the polynomials solve the equations at a few places within the step, to about the tolerance.

@@ -2,6 +2,10 @@
 // too (core/tape/unrolled.hpp).
 #pragma once
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "core/tape/lowering.hpp"
 
 namespace least::tape {
@@ -81,6 +85,29 @@ constexpr void place_lanes(Program& program) {
   while (program.low.size() % 4 != 0) add(program.low.back(), program.low.back());  // of no use
 }
 
+/// From one order to the next the way leads through what is known last: of the two factors of a product that is to be
+/// the second. How late: about, in operations from where an order begins, at which the variables are known whose rates
+/// are computed.
+constexpr void place_late_factors_last(Program& program) {
+  std::vector<int> late(static_cast<std::size_t>(program.rows), -4);
+  const auto of = [&](Index value) -> int& { return late[static_cast<std::size_t>(value)]; };
+  for (const Step& step : program.steps) of(step.out) = 0;
+  for (std::size_t i = 0; i < program.variables; ++i)
+    of(Program::first_variable + static_cast<Index>(i)) = std::min(of(program.rate[i]), 0);
+  for (const Step& step : program.steps) {
+    int last = step.a == none ? -4 : of(step.a);
+    if (step.rule == Rule::quotient || step.rule == Rule::select) last = std::max(last, of(step.b));
+    const Program::Value* const values = program.values.data() + step.first_value;
+    for (Index i = 0; i < step.values; ++i) last = std::max(last, of(values[i].value));
+    Program::Product* const products = program.products.data() + step.first_product;
+    for (Index i = 0; i < step.products; ++i) {
+      if (of(products[i].a) > of(products[i].b)) std::swap(products[i].a, products[i].b);
+      last = std::max(last, of(products[i].b));
+    }
+    of(step.out) = last + 1;
+  }
+}
+
 /// Of a tape the rates ẋ of the variables, in their order; the first `most` of them are the motion, which what follows
 /// after them does not change by a bit.
 constexpr Program lowered(const Tape& tape, std::span<const Index> rates, std::size_t most) {
@@ -111,6 +138,7 @@ constexpr Program lowered(const Tape& tape, std::span<const Index> rates, std::s
   }
   start_by_addition(program);
   gather(program);
+  place_late_factors_last(program);
   place_lanes(program);
   return program;
 }

@@ -57,22 +57,31 @@ template <std::size_t Groups>
     for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += (low - stride)[g].lane * (high + stride)[g].lane;
   }
 }
-/// The same of the orders 2 m + 1 and 2 m + 2 at once: what the second needs is known before the first.
+/// The same of the orders 2 m + 1 and 2 m + 2 at once: what the second needs is known before the first. Few groups have
+/// the higher factors of the newest two orders, 2 m − 1 and 2 m, from registers: they have hardly been written.
 template <std::size_t Groups>
-[[gnu::always_inline]] inline void sum_two(const Four* orders, std::size_t all, std::size_t m, Four* odd, Four* even) {
+[[gnu::always_inline]] inline void sum_two(const Four* orders, std::size_t all, std::size_t m, const Four* before,
+                                           const Four* newest, Four* odd, Four* even) {
+  constexpr bool few = Groups <= 2;
   const std::size_t stride = 2 * all;
 #pragma GCC unroll 16
   for (std::size_t g = 0; g < Groups; ++g) odd[g].lane = even[g].lane = Four{}.lane;
   if (Groups == 0 || m == 0) return;
-  const Four *low = orders + m * stride, *high = low + stride + all, *const end = orders + stride;
+  const Four *low = orders + m * stride, *high = low + stride + all, *const end = orders + (few ? 2 : 1) * stride;
 #pragma GCC unroll 16
   for (std::size_t g = 0; g < Groups; ++g) even[g].lane = 0.5 * (low[g + stride].lane * high[g].lane);
+  if (few && m == 1) return;
   for (; low != end; low -= stride, high += stride) {
 #pragma GCC unroll 16
     for (std::size_t g = 0; g < Groups; ++g) odd[g].lane += low[g].lane * high[g].lane;
 #pragma GCC unroll 16
     for (std::size_t g = 0; g < Groups; ++g) even[g].lane += low[g].lane * high[g + stride].lane;
   }
+  if (!few) return;
+#pragma GCC unroll 16
+  for (std::size_t g = 0; g < Groups; ++g) odd[g].lane += low[g].lane * before[g].lane;
+#pragma GCC unroll 16
+  for (std::size_t g = 0; g < Groups; ++g) even[g].lane += low[g].lane * newest[g].lane;
 }
 /// Of a lane that has two slots; of a square, which has one, half of it.
 inline double sum_of(const double* slots, bool square) { return square ? slots[0] : slots[0] + slots[1]; }

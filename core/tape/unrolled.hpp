@@ -142,7 +142,7 @@ class Unrolled {
       rules.advance(S.linear[i], p.linear[i], {1, 1, second.data(), half.data(), row.data(), nullptr, nullptr, nullptr},
                     {}, second.data());
     });
-    Fours high, share{};
+    Fours high, before, share{};  // the higher factors of the last order, of the one before
     auto next = finish(of, 0, row, high);
     double order = 0;
     const auto take = [&](std::size_t k, bool early, const Fours& slots) LEAST_INLINE {
@@ -185,8 +185,9 @@ class Unrolled {
     };
     for (std::size_t k = 1; k < of.orders; k += 2) {
       Fours odd{}, even{};
-      sum_two<groups>(of.lanes, groups, k / 2, odd.data(), even.data());
+      sum_two<groups>(of.lanes, groups, k / 2, before.data(), high.data(), odd.data(), even.data());
       take(k, k == 1, odd);
+      before = high;
       if (k + 1 == of.orders) break;
       take(k + 1, k == 1, even);
     }

@@ -190,5 +190,26 @@ TEST(DoubleDouble, RoundsAtItsHundredAndSixthBit) {
   }
 }
 
+// Of any length, as terms are taken by fours and what is left over alone.
+TEST(DoubleDouble, ConvolvesToItsLastBits) {
+  const auto wide = [](const DoubleDouble& x) { return Quad(x.high()) + Quad(x.low()); };
+  std::vector<DoubleDouble> a, b;
+  for (int i = 1; i <= 40; ++i) {
+    a.push_back(DoubleDouble(i % 3 - 1.5) / DoubleDouble(i));
+    b.push_back(DoubleDouble(2 - i % 5) / DoubleDouble(3 * i - 1));
+  }
+  for (std::size_t k = 0; k < a.size(); ++k)
+    for (std::size_t first = 0; first <= std::min<std::size_t>(k, 2); ++first) {
+      Quad sum = 0, size = 0;
+      for (std::size_t j = first; j <= k; ++j) {
+        const Quad term = wide(a[j]) * wide(b[k - j]);
+        sum += term;
+        size += abs(term);
+      }
+      const Quad off = wide(convolve(a.data(), b.data(), k, first, k)) - sum;
+      EXPECT_LE(std::abs(static_cast<double>(off)), 0x1p-101 * static_cast<double>(size)) << k << " from " << first;
+    }
+}
+
 }  // namespace
 }  // namespace least

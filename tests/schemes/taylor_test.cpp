@@ -8,9 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/problems/damped_kepler.hpp"
 #include "core/problems/driven_oscillator.hpp"
+#include "core/problems/henon_heiles.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/problems/lane_emden.hpp"
+#include "core/problems/pendulum.hpp"
 #include "core/problems/perturbed_kepler.hpp"
 #include "core/problems/scalar_field_cosmology.hpp"
 #include "core/problems/spin_orbit.hpp"
@@ -57,13 +60,18 @@ TEST(Taylor, IsUnrolledForOtherParametersToo) {
   const auto known = [](const auto& problem) {
     using X = StateOf<std::remove_cvref_t<decltype(problem)>>;
     const auto program = taylor::record<X>(problem);
-    tape::Series series(program, 9), read(program, 9, false);
     std::array<double, X::size> x;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = 0.7 + 0.2 * static_cast<double>(i);
-    for (tape::Series* one : {&series, &read}) one->expand(x.data(), 1.5);
-    for (int k = 0; k <= 9; ++k)
-      EXPECT_TRUE(std::equal(series.coefficients(k), series.coefficients(k) + x.size(), read.coefficients(k)));
-    return series.unrolled() || tape::unrolled_series().empty();
+    bool unrolled = true;
+    for (const int order : {1, 2, 3, 4, 5, 6, 9, 20, 31}) {
+      tape::Series series(program, order), read(program, order, false);
+      for (tape::Series* one : {&series, &read}) one->expand(x.data(), 1.5);
+      for (int k = 0; k <= order; ++k)
+        EXPECT_TRUE(std::equal(series.coefficients(k), series.coefficients(k) + x.size(), read.coefficients(k)))
+            << program.rows << " values, order " << k << " of " << order;
+      unrolled = unrolled && series.unrolled();
+    }
+    return unrolled || tape::unrolled_series().empty();
   };
   EXPECT_TRUE(known(Kepler<>{.mu = 2}));
   EXPECT_TRUE(known(VanDerPol<>{.epsilon = 10}));
@@ -71,6 +79,10 @@ TEST(Taylor, IsUnrolledForOtherParametersToo) {
   EXPECT_TRUE(known(LaneEmden<>{.n = 1.5}));
   EXPECT_TRUE(known(PerturbedKepler<>{.gamma = -1, .alpha = -0.07, .frequency = 6}));
   EXPECT_TRUE(known(ScalarFieldCosmology<>{.lambda = 0.2}));
+  EXPECT_TRUE(known(Pendulum<>{}));
+  EXPECT_TRUE(known(DampedKepler<>{}));
+  EXPECT_TRUE(known(HenonHeiles<>{}));
+  EXPECT_TRUE(known(SpinOrbit<>{}));
 }
 
 TEST(Taylor, OfAnyOrderIsAsAccurate) {

@@ -208,7 +208,7 @@ bool TrueMotion::settle(const std::function<bool()>& keep_going) {
       continue;
     }
     length_ = length(used);
-    const int off = std::ilogb(length_);
+    const int off = length_ > 0 ? std::ilogb(length_) : 0;
     if (std::abs(off) > 3) {
       unit_ = std::ldexp(unit_, off);
     } else if (used == order_) {

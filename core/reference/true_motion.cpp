@@ -315,9 +315,12 @@ std::vector<std::array<std::vector<DoubleDouble>, 2>> side_by_side(TrueMotion& o
   // Where there is no thread to be had, it is done when it is asked for.
   auto promise = std::async(std::launch::async | std::launch::deferred,
                             [&] { return states_of(other, [&wanted] { return wanted.load(); }); });
-  States first = states_of(one, keep_going);
+  bool going = true;
+  const auto ask = [&] { return going = going && keep_going(); };
+  States first = states_of(one, ask);
+  if (!going) wanted = false;
   while (promise.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout)
-    if (!keep_going()) wanted = false;
+    if (!ask()) wanted = false;
   States second = promise.get();
   std::vector<std::array<std::vector<DoubleDouble>, 2>> both;
   for (std::size_t i = 0; i < std::min(first.size(), second.size()); ++i)

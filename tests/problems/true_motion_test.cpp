@@ -89,6 +89,31 @@ TEST(TrueMotion, KeepsNothingOfAnEarlierStart) {
   }
 }
 
+/// Lorenz's equations: differences grow by e^0.9t, also that of the two runs that a reference compares.
+struct Chaos {
+  static constexpr int dim = 3;
+  template <class T, class S>
+  Vec<dim, T> field(const Vec<dim, T>& y, const S&) const {
+    return {10.0 * (y[1] - y[0]), y[0] * (28.0 - y[2]) - y[1], y[0] * y[1] - 8.0 / 3.0 * y[2]};
+  }
+};
+
+// The two runs go side by side: what is told is how far they are apart, and the states are those of the finer.
+TEST(TrueMotion, TellsHowFarTwoRunsAreApart) {
+  const Point<3> x0{0, {1, 1, 1}};
+  std::vector<double> times;
+  for (int i = 1; i <= 45; ++i) times.push_back(i);
+  const auto run = quad_precision_run(Chaos{}, x0, times, always);
+  ASSERT_TRUE(run.complete);
+  ASSERT_EQ(run.states.size(), times.size());
+  EXPECT_GT(run.uncertainty, 1e-14);
+  EXPECT_LT(run.uncertainty, 1e-9);
+  times.resize(20);
+  const auto early = quad_precision_run(Chaos{}, x0, times, always);
+  EXPECT_LT(early.uncertainty, 1e-15);
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_EQ(state_error(early.states[i], run.states[i]), 0) << times[i];
+}
+
 TEST(TrueMotion, GivesUpWhenTold) {
   int left = 3;
   EXPECT_FALSE(quad_precision_run(BlowUp{}, Point<1>{0, {1.0}}, {0.9999}, [&] { return --left > 0; }).complete);

@@ -128,13 +128,24 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
         runs.add(
             times[done], [&](std::size_t i) { return static_cast<double>(x[i]); }, [](std::size_t) { return 0.0; });
       }
-  const auto states = side_by_side(fine, coarse, std::span(times).subspan(done), keep_going);
-  if (fine.lost() || coarse.lost()) return std::nullopt;
-  for (const auto& [x, y] : states) {
-    const auto state = [&x = x](std::size_t i) { return x[i].high(); };
-    if (!runs.add(times[done++], state, [&x = x, &y = y](std::size_t i) { return (y[i] - x[i]).high(); })) break;
+  constexpr std::size_t at_once = 4096, components = StateOf<P>::size + taylor::found<P>;
+  bool told = false;
+  const auto going = [&] { return !(told = told || !keep_going()); };
+  for (bool good = true; good && done < times.size();) {
+    const auto ahead = std::span(times).subspan(done, std::min(at_once, times.size() - done));
+    const auto [x, y] = side_by_side(fine, coarse, ahead, going);
+    if (!told && (fine.lost() || coarse.lost())) return std::nullopt;
+    const std::size_t both = std::min(x.size(), y.size()) / components;
+    for (std::size_t n = 0; good && n < both; ++n, ++done) {
+      const DoubleDouble *const fine_x = x.data() + n * components, *const coarse_x = y.data() + n * components;
+      const auto state = [=](std::size_t i) { return fine_x[i].high(); };
+      good = runs.add(times[done], state, [=](std::size_t i) { return (coarse_x[i] - fine_x[i]).high(); });
+    }
+    if (both < ahead.size()) {
+      runs.give_up();
+      break;
+    }
   }
-  if (done < times.size()) runs.give_up();
   return std::move(runs).result();
 }
 

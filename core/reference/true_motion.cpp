@@ -6,6 +6,7 @@
 #include <cmath>
 #include <future>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include "core/tape/wide.hpp"
@@ -298,34 +299,41 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
   return asked_;
 }
 
-std::vector<std::array<std::vector<DoubleDouble>, 2>> side_by_side(TrueMotion& one, TrueMotion& other,
-                                                                   std::span<const double> times,
-                                                                   const std::function<bool()>& keep_going) {
-  using States = std::vector<std::vector<DoubleDouble>>;
-  const auto states_of = [times](TrueMotion& motion, const std::function<bool()>& going) {
+std::array<std::vector<DoubleDouble>, 2> side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
+                                                      const std::function<bool()>& keep_going) {
+  using States = std::vector<DoubleDouble>;
+  std::atomic<std::size_t> wanted{times.size()};  // of them: where one has ended, the other need not go on
+  const auto run = [&wanted, times](TrueMotion& motion, const std::function<bool()>& going) {
     States states;
-    for (const double t : times) {
-      const auto x = motion.at(t, going);
+    std::size_t done = 0;
+    const std::function<bool()> on = [&] { return done < wanted && going(); };
+    for (; done < wanted; ++done) {
+      const auto x = motion.at(times[done], on);
       if (x.empty()) break;
-      states.emplace_back(x.begin(), x.end());
+      states.insert(states.end(), x.begin(), x.end());
+    }
+    const std::size_t end = motion.lost() ? 0 : done;
+    for (std::size_t seen = wanted; end < seen && !wanted.compare_exchange_weak(seen, end);) {
     }
     return states;
   };
-  std::atomic<bool> wanted{true};
-  // Where there is no thread to be had, it is done when it is asked for.
-  auto promise = std::async(std::launch::async | std::launch::deferred,
-                            [&] { return states_of(other, [&wanted] { return wanted.load(); }); });
   bool going = true;
-  const auto ask = [&] { return going = going && keep_going(); };
-  States first = states_of(one, ask);
-  if (!going) wanted = false;
+  const std::function<bool()> ask = [&] { return going = going && keep_going(); };
+  std::future<States> promise;
+  try {
+    promise = std::async(std::launch::async, [&] { return run(other, [] { return true; }); });
+  } catch (const std::system_error&) {  // no thread is to be had: one after the other
+    States first = run(one, ask);
+    return {std::move(first), run(other, ask)};
+  }
+  const struct Stop {
+    std::atomic<std::size_t>& wanted;
+    ~Stop() { wanted = 0; }
+  } stop{wanted};  // whatever is thrown
+  States first = run(one, ask);
   while (promise.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout)
-    if (!ask()) wanted = false;
-  States second = promise.get();
-  std::vector<std::array<std::vector<DoubleDouble>, 2>> both;
-  for (std::size_t i = 0; i < std::min(first.size(), second.size()); ++i)
-    both.push_back({std::move(first[i]), std::move(second[i])});
-  return both;
+    if (!ask()) wanted = 0;
+  return {std::move(first), promise.get()};
 }
 
 }  // namespace least

@@ -67,10 +67,9 @@ class TrueMotion {
   bool lost_ = false;
 };
 
-/// The states of two motions of the same equations at increasing times, as far as both come; side by side, as each
-/// takes its time. keep_going() is asked by the thread that calls.
-std::vector<std::array<std::vector<DoubleDouble>, 2>> side_by_side(TrueMotion& one, TrueMotion& other,
-                                                                   std::span<const double> times,
-                                                                   const std::function<bool()>& keep_going);
+/// The states of two motions of the same equations at increasing times, one after the other, as far as each comes; side
+/// by side, as they take their time. keep_going() is asked by the thread that calls, and no more once it has said no.
+std::array<std::vector<DoubleDouble>, 2> side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
+                                                      const std::function<bool()>& keep_going);
 
 }  // namespace least

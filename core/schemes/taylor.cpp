@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "core/tape/series_rules.hpp"
 #include "core/tape/wide.hpp"
 
 namespace least::taylor {
@@ -124,7 +123,17 @@ struct Polynomials {
     One::write(to, end + begin);  // in one piece: what is written one by one cannot be handed on
     One::write((start - (to - back)) + (change - back), rest + begin);
   }
+  /// The same of one component, where powers of h may not be finite.
+  void add_far(std::size_t i, const double* y, const double* low, double* end, double* rest) const {
+    double sum = 0;
+    for (int k = order; k > 0; --k) sum = (sum + first[i + static_cast<std::size_t>(k - 1) * stride]) * h;
+    const double start = y[i], change = sum + low[i], to = start + change, back = to - start;
+    end[i] = to;
+    rest[i] = (start - (to - back)) + (change - back);
+  }
 };
+constexpr double most_raised = 0x1p21;  // of which powers of any order are finite
+
 bool reads_time(const Program& program) {
   const Index time = program.time();
   const auto is_time = [time](Index value) { return value == time; };
@@ -176,9 +185,13 @@ void Expansion::move(const double* y, double t) {
 }
 
 LEAST_WIDE void Expansion::evaluate(double h, const double* y, const double* low, double* end, double* rest) const {
-  const double square = h * h, fourth = std::min(square * square, std::numeric_limits<double>::max());
+  const double square = h * h, fourth = square * square;
   const Polynomials of{series_.coefficients(1), series_.stride(), used_, h, square, fourth};
   std::size_t begin = 0;
+  if (h > most_raised) {
+    for (; begin < variables_; ++begin) of.add_far(begin, y, low, end, rest);
+    return;
+  }
   for (; begin + 4 <= variables_; begin += 4) of.add<4>(begin, y, low, end, rest);
   for (; begin + 2 <= variables_; begin += 2) of.add<2>(begin, y, low, end, rest);
   for (; begin < variables_; ++begin) of.add<1>(begin, y, low, end, rest);

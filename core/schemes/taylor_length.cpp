@@ -189,7 +189,7 @@ double Expansion::series_step() const {
     const int low = used_ - looked_at + 1;
     if (low > 1)
       look(looked_at - 2);
-    else
+    else if (used_ > 2)
       look(used_ - 2);
     if (larger(above[0], above[1]) > excess * here)
       h = heeded(h, used_ - 2, std::max(1, low), excess * promised, rho, scale);

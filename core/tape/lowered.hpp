@@ -97,6 +97,7 @@ constexpr void place_late_factors_last(Program& program) {
   for (const Step& step : program.steps) {
     int last = step.a == none ? -4 : of(step.a);
     if (step.rule == Rule::quotient || step.rule == Rule::select) last = std::max(last, of(step.b));
+    if (step.rule == Rule::linear_product) last = std::max(last, of(step.w));
     const Program::Value* const values = program.values.data() + step.first_value;
     for (Index i = 0; i < step.values; ++i) last = std::max(last, of(values[i].value));
     Program::Product* const products = program.products.data() + step.first_product;

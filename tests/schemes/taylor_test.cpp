@@ -85,6 +85,18 @@ TEST(Taylor, IsUnrolledForOtherParametersToo) {
   EXPECT_TRUE(known(SpinOrbit<>{}));
 }
 
+// Steps of what rests are as long as the time suggests: powers of them are not finite.
+TEST(Taylor, RestsHoweverLateItIs) {
+  for (const double start : {1e16, 1e60, 1e150})
+    for (const int order : {0, 40}) {
+      State<1> x{start, {0}, {0}, {}};
+      auto stepper = Taylor{1e-12, order}.bind(Pendulum<>{}, x);
+      for (int i = 0; i < 5; ++i) ASSERT_EQ(stepper.step(x), StepStatus::ok) << start;
+      EXPECT_EQ(x.q[0], 0) << start;
+      EXPECT_EQ(x.p[0], 0) << start;
+    }
+}
+
 TEST(Taylor, OfAnyOrderIsAsAccurate) {
   const Kepler<> kepler;
   const State<2> ellipse{0, {0.4, 0}, {0, 2}, {}};

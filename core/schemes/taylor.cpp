@@ -116,20 +116,26 @@ struct Polynomials {
       if (k > 2) next(c);
       sum += ((a + b * h) + c * square) * power;
     }
-    Lane start, kept;
-    One::read(y + begin, start);
-    One::read(low + begin, kept);
-    const Lane change = sum + kept, to = start + change, back = to - start;
-    One::write(to, end + begin);  // in one piece: what is written one by one cannot be handed on
-    One::write((start - (to - back)) + (change - back), rest + begin);
+    compensate<N>(sum, y + begin, low + begin, end + begin, rest + begin);
   }
   /// The same of one component, where powers of h may not be finite.
   void add_far(std::size_t i, const double* y, const double* low, double* end, double* rest) const {
-    double sum = 0;
+    Side<1>::Lane sum{};
     for (int k = order; k > 0; --k) sum = (sum + first[i + static_cast<std::size_t>(k - 1) * stride]) * h;
-    const double start = y[i], change = sum + low[i], to = start + change, back = to - start;
-    end[i] = to;
-    rest[i] = (start - (to - back)) + (change - back);
+    compensate<1>(sum, y + i, low + i, end + i, rest + i);
+  }
+
+ private:
+  /// Written in one piece: what is written one by one cannot be handed on.
+  template <std::size_t N>
+  [[gnu::always_inline]] static inline void compensate(const typename Side<N>::Lane& sum, const double* y,
+                                                       const double* low, double* end, double* rest) {
+    typename Side<N>::Lane start, kept;
+    Side<N>::read(y, start);
+    Side<N>::read(low, kept);
+    const typename Side<N>::Lane change = sum + kept, to = start + change, back = to - start;
+    Side<N>::write(to, end);
+    Side<N>::write((start - (to - back)) + (change - back), rest);
   }
 };
 constexpr double most_raised = 0x1p21;  // of which powers of any order are finite

@@ -69,22 +69,17 @@ template <bool fused>
 }
 
 using Convolution = DoubleDouble (*)(const DoubleDouble*, const DoubleDouble*, std::size_t, std::size_t, std::size_t);
-template <bool fused>
-DoubleDouble convolve_so(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first,
-                         std::size_t last) {
-  return convolve_by<fused>(a, b, k, first, last);
-}
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 [[gnu::target("avx2,fma")]] DoubleDouble convolve_fused(const DoubleDouble* a, const DoubleDouble* b, std::size_t k,
                                                         std::size_t first, std::size_t last) {
   return convolve_by<true>(a, b, k, first, last);
 }
 const Convolution convolve_here =
-    __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &convolve_fused : &convolve_so<false>;
+    __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &convolve_fused : &convolve_by<false>;
 #elif defined(__FMA__) || defined(__ARM_FEATURE_FMA)
-constexpr Convolution convolve_here = &convolve_so<true>;
+constexpr Convolution convolve_here = &convolve_by<true>;
 #else
-constexpr Convolution convolve_here = &convolve_so<false>;
+constexpr Convolution convolve_here = &convolve_by<false>;
 #endif
 
 Quad wide(const DoubleDouble& x) { return Quad(x.high()) + Quad(x.low()); }

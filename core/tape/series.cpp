@@ -70,7 +70,7 @@ struct Reader {
         if (k <= 3)
           for (std::size_t i = 0; i < stride; ++i) by.half[i] = k == 1 ? 0 : share * second[i];
         for (std::size_t g = 0; g < groups; ++g) {
-          sum_slots<1>(of.lanes + g, groups, k, &by.older_slots[g]);
+          sum_slots(of.lanes + g, groups, k, by.older_slots[g]);
           by.slots[g] = by.older_slots[g];
           if (k == 1) continue;
           const Four *low = of.lanes + 2 * groups + g, *high = of.lanes + (2 * k - 1) * groups + g;

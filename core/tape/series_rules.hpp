@@ -28,37 +28,32 @@ struct Lists {
   const Program::Product* products;
 };
 
-/// Σ lowⱼ high_{k−j} of groups of slots over 1 < j < k/2, and half of it where j = k/2: what is older than the last
+/// Σ lowⱼ high_{k−j} of a group of slots over 1 < j < k/2, and half of it where j = k/2: what is older than the last
 /// order, from the middle outwards, so that the newest come last. Of every order there stand the groups of the factors
 /// that are of the lower order, then those of the higher, `all` of each.
-template <std::size_t Groups>
-[[gnu::always_inline]] inline void sum_slots(const Four* orders, std::size_t all, std::size_t k, Four* sums) {
+[[gnu::always_inline]] inline void sum_slots(const Four* orders, std::size_t all, std::size_t k, Four& sum) {
   const std::size_t stride = 2 * all;
-#pragma GCC unroll 16
-  for (std::size_t g = 0; g < Groups; ++g) sums[g].lane = Four{}.lane;
-  if (Groups == 0 || k < 4) return;
+  sum.lane = Four{}.lane;
+  if (k < 4) return;
   const Four *low = orders + k / 2 * stride, *high = orders + (k - k / 2) * stride + all, *const end = orders + stride;
   if (k % 2 == 0) {
-#pragma GCC unroll 16
-    for (std::size_t g = 0; g < Groups; ++g) sums[g].lane = 0.5 * (low[g].lane * high[g].lane);
+    sum.lane = 0.5 * (low->lane * high->lane);
     low -= stride;
     high += stride;
   }
   if ((k - 1) / 2 % 2 == 0) {
-#pragma GCC unroll 16
-    for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += low[g].lane * high[g].lane;
+    sum.lane += low->lane * high->lane;
     low -= stride;
     high += stride;
   }
   for (; low != end; low -= 2 * stride, high += 2 * stride) {
-#pragma GCC unroll 16
-    for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += low[g].lane * high[g].lane;
-#pragma GCC unroll 16
-    for (std::size_t g = 0; g < Groups; ++g) sums[g].lane += (low - stride)[g].lane * (high + stride)[g].lane;
+    sum.lane += low->lane * high->lane;
+    sum.lane += (low - stride)->lane * (high + stride)->lane;
   }
 }
-/// The same of the orders 2 m + 1 and 2 m + 2 at once: what the second needs is known before the first. Few groups have
-/// the higher factors of the newest two orders, 2 m − 1 and 2 m, from registers: they have hardly been written.
+/// The same of groups, of the orders 2 m + 1 and 2 m + 2 at once: what the second needs is known before the first. Few
+/// groups have the higher factors of the newest two orders, 2 m − 1 and 2 m, from registers: they have hardly been
+/// written.
 template <std::size_t Groups>
 [[gnu::always_inline]] inline void sum_two(const Four* orders, std::size_t all, std::size_t m, const Four* before,
                                            const Four* newest, Four* odd, Four* even) {

@@ -14,6 +14,7 @@ std::optional<std::size_t> SchemeCard::find(std::string_view parameter) const {
 }
 
 int SchemeCard::order(std::span<const double> settings) const {
+  int most = 0;  // of a composition and of a splitting: each says how far it brings the scheme
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const ParameterCard& parameter = parameters[i];
     if (parameter.kind != Kind::choice && parameter.kind != Kind::integer) continue;
@@ -21,9 +22,9 @@ int SchemeCard::order(std::span<const double> settings) const {
     const auto value = static_cast<std::size_t>(settings[i]);
     const std::string word = parameter.kind == Kind::choice ? parameter.choices[value] : std::to_string(value);
     for (const auto& [key, order] : orders)
-      if (key == word) return order;
+      if (key == word) most = std::max(most, order);
   }
-  return orders.empty() ? 0 : orders.front().second;
+  return most > 0 || orders.empty() ? most : orders.front().second;
 }
 
 int order_with_weights(const SchemeCard& card, std::span<const double> settings) {

@@ -6,21 +6,32 @@
 // motion itself blows up; `plain` leaves −R with V. For a flow that is a sum of exact flows: their palindrome. Order 2,
 // symmetric, and for H a contact map with factor e^{−∫α}. Stable for ωh < 2 at every damping; merged, for
 // ωh < 2√(x/tanh x), x = αh/2. Where s is linear it is not read by the motion and carried only if asked for.
+//   saba_2 … aba_1064   C and AB in turn, for forces and damping that are weak against the drift: see alternation.hpp
 // Sources: Bravetti, Seri, Vermeeren, Zadra, Celest. Mech. Dyn. Astron. 132, 7 (2020), section 4; Zadra, Bravetti,
 // García-Chung, Seri, Mathematics 9, 1960 (2021).
 #pragma once
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include "core/phases.hpp"
 #include "core/scheme.hpp"
+#include "core/schemes/alternation.hpp"
 
 namespace least {
 
-enum class Splitting : std::uint8_t { automatic, plain, merged };
-inline constexpr std::array<std::string_view, 3> splitting_names{"automatic", "plain", "merged"};
+enum class Splitting : std::uint8_t { automatic, plain, merged, saba_2, saba_4, aba_864, aba_1064 };
+inline constexpr std::array<std::string_view, 7> splitting_names{"automatic", "plain",   "merged",  "saba_2",
+                                                                 "saba_4",    "aba_864", "aba_1064"};
+/// The position among `alternations::named`, if it is one of those.
+constexpr std::optional<std::size_t> alternation_of(Splitting splitting) {
+  constexpr std::size_t others = splitting_names.size() - alternations::named.size();
+  const auto place = static_cast<std::size_t>(splitting);
+  if (place < others) return std::nullopt;
+  return place - others;
+}
 
 /// What the flow of A over h does, apart from s. Linear: E and φ. Quadratic: cosh wh and sinh(wh)/w, w² = γR/2.
 template <class A>
@@ -41,12 +52,12 @@ class ContactSplittingStepper {
   using S = typename X::Time;
   static constexpr std::size_t n = P::dof;
 
-  ContactSplittingStepper(const P& problem, const X& x, double step, const Weights<S>& weights, const Merged& merged)
+  ContactSplittingStepper(const P& problem, const X& x, double step, const Alternation<S>& turns, const Merged& merged)
       : problem_(problem),
-        weights_(&weights),
+        turns_(&turns),
         merged_(merged),
-        clock_(problem, x.t, step, weights.middles(),
-               [&](std::size_t i, const S& t) { return middle_of(weights.gamma[i] * S(step), t); }) {}
+        clock_(problem, x.t, step, turns.middles(),
+               [&](std::size_t i, const S& t) { return middle_of(turns.kick[i] * S(step), t); }) {}
 
   StatusOf<T> step(X& x, const S& h) noexcept {
     using least::any;
@@ -54,14 +65,13 @@ class ContactSplittingStepper {
     clock_.begin(x.t, h);
     X y = x;
     StatusOf<T> status = StepStatus::ok;
-    const auto stages = static_cast<std::size_t>(weights_->stages);
+    const auto stages = static_cast<std::size_t>(turns_->stages);
     for (std::size_t i = 0; i < stages; ++i) {
-      const S part = weights_->gamma[i] * h;
-      drift(y, i == 0 ? part * 0.5 : (weights_->gamma[i - 1] + weights_->gamma[i]) * h * 0.5);
-      status = middle(y, status, part, i, x.t + weights_->middle[i] * h);
+      drift(y, turns_->drift[i] * h);
+      status = middle(y, status, turns_->kick[i] * h, i, x.t + turns_->middle[i] * h);
       if (!any(succeeded(status))) return status;
     }
-    drift(y, weights_->gamma[stages - 1] * h * 0.5);
+    drift(y, turns_->drift[stages] * h);
     take(x, y, succeeded(status));
     return status;
   }
@@ -84,8 +94,8 @@ class ContactSplittingStepper {
   void prepare(const S& h) {
     if (h == prepared_) return;
     prepared_ = h;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i)
-      flows_[i] = flow(weights_->gamma[i] * h, phase(problem_, S(0)));
+    for (std::size_t i = 0; i < static_cast<std::size_t>(turns_->stages); ++i)
+      flows_[i] = flow(turns_->kick[i] * h, phase(problem_, S(0)));
   }
   ActionFlow<R> flow(const S& h, const F& f) const {
     using least::abs;
@@ -173,7 +183,7 @@ class ContactSplittingStepper {
   }
 
   P problem_;
-  const Weights<S>* weights_;
+  const Alternation<S>* turns_;
   Merged merged_;
   PhaseClock<Middle, P, S> clock_;
   S prepared_ = S(std::numeric_limits<double>::quiet_NaN());  ///< the step that flows_ are for
@@ -187,20 +197,18 @@ class PalindromeStepper {
  public:
   using S = typename X::Time;
 
-  PalindromeStepper(const P& problem, const Weights<S>& weights) : problem_(problem), weights_(&weights) {}
+  PalindromeStepper(const P& problem, const Alternation<S>& turns) : problem_(problem), turns_(&turns) {}
 
   StatusOf<typename X::Number> step(X& x, const S& h) noexcept {
     auto y = x.y;
-    const auto stages = static_cast<std::size_t>(weights_->stages);
+    const auto stages = static_cast<std::size_t>(turns_->stages);
     const auto start = phase(problem_, x.t);
     for (std::size_t i = 0; i < stages; ++i) {
-      const S part = weights_->gamma[i] * h;
-      y = problem_.flow(Piece<0>{}, y, S(i == 0 ? part * 0.5 : (weights_->gamma[i - 1] + weights_->gamma[i]) * h * 0.5),
-                        start);
-      y = inner<1>(y, part, phase(problem_, x.t + weights_->middle[i] * h));
+      y = problem_.flow(Piece<0>{}, y, S(turns_->drift[i] * h), start);
+      y = inner<1>(y, S(turns_->kick[i] * h), phase(problem_, x.t + turns_->middle[i] * h));
     }
-    x.y = problem_.flow(Piece<0>{}, y, S(weights_->gamma[stages - 1] * h * 0.5), start);
-    work_.forces += weights_->stages;
+    x.y = problem_.flow(Piece<0>{}, y, S(turns_->drift[stages] * h), start);
+    work_.forces += turns_->stages;
     return StepStatus::ok;
   }
   const Work& work() const { return work_; }
@@ -220,7 +228,7 @@ class PalindromeStepper {
   }
 
   P problem_;
-  const Weights<S>* weights_;
+  const Alternation<S>* turns_;
   Work work_;
 };
 
@@ -234,8 +242,9 @@ struct ContactSplitting {
                                          "",
                                          "",
                                          "plain: potential and damping apart; merged: their common flow, for strong "
-                                         "damping; automatic: merged from αh > 0.5 on. Systems that are not mechanical "
-                                         "have one splitting only",
+                                         "damping; automatic: merged from αh > 0.5 on; saba and aba: merged, with long "
+                                         "steps where forces and damping are weak against the free motion, without a "
+                                         "composition. Systems that are not mechanical have one splitting only",
                                          &ContactSplitting::splitting,
                                          {0, 0},
                                          splitting_names}};
@@ -244,27 +253,39 @@ struct ContactSplitting {
         .id = "contact_splitting",
         .title = "Contact splitting",
         .summary = "A palindrome of exact flows: drift, kick and damping each solved exactly.",
-        .orders = orders_from(2),
+        .orders = orders(),
         .symmetric = true,
         .structure = "contact",
         .recommended = "kahan_li_6",
         .good_for =
             "everything with damping, forcing or exactly solvable parts; with compositions up to order 10; "
-            "strong damping (merged)",
+            "strong damping (merged); weak perturbations of free motion (saba, aba)",
         .fails_when = "ωh ≥ 2, or the step is long against the damping where the splitting is plain",
         .needs = "a contact Hamiltonian with a constant kinetic metric, or a vector field that is a sum of exact flows",
         .references = {"Bravetti, Seri, Vermeeren, Zadra, Celest. Mech. Dyn. Astron. 132, 7 (2020)",
-                       "Zadra, Bravetti, García-Chung, Seri, Mathematics 9, 1960 (2021)"}};
+                       "Zadra, Bravetti, García-Chung, Seri, Mathematics 9, 1960 (2021)",
+                       "Laskar, Robutel, Celest. Mech. Dyn. Astron. 80, 39 (2001)",
+                       "Blanes, Casas, Farrés, Laskar, Makazaga, Murua, Appl. Numer. Math. 68, 58 (2013)"}};
+  }
+  std::vector<Conflict> conflicts(const ProblemCard& problem) const {
+    if (!alternation_of(splitting)) return {};
+    const auto reads_action = [](const VariableCard& variable) { return variable.name == "s" && !variable.optional; };
+    if (!problem.keeps_form || std::ranges::any_of(problem.variables, reads_action))
+      return {{"splitting", "needs mechanics with a damping α(t)s", "automatic, plain, merged"}};
+    if (composition != Composition::none)
+      return {{"composition", "goes with the splittings automatic, plain and merged: the others have their own order",
+               "none"}};
+    return {};
   }
   template <SeparableContact P, class X>
   auto bind(const P& problem, const X& x) const {
     const auto merged = takes_as_one(problem);
-    return ContactSplittingStepper<P, X, std::remove_const_t<decltype(merged)>>(
-        problem, x, step, Weights<typename X::Time>::of(composition), merged);
+    return ContactSplittingStepper<P, X, std::remove_const_t<decltype(merged)>>(problem, x, step,
+                                                                                turns<typename X::Time>(), merged);
   }
   template <SplitFlow P, class X>
   auto bind(const P& problem, const X&) const {
-    return PalindromeStepper<P, X>(problem, Weights<typename X::Time>::of(composition));
+    return PalindromeStepper<P, X>(problem, turns<typename X::Time>());
   }
 
   /// Merged, the flow of the damping with the force is exact.
@@ -279,15 +300,25 @@ struct ContactSplitting {
   }
 
  private:
+  static std::vector<std::pair<std::string, int>> orders() {
+    auto all = orders_from(2);
+    for (const auto& named : alternations::named) all.emplace_back(named.name, named.order);
+    return all;
+  }
+  template <class S>
+  const Alternation<S>& turns() const {
+    if (const auto i = alternation_of(splitting)) return Alternation<S>::named(*i);
+    return Alternation<S>::of(composition);
+  }
   template <class P>
   auto takes_as_one(const P& problem) const {
     if constexpr (ConstantDamping<P>) {
       constexpr double ever = std::numeric_limits<double>::infinity();
-      return problem.damping() * step > (splitting == Splitting::merged  ? -ever
+      return problem.damping() * step > (splitting >= Splitting::merged  ? -ever
                                          : splitting == Splitting::plain ? ever
                                                                          : 0.5);
     } else {
-      return splitting == Splitting::merged || (splitting == Splitting::automatic && QuadraticContact<P>);
+      return splitting >= Splitting::merged || (splitting == Splitting::automatic && QuadraticContact<P>);
     }
   }
 };

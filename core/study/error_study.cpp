@@ -107,6 +107,12 @@ std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& kee
         if (card.orders[static_cast<std::size_t>(c)].second > card.orders.front().second) useful.push_back(index(c));
       variants = with_each(variants, *composition, useful);
     }
+    if (const auto splitting = card.find("splitting")) {
+      const auto& choices = card.parameters[*splitting].choices;
+      for (std::size_t i = 0; i < choices.size(); ++i)  // of those that have an order of their own
+        if (std::ranges::count(card.orders, choices[i], [](const auto& entry) { return entry.first; }) > 0)
+          variants.push_back(with_each({plain}, *splitting, {static_cast<double>(i)}).front());
+    }
     std::erase_if(variants, [&](const SchemeConfig& choice) {
       return card.conflicts && !card.conflicts(choice.settings, problem_card).empty();
     });

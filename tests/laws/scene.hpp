@@ -85,6 +85,12 @@ void for_each_scheme(F&& f) {
           scheme.composition = Composition::suzuki_4;
           scheme.splitting = QuadraticContact<P<double>> ? Splitting::plain : Splitting::merged;
           if (!SplitFlow<P<double>>) f(scheme);
+          scheme.composition = Composition::none;
+          for (const Splitting named :
+               {Splitting::saba_2, Splitting::saba_4, Splitting::aba_864, Splitting::aba_1064}) {
+            scheme.splitting = named;
+            if (LinearContact<P<double>>) f(scheme);
+          }
         }
       } else if constexpr (requires { scheme.stages; }) {
         for (scheme.stages = 1; scheme.stages <= 3; ++scheme.stages) f(scheme);
@@ -112,6 +118,8 @@ std::string label(const Scheme& scheme) {
 template <class Scheme>
 int order(const Scheme& scheme) {
   const auto orders = Scheme::card().orders;
+  if constexpr (requires { scheme.splitting; })
+    if (const auto named = alternation_of(scheme.splitting)) return alternations::named[*named].order;
   if constexpr (requires { scheme.composition; }) return orders[static_cast<std::size_t>(scheme.composition)].second;
   if constexpr (requires { scheme.stages; }) return orders[static_cast<std::size_t>(scheme.stages - 1)].second;
   return orders.at(0).second;

@@ -123,7 +123,7 @@ struct Conflict {
 
 struct SchemeCard {
   std::string id{}, title{}, summary{};
-  std::vector<std::pair<std::string, int>> orders{};  ///< by composition or splitting; one without a name: neither
+  std::vector<std::pair<std::string, int>> orders{};  ///< by choice or number, as a composition; or one without a name
   bool implicit = false, symmetric = false;
   std::string structure{};                  ///< symplectic | contact | none
   bool keeps_momenta = false;               ///< of symmetries, whatever its structure; with a structure it always does

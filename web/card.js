@@ -58,9 +58,14 @@ export function schemeCards(scheme, { suggested = {} }, preset, refine) {
   });
 }
 
-/** A few words that tell a scheme with its settings from another. */
+/** A few words that tell a scheme with its settings from another: with a preset, that says most of them. */
 export function title({ parameters }, scheme) {
-  const variant = [scheme.preset, scheme.composition].filter((name) => name && name !== "default" && name !== "none");
+  const preset = scheme.preset !== "default" && scheme.preset;
+  const chosen = ({ name, type, default: usual }) => name !== "composition" && name in scheme && scheme[name] !== usual &&
+    (type === "choice" || type === "integer");
+  const variant = [preset, scheme.composition !== "none" && scheme.composition,
+                   ...(preset ? [] : parameters.filter(chosen).map(({ name, type }) => (type === "choice" ? scheme[name] : `${name} ${scheme[name]}`)))]
+    .filter(Boolean);
   const sizes = parameters.filter(({ name }) => fineness.includes(name) && name in scheme);
   return [words(scheme.id) + (variant.length ? ` (${variant.map(words).join(", ")})` : ""),
           ...sizes.map(({ name, symbol }) => `${symbol || words(name)} = ${shortest(scheme[name])}`)].join(", ");

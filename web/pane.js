@@ -194,11 +194,13 @@ function counted(events) {
   }).join(", ");
 }
 
-/** The order is by composition, or by a parameter that says it. */
-function traits({ id, order, implicit, symmetric, structure }, scheme, { diagnostics }) {
+/** The order is the highest that a choice stands for, as a composition, or a number, as of stages. */
+function traits({ id, order, implicit, symmetric, structure, parameters }, scheme, { diagnostics }) {
   if (id === "auto") return "chosen by measurements of this scene";
   const byChoice = order !== null && typeof order === "object";
-  const p = byChoice ? order[scheme.composition ?? scheme.order] ?? Object.values(order)[0] : order;
+  const said = byChoice ? parameters.filter(({ type }) => type === "choice" || type === "integer")
+    .map(({ name }) => order[scheme[name]] ?? scheme[name]?.order).filter(Number.isFinite) : [];
+  const p = byChoice ? (said.length ? Math.max(...said) : Object.values(order)[0]) : order;
   return [p === null ? "adaptive" : `order ${p}`, implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not symmetric",
           ...(!diagnostics.includes("structure") && structure !== "none" ? []
             : [structure === "none" ? "keeps no structure" : structure])].join(" · ");

@@ -293,10 +293,10 @@ struct ContactSplitting {
   double stiff_from(const P& problem) const {
     return takes_as_one(problem) ? std::numeric_limits<double>::infinity() : 2;
   }
-  /// Everything is taken at the middle of a step.
+  /// Everything is taken at the middle of a step, which is of order 2 there; others have to begin on a series.
   template <class P>
   bool starts_at_singularity(const P&) const {
-    return composition == Composition::none;
+    return composition == Composition::none && !alternation_of(splitting);
   }
 
  private:

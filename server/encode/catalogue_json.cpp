@@ -169,7 +169,7 @@ void write_order(JsonWriter& json, const SchemeCard& card) {
     return;
   }
   json.open('{');
-  for (const auto& [composition, order] : card.orders) json.key(composition).integer(order);
+  for (const auto& [choice, order] : card.orders) json.key(choice).integer(order);
   json.close('}');
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/schemes/alternation.hpp"
 #include "tests/extremes/asking.hpp"
 
 namespace {
@@ -22,12 +23,14 @@ template <class F>
 void for_each_scheme(F&& f) {
   for (const std::size_t index : card().schemes) f(schemes()[index]);
 }
-/// The request through every composition of its scheme, or as it is.
+/// The request through every composition of its scheme and every splitting with an order of its own, or as it is.
 template <class F>
 void for_each_composition(const Request& request, F&& f) {
   for (const auto& parameter : scheme_of(request).parameters)
     if (parameter.name == "composition") {
       for (const auto& name : parameter.choices) f(choose(request, {{"composition", name}}));
+      if (scheme_of(request).find("splitting"))
+        for (const auto& named : alternations::named) f(choose(request, {{"splitting", named.name}}));
       return;
     }
   f(request);
@@ -163,6 +166,18 @@ TEST(SingularStart, OfEverySchemeFollowsTheRegularSolution) {
       }
     });
   });
+}
+
+// Through t = 0 they would be of order 2, and off by 7e-7 and 2e-6.
+TEST(SingularStart, LeavesSplittingsOfHighOrderTheirOrder) {
+  for (const char* splitting : {"aba_864", "aba_1064"}) {
+    Request request = choose(star("contact_splitting", 5), {{"splitting", splitting}});
+    request.settings[0] = 0.05;
+    request.end = 2;
+    const auto result = go(request);
+    ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed) << splitting;
+    EXPECT_NEAR(result.outcome.final[0], 1 / std::sqrt(1 + 4.0 / 3), 1e-7) << splitting;
+  }
 }
 
 TEST(SingularStart, FromAnotherCentreIsRunOrRefused) {

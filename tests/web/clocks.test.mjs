@@ -23,8 +23,8 @@ const hybrid = scheme("hybrid", [
 });
 const timed = scheme("timed", [
   numeric("sigma", 0.02, { symbol: "σ", suggested: "sigma" }), numeric("kappa", 1, { nullable: true, word: "energy" }),
-  choice("composition", ["none", "suzuki_4"]),
-], { order: { none: 2, suzuki_4: 4 }, presets: [{ name: "exact", doc: "", parameters: { kappa: "energy" } }] });
+  choice("composition", ["none", "suzuki_4"]), choice("splitting", ["automatic", "plain", "aba_864"]),
+], { order: { none: 2, suzuki_4: 4, aba_864: 6 }, presets: [{ name: "exact", doc: "", parameters: { kappa: "energy" } }] });
 const plain = scheme("plain", [step, choice("monitor", ["arclength", "frequency"])]);
 const swing = scene("swing", {
   variables: [variable("q", 1), variable("p", 0)], columns: ["t", "q", "p", "step_size", "energy", "mode", "parameter"],
@@ -78,6 +78,10 @@ clockTest("B has half the suggested step, of whatever kind it is, and the titles
     await pick(page, "B", "[data-name=composition]", "suzuki_4");
     assert.equal(await title("B"), "B timed (suzuki 4), σ = 0.1");
     assert.match(await pane(page, "B").locator(".traits").textContent(), /^order 4 /);
+    await pick(page, "B", "[data-name=composition]", "none");
+    await pick(page, "B", "[data-name=splitting]", "aba_864");
+    assert.equal(await title("B"), "B timed (aba 864), σ = 0.1");
+    assert.match(await pane(page, "B").locator(".traits").textContent(), /^order 6 /, "of whatever says the most");
     await page.selectOption("#problem", "flow");
     await settled(page);
     assert.deepEqual(await sizes(["step"]), [["0.1"], ["0.05"]]);

@@ -57,7 +57,9 @@ concept FixedStepSchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const ty
 ///   stepper.work()
 ///   stepper.active_method()                     optional: how the last step was taken
 ///   scheme.level(problem, x)                    optional: what stands for the energy of a run from x instead of H
-///   stepper.step_within(x, most) → StepStatus   optional: a step that is at most so long; such a run ends with it
+///   scheme.asks_no_level                        optional: `energy` is of no use to it, and is 0
+///   stepper.step_within(x, most) → StepStatus   optional: a step that is at most so long; such a run ends with it. As
+///                                               (x, most, late) it is told by how much rounding has made x.t too late
 ///   stepper.parts                               optional: into so many parts a step is divided by whoever looks for
 ///                                               changes of sign
 ///   stepper.reach(x, t) → StepStatus            optional: x moved to the time t, which lies within one step from x,
@@ -81,11 +83,12 @@ concept SelfTimedSchemeFor = SelfTimed<S> && requires(SelfTimedStepperOf<S, P, X
 /// ask for it nothing.
 template <class S, class P, class X>
 auto energy_level([[maybe_unused]] const S& scheme, [[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+  constexpr bool asked = !requires { requires S::asks_no_level; };
   if constexpr (requires { scheme.level(problem, x); }) {
     return scheme.level(problem, x);
-  } else if constexpr (Conservative<P>) {
+  } else if constexpr (asked && Conservative<P>) {
     return energy(problem, x);
-  } else if constexpr (LinearContact<P>) {
+  } else if constexpr (asked && LinearContact<P>) {
     return mechanical_energy(problem, x.q, x.p, phase(problem, x.t));
   } else {
     return 0.0;

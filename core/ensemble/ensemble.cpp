@@ -56,6 +56,7 @@ class Blocks {
         budget_(plan.request.limits.seconds, stop_, [] { return true; }),
         cancelled_(cancelled),
         share_(share) {
+    budget_.start();
     next_ = awaited_ = first_block(plan, shard);
     for (unsigned i = 0; i < threads; ++i) {
       try {

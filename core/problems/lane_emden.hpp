@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string_view>
 #include <tuple>
@@ -86,27 +87,41 @@ struct LaneEmden {
   template <class T, bool asked, class S>
   State<1, T, S, Action<T>> series(const S& t) const {
     if (t == S(0)) return {t, {T(1)}, {T(0)}, {T(0)}};
-    // In doubles twelve terms are more than there are digits: each has a sixtieth of the one before at most.
-    constexpr int last = std::is_same_v<T, Quad> ? 40 : 12;
+    // In doubles twelve terms are more than there are digits: each has a sixtieth of the one before at most. A lone
+    // state ends where they do: at the second in a row that is nothing, as one may vanish by chance (n = 5/8).
+    constexpr std::size_t most = std::is_same_v<T, Quad> ? 40 : 12;
+    constexpr bool alone = std::is_same_v<T, double> && std::is_same_v<S, double>;
+    std::size_t terms = most;
     const T power(n);
-    Vec<last + 1, T> a{T(1)}, c{T(1)}, l{};
-    for (std::size_t k = 0; k < last; ++k) {
+    const S t2 = t * t;
+    Vec<most + 1, T> a{T(1)}, c{T(1)}, l{};
+    [[maybe_unused]] S power_of_t(1);
+    const auto over = [](const T& x, std::size_t whole) {  // a product waits for less than a quotient
+      return alone ? T(x * (T(1) / double(whole))) : T(x / double(whole));
+    };
+    [[maybe_unused]] bool last_was_nothing = false;
+    for (std::size_t k = 0; k < terms; ++k) {
       if (k > 0) {
         T sum(0);
         for (std::size_t i = 1; i <= k; ++i) sum = sum + (power * double(i) - double(k - i)) * (a[i] * c[k - i]);
-        c[k] = sum / double(k);
+        c[k] = over(sum, k);
       }
-      a[k + 1] = -c[k] / double((2 * k + 2) * (2 * k + 3));
+      a[k + 1] = -over(c[k], (2 * k + 2) * (2 * k + 3));
+      if constexpr (alone) {
+        power_of_t *= t2;  // t^{2k + 2}, that of the next term
+        const bool nothing = std::abs(c[k]) * power_of_t < 1e-20;
+        if (nothing && last_was_nothing) terms = k + 1;
+        last_was_nothing = nothing;
+      }
       if constexpr (!asked) continue;
       for (std::size_t i = 0; i <= k; ++i) l[k] = l[k] - a[i] * c[k - i] / (power + 1.0);
       for (std::size_t i = 1; i <= k; ++i) l[k] = l[k] + 2.0 * double(i * (k + 1 - i)) * (a[i] * a[k + 1 - i]);
     }
-    const S t2 = t * t;
     T q(0), p(0), s(0);
-    for (std::size_t k = last; k-- > 0;) {
+    for (std::size_t k = terms; k-- > 0;) {
       q = q * t2 + a[k];
       p = p * t2 + 2.0 * double(k + 1) * a[k + 1];
-      s = s * t2 + l[k] / double(2 * k + 3);
+      if constexpr (asked) s = s * t2 + l[k] / double(2 * k + 3);
     }
     return {t, {q}, {p * t}, {s * t}};
   }

@@ -48,8 +48,7 @@ class Budget {
 
  private:
   static constexpr double between_reports = 0.2;  // in seconds
-  double start_ = read_clock();
-  double budget_, last_ = 0, reported_ = 0;
+  double start_ = 0, budget_, last_ = 0, reported_ = 0;
   std::int64_t block_ = 16, unseen_ = 0;
   const std::atomic<bool>& cancelled_;
   const std::function<bool()> report_;

@@ -23,7 +23,10 @@ class Evidence {
  public:
   /// `steps`: how many there are to be, where that is known. `keeps`: the states that are looked at are kept.
   Evidence(std::optional<std::int64_t> steps, bool keeps)
-      : keeps_(keeps), stride_(steps ? std::clamp<std::int64_t>(*steps / 16, 1, 256) : 16), begun_(stride_) {}
+      : keeps_(keeps),
+        equal_(steps.has_value()),
+        stride_(steps ? std::clamp<std::int64_t>(*steps / 16, 1, 256) : 16),
+        begun_(stride_) {}
 
   /// The next step to be looked at after the n-th.
   std::int64_t next(std::int64_t n) const {
@@ -71,7 +74,7 @@ class Evidence {
   std::span<const StateOf<P>> states() const { return states_; }
 
  private:
-  bool looks() const { return keeps_ || KeepsEnergy<P> || QuadraticContact<P>; }
+  bool looks() const { return keeps_ || KeepsEnergy<P> || (QuadraticContact<P> && equal_); }
   static constexpr std::int64_t most_looks = 256;
 
   void look([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
@@ -94,8 +97,8 @@ class Evidence {
     if (keeps_) assign(states_.emplace_back(), plain(x));
   }
 
-  bool keeps_, started_ = false;
-  std::int64_t stride_, begun_;  ///< at first, and never longer before that step
+  bool keeps_, equal_, started_ = false;  ///< equal_: steps are of equal length, which a damping may be too strong for
+  std::int64_t stride_, begun_;           ///< at first, and never longer before that step
   std::int64_t seen_ = 0, early_ = 0;
   std::vector<StateOf<P>> states_;
   double level_ = 0, damping_ = 0;

@@ -339,6 +339,7 @@ class Run {
     if (writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
     outcome_.t = state_.x.t;
     outcome_.final = shown_variables(request_, state_.x);
+    if (request_.diagnostics.empty()) return std::move(outcome_);
     const RunEnd<P, X> end{problem_,
                            scene_,
                            request_,

@@ -30,7 +30,9 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
 
   BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) override {
     if (along_series_ && state.n == 0 && advance_on_series(state, diagnostics)) return {};
-    auto stepper = stepper_;
+    // What is cheap to copy may live in registers meanwhile.
+    using Working = std::conditional_t<std::is_trivially_copyable_v<Stepper>, Stepper, Stepper&>;
+    Working stepper = stepper_;
     X x = state.x, left = left_;
     auto memory = memory_, left_memory = left_memory_;
     double late = late_;
@@ -43,7 +45,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
       X y = x;
       if (compensated && !told_time) y.t = 0;
       const double most = end_ - x.t + late;
-      result = step(stepper, y, most);
+      result = step(stepper, y, most, late);
       if (!result) break;
       const double h = duration(stepper, x, y), part = h - late;
       const double t = within && h == most ? end_ : compensated ? x.t + part : y.t;
@@ -74,7 +76,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
       }
       if (method_of(stepper) != method || (diagnostics && diagnostics->crossed)) break;
     }
-    stepper_ = stepper;
+    if constexpr (!std::is_reference_v<Working>) stepper_ = stepper;
     left_ = left;
     memory_ = memory;
     left_memory_ = left_memory;
@@ -212,9 +214,11 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
     }
   }
 
-  static BlockResult step(Stepper& stepper, X& y, [[maybe_unused]] double most) {
+  static BlockResult step(Stepper& stepper, X& y, [[maybe_unused]] double most, [[maybe_unused]] double late) {
     StepStatus status;
-    if constexpr (within) {
+    if constexpr (requires { stepper.step_within(y, most, late); }) {
+      status = stepper.step_within(y, most, late);
+    } else if constexpr (within) {
       status = stepper.step_within(y, most);
     } else {
       status = stepper.step(y);

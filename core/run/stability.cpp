@@ -55,6 +55,12 @@ StepMap unit_step(const Scheme& scheme, const P& oscillator) {
   return {m[0][0] + m[1][1], m[0][0] * m[1][1] - m[0][1] * m[1][0]};
 }
 
+/// Steps of a length in time, of which there may be a longest that is stable.
+template <class Scheme>
+constexpr bool steps_in_time = !SelfTimed<Scheme> || requires(const Scheme& scheme) {
+  scheme.in_time();
+};
+
 /// The identity stands for a scheme that has no bound of its own: its steps are not of time.
 template <class Scheme>
 StepMap step_map(std::span<const double> settings, double z, double a) {
@@ -62,7 +68,7 @@ StepMap step_map(std::span<const double> settings, double z, double a) {
   if constexpr (requires { scheme.step; }) scheme.step = 1;
   if constexpr (requires { scheme.in_time(); }) {
     scheme = scheme.in_time();
-  } else if constexpr (SelfTimed<Scheme>) {
+  } else if constexpr (!steps_in_time<Scheme>) {
     return {2, 1};
   }
   if constexpr (FixedStepSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
@@ -95,10 +101,11 @@ struct Entry {
   StepMap (*map)(std::span<const double>, double, double);
   double (*flip)(std::span<const double>);
   std::size_t step;
+  bool steps_in_time;  ///< else there is no bound
 };
 template <class... Scheme>
 constexpr std::array<Entry, sizeof...(Scheme)> entries(std::tuple<Scheme...>*) {
-  return {Entry{&step_map<Scheme>, &flip<Scheme>, step_setting<Scheme>()}...};
+  return {Entry{&step_map<Scheme>, &flip<Scheme>, step_setting<Scheme>(), steps_in_time<Scheme>}...};
 }
 constexpr auto table = entries(static_cast<SchemeList*>(nullptr));
 
@@ -224,6 +231,7 @@ bool is_stable(std::size_t scheme, std::span<const double> settings, double z, d
 double flips_from(std::size_t scheme, std::span<const double> settings) { return table[scheme].flip(settings); }
 
 double stability_bound(std::size_t scheme, std::span<const double> settings, double a, double needed) {
+  if (!table[scheme].steps_in_time) return infinite;
   const auto& stable = along(scheme, settings, 1, a, 0, needed);
   return stable.empty() ? 0 : stable.front().high;
 }

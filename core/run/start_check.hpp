@@ -29,12 +29,12 @@ std::optional<StartObjection> start_objection(const P& problem, const X& x, [[ma
   if constexpr (HasDomain<P>)
     if (problem.bounded() && problem.inside(x.q) < 0)
       return StartObjection{ReturnCode::left_domain, "the start lies outside the domain of the motion"};
+  if (regular) return std::nullopt;
   const auto slope = derivative(problem, plain(x));
   bool finite = std::isfinite(slope.t);
   for (std::size_t i = 0; i < X::size; ++i) finite = finite && std::isfinite(slope[i]);
   if constexpr (SaysEnergy<P, X>) finite = finite && std::isfinite(energy_of(problem, x));
-  if (!finite && !regular)
-    return StartObjection{ReturnCode::singular, "the equations of motion are not finite at the start", x.t};
+  if (!finite) return StartObjection{ReturnCode::singular, "the equations of motion are not finite at the start", x.t};
   return std::nullopt;
 }
 

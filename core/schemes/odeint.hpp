@@ -154,7 +154,7 @@ class OdeintStepper : public AnyOdeintStepper<P, X> {
 struct AnyOdeintScheme {
   odeint::Method method = odeint::Method::dormand_prince_5;
   double tolerance = 1e-8;
-  static constexpr bool own_clock = true, reads_time = true;
+  static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
   template <VectorField P, odeint::Flat X>
   auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
     return AnyOdeintStepper<P, X>(problem, method, tolerance);
@@ -174,7 +174,7 @@ constexpr Field<C> tolerance_field() {
 struct DormandPrince5 {
   double tolerance = 1e-8;
 
-  static constexpr bool own_clock = true, reads_time = true;
+  static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
   static constexpr std::tuple fields{tolerance_field<DormandPrince5>()};
   AnyOdeintScheme compiled_as() const { return {odeint::Method::dormand_prince_5, tolerance}; }
   static SchemeCard card() {
@@ -202,7 +202,7 @@ struct DormandPrince5 {
 struct Fehlberg78 {
   double tolerance = 1e-8;
 
-  static constexpr bool own_clock = true, reads_time = true;
+  static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
   static constexpr std::tuple fields{tolerance_field<Fehlberg78>()};
   AnyOdeintScheme compiled_as() const { return {odeint::Method::fehlberg_78, tolerance}; }
   static SchemeCard card() {
@@ -231,7 +231,7 @@ struct Fehlberg78 {
 struct BulirschStoer {
   double tolerance = 1e-8;
 
-  static constexpr bool own_clock = true, reads_time = true;
+  static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
   static constexpr std::tuple fields{tolerance_field<BulirschStoer>()};
   AnyOdeintScheme compiled_as() const { return {odeint::Method::bulirsch_stoer, tolerance}; }
   static SchemeCard card() {

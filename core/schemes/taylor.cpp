@@ -190,7 +190,8 @@ void Expansion::move(const double* y, double t) {
   while (finite(used_ + 1)) ++used_;
 }
 
-LEAST_WIDE void Expansion::evaluate(double h, const double* y, const double* low, double* end, double* rest) const {
+LEAST_WIDE void Expansion::evaluate(double h, const double* y, const double* low, double* end, double* rest,
+                                    bool room) const {
   const double square = h * h, fourth = square * square;
   const Polynomials of{series_.coefficients(1), series_.stride(), used_, h, square, fourth};
   std::size_t begin = 0;
@@ -198,7 +199,8 @@ LEAST_WIDE void Expansion::evaluate(double h, const double* y, const double* low
     for (; begin < variables_; ++begin) of.add_far(begin, y, low, end, rest);
     return;
   }
-  for (; begin + 4 <= variables_; begin += 4) of.add<4>(begin, y, low, end, rest);
+  for (const std::size_t least = room ? 3 : 4; begin + least <= variables_; begin += 4)
+    of.add<4>(begin, y, low, end, rest);
   for (; begin + 2 <= variables_; begin += 2) of.add<2>(begin, y, low, end, rest);
   for (; begin < variables_; ++begin) of.add<1>(begin, y, low, end, rest);
 }

@@ -8,7 +8,7 @@
 // within a step is the polynomial itself. Sums over steps are compensated. Velocities of a Lagrangian that is not
 // quadratic in them have series of their own within a step, and are found anew from the momenta where it begins. The
 // tape is recorded when a run begins, by the problem with its parameters: choices, whole exponents and what is zero
-// leave it shorter; that takes a few microseconds, so that a thread keeps what the last run of a problem has made of
+// leave it shorter; that takes a few microseconds, so that a thread keeps what the last runs of a problem have made of
 // it, for the next with the same parameters. One engine runs all tapes, so that a problem costs its recording and
 // nothing else to compile. Sources: Jorba & Zou, Experimental Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans.
 // Math. Softw. 8, 114 (1982); Biscani & Izzo, MNRAS 504, 2614 (2021).
@@ -51,9 +51,9 @@ class Expansion {
   Expansion& beside() { return *beside_; }
   void make_beside();
   /// The state at the time h from there, where it is y, to `end`. `low`: what rounding has kept from y; `rest`: what it
-  /// keeps from the result. They may be the same.
-  void evaluate(double h, const double* y, const double* low, double* end, double* rest) const;
-  void evaluate(double h, double* low, double* y) const { evaluate(h, y, low, y, low); }
+  /// keeps from the result. They may be the same. `room`: they have a place more where three stand behind whole fours.
+  void evaluate(double h, const double* y, const double* low, double* end, double* rest, bool room = false) const;
+  void evaluate(double h, double* low, double* y, bool room = false) const { evaluate(h, y, low, y, low, room); }
   /// Whether the motion goes on from y.
   bool defined(const double* y, double t) { return !series_.program().partial || series_.defined(y, t); }
   /// No step is longer than one in which e^{rate t} is told to the tolerance: a rate that what is carried has of its
@@ -101,6 +101,9 @@ inline constexpr std::size_t found = [] {
 }();
 template <class P, class X>
 inline constexpr std::size_t variables = components<X> + found<P>;
+/// Places for them: three are as fast as four, and faster than two and one.
+template <class P, class X>
+inline constexpr std::size_t places = variables<P, X> % 4 == 3 ? variables<P, X> + 1 : variables<P, X>;
 
 /// The i-th component: values, then slopes.
 template <class X>
@@ -154,8 +157,8 @@ std::shared_ptr<Expansion> expand(const P& problem, tape::Program program, doubl
   if constexpr (ConstantDamping<P>) made->limit(problem.damping());  // of s, also where (q, p) is at rest
   return made;
 }
-/// For steps of one run: the one that the thread's last run of this type of problem has left or still uses, where that
-/// is of the same parameters, its program at least, where only the tolerance or the order is another.
+/// For steps of one run: one that the thread's last runs of this type of problem have left or still use, where that is
+/// of the same parameters, its program at least, where only the tolerance or the order is another.
 template <class X, VectorField P>
 std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int order) {
   if constexpr (std::is_trivially_copyable_v<P>) {
@@ -165,12 +168,18 @@ std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int 
       int order;
       std::shared_ptr<Expansion> expansion;
     };
-    thread_local Left left;  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): for padding it may only miss
-    const bool known = left.expansion && std::memcmp(&left.problem, &problem, sizeof(P)) == 0;
-    if (known && left.tolerance == tolerance && left.order == order) return left.expansion;
-    auto program = known ? left.expansion->program() : record<X>(problem);
-    auto made = expand<X>(problem, std::move(program), tolerance, order);
-    left = {problem, tolerance, order, made};
+    thread_local std::array<Left, 4> all;
+    thread_local std::size_t oldest = 0;
+    const tape::Program* program = nullptr;
+    for (const Left& left :
+         all) {  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): for padding it may only miss
+      if (!left.expansion || std::memcmp(&left.problem, &problem, sizeof(P)) != 0) continue;
+      if (left.tolerance == tolerance && left.order == order) return left.expansion;
+      program = &left.expansion->program();
+    }
+    auto made = expand<X>(problem, program ? *program : record<X>(problem), tolerance, order);
+    all[oldest] = {problem, tolerance, order, made};
+    oldest = (oldest + 1) % all.size();
     return made;
   } else {
     return expand<X>(problem, record<X>(problem), tolerance, order);
@@ -193,8 +202,9 @@ class TaylorStepper {
   }
 
   StepStatus step(X& x) noexcept { return step_within(x, std::numeric_limits<double>::infinity()); }
-  /// A step that is at most so long: where it is as long to the bit, it has come to what lies so far ahead.
-  StepStatus step_within(X& x, double most) noexcept {
+  /// A step that is at most so long: where it is as long to the bit, it has come to what lies so far ahead. `late`: by
+  /// how much rounding has made x.t too late, for a caller who minds that where the step ends.
+  StepStatus step_within(X& x, double most, double late = 0) noexcept {
     begin(x);
     expansion_->move(end_.data(), x.t);
     const Values y = end_, low = low_;
@@ -204,8 +214,9 @@ class TaylorStepper {
     if (!(x.t + h < x.t + most)) h = most;
     for (;; h *= 0.5) {
       if (h < most && !(x.t + h > x.t)) return StepStatus::underflow;
-      expansion_->evaluate(h, y.data(), low.data(), end_.data(), low_.data());
-      if (expansion_->defined(end_.data(), x.t + h)) break;
+      expansion_->evaluate(h, y.data(), low.data(), end_.data(), low_.data(), true);
+      // At the very time that the next step begins at: what is found here need not be found again.
+      if (expansion_->defined(end_.data(), x.t + (h - late))) break;
     }
     if constexpr (carries) {
       mark_ = {0, y, low};
@@ -234,7 +245,7 @@ class TaylorStepper {
       if (!(h > 0)) return StepStatus::singular;
       if (!(x.t + h > x.t)) return StepStatus::underflow;
       [[maybe_unused]] Mark mark{0, y, low};
-      expansion_->evaluate(h, low.data(), y.data());
+      expansion_->evaluate(h, low.data(), y.data(), true);
       if constexpr (carries) carry(x.t, h, mark, low, y);
       assign(y, x);
       x.t = h < t - x.t ? x.t + h : t;
@@ -247,7 +258,7 @@ class TaylorStepper {
     if (!(h_ > 0 && h >= 0 && h <= h_ + slack)) return false;
     Values y = start_, low = start_low_;
     expansion_->move(y.data(), t_);
-    expansion_->evaluate(h, low.data(), y.data());
+    expansion_->evaluate(h, low.data(), y.data(), true);
     if constexpr (carries) {
       if (h < mark_.after) mark_ = {0, start_, start_low_};
       carry(t_, h, mark_, low, y);
@@ -268,9 +279,10 @@ class TaylorStepper {
  private:
   TaylorStepper() = default;
 
-  using Values = std::array<double, taylor::variables<P, X>>;
+  static constexpr std::size_t count = taylor::variables<P, X>;
+  using Values = std::array<double, taylor::places<P, X>>;
   static constexpr std::size_t moving = StateOf<P>::size + taylor::found<P>;
-  static constexpr bool carries = taylor::variables<P, X> > moving;
+  static constexpr bool carries = count > moving;
   /// Where the series of what is carried was last begun within a step.
   struct Mark {
     double after = 0;  ///< the step's beginning
@@ -288,23 +300,23 @@ class TaylorStepper {
       series.move(mark.y.data(), t + mark.after);
       const double most = std::min(series.step(), series.carried_step());
       if (!(most < h - mark.after && mark.after + most > mark.after)) break;
-      series.evaluate(most, mark.low.data(), mark.y.data());
+      series.evaluate(most, mark.low.data(), mark.y.data(), true);
       mark.after += most;
     }
     Values end = mark.y, rest = mark.low;
-    series.evaluate(h - mark.after, rest.data(), end.data());
+    series.evaluate(h - mark.after, rest.data(), end.data(), true);
     std::copy(end.begin() + moving, end.end(), y.begin() + moving);
     std::copy(rest.begin() + moving, rest.end(), low.begin() + moving);
   }
 
   Values values(const X& x) const {
+    Values y{};
     if constexpr (IteratesForRates<P>) {
-      return taylor::values_of(problem_, x);
+      std::ranges::copy(taylor::values_of(problem_, x), y.begin());
     } else {
-      Values y;
-      for (std::size_t i = 0; i < y.size(); ++i) y[i] = taylor::component(x, i);
-      return y;
+      for (std::size_t i = 0; i < count; ++i) y[i] = taylor::component(x, i);
     }
+    return y;
   }
   static void assign(const Values& y, X& x) {
     for (std::size_t i = 0; i < taylor::components<X>; ++i) taylor::component(x, i) = y[i];
@@ -313,9 +325,9 @@ class TaylorStepper {
   void begin(const X& x) {
     if constexpr (IteratesForRates<P>) {
       const Values y = values(x);
-      for (std::size_t i = 0; i < y.size(); ++i) set(i, y[i]);
+      for (std::size_t i = 0; i < count; ++i) set(i, y[i]);
     } else {
-      for (std::size_t i = 0; i < end_.size(); ++i) set(i, tape::read_alone(taylor::component(x, i)));
+      for (std::size_t i = 0; i < count; ++i) set(i, tape::read_alone(taylor::component(x, i)));
     }
   }
   void set(std::size_t i, double value) {
@@ -338,7 +350,8 @@ struct Taylor {
   double tolerance = 1e-12;
   int order = 0;
 
-  static constexpr bool own_clock = true, remembers = true;  ///< its last step: adapts to the state
+  static constexpr bool own_clock = true, asks_no_level = true;
+  static constexpr bool remembers = true;  ///< its last step: adapts to the state
   static constexpr std::tuple fields{
       Field<Taylor>{"tolerance",
                     "ε",

@@ -90,7 +90,7 @@ TEST_P(Pairs, KeepTheFormThatTheySay) {
 }
 
 /// As many allocations in a run of many steps as in one of few, with every diagnostic that looks at each step. What has
-/// a tolerance is Odeint's: behind a pointer, copied once a block, and one of the three allocates as it goes.
+/// a tolerance is Odeint's: behind a pointer, and one of the three allocates as it goes.
 TEST_P(Pairs, AllocateNothingInTheLoop) {
   for_each_pair(GetParam(), [&](Request request) {
     if (scheme_of(request).parameters[0].name == "tolerance") return;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "core/study/search.hpp"
@@ -78,15 +79,23 @@ class Contest {
     constexpr int enough = 3, most_runs = 16;
     const Search* best = winner();
     const double most = 4 * std::max(best->likely_cost(), 10.0);
-    auto found = std::ranges::count_if(searches_, [](const Search& search) { return search.good().has_value(); }) - 1;
-    for (int run = 0; run < most_runs && found < enough && !timed_out(); ++run) {
+    const auto told = [&](const Search& search) {  // by itself, or by one before it
+      return std::ranges::any_of(searches_, [&](const Search& other) {
+        return (&other == best || (other.good() && &other < &search)) && search.twin_of(other);
+      });
+    };
+    const auto found = [&] {
+      return std::ranges::count_if(
+          searches_, [&](const Search& search) { return search.good() && &search != best && !told(search); });
+    };
+    for (int run = 0; run < most_runs && found() < enough && !timed_out(); ++run) {
       Search* next = nullptr;
       for (Search& search : searches_)
-        if (!search.over() && !search.good() && search.likely_cost() < (next ? next->likely_cost() : most))
+        if (!search.over() && !search.good() && !told(search) &&
+            search.likely_cost() < (next ? next->likely_cost() : most))
           next = &search;
       if (!next) return;
       next->advance(left(), useful_steps(), std::numeric_limits<double>::infinity());
-      found += next->good().has_value();
     }
   }
 
@@ -164,6 +173,14 @@ Alternative alternative(const Search& search, const Probe& probe) {
   return {search.choice(probe), probe.trial.forces, probe.trial.error, probe.trial.seconds};
 }
 
+/// Of a scheme that goes by its tolerance, however it chooses the rest, the first is told, or the choice itself.
+void tell_apart(Advice& advice, const ErrorStudy& subject) {
+  std::set<std::size_t> told{advice.choice->scheme};
+  std::erase_if(advice.alternatives, [&](const Alternative& other) {
+    return ResolutionParameter(subject.card(other.scheme)).adaptive() && !told.insert(other.scheme.scheme).second;
+  });
+}
+
 void choose(Advice& advice, const Search& search, const Probe& probe) {
   advice.choice = search.choice(probe);
   advice.estimated_error = probe.trial.error;
@@ -193,6 +210,7 @@ Advice cheapest(Contest& contest, double accuracy) {
   for (const Search& search : contest.searches())
     if (&search != best && search.good()) advice.alternatives.push_back(alternative(search, *search.good()));
   std::ranges::stable_sort(advice.alternatives, {}, &Alternative::force_evaluations);
+  tell_apart(advice, contest.subject());
   advice.reason = fmt::format("{} has an error of {:.1e} {}, with {} force evaluations: the fewest of {} candidates",
                               at(*best, probe), probe.trial.error, measured_by(contest.subject()), probe.trial.forces,
                               contest.searches().size());
@@ -220,7 +238,7 @@ Advice best_within(Contest& contest, double seconds) {
     Search* next = nullptr;
     for (Search& search : contest.searches()) {
       const double error = search.best().trial.error, ahead = seconds / finest(search);
-      const int order = std::max(search.declared_order(), 1);
+      const double order = std::max<double>(std::max(search.declared_order(), 1), search.seen_order(12));
       // Longer than asked for, or so far behind that its order will not make up for it.
       if (2 * finest(search) > seconds || (error < 1e-2 && error * std::pow(ahead, -1.5 * order) > 10 * least_error))
         search.give_up();
@@ -246,6 +264,7 @@ Advice best_within(Contest& contest, double seconds) {
     if (within[i] && &contest.searches()[i] != best)
       advice.alternatives.push_back(alternative(contest.searches()[i], *within[i]));
   std::ranges::stable_sort(advice.alternatives, {}, &Alternative::estimated_error);
+  tell_apart(advice, contest.subject());
   advice.alternatives.resize(std::min<std::size_t>(advice.alternatives.size(), 5));
   std::ranges::stable_sort(advice.alternatives, {}, &Alternative::force_evaluations);
   advice.reason = fmt::format("{} has the smallest error of what was measured within {:.3g} s: {:.1e} {}, in {:.2g} s",

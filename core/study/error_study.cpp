@@ -107,6 +107,9 @@ std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& kee
         if (card.orders[static_cast<std::size_t>(c)].second > card.orders.front().second) useful.push_back(index(c));
       variants = with_each(variants, *composition, useful);
     }
+    // The order that a tolerance calls for is that of a typical motion: another may be cheaper by a tenth.
+    if (const auto order = card.find("order"); order && card.find("tolerance"))
+      variants = with_each(variants, *order, {0, 12, 16, 20});
     if (const auto splitting = card.find("splitting")) {
       const auto& choices = card.parameters[*splitting].choices;
       for (std::size_t i = 0; i < choices.size(); ++i)  // of those that have an order of their own

@@ -25,6 +25,11 @@ Search::Search(const ErrorStudy& subject, SchemeConfig choice, double accuracy)
       longest_(subject.longest(choice_, dial_)),
       measured_(!(accuracy > 0)) {}
 
+double Search::seen_order(double most) const {
+  if (!before_ || !bad_ || !(bad_->trial.error < before_->trial.error)) return 0;
+  return std::min(order(*before_, *bad_), most);
+}
+
 double Search::least_cost() const {
   if (!bad_) return 0;
   const double steps = dial_.name == "step" ? (subject_.end() - subject_.start()) / bad_->value : 0;

@@ -37,6 +37,10 @@ class Search {
   const ResolutionParameter& dial() const { return dial_; }
   std::string name() const { return least::name(subject_.card(choice_), choice_); }
   int declared_order() const { return least::declared_order(subject_.card(choice_), choice_); }
+  /// That of its last two runs, at most `most`: of a weak perturbation it is higher than what is declared.
+  double seen_order(double most) const;
+  /// One of the same scheme by its tolerance: however it chooses the rest, there is one to be told of.
+  bool twin_of(const Search& other) const { return choice_.scheme == other.choice_.scheme && dial_.adaptive(); }
 
   /// What a run that is accurate enough costs at least, and about, in force evaluations.
   double least_cost() const;

@@ -1,6 +1,7 @@
 // Which scheme to take: held against an exhaustive search.
 #include <cmath>
 #include <cstdlib>
+#include <set>
 
 #include "core/study/error_study.hpp"
 #include "tests/study/studies.hpp"
@@ -168,6 +169,20 @@ TEST(Advice, GivesReasonsAndAlternatives) {
 }
 
 // Eccentric orbits with drag, constant or not: steps that follow the motion, contact maps or not asked for.
+// Orders of a Taylor series are one alternative.
+TEST(Advice, TellsOneOfEverySchemeThatGoesByItsTolerance) {
+  for (const char* problem : {"perturbed_kepler", "van_der_pol"})
+    for (const bool timed : {false, true}) {
+      const Advice advice = advise(scene(problem), timed ? Wish{std::nan(""), 3e-4, {}} : Wish{1e-6, 0, {}}, never);
+      ASSERT_TRUE(advice.choice) << advice.reason;
+      std::set<std::size_t> told{advice.choice->scheme};
+      for (const Alternative& other : advice.alternatives) {
+        const bool by_tolerance = dial_of(other.scheme).adaptive();
+        EXPECT_TRUE(!by_tolerance || told.insert(other.scheme.scheme).second) << problem << ' ' << name(other.scheme);
+      }
+    }
+}
+
 TEST(Advice, TakesStepsThatFollowADampedMotion) {
   for (const std::string_view problem : {"damped_kepler", "perturbed_kepler"}) {
     Request orbit = scene(problem, 20);

@@ -8,7 +8,7 @@
 // within a step is the polynomial itself. Sums over steps are compensated. Velocities of a Lagrangian that is not
 // quadratic in them have series of their own within a step, and are found anew from the momenta where it begins. The
 // tape is recorded when a run begins, by the problem with its parameters: choices, whole exponents and what is zero
-// leave it shorter; that takes a few microseconds, so that a thread keeps what the last runs of a problem have made of
+// leave it shorter; that takes a few microseconds, so that a thread keeps what the last two of a problem have made of
 // it, for the next with the same parameters. One engine runs all tapes, so that a problem costs its recording and
 // nothing else to compile. Sources: Jorba & Zou, Experimental Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans.
 // Math. Softw. 8, 114 (1982); Biscani & Izzo, MNRAS 504, 2614 (2021).
@@ -168,7 +168,7 @@ std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int 
       int order;
       std::shared_ptr<Expansion> expansion;
     };
-    thread_local std::array<Left, 4> all;
+    thread_local std::array<Left, 2> all;  // runs side by side, as on the page; some 16 kB each
     thread_local std::size_t oldest = 0;
     const tape::Program* program = nullptr;
     for (const Left& left :

@@ -256,7 +256,7 @@ TEST_F(ContactHttp, SettingsOfTheContactSchemes) {
   const Json composed = refused({{"id", "contact_splitting"}, {"splitting", "aba_864"}, {"composition", "kahan_li_6"}});
   EXPECT_EQ(composed["pointer"], "/scheme/composition");
   EXPECT_EQ(composed["allowed"], "none");
-  for (const char* problem : {"cosmological_oscillator", "lorenz"}) {
+  for (const char* problem : {"cosmological_oscillator", "van_der_pol"}) {
     const Json found =
         fault(port(), {{"problem", problem}, {"scheme", {{"id", "contact_splitting"}, {"splitting", "saba_2"}}}});
     EXPECT_EQ(found["pointer"], "/scheme/splitting") << problem;

@@ -63,9 +63,9 @@ export function title({ parameters }, scheme) {
   const preset = scheme.preset !== "default" && scheme.preset;
   const chosen = ({ name, type, default: usual }) => name !== "composition" && name in scheme && scheme[name] !== usual &&
     (type === "choice" || type === "integer");
-  const variant = [preset, scheme.composition !== "none" && scheme.composition,
-                   ...(preset ? [] : parameters.filter(chosen).map(({ name, type }) => (type === "choice" ? scheme[name] : `${name} ${scheme[name]}`)))]
-    .filter(Boolean);
+  const said = ({ name, type }) => (type === "choice" ? scheme[name] : `${name} ${scheme[name]}`);
+  const composition = scheme.composition !== "none" && scheme.composition;
+  const variant = [preset, composition, ...(preset ? [] : parameters.filter(chosen).map(said))].filter(Boolean);
   const sizes = parameters.filter(({ name }) => fineness.includes(name) && name in scheme);
   return [words(scheme.id) + (variant.length ? ` (${variant.map(words).join(", ")})` : ""),
           ...sizes.map(({ name, symbol }) => `${symbol || words(name)} = ${shortest(scheme[name])}`)].join(", ");

@@ -18,7 +18,7 @@ class Budget {
   Budget(double seconds, const std::atomic<bool>& cancelled, std::function<bool()> report)
       : budget_(seconds), cancelled_(cancelled), report_(std::move(report)) {}
 
-  /// Begins to count; what came before was preparation.
+  /// Begins to count; what came before was preparation, in which it is asked nothing.
   void start() { start_ = read_clock(); }
   double seconds() const { return read_clock() - start_; }
 

@@ -3,8 +3,8 @@
 // the drifts solve, H = A + εB with B in the kicks: SABA_n has Gauss' nodes and weights, so that a step is wrong by
 // O(ε h^{2n+1} + ε² h³); ABA(8,6,4) and ABA(10,6,4) by O(ε h⁹ + ε² h⁷ + ε³ h⁵) and O(ε h¹¹ + ε² h⁷ + ε³ h⁵). Where ε
 // is not small they are symmetric schemes of order 2 and 4.
-// Sources: McLachlan, BIT 35, 258 (1995); Laskar & Robutel, Celest. Mech. Dyn. Astron. 80, 39 (2001), section 3;
-// Blanes, Casas, Farrés, Laskar, Makazaga, Murua, Appl. Numer. Math. 68, 58 (2013), table 3.
+// Sources: McLachlan, BIT 35, 258 (1995); Laskar & Robutel, Celest. Mech. Dyn. Astron. 80, 39 (2001); Blanes, Casas,
+// Farrés, Laskar, Makazaga, Murua, Appl. Numer. Math. 68, 58 (2013).
 #pragma once
 
 #include "core/composition.hpp"
@@ -21,7 +21,8 @@ struct Named {
   std::array<std::string_view, 5> drifts, kicks;
 };
 
-/// The fourth kick of ABA(8,6,4) is printed with a digit too few; it follows from the others, as the sum of all is 1.
+/// The fourth kick of ABA(8,6,4) is in circulation with a digit too few; it follows from the others, as the sum of all
+/// is 1.
 inline constexpr std::array<Named, 4> named{{
     {"saba_2", 2, 2, {"0.211324865405187117745425609749021272", "0.577350269189625764509148780501957456"}, {"0.5"}},
     {"saba_4",

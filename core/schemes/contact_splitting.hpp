@@ -11,6 +11,7 @@
 // García-Chung, Seri, Mathematics 9, 1960 (2021).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -23,15 +24,17 @@
 namespace least {
 
 enum class Splitting : std::uint8_t { automatic, plain, merged, saba_2, saba_4, aba_864, aba_1064 };
-inline constexpr std::array<std::string_view, 7> splitting_names{"automatic", "plain",   "merged",  "saba_2",
-                                                                 "saba_4",    "aba_864", "aba_1064"};
 /// The position among `alternations::named`, if it is one of those.
 constexpr std::optional<std::size_t> alternation_of(Splitting splitting) {
-  constexpr std::size_t others = splitting_names.size() - alternations::named.size();
-  const auto place = static_cast<std::size_t>(splitting);
-  if (place < others) return std::nullopt;
-  return place - others;
+  if (splitting < Splitting::saba_2) return std::nullopt;
+  return static_cast<std::size_t>(splitting) - static_cast<std::size_t>(Splitting::saba_2);
 }
+static_assert(alternation_of(Splitting::aba_1064) == alternations::named.size() - 1);
+inline constexpr auto splitting_names = [] {
+  std::array<std::string_view, 3 + alternations::named.size()> all{"automatic", "plain", "merged"};
+  std::ranges::transform(alternations::named, all.begin() + 3, &alternations::Named::name);
+  return all;
+}();
 
 /// What the flow of A over h does, apart from s. Linear: E and φ. Quadratic: cosh wh and sinh(wh)/w, w² = γR/2.
 template <class A>

@@ -101,9 +101,9 @@ inline constexpr std::size_t found = [] {
 }();
 template <class P, class X>
 inline constexpr std::size_t variables = components<X> + found<P>;
-/// Places for them: three are as fast as four, and faster than two and one.
+/// As many with room for a whole four where three stand behind others: they are faster than two and one.
 template <class P, class X>
-inline constexpr std::size_t places = variables<P, X> % 4 == 3 ? variables<P, X> + 1 : variables<P, X>;
+inline constexpr std::size_t with_room = variables<P, X> % 4 == 3 ? variables<P, X> + 1 : variables<P, X>;
 
 /// The i-th component: values, then slopes.
 template <class X>
@@ -171,8 +171,8 @@ std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int 
     thread_local std::array<Left, 2> all;  // runs side by side, as on the page; some 16 kB each
     thread_local std::size_t oldest = 0;
     const tape::Program* program = nullptr;
-    for (const Left& left :
-         all) {  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): for padding it may only miss
+    for (const Left& left : all) {
+      // For padding it may only miss. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
       if (!left.expansion || std::memcmp(&left.problem, &problem, sizeof(P)) != 0) continue;
       if (left.tolerance == tolerance && left.order == order) return left.expansion;
       program = &left.expansion->program();
@@ -280,7 +280,7 @@ class TaylorStepper {
   TaylorStepper() = default;
 
   static constexpr std::size_t count = taylor::variables<P, X>;
-  using Values = std::array<double, taylor::places<P, X>>;
+  using Values = std::array<double, taylor::with_room<P, X>>;
   static constexpr std::size_t moving = StateOf<P>::size + taylor::found<P>;
   static constexpr bool carries = count > moving;
   /// Where the series of what is carried was last begun within a step.

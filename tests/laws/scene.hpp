@@ -86,10 +86,9 @@ void for_each_scheme(F&& f) {
           scheme.splitting = QuadraticContact<P<double>> ? Splitting::plain : Splitting::merged;
           if (!SplitFlow<P<double>>) f(scheme);
           scheme.composition = Composition::none;
-          for (const Splitting named :
-               {Splitting::saba_2, Splitting::saba_4, Splitting::aba_864, Splitting::aba_1064}) {
-            scheme.splitting = named;
-            if (LinearContact<P<double>>) f(scheme);
+          for (std::size_t i = 0; i < splitting_names.size(); ++i) {
+            scheme.splitting = static_cast<Splitting>(i);
+            if (LinearContact<P<double>> && alternation_of(scheme.splitting)) f(scheme);
           }
         }
       } else if constexpr (requires { scheme.stages; }) {

@@ -168,7 +168,6 @@ TEST(Advice, GivesReasonsAndAlternatives) {
   EXPECT_EQ(again.reason, advice.reason);
 }
 
-// Eccentric orbits with drag, constant or not: steps that follow the motion, contact maps or not asked for.
 // Orders of a Taylor series are one alternative.
 TEST(Advice, TellsOneOfEverySchemeThatGoesByItsTolerance) {
   for (const char* problem : {"perturbed_kepler", "van_der_pol"})
@@ -183,6 +182,7 @@ TEST(Advice, TellsOneOfEverySchemeThatGoesByItsTolerance) {
     }
 }
 
+// Eccentric orbits with drag, constant or not: steps that follow the motion, contact maps or not asked for.
 TEST(Advice, TakesStepsThatFollowADampedMotion) {
   for (const std::string_view problem : {"damped_kepler", "perturbed_kepler"}) {
     Request orbit = scene(problem, 20);

@@ -56,6 +56,7 @@ TrueMotion::TrueMotion(tape::Tape equations, std::span<const Index> rates, doubl
       rates_(rates.begin(), rates.end()),
       tolerance_(tolerance),
       order_(static_cast<std::size_t>(std::ceil(-0.5 * std::log(tolerance))) + 1) {  // Jorba & Zou, 3.2
+  steep_ = tape::steep_arguments(tape_, rates_);
   for (std::size_t i = 0; i < rates.size(); ++i)
     variables_.push_back(tape_.write({.op = Op::variable, .value = static_cast<double>(i)}));
   for (Index i = 0; i < tape_.size(); ++i)
@@ -257,11 +258,34 @@ LEAST_FUSED bool TrueMotion::solves(double h) {
   return good;
 }
 
+/// Shortens the step until steep functions are resolved in it; whether the argument of any moves.
+bool TrueMotion::until_steep() {
+  bool moves = false;
+  for (const tape::SteepArgument& steep : steep_) {
+    const DoubleDouble* const c = row(steep.argument);
+    const auto value = [&](double time) {
+      double sum = 0;
+      for (std::size_t k = order_; k-- > 0;) sum = sum * time + c[k].high();
+      return sum;
+    };
+    double change = 0;
+    for (std::size_t k = order_ - 1; k > 0; --k) change = (change + std::abs(c[k].high())) * length_;
+    if (steep.calm(c[0].high(), change)) continue;
+    moves = true;
+    tape::SteepLooks looks;
+    for (std::size_t i = 0; i < looks.size(); ++i)
+      looks[i] = value(length_ * static_cast<double>(i) / static_cast<double>(looks.size() - 1));
+    length_ = tape::resolved_length(steep, length_, tape::most_of_series, looks, value);
+  }
+  return moves;
+}
+
 /// The step that the series allows, shortened until it solves the equations; order 0 is left at its end. One that is as
-/// long as it may be, because hardly anything happens, is looked at on its way.
+/// long as it may be, because hardly anything happens, and one in which steep functions move are looked at on their
+/// way.
 void TrueMotion::shorten() {
   constexpr int parts = 8;
-  const bool idle = length_ * unit_ >= 0.99 * longest_;
+  const bool steep = until_steep(), idle = steep || length_ * unit_ >= 0.99 * longest_;
   for (int tries = 0; tries < 60; ++tries) {
     bool good = true;
     for (int part = idle ? 1 : parts; part <= parts && good; ++part) good = solves(length_ * part / parts);

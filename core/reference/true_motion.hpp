@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/tape/double_double.hpp"
+#include "core/tape/steep.hpp"
 
 namespace least {
 
@@ -46,11 +47,13 @@ class TrueMotion {
   double length(std::size_t used) const;
   bool settle(const std::function<bool()>& keep_going);
   bool solves(double h);
+  bool until_steep();
   void shorten();
   DoubleDouble within(tape::Index variable, const DoubleDouble& h) const;
 
   tape::Tape tape_;
   std::vector<tape::Index> rates_, variables_;
+  std::vector<tape::SteepArgument> steep_;
   std::vector<tape::Index> poles_;                          ///< divisors linear in time
   std::vector<Rows> rows_of_;                               ///< by node
   std::vector<tape::Index> made_;                           ///< nodes of which a rule makes orders

@@ -15,6 +15,8 @@
 
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
+#include "core/schemes/taylor.hpp"
+#include "core/tape/steep.hpp"
 
 namespace least {
 
@@ -28,6 +30,8 @@ constexpr bool has_dense(Method method) { return method == Method::dormand_princ
 struct Field {
   void (*rate)(const void* problem, double t, const double* y, double* rate);
   const void* problem;
+  const tape::SteepForces* steep = nullptr;  ///< what may hide between stages; none: nothing
+  void (*complete)(const void* problem, double t, double* variables) = nullptr;  ///< as in tape::SteepStep
 };
 
 /// A method with its memory, on a fixed number of components. Not tied to a problem's address.
@@ -60,6 +64,15 @@ inline constexpr std::size_t components = Sloped<X> ? 2 * X::size : X::size;
 
 }  // namespace odeint
 
+/// The steep functions in a problem's equations of motion; null where there are none.
+template <VectorField P>
+std::shared_ptr<const tape::SteepForces> steep_forces(const P& problem) {
+  tape::Tape tape;
+  const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
+  auto found = std::make_shared<const tape::SteepForces>(tape, rates);
+  return found->empty() ? nullptr : found;
+}
+
 /// Any of the methods on a problem.
 template <VectorField P, odeint::Flat X>
 class AnyOdeintStepper {
@@ -68,11 +81,15 @@ class AnyOdeintStepper {
   static constexpr int parts = 16;
 
   AnyOdeintStepper(const P& problem, odeint::Method method, double tolerance)
-      : problem_(problem), integrator_(odeint::make_integrator(method, size, StateOf<P>::size, tolerance)) {}
-  AnyOdeintStepper(const AnyOdeintStepper& other) : problem_(other.problem_), integrator_(other.integrator_->clone()) {}
+      : problem_(problem),
+        steep_(steep_forces(problem)),
+        integrator_(odeint::make_integrator(method, size, StateOf<P>::size, tolerance)) {}
+  AnyOdeintStepper(const AnyOdeintStepper& other)
+      : problem_(other.problem_), steep_(other.steep_), integrator_(other.integrator_->clone()) {}
   AnyOdeintStepper(AnyOdeintStepper&&) noexcept = default;
   AnyOdeintStepper& operator=(AnyOdeintStepper other) noexcept {
     problem_ = other.problem_;
+    steep_ = std::move(other.steep_);
     integrator_ = std::move(other.integrator_);
     return *this;
   }
@@ -118,13 +135,21 @@ class AnyOdeintStepper {
     }
   }
   odeint::Field field() const {
-    return {[](const void* problem, double t, const double* y, double* rate) {
-              X x;
-              x.t = t;
-              read(y, x);
-              write(derivative(*static_cast<const P*>(problem), x), rate);
-            },
-            &problem_};
+    odeint::Field field{[](const void* problem, double t, const double* y, double* rate) {
+                          X x;
+                          x.t = t;
+                          read(y, x);
+                          write(derivative(*static_cast<const P*>(problem), x), rate);
+                        },
+                        &problem_, steep_.get()};
+    if constexpr (IteratesForRates<P>)
+      field.complete = [](const void* problem, double t, double* variables) {
+        StateOf<P> x;
+        x.t = t;
+        for (std::size_t i = 0; i < StateOf<P>::size; ++i) x[i] = variables[i];
+        std::ranges::copy(taylor::values_of(*static_cast<const P*>(problem), x), variables);
+      };
+    return field;
   }
   template <class Move>
   StepStatus moved(X& x, Move&& move) noexcept {
@@ -139,6 +164,7 @@ class AnyOdeintStepper {
   }
 
   P problem_;
+  std::shared_ptr<const tape::SteepForces> steep_;
   std::unique_ptr<odeint::Integrator> integrator_;
 };
 

@@ -152,20 +152,24 @@ bool reads_time(const Program& program) {
          std::ranges::any_of(program.rate, is_time);
 }
 
-tape::Series series_of(Program program, double tolerance, int order) {
+/// Where an argument of a steep power is asked for, the program is read: only then every value stands at every order.
+tape::Series series_of(Program program, std::span<const tape::SteepArgument> steep, double tolerance, int order) {
   const int chosen = order > 0 ? order : cheapest_order(program, tolerance);
-  return {std::move(program), chosen};
+  const bool powers = std::ranges::count(steep, tape::SteepArgument::Kind::power, &tape::SteepArgument::kind) > 0;
+  return {std::move(program), chosen, !powers};
 }
 
 }  // namespace
 
 Expansion::Expansion(Program program, double tolerance, int order)
-    : series_(series_of(std::move(program), tolerance, order)),
+    : steep_(tape::steep_arguments(program)),
+      series_(series_of(std::move(program), steep_, tolerance, order)),
       tolerance_(tolerance),
       inverse_root_(std::pow(tolerance, -1.0 / series_.order())),
       variables_(series_.program().variables),
       moving_(series_.program().moving),
       reads_time_(reads_time(series_.program())),
+      conceals_(tape::may_conceal(series_.program())),
       way_(places * variables_),
       slopes_(way_) {}
 
@@ -186,6 +190,11 @@ void Expansion::move(const double* y, double t) {
   t_ = t;
   used_ = series_.order();
   if (finite(used_)) return;
+  if (!steep_.empty()) {  // one that overflows may be in a divisor
+    series_.expand(y, t, true);
+    if (finite(used_)) return;
+    series_.expand(y, t);
+  }
   used_ = 0;  // near a singularity high orders overflow before low ones mean nothing
   while (finite(used_ + 1)) ++used_;
 }

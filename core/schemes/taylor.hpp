@@ -26,6 +26,7 @@
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
 #include "core/tape/series.hpp"
+#include "core/tape/steep.hpp"
 #include "core/tape/symbol.hpp"
 
 namespace least {
@@ -75,8 +76,12 @@ class Expansion {
   /// A step h, shorter where a coefficient of an order k in `from` ≥ k ≥ `to` exceeds `most` ρ^(`from` + 1 − k).
   double heeded(double h, int from, int to, double most, double rho, double scale) const;
   bool may_hide_what_comes(double h, double most) const;
+  bool until_steep(double& h) const;
+  double up_to_number(double h) const;
+  double turning(std::size_t i, double h) const;
   bool solves(double h);
 
+  std::vector<tape::SteepArgument> steep_;
   tape::Series series_;
   double longest_ = std::numeric_limits<double>::infinity();
   double tolerance_, inverse_root_;  ///< ε, and ε^{−1/p} of the order p
@@ -84,6 +89,7 @@ class Expansion {
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;                      ///< the order up to which coefficients are numbers
   bool reads_time_;                   ///< the equations do
+  bool conceals_;                     ///< see tape::may_conceal
   std::vector<double> way_, slopes_;  ///< states on the way, and as the polynomials change there
   std::unique_ptr<Expansion> beside_;
 };

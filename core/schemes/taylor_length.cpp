@@ -95,9 +95,41 @@ double Expansion::carried_step() const {
 double Expansion::step(double most) {
   double h = used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
   h = std::min(h, most);
-  if (reads_time_ && may_hide_what_comes(h, most))
+  const bool steep = !steep_.empty() && until_steep(h);
+  if (steep || conceals_ || (reads_time_ && may_hide_what_comes(h, most)))
     while (h > 0 && !solves(h)) h *= 0.5;
-  return h;
+  return reads_time_ && h < most ? up_to_number(h) : h;
+}
+
+/// A step no longer than h that ends at a time that is a number, if there is one: where the time is read, what rounding
+/// takes from it counts, as close to a pole.
+double Expansion::up_to_number(double h) const {
+  double end = t_ + h;
+  if (end - t_ > h) end = std::nextafter(end, -std::numeric_limits<double>::infinity());
+  return end > t_ ? end - t_ : h;
+}
+
+/// Shortens the step h until steep functions are resolved in it; whether the argument of any moves.
+bool Expansion::until_steep(double& h) const {
+  bool moves = false;
+  for (const tape::SteepArgument& steep : steep_) {
+    const auto term = [&](int k) { return series_.coefficient(steep.argument, k); };
+    double change = 0;
+    for (int k = used_ - 1; k > 0; --k) change = (change + std::abs(term(k))) * h;
+    if (steep.calm(term(0), change)) continue;
+    moves = true;
+    tape::SteepLooks times, looks{};
+    for (std::size_t i = 0; i < times.size(); ++i)
+      times[i] = h * static_cast<double>(i) / static_cast<double>(times.size() - 1);
+    for (int k = used_ - 1; k >= 0; --k)
+      for (std::size_t i = 0; i < times.size(); ++i) looks[i] = looks[i] * times[i] + term(k);
+    h = tape::resolved_length(steep, h, tape::most_of_series, looks, [&](double time) {
+      double value = 0;
+      for (int k = used_ - 1; k >= 0; --k) value = value * time + term(k);
+      return value;
+    });
+  }
+  return moves;
 }
 
 /// A force that sleeps, as t⁴⁰ or a pulse that is yet to come, leaves no trace in the series: its last terms vanish, or
@@ -108,10 +140,19 @@ bool Expansion::may_hide_what_comes(double h, double most) const {
   return series_.program().whole || !(h < most) || (largest(used_) == 0 && (used_ == 1 || largest(used_ - 1) == 0)) ||
          largest(1) * h < little * std::max(1.0, largest(0));
 }
-/// Whether the polynomials solve the equations at a few places within the step, to about the tolerance.
+/// What the second derivative of a component is at most within the step.
+double Expansion::turning(std::size_t i, double h) const {
+  double sum = 0;
+  for (int k = used_; k > 1; --k) sum = sum * h + k * (k - 1) * std::abs(series_.coefficients(k)[i]);
+  return sum;
+}
+
+/// Whether the polynomials solve the equations at a few places within the step, to about the tolerance or to what the
+/// rounding of the time there makes of it, and arguments of steep functions are told by theirs.
 bool Expansion::solves(double h) {
-  constexpr double slack = 100, grain = 1e-12;
+  constexpr double slack = 100, grain = 1e-12, told = 0.5, part_told = 1e-3;
   const double most = std::max(1.0, largest(0)) * std::max(slack * tolerance_, grain);
+  const double blur = reads_time_ ? 4 * std::numeric_limits<double>::epsilon() * std::abs(t_) : 0;
   std::array<double, places> part, value, slope;
   for (std::size_t place = 0; place < places; ++place) part[place] = h * static_cast<double>(place + 1) / places;
   for (std::size_t i = 0; i < variables_; ++i) {
@@ -129,8 +170,16 @@ bool Expansion::solves(double h) {
   }
   for (std::size_t place = 0; place < places; ++place) {
     if (!series_.defined(way_.data() + place * variables_, t_ + part[place])) return false;
-    for (std::size_t i = 0; i < moving_; ++i)
-      if (!(std::abs(series_.rate(i) - slopes_[place * variables_ + i]) * h <= most)) return false;
+    for (std::size_t i = 0; i < moving_; ++i) {
+      const double defect = std::abs(series_.rate(i) - slopes_[place * variables_ + i]) * h;
+      if (!(defect <= most) && !(defect <= most + blur * h * turning(i, h))) return false;
+    }
+    for (const tape::SteepArgument& steep : steep_) {
+      double argument = 0;
+      for (int k = used_ - 1; k >= 0; --k) argument = argument * part[place] + series_.coefficient(steep.argument, k);
+      const double right = series_.value(steep.argument);
+      if (std::abs(argument - right) > told / std::abs(steep.factor) + part_told * std::abs(right)) return false;
+    }
   }
   return true;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/tape/steep.hpp"
 #include "core/tape/unrolled.hpp"
 #include "core/tape/wide.hpp"
 
@@ -41,13 +42,17 @@ namespace {
 
 /// A program that is read.
 struct Reader {
-  static void begin(const Program& p, double* row) {
+  static void begin(const Program& p, double* row, bool bounded = false) {
+    constexpr double bound = 1e50;
     const Rules<false> rules = rules_of(p);
     for (const Step& s : p.linear) rules.begin(s, s, row);
-    for (const Step& s : p.steps) rules.begin(s, s, row);
+    for (const Step& s : p.steps) {
+      rules.begin(s, s, row);
+      if (bounded && steepness(s.function)) row[s.out] = std::clamp(row[s.out], -bound, bound);
+    }
   }
 
-  LEAST_WIDE static void expand(const Program& p, const Workspace& of, Series::Reading& by) {
+  LEAST_WIDE static void expand(const Program& p, const Workspace& of, Series::Reading& by, bool bounded) {
     const Rules<false> rules = rules_of(p);
     const std::size_t stride = of.stride, groups = p.low.size() / 4;
     if (of.begun) {
@@ -55,7 +60,7 @@ struct Reader {
     } else {
       std::copy_n(of.x, p.variables, of.rows + Program::first_variable);
       of.rows[p.time()] = of.t;
-      begin(p, of.rows);
+      begin(p, of.rows, bounded);
     }
     for (std::size_t i = 0; i < p.steps.size(); ++i)
       by.gains[i] = Rules<false>::gain_of(p.steps[i], p.steps[i], of.rows);
@@ -134,16 +139,16 @@ Series::Series(Program program, int order, bool unroll)
   reading_.places.insert(reading_.places.end(), program_.high.begin(), program_.high.end());
 }
 
-void Series::expand(const double* x, double t) {
+void Series::expand(const double* x, double t, bool bounded) {
   double* const row = rows_.data();
-  const bool begun = t == trial_[at(program_.time())] &&
+  const bool begun = !bounded && t == trial_[at(program_.time())] &&
                      std::equal(x, x + program_.variables, trial_.data() + Program::first_variable);
   const Workspace of{
       static_cast<std::size_t>(order_), stride_, x, t, begun ? trial_.data() : nullptr, row, lanes_.data()};
   if (unrolled_) return unrolled_->expand(program_, of);
   row[stride_ + at(program_.time())] = 1;
   row[stride_ + at(program_.weighted.back())] = 1;
-  Reader::expand(program_, of, reading_);
+  Reader::expand(program_, of, reading_, bounded);
 }
 
 void Series::begin(double* row) const {

@@ -67,12 +67,15 @@ class Series {
   /// Up to this order, at least 1 and at most `most_orders`. Unless `unroll`, the program is read in any case.
   Series(Program program, int order, bool unroll = true);
 
-  /// The series of the variables that are x at the time t.
-  void expand(const double* x, double t);
+  /// The series of the variables that are x at the time t. `bounded`: steep functions (core/tape/steep.hpp) are held
+  /// below 1e50, so that powers of theirs are numbers: of what such a function divides little is left in any case.
+  void expand(const double* x, double t, bool bounded = false);
   /// Whether the rates of the motion at x are numbers.
   bool defined(const double* x, double t);
   /// The rate of a variable where that was asked for last.
   double rate(std::size_t variable) const { return trial_[static_cast<std::size_t>(program_.rate[variable])]; }
+  /// Any value there.
+  double value(Index value) const { return trial_[static_cast<std::size_t>(value)]; }
   /// x⁽ᵏ⁾/k! of the variables, 0 ≤ k ≤ order; up to a multiple of four there are numbers to be read behind them.
   const double* coefficients(int k) const { return row(k) + Program::first_variable; }
   /// The same of any value, for k below the order.

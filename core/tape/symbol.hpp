@@ -144,6 +144,23 @@ struct Recorder {
     return true;
   }
 
+  /// 1/x of x that overflows where 1/x is nothing, as what does not: 1/cosh² u = 1 − tanh² u, and products of these. It
+  /// has the digits of 1, not its own, so that nothing that grows as x does may be multiplied by it. Of any other x a
+  /// constant.
+  static constexpr Symbol inverse(const Symbol& x) {
+    const Node n = node(x);
+    if (n.op != Op::multiply) return {};
+    if (n.a == n.b && node(x, n.a).op == Op::cosh) {
+      const Symbol t = tanh(at(x, node(x, n.a).a));
+      return Symbol(1) - t * t;
+    }
+    const Symbol a = at(x, n.a), over_b = inverse(at(x, n.b));
+    if (over_b.is_constant()) return {};
+    if (a.is_constant()) return Symbol(1) / a * over_b;
+    const Symbol over_a = inverse(a);
+    return over_a.is_constant() ? Symbol() : over_a * over_b;
+  }
+
   /// sin(a + b) where x + y is sin a cos b + cos a sin b, cos(a + b) where x − y is cos a cos b − sin a sin b, of
   /// angles linear in time: sums of many harmonics cost no products. A constant otherwise.
   static constexpr Symbol by_addition(const Symbol& x, const Symbol& y, Op made) {
@@ -218,6 +235,9 @@ constexpr Symbol operator/(const Symbol& a, const Symbol& b) {
     return Recorder::constant(a.constant() / b.constant(), a.constant_ / b.constant_);
   if (b.is_constant()) return a * (Symbol(1) / b);
   if (a.is_constant() && a.constant() == 0) return 0;
+  if (Recorder::node(b).op == tape::Op::exp) return a * exp(-Recorder::at(b, Recorder::node(b).a));
+  if (a.is_constant())
+    if (const Symbol inverse = Recorder::inverse(b); !inverse.is_constant()) return a * inverse;
   Symbol base;
   double p = 0;
   if (Recorder::is_power(b, base, p) && (a.is_constant() || p != 0.5)) return a * pow(base, -p);
@@ -235,6 +255,9 @@ constexpr Symbol pow(const Symbol& x, double exponent) {
     return std::is_constant_evaluated() ? Symbol(plain) : Recorder::constant(plain, power(x.constant_, exponent));
   }
   if (exponent == 0.5) return sqrt(x);
+  if (exponent < 0 && exponent >= -Symbol::most_factors && std::floor(0.5 * exponent) == 0.5 * exponent &&
+      Recorder::node(x).op == tape::Op::cosh)
+    return Symbol(1) / pow(x, -exponent);
   if (!(exponent >= 0 && exponent <= Symbol::most_factors && exponent == std::floor(exponent)))
     return Recorder::unary(tape::Op::power, x, exponent);
   Symbol result = 1, square = x;

@@ -10,6 +10,7 @@
 
 #include "core/tape/lowered.hpp"
 #include "core/tape/series_rules.hpp"
+#include "core/tape/steep.hpp"
 
 namespace least::tape {
 
@@ -68,6 +69,8 @@ constexpr Measured measured(const Program& p) {
   std::size_t kept = 0, numbers = 0;
   for (const auto* list : {&p.switches, &p.poles})
     for (const Index value : *list) to.kept[kept++] = value;
+  for (const Step& step : p.steps)
+    if (steepness(step.function)) to.kept[kept++] = step.a;
   read_structure(p, [&](Index n) {
     to.structure[numbers++] = n;
     return true;

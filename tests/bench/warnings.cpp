@@ -3,6 +3,30 @@
 
 #include "tests/bench/table.hpp"
 #include "tests/support/coarse_runs.hpp"
+#include "tests/support/narrow_forces.hpp"
+
+namespace {
+
+/// Rows of what runs at their defaults say of forces narrower than a step.
+void narrow_rows() {
+  constexpr int drawn = 150;
+  std::printf(
+      "\n%d random scenes of each family of narrow forces (Gaussians, also times a cosine, sech², exp(−u⁴), tanh, of "
+      "widths\nfrom a half to a thousandth of the span), each scheme at its default tolerance. The right end is from a "
+      "quadrature, or\nfrom fine runs of kahan_li_8 or runge_kutta_4. Wrong: by more than 1e4 tolerances.\n\n",
+      drawn);
+  std::printf("| forces | scheme | runs | wrong | silently | goal | right with a warning | goal |\n");
+  std::printf("|---|---|---|---|---|---|---|---|\n");
+  for (const narrow::Family family : narrow::families)
+    for (const std::string_view scheme : {"taylor", "dormand_prince_5", "fehlberg_78"}) {
+      const narrow::Count count = narrow::sample(family, drawn, 2026, scheme);
+      std::printf("| %.*s | %.*s | %d | %d | %d | 0 | %d | 1 %% |\n", static_cast<int>(narrow::name(family).size()),
+                  narrow::name(family).data(), static_cast<int>(scheme.size()), scheme.data(), count.runs, count.wrong,
+                  count.silent, count.alarmed);
+    }
+}
+
+}  // namespace
 
 void bench::warnings() {
   constexpr int drawn = 2000;
@@ -21,4 +45,5 @@ void bench::warnings() {
   std::printf("| %d | %d | %d | %d, %.2f %% of runs | 0.5 %% | %d | %d, %.1f %% of them | 5 %% |\n", count.runs,
               count.completed, count.wrong, count.silent, percent(count.silent, count.runs), count.right, count.alarmed,
               percent(count.alarmed, count.right));
+  narrow_rows();
 }

@@ -1,0 +1,157 @@
+#include "core/tape/steep.hpp"
+
+#include "core/tape/series_rules.hpp"
+
+namespace least::tape {
+namespace {
+
+using Kind = SteepArgument::Kind;
+
+constexpr double nothing = -64, plenty = 100;  // e-foldings: of e^x below and above
+constexpr double apart = 40;                   // of sech x beyond ±40
+constexpr double equal = 20;                   // of tanh x beyond ±20, to the last bit
+constexpr double weight = 3;                   // of tanh, whose slope 1 − tanh² loses digits where e^x keeps them
+constexpr double high_power = 6;
+
+/// The steps that the motion needs: those that are linear in time, then the others.
+template <class Visit>
+void each_step(const Program& program, Visit&& visit) {
+  for (const Step& step : program.linear) visit(step);
+  for (std::size_t i = 0; i < program.motion_steps; ++i) visit(program.steps[i]);
+}
+
+}  // namespace
+
+double SteepArgument::foldings(double value) const {
+  switch (kind) {
+    case Kind::exponential:
+      return std::clamp(factor * value, nothing, plenty);
+    case Kind::saturating:
+      return weight * std::clamp(factor * value, -equal, equal);
+    case Kind::hyperbolic:
+      return std::clamp(factor * value, -apart, apart);
+    default:
+      return std::clamp(factor * std::log(std::abs(value)), nothing, plenty);
+  }
+}
+
+bool SteepArgument::calm(double value, double change) const {
+  return std::abs(factor) * change < (kind == Kind::power ? std::abs(value) : 1);
+}
+
+std::vector<SteepArgument> steep_arguments(const Program& program) {
+  std::vector<SteepArgument> all;
+  const auto add = [&](const SteepArgument& steep) {
+    if (std::ranges::find(all, steep) == all.end()) all.push_back(steep);
+  };
+  each_step(program, [&](const Step& step) {
+    if (const auto kind = steepness(step.function))
+      add({*kind, step.a, step.p});
+    else if ((step.rule == Rule::power || step.rule == Rule::linear_power) && std::abs(step.p) >= high_power)
+      add({Kind::power, step.a, step.p});
+  });
+  return all;
+}
+
+std::vector<SteepArgument> steep_arguments(const Tape& tape, std::span<const Index> outputs) {
+  std::vector<bool> wanted(at(tape.size()), false);
+  for (const Index output : outputs) wanted[at(output)] = true;
+  std::vector<SteepArgument> all;
+  for (Index i = tape.size(); i-- > 0;) {
+    if (!wanted[at(i)]) continue;
+    const Node& node = tape[i];
+    for (const Index part : {node.a, node.b, node.c})
+      if (part != none) wanted[at(part)] = true;
+    if (const auto kind = steepness(node.op))
+      all.push_back({*kind, node.a, 1});
+    else if (node.op == Op::power && std::abs(node.value) >= high_power)
+      all.push_back({Kind::power, node.a, node.value});
+  }
+  return all;
+}
+
+bool may_conceal(const Program& program) {
+  constexpr double high = 8;
+  std::vector<double> degrees(at(program.rows), 0);
+  for (std::size_t i = 0; i <= program.variables; ++i) degrees[at(Program::first_variable) + i] = 1;
+  bool conceals = false;
+  each_step(program, [&](const Step& step) {
+    const double a = step.a == none ? 0 : degrees[at(step.a)];
+    double degree = std::max(a, 1.0);
+    switch (step.rule) {
+      case Rule::sum:
+        degree = 0;
+        for (Index i = 0; i < step.values; ++i)
+          degree = std::max(degree, degrees[at(program.values[at(step.first_value + i)].value)]);
+        for (Index i = 0; i < step.products; ++i) {
+          const Program::Product& product = program.products[at(step.first_product + i)];
+          degree = std::max(degree, degrees[at(product.a)] + degrees[at(product.b)]);
+        }
+        break;
+      case Rule::quotient:
+      case Rule::linear_quotient:
+        degree = a + degrees[at(step.b)];
+        break;
+      case Rule::root:
+        degree = a / 2;
+        conceals = true;
+        break;
+      case Rule::power:
+      case Rule::linear_power:
+        degree = std::abs(step.p) * a;
+        break;
+      case Rule::select:
+        degree = std::max(a, degrees[at(step.b)]);
+        break;
+      case Rule::linear_product:
+        degree = a + degrees[at(step.w)];
+        break;
+      default:
+        break;
+    }
+    degrees[at(step.out)] = degree;
+    conceals = conceals || degree > high;
+  });
+  return conceals;
+}
+
+SteepForces::SteepForces(const Tape& tape, std::span<const Index> rates) : steep_(steep_arguments(tape, rates)) {
+  std::vector<Index> arguments;
+  for (const SteepArgument& steep : steep_) arguments.push_back(steep.argument);
+  arguments_ = Formula(tape, arguments);
+}
+
+double SteepForces::resolved_length(const SteepStep& step) const {
+  const double start = step.start.t, h = step.end.t - start;
+  std::array<double, most_variables> y;  // NOLINT: written before it is read
+  thread_local std::vector<double> values;
+  thread_local std::vector<SteepLooks> looks;
+  values.resize(steep_.size());
+  looks.resize(steep_.size());
+  const auto observe = [&](double time) {  // Hermite's polynomials
+    const double part = time / h, rest = 1 - part;
+    const double a = rest * rest * (1 + 2 * part), b = part * part * (1 + 2 * rest);
+    const double c = time * rest * rest, d = -time * part * rest;
+    for (std::size_t i = 0; i < step.variables; ++i)
+      y[i] = a * step.start.state[i] + b * step.end.state[i] + c * step.start.rate[i] + d * step.end.rate[i];
+    if (step.complete) step.complete(step.problem, start + time, y.data());
+    arguments_.evaluate(y.data(), start + time, values.data());
+  };
+  for (std::size_t k = 0; k < steep_looks; ++k) {
+    observe(h * static_cast<double>(k) / (steep_looks - 1));
+    for (std::size_t i = 0; i < steep_.size(); ++i) looks[i][k] = values[i];
+  }
+  double length = h;
+  for (std::size_t i = 0; i < steep_.size(); ++i) {
+    const auto [least, most] = std::minmax_element(looks[i].begin(), looks[i].end());
+    if (steep_[i].calm(looks[i].front(), *most - *least)) continue;
+    const auto value = [&](double time) {
+      observe(time);
+      return values[i];
+    };
+    length = std::min(length, tape::resolved_length(steep_[i], h, most_of_pair, looks[i], value));
+  }
+  return length;
+}
+
+}  // namespace least::tape

@@ -1,0 +1,154 @@
+// Functions that are steep: exp, tanh, sinh, cosh and high powers change by orders of magnitude while their argument
+// moves by a few units. A pulse e^{−k(t−a)²}, a bump, a wall or a switch tanh(kv) that lies ahead leaves no digit in a
+// Taylor series or in the stages of a Runge–Kutta step, and a step that goes by error estimates alone may jump over it.
+// Its argument is smooth and tells of it: a step is resolved where no argument moves by more than a few e-foldings
+// while its function is of any consequence.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/tape/formula.hpp"
+#include "core/tape/program.hpp"
+
+namespace least::tape {
+
+/// A steep function of `factor` times the value at `argument`; of a power, `factor` is the exponent.
+struct SteepArgument {
+  enum class Kind : std::uint8_t { exponential, saturating, hyperbolic, power };
+
+  Kind kind = Kind::exponential;
+  Index argument = none;
+  double factor = 1;
+
+  bool operator==(const SteepArgument&) const = default;
+  /// The argument in e-foldings of the function, held at the ends of the range in which the function is of consequence:
+  /// beyond them e^x is nothing, and tanh x is ±1.
+  double foldings(double value) const;
+  /// Whether a change of `value` by at most `change` is less than an e-folding.
+  bool calm(double value, double change) const;
+};
+
+/// The kind of a function that is steep in its argument, whatever that is.
+constexpr std::optional<SteepArgument::Kind> steepness(Op function) {
+  using Kind = SteepArgument::Kind;
+  switch (function) {
+    case Op::exp:
+      return Kind::exponential;
+    case Op::tanh:
+      return Kind::saturating;
+    case Op::sinh:
+    case Op::cosh:
+      return Kind::hyperbolic;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// Of a program that series are made of, those that its motion depends on: arguments are values of the program.
+std::vector<SteepArgument> steep_arguments(const Program& program);
+/// Of a tape, those that the outputs depend on: arguments are nodes of the tape.
+std::vector<SteepArgument> steep_arguments(const Tape& tape, std::span<const Index> outputs);
+
+/// Whether the motion of a program depends on what may hide ahead without a steep function: on polynomials and
+/// quotients of a high degree, and on roots, whose singularities may be as faint as one likes.
+bool may_conceal(const Program& program);
+
+/// An argument at so many times of a step, equally spaced from its beginning to its end.
+inline constexpr std::size_t steep_looks = 17;
+using SteepLooks = std::array<double, steep_looks>;
+
+/// E-foldings that a step may go through: of a series of high order, and of a Runge–Kutta pair, whose estimates of
+/// their errors have to see them.
+inline constexpr double most_of_series = 12, most_of_pair = 2;
+
+/// How much of a step of the length h is resolved, at most h. `value(time)` is the argument at a time from the
+/// beginning of the step, of which `looks` are known; it may go through `most` e-foldings. Extrema between looks are
+/// found by parabolas.
+template <class Value>
+double resolved_length(const SteepArgument& steep, double h, double most, const SteepLooks& looks, Value&& value) {
+  struct Look {
+    double time, value;
+  };
+  constexpr int refinements = 5, halvings = 40;
+  std::array<Look, 2 * steep_looks> way;  // NOLINT: written before it is read
+  std::size_t count = 0;
+  const auto time = [h](std::size_t i) { return h * static_cast<double>(i) / (steep_looks - 1); };
+  const auto look = [&](std::size_t i) { return Look{time(i), looks[i]}; };
+  // By the parabola through three looks, the outer two of which are drawn in to it.
+  const auto add_extremum = [&](Look a, Look b, Look c, double low, double high) {
+    bool found = false;
+    for (int i = 0; i < refinements; ++i) {
+      const double left = (b.time - a.time) * (b.value - c.value), right = (b.time - c.time) * (b.value - a.value);
+      const double t = b.time - 0.5 * ((b.time - a.time) * left - (b.time - c.time) * right) / (left - right);
+      if (!(t > low && t < high) || t == a.time || t == b.time || t == c.time) break;
+      const Look here{t, value(t)};
+      const bool peak = b.value > a.value || b.value > c.value, beyond = (here.value > b.value) == peak;
+      Look& drawn_in = (t < b.time) == beyond ? c : a;
+      drawn_in = beyond ? b : here;
+      if (beyond) b = here;
+      found = true;
+    }
+    if (found) way[count++] = b;
+  };
+  for (std::size_t i = 0; i < steep_looks; ++i) {
+    const bool first = i == 0, last = i + 1 == steep_looks;
+    const std::size_t middle = first ? 1 : last ? i - 1 : i;
+    if (first || last || (looks[i] - looks[i - 1]) * (looks[i + 1] - looks[i]) < 0)
+      add_extremum(look(middle - 1), look(middle), look(middle + 1), time(first ? 0 : i - 1), time(last ? i : i + 1));
+    way[count++] = look(i);
+  }
+  std::sort(way.begin(), way.begin() + count, [](const Look& a, const Look& b) { return a.time < b.time; });
+  double moved = 0;
+  for (std::size_t i = 1; i < count; ++i) {
+    const double from = steep.foldings(way[i - 1].value), by = std::abs(steep.foldings(way[i].value) - from);
+    if (!(moved + by > most)) {
+      if (by > 0) moved += by;  // else it is no number there
+      continue;
+    }
+    double low = way[i - 1].time, high = way[i].time;
+    for (int k = 0; k < halvings; ++k) {
+      const double t = 0.5 * (low + high);
+      (moved + std::abs(steep.foldings(value(t)) - from) > most ? high : low) = t;
+    }
+    return low > 0 ? low : high;
+  }
+  return h;
+}
+
+/// A step that is no series, by the states and the rates of all variables of a tape at its ends.
+struct SteepStep {
+  struct End {
+    double t;
+    const double* state;
+    const double* rate;
+  };
+  End start, end;
+  std::size_t variables;
+  /// Writes the variables of the tape that are functions of the others, where there are some.
+  void (*complete)(const void* problem, double t, double* variables) = nullptr;
+  const void* problem = nullptr;
+};
+
+/// The steep functions of equations of motion on a tape.
+class SteepForces {
+ public:
+  static constexpr std::size_t most_variables = 96;
+
+  SteepForces(const Tape& tape, std::span<const Index> rates);
+
+  bool empty() const { return steep_.empty(); }
+  /// How much of a step is resolved, along the cubic polynomials through its ends.
+  double resolved_length(const SteepStep& step) const;
+
+ private:
+  std::vector<SteepArgument> steep_;
+  Formula arguments_;
+};
+
+}  // namespace least::tape

@@ -176,7 +176,11 @@ Json answer_schema() {
       {"stop", described(object, "why it ended before its end: reason, detail, t, step, singular_at", "")},
       {"trajectory", described(object, "columns by name, each a list with a value per sample", "")},
       {"final", described(object, "t and the variables at the end", "")},
-      {"diagnostics", object},
+      {"diagnostics",
+       described(object,
+                 "by name, what was asked for: of lyapunov exponent, megno, verdict (in words, what the two of them "
+                 "mean), derivative (of the scheme or of the motion) and, where both numbers are null, the reason",
+                 "")},
       {"cost", object},
       {"choice",
        described(

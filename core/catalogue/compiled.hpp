@@ -48,7 +48,9 @@ void with_scheme(const Request& request, F&& f) {
 template <class P>
 StepTangents<P> tangents_of(const P& problem, const Request& request) {
   using Full = FullStateOf<P>;
-  StepTangents<P> tangents{[](const Full&) { return std::nullopt; }, [](const Full&) { return std::nullopt; }};
+  StepTangents<P> tangents{[](const Full&, const ActiveMethod&) { return std::nullopt; },
+                           [](const Full&) { return std::nullopt; }};
+  if (!request.until_steps) tangents.end = request.end;
   if (request.diagnostics.empty()) return tangents;  // nobody asks for them
   const Full start = start_of<Full>(problem, request.scene->initial, request.scene->start);
   with_scheme<P>(request, [&]<class Scheme>(const Scheme& scheme) {
@@ -57,7 +59,10 @@ StepTangents<P> tangents_of(const P& problem, const Request& request) {
         return extended_step_tangent(scheme, problem, start, x);
       };
     } else if constexpr (!AdaptsSteps<Scheme>) {
-      tangents.plain = [&problem, scheme, start](const Full& x) { return step_tangent(scheme, problem, start, x); };
+      tangents.plain = [&problem, scheme, start](const Full& x, const ActiveMethod& before) {
+        return step_tangent(scheme, problem, start, x, before);
+      };
+      tangents.level = level_slopes(scheme, problem, start);
     }
   });
   return tangents;

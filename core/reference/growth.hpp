@@ -77,10 +77,14 @@ class GrowthOfDifferences {
     } else {
       tape::Tape tape;
       const auto rates = taylor::write_equations<X>(problem_, tape);
-      std::vector<int> directions;
+      std::vector<std::size_t> directions;
       for (std::size_t i = 0; i < X::size; ++i)
-        if (has_component(problem_, i)) directions.push_back(static_cast<int>(i));
-      TangentMotion motion(std::move(tape), rates, directions, tolerance);
+        if (has_component(problem_, i)) directions.push_back(i);
+      for (std::size_t d = 0; d < directions.size(); ++d) {
+        tangents_.resize((d + 1) * X::size);
+        tangents_[d * X::size + directions[d]] = 1;
+      }
+      TangentMotion motion(std::move(tape), rates, directions.size(), tolerance);
       while (found_.reached > start.t && !along(start, motion)) {
       }
     }
@@ -119,7 +123,7 @@ class GrowthOfDifferences {
     X x = start;
     Vec<X::size> components;
     for (std::size_t i = 0; i < X::size; ++i) components[i] = start[i];
-    motion.start(components, start.t);
+    motion.start(components, tangents_, start.t);
     double absolute = 1, relative = 1;
     const auto seen = [&](double t) {
       double size = 1e-300;  // a divisor
@@ -191,6 +195,7 @@ class GrowthOfDifferences {
   const KeepGoing& keep_going_;
   double from_;
   Landmarks<X> landmarks_{48};
+  std::vector<double> tangents_;  ///< at the start, one direction after the other
   Conditioning found_;
 };
 

@@ -17,15 +17,15 @@ double largest_of(std::span<const double> x) {
 }  // namespace
 
 tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const tape::Index> rates,
-                                        std::span<const int> directions) {
+                                        std::size_t directions) {
   const std::size_t size = rates.size();
   std::vector<int> variables(size);
   for (std::size_t j = 0; j < size; ++j) variables[j] = static_cast<int>(j);
   std::vector<tape::Index> all(rates.begin(), rates.end());
-  all.resize(size * (1 + directions.size()));
+  all.resize(size * (1 + directions));
   for (std::size_t i = 0; i < size; ++i) {
     const auto slopes = tape::gradient(equations, Symbol::at(equations, rates[i]), variables);
-    for (std::size_t d = 0; d < directions.size(); ++d) {
+    for (std::size_t d = 0; d < directions; ++d) {
       Symbol rate;
       for (std::size_t j = 0; j < size; ++j) rate += slopes[j] * Symbol::variable(equations, (1 + d) * size + j);
       all[(1 + d) * size + i] = rate.on(equations);
@@ -34,29 +34,33 @@ tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const ta
   return {equations, all, all.size()};
 }
 
-TangentMotion::TangentMotion(tape::Tape equations, std::span<const tape::Index> rates, std::span<const int> directions,
+TangentMotion::TangentMotion(tape::Tape equations, std::span<const tape::Index> rates, std::size_t directions,
                              double tolerance)
     : size_(rates.size()),
-      directions_(directions.begin(), directions.end()),
-      expansion_(program_of(std::move(equations), rates, directions), tolerance, 0) {}
+      directions_(directions),
+      expansion_(
+          std::make_shared<taylor::Expansion>(program_of(std::move(equations), rates, directions), tolerance, 0)) {}
 
-void TangentMotion::start(std::span<const double> x, double t) {
+void TangentMotion::start(std::span<const double> x, std::span<const double> tangents, double t) {
   t_ = t;
   scale_ = largest_of(x);
-  y_.assign(size_ * (1 + directions_.size()), 0);
-  std::copy(x.begin(), x.end(), y_.begin());
-  for (std::size_t d = 0; d < directions_.size(); ++d)
-    y_[(1 + d) * size_ + static_cast<std::size_t>(directions_[d])] = 1;
-  exponents_.assign(directions_.size(), 0);
+  y_.assign(x.begin(), x.end());
+  y_.insert(y_.end(), tangents.begin(), tangents.end());
+  exponents_.assign(directions_, 0);
   low_.assign(y_.size(), 0);
   rescale();
   seen_ = y_;
 }
 
+std::size_t TangentMotion::operations() const {
+  const tape::Program& program = expansion_->program();
+  return program.steps.size() + program.lane_a.size() + program.variables;
+}
+
 /// Derivatives to about the size that decides on steps.
 void TangentMotion::rescale() {
   const int wanted = std::ilogb(std::max(1.0, largest_of(std::span(y_).first(size_))));
-  for (std::size_t d = 0; d < directions_.size(); ++d) {
+  for (std::size_t d = 0; d < directions_; ++d) {
     const std::span<double> u = std::span(y_).subspan((1 + d) * size_, size_);
     const double size = largest_of(u);
     if (!(size > 0)) continue;
@@ -68,19 +72,20 @@ void TangentMotion::rescale() {
 }
 
 double TangentMotion::step() {
-  expansion_.move(y_.data(), t_);
-  return expansion_.step();
+  expansion_->move(y_.data(), t_);
+  return expansion_->step();
 }
 
 bool TangentMotion::look(double ahead) {
+  expansion_->move(y_.data(), t_);  // a copy may have used it meanwhile
   seen_ = y_;
   std::ranges::fill(low_, 0.0);
-  expansion_.evaluate(ahead, low_.data(), seen_.data());
+  expansion_->evaluate(ahead, low_.data(), seen_.data());
   return std::ranges::all_of(seen_, [](double component) { return std::isfinite(component); });
 }
 
 bool TangentMotion::move(double t) {
-  if (!expansion_.defined(seen_.data(), t)) return false;
+  if (!expansion_->defined(seen_.data(), t)) return false;
   y_ = seen_;
   t_ = t;
   rescale();
@@ -89,7 +94,7 @@ bool TangentMotion::move(double t) {
 
 double TangentMotion::growth() const {
   double most = 0;
-  for (std::size_t d = 0; d < directions_.size(); ++d)
+  for (std::size_t d = 0; d < directions_; ++d)
     most = std::max(most, std::ldexp(largest_of(std::span(seen_).subspan((1 + d) * size_, size_)), exponents_[d]));
   return most * scale_;
 }

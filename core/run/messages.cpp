@@ -68,11 +68,19 @@ std::string error(double most, double t) {
   return fmt::format("at t = {:.4g} it is off by {:.2g} from the true motion", t, most);
 }
 
-std::string sensitive(double t) {
+std::string sensitive_end(double t) {
   return fmt::format(
       "from t = {:.4g} on control runs of Dormand–Prince 5(4) at tolerances of 1e-10 and 1e-12 part from it and from "
       "each other: no state beyond is sure",
       t);
+}
+
+std::string sensitive_end(double t, double rate) {
+  return fmt::format(
+      "small differences grow by a factor of 10 in {:.3g} of time: from about t = {:.4g} on no digit of the state "
+      "means "
+      "anything, averages may",
+      std::log(10) / rate, t);
 }
 
 std::string beyond_singularity(double t) {

@@ -26,7 +26,9 @@ std::string stiff_action(double rate);
 std::string grows(double by_step, double together, bool damped);
 std::string grows_by_energy(double before, double now);
 std::string error(double most, double t);
-std::string sensitive(double t);
+/// By control runs that part from each other at the time t; or where differences grow at this rate.
+std::string sensitive_end(double t);
+std::string sensitive_end(double t, double rate);
 std::string beyond_singularity(double t);
 std::string departs(double error, double t, double reached);
 /// What `count` of `few` members of an ensemble say, this one first.

@@ -347,7 +347,7 @@ class Run {
                            state_.x,
                            snapshots_.states(),
                            events_,
-                           tangents.plain,
+                           [&tangents](const auto& x) { return tangents.plain(x, {}); },
                            tangents.extended,
                            {[this] { return keep_going(); },
                             [this] { return request_.limits.seconds - budget_.seconds(); }, budget_.cancelled()},

@@ -7,17 +7,24 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "core/scheme.hpp"
 
 namespace least {
 
-/// Where a step leads, and the derivatives of that by where it began, in the order of the components.
+/// Where a step leads, and the derivatives of that by where it began, in the order of the components. A scheme that
+/// sets its own clock reaches states that lie near each other at different times, and its steps read the energy level
+/// of the run and may read the time: the other derivatives belong to it. Those of steps of equal length are zero.
 template <class X>
 struct Tangent {
   X image;
   Mat<int(X::size)> m;
+  Vec<int(X::size)> by_time{}, by_level{};  ///< of the image
+  Vec<int(X::size)> duration{};             ///< of the time that the step takes
+  double duration_by_time = 0, duration_by_level = 0;
+  ActiveMethod course{};  ///< of a hybrid: how the step was taken
 };
 
 /// Of a map of states, `step(y)` in any number, from x. Empty where it fails.
@@ -76,22 +83,55 @@ concept AdaptsSteps = requires {
 }
 || requires { requires Scheme::remembers; };
 
-/// Of a step that a scheme takes from x in a run from `start`. Empty where the step fails.
+/// Of schemes that set their own clock: the directions are those of the state, the energy level and, where the
+/// equations read it, the time.
+template <class P, class X>
+using TimedDual = Dual<double, int(X::size) + (Autonomous<P> ? 1 : 2)>;
+
+/// Of a step that a scheme takes from x in a run from `start`, after one that was taken in this way. Empty where the
+/// step fails.
 template <class Scheme, class P, class X>
-std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const X& start, const X& x) {
-  if constexpr (SelfTimed<Scheme>) {  // on the run's energy level
-    return tangent_of(x, [&](auto& y) {
-      using D = typename std::remove_cvref_t<decltype(y)>::Number;
-      auto z = convert<D, D>(y);
-      auto stepper = scheme.bind(problem, z, D(energy_level(scheme, problem, start)));
-      const StepStatus status = stepper.step(z);
-      y.t = z.t.value;
-      for (std::size_t i = 0; i < X::size; ++i) y[i] = z[i];
-      return status;
-    });
+std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const X& start, const X& x,
+                                       [[maybe_unused]] const ActiveMethod& before = {}) {
+  if constexpr (SelfTimed<Scheme>) {
+    constexpr bool timed = !Autonomous<P>;
+    constexpr std::size_t n = X::size;
+    using D = TimedDual<P, X>;
+    auto y = convert<D, D>(x);
+    for (std::size_t i = 0; i < n; ++i) y[i] = D::variable(x[i], int(i));
+    if constexpr (timed) y.t = D::variable(x.t, int(n) + 1);
+    auto stepper = scheme.bind(problem, y, D::variable(energy_level(scheme, problem, start), int(n)));
+    if constexpr (requires { stepper.go_on(before); }) stepper.go_on(before);
+    if (stepper.step(y) != StepStatus::ok) return std::nullopt;
+    Tangent<X> tangent;
+    if constexpr (requires { stepper.active_method(); }) tangent.course = stepper.active_method();
+    tangent.image.t = y.t.value;
+    for (std::size_t i = 0; i < n; ++i) {
+      tangent.image[i] = y[i].value;
+      std::copy_n(y[i].slope.begin(), n, tangent.m[i].begin());
+      tangent.by_level[i] = y[i].slope[n];
+      if constexpr (timed) tangent.by_time[i] = y[i].slope[n + 1];
+    }
+    std::copy_n(y.t.slope.begin(), n, tangent.duration.begin());
+    tangent.duration_by_level = y.t.slope[n];
+    if constexpr (timed) tangent.duration_by_time = y.t.slope[n + 1] - 1;
+    return tangent;
   } else {
     return tangent_map(scheme, problem, x, scheme.step);
   }
+}
+/// The derivatives of the energy level of a run by its start.
+template <class Scheme, class P, class X>
+Vec<int(X::size)> level_slopes(const Scheme& scheme, const P& problem, const X& start) {
+  Vec<int(X::size)> slopes{};
+  if constexpr (SelfTimed<Scheme>) {
+    using D = TimedDual<P, X>;
+    auto x = convert<D, D>(start);
+    for (std::size_t i = 0; i < X::size; ++i) x[i] = D::variable(start[i], int(i));
+    const D level = energy_level(scheme, problem, x);
+    std::copy_n(level.slope.begin(), X::size, slopes.begin());
+  }
+  return slopes;
 }
 /// The same on the extended space from p_t = −H, of steps that are contact maps there and not of the state alone.
 template <class Scheme, class P, class X>
@@ -119,8 +159,10 @@ requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tan
 template <class P>
 struct StepTangents {
   using Full = FullStateOf<P>;
-  std::function<std::optional<Tangent<Full>>(const Full&)> plain;
+  std::function<std::optional<Tangent<Full>>(const Full&, const ActiveMethod& before)> plain;
   std::function<std::optional<ExtendedStepOf<P>>(const Full&)> extended;
+  Vec<int(Full::size)> level{};  ///< the derivatives of the energy level of the run by its start
+  double end = std::numeric_limits<double>::infinity();  ///< of the run, where it is known beforehand
 };
 
 /// max |MᵀJM − J| over its entries.

@@ -12,6 +12,7 @@
 #include "core/run/evidence.hpp"
 #include "core/run/messages.hpp"
 #include "core/run/request.hpp"
+#include "core/run/sensitivity.hpp"
 
 namespace least {
 
@@ -99,6 +100,17 @@ Departure departure_of(const FinishedRun<P, X>& run) {
   return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, large_error, allowed, run.cancelled);
 }
 
+/// Where a control run does not say that the end is right, whether anything could.
+template <class P, class X>
+std::optional<Sensitivity> sensitivity_of(const FinishedRun<P, X>& run) {
+  constexpr std::int64_t few = 20'000, many = 40'000;  // operations of an order of a series, some milliseconds
+  const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
+  const Scene& scene = *run.request.scene;
+  const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
+  return sensitivity<P>(run.problem, start, run.evidence.states(), run.request.norm, large_error, allowed,
+                        run.cancelled);
+}
+
 /// What a control run is asked for first: where it agrees up to the end, steps that look long were short enough.
 template <class P, class X>
 void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
@@ -106,7 +118,11 @@ void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
   Departure control;
   if (run.request.control) control = departure_of(run);
   const auto states = run.evidence.states();
-  if (states.empty() || !(control.error <= right && control.reached == states.back().t)) {
+  const bool came_to_end = !states.empty() && control.reached == states.back().t;
+  std::optional<Sensitivity> sensitive;
+  if (run.request.control && !(came_to_end && control.error <= large_error && !control.parted_at))
+    sensitive = sensitivity_of(run);
+  if (!(came_to_end && control.error <= right)) {
     if constexpr (HasFrequency<P>) warn_of_step(run, warnings);
     warn_of_damping(run, warnings);
     warn_of_growth(run, warnings);
@@ -116,9 +132,11 @@ void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
   warn_of_energy(run, warnings);
   if (!(control.error <= large_error))
     warnings.push_back({"large_error", messages::departs(control.error, control.t, control.reached)});
-  else if (control.parted_at)
-    warnings.push_back({"sensitive", messages::sensitive(*control.parted_at)});
-  else if (control.stands_at)
+  if (sensitive)
+    warnings.push_back({"sensitive_end", messages::sensitive_end(sensitive->until, sensitive->rate)});
+  else if (control.error <= large_error && control.parted_at)
+    warnings.push_back({"sensitive_end", messages::sensitive_end(*control.parted_at)});
+  else if (control.error <= large_error && control.stands_at)
     warnings.push_back({"beyond_singularity", messages::beyond_singularity(*control.stands_at)});
 }
 

@@ -34,6 +34,8 @@ class JacobiMaupertuisStepper {
   StepStatus step(X& x) noexcept;
   /// How the last step was taken.
   const ActiveMethod& active_method() const { return course_; }
+  /// As after a step that was taken in this way.
+  void go_on(const ActiveMethod& course) { course_ = course; }
   Work work() const { return work_; }
   /// Of the step from a to b, taken in this way: along a coordinate it is E₀ by the length that the step has.
   T discrete_energy(const X& a, const X& b, const ActiveMethod& course) const;

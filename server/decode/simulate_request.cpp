@@ -49,7 +49,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
 
   if (problem_card) read_events(root, top, request);
   if (!faults.empty()) return faults;
-  request.control = !find(root, "diagnostics") || !request.diagnostics.empty();  // unless nothing is to be said
+  request.control = true;  // whatever diagnostics are asked for
   request.scheme = automatic ? 0 : *scheme.index;
   return decoded;
 }

@@ -347,6 +347,13 @@ TEST(Decode, AcceptsTheEdges) {
   good(R"({"problem":{"id":"swing","mass":1e3,"level":0},"scheme":{"id":"leapfrog","step":1e3}})");
 }
 
+// Warnings do not depend on what is asked for.
+TEST(Decode, EveryRunHasAControlRun) {
+  EXPECT_TRUE(good(SWING(R"("diagnostics":[])")).control);
+  EXPECT_TRUE(good(SWING(R"("diagnostics":["energy"])")).control);
+  EXPECT_TRUE(good(SWING(R"("record":{"every":0})")).control);
+}
+
 TEST(Decode, BoundsWhatItSays) {
   std::string text = R"({"problem":"swing","scheme":"leapfrog","columns":[)";
   for (int i = 0; i < 10'000; ++i) text += i == 0 ? "\"x\"" : ",\"" + std::string(50, 'x') + "\"";

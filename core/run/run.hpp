@@ -304,7 +304,6 @@ class Run {
     return stop(ReturnCode::unstable_step, messages::unstable(ratio, guard_.bound(), known.limit));
   }
   double nominal_step() const { return request_.setting("step", scheme_); }
-
   /// The next step leads out of the domain, or is outside on its way, at `outside_at`: to where it does, or to the end.
   bool leave_domain(double outside_at = unknown) {
     const double when = exit_time(problem_, *integrator_, state_, outside_at);

@@ -32,7 +32,7 @@ class Extrapolation {
 
   const X& state() const { return x_; }
 
-  /// Moves on to t. False where keep_going() says so or the steps become too small.
+  /// Moves on to t. False where keep_going() says so, or steps become too small or stand still.
   template <class KeepGoing>
   bool advance(const T& t, KeepGoing&& keep_going) {
     using least::abs;
@@ -48,6 +48,8 @@ class Extrapolation {
       const bool last = !(step_ < left);
       const T h = last ? left : step_;
       const int column = attempt(h);
+      if (!last) short_ = h < T(tiny) * (x_.t - start_) ? short_ + 1 : 0;
+      if (short_ > patience) return false;
       if (column < 0) {
         step_ = h / 4;
         if (!keep_going() || !(step_ > T(shortest) * (1 + abs(t)))) return false;
@@ -66,6 +68,9 @@ class Extrapolation {
 
  private:
   static constexpr int columns = 15, target = 10;
+  /// At a place where the motion ends steps do not: so many in a row that are short against the time until now are it.
+  static constexpr int patience = 1000;
+  static constexpr double tiny = 1e-9;
   static constexpr double shortest = Precision<T>::epsilon < 1e-30 ? 1e-25 : 1e-12;  ///< of steps, relative to the time
 
   /// Fills the diagonal of the extrapolation table until two neighbours agree; the column reached, or −1.
@@ -119,6 +124,8 @@ class Extrapolation {
   double tolerance_;
   bool regular_;  ///< from t = 0, where the equations of motion are singular and the solution is not
   T step_;
+  T start_ = x_.t;
+  int short_ = 0;        ///< steps in a row that are next to nothing
   T least_size_ = T(1);  ///< of a state that small differences are held against
   std::array<X, columns> table_{};
 };

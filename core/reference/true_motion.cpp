@@ -131,6 +131,8 @@ TrueMotion::TrueMotion(tape::Tape equations, std::span<const Index> rates, doubl
 void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
   x_ = std::move(x);
   t_ = t;
+  start_ = t;
+  short_ = 0;
   length_ = 0;
   begun_ = false;
   longest_ = first_step;
@@ -304,6 +306,9 @@ LEAST_FUSED DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& 
 
 std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool()>& keep_going) {
   constexpr double shortest = 1e-25;  // of steps, relative to the time
+  // Where the motion ends steps become short for good: so many in a row, against the time until now.
+  constexpr double tiny = 1e-9;
+  constexpr int patience = 1000;
   if (t_ == DoubleDouble(t)) return x_;
   if (length_ == 0) {
     if (!settle(keep_going)) return {};
@@ -316,6 +321,8 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
     if (!settle(keep_going)) return {};
     shorten();
     if (!(length_ * unit_ > shortest * std::abs(t_.high()))) return {};
+    short_ = length_ * unit_ < tiny * (t_.high() - start_) ? short_ + 1 : 0;
+    if (short_ > patience) return {};
   }
   const DoubleDouble h = (DoubleDouble(t) - t_) / DoubleDouble(unit_);
   asked_.clear();

@@ -67,6 +67,8 @@ class TrueMotion {
   DoubleDouble t_{};                          ///< where the series stands
   double unit_ = 1, length_ = 0;              ///< of time; of the step from there, in units; 0: there is no series yet
   double longest_ = 0;                        ///< a step may be
+  double start_ = 0;
+  int short_ = 0;  ///< steps in a row that are next to nothing
   bool lost_ = false;
 };
 

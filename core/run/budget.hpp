@@ -46,6 +46,11 @@ class Budget {
     return now > budget_ ? ReturnCode::deadline : ReturnCode::completed;
   }
 
+  /// For what follows the run: true for half of the time that is left.
+  std::function<bool()> half() {
+    return [this, until = 0.5 * (seconds() + budget_)] { return seconds() < until && look() == ReturnCode::completed; };
+  }
+
  private:
   static constexpr double between_reports = 0.2;  // in seconds
   double start_ = 0, budget_, last_ = 0, reported_ = 0;

@@ -44,7 +44,7 @@ struct StepTarget {
 };
 
 /// What ended a block of steps.
-enum class BlockEnd : std::uint8_t { target, step_failed, not_finite, left_domain, too_fast };
+enum class BlockEnd : std::uint8_t { target, step_failed, not_finite, left_domain, too_fast, stands_still };
 struct BlockResult {
   BlockEnd end = BlockEnd::target;
   StepStatus status = StepStatus::ok;  ///< of the step that failed

@@ -52,6 +52,12 @@ struct Truth {
   std::size_t bytes() const;  ///< in memory, about
 };
 
+/// Whether a truth so uncertain can tell of such an error: it is a tenth of it at most, or next to nothing.
+constexpr bool can_tell(double uncertainty, double error) {
+  constexpr double share = 0.1, nothing = 1e-12;
+  return uncertainty <= nothing || uncertainty <= share * error;
+}
+
 /// How well the states of a motion can be known: how fast small differences of its start grow. Growth is
 /// ‖∂x(t)/∂x_j(0)‖ · ‖x(0)‖ / max(1, ‖x(t)‖), the largest of all directions j, with ‖x‖ = max|x_i|: how many times a
 /// relative error of the start appears in the error at t. In the relative norm the divisor is ‖x(t)‖.

@@ -90,6 +90,19 @@ std::string beyond_singularity(double t) {
       t);
 }
 
+std::string estimate_blind(double error, double t, double tolerance) {
+  return fmt::format(
+      "at t = {:.4g} it is off by {:.2g}, by control runs of Dormand–Prince 5(4) that agree: far more than steps "
+      "within "
+      "{:.2g} should come to",
+      t, error, tolerance);
+}
+
+std::string uncertain(double uncertainty) {
+  return fmt::format("the reference solution is uncertain by {:.2g} itself, which is as much as what it found",
+                     uncertainty);
+}
+
 std::string departs(double error, double t, double reached) {
   return fmt::format(
       "at t = {:.4g} it is off by {:.2g}, by a control run of Dormand–Prince 5(4) that went as far as t = "
@@ -137,9 +150,18 @@ std::string not_finite(bool fixed) {
                : "the next state is not finite, or beyond 1e75 where energies overflow, or time stood still";
 }
 
+std::string singular_step(bool fixed) {
+  return fixed ? "the step is singular here; a shorter one may not be"
+               : "however short a step is, it comes to rates that are infinite or not defined";
+}
+
 std::string underflow() {
   return "a step within the tolerance is too short to advance the time: the motion is singular near here, or the time "
          "too large";
+}
+
+std::string stands_still() {
+  return "steps no longer advance the time: the rates of the motion become infinite, or are not defined, near here";
 }
 
 std::string parameter_underflow() {

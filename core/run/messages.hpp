@@ -29,7 +29,11 @@ std::string error(double most, double t);
 /// By control runs that part from each other at the time t; or where differences grow at this rate.
 std::string sensitive_end(double t);
 std::string sensitive_end(double t, double rate);
+/// Of a reference by itself.
+std::string uncertain(double uncertainty);
 std::string beyond_singularity(double t);
+/// Of a run whose steps were allowed `tolerance`.
+std::string estimate_blind(double error, double t, double tolerance);
 std::string departs(double error, double t, double reached);
 /// What `count` of `few` members of an ensemble say, this one first.
 std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member);
@@ -44,7 +48,9 @@ std::string deadline(double seconds);
 /// Of a step that could not be taken, `fixed` where steps are of equal length.
 std::string unsolved(bool fixed);
 std::string not_finite(bool fixed);
+std::string singular_step(bool fixed);
 std::string underflow();
+std::string stands_still();
 std::string parameter_underflow();
 
 }  // namespace least::messages

@@ -5,10 +5,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <vector>
 
+#include "core/describe.hpp"
 #include "core/run/measures.hpp"
 #include "core/run/mechanics.hpp"
 #include "core/state_error.hpp"
@@ -63,6 +65,11 @@ struct Request {
   const ColumnCard& column(std::size_t place) const {
     const auto& known = scene->card().columns;
     return place < known.size() ? known[place] : measures.list.at(place - known.size()).card;
+  }
+  /// The scheme's setting of that name; NaN where it has none.
+  double setting(std::string_view name, const SchemeCard& card) const {
+    const auto at = card.find(name);
+    return at ? settings[*at] : std::numeric_limits<double>::quiet_NaN();
   }
   bool control = false;  ///< afterwards a second, short run by another scheme, and a warning where they disagree
   /// Of a search, which wants a rough answer soon: stability is looked at roughly, and nothing is said of why a run

@@ -14,6 +14,7 @@
 #include "core/run/method_switch.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/snapshots.hpp"
+#include "core/run/standstill.hpp"
 #include "core/run/start_check.hpp"
 #include "core/run/stop_reason.hpp"
 #include "core/run/trajectory_writer.hpp"
@@ -276,7 +277,11 @@ class Run {
     if (result.end == BlockEnd::too_fast) return stop_as_unstable();
     const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
     const auto why = stop_reason(result, fixed_, method_.has_value(), integrator_->failure(), when);
-    return stop(why.reason, why.detail, why.singular_at);
+    const auto by_controls = [&] {
+      return singular_time(problem_, request_, result.status, state_.x.t, grid_.step, integrator_->work().forces,
+                           [this] { return keep_going(); });
+    };
+    return stop(why.reason, why.detail, std::isfinite(why.singular_at) ? why.singular_at : by_controls());
   }
 
   /// When the motion that began at the start becomes infinite, if it does so near here; else unknown.
@@ -298,12 +303,7 @@ class Run {
                                     guarded_damping(problem_), nominal_step());
     return stop(ReturnCode::unstable_step, messages::unstable(ratio, guard_.bound(), known.limit));
   }
-  /// What the setting `step` says.
-  double nominal_step() const {
-    const auto at = scheme_.find("step");
-    return at ? request_.settings[*at] : unknown;
-  }
-
+  double nominal_step() const { return request_.setting("step", scheme_); }
   /// The next step leads out of the domain, or is outside on its way, at `outside_at`: to where it does, or to the end.
   bool leave_domain(double outside_at = unknown) {
     const double when = exit_time(problem_, *integrator_, state_, outside_at);
@@ -334,7 +334,7 @@ class Run {
   Solution conclude(const StepTangents<P>& tangents) {
     const Work work = integrator_->work();
     outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
-    if (!writer_.finish([this] { return keep_going(); })) receiver_is_gone();
+    if (!writer_.finish(budget_.half())) receiver_is_gone();
     warn_of_the_run();
     if (writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
     outcome_.t = state_.x.t;

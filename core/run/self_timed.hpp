@@ -9,6 +9,7 @@
 #include "core/run/hermite.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/messages.hpp"
+#include "core/run/standstill.hpp"
 
 namespace least {
 
@@ -26,7 +27,8 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
         energy_(energy_level(scheme, problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         left_(x),
-        end_(end) {}
+        end_(end),
+        standstill_(x.t, std::isfinite(end) ? end - x.t : 0) {}
 
   BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) override {
     if (along_series_ && state.n == 0 && advance_on_series(state, diagnostics)) return {};
@@ -67,6 +69,11 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
       x.t = t;
       if constexpr (Sloped<X>) normalise(x);
       ++n;
+      if constexpr (reads_time || told_time)
+        if (standstill_.see(left.t, h) && !still_moves(x, h)) {
+          result = {BlockEnd::stands_still};
+          break;
+        }
       if constexpr (in_parts)
         if (diagnostics && diagnostics->watches_events()) parts_ = parts_of(stepper, left, x, *diagnostics);
       if (diagnostics && x.t <= end_) {
@@ -234,6 +241,16 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
     return this->left_domain(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
   }
 
+  /// Whether the motion from x, where steps of some length h no longer advance the run, goes on at all.
+  bool still_moves(const X& x, double h) {
+    constexpr double few = 64;  // steps
+    StateOf<P> from;
+    assign(from, plain(x));
+    if (!goes_on(problem_, from, few * h)) return false;
+    standstill_.go_on();
+    return true;
+  }
+
   /// The states at the ends of so many parts of the last step, from `left` to x, but for its own: by the step's own
   /// polynomial; where it has none, and the caller watches something, by one through both ends. f(part, state)
   template <class F>
@@ -340,6 +357,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
   [[no_unique_address]] std::conditional_t<hybrid, X, Nothing>
       before_left_{};  ///< where the step before the last began
   double end_;
+  StandstillWatch standstill_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;
   Work between_;

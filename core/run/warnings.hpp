@@ -89,15 +89,27 @@ void warn_of_energy(const FinishedRun<P, X>& run, std::vector<Warning>& warnings
   if (!why.empty()) warnings.push_back({"off_energy_level", why});
 }
 
-/// How far another scheme comes to another motion.
+/// How far another scheme comes to another motion; `large`: from where on it is to be sure of that.
 inline constexpr double large_error = 0.1;
 template <class P, class X>
-Departure departure_of(const FinishedRun<P, X>& run) {
+Departure departure_of(const FinishedRun<P, X>& run, double large = large_error) {
   constexpr std::int64_t few = 5000, many = 40'000;  // force evaluations: a millisecond
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
   const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
-  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, large_error, allowed, run.cancelled);
+  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, large, allowed, run.cancelled);
+}
+
+/// An error that is no large one but far more than steps were allowed, which their estimates did not see: as the
+/// control run says, and closer ones that agree with each other. What it is off by itself is no matter.
+template <class P, class X>
+void warn_of_blind_estimates(const FinishedRun<P, X>& run, const Departure& control, std::vector<Warning>& warnings) {
+  constexpr double far = 1e4, least = 1e-8;
+  const double tolerance = run.request.setting("tolerance", run.scheme), beyond = far * std::max(tolerance, least);
+  if (!run.scheme.own_clock || !(beyond < large_error) || !(control.error > beyond)) return;
+  const Departure sure = departure_of(run, beyond);
+  if (sure.error > beyond && !sure.parted_at)
+    warnings.push_back({"estimate_blind", messages::estimate_blind(sure.error, sure.t, tolerance)});
 }
 
 /// Where a control run does not say that the end is right, whether anything could.
@@ -138,6 +150,8 @@ void warn_of_run(const FinishedRun<P, X>& run, std::vector<Warning>& warnings) {
     warnings.push_back({"sensitive_end", messages::sensitive_end(*control.parted_at)});
   else if (control.error <= large_error && control.stands_at)
     warnings.push_back({"beyond_singularity", messages::beyond_singularity(*control.stands_at)});
+  else
+    warn_of_blind_estimates(run, control, warnings);
 }
 
 }  // namespace least

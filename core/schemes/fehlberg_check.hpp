@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -16,7 +17,7 @@ struct NoCheck {
   template <class Vector>
   void see(const Vector&) {}
   template <class Vector>
-  double longest(const Vector&, const Vector&, double) const {
+  double longest(const Vector&, const Vector&, double, bool) const {
     return std::numeric_limits<double>::infinity();
   }
 };
@@ -25,40 +26,55 @@ struct NoCheck {
 /// ends of a step alone: it is zero for an integral over time, and a kink or a drive within the step goes unseen. The
 /// stages that the solution is made of lie at 0, 1/6, …, 1, weighted as by Newton and Cotes; what Weddle's rule, of two
 /// orders less, would make of them differs by h/840 times their sixth difference. That may be tolerance^0.8: being of
-/// lower order it is larger than the error by more than that. Sources: Hairer, Nørsett, Wanner, Solving Ordinary
+/// lower order it is larger than the error by more than that, where rates are smooth. Where they are rough it is not:
+/// the error is less than it by about as much as sixth differences are less than fourth ones, which beside a pole is
+/// nothing. A sixth difference that happens to vanish, as it does for some step over any pole, is not believed: it goes
+/// on from fourth to fifth to sixth ones at an even pace. Sources: Hairer, Nørsett, Wanner, Solving Ordinary
 /// Differential Equations I, 1993, II.5; Abramowitz & Stegun, 25.4.16 and 25.4.18.
 template <class Shape>
 class SixthDifference {
  public:
   using Vector = typename Shape::Vector;
-  explicit SixthDifference(double tolerance) : allowed_(std::pow(tolerance, 0.8)) {}
+  explicit SixthDifference(double tolerance) : tolerance_(tolerance), smooth_tolerance_(std::pow(tolerance, 0.8)) {}
 
-  void begin(const Vector& rate) {
-    stage_ = 0;
-    sum_ = rate;  // its shape
-    for (std::size_t i = 0; i < std::size(sum_); ++i) sum_[i] = 0;
-  }
+  void begin(const Vector&) { stage_ = 0; }
   void see(const Vector& rate) {
-    static constexpr double weights[] = {0, 0, 0, 0, 0, -20, -6, -6, 15, 15, 0, 1, 1};
-    const double weight = ++stage_ < std::size(weights) ? weights[stage_] : 0;
-    if (weight != 0)
-      for (std::size_t i = 0; i < std::size(sum_); ++i) sum_[i] += weight * rate[i];
+    static constexpr int none = 7, places[] = {none, none, none, none, none, 3, 5, 1, 4, 2, none, 0, 6};
+    const int place = ++stage_ < std::size(places) ? places[stage_] : none;
+    if (place != none) rates_[static_cast<std::size_t>(place)] = rate;
   }
-  /// The step that would have passed; of a step that passes, the longest that the next one should be.
-  double longest(const Vector& y, const Vector& rate, double h) const {
-    Vector parts = sum_;
+  /// The step that would have passed; of a step that passes, the longest that the next one should be. `rough`: rates
+  /// may have a pole near here.
+  double longest(const Vector& y, const Vector& rate, double h, bool rough) const {
+    const double allowed = rough ? tolerance_ : smooth_tolerance_;
+    Vector parts = y;  // its shape
     for (std::size_t i = 0; i < std::size(y); ++i)
-      parts[i] *= h / (840 * allowed_ * (1 + std::abs(y[i]) + h * std::abs(rate[i])));
+      parts[i] = h / 840 * unseen(i, rough) / (allowed * (1 + std::abs(y[i]) + h * std::abs(rate[i])));
     const double excess = Shape::Algebra::norm_inf(parts);
     if (!(excess > 0)) return std::numeric_limits<double>::infinity();
-    const double factor = 0.9 * std::pow(excess, -1.0 / 7);
+    const double factor = 0.9 * std::pow(excess, -1.0 / (rough ? 9 : 7));
     return excess > 1 ? h * std::clamp(factor, 0.2, 0.95) : h * std::max(factor, 1.0);
   }
 
  private:
-  double allowed_;
+  /// About how much of the rates of a component a step does not see, as a sixth difference.
+  double unseen(std::size_t i, bool rough) const {
+    std::array<double, 7> d;
+    for (std::size_t k = 0; k < d.size(); ++k) d[k] = rates_[k][i];
+    std::array<double, 7> largest{};  // of the k-th differences
+    for (std::size_t order = 1; order < d.size(); ++order)
+      for (std::size_t k = 0; k + order < d.size(); ++k) {
+        d[k] = d[k + 1] - d[k];
+        largest[order] = std::max(largest[order], std::abs(d[k]));
+      }
+    if (!(largest[5] > 0)) return 0;
+    const double sixth = std::max(largest[6], largest[5] * largest[5] / largest[4]);
+    return rough ? sixth * std::min(1.0, sixth / largest[4]) : sixth;
+  }
+
+  double tolerance_, smooth_tolerance_;
   std::size_t stage_ = 0;
-  Vector sum_{};
+  std::array<Vector, 7> rates_{};  ///< at 0, 1/6, …, 1 of a step
 };
 
 }  // namespace least::odeint

@@ -7,17 +7,17 @@
 #include <boost/numeric/odeint/stepper/dense_output_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <boost/numeric/odeint/util/odeint_error.hpp>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
 
 #include "core/schemes/fehlberg_check.hpp"
+#include "core/schemes/plain_stepper.hpp"
 
 namespace least::odeint {
 namespace {
-
-namespace library = boost::numeric::odeint;
 
 /// As many components as it is told, in a place of its own.
 struct Components {
@@ -103,53 +103,6 @@ struct resize_impl<least::odeint::Components, least::odeint::Components> {
 namespace least::odeint {
 namespace {
 
-/// A stepper with error control and no dense output, with the calls of those that have it. The rate at the end of a
-/// step is the next one's. `Check` has a second look at the steps that the stepper's own estimate accepts.
-template <class Stepper, class Check, class Vector>
-class Plain {
- public:
-  template <class... Arguments>
-  explicit Plain(const Check& check, const Arguments&... arguments) : stepper_(arguments...), check_(check) {}
-
-  void initialize(const Vector& y, double t, double h) {
-    y_ = rate_ = next_ = y;
-    t_ = t;
-    h_ = h;
-    rated_ = false;
-  }
-  template <class System>
-  void do_step(System system) {
-    if (!rated_) system(y_, rate_, t_);
-    rated_ = true;
-    const double before = t_;
-    library::failed_step_checker check;
-    for (;; check()) {
-      check_.begin(rate_);
-      const auto seen = [&](const Vector& x, Vector& dx, double time) {
-        system(x, dx, time);
-        check_.see(dx);
-      };
-      if (stepper_.try_step(seen, y_, rate_, t_, next_, h_) == library::fail) continue;
-      const double h = t_ - before, longest = check_.longest(y_, rate_, h);
-      h_ = std::min(h_, longest);
-      if (!(before + longest < t_)) break;
-      t_ = before;
-    }
-    y_ = next_;
-    system(y_, rate_, t_);
-  }
-  const Vector& current_state() const { return y_; }
-  double current_time() const { return t_; }
-  double current_time_step() const { return h_; }
-
- private:
-  Stepper stepper_;
-  Check check_;
-  Vector y_{}, rate_{}, next_{};
-  double t_ = 0, h_ = 0;
-  bool rated_ = false;
-};
-
 /// A Runge–Kutta pair with error control.
 template <class Pair>
 auto controlled(double tolerance) {
@@ -168,11 +121,16 @@ auto make_stepper(double tolerance) {
   } else if constexpr (M == Method::fehlberg_78) {
     const auto stepper = controlled<library::runge_kutta_fehlberg78<Y, double, Y, double, Algebra>>(tolerance);
     using Check = SixthDifference<Shape>;
-    return Plain<std::remove_const_t<decltype(stepper)>, Check, Y>(Check(tolerance), stepper);
+    return Plain<std::remove_const_t<decltype(stepper)>, Check, Y>(Check(tolerance), stepper, stepper);
   } else {
     // With dense output (bulirsch_stoer_dense_out) a step takes ten to twenty times as long, and what it interpolates
-    // is off by up to a thousand tolerances: a step to the time that is wanted is cheaper and better.
-    return Plain<library::bulirsch_stoer<Y, double, Y, double, Algebra>, NoCheck, Y>(NoCheck{}, tolerance, tolerance);
+    // is off by up to a thousand tolerances: a step to the time that is wanted is cheaper and better. Its estimate
+    // compares two extrapolations of a step: what decays fast is amplified by both alike and stays about as it is,
+    // twenty times as large as what is seen of it. Where that matters less is allowed.
+    using Extrapolated = library::bulirsch_stoer<Y, double, Y, double, Algebra>;
+    constexpr double less = 0.1, least = 1e-14;
+    const double allowed = std::min(tolerance, std::max(less * tolerance, least));
+    return Plain<Extrapolated, NoCheck, Y>({}, Extrapolated(tolerance, tolerance), Extrapolated(allowed, allowed));
   }
 }
 constexpr int order(Method method) { return method == Method::dormand_prince_5 ? 5 : 8; }
@@ -232,6 +190,9 @@ class Adaptive final : public Integrator {
 
  private:
   static constexpr int most_trials = 500, most_parts = 10'000;
+  /// Steps that come to what is not finite and have to be shortened, in a stretch where three in four do: the motion
+  /// has come to the edge of where its rates are defined and does not leave it.
+  static constexpr int most_undefined = 300;
 
   Vector vector(const double* y) const {
     Vector x = shape_.blank();
@@ -274,6 +235,7 @@ class Adaptive final : public Integrator {
       field.rate(field.problem, time, x.data(), dx.data());
       rate = &dx;
     };
+    bool undefined = false;  // a trial came to what is not finite
     try {
       for (int trial = 0; trial < most_trials; ++trial) {
         const double h = stepper_.current_time_step();
@@ -286,15 +248,21 @@ class Adaptive final : public Integrator {
             stepper_.initialize(start, t, part);
             continue;
           }
+          if constexpr (requires { stepper_.met_undefined(); }) undefined = undefined || stepper_.met_undefined();
+          undefined_ = std::max(undefined_ + (undefined ? 1 : -3), 0);
+          if (undefined_ > most_undefined) break;
           std::copy(end.begin(), end.end(), y);
           t = reached;
           return StepStatus::ok;
         }
+        undefined = true;
         const double shorter = 0.2 * std::min(h, reached - t);
         if (!(t + shorter > t)) break;
         stepper_.initialize(start, t, shorter);
       }
-    } catch (...) {  // Odeint gave up on finding a step, or memory ran out
+    } catch (const library::odeint_error&) {  // no step is short enough
+      return StepStatus::underflow;
+    } catch (...) {  // memory ran out
       return StepStatus::solver_failed;
     }
     return StepStatus::singular;
@@ -369,6 +337,7 @@ class Adaptive final : public Integrator {
   double step_ = 0;   ///< proposed for the next step; 0: not chosen yet
   double start_ = 0;  ///< when the last step began
   bool dense_ = false;
+  int undefined_ = 0;  ///< steps that count towards `most_undefined`
   Work work_;
 };
 

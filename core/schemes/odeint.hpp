@@ -40,7 +40,8 @@ class Integrator {
   virtual ~Integrator() = default;
   virtual std::unique_ptr<Integrator> clone() const = 0;
   /// One accepted step from (t, y); trials that are refused, or come to what is not finite, are repeated shorter. Where
-  /// it fails, y and t stay. singular: every trial comes to what is not finite; underflow: t + h = t.
+  /// it fails, y and t stay. singular: trials of every length come to what is not finite, or those of hundreds of steps
+  /// did; underflow: t + h = t.
   virtual StepStatus step(const Field& field, double* y, double& t) noexcept = 0;
   /// Steps from (t, y) to the time `end`, not before t, the first of them the whole way if its error allows.
   virtual StepStatus reach(const Field& field, double* y, double& t, double end) noexcept = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,15 +13,18 @@
 
 namespace least {
 
-/// A run says once that its truth is missing.
-inline void warn_of_missing_reference(std::vector<Warning>& warnings) {
+/// A run says once that its truth is missing, or no truth for being as uncertain as the errors it finds.
+inline void warn_of_missing_reference(std::vector<Warning>& warnings, double uncertainty = unknown) {
   constexpr std::string_view code = "reference_not_finished";
-  if (std::ranges::find(warnings, code, &Warning::code) == warnings.end())
-    warnings.push_back({code, "the reference solution met the time limit, or is not finite"});
+  if (std::ranges::find(warnings, code, &Warning::code) != warnings.end()) return;
+  warnings.push_back({code, std::isnan(uncertainty)
+                                ? "the reference solution met its time limit, or the motion ends or is not finite"
+                                : messages::uncertain(uncertainty)});
 }
 
 /// Errors against the true motion: at the final state, and the largest along the run, looked for where the motion is
-/// fast and then around the largest found. Null, with a warning, where the truth could not be had.
+/// fast and then around the largest found. Null, with a warning, where the truth could not be had, or is as uncertain
+/// as what it finds. It may take half of the time that is left.
 struct ErrorRow {
   static constexpr DiagnosticCard info{"error", "against the closed form or a quad-precision run"};
   static constexpr Sees sees = Sees::every_step;
@@ -48,23 +52,29 @@ struct ErrorRow {
         if (x.t < end.x.t) add(x, speed);
       LargestError found;
       const bool known = !marks.empty();  // the run got as far as its start
+      bool told = false;
       if (known) {
         add(needed(end.x), marks.back().speed);
+        const double seconds = 0.5 * end.left.seconds();
+        const TimeLeft half{[&] { return end.left.seconds() > seconds && end.left.keep_going(); },
+                            [&] { return end.left.seconds() - seconds; }, end.left.cancelled};
         found = largest_error(end.request, std::move(seen), landmarks.longest_move() > 0.2,
-                              landmarks.steps() <= few_steps, end.left);
-        if (!found.complete) warn_of_missing_reference(end.warnings);
+                              landmarks.steps() <= few_steps, half);
+        told = found.complete && can_tell(found.uncertainty, found.most);
+        if (!told) warn_of_missing_reference(end.warnings, found.complete ? found.uncertainty : unknown);
         constexpr double large = 0.1;
-        if (found.complete && !(found.most <= large) &&
+        if (told && !(found.most <= large) &&
             std::ranges::find(end.warnings, "large_error", &Warning::code) == end.warnings.end())
           end.warnings.push_back({"large_error", messages::error(found.most, found.at)});
       }
       std::string how(found.how);
-      if (known && !found.complete) how += ", not finished";
-      Report report = numbers("error", {{"final", found.last},
-                                        {"max", found.most},
-                                        {"max_at", found.at},
+      if (known && !told) how += found.complete ? ", too uncertain" : ", not finished";
+      const auto if_told = [told](double number) { return told ? number : unknown; };
+      Report report = numbers("error", {{"final", if_told(found.last)},
+                                        {"max", if_told(found.most)},
+                                        {"max_at", if_told(found.at)},
                                         {"uncertainty", found.uncertainty},
-                                        {"times", found.complete ? static_cast<double>(found.times) : unknown}});
+                                        {"times", if_told(static_cast<double>(found.times))}});
       insert(report, 3, words("reference", how));
       return report;
     }

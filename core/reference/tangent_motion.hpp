@@ -30,6 +30,8 @@ class TangentMotion {
   std::span<const double> state() const { return std::span(seen_).first(size_); }
   /// The largest of all derivatives, times the largest component at the start.
   double growth() const;
+  /// Of one component, in one of the directions.
+  double derivative(std::size_t component, std::size_t direction) const;
 
  private:
   static tape::Program program_of(tape::Tape equations, std::span<const tape::Index> rates,

@@ -173,10 +173,11 @@ class TrajectoryWriter {
   }
   void fill_errors(const KeepGoing& keep_going) {
     constexpr std::size_t size = StateOf<P>::size;
-    const Truth truth = request_.scene->mechanics->truth(*request_.scene, times_, keep_going);
+    const Truth truth = truth_along(*request_.scene, times_, request_.norm, keep_going);
     lacks_truth_ = !truth.complete;
     for (std::size_t k = 0; k < truth.states.size(); ++k)
-      rows_[k * columns_.size() + *error_] = state_error(&states_[k * size], truth.states[k], size, request_.norm);
+      rows_[k * columns_.size() + *error_] =
+          state_error(&states_[k * size], truth.states[k], size, truth.sizes_in(request_.norm));
   }
 
   static constexpr std::size_t block = 512;

@@ -96,7 +96,8 @@ Departure departure_of(const FinishedRun<P, X>& run) {
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
   const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
-  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, large_error, allowed, run.cancelled);
+  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, kinds_of(scene.card()), large_error,
+                      allowed, run.cancelled);
 }
 
 /// What a control run is asked for first: where it agrees up to the end, steps that look long were short enough.

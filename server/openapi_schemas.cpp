@@ -185,8 +185,9 @@ Json answer_schema() {
       {"choice",
        described(
            object,
-           "of scheme auto: reason, met, estimated_error (null where errors at the end mean nothing, as in long "
-           "chaos), alternatives. Their seconds were measured: like those of cost, they differ from one answer to "
+           "of scheme auto: reason, met (null where it cannot be told), estimated_error (null where errors at the end "
+           "mean nothing, as in long chaos, or could not be measured), alternatives. Their seconds were measured: like "
+           "those of cost, they differ from one answer to "
            "the same request to the next",
            "")},
       {"events", described(list, "what was found along the run: t, kind, and what goes with it", "")},
@@ -244,7 +245,11 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
       {"problem", reference("Problem")},
       {"initial", described({{"anyOf", starts}}, "the problem's own variables; others keep their default", "")},
       {"until", reference("Until")}};
-  const Json norm{{"type", "string"}, {"enum", norm_names}, {"default", norm_names[0]}};
+  const Json norm = described({{"type", "string"}, {"enum", norm_names}, {"default", norm_names[0]}},
+                              "what errors are divided by: absolute, max(1, the largest component of the true state); "
+                              "relative, each component by its own largest size along the true motion, those of one "
+                              "kind (x, y, z; x1, x2; x[1]) by the largest of theirs",
+                              "");
   const Json schemes = either({{"const", "all"}}, [] {
     Json list = list_of(reference("Scheme.stated"));
     list["minItems"] = 1;

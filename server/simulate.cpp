@@ -1,5 +1,6 @@
 #include "server/simulate.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -39,6 +40,11 @@ class Task {
       limited.emplace(request_).limits.seconds = seconds_;
     }
     Solution outcome = request_.scene->mechanics->run(limited ? *limited : request_, sink, cancelled);
+    constexpr std::string_view code = "reference_not_finished";
+    if (advice_ && !advice_->referenced &&
+        std::ranges::find(outcome.warnings, code, &Warning::code) == outcome.warnings.end())
+      outcome.warnings.push_back(
+          {code, "the error of the scheme chosen was not measured against a reference solution"});
     if (outcome.stop.reason == ReturnCode::deadline) outcome.stop.detail = messages::deadline(request_.limits.seconds);
     return outcome;
   }
@@ -162,8 +168,8 @@ Result<SharedTask, Answer> choose(const Context& context, const HttpRequest& req
   Advice advice;
   ReturnCode end;
   {
-    constexpr double margin = 0.1;  // the core keeps the limit itself; what it cannot interrupt is cut off
-    const CancellationWatch watch(context.cancelled, request.gone, limit + margin);
+    constexpr double margin = 0.1;  // the core takes half of it by itself; what it cannot interrupt is cut off
+    const CancellationWatch watch(context.cancelled, request.gone, limit / 2 + margin);
     advice = advise(asked.run, *asked.wish, watch.cancelled());
     end = end_of(watch);
   }

@@ -114,6 +114,7 @@ class ProblemMechanics : public Mechanics {
  public:
   explicit ProblemMechanics(ProblemCard described)
       : card_(complete_card<P>(std::move(described))),
+        kinds_(kinds_of(card_)),
         columns_(columns_of<P, State>(card_)),
         full_columns_(columns_of<P, Full>(card_)) {}
 
@@ -135,11 +136,11 @@ class ProblemMechanics : public Mechanics {
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
     const P problem = problem_of(scene.parameters);
-    return true_states(problem, start_of<State>(problem, scene.initial, scene.start), times, keep_going);
+    return true_states(problem, start_of<State>(problem, scene.initial, scene.start), times, keep_going, kinds_);
   }
   Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const override {
     const P problem = problem_of(scene.parameters);
-    return conditioning_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going);
+    return conditioning_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going, kinds_);
   }
   std::vector<PaceMark> pace(const Scene& scene, double end, const KeepGoing& keep_going) const override {
     const P problem = problem_of(scene.parameters);
@@ -160,6 +161,7 @@ class ProblemMechanics : public Mechanics {
 
  private:
   ProblemCard card_;
+  std::vector<std::size_t> kinds_;  ///< of the variables
   std::vector<Column<P, State>> columns_;
   std::vector<Column<P, Full>> full_columns_;
 };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/problem_traits.hpp"
+#include "core/reference/still_components.hpp"
 #include "core/reference/tangent_motion.hpp"
 #include "core/run/differences.hpp"
 #include "core/run/integrator.hpp"
@@ -45,10 +46,13 @@ std::vector<PaceMark> pace_of(const P& problem, const StateOf<P>& start, double 
 template <class P>
 class GrowthOfDifferences {
   using X = StateOf<P>;
+  static constexpr std::size_t size = X::size, parts = Conditioning::parts;
 
  public:
-  GrowthOfDifferences(const P& problem, X start, double end, const KeepGoing& keep_going)
-      : problem_(problem), keep_going_(keep_going), from_(start.t) {
+  /// `kinds`: of the variables, kinds_of the card.
+  GrowthOfDifferences(const P& problem, X start, double end, const KeepGoing& keep_going,
+                      std::span<const std::size_t> kinds)
+      : problem_(problem), keep_going_(keep_going), kinds_(kinds), from_(start.t) {
     start = after_series(problem_, start, end);
     if constexpr (IteratesForRates<P>) {
       // Where differences grow far, the motion that is followed is the true one only if it is followed closely.
@@ -58,7 +62,13 @@ class GrowthOfDifferences {
       follow(start, end, 1e-12);
       if (!found_.complete) found_ = known;
     } else {
-      follow(start, end, 1e-14);  // of series these digits cost little
+      follow_series(start, end);
+      if (!found_.ends || found_.leaves) return;
+      // A kink of the force ends a series and no motion: steps that need no series get past it.
+      constexpr double beyond = 0.01;
+      const Conditioning known = found_;
+      follow(start, end, 1e-9);
+      if (!(found_.reached - from_ > (1 + beyond) * (known.reached - from_))) found_ = known;
     }
   }
 
@@ -66,76 +76,110 @@ class GrowthOfDifferences {
 
  private:
   /// In steps, so that the answer does not depend on the machine.
-  static constexpr std::size_t patience = IteratesForRates<P> ? 200'000 : 50'000;
+  static constexpr std::size_t patience = 200'000, patience_of_series = 50'000;
 
-  /// In all directions. Where the motion ends early, again up to shortly before that.
+  /// In all directions, one after the other. Where the motion ends early, again up to shortly before that.
   void follow(const X& start, double end, double tolerance) {
-    begin(end, false);
-    if constexpr (IteratesForRates<P>) {
-      for (std::size_t direction = 0; direction < X::size && found_.reached > start.t;)
-        direction = along(start, direction, tolerance) ? direction + 1 : 0;
-    } else {
-      tape::Tape tape;
-      const auto rates = taylor::write_equations<X>(problem_, tape);
-      std::vector<std::size_t> directions;
-      for (std::size_t i = 0; i < X::size; ++i)
-        if (has_component(problem_, i)) directions.push_back(i);
-      for (std::size_t d = 0; d < directions.size(); ++d) {
-        tangents_.resize((d + 1) * X::size);
-        tangents_[d * X::size + directions[d]] = 1;
-      }
-      TangentMotion motion(std::move(tape), rates, directions.size(), tolerance);
-      while (found_.reached > start.t && !along(start, motion)) {
-      }
-    }
-    for (const auto& mark : landmarks_.list()) found_.pace.push_back(mark.x.t);
+    begin(end, false, false);
+    for (std::size_t direction = 0; direction < size && found_.reached > start.t;)
+      direction = along(start, direction, tolerance) ? direction + 1 : 0;
+    conclude();
   }
-  void begin(double end, bool ends) {
+  /// By series, in all directions at once.
+  void follow_series(const X& start, double end) {
+    begin(end, false, false);
+    tape::Tape tape;
+    const auto rates = taylor::write_equations<X>(problem_, tape);
+    std::vector<std::size_t> directions;
+    for (std::size_t i = 0; i < size; ++i)
+      if (has_component(problem_, i)) directions.push_back(i);
+    tangents_.assign(directions.size() * size, 0);
+    for (std::size_t d = 0; d < directions.size(); ++d) tangents_[d * size + directions[d]] = 1;
+    TangentMotion motion(std::move(tape), rates, directions.size(), 1e-14);  // of series these digits cost little
+    while (found_.reached > start.t && !along(start, motion, directions)) {
+    }
+    conclude();
+  }
+  void begin(double end, bool ends, bool leaves) {
     found_ = {};
-    found_.variables = X::size;
+    found_.variables = size;
     found_.reached = end;
     found_.ends = ends;
+    found_.leaves = leaves;
     found_.so_far.fill(1);
+    found_.relative_so_far.fill(1);
     if constexpr (ConstantDamping<P>) found_.damping = problem_.damping();
     if constexpr (Conservative<P>) found_.damping = 0;
+    sizes_ = ComponentSizes(kinds_, size);
+    derivatives_.assign(parts * size * size, 0);
+    at_end_.assign(size * size, 0);
+  }
+  /// What is known only when the sizes of all components are.
+  void conclude() {
+    std::vector<X> states;
+    for (const auto& mark : landmarks_.list()) {
+      found_.pace.push_back(mark.x.t);
+      states.push_back(mark.x);
+    }
+    for (const auto& mark : scaled_landmarks_.list()) found_.relative_pace.push_back(mark.x.t);
+    if (!states.empty()) settle_still_components<P>(problem_, states, sizes_);
+    found_.sizes = sizes_.divisors();
+    const auto growth = [&](const double* derivatives) {
+      double most = 1;
+      for (std::size_t j = 0; j < size; ++j)
+        for (std::size_t i = 0; i < size; ++i)
+          if (sizes_.largest(i) > 0 && sizes_.largest(j) > 0)
+            most = std::max(most, derivatives[j * size + i] * (sizes_.largest(j) / sizes_.largest(i)));
+      return most;
+    };
+    found_.relative_growth = growth(at_end_.data());
+    for (std::size_t k = 0; k < parts; ++k) {
+      found_.relative_so_far[k] =
+          std::max(growth(&derivatives_[k * size * size]), k > 0 ? found_.relative_so_far[k - 1] : 1);
+      found_.most_relative_growth = std::max(found_.most_relative_growth, found_.relative_so_far[k]);
+    }
   }
 
   /// In one direction. False: the motion ends before `reached`, which is set back.
   bool along(const X& start, std::size_t direction, double tolerance) {
     if (!has_component(problem_, direction)) return true;
-    Differences<P> motion(problem_, start, unit<X::size>(direction), found_.reached, tolerance);
+    Differences<P> motion(problem_, start, unit<size>(direction), found_.reached, tolerance);
     const auto seen = [&] {
-      see(motion.state(), motion.growth(Norm::absolute), motion.growth(Norm::relative), direction == 0);
+      see(motion.state(), motion.growth(), direction == 0);
+      const auto derivative = motion.derivative();
+      see_derivatives(motion.time(), direction, [&](std::size_t i) { return derivative[i]; });
     };
     seen();
     for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {
-      if (!motion.advance()) return ends(motion.time());
+      if (!motion.advance()) return ends(motion.time(), motion.left_domain());
       seen();
       found_.complete = step < patience && (step % 64 != 0 || keep_going_());
     }
-    found_.growth = std::max(found_.growth, motion.growth(Norm::absolute));
-    found_.relative_growth = std::max(found_.relative_growth, motion.growth(Norm::relative));
+    found_.growth = std::max(found_.growth, motion.growth());
     return true;
   }
   /// In all at once; within a step, which is long, the motion is seen several times.
-  bool along(const X& start, TangentMotion& motion) {
-    constexpr int parts = 16;
+  bool along(const X& start, TangentMotion& motion, std::span<const std::size_t> directions) {
+    constexpr int looks = 16;
     X x = start;
-    Vec<X::size> components;
-    for (std::size_t i = 0; i < X::size; ++i) components[i] = start[i];
+    Vec<size> components;
+    for (std::size_t i = 0; i < size; ++i) components[i] = start[i];
     motion.start(components, tangents_, start.t);
-    double absolute = 1, relative = 1;
+    double absolute = 1;
+    bool left_domain = false;
     const auto seen = [&](double t) {
-      double size = 1e-300;  // a divisor
-      for (std::size_t i = 0; i < X::size; ++i) {
+      double largest = 1;
+      for (std::size_t i = 0; i < size; ++i) {
         x[i] = motion.state()[i];
-        size = std::max(size, std::abs(x[i]));
+        largest = std::max(largest, std::abs(x[i]));
       }
       x.t = t;
-      if (outside(problem_, x)) return false;
-      absolute = motion.growth() / std::max(1.0, size);
-      relative = motion.growth() / size;
-      see(x, absolute, relative, true);
+      left_domain = outside(problem_, x);
+      if (left_domain) return false;
+      absolute = motion.growth() / largest;
+      see(x, absolute, true);
+      for (std::size_t d = 0; d < directions.size(); ++d)
+        see_derivatives(t, directions[d], [&](std::size_t i) { return motion.derivative(i, d); });
       return true;
     };
     seen(start.t);
@@ -143,41 +187,56 @@ class GrowthOfDifferences {
     double longest = 0;                                     ///< so far: of a motion that ends steps become shorter
     for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {
       const double from = motion.time(), left = found_.reached - from, h = std::min({motion.step(), left, most});
-      if (!(h > 1e-13 * std::max(std::abs(from), longest))) return ends(from);
-      const auto time = [&](int part) { return part == parts && h == left ? found_.reached : from + h * part / parts; };
+      if (!(h > 1e-13 * std::max(std::abs(from), longest))) return ends(from, false);
+      const auto time = [&](int part) { return part == looks && h == left ? found_.reached : from + h * part / looks; };
       int part = 0;
-      while (part < parts && motion.look(h * (part + 1) / parts) && seen(time(part + 1))) ++part;
-      if (part < parts && part > 0) motion.look(h * part / parts);
+      left_domain = false;
+      while (part < looks && motion.look(h * (part + 1) / looks) && seen(time(part + 1))) ++part;
+      if (part < looks && part > 0) motion.look(h * part / looks);
       if (part == 0 || !motion.move(time(part))) {
-        if (h < 1e-3 * left) return ends(from);
-        most = h / parts;
+        if (h < 1e-3 * left) return ends(from, left_domain);
+        most = h / looks;
         continue;
       }
       most = std::numeric_limits<double>::infinity();
       longest = std::max(longest, h);
-      found_.complete = step < patience && (step % 16 != 0 || keep_going_());
+      found_.complete = step < patience_of_series && (step % 16 != 0 || keep_going_());
     }
     found_.growth = std::max(found_.growth, absolute);
-    found_.relative_growth = std::max(found_.relative_growth, relative);
     return true;
   }
-  bool ends(double t) {
-    begin(from_ + 0.995 * (t - from_), true);
+  bool ends(double t, bool leaves) {
+    begin(from_ + 0.995 * (t - from_), true, leaves);
     return false;
   }
 
+  /// In which eighth of the span a time lies.
+  std::size_t part_at(double t) const {
+    const double done = (t - from_) / (found_.reached - from_);
+    return std::min(static_cast<std::size_t>(std::max(done * parts - 1e-9, 0.0)), parts - 1);
+  }
+  /// ∂x_i/∂x_j of the direction j.
+  template <class Derivative>
+  void see_derivatives(double t, std::size_t j, Derivative&& derivative) {
+    double* const largest = &derivatives_[(part_at(t) * size + j) * size];
+    for (std::size_t i = 0; i < size; ++i) {
+      const double here = std::abs(derivative(i));
+      largest[i] = std::max(largest[i], here);
+      at_end_[j * size + i] = here;
+    }
+  }
   /// `first`: of those that see the same motion.
-  void see(const X& x, double growth, double relative, bool first) {
-    const double done = (x.t - from_) / (found_.reached - from_);
-    for (auto k = static_cast<std::size_t>(std::max(done * Conditioning::parts - 1e-9, 0.0)); k < Conditioning::parts;
-         ++k)
-      found_.so_far[k] = std::max(found_.so_far[k], growth);
+  void see(const X& x, double growth, bool first) {
+    for (std::size_t k = part_at(x.t); k < parts; ++k) found_.so_far[k] = std::max(found_.so_far[k], growth);
     found_.most_growth = std::max(found_.most_growth, growth);
-    found_.most_relative_growth = std::max(found_.most_relative_growth, relative);
     if (!first) return;
+    sizes_.see(x);
+    X scaled = x;  // by the sizes so far
+    for (std::size_t i = 0; i < size; ++i) scaled[i] = sizes_.largest(i) > 0 ? x[i] / sizes_.largest(i) : 0;
     x.t > from_ ? landmarks_.see(x) : landmarks_.start(x);
-    for (std::size_t i = 0; i < X::size; ++i) found_.size = std::max(found_.size, std::abs(x[i]));
-    if (done <= 0.5) found_.size_halfway = found_.size;
+    x.t > from_ ? scaled_landmarks_.see(scaled) : scaled_landmarks_.start(scaled);
+    for (std::size_t i = 0; i < size; ++i) found_.size = std::max(found_.size, std::abs(x[i]));
+    if (x.t - from_ <= 0.5 * (found_.reached - from_)) found_.size_halfway = found_.size;
     if constexpr (KeepsEnergy<P>) {
       const double level = energy(problem_, x);
       found_.energy = std::max(found_.energy, std::abs(level));
@@ -193,15 +252,20 @@ class GrowthOfDifferences {
 
   const P& problem_;
   const KeepGoing& keep_going_;
+  std::span<const std::size_t> kinds_;
   double from_;
-  Landmarks<X> landmarks_{48};
-  std::vector<double> tangents_;  ///< at the start, one direction after the other
+  Landmarks<X> landmarks_{48}, scaled_landmarks_{48};
+  ComponentSizes sizes_{kinds_, size};
+  std::vector<double> tangents_;     ///< at the start, one direction after the other
+  std::vector<double> derivatives_;  ///< the largest in each eighth of the span, by direction and component
+  std::vector<double> at_end_;
   Conditioning found_;
 };
 
 template <class P>
-Conditioning conditioning_of(const P& problem, const StateOf<P>& start, double end, const KeepGoing& keep_going) {
-  return GrowthOfDifferences<P>(problem, start, end, keep_going).found();
+Conditioning conditioning_of(const P& problem, const StateOf<P>& start, double end, const KeepGoing& keep_going,
+                             std::span<const std::size_t> kinds) {
+  return GrowthOfDifferences<P>(problem, start, end, keep_going, kinds).found();
 }
 
 }  // namespace least

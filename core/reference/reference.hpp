@@ -12,6 +12,7 @@
 #include "core/extrapolation.hpp"
 #include "core/number/quad.hpp"
 #include "core/problem_traits.hpp"
+#include "core/reference/still_components.hpp"
 #include "core/reference/true_motion.hpp"
 #include "core/run/mechanics.hpp"
 #include "core/schemes/taylor.hpp"
@@ -21,9 +22,9 @@ namespace least {
 
 template <class P>
 struct Reference {
-  std::vector<StateOf<P>> states;         ///< at the times asked for, rounded to double
-  double uncertainty = 0x1p-53;           ///< as a state_error in the absolute norm
-  double relative_uncertainty = 0x1p-53;  ///< in the relative one
+  std::vector<StateOf<P>> states;  ///< at the times asked for, rounded to double
+  double uncertainty = 0x1p-53;    ///< as a state_error in the absolute norm
+  Vec<StateOf<P>::size> doubts{};  ///< of each component, the largest difference of two runs
   std::string_view how = "closed form";
   bool complete = true;  ///< false: it was told to give up, or the solution ceased to be finite
 };
@@ -58,13 +59,13 @@ class TwoRuns {
     StateOf<P> truth, other;
     truth.t = other.t = t;
     for (std::size_t i = 0; i < StateOf<P>::size; ++i) {
+      const double apart = difference(i);  // taken in quad, where it is not rounded away
       truth[i] = fine(i);
-      other[i] = truth[i] + difference(i);  // taken in quad, where it is not rounded away
+      other[i] = truth[i] + apart;
+      result_.doubts[i] = std::max(result_.doubts[i], std::abs(apart));
     }
     if (!std::isfinite(state_error(other, truth))) return result_.complete = false;
     result_.uncertainty = std::max(result_.uncertainty, 0x1p-53 + state_error(other, truth));
-    result_.relative_uncertainty =
-        std::max(result_.relative_uncertainty, 0x1p-53 + state_error(other, truth, Norm::relative));
     result_.states.push_back(truth);
     return true;
   }
@@ -177,16 +178,25 @@ Reference<P> reference_solution(const P& problem, const StateOf<P>& x0, const st
   return quad_precision_run(problem, x0, times, keep_going);
 }
 
-/// The same, their type forgotten.
+/// The same, their type forgotten. `kinds`: of the variables, kinds_of the card.
 template <class P>
-Truth true_states(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
-                  const KeepGoing& keep_going) {
-  const auto reference = reference_solution(problem, x0, times, keep_going);
-  Truth truth{{}, reference.uncertainty, reference.relative_uncertainty, reference.how, reference.complete};
+Truth true_states(const P& problem, const StateOf<P>& x0, const std::vector<double>& times, const KeepGoing& keep_going,
+                  std::span<const std::size_t> kinds) {
+  auto reference = reference_solution(problem, x0, times, keep_going);
+  Truth truth{{}, reference.uncertainty, 0, {}, reference.how, reference.complete};
+  ComponentSizes sizes(kinds, StateOf<P>::size);
+  sizes.see(x0);
   for (const auto& x : reference.states) {
     auto& state = truth.states.emplace_back();
     for (std::size_t i = 0; i < StateOf<P>::size; ++i) state.push_back(x[i]);
+    sizes.see(x);
   }
+  reference.states.insert(reference.states.begin(), x0);
+  settle_still_components<P>(problem, reference.states, sizes);
+  truth.sizes = sizes.divisors();
+  for (std::size_t i = 0; i < StateOf<P>::size; ++i)
+    truth.relative_uncertainty = std::max(truth.relative_uncertainty, reference.doubts[i] / truth.sizes[i]);
+  truth.relative_uncertainty += 0x1p-53;
   return truth;
 }
 

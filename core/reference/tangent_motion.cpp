@@ -99,4 +99,8 @@ double TangentMotion::growth() const {
   return most * scale_;
 }
 
+double TangentMotion::derivative(std::size_t component, std::size_t direction) const {
+  return std::ldexp(seen_[(1 + direction) * size_ + component], exponents_[direction]);
+}
+
 }  // namespace least

@@ -40,6 +40,8 @@ class TangentMotion {
   bool linear() const { return expansion_->program().whole; }
   /// About how many operations one order of the series takes.
   std::size_t operations() const;
+  /// Of one component, in one of the directions.
+  double derivative(std::size_t component, std::size_t direction) const;
 
  private:
   static tape::Program program_of(tape::Tape equations, std::span<const tape::Index> rates, std::size_t directions);

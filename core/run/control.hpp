@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/problem_traits.hpp"
+#include "core/reference/still_components.hpp"
 #include "core/schemes/odeint.hpp"
 #include "core/state_error.hpp"
 
@@ -64,11 +65,24 @@ ControlRun<StateOf<P>> control_run(const P& problem, StateOf<P> x, std::span<con
   return motion;
 }
 
-/// `large`: the error from which closer controls have to agree. `most_forces`: of the first; each closer one has four
-/// times as many.
+/// What errors along a motion are divided by, of ComponentSizes; nothing in the absolute norm.
 template <class P>
-Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states, Norm norm, double large,
-                    std::int64_t most_forces, const std::atomic<bool>& cancelled) {
+std::vector<double> divisors_along(const P& problem, const StateOf<P>& x, std::vector<StateOf<P>> states, Norm norm,
+                                   std::span<const std::size_t> kinds) {
+  if (norm == Norm::absolute) return {};
+  states.insert(states.begin(), x);
+  ComponentSizes sizes(kinds, StateOf<P>::size);
+  for (const auto& state : states) sizes.see(state);
+  settle_still_components<P>(problem, states, sizes);
+  return sizes.divisors();
+}
+
+/// `large`: the error from which closer controls have to agree. `most_forces`: of the first; each closer one has four
+/// times as many. `kinds`: of the variables, kinds_of the card.
+template <class P>
+Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states, Norm norm,
+                    std::span<const std::size_t> kinds, double large, std::int64_t most_forces,
+                    const std::atomic<bool>& cancelled) {
   if constexpr (HasSeries<P>)
     if (starts_series(problem, x)) x = series_state<StateOf<P>>(problem, P::series_until);
   while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // along a series
@@ -76,12 +90,13 @@ Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> 
   for (std::size_t i = 0; i < StateOf<P>::size; ++i) size = std::max(size, std::abs(x[i]));
   if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
   auto motion = control_run(problem, x, states, tolerance, most_forces, cancelled);
+  const std::vector<double> sizes = divisors_along(problem, x, motion.states, norm, kinds);
   Departure found;
   const auto hold = [&](std::size_t count, const std::vector<StateOf<P>>& truth) {
     found = {};
     for (std::size_t i = 0; i < count; ++i) {
       found.reached = truth[i].t;
-      const double error = state_error(states[i], truth[i], norm);
+      const double error = state_error(states[i], truth[i], sizes);
       if (error <= found.error || std::isnan(found.error)) continue;
       found.error = error;
       found.t = truth[i].t;
@@ -101,9 +116,9 @@ Departure departure(const P& problem, StateOf<P> x, std::span<const StateOf<P>> 
     auto closer = control_run(problem, x, states, tolerance, most_forces, cancelled);
     const std::size_t both = std::min(closer.states.size(), motion.states.size());
     std::size_t agreed = 0;
-    while (agreed < both && state_error(motion.states[agreed], closer.states[agreed], norm) < 0.1 * large) ++agreed;
+    while (agreed < both && state_error(motion.states[agreed], closer.states[agreed], sizes) < 0.1 * large) ++agreed;
     hold(agreed, closer.states);
-    if (agreed == both || !(found.error <= large) || state_error(states[agreed], closer.states[agreed], norm) <= large)
+    if (agreed == both || !(found.error <= large) || state_error(states[agreed], closer.states[agreed], sizes) <= large)
       return found;
     found.parted_at = states[agreed].t;
     motion = std::move(closer);

@@ -52,10 +52,13 @@ class Differences {
     return u;
   }
   double time() const { return x_.t.value; }
-  double growth(Norm norm) const {
+  double growth() const {
     const auto [value, slope] = largest(x_);
-    return slope * scale_ / (norm == Norm::absolute ? std::max(1.0, value) : value);
+    return slope * scale_ / std::max(1.0, value);
   }
+
+  /// Whether the last trial came to a place outside of the domain.
+  bool left_domain() const { return HasDomain<P> && left_domain_; }
 
   /// One step that is accurate enough. False: the motion ends here.
   bool advance() {
@@ -80,9 +83,9 @@ class Differences {
         step_ = h * std::min(4.0, 0.9 / std::pow(std::max(error, 1e-6), 0.2));
         return true;
       }
-      const bool left_domain = error <= 1;
+      left_domain_ = error <= 1;
       step_ = error > 1 ? h * std::max(0.2, 0.9 / std::pow(error, 0.2)) : h / 4;  // NaN: a quarter
-      if (step_ < (left_domain ? 1e-3 * left : shortest)) return false;
+      if (step_ < (left_domain_ ? 1e-3 * left : shortest)) return false;
     }
   }
 
@@ -106,6 +109,7 @@ class Differences {
   const P& problem_;
   X x_;
   double end_, scale_, tolerance_, step_;
+  bool left_domain_ = false;
 };
 
 }  // namespace least

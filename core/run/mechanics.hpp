@@ -45,10 +45,15 @@ struct Truth {
   std::vector<std::vector<double>> states;  ///< by time; the variables that the motion has
   double uncertainty = 0;                   ///< as an *error* in the absolute norm
   double relative_uncertainty = 0;          ///< in the relative one
+  std::vector<double> sizes;                ///< what the relative norm divides by, as seen at these times and the start
   std::string_view how;                     ///< closed form | quad precision run
   bool complete = false;                    ///< false: it was told to give up, or the solution ceased to be finite
 
   double uncertainty_in(Norm norm) const { return norm == Norm::absolute ? uncertainty : relative_uncertainty; }
+  /// What a state_error in this norm asks for.
+  std::span<const double> sizes_in(Norm norm) const {
+    return norm == Norm::absolute ? std::span<const double>() : std::span<const double>(sizes);
+  }
   std::size_t bytes() const;  ///< in memory, about
 };
 
@@ -60,19 +65,24 @@ constexpr bool can_tell(double uncertainty, double error) {
 
 /// How well the states of a motion can be known: how fast small differences of its start grow. Growth is
 /// ‖∂x(t)/∂x_j(0)‖ · ‖x(0)‖ / max(1, ‖x(t)‖), the largest of all directions j, with ‖x‖ = max|x_i|: how many times a
-/// relative error of the start appears in the error at t. In the relative norm the divisor is ‖x(t)‖.
+/// relative error of the start appears in the error at t. In the relative norm each component counts in its own size,
+/// so that growth does not depend on units: it is the largest |∂x_i(t)/∂x_j(0)| · size_j / size_i.
 struct Conditioning {
   static constexpr std::size_t parts = 8;
   std::size_t variables = 0;                             ///< of the card, that the motion has
   double growth = 1, most_growth = 1;                    ///< at the end, and the largest
   double relative_growth = 1, most_relative_growth = 1;  ///< in the relative norm
   std::array<double, parts> so_far{};                    ///< the largest growth up to each eighth of the span
+  std::array<double, parts> relative_so_far{};           ///< in the relative norm
+  std::vector<double> sizes;                             ///< what the relative norm divides by
   double size = 0;                                       ///< the largest ‖x(t)‖
   double size_halfway = 0;                               ///< the same up to half the span
-  double reached = 0;        ///< time up to which the motion goes on, if not to the end that was asked for
-  bool ends = false;         ///< it leaves its domain there, or ceases to be finite
-  bool complete = true;      ///< false: given up on the way
-  std::vector<double> pace;  ///< times that follow the motion: evenly by its steps, and where it is fastest
+  double reached = 0;                 ///< time up to which the motion goes on, if not to the end that was asked for
+  bool ends = false;                  ///< it leaves its domain there, or ceases to be finite
+  bool leaves = false;                ///< it ends because it leaves its domain
+  bool complete = true;               ///< false: given up on the way
+  std::vector<double> pace;           ///< times that follow the motion: evenly by its steps, and where it is fastest
+  std::vector<double> relative_pace;  ///< the same where components count in their own sizes
   /// The least and the largest local frequency that the problem estimates along the motion; NaN: it does not.
   double slowest = std::numeric_limits<double>::quiet_NaN(), fastest = std::numeric_limits<double>::quiet_NaN();
   double damping = std::numeric_limits<double>::quiet_NaN();  ///< α where it does not change in time; 0: none
@@ -84,9 +94,13 @@ struct Conditioning {
     if (norm == Norm::absolute) return at_end ? growth : most_growth;
     return at_end ? relative_growth : most_relative_growth;
   }
+  const std::array<double, parts>& so_far_in(Norm norm) const {
+    return norm == Norm::absolute ? so_far : relative_so_far;
+  }
+  const std::vector<double>& pace_in(Norm norm) const { return norm == Norm::absolute ? pace : relative_pace; }
   /// Whether differences grow exponentially all along the span: by far in each of its last quarters. What grows as a
   /// power of time, or in a single close passage, does not.
-  bool chaotic() const;
+  bool chaotic(Norm norm = Norm::absolute) const;
   /// Whether the motion goes ever further, as an angle that turns.
   bool travels() const { return size > 1.5 * size_halfway; }
   std::size_t bytes() const;  ///< in memory, about
@@ -133,5 +147,9 @@ class Mechanics {
   /// happens.
   virtual double blow_up_time(const Scene& scene, double latest, double step, const KeepGoing& keep_going) const = 0;
 };
+
+/// The true states at these times, which increase; in the relative norm the sizes of components are those of the whole
+/// way to the last of them, wherever the others lie.
+Truth truth_along(const Scene& scene, const std::vector<double>& times, Norm norm, const KeepGoing& keep_going);
 
 }  // namespace least

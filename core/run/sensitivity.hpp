@@ -74,10 +74,12 @@ class GrowthSoFar {
 };
 
 /// Of a run from x that came to these states, whose times increase. `large`: the error from which none of their digits
-/// is right. Nothing where the last one still has right digits, as far as `most_operations` can tell.
+/// is right; `sizes`: what such an error is divided by, as state_error has it. Nothing where the last one still has
+/// right digits, as far as `most_operations` can tell.
 template <class P>
 std::optional<Sensitivity> sensitivity(const P& problem, StateOf<P> x, std::span<const StateOf<P>> states, Norm norm,
-                                       double large, std::int64_t most_operations, const std::atomic<bool>& cancelled) {
+                                       std::span<const double> sizes, double large, std::int64_t most_operations,
+                                       const std::atomic<bool>& cancelled) {
   using X = StateOf<P>;
   if constexpr (HasSeries<P>)
     if (starts_series(problem, x)) x = series_state<X>(problem, P::series_until);
@@ -120,7 +122,7 @@ std::optional<Sensitivity> sensitivity(const P& problem, StateOf<P> x, std::span
     for (; next < states.size() && states[next].t <= path.reach(); ++next) {
       if (lost || drowned || !path.look(states[next].t)) continue;
       measure();
-      const bool off = !(state_error(states[next], path.state(), norm) <= large);
+      const bool off = !(state_error(states[next], path.state(), sizes) <= large);
       if (off && surely * noise < large && growth > by_itself) lost = states[next].t;
     }
     goes_on = path.leap(end);

@@ -173,11 +173,11 @@ class TrajectoryWriter {
   }
   void fill_errors(const KeepGoing& keep_going) {
     constexpr std::size_t size = StateOf<P>::size;
-    const Truth truth = request_.scene->mechanics->truth(*request_.scene, times_, keep_going);
+    const Truth truth = truth_along(*request_.scene, times_, request_.norm, keep_going);
     const auto error = [&](std::size_t row) -> double& { return rows_[row * columns_.size() + *error_]; };
     double most = 0;
     for (std::size_t k = 0; k < truth.states.size(); ++k) {
-      error(k) = state_error(&states_[k * size], truth.states[k], size, request_.norm);
+      error(k) = state_error(&states_[k * size], truth.states[k], size, truth.sizes_in(request_.norm));
       most = std::max(most, error(k));
     }
     const bool told = can_tell(truth.uncertainty_in(request_.norm), most);

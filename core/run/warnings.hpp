@@ -97,7 +97,8 @@ Departure departure_of(const FinishedRun<P, X>& run, double large = large_error)
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
   const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
-  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, large, allowed, run.cancelled);
+  return departure<P>(run.problem, start, run.evidence.states(), run.request.norm, kinds_of(scene.card()), large,
+                      allowed, run.cancelled);
 }
 
 /// An error that is no large one but far more than steps were allowed, which their estimates did not see: as the
@@ -119,8 +120,10 @@ std::optional<Sensitivity> sensitivity_of(const FinishedRun<P, X>& run) {
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
   const auto start = start_of<StateOf<P>>(run.problem, scene.initial, scene.start);
-  return sensitivity<P>(run.problem, start, run.evidence.states(), run.request.norm, large_error, allowed,
-                        run.cancelled);
+  const auto states = run.evidence.states();
+  const auto sizes =
+      divisors_along<P>(run.problem, start, {states.begin(), states.end()}, run.request.norm, kinds_of(scene.card()));
+  return sensitivity<P>(run.problem, start, states, run.request.norm, sizes, large_error, allowed, run.cancelled);
 }
 
 /// What a control run is asked for first: where it agrees up to the end, steps that look long were short enough.

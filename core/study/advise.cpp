@@ -5,146 +5,19 @@
 #include <set>
 #include <utility>
 
-#include "core/study/search.hpp"
+#include "core/study/contest.hpp"
 
 namespace least {
 namespace {
-
-/// All candidates at once, always the one whose next run is the cheapest, first among those that choose their steps,
-/// until nothing cheaper can come.
-class Contest {
- public:
-  Contest(const Request& scene, const Keep& keep, double accuracy, double seconds, const std::atomic<bool>& cancelled)
-      : cancelled_(cancelled),
-        deadline_(seconds),
-        subject_(scene, false, seconds / 2, cancelled),
-        accuracy_(margin * accuracy) {
-    for (SchemeConfig& choice : candidates(*scene.scene->mechanics, keep))
-      searches_.emplace_back(subject_, std::move(choice), accuracy_);
-  }
-
-  const ErrorStudy& subject() const { return subject_; }
-  std::vector<Search>& searches() { return searches_; }
-  double left() const { return cancelled_.load(std::memory_order_relaxed) ? 0 : deadline_.left(); }
-  bool timed_out() const { return !(left() > 0); }
-
-  /// The search with the cheapest run that is accurate enough; null: there is none.
-  const Search* winner() const {
-    const Search* best = nullptr;
-    for (const Search& search : searches_)
-      if (search.good() && (!best || search.likely_cost() < best->likely_cost())) best = &search;
-    return best;
-  }
-  /// Where none is: the one with the smallest error, or one nearly as good that costs less.
-  const Search* runner_up() {
-    constexpr double near = 1.5;
-    double least_error = 0;
-    do {  // errors at few times are not the largest
-      least_error = std::numeric_limits<double>::infinity();
-      for (const Search& search : searches_) least_error = std::fmin(least_error, search.best().trial.error);
-    } while (std::ranges::any_of(searches_, [&](Search& search) {
-      return search.best().trial.error <= near * least_error && search.measure_best(left());
-    }));
-    const Search* best = nullptr;
-    for (const Search& search : searches_)
-      if (search.best().trial.error <= near * least_error &&
-          (!best || search.best().trial.forces < best->best().trial.forces))
-        best = &search;
-    return best;
-  }
-
-  void go() {
-    // Those that choose their steps come near the accuracy in few runs: what they cost says how far others need to go.
-    // Where it does not within half of the time, the others have their turn.
-    const double half = left() / 2;
-    while (!timed_out()) {
-      const double most = worth();
-      const bool adaptive_first = left() > half;
-      Search* next = nullptr;
-      for (Search& search : searches_) {
-        if (!winner() && beaten(search)) search.give_up();
-        if (search.over() || !(search.least_cost() < most) || search.out_of_reach(aim(), most)) continue;
-        const auto later = [&](const Search& one) {
-          return std::pair(adaptive_first && !one.dial().adaptive(), one.least_cost());
-        };
-        if (!next || later(search) < later(*next)) next = &search;
-      }
-      if (!next) return;
-      next->advance(left(), useful_steps(), most);
-    }
-  }
-
-  /// Some more that grant the wish at not much more cost.
-  void find_alternatives() {
-    constexpr int enough = 3, most_runs = 16;
-    const Search* best = winner();
-    const double most = 4 * std::max(best->likely_cost(), 10.0);
-    const auto told = [&](const Search& search) {  // by itself, or by one before it
-      return std::ranges::any_of(searches_, [&](const Search& other) {
-        return (&other == best || (other.good() && &other < &search)) && search.twin_of(other);
-      });
-    };
-    const auto found = [&] {
-      return std::ranges::count_if(
-          searches_, [&](const Search& search) { return search.good() && &search != best && !told(search); });
-    };
-    for (int run = 0; run < most_runs && found() < enough && !timed_out(); ++run) {
-      Search* next = nullptr;
-      for (Search& search : searches_)
-        if (!search.over() && !search.good() && !told(search) &&
-            search.likely_cost() < (next ? next->likely_cost() : most))
-          next = &search;
-      if (!next) return;
-      next->advance(left(), useful_steps(), std::numeric_limits<double>::infinity());
-    }
-  }
-
- private:
-  /// Errors below the floor mean nothing, and those of long runs end somewhat above: where the accuracy is smaller,
-  /// this is about as near as anything comes.
-  double aim() const {
-    constexpr double above = 10;
-    return subject_.floor() > accuracy_ ? above * subject_.floor() : accuracy_;
-  }
-  /// Where a run has to cost less to be of interest.
-  double worth() const {
-    constexpr double less = 1.05, more = 1.1;
-    if (const Search* best = winner()) return best->likely_cost() / less;
-    double most = std::numeric_limits<double>::infinity();
-    for (const Search& search : searches_)
-      if (search.best().trial.error <= aim()) most = std::fmin(most, static_cast<double>(search.best().trial.forces));
-    return more * most;  // what is more accurate at little more cost
-  }
-  /// A run of more has nothing to offer beside the best.
-  std::int64_t useful_steps() const {
-    const Search* best = winner();
-    return best ? std::min<std::int64_t>(1000 + 8 * best->good()->trial.forces, Search::most_forces)
-                : Search::most_forces;
-  }
-  /// Whether one that has come to its end was better at much less cost.
-  bool beaten(const Search& search) const {
-    return std::ranges::any_of(searches_, [&](const Search& other) {
-      return other.over() && !search.over() && search.bad() && other.best().trial.error < search.bad()->trial.error &&
-             static_cast<double>(other.best().trial.forces) < search.least_cost() / 4;
-    });
-  }
-
-  /// Between the times at which runs are held against the truth their errors may be somewhat larger.
-  static constexpr double margin = 0.87;
-
-  const std::atomic<bool>& cancelled_;
-  Deadline deadline_;
-  ErrorStudy subject_;
-  double accuracy_;
-  std::vector<Search> searches_;
-};
 
 std::string at(const Search& search, const Probe& probe) {
   return fmt::format("{} at {} = {:.4g}", search.name(), search.dial().name, probe.value);
 }
 
 std::string measured_by(const ErrorStudy& subject) {
-  if (!subject.known()) return "by halving its step, as the reference solution was not finished";
+  if (!subject.known())
+    return fmt::format("{}, as the reference solution was not finished",
+                       subject.has_stand_in() ? "against a finer run" : "by halving its step");
   return fmt::format("against the {}", subject.truth().how);
 }
 
@@ -154,8 +27,9 @@ std::string measured_up_to(const ErrorStudy& subject) {
 }
 
 std::string growth_of(const Conditioning& known) {
-  const std::string times = std::isinf(known.most_growth) ? "beyond 1e308" : fmt::format("{:.2g}", known.most_growth);
-  return times + (known.chaotic() ? " times, exponentially" : " times");
+  const double growth = known.growth_in(Norm::relative, false);
+  const std::string times = std::isinf(growth) ? "beyond 1e308" : fmt::format("{:.2g}", growth);
+  return times + (known.chaotic(Norm::relative) ? " times, exponentially" : " times");
 }
 
 /// What keeps every scheme from the accuracy.
@@ -166,7 +40,8 @@ std::string obstacle(const Contest& contest, const Search& best, double accuracy
                        growth_of(subject.conditioning()), subject.floor());
   if (best.stalled()) return "round-off: shorter steps do not help any more";
   if (contest.timed_out()) return "the time for the search ran out";
-  return "more accurate runs would take more than 2e7 force evaluations";
+  if (best.too_dear()) return "more accurate runs would take more than 2e7 force evaluations";
+  return "no finer run came nearer in the time for the search";
 }
 
 Alternative alternative(const Search& search, const Probe& probe) {
@@ -186,27 +61,81 @@ void choose(Advice& advice, const Search& search, const Probe& probe) {
   advice.estimated_error = probe.trial.error;
 }
 
-Advice cheapest(Contest& contest, double accuracy) {
+/// What is said of errors, which are only known as far as the reference is, and the motion goes.
+void tell_what_is_known(Advice& advice, const ErrorStudy& subject) {
+  advice.referenced = subject.known();
+  advice.known = !advice.met || (subject.known() && !subject.partial());
+}
+
+/// Whether the scheme of the first run keeps what is to be kept.
+bool is_allowed(const Pilot& pilot, const std::vector<SchemeConfig>& all) {
+  return pilot.choice && std::ranges::find(all, pilot.choice->scheme, &SchemeConfig::scheme) != all.end();
+}
+
+/// The run that was made before any was measured, where no other is to be had.
+Advice unmeasured(const Request& scene, const Pilot& pilot, const std::vector<SchemeConfig>& all,
+                  std::string_view why) {
   Advice advice;
+  const auto cards = scene.scene->mechanics->schemes();
+  advice.referenced = advice.known = false;
+  const bool allowed = is_allowed(pilot, all);
+  advice.choice = allowed ? *pilot.choice : all.front();
+  const SchemeCard& card = cards[advice.choice->scheme];
+  const ResolutionParameter dial(card);
+  double value = dial.value(*advice.choice);
+  if (!allowed && dial.name == "step") {
+    constexpr double parts = 1000;
+    value = std::min(value, (scene.end - scene.scene->start) / parts);
+    advice.choice = dial.at(*advice.choice, value);
+  }
+  advice.reason = fmt::format("{}; {} at {} = {:.4g} is taken without a measured error", why,
+                              name(card, *advice.choice), dial.name, value);
+  if (allowed && pilot.completed)
+    advice.reason += fmt::format(", as it came to its end in {:.2g} s", pilot.seconds);
+  else if (allowed)
+    advice.reason += fmt::format(", which came to t = {:.6g} in {:.2g} s", pilot.end, pilot.seconds);
+  return advice;
+}
+
+/// Why there is nothing that was measured.
+std::string_view why_unmeasured(const Contest& contest, const Search* nearest) {
+  if (contest.timed_out()) return "no run could be measured in the time for the search";
+  return nearest ? "no run that was measured is near the motion" : "no run that was tried comes to the end";
+}
+
+Advice cheapest(Contest& contest, const Request& scene, const Pilot& pilot, const std::vector<SchemeConfig>& all,
+                double accuracy) {
+  Advice advice;
+  contest.begin(pilot);
   contest.go();
   const Search* best = contest.winner();
   if (!best) {
+    constexpr double nonsense = 0.1;  // as large as the motion
     const Search* nearest = contest.runner_up();
-    if (!nearest) {
-      advice.reason = contest.timed_out() ? "no run completed within the time for the search"
-                                          : "no scheme completes a run: stiffness, or a motion that ends at once";
-      return advice;
-    }
+    const double least = nearest ? nearest->best().trial.error : unknown;
+    const bool measured = pilot.completed && contest.subject().known();
+    if (!nearest || (!(least < nonsense) && is_allowed(pilot, all) && !measured))
+      return unmeasured(scene, pilot, all, why_unmeasured(contest, nearest));
     choose(advice, *nearest, nearest->best());
-    advice.reason = fmt::format("nothing reaches {:.1e}; the best is {} with {:.1e}, {}. {}", accuracy,
-                                at(*nearest, nearest->best()), advice.estimated_error, measured_by(contest.subject()),
-                                obstacle(contest, *nearest, accuracy));
+    tell_what_is_known(advice, contest.subject());
+    if (least <= accuracy) {  // but not by the margin for what lies between the times that were looked at
+      advice.known = false;
+      advice.reason =
+          fmt::format("{} has an error of {:.1e} {}, too near {:.1e} to be sure. {}", at(*nearest, nearest->best()),
+                      least, measured_by(contest.subject()), accuracy, obstacle(contest, *nearest, accuracy));
+    } else {
+      advice.reason = fmt::format("nothing reaches {:.1e}; the best is {} with {:.1e}, {}. {}", accuracy,
+                                  at(*nearest, nearest->best()), least, measured_by(contest.subject()),
+                                  obstacle(contest, *nearest, accuracy));
+    }
+    advice.reason += measured_up_to(contest.subject());
     return advice;
   }
   contest.find_alternatives();
   const Probe& probe = *best->good();
   choose(advice, *best, probe);
   advice.met = true;
+  tell_what_is_known(advice, contest.subject());
   for (const Search& search : contest.searches())
     if (&search != best && search.good()) advice.alternatives.push_back(alternative(search, *search.good()));
   std::ranges::stable_sort(advice.alternatives, {}, &Alternative::force_evaluations);
@@ -220,14 +149,15 @@ Advice cheapest(Contest& contest, double accuracy) {
         name(contest.subject().card(advice.alternatives.front().scheme), advice.alternatives.front().scheme),
         static_cast<double>(advice.alternatives.front().force_evaluations) /
             static_cast<double>(std::max<std::int64_t>(probe.trial.forces, 1)));
-  if (best->limited_by_stability(contest.left())) advice.reason += "; longer steps are not stable (stiffness)";
+  if (best->limited_by_stability(contest.allowance())) advice.reason += "; longer steps are not stable (stiffness)";
   advice.reason += measured_up_to(contest.subject());
   if (contest.timed_out()) advice.reason += "; the time for the search ran out";
   return advice;
 }
 
 /// The most accurate run that takes so many seconds.
-Advice best_within(Contest& contest, double seconds) {
+Advice best_within(Contest& contest, const Request& scene, const Pilot& pilot, const std::vector<SchemeConfig>& all,
+                   double seconds) {
   Advice advice;
   const auto finest = [](const Search& search) { return search.bad() ? search.bad()->trial.seconds : 0; };
   double least_error = std::numeric_limits<double>::infinity();
@@ -255,11 +185,14 @@ Advice best_within(Contest& contest, double seconds) {
     best_probe = probe;
   }
   if (!best) {
+    if (pilot.completed && pilot.seconds <= seconds)
+      return unmeasured(scene, pilot, all, why_unmeasured(contest, nullptr));
     advice.reason = fmt::format("no run completes within {:.3g} s", seconds);
     return advice;
   }
   choose(advice, *best, best_probe);
   advice.met = true;
+  tell_what_is_known(advice, contest.subject());
   for (std::size_t i = 0; i < within.size(); ++i)
     if (within[i] && &contest.searches()[i] != best)
       advice.alternatives.push_back(alternative(contest.searches()[i], *within[i]));
@@ -277,11 +210,11 @@ Advice best_within(Contest& contest, double seconds) {
 /// chance: the time up to which this accuracy is still to be had.
 std::optional<double> horizon(const Request& scene, const Conditioning& known, double accuracy) {
   constexpr double chance = 0.1, rounding = 0x1p-53, above = 1000;
-  if (!known.chaotic() || !(rounding * known.growth_in(scene.norm, false) > chance)) return std::nullopt;
+  if (!known.chaotic(scene.norm) || !(rounding * known.growth_in(scene.norm, false) > chance)) return std::nullopt;
   // Exponentially from one eighth of the span to the next.
   const double most = std::log(accuracy / (above * rounding));
   double last = 0, eighths = 0;
-  for (const double growth : known.so_far) {
+  for (const double growth : known.so_far_in(scene.norm)) {
     const double next = std::log(std::min(growth, std::numeric_limits<double>::max()));
     if (next > most) {
       eighths += std::max(most - last, 0.0) / (next - last);
@@ -297,15 +230,37 @@ std::optional<double> horizon(const Request& scene, const Conditioning& known, d
 
 }  // namespace
 
-Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled) {
+Advice advise(const Request& asked, const Wish& wish, const std::atomic<bool>& cancelled) {
+  constexpr double share = 0.5;   // of the time: the rest is for the run
+  constexpr double pilots = 0.5;  // of that, at most
+  constexpr double fine = 1e-6;   // far below what a motion is, far above round-off
   const bool timed = std::isnan(wish.accuracy);
-  constexpr double fine = 1e-6;  // far below what a motion is, far above round-off
-  const Deadline deadline(scene.limits.seconds);
-  const auto known = conditioning(*scene.scene, scene.end, [&] {
-    return deadline.left() > scene.limits.seconds / 2 && !cancelled.load(std::memory_order_relaxed);
-  });
-  auto until = horizon(scene, *known, timed ? fine : wish.accuracy);
-  const double start = scene.scene->start;
+  const double accuracy = timed ? fine : wish.accuracy, start = asked.scene->start;
+  const Deadline deadline(share * asked.limits.seconds);
+  Advice advice;
+  if (cancelled.load(std::memory_order_relaxed)) {
+    advice.reason = "nobody waits for it";
+    return advice;
+  }
+  const std::vector<SchemeConfig> all = candidates(*asked.scene->mechanics, wish.keep);
+  if (all.empty()) {
+    advice.reason = "no scheme that applies to this problem keeps what is to be kept";
+    return advice;
+  }
+  Request scene = asked;
+  scene.norm = Norm::relative;  // whatever errors are asked for: components of any unit count alike
+  const Pilot pilot =
+      Pilot::run(scene, candidates(*asked.scene->mechanics, {}), accuracy, pilots * deadline.left(), cancelled);
+  if (!pilot.event.empty()) {
+    if (!(pilot.end > start)) return unmeasured(scene, pilot, all, fmt::format("{} ends the run at once", pilot.event));
+    scene.end = pilot.end;  // beyond, the motion may be another, or none
+  }
+  constexpr double reference_cost = 8;  // of pilots, at least
+  const bool hopeless = pilot.completed && reference_cost * pilot.seconds > deadline.left();
+  const double half = hopeless ? deadline.left() : deadline.left() / 2;
+  const auto known = conditioning(*scene.scene, scene.end,
+                                  [&] { return deadline.left() > half && !cancelled.load(std::memory_order_relaxed); });
+  auto until = horizon(scene, *known, accuracy);
   double seconds = wish.seconds;
   if (until && timed) {
     seconds *= (*until - start) / (scene.end - start);
@@ -313,23 +268,21 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
   }
   Request measured = scene;
   if (until) measured.end = *until;
-  Contest contest(measured, wish.keep, timed ? 0 : wish.accuracy, deadline.left(), cancelled);
-  Advice advice;
-  if (contest.searches().empty()) {
-    advice.reason = "no scheme that applies to this problem keeps what is to be kept";
-    return advice;
-  }
-  if (contest.subject().ends_early() && !(contest.subject().end() > start)) {
-    advice.reason = "the motion ends at once";
-    return advice;
-  }
-  advice = timed ? best_within(contest, until ? seconds : wish.seconds) : cheapest(contest, wish.accuracy);
+  Contest contest(measured, all, timed ? 0 : accuracy, deadline.left(), hopeless ? 0 : deadline.left() / 2, cancelled,
+                  until ? nullptr : known);
+  if (contest.subject().ends_early() && !(contest.subject().end() > start))
+    return unmeasured(scene, pilot, all, "the motion ends at once");
+  advice = timed ? best_within(contest, scene, pilot, all, until ? seconds : wish.seconds)
+                 : cheapest(contest, scene, pilot, all, accuracy);
+  if (!pilot.event.empty() && advice.referenced)
+    advice.reason += fmt::format("; measured up to t = {:.6g}, where {} ends the run", scene.end, pilot.event);
   if (until && advice.choice) {
     advice.reason =
         fmt::format("errors at the end mean nothing, as differences of the start grow {}; up to t = {:.4g}, {}",
                     growth_of(*known), *until, advice.reason);
     advice.estimated_error = unknown;
     advice.met = timed;
+    advice.known = !timed;
     advice.alternatives.clear();
   }
   return advice;

@@ -124,16 +124,17 @@ std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& kee
   return all;
 }
 
-ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled)
-    : scene_(scene), at_end_(at_end), cancelled_(cancelled) {
+ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled,
+                       std::shared_ptr<const Conditioning> known)
+    : scene_(scene), at_end_(at_end), cancelled_(cancelled), conditioning_(std::move(known)) {
   const Deadline deadline(seconds);
   const auto keep_going = [&] { return deadline.left() > 0 && !cancelled.load(std::memory_order_relaxed); };
-  conditioning_ = least::conditioning(*scene_.scene, scene_.end, keep_going);
+  if (!conditioning_) conditioning_ = least::conditioning(*scene_.scene, scene_.end, keep_going);
   if (conditioning_->ends) scene_.end = conditioning_->reached;
-  if (!at_end) {
-    constexpr int count = 256;  // of long runs errors have a peak in every turn
+  if (!at_end || scene_.norm == Norm::relative) {  // which asks for the sizes along the whole motion
+    constexpr int count = 256;                     // of long runs errors have a peak in every turn
     const double span = scene_.end - scene_.scene->start;
-    times_ = conditioning_->pace;  // or a fast passage would not be seen
+    times_ = conditioning_->pace_in(scene_.norm);  // or a fast passage would not be seen
     for (int k = 1; k < count; ++k) times_.push_back(scene_.scene->start + span * k / count);
     std::ranges::sort(times_);
     const auto near = [&](double a, double b) { return b - a < 1e-9 * span; };
@@ -197,15 +198,26 @@ Trial ErrorStudy::run(Request measured, const std::vector<double>& times, States
   return {outcome.stop.reason, unknown, outcome.cost.force_evaluations, outcome.cost.seconds, false};
 }
 
-double ErrorStudy::error(const States& states, const States& truth) const {
+double ErrorStudy::error(const States& states, const States& truth, std::span<const double> sizes) const {
+  if (states.empty() || truth.empty()) return unknown;
+  if (at_end_) return state_error(states.back(), truth.back(), truth.back().size(), sizes);
   if (states.size() != truth.size()) return unknown;
   double most = 0;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const double here = state_error(states[i], truth[i], truth[i].size(), scene_.norm);
+    const double here = state_error(states[i], truth[i], truth[i].size(), sizes);
     if (!(here <= most)) most = here;
     if (std::isnan(most)) break;
   }
   return most;
+}
+
+std::vector<double> ErrorStudy::sizes_along(const States& states) const {
+  if (scene_.norm == Norm::absolute) return {};
+  if (conditioning_->complete) return conditioning_->sizes;
+  ComponentSizes sizes(kinds_of(scene_.scene->card()), conditioning_->variables);
+  sizes.see(scene_.scene->initial);
+  for (const auto& state : states) sizes.see(state);
+  return sizes.divisors();
 }
 
 /// From the last of the times up to which it is small, as differences of the start grow from there to the end; NaN: it
@@ -214,12 +226,14 @@ double ErrorStudy::foreseen_error(const std::vector<double>& times, const States
   constexpr double small = 0.03, parts = Conditioning::parts;
   const auto log_growth = [&](double eighths) {
     const auto before = static_cast<std::size_t>(std::min(eighths, parts - 1));
-    const auto log_at = [&](std::size_t k) { return k > 0 ? std::log(conditioning_->so_far[k - 1]) : 0; };
+    const auto log_at = [&](std::size_t k) {
+      return k > 0 ? std::log(conditioning_->so_far_in(scene_.norm)[k - 1]) : 0;
+    };
     return std::lerp(log_at(before), log_at(before + 1), eighths - static_cast<double>(before));
   };
   double foreseen = unknown;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const double here = state_error(states[i], truth[i], truth[i].size(), scene_.norm);
+    const double here = state_error(states[i], truth[i], truth[i].size(), known_sizes());
     if (!(here < small)) break;
     const double eighths = parts * (times[i] - start()) / (end() - start());
     foreseen = here * std::exp(log_growth(parts) - log_growth(eighths));
@@ -232,14 +246,24 @@ Trial ErrorStudy::run(const SchemeConfig& choice, double seconds, std::int64_t s
   Trial trial = run(request(choice, seconds, step_limit), times_, states);
   if (trial.status != ReturnCode::completed) return trial;
   if (known()) {
-    trial.error = error(states, truth_->states);
+    trial.error = error(states, truth_->states, known_sizes());
+    return trial;
+  }
+  if (has_stand_in()) {
+    trial.error = error(states, stand_in_, sizes_along(stand_in_));
     return trial;
   }
   const ResolutionParameter dial(card(choice));
   const double value = dial.value(choice) / (dial.adaptive() ? 100 : 2);
   const Trial half = run(request(dial.at(choice, value), seconds - trial.seconds, 2 * step_limit), times_, finer);
-  trial.error = half.status == ReturnCode::completed ? error(states, finer) : unknown;
+  trial.error = half.status == ReturnCode::completed ? error(states, finer, sizes_along(finer)) : unknown;
   return trial;
+}
+
+void ErrorStudy::let_stand_in(const SchemeConfig& choice, double seconds) {
+  States states;
+  const Trial trial = run(request(choice, seconds, scene_.limits.steps), times_, states);
+  if (trial.status == ReturnCode::completed) stand_in_ = std::move(states);
 }
 
 Trial ErrorStudy::look(const SchemeConfig& choice, double seconds, std::int64_t step_limit, double accuracy) const {
@@ -256,11 +280,11 @@ Trial ErrorStudy::look(const SchemeConfig& choice, double seconds, std::int64_t 
     }
     trial = run(probe, times, states);
     if (trial.status != ReturnCode::completed) return trial;
-    trial.error = error(states, truth);
+    trial.error = error(states, truth, known_sizes());
     if (trial.error <= accuracy) return run(choice, seconds - trial.seconds, step_limit);
     if (!(trial.error < plateau())) {
       if (const double foreseen = foreseen_error(times, states, truth);
-          conditioning_->chaotic() && foreseen > trial.error) {
+          conditioning_->chaotic(scene_.norm) && foreseen > trial.error) {
         trial.error = foreseen;
         trial.foreseen = true;
       }

@@ -52,19 +52,28 @@ struct Trial {
 
 class ErrorStudy {
  public:
-  /// Finds out about the motion: that may take `seconds`, and ends where `cancelled` says so.
-  ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled);
+  /// Finds out about the motion: that may take `seconds`, and ends where `cancelled` says so. `known`: what was already
+  /// found out about how differences grow along it; may be null.
+  ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled,
+             std::shared_ptr<const Conditioning> known = nullptr);
 
   /// Whether there is a truth to measure against. Where there is none, runs are held against their like of half the
-  /// step.
+  /// step, or against what stands in for it.
   bool known() const { return truth_->complete; }
+  /// Where there is no truth: a run of this choice stands in for it, if it comes to the end in so many seconds.
+  void let_stand_in(const SchemeConfig& choice, double seconds);
+  bool has_stand_in() const { return !stand_in_.empty(); }
   const SchemeCard& card(const SchemeConfig& choice) const { return scene_.scene->mechanics->schemes()[choice.scheme]; }
+  ResolutionParameter dial(const SchemeConfig& choice) const { return ResolutionParameter(card(choice)); }
   const Truth& truth() const { return *truth_; }
   const Conditioning& conditioning() const { return *conditioning_; }
+  /// Whether the motion is known to end before the scene does, so that errors are measured over a part of it only. One
+  /// that leaves its domain has no other part.
+  bool partial() const { return conditioning_->ends && !conditioning_->leaves; }
   /// Errors below mean nothing.
   double floor() const;
   /// Errors below that no longer fall are round-off: above, they may fall again.
-  double plateau() const { return conditioning_->chaotic() ? 1 : std::max(1e-3, 100 * floor()); }
+  double plateau() const { return conditioning_->chaotic(scene_.norm) ? 1 : std::max(1e-3, 100 * floor()); }
   double start() const { return scene_.scene->start; }
   double end() const { return scene_.end; }
   bool ends_early() const { return conditioning_->ends; }
@@ -86,7 +95,10 @@ class ErrorStudy {
 
   Request request(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
   Trial run(Request measured, const std::vector<double>& times, States& states) const;
-  double error(const States& states, const States& truth) const;
+  double error(const States& states, const States& truth, std::span<const double> sizes) const;
+  std::span<const double> known_sizes() const { return truth_->sizes_in(scene_.norm); }
+  /// Of a motion that only a run is known of.
+  std::vector<double> sizes_along(const States& states) const;
 
   Request scene_;  ///< up to where the motion goes
   bool at_end_;
@@ -94,6 +106,7 @@ class ErrorStudy {
   std::shared_ptr<const Conditioning> conditioning_;
   std::vector<double> times_;
   std::shared_ptr<const Truth> truth_;
+  States stand_in_;  ///< at the same times
 };
 
 }  // namespace least

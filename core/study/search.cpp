@@ -31,9 +31,9 @@ double Search::seen_order(double most) const {
 }
 
 double Search::least_cost() const {
-  if (!bad_) return 0;
-  const double steps = dial_.name == "step" ? (subject_.end() - subject_.start()) / bad_->value : 0;
-  return std::max(steps, static_cast<double>(bad_->trial.forces));
+  const double coarsest = bad_ ? bad_->value : longest_;
+  const double steps = dial_.name == "step" ? (subject_.end() - subject_.start()) / coarsest : 0;
+  return bad_ ? std::max(steps, static_cast<double>(bad_->trial.forces)) : steps;
 }
 
 double Search::likely_cost() const {
@@ -53,7 +53,13 @@ bool Search::out_of_reach(double error, double most) const {
 
 double Search::next() const {
   constexpr double aim = 0.9;
-  if (!bad_) return longest_;
+  if (!bad_) {
+    if (!good_) return longest_;
+    // The first run was accurate enough: back to where errors in proportion to the dial predict the accuracy.
+    constexpr double least = 2, most = 100;
+    const double ahead = good_->trial.error > 0 ? aim * accuracy_ / good_->trial.error : most;
+    return std::min(good_->value * std::clamp(ahead, least, most), longest_);
+  }
   const double coarsest = bad_->value;
   if (good_) {
     const double ratio = coarsest / good_->value;
@@ -70,17 +76,27 @@ double Search::next() const {
   return coarsest / std::clamp(std::pow(bad_->trial.error / (aim * accuracy_), 1 / p), 1.03, stride * stride);
 }
 
+bool Search::is_new(double value) const {
+  constexpr double least_change = 1e-3;  // rounding makes values that are meant to differ the same
+  return (!bad_ || value < (1 - least_change) * bad_->value) && (!good_ || value > (1 + least_change) * good_->value);
+}
+
 void Search::advance(double seconds, std::int64_t step_limit, double most) {
   double value = next();
-  constexpr int fewest = 6;  // force evaluations of a step of schemes that choose its length
-  if (dial_.adaptive()) step_limit /= fewest;
   if (!dial_.adaptive() && bad_ && !good_ && least_cost() < most)
     value = std::max(value, bad_->value * least_cost() / most);
+  if (!is_new(value)) return give_up();
+  run_at(value, seconds, step_limit);
+}
+
+void Search::run_at(double value, double seconds, std::int64_t step_limit) {
+  constexpr int fewest = 6;  // force evaluations of a step of schemes that choose its length
+  if (dial_.adaptive()) step_limit /= fewest;
   const SchemeConfig choice = dial_.at(choice_, value);
   // The best within a time has no accuracy that others could miss.
   const Trial trial =
       accuracy_ > 0 ? subject_.look(choice, seconds, step_limit, accuracy_) : subject_.run(choice, seconds, step_limit);
-  if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return;
+  if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return give_up();
   settle({value, trial});
 }
 
@@ -94,7 +110,8 @@ bool Search::measure_best(double seconds) {
 
 bool Search::limited_by_stability(double seconds) const {
   if (!good_ || !bad_) return false;
-  return subject_.run(choice(*bad_), seconds, most_forces).status != ReturnCode::completed;
+  const ReturnCode end = subject_.run(choice(*bad_), seconds, most_forces).status;
+  return end == ReturnCode::unstable_step || end == ReturnCode::not_finite || end == ReturnCode::solver_failed;
 }
 
 void Search::settle(const Probe& probe) {
@@ -112,7 +129,8 @@ void Search::settle(const Probe& probe) {
   }
   if (good_) {
     const double near = dial_.adaptive() ? 1.4 : 1.05;  // the cost follows a low power of a tolerance
-    over_ = !bad_ || bad_->value < near * good_->value || good_->trial.error > accuracy_ / 1.2;
+    over_ = !(good_->value < longest_) || (bad_ && bad_->value < near * good_->value) ||
+            good_->trial.error > accuracy_ / 1.2;
     return;
   }
   too_dear_ = trial.status == ReturnCode::step_limit || 1.5 * least_cost() > double(most_forces);

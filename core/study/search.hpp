@@ -20,6 +20,8 @@ class Search {
   /// the coarsest that is good and the finest that is not. At most so long, and of at most so many steps: one that
   /// takes more is too dear. As long as none is good, one of equal steps costs no more than about `most`.
   void advance(double seconds, std::int64_t step_limit, double most);
+  /// A first run near where the accuracy is expected, instead of coarse ones.
+  void begin_at(double value, double seconds, std::int64_t step_limit) { run_at(value, seconds, step_limit); }
   /// Nothing better will come.
   bool over() const { return over_; }
   void give_up() { over_ = true; }
@@ -50,13 +52,16 @@ class Search {
   /// Shorter steps no longer help.
   bool stalled() const { return flat_ >= 2; }
   bool too_dear() const { return too_dear_; }
-  /// What is not good enough fails, it is not inaccurate.
+  /// What is not good enough comes to no number, whatever time it is given: it is not inaccurate.
   bool limited_by_stability(double seconds) const;
 
   static constexpr std::int64_t most_forces = 20'000'000;
 
  private:
   double next() const;
+  /// Whether a run at this value may say what those made so far do not.
+  bool is_new(double value) const;
+  void run_at(double value, double seconds, std::int64_t step_limit);
   void settle(const Probe& probe);
 
   const ErrorStudy& subject_;

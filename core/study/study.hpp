@@ -109,12 +109,17 @@ struct Advice {
   double estimated_error = std::numeric_limits<double>::quiet_NaN();
   bool met = false;
   std::vector<Alternative> alternatives;  ///< cheapest first, without the choice
+  /// Whether `met` can be told: not where only runs of half the step were compared, or where errors are known over a
+  /// part of the span only.
+  bool known = true;
+  bool referenced = true;  ///< errors were measured against a reference solution
 };
 
 /// The cheapest measured run that grants the wish, by force evaluations. Of a motion that is chaotic for so long that
-/// errors at its end mean nothing: up to the time where they do, and so nothing is met but a wish for seconds. Takes
-/// scene.limits.seconds at most; the same wish gets the same answer unless that time runs out or seconds are what is
-/// wished for. The scene ends at a time.
+/// errors at its end mean nothing: up to the time where they do, and so nothing is met but a wish for seconds. Errors
+/// are those of the relative norm, and are measured up to the first stopping event of the scene's. Takes half of
+/// scene.limits.seconds at most, and has a choice even then: a run that was not measured, where none was. The same wish
+/// gets the same answer unless that time runs out or seconds are what is wished for. The scene ends at a time.
 Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled);
 
 /// The largest stable step of a scheme on a scene.

@@ -154,7 +154,7 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
   const ErrorStudy subject(plan.scene, plan.at_end, plan.budget_seconds, cancelled);
   study.end = subject.end();
   study.growth = subject.conditioning().growth_in(plan.scene.norm, plan.at_end);
-  study.chaotic = subject.conditioning().chaotic();
+  study.chaotic = subject.conditioning().chaotic(plan.scene.norm);
   if (!subject.known()) {
     study.left_out.push_back(fmt::format(
         "everything: the reference solution was not finished within {} s, or is not finite", plan.budget_seconds));

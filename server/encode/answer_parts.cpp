@@ -143,7 +143,8 @@ void write_norm(JsonWriter& json, const Request& request) {
 
 void write_choice(JsonWriter& json, const AdviceWithCards& choice) {
   const Advice& advice = choice.advice;
-  json.open('{').key("reason").text(advice.reason).key("met").boolean(advice.met);
+  json.open('{').key("reason").text(advice.reason).key("met");
+  advice.known ? json.boolean(advice.met) : json.null();
   json.key("estimated_error").number(advice.estimated_error).key("alternatives").open('[');
   for (const Alternative& other : advice.alternatives) {
     json.open('{');

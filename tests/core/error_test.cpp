@@ -45,7 +45,8 @@ Brute of_all_steps(Request request, int between = 0) {
   const Truth truth = request.scene->mechanics->truth(*request.scene, times, [] { return true; });
   Brute found;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double error = state_error(&rows[i][1], truth.states[i], truth.states[i].size(), request.norm);
+    const double error =
+        state_error(&rows[i][1], truth.states[i], truth.states[i].size(), truth.sizes_in(request.norm));
     if (error > found.most) found = {error, rows[i][0]};
   }
   found.times = rows.size();
@@ -151,8 +152,38 @@ TEST(Norm, RelativeIsForSmallStates) {
     EXPECT_NEAR(ask(request, "error/max"), relative, 1e-3 * relative) << problem;
     EXPECT_LT(ask(request, "error/uncertainty"), 1e-14) << problem;
   }
-  EXPECT_EQ(state_error(State<1>{0, {0}, {0}, {}}, State<1>{0, {0}, {0}, {}}, Norm::relative), 0);
-  EXPECT_EQ(state_error(State<1>{0, {3}, {0}, {}}, State<1>{0, {2}, {0}, {}}, Norm::relative), 0.5);
+}
+
+// Each component by its own size, those of a kind by the largest of theirs.
+TEST(Norm, RelativeIsOfEachComponent) {
+  ProblemCard card;
+  for (const char* name : {"x1", "y1", "px1", "py1", "x_2", "z[3]", "theta1", "theta2", "ptheta1", "vx", "vy[2]", "p",
+                           "q1", "s", "xi", "y"})
+    card.variables.push_back({name, name, "1", "", 0});
+  EXPECT_EQ(kinds_of(card), (std::vector<std::size_t>{0, 0, 2, 2, 0, 0, 6, 6, 8, 9, 9, 11, 12, 13, 14, 0}));
+
+  ComponentSizes sizes(kinds_of(card), 4);
+  for (const auto& state : {std::array{3.0, 0.0, 0.0, 0.0}, {-5.0, 1.0, 2e-9, -1e-9}}) sizes.see(state);
+  const auto divisors = sizes.divisors();
+  EXPECT_EQ(divisors, (std::vector{5.0, 5.0, 2e-9, 2e-9}));
+  const std::array truth{1.0, 0.0, 1e-9, 0.0};
+  EXPECT_EQ(state_error(std::array{1.0, 0.5, 1e-9, 0.0}, truth, 4, divisors), 0.1);
+  EXPECT_NEAR(state_error(std::array{1.0, 0.0, 1e-9, 1e-9}, truth, 4, divisors), 0.5, 1e-15);
+  EXPECT_TRUE(std::isnan(state_error(std::array{std::nan(""), 5.0, 0.0, 0.0}, truth, 4, divisors)));
+  EXPECT_EQ(ComponentSizes(kinds_of(card), 2).divisors(), (std::vector{1.0, 1.0})) << "a kind that never leaves 0";
+}
+
+// As the diagnostic says it, however few rows are kept.
+TEST(ErrorColumn, IsThatOfTheDiagnosticInEitherNorm) {
+  for (const Norm norm : {Norm::absolute, Norm::relative}) {
+    Request request = asking("kepler", "leapfrog", "error");
+    request.end = 30;
+    request.norm = norm;
+    const double final = ask(request, "error/final");
+    Request column = error_column(request);
+    column.record = {Record::Mode::samples, 2, {}};
+    EXPECT_NEAR(runs::go(column).rows.back()[1], final, 0.02 * final);
+  }
 }
 
 // Between the states that were kept the error swings as much as at them.

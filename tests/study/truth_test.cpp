@@ -154,6 +154,19 @@ TEST(Conditioning, IsTheGrowthOfDifferences) {
   }
 }
 
+// Of an oscillator whose momentum is any number of times its place.
+TEST(Conditioning, InTheRelativeNormDoesNotDependOnUnits) {
+  for (const double unit : {1.0, 1e-16, 1e12}) {
+    Request request = scene("harmonic_oscillator", 20);
+    runs::set(request, "mass", unit);
+    runs::set(request, "stiffness", unit);
+    const auto known = conditioning(request, always);
+    EXPECT_NEAR(known->growth_in(Norm::relative, false), 1, 0.01) << unit;
+    EXPECT_NEAR(known->sizes[1] / (unit * known->sizes[0]), 1, 0.01) << unit;
+    EXPECT_GT(known->growth_in(Norm::absolute, false), unit < 1 ? 1e15 : 0.9) << unit;
+  }
+}
+
 // Where they grow so far that the motion itself has to be followed to all its digits.
 TEST(Conditioning, IsThatOfTheTrueMotionWhereItIsChaotic) {
   const Request request = scene("thermostat", 100);

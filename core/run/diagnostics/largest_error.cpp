@@ -31,6 +31,8 @@ class PeakSearch {
     found_.complete = truth.complete;
     if (!truth.complete) return found_;
     found_.uncertainty = truth.uncertainty_in(request_.norm);
+    const auto sizes = truth.sizes_in(request_.norm);
+    sizes_.assign(sizes.begin(), sizes.end());
     found_.most = 0;
     std::vector<double> errors;
     for (std::size_t i = 0; i < seen_.size(); ++i) errors.push_back(hold(seen_[i], truth.states[i]));
@@ -46,7 +48,7 @@ class PeakSearch {
   const Mechanics& mechanics() const { return *request_.scene->mechanics; }
 
   double hold(const SeenState& state, const std::vector<double>& truth) {
-    const double error = state_error(state.x, truth, truth.size(), request_.norm);
+    const double error = state_error(state.x, truth, truth.size(), sizes_);
     ++found_.times;
     if (!(error <= found_.most)) {
       found_.most = error;
@@ -190,6 +192,7 @@ class PeakSearch {
 
   const Request& request_;
   std::vector<SeenState> seen_;
+  std::vector<double> sizes_;  ///< what the relative norm divides by
   const TimeLeft& left_;
   LargestError found_;
 };

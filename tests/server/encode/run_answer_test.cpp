@@ -84,7 +84,7 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
 
 TEST(EncodeJson, SaysHowASchemeWasChosen) {
   const Example example;
-  const Advice advice{
+  Advice advice{
       SchemeConfig{0, {0.5, 1}}, "the \"cheapest\"", 1e-7, true, {{{1, {0.25}}, 500, std::nan(""), 1e-3}}};
   const AdviceWithCards chosen{advice, test::cards().schemes};
   least::server::FinishedRun run = example.run();
@@ -94,6 +94,9 @@ TEST(EncodeJson, SaysHowASchemeWasChosen) {
   EXPECT_EQ(choice.dump(), R"({"reason":"the \"cheapest\"","met":true,"estimated_error":1e-07,"alternatives":[)"
                            R"({"scheme":{"id":"runge_kutta_4","step":0.25},"force_evaluations":500,)"
                            R"("estimated_error":null,"seconds":0.001}]})");
+  advice.known = false;
+  EXPECT_TRUE(Json::parse(encode_json(run).body)["choice"]["met"].is_null());
+  advice.known = true;
   bool told = false;
   for (const auto& [name, value] : encode_csv(run).headers) {
     told = told || (name == "Leastaction-Choice" && Json::parse(value) == choice);

@@ -75,6 +75,7 @@ class Expansion {
   /// A step h, shorter where a coefficient of an order k in `from` ≥ k ≥ `to` exceeds `most` ρ^(`from` + 1 − k).
   double heeded(double h, int from, int to, double most, double rho, double scale) const;
   bool may_hide_what_comes(double h, double most) const;
+  bool moves(double h) const;
   bool solves(double h);
 
   tape::Series series_;

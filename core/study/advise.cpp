@@ -19,7 +19,7 @@ class Contest {
         deadline_(seconds),
         subject_(scene, false, seconds / 2, cancelled),
         accuracy_(margin * accuracy) {
-    for (SchemeConfig& choice : candidates(*scene.scene->mechanics, keep))
+    for (SchemeConfig& choice : candidates(*scene.scene, keep))
       searches_.emplace_back(subject_, std::move(choice), accuracy_);
   }
 

@@ -27,6 +27,11 @@ struct Range {
 inline constexpr Range anywhere{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), true,
                                 true};
 
+/// Every length in time, in a parameter or along a coordinate, whatever its unit, of which squares do not overflow; and
+/// every strength.
+inline constexpr Range any_length{0, 1e100, true};
+inline constexpr Range any_strength{1e-150, 1e150}, any_signed_strength{-1e150, 1e150};
+
 /// What values a parameter takes. All are held as double: a choice by its index, a flag as 0 or 1, null (or the word
 /// that stands for it) as NaN.
 enum class Kind { number, integer, choice, flag };

@@ -112,7 +112,7 @@ struct ActiveMethod {
 /// The parameters that most schemes share.
 template <class C>
 constexpr Field<C> step_field() {
-  return {"step", "h", "time", "length of a step", &C::step, {0, 1e3, true, false}, {}, "step"};
+  return {"step", "h", "time", "length of a step", &C::step, any_length, {}, "step"};
 }
 template <class C>
 constexpr Field<C, Composition> composition_field() {

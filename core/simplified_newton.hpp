@@ -23,9 +23,11 @@ class SimplifiedNewton {
   /// Solves residual(z) = 0 for `count` unknowns from the guess z: `residual(z, wrong)` writes what is wrong with z.
   /// `prepare(z)` makes the inverse of the Jacobian at z; called at the guess, and anew where the rounds contract
   /// badly. `size`: of what the unknowns are known against, beside themselves: ends where an update is lost in rounding
-  /// of that. On failure z is not a solution.
-  template <class Residual, class Prepare>
-  StepStatus solve(std::size_t count, T* z, double size, Residual&& residual, Prepare&& prepare, Work& work) noexcept {
+  /// of that. `weight(a)`: what brings the unknown a to the unit in which sizes are added up. On failure z is not a
+  /// solution.
+  template <class Weight, class Residual, class Prepare>
+  StepStatus solve(std::size_t count, T* z, double size, Weight&& weight, Residual&& residual, Prepare&& prepare,
+                   Work& work) noexcept {
     std::array<T, Most> wrong;
     double before = std::numeric_limits<double>::infinity();
     prepare(z);
@@ -37,8 +39,8 @@ class SimplifiedNewton {
         T change = matrix[a * count] * wrong[0];
         for (std::size_t b = 1; b < count; ++b) change = change + matrix[a * count + b] * wrong[b];
         z[a] = z[a] - change;
-        changed += size_with_slopes(change);
-        scale += std::abs(plain_number(z[a]));
+        changed += weight(a) * size_with_slopes(change);
+        scale += weight(a) * std::abs(plain_number(z[a]));
       }
       const double small = 8 * Precision<T>::epsilon * scale;
       if (!(changed < std::numeric_limits<double>::max())) return StepStatus::solver_failed;

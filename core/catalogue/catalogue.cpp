@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/catalogue/compiled.hpp"
+#include "core/run/suggestions.hpp"
 
 namespace least {
 namespace {
@@ -58,10 +59,7 @@ Request default_request(std::string_view problem, std::string_view scheme) {
   Request request;
   request.scene = std::make_shared<const Scene>(std::move(scene));
   request.scheme = *index;
-  for (const auto& parameter : schemes()[*index].parameters) {
-    const auto suggestion = std::ranges::find(card.suggested, parameter.suggested, &NamedValue::first);
-    request.settings.push_back(suggestion == card.suggested.end() ? parameter.value : suggestion->second);
-  }
+  request.settings = plain_settings(&card, schemes()[*index], nullptr);
   request.end = card.span;
   for (std::size_t i = 0; i < card.columns.size(); ++i)
     if (card.columns[i].by_default) request.columns.push_back(i);

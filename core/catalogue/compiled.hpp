@@ -11,6 +11,7 @@
 #include "core/reference/growth.hpp"
 #include "core/reference/regular_state.hpp"
 #include "core/run/run.hpp"
+#include "core/run/scales.hpp"
 #include "core/schemes/list.hpp"
 
 namespace least {
@@ -133,6 +134,10 @@ class ProblemMechanics : public Mechanics {
     if constexpr (HasSeries<P>)
       if (t != 0) return regular_state(problem_of(parameters), t);
     return std::nullopt;
+  }
+  Scales scales(const Scene& scene) const override {
+    const P problem = problem_of(scene.parameters);
+    return scales_of(problem, start_of<State>(problem, scene.initial, scene.start));
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
     const P problem = problem_of(scene.parameters);

@@ -54,8 +54,8 @@ template <>
 struct About<problems::DampedKepler> {
   using P = problems::DampedKepler<>;
   static constexpr std::tuple fields{
-      Field<P>{"mu", "μ", "length³/time²", "gravitational parameter", &P::mu, {1e-30, 1e30}},
-      Field<P>{"alpha", "α", "1/time", "drag per momentum; below 0 it drives", &P::alpha, {-1e3, 1e3}},
+      Field<P>{"mu", "μ", "length³/time²", "gravitational parameter", &P::mu, any_strength},
+      Field<P>{"alpha", "α", "1/time", "drag per momentum; below 0 it drives", &P::alpha, any_signed_strength},
   };
   static ProblemCard card() {
     return {

@@ -63,8 +63,8 @@ template <>
 struct About<problems::DampedOscillator> {
   using P = problems::DampedOscillator<>;
   static constexpr std::tuple fields{
-      Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e6, true}},
-      Field<P>{"damping", "α", "1/time", "friction per momentum; below 0 it drives", &P::alpha, {-1e3, 1e3}},
+      Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e150, true}},
+      Field<P>{"damping", "α", "1/time", "friction per momentum; below 0 it drives", &P::alpha, any_signed_strength},
   };
   static ProblemCard card() {
     return {

@@ -40,9 +40,9 @@ template <>
 struct About<problems::DampedPendulum> {
   using P = problems::DampedPendulum<>;
   static constexpr std::tuple fields{
-      Field<P>{"gravity", "g", "length/time²", "gravitational acceleration", &P::gravity, {0, 1e6, true}},
-      Field<P>{"length", "l", "length", "length of the rod", &P::length, {1e-6, 1e6}},
-      Field<P>{"damping", "α", "1/time", "friction per momentum; below 0 it drives", &P::alpha, {-1e3, 1e3}},
+      Field<P>{"gravity", "g", "length/time²", "gravitational acceleration", &P::gravity, {0, 1e150, true}},
+      Field<P>{"length", "l", "length", "length of the rod", &P::length, any_strength},
+      Field<P>{"damping", "α", "1/time", "friction per momentum; below 0 it drives", &P::alpha, any_signed_strength},
   };
   static ProblemCard card() {
     return {

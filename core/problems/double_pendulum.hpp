@@ -35,14 +35,18 @@ namespace least {
 template <>
 struct About<problems::DoublePendulum> {
   using P = problems::DoublePendulum<>;
-  static constexpr Range positive{1e-9, 1e9};
+  static constexpr Range positive{1e-50, 1e50};
   static constexpr std::tuple fields{
       Field<P>{"m1", "m₁", "mass", "upper mass", &P::m1, positive},
       Field<P>{"m2", "m₂", "mass", "lower mass", &P::m2, positive},
       Field<P>{"l1", "l₁", "length", "upper rod", &P::l1, positive},
       Field<P>{"l2", "l₂", "length", "lower rod", &P::l2, positive},
-      Field<P>{
-          "gravity", "γ", "length/time²", "gravitational acceleration; 0 leaves a free linkage", &P::gravity, {0, 1e9}},
+      Field<P>{"gravity",
+               "γ",
+               "length/time²",
+               "gravitational acceleration; 0 leaves a free linkage",
+               &P::gravity,
+               {0, 1e150}},
   };
   static ProblemCard card() {
     return {

@@ -81,10 +81,10 @@ template <>
 struct About<problems::DrivenOscillator> {
   using P = problems::DrivenOscillator<>;
   static constexpr std::tuple fields{
-      Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e6, true}},
-      Field<P>{"damping", "α", "1/time", "friction per momentum", &P::alpha, {-1e3, 1e3}},
-      Field<P>{"amplitude", "A", "length/time²", "largest driving force per mass", &P::amplitude, {-1e3, 1e3}},
-      Field<P>{"frequency", "Ω", "1/time", "angular frequency of the drive", &P::frequency, {0, 1e3}},
+      Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e150, true}},
+      Field<P>{"damping", "α", "1/time", "friction per momentum", &P::alpha, any_signed_strength},
+      Field<P>{"amplitude", "A", "length/time²", "largest driving force per mass", &P::amplitude, any_signed_strength},
+      Field<P>{"frequency", "Ω", "1/time", "angular frequency of the drive", &P::frequency, {0, 1e150}},
       Field<P>{"phase", "φ", "rad", "phase of the drive at t = 0", &P::phase, {-1e3, 1e3}},
   };
   static ProblemCard card() {

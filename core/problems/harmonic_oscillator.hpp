@@ -49,8 +49,8 @@ template <>
 struct About<problems::HarmonicOscillator> {
   using P = problems::HarmonicOscillator<>;
   static constexpr std::tuple fields{
-      Field<P>{"mass", "m", "mass", "inertia of the body", &P::mass, {1e-30, 1e30}},
-      Field<P>{"stiffness", "k", "mass/time²", "force per displacement", &P::stiffness, {1e-30, 1e30}},
+      Field<P>{"mass", "m", "mass", "inertia of the body", &P::mass, any_strength},
+      Field<P>{"stiffness", "k", "mass/time²", "force per displacement", &P::stiffness, any_strength},
   };
   static ProblemCard card() {
     return {

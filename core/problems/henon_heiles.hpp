@@ -39,7 +39,7 @@ template <>
 struct About<problems::HenonHeiles> {
   using P = problems::HenonHeiles<>;
   static constexpr std::tuple fields{
-      Field<P>{"lambda", "λ", "1/length", "strength of the cubic coupling", &P::lambda, {-1e6, 1e6}},
+      Field<P>{"lambda", "λ", "1/length", "strength of the cubic coupling", &P::lambda, any_signed_strength},
   };
   static ProblemCard card() {
     return {

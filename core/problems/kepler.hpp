@@ -65,7 +65,7 @@ template <>
 struct About<problems::Kepler> {
   using P = problems::Kepler<>;
   static constexpr std::tuple fields{
-      Field<P>{"mu", "μ", "length³/time²", "gravitational parameter", &P::mu, {1e-30, 1e30}},
+      Field<P>{"mu", "μ", "length³/time²", "gravitational parameter", &P::mu, any_strength},
   };
   static ProblemCard card() {
     return {

@@ -52,9 +52,9 @@ template <>
 struct About<problems::ModulatedOscillator> {
   using P = problems::ModulatedOscillator<>;
   static constexpr std::tuple fields{
-      Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e6, true}},
-      Field<P>{"alpha", "a", "1/time", "amplitude of the friction", &P::alpha, {-1e3, 1e3}},
-      Field<P>{"frequency", "Ω", "1/time", "angular frequency of the friction", &P::frequency, {0, 1e3}},
+      Field<P>{"stiffness", "k", "1/time²", "force per displacement and mass", &P::stiffness, {0, 1e150, true}},
+      Field<P>{"alpha", "a", "1/time", "amplitude of the friction", &P::alpha, any_signed_strength},
+      Field<P>{"frequency", "Ω", "1/time", "angular frequency of the friction", &P::frequency, {0, 1e150}},
   };
   static ProblemCard card() {
     return {

@@ -78,8 +78,8 @@ template <>
 struct About<problems::Pendulum> {
   using P = problems::Pendulum<>;
   static constexpr std::tuple fields{
-      Field<P>{"gravity", "g", "length/time²", "gravitational acceleration", &P::gravity, {1e-30, 1e30}},
-      Field<P>{"length", "l", "length", "length of the rod", &P::length, {1e-30, 1e30}},
+      Field<P>{"gravity", "g", "length/time²", "gravitational acceleration", &P::gravity, any_strength},
+      Field<P>{"length", "l", "length", "length of the rod", &P::length, any_strength},
   };
   static ProblemCard card() {
     return {

@@ -62,9 +62,10 @@ template <>
 struct About<problems::PerturbedKepler> {
   using P = problems::PerturbedKepler<>;
   static constexpr std::tuple fields{
-      Field<P>{"gamma", "γ", "length³/time²", "strength of the centre; below 0 it attracts", &P::gamma, {-1e6, 1e6}},
-      Field<P>{"alpha", "α", "1/time", "amplitude of the drag", &P::alpha, {-1e3, 1e3}},
-      Field<P>{"frequency", "Ω", "1/time", "angular frequency of the drag", &P::frequency, {0, 1e3}},
+      Field<P>{"gamma", "γ", "length³/time²", "strength of the centre; below 0 it attracts", &P::gamma,
+               any_signed_strength},
+      Field<P>{"alpha", "α", "1/time", "amplitude of the drag", &P::alpha, any_signed_strength},
+      Field<P>{"frequency", "Ω", "1/time", "angular frequency of the drag", &P::frequency, {0, 1e150}},
   };
   static ProblemCard card() {
     return {

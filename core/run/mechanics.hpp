@@ -106,6 +106,15 @@ struct Conditioning {
   std::size_t bytes() const;  ///< in memory, about
 };
 
+/// How long, how strong and how wide a motion is near its start; 0 where that does not tell, as in an equilibrium, or
+/// on a straight line at constant speed.
+struct Scales {
+  double time = 0;      ///< about the inverse of an angular frequency: a period is some six of it
+  double energy = 0;    ///< about the kinetic energy within that time; 0 for a flow
+  double length = 0;    ///< about the way of a coordinate within that time
+  bool damped = false;  ///< H is linear in s: steps in a transformed time follow another power of the kinetic energy
+};
+
 /// The state of a run that names a time after a singular start but none itself: that of the one regular motion from
 /// there. Where there is an objection, the state has to be given.
 struct RegularStart {
@@ -136,6 +145,9 @@ class Mechanics {
 
   /// At the time t; empty where the card's own start stands for every time.
   virtual std::optional<RegularStart> regular_start(std::span<const double> parameters, double t) const = 0;
+
+  /// In the units of the scene.
+  virtual Scales scales(const Scene&) const { return {}; }
 
   // The true motion, computed anew.
   virtual Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const = 0;

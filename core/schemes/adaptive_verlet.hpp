@@ -4,7 +4,8 @@
 // with ρ = U(q) at the start and U scaled to 1 there, so that h is the length in time of a step at the start. Explicit,
 // one force and one look at the monitor a step, order 2. Reversible: (q, −p, ρ) at the end of a run leads back; not
 // symplectic. Angular momentum is kept. ρ is state: a step depends on where the run began. Monitors:
-//   arclength  √(1 + 2(E₀ − V)): steps of equal length of the graph (t, q(t)), E₀ being the level of the run's start
+//   arclength  √(1 + 2(E₀ − V)/ε): steps of equal length of the graph (t, q(t)), E₀ being the level of the run's start
+//              and ε the energy that makes lengths of times
 //   frequency  the largest local frequency, or √|g⁻¹V″|, Frobenius' norm, where the problem has no estimate
 // It needs a potential that does not depend on time, and assumes that U varies little within a step: ρ − U alternates
 // in sign and does not decay; |ρ₁ − ρ| > U/2 is singular. Look-alike: a step chosen from the state before each step is
@@ -47,8 +48,13 @@ class AdaptiveVerletStepper {
  public:
   using T = typename X::Number;
 
-  AdaptiveVerletStepper(const P& problem, const X& x, const T& energy, double step, Monitor monitor)
-      : problem_(problem), monitor_(monitor), energy_(energy), half_(T(0.5 * step)), slope_(gradient(problem, x.q)) {
+  AdaptiveVerletStepper(const P& problem, const X& x, const T& energy, double step, Monitor monitor, double unit)
+      : problem_(problem),
+        monitor_(monitor),
+        energy_(energy),
+        per_unit_(2 / unit),
+        half_(T(0.5 * step)),
+        slope_(gradient(problem, x.q)) {
     scale_ = 1.0 / this->monitor(x.q);
     ++work_.forces;
   }
@@ -80,7 +86,7 @@ class AdaptiveVerletStepper {
  private:
   T monitor(const Vec<P::dof, T>& q) const {
     using least::sqrt;
-    return sqrt(monitor_ == Monitor::arclength ? 1.0 + 2.0 * (energy_ - potential(problem_, q))
+    return sqrt(monitor_ == Monitor::arclength ? 1.0 + per_unit_ * (energy_ - potential(problem_, q))
                                                : local_frequency_squared(problem_, q));
   }
   static void kick(X& x, const T& h, const Vec<P::dof, T>& slope) {
@@ -93,7 +99,9 @@ class AdaptiveVerletStepper {
 
   P problem_;
   Monitor monitor_;
-  T energy_, half_;            ///< E₀, h/2
+  T energy_;                   ///< E₀
+  double per_unit_;            ///< 2/ε
+  T half_;                     ///< h/2
   T scale_{}, density_ = 1.0;  ///< 1/U(q₀) unscaled, ρ
   Vec<P::dof, T> slope_;       ///< ∇V at the state's q
   Work work_;
@@ -102,6 +110,7 @@ class AdaptiveVerletStepper {
 struct AdaptiveVerlet {
   double step = 0.01;
   Monitor monitor = Monitor::frequency;
+  double unit_energy = 1;
 
   static constexpr bool own_clock = true, remembers = true;
   static constexpr std::tuple fields{
@@ -114,6 +123,15 @@ struct AdaptiveVerlet {
                                      &AdaptiveVerlet::monitor,
                                      {0, 0},
                                      monitor_names},
+      Field<AdaptiveVerlet>{"unit_energy",
+                            "ε",
+                            "energy",
+                            "of the graph's length: a kinetic energy far above this makes steps of equal length, one "
+                            "far below steps of equal time",
+                            &AdaptiveVerlet::unit_energy,
+                            any_strength,
+                            {},
+                            "unit_energy"},
   };
   static SchemeCard card() {
     return {.id = "adaptive_verlet",
@@ -137,7 +155,7 @@ struct AdaptiveVerlet {
   template <Separable P, class X>
   requires Autonomous<P>
   auto bind(const P& problem, const X& x, const typename X::Number& energy) const {
-    return AdaptiveVerletStepper<P, X>(problem, x, energy, step, monitor);
+    return AdaptiveVerletStepper<P, X>(problem, x, energy, step, monitor, unit_energy);
   }
 };
 

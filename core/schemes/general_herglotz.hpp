@@ -79,7 +79,8 @@ class GeneralHerglotz {
       newton_.invert(count);
       work_.forces += evaluations * std::int64_t(count);
     };
-    return newton_.solve(count, z, size, residual, prepare, work_);
+    const auto alike = [](std::size_t) { return 1.0; };
+    return newton_.solve(count, z, size, alike, residual, prepare, work_);
   }
 
  private:

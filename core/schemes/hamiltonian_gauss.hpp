@@ -51,11 +51,13 @@ class HamiltonianGaussStepper {
     using D = Dual<double, 1>;
     const auto& rule = GaussRule<M, double>::get();
     std::array<D, widest> at, rate;
+    std::array<double, widest> added{};  // to each component in a step, by all others
     const std::size_t all = M * width_;
     for (std::size_t k = 0; k < width_; ++k) {
       for (std::size_t i = 0; i < width_; ++i) at[i] = D(y[i]);
       at[k].slope[0] = 1;
       rates(at.data(), t, rate.data());
+      for (std::size_t i = 0; i < width_; ++i) added[i] += std::abs(h * rate[i].slope[0] * y[k]);
       for (std::size_t a = 0; a < M; ++a)
         for (std::size_t b = 0; b < M; ++b)
           for (std::size_t i = 0; i < width_; ++i)
@@ -63,7 +65,19 @@ class HamiltonianGaussStepper {
                 (a == b && i == k ? 1 : 0) - h * rule.a[a][b] * rate[i].slope[0];
     }
     newton_.invert(all);
+    weigh(y, added);
     work_.forces += std::int64_t(width_);
+  }
+
+  /// Positions, momenta, the action and P_s have units of their own: each kind is known against what it is at the point
+  /// y, and what is added to it in a step.
+  void weigh(const std::array<double, widest>& y, const std::array<double, widest>& added) {
+    const std::array<std::size_t, 5> kinds{0, n_, 2 * n_, 2 * n_ + 1, width_};
+    for (std::size_t kind = 0; kind + 1 < kinds.size(); ++kind) {
+      double size = 0;
+      for (std::size_t i = kinds[kind]; i < kinds[kind + 1]; ++i) size += std::abs(y[i]) + added[i];
+      for (std::size_t i = kinds[kind]; i < kinds[kind + 1]; ++i) weights_[i] = size > 0 ? 1 / size : 1;
+    }
   }
 
   template <int M>
@@ -80,11 +94,7 @@ class HamiltonianGaussStepper {
     }
     start[2 * n_] = x.action.s;
     start[2 * n_ + 1] = T(1);
-    double size = 0;
-    for (std::size_t i = 0; i < width_; ++i) {
-      middle[i] = plain_number(start[i]);
-      size += std::abs(middle[i]);
-    }
+    for (std::size_t i = 0; i < width_; ++i) middle[i] = plain_number(start[i]);
     for (auto& z : z_) z = T(0);
     const auto look = [&](const T* z) {
       for (std::size_t j = 0; j < M; ++j) {
@@ -112,7 +122,9 @@ class HamiltonianGaussStepper {
       prepare<M>(middle, plain_number(first ? T(x.t) : T(x.t + h / 2)), plain_number(T(h)));
       first = false;
     };
-    if (const StepStatus status = newton_.solve(all, z_.data(), size, residual, prepare_at, work_);
+    constexpr double size = 4;  // of four kinds, each weighed to 1
+    const auto weight = [&](std::size_t a) { return weights_[a % width_]; };
+    if (const StepStatus status = newton_.solve(all, z_.data(), size, weight, residual, prepare_at, work_);
         status != StepStatus::ok)
       return status;
     look(z_.data());
@@ -133,6 +145,7 @@ class HamiltonianGaussStepper {
   P problem_;
   std::size_t stages_, n_, width_;
   std::array<T, most> z_{}, rates_{};  ///< stages less the start, their rates
+  std::array<double, widest> weights_{};
   SimplifiedNewton<T, most> newton_;
   Work work_;
 };

@@ -96,7 +96,7 @@ struct JacobiMaupertuis {
                   "the parameter coordinate's",
                   "step of the parameter coordinate",
                   &Self::theta,
-                  {0, 1e3, true, false},
+                  any_length,
                   {},
                   "theta"},
       Field<Self>{"critical_kinetic_energy",

@@ -16,6 +16,7 @@ using tape::Index;
 using tape::Program;
 
 constexpr int most_chosen = 40;
+constexpr double underflows = 1e-290, far_from_any = 1e-200;  // coefficients
 
 /// What a step of the order p costs, about, in nanoseconds, of a program that is unrolled: measured where a leapfrog
 /// step of Kepler's problem takes 14. Those that are read take longer, at much the same best order.
@@ -189,14 +190,20 @@ void Expansion::move(const double* y, double t) {
   series_.expand(y, t);
   t_ = t;
   used_ = series_.order();
-  if (finite(used_)) return;
-  if (!steep_.empty()) {  // one that overflows may be in a divisor
+  if (!finite(used_) && !steep_.empty()) {  // one that overflows may be in a divisor
     series_.expand(y, t, true);
-    if (finite(used_)) return;
-    series_.expand(y, t);
+    if (!finite(used_)) series_.expand(y, t);
   }
-  used_ = 0;  // near a singularity high orders overflow before low ones mean nothing
-  while (finite(used_ + 1)) ++used_;
+  if (!finite(used_)) {
+    used_ = 0;  // near a singularity high orders overflow before low ones mean nothing
+    while (finite(used_ + 1)) ++used_;
+  } else if (!(largest(used_) > underflows)) [[unlikely]] {
+    // Where the unit of time is short beside the motion, high orders underflow before low ones mean nothing. Of a
+    // polynomial the last one that is not zero is no such number.
+    int told = used_;
+    while (told > 0 && !(largest(told) > underflows)) --told;
+    if (told > 0 && largest(told) < far_from_any) used_ = told;
+  }
 }
 
 LEAST_WIDE void Expansion::evaluate(double h, const double* y, const double* low, double* end, double* rest,

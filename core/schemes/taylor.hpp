@@ -79,6 +79,7 @@ class Expansion {
   bool until_steep(double& h) const;
   double up_to_number(double h) const;
   double turning(std::size_t i, double h) const;
+  bool moves(double h) const;
   bool solves(double h);
 
   std::vector<tape::SteepArgument> steep_;

@@ -184,6 +184,15 @@ bool Expansion::solves(double h) {
   return true;
 }
 
+/// Whether the state changes within h: then h is long because the unit of time is short, not because nothing happens.
+bool Expansion::moves(double h) const {
+  constexpr double little = 1e-3;
+  double power = 1, size = std::max(1.0, largest(0));
+  for (int k = 1; k <= used_; ++k)
+    if (power *= h; largest(k) * power > little * size) return true;
+  return false;
+}
+
 double Expansion::heeded(double h, int from, int to, double most, double rho, double scale) const {
   for (int k = from; k >= to; --k)
     if (const double c = largest(k); c > (most *= rho))
@@ -210,7 +219,7 @@ double Expansion::series_step() const {
   std::int64_t log_h = std::numeric_limits<std::int64_t>::max();
   if (last > 0) log_h = rough_log2_root(term, last, used_);
   if (before > 0) log_h = std::min(log_h, rough_log2_root(term, before, used_ - 1));
-  const bool cut = log_h > long_step;
+  const bool cut = log_h > long_step && (log_h > longest_step || !moves(rough_exp2(log_h)));
   if (cut) {
     const std::int64_t log_t = rough_log2_root(std::abs(t_), 1, 1);
     log_h = std::min(log_h, std::min(std::max(long_step, log_t - long_step), longest_step));

@@ -242,15 +242,14 @@ Advice advise(const Request& asked, const Wish& wish, const std::atomic<bool>& c
     advice.reason = "nobody waits for it";
     return advice;
   }
-  const std::vector<SchemeConfig> all = candidates(*asked.scene->mechanics, wish.keep);
+  const std::vector<SchemeConfig> all = candidates(*asked.scene, wish.keep);
   if (all.empty()) {
     advice.reason = "no scheme that applies to this problem keeps what is to be kept";
     return advice;
   }
   Request scene = asked;
   scene.norm = Norm::relative;  // whatever errors are asked for: components of any unit count alike
-  const Pilot pilot =
-      Pilot::run(scene, candidates(*asked.scene->mechanics, {}), accuracy, pilots * deadline.left(), cancelled);
+  const Pilot pilot = Pilot::run(scene, candidates(*asked.scene, {}), accuracy, pilots * deadline.left(), cancelled);
   if (!pilot.event.empty()) {
     if (!(pilot.end > start)) return unmeasured(scene, pilot, all, fmt::format("{} ends the run at once", pilot.event));
     scene.end = pilot.end;  // beyond, the motion may be another, or none

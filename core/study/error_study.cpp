@@ -9,6 +9,7 @@
 
 #include "core/composition.hpp"
 #include "core/problem_traits.hpp"
+#include "core/run/suggestions.hpp"
 #include "core/state_error.hpp"
 
 namespace least {
@@ -79,17 +80,16 @@ int declared_order(const SchemeCard& card, const SchemeConfig& choice) {
   return ResolutionParameter(card).adaptive() ? 0 : card.order(choice.settings);
 }
 
-std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep) {
+namespace {
+
+template <class SettingsOf>
+std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep, SettingsOf&& settings_of) {
   const ProblemCard& problem_card = mechanics.card();
   std::vector<SchemeConfig> all;
   for (const std::size_t scheme : problem_card.schemes) {
     const SchemeCard& card = mechanics.schemes()[scheme];
     if (!keeps(card, problem_card, keep)) continue;
-    SchemeConfig plain{scheme, {}};
-    for (const ParameterCard& parameter : card.parameters) {
-      const auto suggestion = std::ranges::find(problem_card.suggested, parameter.suggested, &NamedValue::first);
-      plain.settings.push_back(suggestion != problem_card.suggested.end() ? suggestion->second : parameter.value);
-    }
+    const SchemeConfig plain{scheme, settings_of(card)};
     std::vector<SchemeConfig> variants{plain};
     if (const auto kappa = card.find("kappa"))
       variants = with_each(variants, *kappa, {plain.settings[*kappa], unknown});
@@ -122,6 +122,16 @@ std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& kee
     all.insert(all.end(), variants.begin(), variants.end());
   }
   return all;
+}
+
+}  // namespace
+
+std::vector<SchemeConfig> candidates(const Scene& scene, const Keep& keep) {
+  return candidates(*scene.mechanics, keep, [&](const SchemeCard& card) { return suggested_settings(scene, card); });
+}
+std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep) {
+  return candidates(mechanics, keep,
+                    [&](const SchemeCard& card) { return plain_settings(&mechanics.card(), card, nullptr); });
 }
 
 ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled,

@@ -79,8 +79,6 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
   Vec<most_coordinates> v{}, rest{};
   std::array<double, std::size_t(most_coordinates * (most_coordinates + 1))> all;
   Mat<most_coordinates> hessian{};
-  double size = 0;
-  for (std::size_t i = 0; i < n; ++i) size += std::abs(p[i]);
   // How far the momenta at v are from p; sets what a step needs.
   const auto look = [&](const Vec<most_coordinates>& at) {
     momenta.evaluate(joined(q, at, s).data(), t, all.data());
@@ -124,7 +122,13 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
     v = next;
     wrong = now;
   }
-  if (!(wrong <= 1e-12 * (1 + size))) v.fill(std::numeric_limits<double>::quiet_NaN());
+  // Against the momenta, or against the terms that cancel in them.
+  double size = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    size += std::abs(p[i]);
+    for (std::size_t j = 0; j < n; ++j) size += std::abs(all[n + i * n + j] * v[j]);
+  }
+  if (!(wrong <= 1e-12 * size)) v.fill(std::numeric_limits<double>::quiet_NaN());
   return v;
 }
 

@@ -317,7 +317,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   if (scheme_card) {
     request.scheme = *scheme.index;
-    request.settings = read_settings(*asked, top.at("scheme"), *scheme_card, card, preset);
+    request.settings = read_settings(*asked, top.at("scheme"), *scheme_card, scene.get(), preset);
     if (card) {
       check_pair(cards, *card, *scheme.index, scheme.path);
       check_scheme(cards, *card, *scheme.index, scheme.path);
@@ -325,7 +325,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
     }
   }
   read_members(root, top, card, plan);
-  read_plan(root, top, card, scheme_card, card ? span_of(*card, preset) : 0, caps, &plan.members, request);
+  read_plan(root, top, card, scheme_card, preset, caps, &plan.members, request);
   request.diagnostics.clear();
   if (card && plan.members.vary.empty()) check_start(*scene, top);
   read_range(root, top, plan);

@@ -8,6 +8,7 @@
 
 #include "core/run/curve.hpp"
 #include "core/run/save_schedule.hpp"
+#include "core/run/suggestions.hpp"
 #include "server/decode/columns_reader.hpp"
 
 namespace least::server {
@@ -51,10 +52,13 @@ void read_limits(const Json& root, const FieldPath& top, const Caps& caps, Limit
 }
 
 // The end as it stands in the request, or the default one.
-void read_until(const Json& root, const FieldPath& top, double span, Request& request) {
-  request.end = request.scene->start + span;
+void read_until(const Json& root, const FieldPath& top, const PresetCard* preset, Request& request) {
   const Json* json = find(root, "until");
   const FieldPath path = top.at("until");
+  if (request.scene->mechanics) {
+    const bool open = json == nullptr && top.faults->empty();
+    request.end = request.scene->start + (open ? suggested_span(*request.scene, preset) : request.scene->card().span);
+  }
   if (json == nullptr || !read_object(*json, path, {"t", "steps"}, "until")) return;
   const Json *t = find(*json, "t"), *steps = find(*json, "steps");
   if ((t == nullptr) == (steps == nullptr)) {
@@ -207,7 +211,7 @@ void refuse_steps(const Json& root, const FieldPath& top, std::string_view reaso
 
 void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem, const PresetCard* preset,
               Request& request) {
-  read_until(root, top, problem ? span_of(*problem, preset) : 0, request);
+  read_until(root, top, preset, request);
   if (problem && fault_free(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
     span_until(request, std::nullopt, top.at("until"));
   }
@@ -221,9 +225,9 @@ void read_norm(const Json& root, const FieldPath& top, Request& request) {
 }
 
 void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,
-               double default_span, const Caps& caps, const Members* members, Request& request) {
+               const PresetCard* preset, const Caps& caps, const Members* members, Request& request) {
   read_limits(root, top, caps, request.limits);
-  read_until(root, top, default_span, request);
+  read_until(root, top, preset, request);
   Span span;
   if (problem && scheme && fault_free(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
     const auto step = fixed_step(*scheme);

@@ -7,11 +7,6 @@
 
 namespace least::server {
 
-/// The default length of a run in time.
-inline double span_of(const ProblemCard& problem, const PresetCard* preset) {
-  return preset != nullptr && preset->span > 0 ? preset->span : problem.span;
-}
-
 /// A fault where `until` is a number of steps, which there is no sense in, for the reason given.
 void refuse_steps(const Json& root, const FieldPath& top, std::string_view reason);
 
@@ -23,8 +18,9 @@ void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem
 void read_norm(const Json& root, const FieldPath& top, Request& request);
 
 /// Reads `until`, `record`, `columns`, `diagnostics` and `limits` into the request, whose start and settings are set.
-/// Cards are null where they are not known; what depends on them is then left alone. `members`: of an ensemble.
+/// Cards are null where they are not known; what depends on them is then left alone. `members`: of an
+/// ensemble.
 void read_plan(const Json& root, const FieldPath& top, const ProblemCard* problem, const SchemeCard* scheme,
-               double default_span, const Caps& caps, const Members* members, Request& request);
+               const PresetCard* preset, const Caps& caps, const Members* members, Request& request);
 
 }  // namespace least::server

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/run/suggestions.hpp"
 #include "core/text/scene.hpp"
 #include "server/decode/custom_reader.hpp"
 
@@ -51,12 +52,6 @@ auto read_preset(const Json& object, const FieldPath& path, const Card& card) ->
   }
   const auto index = read_name(*json, path.at("preset"), keys_of(card.presets, {}), "preset");
   return index ? &card.presets[*index] : nullptr;
-}
-
-// What a list of suggestions says; NaN says nothing.
-std::optional<double> suggestion(const std::vector<NamedValue>& suggested, std::string_view name) {
-  const auto value = named(suggested, name);
-  return value && std::isnan(*value) ? std::nullopt : value;
 }
 
 // The order that an answer says of weights of one's own: whoever sends it back may leave it out, but not change it.
@@ -203,23 +198,22 @@ void check_start(const Scene& scene, const FieldPath& top) {
   }
 }
 
-std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card,
-                                  const ProblemCard* problem, const PresetCard* scene) {
-  std::vector<double> settings;
-  for (const auto& parameter : card.parameters) {
-    std::optional<double> value;
-    if (scene != nullptr) value = suggestion(scene->suggested, parameter.suggested);
-    if (problem != nullptr && !value) value = suggestion(problem->suggested, parameter.suggested);
-    settings.push_back(value.value_or(parameter.value));
-  }
-  if (!json.is_object()) return settings;
-  read_object(json, path, keys_of(card.parameters, {"id", "preset"}), card.id);
-  if (const SchemePresetCard* preset = read_preset(json, path, card)) {
+std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card, const Scene* scene,
+                                  const PresetCard* preset) {
+  const bool known = scene != nullptr && scene->mechanics != nullptr;
+  std::vector<double> settings = plain_settings(known ? &scene->card() : nullptr, card, preset);
+  std::vector<bool> given(settings.size(), false);
+  if (json.is_object()) {
+    read_object(json, path, keys_of(card.parameters, {"id", "preset"}), card.id);
+    const SchemePresetCard* own = read_preset(json, path, card);
     for (std::size_t i = 0; i < card.parameters.size(); ++i) {
-      settings[i] = named(preset->settings, card.parameters[i].name).value_or(settings[i]);
+      const auto value = own ? named(own->settings, card.parameters[i].name) : std::nullopt;
+      settings[i] = value.value_or(settings[i]);
+      given[i] = value || find(json, card.parameters[i].name) != nullptr;
     }
+    read_parameters(json, path, card.parameters, settings);
   }
-  read_parameters(json, path, card.parameters, settings);
+  if (known && path.faults->empty()) adapt_to_units(*scene, card, preset, given, settings);
   for (std::size_t i = 0; i < card.parameters.size(); ++i) check_order(json, path, card, settings, i);
   return settings;
 }

@@ -42,10 +42,10 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
 /// What a scene as text that was read without a fault has against its start.
 void check_start(const Scene& scene, const FieldPath& top);
 
-/// A scheme's settings: card, then what the problem (or its preset `scene`) suggests, then the scheme's preset, then
-/// what the request says. `problem` and `scene` may be null.
-std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card,
-                                  const ProblemCard* problem, const PresetCard* scene);
+/// A scheme's settings: card, then what the problem (or the preset of its card) suggests, in the units of the scene,
+/// then the scheme's preset, then what the request says. `scene`, which has been read, and `preset` may be null.
+std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card, const Scene* scene,
+                                  const PresetCard* preset);
 
 /// Whether the scheme can run the problem; `path` is that of the scheme's name.
 void check_pair(const Cards& cards, const ProblemCard& problem, std::size_t scheme, const FieldPath& path);

@@ -37,15 +37,14 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
     decoded.wish = read_wish(*json, top.at("scheme"), caps);
     refuse_steps(root, top, "auto chooses the step: the end must be a time");
   } else if (scheme_card) {
-    request.settings = read_settings(*json, top.at("scheme"), *scheme_card, problem_card, preset);
+    request.settings = read_settings(*json, top.at("scheme"), *scheme_card, scene.get(), preset);
     if (problem_card) {
       check_pair(cards, *problem_card, *scheme.index, scheme.path);
       check_settings(*scheme_card, *problem_card, request.settings, top.at("scheme"));
     }
   }
   read_norm(root, top, request);
-  read_plan(root, top, problem_card, scheme_card, problem_card ? span_of(*problem_card, preset) : 0, caps, nullptr,
-            request);
+  read_plan(root, top, problem_card, scheme_card, preset, caps, nullptr, request);
 
   if (problem_card) read_events(root, top, request);
   if (!faults.empty()) return faults;

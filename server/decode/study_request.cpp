@@ -35,7 +35,7 @@ void add_composed(const SchemeCard& card, const ProblemCard& problem, SchemeConf
 void add_all(const Cards& cards, const FieldPath& top, StudyRequest& study) {
   for (const auto index : study.problem->schemes) {
     const SchemeCard& card = cards.schemes[index];
-    const SchemeConfig plain{index, read_settings({}, top, card, study.problem, study.preset)};
+    const SchemeConfig plain{index, read_settings({}, top, card, study.scene.scene.get(), study.preset)};
     study.schemes.push_back(plain);
     if (card.recommended.empty() || card.recommended == "none") continue;
     add_composed(card, *study.problem, plain, card.recommended, study.schemes);
@@ -50,7 +50,7 @@ void read_choice(const Json& json, const FieldPath& path, const Cards& cards, St
   const NamedEntry scheme = read_entry(&json, path, "scheme", names_of(cards.schemes));
   if (!scheme.index) return;
   const SchemeCard& card = cards.schemes[*scheme.index];
-  study.schemes.push_back({*scheme.index, read_settings(json, path, card, study.problem, study.preset)});
+  study.schemes.push_back({*scheme.index, read_settings(json, path, card, study.scene.scene.get(), study.preset)});
   if (study.problem == nullptr) return;
   check_pair(cards, *study.problem, *scheme.index, scheme.path);
   check_settings(card, *study.problem, study.schemes.back().settings, path);

@@ -22,7 +22,7 @@ class DecayLaw {
   void start(const P& problem, const X& x) {
     initial_ = energy(problem, x);
     before_ = x;
-    see_rounding(problem, x);
+    initial_terms_ = see_rounding(problem, x);
   }
 
   void see(const P& problem, const X& x) {
@@ -43,7 +43,7 @@ class DecayLaw {
   /// max_residual: the largest change of H eᴬ − G; floor: what rounding alone makes of it. Both relative to |H| at the
   /// start, absolute where H begins at zero.
   Report report(const RunEnd<P, X>&) const {
-    const double scale = std::abs(initial_) > 1e-9 ? std::abs(initial_) : 1;
+    const double scale = std::abs(initial_) > 1e-9 * initial_terms_ ? std::abs(initial_) : 1;
     return numbers("decay", {{"max_residual", residual_ / scale}, {"floor", floor() / scale}});
   }
 
@@ -69,8 +69,8 @@ class DecayLaw {
   }
 
   /// Each step rounds its state by a unit of the terms of H, at worst always the same way (the weights of a composition
-  /// do: 1.5e-12 after 2,000 steps of order 10), and the law is read off to some units more.
-  void see_rounding(const P& problem, const X& x) {
+  /// do: 1.5e-12 after 2,000 steps of order 10), and the law is read off to some units more. The sum of the terms.
+  double see_rounding(const P& problem, const X& x) {
     const auto f = phase(problem, x.t);
     const double kinetic = 0.5 * dot(x.p, velocity(problem, x.q, x.p));
     const double terms =
@@ -78,10 +78,11 @@ class DecayLaw {
     const double unit = std::numeric_limits<double>::epsilon() * std::exp(exponent_) * terms;
     of_steps_ += unit;
     of_reading_ = std::max(of_reading_, 4 * unit);
+    return terms;
   }
   double floor() const { return of_steps_ + of_reading_; }
 
-  double initial_ = 0, exponent_ = 0, change_ = 0, residual_ = 0, of_steps_ = 0, of_reading_ = 0;
+  double initial_ = 0, initial_terms_ = 0, exponent_ = 0, change_ = 0, residual_ = 0, of_steps_ = 0, of_reading_ = 0;
   X before_{};
 };
 

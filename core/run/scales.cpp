@@ -1,0 +1,74 @@
+#include "core/run/scales.hpp"
+
+#include <limits>
+
+namespace least {
+namespace {
+
+constexpr double none = -std::numeric_limits<double>::infinity();
+
+/// ln Σ |c_k| τᵏ over from ≤ k < to, of logarithms, so that no unit is too large or too small for it.
+double log_sum(std::span<const double> logs, double log_tau, std::size_t from, std::size_t to) {
+  double most = none, sum = 0;
+  for (std::size_t k = from; k < to; ++k) most = std::max(most, logs[k] + static_cast<double>(k) * log_tau);
+  if (!(most > none)) return none;
+  for (std::size_t k = from; k < to; ++k) sum += std::exp(logs[k] + static_cast<double>(k) * log_tau - most);
+  return most + std::log(sum);
+}
+
+/// The logarithm of the time after which the terms behind velocity and acceleration come up to those two. Infinite for
+/// a motion that has no others.
+double log_time(std::span<const double> logs) {
+  constexpr double widest = 1500;  // beyond all that doubles can say
+  const std::size_t end = logs.size();
+  std::size_t first = 1;
+  if (logs[1] == none && logs[2] == none)
+    while (first < end && logs[first] == none) ++first;
+  if (first + 2 >= end) return -none;
+  const auto excess = [&](double log_tau) {
+    return log_sum(logs, log_tau, first + 2, end) - log_sum(logs, log_tau, first, first + 2);
+  };
+  if (log_sum(logs, 0, first + 2, end) == none) return -none;
+  double low = -widest, high = widest;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (low + high) / 2;
+    (excess(middle) > 0 ? high : low) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t coordinates, std::size_t momenta) {
+  constexpr double turn = 3;  // of the time so defined is 1/ω of an oscillator
+  double log_tau = -none;
+  std::vector<double> logs(orders.size());
+  for (std::size_t i = 0; i < coordinates; ++i) {
+    for (std::size_t k = 0; k < orders.size(); ++k) logs[k] = std::log(std::abs(orders[k][i]));
+    if (!std::ranges::all_of(logs, [](double x) { return x < std::numeric_limits<double>::infinity(); })) return {};
+    log_tau = std::min(log_tau, log_time(logs));
+  }
+  Scales scales;
+  const double tau = std::exp(log_tau) / turn;
+  if (!(tau > 0 && std::isfinite(tau))) return {};
+  scales.time = tau;
+  const auto size = [&](std::size_t k, std::size_t i) { return std::abs(orders[k][i]); };
+  for (std::size_t i = 0; i < coordinates; ++i) {
+    scales.length = std::max(scales.length, (size(1, i) + size(2, i) * tau) * tau);
+    if (momenta == 0) continue;
+    const double p = size(0, i + momenta) + size(1, i + momenta) * tau;
+    scales.energy += 0.5 * p * (size(1, i) + 2 * size(2, i) * tau);
+  }
+  return scales;
+}
+
+Scales scales_of_orbit(double mu, double r, double v_squared) {
+  // A start at the periapsis of a long ellipse is far faster than its period says: no step may be that long.
+  constexpr double longest = 32;  // times the time that belongs to the start
+  const double energy = mu / r - v_squared / 2;
+  if (!(mu > 0 && r > 0 && energy > 0)) return {};
+  const double a = mu / (2 * energy), here = r * std::sqrt(r / mu);
+  return {std::min(a * std::sqrt(a / mu), longest * here), energy, a};
+}
+
+}  // namespace least

@@ -41,6 +41,8 @@ constexpr Vec<P::dof, T> velocity(const P& m, const Vec<P::dof, T>& q, const Vec
   if constexpr (ConfigurationMetric<P>) {
     return solve_definite(m.metric(q), p);
   } else if constexpr (HasInverseMass<P>) {
+    if constexpr (MayHaveFullMass<P>)
+      if (m.has_full_mass()) return m.times_inverse_mass(p);
     const auto w = m.inverse_mass();
     Vec<P::dof, T> v;
     for (std::size_t i = 0; i < v.size(); ++i) v[i] = w[i] * p[i];
@@ -56,6 +58,8 @@ constexpr Vec<P::dof, T> momentum(const P& m, const Vec<P::dof, T>& q, const Vec
   if constexpr (ConfigurationMetric<P>) {
     return m.metric(q) * v;
   } else if constexpr (HasInverseMass<P>) {
+    if constexpr (MayHaveFullMass<P>)
+      if (m.has_full_mass()) return m.times_mass(v);
     const auto w = m.inverse_mass();
     Vec<P::dof, T> p;
     for (std::size_t i = 0; i < p.size(); ++i) p[i] = v[i] / w[i];

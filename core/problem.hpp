@@ -8,6 +8,8 @@
 // Mechanical, `dof` degrees of freedom:
 //   potential(q, t)       V, the primary form; whether it depends on the time the compiler finds (`Autonomous`)
 //   inverse_mass()        diagonal of g⁻¹ where the constant kinetic metric g is not the identity
+//   has_full_mass(), times_inverse_mass(p), times_mass(v)   where a constant g may be other than diagonal, which is
+//                         known when it runs: whether it is, g⁻¹p and g v
 //   metric(q)             g(q), symmetric and positive definite, where it depends on the configuration
 //   gradient(q, t)        ∇V by hand, where that pays (a law checks it against the potential)
 //   exact(x0, t)          the solution, where there is a closed form (scalar numbers only); `exact_applies(x0)` says
@@ -86,10 +88,10 @@ concept Contact = LinearContact<P> || QuadraticContact<P>;
 /// H = K + V: no s anywhere.
 template <class P>
 concept Conservative = Potential<P> && !Contact<P>;
-/// H = ½ pᵀg⁻¹p + V(q, t) with a constant diagonal metric g: kicks and drifts are explicit.
+/// H = ½ pᵀg⁻¹p + V(q, t) with a constant metric g: kicks and drifts are explicit.
 template <class P>
 concept Separable = Conservative<P> && !ConfigurationMetric<P>;
-/// H = ½ pᵀg⁻¹p + V(q, t) + a function of s, with a constant diagonal metric.
+/// H = ½ pᵀg⁻¹p + V(q, t) + a function of s, with a constant metric.
 template <class P>
 concept SeparableContact = Contact<P> && !ConfigurationMetric<P>;
 
@@ -252,6 +254,13 @@ concept HasDampingIntegral = LinearContact<P> && requires(const P& m) {
 template <class P>
 concept HasInverseMass = requires(const P& m) {
   m.inverse_mass();
+};
+/// The constant metric is diagonal, or full where has_full_mass() says so.
+template <class P>
+concept MayHaveFullMass = HasInverseMass<P> && requires(const P& m, const Vec<P::dof>& x) {
+  { m.has_full_mass() } -> std::same_as<bool>;
+  { m.times_inverse_mass(x) } -> std::same_as<Vec<P::dof>>;
+  { m.times_mass(x) } -> std::same_as<Vec<P::dof>>;
 };
 /// The coordinates of a state: q, or all of a point.
 template <class X>

@@ -50,6 +50,7 @@ class KickDrift {
   KickDrift(const P& problem, const X& x, const Sequence<S>& sequence) : problem_(problem), sequence_(&sequence) {
     slope_ = gradient(problem_, x.q, phase(problem_, x.t));
     ++work_.forces;
+    if constexpr (MayHaveFullMass<P>) mass_ = {problem_.inverse_mass(), problem_.has_full_mass()};
   }
 
   StatusOf<T> step(X& x, const S& h) noexcept {
@@ -75,7 +76,14 @@ class KickDrift {
     for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] = x.p[i] - h * slope_[i];
   }
   void drift(X& x, const S& h) const {
-    if constexpr (HasInverseMass<P>) {
+    if constexpr (MayHaveFullMass<P>) {
+      if (mass_.full) {
+        const auto v = problem_.times_inverse_mass(x.p);
+        for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + h * v[i];
+      } else {
+        for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + (h * mass_.inverse[i]) * x.p[i];
+      }
+    } else if constexpr (HasInverseMass<P>) {
       const auto w = problem_.inverse_mass();
       for (std::size_t i = 0; i < x.q.size(); ++i) x.q[i] = x.q[i] + (h * w[i]) * x.p[i];
     } else {
@@ -83,9 +91,17 @@ class KickDrift {
     }
   }
 
+  /// Where what it is is only known when it runs, it is looked up once.
+  struct Mass {
+    Vec<P::dof> inverse;
+    bool full;
+  };
+  struct Known {};
+
   P problem_;
   const Sequence<S>* sequence_;
   Vec<P::dof, T> slope_{};  ///< ∇V at the state's q
+  [[no_unique_address]] std::conditional_t<MayHaveFullMass<P>, Mass, Known> mass_{};
   Work work_;
 };
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "core/problem_traits.hpp"
 #include "core/run/stability.hpp"
 #include "core/study/error_study.hpp"
+#include "core/study/true_growth.hpp"
 
 namespace least {
 namespace {
@@ -48,9 +50,7 @@ class Excursions final : public RowSink {
 class LongRun {
  public:
   LongRun(const Request& scene, const SchemeConfig& scheme, const std::atomic<bool>& cancelled)
-      : request_(scene),
-        cancelled_(cancelled),
-        motion_(conditioning(*scene.scene, scene.end, [&] { return !cancelled.load(std::memory_order_relaxed); })) {
+      : request_(scene), cancelled_(cancelled), motion_(motion_until(scene.end)) {
     if (motion_->ends) request_.end = motion_->reached;
     request_.scheme = scheme.scheme;
     request_.settings = scheme.settings;
@@ -60,37 +60,66 @@ class LongRun {
     const auto energy = std::ranges::find(columns, "energy", &ColumnCard::name);
     if (keeps_energy()) request_.columns.push_back(static_cast<std::size_t>(energy - columns.begin()));
     request_.diagnostics.clear();
+    if (keeps_energy() && runs_away()) halfway_ = motion_until((start() + request_.end) / 2);
+    if (!keeps_energy() && !motion_->ends) growth_.emplace(scene, motion_->variables, cancelled);
   }
 
   const Conditioning& motion() const { return *motion_; }
-  double span() const { return request_.end - request_.scene->start; }
+  double span() const { return request_.end - start(); }
 
   /// How a run of steps h fails; empty: it does not.
-  std::string_view failure(std::size_t setting, double h) const {
-    constexpr std::int64_t least_steps = 2000, most_rows = 20'000;
+  std::string_view failure(std::size_t setting, double h) {
+    constexpr std::int64_t least_steps = 2000;
     Request request = request_;
     request.settings[setting] = h;
     request.steps = static_cast<std::int64_t>(std::min(std::ceil(span() / h), 1e5));
     // Where the motion ends, or runs away, no further than what is known of it.
-    request.until_steps = !motion_->ends && !runs_away();
+    request.until_steps = !motion_->ends && !(runs_away() && keeps_energy());
     if (request.until_steps) request.steps = std::max(request.steps, least_steps);
+    const Tried tried = run(request, h);
+    const std::string_view found = failure_of(tried, [&](const Tried& run) { return grows(run); });
+    if (found.empty() || found == "sign_flip" || !growth_) return found;
+    return failure_beyond_the_motion(request, h, tried);
+  }
+
+ private:
+  struct Tried {
+    Excursions seen;
+    Solution outcome;
+    double middle;
+  };
+
+  std::shared_ptr<const Conditioning> motion_until(double end) const {
+    return conditioning(*request_.scene, end, [&] { return !cancelled_.load(std::memory_order_relaxed); });
+  }
+  double start() const { return request_.scene->start; }
+  bool keeps_energy() const { return motion_->energy > 0; }
+  /// The motion grows, and not in proportion to the time as an angle that turns.
+  bool runs_away() const { return motion_->size > 2.5 * motion_->size_halfway; }
+
+  Tried run(Request& request, double h) const {
+    constexpr std::int64_t most_rows = 20'000;
     request.record = {Record::Mode::every, std::max<std::int64_t>(request.steps / most_rows, 1), {}};
-    const double start = request.scene->start;
-    const double end = request.until_steps ? start + static_cast<double>(request.steps) * h : request.end;
-    Excursions seen(motion_->variables, keeps_energy(), (start + end) / 2);
-    const Solution outcome = request.scene->mechanics->run(request, seen, cancelled_);
+    const double end = request.until_steps ? start() + static_cast<double>(request.steps) * h : request.end;
+    Tried tried{{motion_->variables, keeps_energy(), (start() + end) / 2}, {}, (start() + end) / 2};
+    tried.outcome = request.scene->mechanics->run(request, tried.seen, cancelled_);
     for (std::size_t i = 0; i < motion_->variables; ++i) {
-      double& size = seen.halves[outcome.t > (start + end) / 2 ? 1 : 0].size;
-      if (!(std::abs(outcome.final[i]) <= size)) size = std::abs(outcome.final[i]);
+      double& size = tried.seen.halves[tried.outcome.t > tried.middle ? 1 : 0].size;
+      if (!(std::abs(tried.outcome.final[i]) <= size)) size = std::abs(tried.outcome.final[i]);
     }
-    if (grows(seen, (outcome.t - start) / span())) return "energy_growth";
-    switch (outcome.stop.reason) {
+    return tried;
+  }
+
+  template <class Grows>
+  std::string_view failure_of(const Tried& tried, Grows&& grows) const {
+    if (grows(tried)) return "energy_growth";
+    switch (tried.outcome.stop.reason) {
       case ReturnCode::completed:
       case ReturnCode::deadline:
       case ReturnCode::cancelled:
       case ReturnCode::step_limit:
       case ReturnCode::left_domain:  // the motion itself ends
-        for (const Warning& warning : outcome.warnings) {
+        for (const Warning& warning : tried.outcome.warnings) {
           if (warning.code == "damping_sign") return "sign_flip";
           if (warning.code == "grows_at_every_step") return "energy_growth";
         }
@@ -107,38 +136,69 @@ class LongRun {
     }
   }
 
- private:
-  bool keeps_energy() const { return motion_->energy > 0; }
-  /// The motion grows, and not in proportion to the time as an angle that turns.
-  bool runs_away() const { return motion_->size > 2.5 * motion_->size_halfway; }
+  /// The same of a run that fails, where the true motion may grow as well: parametric resonance, damping of the other
+  /// sign, a limit cycle that is far from the start. The run goes no further than to where the numbers would be too
+  /// large.
+  std::string_view failure_beyond_the_motion(Request& request, double h, const Tried& tried) {
+    constexpr double most_growth = 1e30;
+    const double end = tried.middle + (tried.middle - start());
+    const double last = growth_->time_of_growth(most_growth, first_part(), end);
+    const auto grows = [this](const Tried& run) { return outgrows_the_motion(run); };
+    if (!(last < end)) return failure_of(tried, grows);
+    request.steps = static_cast<std::int64_t>((last - start()) / h);
+    if (request.steps < 2) return failure_of(tried, grows);
+    request.until_steps = true;
+    return failure_of(run(request, h), grows);
+  }
+  double first_part() const { return start() + span() / 2; }
+
+  static constexpr double far = 1000;      // times the size of the motion
+  static constexpr double small = 1e-3;    // excursions below are none
+  static constexpr double steadily = 2.0;  // how many times the first half's the second half's may be
+
+  static bool apart(double first, double second, double times = steadily) {
+    return !(second <= times * first) && !(first < small && second < small);
+  }
 
   /// How far the motion has come in so many spans.
   double size_after(double spans) const {
     const double size = std::max(motion_->size, 1e-300);
     return motion_->travels() ? std::max(motion_->size_halfway, spans * size) : size;
   }
-  /// Whether the second half of a run of so many spans goes far beyond its first, or the whole far beyond the motion.
-  bool grows(const Excursions& seen, double spans) const {
-    constexpr double far = 1000;      // times the size of the motion
-    constexpr double small = 1e-3;    // excursions below are none
-    constexpr double steadily = 2.0;  // how many times the first half's the second half's may be
-    const auto& [first, second] = seen.halves;
+  /// Whether the second half of a run goes far beyond its first, or the whole far beyond the motion.
+  bool grows(const Tried& run) const {
+    const auto& [first, second] = run.seen.halves;
+    const double spans = (run.outcome.t - start()) / span();
     const double before = first.size / size_after(spans / 2), after = second.size / size_after(spans);
     if (!(before < far && after < far)) return true;
-    const auto apart = [](double x, double y) { return !(y <= steadily * x) && !(x < small && y < small); };
-    return keeps_energy() ? apart(first.range() / motion_->energy, second.range() / motion_->energy)
-                          : apart(before, after);
+    if (!keeps_energy()) return apart(before, after);
+    // Of a motion that gathers speed all the way, the energies of the first half are smaller ones.
+    return apart(first.range() / (halfway_ ? halfway_->energy : motion_->energy), second.range() / motion_->energy);
+  }
+  /// The same where the true motion grows. A step changes the rate of a growth a little, as it changes a frequency,
+  /// which adds up to any factor in the end: it is held to be the step's own growth where its rate is more than one and
+  /// a half times that of the motion.
+  bool outgrows_the_motion(const Tried& run) {
+    const auto allowed = [](double growth) { return growth * std::max(1.0, std::sqrt(growth / 2)); };
+    const auto& [first, second] = run.seen.halves;
+    const double size = std::max(growth_->size(first_part()), 1e-300),
+                 before = std::max(growth_->size(run.middle), size),
+                 after = std::max(growth_->size(run.middle + (run.middle - start())), before);
+    if (!(first.size < far * size * allowed(before / size) && second.size < far * size * allowed(after / size)))
+      return true;
+    return apart(first.size / before, second.size / before, steadily * allowed(after / before));
   }
 
   Request request_;
   const std::atomic<bool>& cancelled_;
-  std::shared_ptr<const Conditioning> motion_;
+  std::shared_ptr<const Conditioning> motion_, halfway_;
+  std::optional<TrueGrowth> growth_;  ///< of what keeps no energy, and does not end
 };
 
 /// The search for the first step that fails, from below.
 class FirstFailure {
  public:
-  FirstFailure(const LongRun& run, std::size_t setting, double most, const std::atomic<bool>& cancelled)
+  FirstFailure(LongRun& run, std::size_t setting, double most, const std::atomic<bool>& cancelled)
       : run_(run), setting_(setting), most_(most), cancelled_(cancelled) {}
 
   /// `also`: a step to be looked at beside those of a grid; NaN: none.
@@ -184,7 +244,7 @@ class FirstFailure {
       holds((stable() + failing_) / 2);
   }
 
-  const LongRun& run_;
+  LongRun& run_;
   std::size_t setting_;
   double most_, failing_ = 0;
   std::vector<double> stable_;  ///< found stable, increasing, all below what fails
@@ -203,7 +263,7 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
     limit.why = "it chooses its steps in time itself";
     return limit;
   }
-  const LongRun run(scene, scheme, cancelled);
+  LongRun run(scene, scheme, cancelled);
   const Conditioning& motion = run.motion();
   if (motion.damping == 0 && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0) {
     limit.step = limit.theory = 0;

@@ -135,7 +135,8 @@ struct StabilityLimit {
 
 /// To one part in a thousand: every shorter step that was looked at is accepted by a run and does not grow over 2,000
 /// steps and at least the span: the energy's range over the second half is at most twice that over the first, or the
-/// state's size where no energy is kept, relative to that of the true motion; or both are below 1e-3.
+/// state's size where no energy is kept, relative to that of the true motion; or both are below 1e-3. Where the true
+/// motion grows by more than twice, a run may grow at one and a half times its rate.
 StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& scheme,
                                       const std::atomic<bool>& cancelled);
 

@@ -32,6 +32,12 @@ class Folding {
     const Symbol folded = substitution_(y);
     return folded.is_constant() ? folded.constant() : std::numeric_limits<double>::quiet_NaN();
   }
+  std::vector<double> numbers(const std::vector<Symbol>& all) {
+    std::vector<double> found;
+    found.reserve(all.size());
+    for (const Symbol& y : all) found.push_back(number(y));
+    return found;
+  }
   /// Of what was folded.
   std::vector<Symbol> gradient(const Symbol& folded, std::span<const int> variables) {
     return tape::gradient(tape_, folded, variables);

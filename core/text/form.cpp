@@ -229,7 +229,8 @@ class Reader : TextReader {
     }
   }
 
-  /// The metric from ∂²L/∂v² or ∂²H/∂p². False where the form that was found has none that changes.
+  /// The metric from ∂²L/∂v² or ∂²H/∂p². False where the form that was found has none of this kind: one that changes
+  /// with the place goes with V(q) alone.
   bool take_metric(const Matrix& second, bool lagrangian) {
     bool diagonal = true, constant = true;
     for (std::size_t i = 0; i < n(); ++i)
@@ -243,17 +244,21 @@ class Reader : TextReader {
       settle(form_->kind);
       return true;
     }
-    const bool timed = (tape::dependence(form_->tape, form_->potential) & tape::on_time) != 0;
-    if (form_->kind != FormKind::separable || timed) return false;
     // Of a metric the elimination takes no pivots but those of the diagonal.
     for (std::size_t i = 0; i < n(); ++i)
       if (is_zero(second[i][i])) return false;
-    const auto metric = lagrangian ? std::optional(second) : inverse(second);
-    if (!metric) return false;
-    for (const auto& row : *metric) form_->metric.insert(form_->metric.end(), row.begin(), row.end());
+    if (constant) {
+      form_->full_mass = true;
+    } else {
+      const bool timed = (tape::dependence(form_->tape, form_->potential) & tape::on_time) != 0;
+      if (form_->kind != FormKind::separable || timed) return false;
+      const auto metric = lagrangian ? std::optional(second) : inverse(second);
+      if (!metric) return false;
+      for (const auto& row : *metric) form_->metric.insert(form_->metric.end(), row.begin(), row.end());
+    }
     if (!lagrangian)
       for (const auto& row : second) form_->hessian.insert(form_->hessian.end(), row.begin(), row.end());
-    settle(FormKind::metric);
+    settle(constant ? form_->kind : FormKind::metric);
     return true;
   }
 

@@ -41,11 +41,13 @@ struct Form {
   tape::Tape tape;
   // By kind; what is left out is zero.
   Symbol potential, damping, action_curvature, offset, hamiltonian, lagrangian;
-  std::vector<Symbol> mass;        ///< of separable and contact: each depends on parameters alone
-  std::vector<Symbol> metric;      ///< row by row
-  std::vector<Symbol> rates;       ///< of a flow
-  std::vector<Symbol> momenta;     ///< of a Lagrangian, as functions of q, v, s, t; else empty
-  std::vector<Symbol> hessian;     ///< of a Lagrangian ∂²L/∂v², row by row; else empty
+  bool full_mass = false;       ///< of separable and contact: the metric is constant and not diagonal; see hessian
+  std::vector<Symbol> mass;     ///< of those with a diagonal metric: each depends on parameters alone
+  std::vector<Symbol> metric;   ///< row by row
+  std::vector<Symbol> rates;    ///< of a flow
+  std::vector<Symbol> momenta;  ///< of a Lagrangian, as functions of q, v, s, t; else empty
+  std::vector<Symbol> hessian;  ///< ∂²L/∂v² of a Lagrangian, ∂²H/∂p² where that is a metric's inverse that is not
+                                ///< diagonal, row by row; else empty
   std::vector<Symbol> invariants;  ///< of q, p, s, t; of a flow of its variables
   std::vector<std::string> invariant_names;
 };

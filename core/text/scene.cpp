@@ -5,10 +5,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/tape/derivative.hpp"
 #include "core/tape/formula.hpp"
 #include "core/text/folding.hpp"
-#include "core/text/print.hpp"
 #include "core/text/scenes.hpp"
 
 namespace least::text {
@@ -48,107 +46,15 @@ std::string formula_of(const Definition& given) {
   return "<math>" + inside + "</math>";
 }
 
-/// Its equations are said with velocities: with momenta they would need an inverse, or an iteration.
-bool in_velocities(const Form& form) { return form.kind == FormKind::metric || form.kind == FormKind::lagrangian; }
-/// The inverse of its metric is short enough to be said.
-bool solved_for_accelerations(const Form& form) { return form.kind == FormKind::metric && form.coordinates <= 2; }
-
-/// On the tape, ẋ and ṗ of a form; ṡ where the motion reads s.
-struct Rates {
-  tape::Tape tape;
-  std::vector<std::pair<std::string, Symbol>> all;
-};
-
-/// v̇ = g⁻¹(−∇V − Γ v v), Γ_i,jk = ½(∂_j g_ik + ∂_k g_ij − ∂_i g_jk), of one coordinate or two.
-void write_accelerations(const Definition& given, const Form& form, Rates& rates, tape::Substitution& copy) {
-  auto& tape = rates.tape;
-  const std::size_t n = form.coordinates;
-  std::vector<int> places;
-  std::vector<Symbol> v, g, force;
-  for (std::size_t i = 0; i < n; ++i) {
-    places.push_back(static_cast<int>(i));
-    v.push_back(Symbol::variable(tape, first_momentum + i));
+/// By Cholesky's elimination: every pivot is positive.
+bool is_positive_definite(std::size_t n, std::vector<double> matrix) {
+  for (std::size_t k = 0; k < n; ++k) {
+    if (!(matrix[k * n + k] > 0)) return false;
+    for (std::size_t i = k + 1; i < n; ++i)
+      for (std::size_t j = k + 1; j < n; ++j)
+        matrix[i * n + j] -= matrix[i * n + k] * matrix[k * n + j] / matrix[k * n + k];
   }
-  for (const Symbol& entry : form.metric) g.push_back(copy(entry));
-  std::vector<std::vector<Symbol>> slope;  // ∂_k g_ij
-  slope.reserve(g.size());
-  for (const Symbol& entry : g) slope.push_back(tape::gradient(tape, entry, places));
-  const auto potential = tape::gradient(tape, copy(form.potential), places);
-  const auto by = [&](std::size_t k, std::size_t i, std::size_t j) { return slope[i * n + j][k]; };
-  for (std::size_t i = 0; i < n; ++i) {
-    Symbol sum = -potential[i];
-    for (std::size_t j = 0; j < n; ++j) {
-      sum = sum + (i == j ? Symbol(-0.5) * by(i, i, i) : Symbol(0.5) * by(i, j, j) - by(j, i, j)) * (v[j] * v[j]);
-      for (std::size_t k = j + 1; k < n; ++k)  // of two, one is i
-        sum = sum - by(i == j ? k : j, i, i) * (v[j] * v[k]);
-    }
-    force.push_back(sum);
-  }
-  for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(given.variables[i], v[i]);
-  const auto add = [&](std::size_t i, const Symbol& rate) {
-    rates.all.emplace_back(velocity_name(given.variables[i]), rate);
-  };
-  if (n == 1 || (g[1].is_constant() && g[1].constant() == 0)) {
-    for (std::size_t i = 0; i < n; ++i) add(i, force[i] / g[i * n + i]);
-    return;
-  }
-  const Symbol determinant = g[0] * g[3] - g[1] * g[2];
-  add(0, (g[3] * force[0] - g[1] * force[1]) / determinant);
-  add(1, (g[0] * force[1] - g[2] * force[0]) / determinant);
-}
-
-void write_rates(const Definition& given, const Form& form, Rates& rates) {
-  auto& tape = rates.tape;
-  const auto same = [&](int i) { return Symbol::variable(tape, static_cast<std::size_t>(i)); };
-  tape::Substitution copy(form.tape, tape, same);
-  const auto n = form.coordinates;
-  const auto& names = given.variables;
-  if (form.kind == FormKind::flow) {
-    for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(names[i], copy(form.rates[i]));
-    return;
-  }
-  std::vector<int> places, momenta;
-  for (std::size_t i = 0; i < n; ++i) {
-    places.push_back(static_cast<int>(i));
-    momenta.push_back(first_momentum + static_cast<int>(i));
-  }
-  const Symbol s = same(action_variable);
-  Symbol h = 0;
-  if (form.kind == FormKind::hamiltonian) {
-    h = copy(form.hamiltonian);
-  } else if (solved_for_accelerations(form)) {
-    return write_accelerations(given, form, rates, copy);
-  } else if (in_velocities(form)) {
-    const auto velocity = [&](std::size_t i) { return same(momenta[i]); };
-    Symbol lagrangian = form.kind == FormKind::metric ? -copy(form.potential) : copy(form.lagrangian);
-    for (std::size_t i = 0; i < n && form.kind == FormKind::metric; ++i)
-      for (std::size_t j = 0; j < n; ++j)
-        lagrangian = lagrangian + Symbol(0.5) * (velocity(i) * copy(form.metric[i * n + j]) * velocity(j));
-    const Symbol by_s = tape::gradient(tape, lagrangian, std::array{action_variable})[0];
-    const auto p = tape::gradient(tape, lagrangian, momenta), force = tape::gradient(tape, lagrangian, places);
-    for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(momentum_name(names[i]), p[i]);
-    for (std::size_t i = 0; i < n; ++i)
-      rates.all.emplace_back(std::string("d").append(momentum_name(names[i])).append("/dt"), force[i] + p[i] * by_s);
-    return;
-  } else {
-    h = copy(form.potential);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Symbol p = same(momenta[i]);
-      h = h + p * p / (Symbol(2) * copy(form.mass[i]));
-    }
-    if (form.kind == FormKind::contact_linear) h = h + copy(form.damping) * s;
-    if (form.kind == FormKind::contact_quadratic)
-      h = h + Symbol(0.5) * copy(form.action_curvature) * (s * s) - copy(form.offset);
-  }
-  const auto v = tape::gradient(tape, h, momenta), force = tape::gradient(tape, h, places);
-  const Symbol by_action = tape::gradient(tape, h, std::array{action_variable})[0];
-  for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(names[i], v[i]);
-  for (std::size_t i = 0; i < n; ++i)
-    rates.all.emplace_back(momentum_name(names[i]), -force[i] - by_action * same(momenta[i]));
-  if (by_action.is_constant() && by_action.constant() == 0) return;
-  Symbol work = 0;
-  for (std::size_t i = 0; i < n; ++i) work = work + same(momenta[i]) * v[i];
-  rates.all.emplace_back("s", work - h);
+  return true;
 }
 
 /// Two of the kinds that are compiled for two.
@@ -242,6 +148,9 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
     if (typed) return Objection{"/masses/" + name, "is not positive"};
     return Objection{whole, "is not regular: with these parameters the mass of " + name + " is not positive"};
   }
+  if (form->full_mass && !is_positive_definite(form->coordinates, fold.numbers(form->hessian)))
+    return Objection{whole, "has a mass that is not positive with these parameters: " + second_derivative() +
+                                " is not positive definite"};
   const auto number = [&](const Symbol& y) {
     const Symbol folded = fold(y);
     return !folded.is_constant() || std::isfinite(folded.constant());
@@ -299,6 +208,11 @@ std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<cons
   return std::nullopt;
 }
 
+std::string TextScene::second_derivative() const {
+  return std::string("its second derivative by the ") +
+         (definition.kind == Definition::Kind::lagrangian ? "velocities" : "momenta");
+}
+
 std::string TextScene::objection_to_masses(std::span<const double> parameters, double t,
                                            const std::vector<double>& x) const {
   const std::size_t n = form->coordinates;
@@ -314,8 +228,6 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
   }
   auto lu = matrix;
   const double determinant = detail::determinant_by_lu(n, lu.data());
-  const std::string second = std::string("its second derivative by the ") +
-                             (definition.kind == Definition::Kind::lagrangian ? "velocities" : "momenta");
   // Velocities that were found from momenta may miss the place where it vanishes by a little.
   double nearby = 0;
   for (const double aside : {-1e-6, 1e-6}) {
@@ -328,42 +240,10 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
   }
   constexpr double rounding = 1e-14, vanishing = 1e-10;
   if (!(std::isfinite(determinant) && std::abs(determinant) > std::max(rounding * volume, vanishing * nearby)))
-    return "is not regular at the start: " + second + " has no inverse there";
-  if (form->kind != FormKind::metric) return {};
-  // Cholesky's elimination: a metric is positive definite where every pivot is.
-  for (std::size_t k = 0; k < n; ++k) {
-    if (!(matrix[k * n + k] > 0))
-      return "has a mass that is not positive at the start: " + second + " is not positive definite there";
-    for (std::size_t i = k + 1; i < n; ++i)
-      for (std::size_t j = k + 1; j < n; ++j)
-        matrix[i * n + j] -= matrix[i * n + k] * matrix[k * n + j] / matrix[k * n + k];
-  }
+    return "is not regular at the start: " + second_derivative() + " has no inverse there";
+  if (form->kind == FormKind::metric && !is_positive_definite(n, matrix))
+    return "has a mass that is not positive at the start: " + second_derivative() + " is not positive definite there";
   return {};
-}
-
-std::string TextScene::note_on_equations() const {
-  if (!in_velocities(*form) || solved_for_accelerations(*form)) return {};
-  return "momenta, ∂L/∂v, and their rates, said with velocities: accelerations would need an inverse that is long to "
-         "say, and are solved for at every step";
-}
-
-std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
-  Rates rates;
-  write_rates(definition, *form, rates);
-  const auto name = [&](int i) -> std::string {
-    if (i >= first_parameter && form->kind != FormKind::flow)
-      return definition.parameters[static_cast<std::size_t>(i - first_parameter)].first;
-    if (form->kind == FormKind::flow)
-      return i < first_parameter ? definition.variables[static_cast<std::size_t>(i)]
-                                 : definition.parameters[static_cast<std::size_t>(i - first_parameter)].first;
-    if (i == action_variable) return "s";
-    if (i < first_momentum) return definition.variables[static_cast<std::size_t>(i)];
-    const auto& coordinate = definition.variables[static_cast<std::size_t>(i - first_momentum)];
-    return in_velocities(*form) ? velocity_name(coordinate) : momentum_name(coordinate);
-  };
-  std::vector<std::pair<std::string, std::string>> texts;
-  for (const auto& [of, rate] : rates.all) texts.emplace_back(of, print(rates.tape, rate, name));
-  return texts;
 }
 
 }  // namespace least::text

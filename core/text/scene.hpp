@@ -36,6 +36,8 @@ struct TextScene {
   std::string note_on_equations() const;
 
  private:
+  /// ∂²L/∂v² or ∂²H/∂p² in words.
+  std::string second_derivative() const;
   /// What ∂²L/∂v² or ∂²H/∂p² is not at a point x, which is laid out as on the form's tape.
   std::string objection_to_masses(std::span<const double> parameters, double t, const std::vector<double>& x) const;
 };

@@ -66,10 +66,26 @@ Formulas::Formulas(const Form& form, std::span<const double> parameters)
     metric = fold.formula(form.metric);
     inverse_mass.fill(1);
     for (std::size_t i = 0; i < form.mass.size(); ++i) inverse_mass[i] = 1 / fold.number(form.mass[i]);
+    if (form.full_mass) set_full_mass(fold.numbers(form.hessian), !form.momenta.empty());
     if (form.constant_damping) alpha = fold.number(form.damping);
     gamma = fold.number(form.action_curvature);
     offset = fold.number(form.offset);
   }
+}
+
+void Formulas::set_full_mass(std::vector<double> given, bool of_velocities) {
+  full_mass = true;
+  const std::size_t n = coordinates;
+  std::vector<double> inverse = given;
+  detail::invert(n, inverse.data());
+  Mat<most_coordinates>&known = of_velocities ? mass_matrix : inverse_mass_matrix,
+  &found = of_velocities ? inverse_mass_matrix : mass_matrix;
+  // Drifts are symplectic where the matrix is symmetric to the last bit.
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) {
+      known[i][j] = 0.5 * (given[i * n + j] + given[j * n + i]);
+      found[i][j] = 0.5 * (inverse[i * n + j] + inverse[j * n + i]);
+    }
 }
 
 Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const Vec<most_coordinates>& p, double s,

@@ -27,12 +27,19 @@ struct Formulas {
   tape::Formula lagrangian;           ///< of (q, v, s): L, L_q, L_s
   tape::Formula all_of_lagrangian;    ///< of (q, v, s): L, L_q, L_v, L_s
   std::array<double, most_coordinates> inverse_mass{};
+  /// The constant metric g and its inverse, where g is not diagonal: their first `coordinates` rows and columns.
+  bool full_mass = false;
+  Mat<most_coordinates> mass_matrix{}, inverse_mass_matrix{};
   double alpha = 0, gamma = 0, offset = 0;
 
   /// v with ∂L/∂v = p, by Newton's method with steps that are shortened until they help; not a number where it finds
   /// none.
   Vec<most_coordinates> velocities(const Vec<most_coordinates>& q, const Vec<most_coordinates>& p, double s,
                                    double t) const;
+
+ private:
+  /// From ∂²L/∂v² or ∂²H/∂p², row by row.
+  void set_full_mass(std::vector<double> given, bool of_velocities);
 };
 
 /// What is the same for all mechanics.
@@ -64,30 +71,53 @@ struct Mechanical {
   }
 };
 
+/// A constant metric: a mass for every coordinate, or a full matrix.
 template <int N>
-struct DiagonalMass : Mechanical<N> {
+struct ConstantMass : Mechanical<N> {
   Vec<N> inverse_mass() const {
     Vec<N> inverse;
     for (std::size_t i = 0; i < N; ++i) inverse[i] = this->formulas->inverse_mass[i];
     return inverse;
   }
+  bool has_full_mass() const { return this->formulas->full_mass; }
+  template <class T>
+  Vec<N, T> times_inverse_mass(const Vec<N, T>& p) const {
+    return times(this->formulas->inverse_mass_matrix, p);
+  }
+  template <class T>
+  Vec<N, T> times_mass(const Vec<N, T>& v) const {
+    return times(this->formulas->mass_matrix, v);
+  }
+
+ private:
+  /// Coordinates that the scene has not keep their unit mass.
+  template <class T>
+  Vec<N, T> times(const Mat<most_coordinates>& matrix, const Vec<N, T>& x) const {
+    Vec<N, T> y = x;
+    const std::size_t n = N == 2 ? N : this->coordinates();  // one coordinate has no full matrix
+    for (std::size_t i = 0; i < n; ++i) {
+      y[i] = matrix[i][0] * x[0];
+      for (std::size_t j = 1; j < n; ++j) y[i] = y[i] + matrix[i][j] * x[j];
+    }
+    return y;
+  }
 };
 
-/// H = Σ p²/(2m) + V(q), or V(q, t).
+/// H = ½ pᵀg⁻¹p + V(q), or V(q, t).
 template <int N, bool Timed>
-struct SeparableScene : DiagonalMass<N> {
+struct SeparableScene : ConstantMass<N> {
   static constexpr bool reads_time = Timed;
 };
 
-/// H = Σ p²/(2m) + V(q) + α s, or V(q, t)
+/// H = ½ pᵀg⁻¹p + V(q) + α s, or V(q, t)
 template <int N, bool Timed>
-struct DampedScene : DiagonalMass<N> {
+struct DampedScene : ConstantMass<N> {
   static constexpr bool reads_time = Timed;
   double damping() const { return this->formulas->alpha; }
 };
-/// H = Σ p²/(2m) + V(q, t) + α(t) s
+/// H = ½ pᵀg⁻¹p + V(q, t) + α(t) s
 template <int N>
-struct TimedDampedScene : DiagonalMass<N> {
+struct TimedDampedScene : ConstantMass<N> {
   static constexpr bool reads_time = true;
   template <class S>
   S damping(const S& t) const {
@@ -97,9 +127,9 @@ struct TimedDampedScene : DiagonalMass<N> {
     return alpha;
   }
 };
-/// H = Σ p²/(2m) + V(q) + γs²/2 − R
+/// H = ½ pᵀg⁻¹p + V(q) + γs²/2 − R
 template <int N>
-struct QuadraticScene : DiagonalMass<N> {
+struct QuadraticScene : ConstantMass<N> {
   static constexpr bool reads_time = false;
   double action_curvature() const { return this->formulas->gamma; }
   double offset() const { return this->formulas->offset; }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/catalogue/start_beside.hpp"
 #include "core/run/suggestions.hpp"
 #include "core/text/scene.hpp"
 #include "server/decode/custom_reader.hpp"
@@ -190,12 +191,17 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   return preset;
 }
 
-void check_start(const Scene& scene, const FieldPath& top) {
+void check_start(Scene& scene, const FieldPath& top) {
   const text::TextScene* const text = scene.mechanics->text();
   if (text == nullptr || top.faults->within("/problem") || top.faults->within("/initial")) return;
-  if (auto objection = text->objection_to_start(scene.parameters, scene.start, scene.initial)) {
-    top.faults->add({top.at("problem").pointer + objection->pointer, std::move(objection->detail), {}, {}, {}});
+  auto objection = text->objection_to_start(scene.parameters, scene.start, scene.initial);
+  if (!objection) return;
+  if (auto other = start_beside(scene)) {
+    scene.initial = *std::move(other);
+    return;
   }
+  if (const std::string advice = advice_on_start(scene); !advice.empty()) objection->detail += "; " + advice;
+  top.faults->add({top.at("problem").pointer + objection->pointer, std::move(objection->detail), {}, {}, {}});
 }
 
 std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card, const Scene* scene,

@@ -39,8 +39,9 @@ std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath&
 /// preset, if there is one.
 const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene);
 
-/// What a scene as text that was read without a fault has against its start.
-void check_start(const Scene& scene, const FieldPath& top);
+/// What a scene as text that was read without a fault has against its start. A start at a place where the mechanics is
+/// not finite, but the motion is, moves beside it.
+void check_start(Scene& scene, const FieldPath& top);
 
 /// A scheme's settings: card, then what the problem (or the preset of its card) suggests, in the units of the scene,
 /// then the scheme's preset, then what the request says. `scene`, which has been read, and `preset` may be null.

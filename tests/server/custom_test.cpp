@@ -172,6 +172,19 @@ TEST_F(CustomHttp, ARegularStartIsAskedFor) {
   EXPECT_EQ(only_fault(polar(R"({"r":1,"vphi":1,"pr":0})"))["pointer"], "/initial/vphi");
 }
 
+// A motion through the pole of a sphere starts beside it, and says so.
+TEST_F(CustomHttp, AStartAtAHarmlessPoleIsTaken) {
+  const std::string scene = R"~({"problem":{"id":"custom","variables":["theta","phi"],
+      "lagrangian":"(vtheta^2 + sin(theta)^2*vphi^2)/2 + cos(theta)"},"initial":{"theta":0,"vtheta":1})~";
+  const Json run = Json::parse(
+      ask(port(), post("/v1/simulate", scene + R"~(,"scheme":"taylor","until":{"t":5},"record":{"samples":2}})~"))
+          .body);
+  ASSERT_EQ(run.value("status", ""), "completed") << run;
+  EXPECT_EQ(run["initial"]["theta"], 1e-12);
+  EXPECT_NEAR(run["final"]["theta"], -1.04577846614, 1e-9) << "a plane pendulum's";
+  EXPECT_EQ(ask(port(), post("/v1/problems", scene + "}")).status, 200);
+}
+
 // The card alone says nothing of a start; where one is given it is looked at as a run looks at it.
 TEST_F(CustomHttp, ACardWithAStartRefusesItAsARunDoes) {
   const struct {
@@ -186,8 +199,12 @@ TEST_F(CustomHttp, ACardWithAStartRefusesItAsARunDoes) {
       {R"~("variables":["x"],"potential":"x^2","damping":"1/t")~", R"({"x":1})", "/problem/damping", "t = 0"},
       {R"~("variables":["x","v"],"equations":{"x":"v","v":"-1/x"})~", R"({"v":1})", "/problem/equations/v",
        "not finite"},
-      {R"~("variables":["r","phi"],"lagrangian":"(vr^2 + r^2*vphi^2)/2")~", R"({"phi":1})", "/problem/lagrangian",
-       "not regular at the start"},
+      {R"~("variables":["r","phi"],"hamiltonian":"(pr^2 + pphi^2/r^2)/2")~", R"({"phi":1,"pphi":1})",
+       "/problem/hamiltonian", "not regular at the start"},
+      {R"~("variables":["r","phi"],"hamiltonian":"(pr^2 + pphi^2/r^2)/2")~", R"({"phi":1,"pphi":1})",
+       "/problem/hamiltonian", "at r = 0.001, it is regular"},
+      {R"~("variables":["x","v"],"equations":{"x":"v","v":"-2*v/t - x"})~", R"({"x":1})", "/problem/equations/v",
+       "at t = 0.001, it is regular: start there, with the first terms of the series"},
       {R"~("variables":["x"],"lagrangian":"(x - 1)*vx^2/2")~", R"({"x":0.5})", "/problem/lagrangian",
        "mass that is not positive at the start"},
       {R"~("variables":["x","y"],"hamiltonian":"(px^2 - y*py^2)/2 - x")~", R"({"y":1})", "/problem/hamiltonian",

@@ -41,7 +41,8 @@ TEST(IndefiniteKineticEnergy, MovesByWhatNeedsRegularityAlone) {
     return mechanics_of(of(Definition::Kind::lagrangian, {"x", "y"}, {{"m", 1}}, text))->text()->form->kind;
   };
   EXPECT_EQ(kind("vx^2/2 + 2*vx*vy + vy^2/2 - x^2"), text::FormKind::hamiltonian);
-  EXPECT_EQ(kind("vx^2 + vx*vy + vy^2 - x^2"), text::FormKind::metric);
+  EXPECT_EQ(kind("vx^2 + vx*vy + vy^2 - x^2"), text::FormKind::separable);
+  EXPECT_EQ(kind("vx^2 + x*vx*vy + vy^2 - x^2"), text::FormKind::metric);
   EXPECT_EQ(kind("(vx^2 - m*vy^2)/2 - x^2"), text::FormKind::separable);
 }
 

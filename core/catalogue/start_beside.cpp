@@ -1,0 +1,133 @@
+#include "core/catalogue/start_beside.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/run/request.hpp"
+#include "core/text/scene.hpp"
+
+namespace least {
+namespace {
+
+/// How far beside, relative to a coordinate, or where it is 0: what moves is moved by twelve digits; what rests would
+/// fall from there if it stands on top of something, so that it is moved by next to nothing.
+constexpr double close = 1e-12, at_rest = 1e-60;
+
+/// Discards the rows of a run: its final state is what counts.
+class NoRows final : public RowSink {
+ public:
+  bool append(std::span<const double>) override { return true; }
+};
+
+double moved(double x, double share) { return x + share * (x != 0 ? std::abs(x) : 1); }
+
+bool is_regular(const Scene& scene) {
+  return !scene.mechanics->text()->objection_to_start(scene.parameters, scene.start, scene.initial);
+}
+
+/// A short run with few errors; nothing where it fails.
+std::optional<Solution> short_run(const Scene& scene, double end, std::int64_t most_steps) {
+  const auto schemes = scene.mechanics->schemes();
+  const auto scheme = std::ranges::find(schemes, "dormand_prince_5", &SchemeCard::id);
+  if (scheme == schemes.end()) return std::nullopt;
+  Request request;
+  request.scene = std::make_shared<Scene>(scene);
+  request.scheme = static_cast<std::size_t>(scheme - schemes.begin());
+  for (const auto& setting : scheme->parameters)
+    request.settings.push_back(setting.name == "tolerance" ? close : setting.value);
+  request.end = end;
+  request.columns = {0};
+  request.record = {Record::Mode::every, 0, {}};
+  request.limits.steps = most_steps;
+  request.limits.seconds = 1;
+  request.probe = true;
+  NoRows rows;
+  const std::atomic<bool> never{false};
+  Solution solution = scene.mechanics->run(request, rows, never);
+  const ReturnCode reason = solution.stop.reason;
+  if (reason == ReturnCode::completed || (reason == ReturnCode::step_limit && solution.t > scene.start))
+    return solution;
+  return std::nullopt;
+}
+
+/// The largest difference of two states, relative to the largest component of either.
+double apart(const std::vector<double>& x, const std::vector<double>& y) {
+  double difference = 0, size = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (std::isnan(x[i]) && std::isnan(y[i])) continue;  // s, where the motion does not need it
+    if (!std::isfinite(x[i] - y[i])) return INFINITY;
+    difference = std::max(difference, std::abs(x[i] - y[i]));
+    size = std::max({size, std::abs(x[i]), std::abs(y[i])});
+  }
+  return difference > 0 ? difference / size : 0;
+}
+
+/// The scene with these coordinates moved by so much.
+Scene beside(const Scene& scene, const std::vector<std::size_t>& coordinates, double share) {
+  Scene other = scene;
+  for (const std::size_t i : coordinates) other.initial[i] = moved(other.initial[i], share);
+  return other;
+}
+
+/// Whether the motions from both sides of the start and from another distance are one.
+bool has_limit(const Scene& scene, const std::vector<std::size_t>& coordinates, double share) {
+  constexpr std::int64_t few_steps = 60, enough_steps = 2000;
+  constexpr double same = 1e-8;
+  const Scene one = beside(scene, coordinates, share);
+  if (!is_regular(one)) return false;
+  const auto first = short_run(one, scene.start + scene.card().span, few_steps);
+  if (!first) return false;
+  if (share == at_rest) {
+    // The whole motion lasts as long as a rest: a distance of next to nothing has not become visible.
+    for (std::size_t i = 0; i < scene.initial.size(); ++i)
+      if (std::abs(first->final[i] - one.initial[i]) > 1e-30) return false;
+    return is_regular(beside(scene, coordinates, -share));
+  }
+  for (const double other : {-1.0, 3.0}) {
+    const Scene elsewhere = beside(scene, coordinates, other * share);
+    if (!is_regular(elsewhere)) return false;
+    const auto second = short_run(elsewhere, first->t, enough_steps);
+    if (!second || second->stop.reason != ReturnCode::completed) return false;
+    if (!(apart(first->final, second->final) < same)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> start_beside(const Scene& scene) {
+  const std::size_t n = scene.mechanics->text()->form->coordinates;
+  std::vector<std::vector<std::size_t>> choices;  // one coordinate, or all where several poles meet
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < n; ++i) {
+    choices.push_back({i});
+    all.push_back(i);
+  }
+  if (n > 1) choices.push_back(all);
+  for (const double share : {at_rest, close})
+    for (const auto& coordinates : choices)
+      if (has_limit(scene, coordinates, share)) return beside(scene, coordinates, share).initial;
+  return std::nullopt;
+}
+
+std::string advice_on_start(const Scene& scene) {
+  constexpr double visible = 1e-3;
+  const text::TextScene& text = *scene.mechanics->text();
+  for (std::size_t i = 0; i < text.form->coordinates; ++i) {
+    const Scene other = beside(scene, {i}, visible);
+    if (is_regular(other))
+      return fmt::format("beside it, at {} = {:.6g}, it is regular: start there, with what the motion has there",
+                         text.definition.variables[i], other.initial[i]);
+  }
+  Scene later = scene;
+  later.start = moved(scene.start, visible);
+  if (is_regular(later))
+    return fmt::format(
+        "a little later, at t = {:.6g}, it is regular: start there, with the first terms of the series of the solution",
+        later.start);
+  return {};
+}
+
+}  // namespace least

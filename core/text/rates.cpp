@@ -1,0 +1,180 @@
+// The equations of motion of a scene as text, as text.
+#include <algorithm>
+#include <array>
+
+#include "core/number/linear.hpp"
+#include "core/tape/derivative.hpp"
+#include "core/text/print.hpp"
+#include "core/text/scene.hpp"
+
+namespace least::text {
+namespace {
+
+/// The inverse of a full constant metric is given, or short enough to be said.
+bool says_inverse(const Form& form) {
+  const bool numbers = std::ranges::all_of(form.hessian, [](const Symbol& entry) { return entry.is_constant(); });
+  return form.momenta.empty() || form.coordinates <= 2 || numbers;
+}
+/// Its equations are said with velocities: with momenta they would need an inverse, or an iteration.
+bool in_velocities(const Form& form) {
+  return form.kind == FormKind::metric || form.kind == FormKind::lagrangian || (form.full_mass && !says_inverse(form));
+}
+/// The inverse of its metric is short enough to be said.
+bool solved_for_accelerations(const Form& form) { return form.kind == FormKind::metric && form.coordinates <= 2; }
+
+/// On the tape, ẋ and ṗ of a form; ṡ where the motion reads s.
+struct Rates {
+  tape::Tape tape;
+  std::vector<std::pair<std::string, Symbol>> all;
+};
+
+/// v̇ = g⁻¹(−∇V − Γ v v), Γ_i,jk = ½(∂_j g_ik + ∂_k g_ij − ∂_i g_jk), of one coordinate or two.
+void write_accelerations(const Definition& given, const Form& form, Rates& rates, tape::Substitution& copy) {
+  auto& tape = rates.tape;
+  const std::size_t n = form.coordinates;
+  std::vector<int> places;
+  std::vector<Symbol> v, g, force;
+  for (std::size_t i = 0; i < n; ++i) {
+    places.push_back(static_cast<int>(i));
+    v.push_back(Symbol::variable(tape, first_momentum + i));
+  }
+  for (const Symbol& entry : form.metric) g.push_back(copy(entry));
+  std::vector<std::vector<Symbol>> slope;  // ∂_k g_ij
+  slope.reserve(g.size());
+  for (const Symbol& entry : g) slope.push_back(tape::gradient(tape, entry, places));
+  const auto potential = tape::gradient(tape, copy(form.potential), places);
+  const auto by = [&](std::size_t k, std::size_t i, std::size_t j) { return slope[i * n + j][k]; };
+  for (std::size_t i = 0; i < n; ++i) {
+    Symbol sum = -potential[i];
+    for (std::size_t j = 0; j < n; ++j) {
+      sum = sum + (i == j ? Symbol(-0.5) * by(i, i, i) : Symbol(0.5) * by(i, j, j) - by(j, i, j)) * (v[j] * v[j]);
+      for (std::size_t k = j + 1; k < n; ++k)  // of two, one is i
+        sum = sum - by(i == j ? k : j, i, i) * (v[j] * v[k]);
+    }
+    force.push_back(sum);
+  }
+  for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(given.variables[i], v[i]);
+  const auto add = [&](std::size_t i, const Symbol& rate) {
+    rates.all.emplace_back(velocity_name(given.variables[i]), rate);
+  };
+  if (n == 1 || (g[1].is_constant() && g[1].constant() == 0)) {
+    for (std::size_t i = 0; i < n; ++i) add(i, force[i] / g[i * n + i]);
+    return;
+  }
+  const Symbol determinant = g[0] * g[3] - g[1] * g[2];
+  add(0, (g[3] * force[0] - g[1] * force[1]) / determinant);
+  add(1, (g[0] * force[1] - g[2] * force[0]) / determinant);
+}
+
+/// g⁻¹p of a full constant metric g of a Lagrangian, whose inverse can be said.
+std::vector<Symbol> full_velocities(const Form& form, Rates& rates, tape::Substitution& copy) {
+  const std::size_t n = form.coordinates;
+  std::vector<Symbol> p, g;
+  p.reserve(n);
+  g.reserve(form.hessian.size());
+  for (std::size_t i = 0; i < n; ++i) p.push_back(Symbol::variable(rates.tape, first_momentum + i));
+  for (const Symbol& entry : form.hessian) g.push_back(copy(entry));
+  if (n == 2) {
+    const Symbol determinant = g[0] * g[3] - g[1] * g[2];
+    return {(g[3] * p[0] - g[1] * p[1]) / determinant, (g[0] * p[1] - g[2] * p[0]) / determinant};
+  }
+  std::vector<double> inverse;
+  inverse.reserve(g.size());
+  for (const Symbol& entry : g) inverse.push_back(entry.constant());
+  detail::invert(n, inverse.data());
+  std::vector<Symbol> v(n, Symbol(0));
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) v[i] = v[i] + Symbol(inverse[i * n + j]) * p[j];
+  return v;
+}
+
+void write_rates(const Definition& given, const Form& form, Rates& rates) {
+  auto& tape = rates.tape;
+  const auto same = [&](int i) { return Symbol::variable(tape, static_cast<std::size_t>(i)); };
+  tape::Substitution copy(form.tape, tape, same);
+  const auto n = form.coordinates;
+  const auto& names = given.variables;
+  if (form.kind == FormKind::flow) {
+    for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(names[i], copy(form.rates[i]));
+    return;
+  }
+  std::vector<int> places, momenta;
+  for (std::size_t i = 0; i < n; ++i) {
+    places.push_back(static_cast<int>(i));
+    momenta.push_back(first_momentum + static_cast<int>(i));
+  }
+  const Symbol s = same(action_variable);
+  Symbol of_action = 0;  // what s adds to H of a natural form
+  if (form.kind == FormKind::contact_linear) of_action = copy(form.damping) * s;
+  if (form.kind == FormKind::contact_quadratic)
+    of_action = Symbol(0.5) * copy(form.action_curvature) * (s * s) - copy(form.offset);
+  Symbol h = 0;
+  std::vector<Symbol> v;
+  const bool lagrangian_mass = form.full_mass && !form.momenta.empty();
+  if (form.kind == FormKind::hamiltonian || (form.full_mass && !lagrangian_mass)) {
+    h = copy(form.hamiltonian);
+  } else if (solved_for_accelerations(form)) {
+    return write_accelerations(given, form, rates, copy);
+  } else if (in_velocities(form)) {
+    const auto velocity = [&](std::size_t i) { return same(momenta[i]); };
+    const bool natural = form.kind != FormKind::lagrangian;
+    const std::vector<Symbol>& g = form.full_mass ? form.hessian : form.metric;
+    Symbol lagrangian = natural ? -copy(form.potential) - of_action : copy(form.lagrangian);
+    for (std::size_t i = 0; i < n && natural; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        lagrangian = lagrangian + Symbol(0.5) * (velocity(i) * copy(g[i * n + j]) * velocity(j));
+    const Symbol by_s = tape::gradient(tape, lagrangian, std::array{action_variable})[0];
+    const auto p = tape::gradient(tape, lagrangian, momenta), force = tape::gradient(tape, lagrangian, places);
+    for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(momentum_name(names[i]), p[i]);
+    for (std::size_t i = 0; i < n; ++i)
+      rates.all.emplace_back(std::string("d").append(momentum_name(names[i])).append("/dt"), force[i] + p[i] * by_s);
+    return;
+  } else {
+    h = copy(form.potential);
+    if (lagrangian_mass) v = full_velocities(form, rates, copy);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Symbol p = same(momenta[i]);
+      h = h + (lagrangian_mass ? Symbol(0.5) * (p * v[i]) : p * p / (Symbol(2) * copy(form.mass[i])));
+    }
+    h = h + of_action;
+  }
+  if (v.empty()) v = tape::gradient(tape, h, momenta);
+  const auto force = tape::gradient(tape, h, places);
+  const Symbol by_action = tape::gradient(tape, h, std::array{action_variable})[0];
+  for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(names[i], v[i]);
+  for (std::size_t i = 0; i < n; ++i)
+    rates.all.emplace_back(momentum_name(names[i]), -force[i] - by_action * same(momenta[i]));
+  if (by_action.is_constant() && by_action.constant() == 0) return;
+  Symbol work = 0;
+  for (std::size_t i = 0; i < n; ++i) work = work + same(momenta[i]) * v[i];
+  rates.all.emplace_back("s", work - h);
+}
+
+}  // namespace
+
+std::string TextScene::note_on_equations() const {
+  if (!in_velocities(*form) || solved_for_accelerations(*form)) return {};
+  return "momenta, ∂L/∂v, and their rates, said with velocities: accelerations would need an inverse that is long to "
+         "say, and are solved for at every step";
+}
+
+std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
+  Rates rates;
+  write_rates(definition, *form, rates);
+  const auto name = [&](int i) -> std::string {
+    if (i >= first_parameter && form->kind != FormKind::flow)
+      return definition.parameters[static_cast<std::size_t>(i - first_parameter)].first;
+    if (form->kind == FormKind::flow)
+      return i < first_parameter ? definition.variables[static_cast<std::size_t>(i)]
+                                 : definition.parameters[static_cast<std::size_t>(i - first_parameter)].first;
+    if (i == action_variable) return "s";
+    if (i < first_momentum) return definition.variables[static_cast<std::size_t>(i)];
+    const auto& coordinate = definition.variables[static_cast<std::size_t>(i - first_momentum)];
+    return in_velocities(*form) ? velocity_name(coordinate) : momentum_name(coordinate);
+  };
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const auto& [of, rate] : rates.all) texts.emplace_back(of, print(rates.tape, rate, name));
+  return texts;
+}
+
+}  // namespace least::text

@@ -147,9 +147,10 @@ ZeroSearch::Bits ZeroSearch::examine(const Piece& piece) {
     if (!(open & bit) || !whole_[i].value.everywhere()) continue;
     const Enclosure& middle = middle_[i];
     const double change = whole_[i].rate.magnitude() * piece.radius();
+    const double late = whole_[i].rate.magnitude() * round_off * std::max(std::abs(piece.from), std::abs(piece.to));
     const bool hidden = change <= middle.width();
     scale_[i] = std::max(scale_[i], middle.magnitude());
-    if (middle.low > change || middle.high < -change) {  // the mean value theorem
+    if (middle.low > change + late || middle.high < -change - late) {  // the mean value theorem
       open &= ~bit;
     } else if ((hidden && at_round_off) || whole_[i].monotone()) {
       add(piece, i, hidden && at_round_off ? Kind::round_off : Kind::monotone, middle.width());

@@ -146,7 +146,10 @@ Json events_asked() {
   properties["stop"] = described({{"type", "boolean"}, {"default", false}}, "ends the run there", "");
   Json events = list_of(object_of(std::move(properties), {"name", "expression"}));
   events["maxItems"] = most_events;
-  return described(std::move(events), "zeros of expressions along the run, also two of them within a step", "");
+  return described(std::move(events),
+                   "zeros of expressions along the run, however many within a step; where they turn faster than "
+                   "closer looks can follow, the answer warns: events_unresolved",
+                   "");
 }
 
 Json fault_schemas() {

@@ -164,7 +164,7 @@ class LaneBlock final : public LaneHost {
   }
   void look(const LanePath& path) override {
     const auto state_at = [&](double t, double* state) { return path.at(t, state); };
-    for (const Zero& zero : watch_.locate(left_.data(), from_, right_.data(), to_, state_at)) {
+    for (const Zero& zero : watch_.locate(left_.data(), from_, right_.data(), to_, state_at, 1)) {
       const double* state = zero.t > from_ ? right_.data() : left_.data();
       if (zero.t > from_ && zero.t < to_ && path.at(zero.t, between_.data())) state = between_.data();
       add_point(member_, zero.t, state);
@@ -179,7 +179,7 @@ class LaneBlock final : public LaneHost {
       return was == is || watch_.crossed(was, is);
     }
     Watch::Looks& looks = looks_[in_block(m)];
-    if (!(looks.t_last == from)) watch_.look(looks, left_.data(), from);
+    if (!(looks.t_last() == from)) watch_.look(looks, left_.data(), from);
     return watch_.look(looks, right_.data(), to) != 0;
   }
   /// Of the step that at_step is told of.
@@ -354,7 +354,7 @@ class LaneBlock final : public LaneHost {
   Block& block_;
   Request request_;  ///< that of the plan with the columns that are needed
   const ProblemCard& card_;
-  const Watch watch_;
+  Watch watch_;
   bool fits_ = true;        ///< lanes can find the section
   std::size_t member_ = 0;  ///< that passes its level, between these times
   double from_ = 0, to_ = 0;

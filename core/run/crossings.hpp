@@ -42,12 +42,16 @@ void look_within(const P& problem, const Integrator<P, X>& integrator, const Int
   }
 }
 
+/// With how many pieces of a step a search begins whose steps are looked at in so many parts: a piece shows four.
+inline int pieces_of(int parts) { return std::max(parts / 4, 1); }
+
 /// The zeros of what the caller watches, with the states there, between two states of the last step or of the next one:
 /// in their order, up to the first that ends the run.
 template <class P, class X>
 std::vector<std::pair<Zero, X>> watched_zeros(const P& problem, const Integrator<P, X>& integrator,
-                                              const IntegrationState<X>& state, const Watch& watch, X from,
-                                              const X& last) {
+                                              const IntegrationState<X>& state, Watch& watch, const X& from,
+                                              const X& to) {
+  if (watch.empty()) return {};
   const Measures& measures = watch.measures();
   const auto at = [&](double t, X& x) {
     x = state.x;
@@ -60,18 +64,12 @@ std::vector<std::pair<Zero, X>> watched_zeros(const P& problem, const Integrator
     return true;
   };
   std::vector<std::pair<Zero, X>> found;
-  const double start = from.t, parts = integrator.parts();
-  for (double part = 1; part <= parts; ++part) {
-    X to = last;
-    if (part < parts && !at(start + part * (last.t - start) / parts, to)) continue;
-    for (const Zero& zero : watch.locate(observe(problem, from, measures).data(), from.t,
-                                         observe(problem, to, measures).data(), to.t, observe_at)) {
-      X x = zero.t > from.t ? to : from;
-      if (zero.t > from.t && zero.t < to.t) at(zero.t, x);
-      found.emplace_back(zero, x);
-      if (watch.ends(zero.which)) return found;
-    }
-    from = to;
+  for (const Zero& zero :
+       watch.locate(observe(problem, from, measures).data(), from.t, observe(problem, to, measures).data(), to.t,
+                    observe_at, pieces_of(integrator.parts()))) {
+    X x = zero.t > from.t ? to : from;
+    if (zero.t > from.t && zero.t < to.t) at(zero.t, x);
+    found.emplace_back(zero, x);
   }
   return found;
 }
@@ -83,8 +81,8 @@ std::vector<std::size_t> reached_at_end(const P& problem, const Integrator<P, X>
   if (watch.empty()) return {};
   const X& end = state.x;
   X before = integrator.left();
-  const double start = before.t, parts = integrator.parts();
-  if (parts > 1 && end.t > start) integrator.state_at(state, start + (parts - 1) * (end.t - start) / parts, before);
+  // Shortly before: further back the expression may have turned.
+  if (const double last = end.t - 0x1p-20 * (end.t - before.t); last < end.t) integrator.state_at(state, last, before);
   const Measures& measures = watch.measures();
   return watch.reached(observe(problem, before, measures).data(), before.t, observe(problem, end, measures).data(),
                        end.t);

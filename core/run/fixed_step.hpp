@@ -173,13 +173,24 @@ class EqualSteps : public BoundIntegrator<P, X> {
 
   BlockResult take_steps(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {
     const Kept before = keep(state, guard, diagnostics);
-    if (block(state, count, guard, diagnostics) && !(diagnostics && diagnostics->crossed)) {
+    const bool many = diagnostics && count > 1;
+    if (many) diagnostics->begin_block();
+    const BlockResult result = block(state, count, guard, diagnostics);
+    if (many) diagnostics->end_block();
+    if (result && !(diagnostics && diagnostics->crossed)) {
       watched_ = std::min<std::int64_t>(2 * watched_, 256);
-      return {};
+      return result;
     }
-    watched_ = 8;
+    const std::int64_t first = before.state.n;
+    if (result && count == 1) {
+      left_ = before.state.x;
+      watched_ = 1;
+      return result;
+    }
     take_back(before, state, guard, diagnostics);
-    return replay(state, count, guard, diagnostics);
+    const BlockResult again = replay(state, count, guard, diagnostics);
+    watched_ = std::clamp<std::int64_t>(state.n - first, 1, 8);
+    return again;
   }
   /// The same steps one by one, up to the first in which something happened.
   BlockResult replay(State& state, std::int64_t count, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) {

@@ -16,6 +16,15 @@ void Measures::evaluate(const double* observed, double t, double* values) const 
   formula_.evaluate(observed, t, values);
 }
 
+void Measures::enclose(const interval::Enclosure* observed, const interval::Enclosure& t,
+                       interval::Enclosure* values) const {
+  formula_.evaluate(observed, t, values);
+}
+void Measures::enclose(const interval::RateEnclosure* observed, const interval::RateEnclosure& t,
+                       interval::RateEnclosure* values) const {
+  formula_.evaluate(observed, t, values);
+}
+
 MeasureReader::MeasureReader(const Scene& scene) : card_(scene.card()) {
   const auto know = [&](std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); };
   for (std::size_t i = 0; i < card_.variables.size(); ++i)

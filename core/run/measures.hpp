@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/describe.hpp"
+#include "core/number/enclosure.hpp"
 #include "core/problem_traits.hpp"
 #include "core/tape/formula.hpp"
 #include "core/text/expression.hpp"
@@ -39,6 +40,10 @@ struct Measures {
   /// values[i] of each, from what `observe` says of a state, and the time of the state. Any of them may be no finite
   /// number.
   void evaluate(const double* observed, double t, double* values) const;
+  /// The same of all states within bounds, and of all times; with what changes by time where that is known, too.
+  void enclose(const interval::Enclosure* observed, const interval::Enclosure& t, interval::Enclosure* values) const;
+  void enclose(const interval::RateEnclosure* observed, const interval::RateEnclosure& t,
+               interval::RateEnclosure* values) const;
 
  private:
   friend class MeasureReader;

@@ -1,6 +1,7 @@
 #include "core/run/messages.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -135,6 +136,13 @@ std::string energy_jump(double before, double now) {
 }
 
 std::string number(double x) { return fmt::format("{}", x); }
+
+std::string unresolved(const std::vector<std::string_view>& names, double t) {
+  return fmt::format(
+      "{} {} faster than closer looks at the run can follow, or {} zero but for round-off, first in the step to t = "
+      "{:.6g}: zeros may be missing",
+      fmt::join(names, ", "), names.size() > 1 ? "change" : "changes", names.size() > 1 ? "are" : "is", t);
+}
 
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace least::messages {
 
@@ -43,6 +44,8 @@ std::string strain(double strain);
 std::string energy_jump(double before, double now);
 /// The shortest text that reads back as x.
 std::string number(double x);
+/// Of events, by their names, of which a search within the step that ended at t had no end.
+std::string unresolved(const std::vector<std::string_view>& names, double t);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 /// Of a step that could not be taken, `fixed` where steps are of equal length.

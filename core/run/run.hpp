@@ -137,7 +137,6 @@ class Run {
   }
   /// Events between two states of the last step, or of the next one, up to the first that ends the run.
   void locate_watched(const X& from, const X& to) {
-    if (watch_.empty()) return;
     for (const auto& [zero, x] : watched_zeros(problem_, *integrator_, state_, watch_, from, to)) {
       add_event(zero, x);
       if (!watch_.ends(zero.which)) continue;
@@ -359,6 +358,7 @@ class Run {
   void warn_of_the_run() {
     if (request_.probe) return;
     if (kept_ > most_rows_) warn("samples_truncated", "more rows of columns than limits.samples; the first are kept");
+    watch_.warn(outcome_.warnings);
     evidence_.finish(problem_, state_);
     warn_of_run<P, X>(
         {problem_, request_, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, budget_.cancelled()},

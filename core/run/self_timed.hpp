@@ -74,12 +74,10 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
           result = {BlockEnd::stands_still};
           break;
         }
-      if constexpr (in_parts)
-        if (diagnostics && diagnostics->watches_events()) parts_ = parts_of(stepper, left, x, *diagnostics);
       if (diagnostics && x.t <= end_) {
-        if constexpr (in_parts)
+        if constexpr (step_parts > 1)
           if (diagnostics->looks_within()) look_within(stepper, left, x, *diagnostics);
-        diagnostics->see(problem_, x);
+        see(stepper, left, x, *diagnostics);
       }
       if (method_of(stepper) != method || (diagnostics && diagnostics->crossed)) break;
     }
@@ -103,7 +101,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
   }
 
   const X& left() const override { return left_; }
-  int parts() const override { return parts_; }
+  int parts() const override { return step_parts; }
   bool reaches(const State& state, double t) const override { return t <= state.x.t; }
   StepStatus state_at(const State& state, double t, X& x) const override {
     if (t <= state.x.t) return interpolate(state, t, x, nullptr);
@@ -174,7 +172,10 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
   using Stepper = SelfTimedStepperOf<Scheme, P, X>;
   static constexpr bool hybrid = requires(const Stepper& s) { s.active_method(); };
   static constexpr bool reads_time = requires { requires Scheme::reads_time; };
-  static constexpr bool in_parts = requires { Stepper::parts; };
+  static constexpr int step_parts = [] {
+    if constexpr (requires { Stepper::parts; }) return Stepper::parts;
+    return 1;
+  }();
   /// A step can be told how long it may be.
   static constexpr bool within = requires(Stepper & s, X& x, double most) { s.step_within(x, most); };
 
@@ -251,59 +252,25 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
     return true;
   }
 
-  /// The states at the ends of so many parts of the last step, from `left` to x, but for its own: by the step's own
-  /// polynomial; where it has none, and the caller watches something, by one through both ends. f(part, state)
-  template <class F>
-  void between(const Stepper& stepper, const X& left, const X& x, int parts, bool watches, F&& f) const {
-    X state = x;
-    std::optional<HermitePath<P, X>> path;
-    for (int i = 1; i < parts; ++i) {
-      const double t = left.t + i * (x.t - left.t) / parts;
-      if (!stepper.interpolate(state, t)) {
-        if (!watches) return;
-        if (!path) path.emplace(problem_, left, x);
-        state = (*path)(t);
-      }
-      f(i, state);
-    }
-  }
+  /// Shows the diagnostics states within the last step, where the scheme has a polynomial of it.
   void look_within(const Stepper& stepper, const X& left, const X& x, DiagnosticSet<P, X>& diagnostics) const {
-    between(stepper, left, x, parts_, diagnostics.watches_events(),
-            [&](int, const X& state) { diagnostics.look(problem_, state); });
-  }
-  /// In how many parts the last step is looked at for what the caller watches: four for each time that it turns, which
-  /// others, of which there are half as many more and some, do not show more often.
-  int parts_of(const Stepper& stepper, const X& left, const X& x, const DiagnosticSet<P, X>& diagnostics) {
-    constexpr int most = 2048;
-    constexpr double noise = 1e-9;
-    const std::size_t count = diagnostics.watched_count();
-    using Turns = std::array<int, most_events>;
-    const auto turns_in = [&](int parts) {
-      Turns turns{};
-      std::array<double, most_events> last{}, change{}, now{};
-      diagnostics.watched_values(problem_, left, last.data());
-      const auto see = [&](int, const X& state) {
-        diagnostics.watched_values(problem_, state, now.data());
-        for (std::size_t i = 0; i < count; ++i) {
-          const double by = now[i] - last[i];
-          if (std::abs(by) > noise * (std::abs(now[i]) + std::abs(last[i]))) {
-            turns[i] += change[i] * by < 0;
-            change[i] = by;
-          }
-          last[i] = now[i];
-        }
-      };
-      between(stepper, left, x, parts, true, see);
-      see(parts, x);
-      return turns;
-    };
-    for (int parts = Stepper::parts; parts < most; parts *= 2) {
-      const Turns turns = turns_in(parts), others = turns_in(parts + 11 * parts / 16);
-      bool enough = true;
-      for (std::size_t i = 0; i < count; ++i) enough = enough && others[i] <= turns[i] && 4 * turns[i] <= parts;
-      if (enough) return parts;
+    X state = x;
+    for (int i = 1; i < step_parts; ++i) {
+      if (!stepper.interpolate(state, left.t + i * (x.t - left.t) / step_parts)) return;
+      diagnostics.look(problem_, state);
     }
-    return most;
+  }
+  /// And the state x, with what the caller watches on the way to it: where the scheme has no polynomial of the step, by
+  /// one through both ends.
+  void see(const Stepper& stepper, const X& left, const X& x, DiagnosticSet<P, X>& diagnostics) const {
+    std::optional<HermitePath<P, X>> path;
+    diagnostics.see(problem_, left, x, std::max(step_parts / 4, 2), [&](double t, X& state) {
+      if constexpr (requires { stepper.interpolate(state, t); })
+        if (stepper.interpolate(state, t)) return true;
+      if (!path) path.emplace(problem_, left, x);
+      state = (*path)(t);
+      return true;
+    });
   }
 
   /// x at a time within the last step, which ended in `state`. `work`: what that cost, where it counts.
@@ -361,10 +328,6 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;
   Work between_;
-  int parts_ = [] {
-    if constexpr (in_parts) return Stepper::parts;
-    return 1;
-  }();
 };
 
 }  // namespace least

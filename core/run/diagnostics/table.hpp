@@ -1,6 +1,7 @@
 // Every diagnostic, one row each, and the set of them that a run was asked for.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <tuple>
 #include <utility>
@@ -60,13 +61,8 @@ class DiagnosticSet {
   /// Sections, or what the caller asked for.
   bool watches() const { return watches_; }
   bool watches_events() const { return watch_ != nullptr; }
-  /// What the caller watches, at a state: so many numbers.
-  std::size_t watched_count() const { return watch_->measures().size(); }
-  void watched_values(const P& problem, const X& x, double* values) const {
-    watch_->measures().evaluate(observe(problem, x, watch_->measures()).data(), x.t, values);
-  }
-  /// Whether states within a step are of interest.
-  bool looks_within() const { return watches_ || turns_; }
+  /// Whether states within a step are of interest, beside what the caller watches.
+  bool looks_within() const { return watches_sections() || turns_; }
   bool keeps_states() const { return sees(Sees::states); }
 
   /// `tangents`: of steps of the scheme; they outlive the set.
@@ -76,16 +72,40 @@ class DiagnosticSet {
       if constexpr (requires { seen.start(problem, x, tangents); }) seen.start(problem, x, tangents);
     });
     before_ = sections(problem, x);
-    if (watch_) watched(problem, x);
+    if (watch_) watch_->look(looks_, observe(problem, x, watch_->measures()).data(), x.t);
+  }
+  /// Before states of which nobody asks in which of their steps something may have vanished, and after them.
+  void begin_block() { among_many_ = true; }
+  void end_block() {
+    among_many_ = false;
+    if (watch_) crossed = watch_->settle(looks_) || crossed;
   }
   /// Nothing but signs is seen of a state before which the run may end: see `resume`.
   void see(const P& problem, const X& x) {
     if (watches_) see_signs(problem, x);
     if (!halted_) take(problem, x);
   }
+  /// The same of the state x, where what the caller watches is looked for within the step from `left`: `between` writes
+  /// the state at a time, false where it cannot.
+  template <class Between>
+  void see(const P& problem, const X& left, const X& x, int pieces, Between&& between) {
+    if (watches_sections()) see_sections(problem, x);
+    if (watch_) {
+      const Measures& measures = watch_->measures();
+      const auto observe_at = [&](double t, double* observed) {
+        X y = x;
+        if (!between(t, y)) return false;
+        std::copy_n(observe(problem, y, measures).begin(), measures.reads.size(), observed);
+        return true;
+      };
+      note(watch_->may_vanish(observe(problem, left, measures).data(), left.t, observe(problem, x, measures).data(),
+                              x.t, observe_at, pieces));
+    }
+    if (!halted_) take(problem, x);
+  }
   /// A state within a step.
   void look(const P& problem, const X& x) {
-    if (watches_) see_signs(problem, x);
+    if (watches_sections()) see_sections(problem, x);
     for_each([&](auto, auto& seen) {
       if constexpr (requires { seen.look(problem, x); }) seen.look(problem, x);
     });
@@ -137,23 +157,25 @@ class DiagnosticSet {
 
   /// Whether something may have vanished since the last state that was looked at.
   void see_signs(const P& problem, const X& x) {
-    if (watches_sections()) {
-      const auto now = sections(problem, x);
-      for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
-      before_ = now;
-    }
+    if (watches_sections()) see_sections(problem, x);
     if (!watch_) return;
-    const Watch::Signs passed = watched(problem, x);
-    crossed = crossed || passed != 0;
-    halted_ = halted_ || (passed != 0 && watch_->may_end());  // what is located may be more than that
+    const auto observed = observe(problem, x, watch_->measures());
+    note(among_many_ ? watch_->collect(looks_, observed.data(), x.t) : watch_->look(looks_, observed.data(), x.t) != 0);
+  }
+  void see_sections(const P& problem, const X& x) {
+    const auto now = sections(problem, x);
+    for (std::size_t i = 0; i < now.size(); ++i) crossed = crossed || (now[i] < 0) != (before_[i] < 0);
+    before_ = now;
+  }
+  /// Of what the caller watches whether something may have vanished.
+  void note(bool passed) {
+    crossed = crossed || passed;
+    halted_ = halted_ || (passed && watch_->may_end());
   }
   void take(const P& problem, const X& x) {
     for_each([&](auto, auto& seen) {
       if constexpr (requires { seen.see(problem, x); }) seen.see(problem, x);
     });
-  }
-  Watch::Signs watched(const P& problem, const X& x) {
-    return watch_->look(looks_, observe(problem, x, watch_->measures()).data(), x.t);
   }
   bool sees(Sees what) const { return sees_[static_cast<std::size_t>(what)]; }
 
@@ -178,7 +200,7 @@ class DiagnosticSet {
   Values values_;
   const Watch* watch_;  ///< null: nothing of the caller's own
   Watch::Looks looks_;
-  bool watches_ = false, turns_ = false, halted_ = false;
+  bool watches_ = false, turns_ = false, halted_ = false, among_many_ = false;
   decltype(sections(std::declval<const P&>(), std::declval<const X&>())) before_{};
 };
 

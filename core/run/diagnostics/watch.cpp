@@ -3,21 +3,38 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <string_view>
 #include <utility>
 
+#include "core/run/messages.hpp"
 #include "core/run/root.hpp"
 
 namespace least {
 namespace {
 
-using Values = Watch::Looks::Values;
+using interval::Enclosure;
+using interval::RateEnclosure;
 
-/// Whether between the last two of three values of one sign there may be two zeros: what bends away from zero lies
-/// beyond the line through the first two, so that this has to come down to zero.
-bool may_dip(double t0, double g0, double t1, double g1, double t, double g) {
-  const double slope = (g1 - g0) / (t1 - t0), sign = g < 0 ? -1 : 1;
-  return sign * ((g - g1) / (t - t1) - slope) > 0 && sign * (g1 + slope * (t - t1)) <= 0;
+/// `observe_at` with both ends, which are known.
+Watch::ObserveAt with_ends(const double* left, double from, const double* right, double to,
+                           const Watch::ObserveAt& observe_at, std::size_t count) {
+  return [=, &observe_at](double t, double* observed) {
+    if (t != from && t != to) return observe_at(t, observed);
+    std::copy_n(t == from ? left : right, count, observed);
+    return true;
+  };
+}
+
+/// Between a and b, where values have different signs: where they change, or are no numbers.
+template <class F>
+double place_of_change(F&& value, double a, double b) {
+  const bool negative = value(a) < 0;
+  for (double middle = a + (b - a) / 2; a < middle && middle < b; middle = a + (b - a) / 2) {
+    const double here = value(middle);
+    if (std::isnan(here)) return middle;
+    ((here < 0) == negative ? a : b) = middle;
+  }
+  return b;
 }
 
 }  // namespace
@@ -30,6 +47,8 @@ Watch::Watch(const Request& request) : measures_(request.watched), start_(reques
     if (asked.direction <= 0) down_ |= bit;
     if (asked.stop) halting_ |= bit;
   }
+  for (std::size_t i = 0; i < measures_.reads.size(); ++i)
+    if (measures_.reads[i]) read_.push_back(i);
 }
 
 Watch::Signs Watch::signs(const double* observed, double t) const {
@@ -44,65 +63,147 @@ Watch::Signs Watch::signs(const Values& values) const {
   return signs;
 }
 
+void Watch::note(Looks& looks, const double* observed, double t) const {
+  const std::size_t width = measures_.reads.size();
+  looks.observed.resize(Looks::most * width);
+  looks.last = (looks.last + 1) % Looks::most;
+  looks.t[looks.last] = t;
+  double* row = &looks.observed[looks.last * width];
+  for (const std::size_t i : read_) row[i] = observed[i];
+}
+
 Watch::Signs Watch::look(Looks& looks, const double* observed, double t) const {
-  Values values;  // NOLINT: written before it is read
-  measures_.evaluate(observed, t, values.data());
-  const Signs now = signs(values);
-  Signs passed = changed(looks.signs, now);
-  const bool begins = !(looks.t_before < looks.t_last);  // nothing is known of what was before
-  for (std::size_t i = 0; i < measures_.size(); ++i) {
-    const Signs bit = Signs{1} << i;
-    if (((looks.signs ^ now) & bit) == 0 &&
-        (begins || may_dip(looks.t_before, looks.before[i], looks.t_last, looks.last[i], t, values[i])))
-      passed |= bit;
-    looks.before[i] = looks.last[i];
-    looks.last[i] = values[i];
+  note(looks, observed, t);
+  return look_back(looks, 0, 1);
+}
+
+bool Watch::collect(Looks& looks, const double* observed, double t) const {
+  note(looks, observed, t);
+  return ++looks.waiting == Looks::together && settle(looks);
+}
+
+bool Watch::settle(Looks& looks) const {
+  const std::size_t count = std::exchange(looks.waiting, 0);
+  return count > 0 && may_vanish(looks, 0, count);
+}
+
+bool Watch::may_vanish(const Looks& looks, std::size_t back, std::size_t count) const {
+  if (look_back(looks, back, count) == 0) return false;
+  return count == 1 || may_vanish(looks, back + count / 2, count - count / 2) || may_vanish(looks, back, count / 2);
+}
+
+Watch::Signs Watch::look_back(const Looks& looks, std::size_t back, std::size_t count) const {
+  const std::size_t width = measures_.reads.size();
+  const auto place = [&](std::size_t ago) { return (looks.last + Looks::most - back - ago) % Looks::most; };
+  const double to = looks.t[place(0)], from = looks.t[place(count)], step = to - looks.t[place(1)];
+  constexpr double even = 1e-3;
+  for (std::size_t ago = 1; ago < count + 2; ++ago)
+    if (!(std::abs(looks.t[place(ago)] - looks.t[place(ago + 1)] - step) <= even * step)) return all();
+
+  thread_local std::vector<Enclosure> boxes;
+  thread_local std::vector<double> bends;
+  if (boxes.size() < width) boxes.resize(width), bends.resize(width);
+  std::array<const double*, Looks::together + 3> rows;  // NOLINT: written before it is read
+  for (std::size_t ago = 0; ago < count + 3; ++ago) rows[ago] = &looks.observed[place(ago) * width];
+  for (const std::size_t i : read_) {
+    // Twice the largest second difference, also of the step before, bounds what a step bends.
+    double low = rows[0][i], high = low, change = low - rows[1][i], bend = 0;
+    for (std::size_t ago = 1; ago < count + 2; ++ago) {
+      const double before = rows[ago][i] - rows[ago + 1][i];
+      bend = std::max(bend, std::abs(std::exchange(change, before) - before));
+      low = std::min(low, rows[std::min(ago, count)][i]);
+      high = std::max(high, rows[std::min(ago, count)][i]);
+    }
+    bends[i] = 2 * bend;
+    boxes[i] = {low - bend / 4, high + bend / 4};
   }
-  looks.t_before = std::exchange(looks.t_last, t);
-  looks.signs = now;
+  std::array<Enclosure, most_events> values;
+  measures_.enclose(boxes.data(), {from, to}, values.data());
+  Signs passed = 0;
+  for (std::size_t i = 0; i < measures_.size(); ++i)
+    passed |= Signs{values[i].contains(0) && values[i].defined != interval::Defined::nowhere} << i;
+  if (passed == 0 || count > 1) return passed;
+
+  thread_local std::vector<RateEnclosure> flows;
+  if (flows.size() < width) flows.resize(width);
+  for (const std::size_t i : read_) {
+    const double change = rows[0][i] - rows[1][i];
+    flows[i] = {boxes[i], {(change - bends[i]) / step, (change + bends[i]) / step}};
+  }
+  std::array<RateEnclosure, most_events> rates;
+  measures_.enclose(flows.data(), {{from, to}, 1.0}, rates.data());
+  const Signs moved = changed(signs(rows[1], from), signs(rows[0], to));
+  for (std::size_t i = 0; i < measures_.size(); ++i)
+    if (rates[i].monotone()) passed &= moved | ~(Signs{1} << i);
   return passed;
 }
 
+bool Watch::may_vanish(const double* left, double from, const double* right, double to, const ObserveAt& observe_at,
+                       int pieces) const {
+  const ObserveAt observe = with_ends(left, from, right, to, observe_at, measures_.reads.size());
+  return ZeroSearch(measures_, observe, 0).may_find(from, to, pieces);
+}
+
 std::vector<Zero> Watch::locate(const double* left, double from, const double* right, double to,
-                                const ObserveAt& observe_at) const {
-  Values was{}, is{};
-  measures_.evaluate(left, from, was.data());
-  measures_.evaluate(right, to, is.data());
+                                const ObserveAt& observe_at, int pieces) {
+  // A run that has been unresolved so often is to end soon.
+  constexpr int much = 1 << 13, little = 64;
+  constexpr std::int64_t patience = 4;
+  const ObserveAt observe = with_ends(left, from, right, to, observe_at, measures_.reads.size());
+  ZeroSearch search(measures_, observe, unresolved_steps_ < patience ? much : little);
+  search.find(from, to, pieces);
   std::vector<double> observed(measures_.reads.size());
   std::vector<Zero> zeros;
+  Signs unresolved = search.unresolved();
   for (std::size_t i = 0; i < measures_.size(); ++i) {
     const auto value = [&](double t) {
       Values values{};
-      if (t == from) return was[i];
-      if (t == to) return is[i];
-      if (!observe_at(t, observed.data())) return unknown;
+      if (!observe(t, observed.data())) return unknown;
       measures_.evaluate(observed.data(), t, values.data());
       return values[i];
     };
-    const auto add = [&](double a, double b) {
-      const double before = value(a), after = value(b);
+    const auto& brackets = search.brackets(i);
+    for (auto next = brackets.begin(); next != brackets.end();) {
+      auto [a, b, kind, noise] = *next++;
+      double after = value(b);
+      // Where round-off gives a value its sign the one after it counts.
+      for (; next != brackets.end() && next->from == b && std::abs(after) <= noise &&
+             next->kind != ZeroSearch::Kind::edge;
+           ++next) {
+        b = next->to;
+        after = value(b);
+        noise = std::max(noise, next->noise);
+      }
+      const double before = value(a);
       const bool rises = before < 0 && after >= 0, falls = before >= 0 && after < 0;
-      if (!((rises && (up_ >> i & 1)) || (falls && (down_ >> i & 1)))) return;
-      if (before == 0 && !(a > start_)) return;
-      const double t = a + root([&](double part) { return value(part < b - a ? a + part : b); }, 0, b - a);
-      // Towards a pole values grow, and interpolation between them may leave the step.
-      if (a <= t && t <= b && std::abs(value(t)) <= std::max(std::abs(before), std::abs(after)))
+      if (!((rises && (up_ >> i & 1)) || (falls && (down_ >> i & 1)))) continue;
+      if (before == 0 && !(a > start_)) continue;
+      if (kind == ZeroSearch::Kind::round_off && a == from && b == to &&
+          std::max(std::abs(before), std::abs(after)) <= noise) {
+        unresolved |= Signs{1} << i;
+        continue;
+      }
+      const double t = kind == ZeroSearch::Kind::edge
+                           ? place_of_change(value, a, b)
+                           : a + root([&](double part) { return value(part < b - a ? a + part : b); }, 0, b - a);
+      // Towards a pole values grow, and interpolation between them may leave the step. A gap, as in q^2/q, is none.
+      if (a <= t && t <= b && !(std::abs(value(t)) > std::max(std::abs(before), std::abs(after))))
         zeros.push_back({t, i});
-    };
-    const double sign = is[i] < 0 ? -1 : 1;
-    std::optional<double> between;
-    if ((was[i] < 0) == (is[i] < 0)) between = dip([&](double t) { return sign * value(t); }, from, to);
-    if (between) {
-      add(from, *between);
-      add(*between, to);
-    } else {
-      add(from, to);
     }
   }
+  if (unresolved != 0 && unresolved_steps_++ == 0) unresolved_at_ = to;
+  unresolved_ |= unresolved;
   std::ranges::stable_sort(zeros, {}, &Zero::t);
   const auto end = std::ranges::find_if(zeros, [&](const Zero& zero) { return ends(zero.which); });
   if (end != zeros.end()) zeros.erase(end + 1, zeros.end());
   return zeros;
+}
+
+void Watch::warn(std::vector<Warning>& warnings) const {
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < measures_.size(); ++i)
+    if (unresolved_ >> i & 1) names.push_back(name(i));
+  if (!names.empty()) warnings.push_back({"events_unresolved", messages::unresolved(names, unresolved_at_)});
 }
 
 std::vector<std::size_t> Watch::reached(const double* left, double from, const double* right, double to) const {

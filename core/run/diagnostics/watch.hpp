@@ -1,12 +1,12 @@
-// Events of the caller's own: where expressions vanish along a run. Between steps only values are looked at; the zeros
-// of a step in which one changed its sign, or seems to have come back from one, are then located by its dense output.
+// Events of the caller's own: where expressions vanish along a run. From states that lie evenly it is told cheaply
+// where nothing can vanish between the last two; where something may, the dense output of the step is searched.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
+#include "core/run/diagnostics/zero_search.hpp"
 #include "core/run/outcome.hpp"
 #include "core/run/request.hpp"
 
@@ -21,16 +21,20 @@ struct Zero {
 /// What a request watches for. Whether an expression was negative is a bit of Signs, the i-th of the i-th.
 class Watch {
  public:
-  using Signs = std::uint32_t;
-  /// Writes what `observe` says of the state at a time between those of the two states; false: there is none.
-  using ObserveAt = std::function<bool(double t, double* observed)>;
+  using Signs = ZeroSearch::Bits;
+  /// Of times between those of the two states.
+  using ObserveAt = ZeroSearch::ObserveAt;
 
-  /// The last states that were looked at.
+  /// The last states that were looked at, as `observe` says them.
   struct Looks {
-    using Values = std::array<double, most_events>;
-    Values before{}, last{};
-    double t_before = unknown, t_last = unknown;
-    Signs signs = 0;  ///< of the last
+    static constexpr std::size_t together = 8, most = 16;
+    std::vector<double> observed;  ///< a row for each
+    std::array<double, most> t;
+    std::size_t last = 0;     ///< row
+    std::size_t waiting = 0;  ///< how many have been collected, and not been settled
+
+    Looks() { t.fill(unknown); }
+    double t_last() const { return t[last]; }
   };
 
   explicit Watch(const Request& request);
@@ -41,18 +45,28 @@ class Watch {
   Signs signs(const double* observed, double t) const;
   /// Whether what changed between two states is to be located.
   bool crossed(Signs was, Signs is) const { return changed(was, is) != 0; }
-  /// Looks at the next state, which was observed at t: what is to be located between the last one and this.
+  /// Looks at the next state, which was observed at t: what may vanish between the last one and this.
   Signs look(Looks& looks, const double* observed, double t) const;
+  /// The same of some states together, which costs less: true where something may vanish between some of them.
+  bool collect(Looks& looks, const double* observed, double t) const;
+  /// Of those that have been collected and not been looked at.
+  bool settle(Looks& looks) const;
+  /// Whether something may vanish between two states, from states within as many pieces.
+  bool may_vanish(const double* left, double from, const double* right, double to, const ObserveAt& observe_at,
+                  int pieces) const;
 
   /// The zeros after the state that was observed at `from` up to the one at `to`, in the order of their times and up to
   /// the first that ends the run. A start that lies on a zero is none; neither is a pole, where the sign changes too.
-  std::vector<Zero> locate(const double* left, double from, const double* right, double to,
-                           const ObserveAt& observe_at) const;
+  /// `pieces`: into how many the way is divided at first.
+  std::vector<Zero> locate(const double* left, double from, const double* right, double to, const ObserveAt& observe_at,
+                           int pieces);
   /// Whether anything may end the run.
   bool may_end() const { return halting_ != 0; }
   /// Which of them a run reaches from above exactly at its end, from the last state before it: a change of sign that no
   /// step ahead is going to show.
   std::vector<std::size_t> reached(const double* left, double from, const double* right, double to) const;
+  /// Of what searches have left unresolved so far.
+  void warn(std::vector<Warning>& warnings) const;
   bool ends(std::size_t which) const { return (halting_ >> which & 1) != 0; }
   const std::string& name(std::size_t which) const { return measures_.list[which].card.name; }
   /// Of an event of any kind.
@@ -61,13 +75,23 @@ class Watch {
   Report event(const Zero& zero, const ProblemCard& problem, const std::vector<double>& state) const;
 
  private:
-  Signs signs(const Looks::Values& values) const;
+  void note(Looks& looks, const double* observed, double t) const;
+  bool may_vanish(const Looks& looks, std::size_t back, std::size_t count) const;
+  /// Of so many steps, the last of which ended at the look before so many others.
+  Signs look_back(const Looks& looks, std::size_t back, std::size_t count) const;
+  using Values = std::array<double, most_events>;
+  Signs signs(const Values& values) const;
+  Signs all() const { return static_cast<Signs>((std::uint64_t{1} << measures_.size()) - 1); }
   Signs changed(Signs was, Signs is) const { return (was & ~is & up_) | (is & ~was & down_); }
 
   const Measures& measures_;
   const double start_;
-  Signs up_ = 0, down_ = 0;  ///< which are looked for where they rise, and where they fall
-  Signs halting_ = 0;        ///< which end the run
+  Signs up_ = 0, down_ = 0;        ///< which are looked for where they rise, and where they fall
+  Signs halting_ = 0;              ///< which end the run
+  std::vector<std::size_t> read_;  ///< which variables
+  Signs unresolved_ = 0;
+  double unresolved_at_ = unknown;     ///< where the first step ended in which something was unresolved
+  std::int64_t unresolved_steps_ = 0;  ///< how many there were
 };
 
 }  // namespace least

@@ -36,7 +36,7 @@ struct LyapunovRow {
     using Motion = StateOf<P>;
     using Direction = Vec<Motion::size>;
     static constexpr double tolerance = 1e-13;  ///< of the true motion and of the difference alike
-    static constexpr int patience = 2000;    ///< in steps of the true motion within one of the run
+    static constexpr int patience = 2000;       ///< in steps of the true motion within one of the run
 
     Motion before{};
     /// Neighbours as a scheme compares them, after as many steps: what separates them, by how much time the other is

@@ -84,8 +84,7 @@ TEST(EncodeJson, TheEchoIsACompleteRequest) {
 
 TEST(EncodeJson, SaysHowASchemeWasChosen) {
   const Example example;
-  Advice advice{
-      SchemeConfig{0, {0.5, 1}}, "the \"cheapest\"", 1e-7, true, {{{1, {0.25}}, 500, std::nan(""), 1e-3}}};
+  Advice advice{SchemeConfig{0, {0.5, 1}}, "the \"cheapest\"", 1e-7, true, {{{1, {0.25}}, 500, std::nan(""), 1e-3}}};
   const AdviceWithCards chosen{advice, test::cards().schemes};
   least::server::FinishedRun run = example.run();
   EXPECT_FALSE(Json::parse(encode_json(run).body).contains("choice"));

@@ -153,24 +153,27 @@ bool reads_time(const Program& program) {
          std::ranges::any_of(program.rate, is_time);
 }
 
-/// Where an argument of a steep power is asked for, the program is read: only then every value stands at every order.
-tape::Series series_of(Program program, std::span<const tape::SteepArgument> steep, double tolerance, int order) {
+/// Where an argument of a steep power or a branch value is asked for, the program is read: only then every value stands
+/// at every order.
+tape::Series series_of(Program program, std::span<const tape::SteepArgument> steep, bool branches, double tolerance,
+                       int order) {
   const int chosen = order > 0 ? order : cheapest_order(program, tolerance);
   const bool powers = std::ranges::count(steep, tape::SteepArgument::Kind::power, &tape::SteepArgument::kind) > 0;
-  return {std::move(program), chosen, !powers};
+  return {std::move(program), chosen, !powers && !branches};
 }
 
 }  // namespace
 
 Expansion::Expansion(Program program, double tolerance, int order)
     : steep_(tape::steep_arguments(program)),
-      series_(series_of(std::move(program), steep_, tolerance, order)),
+      conceals_(tape::may_conceal(program)),
+      branches_(conceals_ ? tape::branch_values(program) : std::vector<Index>()),
+      series_(series_of(std::move(program), steep_, !branches_.empty(), tolerance, order)),
       tolerance_(tolerance),
       inverse_root_(std::pow(tolerance, -1.0 / series_.order())),
       variables_(series_.program().variables),
       moving_(series_.program().moving),
       reads_time_(reads_time(series_.program())),
-      conceals_(tape::may_conceal(series_.program())),
       way_(places * variables_),
       slopes_(way_) {}
 

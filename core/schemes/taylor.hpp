@@ -66,8 +66,7 @@ class Expansion {
  private:
   static constexpr std::size_t places = 4;  ///< of a step at which it is held against the equations
 
-  /// Of an order that is finite.
-  double largest(int k) const;
+  double largest(int k) const;  ///< of an order that is finite
   bool finite(int k) const;
   double largest_carried(int k) const;
   double until_switch(double h) const;
@@ -83,6 +82,8 @@ class Expansion {
   bool solves(double h);
 
   std::vector<tape::SteepArgument> steep_;
+  bool conceals_;                      ///< see tape::may_conceal
+  std::vector<tape::Index> branches_;  ///< values at whose zeros a motion that does may branch
   tape::Series series_;
   double longest_ = std::numeric_limits<double>::infinity();
   double tolerance_, inverse_root_;  ///< ε, and ε^{−1/p} of the order p
@@ -90,7 +91,6 @@ class Expansion {
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;                      ///< the order up to which coefficients are numbers
   bool reads_time_;                   ///< the equations do
-  bool conceals_;                     ///< see tape::may_conceal
   std::vector<double> way_, slopes_;  ///< states on the way, and as the polynomials change there
   std::unique_ptr<Expansion> beside_;
 };

@@ -94,6 +94,10 @@ double Expansion::carried_step() const {
 
 double Expansion::step(double most) {
   double h = used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
+  for (const Index value : branches_) {  // not over a branch point, however smooth the polynomials look
+    const double ahead = -series_.coefficient(value, 0) / series_.coefficient(value, 1);
+    if (ahead > 0) h = std::min(h, ahead);
+  }
   h = std::min(h, most);
   const bool steep = !steep_.empty() && until_steep(h);
   if (steep || conceals_ || (reads_time_ && may_hide_what_comes(h, most)))

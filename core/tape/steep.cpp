@@ -74,8 +74,11 @@ bool may_conceal(const Program& program) {
   constexpr double high = 8;
   std::vector<double> degrees(at(program.rows), 0);
   for (std::size_t i = 0; i <= program.variables; ++i) degrees[at(Program::first_variable) + i] = 1;
+  std::vector<bool> offset(degrees.size(), false);  // a variable alone, or a sum with a constant
+  for (std::size_t i = 0; i < program.variables; ++i) offset[at(Program::first_variable) + i] = true;
   bool conceals = false;
   each_step(program, [&](const Step& step) {
+    offset[at(step.out)] = step.rule == Rule::sum && step.c != 0;
     const double a = step.a == none ? 0 : degrees[at(step.a)];
     double degree = std::max(a, 1.0);
     switch (step.rule) {
@@ -94,7 +97,7 @@ bool may_conceal(const Program& program) {
         break;
       case Rule::root:
         degree = a / 2;
-        conceals = true;
+        conceals = conceals || offset[at(step.a)];
         break;
       case Rule::power:
       case Rule::linear_power:
@@ -113,6 +116,14 @@ bool may_conceal(const Program& program) {
     conceals = conceals || degree > high;
   });
   return conceals;
+}
+
+std::vector<Index> branch_values(const Program& program) {
+  std::vector<Index> all;
+  each_step(program, [&](const Step& step) {
+    if (step.rule == Rule::root || (step.rule == Rule::power && step.p > 0 && step.p < 1)) all.push_back(step.a);
+  });
+  return all;
 }
 
 SteepForces::SteepForces(const Tape& tape, std::span<const Index> rates) : steep_(steep_arguments(tape, rates)) {

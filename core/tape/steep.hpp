@@ -56,8 +56,10 @@ std::vector<SteepArgument> steep_arguments(const Program& program);
 std::vector<SteepArgument> steep_arguments(const Tape& tape, std::span<const Index> outputs);
 
 /// Whether the motion of a program depends on what may hide ahead without a steep function: on polynomials and
-/// quotients of a high degree, and on roots, whose singularities may be as faint as one likes.
+/// quotients of a high degree, and on roots of x or x² + ε², whose singularities may be as faint as one likes.
 bool may_conceal(const Program& program);
+/// Values of which the motion takes roots, or other powers between 0 and 1: where they vanish, it may branch.
+std::vector<Index> branch_values(const Program& program);
 
 /// An argument at so many times of a step, equally spaced from its beginning to its end.
 inline constexpr std::size_t steep_looks = 17;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/problem_traits.hpp"
-#include "core/reference/still_components.hpp"
-#include "core/reference/tangent_motion.hpp"
+#include "core/run/still_components.hpp"
+#include "core/run/tangent_motion.hpp"
 #include "core/run/differences.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/landmarks.hpp"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/problem_traits.hpp"
-#include "core/reference/still_components.hpp"
+#include "core/run/still_components.hpp"
 #include "core/schemes/odeint.hpp"
 #include "core/state_error.hpp"
 

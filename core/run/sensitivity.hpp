@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "core/problem_traits.hpp"
-#include "core/reference/tangent_path.hpp"
+#include "core/run/tangent_path.hpp"
 #include "core/run/mechanics.hpp"
 #include "core/state_error.hpp"
 #include "core/tape/derivative.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/reference/tangent_path.hpp"
+#include "core/run/tangent_path.hpp"
 #include "core/run/diagnostics/diagnostic.hpp"
 #include "core/run/tangent_length.hpp"
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/problem_traits.hpp"
-#include "core/reference/tangent_motion.hpp"
+#include "core/run/tangent_motion.hpp"
 
 namespace least {
 

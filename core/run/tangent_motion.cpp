@@ -1,4 +1,4 @@
-#include "core/reference/tangent_motion.hpp"
+#include "core/run/tangent_motion.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "core/problem_traits.hpp"
-#include "core/run/still_components.hpp"
-#include "core/run/tangent_motion.hpp"
 #include "core/run/differences.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/landmarks.hpp"
 #include "core/run/mechanics.hpp"
+#include "core/run/still_components.hpp"
+#include "core/run/tangent_motion.hpp"
 
 namespace least {
 

@@ -12,9 +12,9 @@
 #include "core/extrapolation.hpp"
 #include "core/number/quad.hpp"
 #include "core/problem_traits.hpp"
-#include "core/run/still_components.hpp"
 #include "core/reference/true_motion.hpp"
 #include "core/run/mechanics.hpp"
+#include "core/run/still_components.hpp"
 #include "core/schemes/taylor.hpp"
 #include "core/state_error.hpp"
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "core/problem_traits.hpp"
-#include "core/run/tangent_path.hpp"
 #include "core/run/mechanics.hpp"
+#include "core/run/tangent_path.hpp"
 #include "core/state_error.hpp"
 #include "core/tape/derivative.hpp"
 

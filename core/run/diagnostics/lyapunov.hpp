@@ -6,9 +6,9 @@
 #include <optional>
 #include <string_view>
 
-#include "core/run/tangent_path.hpp"
 #include "core/run/diagnostics/diagnostic.hpp"
 #include "core/run/tangent_length.hpp"
+#include "core/run/tangent_path.hpp"
 
 namespace least {
 

@@ -86,6 +86,18 @@ TEST(NarrowForce, OfASoftWallKeepsItsDigits) {
   EXPECT_NEAR(taylor.outcome.final[0], narrow::fine_end(one, "leapfrog", 4e-4), 1e-8);
 }
 
+// The polynomials of x' = −√x go through its end at t = 2 and up again, as if nothing were there.
+TEST(NarrowForce, OfARootEndsWhereTheMotionDoes) {
+  for (const char* rate : {"-sqrt(x)", "-x^0.25", "-2*sqrt(x)"}) {
+    const Case one{narrow::flow({"x"}, {}, {{"x", rate}}), {1, 0}, 5, 0};
+    const auto run = runs::go(narrow::ask(one, "taylor"));
+    const double end = rate[1] == 's' ? 2 : rate[1] == 'x' ? 4.0 / 3 : 1;
+    EXPECT_EQ(run.outcome.stop.reason, ReturnCode::singular) << rate;
+    EXPECT_NEAR(run.outcome.t, end, 1e-5) << rate;
+    EXPECT_LT(run.outcome.cost.steps, 2000) << rate;
+  }
+}
+
 // What rounding makes of a late time is no defect of a series.
 TEST(LateTimes, TakeAsManyStepsAsEarlyOnes) {
   for (const double late : {0.0, 1e9, 1e10, 1e11, 1e12}) {

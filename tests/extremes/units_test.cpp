@@ -107,7 +107,7 @@ std::vector<double> natural_end(const Posed& posed, const Request& request, cons
   }
   return end;
 }
-double apart(const std::vector<double>& a, const std::vector<double>& b) {
+double distance_between(const std::vector<double>& a, const std::vector<double>& b) {
   double most = 0;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
   return most;
@@ -148,7 +148,7 @@ void expect_the_same_in_all_units(Posed (*scene)(const Units&), Names choices = 
     };
     const auto [asked, here] = run(natural);
     ASSERT_EQ(here.stop.reason, ReturnCode::completed) << card.id;
-    const double error = apart(natural_end(natural, asked, here), truth);
+    const double error = distance_between(natural_end(natural, asked, here), truth);
     for (const Units& units : foreign_units()) {
       const Posed posed = scene(units);
       const auto [request, there] = run(posed);
@@ -161,7 +161,7 @@ void expect_the_same_in_all_units(Posed (*scene)(const Units&), Names choices = 
       EXPECT_GT(ratio, 0.5) << where();
       EXPECT_LT(ratio, 2) << where();
       if (card.id != "energy_momentum") {
-        EXPECT_LT(apart(natural_end(posed, request, there), truth), 2 * error + 1e-9) << where();
+        EXPECT_LT(distance_between(natural_end(posed, request, there), truth), 2 * error + 1e-9) << where();
       }
       ++compared;
     }

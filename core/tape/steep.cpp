@@ -13,6 +13,18 @@ constexpr double equal = 20;                   // of tanh x beyond ±20, to the 
 constexpr double weight = 3;                   // of tanh, whose slope 1 − tanh² loses digits where e^x keeps them
 constexpr double high_power = 6;
 
+/// Of a thread: arguments at one time, and at all looks.
+struct Scratch {
+  std::vector<double> values;
+  std::vector<SteepLooks> looks;
+};
+Scratch& scratch(std::size_t arguments) {
+  thread_local Scratch kept;
+  if (kept.values.size() < arguments) kept.values.resize(arguments);
+  if (kept.looks.size() < arguments) kept.looks.resize(arguments);
+  return kept;
+}
+
 /// The steps that the motion needs: those that are linear in time, then the others.
 template <class Visit>
 void each_step(const Program& program, Visit&& visit) {
@@ -130,23 +142,22 @@ SteepForces::SteepForces(const Tape& tape, std::span<const Index> rates) : steep
   std::vector<Index> arguments;
   for (const SteepArgument& steep : steep_) arguments.push_back(steep.argument);
   arguments_ = Formula(tape, arguments);
+  const std::array<double, most_variables> any{};  // so that what a thread keeps for it is there before the first step
+  arguments_.evaluate(any.data(), 0.0, scratch(steep_.size()).values.data());
 }
 
 double SteepForces::resolved_length(const SteepStep& step) const {
   const double start = step.start.t, h = step.end.t - start;
   std::array<double, most_variables> y;  // NOLINT: written before it is read
-  thread_local std::vector<double> values;
-  thread_local std::vector<SteepLooks> looks;
-  values.resize(steep_.size());
-  looks.resize(steep_.size());
-  const auto observe = [&](double time) {  // Hermite's polynomials
+  auto& [values, looks] = scratch(steep_.size());
+  const auto observe = [&, &numbers = values](double time) {  // Hermite's polynomials
     const double part = time / h, rest = 1 - part;
     const double a = rest * rest * (1 + 2 * part), b = part * part * (1 + 2 * rest);
     const double c = time * rest * rest, d = -time * part * rest;
     for (std::size_t i = 0; i < step.variables; ++i)
       y[i] = a * step.start.state[i] + b * step.end.state[i] + c * step.start.rate[i] + d * step.end.rate[i];
     if (step.complete) step.complete(step.problem, start + time, y.data());
-    arguments_.evaluate(y.data(), start + time, values.data());
+    arguments_.evaluate(y.data(), start + time, numbers.data());
   };
   for (std::size_t k = 0; k < steep_looks; ++k) {
     observe(h * static_cast<double>(k) / (steep_looks - 1));
@@ -156,9 +167,9 @@ double SteepForces::resolved_length(const SteepStep& step) const {
   for (std::size_t i = 0; i < steep_.size(); ++i) {
     const auto [least, most] = std::minmax_element(looks[i].begin(), looks[i].end());
     if (steep_[i].calm(looks[i].front(), *most - *least)) continue;
-    const auto value = [&](double time) {
+    const auto value = [&, &numbers = values](double time) {
       observe(time);
-      return values[i];
+      return numbers[i];
     };
     length = std::min(length, tape::resolved_length(steep_[i], h, most_of_pair, looks[i], value));
   }

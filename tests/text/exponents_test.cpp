@@ -38,14 +38,15 @@ struct Planets {
             {"px1", 0},     {"py1", 1.05 * by}, {"px2", -0.76 * by}, {"py2", 0.05 * by}};
   }
 };
-constexpr auto potential = "-G*M*m/sqrt(x1^2 + y1^2) - G*M*m/sqrt(x2^2 + y2^2) - G*m*m/sqrt((x1 - x2)^2 + (y1 - y2)^2)";
+constexpr auto planets_potential =
+    "-G*M*m/sqrt(x1^2 + y1^2) - G*M*m/sqrt(x2^2 + y2^2) - G*m*m/sqrt((x1 - x2)^2 + (y1 - y2)^2)";
 const std::vector<std::string> places = {"x1", "y1", "x2", "y2"};
 
 // In (x, p) as it stands the momenta of light planets are a millionth of their places.
 TEST(Exponents, DependOnNoUnitAndOnNoWayOfSaying) {
   const auto of_planets = [](const Planets& planets) {
     return lyapunov(of(Definition::Kind::hamiltonian, places, planets.parameters(),
-                       std::string("(px1^2 + py1^2 + px2^2 + py2^2)/(2*m) + ") + potential),
+                       std::string("(px1^2 + py1^2 + px2^2 + py2^2)/(2*m) + ") + planets_potential),
                     planets.start(), 100 * planets.time);
   };
   const Found here = of_planets({1, 1, 1});
@@ -55,9 +56,10 @@ TEST(Exponents, DependOnNoUnitAndOnNoWayOfSaying) {
     EXPECT_NEAR(there.exponent * planets.time, here.exponent, 2e-3 * here.exponent) << planets.mass;
   }
   const Planets planets{1e-6, 1, 1};
-  const Found by_velocities = lyapunov(of(Definition::Kind::lagrangian, places, planets.parameters(),
-                                          std::string("m*(vx1^2 + vy1^2 + vx2^2 + vy2^2)/2 - (") + potential + ")"),
-                                       planets.start(), 100);
+  const Found by_velocities =
+      lyapunov(of(Definition::Kind::lagrangian, places, planets.parameters(),
+                  std::string("m*(vx1^2 + vy1^2 + vx2^2 + vy2^2)/2 - (") + planets_potential + ")"),
+               planets.start(), 100);
   EXPECT_NEAR(by_velocities.megno, here.megno, 2e-3);
   EXPECT_NEAR(by_velocities.exponent, here.exponent, 2e-3 * here.exponent);
 }

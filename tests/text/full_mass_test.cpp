@@ -66,7 +66,7 @@ std::array<double, 4> truth(double t, double alpha) {
   const auto [minus, minus_rate] = mode(0.7, 3 * 0.7, std::sqrt(3));
   return {(plus + minus) / 2, (plus - minus) / 2, (plus_rate + minus_rate / 3) / 2, (plus_rate - minus_rate / 3) / 2};
 }
-const std::vector<double> start{1, 0.3, 0.2, -0.5};
+const std::vector<double> coupled_start{1, 0.3, 0.2, -0.5};
 
 double error(Request request, double step, double alpha) {
   runs::set(request, "step", step);
@@ -125,7 +125,7 @@ TEST(FullMass, SchemesHaveTheirOrders) {
                          {"runge_kutta_4", "", "", 4}};
   for (const auto& definition : {coupled(), coupled_by_velocities()})
     for (const auto& [scheme, setting, value, order] : rows) {
-      Request request = request_of(definition, scheme, start, 4);
+      Request request = request_of(definition, scheme, coupled_start, 4);
       if (*setting != '\0') runs::set(request, setting, value);
       const double h = order >= 6 ? 0.4 : 0.05, measured = std::log2(error(request, h, 0) / error(request, h / 2, 0));
       EXPECT_NEAR(measured, order, 0.3) << scheme << " " << value;
@@ -148,7 +148,7 @@ TEST(FullMass, SchemesOfDampedScenesHaveTheirOrders) {
   constexpr double alpha = 0.2;
   for (const auto& definition : {coupled(" + s/5"), coupled_by_velocities(" - s/5")})
     for (const auto& [scheme, setting, value, order] : rows) {
-      Request request = request_of(definition, scheme, start, 4);
+      Request request = request_of(definition, scheme, coupled_start, 4);
       if (*setting != '\0') runs::set(request, setting, value);
       const double measured = std::log2(error(request, 0.1, alpha) / error(request, 0.05, alpha));
       EXPECT_NEAR(measured, order, 0.3) << scheme << " " << value;
@@ -162,13 +162,13 @@ TEST(FullMass, TheFormIsKept) {
     Definition definition;
     const char* scheme;
     std::vector<double> from;
-  } rows[] = {{coupled(" + x^2*y/5"), "symplectic_euler", start},
-              {coupled(" + x^2*y/5"), "leapfrog", start},
-              {coupled(" + x^2*y/5"), "ruth_3", start},
+  } rows[] = {{coupled(" + x^2*y/5"), "symplectic_euler", coupled_start},
+              {coupled(" + x^2*y/5"), "leapfrog", coupled_start},
+              {coupled(" + x^2*y/5"), "ruth_3", coupled_start},
               {chain(), "leapfrog", four},
               {chain(), "galerkin_4", four},
-              {coupled(" + x^2*y/5 + s/5"), "contact_leapfrog", start},
-              {coupled(" + x^2*y/5 + s/5"), "contact_splitting", start}};
+              {coupled(" + x^2*y/5 + s/5"), "contact_leapfrog", coupled_start},
+              {coupled(" + x^2*y/5 + s/5"), "contact_splitting", coupled_start}};
   for (const auto& [definition, scheme, from] : rows) {
     Request request = request_of(definition, scheme, from, 3);
     runs::set(request, "step", 0.1);
@@ -203,7 +203,7 @@ TEST(FullMass, LeapfrogComesBackAndItsEnergyStays) {
 // Energies of the coupled oscillators by hand: px² + py² − px py + (x² + y²)/2 = .04 + .25 + .1 + .545.
 TEST(FullMass, TheEnergyIsThatOfTheText) {
   for (const auto& definition : {coupled(), coupled_by_velocities()}) {
-    Request request = request_of(definition, "leapfrog", start, 1);
+    Request request = request_of(definition, "leapfrog", coupled_start, 1);
     runs::ask(request, "energy");
     EXPECT_NEAR(runs::number(runs::go(request).outcome.diagnostics, "energy/initial"), 0.935, 1e-15);
   }
@@ -228,8 +228,8 @@ TEST(FullMass, EquationsAsTextAreThoseOfTheMotion) {
     std::vector<std::string> names;
     for (const auto& [name, rate] : equations) names.push_back(name);
     EXPECT_EQ(names, (std::vector<std::string>{"x", "y", "px", "py"}));
-    const auto printed = final_of(request_of(flow(names, {{"m", 1}}, equations), "taylor", start, 3)),
-               own = final_of(request_of(definition, "taylor", start, 3));
+    const auto printed = final_of(request_of(flow(names, {{"m", 1}}, equations), "taylor", coupled_start, 3)),
+               own = final_of(request_of(definition, "taylor", coupled_start, 3));
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(printed[i], own[i], 1e-11) << definition.formula;
   }
   const auto of_action = mechanics_of(coupled(" + s^2/8"))->text()->equations();

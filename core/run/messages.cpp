@@ -169,7 +169,8 @@ std::string underflow() {
 }
 
 std::string stands_still() {
-  return "steps no longer advance the time: the rates of the motion become infinite, or are not defined, near here";
+  return "steps within the tolerance no longer advance the time: the rates of the motion become infinite, or are not "
+         "defined, near here";
 }
 
 std::string parameter_underflow() {

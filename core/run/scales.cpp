@@ -5,13 +5,13 @@
 namespace least {
 namespace {
 
-constexpr double none = -std::numeric_limits<double>::infinity();
+constexpr double no_rate = -std::numeric_limits<double>::infinity();
 
 /// ln Σ |c_k| τᵏ over from ≤ k < to, of logarithms, so that no unit is too large or too small for it.
 double log_sum(std::span<const double> logs, double log_tau, std::size_t from, std::size_t to) {
-  double most = none, sum = 0;
+  double most = no_rate, sum = 0;
   for (std::size_t k = from; k < to; ++k) most = std::max(most, logs[k] + static_cast<double>(k) * log_tau);
-  if (!(most > none)) return none;
+  if (!(most > no_rate)) return no_rate;
   for (std::size_t k = from; k < to; ++k) sum += std::exp(logs[k] + static_cast<double>(k) * log_tau - most);
   return most + std::log(sum);
 }
@@ -22,13 +22,13 @@ double log_time(std::span<const double> logs) {
   constexpr double widest = 1500;  // beyond all that doubles can say
   const std::size_t end = logs.size();
   std::size_t first = 1;
-  if (logs[1] == none && logs[2] == none)
-    while (first < end && logs[first] == none) ++first;
-  if (first + 2 >= end) return -none;
+  if (logs[1] == no_rate && logs[2] == no_rate)
+    while (first < end && logs[first] == no_rate) ++first;
+  if (first + 2 >= end) return -no_rate;
   const auto excess = [&](double log_tau) {
     return log_sum(logs, log_tau, first + 2, end) - log_sum(logs, log_tau, first, first + 2);
   };
-  if (log_sum(logs, 0, first + 2, end) == none) return -none;
+  if (log_sum(logs, 0, first + 2, end) == no_rate) return -no_rate;
   double low = -widest, high = widest;
   for (int k = 0; k < 60; ++k) {
     const double middle = (low + high) / 2;
@@ -41,7 +41,7 @@ double log_time(std::span<const double> logs) {
 
 Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t coordinates, std::size_t momenta) {
   constexpr double turn = 3;  // of the time so defined is 1/ω of an oscillator
-  double log_tau = -none;
+  double log_tau = -no_rate;
   std::vector<double> logs(orders.size());
   for (std::size_t i = 0; i < coordinates; ++i) {
     for (std::size_t k = 0; k < orders.size(); ++k) logs[k] = std::log(std::abs(orders[k][i]));

@@ -230,51 +230,51 @@ std::optional<double> horizon(const Request& scene, const Conditioning& known, d
 
 }  // namespace
 
-Advice advise(const Request& asked, const Wish& wish, const std::atomic<bool>& cancelled) {
+Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled) {
   constexpr double share = 0.5;   // of the time: the rest is for the run
   constexpr double pilots = 0.5;  // of that, at most
   constexpr double fine = 1e-6;   // far below what a motion is, far above round-off
   const bool timed = std::isnan(wish.accuracy);
-  const double accuracy = timed ? fine : wish.accuracy, start = asked.scene->start;
-  const Deadline deadline(share * asked.limits.seconds);
+  const double accuracy = timed ? fine : wish.accuracy, start = scene.scene->start;
+  const Deadline deadline(share * scene.limits.seconds);
   Advice advice;
   if (cancelled.load(std::memory_order_relaxed)) {
     advice.reason = "nobody waits for it";
     return advice;
   }
-  const std::vector<SchemeConfig> all = candidates(*asked.scene, wish.keep);
+  const std::vector<SchemeConfig> all = candidates(*scene.scene, wish.keep);
   if (all.empty()) {
     advice.reason = "no scheme that applies to this problem keeps what is to be kept";
     return advice;
   }
-  Request scene = asked;
-  scene.norm = Norm::relative;  // whatever errors are asked for: components of any unit count alike
-  const Pilot pilot = Pilot::run(scene, candidates(*asked.scene, {}), accuracy, pilots * deadline.left(), cancelled);
+  Request posed = scene;
+  posed.norm = Norm::relative;  // whatever errors are asked for: components of any unit count alike
+  const Pilot pilot = Pilot::run(posed, candidates(*scene.scene, {}), accuracy, pilots * deadline.left(), cancelled);
   if (!pilot.event.empty()) {
-    if (!(pilot.end > start)) return unmeasured(scene, pilot, all, fmt::format("{} ends the run at once", pilot.event));
-    scene.end = pilot.end;  // beyond, the motion may be another, or none
+    if (!(pilot.end > start)) return unmeasured(posed, pilot, all, fmt::format("{} ends the run at once", pilot.event));
+    posed.end = pilot.end;  // beyond, the motion may be another, or none
   }
   constexpr double reference_cost = 8;  // of pilots, at least
   const bool hopeless = pilot.completed && reference_cost * pilot.seconds > deadline.left();
   const double half = hopeless ? deadline.left() : deadline.left() / 2;
-  const auto known = conditioning(*scene.scene, scene.end,
+  const auto known = conditioning(*posed.scene, posed.end,
                                   [&] { return deadline.left() > half && !cancelled.load(std::memory_order_relaxed); });
-  auto until = horizon(scene, *known, accuracy);
+  auto until = horizon(posed, *known, accuracy);
   double seconds = wish.seconds;
   if (until && timed) {
-    seconds *= (*until - start) / (scene.end - start);
+    seconds *= (*until - start) / (posed.end - start);
     if (seconds < 1e-3) until.reset();  // the states that are asked for would be most of the time
   }
-  Request measured = scene;
+  Request measured = posed;
   if (until) measured.end = *until;
   Contest contest(measured, all, timed ? 0 : accuracy, deadline.left(), hopeless ? 0 : deadline.left() / 2, cancelled,
                   until ? nullptr : known);
   if (contest.subject().ends_early() && !(contest.subject().end() > start))
-    return unmeasured(scene, pilot, all, "the motion ends at once");
-  advice = timed ? best_within(contest, scene, pilot, all, until ? seconds : wish.seconds)
-                 : cheapest(contest, scene, pilot, all, accuracy);
+    return unmeasured(posed, pilot, all, "the motion ends at once");
+  advice = timed ? best_within(contest, posed, pilot, all, until ? seconds : wish.seconds)
+                 : cheapest(contest, posed, pilot, all, accuracy);
   if (!pilot.event.empty() && advice.referenced)
-    advice.reason += fmt::format("; measured up to t = {:.6g}, where {} ends the run", scene.end, pilot.event);
+    advice.reason += fmt::format("; measured up to t = {:.6g}, where {} ends the run", posed.end, pilot.event);
   if (until && advice.choice) {
     advice.reason =
         fmt::format("errors at the end mean nothing, as differences of the start grow {}; up to t = {:.4g}, {}",

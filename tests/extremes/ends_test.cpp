@@ -187,7 +187,8 @@ TEST(MotionEnds, NotWhereItOnlyLooksLikeIt) {
       {moving({{"x", "cos(exp(t))"}}, {1}, 0), 0, 40, {limit}},
       {moving({{"x", "-1e20*x"}}, {1}, 0), 0, 5, {limit}},
       {moving({{"x", "v"}, {"v", "-1e18*x"}}, {1, 0}, 0), 0, 5, {limit}},
-      {moving({{"x", "-tanh(1e20*x)"}}, {1}, 0), 0, 5, {limit, completed}},
+      // Steps that resolve it are too short to advance the time: that is all there is to say.
+      {moving({{"x", "-tanh(1e20*x)"}}, {1}, 0), 0, 5, {limit, completed, ReturnCode::singular}},
       {moving({{"x", "-tanh(1e9*x)"}}, {1}, 0), 0, 5, {limit, completed}},
       {moving({{"x", "x^2*(1-x)"}}, {1e-7}, 0), 0, 1e9, {limit, completed}},  // a flame, stiff once it burns
       {moving({{"x", "v"}, {"v", "-x"}}, {1, 0}, 0), 1e17, 2e17, {ReturnCode::singular, limit}},

@@ -164,7 +164,10 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
     };
     const auto& brackets = search.brackets(i);
     for (auto next = brackets.begin(); next != brackets.end();) {
-      auto [a, b, kind, noise] = *next++;
+      const double a = next->from;
+      double b = next->to, noise = next->noise;
+      const ZeroSearch::Kind kind = next->kind;
+      ++next;
       double after = value(b);
       // Where round-off gives a value its sign the one after it counts.
       for (; next != brackets.end() && next->from == b && std::abs(after) <= noise &&

@@ -212,8 +212,8 @@ void ZeroSearch::find(double from, double to, int pieces) {
   // Beside an end of what is defined no bounds are good.
   constexpr double beside = 1000;
   for (const auto& [which, t] : wild_)
-    if (std::ranges::none_of(brackets_[which], [&](const Bracket& edge) {
-          return edge.kind == Kind::edge && std::abs(t - edge.from) <= beside * shortest_;
+    if (std::ranges::none_of(brackets_[which], [&, time = t](const Bracket& edge) {
+          return edge.kind == Kind::edge && std::abs(time - edge.from) <= beside * shortest_;
         }))
       unresolved_ |= Bits{1} << which;
 }

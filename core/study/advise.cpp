@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -254,6 +255,13 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
     if (!(pilot.end > start)) return unmeasured(posed, pilot, all, fmt::format("{} ends the run at once", pilot.event));
     posed.end = pilot.end;  // beyond, the motion may be another, or none
   }
+  constexpr double part = 0.01;  // of the scale of the motion
+  const double grain = std::numeric_limits<double>::epsilon() * std::max(std::abs(start), std::abs(posed.end));
+  if (const double scale = posed.scene->mechanics->scales(*posed.scene).time; scale > 0 && grain > part * scale)
+    return unmeasured(
+        posed, pilot, all,
+        fmt::format("times up to {:.4g} are rounded by more than a hundredth of the motion's scale, {:.3g}", posed.end,
+                    scale));
   constexpr double reference_cost = 8;  // of pilots, at least
   const bool hopeless = pilot.completed && reference_cost * pilot.seconds > deadline.left();
   const double half = hopeless ? deadline.left() : deadline.left() / 2;

@@ -178,7 +178,11 @@ Request ErrorStudy::request(const SchemeConfig& choice, double seconds, std::int
 double ErrorStudy::longest(const SchemeConfig& choice, const ResolutionParameter& dial) const {
   if (dial.adaptive()) return dial.range.high;
   const double span = scene_.end - scene_.scene->start;
-  if (!card(choice).own_clock) return std::min(span, dial.range.high);
+  if (!card(choice).own_clock) {
+    constexpr double far = 1000;  // times the scale of the motion: no state so far apart says anything of the next
+    const double scale = scene_.scene->mechanics->scales(*scene_.scene).time;
+    return std::min({span, dial.range.high, scale > 0 ? far * scale : span});
+  }
   double value = dial.value(choice);
   for (int k = 0; k < 40; ++k, value /= 4) {  // where the first step fails, a shorter one may not
     Request one = request(dial.at(choice, value), 1, 1);

@@ -186,6 +186,10 @@ class LongRun {
                  after = std::max(growth_->size(run.middle + (run.middle - start())), before);
     if (!(first.size < far * size * allowed(before / size) && second.size < far * size * allowed(after / size)))
       return true;
+    constexpr double moderately = 30;  // a motion that grows no more than that is no excuse for one that flies away
+    const double spans = (run.outcome.t - start()) / span();
+    if (after < moderately * motion_->size && !(std::max(first.size, second.size) < far * size_after(spans)))
+      return true;
     return apart(first.size / before, second.size / before, steadily * allowed(after / before));
   }
 

@@ -118,6 +118,16 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
       if (std::isfinite(wrong) && !singular_at(all)) break;
     }
   }
+  // What is left is held against the momenta and the terms that cancel in them, here or where it began.
+  const auto terms = [&] {
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      sum += std::abs(p[i]);
+      for (std::size_t j = 0; j < n; ++j) sum += std::abs(all[n + i * n + j] * v[j]);
+    }
+    return sum;
+  };
+  double size = terms();
   for (int round = 0; round < most_rounds && wrong > 0; ++round) {
     for (std::size_t i = 0; i < most_coordinates; ++i) {
       hessian[i].fill(0);
@@ -138,13 +148,8 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
     v = next;
     wrong = now;
   }
-  // Against the momenta, or against the terms that cancel in them.
-  double size = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    size += std::abs(p[i]);
-    for (std::size_t j = 0; j < n; ++j) size += std::abs(all[n + i * n + j] * v[j]);
-  }
-  if (!(wrong <= 1e-12 * size)) v.fill(std::numeric_limits<double>::quiet_NaN());
+  size = std::max(size, terms());
+  if (wrong != 0 && !(wrong <= 1e-12 * size)) v.fill(std::numeric_limits<double>::quiet_NaN());
   return v;
 }
 

@@ -50,7 +50,7 @@ TEST_F(CustomHttp, FormsAreFoundNotDeclared) {
       {R"~("variables":["x"],"lagrangian":"vx^2/2 - x^4*cos(t)")~", "separable", false, false},
       {R"~("variables":["x"],"lagrangian":"(1 + x^2)*vx^2/2 - x^4")~", "metric", true, true},
       {R"~("variables":["x"],"hamiltonian":"px^2/(1 + x^2) + x^4")~", "metric", true, true},
-      {R"~("variables":["x","y"],"lagrangian":"vx^2 + vx*vy + vy^2 - x^2")~", "metric", true, true},
+      {R"~("variables":["x","y"],"lagrangian":"vx^2 + vx*vy + vy^2 - x^2")~", "separable", true, true},
       {R"~("variables":["x"],"lagrangian":"vx^2/2 - x^2 - 0.1*s")~", "contact_linear", true, false},
       {R"~("variables":["x"],"lagrangian":"vx^2/2 - x^2 - s*cos(t)")~", "contact_linear", false, false},
       {R"~("variables":["x"],"potential":"x^2","damping":"1/t")~", "contact_linear", false, false},

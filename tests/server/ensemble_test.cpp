@@ -69,7 +69,7 @@ TEST(EnsembleRequest, NamesEveryFault) {
   expect_fault("members", vary(R"("/initial/x":{"gauss":[1]})"), of_x + "/gauss", "unknown variation");
   expect_fault("members", vary(R"("/initial/x":{"normal":[0,-1]})"), of_x + "/normal/1", "greater than 0");
   expect_fault("members", vary(R"("/problem/mu":{"normal":[1,0.1]})"), "/members/vary/~1problem~1mu/normal", "reaches");
-  expect_fault("members", vary(R"("/problem/mu":{"values":[1,1e99]})"), "/members/vary/~1problem~1mu/values/1",
+  expect_fault("members", vary(R"("/problem/mu":{"values":[1,1e299]})"), "/members/vary/~1problem~1mu/values/1",
                "at most");
   expect_fault("members", R"({"vary":{"/initial/x":{"grid":[0,1,1e9]},"/initial/y":{"grid":[0,1,1e9]}}})",
                "/members/vary", "more than can be counted");

@@ -9,7 +9,7 @@ namespace {
 
 /// Rows of what runs at their defaults say of forces narrower than a step.
 void narrow_rows() {
-  constexpr int drawn = 150;
+  constexpr int drawn = 60;
   std::printf(
       "\n%d random scenes of each family of narrow forces (Gaussians, also times a cosine, sech², exp(−u⁴), tanh, of "
       "widths\nfrom a half to a thousandth of the span), each scheme at its default tolerance. The right end is from a "

@@ -86,6 +86,8 @@ void Harvest::add(const Harvest& more, std::size_t most) {
   append(final, more.final, more.final.size());
   truncated = truncated || more.truncated || section.t.size() + more.section.t.size() > most;
   if (!more.section.t.empty()) section.append(more.section, most, more.section.values.size() / more.section.t.size());
+  if (unresolved == 0) first_unresolved = more.first_unresolved;
+  unresolved += more.unresolved;
   cost.steps += more.cost.steps;
   cost.force_evaluations += more.cost.force_evaluations;
   cost.iterations += more.cost.iterations;

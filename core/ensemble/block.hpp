@@ -64,8 +64,13 @@ struct Harvest {
   std::vector<double> final;               ///< row by row, a number per column
   SectionPoints section;
   bool truncated = false;  ///< there were more points than may be kept
-  Cost cost;               ///< steps of all members
+  /// Members of which points may be missing, since the search for them ended unresolved: how many, and the first.
+  std::int64_t unresolved = 0, first_unresolved = 0;
+  Cost cost;  ///< steps of all members
 
+  void add_unresolved(std::int64_t member) {
+    if (unresolved++ == 0) first_unresolved = member;
+  }
   /// Adds a later block's; no more than `most` points of sections are kept.
   void add(const Harvest& more, std::size_t most);
 };

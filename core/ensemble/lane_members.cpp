@@ -96,6 +96,7 @@ class LaneBlock final : public LaneHost {
     fill_tables();
     ended_.assign(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
     crossings_.assign(count, 0);
+    if (task_.watches) unresolved_.resize(count);
     if (task_.watches && task_.watched < 0) looks_.resize(count);
     finals_.resize(count * columns_.size());
   }
@@ -126,6 +127,8 @@ class LaneBlock final : public LaneHost {
       const auto row = finals_.begin() + static_cast<std::ptrdiff_t>(m) * columns;
       harvest.final.insert(harvest.final.end(), row, row + columns);
     }
+    for (std::size_t m = 0; m < unresolved_.size(); ++m)
+      if (unresolved_[m].which != 0) harvest.add_unresolved(block_.first + static_cast<std::int64_t>(m));
     harvest.cost.steps = task_.taken;
     harvest.cost.force_evaluations = task_.forces;
     keep_first_points();
@@ -164,11 +167,14 @@ class LaneBlock final : public LaneHost {
   }
   void look(const LanePath& path) override {
     const auto state_at = [&](double t, double* state) { return path.at(t, state); };
+    Watch::Unresolved& unresolved = unresolved_[in_block(member_)];
+    watch_.turn_to(unresolved);
     for (const Zero& zero : watch_.locate(left_.data(), from_, right_.data(), to_, state_at, 1)) {
       const double* state = zero.t > from_ ? right_.data() : left_.data();
       if (zero.t > from_ && zero.t < to_ && path.at(zero.t, between_.data())) state = between_.data();
       add_point(member_, zero.t, state);
     }
+    unresolved = watch_.unresolved();
   }
 
  private:
@@ -367,7 +373,8 @@ class LaneBlock final : public LaneHost {
   std::vector<std::size_t> varied_;
   std::vector<std::uint8_t> ended_;
   std::vector<std::int64_t> crossings_;
-  std::vector<Watch::Looks> looks_;  ///< of each member, where all of its steps are told
+  std::vector<Watch::Looks> looks_;            ///< of each member, where all of its steps are told
+  std::vector<Watch::Unresolved> unresolved_;  ///< of each member, where its steps are told
   std::map<double, double> limits_;
   std::map<std::pair<double, double>, bool> too_fast_;
 };

@@ -22,10 +22,10 @@ std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t
 
 namespace {
 
-/// When the member passes the plane of the section, by a run of its own: the next one looks at it then. `truncated`
-/// where it does so more often than limits.samples has room for.
-std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, const std::atomic<bool>& cancelled,
-                                   bool& truncated) {
+/// When the i-th member passes the plane of the section, by a run of its own: the next one looks at it then. The
+/// harvest says where it does so more often than limits.samples has room for, and where the search ends unresolved.
+std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, std::int64_t i,
+                                   const std::atomic<bool>& cancelled, Harvest& harvest) {
   request.watched = plan.request.watched;
   request.events = plan.request.events;
   if (std::ranges::any_of(plan.members.vary, &Variation::parameter)) {  // they are constants of an expression
@@ -40,8 +40,11 @@ std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, co
   const Solution solution = request.scene->mechanics->run(request, none, cancelled);
   std::vector<double> times;
   for (const Report& event : solution.events) times.push_back(Watch::time(event));
-  const auto& warnings = solution.warnings;
-  truncated = truncated || std::ranges::find(warnings, "events_truncated", &Warning::code) != warnings.end();
+  const auto says = [&](std::string_view code) {
+    return std::ranges::find(solution.warnings, code, &Warning::code) != solution.warnings.end();
+  };
+  harvest.truncated = harvest.truncated || says("events_truncated");
+  if (says("events_unresolved")) harvest.add_unresolved(i);
   return times;
 }
 
@@ -77,7 +80,7 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
       ++harvest.ended[static_cast<std::size_t>(ReturnCode::singular)];
       continue;
     }
-    if (plan.section && plan.section->plane) times = crossing_times(plan, request, cancelled, harvest.truncated);
+    if (plan.section && plan.section->plane) times = crossing_times(plan, request, i, cancelled, harvest);
     const std::size_t crossings = times.size();
     request.record = {Record::Mode::times, 0, times};
     if (crossings == 0 || times.back() != end) request.record.times.push_back(end);

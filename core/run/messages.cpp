@@ -144,6 +144,13 @@ std::string unresolved(const std::vector<std::string_view>& names, double t) {
       fmt::join(names, ", "), names.size() > 1 ? "change" : "changes", names.size() > 1 ? "are" : "is", t);
 }
 
+std::string unresolved_members(std::string_view plane, std::int64_t count, std::int64_t first) {
+  return fmt::format(
+      "{} changes faster than closer looks at {} {} can follow, or is zero but for round-off; the first is member {}: "
+      "points of the section may be missing",
+      plane, count, count == 1 ? "member" : "members", first);
+}
+
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }
 
 std::string deadline(double seconds) { return fmt::format("limits.seconds = {} ran out", seconds); }

@@ -46,6 +46,8 @@ std::string energy_jump(double before, double now);
 std::string number(double x);
 /// Of events, by their names, of which a search within the step that ended at t had no end.
 std::string unresolved(const std::vector<std::string_view>& names, double t);
+/// Of so many members of an ensemble, the first of them by its index, and the plane of their section.
+std::string unresolved_members(std::string_view plane, std::int64_t count, std::int64_t first);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 /// Of a step that could not be taken, `fixed` where steps are of equal length.

@@ -84,6 +84,8 @@ std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& l
       return std::nullopt;
   }
   harvest.truncated = line.at("truncated").get<bool>();
+  harvest.unresolved = line.at("unresolved").get<std::int64_t>();
+  harvest.first_unresolved = line.at("first_unresolved").get<std::int64_t>();
   harvest.cost.steps = line.at("steps").get<std::int64_t>();
   harvest.cost.force_evaluations = line.at("force_evaluations").get<std::int64_t>();
   return block;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/run/messages.hpp"
 #include "server/encode/answer_parts.hpp"
 #include "server/encode/columns_out.hpp"
 
@@ -163,6 +164,9 @@ void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harve
                                     "kept",
                                     plan.request.limits.samples)});
   }
+  if (all.unresolved > 0)
+    warnings.push_back({"events_unresolved", messages::unresolved_members(plan.request.watched.list[0].text,
+                                                                          all.unresolved, all.first_unresolved)});
   write_warnings(json.key("warnings"), warnings);
 }
 
@@ -239,7 +243,8 @@ std::string encode_ensemble_block(const EnsemblePlan& plan, const Block& block) 
     }
     write_ends(json, plan, harvest);
     write_points(json, plan, harvest.section, false);
-    json.key("truncated").boolean(harvest.truncated).key("steps").integer(harvest.cost.steps);
+    json.key("truncated").boolean(harvest.truncated).key("unresolved").integer(harvest.unresolved);
+    json.key("first_unresolved").integer(harvest.first_unresolved).key("steps").integer(harvest.cost.steps);
     json.key("force_evaluations").integer(harvest.cost.force_evaluations);
   });
 }

@@ -303,4 +303,27 @@ TEST(LaneMembers, MeetPlanesAsAlone) {
   EXPECT_FALSE(in_lanes(plan, lane_units().back()));
 }
 
+// A plane that oscillates a hundred million times within a step; the first member is so near the origin that it does
+// not.
+TEST(LaneMembers, SayWhereTheirSearchEndsUnresolved) {
+  EnsemblePlan plan = test::ensemble_of("harmonic_oscillator", "leapfrog", 3);
+  test::set_members(plan, 3, {{false, 0, Spread::values, {1e-9, 1, 2}}});
+  test::set_plane(plan, "sin(1e9*q) - 0.5", 0);
+  plan.request.limits.samples = 100;
+  const auto expect_told = [](const Harvest& found, const std::string& what) {
+    EXPECT_EQ(found.unresolved, 2) << what;
+    EXPECT_EQ(found.first_unresolved, 1) << what;
+  };
+  expect_told(test::alone(plan), "alone");
+  for (const LaneUnit& unit : lane_units())
+    if (const auto lanes = test::in_lanes(plan, unit)) expect_told(*lanes, std::string(unit.name));
+  Harvest sum;
+  sum.add(test::alone(plan), 100);
+  sum.add(test::alone(plan), 100);
+  EXPECT_EQ(sum.unresolved, 4);
+  EXPECT_EQ(sum.first_unresolved, 1);
+  test::set_plane(plan, "q - 0.5", 0);
+  EXPECT_EQ(test::alone(plan).unresolved, 0);
+}
+
 }  // namespace

@@ -150,7 +150,7 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
   constexpr int much = 1 << 13, little = 64;
   constexpr std::int64_t patience = 4;
   const ObserveAt observe = with_ends(left, from, right, to, observe_at, measures_.reads.size());
-  ZeroSearch search(measures_, observe, unresolved_steps_ < patience ? much : little);
+  ZeroSearch search(measures_, observe, unresolved_.steps < patience ? much : little);
   search.find(from, to, pieces);
   std::vector<double> observed(measures_.reads.size());
   std::vector<Zero> zeros;
@@ -194,8 +194,8 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
         zeros.push_back({t, i});
     }
   }
-  if (unresolved != 0 && unresolved_steps_++ == 0) unresolved_at_ = to;
-  unresolved_ |= unresolved;
+  if (unresolved != 0 && unresolved_.steps++ == 0) unresolved_.at = to;
+  unresolved_.which |= unresolved;
   std::ranges::stable_sort(zeros, {}, &Zero::t);
   const auto end = std::ranges::find_if(zeros, [&](const Zero& zero) { return ends(zero.which); });
   if (end != zeros.end()) zeros.erase(end + 1, zeros.end());
@@ -205,8 +205,8 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
 void Watch::warn(std::vector<Warning>& warnings) const {
   std::vector<std::string_view> names;
   for (std::size_t i = 0; i < measures_.size(); ++i)
-    if (unresolved_ >> i & 1) names.push_back(name(i));
-  if (!names.empty()) warnings.push_back({"events_unresolved", messages::unresolved(names, unresolved_at_)});
+    if (unresolved_.which >> i & 1) names.push_back(name(i));
+  if (!names.empty()) warnings.push_back({"events_unresolved", messages::unresolved(names, unresolved_.at)});
 }
 
 std::vector<std::size_t> Watch::reached(const double* left, double from, const double* right, double to) const {

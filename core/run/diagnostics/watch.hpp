@@ -37,6 +37,13 @@ class Watch {
     double t_last() const { return t[last]; }
   };
 
+  /// What searches have left unresolved so far. After a few such steps a run is searched less closely.
+  struct Unresolved {
+    Signs which = 0;
+    double at = unknown;     ///< where the first such step ended
+    std::int64_t steps = 0;  ///< how many there were
+  };
+
   explicit Watch(const Request& request);
 
   bool empty() const { return measures_.empty(); }
@@ -65,8 +72,10 @@ class Watch {
   /// Which of them a run reaches from above exactly at its end, from the last state before it: a change of sign that no
   /// step ahead is going to show.
   std::vector<std::size_t> reached(const double* left, double from, const double* right, double to) const;
-  /// Of what searches have left unresolved so far.
   void warn(std::vector<Warning>& warnings) const;
+  /// Of the run that is searched: who watches many runs in turn says what it was when he turns to one.
+  const Unresolved& unresolved() const { return unresolved_; }
+  void turn_to(const Unresolved& unresolved) { unresolved_ = unresolved; }
   bool ends(std::size_t which) const { return (halting_ >> which & 1) != 0; }
   const std::string& name(std::size_t which) const { return measures_.list[which].card.name; }
   /// Of an event of any kind.
@@ -89,9 +98,7 @@ class Watch {
   Signs up_ = 0, down_ = 0;        ///< which are looked for where they rise, and where they fall
   Signs halting_ = 0;              ///< which end the run
   std::vector<std::size_t> read_;  ///< which variables
-  Signs unresolved_ = 0;
-  double unresolved_at_ = unknown;     ///< where the first step ended in which something was unresolved
-  std::int64_t unresolved_steps_ = 0;  ///< how many there were
+  Unresolved unresolved_;
 };
 
 }  // namespace least

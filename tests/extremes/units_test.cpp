@@ -192,6 +192,20 @@ TEST(UnitsOfAScene, TheResidualOfADecayIsTheSameInAll) {
 }
 
 // A time that is long in the scene's units is no long step.
+// On a circle the radial momentum is nothing but rounding: what it would be on an orbit that is no circle does not
+// depend on how long the orbit is followed.
+TEST(UnitsOfAScene, WhatRestsHasTheSameSizeOverAnySpan) {
+  const auto polar = texts::mechanics_of(
+      texts::of(text::Definition::Kind::lagrangian, {"r", "phi"}, {}, "(vr^2 + r^2*vphi^2)/2 + 1/r"));
+  const Scene circle{polar, {}, {1, 0, 0, 1}, 0};
+  for (const double span : {10.0, 100.0, 1000.0}) {
+    const Truth truth = polar->truth(circle, {span / 2, span}, [] { return true; });
+    ASSERT_TRUE(truth.complete) << span;
+    EXPECT_GT(truth.sizes.at(2), 0.5) << span;
+    EXPECT_LT(truth.sizes.at(2), 5) << span;
+  }
+}
+
 TEST(UnitsOfAScene, SeriesStepAsFarWhereTheUnitOfTimeIsShort) {
   const std::size_t taylor = find_scheme("taylor").value();
   for (Posed (*scene)(const Units&) : {kepler, oscillator}) {

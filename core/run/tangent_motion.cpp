@@ -89,6 +89,7 @@ bool TangentMotion::move(double t) {
   y_ = seen_;
   t_ = t;
   rescale();
+  seen_ = y_;  // the exponents are those of what is seen
   return true;
 }
 

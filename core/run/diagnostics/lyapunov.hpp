@@ -17,7 +17,7 @@ std::string_view verdict_of(double growth, double megno);
 
 /// A small difference u from the run is carried along it: by the derivative of the scheme's own step where that can be
 /// had, so that a regular map is called regular however coarse it is, else along the true motion from the start.
-/// Differences are those at equal time, also of schemes in a fictitious time, and their length is that of
+/// Differences are those at equal time, also of schemes in a fictitious time and of those that change their course, and their length is that of
 /// TangentLength. `exponent`: the mean of (ln |u|)' over time, which tends to the largest Lyapunov exponent λ, in
 /// 1/time. `megno`: the mean over time of Y(t) = 2/t ∫ (ln |u|)' t' dt', with t from the start of the run, which tends
 /// to 2 on regular motion and grows as λt/2 on chaotic motion; `verdict` says what the two of them mean. `derivative`:
@@ -105,8 +105,9 @@ struct LyapunovRow {
       for (std::size_t i = 0; i < Motion::size; ++i)
         same = same && std::abs(tangent->image[i] - before[i]) <= grain * std::max(1.0, std::abs(before[i]));
       if (!same) return false;
-      course = tangent->course;
       if (on_path) leave_path(problem, from.t);
+      if (!(tangent->course == course)) meet(problem, from);
+      course = tangent->course;
       const Direction old = u;
       double longer = tangent->duration_by_time * late + tangent->duration_by_level * level;
       for (std::size_t i = 0; i < Motion::size; ++i) {
@@ -124,6 +125,7 @@ struct LyapunovRow {
       if (!on_path) {
         double size = 0;
         for (std::size_t i = 0; i < Motion::size; ++i) size = std::max(size, std::abs(from[i]));
+        meet(problem, from);
         if (!path) path.emplace(problem, tolerance, size);
         path->start(problem, from, u);
         base = grown;
@@ -135,7 +137,7 @@ struct LyapunovRow {
     bool advance(const P& problem, double end) {
       return path->advance(end, [&] {
         const Motion x = path->state();
-        const double size = length_of(problem, x, path->tangent(), std::ldexp(late, -path->exponent()));
+        const double size = (*length)(problem, x, path->tangent());
         sample(x.t, base + std::log(size) + path->exponent() * std::numbers::ln2);
       });
     }
@@ -148,9 +150,17 @@ struct LyapunovRow {
       u = path->tangent();
       const double factor = std::exp(base - grown), own = std::exp(base - grown + path->exponent() * std::numbers::ln2);
       for (double& component : u) component *= own;
-      late *= factor;
       level *= factor;
       on_path = false;
+    }
+    /// From x on, neighbours are compared after as many steps as if they were there at equal time. Where a run changes
+    /// its course, a neighbour that is late does so some steps earlier or later; counted as one that changes with it,
+    /// it would be late by more each time, and what separates them a difference of large numbers.
+    void meet(const P& problem, const Motion& x) {
+      if (late == 0) return;
+      const Motion rate = derivative(problem, x);
+      for (std::size_t i = 0; i < Motion::size; ++i) u[i] -= rate[i] * late;
+      late = 0;
     }
     void rescale(double by) {
       for (double& component : u) component *= by;

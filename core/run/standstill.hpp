@@ -157,28 +157,32 @@ class Approach {
 };
 
 /// When the motion of a request becomes singular, where a run of it stopped at `now` after so many force evaluations:
-/// as two control runs say that come to a standstill together, no later than steps may have led beyond; or when the run
-/// stopped, if steps of its own clock led there and the rates say so, too. `step`: of a run of equal steps, else 0.
-/// Unknown where it is not known to 1e-4 of the time until then; not asked where it was an equation of the step that
-/// had no solution.
+/// as two control runs say that come to a standstill together; of steps of a clock of their own the run may be one of
+/// the two. `step`: of a run of equal steps, else 0. Unknown where it is not known to 1e-4 of the time until then, or
+/// does not lie within a few steps, or a tenth of the way, of where the run stopped: then it stopped for another
+/// reason. Not asked where it was an equation of the step that had no solution.
 template <class P>
 double singular_time(const P& problem, const Request& request, StepStatus status, double now, double step,
                      std::int64_t forces, const KeepGoing& keep_going) {
-  constexpr double close = 1e-12, near = 1e-5, late = 0.1;
+  constexpr double close = 1e-12, near = 1e-5, few_steps = 10, stretch = 0.1;
   constexpr std::int64_t few = 20'000, many = 200'000;
   if (request.probe || status == StepStatus::solver_failed) return unknown;
   const Scene& scene = *request.scene;
   auto start = start_of<StateOf<P>>(problem, scene.initial, scene.start);
-  const double latest = now + (step > 0 ? 10 * step : late * (now - start.t));
+  const double around = step > 0 ? few_steps * step : stretch * (now - start.t), latest = now + around;
   if constexpr (HasSeries<P>)
     if (starts_series(problem, start)) start = series_state<StateOf<P>>(problem, P::series_until);
   if (!(start.t < latest)) return unknown;
   const Approach<P> approach(problem, start, std::clamp<std::int64_t>(10 * forces, few, many), keep_going);
   const auto unseen = [](const StateOf<P>&) {};
   const auto one = approach.walk(100 * close, latest, unseen), other = approach.walk(close, latest, unseen);
-  if (step > 0 && !(one.stands && other.stands)) return unknown;
-  const double known = other.stands ? other.t : now;
-  if (one.stands && !(std::abs(one.t - known) < near * (known - start.t))) return unknown;
+  const auto agree = [&](double a, double b) { return std::abs(a - b) < near * (b - start.t); };
+  double known = unknown;
+  if (other.stands && (one.stands ? agree(one.t, other.t) : step == 0 && agree(now, other.t)))
+    known = other.t;
+  else if (!other.stands && one.stands && step == 0 && agree(one.t, now))
+    known = now;
+  if (!(std::abs(known - now) <= around)) return unknown;
   return approach.sharpens(close, known) ? known : unknown;
 }
 

@@ -243,14 +243,15 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
     advice.reason = "nobody waits for it";
     return advice;
   }
-  const std::vector<SchemeConfig> all = candidates(*scene.scene, wish.keep);
+  const std::vector<SchemeConfig> all = suggested_candidates(*scene.scene, wish.keep);
   if (all.empty()) {
     advice.reason = "no scheme that applies to this problem keeps what is to be kept";
     return advice;
   }
   Request posed = scene;
   posed.norm = Norm::relative;  // whatever errors are asked for: components of any unit count alike
-  const Pilot pilot = Pilot::run(posed, candidates(*scene.scene, {}), accuracy, pilots * deadline.left(), cancelled);
+  const Pilot pilot =
+      Pilot::run(posed, suggested_candidates(*scene.scene, {}), accuracy, pilots * deadline.left(), cancelled);
   if (!pilot.event.empty()) {
     if (!(pilot.end > start)) return unmeasured(posed, pilot, all, fmt::format("{} ends the run at once", pilot.event));
     posed.end = pilot.end;  // beyond, the motion may be another, or none

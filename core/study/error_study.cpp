@@ -83,7 +83,7 @@ int declared_order(const SchemeCard& card, const SchemeConfig& choice) {
 namespace {
 
 template <class SettingsOf>
-std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep, SettingsOf&& settings_of) {
+std::vector<SchemeConfig> candidates_by(SettingsOf&& settings_of, const Mechanics& mechanics, const Keep& keep) {
   const ProblemCard& problem_card = mechanics.card();
   std::vector<SchemeConfig> all;
   for (const std::size_t scheme : problem_card.schemes) {
@@ -126,12 +126,12 @@ std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& kee
 
 }  // namespace
 
-std::vector<SchemeConfig> candidates(const Scene& scene, const Keep& keep) {
-  return candidates(*scene.mechanics, keep, [&](const SchemeCard& card) { return suggested_settings(scene, card); });
+std::vector<SchemeConfig> suggested_candidates(const Scene& scene, const Keep& keep) {
+  return candidates_by([&](const SchemeCard& card) { return suggested_settings(scene, card); }, *scene.mechanics, keep);
 }
-std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep) {
-  return candidates(mechanics, keep,
-                    [&](const SchemeCard& card) { return plain_settings(&mechanics.card(), card, nullptr); });
+std::vector<SchemeConfig> catalogue_candidates(const Mechanics& mechanics, const Keep& keep) {
+  return candidates_by([&](const SchemeCard& card) { return plain_settings(&mechanics.card(), card, nullptr); },
+                       mechanics, keep);
 }
 
 ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled,

@@ -28,9 +28,9 @@ int declared_order(const SchemeCard& card, const SchemeConfig& choice);
 
 /// Every scheme that applies, as it is suggested for the scene: with none and some compositions, with the
 /// splittings that have an order of their own, and where it chooses its order by the tolerance with some others.
-std::vector<SchemeConfig> candidates(const Scene& scene, const Keep& keep);
+std::vector<SchemeConfig> suggested_candidates(const Scene& scene, const Keep& keep);
 /// The same as the catalogue suggests it for the problem.
-std::vector<SchemeConfig> candidates(const Mechanics& mechanics, const Keep& keep);
+std::vector<SchemeConfig> catalogue_candidates(const Mechanics& mechanics, const Keep& keep);
 
 /// A time that is not to be exceeded.
 class Deadline {

@@ -240,7 +240,7 @@ void rows(const char* title, const Request& scene, const Goals& goals = {}) {
   std::size_t above = 0;
   while (above < accuracies.size() && accuracies[above] >= 3 * orbit.floor) ++above;
   std::vector<Ladder> our, all;
-  for (const SchemeConfig& choice : candidates(*scene.scene->mechanics, {})) {
+  for (const SchemeConfig& choice : catalogue_candidates(*scene.scene->mechanics, {})) {
     const SchemeCard& card = schemes()[choice.scheme];
     if (card.id == "bulirsch_stoer")
       all.push_back({ours(orbit, choice)});

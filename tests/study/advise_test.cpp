@@ -49,7 +49,7 @@ void hold_against_all(std::string_view problem, std::initializer_list<double> ac
     EXPECT_EQ(run.error, advice.estimated_error);
     EXPECT_LE(run.error, accuracy) << advice.reason;
     const auto cost = static_cast<double>(run.forces);
-    EXPECT_LE(cost, 1.5 * exhaustive(subject, candidates(*request.scene->mechanics, {}), accuracy, cost))
+    EXPECT_LE(cost, 1.5 * exhaustive(subject, catalogue_candidates(*request.scene->mechanics, {}), accuracy, cost))
         << advice.reason;
   }
 }
@@ -128,7 +128,7 @@ TEST(Advice, KeepsWhatIsToBeKept) {
   for (const Alternative& other : energy.alternatives) EXPECT_EQ(structure(other.scheme), "symplectic");
   const auto ids = [](std::string_view problem, const Keep& keep) {
     std::string all;
-    for (const SchemeConfig& choice : candidates(*find_problem(problem), keep)) all += id(choice) + " ";
+    for (const SchemeConfig& choice : catalogue_candidates(*find_problem(problem), keep)) all += id(choice) + " ";
     return all;
   };
   const auto has = [](const std::string& all, std::string_view scheme) {

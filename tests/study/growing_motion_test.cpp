@@ -16,11 +16,7 @@ constexpr auto typed_v = Definition::Kind::potential;
 StabilityLimit limit(const Definition& definition, std::string_view scheme, const std::vector<double>& start) {
   const auto mechanics = texts::mechanics_of(definition);
   Request request = texts::typed_as(runs::defaults("kepler", "runge_kutta_4"), mechanics);
-  auto& initial = runs::scene(request).initial;
-  std::ranges::fill(initial, 0);
-  const auto& variables = mechanics->card().variables;
-  for (std::size_t i = 0, next = 0; i < variables.size() && next < start.size(); ++i)
-    if (!variables[i].hidden) initial[i] = start[next++];
+  texts::begin_at(request, start);
   request.end = mechanics->card().span;
   SchemeConfig choice{find_scheme(scheme).value(), {}};
   for (const auto& setting : schemes()[choice.scheme].parameters) choice.settings.push_back(setting.value);

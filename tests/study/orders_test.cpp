@@ -35,7 +35,7 @@ class Orders : public testing::TestWithParam<std::size_t> {};
 TEST_P(Orders, AreTheDeclaredOnes) {
   StudyPlan plan;
   plan.scene = ordinary(runs::problem_cards()[GetParam()].id);
-  plan.schemes = candidates(*plan.scene.scene->mechanics, {});
+  plan.schemes = catalogue_candidates(*plan.scene.scene->mechanics, {});
   plan.at_end = false;
   plan.budget_seconds = 100;
   plan.most_forces = 100'000;

@@ -39,12 +39,8 @@ struct Case {
 
 inline Request ask(const Case& one, std::string_view scheme) {
   Request request = typed_as(runs::defaults("harmonic_oscillator", scheme), mechanics_of(one.definition));
-  Scene& scene = runs::scene(request);
-  std::ranges::fill(scene.initial, 0);
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < scene.initial.size() && next < one.start.size(); ++i)
-    if (!runs::card(request).variables[i].hidden) scene.initial[i] = one.start[next++];
-  scene.start = 0;
+  begin_at(request, one.start);
+  runs::scene(request).start = 0;
   request.end = one.end;
   request.limits.seconds = 20;
   runs::only_final(request);

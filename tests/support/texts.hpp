@@ -1,6 +1,9 @@
 // Problems of the catalogue typed as text, and their requests.
 #pragma once
 
+#include <algorithm>
+#include <span>
+
 #include "core/catalogue/custom.hpp"
 #include "tests/support/runs.hpp"
 
@@ -101,5 +104,13 @@ inline Request typed_as(const Request& compiled, std::shared_ptr<const Mechanics
   request.columns = {0};
   request.diagnostics.clear();
   return request;
+}
+/// From these values of the variables that are shown, in their order; what is left out is 0.
+inline void begin_at(Request& request, std::span<const double> start) {
+  auto& initial = runs::scene(request).initial;
+  std::ranges::fill(initial, 0);
+  const auto& variables = runs::card(request).variables;
+  for (std::size_t i = 0, next = 0; i < variables.size() && next < start.size(); ++i)
+    if (!variables[i].hidden) initial[i] = start[next++];
 }
 }  // namespace texts

@@ -36,11 +36,7 @@ Request request_of(const Definition& definition, std::string_view scheme, const 
   request.scheme = find_scheme(scheme).value();
   request.settings.clear();
   for (const auto& setting : schemes()[request.scheme].parameters) request.settings.push_back(setting.value);
-  auto& initial = runs::scene(request).initial;
-  std::ranges::fill(initial, 0);
-  const auto& variables = runs::card(request).variables;
-  for (std::size_t i = 0, next = 0; i < variables.size() && next < start.size(); ++i)
-    if (!variables[i].hidden) initial[i] = start[next++];
+  begin_at(request, start);
   request.end = end;
   runs::only_final(request);
   return request;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <utility>
 
 #include "core/number/quad.hpp"
 #include "core/problem_traits.hpp"
@@ -29,6 +31,10 @@ class Extrapolation {
     for (std::size_t i = 0; i < size; ++i) largest = std::max(largest, T(abs(x[i])));
     if (largest > T(0) && largest < T(1)) least_size_ = largest;
   }
+
+  /// How much of a step between two states is to be taken, for what estimates of errors do not see.
+  using PartOf = std::function<double(const X& from, const X& to)>;
+  void bound_steps(PartOf part) { part_ = std::move(part); }
 
   const X& state() const { return x_; }
 
@@ -55,9 +61,14 @@ class Extrapolation {
         if (!keep_going() || !(step_ > T(shortest) * (1 + abs(t)))) return false;
         continue;
       }
-      const T reached = last ? t : x_.t + h;
-      x_ = table_[static_cast<std::size_t>(column)];
-      x_.t = reached;
+      X next = table_[static_cast<std::size_t>(column)];
+      next.t = last ? t : x_.t + h;
+      if (const T part = part_ ? T(part_(x_, next)) : h; part < h && part > T(shortest) * (1 + abs(t))) {
+        if (!keep_going()) return false;
+        step_ = part;
+        continue;
+      }
+      x_ = next;
       // Converged early: the step was short. Late: long. A step cut to fit says little.
       if (column < target) step_ = last ? std::max(step_, T(1.5) * h) : T(1.5) * h;
       if (column > target + 1) step_ = h * T(0.8);
@@ -124,6 +135,7 @@ class Extrapolation {
   double tolerance_;
   bool regular_;  ///< from t = 0, where the equations of motion are singular and the solution is not
   T step_;
+  PartOf part_;
   T start_ = x_.t;
   int short_ = 0;        ///< steps in a row that are next to nothing
   T least_size_ = T(1);  ///< of a state that small differences are held against

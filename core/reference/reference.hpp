@@ -14,6 +14,7 @@
 #include "core/problem_traits.hpp"
 #include "core/reference/true_motion.hpp"
 #include "core/run/mechanics.hpp"
+#include "core/run/steep_steps.hpp"
 #include "core/run/still_components.hpp"
 #include "core/schemes/taylor.hpp"
 #include "core/state_error.hpp"
@@ -80,9 +81,18 @@ class TwoRuns {
 template <class P, class KeepGoing>
 Reference<P> extrapolated_run(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
                               KeepGoing&& keep_going) {
+  constexpr double closely = 1e-12;
   TwoRuns<P> runs;
   const auto start = convert<Quad, Quad>(x0);
   Extrapolation<P> fine(problem, start, fine_tolerance), coarse(problem, start, coarse_tolerance);
+  const SteepSteps<P> steep(problem);
+  const auto part = [&steep](const auto& from, const auto& to) {
+    return steep.resolved_part(convert<double, double>(from), convert<double, double>(to), closely);
+  };
+  if (!steep.empty()) {
+    fine.bound_steps(part);
+    coarse.bound_steps(part);
+  }
   for (const double t : times) {
     if (!fine.advance(Quad(t), keep_going) || !coarse.advance(Quad(t), keep_going)) {
       runs.give_up();

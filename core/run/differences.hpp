@@ -9,6 +9,7 @@
 
 #include "core/problem_traits.hpp"
 #include "core/run/mechanics.hpp"
+#include "core/run/steep_steps.hpp"
 #include "core/schemes/runge_kutta.hpp"
 
 namespace least {
@@ -32,6 +33,7 @@ class Differences {
   Differences(const P& problem, const StateOf<P>& x, const Vec<X::size>& direction, double end, double tolerance,
               std::optional<double> step = {})
       : problem_(problem),
+        steep_(problem),
         x_(convert<D, D>(x)),
         end_(end),
         scale_(largest(x_).first),
@@ -40,12 +42,7 @@ class Differences {
     for (std::size_t i = 0; i < X::size; ++i) x_[i].slope[0] = direction[i];
   }
 
-  StateOf<P> state() const {
-    StateOf<P> x;
-    x.t = time();
-    for (std::size_t i = 0; i < X::size; ++i) x[i] = x_[i].value;
-    return x;
-  }
+  StateOf<P> state() const { return plain(x_); }
   Vec<X::size> derivative() const {
     Vec<X::size> u;
     for (std::size_t i = 0; i < X::size; ++i) u[i] = x_[i].slope[0];
@@ -79,6 +76,12 @@ class Differences {
       error /= 15 * tolerance_;
       if (error <= 1 && inside(halves)) {
         halves.t = D(h < left ? time() + h : end_);
+        const double span = halves.t.value - time();
+        if (const double part = steep_.resolved_part(state(), plain(halves), tolerance_);
+            part < span && part > shortest) {
+          step_ = part;
+          continue;
+        }
         x_ = halves;
         step_ = h * std::min(4.0, 0.9 / std::pow(std::max(error, 1e-6), 0.2));
         return true;
@@ -90,6 +93,12 @@ class Differences {
   }
 
  private:
+  static StateOf<P> plain(const X& x) {
+    StateOf<P> y;
+    y.t = x.t.value;
+    for (std::size_t i = 0; i < X::size; ++i) y[i] = x[i].value;
+    return y;
+  }
   /// NaN stays.
   static double larger(double most, double x) { return std::isnan(most) || x <= most ? most : x; }
   void move(X& x, double h) { RungeKutta4{}.bind(problem_, x).step(x, D(h)); }
@@ -107,6 +116,7 @@ class Differences {
   }
 
   const P& problem_;
+  SteepSteps<P> steep_;
   X x_;
   double end_, scale_, tolerance_, step_;
   bool left_domain_ = false;

@@ -268,40 +268,21 @@ class Adaptive final : public Integrator {
     return StepStatus::singular;
   }
 
-  /// How much of a step resolves the steep functions of the field, or somewhat less. They are looked for along the
-  /// cubic through the ends of the step; half of a step in which the cubic goes astray at one of two places, neither of
-  /// which is its middle, where a force may vanish by symmetry.
+  /// How much of a step resolves the steep functions of the field, or somewhat less.
   double resolved_part(const Field& field, const Vector& from, double t, const Vector& to, const Vector& last_rate,
                        double end) {
     if (!field.steep) return end - t;
-    constexpr double places[] = {0.3, 0.65}, astray = 0.25, less = 0.95;
-    const double h = end - t;
-    Vector first_rate = shape_.blank(), within = first_rate, rate = first_rate;
+    Vector first_rate = shape_.blank();
     field.rate(field.problem, t, from.data(), first_rate.data());
     ++work_.forces;
-    for (const double part : places) {
-      const double rest = 1 - part;
-      for (std::size_t i = 0; i < shape_.count; ++i)
-        within[i] = rest * rest * (1 + 2 * part) * from[i] + part * part * (1 + 2 * rest) * to[i] +
-                    h * part * rest * (rest * first_rate[i] - part * last_rate[i]);
-      field.rate(field.problem, t + part * h, within.data(), rate.data());
-      ++work_.forces;
-      double speed = 0, off = 0, size = 1;
-      for (std::size_t i = 0; i < shape_.moving; ++i) {
-        const double slope = 6 * part * rest * (to[i] - from[i]) / h + rest * (1 - 3 * part) * first_rate[i] +
-                             part * (1 - 3 * rest) * last_rate[i];
-        size = std::max(size, std::abs(to[i]));
-        speed = std::max({speed, std::abs(first_rate[i]), std::abs(last_rate[i]), std::abs(slope)});
-        off = std::max(off, std::abs(rate[i] - slope));
-      }
-      if (off > astray * speed && off * h > tolerance_ * size && t + 0.5 * h > t) return 0.5 * h;
-    }
-    const double part = field.steep->resolved_length({{t, from.data(), first_rate.data()},
-                                                      {end, to.data(), last_rate.data()},
-                                                      shape_.moving,
-                                                      field.complete,
-                                                      field.problem});
-    return part < h && t + less * part > t ? less * part : h;
+    return field.steep->resolved_part({{t, from.data(), first_rate.data()},
+                                       {end, to.data(), last_rate.data()},
+                                       shape_.moving,
+                                       shape_.count,
+                                       field.rate,
+                                       field.complete,
+                                       field.problem},
+                                      tolerance_, work_.forces);
   }
 
   /// Hairer, Nørsett, Wanner I, II.4: as long as an Euler step and a guess of ÿ allow. In the largest component, as

@@ -10,8 +10,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
+#include <optional>
 #include <tuple>
+#include <type_traits>
 
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
@@ -65,13 +68,28 @@ inline constexpr std::size_t components = Sloped<X> ? 2 * X::size : X::size;
 
 }  // namespace odeint
 
-/// The steep functions in a problem's equations of motion; null where there are none.
+/// The steep functions in a problem's equations of motion; null where there are none. A thread keeps those of the last
+/// problem of a type: controls and differences bind the same one many times.
 template <VectorField P>
 std::shared_ptr<const tape::SteepForces> steep_forces(const P& problem) {
-  tape::Tape tape;
-  const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
-  auto found = std::make_shared<const tape::SteepForces>(tape, rates);
-  return found->empty() ? nullptr : found;
+  const auto look = [&]() -> std::shared_ptr<const tape::SteepForces> {
+    tape::Tape tape;
+    const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
+    auto found = std::make_shared<const tape::SteepForces>(tape, rates);
+    return found->empty() ? nullptr : found;
+  };
+  if constexpr (std::is_trivially_copyable_v<P>) {
+    struct Left {
+      P problem;
+      std::shared_ptr<const tape::SteepForces> found;
+    };
+    thread_local std::optional<Left> left;
+    // For padding it may only miss. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+    if (!left || std::memcmp(&left->problem, &problem, sizeof(P)) != 0) left.emplace(problem, look());
+    return left->found;
+  } else {
+    return look();
+  }
 }
 
 /// Any of the methods on a problem.
@@ -114,6 +132,24 @@ class AnyOdeintStepper {
   }
   const Work& work() const noexcept { return integrator_->work(); }
 
+  static odeint::Field field_of(const P& problem, const tape::SteepForces* steep) {
+    odeint::Field field{[](const void* of, double t, const double* y, double* rate) {
+                          X x;
+                          x.t = t;
+                          read(y, x);
+                          write(derivative(*static_cast<const P*>(of), x), rate);
+                        },
+                        &problem, steep};
+    if constexpr (IteratesForRates<P>)
+      field.complete = [](const void* of, double t, double* variables) {
+        StateOf<P> x;
+        x.t = t;
+        for (std::size_t i = 0; i < StateOf<P>::size; ++i) x[i] = variables[i];
+        std::ranges::copy(taylor::values_of(*static_cast<const P*>(of), x), variables);
+      };
+    return field;
+  }
+
  private:
   static constexpr std::size_t size = odeint::components<X>;
   static_assert(size <= odeint::most_components,
@@ -135,23 +171,7 @@ class AnyOdeintStepper {
       if constexpr (Sloped<X>) y[X::size + i] = x[i].slope[0];
     }
   }
-  odeint::Field field() const {
-    odeint::Field field{[](const void* problem, double t, const double* y, double* rate) {
-                          X x;
-                          x.t = t;
-                          read(y, x);
-                          write(derivative(*static_cast<const P*>(problem), x), rate);
-                        },
-                        &problem_, steep_.get()};
-    if constexpr (IteratesForRates<P>)
-      field.complete = [](const void* problem, double t, double* variables) {
-        StateOf<P> x;
-        x.t = t;
-        for (std::size_t i = 0; i < StateOf<P>::size; ++i) x[i] = variables[i];
-        std::ranges::copy(taylor::values_of(*static_cast<const P*>(problem), x), variables);
-      };
-    return field;
-  }
+  odeint::Field field() const { return field_of(problem_, steep_.get()); }
   template <class Move>
   StepStatus moved(X& x, Move&& move) noexcept {
     std::array<double, size> y;

@@ -141,39 +141,25 @@ struct Polynomials {
 };
 constexpr double most_raised = 0x1p21;  // of which powers of any order are finite
 
-bool reads_time(const Program& program) {
-  const Index time = program.time();
-  const auto is_time = [time](Index value) { return value == time; };
-  return !program.linear.empty() ||
-         std::ranges::any_of(program.steps,
-                             [&](const tape::Step& s) { return s.a == time || s.b == time || s.w == time; }) ||
-         std::ranges::any_of(program.values, is_time, &Program::Value::value) ||
-         std::ranges::any_of(program.products, is_time, &Program::Product::a) ||
-         std::ranges::any_of(program.products, is_time, &Program::Product::b) ||
-         std::ranges::any_of(program.rate, is_time);
-}
-
 /// Where an argument of a steep power or a branch value is asked for, the program is read: only then every value stands
 /// at every order.
-tape::Series series_of(Program program, std::span<const tape::SteepArgument> steep, bool branches, double tolerance,
-                       int order) {
+tape::Series series_of(Program program, double tolerance, int order) {
   const int chosen = order > 0 ? order : cheapest_order(program, tolerance);
-  const bool powers = std::ranges::count(steep, tape::SteepArgument::Kind::power, &tape::SteepArgument::kind) > 0;
-  return {std::move(program), chosen, !powers && !branches};
+  const bool unroll = program.branches.empty() && std::ranges::count(program.steep, tape::SteepArgument::Kind::power,
+                                                                     &tape::SteepArgument::kind) == 0;
+  return {std::move(program), chosen, unroll};
 }
 
 }  // namespace
 
 Expansion::Expansion(Program program, double tolerance, int order)
-    : steep_(tape::steep_arguments(program)),
-      conceals_(tape::may_conceal(program)),
-      branches_(conceals_ ? tape::branch_values(program) : std::vector<Index>()),
-      series_(series_of(std::move(program), steep_, !branches_.empty(), tolerance, order)),
+    : series_(series_of(std::move(program), tolerance, order)),
       tolerance_(tolerance),
       inverse_root_(std::pow(tolerance, -1.0 / series_.order())),
       variables_(series_.program().variables),
       moving_(series_.program().moving),
-      reads_time_(reads_time(series_.program())),
+      reads_time_(series_.program().reads_time),
+      guarded_(!series_.program().steep.empty() || series_.program().conceals),
       way_(places * variables_),
       slopes_(way_) {}
 
@@ -193,14 +179,16 @@ void Expansion::move(const double* y, double t) {
   series_.expand(y, t);
   t_ = t;
   used_ = series_.order();
-  if (!finite(used_) && !steep_.empty()) {  // one that overflows may be in a divisor
+  double last = size(used_);
+  if (!std::isfinite(last) && !program().steep.empty()) {  // one that overflows may be in a divisor
     series_.expand(y, t, true);
-    if (!finite(used_)) series_.expand(y, t);
+    last = size(used_);
+    if (!std::isfinite(last)) series_.expand(y, t);
   }
-  if (!finite(used_)) {
+  if (!std::isfinite(last)) [[unlikely]] {
     used_ = 0;  // near a singularity high orders overflow before low ones mean nothing
-    while (finite(used_ + 1)) ++used_;
-  } else if (!(largest(used_) > underflows)) [[unlikely]] {
+    while (std::isfinite(size(used_ + 1))) ++used_;
+  } else if (!(last > underflows)) [[unlikely]] {
     // Where the unit of time is short beside the motion, high orders underflow before low ones mean nothing. Of a
     // polynomial the last one that is not zero is no such number.
     int told = used_;

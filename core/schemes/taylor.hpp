@@ -67,7 +67,7 @@ class Expansion {
   static constexpr std::size_t places = 4;  ///< of a step at which it is held against the equations
 
   double largest(int k) const;  ///< of an order that is finite
-  bool finite(int k) const;
+  double size(int k) const;     ///< of an order, a sum: finite where all of it is
   double largest_carried(int k) const;
   double until_switch(double h) const;
   template <std::size_t Pairs>
@@ -75,15 +75,13 @@ class Expansion {
   /// A step h, shorter where a coefficient of an order k in `from` ≥ k ≥ `to` exceeds `most` ρ^(`from` + 1 − k).
   double heeded(double h, int from, int to, double most, double rho, double scale) const;
   bool may_hide_what_comes(double h, double most) const;
+  bool until_hidden(double& h) const;
   bool until_steep(double& h) const;
   double up_to_number(double h) const;
   double turning(std::size_t i, double h) const;
   bool moves(double h) const;
   bool solves(double h);
 
-  std::vector<tape::SteepArgument> steep_;
-  bool conceals_;                      ///< see tape::may_conceal
-  std::vector<tape::Index> branches_;  ///< values at whose zeros a motion that does may branch
   tape::Series series_;
   double longest_ = std::numeric_limits<double>::infinity();
   double tolerance_, inverse_root_;  ///< ε, and ε^{−1/p} of the order p
@@ -91,6 +89,7 @@ class Expansion {
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;                      ///< the order up to which coefficients are numbers
   bool reads_time_;                   ///< the equations do
+  bool guarded_;                      ///< what the equations depend on may hide from a series
   std::vector<double> way_, slopes_;  ///< states on the way, and as the polynomials change there
   std::unique_ptr<Expansion> beside_;
 };

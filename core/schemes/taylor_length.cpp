@@ -60,10 +60,10 @@ constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what t
 
 }  // namespace
 
-bool Expansion::finite(int k) const {
+double Expansion::size(int k) const {
   double sum = 0;
   for (std::size_t i = 0; i < moving_; ++i) sum += std::abs(series_.coefficients(k)[i]);
-  return sum < std::numeric_limits<double>::infinity();
+  return sum;
 }
 
 double Expansion::largest(int k) const {
@@ -94,15 +94,20 @@ double Expansion::carried_step() const {
 
 double Expansion::step(double most) {
   double h = used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
-  for (const Index value : branches_) {  // not over a branch point, however smooth the polynomials look
+  h = std::min(h, most);
+  const bool hides = guarded_ && until_hidden(h);
+  if (hides || (reads_time_ && may_hide_what_comes(h, most)))
+    while (h > 0 && !solves(h)) h *= 0.5;
+  return reads_time_ && h < most ? up_to_number(h) : h;
+}
+
+/// Shortens the step h for what a series does not tell of; whether something may be left in it.
+bool Expansion::until_hidden(double& h) const {
+  for (const Index value : program().branches) {  // not over a branch point, however smooth the polynomials look
     const double ahead = -series_.coefficient(value, 0) / series_.coefficient(value, 1);
     if (ahead > 0) h = std::min(h, ahead);
   }
-  h = std::min(h, most);
-  const bool steep = !steep_.empty() && until_steep(h);
-  if (steep || conceals_ || (reads_time_ && may_hide_what_comes(h, most)))
-    while (h > 0 && !solves(h)) h *= 0.5;
-  return reads_time_ && h < most ? up_to_number(h) : h;
+  return until_steep(h) || program().conceals;
 }
 
 /// A step no longer than h that ends at a time that is a number, if there is one: where the time is read, what rounding
@@ -116,7 +121,7 @@ double Expansion::up_to_number(double h) const {
 /// Shortens the step h until steep functions are resolved in it; whether the argument of any moves.
 bool Expansion::until_steep(double& h) const {
   bool moves = false;
-  for (const tape::SteepArgument& steep : steep_) {
+  for (const tape::SteepArgument& steep : program().steep) {
     const auto term = [&](int k) { return series_.coefficient(steep.argument, k); };
     double change = 0;
     for (int k = used_ - 1; k > 0; --k) change = (change + std::abs(term(k))) * h;
@@ -178,7 +183,7 @@ bool Expansion::solves(double h) {
       const double defect = std::abs(series_.rate(i) - slopes_[place * variables_ + i]) * h;
       if (!(defect <= most) && !(defect <= most + blur * h * turning(i, h))) return false;
     }
-    for (const tape::SteepArgument& steep : steep_) {
+    for (const tape::SteepArgument& steep : program().steep) {
       double argument = 0;
       for (int k = used_ - 1; k >= 0; --k) argument = argument * part[place] + series_.coefficient(steep.argument, k);
       const double right = series_.value(steep.argument);

@@ -5,6 +5,7 @@
 // step.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,23 @@ struct Step {
   double c = 1, p = 1;
 };
 
+/// A steep function (core/tape/steep.hpp) of `factor` times the value at `argument`; of a power, `factor` is the
+/// exponent.
+struct SteepArgument {
+  enum class Kind : std::uint8_t { exponential, saturating, hyperbolic, power };
+
+  Kind kind = Kind::exponential;
+  Index argument = none;
+  double factor = 1;
+
+  bool operator==(const SteepArgument&) const = default;
+  /// The argument in e-foldings of the function, held at the ends of the range in which the function is of consequence:
+  /// beyond them e^x is nothing, and tanh x is ±1.
+  double foldings(double value) const;
+  /// Whether a change of `value` by at most `change` is less than an e-folding.
+  bool calm(double value, double change) const;
+};
+
 struct Program {
   struct Value {
     Index value;
@@ -67,6 +85,11 @@ struct Program {
   std::vector<Index> weighted;  ///< where k times the coefficients of a variable, and of the time after them, go
   std::vector<Index> switches;  ///< values at whose zeros the formulas change
   std::vector<Index> poles;     ///< values linear in time at whose zeros the rates may be infinite
+  // What steps have to heed, of a program that was made from a tape when it runs.
+  std::vector<SteepArgument> steep;  ///< those that the motion depends on: arguments are values
+  bool conceals = false;             ///< the motion depends on what may hide ahead without one
+  std::vector<Index> branches;       ///< of a motion that does: values at whose zeros it may branch
+  bool reads_time = false;           ///< the equations do
   Index rows = 0;  ///< how many values there are. 0: nothing at all; 1: of no use; then the variables; time
   static constexpr Index zero = 0, waste = 1, first_variable = 2;
   constexpr Index time() const { return first_variable + static_cast<Index>(variables); }

@@ -146,6 +146,35 @@ SteepForces::SteepForces(const Tape& tape, std::span<const Index> rates) : steep
   arguments_.evaluate(any.data(), 0.0, scratch(steep_.size()).values.data());
 }
 
+double SteepForces::resolved_part(const SteepStep& step, double tolerance, std::int64_t& evaluations) const {
+  constexpr double places[] = {0.3, 0.65};  // neither is the middle, where a force may vanish by symmetry
+  constexpr double astray = 0.25, less = 0.95;
+  const auto& [start, from, first_rate] = step.start;
+  const auto& [end, to, last_rate] = step.end;
+  const double h = end - start;
+  std::array<double, most_variables> within, rate;  // NOLINT: written before they are read
+  for (const double part : places) {
+    const double rest = 1 - part;
+    for (std::size_t i = 0; i < step.components; ++i)
+      within[i] = rest * rest * (1 + 2 * part) * from[i] + part * part * (1 + 2 * rest) * to[i] +
+                  h * part * rest * (rest * first_rate[i] - part * last_rate[i]);
+    step.rate(step.problem, start + part * h, within.data(), rate.data());
+    ++evaluations;
+    double speed = 0, off = 0, size = 1;
+    for (std::size_t i = 0; i < step.moving; ++i) {
+      const double slope = 6 * part * rest * (to[i] - from[i]) / h + rest * (1 - 3 * part) * first_rate[i] +
+                           part * (1 - 3 * rest) * last_rate[i];
+      size = std::max(size, std::abs(to[i]));
+      speed = std::max({speed, std::abs(first_rate[i]), std::abs(last_rate[i]), std::abs(slope)});
+      off = std::max(off, std::abs(rate[i] - slope));
+    }
+    if (off > astray * speed && off * h > tolerance * size && start + 0.5 * h > start) return 0.5 * h;
+  }
+  const double part = resolved_length(step);
+  return part < h && start + less * part > start ? less * part : h;
+}
+
+/// Along the cubic polynomials.
 double SteepForces::resolved_length(const SteepStep& step) const {
   const double start = step.start.t, h = step.end.t - start;
   std::array<double, most_variables> y;  // NOLINT: written before it is read
@@ -154,7 +183,7 @@ double SteepForces::resolved_length(const SteepStep& step) const {
     const double part = time / h, rest = 1 - part;
     const double a = rest * rest * (1 + 2 * part), b = part * part * (1 + 2 * rest);
     const double c = time * rest * rest, d = -time * part * rest;
-    for (std::size_t i = 0; i < step.variables; ++i)
+    for (std::size_t i = 0; i < step.moving; ++i)
       y[i] = a * step.start.state[i] + b * step.end.state[i] + c * step.start.rate[i] + d * step.end.rate[i];
     if (step.complete) step.complete(step.problem, start + time, y.data());
     arguments_.evaluate(y.data(), start + time, numbers.data());

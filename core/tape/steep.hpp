@@ -18,22 +18,6 @@
 
 namespace least::tape {
 
-/// A steep function of `factor` times the value at `argument`; of a power, `factor` is the exponent.
-struct SteepArgument {
-  enum class Kind : std::uint8_t { exponential, saturating, hyperbolic, power };
-
-  Kind kind = Kind::exponential;
-  Index argument = none;
-  double factor = 1;
-
-  bool operator==(const SteepArgument&) const = default;
-  /// The argument in e-foldings of the function, held at the ends of the range in which the function is of consequence:
-  /// beyond them e^x is nothing, and tanh x is ±1.
-  double foldings(double value) const;
-  /// Whether a change of `value` by at most `change` is less than an e-folding.
-  bool calm(double value, double change) const;
-};
-
 /// The kind of a function that is steep in its argument, whatever that is.
 constexpr std::optional<SteepArgument::Kind> steepness(Op function) {
   using Kind = SteepArgument::Kind;
@@ -123,7 +107,8 @@ double resolved_length(const SteepArgument& steep, double h, double most, const 
   return h;
 }
 
-/// A step that is no series, by the states and the rates of all variables of a tape at its ends.
+/// A step that is no series, by the states and the rates at its ends. Of its components the first ones are the motion,
+/// and the variables of a tape.
 struct SteepStep {
   struct End {
     double t;
@@ -131,7 +116,8 @@ struct SteepStep {
     const double* rate;
   };
   End start, end;
-  std::size_t variables;
+  std::size_t moving, components;
+  void (*rate)(const void* problem, double t, const double* state, double* rate);
   /// Writes the variables of the tape that are functions of the others, where there are some.
   void (*complete)(const void* problem, double t, double* variables) = nullptr;
   const void* problem = nullptr;
@@ -145,10 +131,13 @@ class SteepForces {
   SteepForces(const Tape& tape, std::span<const Index> rates);
 
   bool empty() const { return steep_.empty(); }
-  /// How much of a step is resolved, along the cubic polynomials through its ends.
-  double resolved_length(const SteepStep& step) const;
+  /// How much of a step is resolved, or somewhat less. It is looked at along the cubic polynomials through its ends;
+  /// half of a step in which these go astray by more than the tolerance, for which rates are evaluated so many times.
+  double resolved_part(const SteepStep& step, double tolerance, std::int64_t& evaluations) const;
 
  private:
+  double resolved_length(const SteepStep& step) const;
+
   std::vector<SteepArgument> steep_;
   Formula arguments_;
 };

@@ -86,6 +86,36 @@ TEST(NarrowForce, OfASoftWallKeepsItsDigits) {
   EXPECT_NEAR(taylor.outcome.final[0], narrow::fine_end(one, "leapfrog", 4e-4), 1e-8);
 }
 
+// Where velocities have to be found, where H is of no simpler form, and where a formula that changes on the way has no
+// series: a pulse that ends at its impulse, .65, or 1 for the last one.
+TEST(NarrowForce, IsSeenByReferencesOfScenesOfNoSimpleForm) {
+  const std::string pulse = "20*x*exp(-3000*(t-5.3)^2)";
+  const double impulse = 20 * std::sqrt(std::acos(-1.0) / 3000), speed = impulse / std::sqrt(1 + impulse * impulse);
+  struct Form {
+    narrow::Definition::Kind kind;
+    std::string formula;
+    double speed;
+  };
+  for (const auto& [kind, formula, after] :
+       {Form{narrow::Definition::Kind::lagrangian, "-sqrt(1-vx^2)+" + pulse, speed},
+        Form{narrow::Definition::Kind::hamiltonian, "sqrt(1+px^2)-" + pulse, speed},
+        Form{narrow::Definition::Kind::hamiltonian, "sqrt(1+px^2)-" + pulse + "-max(x-100,0)^2", speed},
+        Form{narrow::Definition::Kind::lagrangian, "vx^2/2-max(x-100,0)^2+" + pulse, impulse}}) {
+    const Case one{narrow::of(kind, {"x"}, {}, formula), {0, 0}, 10, 4.7 * after};
+    const Request right = narrow::ask(one, "taylor");
+    const Truth truth = right.scene->mechanics->truth(*right.scene, {one.end}, [] { return true; });
+    ASSERT_TRUE(truth.complete) << formula;
+    EXPECT_NEAR(truth.states[0][0], one.right, 5e-3) << formula;
+    EXPECT_LT(truth.uncertainty, 1e-9) << formula;
+    const Conditioning known = right.scene->mechanics->conditioning(*right.scene, one.end, [] { return true; });
+    EXPECT_NEAR(known.sizes.at(0), one.right, 5e-3) << formula;
+    Request coarse = narrow::ask(one, "runge_kutta_4");
+    runs::set(coarse, "step", 0.5);
+    runs::ask(coarse, "error");
+    EXPECT_GT(runs::number(runs::go(coarse).outcome.diagnostics, "error/final"), 0.2) << formula;
+  }
+}
+
 // The polynomials of x' = −√x go through its end at t = 2 and up again, as if nothing were there.
 TEST(NarrowForce, OfARootEndsWhereTheMotionDoes) {
   for (const char* rate : {"-sqrt(x)", "-x^0.25", "-2*sqrt(x)"}) {

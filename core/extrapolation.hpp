@@ -32,7 +32,7 @@ class Extrapolation {
     if (largest > T(0) && largest < T(1)) least_size_ = largest;
   }
 
-  /// How much of a step between two states is to be taken, for what estimates of errors do not see.
+  /// What part of a step between two states is to be taken, for what estimates of errors do not see.
   using PartOf = std::function<double(const X& from, const X& to)>;
   void bound_steps(PartOf part) { part_ = std::move(part); }
 
@@ -63,9 +63,9 @@ class Extrapolation {
       }
       X next = table_[static_cast<std::size_t>(column)];
       next.t = last ? t : x_.t + h;
-      if (const T part = part_ ? T(part_(x_, next)) : h; part < h && part > T(shortest) * (1 + abs(t))) {
+      if (const T taken = part_ ? h * T(part_(x_, next)) : h; taken < h && taken > T(shortest) * (1 + abs(t))) {
         if (!keep_going()) return false;
-        step_ = part;
+        step_ = taken;
         continue;
       }
       x_ = next;

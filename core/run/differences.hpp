@@ -76,10 +76,9 @@ class Differences {
       error /= 15 * tolerance_;
       if (error <= 1 && inside(halves)) {
         halves.t = D(h < left ? time() + h : end_);
-        const double span = halves.t.value - time();
         if (const double part = steep_.resolved_part(state(), plain(halves), tolerance_);
-            part < span && part > shortest) {
-          step_ = part;
+            part < 1 && part * h > shortest) {
+          step_ = part * h;
           continue;
         }
         x_ = halves;

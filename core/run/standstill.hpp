@@ -169,7 +169,8 @@ double singular_time(const P& problem, const Request& request, StepStatus status
   if (request.probe || status == StepStatus::solver_failed) return unknown;
   const Scene& scene = *request.scene;
   auto start = start_of<StateOf<P>>(problem, scene.initial, scene.start);
-  const double around = step > 0 ? few_steps * step : stretch * (now - start.t), latest = now + around;
+  const double way = stretch * (now - start.t), earliest = now - std::max(way, few_steps * step),
+               latest = now + (step > 0 ? few_steps * step : way);
   if constexpr (HasSeries<P>)
     if (starts_series(problem, start)) start = series_state<StateOf<P>>(problem, P::series_until);
   if (!(start.t < latest)) return unknown;
@@ -182,7 +183,7 @@ double singular_time(const P& problem, const Request& request, StepStatus status
     known = other.t;
   else if (!other.stands && one.stands && step == 0 && agree(one.t, now))
     known = now;
-  if (!(std::abs(known - now) <= around)) return unknown;
+  if (!(known >= earliest && known <= latest)) return unknown;
   return approach.sharpens(close, known) ? known : unknown;
 }
 

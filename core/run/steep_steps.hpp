@@ -17,9 +17,11 @@ class SteepSteps {
   explicit SteepSteps(const P& problem) : problem_(&problem), steep_(steep_forces(problem)) {}
 
   bool empty() const { return !steep_; }
-  /// How much of the step from a state to another resolves them, or somewhat less. `tolerance`: of a step.
+  /// What part of the step from a state to another resolves them, or somewhat less; 1: all of it. `tolerance`: of a
+  /// step.
   double resolved_part(const X& from, const X& to, double tolerance) const {
-    if (!steep_) return to.t - from.t;
+    const double length = to.t - from.t;
+    if (!steep_ || !(length > 0)) return 1;
     const odeint::Field field = AnyOdeintStepper<P, X>::field_of(*problem_, steep_.get());
     const Values start = values(from), end = values(to);
     Values first_rate, last_rate;
@@ -33,7 +35,8 @@ class SteepSteps {
                                   field.rate,
                                   field.complete,
                                   problem_},
-                                 tolerance, evaluations);
+                                 tolerance, evaluations) /
+           length;
   }
 
  private:

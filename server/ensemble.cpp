@@ -30,7 +30,7 @@ class Places {
 
   // To be called now and then, by one thread.
   void look() {
-    if (admission_.gives_way(client_)) {
+    if (passes_.front().parked() || admission_.gives_way(client_)) {
       while (passes_.size() > 1) passes_.pop_back();
     } else {
       while (auto more = admission_.enter_besides(client_)) passes_.push_back(std::move(*more));
@@ -102,7 +102,7 @@ struct EnsembleStream {
       return taken = write(encode_ensemble_block(plan, shown));
     });
     places->leave();
-    return taken ? std::optional(encode_ensemble_end(plan, all, end)) : std::nullopt;
+    return encode_ensemble_end(plan, all, end);  // of one that was cut off, too: `cancelled`
   }
 };
 
@@ -110,10 +110,12 @@ constexpr std::string_view in_lines = "application/x-ndjson", in_cbor = "applica
 
 Answer answer_ensemble(const Context& context, const HttpRequest& request, EnsemblePlan&& plan, std::string_view form,
                        std::shared_ptr<Places> places) {
+  const std::string scheme(context.cards.schemes[plan.request.scheme].id);
   if (form == in_lines) {
     Answer answer;
     answer.type = in_lines;
     answer.begins = "{";
+    answer.note("scheme", scheme);
     const auto stream =
         std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(plan), request.gone, std::move(places)});
     answer.stream = [stream](const Write& write) { return (*stream)(write); };
@@ -127,7 +129,9 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
   if (!fits) return busy(context, request, "answers that others read fill the memory");
   places->leave();
   const Notation notation = form == in_cbor ? Notation::cbor : Notation::json;
-  return {200, std::string(form), encode_ensemble(plan, context.cards, all, end, notation), {}};
+  Answer answer{200, std::string(form), encode_ensemble(plan, context.cards, all, end, notation), {}};
+  answer.note("scheme", scheme);
+  return answer;
 }
 
 }  // namespace
@@ -142,6 +146,7 @@ Prepared run_ensemble_request(const Context& context, const HttpRequest& request
   if (!plan) return problem_document(plan.error(), request.id);
   return Job([&context, request, form = forms[*form],
               shared = std::make_shared<EnsemblePlan>(std::move(*plan))](Admission::Pass pass) {
+    pass.may_take(shared->request.limits.seconds);
     return answer_ensemble(context, request, std::move(*shared), form,
                            std::make_shared<Places>(context, request, std::move(pass)));
   });

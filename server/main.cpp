@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "least_version.hpp"
 #include "server/encode/catalogue_json.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/ensemble.hpp"
@@ -55,12 +56,19 @@ void allow_descriptors(unsigned connections) {
       .with("needed", static_cast<std::int64_t>(connections + own));
 }
 
+void warn_of(const Options& options) {
+  for (const std::string& warning : options.warnings) LogLine(spdlog::level::warn, "environment").with("why", warning);
+}
+
 // Signals are blocked before any thread starts and waited for here, so that none interrupts a run.
 int serve(const Options& options) {
   sigset_t ends;
   sigemptyset(&ends);
   sigaddset(&ends, SIGTERM);
   sigaddset(&ends, SIGINT);
+  struct sigaction hang_up {};
+  ::sigaction(SIGHUP, nullptr, &hang_up);
+  if (hang_up.sa_handler != SIG_IGN) sigaddset(&ends, SIGHUP);  // a terminal that closes; not under nohup
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   // What large answers are kept in goes back to the system when it is freed: by default the bound rises with their
@@ -74,14 +82,33 @@ int serve(const Options& options) {
     fmt::print(stderr, "leastaction: {}\n", *error);
     return 1;
   }
+  // The log first: who reads of the address finds it there.
+  warn_of(options);
+  const auto whole = [](auto number) { return static_cast<std::int64_t>(number); };
+  const Caps& caps = options.settings.caps;
+  LogLine(spdlog::level::info, "start")
+      .with("url", service.url())
+      .with("version", std::string(version))
+      .with("pid", whole(::getpid()))
+      .with("threads", whole(service.places()))
+      .with("memory", whole(service.max_memory()))
+      .with("queue", whole(options.settings.queue))
+      .with("connections", whole(options.settings.connections))
+      .with("max_seconds", caps.seconds)
+      .with("max_steps", whole(caps.steps))
+      .with("max_samples", whole(caps.samples));
   print(fmt::format("listening on {}\n", service.url()), 0);
-  LogLine(spdlog::level::info, "start").with("url", service.url()).with("pid", std::int64_t{::getpid()});
-  const timespec second{1, 0};
+  const timespec second{1, 0}, glance{0, 20'000'000};
   int signal = -1;
   while (signal < 0 && service.running()) signal = sigtimedwait(&ends, nullptr, &second);
   const bool asked = signal > 0;
   LogLine(spdlog::level::info, "ending").with("why", asked ? "signal" : "the listening socket failed");
-  service.stop();
+  {
+    const std::jthread end([&] { service.stop(); });
+    // Whoever asks again does not want to wait for others to notice.
+    while (service.running())
+      if (sigtimedwait(&ends, nullptr, &glance) > 0) service.hurry();
+  }
   return asked ? 0 : 1;
 }
 
@@ -175,6 +202,7 @@ int main(int argc, char** argv) {
   const auto options = parse_options(argc, argv);
   if (!options) return options.error();
   log_directly(options->log_level);
+  if (options->command != Command::serve) warn_of(*options);
   switch (options->command) {
     case Command::serve:
       return serve(*options);

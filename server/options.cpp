@@ -1,10 +1,13 @@
 #include "server/options.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <limits>
 #include <map>
@@ -13,15 +16,18 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "server/decode/wording.hpp"
+#include "server/http/forwarded.hpp"
 
 namespace least::server {
 namespace {
+
+constexpr std::string_view prefix = "LEASTACTION_";
 
 // --max-steps → LEASTACTION_MAX_STEPS
 std::string environment_name(std::string option) {
   option.erase(0, 2);
   for (char& c : option) c = c == '-' ? '_' : static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
-  return "LEASTACTION_" + option;
+  return std::string(prefix) + option;
 }
 
 template <class T>
@@ -38,6 +44,23 @@ const CLI::Validator finite(
     },
     "", "finite");
 
+// `100M` as the number of bytes that it is: powers of 1024, as for what runs containers.
+const CLI::Validator size(
+    [](std::string& text) {
+      constexpr std::string_view units = "KMG";
+      const auto unit = text.empty() ? units.npos : units.find(text.back());
+      if (unit == units.npos) return std::string();
+      std::uint64_t bytes = 0;
+      const char* const end = text.data() + text.size() - 1;
+      const auto [stop, error] = std::from_chars(text.data(), end, bytes);
+      const unsigned shift = 10 * (static_cast<unsigned>(unit) + 1);
+      if (error != std::errc() || stop != end || bytes > std::numeric_limits<std::uint64_t>::max() >> shift)
+        return "`" + text + "` is no size: a number, or one with K, M or G behind it";
+      text = std::to_string(bytes << shift);
+      return std::string();
+    },
+    "", "size");
+
 void add_common(CLI::App& app, Options& options) {
   Caps& caps = options.settings.caps;
   add(app, "--max-seconds", caps.seconds, "longest computing time a request may ask for")
@@ -46,7 +69,8 @@ void add_common(CLI::App& app, Options& options) {
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
   add(app, "--max-samples", caps.samples, "most numbers a request may keep, samples times columns")
       ->check(CLI::Range(std::int64_t{2}, std::int64_t{1'000'000'000}));
-  add(app, "--max-body", options.settings.bounds.body, "largest request in bytes")
+  add(app, "--max-body", options.settings.bounds.body, "largest request in bytes, also as 64K or 1M")
+      ->transform(size)
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30));
   add(app, "--log-level", options.log_level, "what is logged on standard error")
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
@@ -63,14 +87,31 @@ void add_serve(CLI::App& app, Options& options) {
   add(app, "--connections", settings.connections, "clients connected at once, beyond it those that idle make room")
       ->check(count);
   add(app, "--max-memory", settings.max_memory,
-      "bytes held for requests and for answers that are computed or read, beyond it 503")
+      "bytes held for requests and for answers that are computed or read, also as 100M or 2G, beyond it 503")
+      ->transform(size)
       ->check(CLI::Range(std::size_t{1} << 20, std::size_t{1} << 50));
+  add(app, "--drain", settings.drain,
+      "seconds that the port stays open when the service ends, while /readyz says 503; a second signal ends it")
+      ->check(finite & CLI::Range(0.0, 3600.0));
   add(app, "--grace", settings.grace, "seconds that runs have left when the service ends")
       ->check(finite & CLI::Range(0.0, 3600.0));
   add(app, "--log-format", options.log_format, "how lines of the log are written: text or json")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, LogFormat>{{"text", LogFormat::text}, {"json", LogFormat::json}}));
   add(app, "--allow-host", settings.allow_hosts, "further names clients may use for this service")->delimiter(',');
+  add(app, "--trusted-proxy", settings.trusted_proxies, "addresses of proxies whose X-Forwarded-For is believed")
+      ->delimiter(',')
+      ->transform(CLI::Validator(
+          [](std::string& text) {
+            const std::string address = address_of(text);
+            if (address.empty()) return "`" + text + "` is no address";
+            text = address;  // as it is written of connections
+            return std::string();
+          },
+          "", "address"));
+  add(app, "--metrics-port", settings.metrics_port,
+      "port of this host where /metrics is then, 0 picks a free one; -1: it is at --port")
+      ->check(CLI::Range(-1, 65535));
   add(app, "--allow-origin", settings.allow_origins, "origins of foreign pages that may use this service")
       ->delimiter(',');
 }
@@ -106,21 +147,72 @@ std::string meant(const CLI::App& app, std::span<const char* const> arguments) {
   return {};
 }
 
-/// A message that begins with an option whose value came from the environment names the variable.
-std::string with_its_source(std::string message, std::span<const char* const> arguments) {
+/// What the environment says to this program: variables by name. They are taken out of it, so that nothing but
+/// `with_variables` reads them: CLI11 would ask them even where the command line has the option, or pass over mistakes.
+std::map<std::string, std::string> taken_variables() {
+  std::map<std::string, std::string> taken;
+  for (char** entry = environ; entry && *entry; ++entry) {
+    const std::string_view line(*entry);
+    const auto equals = std::min(line.find('='), line.size() - 1);
+    if (line.starts_with(prefix)) taken.emplace(line.substr(0, equals), line.substr(equals + 1));
+  }
+  for (const auto& [name, value] : taken) ::unsetenv(name.c_str());
+  return taken;
+}
+
+/// The command that the arguments name; null where there is none.
+CLI::App* command_of(CLI::App& app, std::span<const char* const> arguments) {
+  for (const char* argument : arguments)
+    for (CLI::App* command : app.get_subcommands({}))
+      if (command->get_name() == argument) return command;
+  return nullptr;
+}
+
+/// The arguments, and behind them the options of their command that only a variable gives.
+std::vector<std::string> with_variables(CLI::App& app, std::span<const char* const> arguments,
+                                        const std::map<std::string, std::string>& variables) {
+  std::vector<std::string> all(arguments.begin(), arguments.end());
+  if (CLI::App* command = command_of(app, arguments)) {
+    for (const CLI::Option* option : command->get_options()) {
+      const auto variable = variables.find(option->get_envname());
+      if (variable == variables.end() || variable->second.empty()) continue;
+      const std::string name = option->get_name();
+      if (!names_option(arguments, name)) all.push_back(name + '=' + variable->second);
+    }
+  }
+  return all;
+}
+
+/// What is to be said of variables that have no effect: no option has that name, or the command line has the option.
+std::vector<std::string> said_of(const CLI::App& app, std::span<const char* const> arguments,
+                                 const std::map<std::string, std::string>& variables) {
+  std::map<std::string, std::string> options;  // by variable
+  for (const CLI::App* command : app.get_subcommands({}))
+    for (const CLI::Option* option : command->get_options())
+      if (!option->get_envname().empty()) options.emplace(option->get_envname(), option->get_name());
+  Names known;
+  for (const auto& [variable, option] : options) known.push_back(std::string_view(variable).substr(prefix.size()));
+  std::vector<std::string> said;
+  for (const auto& [variable, value] : variables) {
+    if (const auto found = options.find(variable); found == options.end()) {
+      const auto close = closest(std::string_view(variable).substr(prefix.size()), known);
+      said.push_back(close.empty()
+                         ? fmt::format("no option has the variable {}", variable)
+                         : fmt::format("no option has the variable {}; did you mean {}{}?", variable, prefix, close));
+    } else if (names_option(arguments, found->second)) {
+      said.push_back(fmt::format("{} is overlooked: {} is given", variable, found->second));
+    }
+  }
+  return said;
+}
+
+/// A message that begins with an option whose value came from a variable names the variable.
+std::string with_its_source(std::string message, std::span<const char* const> arguments,
+                            const std::map<std::string, std::string>& variables) {
   const std::string option = message.substr(0, message.find(':'));
   if (!option.starts_with("--") || names_option(arguments, option)) return message;
   const std::string variable = environment_name(option);
-  return std::getenv(variable.c_str()) ? variable + message.substr(option.size()) : message;
-}
-
-/// CLI11 2.4 passes over variables of the environment whose values it would refuse: throws what it says of them.
-void refuse_forgotten_environment(CLI::App& app) {
-  for (CLI::App* command : app.get_subcommands())
-    for (CLI::Option* option : command->get_options()) {
-      const char* value = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
-      if (value && *value && option->count() == 0) option->add_result(value)->run_callback();
-    }
+  return variables.contains(variable) ? variable + message.substr(option.size()) : message;
 }
 
 }  // namespace
@@ -154,20 +246,23 @@ Result<Options, int> parse_options(int argc, char** argv) {
   merge->add_option("parts", options.parts, "parts, in any order")->required();
   add(*health, "--host", options.settings.host, "address of the service");
   add(*health, "--port", options.settings.port, "its port")->check(CLI::Range(0, 65535));
+  const std::span<const char* const> arguments(argv + std::min(argc, 1), argv + argc);
+  const auto variables = taken_variables();
   try {
-    app.parse(argc, argv);
-    refuse_forgotten_environment(app);
+    std::vector<std::string> words = with_variables(app, arguments, variables);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app.parse(words);
   } catch (const CLI::ParseError& e) {
-    const std::span<const char* const> arguments(argv + 1, argv + std::max(argc, 1));
     if (e.get_exit_code() != 0) {
       const std::string help = meant(app, arguments);
       const std::string message =
-          help.empty() ? fmt::format("leastaction: {}\n", with_its_source(e.what(), arguments)) : help;
+          help.empty() ? fmt::format("leastaction: {}\n", with_its_source(e.what(), arguments, variables)) : help;
       fmt::print(stderr, "{}Run with --help for more information.\n", message);
       return 1;
     }
     return app.exit(e);
   }
+  options.warnings = said_of(app, arguments, variables);
   options.command = serve->parsed()      ? Command::serve
                     : run->parsed()      ? Command::run
                     : ensemble->parsed() ? Command::ensemble

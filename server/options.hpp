@@ -20,6 +20,7 @@ struct Options {
   std::vector<std::string> parts;  ///< of `merge`
   std::string log_level = "info";
   LogFormat log_format = LogFormat::text;
+  std::vector<std::string> warnings;  ///< on variables of the environment that have no effect
 };
 
 /// Reads the options; every one may also come from the environment (`--max-steps` from LEASTACTION_MAX_STEPS). Where

@@ -93,17 +93,22 @@ void Service::add_probes(Router& router) {
     return Answer{200, std::string(json), "{\"status\":\"ok\"}\n", {}};
   });
   router.add_probe("/readyz", [=, this](std::string_view request_id) {
-    if (http_.draining()) return problem_document(503, "the service ends", request_id);
+    if (http_.leaving()) return problem_document(503, "the service ends", request_id);
     if (http_.admission().load().full) return problem_document(503, "the queue is full", request_id);
     return Answer{200, std::string(json), "{\"status\":\"ready\"}\n", {}};
   });
-  router.add_probe("/metrics", [this](std::string_view) {
+  const auto metrics = [this](std::string_view) {
     const auto load = http_.admission().load();
-    return Answer{200,
-                  "text/plain; version=0.0.4; charset=utf-8",
-                  http_.metrics().text({load.running, load.waiting, memory_.held(), dropped_log_lines(), version}),
-                  {}};
-  });
+    Gauges gauges{load.running, load.waiting, load.parked, http_.connections(), memory_.held()};
+    gauges.most_running = http_.admission().places();
+    gauges.most_waiting = http_.admission().queue();
+    gauges.most_connections = http_.settings().connections;
+    gauges.most_bytes = memory_.most();
+    gauges.dropped_log_lines = dropped_log_lines();
+    gauges.version = version;
+    return Answer{200, "text/plain; version=0.0.4; charset=utf-8", http_.metrics().text(gauges), {}};
+  };
+  router.add_probe("/metrics", metrics, http_.settings().metrics_port >= 0);
 }
 
 }  // namespace least::server

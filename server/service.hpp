@@ -24,8 +24,12 @@ class Service {
   std::optional<std::string> start() { return http_.start(); }
   std::string url() const { return http_.url(); }
   int port() const { return http_.port(); }
+  int metrics_port() const { return http_.metrics_port(); }
+  unsigned places() const { return http_.admission().places(); }
+  std::size_t max_memory() const { return memory_.most(); }
   bool running() const { return http_.running(); }
   void stop() { http_.stop(); }
+  void hurry() { http_.hurry(); }
 
  private:
   /// What asks whether the service lives, is ready, and what it does.

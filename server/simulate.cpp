@@ -1,5 +1,7 @@
 #include "server/simulate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -137,7 +139,16 @@ Answer no_choice(const Context& context, const HttpRequest& request, const Simul
   const FieldPath top{"", &faults};
   if (end == ReturnCode::cancelled) return busy(context, request, "the service ends");
   if (end == ReturnCode::deadline) {
-    top.at("limits").at("seconds").fault("is too short to choose a scheme in", Json(asked.run.limits.seconds));
+    const auto sent = parse_json(request.body, {}, &context.memory);
+    const Json::json_pointer seconds("/limits/seconds");
+    if (sent && sent->tree.contains(seconds)) {
+      top.at("limits").at("seconds").fault("is too short to choose a scheme in", Json(asked.run.limits.seconds));
+    } else {
+      top.at("scheme").lacks(
+          fmt::format("no scheme could be chosen within the {} s that a request has by default; "
+                      "`limits`: {{\"seconds\": …}} gives it more",
+                      asked.run.limits.seconds));
+    }
   } else {
     top.at("scheme").lacks(advice.reason);
   }
@@ -186,6 +197,7 @@ Result<SharedTask, Answer> choose(const Context& context, const HttpRequest& req
 
 Answer compute(const Context& context, const HttpRequest& request, std::size_t form, SimulateRequest& asked,
                Admission::Pass&& pass) {
+  pass.may_take(asked.run.limits.seconds);
   SharedTask task;
   if (asked.wish) {
     auto chosen = choose(context, request, asked);

@@ -43,7 +43,7 @@ class StudyStream {
     const auto study = work_precision(plan_, seen, watch.cancelled());
     if (!begun) head(study);  // it ended before it began
     pass_.reset();            // who has read the end finds the place free
-    return taken ? std::optional(encode_study_end(planned, study, end_of(watch))) : std::nullopt;
+    return encode_study_end(planned, study, taken ? end_of(watch) : ReturnCode::cancelled);
   }
 
  private:
@@ -84,6 +84,7 @@ Prepared measure_work_precision(const Context& context, const HttpRequest& reque
   if (!plan) return problem_document(plan.error(), request.id);
   return Job([&context, request, lines = *form == 1,
               shared = std::make_shared<StudyPlan>(std::move(*plan))](Admission::Pass pass) {
+    pass.may_take(shared->budget_seconds + margin);
     return lines ? measured_in_lines(context, request, std::move(*shared), std::move(pass))
                  : measured_as_a_whole(context, request, *shared);
   });
@@ -96,9 +97,11 @@ Prepared measure_stability(const Context& context, const HttpRequest& request) {
   if (!parsed) return parsed.error();
   auto plan = decode_stability(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
-  return Job([&context, request, shared = std::make_shared<const StabilityPlan>(std::move(*plan))](Admission::Pass) {
-    return measured_stability(context, request, *shared);
-  });
+  return Job(
+      [&context, request, shared = std::make_shared<const StabilityPlan>(std::move(*plan))](Admission::Pass pass) {
+        pass.may_take(shared->scene.limits.seconds);
+        return measured_stability(context, request, *shared);
+      });
 }
 
 }  // namespace least::server

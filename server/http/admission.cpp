@@ -2,35 +2,67 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <iterator>
 
 #include "server/http/metrics.hpp"
 
 namespace least::server {
+namespace {
 
-Admission::Client& Admission::client_of(std::string_view name) {
-  const auto client = clients_.try_emplace(std::string(name)).first;
+constexpr double fading = 30;      // seconds after which a second of computing counts e times less
+constexpr double a_while = 0.1;    // seconds
+constexpr double forgetful = 0.1;  // what the latest run counts in a mean
+
+}  // namespace
+
+Admission::Admission(unsigned places, unsigned queue, Metrics* metrics)
+    : places_(places), queue_(queue), metrics_(metrics), free_(places) {
+  ends_.reserve(places);
+}
+
+void Admission::Pass::excuse() {
+  const std::lock_guard lock(admission_->mutex_);
+  place_->counts = false;
+}
+void Admission::Pass::may_take(double seconds) {
+  const std::lock_guard lock(admission_->mutex_);
+  place_->limit = seconds;
+}
+bool Admission::Pass::parked() const {
+  const std::lock_guard lock(admission_->mutex_);
+  return place_->parked;
+}
+Admission::Ticket Admission::Pass::ticket() const { return {place_, place_->number}; }
+
+Admission::Client& Admission::client_of(std::string_view address) {
+  const auto client = clients_.try_emplace(std::string(address)).first;
   client->second.name = client->first;
   return client->second;
 }
 
-std::optional<Admission::Pass> Admission::admitted(Client& client, bool counts) noexcept {
+Admission::Pass Admission::admitted(Client& client, AccountPtr account, bool beside) noexcept {
+  used_.splice(used_.end(), free_, free_.begin());
+  Place& place = used_.back();
+  place = Place{&client, std::move(account), ++last_, !beside, beside};
+  place.since = Clock::now();
+  place.self = std::prev(used_.end());
   ++running_, ++client.running;
-  if (!counts) ++besides_;
-  return std::optional<Pass>(std::in_place, *this, client, counts);
+  if (beside) ++besides_;
+  return {*this, place};
 }
 
-std::optional<Admission::Pass> Admission::enter_besides(std::string_view name) {
+std::optional<Admission::Pass> Admission::enter_besides(std::string_view address) {
   const std::lock_guard lock(mutex_);
-  const auto client = clients_.find(name);
+  const auto client = clients_.find(address);
   const bool room = client != clients_.end() && running_ < places_ && waiting_ == 0 && !closed_;
   if (!room || client->second.running >= share_of(client->second)) return std::nullopt;
-  return admitted(client->second, false);
+  return admitted(client->second, nullptr, true);
 }
 
-bool Admission::gives_way(std::string_view name) const {
+bool Admission::gives_way(std::string_view address) const {
   const std::lock_guard lock(mutex_);
-  const auto client = clients_.find(name);
+  const auto client = clients_.find(address);
   return waiting_ > 0 || closed_ || (client != clients_.end() && client->second.running > share_of(client->second));
 }
 
@@ -38,36 +70,46 @@ unsigned Admission::share_of(const Client& client) const {
   return running_ > client.running ? (places_ + 1) / 2 : places_;
 }
 
-std::optional<Admission::Pass> Admission::enter(std::string_view name) {
+std::optional<Admission::Pass> Admission::enter(const AccountPtr& account) {
   const std::lock_guard lock(mutex_);
   if (closed_ || running_ >= places_ || waiting_ > 0) return std::nullopt;
-  Client& client = client_of(name);
+  Client& client = client_of(account->address());
+  introduce(*account, client, Clock::now());
   if (metrics_) metrics_->waited(0);
-  return admitted(client);
+  return admitted(client, account);
 }
 
-void Admission::wait(std::string_view name, std::chrono::milliseconds patience, std::function<bool()> gone, Turn turn) {
+void Admission::wait(const AccountPtr& account, std::chrono::milliseconds most, std::function<bool()> gone, Turn turn) {
   const auto now = Clock::now();
   Waiters calls, newcomer;
-  newcomer.push_back({now, now + patience, std::move(gone), std::move(turn)});
+  newcomer.push_back({account, 0, now, now + most, std::move(gone), std::move(turn)});
   Turns its_turn{nullptr};
   {
     const std::lock_guard lock(mutex_);
-    Client& own = client_of(name);  // nothing is thrown from here on
+    Client& own = client_of(account->address());  // nothing is thrown from here on
+    introduce(*account, own, now);
+    const double rank = newcomer.front().rank = account->rank_;
     const bool room = running_ < places_ && waiting_ == 0;
-    const bool hopeless = expected_wait(own.waiting.size()) > std::chrono::duration<double>(patience).count();
-    if (closed_ || hopeless || (!room && waiting_ >= queue_ + besides_ && !make_room(own, calls))) {
+    const bool hopeless = expected_wait(&own, rank, now) > std::chrono::duration<double>(most).count();
+    if (closed_ || hopeless || (!room && queued() >= queue_ + besides_ && !make_room(own, rank, calls))) {
       refuse(calls, newcomer, newcomer.begin());
       forget(own);
     } else {
-      its_turn.front() = &own;
-      if (own.waiting.empty()) turns_.splice(turns_.end(), its_turn);
-      own.waiting.splice(own.waiting.end(), newcomer);
-      ++waiting_;
+      line_up(own, newcomer, its_turn);
       admit_waiting(calls);
     }
   }
   run(std::move(calls));
+}
+
+// Behind those of its client who computed no more than it did.
+void Admission::line_up(Client& client, Waiters& newcomer, Turns& its_turn) noexcept {
+  its_turn.front() = &client;
+  if (client.waiting.empty()) turns_.splice(turns_.end(), its_turn);
+  auto at = client.waiting.end();
+  while (at != client.waiting.begin() && std::prev(at)->rank > newcomer.front().rank) --at;
+  client.waiting.splice(at, newcomer);
+  ++waiting_;
 }
 
 void Admission::look() {
@@ -75,11 +117,17 @@ void Admission::look() {
   Waiters calls;
   {
     const std::lock_guard lock(mutex_);
+    double soonest = running_ < places_ ? 0 : std::numeric_limits<double>::infinity();  // when a place comes free
+    for (const Place& place : used_)
+      if (!place.parked) soonest = std::min(soonest, told_left(place, now));
+    if (used_.empty()) soonest = 0;
     for (auto turn = turns_.begin(); turn != turns_.end();) {
       Client& client = **turn;
       for (auto next = client.waiting.begin(); next != client.waiting.end();) {
         const auto waiter = next++;
-        if (!closed_ && now < waiter->until && !(waiter->gone && waiter->gone())) continue;
+        const bool hopeless = soonest > std::chrono::duration<double>(waiter->until - now).count();
+        if (!closed_ && !hopeless && now < waiter->until && !(waiter->gone && waiter->gone())) continue;
+        if (waiter->resumes) --resuming_;
         refuse(calls, client.waiting, waiter);
         --waiting_;
       }
@@ -103,33 +151,106 @@ void Admission::run(Waiters calls) noexcept {
 }
 
 void Admission::refuse(Waiters& calls, Waiters& from, Waiters::iterator waiter) noexcept {
-  if (metrics_) metrics_->rejected();
+  if (metrics_ && !waiter->resumes) metrics_->rejected();
   calls.splice(calls.end(), from, waiter);
 }
 
 Admission::Load Admission::load() const {
   const std::lock_guard lock(mutex_);
-  return {running_, waiting_, running_ >= places_ && waiting_ >= queue_ + besides_};
+  return {running_, queued(), parked_, running_ >= places_ && queued() >= queue_ + besides_};
 }
 
-int Admission::retry_after() const {
+int Admission::retry_after(const AccountPtr& account) const {
+  constexpr double most = 3600;
   const std::lock_guard lock(mutex_);
-  return static_cast<int>(std::clamp(std::ceil(expected_wait(0)), 1.0, 60.0));
+  const auto client = account ? clients_.find(account->address()) : clients_.end();
+  const double wait =
+      expected_wait(client == clients_.end() ? nullptr : &client->second, account ? account->rank_ : 0, Clock::now());
+  return static_cast<int>(std::clamp(std::ceil(wait), 1.0, most));
 }
 
-void Admission::leave(Client& client, std::optional<Clock::duration> took, bool beside) noexcept {
-  const double seconds = took ? std::chrono::duration<double>(*took).count() : 0;
-  if (metrics_ && took) metrics_->ran(seconds);
+double Admission::seconds_of(const Place& place, Clock::time_point now) {
+  return std::chrono::duration<double>(place.held + (place.parked ? Clock::duration(0) : now - place.since)).count();
+}
+
+void Admission::leave(Place& place) noexcept {
+  const auto now = Clock::now();
   Waiters calls;
   {
     const std::lock_guard lock(mutex_);
-    if (took) mean_ += 0.1 * (seconds - mean_);
-    --running_, --client.running;
-    if (beside) --besides_;
+    const double took = seconds_of(place, now);
+    Client& client = *place.client;
+    if (place.counts) {
+      if (metrics_) metrics_->ran(took);
+      mean_ += forgetful * (took - mean_);
+      const bool is_long = place.limit > std::chrono::duration<double>(patience).count();
+      if (is_long && std::isfinite(place.limit)) kept_ += forgetful * (std::min(took / place.limit, 1.0) - kept_);
+    }
+    if (place.account) add(*place.account, took, now);
+    if (place.beside) --besides_;
+    place.number = 0;
+    place.account = nullptr;
+    if (place.parked) {
+      --parked_, --client.parked;
+      used_.erase(place.self);
+    } else {
+      --running_, --client.running;
+      free_.splice(free_.end(), used_, place.self);
+    }
     forget(client);
     admit_waiting(calls);
   }
   run(std::move(calls));
+}
+
+bool Admission::park(Ticket ticket) {
+  std::list<Place> one(1);
+  Waiters calls;
+  {
+    const std::lock_guard lock(mutex_);
+    Place* const place = ticket.place;
+    const auto same = [&](const Place& used) { return &used == place && used.number == ticket.number; };
+    if (std::none_of(used_.begin(), used_.end(), same) || place->parked) return false;
+    place->held += Clock::now() - place->since;
+    place->parked = true;
+    free_.splice(free_.end(), one);
+    --running_, --place->client->running;
+    ++parked_, ++place->client->parked;
+    admit_waiting(calls);
+  }
+  run(std::move(calls));
+  return true;
+}
+
+bool Admission::resume(Ticket ticket, const std::function<bool()>& gone) {
+  std::promise<void> come;
+  auto came = come.get_future();
+  const auto now = Clock::now();
+  Waiters calls, itself;
+  itself.push_back({nullptr, -std::numeric_limits<double>::infinity(), now, Clock::time_point::max(), gone,
+                    [&come](const std::optional<Pass>&) { come.set_value(); }, ticket.place});
+  Turns its_turn{nullptr};
+  bool closed = false;
+  {
+    const std::lock_guard lock(mutex_);
+    closed = closed_;
+    ++resuming_;
+    line_up(*ticket.place->client, itself, its_turn);
+    admit_waiting(calls);
+  }
+  run(std::move(calls));
+  if (closed) look();
+  came.wait();
+  const std::lock_guard lock(mutex_);
+  return !ticket.place->parked;
+}
+
+void Admission::readmit(Place& place) noexcept {
+  free_.pop_front();
+  place.parked = false;
+  place.since = Clock::now();
+  --parked_, --place.client->parked;
+  ++running_, ++place.client->running;
 }
 
 // Gives free places to those who wait.
@@ -145,8 +266,13 @@ void Admission::admit_waiting(Waiters& calls) noexcept {
     }
     --waiting_;
     Waiter& waiter = calls.back();
+    if (waiter.resumes) {
+      --resuming_;
+      readmit(*waiter.resumes);
+      continue;
+    }
     if (metrics_) metrics_->waited(std::chrono::duration<double>(Clock::now() - waiter.from).count());
-    waiter.pass.emplace(*admitted(client));
+    waiter.pass.emplace(admitted(client, waiter.account));
   }
 }
 
@@ -158,28 +284,94 @@ Admission::Turns::iterator Admission::next() {
   return entitled == turns_.end() ? turns_.begin() : entitled;
 }
 
-// Dismisses the last request of the client that has most in the queue, if that is more than the newcomer would have.
-bool Admission::make_room(const Client& newcomer, Waiters& calls) {
+// Dismisses the last request of the client that has most in the queue, if that is more than the newcomer would have, or
+// that of the newcomer's own client if its connection computed more than the newcomer's.
+bool Admission::make_room(const Client& newcomer, double rank, Waiters& calls) {
   const auto most = std::max_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
     return a.second.waiting.size() < b.second.waiting.size();
   });
-  Waiters& queue = most->second.waiting;
-  if (queue.size() <= newcomer.waiting.size() + 1) return false;
-  refuse(calls, queue, std::prev(queue.end()));
+  Client* crowd = &most->second;
+  if (crowd->waiting.size() <= newcomer.waiting.size() + 1) {
+    if (newcomer.waiting.empty() || newcomer.waiting.back().rank <= rank) return false;
+    crowd = &clients_.find(newcomer.name)->second;
+  }
+  const auto last = std::prev(crowd->waiting.end());
+  if (last->resumes) return false;
+  refuse(calls, crowd->waiting, last);
   --waiting_;
+  if (crowd->waiting.empty()) turns_.remove(crowd);
   return true;
 }
 
-// In seconds, for one whose client has `own` requests waiting already: as many are served of every other before it.
-double Admission::expected_wait(std::size_t own) const {
-  if (running_ - besides_ + waiting_ < places_ || places_ == 0) return 0;
-  std::size_t ahead = 1;  // one of those who compute has to end
-  for (const Client* client : turns_) ahead += std::min(client->waiting.size(), own + 1);
-  return static_cast<double>(ahead) * mean_ / places_;
+double Admission::clock(Clock::time_point now) const {
+  return std::chrono::duration<double>(now - epoch_).count() / fading;
+}
+
+// Nobody gains by a new connection for each request, and a new client need not wait for all others.
+void Admission::introduce(Account& account, const Client& client, Clock::time_point now) const {
+  if (account.known_) return;
+  account.known_ = true;
+  double all = 0;
+  std::size_t count = 0;
+  for (const Waiter& waiter : client.waiting) {
+    if (waiter.resumes) continue;
+    all += std::exp(waiter.rank - clock(now));
+    ++count;
+  }
+  if (count > 0) add(account, all / static_cast<double>(count), now);
+}
+
+void Admission::charge(Account& account, double seconds) const {
+  const std::lock_guard lock(mutex_);
+  add(account, seconds, Clock::now());
+}
+
+void Admission::add(Account& account, double seconds, Clock::time_point now) const {
+  account.rank_ = std::log(std::exp(account.rank_ - clock(now)) + seconds) + clock(now);
+}
+
+// Seconds that a run goes on by its own word: where its limit is beyond what others wait for, whoever set it knew why.
+// Then as far as such runs have used theirs, once it has gone on for a while without a rest; else 0.
+double Admission::told_left(const Place& place, Clock::time_point now) const {
+  const double taken = seconds_of(place, now);
+  const bool is_long = std::isfinite(place.limit) && place.limit > std::chrono::duration<double>(patience).count() &&
+                       taken > a_while && place.held == Clock::duration(0) && !place.beside;
+  return is_long ? std::max(kept_ * place.limit - taken, 0.0) : 0;
+}
+
+// Seconds that a run is expected to go on: until it has taken as long as runs take, or once more what it has taken, and
+// no longer than its limit lets it; or as it says itself.
+double Admission::left_of(const Place& place, Clock::time_point now) const {
+  if (place.beside) return 0;  // it is given back as soon as somebody waits
+  const double taken = seconds_of(place, now);
+  const double expected = std::max({mean_, 2 * taken, taken + told_left(place, now)});
+  return std::max(std::min(expected, place.limit) - taken, 0.0);
+}
+
+// In seconds, for one of a client and a rank: of every other client as many are served before it as of its own.
+double Admission::expected_wait(const Client* client, double rank, Clock::time_point now) const {
+  if (places_ == 0) return 0;
+  std::size_t own = 0, ahead = 1;  // itself
+  if (client) {
+    own = static_cast<std::size_t>(std::count_if(client->waiting.begin(), client->waiting.end(),
+                                                 [&](const Waiter& waiter) { return waiter.rank <= rank; }));
+  }
+  for (const Client* other : turns_) ahead += other == client ? own : std::min(other->waiting.size(), own + 1);
+  ends_.clear();
+  for (const Place& place : used_)
+    if (!place.parked) ends_.push_back(left_of(place, now));
+  ends_.resize(places_, 0);  // those that are free
+  std::make_heap(ends_.begin(), ends_.end(), std::greater<>());
+  for (;;) {
+    std::pop_heap(ends_.begin(), ends_.end(), std::greater<>());
+    if (--ahead == 0) return ends_.back();
+    ends_.back() += mean_;
+    std::push_heap(ends_.begin(), ends_.end(), std::greater<>());
+  }
 }
 
 void Admission::forget(const Client& client) {
-  if (client.running == 0 && client.waiting.empty()) clients_.erase(clients_.find(client.name));
+  if (client.running == 0 && client.parked == 0 && client.waiting.empty()) clients_.erase(clients_.find(client.name));
 }
 
 }  // namespace least::server

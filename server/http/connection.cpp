@@ -17,16 +17,17 @@ using Awaits = RequestReader::Awaits;
 
 constexpr auto on_its_way = 250ms;  // what a client has just begun to send, or is to, may take so long
 constexpr auto last_word = 1s;      // how long the end waits for the rest of a request, or for a client to hang up
+constexpr auto farewell = 400ms;    // what is left of answers has so long to leave, once runs are cancelled
 constexpr auto first_probe = 50ms;
 constexpr std::string_view every_answer = "HTTP/1.1 ";  // begins so, in reply to HTTP/1.0 as well
 constexpr std::string_view go_ahead = "HTTP/1.1 100 Continue\r\n\r\n";
 
 }  // namespace
 
-Connection::Connection(int socket, std::string client, const ConnectionBounds& bounds, const Lifecycle& lifecycle,
+Connection::Connection(int socket, Peer peer, const ConnectionBounds& bounds, const Lifecycle& lifecycle,
                        Handler& handler, std::function<void()> came)
     : socket_(socket),
-      client_(std::move(client)),
+      peer_(std::move(peer)),
       bounds_(bounds),
       lifecycle_(lifecycle),
       handler_(handler),
@@ -78,11 +79,11 @@ bool Connection::step() {
 bool Connection::read_request() {
   Received received = reader_.read();
   if (auto* const message = std::get_if<Message>(&received)) {
-    begin(handler_.begin(std::move(*message), client_, {socket_, came_}));
+    begin(handler_.begin(std::move(*message), peer_, {socket_, came_}));
     return true;
   }
   if (auto* const refused = std::get_if<Refused>(&received)) {
-    begin(handler_.refuse(std::move(*refused), client_, {socket_, came_}));
+    begin(handler_.refuse(std::move(*refused), peer_, {socket_, came_}));
     return true;
   }
   if (reader_.asks_to_continue()) (void)!::send(socket_, go_ahead.data(), go_ahead.size(), MSG_NOSIGNAL);
@@ -187,7 +188,7 @@ void Connection::cut_off() {
 
 // The client is gone, or let go.
 void Connection::leave() {
-  if (state_ == State::reading && reader_.awaits() != Awaits::request) handler_.aborted(client_);
+  if (state_ == State::reading && reader_.awaits() != Awaits::request) handler_.aborted(peer_.address);
   state_ = State::closed;
   if (const auto exchange = std::exchange(exchange_, nullptr)) {
     exchange->sent = offset_ == sending_.size() && exchange->outbox.done();  // a client may be quick to go then
@@ -213,7 +214,7 @@ void Connection::probe(Clock::time_point now) {
 bool Connection::too_slow(Clock::time_point now) {
   if (sending_.empty()) return false;
   if (lifecycle_.cancelled) {
-    last_write_ = std::min(last_write_, now + bounds_.stall);
+    last_write_ = std::min(last_write_, now + farewell);
     if (now > last_write_) return true;
   }
   const std::chrono::duration<double> waited = blocked_;
@@ -238,7 +239,7 @@ void Connection::tick(Clock::time_point now) {
     // A client that says nothing more does not hold up the end.
     if (lifecycle_.cancelled || (lifecycle_.draining && now - last_byte_ > last_word)) return leave();
     if (waited <= (awaited_ == Awaits::head ? bounds_.head_time : bounds_.body_time)) return;
-    begin(handler_.refuse(reader_.too_late(), client_, {socket_, came_}));
+    begin(handler_.refuse(reader_.too_late(), peer_, {socket_, came_}));
     advance();
   }
 }

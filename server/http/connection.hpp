@@ -19,6 +19,7 @@ namespace least::server {
 
 /// What all connections look at.
 struct Lifecycle {
+  std::atomic<bool> leaving{false};    ///< the service is not ready any more, though it serves as ever
   std::atomic<bool> draining{false};   ///< no new requests; those that came are answered
   std::atomic<bool> cancelled{false};  ///< runs end now
   std::atomic<bool> crowded{false};    ///< clients wait to be let in
@@ -33,6 +34,15 @@ struct ConnectionBounds : RequestBounds {
   /// An answer waits for its client no longer than this, and no longer than bytes leave at `rate` in a second.
   std::chrono::milliseconds drip{5'000};
   double rate = 64 * 1024;
+  /// What the system holds for a client counts as taken: no more than a few seconds of the slowest that is borne.
+  int send_buffer = 256 * 1024;
+};
+
+/// Whose connection it is.
+struct Peer {
+  std::string address;
+  bool for_metrics = false;  ///< it came by the port for them
+  AccountPtr account;        ///< who asks: another address where a proxy says so
 };
 
 /// What becomes of requests. Called by the loop, which it may not hold up.
@@ -40,13 +50,13 @@ class Handler {
  public:
   virtual ~Handler() = default;
   /// A request came; its answer goes into the `line`, from any thread.
-  virtual ExchangePtr begin(Message message, const std::string& client, Line line) = 0;
+  virtual ExchangePtr begin(Message message, Peer& peer, Line line) = 0;
   /// The same for what cannot be one; its connection ends with the answer.
-  virtual ExchangePtr refuse(Refused refused, const std::string& client, Line line) = 0;
+  virtual ExchangePtr refuse(Refused refused, const Peer& peer, Line line) = 0;
   /// There is room for more pieces of an answer.
   virtual void go_on(const ExchangePtr& exchange) = 0;
   /// A client went away within a request.
-  virtual void aborted(const std::string& client) noexcept = 0;
+  virtual void aborted(const std::string& address) noexcept = 0;
   /// A client went away before its answer was whole.
   virtual void left(const Exchange& exchange) noexcept = 0;
   /// Whether there are requests left, of clients who may be gone.
@@ -58,8 +68,8 @@ class Connection {
   using Clock = std::chrono::steady_clock;
 
   /// Owns the socket, which does not block. `came` asks for a further `advance`, from any thread.
-  Connection(int socket, std::string client, const ConnectionBounds& bounds, const Lifecycle& lifecycle,
-             Handler& handler, std::function<void()> came);
+  Connection(int socket, Peer peer, const ConnectionBounds& bounds, const Lifecycle& lifecycle, Handler& handler,
+             std::function<void()> came);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -93,7 +103,7 @@ class Connection {
   void cut_off();
 
   const int socket_;
-  const std::string client_;
+  Peer peer_;
   const ConnectionBounds& bounds_;
   const Lifecycle& lifecycle_;
   Handler& handler_;

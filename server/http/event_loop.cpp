@@ -18,13 +18,14 @@
 #include <system_error>
 #include <utility>
 
+#include "server/http/forwarded.hpp"
 #include "server/shared/log.hpp"
 
 namespace least::server {
 namespace {
 
 constexpr std::chrono::milliseconds between_ticks{50};
-constexpr std::uint64_t listening = 0, called = 1;
+constexpr std::uint64_t called = 2;  // smaller ones: the doors
 
 void check(int result) {
   if (result < 0) throw std::system_error(errno, std::generic_category());
@@ -60,7 +61,7 @@ std::string text_of(const sockaddr_storage& address) {
   if (address.ss_family == AF_INET) number = &reinterpret_cast<const sockaddr_in&>(address).sin_addr;
   if (address.ss_family == AF_INET6) number = &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
   if (number == nullptr || ::inet_ntop(address.ss_family, number, text, sizeof text) == nullptr) return {};
-  return text;
+  return address_of(text);
 }
 
 int port_of(int socket) {
@@ -87,12 +88,13 @@ EventLoop::EventLoop(std::size_t most, const ConnectionBounds& bounds, Lifecycle
 
 EventLoop::~EventLoop() {
   connections_.clear();
-  for (const int descriptor : {listener_, wake_, epoll_}) {
+  for (const int descriptor : {doors_[0].socket, doors_[1].socket, wake_, epoll_}) {
     if (descriptor >= 0) ::close(descriptor);
   }
 }
 
-std::optional<std::string> EventLoop::listen(const std::string& host, int port) {
+std::optional<std::string> EventLoop::listen(const std::string& host, int port, bool for_metrics) {
+  auto& [listener, its_port] = doors_[for_metrics ? 1 : 0];
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
@@ -102,17 +104,17 @@ std::optional<std::string> EventLoop::listen(const std::string& host, int port) 
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, ::freeaddrinfo);
   int error = 0;
   for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {
-    listener_ = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    listener = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     const int yes = 1;
-    ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    if (listener_ >= 0 && ::bind(listener_, address->ai_addr, address->ai_addrlen) == 0 &&
-        ::listen(listener_, SOMAXCONN) == 0) {
-      port_ = port_of(listener_);
-      add_to(epoll_, listener_, EPOLLIN, listening);
+    ::setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    if (listener >= 0 && ::bind(listener, address->ai_addr, address->ai_addrlen) == 0 &&
+        ::listen(listener, SOMAXCONN) == 0) {
+      its_port = port_of(listener);
+      add_to(epoll_, listener, EPOLLIN, for_metrics ? 1 : 0);
       return std::nullopt;
     }
     error = errno;
-    if (listener_ >= 0) ::close(std::exchange(listener_, -1));
+    if (listener >= 0) ::close(std::exchange(listener, -1));
   }
   return std::strerror(error);
 }
@@ -128,7 +130,7 @@ void EventLoop::run(const std::function<void()>& tick_too) {
   }
 }
 
-void EventLoop::wake() noexcept { call(listening); }
+void EventLoop::wake() noexcept { call(called); }
 
 // The loop looks at its calls before it sleeps: only others have to wake it. Where there is no memory for one, the next
 // tick looks at the connection.
@@ -156,8 +158,8 @@ bool EventLoop::turn() {
   const int n = ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), patience);
   for (int i = 0; i < n; ++i) {
     const epoll_event& event = events[static_cast<std::size_t>(i)];
-    if (event.data.u64 == listening) {
-      accept();
+    if (event.data.u64 < doors_.size()) {
+      accept(doors_[event.data.u64]);
     } else if (event.data.u64 == called) {
       std::uint64_t count;
       (void)!::read(wake_, &count, sizeof count);
@@ -171,12 +173,16 @@ bool EventLoop::turn() {
     called_.swap(calls_);
   }
   for (const Id id : called_) advance(id, 0);
-  if (lifecycle_.draining && listener_ >= 0) {
-    accept();  // those who came before the end
-    ::close(std::exchange(listener_, -1));
+  if (lifecycle_.draining) {
+    for (Door& door : doors_) {
+      if (door.socket < 0) continue;
+      accept(door);  // those who came before the end
+      ::close(std::exchange(door.socket, -1));
+    }
   }
   if (paused_ && connections_.size() < full_size_) watch(true);
-  return listener_ < 0 && connections_.empty();
+  count_ = connections_.size();
+  return doors_[0].socket < 0 && connections_.empty();
 }
 
 void EventLoop::tick(Clock::time_point now) {
@@ -199,21 +205,22 @@ void EventLoop::advance(Id id, unsigned events) {
   if (!good || connection.closed()) connections_.erase(found);
 }
 
-bool EventLoop::somebody_waits() const {
-  pollfd queue{listener_, POLLIN, 0};
-  return listener_ >= 0 && ::poll(&queue, 1, 0) == 1;
+bool EventLoop::somebody_waits(const Door& door) {
+  pollfd queue{door.socket, POLLIN, 0};
+  return door.socket >= 0 && ::poll(&queue, 1, 0) == 1;
 }
 
 // Who is connected makes room for those who are there, not for those who may come: to accept fails without descriptors
 // even when nobody waits.
-void EventLoop::accept() {
-  while (somebody_waits()) {
+void EventLoop::accept(Door& door) {
+  while (somebody_waits(door)) {
     if (connections_.size() >= most_ && !make_room()) return watch(false);
     sockaddr_storage address{};
     socklen_t size = sizeof address;
-    const int socket = ::accept4(listener_, reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    const int socket =
+        ::accept4(door.socket, reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket >= 0) {
-      add(socket, address);
+      add(socket, address, &door != &doors_[0]);
       continue;
     }
     if (errno == EAGAIN || errno == EWOULDBLOCK) return;
@@ -223,15 +230,15 @@ void EventLoop::accept() {
   }
 }
 
-void EventLoop::add(int socket, const sockaddr_storage& address) {
+void EventLoop::add(int socket, const sockaddr_storage& address, bool for_metrics) {
   const int yes = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-  // What the system holds for a client counts as taken: no more than a few seconds of the slowest that is borne.
-  const int held = 256 * 1024;
-  ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &held, sizeof held);
+  ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &bounds_.send_buffer, sizeof bounds_.send_buffer);
   const Id id = ++last_;
   const bool good = contained(lost, [&] {
-    connections_.try_emplace(id, socket, text_of(address), bounds_, lifecycle_, handler_, [this, id] { call(id); });
+    Peer peer{text_of(address), for_metrics, nullptr};
+    peer.account = std::make_shared<Account>(peer.address);
+    connections_.try_emplace(id, socket, std::move(peer), bounds_, lifecycle_, handler_, [this, id] { call(id); });
     add_to(epoll_, socket, EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET, id);
   });
   if (!good && connections_.erase(id) == 0) ::close(socket);
@@ -258,10 +265,12 @@ void EventLoop::watch(bool accepting) {
   paused_ = !accepting;
   full_size_ = connections_.size();
   lifecycle_.crowded = paused_;
-  if (listener_ < 0) return;
-  epoll_event event{accepting ? std::uint32_t{EPOLLIN} : 0, {}};
-  event.data.u64 = listening;
-  (void)::epoll_ctl(epoll_, EPOLL_CTL_MOD, listener_, &event);
+  for (std::size_t i = 0; i < doors_.size(); ++i) {
+    if (doors_[i].socket < 0) continue;
+    epoll_event event{accepting ? std::uint32_t{EPOLLIN} : 0, {}};
+    event.data.u64 = i;
+    (void)::epoll_ctl(epoll_, EPOLL_CTL_MOD, doors_[i].socket, &event);
+  }
 }
 
 }  // namespace least::server

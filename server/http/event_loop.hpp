@@ -8,12 +8,13 @@
 // How answers leave. What is in memory, or kept as numbers (a finished run), is written in pieces while the socket
 // takes them, by a worker that goes back as soon as some hundred kilobytes are ready: a slow reader holds that much and
 // no thread. Only what is computed while it leaves (lines of a run, a study, an ensemble) is not kept: there the worker
-// waits for its client, within the limits of its run, in its own place to compute, and no longer than `drip` allows;
-// for the end of it, once that place is given back, it does not wait.
+// waits for its client, within the limits of its run and no longer than `drip` allows, steps aside, and lends its place
+// to compute to others until it can go on; for the end of it, once that place is given back, it does not wait.
 #pragma once
 
 #include <sys/socket.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -38,9 +39,11 @@ class EventLoop {
   EventLoop(const EventLoop&) = delete;
   EventLoop& operator=(const EventLoop&) = delete;
 
-  /// Binds and begins to queue connections. On failure: why, in the system's words.
-  std::optional<std::string> listen(const std::string& host, int port);
-  int port() const { return port_; }
+  /// Binds and begins to queue connections; `for_metrics`: for those alone. On failure: why, in the system's words.
+  std::optional<std::string> listen(const std::string& host, int port, bool for_metrics = false);
+  int port() const { return doors_[0].port; }
+  int metrics_port() const { return doors_[1].port; }
+  std::size_t connections() const { return count_; }
 
   /// Serves until the service drains and all connections are closed. Calls `tick` every 50 ms. What is thrown meanwhile
   /// is logged, and costs the connection with which it happened.
@@ -53,13 +56,18 @@ class EventLoop {
   using Clock = Connection::Clock;
   using Id = std::uint64_t;
 
+  // Where clients come in.
+  struct Door {
+    int socket = -1, port = 0;
+  };
+
   bool turn();
   void tick(Clock::time_point now);
-  void accept();
-  bool somebody_waits() const;
+  void accept(Door& door);
+  static bool somebody_waits(const Door& door);
   bool make_room();
   void watch(bool listening);
-  void add(int socket, const sockaddr_storage& address);
+  void add(int socket, const sockaddr_storage& address, bool for_metrics);
   void advance(Id id, unsigned events);
   void call(Id id) noexcept;
 
@@ -67,11 +75,13 @@ class EventLoop {
   const ConnectionBounds& bounds_;
   Lifecycle& lifecycle_;
   Handler& handler_;
-  int epoll_ = -1, wake_ = -1, listener_ = -1, port_ = 0;
+  int epoll_ = -1, wake_ = -1;
+  std::array<Door, 2> doors_;  // the second for metrics alone
   bool paused_ = false;        // nobody is let in for the moment
   std::size_t full_size_ = 0;  // connections that there were then
   std::unordered_map<Id, Connection> connections_;
-  Id last_ = 1;  // smaller ones stand for the listener and for calls
+  std::atomic<std::size_t> count_{0};  // of them, for others to read
+  Id last_ = 2;                        // smaller ones stand for the doors and for calls
   Clock::time_point ticked_ = Clock::now();
   std::atomic<std::thread::id> thread_{};
   std::mutex mutex_;

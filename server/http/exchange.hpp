@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/http/admission.hpp"
 #include "server/http/outbox.hpp"
 #include "server/http/request_reader.hpp"
 #include "server/shared/answer.hpp"
@@ -20,18 +21,20 @@ namespace least::server {
 struct Exchange {
   using Clock = std::chrono::steady_clock;
 
-  Exchange(Message request, std::string name, std::string address, Line line)
-      : message(std::move(request)), id(std::move(name)), client(std::move(address)), outbox(std::move(line)) {}
+  Exchange(Message request, std::string name, AccountPtr account, Line line)
+      : message(std::move(request)), id(std::move(name)), client(std::move(account)), outbox(std::move(line)) {}
   ~Exchange() { end(); }
   Exchange(const Exchange&) = delete;
   Exchange& operator=(const Exchange&) = delete;
 
   const Message message;
-  const std::string id, client;
+  const std::string id;
+  const AccountPtr client;
   const Clock::time_point start = Clock::now();
   Outbox outbox;
   std::atomic<bool> left{false};       ///< its client went away
   std::atomic<bool> computing{false};  ///< it waits for its turn, or has it
+  Admission::Ticket place{};           ///< of what is computed while it leaves
 
   // Written by who answers, before the first byte is put.
   std::string_view route;

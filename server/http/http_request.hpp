@@ -11,6 +11,7 @@ struct HttpRequest {
   std::string_view body, accept, id;
   std::function<bool()> gone{};  ///< whether the client went away; empty: it never does
   std::string_view client{};     ///< its address
+  bool for_metrics = false;      ///< it came by the port for them
 };
 
 }  // namespace least::server

@@ -17,8 +17,10 @@
 #include <utility>
 
 #include "server/http/answer_bytes.hpp"
+#include "server/http/answer_writer.hpp"
 #include "server/http/cancellation.hpp"
 #include "server/http/event_loop.hpp"
+#include "server/http/forwarded.hpp"
 #include "server/http/http_date.hpp"
 #include "server/http/workers.hpp"
 #include "server/shared/log.hpp"
@@ -58,12 +60,19 @@ class HttpServer::Impl final : private Handler {
   Router& router() { return router_; }
   Admission& admission() { return admission_; }
   Metrics& metrics() { return metrics_; }
-  bool draining() const { return lifecycle_.draining; }
+  bool leaving() const { return lifecycle_.leaving; }
+  std::size_t connections() const { return loop_.connections(); }
+  int metrics_port() const { return loop_.metrics_port(); }
+  const HttpSettings& settings() const { return settings_; }
   const std::atomic<bool>& cancelled() const { return lifecycle_.cancelled; }
 
   std::optional<std::string> start() try {
-    if (const auto error = loop_.listen(settings_.host, settings_.port)) {
-      return fmt::format("cannot listen on {} port {}: {}", settings_.host, settings_.port, *error);
+    for (const bool for_metrics : {false, true}) {
+      const int port = for_metrics ? settings_.metrics_port : settings_.port;
+      if (port < 0) continue;
+      if (const auto error = loop_.listen(settings_.host, port, for_metrics)) {
+        return fmt::format("cannot listen on {} port {}: {}", settings_.host, port, *error);
+      }
     }
     // One more than compute: there is always one for what is short, and that waits for nothing.
     workers_.start(places() + 1);
@@ -97,6 +106,11 @@ class HttpServer::Impl final : private Handler {
 
   void stop() {
     if (!thread_.joinable()) return;
+    lifecycle_.leaving = true;
+    {
+      std::unique_lock lock(mutex_);
+      ended_.wait_for(lock, std::chrono::duration<double>(settings_.drain), [this] { return !running_ || hurries_; });
+    }
     lifecycle_.draining = true;
     loop_.wake();
     {
@@ -109,13 +123,22 @@ class HttpServer::Impl final : private Handler {
     workers_.finish();
   }
 
+  void hurry() {
+    const std::lock_guard lock(mutex_);
+    hurries_ = true;
+    ended_.notify_all();
+  }
+
  private:
   unsigned places() const { return settings_.threads > 0 ? settings_.threads : cores(); }
 
   // ---- what the loop says
 
-  ExchangePtr begin(Message message, const std::string& client, Line line) override {
-    const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(line));
+  ExchangePtr begin(Message message, Peer& peer, Line line) override {
+    const std::string client = client_of(message.head, peer.address, settings_.trusted_proxies);
+    if (client != peer.account->address()) peer.account = std::make_shared<Account>(client);
+    message.for_metrics = peer.for_metrics;
+    const ExchangePtr exchange = exchange_of(std::move(message), peer.account, std::move(line));
     const Message& request = exchange->message;
     const Effort effort = router_.effort(request.head, request.body);
     if (router_.is_short(request.head, effort)) {
@@ -126,11 +149,11 @@ class HttpServer::Impl final : private Handler {
     return exchange;
   }
 
-  ExchangePtr refuse(Refused refused, const std::string& client, Line line) override {
+  ExchangePtr refuse(Refused refused, const Peer& peer, Line line) override {
     Message message;
     message.head.method = std::move(refused.method);
     message.keep_alive = false;
-    const ExchangePtr exchange = exchange_of(std::move(message), client, std::move(line));
+    const ExchangePtr exchange = exchange_of(std::move(message), peer.account, std::move(line));
     Answer answer = error_(refused.refusal.status, refused.refusal.detail, exchange->id);
     if (answer.status == 503) answer.headers.emplace_back("Retry-After", "1");
     respond(exchange, "refused", std::move(answer));
@@ -139,11 +162,12 @@ class HttpServer::Impl final : private Handler {
 
   void go_on(const ExchangePtr& exchange) override {
     if (exchange->writing.exchange(true)) return;
-    workers_.post(Effort::work, [this, exchange] { guarded(exchange, [&] { write_pieces(*exchange); }); });
+    workers_.post(Effort::work,
+                  [this, exchange] { guarded(exchange, [&] { AnswerWriter::write_pieces(*exchange); }); });
   }
 
-  void aborted(const std::string& client) noexcept override try {
-    LogLine(spdlog::level::info, "aborted").with("client", client);
+  void aborted(const std::string& address) noexcept override try {
+    LogLine(spdlog::level::info, "aborted").with("client", address);
   } catch (const std::bad_alloc&) {  // a line less
   }
 
@@ -153,9 +177,10 @@ class HttpServer::Impl final : private Handler {
 
   bool busy() const override { return exchanges_ > 0; }
 
-  ExchangePtr exchange_of(Message message, const std::string& client, Line line) {
-    auto exchange = std::make_shared<Exchange>(
-        std::move(message), fmt::format(FMT_COMPILE("{:08x}-{:x}"), origin_, ++count_), client, std::move(line));
+  ExchangePtr exchange_of(Message message, const AccountPtr& account, Line line) {
+    auto id = request_id_of(message.head);
+    if (!id) id = fmt::format(FMT_COMPILE("{:08x}-{:x}"), origin_, ++count_);
+    auto exchange = std::make_shared<Exchange>(std::move(message), std::move(*id), account, std::move(line));
     ++exchanges_;
     exchange->ended = [this](const Exchange& over) {
       log(over);
@@ -170,9 +195,9 @@ class HttpServer::Impl final : private Handler {
     guarded(exchange, [&] {
       const Exchange* const known = exchange.get();
       const auto gone = [known] { return known->left.load(); };
-      auto [outcome, route] = router_(
-          exchange->message.head,
-          {exchange->message.body, exchange->message.head.field("accept"), exchange->id, gone, exchange->client});
+      auto [outcome, route] =
+          router_(exchange->message.head, {exchange->message.body, exchange->message.head.field("accept"), exchange->id,
+                                           gone, exchange->client->address(), exchange->message.for_metrics});
       if (auto* const ready = std::get_if<Answer>(&outcome)) {
         router_.dress(exchange->message.head, route, *ready);
         respond(exchange, route, std::move(*ready));
@@ -183,13 +208,11 @@ class HttpServer::Impl final : private Handler {
   }
 
   void enqueue(const ExchangePtr& exchange, std::string_view route, Job job) {
-    // Longer than most runs, shorter than what clients and proxies wait for an answer.
-    constexpr std::chrono::seconds patience{10};
     exchange->computing = true;
     if (auto pass = admission_.enter(exchange->client)) return compute(exchange, route, job, std::move(*pass), {});
     const auto from = Clock::now();
     const auto gone = [exchange] { return exchange->left.load(); };
-    admission_.wait(exchange->client, patience, gone, [=, this](std::optional<Admission::Pass> pass) {
+    admission_.wait(exchange->client, Admission::patience, gone, [=, this](std::optional<Admission::Pass> pass) {
       guarded(exchange, [&] {
         const Effort effort = pass ? Effort::work : Effort::brief;
         const auto shared = std::make_shared<std::optional<Admission::Pass>>(std::move(pass));
@@ -204,6 +227,7 @@ class HttpServer::Impl final : private Handler {
   void compute(const ExchangePtr& exchange, std::string_view route, const Job& job, Admission::Pass pass,
                Clock::duration queued) {
     guarded(exchange, [&] {
+      exchange->place = pass.ticket();
       Answer computed = job(std::move(pass));
       router_.dress(exchange->message.head, route, computed);
       respond(exchange, route, std::move(computed), queued);
@@ -212,8 +236,11 @@ class HttpServer::Impl final : private Handler {
 
   void turn_away(const ExchangePtr& exchange, std::string_view route) {
     guarded(exchange, [&] {
-      Answer busy = error_(503, "as many runs as are allowed are computing or waiting", exchange->id);
-      busy.headers.emplace_back("Retry-After", std::to_string(admission_.retry_after()));
+      Answer busy = error_(503,
+                           "as many runs as are allowed are computing or waiting, and none is expected to make room in "
+                           "time: Retry-After says when",
+                           exchange->id);
+      busy.headers.emplace_back("Retry-After", std::to_string(admission_.retry_after(exchange->client)));
       router_.dress(exchange->message.head, route, busy);
       respond(exchange, route, std::move(busy));
     });
@@ -274,77 +301,46 @@ class HttpServer::Impl final : private Handler {
     exchange->begins = answer.begins;
     // What follows a POST without a length may be the body its client had in mind: not the next request. While others
     // cannot be let in, who is inside makes room.
-    exchange->keep_alive = exchange->message.keep_alive && !lifecycle_.draining && !lifecycle_.crowded &&
+    exchange->keep_alive = exchange->message.keep_alive && !lifecycle_.leaving && !lifecycle_.crowded &&
                            answer.status != 411 && (!unbounded || exchange->chunked);
     std::string text = head_of(answer, exchange->keep_alive, exchange->chunked);
     if (answer.stream) {
-      stream(*exchange, answer, std::move(text));
+      writer_.stream(*exchange, answer, std::move(text));
     } else if (answer.pieces) {
       exchange->computing = false;
       exchange->pieces = std::move(answer.pieces);
       exchange->writing = exchange->has_pieces = true;
-      if (exchange->outbox.put(std::move(text))) write_pieces(*exchange);
+      if (exchange->outbox.put(std::move(text))) AnswerWriter::write_pieces(*exchange);
     } else {
       exchange->computing = false;
       if (head.method != "HEAD") {
         exchange->bytes = answer.body.size();
         text += answer.body;
       }
-      finish(*exchange, std::move(text), exchange->keep_alive);
+      AnswerWriter::finish(*exchange, std::move(text), exchange->keep_alive);
     }
   }
 
-  static void finish(Exchange& exchange, std::string last, bool keeps = false) {
-    exchange.over = Clock::now();
-    exchange.outbox.finish(true, std::move(last), keeps);
-  }
-
-  // Each piece leaves at once, or when the client has taken what was before it; the end is not waited for.
-  void stream(Exchange& exchange, const Answer& answer, std::string text) {
-    std::optional<std::string> end;
-    if (exchange.outbox.put(std::move(text))) {
-      end = answer.stream([&](std::string_view piece) {
-        if (piece.empty()) return !exchange.left;
-        exchange.bytes += piece.size();
-        return exchange.outbox.put(chunk_of(piece, exchange.chunked));
-      });
+  // A run is known by its scheme; of a comparison, or of limits, there are several.
+  void count_run(const Exchange& over) {
+    if (over.status != 200 || over.place.number == 0) return;
+    std::string scheme = "several";
+    if (over.notes) {
+      for (const Note& note : *over.notes)
+        if (note.name == "scheme") scheme = std::get<std::string>(note.value);
     }
-    exchange.computing = false;
-    if (!end) return exchange.outbox.finish(false);
-    exchange.bytes += end->size();
-    finish(exchange, chunk_of(*end, exchange.chunked).append(end_of_chunks(exchange.chunked)));
+    metrics_.computed(over.route, scheme);
   }
 
-  // As much of the rest as there is room for. Whoever makes room meanwhile leaves it to this thread, or posts it again.
-  void write_pieces(Exchange& exchange) {
-    do {
-      std::string piece;
-      while (exchange.has_pieces && exchange.outbox.has_room()) {
-        piece.clear();
-        const bool more = exchange.pieces(piece);
-        exchange.bytes += piece.size();
-        std::string chunk = chunk_of(piece, exchange.chunked);
-        if (!more) {
-          exchange.has_pieces = false;
-          exchange.pieces = nullptr;  // who has read the end finds the memory free
-          return finish(exchange, std::move(chunk += end_of_chunks(exchange.chunked)));
-        }
-        if (exchange.outbox.put(std::move(chunk))) continue;
-        exchange.has_pieces = false;
-        exchange.pieces = nullptr;
-      }
-      exchange.writing = false;
-    } while (exchange.has_pieces && exchange.outbox.has_room() && !exchange.writing.exchange(true));
-  }
-
-  void log(const Exchange& over) const try {
+  void log(const Exchange& over) try {
     if (over.status == 0) return;
+    count_run(over);
     const std::chrono::duration<double, std::milli> time = (over.sent ? over.over : Clock::now()) - over.start;
     const std::string& method = over.message.head.method;
     LogLine line(spdlog::level::info, "request");
     line.with("id", over.id).with("method", method.empty() ? "-" : method).with("route", std::string(over.route));
     line.with("status", std::int64_t{over.status}).with("ms", std::round(time.count() * 1e3) / 1e3);
-    line.with("bytes", static_cast<std::int64_t>(over.bytes)).with("client", over.client);
+    line.with("bytes", static_cast<std::int64_t>(over.bytes)).with("client", over.client->address());
     if (!over.sent) line.with("aborted", over.left ? "the client left" : "unsent");
     if (over.notes) {
       for (const Note& note : *over.notes) line.with(note.name, note.value);
@@ -365,7 +361,8 @@ class HttpServer::Impl final : private Handler {
   std::thread thread_;
   mutable std::mutex mutex_;
   std::condition_variable ended_;
-  bool running_ = false;
+  bool running_ = false, hurries_ = false;
+  AnswerWriter writer_{workers_, admission_};
   Workers workers_;  // last: its tasks use the others
 };
 
@@ -374,13 +371,18 @@ HttpServer::HttpServer(HttpSettings settings, ErrorAnswer error, MemoryBudget* m
 HttpServer::~HttpServer() { stop(); }
 Router& HttpServer::router() { return impl_->router(); }
 Admission& HttpServer::admission() { return impl_->admission(); }
+const Admission& HttpServer::admission() const { return impl_->admission(); }
 Metrics& HttpServer::metrics() { return impl_->metrics(); }
-bool HttpServer::draining() const { return impl_->draining(); }
+bool HttpServer::leaving() const { return impl_->leaving(); }
+std::size_t HttpServer::connections() const { return impl_->connections(); }
+int HttpServer::metrics_port() const { return impl_->metrics_port(); }
+const HttpSettings& HttpServer::settings() const { return impl_->settings(); }
 const std::atomic<bool>& HttpServer::cancelled() const { return impl_->cancelled(); }
 std::optional<std::string> HttpServer::start() { return impl_->start(); }
 std::string HttpServer::url() const { return impl_->url(); }
 int HttpServer::port() const { return impl_->port(); }
 bool HttpServer::running() const { return impl_->running(); }
 void HttpServer::stop() { impl_->stop(); }
+void HttpServer::hurry() { impl_->hurry(); }
 
 }  // namespace least::server

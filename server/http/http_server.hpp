@@ -21,9 +21,12 @@ struct HttpSettings {
   unsigned threads = 0;         ///< requests that compute at once; 0: one per core
   unsigned queue = 256;         ///< requests that wait for their turn; beyond it the answer is 503
   unsigned connections = 8192;  ///< at once; beyond it, or where descriptors run out, those that idle make room
+  int metrics_port = -1;        ///< where /metrics is; negative: at `port`
+  double drain = 0;             ///< seconds that the port stays open when the server ends
   double grace = 10;            ///< seconds that computations have left when the server ends
   ConnectionBounds bounds;
   std::vector<std::string> allow_hosts, allow_origins;
+  std::vector<std::string> trusted_proxies;  ///< addresses that say the truth about their clients
 };
 
 class HttpServer {
@@ -33,8 +36,9 @@ class HttpServer {
   /// KiB of each of them, and in the queue what is made of a short one, a quarter of a megabyte of recorded mechanics
   /// at most.
   ///
-  /// An answer that is computed while it leaves holds its place while its client reads. One that reads nothing loses it
-  /// after `stall`, one that drips after `drip`, see ConnectionBounds, or when the run's own `limits.seconds` are over.
+  /// An answer that is computed while it leaves lends its place to others while its client is behind, for at most
+  /// Workers::most_aside of them; a further one ends. A client that reads nothing is let go after `stall`, one that
+  /// drips after `drip`, see ConnectionBounds, and the run ends when its own `limits.seconds` are over.
   HttpServer(HttpSettings settings, ErrorAnswer error, MemoryBudget* memory = nullptr);
   ~HttpServer();  ///< stops
   HttpServer(const HttpServer&) = delete;
@@ -44,9 +48,13 @@ class HttpServer {
   Router& router();
   /// Where what computes gets its turn.
   Admission& admission();
+  const Admission& admission() const;
   Metrics& metrics();
-  /// No new clients are let in: it ends.
-  bool draining() const;
+  /// It is about to end.
+  bool leaving() const;
+  std::size_t connections() const;
+  const HttpSettings& settings() const;
+  int metrics_port() const;
   /// Set once computations are to end with what they have.
   const std::atomic<bool>& cancelled() const;
 
@@ -59,9 +67,12 @@ class HttpServer {
   /// False once the server no longer accepts connections.
   bool running() const;
 
-  /// Ends: accepts nothing new, answers what was accepted; what still computes after the grace time is cancelled and
-  /// answered with what it has. Returns when the last answer is out, a bounded time after the grace.
+  /// Ends: serves for as long as it drains, then accepts nothing new, answers what was accepted; what still computes
+  /// after the grace time is cancelled and answered with what it has. Returns when the last answer is out, a bounded
+  /// time after the grace.
   void stop();
+  /// Ends the time for which it drains, if it does. From any thread.
+  void hurry();
 
  private:
   class Impl;

@@ -15,10 +15,19 @@ namespace least::server {
 
 /// What stands still is not counted but looked at, when it is asked for.
 struct Gauges {
-  unsigned running = 0, waiting = 0;
-  std::size_t bytes_held = 0;
+  unsigned running = 0, waiting = 0, parked = 0;
+  std::size_t connections = 0, bytes_held = 0;
+  unsigned most_running = 0, most_waiting = 0, most_connections = 0;
+  std::size_t most_bytes = 0;
   std::uint64_t dropped_log_lines = 0;
   std::string_view version{};
+};
+
+/// What the system says of this process.
+struct ProcessGauges {
+  double cpu_seconds = 0, start_seconds = 0;  ///< since the epoch
+  std::uint64_t resident_bytes = 0, descriptors = 0;
+  static ProcessGauges now();
 };
 
 /// Safe from any thread.
@@ -26,6 +35,8 @@ class Metrics {
  public:
   /// `route` lives on; all paths of a kind share one, so that their number is bounded.
   void answered(std::string_view route, int status);
+  /// A computation was answered; `scheme` is one of the catalogue, or says that there were several.
+  void computed(std::string_view endpoint, const std::string& scheme);
   void ran(double seconds) { runs_.add(seconds); }
   void waited(double seconds) { waits_.add(seconds); }
   /// A run whose client went away.
@@ -51,6 +62,7 @@ class Metrics {
 
   mutable std::mutex mutex_;
   std::map<std::pair<std::string_view, int>, std::uint64_t> answers_;
+  std::map<std::pair<std::string_view, std::string>, std::uint64_t> runs_by_scheme_;
   Histogram runs_, waits_;
   std::atomic<std::uint64_t> cancelled_{0}, rejected_{0};
 };

@@ -4,6 +4,7 @@
 
 #include <sys/socket.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
@@ -41,7 +42,17 @@ class Outbox {
     held_ = Held();
   }
 
-  /// Waits while more than a bound is still to be sent: who sends keeps the clock. False: nobody takes it any more.
+  /// Waits while more than a bound is still to be sent, at most for so long. False: it still is.
+  bool await_room(std::chrono::milliseconds most) {
+    std::unique_lock lock(mutex_);
+    return taken_.wait_for(lock, most, [this] { return closed_ || bytes_.size() < bound; });
+  }
+  /// Waits for that, however long: who sends keeps the clock.
+  void await_room() {
+    std::unique_lock lock(mutex_);
+    taken_.wait(lock, [this] { return closed_ || bytes_.size() < bound; });
+  }
+  /// The same, and puts the bytes. False: nobody takes them any more.
   bool put(std::string bytes) {
     {
       std::unique_lock lock(mutex_);

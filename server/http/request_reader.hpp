@@ -23,7 +23,8 @@ struct Message {
   RequestHead head;
   std::string body;
   bool keep_alive = true;
-  Held held{};  ///< of the memory for requests
+  bool for_metrics = false;  ///< it came by the port for them
+  Held held{};               ///< of the memory for requests
 };
 
 /// A refusal beside what is known of the request.

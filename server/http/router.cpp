@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 
@@ -23,7 +24,7 @@ std::string tag(std::string_view body) {
   return fmt::format("\"{:016x}\"", hash);
 }
 
-// `localhost` from `LocalHost:8080`, `[::1]` from `[::1]:8080`; nothing where what follows the colon is no port.
+// `localhost` from `LocalHost:8080`, `[::1]` from `[::1]:8080`; empty where what follows the colon is no port.
 std::string without_port(std::string_view authority) {
   const auto from = authority.starts_with('[') ? authority.find(']') : 0;
   const auto colon = std::min(authority.find(':', std::min(from, authority.size())), authority.size());
@@ -64,12 +65,14 @@ std::string_view allowed(bool computes, bool fixed) {
 }  // namespace
 
 Router::Router(Access access, ErrorAnswer error) : access_(std::move(access)), error_(error) {
+  std::erase(access_.hosts, "");  // what is no host at all has no name, and is not allowed by an empty option
   for (auto& host : access_.hosts) host = lowered(host);
 }
 
 void Router::add_page(const Asset& asset) {
-  add_fixed(std::string(asset.path), asset.path, asset.type, std::string(asset.body), true);
-  if (asset.path == "/index.html") add_fixed("/", "/", asset.type, std::string(asset.body), true);
+  constexpr std::string_view route = "/{file}";
+  add_fixed(std::string(asset.path), route, asset.type, std::string(asset.body), true);
+  if (asset.path == "/index.html") add_fixed("/", route, asset.type, std::string(asset.body), true);
 }
 
 void Router::add_text(std::string path, std::string_view route, std::string_view type, std::string body) {
@@ -81,7 +84,9 @@ void Router::add_fixed(std::string path, std::string_view route, std::string_vie
   fixed_.insert_or_assign(std::move(path), Fixed{route, std::string(type), std::move(body), std::move(etag), page});
 }
 
-void Router::add_probe(std::string_view path, Probe probe) { probes_.emplace(path, std::move(probe)); }
+void Router::add_probe(std::string_view path, Probe probe, bool apart) {
+  probes_.emplace(path, ProbeAt{std::move(probe), apart});
+}
 
 void Router::add_computed(std::string_view path, Prepare prepare) { computed_.emplace(path, std::move(prepare)); }
 
@@ -96,9 +101,36 @@ bool Router::host_allowed(const RequestHead& head) const {
   return std::find(access_.hosts.begin(), access_.hosts.end(), host) != access_.hosts.end();
 }
 
+// Most often somebody has opened the page by the name of the machine: a person reads this, in a browser.
+Answer Router::unknown_host(const RequestHead& head, std::string_view request_id) const {
+  const std::string host = without_port(head.authority);
+  const bool is_name = !host.empty() && std::all_of(host.begin(), host.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+           std::string_view("-._:[]").find(c) != std::string_view::npos;
+  });
+  const std::string name = is_name ? host : "NAME";
+  const std::string why = fmt::format(
+      "this Host is not served here: a service answers only to names that it was told, so that no foreign page can use "
+      "it. Whoever runs it adds this one by `--allow-host {0}`, or LEASTACTION_ALLOW_HOST={0}; on its own machine it "
+      "is "
+      "found by 127.0.0.1 or localhost",
+      name);
+  Answer answer = error_(403, why, request_id);
+  constexpr std::string_view html = "text/html";
+  const std::string problem = answer.type;
+  if (negotiate(head.field("accept"), std::array<std::string_view, 2>{problem, html}) == 1) {
+    answer.type = "text/html; charset=utf-8";
+    answer.body =
+        fmt::format("<!doctype html>\n<title>403 Forbidden</title>\n<h1>Not by this name</h1>\n<p>{}.\n", why);
+    answer.headers.emplace_back("Content-Security-Policy", "default-src 'none'");
+  }
+  answer.headers.emplace_back("Vary", "Accept");
+  return answer;
+}
+
 bool Router::origin_allowed(const RequestHead& head) const {
   if (head.count("origin") == 0) return true;
-  const std::string origin = head.field("origin"), host = lowered(head.field("host"));
+  const std::string origin = head.field("origin"), host = lowered(head.authority);
   return lowered(origin) == "http://" + host || lowered(origin) == "https://" + host ||
          std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end();
 }
@@ -141,10 +173,11 @@ void Router::dress(const RequestHead& head, std::string_view route, Answer& answ
 
 Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const {
   const auto probe = probes_.find(head.path);
-  const bool probes = probe != probes_.end();
-  if (!probes && !host_allowed(head)) {
-    return error_(403, "this Host is not served here; --allow-host adds one", request.id);
-  }
+  const bool apart = probe != probes_.end() && probe->second.apart;
+  const bool probes = probe != probes_.end() && apart == request.for_metrics;
+  if (request.for_metrics && !probes) return error_(404, "this port is for metrics", request.id);
+  if (!probes && !host_allowed(head)) return unknown_host(head, request.id);
+  if (apart && !probes) return error_(404, "this is at another port, --metrics-port", request.id);
   if (!origin_allowed(head)) {
     return error_(403, "pages of this Origin may not ask; --allow-origin adds one", request.id);
   }
@@ -171,8 +204,9 @@ Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, s
     return answer;
   }
   if (probes) {
-    Answer answer = probe->second(request.id);
+    Answer answer = probe->second.answer(request.id);
     answer.headers.emplace_back("Cache-Control", "no-store");
+    answer.headers.emplace_back("Vary", "Accept-Encoding");
     return answer;
   }
   if (!computes) return fixed(head, found->second, request.id);

@@ -61,7 +61,8 @@ class Router {
   void add_text(std::string path, std::string_view route, std::string_view type, std::string body);
   /// GET: what the service is asked about itself, made anew each time. Any `Host` is answered: the probes of an
   /// orchestrator come with an address. `path` lives on.
-  void add_probe(std::string_view path, Probe probe);
+  /// `apart`: it is asked by the port for metrics, and there is nothing else there.
+  void add_probe(std::string_view path, Probe probe, bool apart = false);
   /// POST: computed for each request. `path` lives on. A body of more than 4 KiB that is not refused at a glance is
   /// read when its turn has come.
   void add_computed(std::string_view path, Prepare prepare);
@@ -92,6 +93,7 @@ class Router {
 
   void add_fixed(std::string path, std::string_view route, std::string_view type, std::string body, bool page);
   bool host_allowed(const RequestHead& head) const;
+  Answer unknown_host(const RequestHead& head, std::string_view request_id) const;
   bool origin_allowed(const RequestHead& head) const;
   Prepared dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const;
   Answer fixed(const RequestHead& head, const Fixed& fixed, std::string_view request_id) const;
@@ -102,7 +104,11 @@ class Router {
   Hint hint_ = [](int, std::string_view) { return std::string(); };
   std::map<std::string, Fixed> fixed_;  // answers made once, by path
   std::map<std::string_view, Prepare> computed_;
-  std::map<std::string_view, Probe> probes_;
+  struct ProbeAt {
+    Probe answer;
+    bool apart = false;
+  };
+  std::map<std::string_view, ProbeAt> probes_;
 };
 
 }  // namespace least::server

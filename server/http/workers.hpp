@@ -1,4 +1,4 @@
-// The threads that do what takes its time. None of their tasks waits for a client to send or for a turn.
+// The threads that do what takes its time. A task that waits, for a client to read or for its next turn, steps aside.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -25,8 +26,13 @@ class Workers {
   /// A task that waits for longer goes before those of less effort: they cannot keep it waiting for ever.
   static constexpr std::chrono::milliseconds patience{50};
 
-  /// Throws where a thread cannot be had.
+  /// So many tasks may have stepped aside at once.
+  static constexpr std::size_t most_aside = 32;
+
+  /// So many are at work at once. Throws where a thread cannot be had.
   void start(std::size_t threads) {
+    at_once_ = made_ = threads;
+    threads_.reserve(threads + most_aside);
     for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
   }
   ~Workers() { finish(); }
@@ -38,6 +44,32 @@ class Workers {
       tasks_[static_cast<std::size_t>(effort)].push_back({std::move(task), Clock::now()});
     }
     came_.notify_one();
+  }
+
+  /// To be called by a task that is to wait: another thread works in its place. False: there is none to be had.
+  bool step_aside() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (aside_ >= most_aside || ended_) return false;
+      if (made_ < at_once_ + aside_ + 1) {
+        try {
+          threads_.emplace_back([this] { work(); });
+        } catch (const std::system_error&) {
+          return false;
+        }
+        ++made_;
+      }
+      ++aside_;
+      --at_work_;
+    }
+    came_.notify_one();
+    return true;
+  }
+  /// It goes on.
+  void step_back() {
+    const std::lock_guard lock(mutex_);
+    --aside_;
+    ++at_work_;
   }
 
   /// Does what was posted, and ends.
@@ -72,14 +104,17 @@ class Workers {
     std::unique_lock lock(mutex_);
     for (;;) {
       Queue* queue = nullptr;
-      came_.wait(lock, [&] { return (queue = next()) != nullptr || ended_; });
-      if (!queue) return;
+      came_.wait(lock, [&] { return (at_work_ < at_once_ && (queue = next()) != nullptr) || ended_; });
+      if (!queue && !(queue = next())) return;
+      ++at_work_;
       Task task = std::move(queue->front().task);
       queue->pop_front();
       lock.unlock();
       task();
       task = nullptr;  // what it holds is let go outside of the lock, too
       lock.lock();
+      --at_work_;
+      if (made_ > at_once_) came_.notify_one();  // one more than there was room for may wait
     }
   }
 
@@ -87,6 +122,7 @@ class Workers {
   std::condition_variable came_;
   std::array<Queue, 3> tasks_;  // by effort
   bool ended_ = false;
+  std::size_t at_once_ = 0, made_ = 0, at_work_ = 0, aside_ = 0;
   std::vector<std::jthread> threads_;  // last: they use the others
 };
 

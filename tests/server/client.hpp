@@ -18,8 +18,9 @@ struct Reply {
 
 class Client {
  public:
-  /// Connects to this machine, where `from` says so from that address of it.
-  explicit Client(int port, const char* from = nullptr);
+  /// Connects to this machine, where `from` says so from that address of it; `buffer`: so many bytes the system takes
+  /// for it ahead, as many as it likes where 0.
+  explicit Client(int port, const char* from = nullptr, int buffer = 0);
   ~Client();
   Client(Client&& other) noexcept;
   Client(const Client&) = delete;

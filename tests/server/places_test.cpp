@@ -31,7 +31,7 @@ TEST(Places, BesidesAreAllForOneAndHalfAmongSeveral) {
   EXPECT_FALSE(admission.gives_way("a"));
 
   std::optional<Admission::Pass> b;
-  admission.wait("b", 10s, {}, [&](std::optional<Admission::Pass> pass) {
+  admission.wait(std::make_shared<Account>("b"), 10s, {}, [&](std::optional<Admission::Pass> pass) {
     if (pass) b.emplace(std::move(*pass));
   });
   EXPECT_TRUE(admission.gives_way("a")) << "somebody waits";
@@ -60,7 +60,7 @@ TEST(Places, BesidesAreAsGoodAsFreeForOthers) {
   EXPECT_FALSE(admission.load().full);
   std::optional<Admission::Pass> b;
   bool refused = false;
-  admission.wait("b", 1ms, {}, [&](std::optional<Admission::Pass> pass) {
+  admission.wait(std::make_shared<Account>("b"), 1ms, {}, [&](std::optional<Admission::Pass> pass) {
     refused = !pass;
     if (pass) b.emplace(std::move(*pass));
   });

@@ -36,6 +36,7 @@ class Process {
       ::dup2(out[1], 1);
       ::dup2(err[1], 2);
       if (closed >= 0) ::close(closed);
+      ::signal(SIGHUP, SIG_DFL);  // whatever the tests themselves run under
       if (descriptors) ::setrlimit(RLIMIT_NOFILE, descriptors);
       ::execve(argv[0], argv.data(), envp.data());
       ::_exit(127);

@@ -32,7 +32,8 @@ std::optional<Admission::Pass> enter(Admission& admission, const std::string& cl
                                      std::chrono::milliseconds patience, const std::function<bool()>& gone = {}) {
   std::promise<std::optional<Admission::Pass>> come;
   auto came = come.get_future();
-  admission.wait(client, patience, gone, [&](std::optional<Admission::Pass> pass) { come.set_value(std::move(pass)); });
+  admission.wait(std::make_shared<Account>(client), patience, gone,
+                 [&](std::optional<Admission::Pass> pass) { come.set_value(std::move(pass)); });
   while (came.wait_for(1ms) != std::future_status::ready) admission.look();
   return came.get();
 }

@@ -51,7 +51,7 @@ TEST(Turns, SurviveThatMemoryIsOut) {
         if (auto pass = admission.enter(names[i % 2])) {
           granted.push_back(std::move(pass));
         } else {
-          admission.wait(names[i % 2], std::chrono::seconds(10), {}, turn);
+          admission.wait(std::make_shared<Account>(names[i % 2]), std::chrono::seconds(10), {}, turn);
           ++taken;
         }
       } catch (const std::bad_alloc&) {

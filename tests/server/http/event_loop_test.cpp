@@ -23,19 +23,19 @@ using test::get;
 // Answers requests with nothing, and fails where there is more to do.
 class Failing final : public Handler {
  public:
-  ExchangePtr begin(Message message, const std::string& client, Line line) override {
+  ExchangePtr begin(Message message, Peer& peer, Line line) override {
     if (message.head.path == "/fails") throw std::bad_alloc();
-    auto exchange = std::make_shared<Exchange>(std::move(message), "id", client, std::move(line));
+    auto exchange = std::make_shared<Exchange>(std::move(message), "id", peer.account, std::move(line));
     exchange->keep_alive = true;
     exchange->outbox.finish(true, "HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n", true);
     return exchange;
   }
-  ExchangePtr refuse(Refused /*refused*/, const std::string& /*client*/, Line /*line*/) override {
+  ExchangePtr refuse(Refused /*refused*/, const Peer& /*peer*/, Line /*line*/) override {
     ++refusals;
     throw std::bad_alloc();
   }
   void go_on(const ExchangePtr& /*exchange*/) override {}
-  void aborted(const std::string& /*client*/) noexcept override {}
+  void aborted(const std::string& /*address*/) noexcept override {}
   void left(const Exchange& /*exchange*/) noexcept override {}
   bool busy() const override { return false; }
 

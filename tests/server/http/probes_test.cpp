@@ -106,19 +106,59 @@ TEST_F(Probes, MetricsCountWhatHappens) {
   EXPECT_EQ(grown("leastaction_queue_seconds_count"), 3);
   EXPECT_EQ(grown(R"(leastaction_run_seconds_bucket{le="+Inf"})"), 3);
   EXPECT_GT(grown("leastaction_run_seconds_sum"), 0);
+  EXPECT_EQ(grown(R"(leastaction_runs_total{endpoint="/v1/simulate",scheme="leapfrog"})"), 3);
+  for (const char* name : {"leastaction_connections", "leastaction_max_running", "leastaction_max_waiting",
+                           "leastaction_max_connections", "leastaction_max_held_bytes", "process_resident_memory_bytes",
+                           "process_cpu_seconds_total", "process_open_fds"}) {
+    EXPECT_GT(metric(after, name), 0) << name;
+  }
+  EXPECT_LT(std::abs(metric(after, "process_start_time_seconds") - static_cast<double>(std::time(nullptr))), 3600);
   for (const char* name :
-       {"leastaction_running", "leastaction_waiting", "leastaction_cancelled_total", "leastaction_rejected_total",
-        "leastaction_held_bytes", "leastaction_dropped_log_lines_total"}) {
+       {"leastaction_running", "leastaction_parked", "leastaction_waiting", "leastaction_cancelled_total",
+        "leastaction_rejected_total", "leastaction_held_bytes", "leastaction_dropped_log_lines_total"}) {
     EXPECT_EQ(metric(after, name), 0) << name;
   }
   // Every line is a comment or a sample, as Prometheus reads them.
   const std::regex line(
-      R"re((# (HELP|TYPE) leastaction_\w+ .+|leastaction_\w+(\{\w+="[^"]*"(,\w+="[^"]*")*\})? [0-9.e+-]+)\n)re");
+      R"re((# (HELP|TYPE) (leastaction|process)_\w+ .+|(leastaction|process)_\w+(\{\w+="[^"]*"(,\w+="[^"]*")*\})? [0-9.e+-]+)\n)re");
   std::string rest = after;
   for (std::smatch match; std::regex_search(rest, match, line, std::regex_constants::match_continuous);) {
     rest = match.suffix();
   }
   EXPECT_EQ(rest, "");
+}
+
+TEST_F(Probes, StudiesAreCountedAndFilesAreOneRoute) {
+  ask(port(), get("/page.js"));
+  ask(port(), get("/"));
+  ask(port(), post("/v1/stability", R"({"problem":"harmonic_oscillator","schemes":["leapfrog"]})"));
+  const std::string text = ask(port(), get("/metrics")).body;
+  EXPECT_GE(metric(text, R"(leastaction_requests_total{route="/{file}",status="200"})"), 2);
+  EXPECT_EQ(text.find("page.js"), std::string::npos);
+  EXPECT_GE(metric(text, R"(leastaction_runs_total{endpoint="/v1/stability",scheme="several"})"), 1);
+}
+
+// Caches between know that a packed answer is not for everybody.
+TEST_F(Probes, ThatArePackedSaySo) {
+  const Reply reply = ask(port(), get("/metrics", "Accept-Encoding: gzip\r\n"));
+  EXPECT_EQ(reply.fields.at("content-encoding"), "gzip");
+  EXPECT_EQ(reply.fields.at("vary"), "Accept-Encoding");
+  EXPECT_EQ(ask(port(), get("/metrics")).fields.at("vary"), "Accept-Encoding");
+}
+
+TEST(Metrics, StandAtAPortOfTheirOwnWhereAsked) {
+  Settings settings = quiet_settings();
+  settings.metrics_port = 0;
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  ASSERT_NE(service.metrics_port(), service.port());
+  EXPECT_EQ(ask(service.port(), get("/metrics")).status, 404);
+  EXPECT_EQ(ask(service.port(), get("/healthz")).status, 200);
+  const Reply reply = ask(service.metrics_port(), "GET /metrics HTTP/1.1\r\nHost: 10.0.0.7\r\n\r\n");
+  EXPECT_EQ(reply.status, 200);
+  EXPECT_EQ(metric(reply.body, "leastaction_running"), 0);
+  for (const auto& request : {get("/"), get("/healthz"), post("/v1/simulate", short_request)})
+    EXPECT_EQ(ask(service.metrics_port(), request).status, 404);
 }
 
 TEST(Readiness, IsLostWithAFullQueue) {
@@ -234,6 +274,53 @@ TEST_F(Probes, StreamsArePackedPieceByPiece) {
   EXPECT_TRUE(unpacked(reply->body).starts_with(line));
 }
 
+// It is not ready any more, and goes on as before until its port closes.
+TEST(Readiness, IsLostBeforeThePortCloses) {
+  Settings settings = quiet_settings();
+  settings.drain = 30;
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  const int port = service.port();
+  Client kept(port);
+  kept.send(get("/healthz"));
+  EXPECT_EQ(kept.receive().value_or(Reply{}).fields["connection"], "keep-alive");
+  std::jthread end([&] { service.stop(); });
+  while (ask(port, get("/readyz")).status == 200) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(ask(port, get("/readyz")).status, 503);
+  const Reply run = ask(port, post("/v1/simulate", short_request));
+  EXPECT_EQ(run.status, 200);
+  EXPECT_EQ(run.fields.at("connection"), "close") << "so that nobody asks by a connection that ends";
+  kept.send(post("/v1/simulate", short_request));
+  EXPECT_EQ(kept.receive().value_or(Reply{}).status, 200);
+  service.hurry();
+}
+
+// A person may read it, in a browser.
+TEST_F(Probes, AHostThatIsUnknownIsToldWhatToDo) {
+  const auto asked_by = [](const std::string& host, const std::string& accept) {
+    return ask(port(), "GET / HTTP/1.1\r\nHost: " + host + "\r\nAccept: " + accept + "\r\n\r\n");
+  };
+  const Reply page = asked_by("LabServer:8080", "text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8");
+  EXPECT_EQ(page.status, 403);
+  EXPECT_EQ(page.fields.at("content-type"), "text/html; charset=utf-8");
+  EXPECT_NE(page.body.find("--allow-host labserver"), std::string::npos) << page.body;
+  const Reply problem = asked_by("labserver:8080", "*/*");
+  EXPECT_EQ(problem.fields.at("content-type"), "application/problem+json");
+  EXPECT_NE(Json::parse(problem.body)["detail"].get<std::string>().find("--allow-host labserver"), std::string::npos);
+  EXPECT_EQ(asked_by("<script>alert(1)</script>", "text/html").body.find("<script"), std::string::npos);
+}
+
+// An empty name allows nothing: not what is no host at all.
+TEST(Hosts, AnEmptyNameIsNobodys) {
+  Settings settings = quiet_settings();
+  settings.allow_hosts = {""};
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  for (const char* host : {"localhost:evil.com", "localhost:80:80", "localhost:123456", "", ":80"})
+    EXPECT_EQ(ask(service.port(), "GET / HTTP/1.1\r\nHost: " + std::string(host) + "\r\n\r\n").status, 403) << host;
+  EXPECT_EQ(ask(service.port(), get("/")).status, 200);
+}
+
 TEST_F(Probes, TargetsOfEveryFormAreTaken) {
   const auto line = [](const std::string& first, const std::string& host = "localhost") {
     return first + " HTTP/1.1\r\nHost: " + host + "\r\n\r\n";
@@ -244,6 +331,9 @@ TEST_F(Probes, TargetsOfEveryFormAreTaken) {
   // The target's authority counts, not Host (RFC 9112, 3.2.2).
   EXPECT_EQ(ask(port(), line("GET http://evil.example/v1")).status, 403);
   EXPECT_EQ(ask(port(), line("GET http://localhost/v1", "evil.example")).status, 200);
+  // So it does where the page's own origin is asked for.
+  EXPECT_EQ(ask(port(), line("GET http://localhost/v1", "evil.example\r\nOrigin: http://localhost")).status, 200);
+  EXPECT_EQ(ask(port(), line("GET http://localhost/v1", "evil.example\r\nOrigin: http://evil.example")).status, 403);
   EXPECT_EQ(ask(port(), line("GET ftp://localhost/v1")).status, 400);
   EXPECT_EQ(ask(port(), line("GET http:///v1")).status, 400);
   const Reply all = ask(port(), line("OPTIONS *"));

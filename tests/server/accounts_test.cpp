@@ -1,0 +1,184 @@
+// Who of one address goes first, who is told at once that its turn does not come, and when it is worth to ask again.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/decode/json_parse.hpp"
+#include "server/http/admission.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+using namespace std::chrono_literals;
+using MaybePass = std::optional<Admission::Pass>;
+
+AccountPtr account(const std::string& address = "a") { return std::make_shared<Account>(address); }
+
+// What became of one that waits.
+struct Waiting {
+  bool refused = false;
+  std::shared_ptr<MaybePass> pass = std::make_shared<MaybePass>();
+};
+
+// Puts it into the queue; `order` takes its name when its turn has come.
+std::shared_ptr<Waiting> ask_for_turn(Admission& admission, const AccountPtr& who, std::chrono::milliseconds patience,
+                                      std::string* order = nullptr, char name = ' ') {
+  auto waiting = std::make_shared<Waiting>();
+  admission.wait(who, patience, {}, [=](MaybePass pass) {
+    waiting->refused = !pass;
+    if (pass && order) *order += name;
+    if (pass) waiting->pass->emplace(std::move(*pass));
+  });
+  return waiting;
+}
+
+// An account that is known, and has computed for so many seconds.
+AccountPtr after(Admission& admission, double seconds) {
+  auto who = account();
+  EXPECT_TRUE(admission.enter(who));
+  admission.charge(*who, seconds);
+  return who;
+}
+
+// Gives the place back as often as somebody has it.
+void serve_all(std::vector<std::shared_ptr<Waiting>>& all) {
+  for (bool found = true; found;) {
+    found = false;
+    for (auto& waiting : all) {
+      if (!*waiting->pass) continue;
+      waiting->pass->reset();
+      found = true;
+    }
+  }
+}
+
+TEST(Accounts, WhoComputedLeastGoesFirst) {
+  Admission admission(1, 100);
+  const auto much = after(admission, 600), some = after(admission, 200), little = after(admission, 10);
+  std::string order;
+  auto held = admission.enter("b");
+  std::vector<std::shared_ptr<Waiting>> all;
+  all.push_back(ask_for_turn(admission, much, 20s, &order, 'm'));
+  all.push_back(ask_for_turn(admission, some, 20s, &order, 's'));
+  all.push_back(ask_for_turn(admission, little, 20s, &order, 'l'));
+  all.push_back(ask_for_turn(admission, account(), 20s, &order, 'n'));  // nobody knows it: the mean of these, 270
+  held.reset();
+  serve_all(all);
+  EXPECT_EQ(order, "lsnm");
+}
+
+TEST(Accounts, OfEqualsTheFirstGoesFirst) {
+  Admission admission(1, 100);
+  std::string order;
+  auto held = admission.enter("b");
+  std::vector<std::shared_ptr<Waiting>> all;
+  for (const char name : {'1', '2', '3', '4'}) all.push_back(ask_for_turn(admission, account(), 20s, &order, name));
+  held.reset();
+  serve_all(all);
+  EXPECT_EQ(order, "1234");
+}
+
+TEST(Accounts, AFullQueueMakesRoomForWhoComputedLess) {
+  Admission admission(1, 2);
+  const auto much = after(admission, 300), more = after(admission, 600), little = after(admission, 10);
+  const auto held = admission.enter("b");
+  const auto first = ask_for_turn(admission, more, 20s), second = ask_for_turn(admission, much, 20s);
+  const auto third = ask_for_turn(admission, little, 20s);
+  EXPECT_TRUE(first->refused);
+  EXPECT_FALSE(second->refused || third->refused);
+  EXPECT_TRUE(ask_for_turn(admission, more, 20s)->refused) << "it computed most";
+}
+
+// Seventeen that ask without a pause, and one behind the same address that asks now and then.
+TEST(Accounts, ManyConnectionsDoNotShutOutOneOfTheirAddress) {
+  Settings settings = quiet_settings();
+  settings.threads = 1;
+  settings.queue = 8;
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  const std::string request = post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":1000000},
+    "record":{"every":0},"diagnostics":[]})");
+  std::atomic<bool> end{false};
+  std::atomic<int> answered{0};
+  std::vector<std::jthread> crowd;
+  for (int i = 0; i < 17; ++i) {
+    crowd.emplace_back([&] {
+      Client client(service.port());
+      while (!end && client.send(request)) {
+        const auto reply = client.receive();
+        if (!reply) break;
+        answered += reply->status == 200 ? 1 : 0;
+      }
+    });
+  }
+  for (const auto from = std::chrono::steady_clock::now();
+       answered < 40 && std::chrono::steady_clock::now() - from < 60s;)
+    std::this_thread::sleep_for(5ms);
+  Client other(service.port());
+  int served = 0;
+  for (int i = 0; i < 15; ++i) {
+    other.send(post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})"));
+    served += other.receive().value_or(Reply{}).status == 200 ? 1 : 0;
+  }
+  end = true;
+  EXPECT_EQ(served, 15);
+}
+
+TEST(Accounts, WhoseTurnCannotComeIsToldAtOnceAndWhen) {
+  Admission admission(2, 100);
+  auto a = admission.enter("a"), b = admission.enter("b");
+  a->may_take(60);
+  b->may_take(30);
+  std::this_thread::sleep_for(150ms);  // they are at it
+  const auto who = account("c");
+  EXPECT_TRUE(ask_for_turn(admission, who, 10s)->refused);
+  EXPECT_GT(admission.retry_after(who), 25);
+  EXPECT_LE(admission.retry_after(who), 30);
+  EXPECT_FALSE(ask_for_turn(admission, who, 40s)->refused) << "it has the patience";
+  admission.close();
+}
+
+// A limit is no more than a limit where runs do not come near theirs.
+TEST(Accounts, LimitsThatNobodyUsesTurnNobodyAway) {
+  Admission admission(1, 100);
+  for (int i = 0; i < 60; ++i) admission.enter("a")->may_take(60);
+  auto held = admission.enter("a");
+  held->may_take(60);
+  std::this_thread::sleep_for(150ms);
+  const auto waiting = ask_for_turn(admission, account("b"), 10s);
+  EXPECT_FALSE(waiting->refused);
+  held.reset();
+  EXPECT_TRUE(*waiting->pass);
+}
+
+TEST(Accounts, AServiceSaysAtOnceWhenItHasRoomAgain) {
+  Settings settings = quiet_settings();
+  settings.threads = 1;
+  settings.grace = 0;
+  settings.caps.seconds = 100;
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  Client busy(service.port());
+  busy.send(post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},
+    "record":{"every":0},"limits":{"steps":10000000000,"seconds":100}})"));
+  while (ask(service.port(), get("/metrics")).body.find("\nleastaction_running 1\n") == std::string::npos)
+    std::this_thread::sleep_for(5ms);
+  const auto from = std::chrono::steady_clock::now();
+  const Reply reply = ask(service.port(), post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog"})"));
+  EXPECT_EQ(reply.status, 503);
+  EXPECT_LT(std::chrono::steady_clock::now() - from, 5s) << "its patience is ten";
+  ASSERT_TRUE(reply.fields.contains("retry-after"));
+  EXPECT_GT(std::stoi(reply.fields.at("retry-after")), 50);
+  EXPECT_LE(std::stoi(reply.fields.at("retry-after")), 100);
+}
+
+}  // namespace
+}  // namespace least::server::test

@@ -1,0 +1,103 @@
+// server/deploy: each file is what its reader takes, and speaks of options and metrics that there are.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
+#include "tests/server/process.hpp"
+
+namespace least::server::test {
+namespace {
+
+const std::string folder = LEAST_SOURCE_DIR "/server/deploy/";
+
+std::string text_of(const std::string& name) {
+  std::ifstream file(folder + name);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_FALSE(text.empty()) << name;
+  return text;
+}
+
+// Where this machine has the program: what it says against a file.
+std::string said_by(const std::string& program, const std::string& command) {
+  if (std::system(("command -v " + program + " >/dev/null").c_str()) != 0) return "";
+  const std::string out = testing::TempDir() + "least_deploy.out";
+  const int code = std::system((command + " >" + out + " 2>&1").c_str());
+  std::ifstream file(out);
+  const std::string said{std::istreambuf_iterator<char>(file), {}};
+  std::filesystem::remove(out);
+  return code == 0 ? "" : "failed: " + said;
+}
+
+TEST(Deploy, FilesAreWhatTheirReadersTake) {
+  EXPECT_EQ(said_by("haproxy", "haproxy -c -f " + folder + "haproxy.cfg"), "");
+  EXPECT_EQ(said_by("promtool", "promtool check rules " + folder + "alerts.yaml"), "");
+  // As installed, but for the binary.
+  const std::string unit = testing::TempDir() + "leastaction.service";
+  std::ofstream(unit) << std::regex_replace(text_of("leastaction.service"), std::regex("/usr/local/bin/leastaction"),
+                                            LEAST_BINARY);
+  EXPECT_EQ(said_by("systemd-analyze", "systemd-analyze verify --man=no " + unit), "");
+  std::filesystem::remove(unit);
+}
+
+TEST(Deploy, TheManifestsStartAService) {
+  const std::string text = text_of("kubernetes.yaml");
+  const auto from = text.find("args: [serve, ") + 7;
+  const std::string list = text.substr(from, text.find(']', from) - from);
+  const std::regex word("[^,\\s\"]+");
+  std::vector<std::string> arguments;
+  for (std::sregex_iterator it(list.begin(), list.end(), word), end; it != end; ++it) {
+    const bool is_port = !arguments.empty() && arguments.back() == "--metrics-port";
+    arguments.push_back(is_port ? "0" : it->str());
+  }
+  ASSERT_GT(arguments.size(), 8U);
+  for (const char* more : {"--port", "0", "--drain=0"}) arguments.emplace_back(more);
+  std::erase(arguments, "--drain");
+  std::erase(arguments, "5");
+  Process serve(arguments);
+  const std::string line = serve.line();
+  ASSERT_NE(line.find("listening on"), std::string::npos) << serve.errors();
+  EXPECT_EQ(ask(port_in(line), "GET /v1 HTTP/1.1\r\nHost: leastaction\r\n\r\n").status, 200)
+      << "as the Service is called";
+  serve.signal(SIGTERM);
+  EXPECT_EQ(serve.wait(), 0);
+}
+
+// Variables of the unit and options in the comments are some that the program has.
+TEST(Deploy, OptionsAreThoseOfTheProgram) {
+  Process help({"serve", "--help"});
+  const std::string known = help.output();
+  EXPECT_EQ(help.wait(), 0);
+  const std::regex option("LEASTACTION_[A-Z_]+|--(?:allow|drain|grace|max|metrics|trusted|threads|host|port)[a-z-]*");
+  std::set<std::string> found;
+  for (const char* name : {"leastaction.service", "haproxy.cfg", "alerts.yaml"}) {
+    const std::string text = text_of(name);
+    for (std::sregex_iterator it(text.begin(), text.end(), option), end; it != end; ++it) found.insert(it->str());
+  }
+  EXPECT_GE(found.size(), 6U);
+  for (const std::string& name : found) EXPECT_NE(known.find(name), std::string::npos) << name;
+}
+
+TEST(Deploy, AlertsSpeakOfMetricsThatThereAre) {
+  Service service(quiet_settings(), page_assets);
+  ASSERT_FALSE(service.start());
+  const std::string rules = text_of("alerts.yaml"), metrics = ask(service.port(), get("/metrics")).body;
+  const std::regex name("\\bleastaction_[a-z_]+");
+  std::size_t found = 0;
+  for (std::sregex_iterator it(rules.begin(), rules.end(), name), end; it != end; ++it, ++found) {
+    const std::string kind = std::regex_replace(it->str(), std::regex("_bucket$"), "");
+    EXPECT_NE(metrics.find("# TYPE " + kind + " "), std::string::npos) << kind;
+  }
+  EXPECT_GE(found, 7U);
+}
+
+}  // namespace
+}  // namespace least::server::test

@@ -152,6 +152,13 @@ bool starts_series(const P& problem, const X& x) {
   }
 }
 
+/// Of the domain of the motion.
+template <class P, class X>
+bool outside([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
+  if constexpr (HasDomain<P>) return problem.bounded() && !(problem.inside(position(x)) >= 0);
+  return false;
+}
+
 /// The energy; at the singular start of a series its limit.
 template <class P, class X>
 double energy_of(const P& problem, const X& x) {

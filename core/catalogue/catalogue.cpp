@@ -68,4 +68,34 @@ Request default_request(std::string_view problem, std::string_view scheme) {
   return request;
 }
 
+namespace {
+
+/// In words, which mechanics a problem offers to schemes.
+std::string offers(const ProblemTraits& traits) {
+  std::string words = traits.conservative && !traits.configuration_metric
+                          ? "a separable Hamiltonian (a potential and a constant kinetic metric)"
+                      : traits.linear_contact       ? "a contact Hamiltonian linear in s (a potential and a damping)"
+                      : traits.quadratic_contact    ? "a contact Hamiltonian quadratic in s"
+                      : traits.configuration_metric ? "a Lagrangian whose kinetic metric depends on the configuration"
+                      : traits.general_lagrangian   ? "a regular Lagrangian L(q, v, s, t) of no simpler form"
+                      : traits.general              ? "a Hamiltonian H(q, p, s, t) of no simpler form"
+                      : traits.split_flow           ? "a vector field that is a sum of exact flows"
+                                                    : "";
+  words += words.empty() ? "equations of motion" : ", equations of motion";
+  if (traits.autonomous) words += " that do not depend on time";
+  return words;
+}
+
+}  // namespace
+
+ProblemCard complete_card(ProblemCard card, const ProblemTraits& traits, std::vector<std::size_t> schemes) {
+  card.keeps_energy = traits.keeps_energy;
+  card.keeps_form = traits.potential || traits.general;
+  for (const auto& column : columns_of(traits, card)) card.columns.push_back(column.card);
+  card.diagnostics = diagnostic_cards(traits);
+  card.offers = offers(traits);
+  card.schemes = std::move(schemes);
+  return card;
+}
+
 }  // namespace least

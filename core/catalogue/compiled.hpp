@@ -10,8 +10,12 @@
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
 #include "core/reference/regular_state.hpp"
+#include "core/run/diagnostics/table.hpp"
+#include "core/run/problem_entries.hpp"
 #include "core/run/run.hpp"
 #include "core/run/scales.hpp"
+#include "core/run/self_timed.hpp"
+#include "core/run/tangent.hpp"
 #include "core/schemes/list.hpp"
 
 namespace least {
@@ -45,66 +49,149 @@ void with_scheme(const Request& request, F&& f) {
   with_scheme<P>(request, f, static_cast<SchemeList*>(nullptr));
 }
 
+/// The full state of which a run's state has the first components; what it does not carry is 0.
+template <class P>
+FullStateOf<P> full_state_from(const RunState& x) {
+  FullStateOf<P> full{};
+  full.t = x.t;
+  for (std::size_t i = 0; i < std::min(FullStateOf<P>::size, x.size()); ++i) full[i] = x[i];
+  return full;
+}
+
 /// Tangents of the steps of a run, whichever state it carries: they are of the full one.
 template <class P>
-StepTangents<P> tangents_of(const P& problem, const Request& request) {
+StepTangents tangents_of(const P& problem, const Request& request) {
   using Full = FullStateOf<P>;
-  StepTangents<P> tangents{[](const Full&, const ActiveMethod&) { return std::nullopt; },
-                           [](const Full&) { return std::nullopt; }};
+  StepTangents tangents;
   if (!request.until_steps) tangents.end = request.end;
-  if (request.diagnostics.empty()) return tangents;  // nobody asks for them
   const Full start = start_of<Full>(problem, request.scene->initial, request.scene->start);
   with_scheme<P>(request, [&]<class Scheme>(const Scheme& scheme) {
     if constexpr (ExtendsTo<Scheme, P>) {
-      tangents.extended = [&problem, scheme, start](const Full& x) {
-        return extended_step_tangent(scheme, problem, start, x);
+      tangents.extended = [&problem, scheme, start](const RunState& x, TangentMap& map) {
+        const auto step = extended_step_tangent(scheme, problem, start, full_state_from<P>(x));
+        if (step) map = tangent_map(step->start, step->tangent);
+        map.extended = true;
+        return step.has_value();
       };
     } else if constexpr (!AdaptsSteps<Scheme>) {
-      tangents.plain = [&problem, scheme, start](const Full& x, const ActiveMethod& before) {
-        return step_tangent(scheme, problem, start, x, before);
+      tangents.plain = [&problem, scheme, start](const RunState& x, TangentMap& map) {
+        const Full from = full_state_from<P>(x);
+        const auto tangent = step_tangent(scheme, problem, start, from);
+        if (tangent) map = tangent_map(from, *tangent);
+        return tangent.has_value();
       };
-      tangents.level = level_slopes(scheme, problem, start);
+      tangents.along = [&problem, scheme, start](const RunState& x, const ActiveMethod& before, const StateNumbers& u,
+                                                 double dt, double level, ChangeOfStep& to) {
+        Vec<int(Full::size)> direction{};
+        std::copy_n(u.begin(), std::min(u.size(), direction.size()), direction.begin());
+        const auto found = step_change(scheme, problem, start, full_state_from<P>(x), before, direction, dt, level);
+        if (!found) return false;
+        assign_numbers(found->image, to.to);
+        to.change.assign(found->change.data(), found->change.data() + found->change.size());
+        to.longer = found->longer;
+        to.course = found->course;
+        return true;
+      };
+      const auto level = level_slopes(scheme, problem, start);
+      tangents.level.assign(level.begin(), level.end());
     }
   });
   return tangents;
 }
 
-template <class X, class P>
-Solution solve(const P& problem, const Request& request, const std::vector<Column<P, X>>& columns, RowSink& sink,
-               const std::atomic<bool>& cancelled) {
-  const X start = start_of<X>(problem, request.scene->initial, request.scene->start);
-  return Run<P, X>(problem, request, columns, sink, cancelled).solve(start, tangents_of(problem, request));
-}
+/// A description with what follows from the mechanics; `schemes`: positions in the list of those that fit.
+ProblemCard complete_card(ProblemCard card, const ProblemTraits& traits, std::vector<std::size_t> schemes);
 
 template <class P>
-std::string offers() {
-  std::string words = Separable<P>             ? "a separable Hamiltonian (a potential and a constant kinetic metric)"
-                      : LinearContact<P>       ? "a contact Hamiltonian linear in s (a potential and a damping)"
-                      : QuadraticContact<P>    ? "a contact Hamiltonian quadratic in s"
-                      : ConfigurationMetric<P> ? "a Lagrangian whose kinetic metric depends on the configuration"
-                      : GeneralLagrangian<P>   ? "a regular Lagrangian L(q, v, s, t) of no simpler form"
-                      : GeneralHamiltonian<P>  ? "a Hamiltonian H(q, p, s, t) of no simpler form"
-                      : SplitFlow<P>           ? "a vector field that is a sum of exact flows"
-                                               : "";
-  if (VectorField<P>) words += words.empty() ? "equations of motion" : ", equations of motion";
-  if (Autonomous<P>) words += " that do not depend on time";
-  return words;
-}
-
-/// A description with what follows from the mechanics.
-template <class P>
-ProblemCard complete_card(ProblemCard card) {
-  card.keeps_energy = KeepsEnergy<P>;
-  card.keeps_form = Potential<P> || GeneralHamiltonian<P>;
-  for (const auto& column : columns_of<P, FullRunState<P>>(card)) card.columns.push_back(column.card);
-  card.diagnostics = diagnostic_cards<P>();
-  card.offers = offers<P>();
+std::vector<std::size_t> fitting_schemes() {
+  std::vector<std::size_t> fitting;
   [&]<class... Scheme>(std::tuple<Scheme...>*) {
     std::size_t i = 0;
-    ((Fits<Scheme, P> ? card.schemes.push_back(i++) : void(++i)), ...);
+    ((Fits<Scheme, P> ? fitting.push_back(i++) : void(++i)), ...);
   }(static_cast<SchemeList*>(nullptr));
-  return card;
+  return fitting;
 }
+
+/// The pair of a problem with the scheme of a request, as an integrator of states X. Defined in
+/// core/catalogue/pairs.hpp and compiled in a unit of its own: steps deserve optimisation that what surrounds them does
+/// not.
+template <class P, class X>
+std::unique_ptr<Integrator> bind_scheme(const ProblemTable& table, const P& problem, const Request& request,
+                                        const RunState& x, const Grid& grid, double end, GoesOn goes_on);
+
+/// What a run with states X asks of a problem.
+template <class P, class X>
+class CompiledBackend final : public RunBackend {
+  using State = StateOf<P>;
+
+ public:
+  explicit CompiledBackend(const P& problem) : table_(problem), motion_(problem) {}
+
+  const ProblemTable& table() const override { return table_; }
+  const ProblemTable& motion() const override { return motion_; }
+  std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid& grid,
+                                   double end) const override {
+    return bind_scheme<P, X>(table_, problem(), request, x, grid, end, [this](const RunState& from, double duration) {
+      return goes_on(*this, moving_part(*this, from), duration);
+    });
+  }
+  StepTangents tangents(const Request& request) const override { return tangents_of(problem(), request); }
+
+  std::vector<tape::Index> write_equations(tape::Tape& tape) const override {
+    const auto rates = taylor::write_equations<State>(problem(), tape);
+    return {rates.begin(), rates.end()};
+  }
+  std::size_t found() const override { return taylor::found<P>; }
+  void values_of(StateView x, double* values) const override {
+    std::ranges::copy(taylor::values_of(problem(), state_from<State>(x)), values);
+  }
+  void values_of(StateView x, const double* u, double* values, double* slopes) const override {
+    for (const Slope& value : taylor::values_of(problem(), moved(x, u))) {
+      *values++ = value.value;
+      *slopes++ = value.slope[0];
+    }
+  }
+  std::shared_ptr<const tape::SteepForces> steep_forces() const override { return least::steep_forces(problem()); }
+
+  void velocity(StateView x, double* v) const override {
+    if constexpr (!Flow<P>) std::ranges::copy(velocity_at(state_from<State>(x)), v);
+  }
+  void velocity_slopes(StateView x, const double* u, double* slopes) const override {
+    if constexpr (!Flow<P>)
+      for (const Slope& v : velocity_at(moved(x, u))) *slopes++ = v.slope[0];
+  }
+  bool has_component(std::size_t i) const override { return least::has_component(problem(), i); }
+  bool has_closed_form(StateView x) const override { return least::has_closed_form(problem(), state_from<State>(x)); }
+  double energy_after(StateView x, double t) const override {
+    if constexpr (Contact<P>) {
+      using Full = FullStateOf<P>;
+      Extrapolation<P, Full> flow(problem(), state_from<Full>(x), 1e-14, t - x.t);
+      int patience = 20;
+      if (flow.advance(t, [&] { return --patience > 0; })) return energy(problem(), flow.state());
+    }
+    return unknown;
+  }
+
+ private:
+  const P& problem() const { return motion_.problem(); }
+  /// A state and its change along a direction.
+  static auto moved(StateView x, const double* u) {
+    auto y = convert<Slope, double>(state_from<State>(x));
+    for (std::size_t i = 0; i < State::size; ++i) y[i].slope[0] = u[i];
+    return y;
+  }
+  template <class Y>
+  auto velocity_at(const Y& x) const {
+    if constexpr (Potential<P>) {
+      return least::velocity(problem(), x.q, x.p);
+    } else {
+      return problem().slopes(x.q, x.p, x.action.s, phase(problem(), x.t)).by_p;
+    }
+  }
+
+  ProblemEntries<P, X> table_;
+  ProblemEntries<P, State> motion_;
+};
 
 /// Mechanics of one type of problem, which the parameters of a scene make.
 template <class P>
@@ -114,10 +201,9 @@ class ProblemMechanics : public Mechanics {
 
  public:
   explicit ProblemMechanics(ProblemCard described)
-      : card_(complete_card<P>(std::move(described))),
+      : card_(complete_card(std::move(described), traits_of<P, Full>(), fitting_schemes<P>())),
         kinds_(kinds_of(card_)),
-        columns_(columns_of<P, State>(card_)),
-        full_columns_(columns_of<P, Full>(card_)) {}
+        columns_(columns_of(traits_of<P, Full>(), card_)) {}
 
   const ProblemCard& card() const override { return card_; }
   std::string_view key() const override { return card_.id; }
@@ -126,8 +212,9 @@ class ProblemMechanics : public Mechanics {
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
     const P problem = problem_of(request.scene->parameters);
     if constexpr (!std::is_same_v<State, Full>)
-      if (asks_for_full_state(card_, request)) return solve<Full>(problem, request, full_columns_, sink, cancelled);
-    return solve<State>(problem, request, columns_, sink, cancelled);
+      if (asks_for_full_state(card_, request))
+        return least::run(CompiledBackend<P, Full>(problem), request, columns_, sink, cancelled);
+    return least::run(CompiledBackend<P, State>(problem), request, columns_, sink, cancelled);
   }
   std::optional<RegularStart> regular_start([[maybe_unused]] std::span<const double> parameters,
                                             [[maybe_unused]] double t) const override {
@@ -144,12 +231,12 @@ class ProblemMechanics : public Mechanics {
     return true_states(problem, start_of<State>(problem, scene.initial, scene.start), times, keep_going, kinds_);
   }
   Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const override {
-    const P problem = problem_of(scene.parameters);
-    return conditioning_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going, kinds_);
+    const CompiledBackend<P, State> backend(problem_of(scene.parameters));
+    return conditioning_of(backend, backend.motion().start(scene.initial, scene.start), end, keep_going, kinds_);
   }
   std::vector<PaceMark> pace(const Scene& scene, double end, const KeepGoing& keep_going) const override {
-    const P problem = problem_of(scene.parameters);
-    return pace_of(problem, start_of<State>(problem, scene.initial, scene.start), end, keep_going);
+    const CompiledBackend<P, State> backend(problem_of(scene.parameters));
+    return pace_of(backend, backend.motion().start(scene.initial, scene.start), end, keep_going);
   }
   double blow_up_time([[maybe_unused]] const Scene& scene, [[maybe_unused]] double latest, [[maybe_unused]] double step,
                       [[maybe_unused]] const KeepGoing& keep_going) const override {
@@ -167,8 +254,7 @@ class ProblemMechanics : public Mechanics {
  private:
   ProblemCard card_;
   std::vector<std::size_t> kinds_;  ///< of the variables
-  std::vector<Column<P, State>> columns_;
-  std::vector<Column<P, Full>> full_columns_;
+  std::vector<Column> columns_;
 };
 
 /// A problem of the catalogue.

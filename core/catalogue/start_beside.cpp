@@ -13,7 +13,7 @@ namespace {
 
 /// How far beside, relative to a coordinate, or where it is 0: what moves is moved by twelve digits; what rests would
 /// fall from there if it stands on top of something, so that it is moved by next to nothing.
-constexpr double close = 1e-12, at_rest = 1e-60;
+constexpr double very_close = 1e-12, next_to_rest = 1e-60;
 
 /// Discards the rows of a run: its final state is what counts.
 class NoRows final : public RowSink {
@@ -36,7 +36,7 @@ std::optional<Solution> short_run(const Scene& scene, double end, std::int64_t m
   request.scene = std::make_shared<Scene>(scene);
   request.scheme = static_cast<std::size_t>(scheme - schemes.begin());
   for (const auto& setting : scheme->parameters)
-    request.settings.push_back(setting.name == "tolerance" ? close : setting.value);
+    request.settings.push_back(setting.name == "tolerance" ? very_close : setting.value);
   request.end = end;
   request.columns = {0};
   request.record = {Record::Mode::every, 0, {}};
@@ -79,7 +79,7 @@ bool has_limit(const Scene& scene, const std::vector<std::size_t>& coordinates, 
   if (!is_regular(one)) return false;
   const auto first = short_run(one, scene.start + scene.card().span, few_steps);
   if (!first) return false;
-  if (share == at_rest) {
+  if (share == next_to_rest) {
     // The whole motion lasts as long as a rest: a distance of next to nothing has not become visible.
     for (std::size_t i = 0; i < scene.initial.size(); ++i)
       if (std::abs(first->final[i] - one.initial[i]) > 1e-30) return false;
@@ -106,7 +106,7 @@ std::optional<std::vector<double>> start_beside(const Scene& scene) {
     all.push_back(i);
   }
   if (n > 1) choices.push_back(all);
-  for (const double share : {at_rest, close})
+  for (const double share : {next_to_rest, very_close})
     for (const auto& coordinates : choices)
       if (has_limit(scene, coordinates, share)) return beside(scene, coordinates, share).initial;
   return std::nullopt;

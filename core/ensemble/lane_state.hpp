@@ -2,24 +2,26 @@
 // the same bits on every machine. Only the narrowest unit of lanes includes this header.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/ensemble/lane_run.hpp"
 #include "core/run/columns.hpp"
+#include "core/run/problem_entries.hpp"
 
 namespace least {
 
 template <template <class> class P>
 void lane_columns(const LaneState& state) {
   using X = FullStateOf<P<double>>;
-  static const auto all = columns_of<P<double>, X>(About<P>::card());
-  const auto problem = from_values<P<double>>(About<P>::fields, state.parameters);
-  X x;  // what is not carried is not read
-  x.t = state.t;
-  for (std::size_t i = 0; i < (state.full ? X::size : StateOf<P<double>>::size); ++i) x[i] = state.values[i];
+  static const auto all = columns_of(traits_of<P<double>, X>(), About<P>::card());
+  const ProblemEntries<P<double>, X> table(from_values<P<double>>(About<P>::fields, state.parameters));
+  std::array<double, X::size> numbers{};  // what is not carried is not read
+  std::copy_n(state.values, state.full ? X::size : StateOf<P<double>>::size, numbers.begin());
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     const auto& column = all[state.columns[i]];
-    state.out[i] = column.value(problem, x, {}, column.index);
+    state.out[i] = column.value(table, {state.t, numbers.data()}, {}, column.index);
   }
 }
 

@@ -21,7 +21,7 @@ double true_blow_up_time(const P& problem, const StateOf<P>& x0, double latest, 
   truth.start(digits_of(problem, x0), x0.t);
   for (StateOf<P> x = x0; x.t <= latest;) {
     const double when = blow_up_time(problem, x), wait = when - x.t;
-    if (wait < 1e-13 * std::max(1.0, std::abs(when))) return when;
+    if (wait < 1e-13 * std::max(std::abs(when), when - x0.t)) return when;
     x.t += wait > 0 ? std::min(stride, 0.8 * wait) : stride;
     const auto reached = truth.at(x.t, keep_going);
     if (reached.empty()) break;

@@ -14,6 +14,7 @@
 #include "core/problem_traits.hpp"
 #include "core/reference/true_motion.hpp"
 #include "core/run/mechanics.hpp"
+#include "core/run/problem_entries.hpp"
 #include "core/run/steep_steps.hpp"
 #include "core/run/still_components.hpp"
 #include "core/schemes/taylor.hpp"
@@ -85,9 +86,10 @@ Reference<P> extrapolated_run(const P& problem, const StateOf<P>& x0, const std:
   TwoRuns<P> runs;
   const auto start = convert<Quad, Quad>(x0);
   Extrapolation<P> fine(problem, start, fine_tolerance), coarse(problem, start, coarse_tolerance);
-  const SteepSteps<P> steep(problem);
+  const SteepSteps steep = steep_steps(problem);
   const auto part = [&steep](const auto& from, const auto& to) {
-    return steep.resolved_part(convert<double, double>(from), convert<double, double>(to), closely);
+    return steep.resolved_part(run_state(convert<double, double>(from)), run_state(convert<double, double>(to)),
+                               closely);
   };
   if (!steep.empty()) {
     fine.bound_steps(part);
@@ -201,8 +203,9 @@ Truth true_states(const P& problem, const StateOf<P>& x0, const std::vector<doub
     for (std::size_t i = 0; i < StateOf<P>::size; ++i) state.push_back(x[i]);
     sizes.see(x);
   }
-  reference.states.insert(reference.states.begin(), x0);
-  settle_still_components<P>(problem, reference.states, sizes);
+  std::vector<RunState> seen{run_state(x0)};
+  for (const auto& x : reference.states) seen.push_back(run_state(x));
+  settle_still_components(ProblemEntries<P, StateOf<P>>(problem), seen, sizes);
   truth.sizes = sizes.divisors();
   for (std::size_t i = 0; i < StateOf<P>::size; ++i)
     truth.relative_uncertainty = std::max(truth.relative_uncertainty, reference.doubts[i] / truth.sizes[i]);

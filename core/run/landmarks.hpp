@@ -8,25 +8,25 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/run/run_state.hpp"
+
 namespace least {
 
 /// A state, and the speed at which it was reached: max|ẋ_i| / max(1, max|x_i|), in 1/time.
-template <class X>
 struct Landmark {
-  X x;
+  RunState x;
   double speed = 0;
 };
 
 /// Divides the steps seen so far into stretches of equal numbers of steps, half of `most` to `most` of them, the
 /// stretch doubling whenever there are too many; so what is kept depends on where the motion got to and on no plan. Of
 /// each stretch it keeps the first state and the fastest.
-template <class X>
 class Landmarks {
  public:
   Landmarks() = default;
   explicit Landmarks(std::size_t most) : most_(most) {}
 
-  void start(const X& x) {
+  void start(const RunState& x) {
     stretches_.clear();
     stretches_.reserve(most_);
     stretches_.push_back({{x, 0}, {x, 0}});
@@ -35,26 +35,28 @@ class Landmarks {
     steps_ = 0;
     length_ = 1;
   }
-  void see(const X& x) {
-    const Landmark<X> here{x, speed(before_, x)};
-    longest_move_ = std::max(longest_move_, here.speed * (x.t - before_.t));
-    before_ = x;
+  /// A state with as many components as that at the start, or more.
+  void see(StateView x) {
+    const double speed = speed_of(before_, x);
+    longest_move_ = std::max(longest_move_, speed * (x.t - before_.t));
+    before_.t = x.t;
+    std::copy_n(x.numbers, before_.size(), before_.numbers.data());
     if (++steps_ % length_ == 0) {
       if (stretches_.size() == most_) join();
       if (steps_ % length_ == 0) {
-        stretches_.push_back({here, here});
+        stretches_.push_back({{before_, speed}, {before_, speed}});
         return;
       }
     }
-    if (here.speed > stretches_.back().fastest.speed) stretches_.back().fastest = here;
+    if (speed > stretches_.back().fastest.speed) stretches_.back().fastest = {before_, speed};
   }
 
   std::int64_t steps() const { return steps_; }
   /// By how much of its size, or of 1, the state changed in a step at most.
   double longest_move() const { return longest_move_; }
   /// In the order of their times, each state once.
-  std::vector<Landmark<X>> list() const {
-    std::vector<Landmark<X>> all;
+  std::vector<Landmark> list() const {
+    std::vector<Landmark> all;
     for (const Stretch& stretch : stretches_) {
       all.push_back(stretch.first);
       if (stretch.fastest.x.t > stretch.first.x.t) all.push_back(stretch.fastest);
@@ -64,11 +66,11 @@ class Landmarks {
 
  private:
   struct Stretch {
-    Landmark<X> first, fastest;
+    Landmark first, fastest;
   };
-  static double speed(const X& a, const X& b) {
+  static double speed_of(const RunState& a, StateView b) {
     double change = 0, size = 1;
-    for (std::size_t i = 0; i < X::size; ++i) {
+    for (std::size_t i = 0; i < a.size(); ++i) {
       change = std::max(change, std::abs(b[i] - a[i]));
       size = std::max(size, std::abs(b[i]));
     }
@@ -86,7 +88,7 @@ class Landmarks {
 
   std::size_t most_ = 128;
   std::vector<Stretch> stretches_;
-  X before_{};
+  RunState before_;
   double longest_move_ = 0;
   std::int64_t steps_ = 0, length_ = 1;
 };

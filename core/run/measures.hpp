@@ -11,7 +11,7 @@
 
 #include "core/describe.hpp"
 #include "core/number/enclosure.hpp"
-#include "core/problem_traits.hpp"
+#include "core/run/problem_table.hpp"
 #include "core/tape/formula.hpp"
 #include "core/text/expression.hpp"
 
@@ -75,15 +75,16 @@ class MeasureReader {
 };
 
 /// What measures are functions of: the variables of the scene's card, and its energy where one of them reads it.
-template <class P, class X>
-std::array<double, StateOf<P>::size + 2> observe([[maybe_unused]] const P& problem, const X& x,
-                                                 const Measures& measures) {
-  std::array<double, StateOf<P>::size + 2> values;  // NOLINT: written before it is read
+inline void observe(const ProblemTable& problem, StateView x, const Measures& measures, double* observed) {
   const std::size_t variables = measures.reads.size() - 1;
-  for (std::size_t i = 0; i < variables; ++i) values[i] = variable(x, i);
-  if constexpr (HasEnergy<P> && std::is_same_v<X, FullRunState<P>>)
-    if (measures.reads_energy()) values[variables] = energy_of(problem, x);
-  return values;
+  for (std::size_t i = 0; i < variables; ++i) observed[i] = variable(problem.traits, x, i);
+  if (measures.reads_energy() && problem.traits.full && problem.traits.has_energy)
+    observed[variables] = problem.energy_of(x);
+}
+inline StateNumbers observe(const ProblemTable& problem, StateView x, const Measures& measures) {
+  StateNumbers observed(measures.reads.size(), unknown);
+  observe(problem, x, measures, observed.data());
+  return observed;
 }
 
 }  // namespace least

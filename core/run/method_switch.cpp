@@ -39,4 +39,15 @@ Report method_switch(const ProblemCard& problem, double t, std::span<const doubl
   return {"", std::move(event)};
 }
 
+Report method_switch(const ProblemCard& card, const ProblemTable& problem, const RunState& left, const RunState& x,
+                     const ActiveMethod& was, const ActiveMethod& now, double discrete_energy_jump) {
+  StateNumbers change(problem.traits.invariants), before(problem.traits.invariants);
+  problem.invariants(x, change.data());
+  problem.invariants(left, before.data());
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] -= before[i];
+  const SwitchJumps jumps{
+      problem.energy(x) - problem.energy(left), discrete_energy_jump, {change.data(), change.size()}};
+  return method_switch(card, left.t, {left.numbers.data(), problem.traits.dof}, was, now, jumps);
+}
+
 }  // namespace least

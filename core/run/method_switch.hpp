@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "core/problem_traits.hpp"
 #include "core/run/outcome.hpp"
+#include "core/run/problem_table.hpp"
 #include "core/scheme.hpp"
 
 namespace least {
@@ -23,18 +23,7 @@ Report method_switch(const ProblemCard& problem, double t, std::span<const doubl
                      const ActiveMethod& now, const SwitchJumps& jumps);
 
 /// Of a step from `left` to x, the first that was taken in the other way.
-template <class P, class X>
-Report method_switch(const ProblemCard& card, const P& problem, const X& left, const X& x, const ActiveMethod& was,
-                     const ActiveMethod& now, double discrete_energy_jump) {
-  SwitchJumps jumps{energy(problem, x) - energy(problem, left), discrete_energy_jump, {}};
-  if constexpr (HasInvariants<P>) {
-    auto change = problem.invariants(x.q, x.p, x.t);
-    const auto before = problem.invariants(left.q, left.p, left.t);
-    for (std::size_t i = 0; i < change.size(); ++i) change[i] -= before[i];
-    jumps.invariants = change;
-    return method_switch(card, left.t, left.q, was, now, jumps);
-  }
-  return method_switch(card, left.t, left.q, was, now, jumps);
-}
+Report method_switch(const ProblemCard& card, const ProblemTable& problem, const RunState& left, const RunState& x,
+                     const ActiveMethod& was, const ActiveMethod& now, double discrete_energy_jump);
 
 }  // namespace least

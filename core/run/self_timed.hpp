@@ -3,8 +3,10 @@
 // ends there. Every step is looked at: they are few and dear.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "core/run/hermite.hpp"
 #include "core/run/integrator.hpp"
@@ -13,29 +15,33 @@
 
 namespace least {
 
+/// Whether the motion from a state goes on for so long.
+using GoesOn = std::function<bool(const RunState& x, double duration)>;
+
 template <class P, class Scheme, class X>
-class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
-  using Base = BoundIntegrator<P, X>;
-  using Base::is_finite_state, Base::problem_;
-  using State = IntegrationState<X>;
+class SelfTimedIntegrator final : public Integrator {
+  using State = IntegrationState;
 
  public:
-  /// `end`: diagnostics see no state beyond it.
-  SelfTimedIntegrator(const P& problem, const Scheme& scheme, const X& x, double end)
-      : Base(problem),
+  /// `end`: diagnostics see no state beyond it. `goes_on`: whether the motion from a state goes on for so long.
+  SelfTimedIntegrator(const ProblemTable& table, const P& problem, const Scheme& scheme, const X& x, double end,
+                      GoesOn goes_on)
+      : table_(table),
+        problem_(problem),
         scheme_(scheme),
         energy_(energy_level(scheme, problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         left_(x),
         end_(end),
-        standstill_(x.t, std::isfinite(end) ? end - x.t : 0) {}
+        standstill_(x.t, std::isfinite(end) ? end - x.t : 0),
+        goes_on_(std::move(goes_on)) {}
 
-  BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet<P, X>* diagnostics) override {
+  BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet* diagnostics) override {
     if (along_series_ && state.n == 0 && advance_on_series(state, diagnostics)) return {};
     // What is cheap to copy may live in registers meanwhile.
     using Working = std::conditional_t<std::is_trivially_copyable_v<Stepper>, Stepper, Stepper&>;
     Working stepper = stepper_;
-    X x = state.x, left = left_;
+    X x = state_from<X>(state.x), left = left_;
     auto memory = memory_, left_memory = left_memory_;
     double late = late_;
     BlockResult result;
@@ -79,42 +85,47 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
           if (diagnostics->looks_within()) look_within(stepper, left, x, *diagnostics);
         see(stepper, left, x, *diagnostics);
       }
-      if (method_of(stepper) != method || (diagnostics && diagnostics->crossed)) break;
+      if (method_of(stepper) != method || (diagnostics && diagnostics->crossed())) break;
     }
     if constexpr (!std::is_reference_v<Working>) stepper_ = stepper;
     left_ = left;
     memory_ = memory;
     left_memory_ = left_memory;
     late_ = late;
-    state = {x, n};
+    assign_numbers(x, state.x);
+    state.n = n;
     return result;
   }
 
   BlockResult finish(State& state, double end, StepGuard&) override {
     if (!(state.x.t > end)) return {};
-    X x = state.x;
+    X x;
     const StepStatus status = interpolate(state, end, x, &between_);
     if (status != StepStatus::ok) return BlockResult::failed(status);
-    if (this->left_domain(x)) return {BlockEnd::left_domain};
-    state.x = x;
+    if (outside(x)) return {BlockEnd::left_domain};
+    assign_numbers(x, state.x);
     return {};
   }
 
-  const X& left() const override { return left_; }
+  RunState left() const override { return run_state(left_); }
   int parts() const override { return step_parts; }
   bool reaches(const State& state, double t) const override { return t <= state.x.t; }
-  StepStatus state_at(const State& state, double t, X& x) const override {
-    if (t <= state.x.t) return interpolate(state, t, x, nullptr);
-    if constexpr (requires(Stepper s) { s.reach(x, t); }) {
-      x = state.x;
-      return stepper_at(x, memory_).reach(x, t);
+  StepStatus state_at(const State& state, double t, RunState& to) const override {
+    X x = state_from<X>(state.x);
+    StepStatus status = StepStatus::solver_failed;
+    if (t <= x.t) {
+      status = interpolate(state, t, x, nullptr);
+    } else if constexpr (requires(Stepper s) { s.reach(x, t); }) {
+      status = stepper_at(x, memory_).reach(x, t);
     } else {
-      return StepStatus::solver_failed;
+      return status;
     }
+    assign_numbers(x, to);
+    return status;
   }
-  void step_back(State& state) override { state = {left_, state.n - 1}; }
+  void step_back(State& state) override { state = {run_state(left_), state.n - 1}; }
 
-  bool starts_regularly(const X& x) override { return along_series_ = starts_series(problem_, x); }
+  bool starts_regularly(StateView x) override { return along_series_ = table_.starts_series(x); }
   std::string unsupported_reason() const override {
     if constexpr (requires { scheme_.unsupported_reason(problem_, energy_); })
       return scheme_.unsupported_reason(problem_, energy_);
@@ -133,9 +144,9 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
   }
   double discrete_energy(const State& state) const override {
     if (state.n > 0) {
-      if constexpr (hybrid) return stepper_.discrete_energy(left_, state.x, stepper_.active_method());
-      if constexpr (requires { stepper_.discrete_energy(left_, left_); })
-        return stepper_.discrete_energy(left_, state.x);
+      const X x = state_from<X>(state.x);
+      if constexpr (hybrid) return stepper_.discrete_energy(left_, x, stepper_.active_method());
+      if constexpr (requires { stepper_.discrete_energy(left_, left_); }) return stepper_.discrete_energy(left_, x);
     }
     return unknown;
   }
@@ -239,49 +250,54 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
     double size = 0;
     for (std::size_t i = 0; i < X::size; ++i) size += value_of(y[i]) * value_of(y[i]);
     if (!(size < largest_square) || !(h > 0) || !std::isfinite(t)) return {BlockEnd::not_finite};
-    return this->left_domain(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
+    return outside(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
   }
+  bool outside(const X& x) const { return least::outside(problem_, x); }
 
   /// Whether the motion from x, where steps of some length h no longer advance the run, goes on at all.
   bool still_moves(const X& x, double h) {
     constexpr double few = 64;  // steps
-    StateOf<P> from;
-    assign(from, plain(x));
-    if (!goes_on(problem_, from, few * h)) return false;
+    if (!goes_on_(run_state(x), few * h)) return false;
     standstill_.go_on();
     return true;
   }
 
   /// Shows the diagnostics states within the last step, where the scheme has a polynomial of it.
-  void look_within(const Stepper& stepper, const X& left, const X& x, DiagnosticSet<P, X>& diagnostics) const {
+  void look_within(const Stepper& stepper, const X& left, const X& x, DiagnosticSet& diagnostics) const {
     X state = x;
     for (int i = 1; i < step_parts; ++i) {
       if (!stepper.interpolate(state, left.t + i * (x.t - left.t) / step_parts)) return;
-      diagnostics.look(problem_, state);
+      diagnostics.look(table_, run_state(state));
     }
   }
   /// And the state x, with what the caller watches on the way to it: where the scheme has no polynomial of the step, by
   /// one through both ends.
-  void see(const Stepper& stepper, const X& left, const X& x, DiagnosticSet<P, X>& diagnostics) const {
-    std::optional<HermitePath<P, X>> path;
-    diagnostics.see(problem_, left, x, std::max(step_parts / 4, 2), [&](double t, X& state) {
-      if constexpr (requires { stepper.interpolate(state, t); })
-        if (stepper.interpolate(state, t)) return true;
-      if (!path) path.emplace(problem_, left, x);
+  void see(const Stepper& stepper, const X& left, const X& x, DiagnosticSet& diagnostics) const {
+    const RunState from = run_state(left), to = run_state(x);
+    std::optional<HermitePath> path;
+    const auto between = [&](double t, RunState& state) {
+      if constexpr (requires(X & y) { stepper.interpolate(y, t); }) {
+        X y = x;
+        if (stepper.interpolate(y, t)) {
+          assign_numbers(y, state);
+          return true;
+        }
+      }
+      if (!path) path.emplace(table_, from, to);
       state = (*path)(t);
       return true;
-    });
+    };
+    diagnostics.see(table_, from, to, std::max(step_parts / 4, 2), std::ref(between));
   }
 
   /// x at a time within the last step, which ended in `state`. `work`: what that cost, where it counts.
   StepStatus interpolate([[maybe_unused]] const State& state, double t, X& x, Work* work) const {
-    x = state.x;
+    x = state_from<X>(state.x);
     if (!(t < x.t)) return StepStatus::ok;
-    if constexpr (HasSeries<P>)
-      if (along_series_ && state.n == 1) {
-        x = t > left_.t ? series_state<X>(problem_, t) : left_;
-        return StepStatus::ok;
-      }
+    if (along_series_ && state.n == 1) {
+      x = t > left_.t ? state_from<X>(table_.series_state(t)) : left_;
+      return StepStatus::ok;
+    }
     if constexpr (requires(const Stepper& s) { s.interpolate(x, t); })
       if (stepper_.interpolate(x, t)) return StepStatus::ok;
     if constexpr (requires(Stepper s) { s.reach(x, t); }) {
@@ -294,7 +310,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
       x = y;
       if (work) *work = stepper.work();
     } else {
-      x = hermite(problem_, left_, x, t);
+      x = state_from<X>(HermitePath(table_, run_state(left_), state.x)(t));
       if (work) *work = {4, 0};
     }
     x.t = t;
@@ -303,19 +319,19 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
 
   /// The first step from a time at which the equations of motion are singular: along the regular solution, as far as
   /// its series reaches or the run goes. False where it reaches no further than the start.
-  bool advance_on_series([[maybe_unused]] State& state, [[maybe_unused]] DiagnosticSet<P, X>* diagnostics) {
-    if constexpr (HasSeries<P>) {
-      const X x = series_state<X>(problem_, std::min(P::series_until, end_));
-      if (!(x.t > state.x.t)) return along_series_ = false;
-      left_ = state.x;
-      stepper_ = bound(x);
-      memory_ = memory_of(stepper_);
-      state = {x, 1};
-      if (diagnostics) diagnostics->see(problem_, x);
-    }
+  bool advance_on_series(State& state, DiagnosticSet* diagnostics) {
+    const RunState x = table_.series_state(std::min(table_.traits.series_until, end_));
+    if (!(x.t > state.x.t)) return along_series_ = false;
+    left_ = state_from<X>(state.x);
+    stepper_ = bound(state_from<X>(x));
+    memory_ = memory_of(stepper_);
+    state = {x, 1};
+    if (diagnostics) diagnostics->see(table_, x);
     return true;
   }
 
+  const ProblemTable& table_;
+  P problem_;
   Scheme scheme_;
   double energy_;
   Stepper stepper_;
@@ -325,6 +341,7 @@ class SelfTimedIntegrator final : public BoundIntegrator<P, X> {
       before_left_{};  ///< where the step before the last began
   double end_;
   StandstillWatch standstill_;
+  GoesOn goes_on_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;
   Work between_;

@@ -10,13 +10,11 @@ namespace least {
 
 /// Keeps the state at every stride-th step, the stride doubling whenever there are too many, so that what is kept
 /// depends on where the run got to and on no plan.
-template <class P>
 class Snapshots {
  public:
-  template <class X>
-  void see(const IntegrationState<X>& state) {
+  void see(const IntegrationState& state) {
     if (state.n % stride_ != 0) return;
-    assign(states_.emplace_back(), plain(state.x));
+    states_.push_back(state.x);
     if (states_.size() <= most) return;
     for (std::size_t i = 0; 2 * i < states_.size(); ++i) states_[i] = states_[2 * i];
     states_.resize((states_.size() + 1) / 2);
@@ -24,12 +22,12 @@ class Snapshots {
   }
   /// The next step after the n-th to be seen.
   std::int64_t next(std::int64_t n) const { return (n / stride_ + 1) * stride_; }
-  const std::vector<FullStateOf<P>>& states() const { return states_; }
+  const std::vector<RunState>& states() const { return states_; }
 
  private:
   static constexpr std::size_t most = 256;
   std::int64_t stride_ = 1;
-  std::vector<FullStateOf<P>> states_;
+  std::vector<RunState> states_;
 };
 
 }  // namespace least

@@ -107,13 +107,13 @@ template <class... Scheme>
 constexpr std::array<Entry, sizeof...(Scheme)> entries(std::tuple<Scheme...>*) {
   return {Entry{&step_map<Scheme>, &flip<Scheme>, step_setting<Scheme>(), steps_in_time<Scheme>}...};
 }
-constexpr auto table = entries(static_cast<SchemeList*>(nullptr));
+constexpr auto scheme_entries = entries(static_cast<SchemeList*>(nullptr));
 
 /// Where along a line in (z, a) steps are stable.
 class Line {
  public:
   Line(std::size_t scheme, std::span<const double> settings, double z, double a0, double a)
-      : map_(table[scheme].map), settings_(settings), z_(z), a0_(a0), a_(a) {}
+      : map_(scheme_entries[scheme].map), settings_(settings), z_(z), a0_(a0), a_(a) {}
 
   /// The stable intervals up to u = most. One that reaches that end goes on to infinity.
   std::vector<Interval> stable(double most) const {
@@ -200,7 +200,7 @@ const std::vector<Interval>& along(std::size_t scheme, std::span<const double> s
   thread_local std::shared_ptr<const Known> last = std::make_shared<const Known>();
   thread_local std::vector<double> key;
   key.assign(settings.begin(), settings.end());
-  if (table[scheme].step < key.size()) key[table[scheme].step] = 0;
+  if (scheme_entries[scheme].step < key.size()) key[scheme_entries[scheme].step] = 0;
   for (double& x : key)
     if (std::isnan(x)) x = infinite;  // keys are ordered
   key.insert(key.end(), {static_cast<double>(scheme), z, a0, a});
@@ -222,16 +222,18 @@ const std::vector<Interval>& along(std::size_t scheme, std::span<const double> s
 }  // namespace
 
 double growth_per_step(std::size_t scheme, std::span<const double> settings, double z, double a) {
-  return table[scheme].map(settings, z, a).radius();
+  return scheme_entries[scheme].map(settings, z, a).radius();
 }
 bool is_stable(std::size_t scheme, std::span<const double> settings, double z, double a) {
-  return table[scheme].map(settings, z, a).stable();
+  return scheme_entries[scheme].map(settings, z, a).stable();
 }
 
-double flips_from(std::size_t scheme, std::span<const double> settings) { return table[scheme].flip(settings); }
+double flips_from(std::size_t scheme, std::span<const double> settings) {
+  return scheme_entries[scheme].flip(settings);
+}
 
 double stability_bound(std::size_t scheme, std::span<const double> settings, double a, double needed) {
-  if (!table[scheme].steps_in_time) return infinite;
+  if (!scheme_entries[scheme].steps_in_time) return infinite;
   const auto& stable = along(scheme, settings, 1, a, 0, needed);
   return stable.empty() ? 0 : stable.front().high;
 }

@@ -3,52 +3,50 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
+#include "core/run/run_state.hpp"
 #include "core/schemes/odeint.hpp"
 
 namespace least {
 
-template <class P>
 class SteepSteps {
  public:
-  using X = StateOf<P>;
-
-  /// The problem outlives it.
-  explicit SteepSteps(const P& problem) : problem_(&problem), steep_(steep_forces(problem)) {}
+  /// `field`: the equations of motion of states with so many components; `steep`: null where there is nothing steep.
+  SteepSteps(const odeint::Field& field, std::shared_ptr<const tape::SteepForces> steep, std::size_t components)
+      : field_(field), steep_(std::move(steep)), components_(components) {}
 
   bool empty() const { return !steep_; }
   /// What part of the step from a state to another resolves them, or somewhat less; 1: all of it. `tolerance`: of a
   /// step.
-  double resolved_part(const X& from, const X& to, double tolerance) const {
+  double resolved_part(StateView from, StateView to, double tolerance) const {
     const double length = to.t - from.t;
     if (!steep_ || !(length > 0)) return 1;
-    const odeint::Field field = AnyOdeintStepper<P, X>::field_of(*problem_, steep_.get());
-    const Values start = values(from), end = values(to);
-    Values first_rate, last_rate;
-    field.rate(problem_, from.t, start.data(), first_rate.data());
-    field.rate(problem_, to.t, end.data(), last_rate.data());
+    StateNumbers first_rate(components_), last_rate(components_);
+    field_.rate(field_.problem, from.t, from.numbers, first_rate.data());
+    field_.rate(field_.problem, to.t, to.numbers, last_rate.data());
     std::int64_t evaluations = 0;
-    return steep_->resolved_part({{from.t, start.data(), first_rate.data()},
-                                  {to.t, end.data(), last_rate.data()},
-                                  X::size,
-                                  X::size,
-                                  field.rate,
-                                  field.complete,
-                                  problem_},
+    return steep_->resolved_part({{from.t, from.numbers, first_rate.data()},
+                                  {to.t, to.numbers, last_rate.data()},
+                                  components_,
+                                  components_,
+                                  field_.rate,
+                                  field_.complete,
+                                  field_.problem},
                                  tolerance, evaluations) /
            length;
   }
 
  private:
-  using Values = Vec<X::size>;
-  static Values values(const X& x) {
-    Values y;
-    for (std::size_t i = 0; i < X::size; ++i) y[i] = x[i];
-    return y;
-  }
-
-  const P* problem_;
+  odeint::Field field_;
   std::shared_ptr<const tape::SteepForces> steep_;
+  std::size_t components_;
 };
+
+/// Of a problem, which outlives it.
+template <class P>
+SteepSteps steep_steps(const P& problem) {
+  return {AnyOdeintStepper<P, StateOf<P>>::field_of(problem, nullptr), steep_forces(problem), StateOf<P>::size};
+}
 
 }  // namespace least

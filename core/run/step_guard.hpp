@@ -7,16 +7,15 @@
 #include <limits>
 #include <span>
 
-#include "core/problem_traits.hpp"
+#include "core/run/problem_table.hpp"
 #include "core/run/stability.hpp"
 
 namespace least {
 
 /// The damping that stability is a matter of.
-template <class P>
-double guarded_damping([[maybe_unused]] const P& problem) {
-  if constexpr (HasFrequency<P> && ConstantDamping<P>) return std::max<double>(problem.damping(), 0.0);
-  return 0;
+inline double guarded_damping(const ProblemTable& problem) {
+  const bool guarded = problem.traits.has_frequency && problem.traits.constant_damping;
+  return guarded ? std::max(problem.damping(0), 0.0) : 0;
 }
 
 class StepGuard {

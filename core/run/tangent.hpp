@@ -10,51 +10,57 @@
 #include <limits>
 #include <optional>
 
+#include "core/problem_traits.hpp"
+#include "core/run/tangent_map.hpp"
 #include "core/scheme.hpp"
 
 namespace least {
 
-/// Where a step leads, and the derivatives of that by where it began, in the order of the components. A scheme that
-/// sets its own clock reaches states that lie near each other at different times, and its steps read the energy level
-/// of the run and may read the time: the other derivatives belong to it. Those of steps of equal length are zero.
+/// Where a step leads, and the derivatives of that by where it began, in the order of the components.
 template <class X>
 struct Tangent {
   X image;
-  Mat<int(X::size)> m;
-  Vec<int(X::size)> by_time{}, by_level{};  ///< of the image
-  Vec<int(X::size)> duration{};             ///< of the time that the step takes
-  double duration_by_time = 0, duration_by_level = 0;
-  ActiveMethod course{};  ///< of a hybrid: how the step was taken
+  Mat<int(X::size)> m{};
 };
 
-/// Of a map of states, `step(y)` in any number, from x. Empty where it fails.
-template <class X, class Step>
-std::optional<Tangent<X>> tangent_of(const X& x, Step&& step) {
-  using D = Dual<double, int(X::size)>;
-  auto y = convert<D, double>(x);
-  for (std::size_t i = 0; i < X::size; ++i) y[i] = D::variable(x[i], int(i));
-  if (step(y) != StepStatus::ok) return std::nullopt;
+/// The tangent of a map of states, `step(y)` in dual numbers, at x. It is taken along one direction at a time: numbers
+/// with a slope for each direction are several times as much code for every scheme of every problem. `known(i)` says
+/// whether the scene has the i-th component; the map leaves others alone. Empty where a step fails.
+template <class X, class Step, class Known>
+std::optional<Tangent<X>> tangent_of(const X& x, Step&& step, Known&& known) {
   Tangent<X> tangent;
-  tangent.image.t = y.t;
-  for (std::size_t i = 0; i < X::size; ++i) {
-    tangent.image[i] = y[i].value;
-    tangent.m[i] = y[i].slope;
+  for (std::size_t j = 0; j < X::size; ++j) {
+    tangent.m[j][j] = 1;
+    if (!known(j)) continue;
+    auto y = convert<Slope, double>(x);
+    y[j] = Slope::variable(x[j], 0);
+    if (step(y) != StepStatus::ok) return std::nullopt;
+    tangent.image.t = y.t;
+    for (std::size_t i = 0; i < X::size; ++i) {
+      tangent.image[i] = y[i].value;
+      tangent.m[i][j] = y[i].slope[0];
+    }
   }
   return tangent;
 }
+template <class X, class Step>
+std::optional<Tangent<X>> tangent_of(const X& x, Step&& step) {
+  return tangent_of(x, step, [](std::size_t) { return true; });
+}
 template <class Scheme, class P, class X>
 std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, const X& x, double h) {
-  return tangent_of(x, [&](auto& y) {
+  const auto step = [&](auto& y) {
     auto stepper = scheme.bind(problem, y);
     const StepStatus status = stepper.step(y, h);
     y.t = x.t + h;
     return status;
-  });
+  };
+  return tangent_of(x, step, [&](std::size_t i) { return has_component(problem, i); });
 }
 
 /// A step on the extended space of a contact scene: where it began, and its tangent.
 template <class Z>
-struct StepTangent {
+struct ExtendedStep {
   Z start;
   Tangent<Z> tangent;
 };
@@ -65,7 +71,7 @@ struct ExtendedStepFor {
 };
 template <LinearContact P>
 struct ExtendedStepFor<P> {
-  using type = StepTangent<Extended<P>>;
+  using type = ExtendedStep<Extended<P>>;
 };
 }  // namespace detail
 /// Empty for a scene that has none.
@@ -83,54 +89,74 @@ concept AdaptsSteps = requires {
 }
 || requires { requires Scheme::remembers; };
 
-/// Of schemes that set their own clock: the directions are those of the state, the energy level and, where the
-/// equations read it, the time.
-template <class P, class X>
-using TimedDual = Dual<double, int(X::size) + (Autonomous<P> ? 1 : 2)>;
+/// Where a step leads, and how that changes along one direction.
+template <class X>
+struct StepChange {
+  X image;
+  Vec<int(X::size)> change;
+  double longer = 0;      ///< by how much the step takes more time
+  ActiveMethod course{};  ///< of a hybrid: how the step was taken
+};
 
-/// Of a step that a scheme takes from x in a run from `start`, after one that was taken in this way. Empty where the
+/// Of a step that a scheme takes from x in a run from `start`, after one that was taken in this way, where x changes by
+/// u, the time by dt and the energy level by `level`: a scheme that sets its own clock may read them. Empty where the
 /// step fails.
 template <class Scheme, class P, class X>
-std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const X& start, const X& x,
-                                       [[maybe_unused]] const ActiveMethod& before = {}) {
-  if constexpr (SelfTimed<Scheme>) {
-    constexpr bool timed = !Autonomous<P>;
-    constexpr std::size_t n = X::size;
-    using D = TimedDual<P, X>;
-    auto y = convert<D, D>(x);
-    for (std::size_t i = 0; i < n; ++i) y[i] = D::variable(x[i], int(i));
-    if constexpr (timed) y.t = D::variable(x.t, int(n) + 1);
-    auto stepper = scheme.bind(problem, y, D::variable(energy_level(scheme, problem, start), int(n)));
+std::optional<StepChange<X>> step_change(const Scheme& scheme, const P& problem, [[maybe_unused]] const X& start,
+                                         const X& x, [[maybe_unused]] const ActiveMethod& before,
+                                         const Vec<int(X::size)>& u, [[maybe_unused]] double dt,
+                                         [[maybe_unused]] double level) {
+  constexpr bool own_clock = SelfTimed<Scheme>;
+  using Time = std::conditional_t<own_clock, Slope, double>;
+  auto y = convert<Slope, Time>(x);
+  for (std::size_t i = 0; i < X::size; ++i) y[i].slope[0] = u[i];
+  StepChange<X> found;
+  if constexpr (own_clock) {
+    y.t.slope[0] = dt;
+    auto stepper = scheme.bind(problem, y, Slope(energy_level(scheme, problem, start), {level}));
     if constexpr (requires { stepper.go_on(before); }) stepper.go_on(before);
     if (stepper.step(y) != StepStatus::ok) return std::nullopt;
-    Tangent<X> tangent;
-    if constexpr (requires { stepper.active_method(); }) tangent.course = stepper.active_method();
-    tangent.image.t = y.t.value;
-    for (std::size_t i = 0; i < n; ++i) {
-      tangent.image[i] = y[i].value;
-      std::copy_n(y[i].slope.begin(), n, tangent.m[i].begin());
-      tangent.by_level[i] = y[i].slope[n];
-      if constexpr (timed) tangent.by_time[i] = y[i].slope[n + 1];
-    }
-    std::copy_n(y.t.slope.begin(), n, tangent.duration.begin());
-    tangent.duration_by_level = y.t.slope[n];
-    if constexpr (timed) tangent.duration_by_time = y.t.slope[n + 1] - 1;
-    return tangent;
+    if constexpr (requires { stepper.active_method(); }) found.course = stepper.active_method();
+    found.image.t = y.t.value;
+    found.longer = y.t.slope[0] - dt;
   } else {
-    return tangent_map(scheme, problem, x, scheme.step);
+    auto stepper = scheme.bind(problem, y);
+    if (stepper.step(y, scheme.step) != StepStatus::ok) return std::nullopt;
+    found.image.t = x.t + scheme.step;
   }
+  for (std::size_t i = 0; i < X::size; ++i) {
+    found.image[i] = y[i].value;
+    found.change[i] = y[i].slope[0];
+  }
+  return found;
+}
+
+/// The same along all directions.
+template <class Scheme, class P, class X>
+std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const X& start, const X& x,
+                                       const ActiveMethod& before = {}) {
+  Tangent<X> tangent;
+  for (std::size_t j = 0; j < X::size; ++j) {
+    Vec<int(X::size)> u{};
+    u[j] = tangent.m[j][j] = 1;
+    if (!has_component(problem, j)) continue;
+    const auto found = step_change(scheme, problem, start, x, before, u, 0, 0);
+    if (!found) return std::nullopt;
+    tangent.image = found->image;
+    for (std::size_t i = 0; i < X::size; ++i) tangent.m[i][j] = found->change[i];
+  }
+  return tangent;
 }
 /// The derivatives of the energy level of a run by its start.
 template <class Scheme, class P, class X>
 Vec<int(X::size)> level_slopes(const Scheme& scheme, const P& problem, const X& start) {
   Vec<int(X::size)> slopes{};
-  if constexpr (SelfTimed<Scheme>) {
-    using D = TimedDual<P, X>;
-    auto x = convert<D, D>(start);
-    for (std::size_t i = 0; i < X::size; ++i) x[i] = D::variable(start[i], int(i));
-    const D level = energy_level(scheme, problem, x);
-    std::copy_n(level.slope.begin(), X::size, slopes.begin());
-  }
+  if constexpr (SelfTimed<Scheme>)
+    for (std::size_t j = 0; j < X::size; ++j) {
+      auto x = convert<Slope, Slope>(start);
+      x[j].slope[0] = 1;
+      slopes[j] = energy_level(scheme, problem, x).slope[0];
+    }
   return slopes;
 }
 /// The same on the extended space from p_t = −H, of steps that are contact maps there and not of the state alone.
@@ -155,50 +181,31 @@ requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tan
   return ExtendedStepOf<P>{z, *tangent};
 }
 
-/// Both, of a run.
-template <class P>
-struct StepTangents {
-  using Full = FullStateOf<P>;
-  std::function<std::optional<Tangent<Full>>(const Full&, const ActiveMethod& before)> plain;
-  std::function<std::optional<ExtendedStepOf<P>>(const Full&)> extended;
-  Vec<int(Full::size)> level{};  ///< the derivatives of the energy level of the run by its start
-  double end = std::numeric_limits<double>::infinity();  ///< of the run, where it is known beforehand
-};
-
-/// max |MᵀJM − J| over its entries.
-template <std::size_t M>
-double symplectic_defect(const std::array<std::array<double, M>, M>& m) {
-  constexpr std::size_t n = M / 2;
-  double most = 0;
-  for (std::size_t a = 0; a < M; ++a)
-    for (std::size_t b = 0; b < M; ++b) {
-      double sum = a + n == b ? -1 : (b + n == a ? 1 : 0);
-      for (std::size_t i = 0; i < n; ++i) sum += m[i][a] * m[n + i][b] - m[n + i][a] * m[i][b];
-      most = std::isnan(sum) ? sum : std::max(most, std::abs(sum));
-    }
-  return most;
+/// As numbers.
+template <class X>
+TangentMap tangent_map(const X& from, const Tangent<X>& tangent) {
+  TangentMap map;
+  if constexpr (requires { X::dof; }) map.dof = X::dof;
+  map.from = run_state(from);
+  map.to = run_state(tangent.image);
+  map.m.resize(X::size * X::size);
+  for (std::size_t i = 0; i < X::size; ++i)
+    for (std::size_t j = 0; j < X::size; ++j) map.m[i * X::size + j] = tangent.m[i][j];
+  return map;
 }
 
-struct ContactDefect {
-  double defect;  ///< max |φ*η − λη| over dq, dp, ds
-  double factor;  ///< λ, read off ds
-};
-/// For a map of (q, p, s) that begins at x.
+/// Of a map that is known at compile time.
+template <std::size_t M>
+double symplectic_defect(const std::array<std::array<double, M>, M>& m) {
+  TangentMap map;
+  map.dof = M / 2;
+  map.from.numbers.resize(M);
+  for (const auto& row : m) map.m.insert(map.m.end(), row.begin(), row.end());
+  return symplectic_defect(map);
+}
 template <class X>
-requires X::acting ContactDefect contact_defect(const X& x, const Tangent<X>& tangent) {
-  constexpr std::size_t n = X::dof, s = 2 * n;
-  const auto pulled = [&](std::size_t j) {  // φ*η along the j-th direction
-    double sum = tangent.m[s][j];
-    for (std::size_t i = 0; i < n; ++i) sum -= tangent.image.p[i] * tangent.m[i][j];
-    return sum;
-  };
-  const double factor = pulled(s);
-  double most = 0;
-  for (std::size_t j = 0; j < s; ++j) {
-    const double wrong = pulled(j) + (j < n ? factor * x.p[j] : 0.0);
-    most = std::isnan(wrong) ? wrong : std::max(most, std::abs(wrong));
-  }
-  return {most, factor};
+ContactDefect contact_defect(const X& x, const Tangent<X>& tangent) {
+  return contact_defect(tangent_map(x, tangent));
 }
 
 }  // namespace least

@@ -5,38 +5,21 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
+#include <span>
+#include <vector>
 
-#include "core/problem_traits.hpp"
+#include "core/run/backend.hpp"
 #include "core/run/tangent_motion.hpp"
 
 namespace least {
 
-template <class P>
 class TangentPath {
  public:
-  using X = StateOf<P>;
-  using Direction = Vec<X::size>;
-
   /// `size`: of the states' largest component, about, which the tolerance of small states is relative to.
-  TangentPath(const P& problem, double tolerance, double size)
-      : motion_(motion_of(problem, tolerance * std::clamp(size, 1e-30, 1.0))) {}
+  TangentPath(const RunBackend& backend, double tolerance, double size);
 
-  void start(const P& problem, const X& x, const Direction& u) {
-    std::array<double, components> y, tangent;
-    auto moved = convert<Slope, double>(x);
-    for (std::size_t i = 0; i < X::size; ++i) moved[i].slope[0] = u[i];
-    const auto values = taylor::values_of(problem, moved);  // velocities that are found by iteration have tangents, too
-    for (std::size_t i = 0; i < components; ++i) {
-      y[i] = values[i].value;
-      tangent[i] = values[i].slope[0];
-    }
-    motion_.start(y, tangent, x.t);
-    longest_ = 0;
-    plan();
-  }
+  void start(StateView x, const double* u);
   /// The time that the last step came to; and the one that the next may go to, the same where there is none.
   double time() const { return motion_.time(); }
   double reach() const { return reach_; }
@@ -76,28 +59,16 @@ class TangentPath {
   }
 
   /// What is seen: the motion, and the tangent but for a factor 2ⁿ.
-  X state() const {
-    X x;
-    x.t = t_;
-    for (std::size_t i = 0; i < X::size; ++i) x[i] = motion_.state()[i];
-    return x;
-  }
-  Direction tangent() const {
-    Direction u;
-    std::copy_n(motion_.tangent(0).begin(), X::size, u.begin());
-    return u;
-  }
+  RunState state() const { return {t_, first_of(motion_.state())}; }
+  StateNumbers tangent() const { return first_of(motion_.tangent(0)); }
   int exponent() const { return motion_.exponent(0); }
   const TangentMotion& motion() const { return motion_; }
 
  private:
-  static constexpr std::size_t components = X::size + taylor::found<P>;
   static constexpr int parts = 4;
 
-  static TangentMotion motion_of(const P& problem, double tolerance) {
-    tape::Tape tape;
-    const auto rates = taylor::write_equations<X>(problem, tape);
-    return {std::move(tape), rates, 1, tolerance};
+  StateNumbers first_of(std::span<const double> numbers) const {
+    return {numbers.data(), numbers.data() + components_};
   }
   /// Of a motion that ends steps become ever shorter.
   bool possible(double from, double to) const { return to - from > 1e-13 * std::max(std::abs(from), longest_); }
@@ -111,7 +82,10 @@ class TangentPath {
     if (!possible(t_, reach_)) reach_ = t_;
   }
 
+  const RunBackend& backend_;
+  std::size_t components_;  ///< of a state
   TangentMotion motion_;
+  std::vector<double> values_, slopes_;
   double t_ = 0, reach_ = 0, longest_ = 0;
 };
 

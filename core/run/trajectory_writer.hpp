@@ -17,24 +17,22 @@
 namespace least {
 
 /// The variables of the card as an answer shows them: unknown is what the motion does not need and nobody asks for.
-template <class X>
-std::vector<double> shown_variables(const Request& request, const X& x) {
+inline std::vector<double> shown_variables(const Request& request, const ProblemTraits& traits, StateView x) {
   const auto& cards = request.scene->card().variables;
   std::vector<double> all;
   all.reserve(cards.size());
   for (std::size_t i = 0; i < cards.size(); ++i) {
     const bool asked = request.measures.reads_variable(i) || request.watched.reads_variable(i) ||
                        std::ranges::find(request.columns, i + 1) != request.columns.end();
-    all.push_back(asked || !cards[i].optional ? variable(x, i) : unknown);
+    all.push_back(asked || !cards[i].optional ? variable(traits, x, i) : unknown);
   }
   return all;
 }
 
-template <class P, class X>
 class TrajectoryWriter {
  public:
   /// The request's columns are positions among all there are, or its own. A request that keeps nothing has none.
-  TrajectoryWriter(const P& problem, const Request& request, const std::vector<Column<P, X>>& all, RowSink& sink)
+  TrajectoryWriter(const ProblemTable& problem, const Request& request, const std::vector<Column>& all, RowSink& sink)
       : problem_(problem), request_(request), sink_(sink) {
     if (request.record.mode == Record::Mode::every && request.record.count == 0) return;
     for (const std::size_t place : request.columns) {
@@ -55,7 +53,7 @@ class TrajectoryWriter {
   enum class Written { yes, not_finite, refused };
 
   /// One row at x; a row with a number that is not finite is not written, unless the number may be unknown.
-  Written write_row(const X& x, const StepInfo& step) {
+  Written write_row(StateView x, const StepInfo& step) {
     const std::size_t before = rows_.size();
     measure(x);
     for (const auto& column : columns_) {
@@ -67,7 +65,7 @@ class TrajectoryWriter {
     }
     if (error_) {
       times_.push_back(x.t);
-      for (std::size_t i = 0; i < StateOf<P>::size; ++i) states_.push_back(value_of(x[i]));
+      states_.insert(states_.end(), x.numbers, x.numbers + problem_.traits.moving);
     }
     if (curve_) {
       const std::size_t n = rows_.size() / columns_.size();
@@ -79,7 +77,7 @@ class TrajectoryWriter {
   }
 
   /// Into how many parts the way to x has to be divided, where rows lie along a curve.
-  std::size_t parts(const X& x, const StepInfo& step) {
+  std::size_t parts(StateView x, const StepInfo& step) {
     double square = 0;
     measure(x);
     if (!rows_.empty())
@@ -110,19 +108,19 @@ class TrajectoryWriter {
   /// A column as it stands in the list of all, or one of the caller's own.
   struct Asked {
     const ColumnCard& card;
-    decltype(Column<P, X>::value) value;
+    decltype(Column::value) value;
     std::size_t index;
   };
 
   /// What the caller's own columns are at x: a value that does not exist is unknown, and no reason to stop.
-  void measure(const X& x) {
+  void measure(StateView x) {
     if (measured_.empty()) return;
     request_.measures.evaluate(observe(problem_, x, request_.measures).data(), x.t, measured_.data());
     for (double& value : measured_)
       if (!std::isfinite(value)) value = unknown;
   }
   /// Of a column at x, which was measured.
-  double value(const Asked& column, const X& x, const StepInfo& step) const {
+  double value(const Asked& column, StateView x, const StepInfo& step) const {
     return column.value ? column.value(problem_, x, step, column.index) : measured_[column.index];
   }
   /// Where the i-th column of the last row stands, from the end of the rows.
@@ -149,7 +147,7 @@ class TrajectoryWriter {
     keep(rows_, columns_.size(), kept);
     if (!error_) return;
     keep(times_, 1, kept);
-    keep(states_, StateOf<P>::size, kept);
+    keep(states_, problem_.traits.moving, kept);
   }
   /// The last row takes the place of the one before it.
   static void drop_next_to_last(std::vector<double>& numbers, std::size_t width) {
@@ -160,7 +158,7 @@ class TrajectoryWriter {
     drop_next_to_last(rows_, columns_.size());
     if (!error_) return;
     drop_next_to_last(times_, 1);
-    drop_next_to_last(states_, StateOf<P>::size);
+    drop_next_to_last(states_, problem_.traits.moving);
   }
   bool flush() {
     bool accepted = true;
@@ -172,7 +170,7 @@ class TrajectoryWriter {
     return accepted;
   }
   void fill_errors(const KeepGoing& keep_going) {
-    constexpr std::size_t size = StateOf<P>::size;
+    const std::size_t size = problem_.traits.moving;
     const Truth truth = truth_along(*request_.scene, times_, request_.norm, keep_going);
     const auto error = [&](std::size_t row) -> double& { return rows_[row * columns_.size() + *error_]; };
     double most = 0;
@@ -187,7 +185,7 @@ class TrajectoryWriter {
 
   static constexpr std::size_t block = 512;
 
-  const P& problem_;
+  const ProblemTable& problem_;
   const Request& request_;
   RowSink& sink_;
   std::vector<Asked> columns_;

@@ -85,7 +85,7 @@ std::shared_ptr<const tape::SteepForces> steep_forces(const P& problem) {
     };
     thread_local std::optional<Left> left;
     // For padding it may only miss. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
-    if (!left || std::memcmp(&left->problem, &problem, sizeof(P)) != 0) left.emplace(problem, look());
+    if (!left || std::memcmp(&left->problem, &problem, sizeof(P)) != 0) left = Left{problem, look()};
     return left->found;
   } else {
     return look();

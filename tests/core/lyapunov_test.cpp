@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/catalogue/compiled.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/run/tangent_length.hpp"
 #include "tests/core/asking.hpp"
@@ -70,8 +71,8 @@ StateOf<Orbit> state_of(const std::vector<double>& variables, double t) {
 double growth_of_a_difference(Request request, double end, double distance) {
   request.end = runs::scene(request).start + end;
   request.diagnostics = {};
-  const Orbit orbit;
-  const TangentLength<Orbit> length(orbit, state_of(runs::scene(request).initial, 0), end);
+  const CompiledBackend<Orbit, StateOf<Orbit>> orbit{Orbit()};
+  const TangentLength length(orbit, run_state(state_of(runs::scene(request).initial, 0)), end);
   std::vector<double> ends[2];
   for (const double side : {-0.5, 0.5}) {
     Request displaced = request;
@@ -81,7 +82,7 @@ double growth_of_a_difference(Request request, double end, double distance) {
   }
   Vec<4> apart;
   for (std::size_t i = 0; i < 4; ++i) apart[i] = (ends[1][i] - ends[0][i]) / distance;
-  return std::log(length(orbit, state_of(ends[0], end), apart)) / end;
+  return std::log(length(run_state(state_of(ends[0], end)), apart.data())) / end;
 }
 
 // The states of a coarse run lie on no one orbit: the motion's derivatives along them would grow by .38 and .25 a unit

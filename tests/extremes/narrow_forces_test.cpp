@@ -99,8 +99,8 @@ TEST(NarrowForce, IsSeenByReferencesOfScenesOfNoSimpleForm) {
   for (const auto& [kind, formula, after] :
        {Form{narrow::Definition::Kind::lagrangian, "-sqrt(1-vx^2)+" + pulse, speed},
         Form{narrow::Definition::Kind::hamiltonian, "sqrt(1+px^2)-" + pulse, speed},
-        Form{narrow::Definition::Kind::hamiltonian, "sqrt(1+px^2)-" + pulse + "-max(x-100,0)^2", speed},
-        Form{narrow::Definition::Kind::lagrangian, "vx^2/2-max(x-100,0)^2+" + pulse, impulse}}) {
+        Form{narrow::Definition::Kind::hamiltonian, "sqrt(1+px^2)-" + pulse + "-(x-100+abs(x-100))^2/4", speed},
+        Form{narrow::Definition::Kind::lagrangian, "vx^2/2-(x-100+abs(x-100))^2/4+" + pulse, impulse}}) {
     const Case one{narrow::of(kind, {"x"}, {}, formula), {0, 0}, 10, 4.7 * after};
     const Request right = narrow::ask(one, "taylor");
     const Truth truth = right.scene->mechanics->truth(*right.scene, {one.end}, [] { return true; });

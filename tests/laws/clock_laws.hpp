@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "core/run/hermite.hpp"
 #include "tests/laws/scheme_laws.hpp"
 #include "tests/support/clocks.hpp"
+#include "tests/support/hermite.hpp"
 
 namespace laws {
 

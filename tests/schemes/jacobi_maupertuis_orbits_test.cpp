@@ -3,9 +3,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/run/hermite.hpp"
 #include "core/schemes/jacobi_maupertuis.hpp"
 #include "tests/support/clocks.hpp"
+#include "tests/support/hermite.hpp"
 #include "tests/support/runs.hpp"
 
 namespace {

@@ -299,7 +299,7 @@ TEST_F(EnsembleHttp, WarnsInEveryForm) {
 TEST_F(EnsembleHttp, SaysOfWhichMembersEventsAreUnresolved) {
   const std::string request =
       R"({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": {"t": 3}, "columns": ["q"],
-          "section": {"expression": "sin(1e9*q) - 0.5", "direction": "both"}, "limits": {"samples": 100},
+          "section": {"expression": "sin(1e9*q) - 0.5", "direction": "both"}, "keep": ["section"], "limits": {"samples": 100},
           "members": {"count": 3, "seed": 1, "vary": {"/initial/q": {"values": [1e-9, 1, 2]}}}})";
   const auto told = [](const Json& answer) {
     for (const Json& warning : answer["warnings"])

@@ -1,28 +1,20 @@
-// What a diagnostic is: one row of the table in table.hpp. A row is a type with
-//   info               its card
-//   sees               what it sees of a run
-//   applies<P>         whether it means something on a scene
-//   Seen<P, X>         a value, so that a block of steps can be taken back; where it sees every step
-//                        start(problem, x) or start(problem, x, tangents of steps), see(problem, x);
-//                        look(problem, x) where it also looks at states within long steps, look_again() to do so
-//                        where the run ends within one
-//                      and in every case
-//                        report(end) → Report, asked once, when the run is over
-// A new diagnostic is its row and a line in the table; the catalogue, the decoder and the page follow.
+// What a diagnostic is: a class that sees the states of a run and reports when the run is over, and a row of the table
+// in table.cpp that says its card, what it sees, and on which scenes it means something. The catalogue, the decoder and
+// the page follow.
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "core/problem_traits.hpp"
+#include "core/run/backend.hpp"
 #include "core/run/diagnostics/events.hpp"
 #include "core/run/diagnostics/largest_error.hpp"
 #include "core/run/mechanics.hpp"
 #include "core/run/outcome.hpp"
+#include "core/run/problem_table.hpp"
 #include "core/run/request.hpp"
-#include "core/run/tangent.hpp"
 
 namespace least {
 
@@ -35,22 +27,36 @@ enum class Sees : std::uint8_t {
 };
 
 /// What a run leaves to its diagnostics.
-template <class P, class X>
 struct RunEnd {
-  using Full = FullStateOf<P>;
-  const P& problem;
+  const RunBackend& backend;
+  const ProblemTable& problem;
   const Scene& scene;
   const Request& request;
   const SchemeCard& scheme;
-  const X& x;                       ///< the final state
-  const std::vector<Full>& states;  ///< kept along the run, where a diagnostic sees states
-  const Events& events;             ///< found along the run, where a diagnostic sees sections
-  /// Derivatives of a step from a state; empty where there are none.
-  std::function<std::optional<Tangent<Full>>(const Full&)> tangent;
-  /// The same on the extended space, for schemes whose steps are contact maps there.
-  std::function<std::optional<ExtendedStepOf<P>>(const Full&)> extended_tangent;
+  const RunState& x;                    ///< the final state
+  const std::vector<RunState>& states;  ///< kept along the run, where a diagnostic sees states
+  const Events& events;                 ///< found along the run, where a diagnostic sees sections
   TimeLeft left;
   std::vector<Warning>& warnings;  ///< what a report cannot say
+};
+
+class Diagnostic {
+ public:
+  virtual ~Diagnostic() = default;
+
+  virtual void start(const ProblemTable&, StateView) {}
+  /// The state after a step; and those after some steps.
+  virtual void see(const ProblemTable&, StateView) {}
+  virtual void see(const ProblemTable& problem, const StateRows& states) {
+    for (std::size_t i = 0; i < states.count; ++i) see(problem, states[i]);
+  }
+  /// A state within a step, if it `looks` at those.
+  virtual bool looks() const { return false; }
+  virtual void look(const ProblemTable&, StateView) {}
+  /// The run ends within the step whose inner states were looked at last: they are going to be looked at again.
+  virtual void look_again() {}
+  /// Asked once, when the run is over.
+  virtual Report report(const RunEnd& end) = 0;
 };
 
 }  // namespace least

@@ -1,92 +1,14 @@
-// error: how far a run is from the true motion.
+// What a run says where its error cannot be told.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <utility>
 #include <vector>
 
-#include "core/run/diagnostics/diagnostic.hpp"
-#include "core/run/diagnostics/largest_error.hpp"
-#include "core/run/messages.hpp"
+#include "core/problem_traits.hpp"
+#include "core/run/outcome.hpp"
 
 namespace least {
 
 /// A run says once that its truth is missing, or no truth for being as uncertain as the errors it finds.
-inline void warn_of_missing_reference(std::vector<Warning>& warnings, double uncertainty = unknown) {
-  constexpr std::string_view code = "reference_not_finished";
-  if (std::ranges::find(warnings, code, &Warning::code) != warnings.end()) return;
-  warnings.push_back({code, std::isnan(uncertainty)
-                                ? "the reference solution met its time limit, or the motion ends or is not finite"
-                                : messages::uncertain(uncertainty)});
-}
-
-/// Errors against the true motion: at the final state, and the largest along the run, looked for where the motion is
-/// fast and then around the largest found. Null, with a warning, where the truth could not be had, or is as uncertain
-/// as what it finds. It may take half of the time that is left.
-struct ErrorRow {
-  static constexpr DiagnosticCard info{"error", "against the closed form or a quad-precision run"};
-  static constexpr Sees sees = Sees::every_step;
-  template <class P>
-  static constexpr bool applies = VectorField<P>;
-
-  template <class P, class X>
-  struct Seen {
-    static constexpr std::int64_t few_steps = 20'000;  ///< which are soon made again
-    Landmarks<StateOf<P>> landmarks;
-
-    void start(const P&, const X& x) { landmarks.start(needed(x)); }
-    void see(const P&, const X& x) { landmarks.see(needed(x)); }
-
-    Report report(const RunEnd<P, X>& end) const {
-      std::vector<SeenState> seen;
-      const auto add = [&seen](const StateOf<P>& x, double speed) {
-        auto& state = seen.emplace_back();
-        state.t = x.t;
-        state.speed = speed;
-        for (std::size_t i = 0; i < StateOf<P>::size; ++i) state.x.push_back(x[i]);
-      };
-      const auto marks = landmarks.list();
-      for (const auto& [x, speed] : marks)
-        if (x.t < end.x.t) add(x, speed);
-      LargestError found;
-      const bool known = !marks.empty();  // the run got as far as its start
-      bool told = false;
-      if (known) {
-        add(needed(end.x), marks.back().speed);
-        const double seconds = 0.5 * end.left.seconds();
-        const TimeLeft half{[&] { return end.left.seconds() > seconds && end.left.keep_going(); },
-                            [&] { return end.left.seconds() - seconds; }, end.left.cancelled};
-        found = largest_error(end.request, std::move(seen), landmarks.longest_move() > 0.2,
-                              landmarks.steps() <= few_steps, half);
-        told = found.complete && can_tell(found.uncertainty, found.most);
-        if (!told) warn_of_missing_reference(end.warnings, found.complete ? found.uncertainty : unknown);
-        constexpr double large = 0.1;
-        if (told && !(found.most <= large) &&
-            std::ranges::find(end.warnings, "large_error", &Warning::code) == end.warnings.end())
-          end.warnings.push_back({"large_error", messages::error(found.most, found.at)});
-      }
-      std::string how(found.how);
-      if (known && !told) how += found.complete ? ", too uncertain" : ", not finished";
-      const auto if_told = [told](double number) { return told ? number : unknown; };
-      Report report = numbers("error", {{"final", if_told(found.last)},
-                                        {"max", if_told(found.most)},
-                                        {"max_at", if_told(found.at)},
-                                        {"uncertainty", found.uncertainty},
-                                        {"times", if_told(static_cast<double>(found.times))}});
-      insert(report, 3, words("reference", how));
-      return report;
-    }
-
-   private:
-    /// What the motion reads of a state.
-    static StateOf<P> needed(const X& x) {
-      StateOf<P> y;
-      assign(y, plain(x));
-      return y;
-    }
-  };
-};
+void warn_of_missing_reference(std::vector<Warning>& warnings, double uncertainty = unknown);
 
 }  // namespace least

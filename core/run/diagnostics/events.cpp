@@ -3,7 +3,26 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/run/root.hpp"
+
 namespace least {
+
+void Events::locate(const ProblemTable& problem, const RunState& left, const RunState& right,
+                    const std::function<RunState(double t)>& at) {
+  SectionValues was{}, is{}, between{};
+  problem.sections(left, was.data());
+  problem.sections(right, is.data());
+  for (std::size_t i = 0; i < problem.traits.sections; ++i) {
+    if ((was[i] < 0) == (is[i] < 0)) continue;
+    const auto value = [&](double part) {
+      problem.sections(at(left.t + part), between.data());
+      return between[i];
+    };
+    const double ahead = root(value, 0, right.t - left.t);
+    const RunState x = at(left.t + ahead);
+    add(i, is[i] > 0, x.t, x[0]);
+  }
+}
 
 void Events::add(std::size_t section, bool upwards, double t, double first) {
   if (section == 0) note(zeros_, t);

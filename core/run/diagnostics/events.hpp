@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
-#include "core/problem_traits.hpp"
 #include "core/run/outcome.hpp"
-#include "core/run/root.hpp"
+#include "core/run/problem_table.hpp"
 
 namespace least {
 
@@ -17,17 +17,8 @@ class Events {
   explicit Events(std::size_t most) : most_(most) {}
 
   /// Every change of sign between the states `left` and `right` of a step; `at(t)` is the state in between.
-  template <class P, class X, class At>
-  void locate(const P& problem, const X& left, const X& right, At&& at) {
-    const auto was = sections(problem, left), is = sections(problem, right);
-    for (std::size_t i = 0; i < was.size(); ++i) {
-      if ((was[i] < 0) == (is[i] < 0)) continue;
-      const double ahead =
-          root([&](double part) { return sections(problem, at(left.t + part))[i]; }, 0, right.t - left.t);
-      const X x = at(left.t + ahead);
-      add(i, is[i] > 0, x.t, value_of(x[0]));
-    }
-  }
+  void locate(const ProblemTable& problem, const RunState& left, const RunState& right,
+              const std::function<RunState(double t)>& at);
   /// The same at a point that is known by other means: the time, and the first component there.
   void add(std::size_t section, bool upwards, double t, double first);
   /// Whether a list of this length may grow.

@@ -50,9 +50,10 @@ class SlowReaders : public testing::Test {
     return std::stod(text.substr(text.find("\nleastaction_" + name + " ") + name.size() + 14));
   }
   void await(const std::string& name, double value) const {
-    for (const auto from = Clock::now(); metric(name) != value && Clock::now() - from < 30s;)
+    double now = metric(name);
+    for (const auto from = Clock::now(); now != value && Clock::now() - from < 30s; now = metric(name))
       std::this_thread::sleep_for(5ms);
-    EXPECT_EQ(metric(name), value) << name;
+    EXPECT_EQ(now, value) << name;
   }
   void others_are_served() const {
     for (int i = 0; i < 3; ++i) {

@@ -1,23 +1,24 @@
-// The orbit of a two-body scene: its revolutions, how its apsis turns, its elements.
-#pragma once
+// orbit: the revolutions of a two-body scene, how its apsis turns, its elements.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "core/exact/elements.hpp"
-#include "core/run/diagnostics/diagnostic.hpp"
+#include "core/run/diagnostics/rows.hpp"
 
 namespace least {
+namespace {
 
 /// Revolutions in the plane of the start, counted when the body passes the direction it started from. Angles are
 /// measured in the direction of motion, between two looks it turns by less than a revolution; `sense_` turns them
 /// counter-clockwise in the plane. A straight line has no revolutions, a circle no apsis.
-template <TwoBody P, class X>
-class OrbitTrack {
+template <int N>
+class Orbit final : public Diagnostic {
  public:
-  void start(const P& problem, const X& x) {
+  void start(const ProblemTable& problem, StateView view) override {
+    const Motion x(view);
     mu_ = problem.gravitational_parameter();
     radius_ = std::sqrt(dot(x.q, x.q));
     const double along = dot(x.q, x.p) / radius_;
@@ -29,7 +30,7 @@ class OrbitTrack {
     }
     defined_ = length > 0;
     for (auto& c : e2_) c /= std::sqrt(length);
-    if constexpr (P::dof == 2) sense_ = e1_[0] * e2_[1] - e1_[1] * e2_[0] < 0 ? -1 : 1;
+    if constexpr (N == 2) sense_ = e1_[0] * e2_[1] - e1_[1] * e2_[0] < 0 ? -1 : 1;
     const Elements e = elements(x);
     apsis_ = apsis(e);
     has_apsis_ = e.eccentricity > two_body::least_eccentricity;
@@ -37,17 +38,20 @@ class OrbitTrack {
   }
 
   /// A state within a step, which may be as long as several revolutions.
-  void look(const P&, const X& x) {
+  bool looks() const override { return true; }
+  void look(const ProblemTable&, StateView view) override {
+    const Motion x(view);
     const Place here{dot(x.q, e1_), dot(x.q, e2_)};
     if (defined_ && passed(before_, here, dot(x.p, e1_), dot(x.p, e2_))) ++passages_;
     before_ = here;
   }
-  void look_again() {
+  void look_again() override {
     before_ = at_step_;
     passages_ = 0;
   }
-  void see(const P& problem, const X& x) {
-    look(problem, x);
+  void see(const ProblemTable& problem, StateView view) override {
+    look(problem, view);
+    const Motion x(view);
     at_step_ = before_;
     if (passages_ > 0) {
       const Elements e = elements(x);
@@ -63,8 +67,8 @@ class OrbitTrack {
   /// closure: distance by which the last whole revolution misses the start; apsidal_rotation: of the Laplace–Runge–Lenz
   /// vector, mean per revolution, counter-clockwise positive (about L in space); elements: osculating at the end. All
   /// null where the centre does not attract.
-  Report report(const RunEnd<P, X>& end) const {
-    const X& x = end.x;
+  Report report(const RunEnd& end) override {
+    const Motion x(end.x);
     const bool started = mu_ > 0, closed = started && revolutions_ > 0;
     const auto k = static_cast<double>(revolutions_);
     const Elements now = elements(x);
@@ -77,6 +81,14 @@ class OrbitTrack {
   }
 
  private:
+  /// Position and velocity.
+  struct Motion {
+    Vec<N> q, p;
+    explicit Motion(StateView x) {
+      std::copy_n(x.numbers, N, q.begin());
+      std::copy_n(x.numbers + N, N, p.begin());
+    }
+  };
   /// In the plane of the start: along its direction, and across it in the direction of motion.
   struct Place {
     double along, across;
@@ -95,24 +107,22 @@ class OrbitTrack {
     return now.along * p_across > now.across * p_along;  // it moves in the direction that it began with
   }
 
-  using Elements = two_body::Elements<P::dof>;
-  Elements elements(const X& x) const { return two_body::elements(x.q, x.p, mu_); }
+  using Elements = two_body::Elements<N>;
+  Elements elements(const Motion& x) const { return two_body::elements(x.q, x.p, mu_); }
   double apsis(const Elements& e) const { return std::atan2(dot(e.lenz, e2_), dot(e.lenz, e1_)); }
 
-  Vec<P::dof> e1_{}, e2_{};
+  Vec<N> e1_{}, e2_{};
   Place before_{}, at_step_{};  ///< at the last look, at the end of the last step
   double mu_ = 0, radius_ = 0, apsis_ = 0, rotation_ = 0, closure_ = 0, sense_ = 1;
   std::int64_t revolutions_ = 0, passages_ = 0;  ///< passages_: of the step that is being made
   bool defined_ = false, has_apsis_ = false;
 };
 
-struct OrbitRow {
-  static constexpr DiagnosticCard info{"orbit", "closure, apsidal rotation and osculating elements of an orbit"};
-  static constexpr Sees sees = Sees::every_step;
-  template <class P>
-  static constexpr bool applies = TwoBody<P>;
-  template <class P, class X>
-  using Seen = OrbitTrack<P, X>;
-};
+}  // namespace
+
+std::unique_ptr<Diagnostic> orbit_diagnostic(const ProblemTraits& traits) {
+  if (traits.dof == 2) return std::make_unique<Orbit<2>>();
+  return std::make_unique<Orbit<3>>();
+}
 
 }  // namespace least

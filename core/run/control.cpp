@@ -1,0 +1,105 @@
+#include "core/run/control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/run/control_stepper.hpp"
+#include "core/run/still_components.hpp"
+
+namespace least {
+namespace {
+
+struct ControlRun {
+  std::vector<RunState> states;
+  /// The time beyond which there is no step worth the name, as before a singularity: however stiff a motion is, its
+  /// steps are longer against the time that they took until now.
+  std::optional<double> stands_at{};
+};
+
+/// The motion at the times of states, which increase, as far as it gets with so many force evaluations and those of a
+/// step, and before it is cancelled.
+ControlRun control_run(const RunBackend& backend, RunState x, std::span<const RunState> states, double tolerance,
+                       std::int64_t most_forces, const std::atomic<bool>& cancelled) {
+  constexpr double standstill = 1e-9;
+  ControlRun motion;
+  double before = x.t;
+  const double start = x.t;
+  ControlStepper stepper(backend, tolerance);
+  for (const RunState& state : states) {
+    while (x.t < state.t && stepper.work().forces < most_forces && !cancelled.load(std::memory_order_relaxed)) {
+      before = x.t;
+      if (stepper.step(x) == StepStatus::ok) continue;
+      motion.stands_at = x.t;
+      return motion;
+    }
+    if (x.t < state.t && x.t - before < standstill * (x.t - start)) motion.stands_at = x.t;
+    RunState here = x;
+    if (x.t < state.t || (x.t > state.t && !stepper.interpolate(here, state.t))) return motion;
+    if (backend.motion().outside(here)) return motion;
+    motion.states.push_back(here);
+  }
+  return motion;
+}
+
+}  // namespace
+
+std::vector<double> divisors_along(const RunBackend& backend, const RunState& x, std::vector<RunState> states,
+                                   Norm norm, std::span<const std::size_t> kinds) {
+  if (norm == Norm::absolute) return {};
+  states.insert(states.begin(), x);
+  ComponentSizes sizes(kinds, x.size());
+  for (const auto& state : states) sizes.see(state);
+  settle_still_components(backend.motion(), states, sizes);
+  return sizes.divisors();
+}
+
+Departure departure(const RunBackend& backend, RunState x, std::span<const RunState> states, Norm norm,
+                    std::span<const std::size_t> kinds, double large, std::int64_t most_forces,
+                    const std::atomic<bool>& cancelled) {
+  const ProblemTable& problem = backend.motion();
+  if (problem.starts_series(x)) x = problem.series_state(problem.traits.series_until);
+  while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // along a series
+  double tolerance = 1e-8, size = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) size = std::max(size, std::abs(x[i]));
+  if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
+  auto motion = control_run(backend, x, states, tolerance, most_forces, cancelled);
+  const std::vector<double> sizes = divisors_along(backend, x, motion.states, norm, kinds);
+  Departure found;
+  const auto hold = [&](std::size_t count, const std::vector<RunState>& truth) {
+    found = {};
+    for (std::size_t i = 0; i < count; ++i) {
+      found.reached = truth[i].t;
+      const double error = state_error(states[i], truth[i], x.size(), sizes);
+      if (error <= found.error || std::isnan(found.error)) continue;
+      found.error = error;
+      found.t = truth[i].t;
+    }
+  };
+  hold(motion.states.size(), motion.states);
+  if (found.error <= large) {
+    constexpr double beyond = 0.01, near = 1e-3;  // of the time until there
+    if (!motion.stands_at || !(states.back().t - *motion.stands_at > beyond * (*motion.stands_at - x.t))) return found;
+    const auto closer = control_run(backend, x, states, tolerance / 100, 4 * most_forces, cancelled).stands_at;
+    if (closer && std::abs(*closer - *motion.stands_at) < near * (*closer - x.t)) found.stands_at = closer;
+    return found;
+  }
+  for (int closer_ones = 0; closer_ones < 2; ++closer_ones) {
+    tolerance /= 100;
+    most_forces *= 4;
+    auto closer = control_run(backend, x, states, tolerance, most_forces, cancelled);
+    const std::size_t both = std::min(closer.states.size(), motion.states.size());
+    std::size_t agreed = 0;
+    while (agreed < both && state_error(motion.states[agreed], closer.states[agreed], x.size(), sizes) < 0.1 * large)
+      ++agreed;
+    hold(agreed, closer.states);
+    if (agreed == both || !(found.error <= large) ||
+        state_error(states[agreed], closer.states[agreed], x.size(), sizes) <= large)
+      return found;
+    found.parted_at = states[agreed].t;
+    motion = std::move(closer);
+  }
+  return found;
+}
+
+}  // namespace least

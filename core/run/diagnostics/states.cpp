@@ -1,0 +1,104 @@
+// structure, volume: diagnostics made from whole states kept along the run, after it.
+
+#include <cmath>
+#include <string>
+
+#include "core/run/diagnostics/rows.hpp"
+
+namespace least {
+namespace {
+
+/// Calls f with the maps of steps from no more than 32 of the states before the end, on the extended space where it is
+/// there that the scheme's steps are contact maps.
+template <class F>
+void for_each_map(const RunEnd& end, F&& f) {
+  const auto& states = end.states;
+  const StepTangents tangents = end.backend.tangents(end.request);
+  TangentMap map;
+  for (std::size_t i = 0; i < states.size() && states[i].t < end.x.t; i += 1 + states.size() / 32) {
+    if (tangents.plain && tangents.plain(states[i], map)) f(map);
+    if (tangents.extended && tangents.extended(states[i], map)) f(map);
+  }
+}
+
+/// The largest defect of the form that the exact motion keeps over single steps that the run took: MᵀJM − J, or, where
+/// the motion reads s, φ*η − λη with λ of the first of them as `factor`. Null where there is no such step. A scheme
+/// that keeps the form of a scene keeps that which the scene has.
+class Structure final : public Diagnostic {
+ public:
+  Report report(const RunEnd& end) override {
+    const bool acts = end.problem.reads_action();
+    double most = unknown, factor = unknown;
+    for_each_map(end, [&](const TangentMap& map) {
+      if (!acts) {  // if there is an s, it rests and takes no part
+        most = std::fmax(most, symplectic_defect(map));
+        return;
+      }
+      const auto [defect, lambda] = contact_defect(map);
+      most = std::fmax(most, defect);
+      if (std::isnan(factor)) factor = lambda;
+    });
+    Report report = numbers("structure", {{"max_defect", most}, {"factor", factor}});
+    const bool kept = end.scheme.structure != "none", general = end.problem.traits.general;
+    insert(report, 0, words("kind", kept && acts ? "contact" : kept && general ? "symplectic" : end.scheme.structure));
+    return report;
+  }
+};
+
+/// max_defect: of det DΦ = λⁿ⁺¹ (λⁿ⁺² on the extended space), which every contact map keeps. invariant_residual: of the
+/// volume H^−(n+1) η∧(dη)ⁿ, which the exact autonomous flow keeps where H is not zero, that is of λH₀ = H₁; falls with
+/// the order. Over single steps the run took. Where there is no such volume the residual is null, and `reason` says
+/// why.
+class Volume final : public Diagnostic {
+ public:
+  Report report(const RunEnd& end) override {
+    double most = unknown, residual = unknown;
+    const std::string_view why = objection(end);
+    for_each_map(end, [&](const TangentMap& map) {
+      const auto n = static_cast<int>(map.dof), dof = static_cast<int>(end.problem.traits.dof);
+      const double factor = contact_defect(map).factor;
+      most = std::fmax(most, std::abs(determinant(map) - std::pow(factor, n + 1)));
+      const RunState from = state_at(map, map.from), to = state_at(map, map.to);
+      if (!why.empty() || vanishes(end.problem, from)) return;
+      residual = std::fmax(residual,
+                           std::abs(std::pow(factor * end.problem.energy(from) / end.problem.energy(to), dof + 1) - 1));
+    });
+    Report report = numbers("volume", {{"max_defect", most}, {"invariant_residual", residual}});
+    const bool none = std::isnan(residual);
+    insert(report, 2, words("reason", !none ? "" : !why.empty() ? why : "no step with derivatives was taken"));
+    return report;
+  }
+
+ private:
+  /// The state at a state, or at a point of the extended space.
+  static RunState state_at(const TangentMap& map, const RunState& z) {
+    if (!map.extended) return z;
+    const std::size_t n = map.dof - 1;
+    RunState x{z[n], StateNumbers(2 * n + 1)};
+    for (std::size_t i = 0; i < n; ++i) {
+      x[i] = z[i];
+      x[n + i] = z[n + 1 + i];
+    }
+    x[2 * n] = z[2 * n + 2];
+    return x;
+  }
+  static std::string_view objection(const RunEnd& end) {
+    if (!end.problem.traits.autonomous) return "H depends on time: the flow keeps no volume of this form";
+    const bool zero = !end.states.empty() && vanishes(end.problem, end.states.front());
+    return zero ? "H is zero, and stays so: the volume is not defined there" : "";
+  }
+  /// H is zero among its terms.
+  static bool vanishes(const ProblemTable& problem, const RunState& x) {
+    const EnergyTerms energy = problem.energy_terms(x);
+    const double terms = energy.kinetic + std::abs(energy.potential) + std::abs(problem.offset()) +
+                         std::abs(energy.action_slope * x[2 * problem.traits.dof]);
+    return !(std::abs(energy.total) > 1e-9 * terms);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Diagnostic> structure_diagnostic() { return std::make_unique<Structure>(); }
+std::unique_ptr<Diagnostic> volume_diagnostic() { return std::make_unique<Volume>(); }
+
+}  // namespace least

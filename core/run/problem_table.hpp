@@ -1,0 +1,123 @@
+// A problem with its parameters as a table of functions on plain numbers: what surrounds the steps of a run is compiled
+// once, whatever the problem, and reads it from here. Each entry is the function of the same name of core/problem.hpp,
+// core/problem_traits.hpp or core/equations.hpp. A problem fills the table in core/catalogue/compiled_table.hpp.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/run/run_state.hpp"
+
+namespace least {
+
+/// What is known of a problem, and of the state that a run of it carries, before there is a run.
+struct ProblemTraits {
+  std::size_t components = 0;  ///< of the state
+  std::size_t numbers = 0;     ///< of the state, with those of a tangent direction
+  std::size_t moving = 0;      ///< components that the motion needs, the first ones
+  std::size_t dof = 0;         ///< 0 for a flow
+  bool acting = false;         ///< the state carries s
+  bool sloped = false;         ///< the state carries a tangent direction
+  bool full = false;           ///< it carries all that can be asked for
+  // Which mechanics it is, by the concepts of core/problem.hpp.
+  bool flow = false, potential = false, general = false, general_lagrangian = false, conservative = false;
+  bool configuration_metric = false, split_flow = false;
+  bool contact = false, linear_contact = false, quadratic_contact = false;
+  bool constant_damping = false, autonomous = false;
+  bool has_energy = false, keeps_energy = false, has_frequency = false, constant_frequency = false;
+  bool has_series = false, has_section = false, oscillates = false, carries_slope = false, has_entropy = false;
+  std::size_t sections = 0, invariants = 0, quantities = 0, elements = 0, moments = 0;
+  double series_until = 0;
+  double careful_step = std::numeric_limits<double>::infinity();
+
+  /// The energy can be said from the state.
+  constexpr bool says_energy() const { return has_energy && (!contact || acting); }
+};
+
+/// H, its parts K and V, and H_s; not a number where the problem has none, or the state does not carry what it depends
+/// on.
+struct EnergyTerms {
+  double total, kinetic, potential, action_slope;
+};
+
+/// Values of the sections of a state, of which there are three at most.
+using SectionValues = std::array<double, 3>;
+
+class ProblemTable {
+ public:
+  explicit ProblemTable(const ProblemTraits& known) : traits(known) {}
+  ProblemTable(const ProblemTable&) = delete;
+  ProblemTable& operator=(const ProblemTable&) = delete;
+  virtual ~ProblemTable() = default;
+
+  const ProblemTraits traits;
+
+  /// The state that variables of the card describe.
+  virtual RunState start(const std::vector<double>& variables, double t) const = 0;
+  /// ẋ, as many as the state has numbers.
+  virtual void rates(StateView x, double* rates) const = 0;
+  /// The same, and how they change where the state changes by u and the time by dt.
+  virtual void rates(StateView x, const double* u, double dt, double* rates, double* changes) const = 0;
+
+  // Not a number where the problem has none, or the state does not carry what it depends on.
+  virtual double energy_of(StateView x) const = 0;
+  double energy(StateView x) const { return energy_terms(x).total; }
+  /// Of each of the states.
+  virtual void energy_terms(const StateRows& states, EnergyTerms* terms) const = 0;
+  virtual EnergyTerms energy_terms(StateView x) const = 0;
+  virtual double mechanical_energy(StateView x) const = 0;
+
+  /// Of linear contact mechanics at a time.
+  virtual double damping(double t) const = 0;
+  /// H_s.
+  virtual double action_slope(double s, double t) const = 0;
+  virtual double action_curvature() const = 0;
+  /// H − K − V.
+  virtual double action_energy(StateView x) const = 0;
+  /// R of quadratic contact mechanics; else 0.
+  virtual double offset() const = 0;
+  /// How often the damping repeats; 0: it does not, or that is not known.
+  virtual double period() const = 0;
+  /// Not a number where the problem says none.
+  virtual double stiffness_rate() const = 0;
+  virtual double frequency_squared(StateView x) const = 0;
+  /// Whether general mechanics reads s.
+  virtual bool reads_action() const = 0;
+
+  /// Of the domain of the motion.
+  virtual bool outside(StateView x) const = 0;
+  /// What becomes negative there.
+  virtual double inside(StateView x) const = 0;
+
+  virtual void sections(StateView x, double* values) const = 0;
+  virtual void invariants(StateView x, double* values) const = 0;
+  /// Of each of the states, one row after the other.
+  virtual void invariants(const StateRows& states, double* values) const = 0;
+  virtual double quantity(StateView x, std::size_t index) const = 0;
+  /// Of the orbit, by the numbers of two_body::element_names.
+  virtual double element(StateView x, std::size_t index) const = 0;
+  virtual double entropy(StateView x) const = 0;
+  virtual std::span<const std::string_view> moment_names() const = 0;
+  virtual void moments(StateView x, double* values) const = 0;
+  virtual double log_weight(StateView x) const = 0;
+  virtual double log_rate(StateView x) const = 0;
+  virtual double gravitational_parameter() const = 0;
+
+  virtual bool starts_series(StateView x) const = 0;
+  virtual RunState series_state(double t) const = 0;
+};
+
+/// The i-th variable of the card at a state: unknown where the state does not carry it, or at a pole.
+inline double variable(const ProblemTraits& traits, StateView x, std::size_t i) {
+  const std::size_t n = traits.components;
+  if (i < n) return x[i];
+  if (traits.sloped)
+    if (const double slope = x[n + 1] / x[n]; std::isfinite(slope)) return slope;
+  return unknown;
+}
+
+}  // namespace least

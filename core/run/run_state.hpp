@@ -1,0 +1,140 @@
+// The state of a run of any problem, as numbers whose count is known when it runs.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "core/problem_traits.hpp"
+
+namespace least {
+
+/// The numbers of one state. Up to twenty of them, as of eight degrees of freedom, stand in place.
+class StateNumbers {
+ public:
+  StateNumbers() = default;
+  explicit StateNumbers(std::size_t count, double value = 0) {
+    resize(count);
+    std::fill(begin(), end(), value);
+  }
+  StateNumbers(const double* first, const double* last) { assign(first, last); }
+  StateNumbers(const StateNumbers& other) { assign(other.begin(), other.end()); }
+  StateNumbers(StateNumbers&& other) noexcept { take(other); }
+  StateNumbers& operator=(const StateNumbers& other) {
+    if (this != &other) assign(other.begin(), other.end());
+    return *this;
+  }
+  StateNumbers& operator=(StateNumbers&& other) noexcept {
+    if (this != &other) take(other);
+    return *this;
+  }
+  ~StateNumbers() = default;
+
+  std::size_t size() const { return count_; }
+  double* data() { return count_ > in_place ? elsewhere_.data() : here_.data(); }
+  const double* data() const { return count_ > in_place ? elsewhere_.data() : here_.data(); }
+  double* begin() { return data(); }
+  double* end() { return data() + count_; }
+  const double* begin() const { return data(); }
+  const double* end() const { return data() + count_; }
+  double& operator[](std::size_t i) { return data()[i]; }
+  double operator[](std::size_t i) const { return data()[i]; }
+
+  /// What the numbers are afterwards is not said.
+  void resize(std::size_t count) {
+    if (count > in_place) elsewhere_.resize(count);
+    count_ = count;
+  }
+  [[gnu::noinline]] void assign(const double* first, const double* last) {
+    resize(static_cast<std::size_t>(last - first));
+    std::copy(first, last, begin());
+  }
+
+ private:
+  static constexpr std::size_t in_place = 20;
+
+  [[gnu::noinline]] void take(StateNumbers& other) noexcept {
+    count_ = other.count_;
+    if (count_ > in_place)
+      elsewhere_ = std::move(other.elsewhere_);
+    else
+      std::copy_n(other.here_.data(), count_, here_.data());
+  }
+
+  std::size_t count_ = 0;
+  std::array<double, in_place> here_;
+  std::vector<double> elsewhere_;  ///< all of them, where they are more
+};
+
+/// A state that stands elsewhere: the time and the components in their order, after which come the components of a
+/// tangent direction where the run carries one.
+struct StateView {
+  double t;
+  const double* numbers;
+
+  double operator[](std::size_t i) const { return numbers[i]; }
+};
+
+/// Rows of states after steps: the time, and the numbers of the state.
+struct StateRows {
+  const double* first;
+  std::size_t width, count;
+
+  StateView operator[](std::size_t i) const { return {first[i * width], first + i * width + 1}; }
+  /// So many of them from the i-th on, or as many as there are.
+  StateRows part(std::size_t i, std::size_t most) const {
+    return {first + i * width, width, std::min(most, count - i)};
+  }
+};
+
+/// A state that holds its numbers.
+struct RunState {
+  double t = 0;
+  StateNumbers numbers;
+
+  operator StateView() const { return {t, numbers.data()}; }  // NOLINT(google-explicit-constructor): a view of it
+  double& operator[](std::size_t i) { return numbers[i]; }
+  double operator[](std::size_t i) const { return numbers[i]; }
+  std::size_t size() const { return numbers.size(); }
+};
+
+template <class X>
+inline constexpr std::size_t numbers_in = Sloped<X> ? 2 * X::size : X::size;
+
+/// The state of a problem's own type.
+template <class X>
+X state_from(StateView view) {
+  X x;
+  x.t = view.t;
+  for (std::size_t i = 0; i < X::size; ++i) {
+    if constexpr (Sloped<X>) {
+      x[i] = {view[i], {view[X::size + i]}};
+    } else {
+      x[i] = view[i];
+    }
+  }
+  return x;
+}
+template <class X>
+void write_numbers(const X& x, double* numbers) {
+  for (std::size_t i = 0; i < X::size; ++i) {
+    numbers[i] = value_of(x[i]);
+    if constexpr (Sloped<X>) numbers[X::size + i] = x[i].slope[0];
+  }
+}
+template <class X>
+void assign_numbers(const X& x, RunState& state) {
+  state.t = x.t;
+  state.numbers.resize(numbers_in<X>);
+  write_numbers(x, state.numbers.data());
+}
+template <class X>
+RunState run_state(const X& x) {
+  RunState state;
+  assign_numbers(x, state);
+  return state;
+}
+
+}  // namespace least

@@ -1,0 +1,139 @@
+#include "core/run/standstill.hpp"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/run/control_stepper.hpp"
+
+namespace least {
+namespace {
+
+/// The largest of the rates of a state; NaN where one is no number.
+double largest_rate(const RunBackend& backend, StateView x) {
+  StateNumbers rates(backend.motion().traits.components);
+  backend.motion().rates(x, rates.data());
+  double most = 0;
+  for (const double rate : rates)
+    if (const double size = std::abs(rate); !(size <= most)) most = size;
+  return most;
+}
+
+/// A control run on its way to a place where the motion ends.
+class Approach {
+ public:
+  /// Of a walk: the time it came to, and whether it can go no further.
+  struct End {
+    double t;
+    bool stands;
+  };
+
+  /// `most_forces`: evaluations of each of the walks; keep_going() is asked now and then.
+  Approach(const RunBackend& backend, const RunState& start, std::int64_t most_forces, const KeepGoing& keep_going)
+      : backend_(backend), start_(start), most_forces_(most_forces), keep_going_(keep_going) {
+    for (std::size_t i = 0; i < start.size(); ++i) size_ = std::max(size_, std::abs(start[i]));
+    if (!(size_ > 0 && size_ < 1)) size_ = 1;
+  }
+
+  /// From the start to `until`, or as far as steps lead; see(state) is called after each.
+  template <class See>
+  End walk(double tolerance, double until, See&& see) const {
+    auto x = start_;
+    ControlStepper stepper(backend_, std::max(tolerance * size_, 1e-300));
+    StandstillWatch watch(start_.t, 0);
+    for (int step = 1; x.t < until; ++step) {
+      const double before = x.t;
+      if (stepper.work().forces > most_forces_ || (step % 256 == 0 && !keep_going_())) break;
+      if (stepper.step(x) != StepStatus::ok || watch.see(before, x.t - before)) return {x.t, true};
+      if (backend_.motion().outside(x)) break;
+      see(x);
+    }
+    return {x.t, false};
+  }
+
+  /// Whether rates change on each scale of time on the way to `end`, as powers of what is left of it do: a walk has to
+  /// stop on each, and of a rate that is smooth at the end less and less of a change is left. Not so where the steps
+  /// are short for another reason.
+  bool sharpens(double tolerance, double end) const {
+    constexpr int scales = 5;
+    constexpr double first = 1e-2, least_change = 0.02, noise = 1e-12;
+    const double span = end - start_.t;
+    std::array<std::optional<StateNumbers>, scales> at;  // after the first step that ends within first·10⁻ᵏ of the end
+    walk(tolerance, end, [&](const RunState& x) {
+      const double left = (end - x.t) / span;
+      if (!(left > 0 && left < first)) return;
+      const int scale = static_cast<int>(std::floor(std::log10(first / left)));
+      if (scale < scales && !at[static_cast<std::size_t>(scale)])
+        backend_.motion().rates(x, at[static_cast<std::size_t>(scale)].emplace(x.size()).data());
+    });
+    int changes = 0;
+    std::optional<StateNumbers> last;
+    for (const auto& rates : at) {
+      if (!rates) continue;  // one may be leapt over, where a step is short for its end alone
+      if (last) {
+        double most = 0, largest = 0;
+        for (std::size_t i = 0; i < start_.size(); ++i)
+          largest = std::max({largest, std::abs((*last)[i]), std::abs((*rates)[i])});
+        for (std::size_t i = 0; i < start_.size(); ++i)
+          if (const double size = std::max(std::abs((*last)[i]), std::abs((*rates)[i])); size > noise * largest)
+            most = std::max(most, std::abs((*rates)[i] - (*last)[i]) / size);
+        if (!(most > least_change)) return false;
+        ++changes;
+      }
+      last = rates;
+    }
+    return changes >= 3;
+  }
+
+ private:
+  const RunBackend& backend_;
+  RunState start_;
+  std::int64_t most_forces_;
+  const KeepGoing& keep_going_;
+  double size_ = 0;
+};
+
+}  // namespace
+
+bool goes_on(const RunBackend& backend, RunState x, double duration) {
+  constexpr int patience = 10'000;
+  constexpr double closely = 1e-14, growth = 3, shrinkage = 1e-2;
+  ControlStepper stepper(backend, closely);
+  const double end = x.t + duration, before = largest_rate(backend, x);
+  double most = before, longest = 0;
+  for (int step = 0; x.t < end; ++step) {
+    const double t = x.t;
+    if (stepper.step(x) != StepStatus::ok) return false;
+    most = std::max(most, largest_rate(backend, x));
+    longest = std::max(longest, x.t - t);
+    if (step == patience) return !(most > growth * before && x.t - t < shrinkage * longest);
+  }
+  return true;
+}
+
+double singular_time(const RunBackend& backend, const Request& request, StepStatus status, double now, double step,
+                     std::int64_t forces, const KeepGoing& keep_going) {
+  constexpr double close = 1e-12, near = 1e-5, few_steps = 10, stretch = 0.1;
+  constexpr std::int64_t few = 20'000, many = 200'000;
+  if (request.probe || status == StepStatus::solver_failed) return unknown;
+  const Scene& scene = *request.scene;
+  const ProblemTable& problem = backend.motion();
+  RunState start = problem.start(scene.initial, scene.start);
+  const double way = stretch * (now - start.t), earliest = now - std::max(way, few_steps * step),
+               latest = now + (step > 0 ? few_steps * step : way);
+  if (problem.starts_series(start)) start = problem.series_state(problem.traits.series_until);
+  if (!(start.t < latest)) return unknown;
+  const Approach approach(backend, start, std::clamp<std::int64_t>(10 * forces, few, many), keep_going);
+  const auto unseen = [](const RunState&) {};
+  const auto one = approach.walk(100 * close, latest, unseen), other = approach.walk(close, latest, unseen);
+  const auto agree = [&](double a, double b) { return std::abs(a - b) < near * (b - start.t); };
+  double known = unknown;
+  if (other.stands && (one.stands ? agree(one.t, other.t) : step == 0 && agree(now, other.t)))
+    known = other.t;
+  else if (!other.stands && one.stands && step == 0 && agree(one.t, now))
+    known = now;
+  if (!(known >= earliest && known <= latest)) return unknown;
+  return approach.sharpens(close, known) ? known : unknown;
+}
+
+}  // namespace least

@@ -1,0 +1,38 @@
+#include "core/run/still_components.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace least {
+
+void settle_still_components(const ProblemTable& problem, std::span<const RunState> states, ComponentSizes& sizes) {
+  constexpr double rounding = 0x1p-45;
+  const std::size_t size = problem.traits.components;
+  StateNumbers rates(size);
+  std::vector<double> slopes(size * size);  // of the rate i by the component j, column by column
+  std::vector<double> changes(size, 0), most_rate(size, 1 / (states.back().t - states.front().t));  // by kind
+  const auto raise = [](double& most, double x) {
+    if (std::isfinite(x)) most = std::max(most, x);
+  };
+  for (const RunState* x : {&states.front(), &states[states.size() / 2], &states.back()}) {
+    for (std::size_t j = 0; j < size; ++j) {
+      StateNumbers direction(size, 0.0);
+      direction[j] = 1;
+      problem.rates(*x, direction.data(), 0, rates.data(), &slopes[j * size]);
+    }
+    for (std::size_t i = 0; i < size; ++i)
+      for (std::size_t j = 0; j < size; ++j) {
+        const double slope = slopes[j * size + i];
+        raise(changes[sizes.kind(i)], std::abs(slope) * sizes.largest(j));
+        raise(most_rate[sizes.kind(i)], std::sqrt(std::abs(slope * slopes[i * size + j])));  // i = j: its own
+      }
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t kind = sizes.kind(i);
+    const double natural = changes[kind] / most_rate[kind];
+    if (kind == i && sizes.largest(i) <= rounding * natural && std::isfinite(natural)) sizes.set(i, natural);
+  }
+}
+
+}  // namespace least

@@ -1,0 +1,150 @@
+#include "core/run/tangent_length.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "core/number/linear.hpp"
+#include "core/run/control_stepper.hpp"
+
+namespace least {
+
+TangentLength::TangentLength(const RunBackend& backend, const RunState& x, double end)
+    : backend_(backend),
+      flow_(backend.motion().traits.flow),
+      size_(backend.motion().traits.components),
+      n_(flow_ ? size_ : backend.motion().traits.dof),
+      extent_(size_, 0.0) {
+  if (!flow_) by_velocities_ = has_kinetic_matrix(x);
+  measure(x, end);
+  first_ = direction(x);
+  const double length = (*this)(x, first_.data());
+  for (double& component : first_) component /= length;
+}
+
+double TangentLength::operator()(StateView x, const double* u) const {
+  double square = 0;
+  const StateNumbers seen = as_measured(x, u);
+  for (std::size_t i = 0; i < size_; ++i) square += (seen[i] / extent_[i]) * (seen[i] / extent_[i]);
+  return std::sqrt(square);
+}
+
+/// The change of q̇ along a tangent.
+StateNumbers TangentLength::velocity_slopes(StateView x, const double* u) const {
+  StateNumbers slopes(n_);
+  backend_.velocity_slopes(x, u, slopes.data());
+  return slopes;
+}
+
+/// ∂q̇/∂p row by row, with units in the place of coordinates that the scene has not.
+std::vector<double> TangentLength::inverse_masses(StateView x) const {
+  std::vector<double> inverse(n_ * n_);
+  for (std::size_t j = 0; j < n_; ++j) {
+    StateNumbers u(size_, 0.0);
+    u[n_ + j] = 1;
+    const auto column = velocity_slopes(x, u.data());
+    for (std::size_t i = 0; i < n_; ++i)
+      inverse[i * n_ + j] = backend_.has_component(i) && backend_.has_component(j) ? column[i] : double(i == j);
+  }
+  return inverse;
+}
+
+/// Whether H is quadratic in p, or a Lagrangian says what velocities are.
+bool TangentLength::has_kinetic_matrix(const RunState& x) const {
+  if (!backend_.motion().traits.general || backend_.found() > 0) return true;
+  RunState other = x;
+  for (std::size_t i = 0; i < n_; ++i) other[n_ + i] = 1 + 2 * x[n_ + i];
+  auto here = inverse_masses(x);
+  const auto there = inverse_masses(other);
+  double change = 0, most = 0;
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    change = std::max(change, std::abs(here[i] - there[i]));
+    most = std::max(most, std::abs(here[i]));
+  }
+  const double determinant = detail::determinant_by_lu(n_, here.data());
+  return change <= 1e-9 * most && std::isfinite(determinant) && determinant != 0;
+}
+
+/// A state or a tangent as the norm reads it: with velocities in the place of momenta.
+StateNumbers TangentLength::as_measured(StateView x, const double* u) const {
+  StateNumbers seen(u, u + size_);
+  if (by_velocities_) backend_.velocity_slopes(x, u, seen.data() + n_);
+  return seen;
+}
+
+void TangentLength::measure(RunState x, double end) {
+  constexpr int steps = 128;
+  constexpr double tolerance = 1e-5;
+  double most = 0;
+  for (std::size_t i = 0; i < size_; ++i) most = std::max(most, std::abs(x[i]));
+  const double relative = most > 0 ? std::min(1.0, most) : 1;  // the tolerance of small states is one of their size
+  ControlStepper stepper(backend_, tolerance * relative);
+  std::optional<StateNumbers> low, high;
+  StateNumbers largest(size_, 0.0);
+  const auto see = [&] {
+    StateNumbers seen = x.numbers;
+    if (by_velocities_) backend_.velocity(x, seen.data() + n_);
+    if (!std::ranges::all_of(seen, [](double component) { return std::isfinite(component); })) return false;
+    if (!low) low = high = seen;
+    for (std::size_t i = 0; i < size_; ++i) {
+      (*low)[i] = std::min((*low)[i], seen[i]);
+      (*high)[i] = std::max((*high)[i], seen[i]);
+      largest[i] = std::max(largest[i], std::abs(seen[i]));
+    }
+    return true;
+  };
+  for (int step = 0; see() && step < steps && x.t < end; ++step)
+    if (stepper.step(x) != StepStatus::ok) break;
+  for (std::size_t i = 0; i < size_; ++i) {
+    const double range = low ? (*high)[i] - (*low)[i] : 0, grain = 1e-12 * largest[i];
+    const bool from_zero = !flow_ && n_ <= i && i < 2 * n_;  // velocities and momenta have an origin, places have not
+    extent_[i] = from_zero ? largest[i] : range > grain ? range : 0;
+  }
+  share(0, n_, largest);
+  if (!flow_) share(n_, 2 * n_, largest);
+  if (!flow_ && size_ > 2 * n_) share(2 * n_, size_, largest);
+}
+
+/// Extents that differ by less than a factor of 32 are taken for lengths in one unit, and the largest stands for all of
+/// them: else a plane would be measured otherwise when it is turned. What rests is measured as the others, and where
+/// all rest by where they are.
+void TangentLength::share(std::size_t begin, std::size_t end, const StateNumbers& largest) {
+  constexpr double alike = 32;
+  const auto part = [&](auto& all) { return std::span(all.data() + begin, end - begin); };
+  const double all = std::ranges::max(part(extent_)), place = std::ranges::max(part(largest));
+  const StateNumbers own = extent_;
+  double above = all > 0 ? all : place > 0 ? place : 1;
+  for (double& extent : part(extent_))
+    if (extent == 0) extent = above;
+  for (double next = above; next > 0; above = next) {
+    next = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (own[i] == 0 || own[i] > above) continue;
+      if (own[i] * alike >= above)
+        extent_[i] = above;
+      else
+        next = std::max(next, own[i]);
+    }
+  }
+}
+
+StateNumbers TangentLength::direction(StateView x) const {
+  StateNumbers u(size_, 0.0);
+  double count = 0;
+  for (std::size_t i = 0; i < size_; ++i)
+    if (backend_.has_component(i)) u[i] = extent_[i] * std::pow(++count, -2.0 / 3);
+  if (!by_velocities_) return u;
+  StateNumbers at_rest = u;  // without what momenta add to velocities
+  for (std::size_t i = 0; i < n_; ++i) at_rest[n_ + i] = 0;
+  StateNumbers wanted(n_), momenta(n_);
+  const StateNumbers moved = velocity_slopes(x, at_rest.data());
+  for (std::size_t i = 0; i < n_; ++i) wanted[i] = u[n_ + i] - moved[i];
+  auto masses = inverse_masses(x);
+  detail::solve_by_lu(n_, masses.data(), wanted.data(), momenta.data());
+  if (std::ranges::all_of(momenta, [](double p) { return std::isfinite(p); }))
+    std::ranges::copy(momenta, u.begin() + static_cast<std::ptrdiff_t>(n_));
+  return u;
+}
+
+}  // namespace least

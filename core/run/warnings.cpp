@@ -1,0 +1,132 @@
+#include "core/run/warnings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/run/control.hpp"
+#include "core/run/messages.hpp"
+#include "core/run/sensitivity.hpp"
+
+namespace least {
+namespace {
+
+/// ωh from half the bound on, or from where the problem says that accuracy suffers.
+void warn_of_step(const FinishedRun& run, std::vector<Warning>& warnings) {
+  const StepGuard& guard = run.guard;
+  const double fastest = guard.largest(), most = guard.bound(2 * fastest);
+  double careful = most > 0 ? most / 2 : std::numeric_limits<double>::infinity();
+  careful = std::min(careful, run.backend.table().traits.careful_step);
+  if (fastest > careful)
+    warnings.push_back({"step_near_stability_bound", messages::near_bound(fastest, careful, guard.bound())});
+}
+
+/// Rates of damping that a step does not resolve.
+void warn_of_damping(const FinishedRun& run, std::vector<Warning>& warnings) {
+  const ProblemTable& problem = run.backend.table();
+  if (const double ratio = problem.stiffness_rate() * run.step; ratio > 0.5)
+    warnings.push_back({"stiff_step", messages::stiff(ratio)});
+  if (const auto found = run.integrator.strong_damping(run.state.n)) {
+    const auto [t, strength, limit, flips] = *found;
+    if (flips)
+      warnings.push_back({"damping_sign", messages::damping_sign(limit, strength, t)});
+    else
+      warnings.push_back({"stiff_step", messages::stiff_damping(limit, strength, t)});
+  }
+  // Schemes without structure do not even damp.
+  const double rate = run.evidence.damping() * run.step, most = run.scheme.structure == "none" ? 1 : 2;
+  if (rate > most) warnings.push_back({"stiff_step", messages::stiff_action(rate)});
+  if (problem.traits.constant_damping && problem.traits.full) {
+    constexpr double still = 1e-6;  // ωh of next to no oscillation: the other eigenvalue is that of s
+    const double damping_step = problem.damping(run.state.x.t) * run.step;
+    if (run.scheme.structure == "none" && damping_step > 1 &&
+        !is_stable(run.request.scheme, run.request.settings, still, damping_step))
+      warnings.push_back({"stiff_step", messages::undamped_action(damping_step)});
+  }
+}
+
+/// Schemes that add to the energy at every step.
+void warn_of_growth(const FinishedRun& run, std::vector<Warning>& warnings) {
+  constexpr double small = 0.05;
+  const double by_step = run.guard.growth(), together = std::pow(by_step, static_cast<double>(run.state.n));
+  const auto [off, before, now] = run.evidence.energy();
+  if (together > 1 + small)
+    warnings.push_back({"grows_at_every_step", messages::grows(by_step, together, run.guard.damped())});
+  else if (run.guard.grows_undamped() && off > small)
+    warnings.push_back({"grows_at_every_step", messages::grows_by_energy(before, now)});
+}
+
+/// Energy that left its level.
+void warn_of_energy(const FinishedRun& run, std::vector<Warning>& warnings) {
+  constexpr double large = 0.3;
+  const auto [off, before, now] = run.evidence.energy();
+  std::string why = run.integrator.accuracy_warning();
+  if (off > large) why = messages::energy_jump(before, now);
+  if (!why.empty()) warnings.push_back({"off_energy_level", why});
+}
+
+/// How far another scheme comes to another motion; `large`: from where on it is to be sure of that.
+constexpr double large_error = 0.1;
+Departure departure_of(const FinishedRun& run, double large = large_error) {
+  constexpr std::int64_t few = 5000, many = 40'000;  // force evaluations: a millisecond
+  const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
+  const Scene& scene = *run.request.scene;
+  return departure(run.backend, run.backend.motion().start(scene.initial, scene.start), run.evidence.states(),
+                   run.request.norm, kinds_of(scene.card()), large, allowed, run.cancelled);
+}
+
+/// An error that is no large one but far more than steps were allowed, which their estimates did not see: as the
+/// control run says, and closer ones that agree with each other. What it is off by itself is no matter.
+void warn_of_blind_estimates(const FinishedRun& run, const Departure& control, std::vector<Warning>& warnings) {
+  constexpr double far = 1e4, least = 1e-8;
+  const double tolerance = run.request.setting("tolerance", run.scheme), beyond = far * std::max(tolerance, least);
+  if (!run.scheme.own_clock || !(beyond < large_error) || !(control.error > beyond)) return;
+  const Departure sure = departure_of(run, beyond);
+  if (sure.error > beyond && !sure.parted_at)
+    warnings.push_back({"estimate_blind", messages::estimate_blind(sure.error, sure.t, tolerance)});
+}
+
+/// Where a control run does not say that the end is right, whether anything could.
+std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
+  constexpr std::int64_t few = 20'000, many = 40'000;  // operations of an order of a series, some milliseconds
+  const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
+  const Scene& scene = *run.request.scene;
+  const RunState start = run.backend.motion().start(scene.initial, scene.start);
+  const auto states = run.evidence.states();
+  const auto sizes =
+      divisors_along(run.backend, start, {states.begin(), states.end()}, run.request.norm, kinds_of(scene.card()));
+  return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, allowed, run.cancelled);
+}
+
+}  // namespace
+
+void warn_of_run(const FinishedRun& run, std::vector<Warning>& warnings) {
+  constexpr double right = 0.01;
+  Departure control;
+  if (run.request.control) control = departure_of(run);
+  const auto states = run.evidence.states();
+  const bool came_to_end = !states.empty() && control.reached == states.back().t;
+  std::optional<Sensitivity> sensitive;
+  if (run.request.control && !(came_to_end && control.error <= large_error && !control.parted_at))
+    sensitive = sensitivity_of(run);
+  if (!(came_to_end && control.error <= right)) {
+    if (run.backend.table().traits.has_frequency) warn_of_step(run, warnings);
+    warn_of_damping(run, warnings);
+    warn_of_growth(run, warnings);
+  }
+  if (const auto steps = run.integrator.fallback_steps(); steps > 0)
+    warnings.push_back({"steps_in_time", messages::fallback_steps(steps, run.integrator.method().has_value())});
+  warn_of_energy(run, warnings);
+  if (!(control.error <= large_error))
+    warnings.push_back({"large_error", messages::departs(control.error, control.t, control.reached)});
+  if (sensitive)
+    warnings.push_back({"sensitive_end", messages::sensitive_end(sensitive->until, sensitive->rate)});
+  else if (control.error <= large_error && control.parted_at)
+    warnings.push_back({"sensitive_end", messages::sensitive_end(*control.parted_at)});
+  else if (control.error <= large_error && control.stands_at)
+    warnings.push_back({"beyond_singularity", messages::beyond_singularity(*control.stands_at)});
+  else
+    warn_of_blind_estimates(run, control, warnings);
+}
+
+}  // namespace least

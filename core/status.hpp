@@ -16,6 +16,7 @@ enum class ReturnCode : std::uint8_t {
   parameter_step_underflow,
   step_limit,
   deadline,
+  memory,
   cancelled,
 };
 
@@ -30,6 +31,7 @@ constexpr std::string_view name(ReturnCode reason) {
                                         "parameter_step_underflow",
                                         "step_limit",
                                         "deadline",
+                                        "memory",
                                         "cancelled"};
   return names[static_cast<std::size_t>(reason)];
 }

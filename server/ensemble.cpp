@@ -1,5 +1,6 @@
 #include "server/ensemble.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -48,31 +49,43 @@ class Places {
   std::atomic<unsigned> count_{1};
 };
 
-std::size_t bytes_of(const Harvest& all) {
-  const SectionPoints& points = all.section;
-  return sizeof(double) * (all.final.size() + all.final_member.size() + points.values.size() + 3 * points.t.size());
-}
+// What an ensemble came to, and what is held for that.
+struct Computed {
+  Harvest all;
+  EnsembleEnd end;
+  Held held;
+};
 
-// The whole of it; `seen` takes the blocks in their order, false ends it.
-template <class Seen>
-std::pair<Harvest, EnsembleEnd> compute(const EnsemblePlan& plan, const Context& context,
-                                        const std::function<bool()>& gone, Places& places, Seen&& seen) {
-  std::pair<Harvest, EnsembleEnd> result;
+// The whole of it; `take` adds the blocks in their order, false ends it.
+Computed compute(const EnsemblePlan& plan, const Context& context, const std::function<bool()>& gone, Places& places,
+                 const std::function<bool(Computed&, Block&)>& take) {
+  constexpr double beyond = 0.1;  // the limit, in seconds: for what some members say against themselves
+  Computed result{{}, {}, Held(&context.memory)};
   const auto start = std::chrono::steady_clock::now();
-  const CancellationWatch watch(context.cancelled, [&] {
-    places.look();
-    return gone && gone();
-  });
-  const auto take = [&](const Block& block) {
-    result.first.add(block.harvest, static_cast<std::size_t>(plan.request.limits.samples));
-    return seen(result.first, block);
-  };
-  result.second.reason =
-      run_ensemble(plan, {}, places.most(), watch.cancelled(), take, [&places] { return places.count(); });
-  result.second.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (result.second.reason == ReturnCode::completed) {
-    result.second.warnings = warnings_of_few(plan, watch.cancelled());
-    if (watch.cancelled()) result.second.reason = ReturnCode::cancelled;
+  const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  ReturnCode& reason = result.end.reason;
+  {
+    const CancellationWatch watch(context.cancelled, [&] {
+      places.look();
+      return gone && gone();
+    });
+    bool room = true;
+    const auto add = [&](Block& block) {
+      try {
+        return take(result, block);
+      } catch (const MemoryShortage&) {
+        return room = false;
+      }
+    };
+    const auto share = [&places] { return places.count(); };
+    reason = run_ensemble(plan, {}, places.most(), watch.cancelled(), add, share, &context.memory);
+    if (!room) reason = ReturnCode::memory;
+    result.end.seconds = passed();
+  }
+  if (reason == ReturnCode::completed) {
+    const CancellationWatch watch(context.cancelled, gone, plan.request.limits.seconds - passed() + beyond);
+    result.end.warnings = warnings_of_few(plan, watch.cancelled());
+    if (end_of(watch) == ReturnCode::cancelled) reason = ReturnCode::cancelled;
   }
   return result;
 }
@@ -87,50 +100,88 @@ struct EnsembleStream {
   std::optional<std::string> operator()(const Write& write) {
     bool taken = write(encode_ensemble_head(plan, context.cards));
     if (!taken) return std::nullopt;
-    std::int64_t points = 0;
-    const auto [all, end] = compute(plan, context, gone, *places, [&](Harvest& sums, const Block& block) {
-      Block shown = block;
-      SectionPoints first;  // those that still may be kept
-      const auto most = plan.request.limits.samples - points;
-      first.append(block.harvest.section, static_cast<std::size_t>(most), plan.request.columns.size());
-      points += static_cast<std::int64_t>(first.t.size());
-      shown.harvest.section = std::move(first);
-      sums.truncated = sums.truncated || shown.harvest.section.t.size() < block.harvest.section.t.size();
-      sums.section = {};
-      sums.final = {};
-      sums.final_member = {};
-      return taken = write(encode_ensemble_block(plan, shown));
+    std::size_t points = 0;
+    const auto computed = compute(plan, context, gone, *places, [&](Computed& sums, Block& block) {
+      SectionPoints& section = block.harvest.section;
+      const std::size_t before = section.t.size(), most = static_cast<std::size_t>(plan.request.limits.samples);
+      section.cut(most - points, plan.request.columns.size());  // those that still may be kept
+      points += section.t.size();
+      TextPieces pieces = pieces_of_block(plan, block);
+      std::string text;
+      for (bool more = true; more && taken; text.clear()) {
+        more = pieces(text);
+        taken = write(text);
+      }
+      sums.all.truncated = sums.all.truncated || section.t.size() < before;
+      block.harvest.final_member = {};
+      block.harvest.final = {};
+      section = {};
+      sums.all.add(block.harvest, most, sums.held);
+      return taken;
     });
     places->leave();
-    return encode_ensemble_end(plan, all, end);  // of one that was cut off, too: `cancelled`
+    return encode_ensemble_end(plan, computed.all, computed.end);  // of one that was cut off, too: `cancelled`
   }
 };
 
 constexpr std::string_view in_lines = "application/x-ndjson", in_cbor = "application/cbor";
 
+bool is_empty(const Harvest& all) {
+  return std::ranges::all_of(all.ended, [](std::int64_t count) { return count == 0; });
+}
+
+// Adds a block to the others; the first one is taken as it is.
+bool keep(const EnsemblePlan& plan, Computed& sums, Block& block) {
+  if (is_empty(sums.all)) {
+    sums.all = std::move(block.harvest);
+    sums.held = std::move(block.held);
+  } else {
+    sums.all.add(block.harvest, static_cast<std::size_t>(plan.request.limits.samples), sums.held);
+  }
+  return true;
+}
+
+// The whole answer, as it is written while it leaves.
+struct WholeEnsemble {
+  EnsemblePlan plan;
+  Computed computed;
+  TextPieces pieces;
+
+  WholeEnsemble(EnsemblePlan&& of, const Cards& cards, Computed&& with, Notation notation)
+      : plan(std::move(of)),
+        computed(std::move(with)),
+        pieces(pieces_of_ensemble(plan, cards, computed.all, computed.end, notation)) {}
+};
+
 Answer answer_ensemble(const Context& context, const HttpRequest& request, EnsemblePlan&& plan, std::string_view form,
                        std::shared_ptr<Places> places) {
   const std::string scheme(context.cards.schemes[plan.request.scheme].id);
+  Answer answer;
+  answer.type = form;
+  answer.note("scheme", scheme);
   if (form == in_lines) {
-    Answer answer;
-    answer.type = in_lines;
-    answer.begins = "{";
-    answer.note("scheme", scheme);
     const auto stream =
         std::make_shared<EnsembleStream>(EnsembleStream{context, std::move(plan), request.gone, std::move(places)});
     answer.stream = [stream](const Write& write) { return (*stream)(write); };
     return answer;
   }
-  Held held(&context.memory);
-  bool fits = true;
-  const auto [all, end] = compute(plan, context, request.gone, *places, [&](const Harvest& sums, const Block&) {
-    return fits = held.grow_to(bytes_of(sums));
-  });
-  if (!fits) return busy(context, request, "answers that others read fill the memory");
+  constexpr std::size_t large = 32 * 1024;  // numbers, of about 20 bytes each as text
+  Computed computed = compute(plan, context, request.gone, *places,
+                              [&plan](Computed& sums, Block& block) { return keep(plan, sums, block); });
+  if (computed.end.reason == ReturnCode::memory && is_empty(computed.all))
+    return busy(context, request,
+                "no block of members has room in the memory that all requests share: ask again later, or for a lower "
+                "limits.samples");
   places->leave();
-  const Notation notation = form == in_cbor ? Notation::cbor : Notation::json;
-  Answer answer{200, std::string(form), encode_ensemble(plan, context.cards, all, end, notation), {}};
-  answer.note("scheme", scheme);
+  const Harvest& all = computed.all;
+  const std::size_t numbers = all.final.size() + all.section.values.size() + 3 * all.section.t.size();
+  const auto whole = std::make_shared<WholeEnsemble>(std::move(plan), context.cards, std::move(computed),
+                                                     form == in_cbor ? Notation::cbor : Notation::json);
+  if (numbers <= large) {
+    answer.body = whole->pieces.whole();
+  } else {
+    answer.pieces = [whole](std::string& out) { return whole->pieces(out); };
+  }
   return answer;
 }
 

@@ -2,8 +2,10 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
+#include <poll.h>
 #include <pthread.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -112,10 +114,23 @@ int serve(const Options& options) {
   return asked ? 0 : 1;
 }
 
+// A named pipe is waited for until somebody writes into it, but not for ever. Null: it cannot be read.
+std::FILE* opened(const std::string& name) {
+  constexpr int patience = 10'000;  // milliseconds
+  const int descriptor = ::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  struct stat status {};
+  pollfd written{descriptor, POLLIN, 0};
+  const bool good = descriptor >= 0 && ::fstat(descriptor, &status) == 0 &&
+                    (!S_ISFIFO(status.st_mode) || ::poll(&written, 1, patience) == 1) &&
+                    ::fcntl(descriptor, F_SETFL, O_RDONLY) == 0;
+  if (good) return ::fdopen(descriptor, "rb");
+  if (descriptor >= 0) ::close(descriptor);
+  return nullptr;
+}
+
 // Reads once, as a pipe wants it, and no more than one byte beyond `most`. Nothing: it cannot be read.
 std::optional<std::string> contents(const std::string& name, std::size_t most) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(name == "-" ? stdin : std::fopen(name.c_str(), "rb"),
-                                                             std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(name == "-" ? stdin : opened(name), std::fclose);
   if (!file) return std::nullopt;
   std::string text;
   char block[65536];
@@ -132,6 +147,8 @@ int say(std::string_view id, Compute&& compute, int failed = 2) {
   Answer answer;
   try {
     answer = compute();
+  } catch (const MemoryShortage&) {
+    answer = problem_document(503, "the request needs more memory than --max-memory allows", id);
   } catch (const std::exception& e) {
     LogLine(spdlog::level::err, "failed").with("why", e.what());
     answer = problem_document(500, "", id);
@@ -162,6 +179,7 @@ int answer_file(const Options& options, std::string_view id, unsigned threads, C
   const std::atomic<bool> cancelled{false};
   Admission admission(threads, 0);
   MemoryBudget memory(options.settings.max_memory);
+  const HeldByThread held(&memory);
   const Context context{catalogue_cards(), options.settings.caps, admission, cancelled, memory};
   const HttpRequest request{*body, "", id};
   return say(

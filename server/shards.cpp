@@ -52,36 +52,67 @@ std::string last_line(std::int64_t blocks, const boost::crc_32_type& sum) {
   return fmt::format("{}{}}}\n", last_line_begun(blocks), sum.checksum());
 }
 
+// Pipes and devices are not opened: a part is read more than once, and some of them never end.
+bool is_file(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) && !error;
+}
+
+// Bytes of a line of a part: of its first ones, and of a block of the plan.
+constexpr std::size_t most_of_head = std::size_t{16} << 20;
+std::size_t most_of_block(const EnsemblePlan& plan) {
+  constexpr std::size_t names = std::size_t{1} << 20, longest = longest_number + 1;
+  std::size_t numbers = plan.request.columns.size() * 5;
+  for (const HistogramAsked& asked : plan.histograms) numbers += static_cast<std::size_t>(asked.bins);
+  if (plan.final) numbers += static_cast<std::size_t>(block_size) * (1 + plan.request.columns.size());
+  if (plan.section)
+    numbers += static_cast<std::size_t>(plan.request.limits.samples) * (3 + plan.request.columns.size());
+  return names + longest * numbers;
+}
+
 // The lines of a part, and whether they are those that were written.
 class PartLines {
  public:
-  explicit PartLines(const std::string& path) : file_(path, std::ios::binary) {}
+  explicit PartLines(const std::string& path) {
+    if (is_file(path)) file_.open(path, std::ios::binary);
+  }
   bool opened() const { return file_.is_open(); }
-  // A whole line, without its end.
-  bool next(std::string& line) {
-    if (!std::getline(file_, line) || file_.eof()) return false;
-    sum_.process_bytes(line.data(), line.size());
-    sum_.process_byte('\n');
-    return true;
+  // A whole line, without its end: an object of so many bytes at most.
+  bool next(std::string& line, std::size_t most) {
+    line.clear();
+    for (auto byte = bytes().sbumpc(); byte != end; byte = bytes().sbumpc()) {
+      if (byte == '\n') {
+        sum_.process_bytes(line.data(), line.size());
+        sum_.process_byte('\n');
+        return true;
+      }
+      if (line.size() == most) return false;
+      line += static_cast<char>(byte);
+      if (line.front() != '{') return false;
+    }
+    return false;
   }
   // After so many blocks.
   bool ends(std::int64_t blocks) {
     const std::string wanted = last_line(blocks, sum_);
     std::string line;
-    return next(line) && line + '\n' == wanted && file_.peek() == std::ifstream::traits_type::eof();
+    return next(line, wanted.size()) && line + '\n' == wanted && bytes().sgetc() == end;
   }
 
  private:
+  static constexpr auto end = std::ifstream::traits_type::eof();
+  std::filebuf& bytes() { return *file_.rdbuf(); }
+
   std::ifstream file_;
   boost::crc_32_type sum_;
 };
-bool is_whole(const std::string& path, const std::string& head, std::int64_t blocks) {
+bool is_whole(const std::string& path, const std::string& head, std::int64_t blocks, std::size_t most) {
   PartLines lines(path);
   std::string line, begun;
-  while (begun.size() < head.size() && lines.next(line)) begun += line + '\n';
+  while (begun.size() < head.size() && lines.next(line, head.size())) begun += line + '\n';
   if (begun != head) return false;
   for (std::int64_t i = 0; i < blocks; ++i)
-    if (!lines.next(line)) return false;
+    if (!lines.next(line, most)) return false;
   return lines.ends(blocks);
 }
 // Whether its last line is that of a part, as far as can be told before the others are read.
@@ -102,12 +133,11 @@ bool may_be_replaced(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::symlink_status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) return true;
-  std::ifstream file(path, std::ios::binary);
-  if (!std::filesystem::is_regular_file(path, error) || error || !file.is_open()) return false;
+  PartLines lines(path);
+  if (!lines.opened()) return false;
   std::string first, second;
-  std::getline(file, first);
-  const bool whole = !file.eof();
-  std::getline(file, second);
+  const bool whole = lines.next(first, most_of_head);
+  if (whole) lines.next(second, most_of_head);
   const auto begun = [](std::string_view line, std::string_view with) {
     return line.starts_with(with) || with.starts_with(line);
   };
@@ -164,15 +194,23 @@ struct Part {
 Part open_part(const std::string& path, Faults& faults) {
   errno = 0;
   Part part{path, PartLines(path), {}, {}};
+  const int why = errno;
   const auto fault = [&](std::string_view what) {
     faults.add({"/" + path, fmt::format("{} {}", path, what), {}, {}});
     part.shard.of = 0;
   };
   std::string line;
   if (!part.lines.opened()) {
-    fault("cannot be read: " + std::generic_category().message(errno));
-  } else if (!part.lines.next(part.head) || !part.lines.next(line)) {
-    fault("is truncated: it has no head");
+    std::error_code error;
+    const bool other = std::filesystem::exists(path, error) && !is_file(path);
+    fault(other ? "is no file: a part is read more than once"
+                : "cannot be read: " + std::generic_category().message(why));
+  } else if (!part.lines.next(part.head, most_of_head) || !part.lines.next(line, most_of_head)) {
+    const bool object = part.head.empty() || part.head.front() == '{';
+    const bool longer = std::max(part.head.size(), line.size()) >= most_of_head;
+    fault(!object  ? "is no part of an ensemble"
+          : longer ? "is no part of an ensemble: its first two lines are longer than those of any"
+                   : "is truncated: it has no head");
   } else {
     const Json shard = Json::parse(line, nullptr, false);
     const auto number = [&](const char* key) {
@@ -260,20 +298,31 @@ Answer write_part(const Context& context, const HttpRequest& request, const std:
   const auto done = [&](std::string_view what) {
     return Answer{200, "text/plain", fmt::format("{}: {}\n", output, what), {}};
   };
-  if (is_whole(output, head, blocks)) return done("is whole, nothing was computed");
+  if (is_whole(output, head, blocks, most_of_block(*plan))) return done("is whole, nothing was computed");
   if (!may_be_replaced(output))
     return refused("--output", output + " is there and is no part of an ensemble: it would be lost",
                    "another name, or that of a part", request.id);
   Draft draft(output);
   boost::crc_32_type sum;
+  bool written = true;
   const auto write = [&](const std::string& text) {
     sum.process_bytes(text.data(), text.size());
     return draft.write(text);
   };
-  bool written = write(head);
-  const ReturnCode reason = run_ensemble(*plan, *shard, threads, context.cancelled, [&](const Block& block) {
-    return written = written && write(encode_ensemble_block(*plan, block));
-  });
+  const auto write_block = [&](const Block& block) {
+    TextPieces pieces = pieces_of_block(*plan, block);
+    std::string text;
+    for (bool more = true; more && written; text.clear()) {
+      more = pieces(text);
+      written = write(text);
+    }
+    return written;
+  };
+  written = write(head);
+  if (!written) return problem_document(500, "cannot write " + output, request.id);
+  const ReturnCode reason = run_ensemble(*plan, *shard, threads, context.cancelled, write_block, {}, &context.memory);
+  if (written && reason == ReturnCode::memory)
+    return problem_document(503, "a block of members needs more memory than --max-memory allows", request.id);
   if (written && reason != ReturnCode::completed) {
     return refused("/limits/seconds", fmt::format("ended early ({}): no part was written", name(reason)),
                    "a longer time, or smaller shards", request.id);
@@ -305,6 +354,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
 
   Harvest all;
   std::string line;
+  const std::size_t most = most_of_block(*plan);
   const auto damaged = [&](Part& part, const std::string& how) {
     faults.add({"/" + part.path, fmt::format("{} is damaged: {}", part.path, how), {}, {}});
     part.damaged = true;
@@ -313,7 +363,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
     Part& part = parts[static_cast<std::size_t>(b) % parts.size()];
     if (part.damaged) continue;
     const auto block =
-        part.lines.next(line) ? read_ensemble_block(*plan, Json::parse(line, nullptr, false)) : std::nullopt;
+        part.lines.next(line, most) ? read_ensemble_block(*plan, Json::parse(line, nullptr, false)) : std::nullopt;
     if (!block || block->index != b) {
       damaged(part, fmt::format("block {} is not there", b));
     } else if (faults.empty()) {

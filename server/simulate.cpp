@@ -122,7 +122,13 @@ Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admi
     if (!write(run_head_line(planned))) return std::nullopt;
     Lines lines(planned, write);
     const CancellationWatch watch(task->context().cancelled, gone);
-    const Solution outcome = task->run(lines, watch.cancelled());
+    Solution outcome;
+    try {
+      outcome = task->run(lines, watch.cancelled());
+    } catch (const MemoryShortage& shortage) {  // what was known leaves as lines did
+      outcome = {};
+      outcome.stop = {ReturnCode::memory, shortage.what(), planned.request.scene->start, 0, {}};
+    }
     Answer told;
     note_run(told, planned, outcome);
     *notes = std::move(*told.notes);

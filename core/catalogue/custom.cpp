@@ -36,7 +36,13 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
     form = std::ranges::find(text_forms(), class_of(*scene.form, scene.capacity), &TextForm::name);
   }
   if (form == text_forms().end()) throw std::runtime_error("this build leaves out scenes of the form " + wanted);
-  return form->make(std::move(scene));
+  try {
+    return form->make(std::move(scene));
+  } catch (const tape::TooManyOperations&) {
+    const std::string most = std::to_string(tape::most_of_equations) + " when all of them are written out";
+    return std::vector<text::DefinitionFault>{
+        {"", {0, "its equations of motion take too many operations", most}, false}};
+  }
 }
 
 }  // namespace least

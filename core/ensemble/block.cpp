@@ -68,15 +68,36 @@ void Histogram::add(const Histogram& more) {
   above += more.above;
 }
 
-void SectionPoints::append(const SectionPoints& more, std::size_t most, std::size_t columns) {
+void SectionPoints::make_room(std::size_t points, std::size_t columns, Held& held) {
+  least::make_room(member, points, held);
+  least::make_room(crossing, points, held);
+  least::make_room(t, points, held);
+  least::make_room(values, points * columns, held);
+}
+
+void SectionPoints::append(const SectionPoints& more, std::size_t most, std::size_t columns, Held& held) {
   const std::size_t count = std::min(more.t.size(), most - std::min(most, t.size()));
+  make_room(t.size() + count, columns, held);
   least::append(member, more.member, count);
   least::append(crossing, more.crossing, count);
   least::append(t, more.t, count);
   least::append(values, more.values, count * columns);
 }
 
-void Harvest::add(const Harvest& more, std::size_t most) {
+void SectionPoints::cut(std::size_t most, std::size_t columns) {
+  if (t.size() <= most) return;
+  member.resize(most);
+  crossing.resize(most);
+  t.resize(most);
+  values.resize(most * columns);
+}
+
+void Harvest::add(const Harvest& more, std::size_t most, Held& held) {
+  const SectionPoints& points = more.section;
+  const std::size_t taken = std::min(points.t.size(), most - std::min(most, section.t.size()));
+  make_room(final_member, final_member.size() + more.final_member.size(), held);
+  make_room(final, final.size() + more.final.size(), held);
+  if (taken > 0) section.make_room(section.t.size() + taken, points.values.size() / points.t.size(), held);
   for (std::size_t i = 0; i < ended.size(); ++i) ended[i] += more.ended[i];
   columns.resize(std::max(columns.size(), more.columns.size()));
   for (std::size_t i = 0; i < more.columns.size(); ++i) columns[i].add(more.columns[i]);
@@ -85,7 +106,8 @@ void Harvest::add(const Harvest& more, std::size_t most) {
   append(final_member, more.final_member, more.final_member.size());
   append(final, more.final, more.final.size());
   truncated = truncated || more.truncated || section.t.size() + more.section.t.size() > most;
-  if (!more.section.t.empty()) section.append(more.section, most, more.section.values.size() / more.section.t.size());
+  if (!more.section.t.empty())
+    section.append(more.section, most, more.section.values.size() / more.section.t.size(), held);
   if (unresolved == 0) first_unresolved = more.first_unresolved;
   unresolved += more.unresolved;
   cost.steps += more.cost.steps;

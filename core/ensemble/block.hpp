@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "core/memory_budget.hpp"
 #include "core/run/outcome.hpp"
 
 namespace least {
@@ -49,7 +52,15 @@ struct SectionPoints {
   std::vector<std::int64_t> member, crossing;
   std::vector<double> t, values;
 
-  void append(const SectionPoints& more, std::size_t most, std::size_t columns);
+  /// Room for so many points is held before it is taken: both throw MemoryShortage.
+  void append(const SectionPoints& more, std::size_t most, std::size_t columns, Held& held);
+  void make_room(std::size_t points, std::size_t columns, Held& held);
+  /// Leaves out all but the first.
+  void cut(std::size_t most, std::size_t columns);
+  /// The first `most` points in the order of members and crossings, of members [first, first + count), each of whose
+  /// points stand in their order. `going` is asked now and then: false leaves them as nobody can use them.
+  template <class Going>
+  void sort(std::int64_t first, std::size_t count, std::size_t most, Held& held, Going&& going);
 };
 
 /// How members ended, by the name of the reason; `completed` among them.
@@ -71,14 +82,51 @@ struct Harvest {
   void add_unresolved(std::int64_t member) {
     if (unresolved++ == 0) first_unresolved = member;
   }
-  /// Adds a later block's; no more than `most` points of sections are kept.
-  void add(const Harvest& more, std::size_t most);
+  /// Adds a later block's; no more than `most` points of sections are kept. Throws MemoryShortage.
+  void add(const Harvest& more, std::size_t most, Held& held);
+  void add(const Harvest& more, std::size_t most) {
+    Held unbounded;
+    add(more, most, unbounded);
+  }
 };
 
 struct Block {
   std::int64_t index = 0;  ///< members [4096·index, 4096·(index + 1)), as far as they are within the range asked for
   std::int64_t first = 0, count = 0;
   Harvest harvest;
+  Held held{};  ///< for that
 };
+
+template <class Going>
+void SectionPoints::sort(std::int64_t first, std::size_t count, std::size_t most, Held& held, Going&& going) {
+  const std::size_t points = t.size(), kept = std::min(points, most);
+  constexpr std::size_t piece = std::size_t{1} << 16;
+  bool goes_on = points > 0;
+  const auto may = [&](std::size_t done) { return goes_on = goes_on && (done % piece != 0 || going()); };
+  std::vector<std::size_t> next(count + 1, 0);  // where the points of a member begin
+  for (const std::int64_t m : member) ++next[static_cast<std::size_t>(m - first) + 1];
+  for (std::size_t m = 0; m < count; ++m) next[m + 1] += next[m];
+  std::vector<std::size_t> order;
+  least::make_room(order, points, held);
+  order.resize(points);
+  for (std::size_t i = 0; i < points && may(i); ++i) order[next[static_cast<std::size_t>(member[i] - first)]++] = i;
+  const auto rearrange = [&](auto& list) {
+    if (!goes_on) return;
+    const std::size_t width = list.size() / points;
+    std::remove_cvref_t<decltype(list)> sorted;
+    least::make_room(sorted, kept * width, held);
+    for (std::size_t i = 0; i < kept && may(i); ++i) {
+      const auto row = list.begin() + static_cast<std::ptrdiff_t>(order[i] * width);
+      sorted.insert(sorted.end(), row, row + static_cast<std::ptrdiff_t>(width));
+    }
+    held.shrink_by(list.capacity() * sizeof(list[0]));
+    list = std::move(sorted);
+  };
+  rearrange(member);
+  rearrange(crossing);
+  rearrange(t);
+  rearrange(values);
+  held.shrink_by(order.capacity() * sizeof(order[0]));
+}
 
 }  // namespace least

@@ -5,6 +5,8 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <system_error>
 #include <thread>
 
@@ -48,14 +50,15 @@ namespace {
 class Blocks {
  public:
   Blocks(const EnsemblePlan& plan, const Shard& shard, unsigned threads, const std::atomic<bool>& cancelled,
-         const Share& share)
+         const Share& share, MemoryBudget* memory)
       : plan_(plan),
         columns_(plan.request, plan.members.vary),
         shard_(shard),
         ahead_(std::int64_t{threads} * (plan.section || plan.final ? 1 : 4) + 1),
         budget_(plan.request.limits.seconds, stop_, [] { return true; }),
         cancelled_(cancelled),
-        share_(share) {
+        share_(share),
+        memory_(memory) {
     budget_.start();
     next_ = awaited_ = first_block(plan, shard);
     for (unsigned i = 0; i < threads; ++i) {
@@ -107,12 +110,19 @@ class Blocks {
   }
 
   void work(unsigned thread) {
+    const HeldByThread held(memory_);
     try {
       while (const auto index = claim(thread)) {
-        Block block = compute(*index);
+        std::optional<Block> block;
+        try {
+          block = compute(*index);
+        } catch (const MemoryShortage&) {  // fewer at once may have room
+        }
         const std::lock_guard lock(mutex_);
+        --computing_;
         if (stop_) return;
-        done_.emplace(*index, std::move(block));
+        if (block) done_.emplace(*index, std::move(*block));
+        if (!block) put_off(*index);
         changed_.notify_all();
       }
     } catch (...) {
@@ -124,34 +134,53 @@ class Blocks {
   /// No thread runs far ahead of what was received: memory does not grow with the number of members.
   std::optional<std::int64_t> claim(unsigned thread) {
     std::unique_lock lock(mutex_);
-    const auto over = [&] { return stop_ || next_ >= plan_.end_block(); };
+    const auto next = [&] { return again_.empty() ? next_ : std::min(next_, *again_.begin()); };
+    const auto over = [&] { return stop_ || next() >= plan_.end_block(); };
     const auto may = [&] { return !share_ || thread < share_(); };
-    changed_.wait(lock, [&] { return over() || (may() && next_ - awaited_ < ahead_ * shard_.of); });
+    changed_.wait(lock, [&] { return over() || (may() && next() - awaited_ < ahead_ * shard_.of); });
     if (over()) return std::nullopt;
-    return std::exchange(next_, next_ + shard_.of);
+    ++computing_;
+    const std::int64_t index = next();
+    if (again_.erase(index) == 0) next_ += shard_.of;
+    return index;
+  }
+  /// A block that found no room is computed once more, and from now on one at a time, so that nothing is held beside
+  /// it and what was received. Where that was so already, there is none for it.
+  void put_off(std::int64_t index) {
+    if (index == awaited_ && computing_ == 0 && done_.empty()) return end_locked(ReturnCode::memory);
+    ahead_ = 1;
+    again_.insert(index);
+    for (auto entry = done_.upper_bound(awaited_); entry != done_.end(); entry = done_.erase(entry))
+      again_.insert(entry->first);
   }
   Block compute(std::int64_t index) const {
     Block block;
     block.index = index;
     block.first = std::max(plan_.first, index * block_size);
     block.count = std::min(plan_.last, (index + 1) * block_size) - block.first;
+    block.held = Held(memory_);
+    for (const HistogramAsked& asked : plan_.histograms)
+      block.held.add(sizeof(std::int64_t) * static_cast<std::size_t>(asked.bins));
     if (!run_lane_members(plan_, columns_, block, stop_)) run_lone_members(plan_, columns_, block, stop_);
-    sum_up(plan_, block.harvest);
+    if (!stop_) sum_up(plan_, block.harvest);
     return block;
   }
 
   const EnsemblePlan& plan_;
   const MemberColumns columns_;
   const Shard shard_;
-  const std::int64_t ahead_;  ///< blocks
+  std::int64_t ahead_;  ///< blocks
   std::atomic<bool> stop_{false};
   Budget budget_;
   const std::atomic<bool>& cancelled_;
   const Share& share_;
+  MemoryBudget* const memory_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::int64_t next_ = 0, awaited_ = 0;
+  int computing_ = 0;  ///< blocks
   std::map<std::int64_t, Block> done_;
+  std::set<std::int64_t> again_;  ///< blocks for which there was no room
   ReturnCode reason_ = ReturnCode::completed;
   std::exception_ptr failure_;
   std::vector<std::thread> threads_;
@@ -170,9 +199,12 @@ bool is_of_state(const ColumnCard& column) {
   return std::ranges::find(of_a_step, column.name) == of_a_step.end();
 }
 
-std::vector<double> section_times(const EnsemblePlan& plan) {
-  std::vector<double> times;
-  if (!plan.section || plan.section->plane) return times;
+namespace {
+
+/// Calls see(t) at each of the times of a stroboscopic section.
+template <class See>
+void each_section_time(const EnsemblePlan& plan, See&& see) {
+  if (!plan.section || plan.section->plane) return;
   const auto& [plane, period, phase] = *plan.section;
   const Request& request = plan.request;
   const double start = request.scene->start;
@@ -183,15 +215,30 @@ std::vector<double> section_times(const EnsemblePlan& plan) {
   }
   double k = std::floor((start - phase) / period);
   for (int n = 0; n < 2 && !(phase + k * period > start); ++n) ++k;
-  for (; phase + k * period <= end && times.size() < static_cast<std::size_t>(request.limits.samples); ++k)
-    times.push_back(phase + k * period);
+  for (std::int64_t seen = 0; phase + k * period <= end && seen < request.limits.samples; ++k, ++seen)
+    see(phase + k * period);
+}
+
+}  // namespace
+
+std::size_t section_count(const EnsemblePlan& plan) {
+  std::size_t count = 0;
+  each_section_time(plan, [&](double) { ++count; });
+  return count;
+}
+
+std::vector<double> section_times(const EnsemblePlan& plan) {
+  std::vector<double> times;
+  times.reserve(section_count(plan));
+  each_section_time(plan, [&](double t) { times.push_back(t); });
   return times;
 }
 
 ReturnCode run_ensemble(const EnsemblePlan& plan, const Shard& shard, unsigned threads,
-                        const std::atomic<bool>& cancelled, const TakeBlock& take, const Share& share) {
-  Blocks blocks(plan, shard, std::max(threads, 1U), cancelled, share);
-  while (const auto block = blocks.take())
+                        const std::atomic<bool>& cancelled, const TakeBlock& take, const Share& share,
+                        MemoryBudget* memory) {
+  Blocks blocks(plan, shard, std::max(threads, 1U), cancelled, share, memory);
+  while (auto block = blocks.take())
     if (!take(*block)) return ReturnCode::cancelled;
   return blocks.reason();
 }

@@ -37,6 +37,8 @@ bool is_of_state(const ColumnCard& column);
 
 /// The times after the start, up to the end, at which a stroboscopic section looks.
 std::vector<double> section_times(const EnsemblePlan& plan);
+/// How many they are.
+std::size_t section_count(const EnsemblePlan& plan);
 
 /// Which blocks are computed: those whose number leaves `index` when divided by `of`.
 struct Shard {
@@ -45,15 +47,18 @@ struct Shard {
 
 std::int64_t first_block(const EnsemblePlan& plan, const Shard& shard);
 
-/// Receives the blocks in their order; false ends the ensemble.
-using TakeBlock = std::function<bool(const Block&)>;
+/// Receives the blocks in their order, and may take what is in them; false ends the ensemble.
+using TakeBlock = std::function<bool(Block&)>;
 
 /// How many of the threads may compute for now, at least one. Any of them asks.
 using Share = std::function<unsigned()>;
 
 /// Runs the members of the shard on so many threads, or as many of them as the share says. `completed`, or why it ended
-/// early (deadline, cancelled): then the blocks that were received are whole, and the first ones.
+/// early (deadline, cancelled, memory): then the blocks that were received are whole, and the first ones. What they
+/// hold is counted in `memory` before it is taken, where there is any; where that is short, fewer blocks are computed
+/// at once.
 ReturnCode run_ensemble(const EnsemblePlan& plan, const Shard& shard, unsigned threads,
-                        const std::atomic<bool>& cancelled, const TakeBlock& take, const Share& share = {});
+                        const std::atomic<bool>& cancelled, const TakeBlock& take, const Share& share = {},
+                        MemoryBudget* memory = nullptr);
 
 }  // namespace least

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include "core/ensemble/text_group.hpp"
@@ -64,6 +63,11 @@ class LaneBlock final : public LaneHost {
     request_.columns = columns.needed();
     request_.measures = {};
     const auto count = static_cast<std::size_t>(block.count);
+    const std::size_t numbers = 2 * card_.variables.size() + plan.members.vary.size() + 2 * columns_.size() + 4;
+    tables_ = sizeof(double) * (numbers * count + section_count(plan));
+    block.held.add(tables_);
+    if (const std::size_t points = count * section_count(plan); points > 0)
+      block.harvest.section.make_room(std::min(points, most_points()), columns_.size(), block.held);
     const SchemeCard& scheme = request_.scene->mechanics->schemes()[request_.scheme];
     const Grid grid(request_, request_.settings[*scheme.find("step")]);
     times_ = section_times(plan);
@@ -132,6 +136,8 @@ class LaneBlock final : public LaneHost {
     harvest.cost.steps = task_.taken;
     harvest.cost.force_evaluations = task_.forces;
     keep_first_points();
+    const std::size_t kept = sizeof(double) * (harvest.final.capacity() + harvest.final_member.capacity());
+    block_.held.shrink_by(tables_ - std::min(tables_, kept));
   }
 
   double turn_limit(double damping_step) override {
@@ -209,11 +215,14 @@ class LaneBlock final : public LaneHost {
     const auto gone = [&] { return task_.cancelled->load(std::memory_order_relaxed); };
     std::vector<TextGroup> groups;
     std::size_t kept = 0, members = 0;
+    constexpr std::size_t bytes_of_operation = 100;  // traced, then compiled
+    Held held = HeldByThread::take(0);
     const auto run_groups = [&] {
       if (groups.size() > many && members < alike * groups.size()) return false;
       for (TextGroup& group : groups)
         if (!gone()) run_group(unit, group);
       groups.clear();
+      held = HeldByThread::take(0);
       kept = members = 0;
       return true;
     };
@@ -233,6 +242,7 @@ class LaneBlock final : public LaneHost {
       auto group = std::ranges::find_if(groups, [&](const TextGroup& one) { return one.has(*trace); });
       if (group == groups.end()) {
         kept += trace->trace.nodes().size();
+        held.add(bytes_of_operation * trace->trace.nodes().size());
         group = groups.emplace(groups.end(), std::move(*trace));
       }
       kept += constants.size();
@@ -326,33 +336,22 @@ class LaneBlock final : public LaneHost {
   }
   void add_point(std::size_t m, double t, const double* state) {
     SectionPoints& points = block_.harvest.section;
+    if (points.t.size() >= most_points()) keep_first_points();
+    points.make_room(points.t.size() + 1, columns_.size(), block_.held);
     points.member.push_back(block_.first + static_cast<std::int64_t>(in_block(m)));
     points.crossing.push_back(crossings_[in_block(m)]++);
     points.t.push_back(t);
     append_columns(m, t, state, points.values);
-    if (points.t.size() >= 2 * static_cast<std::size_t>(request_.limits.samples)) keep_first_points();
   }
+  /// Before those that are too many are left out.
+  std::size_t most_points() const { return static_cast<std::size_t>(5 * request_.limits.samples / 4 + block_size); }
   /// In the order of members and crossings, as many as may be kept.
   void keep_first_points() {
     SectionPoints& all = block_.harvest.section;
-    const std::size_t columns = columns_.size();
     const auto most = static_cast<std::size_t>(request_.limits.samples);
-    std::vector<std::size_t> order(all.t.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::sort(order, {}, [&](std::size_t i) { return std::pair(all.member[i], all.crossing[i]); });
-    SectionPoints kept;
-    if (order.size() > most) {
-      block_.harvest.truncated = true;
-      order.resize(most);
-    }
-    for (const std::size_t i : order) {
-      kept.member.push_back(all.member[i]);
-      kept.crossing.push_back(all.crossing[i]);
-      kept.t.push_back(all.t[i]);
-      const auto row = all.values.begin() + static_cast<std::ptrdiff_t>(i * columns);
-      kept.values.insert(kept.values.end(), row, row + static_cast<std::ptrdiff_t>(columns));
-    }
-    all = std::move(kept);
+    block_.harvest.truncated = block_.harvest.truncated || all.t.size() > most;
+    all.sort(block_.first, static_cast<std::size_t>(block_.count), most, block_.held,
+             [&] { return !task_.cancelled->load(std::memory_order_relaxed); });
   }
 
   const EnsemblePlan& plan_;
@@ -364,6 +363,7 @@ class LaneBlock final : public LaneHost {
   bool fits_ = true;        ///< lanes can find the section
   std::size_t member_ = 0;  ///< that passes its level, between these times
   double from_ = 0, to_ = 0;
+  std::size_t tables_ = 0;  ///< bytes of what is needed until the block is done, and of finals
   LaneTask task_;
   LaneMechanics states_;
   std::vector<double> left_, right_, between_;  ///< states about a crossing, as an expression reads them

@@ -22,6 +22,27 @@ std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t
 
 namespace {
 
+/// The rows of a run, held before they are kept.
+class HeldRows final : public RowSink {
+ public:
+  explicit HeldRows(Held& held) : held_(held), before_(held.bytes()) {}
+  ~HeldRows() override { held_.shrink_by(held_.bytes() - before_); }
+  HeldRows(const HeldRows&) = delete;
+  HeldRows& operator=(const HeldRows&) = delete;
+
+  bool append(std::span<const double> rows) override {
+    make_room(values, values.size() + rows.size(), held_);
+    values.insert(values.end(), rows.begin(), rows.end());
+    return true;
+  }
+
+  std::vector<double> values;
+
+ private:
+  Held& held_;
+  const std::size_t before_;
+};
+
 /// When the i-th member passes the plane of the section, by a run of its own: the next one looks at it then. The
 /// harvest says where it does so more often than limits.samples has room for, and where the search ends unresolved.
 std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, std::int64_t i,
@@ -68,6 +89,7 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
   request.control = false;
   request.watched = {};
   request.events = {};
+  block.held.add(2 * sizeof(double) * section_count(plan));  // the times, and those that a run is asked for
   std::vector<double> times = section_times(plan);
   std::vector<double> varied;
   Harvest& harvest = block.harvest;
@@ -84,7 +106,8 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
     const std::size_t crossings = times.size();
     request.record = {Record::Mode::times, 0, times};
     if (crossings == 0 || times.back() != end) request.record.times.push_back(end);
-    Samples rows;
+    Held held = HeldByThread::take(0);
+    HeldRows rows(held);
     const Solution solution = request.scene->mechanics->run(request, rows, cancelled);
     ++harvest.ended[static_cast<std::size_t>(solution.stop.reason)];
     harvest.cost.steps += solution.cost.steps;
@@ -94,6 +117,7 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
       columns.fill(&rows.values[k * width], request.record.times[k], varied, &to[to.size() - columns.size()]);
     };
     SectionPoints points;
+    points.make_room(crossings, columns.size(), held);
     for (std::size_t k = 0; k < crossings && (k + 1) * width <= rows.values.size(); ++k) {
       points.member.push_back(i);
       points.crossing.push_back(static_cast<std::int64_t>(k));
@@ -102,8 +126,10 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
     }
     const auto most = static_cast<std::size_t>(request.limits.samples);
     harvest.truncated = harvest.truncated || harvest.section.t.size() + points.t.size() > most;
-    harvest.section.append(points, most, columns.size());
+    harvest.section.append(points, most, columns.size(), block.held);
     if (solution.stop.reason != ReturnCode::completed) continue;
+    make_room(harvest.final_member, harvest.final_member.size() + 1, block.held);
+    make_room(harvest.final, harvest.final.size() + columns.size(), block.held);
     harvest.final_member.push_back(i);
     append_row(rows.values.size() / width - 1, harvest.final);
   }
@@ -120,7 +146,8 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
   request.events = {};
   request.diagnostics.clear();
   request.control = true;
-  request.limits.steps = std::min(request.limits.steps, steps_of_all / few);
+  request.limits.steps =
+      std::min(request.limits.steps, steps_of_all / few / weight_of_force(*request.scene->mechanics));
   request.limits.seconds = std::numeric_limits<double>::infinity();  // how fast a machine is changes no answer
 
   struct Said {

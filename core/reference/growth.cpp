@@ -68,8 +68,12 @@ class GrowthOfDifferences {
       if (backend_.has_component(i)) directions.push_back(i);
     tangents_.assign(directions.size() * size_, 0);
     for (std::size_t d = 0; d < directions.size(); ++d) tangents_[d * size_ + directions[d]] = 1;
-    TangentMotion motion(std::move(tape), rates, directions.size(), 1e-14);  // of series these digits cost little
-    while (found_.reached > start.t && !along(start, motion, directions)) {
+    try {
+      TangentMotion motion(std::move(tape), rates, directions.size(), 1e-14);  // of series these digits cost little
+      while (found_.reached > start.t && !along(start, motion, directions)) {
+      }
+    } catch (const tape::TooManyOperations&) {  // of that nothing is known
+      found_.complete = false;
     }
     conclude();
   }

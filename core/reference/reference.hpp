@@ -168,6 +168,13 @@ Reference<P> quad_precision_run(const P& problem, const StateOf<P>& x0, const st
                                 KeepGoing&& keep_going) {
   tape::Tape tape;
   const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
+  // Of larger ones a step in so many digits takes longer than anybody waits for a look at the clock.
+  constexpr tape::Index most_operations = tape::most_of_equations / 4;
+  if (tape.size() > most_operations) {
+    Reference<P> none;
+    none.complete = false;
+    return none;
+  }
   if (TrueMotion::covers(tape))
     if (auto run = series_run(problem, x0, times, std::move(tape), rates, keep_going)) return *std::move(run);
   return extrapolated_run(problem, x0, times, keep_going);

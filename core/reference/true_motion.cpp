@@ -123,6 +123,7 @@ TrueMotion::TrueMotion(tape::Tape equations, std::span<const Index> rates, doubl
   }
   reciprocals_.resize(nth(tape_.size()));
   for (std::size_t k = 0; k <= order_; ++k) inverses_.push_back(k > 0 ? inverse_of(k) : DoubleDouble(0));
+  held_ = HeldByThread::take(sizeof(DoubleDouble) * nth(rows) * (order_ + 1));
   rows_.assign(nth(rows) * (order_ + 1), DoubleDouble());
   for (Index i = 0; i < tape_.size(); ++i)
     if (tape_[i].op == Op::constant) *row(i) = {tape_[i].value, tape_[i].low};

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/memory_budget.hpp"
 #include "core/tape/double_double.hpp"
 #include "core/tape/steep.hpp"
 
@@ -61,6 +62,7 @@ class TrueMotion {
   tape::Index time_ = tape::none;
   double tolerance_, least_size_ = 1;
   std::size_t order_;
+  Held held_{};  ///< for the rows
   std::vector<DoubleDouble> inverses_, reciprocals_, rows_, x_, asked_;
   std::vector<DoubleDouble> ahead_, slopes_;  ///< at the end of the step, and as its polynomials have it
   bool begun_ = false;                        ///< order 0 of all nodes is that at x_, or at `ahead_`

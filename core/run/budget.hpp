@@ -18,8 +18,12 @@ class Budget {
   Budget(double seconds, const std::atomic<bool>& cancelled, std::function<bool()> report)
       : budget_(seconds), cancelled_(cancelled), report_(std::move(report)) {}
 
-  /// Begins to count; what came before was preparation, in which it is asked nothing.
-  void start() { start_ = read_clock(); }
+  /// Begins to count; what came before was preparation, in which it is asked nothing. `weight`: how many times as long
+  /// as those of a small scene steps may take.
+  void start(std::int64_t weight = 1) {
+    block_ = std::max<std::int64_t>(first_block / weight, 1);
+    start_ = read_clock();
+  }
   double seconds() const { return read_clock() - start_; }
 
   const std::atomic<bool>& cancelled() const { return cancelled_; }
@@ -46,6 +50,13 @@ class Budget {
     return now > budget_ ? ReturnCode::deadline : ReturnCode::completed;
   }
 
+  /// For what a run that is over is held against: true until shortly after the deadline.
+  std::function<bool()> shortly() const {
+    constexpr double beyond = 0.1;  // in seconds
+    return [this, until = std::max(budget_, 0.0) + beyond] {
+      return !cancelled_.load(std::memory_order_relaxed) && seconds() < until;
+    };
+  }
   /// For what follows the run: true for half of the time that is left.
   std::function<bool()> half() {
     return [this, until = 0.5 * (seconds() + budget_)] { return seconds() < until && look() == ReturnCode::completed; };
@@ -53,8 +64,9 @@ class Budget {
 
  private:
   static constexpr double between_reports = 0.2;  // in seconds
+  static constexpr std::int64_t first_block = 16;
   double start_ = 0, budget_, last_ = 0, reported_ = 0;
-  std::int64_t block_ = 16, unseen_ = 0;
+  std::int64_t block_ = first_block, unseen_ = 0;
   const std::atomic<bool>& cancelled_;
   const std::function<bool()> report_;
 };

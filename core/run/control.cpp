@@ -18,16 +18,16 @@ struct ControlRun {
 };
 
 /// The motion at the times of states, which increase, as far as it gets with so many force evaluations and those of a
-/// step, and before it is cancelled.
+/// step, and as long as it may.
 ControlRun control_run(const RunBackend& backend, RunState x, std::span<const RunState> states, double tolerance,
-                       std::int64_t most_forces, const std::atomic<bool>& cancelled) {
+                       std::int64_t most_forces, const KeepGoing& keep_going) {
   constexpr double standstill = 1e-9;
   ControlRun motion;
   double before = x.t;
   const double start = x.t;
   ControlStepper stepper(backend, tolerance);
   for (const RunState& state : states) {
-    while (x.t < state.t && stepper.work().forces < most_forces && !cancelled.load(std::memory_order_relaxed)) {
+    while (x.t < state.t && stepper.work().forces < most_forces && keep_going()) {
       before = x.t;
       if (stepper.step(x) == StepStatus::ok) continue;
       motion.stands_at = x.t;
@@ -56,14 +56,14 @@ std::vector<double> divisors_along(const RunBackend& backend, const RunState& x,
 
 Departure departure(const RunBackend& backend, RunState x, std::span<const RunState> states, Norm norm,
                     std::span<const std::size_t> kinds, double large, std::int64_t most_forces,
-                    const std::atomic<bool>& cancelled) {
+                    const KeepGoing& keep_going) {
   const ProblemTable& problem = backend.motion();
   if (problem.starts_series(x)) x = problem.series_state(problem.traits.series_until);
   while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // along a series
   double tolerance = 1e-8, size = 0;
   for (std::size_t i = 0; i < x.size(); ++i) size = std::max(size, std::abs(x[i]));
   if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
-  auto motion = control_run(backend, x, states, tolerance, most_forces, cancelled);
+  auto motion = control_run(backend, x, states, tolerance, most_forces, keep_going);
   const std::vector<double> sizes = divisors_along(backend, x, motion.states, norm, kinds);
   Departure found;
   const auto hold = [&](std::size_t count, const std::vector<RunState>& truth) {
@@ -80,14 +80,14 @@ Departure departure(const RunBackend& backend, RunState x, std::span<const RunSt
   if (found.error <= large) {
     constexpr double beyond = 0.01, near = 1e-3;  // of the time until there
     if (!motion.stands_at || !(states.back().t - *motion.stands_at > beyond * (*motion.stands_at - x.t))) return found;
-    const auto closer = control_run(backend, x, states, tolerance / 100, 4 * most_forces, cancelled).stands_at;
+    const auto closer = control_run(backend, x, states, tolerance / 100, 4 * most_forces, keep_going).stands_at;
     if (closer && std::abs(*closer - *motion.stands_at) < near * (*closer - x.t)) found.stands_at = closer;
     return found;
   }
   for (int closer_ones = 0; closer_ones < 2; ++closer_ones) {
     tolerance /= 100;
     most_forces *= 4;
-    auto closer = control_run(backend, x, states, tolerance, most_forces, cancelled);
+    auto closer = control_run(backend, x, states, tolerance, most_forces, keep_going);
     const std::size_t both = std::min(closer.states.size(), motion.states.size());
     std::size_t agreed = 0;
     while (agreed < both && state_error(motion.states[agreed], closer.states[agreed], x.size(), sizes) < 0.1 * large)

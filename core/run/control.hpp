@@ -4,13 +4,13 @@
 // Where they agree nothing is proven beyond the time it came to.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/run/backend.hpp"
+#include "core/run/mechanics.hpp"
 #include "core/state_error.hpp"
 
 namespace least {
@@ -33,6 +33,6 @@ std::vector<double> divisors_along(const RunBackend& backend, const RunState& x,
 /// times as many. `kinds`: of the variables, kinds_of the card.
 Departure departure(const RunBackend& backend, RunState x, std::span<const RunState> states, Norm norm,
                     std::span<const std::size_t> kinds, double large, std::int64_t most_forces,
-                    const std::atomic<bool>& cancelled);
+                    const KeepGoing& keep_going);
 
 }  // namespace least

@@ -31,6 +31,7 @@ class CurveThinner {
     arcs_.push_back(length_);
     return replaces;
   }
+  std::size_t most() const { return most_; }
   bool full() const { return arcs_.size() >= most_; }
   /// The rows to keep of those there are: increasing, the first and the last among them.
   std::vector<std::size_t> thin() {

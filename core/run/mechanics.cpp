@@ -5,7 +5,15 @@
 #include <cstring>
 #include <utility>
 
+#include "core/text/scene.hpp"
+
 namespace least {
+
+std::int64_t weight_of_force(const Mechanics& mechanics) {
+  constexpr std::int64_t light = 1000;  // operations of the text and what was derived to find its form
+  const text::TextScene* const scene = mechanics.text();
+  return scene ? std::max<std::int64_t>(scene->form->tape.size() / light, 1) : 1;
+}
 
 const ProblemCard& Scene::card() const { return mechanics->card(); }
 

@@ -160,6 +160,10 @@ class Mechanics {
   virtual double blow_up_time(const Scene& scene, double latest, double step, const KeepGoing& keep_going) const = 0;
 };
 
+/// How many forces of a scene of some size take as long as one of this one: 1, and more where its texts are long. What
+/// looks at a run when it is over takes so many times fewer.
+std::int64_t weight_of_force(const Mechanics& mechanics);
+
 /// The true states at these times, which increase; in the relative norm the sizes of components are those of the whole
 /// way to the last of them, wherever the others lie.
 Truth truth_along(const Scene& scene, const std::vector<double>& times, Norm norm, const KeepGoing& keep_going);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "core/tape/tape.hpp"
+
 namespace least::messages {
 
 std::string unstable(double ratio, double bound, double step) {
@@ -67,6 +69,11 @@ std::string grows_by_energy(double before, double now) {
 
 std::string error(double most, double t) {
   return fmt::format("at t = {:.4g} it is off by {:.2g} from the true motion", t, most);
+}
+
+std::string no_tangent() {
+  return fmt::format("how small differences grow was not looked at: their equations take more than {} operations",
+                     tape::most_of_equations);
 }
 
 std::string sensitive_end(double t) {

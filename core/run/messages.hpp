@@ -29,6 +29,8 @@ std::string grows_by_energy(double before, double now);
 std::string error(double most, double t);
 /// By control runs that part from each other at the time t; or where differences grow at this rate.
 std::string sensitive_end(double t);
+/// Of a scene whose variational equations are not derived.
+std::string no_tangent();
 std::string sensitive_end(double t, double rate);
 /// Of a reference by itself.
 std::string uncertain(double uncertainty);

@@ -16,6 +16,23 @@ Report words(std::string_view key, std::string_view text) {
   return report;
 }
 
+namespace {
+
+/// In memory, about, with what a list of them has in reserve.
+std::size_t bytes_of(const Report& report) {
+  std::size_t bytes = 2 * sizeof(Report) + 16;
+  if (const auto* parts = std::get_if<std::vector<Report>>(&report.value))
+    for (const Report& part : *parts) bytes += bytes_of(part);
+  return bytes;
+}
+
+}  // namespace
+
+void Solution::add_event(Report report) {
+  held.add(bytes_of(report));
+  events.push_back(std::move(report));
+}
+
 void insert(Report& report, std::size_t place, Report part) {
   auto& parts = std::get<std::vector<Report>>(report.value);
   parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(std::min(place, parts.size())), std::move(part));

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/memory_budget.hpp"
 #include "core/status.hpp"
 
 namespace least {
@@ -78,6 +79,10 @@ struct Solution {
   std::string event;                ///< of the caller's own, that ended the run; empty: none did
   std::vector<Warning> warnings;
   Cost cost;
+  Held held = HeldByThread::take(0);  ///< for the events, of which there may be many
+
+  /// Throws MemoryShortage.
+  void add_event(Report report);
 };
 
 }  // namespace least

@@ -55,7 +55,7 @@ class Run {
     shows_discrete_energy_ = std::ranges::any_of(
         request_.columns, [&](std::size_t i) { return request_.column(i).name == "discrete_energy"; });
     if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
-    budget_.start();
+    budget_.start(weight_of_force(*scene_.mechanics));
     if (initialize()) {
       while (going() && !arrived() && advance_block()) continue;
       if (going()) finish();
@@ -141,7 +141,7 @@ class Run {
   }
   void add_event(const Zero& zero, const RunState& x) {
     if (events_.room(32 * outcome_.events.size()))  // as many numbers take the memory of one
-      outcome_.events.push_back(watch_.event(zero, card_, shown_variables(request_, problem_.traits, x)));
+      outcome_.add_event(watch_.event(zero, card_, shown_variables(request_, problem_.traits, x)));
   }
   /// The last step is taken back, and what was found in it.
   void step_back() {
@@ -159,8 +159,8 @@ class Run {
     if (state_.n == 1 && now->mode == was->mode) return;  // the first step only made its choice
     if (!events_.room(outcome_.events.size())) return;
     if (problem_.traits.conservative)
-      outcome_.events.push_back(method_switch(card_, problem_, integrator_->left(), state_.x, *was, *now,
-                                              integrator_->discrete_energy_jump(state_, *was)));
+      outcome_.add_event(method_switch(card_, problem_, integrator_->left(), state_.x, *was, *now,
+                                       integrator_->discrete_energy_jump(state_, *was)));
   }
 
   /// Whether samples wait until the step they lie in has been looked at, for it may end the run.
@@ -352,7 +352,8 @@ class Run {
     if (kept_ > most_rows_) warn("samples_truncated", "more rows of columns than limits.samples; the first are kept");
     watch_.warn(outcome_.warnings);
     evidence_.finish(problem_, state_);
-    warn_of_run({backend_, request_, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, budget_.cancelled()},
+    const KeepGoing shortly = budget_.shortly();
+    warn_of_run({backend_, request_, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, shortly},
                 outcome_.warnings);
     if (events_.full()) warn("events_truncated", "more events than limits.samples has room for; the first are listed");
   }

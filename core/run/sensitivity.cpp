@@ -56,7 +56,7 @@ class GrowthSoFar {
 
 std::optional<Sensitivity> sensitivity(const RunBackend& backend, RunState x, std::span<const RunState> states,
                                        Norm norm, std::span<const double> sizes, double large,
-                                       std::int64_t most_operations, const std::atomic<bool>& cancelled) {
+                                       std::int64_t most_operations, const KeepGoing& keep_going) {
   const ProblemTable& problem = backend.motion();
   const std::size_t count = problem.traits.components;
   if (problem.starts_series(x)) x = problem.series_state(problem.traits.series_until);
@@ -95,7 +95,7 @@ std::optional<Sensitivity> sensitivity(const RunBackend& backend, RunState x, st
   std::size_t next = 0;
   std::int64_t operations = 0;
   bool goes_on = true;
-  while (goes_on && path.time() < end && operations < most_operations && !cancelled.load(std::memory_order_relaxed)) {
+  while (goes_on && path.time() < end && operations < most_operations && keep_going()) {
     for (; next < states.size() && states[next].t <= path.reach(); ++next) {
       if (lost || drowned || !path.look(states[next].t)) continue;
       measure();

@@ -4,12 +4,12 @@
 // against states of the run.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 #include "core/run/backend.hpp"
+#include "core/run/mechanics.hpp"
 #include "core/state_error.hpp"
 
 namespace least {
@@ -21,9 +21,9 @@ struct Sensitivity {
 
 /// Of a run from x that came to these states, whose times increase. `large`: the error from which none of their digits
 /// is right; `sizes`: what such an error is divided by, as state_error has it. Nothing where the last one still has
-/// right digits, as far as `most_operations` can tell.
+/// right digits, as far as `most_operations` can tell. Throws TooManyOperations where its derivatives take too many.
 std::optional<Sensitivity> sensitivity(const RunBackend& backend, RunState x, std::span<const RunState> states,
                                        Norm norm, std::span<const double> sizes, double large,
-                                       std::int64_t most_operations, const std::atomic<bool>& cancelled);
+                                       std::int64_t most_operations, const KeepGoing& keep_going);
 
 }  // namespace least

@@ -19,6 +19,7 @@ double largest_of(std::span<const double> x) {
 tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const tape::Index> rates,
                                         std::size_t directions) {
   const std::size_t size = rates.size();
+  equations.bound(tape::most_of_equations);
   std::vector<int> variables(size);
   for (std::size_t j = 0; j < size; ++j) variables[j] = static_cast<int>(j);
   std::vector<tape::Index> all(rates.begin(), rates.end());
@@ -31,7 +32,7 @@ tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const ta
       all[(1 + d) * size + i] = rate.on(equations);
     }
   }
-  return {equations, all, all.size()};
+  return taylor::program_of(equations, all, all.size());
 }
 
 TangentMotion::TangentMotion(tape::Tape equations, std::span<const tape::Index> rates, std::size_t directions,

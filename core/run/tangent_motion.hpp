@@ -16,6 +16,7 @@ namespace least {
 class TangentMotion {
  public:
   /// Of the tape of equations the rates ẋ of the variables, in their order, and how many directions are followed.
+  /// Throws TooManyOperations where the derivatives take more than the largest scene may.
   TangentMotion(tape::Tape equations, std::span<const tape::Index> rates, std::size_t directions, double tolerance);
 
   /// `tangents`: the directions, one after the other.

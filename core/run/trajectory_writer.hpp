@@ -46,7 +46,10 @@ class TrajectoryWriter {
     }
     measured_.resize(request.measures.size());
     if (drawn_.empty() && !columns_.empty()) drawn_ = {0};  // only the time
-    if (request.record.mode == Record::Mode::curve) curve_.emplace(static_cast<std::size_t>(request.record.count));
+    if (request.record.mode == Record::Mode::curve) {
+      curve_.emplace(static_cast<std::size_t>(request.record.count));
+      held_.add(2 * sizeof(double) * curve_->most());
+    }
     rows_.reserve(columns_.size() * block);
   }
 
@@ -55,6 +58,7 @@ class TrajectoryWriter {
   /// One row at x; a row with a number that is not finite is not written, unless the number may be unknown.
   Written write_row(StateView x, const StepInfo& step) {
     const std::size_t before = rows_.size();
+    if (error_ || curve_) make_room(rows_, before + columns_.size(), held_);
     measure(x);
     for (const auto& column : columns_) {
       rows_.push_back(value(column, x, step));
@@ -64,6 +68,8 @@ class TrajectoryWriter {
       return Written::not_finite;
     }
     if (error_) {
+      make_room(times_, times_.size() + 1, held_);
+      make_room(states_, states_.size() + problem_.traits.moving, held_);
       times_.push_back(x.t);
       states_.insert(states_.end(), x.numbers, x.numbers + problem_.traits.moving);
     }
@@ -170,7 +176,8 @@ class TrajectoryWriter {
     return accepted;
   }
   void fill_errors(const KeepGoing& keep_going) {
-    const std::size_t size = problem_.traits.moving;
+    const std::size_t size = problem_.traits.moving, bytes_of_a_time = 128 + 5 * size * sizeof(double);
+    const Held held = HeldByThread::take(times_.size() * bytes_of_a_time);
     const Truth truth = truth_along(*request_.scene, times_, request_.norm, keep_going);
     const auto error = [&](std::size_t row) -> double& { return rows_[row * columns_.size() + *error_]; };
     double most = 0;
@@ -191,6 +198,7 @@ class TrajectoryWriter {
   std::vector<Asked> columns_;
   std::vector<std::size_t> drawn_;  ///< which of them span the space of the curve: not the time
   std::optional<CurveThinner> curve_;
+  Held held_ = HeldByThread::take(0);  ///< for rows that are kept until the end
   std::vector<double> rows_;
   std::vector<double> measured_;        ///< at the last state
   std::optional<std::size_t> error_;    ///< the column of errors

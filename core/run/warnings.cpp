@@ -69,10 +69,11 @@ void warn_of_energy(const FinishedRun& run, std::vector<Warning>& warnings) {
 constexpr double large_error = 0.1;
 Departure departure_of(const FinishedRun& run, double large = large_error) {
   constexpr std::int64_t few = 5000, many = 40'000;  // force evaluations: a millisecond
-  const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
+  const std::int64_t allowed =
+      std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many) / weight_of_force(*scene.mechanics);
   return departure(run.backend, run.backend.motion().start(scene.initial, scene.start), run.evidence.states(),
-                   run.request.norm, kinds_of(scene.card()), large, allowed, run.cancelled);
+                   run.request.norm, kinds_of(scene.card()), large, allowed, run.keep_going);
 }
 
 /// An error that is no large one but far more than steps were allowed, which their estimates did not see: as the
@@ -95,7 +96,7 @@ std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
   const auto states = run.evidence.states();
   const auto sizes =
       divisors_along(run.backend, start, {states.begin(), states.end()}, run.request.norm, kinds_of(scene.card()));
-  return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, allowed, run.cancelled);
+  return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, allowed, run.keep_going);
 }
 
 }  // namespace
@@ -107,8 +108,11 @@ void warn_of_run(const FinishedRun& run, std::vector<Warning>& warnings) {
   const auto states = run.evidence.states();
   const bool came_to_end = !states.empty() && control.reached == states.back().t;
   std::optional<Sensitivity> sensitive;
-  if (run.request.control && !(came_to_end && control.error <= large_error && !control.parted_at))
-    sensitive = sensitivity_of(run);
+  if (run.request.control && !(came_to_end && control.error <= large_error && !control.parted_at)) try {
+      sensitive = sensitivity_of(run);
+    } catch (const tape::TooManyOperations&) {
+      warnings.push_back({"sensitivity_unknown", messages::no_tangent()});
+    }
   if (!(came_to_end && control.error <= right)) {
     if (run.backend.table().traits.has_frequency) warn_of_step(run, warnings);
     warn_of_damping(run, warnings);

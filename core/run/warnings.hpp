@@ -2,11 +2,11 @@
 // worthless, or soon will be.
 #pragma once
 
-#include <atomic>
 #include <vector>
 
 #include "core/run/backend.hpp"
 #include "core/run/evidence.hpp"
+#include "core/run/mechanics.hpp"
 #include "core/run/request.hpp"
 
 namespace least {
@@ -21,7 +21,7 @@ struct FinishedRun {
   const Integrator& integrator;
   const StepGuard& guard;
   const Evidence& evidence;
-  const std::atomic<bool>& cancelled;
+  const KeepGoing& keep_going;
 };
 
 /// What a control run is asked for first: where it agrees up to the end, steps that look long were short enough.

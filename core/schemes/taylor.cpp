@@ -141,6 +141,14 @@ struct Polynomials {
 };
 constexpr double most_raised = 0x1p21;  // of which powers of any order are finite
 
+/// Of a series and its program, about, in bytes, at the highest order that is chosen.
+std::size_t bytes_of(const Program& program, int order) {
+  const auto orders = static_cast<std::size_t>(std::max(order, most_chosen)) + 1;
+  const std::size_t rows = static_cast<std::size_t>(program.rows), slots = program.low.size();
+  return sizeof(double) * orders * (rows + 2 * slots) + sizeof(tape::Step) * program.steps.size() +
+         sizeof(Program::Value) * program.values.size() + 2 * sizeof(Program::Product) * program.products.size();
+}
+
 /// Where an argument of a steep power or a branch value is asked for, the program is read: only then every value stands
 /// at every order.
 tape::Series series_of(Program program, double tolerance, int order) {
@@ -153,7 +161,8 @@ tape::Series series_of(Program program, double tolerance, int order) {
 }  // namespace
 
 Expansion::Expansion(Program program, double tolerance, int order)
-    : series_(series_of(std::move(program), tolerance, order)),
+    : held_(HeldByThread::take(bytes_of(program, order))),
+      series_(series_of(std::move(program), tolerance, order)),
       tolerance_(tolerance),
       inverse_root_(std::pow(tolerance, -1.0 / series_.order())),
       variables_(series_.program().variables),

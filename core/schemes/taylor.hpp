@@ -25,6 +25,7 @@
 
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
+#include "core/schemes/held_program.hpp"
 #include "core/tape/series.hpp"
 #include "core/tape/steep.hpp"
 #include "core/tape/symbol.hpp"
@@ -82,6 +83,7 @@ class Expansion {
   bool moves(double h) const;
   bool solves(double h);
 
+  Held held_;  ///< for the series
   tape::Series series_;
   double longest_ = std::numeric_limits<double>::infinity();
   double tolerance_, inverse_root_;  ///< ε, and ε^{−1/p} of the order p
@@ -140,7 +142,7 @@ constexpr std::array<tape::Index, variables<P, X>> write_equations(const P& prob
   }
   return rates;
 }
-/// A state without tangent direction, as such a tape has it.
+/// A state without tangent direction.
 template <class P, class X>
 auto values_of([[maybe_unused]] const P& problem, const X& x) {
   std::array<typename X::Number, X::size + found<P>> y;
@@ -149,12 +151,11 @@ auto values_of([[maybe_unused]] const P& problem, const X& x) {
     std::ranges::copy(problem.velocities(x.q, x.p, x.action.s, x.t), y.begin() + X::size);
   return y;
 }
-/// As lists for a series.
 template <class X, VectorField P>
 tape::Program record(const P& problem) {
   tape::Tape tape;
   const auto rates = write_equations<X>(problem, tape);
-  return {tape, rates, StateOf<P>::size + found<P>};
+  return program_of(tape, rates, StateOf<P>::size + found<P>);
 }
 
 template <class X, VectorField P>
@@ -183,6 +184,7 @@ std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int 
       if (left.tolerance == tolerance && left.order == order) return left.expansion;
       program = &left.expansion->program();
     }
+    const HeldByThread nobody(nullptr);  // it stays when its request is over
     auto made = expand<X>(problem, program ? *program : record<X>(problem), tolerance, order);
     all[oldest] = {problem, tolerance, order, made};
     oldest = (oldest + 1) % all.size();
@@ -294,7 +296,6 @@ class TaylorStepper {
     double after = 0;  ///< the step's beginning
     Values y{}, low{};
   };
-  struct Nothing {};
 
   /// Of the state y at the time h after t, to which the series of the motion has led, what is carried: in as many steps
   /// as it needs, from the mark on, which goes along.
@@ -344,11 +345,10 @@ class TaylorStepper {
 
   std::shared_ptr<taylor::Expansion> expansion_;
   [[no_unique_address]] std::conditional_t<IteratesForRates<P>, P, std::monostate> problem_;
-  double t_ = 0, h_ = 0;        ///< of the last step
-  Values start_{}, end_{};      ///< where it began and ended
-  Values start_low_{}, low_{};  ///< what rounding has kept from them
+  double t_ = 0, h_ = 0;                          ///< of the last step
+  Values start_{}, end_{}, start_low_{}, low_{};  ///< where it began and ended; what rounding has kept from that
   /// In it: states in between, asked for in turn, cost few series.
-  [[no_unique_address]] mutable std::conditional_t<carries, Mark, Nothing> mark_;
+  [[no_unique_address]] mutable std::conditional_t<carries, Mark, std::monostate> mark_;
   Work work_;
 };
 

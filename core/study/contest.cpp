@@ -20,6 +20,7 @@ Contest::Contest(const Request& scene, std::vector<SchemeConfig> candidates, dou
       deadline_(seconds),
       subject_(scene, false, reference_seconds, cancelled, std::move(known)),
       accuracy_(margin * accuracy) {
+  subject_.end_with(deadline_);
   for (SchemeConfig& choice : candidates) searches_.emplace_back(subject_, std::move(choice), accuracy_);
 }
 

@@ -80,6 +80,8 @@ class ErrorStudy {
   double end() const { return scene_.end; }
   bool ends_early() const { return conditioning_->ends; }
 
+  /// What is looked for ends with this, which outlives it.
+  void end_with(const Deadline& deadline) { deadline_ = &deadline; }
   /// The dial's value at which a run takes about one step.
   double longest(const SchemeConfig& choice, const ResolutionParameter& dial) const;
   /// A run, at most so many seconds and steps long.
@@ -105,6 +107,7 @@ class ErrorStudy {
   Request scene_;  ///< up to where the motion goes
   bool at_end_;
   const std::atomic<bool>& cancelled_;
+  const Deadline* deadline_ = nullptr;
   std::shared_ptr<const Conditioning> conditioning_;
   std::vector<double> times_;
   std::shared_ptr<const Truth> truth_;

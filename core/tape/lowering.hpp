@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/tape/program.hpp"
+#include "core/tape/lane_table.hpp"
 
 namespace least::tape {
 
@@ -16,6 +16,8 @@ struct Form {
   constexpr Index terms() const { return values + products; }
 };
 
+/// In a bounded number of operations a node: what was made is looked up by row or lane, sums are kept before they are
+/// long.
 class Lowering {
  public:
   constexpr Lowering(const Tape& tape, Program& program)
@@ -24,9 +26,9 @@ class Lowering {
         forms_(size(tape.size())),
         lowered_(size(tape.size()), false),
         kept_(size(tape.size()), none),
-        weighted_(size(program.rows), none),
+        rows_(size(program.rows)),
         uses_(size(tape.size()), 0) {
-    weighted_.reserve(4 * size(tape.size()));
+    rows_.reserve(4 * size(tape.size()));
   }
 
   /// Everything that these need.
@@ -55,12 +57,25 @@ class Lowering {
         if (lowered_[size(i)]) continue;
         forms_[size(i)] = form_of(i);
         lowered_[size(i)] = true;
-        if (uses_[size(i)] > 1 && forms_[size(i)].terms() > 1) keep(i);
+        const Index terms = forms_[size(i)].terms();
+        if ((uses_[size(i)] > 1 && terms > 1) || terms > most_terms) keep(i);
       }
     for (const Index root : roots) program_.rate.push_back(keep(root));
   }
 
  private:
+  static constexpr Index most_terms = 40;  ///< of a sum that goes on in another one, which copies them
+  /// What is known of a value: where k times its coefficients stand; the step that makes it, among those linear in time
+  /// or among the others; where it was put last as a term of a sum; the last one of its pairs.
+  struct Row {
+    Index weighted = none, step = none, term = none, pair = none;
+    bool linear = false;
+  };
+  /// The same of a lane: as a term; the sum that is nothing but this product.
+  struct Lane {
+    Index term = none, step = none;
+  };
+
   static constexpr std::size_t size(Index i) { return static_cast<std::size_t>(i); }
   constexpr Form& form(Index node) { return forms_[size(node)]; }
 
@@ -72,44 +87,40 @@ class Lowering {
   }
 
   constexpr Index new_value() {
-    weighted_.push_back(none);
+    rows_.push_back({});
     return program_.rows++;
   }
+  constexpr Row& row(Index value) { return rows_[size(value)]; }
   /// Where k times the coefficients of a value stand.
   constexpr Index weighted(Index value) {
-    if (weighted_[size(value)] == none) {
-      const Index row = new_value();
-      weighted_[size(value)] = row;
+    if (row(value).weighted == none) {
+      const Index made = new_value();
+      row(value).weighted = made;
       if (value >= Program::first_variable && value <= program_.time()) {
-        program_.weighted[size(value - Program::first_variable)] = row;
-      } else {
-        for (auto* list : {&program_.linear, &program_.steps})
-          for (Step& step : *list)
-            if (step.out == value) step.weighted = row;
+        program_.weighted[size(value - Program::first_variable)] = made;
+      } else if (row(value).step != none) {
+        (row(value).linear ? program_.linear : program_.steps)[size(row(value).step)].weighted = made;
       }
     }
-    return weighted_[size(value)];
+    return row(value).weighted;
   }
   constexpr Index lane(Index a, Index b) {
-    if (a > b) std::swap(a, b);
-    for (std::size_t i = program_.lane_a.size(); i-- > 0;)
-      if (program_.lane_a[i] == a && program_.lane_b[i] == b) return static_cast<Index>(i);
-    program_.lane_a.push_back(a);
-    program_.lane_b.push_back(b);
-    return static_cast<Index>(program_.lane_a.size() - 1);
+    lanes_known_.resize(program_.lane_a.size() + 1);
+    return lanes_.of(a, b, program_);
   }
   constexpr Index finish(Step step) {
     if (step.out == none) step.out = new_value();
     step.weighted = Program::waste;
+    row(step.out).step = static_cast<Index>(program_.steps.size());
     program_.steps.push_back(step);
+    if (step.rule == Rule::sum && step.values == 0 && step.products == 1 && step.c == 0) {
+      const Program::Product& product = program_.products[size(step.first_product)];
+      Index& known = lanes_known_[size(product.lane)].step;
+      if (product.factor == 1 && known == none) known = step.out;
+    }
     return step.out;
   }
-  constexpr bool is_linear(Index value) const {
-    if (value == program_.time()) return true;
-    for (const Step& step : program_.linear)
-      if (step.out == value) return true;
-    return false;
-  }
+  constexpr bool is_linear(Index value) { return value == program_.time() || row(value).linear; }
 
   constexpr Form of_value(Index value, double factor = 1) {
     Form made{0, static_cast<Index>(program_.values.size()), 1, 0, 0};
@@ -121,6 +132,17 @@ class Lowering {
     program_.products.push_back({a, b, lane(a, b), factor});
     return made;
   }
+  /// Puts a term to the last `count` of a list, from `first` on; `known`: where one like it was put last.
+  template <class Term>
+  static constexpr void put(std::vector<Term>& list, const Term& term, Index Term::*what, Index& known, Index first,
+                            Index& count) {
+    if (known >= first && known < first + count && list[size(known)].*what == term.*what) {
+      list[size(known)].factor += term.factor;
+    } else {
+      known = first + count++;
+      list.push_back(term);
+    }
+  }
   /// x f + y g; terms alike are put together.
   constexpr Form combine(double x, const Form& f, double y, const Form& g) {
     Form made{x * f.constant + y * g.constant, static_cast<Index>(program_.values.size()), 0,
@@ -129,28 +151,13 @@ class Lowering {
       for (Index i = 0; i < part->values; ++i) {
         Program::Value term = program_.values[size(part->first_value + i)];
         term.factor *= factor;
-        bool found = false;
-        for (Index j = 0; j < made.values && !found; ++j) {
-          Program::Value& other = program_.values[size(made.first_value + j)];
-          found = other.value == term.value;
-          if (found) other.factor += term.factor;
-        }
-        if (found) continue;
-        program_.values.push_back(term);
-        ++made.values;
+        put(program_.values, term, &Program::Value::value, row(term.value).term, made.first_value, made.values);
       }
       for (Index i = 0; i < part->products; ++i) {
         Program::Product term = program_.products[size(part->first_product + i)];
         term.factor *= factor;
-        bool found = false;
-        for (Index j = 0; j < made.products && !found; ++j) {
-          Program::Product& other = program_.products[size(made.first_product + j)];
-          found = other.lane == term.lane;
-          if (found) other.factor += term.factor;
-        }
-        if (found) continue;
-        program_.products.push_back(term);
-        ++made.products;
+        Index& known = lanes_known_[size(term.lane)].term;
+        put(program_.products, term, &Program::Product::lane, known, made.first_product, made.products);
       }
     }
     return made;
@@ -171,6 +178,8 @@ class Lowering {
                         .products = f.products,
                         .c = f.constant});
         if (tape_[node].linear) {
+          row(value).linear = true;
+          row(value).step = static_cast<Index>(program_.linear.size());
           program_.linear.push_back(program_.steps.back());
           program_.steps.pop_back();
         }
@@ -188,11 +197,7 @@ class Lowering {
     }
     if (f.constant == 0 && f.values == 0 && f.products == 1) {
       const Program::Product product = program_.products[size(f.first_product)];
-      for (const Step& step : program_.steps)  // the product itself, kept already
-        if (step.rule == Rule::sum && step.values == 0 && step.products == 1 && step.c == 0) {
-          const Program::Product& other = program_.products[size(step.first_product)];
-          if (other.lane == product.lane && other.factor == 1) return {step.out, product.factor};
-        }
+      if (const Index kept = lanes_known_[size(product.lane)].step; kept != none) return {kept, product.factor};
       Step step{
           .rule = Rule::sum, .first_product = static_cast<Index>(program_.products.size()), .products = 1, .c = 0};
       program_.products.push_back({product.a, product.b, product.lane, 1});
@@ -248,7 +253,8 @@ class Lowering {
       step.lane = lane(out, out);
     } else {
       step.b = weighted(base);
-      const Index slope = weighted_[size(out)] = new_value();
+      const Index slope = new_value();
+      row(out).weighted = slope;
       step.lane = lane(step.b, out);
       step.w = lane(base, slope);
       finish(step);
@@ -273,12 +279,15 @@ class Lowering {
   /// A pair of functions each of which is the derivative of the other, but for a sign.
   constexpr Form pair(Op asked, Op odd, Op even, double sign, Index node) {
     const auto [a, p] = scaled(node);
-    for (const auto& known : pairs_)
-      if (known.odd == odd && known.a == a && known.p == p) return of_value(asked == odd ? known.first : known.second);
+    for (Index i = row(a).pair; i != none; i = pairs_[size(i)].before) {
+      const Pair& known = pairs_[size(i)];
+      if (known.odd == odd && known.p == p) return of_value(asked == odd ? known.first : known.second);
+    }
     const Index first = new_value(), second = new_value();
     integral(odd, first, a, p, second, 1);
     integral(even, second, a, p, first, sign);
-    pairs_.push_back({odd, a, p, first, second});
+    pairs_.push_back({odd, row(a).pair, p, first, second});
+    row(a).pair = static_cast<Index>(pairs_.size()) - 1;
     return of_value(asked == odd ? first : second);
   }
   /// exp, tan and tanh: their own derivatives, or made of themselves: w = 1 ± out².
@@ -308,7 +317,7 @@ class Lowering {
       }
     }
     const Index rate = weighted(a), out = new_value(), slope = new_value();
-    weighted_[size(out)] = slope;
+    row(out).weighted = slope;
     finish({.rule = Rule::log_like,
             .function = f,
             .out = out,
@@ -371,7 +380,7 @@ class Lowering {
 
   struct Pair {
     Op odd;
-    Index a;
+    Index before;  ///< of the same value
     double p;
     Index first, second;
   };
@@ -380,8 +389,11 @@ class Lowering {
   Program& program_;
   std::vector<Form> forms_;
   std::vector<bool> lowered_;
-  std::vector<Index> kept_, weighted_;
+  std::vector<Index> kept_;
+  std::vector<Row> rows_;
   std::vector<int> uses_;
+  LaneTable lanes_;
+  std::vector<Lane> lanes_known_;
   std::vector<Pair> pairs_;
 };
 

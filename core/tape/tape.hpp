@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <vector>
 
 namespace least::tape {
@@ -55,6 +56,7 @@ struct Node {
   }
   constexpr std::size_t hash() const {
     std::uint64_t h = bits(value) + static_cast<std::uint64_t>(op);
+    h ^= h >> 32;  // of small whole numbers the lower half is zero
     for (const Index part : {a, b, c}) h = (h ^ static_cast<std::uint64_t>(part + 1)) * 0x9e3779b97f4a7c15ULL;
     return static_cast<std::size_t>(h ^ (h >> 29));
   }
@@ -63,12 +65,23 @@ struct Node {
   static constexpr std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 };
 
+/// What a tape throws that is full. Whoever derives something bounds what that may take, in operations and so in time
+/// and memory, and does without where it takes more.
+struct TooManyOperations : std::length_error {
+  TooManyOperations() : std::length_error("it takes too many operations") {}
+};
+
+/// Operations of the equations of motion of a scene, and of what is derived from them.
+inline constexpr Index most_of_equations = 1 << 15, most_of_tape = 2 * most_of_equations;
+
 class Tape {
  public:
   constexpr Tape() : places_(64, none) { nodes_.reserve(32); }
 
   /// The place of the node, which is written where it does not stand yet.
   constexpr Index write(Node node);
+  /// From now on no more nodes than so many are written.
+  constexpr void bound(Index most) { most_ = most; }
 
   constexpr const Node& operator[](Index i) const { return nodes_[static_cast<std::size_t>(i)]; }
   constexpr Index size() const { return static_cast<Index>(nodes_.size()); }
@@ -77,6 +90,7 @@ class Tape {
   constexpr std::size_t place_of(const Node& node) const;
   constexpr bool is_linear(const Node& node) const;
 
+  Index most_ = most_of_tape;
   std::vector<Node> nodes_;
   std::vector<Index> places_;  ///< a hash table of them, at most half full
 };
@@ -110,6 +124,7 @@ constexpr bool Tape::is_linear(const Node& node) const {
 constexpr Index Tape::write(Node node) {
   std::size_t place = place_of(node);
   if (places_[place] != none) return places_[place];
+  if (size() >= most_) throw TooManyOperations();
   node.linear = is_linear(node);
   nodes_.push_back(node);
   const Index written = size() - 1;

@@ -24,8 +24,13 @@ class Reader : TextReader {
   std::variant<std::shared_ptr<const Form>, std::vector<DefinitionFault>> read() {
     check_names();
     if (!faults().empty()) return faults();
-    read_invariants();
-    given_.kind == Definition::Kind::equations ? read_flow() : read_mechanics();
+    form_->tape.bound(static_cast<tape::Index>(8 * most_operations));
+    try {
+      read_invariants();
+      given_.kind == Definition::Kind::equations ? read_flow() : read_mechanics();
+    } catch (const tape::TooManyOperations&) {
+      fault("", "its derivatives take too many operations", std::to_string(most_operations) + " in the texts");
+    }
     if (!faults().empty()) return faults();
     return std::shared_ptr<const Form>(form_);
   }
@@ -339,8 +344,6 @@ class Reader : TextReader {
         kind == FormKind::contact_quadratic || ((all & on_action) != 0 && kind != FormKind::contact_linear);
     form_->keeps_energy =
         form_->autonomous && !form_->reads_action && kind != FormKind::contact_linear && kind != FormKind::flow;
-    if (form_->tape.size() > static_cast<tape::Index>(8 * most_operations))
-      fault("", "its derivatives take too many operations", std::to_string(most_operations) + " in the texts");
   }
 
   void read_invariants() {

@@ -5,7 +5,6 @@
 #include "core/catalogue/catalogue.hpp"
 #include "core/run/messages.hpp"
 #include "server/encode/answer_parts.hpp"
-#include "server/encode/columns_out.hpp"
 
 namespace least::server {
 namespace {
@@ -24,17 +23,6 @@ void write_list(JsonWriter& json, const std::vector<double>& values) {
   for (const double value : values) json.number(value);
   json.close(']');
 }
-// Of rows that lie one after the other.
-void write_column(JsonWriter& json, const Strided& column) {
-  if (json.notation() == Notation::cbor) {
-    begin_typed_array(json.buffer(), column.numbers.size() / column.stride);
-    return append_binary(json.buffer(), column);
-  }
-  json.open('[');
-  append_numbers(json.buffer(), column, true);
-  json.close(']');
-}
-
 void write_members(JsonWriter& json, const EnsemblePlan& plan) {
   const Members& members = plan.members;
   const ProblemCard& problem = plan.request.scene->card();
@@ -119,30 +107,30 @@ void write_statistics(JsonWriter& json, const EnsemblePlan& plan, const Harvest&
   json.close('}');
 }
 
-void write_columns(JsonWriter& json, const EnsemblePlan& plan, const std::vector<double>& rows) {
-  const std::size_t columns = plan.request.columns.size();
-  for (std::size_t k = 0; k < columns; ++k) {
-    if (column_of(plan, k).name == "t" && plan.section) continue;  // a section has its own
-    write_column(json.key(column_of(plan, k).name), {rows, k, columns});
-  }
-}
-void write_ends(JsonWriter& json, const EnsemblePlan& plan, const Harvest& harvest) {
+void add_ends(TextPieces& pieces, const EnsemblePlan& plan, const Harvest& harvest) {
   if (!plan.final) return;
   const std::size_t columns = plan.request.columns.size();
-  write_integers(json.key("final").open('{').key("index"), harvest.final_member);
+  pieces.add(false, [](JsonWriter& json) { json.key("final").open('{'); });
+  pieces.add_list("index", true, harvest.final_member);
   for (std::size_t k = 0; k < columns; ++k)
-    write_column(json.key(column_of(plan, k).name), {harvest.final, k, columns});
-  json.close('}');
+    pieces.add_list(column_of(plan, k).name, false, Strided{harvest.final, k, columns});
+  pieces.add(false, [](JsonWriter& json) { json.close('}'); });
 }
-void write_points(JsonWriter& json, const EnsemblePlan& plan, const SectionPoints& points, bool asked) {
+void add_points(TextPieces& pieces, const EnsemblePlan& plan, const SectionPoints& points, bool asked) {
   if (!plan.section) return;
-  json.key("section").open('{');
-  if (asked) write_section_asked(json, plan);
-  write_integers(json.key("member"), points.member);
-  write_integers(json.key("crossing"), points.crossing);
-  write_column(json.key("t"), {points.t, 0, 1});
-  write_columns(json, plan, points.values);
-  json.close('}');
+  const std::size_t columns = plan.request.columns.size();
+  pieces.add(false, [&plan, asked](JsonWriter& json) {
+    json.key("section").open('{');
+    if (asked) write_section_asked(json, plan);
+  });
+  pieces.add_list("member", !asked, points.member);
+  pieces.add_list("crossing", false, points.crossing);
+  pieces.add_list("t", false, Strided{points.t, 0, 1});
+  for (std::size_t k = 0; k < columns; ++k) {
+    if (column_of(plan, k).name == "t") continue;  // a section has its own
+    pieces.add_list(column_of(plan, k).name, false, Strided{points.values, k, columns});
+  }
+  pieces.add(false, [](JsonWriter& json) { json.close('}'); });
 }
 
 void write_status(JsonWriter& json, const Harvest& all, const EnsembleEnd& end) {
@@ -172,30 +160,43 @@ void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harve
 
 // An object, in JSON on a line.
 template <class WriteMembers>
-std::string ensemble_line(WriteMembers write_all, Notation notation = Notation::json) {
+std::string ensemble_line(WriteMembers write_all) {
   std::string text;
-  JsonWriter json(text, notation);
+  JsonWriter json(text);
   json.open('{');
   write_all(json);
   json.close('}');
-  if (notation == Notation::json) text += '\n';
-  return text;
+  return text += '\n';
+}
+void close_line(JsonWriter& json) {
+  json.close('}');
+  if (json.notation() == Notation::json) json.buffer() += '\n';
 }
 
 }  // namespace
 
-std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end,
-                            Notation notation) {
-  const auto write_all = [&](JsonWriter& json) {
+TextPieces pieces_of_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end,
+                              Notation notation) {
+  TextPieces pieces(notation);
+  pieces.add(true, [&](JsonWriter& json) {
+    json.open('{');
     write_ensemble_echo(json, plan, cards);
     write_status(json, all, end);
     write_endings(json, all.ended);
     write_statistics(json, plan, all);
-    write_ends(json, plan, all);
-    write_points(json, plan, all.section, true);
+  });
+  add_ends(pieces, plan, all);
+  add_points(pieces, plan, all.section, true);
+  pieces.add(false, [&](JsonWriter& json) {
     write_ensemble_cost(json, plan, all, end);
-  };
-  return ensemble_line(write_all, notation);
+    close_line(json);
+  });
+  return pieces;
+}
+
+std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end,
+                            Notation notation) {
+  return pieces_of_ensemble(plan, cards, all, end, notation).whole();
 }
 
 std::string encode_ensemble_head(const EnsemblePlan& plan, const Cards& cards) {
@@ -217,10 +218,11 @@ std::string encode_ensemble_head(const EnsemblePlan& plan, const Cards& cards) {
   });
 }
 
-std::string encode_ensemble_block(const EnsemblePlan& plan, const Block& block) {
+TextPieces pieces_of_block(const EnsemblePlan& plan, const Block& block) {
   const Harvest& harvest = block.harvest;
-  return ensemble_line([&](JsonWriter& json) {
-    json.key("kind").text("block").key("block").integer(block.index).key("first").integer(block.first);
+  TextPieces pieces(Notation::json);
+  pieces.add(true, [&](JsonWriter& json) {
+    json.open('{').key("kind").text("block").key("block").integer(block.index).key("first").integer(block.first);
     json.key("members").integer(block.count);
     write_endings(json, harvest.ended);
     if (plan.statistics) {
@@ -232,21 +234,24 @@ std::string encode_ensemble_block(const EnsemblePlan& plan, const Block& block) 
       }
       json.close('}');
     }
-    if (!plan.histograms.empty()) {
-      json.key("histograms").open('{');
-      for (std::size_t i = 0; i < harvest.histograms.size(); ++i) {
-        const Histogram& of = harvest.histograms[i];
-        write_integers(json.key(column_of(plan, plan.histograms[i].column).name).open('{').key("counts"), of.counts);
-        json.key("below").integer(of.below).key("above").integer(of.above).close('}');
-      }
-      json.close('}');
+    if (plan.histograms.empty()) return;
+    json.key("histograms").open('{');
+    for (std::size_t i = 0; i < harvest.histograms.size(); ++i) {
+      const Histogram& of = harvest.histograms[i];
+      write_integers(json.key(column_of(plan, plan.histograms[i].column).name).open('{').key("counts"), of.counts);
+      json.key("below").integer(of.below).key("above").integer(of.above).close('}');
     }
-    write_ends(json, plan, harvest);
-    write_points(json, plan, harvest.section, false);
+    json.close('}');
+  });
+  add_ends(pieces, plan, harvest);
+  add_points(pieces, plan, harvest.section, false);
+  pieces.add(false, [&](JsonWriter& json) {
     json.key("truncated").boolean(harvest.truncated).key("unresolved").integer(harvest.unresolved);
     json.key("first_unresolved").integer(harvest.first_unresolved).key("steps").integer(harvest.cost.steps);
     json.key("force_evaluations").integer(harvest.cost.force_evaluations);
+    close_line(json);
   });
+  return pieces;
 }
 
 std::string encode_ensemble_end(const EnsemblePlan& plan, const Harvest& all, const EnsembleEnd& end) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/ensemble/ensemble.hpp"
+#include "server/encode/text_pieces.hpp"
 #include "server/shared/cards.hpp"
 
 namespace least::server {
@@ -17,13 +18,14 @@ struct EnsembleEnd {
 
 /// The whole answer, `application/json` or `application/cbor` (RFC 8949): the members of JSON, the columns of finals
 /// and sections as typed arrays (RFC 8746) of binary64 in little endian, in which what has no value is NaN.
+TextPieces pieces_of_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end,
+                              Notation notation);
 std::string encode_ensemble(const EnsemblePlan& plan, const Cards& cards, const Harvest& all, const EnsembleEnd& end,
                             Notation notation = Notation::json);
 
-/// `application/x-ndjson`: the first line (the echo), one per block, and the last (what they add up to). Points of
-/// sections beyond the first `most` are left out.
+/// `application/x-ndjson`: the first line (the echo), one per block, and the last (what they add up to).
 std::string encode_ensemble_head(const EnsemblePlan& plan, const Cards& cards);
-std::string encode_ensemble_block(const EnsemblePlan& plan, const Block& block);
+TextPieces pieces_of_block(const EnsemblePlan& plan, const Block& block);
 std::string encode_ensemble_end(const EnsemblePlan& plan, const Harvest& all, const EnsembleEnd& end);
 
 }  // namespace least::server

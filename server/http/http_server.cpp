@@ -228,6 +228,8 @@ class HttpServer::Impl final : private Handler {
                Clock::duration queued) {
     guarded(exchange, [&] {
       exchange->place = pass.ticket();
+      // What every answer holds is counted before it is made: its text, or as much of it as is ever in memory.
+      if (!holds(exchange, most_of_a_stream)) return respond(exchange, route, no_memory(exchange), queued);
       Answer computed = job(std::move(pass));
       router_.dress(exchange->message.head, route, computed);
       respond(exchange, route, std::move(computed), queued);
@@ -236,10 +238,7 @@ class HttpServer::Impl final : private Handler {
 
   void turn_away(const ExchangePtr& exchange, std::string_view route) {
     guarded(exchange, [&] {
-      Answer busy = error_(503,
-                           "as many runs as are allowed are computing or waiting, and none is expected to make room in "
-                           "time: Retry-After says when",
-                           exchange->id);
+      Answer busy = error_(503, "no place to compute becomes free in time: Retry-After says when", exchange->id);
       busy.headers.emplace_back("Retry-After", std::to_string(admission_.retry_after(exchange->client)));
       router_.dress(exchange->message.head, route, busy);
       respond(exchange, route, std::move(busy));
@@ -249,12 +248,24 @@ class HttpServer::Impl final : private Handler {
   // What is thrown is told as 500, as long as nothing else was; after that the answer breaks off.
   template <class Act>
   void guarded(const ExchangePtr& exchange, Act&& act) noexcept {
+    const HeldByThread held(lifecycle_.memory);
     try {
       act();
+    } catch (const MemoryShortage& e) {
+      exchange->status == 0 ? turn_away_for_memory(exchange) : fail(exchange, e.what());
     } catch (const std::exception& e) {
       fail(exchange, e.what());
     } catch (...) {
       fail(exchange, "unknown");
+    }
+  }
+
+  void turn_away_for_memory(const ExchangePtr& exchange) noexcept {
+    try {
+      exchange->computing = exchange->has_pieces = false;
+      respond(exchange, "failed", no_memory(exchange));
+    } catch (const std::exception& e) {
+      fail(exchange, e.what());
     }
   }
 

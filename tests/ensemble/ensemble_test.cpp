@@ -69,9 +69,9 @@ TEST(Ensemble, ShardsAddUpToTheWhole) {
   const std::atomic<bool> never{false};
   std::vector<Block> blocks(3);
   for (std::int64_t shard = 0; shard < 2; ++shard)
-    run_ensemble(plan, {shard, 2}, 1, never, [&](const Block& block) {
+    run_ensemble(plan, {shard, 2}, 1, never, [&](Block& block) {
       EXPECT_EQ(block.index % 2, shard);
-      blocks[static_cast<std::size_t>(block.index)] = block;
+      blocks[static_cast<std::size_t>(block.index)] = std::move(block);
       return true;
     });
   Harvest sum;

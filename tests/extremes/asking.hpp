@@ -135,7 +135,7 @@ inline bool may_be_unknown(const Request& request, const runs::Result& result, s
 
 /// A run whose numbers are finite: rows, but for what may be unknown, final state and cost.
 inline runs::Result go(const Request& request) {
-  const auto result = runs::go(request);
+  auto result = runs::go(request);
   const std::string what = std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
   for (std::size_t k = 0; k < result.rows.size(); ++k)
     for (std::size_t i = 0; i < result.rows[k].size(); ++i) {

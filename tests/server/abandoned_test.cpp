@@ -44,7 +44,7 @@ struct LongRequest {
 void PrintTo(const LongRequest& request, std::ostream* out) { *out << request.name; }
 
 constexpr const char* as_table = "Accept: text/csv\r\n";
-constexpr const char* lines = "Accept: application/x-ndjson\r\n";
+constexpr const char* as_lines = "Accept: application/x-ndjson\r\n";
 constexpr const char* fixed_steps =
     R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},"record":{"every":0},
         "limits":{"steps":10000000000,"seconds":20}})";
@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(All, AbandonedWhile,
                                          LongRequest{"own_clock", post("/v1/simulate", own_clock)},
                                          LongRequest{"automatic", post("/v1/simulate", automatic)},
                                          LongRequest{"work_precision", post("/v1/work-precision", work_precision)},
-                                         LongRequest{"lines", post("/v1/work-precision", work_precision, lines)},
+                                         LongRequest{"lines", post("/v1/work-precision", work_precision, as_lines)},
                                          LongRequest{"stability", post("/v1/stability", stability())}),
                          [](const auto& row) { return std::string(row.param.name); });
 
@@ -89,7 +89,7 @@ TEST_F(Abandoned, BetweenTheLinesOfAnAnswer) {
   start();
   {
     Client client(service->port());
-    client.send(post("/v1/work-precision", work_precision, lines));
+    client.send(post("/v1/work-precision", work_precision, as_lines));
     ASSERT_EQ(client.interim(), 200);  // the head
     for (int line = 0; line < 3; ++line) EXPECT_FALSE(client.chunk().value_or("").empty());
     EXPECT_EQ(run(), 503) << "it computes";
@@ -104,7 +104,7 @@ TEST_F(Abandoned, LinesLeaveWhileItComputes) {
   request.replace(request.find("\"every\":0"), 9, "\"every\":1000000");
   {
     Client client(service->port());
-    client.send(post("/v1/simulate", request, lines));
+    client.send(post("/v1/simulate", request, as_lines));
     ASSERT_EQ(client.interim(), 200);
     for (const char* kind : {R"({"kind":"head")", R"({"kind":"samples")", R"({"kind":"progress")"}) {
       std::string line = client.chunk().value_or("");

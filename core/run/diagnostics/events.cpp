@@ -42,7 +42,9 @@ bool Events::room(std::size_t length) {
 }
 
 void Events::note(std::vector<double>& list, double t) {
-  if (room(list.size())) list.push_back(t);
+  if (!room(list.size())) return;
+  make_room(list, list.size() + 1, held_);
+  list.push_back(t);
 }
 
 bool Events::converged(double Cycle::*number) const {

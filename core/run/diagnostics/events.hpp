@@ -43,6 +43,7 @@ class Events {
 
   std::size_t most_;
   bool full_ = false;
+  Held held_ = HeldByThread::take(0);  ///< for the lists
   std::vector<double> zeros_, poles_;
   std::int64_t rises_ = 0;
   double last_rise_ = 0, amplitude_ = 0;

@@ -8,6 +8,7 @@
 
 #include "core/run/backend.hpp"
 #include "core/run/diagnostics/rows.hpp"
+#include "core/run/messages.hpp"
 #include "core/run/tangent_length.hpp"
 #include "core/run/tangent_path.hpp"
 
@@ -63,7 +64,9 @@ class Lyapunov final : public Diagnostic {
                                : of_scheme_         ? "scheme"
                                : motion             ? "motion"
                                                     : ""));
-    if (!followed_) insert(report, 4, words("reason", "the motion cannot be followed for so long"));
+    if (!followed_)
+      insert(report, 4,
+             words("reason", too_large_ ? messages::no_tangent() : "the motion cannot be followed for so long"));
     return report;
   }
 
@@ -104,13 +107,21 @@ class Lyapunov final : public Diagnostic {
       double size = 0;
       for (std::size_t i = 0; i < size_; ++i) size = std::max(size, std::abs(from[i]));
       compare_at_equal_time(from);
-      if (!path_) path_.emplace(backend_, tolerance, size);
+      if (!path_ && !make_path(size)) return;
       path_->start(from, u_.data());
       base_ = grown_;
       on_path_ = true;
     }
     for (int step = 0; followed_ && path_->time() < before_.t && path_->reach() <= before_.t; ++step)
       followed_ = step < patience && advance(before_.t);
+  }
+  /// False where the derivatives of the motion take too many operations.
+  bool make_path(double size) try {
+    path_.emplace(backend_, tolerance, size);
+    return true;
+  } catch (const tape::TooManyOperations&) {
+    too_large_ = true;
+    return followed_ = false;
   }
   bool advance(double end) {
     return path_->advance(end, [&] {
@@ -183,6 +194,7 @@ class Lyapunov final : public Diagnostic {
   bool on_path_ = false;
 
   double begun_ = unknown, sampled_ = 0, grown_ = 0, weighed_ = 0, averaged_ = 0;
+  bool too_large_ = false;  ///< the derivatives of the motion take too many operations
   bool followed_ = true, of_scheme_ = false, of_motion_ = false;
   bool last_of_motion_ = false;  ///< the last step, which is not told of before there is one more
 };

@@ -1,0 +1,147 @@
+// Scenes as text that are short, and of which more follows than of others: nested squares, towers of exponentials,
+// products of sums, each as a potential, a Lagrangian, a Hamiltonian and as equations.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace least::server::test {
+
+struct Explosive {
+  std::string name, problem;  ///< the member of a request
+};
+
+class ExplosiveTexts {
+ public:
+  using Letters = std::vector<std::string>;
+
+  static std::vector<Explosive> all() {
+    ExplosiveTexts texts;
+    std::vector<Explosive> made;
+    for (std::size_t shape = 0; shape < shapes.size(); ++shape)
+      for (const char* kind : {"potential", "lagrangian", "hamiltonian", "equations"})
+        made.push_back({std::string(shapes[shape]) + ' ' + kind, texts.problem(shape, kind)});
+    return made;
+  }
+
+ private:
+  static constexpr std::array<const char*, 10> shapes{"nested squares",
+                                                      "sums of nested squares",
+                                                      "towers",
+                                                      "one tower",
+                                                      "products of sums",
+                                                      "sums of products",
+                                                      "flat",
+                                                      "trees",
+                                                      "sines",
+                                                      "nested quotients"};
+  static constexpr std::size_t most = 8000;  ///< characters
+
+  std::string problem(std::size_t shape, const std::string& kind) {
+    const Letters eight{"a", "b", "c", "d", "f", "g", "k", "m"};
+    Letters letters = eight;
+    std::string squares;
+    for (const std::string& x : eight)
+      squares += (squares.empty() ? "" : "+") + (kind == "lagrangian" ? "v" + x : "p" + x) + "^2";
+    std::string mechanics;
+    if (kind == "potential") mechanics = text(shape, letters);
+    if (kind == "lagrangian") mechanics = "(" + squares + ")/2*(1+.01*a^2)-(" + text(shape, letters) + ")";
+    if (kind == "hamiltonian") {
+      Letters both{"a", "b", "c", "d", "pa", "pb", "pc", "pd"};
+      mechanics = "(" + squares + ")/2+" + text(shape, both);
+    }
+    if (kind == "equations") {
+      for (const char* x : {"n", "o", "r", "u", "w", "y", "z", "x"}) letters.emplace_back(x);
+      mechanics = "{";
+      for (std::size_t i = 0; i < letters.size(); ++i)
+        mechanics += (i > 0 ? ",\"" : "\"") + letters[i] + "\":\"" +
+                     (i == 0 ? text(shape, letters) : "-" + letters[(i + 1) % letters.size()]) + '"';
+      mechanics += "}";
+    } else {
+      mechanics = '"' + mechanics + '"';
+    }
+    std::string names;
+    for (const std::string& x : letters) names += (names.empty() ? "\"" : ",\"") + x + '"';
+    return R"("problem":{"id":"custom","variables":[)" + names + "],\"" + kind + "\":" + mechanics + "}";
+  }
+
+  /// Terms with a sign between, as many as there is room for.
+  std::string joined(char sign, const std::function<std::string(std::size_t)>& term) const {
+    std::string all = term(0);
+    for (std::size_t i = 1; i < 400; ++i) {
+      const std::string next = term(i);
+      if (all.size() + next.size() > most) break;
+      all += sign + next;
+    }
+    return all;
+  }
+  static std::string nested(std::size_t depth, const std::string& x,
+                            const std::function<std::string(std::string, std::size_t)>& around) {
+    std::string text = x;
+    for (std::size_t i = 0; i < depth; ++i) text = around(text, i);
+    return text;
+  }
+
+  std::string text(std::size_t shape, const Letters& x) {
+    const auto letter = [&](std::size_t i) { return x[i % x.size()]; };
+    const auto any = [&] { return x[random_() % x.size()]; };
+    switch (shape) {
+      case 0:
+        return nested(90, letter(0),
+                      [&](const std::string& of, std::size_t i) { return "(" + of + "+.1*" + letter(i) + ")^2"; });
+      case 1:
+        return joined('+', [&](std::size_t k) {
+          return nested(12, letter(k),
+                        [&](const std::string& of, std::size_t i) { return "(" + of + "-" + letter(i + k) + ")^2"; });
+        });
+      case 2:
+        return joined('+', [&](std::size_t k) {
+          return nested(8, letter(k), [&](const std::string& of, std::size_t i) {
+            return "exp(-" + of + "*" + letter(i + k + 1) + ")";
+          });
+        });
+      case 3:
+        return nested(45, letter(0),
+                      [&](const std::string& of, std::size_t i) { return "exp(-(" + of + ")*" + letter(i) + ")"; });
+      case 4:
+        return joined('*', [&](std::size_t) {
+          std::string sum = "(1";
+          for (const std::string& name : x) sum += (random_() % 2 ? "+" : "-") + name;
+          return sum + ")";
+        });
+      case 5:
+        return joined('+', [&](std::size_t) {
+          std::string product = any();
+          for (int i = 0; i < 7; ++i) product += "*" + any();
+          return product;
+        });
+      case 6: {
+        std::string all = letter(0);
+        while (all.size() < most - 500) all += (random_() % 2 ? "+" : "*") + any();
+        return all;
+      }
+      case 7: {
+        const std::function<std::string(int)> tree = [&](int depth) -> std::string {
+          if (depth == 0) return any();
+          const std::string left = tree(depth - 1);
+          return "(" + left + (random_() % 2 ? "+" : "*") + tree(depth - 1) + ")";
+        };
+        return tree(10);
+      }
+      case 8:
+        return joined(
+            '+', [&](std::size_t k) { return "sin(" + std::to_string(k) + "*" + any() + "+" + any() + ")*" + any(); });
+      default:
+        return nested(45, letter(0),
+                      [&](const std::string& of, std::size_t i) { return letter(i) + "/(1+(" + of + ")^2)"; });
+    }
+  }
+
+  std::minstd_rand random_{7};
+};
+
+}  // namespace least::server::test

@@ -1,0 +1,109 @@
+// What requests make is counted before it is made: of the worst of every endpoint and form, eight at once.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/server/client.hpp"
+#include "tests/server/explosive.hpp"
+#include "tests/server/process.hpp"
+
+namespace least::server::test {
+namespace {
+
+#if !defined(__SANITIZE_ADDRESS__)  // which has needs of its own
+
+struct Worst {
+  std::string path, form, body;
+};
+
+constexpr const char *in_json = "application/json", *in_lines = "application/x-ndjson", *in_cbor = "application/cbor",
+                     *in_csv = "text/csv";
+
+// Two million numbers may be kept.
+std::vector<Worst> worst_requests() {
+  std::vector<Worst> all;
+  const std::string oscillator = R"("problem":"harmonic_oscillator","scheme":{"id":"leapfrog","step":0.05})";
+  const auto on = [&](const char* path, std::initializer_list<const char*> forms, const std::string& body) {
+    for (const char* form : forms) all.push_back({path, form, body});
+  };
+  on("/v1/ensemble", {in_json, in_lines, in_cbor}, "{" + oscillator + R"(,"until":{"t":100},"keep":["section"],
+      "section":{"period":0.05},"members":{"count":4096,"vary":{"/initial/q":{"uniform":[-1,1]}}}})");
+  on("/v1/ensemble", {in_json, in_lines, in_cbor},
+     "{" + oscillator + R"(,"until":{"t":1},"keep":["final"],"columns":["q","p"],
+      "members":{"count":1000000,"vary":{"/initial/q":{"uniform":[-1,1]}}}})");
+  on("/v1/ensemble", {in_json, in_lines}, "{" + oscillator + R"(,"until":{"t":1000},"keep":["section"],
+      "section":{"expression":"q"},"members":{"count":20000,"vary":{"/initial/q":{"uniform":[-1,1]}}}})");
+  on("/v1/simulate", {in_json, in_lines, in_cbor, in_csv},
+     "{" + oscillator + R"(,"until":{"steps":666665},"record":{"every":1}})");
+  on("/v1/simulate", {in_json, in_csv}, "{" + oscillator + R"(,"until":{"steps":3000000},"record":{"curve":60000}})");
+  on("/v1/simulate", {in_json, in_lines}, "{" + oscillator + R"(,"until":{"steps":300000},"record":{"every":1},
+      "columns":["t","q","error"]})");
+  on("/v1/simulate", {in_json, in_lines}, "{" + oscillator + R"(,"until":{"steps":4000000},"record":{"every":0},
+      "events":[{"name":"zero","expression":"q","direction":"both","stop":false}]})");
+  for (const Explosive& scene : ExplosiveTexts::all()) {
+    if (scene.name != "sines potential" && scene.name != "towers equations") continue;
+    const std::string start = R"(,"limits":{"seconds":1},"until":{"t":1})";
+    on("/v1/simulate", {in_json, in_lines}, "{" + scene.problem + R"(,"scheme":"taylor")" + start + "}");
+    on("/v1/stability", {in_json}, "{" + scene.problem + R"(,"schemes":["runge_kutta_4"],"budget_seconds":1})");
+    on("/v1/work-precision", {in_json},
+       "{" + scene.problem + R"(,"until":{"t":1},"schemes":"all","budget_seconds":1})");
+    on("/v1/ensemble", {in_json},
+       "{" + scene.problem + R"(,"scheme":"runge_kutta_4","members":{"count":9000,
+        "vary":{"/initial/a":{"uniform":[-0.1,0.1]}}})" +
+           start + "}");
+    on("/v1/problems", {in_json}, "{" + scene.problem + "}");
+  }
+  return all;
+}
+
+double peak_mebibytes(const Process& service) {
+  std::ifstream file("/proc/" + std::to_string(service.id()) + "/status");
+  double kibibytes = 0;
+  for (std::string word; file >> word;)
+    if (word == "VmHWM:" && file >> kibibytes) break;
+  return kibibytes / 1024;
+}
+
+// What is read of an answer is not kept.
+int status_of(int port, const Worst& request) {
+  Client client(port);
+  client.send(post(request.path, request.body, "Accept: " + request.form + "\r\nConnection: close\r\n"));
+  const std::string head = client.some().value_or("HTTP/1.1 000");
+  while (client.some()) {
+  }
+  return std::stoi(head.substr(9, 3));
+}
+
+TEST(Ledger, HoldsWhatEveryEndpointMakes) {
+  constexpr double memory = 40, beyond = 60;  // in mebibytes
+  Process service({"serve", "--port", "0", "--threads", "8", "--max-samples", "2000000", "--log-level", "warning",
+                   "--max-memory", std::to_string(static_cast<long>(memory) << 20)});
+  const int port = port_in(service.line());
+  double before = peak_mebibytes(service);
+  EXPECT_LT(before, beyond) << "which leaves no room for anything";
+  for (const Worst& request : worst_requests()) {
+    std::vector<int> statuses(8);
+    {
+      std::vector<std::jthread> clients;
+      for (int& status : statuses) clients.emplace_back([&] { status = status_of(port, request); });
+    }
+    const double peak = peak_mebibytes(service);
+    const std::string what = request.path + ' ' + request.form + ' ' + request.body.substr(0, 300);
+    EXPECT_LE(peak, memory + beyond) << what;
+    for (const int status : statuses) EXPECT_TRUE(status == 200 || status == 503 || status == 422) << status << what;
+    EXPECT_GT(std::ranges::count(statuses, 503), -1);
+    if (peak > before + 1)
+      std::printf("%s %s: %.1f MiB at most, %ld of 8 answered\n", request.path.c_str(), request.form.c_str(), peak,
+                  static_cast<long>(std::ranges::count(statuses, 200)));
+    before = std::max(before, peak);
+  }
+}
+
+#endif
+
+}  // namespace
+}  // namespace least::server::test

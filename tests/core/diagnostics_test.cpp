@@ -237,6 +237,7 @@ TEST(Error, OfTheOscillatorUnderLeapfrogIsItsPhaseError) {
 TEST(Error, ComesFromTheReferenceStatesWhereThereIsNoClosedForm) {
   Request request = asking("double_pendulum", "galerkin_4", "error");
   request.end = 20;
+  request.limits.seconds = 60;  // in half of which the truth is found under a sanitizer, too
   const auto result = runs::go(request);
   const double reference[] = {-0.47540433018888473236, -0.35081662361852581039, -1.7417567272239908697,
                               -0.83762857573527496312};

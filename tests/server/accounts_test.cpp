@@ -1,7 +1,6 @@
 // Who of one address goes first, who is told at once that its turn does not come, and when it is worth to ask again.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -12,6 +11,7 @@
 #include "server/decode/json_parse.hpp"
 #include "server/http/admission.hpp"
 #include "tests/server/client.hpp"
+#include "tests/server/crowd.hpp"
 #include "tests/server/fixture.hpp"
 
 namespace least::server::test {
@@ -106,30 +106,11 @@ TEST(Accounts, ManyConnectionsDoNotShutOutOneOfTheirAddress) {
   ASSERT_FALSE(service.start());
   const std::string request = post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":1000000},
     "record":{"every":0},"diagnostics":[]})");
-  std::atomic<bool> end{false};
-  std::atomic<int> answered{0};
-  std::vector<std::jthread> crowd;
-  for (int i = 0; i < 17; ++i) {
-    crowd.emplace_back([&] {
-      Client client(service.port());
-      while (!end && client.send(request)) {
-        const auto reply = client.receive();
-        if (!reply) break;
-        answered += reply->status == 200 ? 1 : 0;
-      }
-    });
-  }
+  const Crowd crowd(service.port(), 17, request);
   for (const auto from = std::chrono::steady_clock::now();
-       answered < 40 && std::chrono::steady_clock::now() - from < 60s;)
+       crowd.answered() < 40 && std::chrono::steady_clock::now() - from < 60s;)
     std::this_thread::sleep_for(5ms);
-  Client other(service.port());
-  int served = 0;
-  for (int i = 0; i < 15; ++i) {
-    other.send(post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})"));
-    served += other.receive().value_or(Reply{}).status == 200 ? 1 : 0;
-  }
-  end = true;
-  EXPECT_EQ(served, 15);
+  EXPECT_EQ(served_of(15, Client(service.port())), 15);
 }
 
 TEST(Accounts, WhoseTurnCannotComeIsToldAtOnceAndWhen) {

@@ -7,22 +7,17 @@
 
 #include "tests/server/ensembles.hpp"
 #include "tests/server/process.hpp"
+#include "tests/server/temporary_folder.hpp"
 
 namespace least::server::test {
 namespace {
 
 class NoFiles : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "no-file-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  void SetUp() override { ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0); }
+  std::string path(const std::string& name) const { return folder_.path(name); }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 // What a merge says of it.

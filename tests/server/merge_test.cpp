@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -12,6 +11,7 @@
 #include "server/shards.hpp"
 #include "tests/server/ensembles.hpp"
 #include "tests/server/process.hpp"
+#include "tests/server/temporary_folder.hpp"
 
 namespace least::server::test {
 namespace {
@@ -43,14 +43,7 @@ TEST(Command, MergeSaysWhatItTakes) {
 // Parts of an ensemble in a folder of their own.
 class EnsembleParts : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "ensemble-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_.path(name); }
   Answer part(const std::string& request, const std::string& shard, const std::string& name) {
     return write_part(context_, {request, "", "test"}, shard, path(name), 2);
   }
@@ -65,7 +58,7 @@ class EnsembleParts : public testing::Test {
     EXPECT_NE(said.find(words), std::string::npos) << said.substr(0, 300);
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
   std::atomic<bool> cancelled_{false};
   Admission admission_{2, 0};
   MemoryBudget memory_{std::size_t{1} << 30};
@@ -103,7 +96,7 @@ TEST_F(EnsembleParts, AreNotComputedTwiceAndReplacedWhereTheyAreNotWhole) {
   const auto late = part(longer.dump(), "0/2", "late");
   EXPECT_EQ(late.status, 422);
   EXPECT_FALSE(std::filesystem::exists(path("late"))) << "whole or not at all";
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "nothing else is left behind";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.name()), {}), 1) << "nothing else is left behind";
 }
 
 // A disk that gives back other bytes than it was given, or a hand: no wrong number comes of it, and another run mends
@@ -155,13 +148,15 @@ TEST_F(EnsembleParts, AreHiddenUntilTheyAreWhole) {
   });
   std::vector<std::string> names;
   while (names.empty() && !ended) {
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) names.push_back(entry.path().filename());
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.name()))
+      names.push_back(entry.path().filename());
   }
   cancelled_ = true;
   writer.join();
   EXPECT_FALSE(names.empty());
   for (const std::string& name : names) EXPECT_EQ(name.front(), '.') << name;
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 0) << "nothing is left where it is told";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.name()), {}), 0)
+      << "nothing is left where it is told";
 }
 
 // A wrong name costs nothing but the time to read what is said.

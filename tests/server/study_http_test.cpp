@@ -190,8 +190,9 @@ TEST(Study, AClientThatTakesNoMoreEndsIt) {
   EXPECT_FALSE(admission.enter("").has_value()) << "it holds the place from the first line on";
   int written = 0;
   const auto from = Clock::now();
-  answer.stream([&](std::string_view) { return ++written < 4; });
+  const auto end = answer.stream([&](std::string_view) { return ++written < 4; });
   EXPECT_EQ(written, 4);
+  EXPECT_NE(end.value_or("").find("\"reason\":\"cancelled\""), std::string::npos) << end.value_or("");
   EXPECT_LT(Clock::now() - from, 25s) << "what it was given is not used up";
   EXPECT_TRUE(admission.enter("").has_value());
 }

@@ -19,6 +19,7 @@
 #include "server/http/admission.hpp"
 #include "server/http/metrics.hpp"
 #include "tests/server/client.hpp"
+#include "tests/server/crowd.hpp"
 #include "tests/server/fixture.hpp"
 
 namespace least::server::test {
@@ -329,24 +330,9 @@ TEST(Fairness, ManyConnectionsDoNotShutOutOne) {
   ASSERT_FALSE(service.start());
   const std::string request = post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":1000000},
     "record":{"every":0},"diagnostics":[]})");
-  std::atomic<bool> end{false};
-  std::vector<std::jthread> crowd;
-  for (int i = 0; i < 17; ++i) {
-    crowd.emplace_back([&] {
-      Client client(service.port());
-      while (!end && client.send(request) && client.receive()) {
-      }
-    });
-  }
+  const Crowd crowd(service.port(), 17, request);
   std::this_thread::sleep_for(500ms);
-  Client other(service.port(), "127.0.0.2");
-  int served = 0;
-  for (int i = 0; i < 20; ++i) {
-    other.send(post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})"));
-    served += other.receive().value_or(Reply{}).status == 200 ? 1 : 0;
-  }
-  end = true;
-  EXPECT_EQ(served, 20);
+  EXPECT_EQ(served_of(20, Client(service.port(), "127.0.0.2")), 20);
 }
 
 // A class behind one address: whoever has much to ask on one connection is served as often as those who ask once.

@@ -1,5 +1,6 @@
 // Between two states in any number: quintic Hermite interpolation, from the equations of motion and their derivative
-// along the motion. Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.6.
+// along the motion. The core interpolates in double alone; laws of clocks are measured in long double. Source: Hairer,
+// Nørsett, Wanner, Solving Ordinary Differential Equations I, II.6.
 #pragma once
 
 #include "core/equations.hpp"

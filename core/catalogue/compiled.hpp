@@ -11,10 +11,10 @@
 #include "core/reference/growth.hpp"
 #include "core/reference/regular_state.hpp"
 #include "core/run/diagnostics/table.hpp"
+#include "core/run/integrator.hpp"
 #include "core/run/problem_entries.hpp"
 #include "core/run/run.hpp"
 #include "core/run/scales.hpp"
-#include "core/run/self_timed.hpp"
 #include "core/run/tangent.hpp"
 #include "core/schemes/list.hpp"
 
@@ -116,8 +116,8 @@ std::vector<std::size_t> fitting_schemes() {
 /// core/catalogue/pairs.hpp and compiled in a unit of its own: steps deserve optimisation that what surrounds them does
 /// not.
 template <class P, class X>
-std::unique_ptr<Integrator> bind_scheme(const ProblemTable& table, const P& problem, const Request& request,
-                                        const RunState& x, const Grid& grid, double end, GoesOn goes_on);
+std::unique_ptr<Integrator> bind_scheme(const RunBackend& backend, const P& problem, const Request& request,
+                                        const RunState& x, const Grid& grid, double end);
 
 /// What a run with states X asks of a problem.
 template <class P, class X>
@@ -125,15 +125,16 @@ class CompiledBackend final : public RunBackend {
   using State = StateOf<P>;
 
  public:
-  explicit CompiledBackend(const P& problem) : table_(problem), motion_(problem) {}
+  explicit CompiledBackend(const P& problem) : motion_(problem), table_(problem) {}
 
-  const ProblemTable& table() const override { return table_; }
+  const ProblemTable& table() const override {
+    if constexpr (lean) return motion_;
+    if constexpr (!lean) return table_;
+  }
   const ProblemTable& motion() const override { return motion_; }
   std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid& grid,
                                    double end) const override {
-    return bind_scheme<P, X>(table_, problem(), request, x, grid, end, [this](const RunState& from, double duration) {
-      return goes_on(*this, moving_part(*this, from), duration);
-    });
+    return bind_scheme<P, X>(*this, problem(), request, x, grid, end);
   }
   StepTangents tangents(const Request& request) const override { return tangents_of(problem(), request); }
 
@@ -189,8 +190,13 @@ class CompiledBackend final : public RunBackend {
     }
   }
 
-  ProblemEntries<P, X> table_;
+  static constexpr bool lean = std::is_same_v<X, State>;
+  struct SameTable {
+    explicit SameTable(const P&) {}
+  };
+
   ProblemEntries<P, State> motion_;
+  [[no_unique_address]] std::conditional_t<lean, SameTable, ProblemEntries<P, X>> table_;
 };
 
 /// Mechanics of one type of problem, which the parameters of a scene make.
@@ -201,9 +207,9 @@ class ProblemMechanics : public Mechanics {
 
  public:
   explicit ProblemMechanics(ProblemCard described)
-      : card_(complete_card(std::move(described), traits_of<P, Full>(), fitting_schemes<P>())),
+      : card_(complete_card(std::move(described), ProblemEntries<P, Full>::known, fitting_schemes<P>())),
         kinds_(kinds_of(card_)),
-        columns_(columns_of(traits_of<P, Full>(), card_)) {}
+        columns_(columns_of(ProblemEntries<P, Full>::known, card_)) {}
 
   const ProblemCard& card() const override { return card_; }
   std::string_view key() const override { return card_.id; }

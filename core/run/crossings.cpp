@@ -20,15 +20,14 @@ void locate_sections(const ProblemTable& problem, const Integrator& integrator, 
   }
 }
 
-void look_within(const ProblemTable& problem, const Integrator& integrator, const IntegrationState& state, double until,
+void look_within(const Integrator& integrator, const IntegrationState& state, double until,
                  DiagnosticSet& diagnostics) {
   if (!diagnostics.looks_within()) return;
   diagnostics.look_again();
   const double from = until > state.x.t ? state.x.t : integrator.left().t, parts = integrator.parts();
   for (double part = 1; part < parts; ++part) {
     RunState x = state.x;
-    if (integrator.state_at(state, from + part * (until - from) / parts, x) == StepStatus::ok)
-      diagnostics.look(problem, x);
+    if (integrator.state_at(state, from + part * (until - from) / parts, x) == StepStatus::ok) diagnostics.look(x);
   }
 }
 

@@ -14,8 +14,7 @@ void locate_sections(const ProblemTable& problem, const Integrator& integrator, 
                      Events& events);
 
 /// Shows the diagnostics what lies within the last step up to this time, and nothing beyond; or within the next one.
-void look_within(const ProblemTable& problem, const Integrator& integrator, const IntegrationState& state, double until,
-                 DiagnosticSet& diagnostics);
+void look_within(const Integrator& integrator, const IntegrationState& state, double until, DiagnosticSet& diagnostics);
 
 /// The zeros of what the caller watches, with the states there, between two states of the last step or of the next one:
 /// in their order, up to the first that ends the run.

@@ -124,10 +124,10 @@ double EqualSteps::pole_ratio(StateView x) const {
 
 BlockResult EqualSteps::seen_block(IntegrationState& state, std::int64_t count, StepGuard& guard,
                                    DiagnosticSet* diagnostics) {
-  if (!diagnostics) return block(state, count, guard, {});
+  if (!diagnostics) return block(state, count, guard, nullptr);
   if (!rows_) rows_ = std::make_unique_for_overwrite<double[]>(std::size_t(most_rows) * (1 + problem_.traits.numbers));
-  const BlockResult result = block(state, count, guard, {rows_.get()});
-  if (result) diagnostics->see_signs(problem_, rows(count));
+  const BlockResult result = block(state, count, guard, rows_.get());
+  if (result) diagnostics->see_signs(rows(count));
   return result;
 }
 
@@ -137,12 +137,12 @@ BlockResult EqualSteps::take_steps(IntegrationState& state, std::int64_t count, 
   keep(block_kept_, state, guard, diagnostics);
   const BlockResult result = seen_block(state, count, guard, diagnostics);
   if (result && !(diagnostics && diagnostics->crossed())) {
-    if (diagnostics) diagnostics->take(problem_, rows(count));
+    if (diagnostics) diagnostics->take(rows(count));
     watched_ = std::min<std::int64_t>(2 * watched_, 256);
     return result;
   }
   if (result && count == 1) {
-    diagnostics->take(problem_, rows(1));
+    diagnostics->take(rows(1));
     left_ = block_kept_.state.x;
     watched_ = 1;
     return result;
@@ -160,7 +160,7 @@ BlockResult EqualSteps::replay(IntegrationState& state, std::int64_t count, Step
     keep(step_kept_, state, guard, diagnostics);
     left_ = state.x;
     const BlockResult result = seen_block(state, 1, guard, diagnostics);
-    if (result && diagnostics) diagnostics->take(problem_, rows(1));
+    if (result && diagnostics) diagnostics->take(rows(1));
     if (result && !(diagnostics && diagnostics->crossed())) continue;
     if (!result) {
       const StepGuard seen = guard;  // also of the step that went wrong
@@ -210,7 +210,7 @@ BlockResult EqualSteps::advance_on_series(IntegrationState& state, std::int64_t 
     if (!is_finite_state(problem_.traits, x)) return {BlockEnd::not_finite};
     left_ = state.x;
     state = {x, state.n + 1};
-    if (diagnostics) diagnostics->see(problem_, x);
+    if (diagnostics) diagnostics->see(x);
     if (diagnostics && diagnostics->crossed()) break;
   }
   if (!on_series(state.n)) {

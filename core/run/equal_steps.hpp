@@ -40,16 +40,12 @@ class EqualSteps : public Integrator {
   };
   /// Where a stepper stands: at the state, or at left_.
   enum class Stands : std::uint8_t { here, left };
-  /// The states after the steps of a block, one row each: the time, and the numbers of the state.
-  struct Rows {
-    double* next = nullptr;  ///< null: nobody asks for them
-  };
-
   EqualSteps(const ProblemTable& problem, const RunState& x, const Grid& grid)
       : problem_(problem), grid_(grid), left_(x) {}
 
-  /// `count` steps of the grid; what went wrong, at any of them.
-  virtual BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, Rows rows) = 0;
+  /// `count` steps of the grid; what went wrong, at any of them. `rows`: where the states after them go, one row each:
+  /// the time, and the numbers of the state; null where nobody asks for them.
+  virtual BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, double* rows) = 0;
   /// One of another length: by the stepper itself, or by a copy of it.
   virtual StepStatus last_step(RunState& x, double h) = 0;
   virtual StepStatus trial_step(Stands stands, RunState& x, double h) const = 0;

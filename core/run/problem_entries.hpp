@@ -55,7 +55,9 @@ constexpr ProblemTraits traits_of() {
 template <class P, class X>
 class ProblemEntries : public ProblemTable {
  public:
-  explicit ProblemEntries(const P& problem) : ProblemTable(traits_of<P, X>()), problem_(problem) {}
+  static constexpr ProblemTraits known = traits_of<P, X>();
+
+  explicit ProblemEntries(const P& problem) : ProblemTable(known), problem_(problem) {}
   const P& problem() const { return problem_; }
 
   RunState start(const std::vector<double>& variables, double t) const final {
@@ -80,7 +82,7 @@ class ProblemEntries : public ProblemTable {
   }
 
   double energy_of(StateView x) const final {
-    if constexpr (traits_of<P, X>().says_energy()) return least::energy_of(problem_, plain(state(x)));
+    if constexpr (known.says_energy()) return least::energy_of(problem_, plain(state(x)));
     return unknown;
   }
   EnergyTerms energy_terms(StateView x) const final { return terms_at(state(x)); }
@@ -103,11 +105,6 @@ class ProblemEntries : public ProblemTable {
   }
   double action_curvature() const final {
     if constexpr (QuadraticContact<P>) return problem_.action_curvature();
-    return unknown;
-  }
-  double action_energy(StateView view) const final {
-    const X x = state(view);
-    if constexpr (Contact<P> && X::acting) return least::action_energy(problem_, x.action.s, phase(problem_, x.t));
     return unknown;
   }
   double offset() const final {
@@ -203,7 +200,7 @@ class ProblemEntries : public ProblemTable {
         terms.total = terms.kinetic + terms.potential + least::action_energy(problem_, x.action.s, f);
         terms.action_slope = least::action_slope(problem_, x.action.s, f);
       }
-    } else if constexpr (traits_of<P, X>().says_energy()) {
+    } else if constexpr (known.says_energy()) {
       terms.total = least::energy(problem_, plain(x));
     }
     return terms;

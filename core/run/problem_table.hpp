@@ -1,6 +1,7 @@
 // A problem with its parameters as a table of functions on plain numbers: what surrounds the steps of a run is compiled
 // once, whatever the problem, and reads it from here. Each entry is the function of the same name of core/problem.hpp,
-// core/problem_traits.hpp or core/equations.hpp. A problem fills the table in core/catalogue/compiled_table.hpp.
+// core/problem_traits.hpp or core/equations.hpp. The compiler fills the table of a problem:
+// core/run/problem_entries.hpp.
 #pragma once
 
 #include <array>
@@ -49,12 +50,13 @@ using SectionValues = std::array<double, 3>;
 
 class ProblemTable {
  public:
+  /// `known` outlives it.
   explicit ProblemTable(const ProblemTraits& known) : traits(known) {}
   ProblemTable(const ProblemTable&) = delete;
   ProblemTable& operator=(const ProblemTable&) = delete;
   virtual ~ProblemTable() = default;
 
-  const ProblemTraits traits;
+  const ProblemTraits& traits;
 
   /// The state that variables of the card describe.
   virtual RunState start(const std::vector<double>& variables, double t) const = 0;
@@ -63,12 +65,13 @@ class ProblemTable {
   /// The same, and how they change where the state changes by u and the time by dt.
   virtual void rates(StateView x, const double* u, double dt, double* rates, double* changes) const = 0;
 
-  // Not a number where the problem has none, or the state does not carry what it depends on.
+  /// At a state, also at the singular start of a series; not a number where the problem has none, or the state does not
+  /// carry what it depends on.
   virtual double energy_of(StateView x) const = 0;
-  double energy(StateView x) const { return energy_terms(x).total; }
+  virtual EnergyTerms energy_terms(StateView x) const = 0;
   /// Of each of the states.
   virtual void energy_terms(const StateRows& states, EnergyTerms* terms) const = 0;
-  virtual EnergyTerms energy_terms(StateView x) const = 0;
+  double energy(StateView x) const { return energy_terms(x).total; }
   virtual double mechanical_energy(StateView x) const = 0;
 
   /// Of linear contact mechanics at a time.
@@ -76,8 +79,6 @@ class ProblemTable {
   /// H_s.
   virtual double action_slope(double s, double t) const = 0;
   virtual double action_curvature() const = 0;
-  /// H − K − V.
-  virtual double action_energy(StateView x) const = 0;
   /// R of quadratic contact mechanics; else 0.
   virtual double offset() const = 0;
   /// How often the damping repeats; 0: it does not, or that is not known.

@@ -90,7 +90,7 @@ class Run {
     if (const auto objection = start_objection(problem_, state_.x, end_, integrator_->starts_regularly(state_.x)))
       return stop(objection->reason, objection->detail, objection->singular_at);
     if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(ReturnCode::singular, why);
-    diagnostics_.start(problem_, state_.x);
+    diagnostics_.start(state_.x);
     evidence_.start(problem_, state_.x);
     if (diagnostics_.keeps_states()) snapshots_.see(state_);
     if (!save_due() || (drawn_ < infinite && !save(state_.x, last_step()))) return false;
@@ -117,7 +117,7 @@ class Run {
     if (RunState x = state_.x;
         !fixed_ && x.t > end_ && !ended_ && !watch_.empty())  // beyond the end nothing was looked at
       if (integrator_->state_at(state_, end_, x) == StepStatus::ok) locate_watched(integrator_->left(), x);
-    if (!ended_) diagnostics_.resume(problem_, state_.x);
+    if (!ended_) diagnostics_.resume(state_.x);
     if (state_.n > n && state_.x.t <= end_) {
       if (diagnostics_.keeps_states()) snapshots_.see(state_);
       evidence_.see(problem_, state_);
@@ -224,12 +224,12 @@ class Run {
       step_back();
       if (!fail(result)) return;
     } else if (state_.x.t != before && diagnostics_.sees_steps()) {
-      look_within(problem_, *integrator_, state_, end_, diagnostics_);
-      diagnostics_.see(problem_, state_.x);
+      look_within(*integrator_, state_, end_, diagnostics_);
+      diagnostics_.see(state_.x);
       const bool crossed = diagnostics_.clear_crossed();
       if (crossed || integrator_->parts() > 1) locate_sections();
       if (crossed && fixed_) locate_watched(integrator_->left(), state_.x);
-      if (!ended_) diagnostics_.resume(problem_, state_.x);
+      if (!ended_) diagnostics_.resume(state_.x);
     }
     if (ended_) return finish_at_event();
     for (const std::size_t which : reached_at_end(problem_, *integrator_, state_, watch_)) {
@@ -256,10 +256,10 @@ class Run {
   void finish_at_event() {
     const auto [x, which] = *ended_;
     if (draw(x.t)) save_rest(x, last_step());
-    look_within(problem_, *integrator_, state_, x.t, diagnostics_);
+    look_within(*integrator_, state_, x.t, diagnostics_);
     if (x.t > state_.x.t) ++state_.n;
     state_.x = x;
-    diagnostics_.end(problem_, x);
+    diagnostics_.end(x);
     if (going()) outcome_.event = watch_.name(which);
   }
 
@@ -317,7 +317,7 @@ class Run {
     if (!draw(until)) return false;
     if (when > end_) {
       state_ = {x, state_.n + 1};
-      diagnostics_.end(problem_, x);
+      diagnostics_.end(x);
       return true;
     }
     if (diagnostics_.watches_sections()) events_.add(0, false, when, x[0]);
@@ -333,7 +333,6 @@ class Run {
     outcome_.final = shown_variables(request_, problem_.traits, state_.x);
     if (request_.diagnostics.empty()) return std::move(outcome_);
     const RunEnd end{backend_,
-                     problem_,
                      scene_,
                      request_,
                      scheme_,

@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "core/run/hermite.hpp"
 #include "core/run/integrator.hpp"
@@ -15,26 +14,21 @@
 
 namespace least {
 
-/// Whether the motion from a state goes on for so long.
-using GoesOn = std::function<bool(const RunState& x, double duration)>;
-
 template <class P, class Scheme, class X>
 class SelfTimedIntegrator final : public Integrator {
   using State = IntegrationState;
 
  public:
-  /// `end`: diagnostics see no state beyond it. `goes_on`: whether the motion from a state goes on for so long.
-  SelfTimedIntegrator(const ProblemTable& table, const P& problem, const Scheme& scheme, const X& x, double end,
-                      GoesOn goes_on)
-      : table_(table),
+  /// `end`: diagnostics see no state beyond it.
+  SelfTimedIntegrator(const RunBackend& backend, const P& problem, const Scheme& scheme, const X& x, double end)
+      : backend_(backend),
         problem_(problem),
         scheme_(scheme),
         energy_(energy_level(scheme, problem, x)),
         stepper_(scheme.bind(problem, x, energy_)),
         left_(x),
         end_(end),
-        standstill_(x.t, std::isfinite(end) ? end - x.t : 0),
-        goes_on_(std::move(goes_on)) {}
+        standstill_(x.t, std::isfinite(end) ? end - x.t : 0) {}
 
   BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet* diagnostics) override {
     if (along_series_ && state.n == 0 && advance_on_series(state, diagnostics)) return {};
@@ -257,7 +251,7 @@ class SelfTimedIntegrator final : public Integrator {
   /// Whether the motion from x, where steps of some length h no longer advance the run, goes on at all.
   bool still_moves(const X& x, double h) {
     constexpr double few = 64;  // steps
-    if (!goes_on_(run_state(x), few * h)) return false;
+    if (!goes_on(backend_, moving_part(backend_, run_state(x)), few * h)) return false;
     standstill_.go_on();
     return true;
   }
@@ -267,7 +261,7 @@ class SelfTimedIntegrator final : public Integrator {
     X state = x;
     for (int i = 1; i < step_parts; ++i) {
       if (!stepper.interpolate(state, left.t + i * (x.t - left.t) / step_parts)) return;
-      diagnostics.look(table_, run_state(state));
+      diagnostics.look(run_state(state));
     }
   }
   /// And the state x, with what the caller watches on the way to it: where the scheme has no polynomial of the step, by
@@ -287,7 +281,7 @@ class SelfTimedIntegrator final : public Integrator {
       state = (*path)(t);
       return true;
     };
-    diagnostics.see(table_, from, to, std::max(step_parts / 4, 2), std::ref(between));
+    diagnostics.see(from, to, std::max(step_parts / 4, 2), std::ref(between));
   }
 
   /// x at a time within the last step, which ended in `state`. `work`: what that cost, where it counts.
@@ -326,11 +320,12 @@ class SelfTimedIntegrator final : public Integrator {
     stepper_ = bound(state_from<X>(x));
     memory_ = memory_of(stepper_);
     state = {x, 1};
-    if (diagnostics) diagnostics->see(table_, x);
+    if (diagnostics) diagnostics->see(x);
     return true;
   }
 
-  const ProblemTable& table_;
+  const RunBackend& backend_;
+  const ProblemTable& table_ = backend_.table();
   P problem_;
   Scheme scheme_;
   double energy_;
@@ -341,7 +336,6 @@ class SelfTimedIntegrator final : public Integrator {
       before_left_{};  ///< where the step before the last began
   double end_;
   StandstillWatch standstill_;
-  GoesOn goes_on_;
   double late_ = 0;  ///< what rounding has kept from the sum of the steps
   bool along_series_ = false;
   Work between_;

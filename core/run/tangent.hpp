@@ -1,14 +1,8 @@
-// The structure a step keeps, measured by dual numbers: the tangent map M of one step, its defect MᵀJM − J where the
-// scene is conservative, J = (0 I; −I 0), and where it has a contact form η = ds − p·dq the defect of φ*η = λη. Zero to
-// round-off for a symplectic, for a contact scheme. Sources: Hairer, Lubich, Wanner 2006, VI.2; Vermeeren, Bravetti,
-// Seri, J. Phys. A 52, 445206 (2019), section 2.
+// Tangents of single steps of a scheme on a problem, by dual numbers.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "core/problem_traits.hpp"
 #include "core/run/tangent_map.hpp"
@@ -24,14 +18,12 @@ struct Tangent {
 };
 
 /// The tangent of a map of states, `step(y)` in dual numbers, at x. It is taken along one direction at a time: numbers
-/// with a slope for each direction are several times as much code for every scheme of every problem. `known(i)` says
-/// whether the scene has the i-th component; the map leaves others alone. Empty where a step fails.
-template <class X, class Step, class Known>
-std::optional<Tangent<X>> tangent_of(const X& x, Step&& step, Known&& known) {
+/// with a slope for each direction are several times as much code for every scheme of every problem. Empty where a step
+/// fails.
+template <class X, class Step>
+std::optional<Tangent<X>> tangent_of(const X& x, Step&& step) {
   Tangent<X> tangent;
   for (std::size_t j = 0; j < X::size; ++j) {
-    tangent.m[j][j] = 1;
-    if (!known(j)) continue;
     auto y = convert<Slope, double>(x);
     y[j] = Slope::variable(x[j], 0);
     if (step(y) != StepStatus::ok) return std::nullopt;
@@ -42,20 +34,6 @@ std::optional<Tangent<X>> tangent_of(const X& x, Step&& step, Known&& known) {
     }
   }
   return tangent;
-}
-template <class X, class Step>
-std::optional<Tangent<X>> tangent_of(const X& x, Step&& step) {
-  return tangent_of(x, step, [](std::size_t) { return true; });
-}
-template <class Scheme, class P, class X>
-std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, const X& x, double h) {
-  const auto step = [&](auto& y) {
-    auto stepper = scheme.bind(problem, y);
-    const StepStatus status = stepper.step(y, h);
-    y.t = x.t + h;
-    return status;
-  };
-  return tangent_of(x, step, [&](std::size_t i) { return has_component(problem, i); });
 }
 
 /// A step on the extended space of a contact scene: where it began, and its tangent.
@@ -147,19 +125,9 @@ std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, c
   }
   return tangent;
 }
-/// The derivatives of the energy level of a run by its start.
-template <class Scheme, class P, class X>
-Vec<int(X::size)> level_slopes(const Scheme& scheme, const P& problem, const X& start) {
-  Vec<int(X::size)> slopes{};
-  if constexpr (SelfTimed<Scheme>)
-    for (std::size_t j = 0; j < X::size; ++j) {
-      auto x = convert<Slope, Slope>(start);
-      x[j].slope[0] = 1;
-      slopes[j] = energy_level(scheme, problem, x).slope[0];
-    }
-  return slopes;
-}
-/// The same on the extended space from p_t = −H, of steps that are contact maps there and not of the state alone.
+
+/// The tangent of a step on the extended space from p_t = −H, of steps that are contact maps there and not of the state
+/// alone.
 template <class Scheme, class P, class X>
 requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tangent(const Scheme& scheme,
                                                                                      const P& problem, const X& start,
@@ -181,7 +149,20 @@ requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tan
   return ExtendedStepOf<P>{z, *tangent};
 }
 
-/// As numbers.
+/// The derivatives of the energy level of a run by its start.
+template <class Scheme, class P, class X>
+Vec<int(X::size)> level_slopes(const Scheme& scheme, const P& problem, const X& start) {
+  Vec<int(X::size)> slopes{};
+  if constexpr (SelfTimed<Scheme>)
+    for (std::size_t j = 0; j < X::size; ++j) {
+      auto x = convert<Slope, Slope>(start);
+      x[j].slope[0] = 1;
+      slopes[j] = energy_level(scheme, problem, x).slope[0];
+    }
+  return slopes;
+}
+
+/// A tangent as numbers.
 template <class X>
 TangentMap tangent_map(const X& from, const Tangent<X>& tangent) {
   TangentMap map;
@@ -192,20 +173,6 @@ TangentMap tangent_map(const X& from, const Tangent<X>& tangent) {
   for (std::size_t i = 0; i < X::size; ++i)
     for (std::size_t j = 0; j < X::size; ++j) map.m[i * X::size + j] = tangent.m[i][j];
   return map;
-}
-
-/// Of a map that is known at compile time.
-template <std::size_t M>
-double symplectic_defect(const std::array<std::array<double, M>, M>& m) {
-  TangentMap map;
-  map.dof = M / 2;
-  map.from.numbers.resize(M);
-  for (const auto& row : m) map.m.insert(map.m.end(), row.begin(), row.end());
-  return symplectic_defect(map);
-}
-template <class X>
-ContactDefect contact_defect(const X& x, const Tangent<X>& tangent) {
-  return contact_defect(tangent_map(x, tangent));
 }
 
 }  // namespace least

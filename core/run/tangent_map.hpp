@@ -1,4 +1,7 @@
-// The map of one step with its derivatives, as numbers.
+// The structure a step keeps, measured by its map and the derivatives of that as numbers: the defect MᵀJM − J of the
+// tangent map M where the scene is conservative, J = (0 I; −I 0), and where it has a contact form η = ds − p·dq the
+// defect of φ*η = λη. Zero to round-off for a symplectic, for a contact scheme. Sources: Hairer, Lubich, Wanner 2006,
+// VI.2; Vermeeren, Bravetti, Seri, J. Phys. A 52, 445206 (2019), section 2.
 #pragma once
 
 #include <cstddef>

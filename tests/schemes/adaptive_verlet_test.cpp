@@ -8,10 +8,10 @@
 #include "core/problems/harmonic_oscillator.hpp"
 #include "core/problems/henon_heiles.hpp"
 #include "core/reference/reference.hpp"
-#include "core/run/tangent.hpp"
 #include "core/schemes/splitting.hpp"
 #include "tests/support/clocks.hpp"
 #include "tests/support/lanes.hpp"
+#include "tests/support/tangents.hpp"
 
 namespace {
 

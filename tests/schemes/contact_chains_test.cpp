@@ -1,6 +1,6 @@
 // Contact chains of 8, linear and quadratic in s: the largest Newton systems that there are, 30 equations.
-#include "core/run/tangent.hpp"
 #include "tests/support/chains.hpp"
+#include "tests/support/tangents.hpp"
 
 namespace {
 

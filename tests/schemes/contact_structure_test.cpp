@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/run/tangent.hpp"
 #include "core/schemes/list.hpp"
 #include "least_problems.hpp"
 #include "tests/support/runs.hpp"
+#include "tests/support/tangents.hpp"
 
 namespace {
 

@@ -4,9 +4,9 @@
 #include "core/problems/double_pendulum.hpp"
 #include "core/problems/henon_heiles.hpp"
 #include "core/problems/pendulum.hpp"
-#include "core/run/tangent.hpp"
 #include "tests/support/clocks.hpp"
 #include "tests/support/runs.hpp"
+#include "tests/support/tangents.hpp"
 
 namespace {
 

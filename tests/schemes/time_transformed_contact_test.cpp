@@ -11,9 +11,9 @@
 #include "core/problems/perturbed_kepler.hpp"
 #include "core/problems/spin_orbit.hpp"
 #include "core/reference/reference.hpp"
-#include "core/run/tangent.hpp"
 #include "core/schemes/time_transformed.hpp"
 #include "tests/support/clocks.hpp"
+#include "tests/support/tangents.hpp"
 
 namespace {
 

@@ -126,7 +126,9 @@ class Momenta final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> energy_diagnostic() { return std::make_unique<Energy>(); }
-std::unique_ptr<Diagnostic> momenta_diagnostic() { return std::make_unique<Momenta>(); }
+std::unique_ptr<Diagnostic> energy_diagnostic(const RunBackend&, const Request&) { return std::make_unique<Energy>(); }
+std::unique_ptr<Diagnostic> momenta_diagnostic(const RunBackend&, const Request&) {
+  return std::make_unique<Momenta>();
+}
 
 }  // namespace least

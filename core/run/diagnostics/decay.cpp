@@ -85,6 +85,8 @@ class Decay final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> decay_diagnostic(const RunBackend& backend) { return std::make_unique<Decay>(backend); }
+std::unique_ptr<Diagnostic> decay_diagnostic(const RunBackend& backend, const Request&) {
+  return std::make_unique<Decay>(backend);
+}
 
 }  // namespace least

@@ -29,7 +29,6 @@ enum class Sees : std::uint8_t {
 /// What a run leaves to its diagnostics.
 struct RunEnd {
   const RunBackend& backend;
-  const ProblemTable& problem;
   const Scene& scene;
   const Request& request;
   const SchemeCard& scheme;
@@ -38,6 +37,7 @@ struct RunEnd {
   const Events& events;                 ///< found along the run, where a diagnostic sees sections
   TimeLeft left;
   std::vector<Warning>& warnings;  ///< what a report cannot say
+  const ProblemTable& problem = backend.table();
 };
 
 class Diagnostic {

@@ -99,7 +99,11 @@ class MomentAverages final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> entropy_diagnostic() { return std::make_unique<Entropy>(); }
-std::unique_ptr<Diagnostic> moments_diagnostic() { return std::make_unique<MomentAverages>(); }
+std::unique_ptr<Diagnostic> entropy_diagnostic(const RunBackend&, const Request&) {
+  return std::make_unique<Entropy>();
+}
+std::unique_ptr<Diagnostic> moments_diagnostic(const RunBackend&, const Request&) {
+  return std::make_unique<MomentAverages>();
+}
 
 }  // namespace least

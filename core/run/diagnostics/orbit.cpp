@@ -120,8 +120,8 @@ class Orbit final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> orbit_diagnostic(const ProblemTraits& traits) {
-  if (traits.dof == 2) return std::make_unique<Orbit<2>>();
+std::unique_ptr<Diagnostic> orbit_diagnostic(const RunBackend& backend, const Request&) {
+  if (backend.motion().traits.dof == 2) return std::make_unique<Orbit<2>>();
   return std::make_unique<Orbit<3>>();
 }
 

@@ -98,7 +98,9 @@ class Volume final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> structure_diagnostic() { return std::make_unique<Structure>(); }
-std::unique_ptr<Diagnostic> volume_diagnostic() { return std::make_unique<Volume>(); }
+std::unique_ptr<Diagnostic> structure_diagnostic(const RunBackend&, const Request&) {
+  return std::make_unique<Structure>();
+}
+std::unique_ptr<Diagnostic> volume_diagnostic(const RunBackend&, const Request&) { return std::make_unique<Volume>(); }
 
 }  // namespace least

@@ -15,62 +15,57 @@ struct Row {
   bool (*applies)(const ProblemTraits& traits);
   std::unique_ptr<Diagnostic> (*make)(const RunBackend& backend, const Request& request);
 };
-template <std::unique_ptr<Diagnostic> (*made)()>
-std::unique_ptr<Diagnostic> simply(const RunBackend&, const Request&) {
-  return made();
-}
-
 /// In the order of the catalogue.
 std::span<const Row> all_rows() {
   static const Row rows[] = {
       {{"energy", "extremes and drift of the energy", true, true},
        Sees::every_step,
        [](const ProblemTraits& p) { return p.has_energy; },
-       simply<energy_diagnostic>},
+       energy_diagnostic},
       {{"momenta", "extremes of what else the motion keeps"},
        Sees::every_step,
        [](const ProblemTraits& p) { return p.potential || p.general || p.invariants > 0; },
-       simply<momenta_diagnostic>},
+       momenta_diagnostic},
       {{"structure", "defect of the symplectic or the contact form over steps of the run"},
        Sees::states,
        [](const ProblemTraits& p) { return p.potential || p.general; },
-       simply<structure_diagnostic>},
+       structure_diagnostic},
       {{"error", "against the closed form or a quad-precision run"},
        Sees::every_step,
        [](const ProblemTraits&) { return true; },
-       simply<error_diagnostic>},
+       error_diagnostic},
       {{"orbit", "closure, apsidal rotation and osculating elements of an orbit"},
        Sees::every_step,
        [](const ProblemTraits& p) { return p.elements > 0; },
-       [](const RunBackend& backend, const Request&) { return orbit_diagnostic(backend.motion().traits); }},
+       orbit_diagnostic},
       {{"decay", "residual of Ḣ = −H H_s + H_t along the run", false, true},
        Sees::every_step,
        [](const ProblemTraits& p) { return p.contact; },
-       [](const RunBackend& backend, const Request&) { return decay_diagnostic(backend); }},
+       decay_diagnostic},
       {{"volume", "defect of the contact volume over steps of the run", false, true},
        Sees::states,
        [](const ProblemTraits& p) { return p.contact; },
-       simply<volume_diagnostic>},
+       volume_diagnostic},
       {{"entropy", "whether the entropy ever fell"},
        Sees::every_step,
        [](const ProblemTraits& p) { return p.has_entropy; },
-       simply<entropy_diagnostic>},
+       entropy_diagnostic},
       {{"zeros", "times at which the section vanishes"},
        Sees::sections,
        [](const ProblemTraits& p) { return p.has_section; },
-       simply<zeros_diagnostic>},
+       zeros_diagnostic},
       {{"cycle", "period and amplitude of the last whole cycle"},
        Sees::sections,
        [](const ProblemTraits& p) { return p.oscillates; },
-       simply<cycle_diagnostic>},
+       cycle_diagnostic},
       {{"poles", "times at which the slope has a pole", false, true},
        Sees::sections,
        [](const ProblemTraits& p) { return p.carries_slope; },
-       simply<poles_diagnostic>},
+       poles_diagnostic},
       {{"moments", "averages over time along the orbit"},
        Sees::every_step,
        [](const ProblemTraits& p) { return p.moments > 0; },
-       simply<moments_diagnostic>},
+       moments_diagnostic},
       {{"lyapunov", "largest Lyapunov exponent of the run and its MEGNO"},
        Sees::every_step,
        [](const ProblemTraits&) { return true; },
@@ -94,11 +89,11 @@ std::vector<DiagnosticCard> diagnostic_cards(const ProblemTraits& traits) {
 }
 
 DiagnosticSet::DiagnosticSet(const RunBackend& backend, const Request& request, const Watch& watch)
-    : watch_(watch.empty() ? nullptr : &watch) {
+    : problem_(backend.table()), watch_(watch.empty() ? nullptr : &watch) {
   watches_ = watch_ != nullptr;
   if (request.diagnostics.empty()) return;
   std::vector<const Row*> rows;
-  for_each_row(backend.table().traits, [&](const Row& row) { rows.push_back(&row); });
+  for_each_row(problem_.traits, [&](const Row& row) { rows.push_back(&row); });
   for (const std::size_t index : request.diagnostics) {
     const Row& row = *rows.at(index);
     wanted_.push_back(row.make(backend, request));
@@ -109,59 +104,59 @@ DiagnosticSet::DiagnosticSet(const RunBackend& backend, const Request& request, 
   watches_ = watches_ || watches_sections();
 }
 
-void DiagnosticSet::start(const ProblemTable& problem, StateView x) {
-  for (Diagnostic* const one : seeing_) one->start(problem, x);
-  problem.sections(x, signs_.sections.data());
-  if (watch_) observed_ = observe(problem, x, watch_->measures());
-  if (watch_) watch_->look(signs_.looks, observed_.data(), x.t);
+void DiagnosticSet::start(StateView x) {
+  for (Diagnostic* const one : seeing_) one->start(problem_, x);
+  problem_.sections(x, signs_.sections.data());
+  if (!watch_) return;
+  observed_ = observe(problem_, x, watch_->measures());
+  watch_->look(signs_.looks, observed_.data(), x.t);
 }
 
-void DiagnosticSet::see(const ProblemTable& problem, StateView x) {
-  if (watches_) see_sign(problem, x, false);
-  if (!signs_.halted) take(problem, x);
+void DiagnosticSet::see(StateView x) {
+  if (watches_) see_sign(x, false);
+  if (!signs_.halted) take(x);
 }
 
-void DiagnosticSet::see(const ProblemTable& problem, const RunState& left, const RunState& x, int pieces,
-                        const Between& between) {
-  if (watches_sections()) see_sections(problem, x);
+void DiagnosticSet::see(const RunState& left, const RunState& x, int pieces, const Between& between) {
+  if (watches_sections()) see_sections(x);
   if (watch_) {
     const Measures& measures = watch_->measures();
     RunState y = x;
     const auto observe_at = [&](double t, double* observed) {
       if (!between(t, y)) return false;
-      std::ranges::copy(observe(problem, y, measures), observed);
+      std::ranges::copy(observe(problem_, y, measures), observed);
       return true;
     };
-    note(watch_->may_vanish(observe(problem, left, measures).data(), left.t, observe(problem, x, measures).data(), x.t,
-                            std::ref(observe_at), pieces));
+    note(watch_->may_vanish(observe(problem_, left, measures).data(), left.t, observe(problem_, x, measures).data(),
+                            x.t, std::ref(observe_at), pieces));
   }
-  if (!signs_.halted) take(problem, x);
+  if (!signs_.halted) take(x);
 }
 
-void DiagnosticSet::see_signs(const ProblemTable& problem, const StateRows& rows) {
+void DiagnosticSet::see_signs(const StateRows& rows) {
   if (!watches_) return;
   const bool many = rows.count > 1;
-  for (std::size_t i = 0; i < rows.count; ++i) see_sign(problem, rows[i], many);
+  for (std::size_t i = 0; i < rows.count; ++i) see_sign(rows[i], many);
   if (many && watch_) signs_.crossed = watch_->settle(signs_.looks) || signs_.crossed;
 }
 
-void DiagnosticSet::take(const ProblemTable& problem, const StateRows& rows) {
+void DiagnosticSet::take(const StateRows& rows) {
   if (signs_.halted) return;
-  for (Diagnostic* const one : seeing_) one->see(problem, rows);
+  for (Diagnostic* const one : seeing_) one->see(problem_, rows);
 }
 
-void DiagnosticSet::look(const ProblemTable& problem, StateView x) {
-  if (watches_sections()) see_sections(problem, x);
+void DiagnosticSet::look(StateView x) {
+  if (watches_sections()) see_sections(x);
   if (looks_)
-    for (Diagnostic* const one : seeing_) one->look(problem, x);
+    for (Diagnostic* const one : seeing_) one->look(problem_, x);
 }
 void DiagnosticSet::look_again() {
   for (Diagnostic* const one : seeing_) one->look_again();
 }
-void DiagnosticSet::resume(const ProblemTable& problem, StateView x) {
-  if (std::exchange(signs_.halted, false)) take(problem, x);
+void DiagnosticSet::resume(StateView x) {
+  if (std::exchange(signs_.halted, false)) take(x);
 }
-void DiagnosticSet::end(const ProblemTable& problem, StateView x) { take(problem, x); }
+void DiagnosticSet::end(StateView x) { take(x); }
 
 std::vector<Report> DiagnosticSet::reports(const RunEnd& end) {
   std::vector<Report> all;
@@ -171,17 +166,17 @@ std::vector<Report> DiagnosticSet::reports(const RunEnd& end) {
 }
 
 /// Whether something may have vanished since the last state that was looked at.
-void DiagnosticSet::see_sign(const ProblemTable& problem, StateView x, bool among_many) {
-  if (watches_sections()) see_sections(problem, x);
+void DiagnosticSet::see_sign(StateView x, bool among_many) {
+  if (watches_sections()) see_sections(x);
   if (!watch_) return;
-  observe(problem, x, watch_->measures(), observed_.data());
+  observe(problem_, x, watch_->measures(), observed_.data());
   note(among_many ? watch_->collect(signs_.looks, observed_.data(), x.t)
                   : watch_->look(signs_.looks, observed_.data(), x.t) != 0);
 }
-void DiagnosticSet::see_sections(const ProblemTable& problem, StateView x) {
+void DiagnosticSet::see_sections(StateView x) {
   SectionValues now{};
-  problem.sections(x, now.data());
-  for (std::size_t i = 0; i < problem.traits.sections; ++i)
+  problem_.sections(x, now.data());
+  for (std::size_t i = 0; i < problem_.traits.sections; ++i)
     signs_.crossed = signs_.crossed || (now[i] < 0) != (signs_.sections[i] < 0);
   signs_.sections = now;
 }
@@ -190,8 +185,8 @@ void DiagnosticSet::note(bool passed) {
   signs_.crossed = signs_.crossed || passed;
   signs_.halted = signs_.halted || (passed && watch_->may_end());
 }
-void DiagnosticSet::take(const ProblemTable& problem, StateView x) {
-  for (Diagnostic* const one : seeing_) one->see(problem, x);
+void DiagnosticSet::take(StateView x) {
+  for (Diagnostic* const one : seeing_) one->see(problem_, x);
 }
 
 }  // namespace least

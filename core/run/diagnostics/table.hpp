@@ -31,14 +31,13 @@ class DiagnosticSet {
   /// Writes the state at a time within a step; false where it cannot.
   using Between = std::function<bool(double t, RunState& x)>;
 
-  /// `asked`, of the request: positions among the problem's cards. All outlive the set.
+  /// Those of the request. All outlive the set.
   DiagnosticSet(const RunBackend& backend, const Request& request, const Watch& watch);
 
   bool sees_steps() const { return sees(Sees::every_step) || watches(); }
   bool watches_sections() const { return sees(Sees::sections); }
   /// Sections, or what the caller asked for.
   bool watches() const { return watches_; }
-  bool watches_events() const { return watch_ != nullptr; }
   /// Whether states within a step are of interest, beside what the caller watches.
   bool looks_within() const { return watches_sections() || looks_; }
   bool keeps_states() const { return sees(Sees::states); }
@@ -47,39 +46,40 @@ class DiagnosticSet {
   bool crossed() const { return signs_.crossed; }
   bool clear_crossed() { return std::exchange(signs_.crossed, false); }
 
-  void start(const ProblemTable& problem, StateView x);
+  void start(StateView x);
   /// The state after a step: its signs, and then the rest. Nothing but signs is seen of a state before which the run
   /// may end: see `resume`.
-  void see(const ProblemTable& problem, StateView x);
+  void see(StateView x);
   /// The same of the state x, where what the caller watches is looked for within the step from `left`.
-  void see(const ProblemTable& problem, const RunState& left, const RunState& x, int pieces, const Between& between);
+  void see(const RunState& left, const RunState& x, int pieces, const Between& between);
   /// Of the states after a block of steps the signs alone. Of many nobody asks in which of their steps something may
   /// have vanished.
-  void see_signs(const ProblemTable& problem, const StateRows& rows);
+  void see_signs(const StateRows& rows);
   /// And then the rest.
-  void take(const ProblemTable& problem, const StateRows& rows);
+  void take(const StateRows& rows);
   const SignsSeen& signs() const { return signs_; }
   void restore(const SignsSeen& signs) { signs_ = signs; }
 
   /// A state within a step.
-  void look(const ProblemTable& problem, StateView x);
+  void look(StateView x);
   /// Of the step in which the run ends: not all of what was looked at is part of it.
   void look_again();
   /// Where the last state was kept back, and the run goes on: that state.
-  void resume(const ProblemTable& problem, StateView x);
+  void resume(StateView x);
   /// The state at which the run ends instead.
-  void end(const ProblemTable& problem, StateView x);
+  void end(StateView x);
 
-  /// In the order of `asked`.
+  /// In the order of the request.
   std::vector<Report> reports(const RunEnd& end);
 
  private:
-  void see_sign(const ProblemTable& problem, StateView x, bool among_many);
-  void see_sections(const ProblemTable& problem, StateView x);
+  void see_sign(StateView x, bool among_many);
+  void see_sections(StateView x);
   void note(bool passed);
-  void take(const ProblemTable& problem, StateView x);
+  void take(StateView x);
   bool sees(Sees what) const { return sees_[static_cast<std::size_t>(what)]; }
 
+  const ProblemTable& problem_;
   std::vector<std::unique_ptr<Diagnostic>> wanted_;
   std::vector<Diagnostic*> seeing_;  ///< those that see every step
   std::array<bool, 4> sees_{};

@@ -60,7 +60,7 @@ class GroupRun {
       if (n_ >= std::min(task_.steps, bound)) return;
       if (n_ >= task_.step_limit) return end_all(step_limit);
       if (task_.cancelled->load(std::memory_order_relaxed)) return end_all(cancelled);
-      std::int64_t until = std::min({task_.steps, task_.step_limit, bound, n_ + block});
+      std::int64_t until = std::min({task_.steps, task_.step_limit, bound, n_ + block_});
       if (next_ < task_.times.size())  // to the last step at or before it
         while (until > n_ + 1 && grid_time(until) > task_.times[next_]) --until;
       if (task_.watches && task_.watched < 0) {
@@ -126,7 +126,13 @@ class GroupRun {
   }
 
  private:
-  static constexpr std::int64_t block = 50;
+  /// Steps between two looks at whether the task is cancelled; of steps that are long programs there are fewer.
+  static std::int64_t block_of(const LaneTask& task) {
+    constexpr std::int64_t steps = 50, operations = 20'000;
+    if (!task.program) return steps;
+    const auto one = static_cast<std::int64_t>(task.program->step.of_lanes.size());
+    return std::clamp<std::int64_t>(operations / std::max<std::int64_t>(one, 1), 1, steps);
+  }
   using enum ReturnCode;
   /// Of a member, from one time to another.
   struct Passage {
@@ -260,6 +266,7 @@ class GroupRun {
   }
 
   LaneTask& task_;
+  const std::int64_t block_ = block_of(task_);
   std::size_t size_;
   std::unique_ptr<GroupSteps> steps_;
   std::array<std::size_t, group_size> members_{};  ///< of each lane

@@ -42,7 +42,7 @@ class Run {
         budget_(request.limits.seconds, cancelled,
                 [this] { return writer_.report(std::min(state_.x.t, end_), state_.n); }),
         watch_(request),
-        diagnostics_(backend, request, watch_),
+        diagnostics_(backend, request, watch_, budget_.shortly()),
         events_(static_cast<std::size_t>(most_rows_)),
         guard_(request.scheme, request.settings, guarded_damping(problem_) * grid_.step, problem_.traits.has_frequency,
                problem_.traits.constant_frequency, request.probe),

@@ -144,4 +144,27 @@ class ExplosiveTexts {
   std::minstd_rand random_{7};
 };
 
+struct Question {
+  std::string path, body;
+};
+
+// Every way to ask for something that is derived from a scene.
+inline std::vector<Question> questions(const Explosive& scene, const std::string& seconds) {
+  const std::string begin = "{" + scene.problem, until = R"(,"until":{"t":1})",
+                    limits = R"(,"limits":{"seconds":)" + seconds + "}}";
+  const auto run = [&](const std::string& scheme) {
+    return Question{"/v1/simulate", begin + R"(,"scheme":)" + scheme + until + limits};
+  };
+  return {run(R"({"id":"auto","accuracy":1e-6})"),
+          run(R"("taylor")"),
+          run(R"("leapfrog")"),
+          {"/v1/work-precision", begin + until + R"(,"schemes":"all","budget_seconds":)" + seconds + "}"},
+          {"/v1/stability", begin + R"(,"schemes":["runge_kutta_4","taylor"],"budget_seconds":)" + seconds + "}"},
+          {"/v1/ensemble", begin + R"(,"scheme":"runge_kutta_4","members":{"count":100,"vary":
+              {"/initial/a":{"uniform":[-0.1,0.1]}}})" +
+                               until + limits},
+          {"/v1/problems", begin + "}"},
+          run(R"("taylor","diagnostics":["lyapunov"])")};
+}
+
 }  // namespace least::server::test

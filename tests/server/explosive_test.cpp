@@ -14,28 +14,6 @@
 namespace least::server::test {
 namespace {
 
-struct Question {
-  std::string path, body;
-};
-
-// Every way to ask for something that is derived from a scene.
-std::vector<Question> questions(const Explosive& scene, const std::string& seconds) {
-  const std::string begin = "{" + scene.problem, until = R"(,"until":{"t":1})",
-                    limits = R"(,"limits":{"seconds":)" + seconds + "}}";
-  const auto run = [&](const std::string& scheme) {
-    return Question{"/v1/simulate", begin + R"(,"scheme":)" + scheme + until + limits};
-  };
-  return {run(R"({"id":"auto","accuracy":1e-6})"),
-          run(R"("taylor")"),
-          run(R"("leapfrog")"),
-          {"/v1/work-precision", begin + until + R"(,"schemes":"all","budget_seconds":)" + seconds + "}"},
-          {"/v1/stability", begin + R"(,"schemes":["runge_kutta_4","taylor"],"budget_seconds":)" + seconds + "}"},
-          {"/v1/ensemble", begin + R"(,"scheme":"runge_kutta_4","members":{"count":100,"vary":
-              {"/initial/a":{"uniform":[-0.1,0.1]}}})" +
-                               until + limits},
-          {"/v1/problems", begin + "}"}};
-}
-
 class ExplosiveScenes : public testing::Test {
  protected:
   using Clock = std::chrono::steady_clock;
@@ -52,22 +30,24 @@ class ExplosiveScenes : public testing::Test {
   int port_ = port_in(service_.line());
 };
 
-// A tenth of a second was asked for; before what follows was bounded some took half a minute.
+// A tenth of a second was asked for; before what follows was bounded some took half a minute. What the service computes
+// is measured on the processor, beside whatever else the machine does: an ensemble on two threads, and what comes
+// after.
 TEST_F(ExplosiveScenes, KeepTheLimitOfTheirTime) {
 #if defined(__SANITIZE_ADDRESS__)
-  constexpr std::chrono::seconds soon{30};
+  constexpr double most = 30;
 #else
-  constexpr std::chrono::seconds soon{5};  // beside whatever else the machine does
+  constexpr double most = 0.8;
 #endif
   std::size_t turn = 0;
   for (const Explosive& scene : ExplosiveTexts::all()) {
     const auto all = questions(scene, "0.1");
-    for (const std::size_t which : {turn % all.size(), (turn + 3) % all.size()}) {
-      const auto from = Clock::now();
+    for (const std::size_t which : {turn % all.size(), (turn + 3) % all.size(), all.size() - 1}) {
+      const double before = service_.processor_seconds();
       const Reply reply = ask(port(), post(all[which].path, all[which].body));
-      const auto taken = Clock::now() - from;
       EXPECT_TRUE(answered(reply)) << reply.status << ' ' << scene.name << ' ' << all[which].path;
-      EXPECT_LT(taken, soon) << scene.name << ' ' << all[which].path << ' ' << all[which].body.substr(0, 200);
+      EXPECT_LT(service_.processor_seconds() - before, most)
+          << scene.name << ' ' << all[which].path << ' ' << all[which].body.substr(0, 200);
     }
     ++turn;
   }

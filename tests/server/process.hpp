@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -78,6 +79,16 @@ class Process {
     return text;
   }
   int id() const { return pid_; }
+  /// Of the processor, by all of its threads so far.
+  double processor_seconds() const {
+    std::ifstream file("/proc/" + std::to_string(pid_) + "/stat");
+    std::string words;
+    std::getline(file, words, ')');  // its name may have spaces
+    for (int field = 3; field < 14; ++field) file >> words;
+    double user = 0, system = 0;
+    file >> user >> system;
+    return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+  }
   void signal(int number) const { ::kill(pid_, number); }
   /// The exit code; 128 + the signal where one ended it.
   int wait() {

@@ -126,8 +126,10 @@ class Momenta final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> energy_diagnostic(const RunBackend&, const Request&) { return std::make_unique<Energy>(); }
-std::unique_ptr<Diagnostic> momenta_diagnostic(const RunBackend&, const Request&) {
+std::unique_ptr<Diagnostic> energy_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
+  return std::make_unique<Energy>();
+}
+std::unique_ptr<Diagnostic> momenta_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
   return std::make_unique<Momenta>();
 }
 

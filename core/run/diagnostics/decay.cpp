@@ -85,7 +85,7 @@ class Decay final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> decay_diagnostic(const RunBackend& backend, const Request&) {
+std::unique_ptr<Diagnostic> decay_diagnostic(const RunBackend& backend, const Request&, const KeepGoing&) {
   return std::make_unique<Decay>(backend);
 }
 

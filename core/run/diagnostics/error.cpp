@@ -83,6 +83,8 @@ class Error final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> error_diagnostic(const RunBackend&, const Request&) { return std::make_unique<Error>(); }
+std::unique_ptr<Diagnostic> error_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
+  return std::make_unique<Error>();
+}
 
 }  // namespace least

@@ -99,10 +99,10 @@ class MomentAverages final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> entropy_diagnostic(const RunBackend&, const Request&) {
+std::unique_ptr<Diagnostic> entropy_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
   return std::make_unique<Entropy>();
 }
-std::unique_ptr<Diagnostic> moments_diagnostic(const RunBackend&, const Request&) {
+std::unique_ptr<Diagnostic> moments_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
   return std::make_unique<MomentAverages>();
 }
 

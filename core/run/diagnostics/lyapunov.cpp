@@ -37,8 +37,11 @@ namespace {
 /// Physica D 182, 151 (2003), equations 8 and 10.
 class Lyapunov final : public Diagnostic {
  public:
-  Lyapunov(const RunBackend& backend, const Request& request)
-      : backend_(backend), size_(backend.motion().traits.components), tangents_(backend.tangents(request)) {}
+  Lyapunov(const RunBackend& backend, const Request& request, KeepGoing keep_going)
+      : backend_(backend),
+        keep_going_(std::move(keep_going)),
+        size_(backend.motion().traits.components),
+        tangents_(backend.tangents(request)) {}
 
   void start(const ProblemTable&, StateView x) override {
     before_ = moving_part(backend_, x);
@@ -113,7 +116,7 @@ class Lyapunov final : public Diagnostic {
       on_path_ = true;
     }
     for (int step = 0; followed_ && path_->time() < before_.t && path_->reach() <= before_.t; ++step)
-      followed_ = step < patience && advance(before_.t);
+      followed_ = step < patience && keep_going_() && advance(before_.t);
   }
   /// False where the derivatives of the motion take too many operations.
   bool make_path(double size) try {
@@ -132,7 +135,7 @@ class Lyapunov final : public Diagnostic {
   }
   /// The motion up to the time t, within its next step.
   void settle(double t) {
-    while (followed_ && path_->time() < t) followed_ = advance(t);
+    while (followed_ && path_->time() < t) followed_ = keep_going_() && advance(t);
   }
   void leave_path(double t) {
     settle(t);
@@ -178,6 +181,7 @@ class Lyapunov final : public Diagnostic {
   }
 
   const RunBackend& backend_;
+  KeepGoing keep_going_;
   std::size_t size_;  ///< of the components that the motion needs
   StepTangents tangents_;
   ChangeOfStep step_;  ///< the last one
@@ -201,8 +205,9 @@ class Lyapunov final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> lyapunov_diagnostic(const RunBackend& backend, const Request& request) {
-  return std::make_unique<Lyapunov>(backend, request);
+std::unique_ptr<Diagnostic> lyapunov_diagnostic(const RunBackend& backend, const Request& request,
+                                                const KeepGoing& keep_going) {
+  return std::make_unique<Lyapunov>(backend, request, keep_going);
 }
 
 }  // namespace least

@@ -120,7 +120,7 @@ class Orbit final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> orbit_diagnostic(const RunBackend& backend, const Request&) {
+std::unique_ptr<Diagnostic> orbit_diagnostic(const RunBackend& backend, const Request&, const KeepGoing&) {
   if (backend.motion().traits.dof == 2) return std::make_unique<Orbit<2>>();
   return std::make_unique<Orbit<3>>();
 }

@@ -20,8 +20,14 @@ class Poles final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> zeros_diagnostic(const RunBackend&, const Request&) { return std::make_unique<Zeros>(); }
-std::unique_ptr<Diagnostic> cycle_diagnostic(const RunBackend&, const Request&) { return std::make_unique<Cycle>(); }
-std::unique_ptr<Diagnostic> poles_diagnostic(const RunBackend&, const Request&) { return std::make_unique<Poles>(); }
+std::unique_ptr<Diagnostic> zeros_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
+  return std::make_unique<Zeros>();
+}
+std::unique_ptr<Diagnostic> cycle_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
+  return std::make_unique<Cycle>();
+}
+std::unique_ptr<Diagnostic> poles_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
+  return std::make_unique<Poles>();
+}
 
 }  // namespace least

@@ -98,9 +98,11 @@ class Volume final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> structure_diagnostic(const RunBackend&, const Request&) {
+std::unique_ptr<Diagnostic> structure_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
   return std::make_unique<Structure>();
 }
-std::unique_ptr<Diagnostic> volume_diagnostic(const RunBackend&, const Request&) { return std::make_unique<Volume>(); }
+std::unique_ptr<Diagnostic> volume_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
+  return std::make_unique<Volume>();
+}
 
 }  // namespace least

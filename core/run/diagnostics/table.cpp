@@ -13,7 +13,7 @@ struct Row {
   DiagnosticCard info;
   Sees sees;
   bool (*applies)(const ProblemTraits& traits);
-  std::unique_ptr<Diagnostic> (*make)(const RunBackend& backend, const Request& request);
+  std::unique_ptr<Diagnostic> (*make)(const RunBackend& backend, const Request& request, const KeepGoing& keep_going);
 };
 /// In the order of the catalogue.
 std::span<const Row> all_rows() {
@@ -88,7 +88,8 @@ std::vector<DiagnosticCard> diagnostic_cards(const ProblemTraits& traits) {
   return cards;
 }
 
-DiagnosticSet::DiagnosticSet(const RunBackend& backend, const Request& request, const Watch& watch)
+DiagnosticSet::DiagnosticSet(const RunBackend& backend, const Request& request, const Watch& watch,
+                             const KeepGoing& keep_going)
     : problem_(backend.table()), watch_(watch.empty() ? nullptr : &watch) {
   watches_ = watch_ != nullptr;
   if (request.diagnostics.empty()) return;
@@ -96,7 +97,7 @@ DiagnosticSet::DiagnosticSet(const RunBackend& backend, const Request& request, 
   for_each_row(problem_.traits, [&](const Row& row) { rows.push_back(&row); });
   for (const std::size_t index : request.diagnostics) {
     const Row& row = *rows.at(index);
-    wanted_.push_back(row.make(backend, request));
+    wanted_.push_back(row.make(backend, request, keep_going));
     sees_[static_cast<std::size_t>(row.sees)] = true;
     if (row.sees == Sees::every_step) seeing_.push_back(wanted_.back().get());
     looks_ = looks_ || wanted_.back()->looks();

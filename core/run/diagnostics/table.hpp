@@ -31,8 +31,8 @@ class DiagnosticSet {
   /// Writes the state at a time within a step; false where it cannot.
   using Between = std::function<bool(double t, RunState& x)>;
 
-  /// Those of the request. All outlive the set.
-  DiagnosticSet(const RunBackend& backend, const Request& request, const Watch& watch);
+  /// Those of the request. All outlive the set. `keep_going`: whether the run has time left.
+  DiagnosticSet(const RunBackend& backend, const Request& request, const Watch& watch, const KeepGoing& keep_going);
 
   bool sees_steps() const { return sees(Sees::every_step) || watches(); }
   bool watches_sections() const { return sees(Sees::sections); }

@@ -318,21 +318,23 @@ Json typed_problem() {
   Json names = list_of(text);
   names["minItems"] = 1;
   names["maxItems"] = text::most_variables;
-  Json schema =
-      object_of({{"id", {{"const", custom_id}}},
-                 {"title", text},
-                 {"variables", described(names, "coordinates, or what equations are of", "")},
-                 {"parameters", described(by_name(number), "with their values", "")},
-                 {"lagrangian", described(text, "L(q, v, t, s)", "")},
-                 {"hamiltonian", described(text, "H(q, p, t, s)", "")},
-                 {"potential", described(text, "V(q, t)", "")},
-                 {"masses", described(by_name(formula), "of a potential's coordinates; 1 otherwise", "")},
-                 {"damping", described(formula, "α(t) of a term α s beside a potential", "")},
-                 {"action_curvature", described(formula, "γ of a term γs²/2 − R beside a potential", "")},
-                 {"offset", described(formula, "R", "")},
-                 {"equations", described(by_name(formula), "the rate of every variable", "")},
-                 {"invariants", described(by_name(text), "what the motion keeps, reported by `momenta`", "")}},
-                {"id", "variables"});
+  Json schema = object_of(
+      {{"id", {{"const", custom_id}}},
+       {"title", text},
+       {"variables", described(names, "coordinates, or what equations are of; `x[5]` declares x[1] … x[5]", "")},
+       {"parameters", described(by_name(either(number, list_of(number))), "with their values", "")},
+       {"definitions",
+        described(by_name(formula), "`r` or `d(i,j)`: what later texts may use, and columns and events", "")},
+       {"lagrangian", described(text, "L(q, v, t, s)", "")},
+       {"hamiltonian", described(text, "H(q, p, t, s)", "")},
+       {"potential", described(text, "V(q, t)", "")},
+       {"masses", described(by_name(formula), "of a potential's coordinates; 1 otherwise", "")},
+       {"damping", described(formula, "α(t) of a term α s beside a potential", "")},
+       {"action_curvature", described(formula, "γ of a term γs²/2 − R beside a potential", "")},
+       {"offset", described(formula, "R", "")},
+       {"equations", described(by_name(formula), "the rate of every variable", "")},
+       {"invariants", described(by_name(text), "what the motion keeps, reported by `momenta`", "")}},
+      {"id", "variables"});
   schema["additionalProperties"] = number;
   schema["oneOf"] = Json::array();
   for (const char* kind : {"lagrangian", "hamiltonian", "potential", "equations"}) {

@@ -45,4 +45,15 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   }
 }
 
+std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
+    text::TypedScene typed) {
+  auto read = text::WrittenOut::of(std::move(typed));
+  if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
+  const auto& written = std::get<text::WrittenOut>(read);
+  auto made = custom_mechanics(written.definition());
+  if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&made))
+    for (auto& fault : *faults) fault = written.as_typed(std::move(fault));
+  return made;
+}
+
 }  // namespace least

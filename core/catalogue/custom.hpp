@@ -9,6 +9,7 @@
 
 #include "core/run/mechanics.hpp"
 #include "core/text/scene.hpp"
+#include "core/text/written_out.hpp"
 
 namespace least {
 
@@ -24,5 +25,8 @@ std::span<const TextForm> text_forms();
 /// build leaves the form out.
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
     text::Definition definition);
+/// The same of a scene as it was typed, whose texts may speak of many of a kind.
+std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
+    text::TypedScene typed);
 
 }  // namespace least

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/ensemble/lane_members.hpp"
+#include "core/text/written_out.hpp"
 
 namespace least {
 namespace {
@@ -95,7 +96,8 @@ class TapeTracer {
 
 }  // namespace
 
-MemberReader::MemberReader(const Scene& scene, std::span<const Variation> vary) : card_(scene.card()) {
+MemberReader::MemberReader(const Scene& scene, std::span<const Variation> vary)
+    : card_(scene.card()), text_(scene.mechanics->text()) {
   const auto know = [&](std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); };
   const auto column = [&](std::string_view name) {
     const auto found = std::ranges::find(card_.columns, name, &ColumnCard::name);
@@ -120,7 +122,7 @@ MemberReader::MemberReader(const Scene& scene, std::span<const Variation> vary) 
 }
 
 std::optional<text::Fault> MemberReader::read(std::string name, std::string text) {
-  auto parsed = text::Expression::parse(std::move(text));
+  auto parsed = text::parse_in_words_of(text_, std::move(text));
   if (auto* fault = std::get_if<text::Fault>(&parsed)) return std::move(*fault);
   const auto& expression = std::get<text::Expression>(parsed);
   auto recorded = expression.record(tape_, words_, true);

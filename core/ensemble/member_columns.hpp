@@ -29,7 +29,8 @@ class MemberReader {
  private:
   friend class MemberColumns;
   const ProblemCard& card_;
-  tape::Tape tape_;  ///< variables: the columns of the card, then the parameters that vary
+  const text::TextScene* text_;  ///< the scene as it was typed; null where it was not
+  tape::Tape tape_;              ///< variables: the columns of the card, then the parameters that vary
   std::vector<text::Word> words_;
   std::vector<tape::Index> outputs_;
   Measures measures_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/run/mechanics.hpp"
+#include "core/text/written_out.hpp"
 
 namespace least {
 
@@ -25,7 +26,7 @@ void Measures::enclose(const interval::RateEnclosure* observed, const interval::
   formula_.evaluate(observed, t, values);
 }
 
-MeasureReader::MeasureReader(const Scene& scene) : card_(scene.card()) {
+MeasureReader::MeasureReader(const Scene& scene) : card_(scene.card()), text_(scene.mechanics->text()) {
   const auto know = [&](std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); };
   for (std::size_t i = 0; i < card_.variables.size(); ++i)
     if (!card_.variables[i].hidden) know(card_.variables[i].name, Symbol::variable(tape_, i));
@@ -41,7 +42,7 @@ MeasureReader::MeasureReader(const Scene& scene) : card_(scene.card()) {
 }
 
 std::optional<text::Fault> MeasureReader::read(std::string name, std::string text) {
-  auto parsed = text::Expression::parse(std::move(text));
+  auto parsed = text::parse_in_words_of(text_, std::move(text));
   if (auto* fault = std::get_if<text::Fault>(&parsed)) return std::move(*fault);
   const auto& expression = std::get<text::Expression>(parsed);
   auto recorded = expression.record(tape_, words_, true);

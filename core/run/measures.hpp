@@ -17,6 +17,10 @@
 
 namespace least {
 
+namespace text {
+struct TextScene;
+}
+
 struct Scene;
 
 /// An expression by its name: the card of the column that it is, and what was typed.
@@ -68,6 +72,7 @@ class MeasureReader {
 
  private:
   const ProblemCard& card_;
+  const text::TextScene* text_;  ///< the scene as it was typed; null where it was not
   tape::Tape tape_;
   std::vector<text::Word> words_;
   std::vector<tape::Index> outputs_;

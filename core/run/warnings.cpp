@@ -99,6 +99,18 @@ std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
   return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, allowed, run.keep_going);
 }
 
+/// A scene as text that starts where nothing moves, with all of it 0: most likely nobody said where it is to start.
+void warn_of_rest(const FinishedRun& run, std::vector<Warning>& warnings) {
+  const Scene& scene = *run.request.scene;
+  const auto at_zero = [](const auto& numbers) {
+    return std::ranges::all_of(numbers, [](double x) { return x == 0; });
+  };
+  if (scene.mechanics->text() && run.state.n > 0 && at_zero(scene.initial) && at_zero(run.state.x.numbers))
+    warnings.push_back(
+        {"starts_at_rest_in_equilibrium",
+         "nothing moves: what `initial` does not say is 0, and there the scene rests in an equilibrium"});
+}
+
 }  // namespace
 
 void warn_of_run(const FinishedRun& run, std::vector<Warning>& warnings) {
@@ -121,6 +133,7 @@ void warn_of_run(const FinishedRun& run, std::vector<Warning>& warnings) {
   if (const auto steps = run.integrator.fallback_steps(); steps > 0)
     warnings.push_back({"steps_in_time", messages::fallback_steps(steps, run.integrator.method().has_value())});
   warn_of_energy(run, warnings);
+  warn_of_rest(run, warnings);
   if (!(control.error <= large_error))
     warnings.push_back({"large_error", messages::departs(control.error, control.t, control.reached)});
   if (sensitive)

@@ -17,9 +17,9 @@ std::string velocity_name(std::string_view coordinate) { return in_place_of_q('v
 std::string momentum_name(std::string_view coordinate) { return in_place_of_q('p', coordinate); }
 
 std::span<const std::string_view> reserved_keys() {
-  static constexpr std::array<std::string_view, 14> keys{
-      "id",        "preset", "title",   "variables",        "parameters", "lagrangian", "hamiltonian",
-      "potential", "masses", "damping", "action_curvature", "offset",     "equations",  "invariants"};
+  static constexpr std::array<std::string_view, 15> keys{
+      "id",        "preset", "title",   "variables",        "parameters", "definitions", "lagrangian", "hamiltonian",
+      "potential", "masses", "damping", "action_curvature", "offset",     "equations",   "invariants"};
   return keys;
 }
 

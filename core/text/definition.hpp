@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,6 +16,10 @@ namespace least::text {
 inline constexpr int most_coordinates = 8, most_variables = 16, most_parameters = 32, most_invariants = 8;
 inline constexpr std::size_t longest_name = 16, longest_parameter = 40;
 
+struct TypedScene;
+struct Vocabulary;
+
+/// A scene in which every coordinate, every parameter and every term has a name of its own.
 struct Definition {
   enum class Kind : std::uint8_t { lagrangian, hamiltonian, potential, equations };
   static constexpr std::array<std::string_view, 4> kind_names{"lagrangian", "hamiltonian", "potential", "equations"};
@@ -29,6 +34,10 @@ struct Definition {
   std::optional<std::string> damping{}, action_curvature{}, offset{};
   Named equations{};   ///< ẋ of every variable
   Named invariants{};  ///< what the motion keeps, as its author says
+
+  // Of a scene that was written out (core/text/written_out.hpp): what its author typed, and the words of further texts.
+  std::shared_ptr<const TypedScene> typed{};
+  std::shared_ptr<const Vocabulary> vocabulary{};
 
   /// The same for definitions of the same content and for no others.
   std::string key() const;

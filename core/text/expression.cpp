@@ -7,23 +7,21 @@
 #include <memory>
 #include <numbers>
 
+#include "core/text/characters.hpp"
+
 namespace least::text {
 namespace {
 
 using TokenKind = Token::Kind;
 
-constexpr std::array<std::string_view, 13> functions{"sin",  "cos",  "tan", "asin", "acos", "atan", "sinh",
-                                                     "cosh", "tanh", "exp", "log",  "sqrt", "abs"};
+constexpr std::array<std::string_view, 14> functions{"sin",  "cos",  "tan", "asin", "acos", "atan", "sinh",
+                                                     "cosh", "tanh", "exp", "log",  "sqrt", "abs",  "ln"};
 std::string listed_functions() {
   std::string all;
   for (const auto function : functions) all += (all.empty() ? "" : ", ") + std::string(function);
   return all;
 }
 constexpr std::uint8_t absolute = 12;
-
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_part(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
 
 struct Precedence {
   int binds;
@@ -48,11 +46,11 @@ constexpr Precedence precedence(TokenKind kind) {
 
 class Parser {
  public:
-  explicit Parser(std::string_view text) : text_(text) {}
+  Parser(std::string_view text, std::size_t most) : text_(text), most_(most) {}
 
   std::optional<Fault> read(std::vector<Token>& postfix) {
-    if (text_.size() > most_characters)
-      return Fault{most_characters, "is longer than a scene may be", std::to_string(most_characters) + " characters"};
+    if (text_.size() > most_)
+      return Fault{most_, "is longer than a scene may be", std::to_string(most_) + " characters"};
     while (skip_space(), at_ < text_.size())
       if (auto fault = expects_operand_ ? operand(postfix) : operation(postfix)) return fault;
     if (expects_operand_)
@@ -76,10 +74,9 @@ class Parser {
   static constexpr std::size_t deepest = 5 * most_nesting;
 
   void skip_space() {
-    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r'))
-      ++at_;
+    while (at_ < text_.size() && is_space(text_[at_])) ++at_;
   }
-  std::uint16_t here() const { return static_cast<std::uint16_t>(at_); }
+  std::uint32_t here() const { return static_cast<std::uint32_t>(at_); }
   Fault stranger() const {
     const char c = text_[at_];
     if (static_cast<unsigned char>(c) >= 0x80)
@@ -127,7 +124,8 @@ class Parser {
 
   std::optional<Fault> name(std::vector<Token>& postfix) {
     const std::size_t from = at_;
-    while (at_ < text_.size() && is_part(text_[at_])) ++at_;
+    at_ = end_of_word(text_, at_, text_.size());
+    skip_index();
     const std::string_view word = text_.substr(from, at_ - from);
     const auto found = std::find(functions.begin(), functions.end(), word);
     if (found == functions.end()) {
@@ -135,7 +133,7 @@ class Parser {
       if (at_ < text_.size() && text_[at_] == '(')
         return Fault{from, std::string(word) + " is no function, and a product needs its sign", listed_functions(),
                      std::string(word)};
-      postfix.push_back({TokenKind::name, 0, static_cast<std::uint16_t>(from), 0, word});
+      postfix.push_back({TokenKind::name, 0, static_cast<std::uint32_t>(from), 0, word});
       expects_operand_ = false;
       return std::nullopt;
     }
@@ -144,8 +142,17 @@ class Parser {
       return Fault{from, std::string(word) + " is a function: its argument stands in brackets",
                    std::string(word) + "(…)"};
     stack_.push_back({{TokenKind::call, static_cast<std::uint8_t>(found - functions.begin()),
-                       static_cast<std::uint16_t>(from), 0, word}});
+                       static_cast<std::uint32_t>(from), 0, word}});
     return open();
+  }
+
+  /// Past `[3]`, if that stands here.
+  void skip_index() {
+    std::size_t to = at_;
+    if (to == text_.size() || text_[to++] != '[') return;
+    const std::size_t digits = to;
+    while (to < text_.size() && is_digit(text_[to])) ++to;
+    if (to > digits && to < text_.size() && text_[to] == ']') at_ = to + 1;
   }
 
   std::optional<Fault> operation(std::vector<Token>& postfix) {
@@ -158,8 +165,8 @@ class Parser {
                                    TokenKind::power};
     const std::size_t which = signs.find(c);
     if (which == std::string_view::npos) return stranger();
-    if (c == '*' && at_ + 1 < text_.size() && text_[at_ + 1] == '*') return Fault{at_, "** means nothing here", "^"};
-    const TokenKind kind = kinds[which];
+    const bool doubled = c == '*' && at_ + 1 < text_.size() && text_[at_ + 1] == '*';
+    const TokenKind kind = doubled ? TokenKind::power : kinds[which];
     const Precedence mine = precedence(kind);
     while (!stack_.empty() && !stack_.back().bracket) {
       const Precedence top = precedence(stack_.back().token.kind);
@@ -169,7 +176,7 @@ class Parser {
     }
     if (stack_.size() > deepest) return too_deep();
     stack_.push_back({{kind, 0, here(), 0, {}}});
-    ++at_;
+    at_ += doubled ? 2 : 1;
     expects_operand_ = true;
     return std::nullopt;
   }
@@ -191,7 +198,7 @@ class Parser {
   }
 
   std::string_view text_;
-  std::size_t at_ = 0, nesting_ = 0;
+  std::size_t most_, at_ = 0, nesting_ = 0;
   bool expects_operand_ = true;
   std::vector<Pending> stack_;
 };
@@ -205,7 +212,7 @@ Symbol call(std::uint8_t function, const Symbol& x) {
       [](const Symbol& a) { return sinh(a); }, [](const Symbol& a) { return cosh(a); },
       [](const Symbol& a) { return tanh(a); }, [](const Symbol& a) { return exp(a); },
       [](const Symbol& a) { return log(a); },  [](const Symbol& a) { return sqrt(a); },
-      [](const Symbol& a) { return abs(a); },
+      [](const Symbol& a) { return abs(a); },  [](const Symbol& a) { return log(a); },
   };
   static_assert(std::size(by_name) == functions.size());
   return by_name[function](x);
@@ -248,11 +255,21 @@ bool is_name(std::string_view word) {
   return !word.empty() && is_letter(word.front()) && std::all_of(word.begin(), word.end(), is_part);
 }
 
-std::variant<Expression, Fault> Expression::parse(std::string text) {
+std::variant<Expression, Fault> Expression::parse(std::string text, std::size_t most) {
   Expression read;
   read.text_ = std::make_shared<const std::string>(std::move(text));
-  if (auto fault = Parser(*read.text_).read(read.tokens_)) return std::move(*fault);
+  if (auto fault = Parser(*read.text_, most).read(read.tokens_)) return std::move(*fault);
   return read;
+}
+
+std::optional<double> constant_of(std::string_view text) {
+  const auto parsed = Expression::parse(std::string(text), most_characters);
+  const auto* expression = std::get_if<Expression>(&parsed);
+  if (!expression) return std::nullopt;
+  tape::Tape tape;
+  const auto recorded = expression->record(tape, {}, true);
+  const auto* symbol = std::get_if<Symbol>(&recorded);
+  return symbol && symbol->is_constant() ? std::optional(symbol->constant()) : std::nullopt;
 }
 
 std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const Word> words, bool allows_abs) const {

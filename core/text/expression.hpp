@@ -1,8 +1,8 @@
 // Formulas as people type them: `-mu/sqrt(x^2 + y^2)`. An operator-precedence parser with a stack of its own, so that
 // no input can deepen a recursion; the result is a list in postfix order, which becomes symbols on a tape or MathML.
-//   number   3, .5, 1e-3 · name   a letter, then letters, digits, _ · pi · ( )
+//   number   3, .5, 1e-3 · name   a letter, then letters, digits, _, or one of many: x[3] · pi · ( )
 //   + - * /   bind left; unary minus binds tighter than they do · ^ binds right and tighter than that: −x² is −(x²)
-//   sin cos tan asin acos atan sinh cosh tanh exp log sqrt abs
+//   sin cos tan asin acos atan sinh cosh tanh exp log sqrt abs, and ln for log, ** for ^
 // Source: Pratt, Top down operator precedence, POPL 1973; Dijkstra, ALGOL 60 translation, 1961 (shunting yard).
 #pragma once
 
@@ -30,6 +30,8 @@ struct Fault {
 
 /// At most so many characters of a text, operations of a scene, and brackets within brackets.
 inline constexpr std::size_t most_characters = 10'000, most_operations = 4'000, most_nesting = 100;
+/// And of one whose sums were written out.
+inline constexpr std::size_t most_written = 300'000;
 
 /// The functions that a text can call.
 std::span<const std::string_view> function_names();
@@ -38,7 +40,7 @@ struct Token {
   enum class Kind : std::uint8_t { number, name, minus, add, subtract, multiply, divide, power, call };
   Kind kind = Kind::number;
   std::uint8_t function = 0;  ///< of a call: among function_names()
-  std::uint16_t position = 0;
+  std::uint32_t position = 0;
   double value = 0;
   std::string_view word{};  ///< of a name or a number, as typed: a part of the text
 };
@@ -53,7 +55,8 @@ struct Word {
 /// A text that was read. It keeps the text.
 class Expression {
  public:
-  static std::variant<Expression, Fault> parse(std::string text);
+  /// At most `most` characters.
+  static std::variant<Expression, Fault> parse(std::string text, std::size_t most = most_written);
 
   /// Written on the tape, with the names as `words` has them. `abs` is refused unless `allows_abs`; so is what is made
   /// of constants and is no finite number, and what takes more than most_operations of the tape.
@@ -72,5 +75,8 @@ class Expression {
 
 /// Whether a word can be a name: a letter, then letters, digits, `_`.
 bool is_name(std::string_view word);
+
+/// The number that a text is which is made of numbers and pi alone, as `2*pi/3`; nothing where it is none.
+std::optional<double> constant_of(std::string_view text);
 
 }  // namespace least::text

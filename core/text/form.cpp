@@ -144,6 +144,8 @@ class Reader : TextReader {
         form_->mass[static_cast<std::size_t>(which - given_.variables.begin())] = *mass;
       }
     }
+    for (std::size_t i = 0; i < n(); ++i)
+      form_->momenta.push_back(form_->mass[i] * variable(first_momentum + static_cast<int>(i)));
     if (given_.damping && (given_.action_curvature || given_.offset))
       fault("/damping", "and action_curvature exclude each other", "one of them");
     if (given_.offset && !given_.action_curvature)

@@ -45,7 +45,7 @@ struct Form {
   std::vector<Symbol> mass;     ///< of those with a diagonal metric: each depends on parameters alone
   std::vector<Symbol> metric;   ///< row by row
   std::vector<Symbol> rates;    ///< of a flow
-  std::vector<Symbol> momenta;  ///< of a Lagrangian, as functions of q, v, s, t; else empty
+  std::vector<Symbol> momenta;  ///< where a Lagrangian or a potential is given, as functions of q, v, s, t; else empty
   std::vector<Symbol> hessian;  ///< ∂²L/∂v² of a Lagrangian, ∂²H/∂p² where that is a metric's inverse that is not
                                 ///< diagonal, row by row; else empty
   std::vector<Symbol> invariants;  ///< of q, p, s, t; of a flow of its variables

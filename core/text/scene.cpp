@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/tape/formula.hpp"
+#include "core/text/expansion.hpp"
 #include "core/text/folding.hpp"
 #include "core/text/scenes.hpp"
 
@@ -19,7 +20,11 @@ std::string number_text(double x) {
   return {digits.data(), std::to_chars(digits.begin(), digits.end(), x).ptr};
 }
 
-std::string shown(std::string_view name) { return "<mi>" + std::string(name) + "</mi>"; }
+std::string shown(std::string_view name) {
+  const auto element = element_of(name);
+  if (!element) return "<mi>" + std::string(name) + "</mi>";
+  return "<msub><mi>" + std::string(element->first) + "</mi><mn>" + std::to_string(element->second) + "</mn></msub>";
+}
 
 std::string mathml_of(const std::string& text) {
   const auto parsed = Expression::parse(text);

@@ -15,8 +15,8 @@ struct TextScene {
 
   /// Its card, but for what follows from the type of its mechanics. Variables beyond those of the text are hidden.
   ProblemCard described() const;
-  /// p = ∂L/∂v of a scene whose Lagrangian is given: `state` holds the variables of the card with velocities in the
-  /// place of momenta, which they become.
+  /// p = ∂L/∂v of a scene whose Lagrangian or potential is given: `state` holds the variables of the card with
+  /// velocities in the place of momenta, which they become.
   void velocities_to_momenta(std::span<const double> parameters, double t, std::vector<double>& state) const;
   bool takes_velocities() const { return !form->momenta.empty(); }
   /// Why no run can begin with these parameters: a mass that is not positive, a number that is not finite. Empty:

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "core/text/expansion.hpp"
+
 namespace least::text {
 
 std::string pointer_to(std::string_view key, std::string_view name) {
@@ -30,7 +32,9 @@ void TextReader::check_names() {
   for (const auto function : function_names()) taken.emplace(function);
   const auto take = [&](const std::string& pointer, const std::string& name, std::string_view what,
                         std::size_t most_letters) {
-    if (!is_name(name) || name.size() > most_letters) {
+    const auto element = element_of(name);
+    const std::string_view letters = element ? element->first : std::string_view(name);
+    if (!is_name(letters) || letters.size() > most_letters) {
       fault(pointer, "\"" + name.substr(0, 40) + "\" cannot be a name",
             "a letter, then letters, digits, _: at most " + std::to_string(most_letters));
     } else if (!taken.insert(name).second) {
@@ -82,11 +86,12 @@ std::vector<Word> TextReader::words(char momentum, std::string_view no_velocity,
 std::optional<Symbol> TextReader::record(const std::string& pointer, const std::string& text,
                                          std::span<const Word> known) {
   characters_ += text.size();
-  if (characters_ > most_characters) {
-    fault(pointer, "the texts of the scene are too long together", std::to_string(most_characters) + " characters");
+  const std::size_t most = given_.typed ? most_written : most_characters;
+  if (characters_ > most) {
+    fault(pointer, "the texts of the scene are too long together", std::to_string(most) + " characters");
     return std::nullopt;
   }
-  auto parsed = Expression::parse(text);
+  auto parsed = Expression::parse(text, most);
   if (auto* wrong = std::get_if<Fault>(&parsed)) {
     faults_.push_back({pointer, std::move(*wrong)});
     return std::nullopt;

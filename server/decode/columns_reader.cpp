@@ -6,6 +6,7 @@
 
 #include "core/ensemble/ensemble.hpp"
 #include "core/ensemble/member_columns.hpp"
+#include "core/text/expansion.hpp"
 
 namespace least::server {
 namespace {
@@ -66,6 +67,18 @@ namespace {
 constexpr std::string_view beside_columns[] = {"index", "member",     "crossing", "period",
                                                "phase", "expression", "direction"};
 
+// What `x[*]` stands for: the columns of all elements of x.
+std::vector<std::size_t> all_of_a_kind(const Json& json, const Names& known) {
+  std::vector<std::size_t> all;
+  constexpr std::string_view every = "[*]";
+  const std::string_view name = json.is_string() ? std::string_view(json.get_ref<const std::string&>()) : "";
+  if (!name.ends_with(every)) return all;
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (const auto element = text::element_of(known[i]); element && element->first == name.substr(0, name.size() - 3))
+      all.push_back(i);
+  return all;
+}
+
 template <class Reader>
 void read_own_column(const Json& json, const FieldPath& path, const Names& known, Reader& reader, Names& own_names) {
   if (!read_object(json, path, {"name", "expression"}, "a column")) return;
@@ -118,6 +131,12 @@ void read_list_of_columns(const Json& json, const FieldPath& path, const Problem
       }
       request.columns.push_back(known.size() + own_names.size());
       read_own_column(json[i], path.at(i), known, reader, own_names);
+      continue;
+    }
+    const auto all = all_of_a_kind(json[i], known);
+    if (!all.empty()) {
+      for (const std::size_t one : all)
+        if (std::ranges::find(request.columns, one) == request.columns.end()) request.columns.push_back(one);
       continue;
     }
     const auto place = read_name(json[i], path.at(i), columns_for<Reader>(json[i], problem, known), "column",

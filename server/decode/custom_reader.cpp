@@ -27,7 +27,7 @@ std::optional<std::string> read_text(const Json& json, const FieldPath& path, bo
 }
 
 void read_variables(const Json& json, const FieldPath& path, Definition& definition) {
-  if (!json.is_array()) return path.fault("must be a list of names", json, "[\"x\", \"y\"]");
+  if (!json.is_array()) return path.fault("must be a list of names", json, "[\"x\", \"y\"], or [\"x[5]\"]");
   for (std::size_t i = 0; i < json.size() && !path.faults->full(); ++i) {
     if (json[i].is_string()) {
       definition.variables.push_back(json[i].get<std::string>());
@@ -37,12 +37,18 @@ void read_variables(const Json& json, const FieldPath& path, Definition& definit
   }
 }
 
-void read_numbers(const Json& json, const FieldPath& path, Definition& definition) {
-  if (!json.is_object()) return path.fault("must be an object of numbers", json, "{\"mu\": 1}");
+void read_parameters(const Json& json, const FieldPath& path, text::TypedScene& typed) {
+  if (!json.is_object()) return path.fault("must be an object of numbers", json, "{\"mu\": 1, \"m\": [3, 4, 5]}");
   for (const auto& [name, entry] : json.items()) {
     if (path.faults->full()) return;
-    if (const auto value = read_number(entry, path.at(name), anywhere))
-      definition.parameters.emplace_back(name, *value);
+    if (!entry.is_array()) {
+      if (const auto value = read_number(entry, path.at(name), anywhere))
+        typed.scene.parameters.emplace_back(name, *value);
+      continue;
+    }
+    auto& values = typed.lists.emplace_back(name, std::vector<double>()).second;
+    for (std::size_t i = 0; i < entry.size() && !path.faults->full(); ++i)
+      if (const auto value = read_number(entry[i], path.at(name).at(i), anywhere)) values.push_back(*value);
   }
 }
 
@@ -80,7 +86,8 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
   }
   Faults faults;
   const FieldPath here{path.pointer, &faults};
-  Definition definition;
+  text::TypedScene typed;
+  Definition& definition = typed.scene;
   const auto kind = kind_of(problem, here);
   const auto with = [&](std::string_view key, auto&& read) {
     if (const Json* json = find(problem, key)) read(*json, here.at(key));
@@ -90,7 +97,8 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
   } else {
     here.at("variables").lacks("is required", "[\"x\", \"y\"]");
   }
-  with("parameters", [&](const Json& json, const FieldPath& at) { read_numbers(json, at, definition); });
+  with("parameters", [&](const Json& json, const FieldPath& at) { read_parameters(json, at, typed); });
+  with("definitions", [&](const Json& json, const FieldPath& at) { read_texts(json, at, true, typed.definitions); });
   with("invariants",
        [&](const Json& json, const FieldPath& at) { read_texts(json, at, false, definition.invariants); });
   with("title", [&](const Json& json, const FieldPath& at) {
@@ -126,7 +134,7 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
   }
   std::shared_ptr<const Mechanics> mechanics;
   if (faults.empty()) {
-    auto made = custom_mechanics(std::move(definition));
+    auto made = custom_mechanics(std::move(typed));
     if (auto* wrong = std::get_if<std::vector<text::DefinitionFault>>(&made)) {
       for (auto& [pointer, fault, in_text] : *wrong) {
         std::string detail = std::move(fault.detail);

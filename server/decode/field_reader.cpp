@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/composition.hpp"
+#include "core/text/expression.hpp"
 
 namespace least::server {
 namespace {
@@ -72,11 +73,12 @@ bool read_object(const Json& json, const FieldPath& path, const Names& known, st
 }
 
 std::optional<double> read_number(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
-  if (!json.is_number()) {
+  const auto constant = json.is_string() ? text::constant_of(json.get_ref<const std::string&>()) : std::nullopt;
+  if (!json.is_number() && !constant) {
     path.fault(fmt::format("must be a number{}", other), json, interval(range).append(other));
     return std::nullopt;
   }
-  const auto x = json.get<double>();
+  const auto x = constant ? *constant : json.get<double>();
   if (!std::isfinite(x) || !range.contains(x)) {
     path.fault(beyond(x, range).append(other), json, interval(range).append(other));
     return std::nullopt;

@@ -9,6 +9,7 @@
 #include "core/catalogue/start_beside.hpp"
 #include "core/run/suggestions.hpp"
 #include "core/text/scene.hpp"
+#include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
 
 namespace least::server {
@@ -98,7 +99,7 @@ std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath&
 
 namespace {
 
-// What a start may say in the place of momenta; nothing where no Lagrangian is given.
+// What a start may say in the place of momenta; nothing where neither a Lagrangian nor a potential is given.
 std::vector<std::string> velocity_names(const text::TextScene& scene) {
   std::vector<std::string> names;
   if (!scene.takes_velocities()) return names;
@@ -106,28 +107,47 @@ std::vector<std::string> velocity_names(const text::TextScene& scene) {
   return names;
 }
 
-// A start in velocities: where one is given, all momenta follow from velocities.
+// A start in velocities: where no momentum is given, all of them follow from velocities, and what is missing is 0.
 void read_velocities(const Json& initial, const FieldPath& start, const text::TextScene& text,
                      const std::vector<std::string>& names, Scene& scene) {
   if (names.empty()) return;
   std::vector<double> state = scene.initial;
   const auto moving = state.begin() + text.capacity;
   std::fill(moving, moving + text.capacity, 0.0);
-  bool given = false;
+  const bool momenta = std::ranges::any_of(text.definition.variables, [&](const auto& variable) {
+    return find(initial, text::momentum_name(variable)) != nullptr;
+  });
+  bool given = !momenta;  // what is missing is at rest
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* json = find(initial, names[i]);
     if (json == nullptr) continue;
     given = true;
     const auto& momentum = text::momentum_name(text.definition.variables[i]);
-    for (const auto& variable : text.definition.variables)
-      if (find(initial, text::momentum_name(variable)) != nullptr && !start.faults->within(start.at(names[i]).pointer))
-        start.at(names[i]).fault("and momenta exclude each other", *json, "velocities or momenta, as " + momentum);
+    if (momenta && !start.faults->within(start.at(names[i]).pointer))
+      start.at(names[i]).fault("and momenta exclude each other", *json, "velocities or momenta, as " + momentum);
     if (const auto value = read_number(*json, start.at(names[i]), anywhere))
       moving[static_cast<std::ptrdiff_t>(i)] = *value;
   }
   if (!given) return;
   text.velocities_to_momenta(scene.parameters, scene.start, state);
   scene.initial = std::move(state);
+}
+
+// The start with every number of a list under the name of its element: {"x": [1, 2]} as {"x[1]": 1, "x[2]": 2}.
+Json without_lists(const Json& initial, const FieldPath& start, const text::TextScene& text) {
+  Json elements = Json::object();
+  for (const auto& [name, entry] : initial.items()) {
+    const std::int64_t count = text::length_of_list(text.definition, name);
+    if (count == 0 || !entry.is_array()) {
+      elements[name] = entry;
+    } else if (entry.size() != static_cast<std::size_t>(count)) {
+      start.at(name).fault("is a list of another length", Json(entry.size()), std::to_string(count) + " numbers");
+    } else {
+      for (std::size_t i = 0; i < entry.size(); ++i)
+        elements[text::element_name(name, static_cast<std::int64_t>(i) + 1)] = entry[i];
+    }
+  }
+  return elements;
 }
 
 }  // namespace
@@ -159,9 +179,13 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   if (text)
     if (auto objection = text->objection(scene.parameters))
       path.faults->add({path.pointer + objection->pointer, std::move(objection->detail), {}, {}, {}});
+  static const Json nothing = Json::object();
   const Json* initial = find(root, "initial");
-  if (initial == nullptr) return preset;
+  if (initial == nullptr && text == nullptr) return preset;
   const FieldPath start = top.at("initial");
+  Json elements;
+  if (text && initial && initial->is_object()) initial = &(elements = without_lists(*initial, start, *text));
+  if (initial == nullptr) initial = &nothing;
   const Names names = keys_of(card.variables, {"t"});
   const std::vector<std::string> velocities = text ? velocity_names(*text) : std::vector<std::string>();
   Names known{"t"};

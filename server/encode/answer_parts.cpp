@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/text/scene.hpp"
+#include "core/text/written_out.hpp"
 
 namespace least::server {
 namespace {
@@ -78,7 +79,8 @@ struct WriteValue {
 };
 
 // What a scene as text was given as.
-void write_definition(JsonWriter& json, const text::Definition& given) {
+void write_definition(JsonWriter& json, const text::Definition& written) {
+  const text::Definition& given = written.typed ? written.typed->scene : written;
   const auto named = [&](std::string_view key, const text::Definition::Named& texts) {
     if (texts.empty()) return;
     json.key(key).open('{');
@@ -90,7 +92,10 @@ void write_definition(JsonWriter& json, const text::Definition& given) {
   for (const auto& name : given.variables) json.text(name);
   json.close(']').key("parameters").open('{');
   for (const auto& [name, value] : given.parameters) json.key(name).number(value);
+  if (written.typed)
+    for (const auto& [name, values] : written.typed->lists) write_numbers(json.key(name), values);
   json.close('}');
+  if (written.typed) named("definitions", written.typed->definitions);
   named("equations", given.equations);
   if (given.kind != text::Definition::Kind::equations) {
     json.key(given.kind_names[static_cast<std::size_t>(given.kind)]).text(given.formula);

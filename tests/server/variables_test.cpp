@@ -58,9 +58,9 @@ TEST(Sizes, TakeUnits) {
     EXPECT_EQ(serve.errors().find("leastaction: --max-memory: "), 0u) << wrong;
     EXPECT_EQ(serve.wait(), 1) << wrong;
   }
-  Process small({"run", "-", "--max-body", "1K"}, std::string(1025, ' '));
-  EXPECT_EQ(Json::parse(small.output())["status"], 413);
-  EXPECT_EQ(small.wait(), 2);
+  Process narrow({"run", "-", "--max-body", "1K"}, std::string(1025, ' '));
+  EXPECT_EQ(Json::parse(narrow.output())["status"], 413);
+  EXPECT_EQ(narrow.wait(), 2);
 }
 
 TEST(Log, TheFirstLineSaysWhatRuns) {

@@ -308,7 +308,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{R"({"problem":{"id":null},"scheme":"leapfrog"})", "/problem/id"},
         Row{R"({"problem":"swnig","scheme":"leapfrog"})", "/problem"},
         Row{R"({"problem":"swing","scheme":{"id":"leapfrog","step":null}})", "/scheme/step"},
-        Row{R"({"problem":"swing","scheme":{"id":"leapfrog","step":"0.1"}})", "/scheme/step"},
+        Row{R"({"problem":"swing","scheme":{"id":"leapfrog","step":"0.1*h"}})", "/scheme/step"},
         Row{R"({"problem":"swing","scheme":{"id":"leapfrog","composition":1}})", "/scheme/composition"},
         Row{R"({"problem":"swing","scheme":{"id":"own_clock","keep":1}})", "/scheme/keep"},
         Row{R"({"problem":"swing","scheme":{"id":"own_clock","stages":9}})", "/scheme/stages"},

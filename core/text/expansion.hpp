@@ -1,0 +1,64 @@
+// Texts that speak of many of a kind, written out: what `sum(i=1..n, m[i]*vx[i]^2/2)` stands for, without sums,
+// definitions and indices but numbers, as an Expression reads it.
+//   x[i+1]   an element of a list, counted from 1; an index is made of whole numbers by + - * and mod(a, n)
+//   sum(i=1..n, j=i+1..n, …)  prod(…)   of nothing they are 0 and 1
+//   if(i != j, u, v)   where the condition compares indices: < <= > >= == !=, and, or, not
+//   r, d(i,j)   a definition; its arguments are indices
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/text/indices.hpp"
+
+namespace least::text {
+
+/// A text written out, and where its parts come from.
+class Expansion {
+ public:
+  /// A place in the text, or in that of a definition.
+  struct Place {
+    std::size_t position = 0;
+    std::string_view definition{};  ///< empty: the text itself
+  };
+  /// What is wrong, at a place.
+  struct Wrong {
+    Fault fault;
+    std::string definition{};  ///< whose text it is; empty: the text itself
+  };
+
+  /// `indices`: what has a value already. Takes no longer than most_written characters do.
+  static std::variant<Expansion, Wrong> of(std::string_view text, const Vocabulary& vocabulary,
+                                           const Indices& indices = {});
+
+  const std::string& text() const { return text_; }
+  /// Where the character at a place of the text written out comes from.
+  Place origin(std::size_t position) const;
+  /// The whole constants that bounds, indices and conditions used.
+  const Names& used() const { return used_; }
+
+ private:
+  friend class Expander;
+  struct Part {
+    std::size_t at;        ///< where it begins, written out
+    std::size_t position;  ///< and where it comes from
+    bool whole;            ///< all of it comes from that one place
+    std::string_view definition;
+  };
+  std::string text_;
+  std::vector<Part> parts_;
+  Names used_;
+};
+
+/// The name of an element of a list: `x[3]`.
+std::string element_name(std::string_view list, std::int64_t index);
+
+/// A name with an index that is a number: the list and the number, or nothing.
+std::optional<std::pair<std::string_view, std::int64_t>> element_of(std::string_view name);
+
+}  // namespace least::text

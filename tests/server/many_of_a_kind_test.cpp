@@ -1,0 +1,144 @@
+// Scenes as text of many of a kind, over HTTP: lists in requests and answers, numbers that are texts, where faults
+// point.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+class Many : public Serving {
+ protected:
+  static Json run(const Json& request, const char* path = "/v1/simulate") {
+    const Reply reply = ask(port(), post(path, request.dump()));
+    EXPECT_EQ(reply.status, 200) << reply.body;
+    return Json::parse(reply.body);
+  }
+  static Json faults(const Json& request) {
+    const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
+    EXPECT_EQ(reply.status, 422) << reply.body;
+    return Json::parse(reply.body).at("errors");
+  }
+  static Json chain() {
+    return Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]"],
+      "parameters":{"n":4,"alpha":"1/4","m":[1,2,1,"4/2"]},
+      "definitions":{"at(i)":"if(i==0,0,x[i])","stretch(i)":"if(i<n,at(i+1),0)-at(i)"},
+      "potential":"sum(i=0..n, stretch(i)^2/2+alpha*stretch(i)**3/3)","masses":{"x":"m"}},
+      "initial":{"x":[0.7,0,0,"pi/10"],"vx[2]":0.5},"until":{"t":"2*pi"},"scheme":"leapfrog","record":{"samples":3},
+      "columns":["t","x[*]",{"name":"kinetic","expression":"sum(i=1..n, px[i]^2/(2*m[i]))"},"energy"]})~");
+  }
+};
+
+TEST_F(Many, AnswerByTheNamesOfElements) {
+  const Json answer = run(chain());
+  EXPECT_EQ(answer["status"], "completed");
+  EXPECT_EQ(answer["until"]["t"], 2 * std::numbers::pi);
+  EXPECT_EQ(answer["initial"]["x[1]"], 0.7);
+  EXPECT_EQ(answer["initial"]["x[4]"], std::numbers::pi / 10);
+  EXPECT_EQ(answer["initial"]["px[2]"], 1) << "twice its velocity";
+  EXPECT_EQ(answer["initial"]["px[1]"], 0) << "what is missing is at rest";
+  const Json& columns = answer["trajectory"];
+  for (const char* name : {"t", "x[1]", "x[2]", "x[3]", "x[4]", "kinetic", "energy"})
+    EXPECT_EQ(columns.at(name).size(), 3U) << name;
+  EXPECT_EQ(columns["kinetic"][0], 0.25);
+  EXPECT_NE(answer["final"]["x[3]"], 0);
+  EXPECT_LT(answer["diagnostics"]["energy"]["max_rel_error"], 1e-4);
+}
+
+// The echo is the request, as it was typed, and leads to the same bytes.
+TEST_F(Many, EchoWhatWasTyped) {
+  Json first = run(chain());
+  EXPECT_EQ(first["problem"]["variables"], Json::parse(R"~(["x[n]"])~"));
+  EXPECT_EQ(first["problem"]["parameters"]["m"], Json::parse("[1,2,1,2]"));
+  EXPECT_EQ(first["problem"]["definitions"]["at(i)"], "if(i==0,0,x[i])");
+  EXPECT_EQ(first["problem"]["masses"]["x"], "m");
+  Json again;
+  for (const char* key : {"problem", "initial", "until", "scheme", "record", "columns"}) again[key] = first[key];
+  Json second = run(again);
+  for (Json* answer : {&first, &second}) {
+    answer->erase("cost");
+    answer->erase("request_id");
+  }
+  EXPECT_EQ(first.dump(), second.dump());
+}
+
+TEST_F(Many, VaryInEnsemblesAndStopAtEvents) {
+  Json request = chain();
+  request.erase("record");
+  request["columns"] = {"x[1]", "px[1]"};
+  request["members"] = {
+      {"count", 8}, {"vary", {{"/initial/x[2]", {{"uniform", {-1, 1}}}}, {"/problem/m[3]", {{"uniform", {1, 3}}}}}}};
+  EXPECT_EQ(run(request, "/v1/ensemble")["completed"], 8);
+  request = chain();
+  request["events"] =
+      Json::parse(R"~([{"name":"back","expression":"stretch(0)-0.1","direction":"down","stop":true}])~");
+  const Json answer = run(request);
+  EXPECT_EQ(answer["end"]["event"], "back") << answer.dump().substr(0, 2000);
+  EXPECT_NEAR(answer["final"]["x[1]"].get<double>(), 0.1, 1e-12);
+}
+
+TEST_F(Many, FaultsPointToWhatWasTyped) {
+  const auto first = [](const Json& request) { return faults(request).at(0); };
+  Json request = chain();
+  request["problem"]["definitions"]["stretch(i)"] = "x[i+1]-x[i]";
+  EXPECT_EQ(first(request)["pointer"], "/problem/definitions/stretch(i)");
+  EXPECT_NE(first(request)["detail"].get<std::string>().find("for i = 0"), std::string::npos);
+  request = chain();
+  request["initial"]["x"] = {1, 2};
+  EXPECT_EQ(first(request)["pointer"], "/initial/x");
+  request = chain();
+  request["columns"] = {"y[*]"};
+  EXPECT_EQ(first(request)["pointer"], "/columns/0");
+  request = chain();
+  request["columns"] = Json::parse(R"~([{"name":"a","expression":"1+x[n+1]"}])~");
+  EXPECT_EQ(first(request)["pointer"], "/columns/0/expression");
+  EXPECT_EQ(first(request)["position"], 2);
+  request = chain();
+  request["problem"]["n"] = 3;
+  EXPECT_EQ(first(request)["pointer"], "/problem/n") << "the number of terms is part of the text";
+  request = chain();
+  request["problem"]["variables"] = {"x[1000000000]"};
+  EXPECT_EQ(first(request)["pointer"], "/problem/variables/0");
+  request = chain();
+  request["problem"]["potential"] = "sum(i=1..1000000000, x[1])";
+  EXPECT_EQ(first(request)["pointer"], "/problem/potential");
+  request = chain();
+  request["until"]["t"] = "2*n";
+  EXPECT_EQ(first(request)["pointer"], "/until/t") << "numbers know no names";
+}
+
+// A frame that turns: at rest in it the momenta are not zero.
+TEST_F(Many, WhatIsMissingIsAtRest) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x","y"],
+    "lagrangian":"((vx-y)^2+(vy+x)^2)/2"},"initial":{"x":1},"until":{"t":0.5},"scheme":"taylor"})~");
+  const Json turning = run(request);
+  EXPECT_EQ(turning["initial"]["py"], 1);
+  EXPECT_NEAR(turning["final"]["x"].get<double>(), std::cos(0.5) + 0.5 * std::sin(0.5), 1e-10) << "straight ahead";
+  request["initial"] = {{"x", 1}, {"px", 0}};
+  EXPECT_EQ(run(request)["initial"]["py"], 0) << "who says momenta means momenta";
+  request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"0*x","masses":{"x":3}},
+    "initial":{"vx":2},"until":{"t":1},"scheme":"leapfrog"})~");
+  const Json free = run(request);
+  EXPECT_EQ(free["initial"]["px"], 6);
+  EXPECT_NEAR(free["final"]["x"].get<double>(), 2, 1e-13);
+}
+
+TEST_F(Many, AStartInEquilibriumIsToldWhereNothingMoves) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"x^2/2"},
+    "until":{"t":1},"scheme":"leapfrog"})~");
+  EXPECT_EQ(run(request)["warnings"][0]["code"], "starts_at_rest_in_equilibrium");
+  request["initial"] = {{"vx", 1}};
+  EXPECT_EQ(run(request)["warnings"], Json::array());
+  request.erase("initial");
+  request["problem"]["potential"] = "x^2/2-x*sin(t)";
+  EXPECT_EQ(run(request)["warnings"], Json::array()) << "a force that begins at 0 moves it";
+}
+
+}  // namespace
+}  // namespace least::server::test

@@ -95,7 +95,8 @@ export const lessons = [
   },
   {
     id: "stars", title: "How a star ends depends on one number",
-    look: "The density of a star from its centre outward, for n = 0, 1 and 5, where formulas are known, and for an n of yours.",
+    look: "A star from its centre outward: its density falls as θⁿ, its pressure as θⁿ⁺¹. For n = 0, 1 and 5 formulas of θ are " +
+          "known; one n is yours.",
     see: "The runs lie on the dashed formulas. The surface, where a curve meets zero, moves outward with n; from n = 5 on " +
          "there is none.",
     scene: { problem: { id: "lane_emden", n: 3 }, until: { t: 10 }, scheme: { id: "contact_splitting", step: 0.01 } },

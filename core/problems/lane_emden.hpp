@@ -181,8 +181,10 @@ struct About<problems::LaneEmden> {
         .id = "lane_emden",
         .title = "Lane–Emden equation",
         .summary =
-            "The density of a star from its centre outward, t being the radius. Watch for the first zero of q, "
-            "the surface: it moves outward as n grows and is gone from n = 5 on.",
+            "A star from its centre outward, t being the radius: its density is q to the power n, its pressure q to "
+            "the "
+            "power n + 1, both relative to the centre. Watch for the first zero of q, the surface: it moves outward as "
+            "n grows and is gone from n = 5 on.",
         .formula =
             "<math><mi>H</mi><mo>=</mo><mfrac><msup><mi>p</mi><mn>2</mn></msup><mn>2</mn></mfrac><mo>+</mo>"
             "<mfrac><msup><mi>q</mi><mrow><mi>n</mi><mo>+</mo><mn>1</mn></mrow></msup><mrow><mi>n</mi>"
@@ -193,7 +195,7 @@ struct About<problems::LaneEmden> {
                       {"s", "s", "1", "action", 0, true}},
         .span = 10,
         .suggested = {{"step", 0.01}, {"sigma", 0.01}},
-        .presets = {{"uniform", "constant density: 1 − t²/6", {{"n", 0}}, {}},
+        .presets = {{"uniform", "constant density; q = 1 − t²/6", {{"n", 0}}, {}},
                     {"sine", "sin t/t, surface at π", {{"n", 1}}, {}},
                     {"convective", "a small cool star", {{"n", 1.5}}, {}},
                     {"plummer", "no surface: (1 + t²/3)^{−1/2}", {{"n", 5}}, {}}},

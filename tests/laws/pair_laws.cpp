@@ -89,11 +89,12 @@ TEST_P(Pairs, KeepTheFormThatTheySay) {
   });
 }
 
-/// As many allocations in a run of many steps as in one of few, with every diagnostic that looks at each step. What has
-/// a tolerance is Odeint's: behind a pointer, and one of the three allocates as it goes.
+/// As many allocations in a run of many steps as in one of few, with every diagnostic that looks at each step. But for
+/// Odeint's three: they stand behind a pointer, and one of them allocates as it goes.
 TEST_P(Pairs, AllocateNothingInTheLoop) {
   for_each_pair(GetParam(), [&](Request request) {
-    if (scheme_of(request).parameters[0].name == "tolerance") return;
+    const bool taylor = scheme_of(request).id == "taylor";
+    if (scheme_of(request).parameters[0].name == "tolerance" && !taylor) return;
     for (const auto* diagnostic : {"energy", "momenta", "orbit", "decay", "entropy", "moments"}) {
       const auto& names = runs::card(request).diagnostics;
       if (std::ranges::find(names, diagnostic, &DiagnosticCard::name) != names.end()) runs::ask(request, diagnostic);
@@ -112,7 +113,7 @@ TEST_P(Pairs, AllocateNothingInTheLoop) {
       return after - before;
     };
     allocations(4);  // what is kept from run to run is there now
-    const std::size_t few = allocations(4), many = allocations(54);
+    const std::size_t few = allocations(4), many = allocations(taylor ? 8 : 54);  // a series comes to the end of a star
     // An event is a list, a warning a text, and so is what the largest error of the energy is relative to.
     EXPECT_LE(many, few + 8 * said + 1) << label(request);
   });

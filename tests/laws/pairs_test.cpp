@@ -57,7 +57,17 @@ TEST(Pairs, AreTheseAndNoOthers) {
     Ids found;
     for (const std::size_t scheme : problem.schemes) found.insert(schemes()[scheme].id);
     EXPECT_EQ(found, schemes_that_fit) << id;
-    for (const SchemeCard& scheme : schemes()) EXPECT_FALSE(scheme.needs.empty()) << scheme.id;
+  }
+  for (const SchemeCard& scheme : schemes()) EXPECT_FALSE(scheme.needs.empty()) << scheme.id;
+}
+
+// A problem that nobody has listed here is at least one of these kinds.
+TEST(Pairs, OfEveryProblemAreThoseOfAKind) {
+  const std::set<Ids> kinds{lagrangian, separable, contact, damped, split, anything};
+  for (const ProblemCard& problem : runs::problem_cards()) {
+    Ids found;
+    for (const std::size_t scheme : problem.schemes) found.insert(schemes()[scheme].id);
+    EXPECT_TRUE(kinds.contains(found)) << problem.id;
   }
 }
 

@@ -43,7 +43,7 @@ class Expander {
     return refuse(Fault{position, std::move(detail), std::move(allowed), {}});
   }
   bool refuse(Fault fault) {
-    wrong_ = {std::move(fault), std::string(definition_)};
+    wrong_ = {std::move(fault), definition_};
     return false;
   }
   /// `whole`: no character of it stands in the text at hand.
@@ -228,7 +228,7 @@ class Expander {
   bool definition(std::size_t which, std::size_t position, Indices& arguments) {
     const auto& defined = vocabulary_.definitions[which];
     if (!append("(", position, true)) return false;
-    const std::string_view outer = std::exchange(definition_, defined.name);
+    const auto outer = std::exchange(definition_, which);
     const std::size_t known = std::exchange(known_, which);
     if (!write(defined.text, 0, defined.text.size(), arguments)) return false;
     definition_ = outer;
@@ -239,8 +239,8 @@ class Expander {
   const Vocabulary& vocabulary_;
   Expansion& made_;
   Expansion::Wrong wrong_;
-  std::string_view definition_{};          ///< whose text is at hand
-  std::size_t known_ = std::string::npos;  ///< so many definitions are
+  std::optional<std::size_t> definition_{};  ///< whose text is at hand
+  std::size_t known_ = std::string::npos;    ///< so many definitions are
   std::size_t depth_ = 0, steps_ = 0;
 };
 

@@ -21,15 +21,15 @@ namespace least::text {
 /// A text written out, and where its parts come from.
 class Expansion {
  public:
-  /// A place in the text, or in that of a definition.
+  /// A place in the text, or in that of a definition of the vocabulary.
   struct Place {
     std::size_t position = 0;
-    std::string_view definition{};  ///< empty: the text itself
+    std::optional<std::size_t> definition{};
   };
-  /// What is wrong, at a place.
+  /// What is wrong, in the text or in that of a definition.
   struct Wrong {
     Fault fault;
-    std::string definition{};  ///< whose text it is; empty: the text itself
+    std::optional<std::size_t> definition{};
   };
 
   /// `indices`: what has a value already. Takes no longer than most_written characters do.
@@ -48,7 +48,7 @@ class Expansion {
     std::size_t at;        ///< where it begins, written out
     std::size_t position;  ///< and where it comes from
     bool whole;            ///< all of it comes from that one place
-    std::string_view definition;
+    std::optional<std::size_t> definition;
   };
   std::string text_;
   std::vector<Part> parts_;

@@ -177,7 +177,7 @@ class SceneWriter {
                          const Indices& indices = {}) {
     auto made = Expansion::of(text, vocabulary_, indices);
     if (auto* wrong = std::get_if<Expansion::Wrong>(&made)) {
-      faults_.push_back({wrong->definition.empty() ? pointer : pointer_of(wrong->definition), std::move(wrong->fault)});
+      faults_.push_back({wrong->definition ? pointer_of(*wrong->definition) : pointer, std::move(wrong->fault)});
       return {};
     }
     auto& expansion = std::get<Expansion>(made);
@@ -187,10 +187,8 @@ class SceneWriter {
     out_.sources_[written_pointer] = {pointer, std::move(expansion)};
     return written;
   }
-  std::string pointer_of(std::string_view definition) const {
-    for (const auto& [key, text] : typed_->definitions)
-      if (declaration(key).name == definition) return pointer_to("/definitions/", key);
-    return "/definitions";
+  std::string pointer_of(std::size_t definition) const {
+    return pointer_to("/definitions/", typed_->definitions[definition].first);
   }
 
   void write_texts() {
@@ -268,9 +266,8 @@ DefinitionFault WrittenOut::as_typed(DefinitionFault fault) const {
     if (!fault.in_text) return fault;
     const Expansion::Place place = source->second.expansion.origin(fault.fault.position);
     fault.fault.position = place.position;
-    if (!place.definition.empty() && definition_.typed)
-      for (const auto& [key, text] : definition_.typed->definitions)
-        if (declaration(key).name == place.definition) fault.pointer = pointer_to("/definitions/", key);
+    if (place.definition)
+      fault.pointer = pointer_to("/definitions/", definition_.typed->definitions[*place.definition].first);
     return fault;
   }
   constexpr std::string_view variables = "/variables/";

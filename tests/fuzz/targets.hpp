@@ -26,12 +26,18 @@ void forms(std::string_view bytes);
 /// well-formed.
 void formula(std::string_view bytes);
 
+/// Choices: which values of a good request are replaced, and by what. What is read runs, for a short time, as the
+/// service runs it: the answer is whole, and a refusal says why.
+void values(std::string_view bytes);
+/// The status of that answer; 0 where the build leaves out what it takes.
+int status_of_values(std::string_view bytes);
+
 struct Target {
   std::string_view name;  ///< and that of its folder in tests/fuzz/corpus
   void (*check)(std::string_view bytes);
 };
-inline constexpr Target targets[] = {
-    {"guard", guard}, {"request", request}, {"accept", accept}, {"forms", forms}, {"formula", formula}};
+inline constexpr Target targets[] = {{"guard", guard}, {"request", request}, {"accept", accept},
+                                     {"forms", forms}, {"formula", formula}, {"values", values}};
 
 inline void ensure(bool holds, const std::string& what) {
   if (!holds) throw std::logic_error(what);

@@ -17,6 +17,7 @@
 
 #include "tests/server/client.hpp"
 #include "tests/server/process.hpp"
+#include "tests/soak/heavy.hpp"
 
 namespace {
 
@@ -53,7 +54,8 @@ class Soak {
  public:
   explicit Soak(double seconds)
       : service_({"serve", "--port", "0", "--max-memory", std::to_string(budget)}, "", {}, 2),
-        port_(port_in(service_.line())) {
+        port_(port_in(service_.line())),
+        heavy_(port_, ending_) {
     std::vector<std::jthread> clients;
     const auto start = [&](int n, auto work) {
       for (int i = 0; i < n; ++i) clients.emplace_back([this, i, work] { (this->*work)(i); });
@@ -65,6 +67,9 @@ class Soak {
     start(2, &Soak::study);
     start(1, &Soak::look_at_health);
     start(1, &Soak::run_now_and_then);
+    start(2, &Soak::explode);
+    start(1, &Soak::cut);
+    start(slow_readers, &Soak::read_slowly);
     const auto until = Clock::now() + std::chrono::duration<double>(seconds);
     while (Clock::now() < until) {
       most_memory_ = std::max(most_memory_, status("VmRSS:"));
@@ -104,21 +109,30 @@ class Soak {
     row("a small run of one client, 99 of 100 within", small_.quantile(0.99) * 1e3, "ms", 250);
     row("the longest wait of 64 clients in a closed loop", waits_.quantile(1), "s", 2);
     row("memory beyond the budget of answers", (most_memory_ * 1024 - static_cast<double>(budget)) / 1e6, "MB", 100);
-    row("threads", most_threads_, "", std::thread::hardware_concurrency() + 4 + 1);
-    row("answers cut off or wrong", static_cast<double>(counts_.wrong), "", 0);
-    row("requests without an answer before the end", static_cast<double>(counts_.lost), "", 0);
+    // A worker for each core, four more; one for each client of lines that may be behind, which two of the downloads
+    // are; and those of ensembles, of which as many compute at once as there are cores, with as many threads each.
+    const double cores = std::thread::hardware_concurrency();
+    row("threads", most_threads_, "", cores + 4 + 2 + slow_readers + cores * cores);
+    row("an explosive scene, beyond the 0.1 s asked for", heavy_.explosive.longest(), "s", 1);
+    row("a large section, beyond its limit of 1 s", heavy_.sections.longest(), "s", 1);
+    row("answers read slowly that are cut off or wrong", static_cast<double>(heavy_.cut_off), "", 0);
+    row("answers cut off or wrong", static_cast<double>(counts_.wrong + heavy_.wrong), "", 0);
+    row("requests without an answer before the end", static_cast<double>(counts_.lost + heavy_.lost), "", 0);
     row("requests without an answer at the end", ended_well_ ? 0 : 1, "", 0);
     row("the end", seconds_to_end_, "s", 30);
     row("exit code", exit_code_, "", 0);
     std::printf(
         "\n%ld runs served, %ld told to come again; %zu probes, %zu small runs; %ld downloads, %ld studies, "
-        "%ld runs left, %ld slow clients let go\n",
-        counts_.served.load(), counts_.busy.load(), health_.count(), small_.count(), counts_.downloads.load(),
-        counts_.studies.load(), counts_.aborted.load(), counts_.let_go.load());
+        "%ld runs left, %ld slow clients let go; %ld answers of explosive scenes, %ld sections; %ld answers read "
+        "slowly to their end, %ld ended early\n",
+        counts_.served.load(), counts_.busy.load() + heavy_.told_to_come_again, health_.count(), small_.count(),
+        counts_.downloads.load(), counts_.studies.load(), counts_.aborted.load(), counts_.let_go.load(),
+        heavy_.explosive.count(), heavy_.sections.count(), heavy_.read_whole.load(), heavy_.ended_early.load());
     return good;
   }
 
  private:
+  static constexpr int slow_readers = 3;
   static constexpr const char* large_run =
       R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":400000},"record":{"every":1}})";
   static std::string long_run(const std::string& seconds) {
@@ -204,6 +218,9 @@ class Soak {
       std::this_thread::sleep_for(500ms);
     }
   }
+  void explode(int i) { heavy_.ask_for_explosive_scenes(20 * i); }
+  void cut(int i) { heavy_.ask_for_sections(i); }
+  void read_slowly(int i) { heavy_.read_slowly(i); }
   void look_at_health(int) { every_while("127.0.0.3", get("/healthz"), health_); }
   void run_now_and_then(int) {
     every_while("127.0.0.2", post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":100}})"),
@@ -229,6 +246,7 @@ class Soak {
   Process service_;
   const int port_;
   std::atomic<bool> ending_{false};
+  HeavyClients heavy_;
   Waits health_, small_, waits_;
   Counts counts_;
   double most_memory_ = 0, most_threads_ = 0, seconds_to_end_ = 0;

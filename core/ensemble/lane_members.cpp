@@ -184,6 +184,7 @@ class LaneBlock final : public LaneHost {
   }
 
  private:
+  bool gone() const { return task_.cancelled->load(std::memory_order_relaxed); }
   /// Between the states at both ends of a step: of a level the lanes know whether it may be passed twice.
   bool may_cross(std::size_t m, double from, double to) {
     if (task_.watched >= 0) {
@@ -212,7 +213,6 @@ class LaneBlock final : public LaneHost {
   bool run_text(const LaneUnit& unit) {
     constexpr std::size_t most_kept = 2'000'000, many = 64, alike = 4;  // kept: numbers and operations
     const text::TextScene& text = *request_.scene->mechanics->text();
-    const auto gone = [&] { return task_.cancelled->load(std::memory_order_relaxed); };
     std::vector<TextGroup> groups;
     std::size_t kept = 0, members = 0;
     constexpr std::size_t bytes_of_operation = 100;  // traced, then compiled
@@ -287,7 +287,7 @@ class LaneBlock final : public LaneHost {
   void take_final() {
     std::vector<double> state(task_.variables), row;
     for (std::size_t m = 0; m < task_.count; ++m) {
-      if (task_.cancelled->load(std::memory_order_relaxed)) return;  // expressions may be long
+      if (gone()) return;  // expressions may be long
       if (static_cast<ReturnCode>(task_.ended[m]) != ReturnCode::completed) continue;
       for (std::size_t i = 0; i < state.size(); ++i) state[i] = task_.final[i * task_.count + m];
       row.clear();
@@ -336,6 +336,7 @@ class LaneBlock final : public LaneHost {
   }
   void add_point(std::size_t m, double t, const double* state) {
     SectionPoints& points = block_.harvest.section;
+    if (gone()) return;  // nothing of the block is kept, nor put in order
     if (points.t.size() >= most_points()) keep_first_points();
     points.make_room(points.t.size() + 1, columns_.size(), block_.held);
     points.member.push_back(block_.first + static_cast<std::int64_t>(in_block(m)));
@@ -350,8 +351,7 @@ class LaneBlock final : public LaneHost {
     SectionPoints& all = block_.harvest.section;
     const auto most = static_cast<std::size_t>(request_.limits.samples);
     block_.harvest.truncated = block_.harvest.truncated || all.t.size() > most;
-    all.sort(block_.first, static_cast<std::size_t>(block_.count), most, block_.held,
-             [&] { return !task_.cancelled->load(std::memory_order_relaxed); });
+    all.sort(block_.first, static_cast<std::size_t>(block_.count), most, block_.held, [&] { return !gone(); });
   }
 
   const EnsemblePlan& plan_;

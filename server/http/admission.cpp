@@ -258,7 +258,14 @@ void Admission::admit_waiting(Waiters& calls) noexcept {
   while (running_ < places_ && !turns_.empty() && !closed_) {
     const auto turn = next();
     Client& client = **turn;
-    calls.splice(calls.end(), client.waiting, client.waiting.begin());
+    auto chosen = client.waiting.begin();
+    // Every other turn of an address is that of the request that has waited longest: a connection that computed more
+    // than others, or was charged for what else the machine did, does not wait until all others have computed as much.
+    if (client.longest_is_next && !chosen->resumes)
+      chosen = std::min_element(client.waiting.begin(), client.waiting.end(),
+                                [](const Waiter& a, const Waiter& b) { return a.from < b.from; });
+    client.longest_is_next = !client.longest_is_next;
+    calls.splice(calls.end(), client.waiting, chosen);
     if (client.waiting.empty()) {
       turns_.erase(turn);
     } else {

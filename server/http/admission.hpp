@@ -38,11 +38,11 @@ class Account {
 };
 using AccountPtr = std::shared_ptr<Account>;
 
-/// Addresses are served round robin; of one address the connection that computed least of late goes first, a new one
-/// counting as the mean of those that wait. While others wait, an address holds at most half of the places, rounded up.
-/// Where the queue is full, the address with most in it gives way to one with less, and within an address who computed
-/// more. Where memory is out, who asks is told so by an exception and nothing has changed; to give a turn back, to
-/// admit and to refuse take none.
+/// Addresses are served round robin; of one address by turns the connection that computed least of late, a new one
+/// counting as the mean of those that wait, and the request that has waited longest. While others wait, an address
+/// holds at most half of the places, rounded up. Where the queue is full, the address with most in it gives way to one
+/// with less, and within an address who computed more. Where memory is out, who asks is told so by an exception and
+/// nothing has changed; to give a turn back, to admit and to refuse take none.
 class Admission {
   struct Client;
   struct Place;
@@ -159,7 +159,8 @@ class Admission {
   struct Client {
     std::string_view name{};
     unsigned running = 0, parked = 0;
-    Waiters waiting{};  // the next one first
+    Waiters waiting{};             // the next one first
+    bool longest_is_next = false;  ///< the next turn is that of the request that has waited longest
   };
 
   Client& client_of(std::string_view address);

@@ -60,7 +60,7 @@ void serve_all(std::vector<std::shared_ptr<Waiting>>& all) {
   }
 }
 
-TEST(Accounts, WhoComputedLeastGoesFirst) {
+TEST(Accounts, WhoComputedLeastGoesFirstAndEveryOtherTurnIsForWhoWaitedLongest) {
   Admission admission(1, 100);
   const auto much = after(admission, 600), some = after(admission, 200), little = after(admission, 10);
   std::string order;
@@ -72,7 +72,7 @@ TEST(Accounts, WhoComputedLeastGoesFirst) {
   all.push_back(ask_for_turn(admission, account(), 20s, &order, 'n'));  // nobody knows it: the mean of these, 270
   held.reset();
   serve_all(all);
-  EXPECT_EQ(order, "lsnm");
+  EXPECT_EQ(order, "lmsn") << "the one that computed most came first and does not wait for all others";
 }
 
 TEST(Accounts, OfEqualsTheFirstGoesFirst) {

@@ -76,7 +76,7 @@ TEST_F(SlowReaders, HoldNoPlace) {
     simulate_slowly();
     await("parked", i + 1);
   }
-  EXPECT_EQ(metric("running"), 0);
+  await("running", 0);
   others_are_served();
   for (Client& client : slow) {
     const Reply reply = client.receive().value_or(Reply{});
@@ -84,7 +84,7 @@ TEST_F(SlowReaders, HoldNoPlace) {
     EXPECT_EQ(last_line(reply.body)["cost"]["steps"], 40'000);
   }
   await("parked", 0);
-  EXPECT_EQ(metric("running"), 0);
+  await("running", 0);
 }
 
 // Who was parked begins again beside others who ask all the time.
@@ -136,7 +136,7 @@ TEST_F(SlowReaders, BeyondABoundEnd) {
   ASSERT_EQ(reply.status, 200);
   EXPECT_EQ(last_line(reply.body)["status"], "stopped");
   EXPECT_EQ(last_line(reply.body)["stop"]["reason"], "cancelled");
-  EXPECT_EQ(metric("parked"), most);
+  await("parked", most);  // one of them may have sent what its client took meanwhile
   others_are_served();
 }
 
@@ -147,7 +147,7 @@ TEST_F(SlowReaders, ThatHangUpAreForgotten) {
   slow.front().hang_up();
   await("parked", 0);
   others_are_served();
-  EXPECT_EQ(metric("cancelled_total"), 1);
+  await("cancelled_total", 1);
 }
 
 // Runs that wait for their clients do not hold up the end of the service beyond its grace by much.

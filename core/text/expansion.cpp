@@ -101,8 +101,7 @@ class Expander {
       if (name == "if") return choice(text, from, next + 1, at - 1, indices);
       return series(text, from, next + 1, at - 1, name == "sum", indices);
     }
-    for (auto index = indices.rbegin(); index != indices.rend(); ++index)
-      if (index->first == name) return write_number(index->second, from);
+    if (const auto value = value_of(name, indices)) return write_number(*value, from);
     if (vocabulary_.fixed.contains(name)) return write_number(vocabulary_.constants.find(name)->second, from);
     const auto& all = vocabulary_.definitions;
     const auto known = all.begin() + static_cast<std::ptrdiff_t>(std::min(known_, all.size()));

@@ -115,11 +115,10 @@ class IndexReader {
   std::int64_t named() {
     const std::size_t to = end_of_word(text_, at_, end_);
     const std::string_view word = text_.substr(at_, to - at_);
-    for (auto index = indices_.rbegin(); index != indices_.rend(); ++index)
-      if (index->first == word) {
-        at_ = to;
-        return index->second;
-      }
+    if (const auto known = value_of(word, indices_)) {
+      at_ = to;
+      return *known;
+    }
     if (const auto constant = vocabulary_.constants.find(word); constant != vocabulary_.constants.end()) {
       used_.emplace(word);
       at_ = to;
@@ -190,6 +189,12 @@ class IndexReader {
 };
 
 }  // namespace
+
+std::optional<std::int64_t> value_of(std::string_view index, const Indices& indices) {
+  const auto innermost =
+      std::find_if(indices.rbegin(), indices.rend(), [&](const auto& one) { return one.first == index; });
+  return innermost == indices.rend() ? std::nullopt : std::optional(innermost->second);
+}
 
 std::variant<std::int64_t, Fault> read_index(std::string_view text, std::size_t from, std::size_t to,
                                              const Vocabulary& vocabulary, const Indices& indices, Names& used) {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -33,6 +34,9 @@ struct Vocabulary {
   std::map<std::string, std::int64_t, std::less<>> constants;  ///< whole numbers, which bounds and indices may use
   Names fixed;                                                 ///< of those the ones that stand for numbers everywhere
 };
+
+/// The value of the innermost index of this name; nothing where there is none.
+std::optional<std::int64_t> value_of(std::string_view index, const Indices& indices);
 
 /// A part of a text as an index. `used`: gets the whole constants that it reads.
 std::variant<std::int64_t, Fault> read_index(std::string_view text, std::size_t from, std::size_t to,

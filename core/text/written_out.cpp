@@ -151,10 +151,10 @@ class SceneWriter {
   }
 
   void read_definitions() {
-    const auto functions = function_names();
+    const auto known = function_names();
     const auto taken = [&](const std::string& name) {
       const auto is = [&](std::string_view other) { return other == name; };
-      return std::ranges::any_of(functions, is) || std::ranges::any_of(words_of_expansion, is) ||
+      return std::ranges::any_of(known, is) || std::ranges::any_of(words_of_expansion, is) ||
              std::ranges::any_of(given().variables, is) || vocabulary_.lists.contains(name) || name == "t" ||
              name == "s" || name == "pi" || name == "energy" ||
              std::ranges::any_of(given().parameters, is, &std::pair<std::string, double>::first) ||

@@ -106,7 +106,9 @@ class Soak {
     };
     std::printf("| | measured | at most |\n|---|---|---|\n");
     row("/healthz, 99 of 100 within", health_.quantile(0.99) * 1e3, "ms", 50);
-    row("a small run of one client, 99 of 100 within", small_.quantile(0.99) * 1e3, "ms", 250);
+    // No place is taken away from a run: it waits for one of those of explosive scenes or sections, up to half a
+    // second.
+    row("a small run of one client, 99 of 100 within", small_.quantile(0.99) * 1e3, "ms", 500);
     row("the longest wait of 64 clients in a closed loop", waits_.quantile(1), "s", 2);
     row("memory beyond the budget of answers", (most_memory_ * 1024 - static_cast<double>(budget)) / 1e6, "MB", 100);
     // A worker for each core, four more; one for each client of lines that may be behind, which two of the downloads

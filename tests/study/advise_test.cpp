@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/study/search.hpp"
+#include "tests/support/processor_clock.hpp"
 #include "tests/study/studies.hpp"
 
 namespace {
@@ -266,14 +267,15 @@ TEST(Advice, ForeseesErrorsInChaos) {
 }
 
 TEST(Advice, FindsTheBestWithinATime) {
+  const runs::ProcessorClock clock;
   const Request heiles = scene("henon_heiles");
-  const Advice quick = advise(heiles, {std::nan(""), 3e-5, {}}, never),
-               slow = advise(heiles, {std::nan(""), 3e-3, {}}, never);
+  const Advice quick = advise(heiles, {std::nan(""), 1e-4, {}}, never),
+               slow = advise(heiles, {std::nan(""), 1e-2, {}}, never);
   ASSERT_TRUE(quick.choice && slow.choice);
   EXPECT_GT(quick.estimated_error, slow.estimated_error) << quick.reason << slow.reason;
   EXPECT_LT(slow.estimated_error, 1e-8) << slow.reason;
   const ErrorStudy subject(heiles, false, 20, never);
-  EXPECT_LT(subject.time(*slow.choice, 1, 100'000'000), 2 * 3e-3);
+  EXPECT_LT(subject.time(*slow.choice, 1, 100'000'000), 2 * 1e-2);
   EXPECT_FALSE(advise(heiles, {std::nan(""), 1e-9, {}}, never).choice);
 }
 

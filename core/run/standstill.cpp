@@ -123,7 +123,8 @@ double singular_time(const RunBackend& backend, const Request& request, StepStat
                latest = now + (step > 0 ? few_steps * step : way);
   if (problem.starts_series(start)) start = problem.series_state(problem.traits.series_until);
   if (!(start.t < latest)) return unknown;
-  const Approach approach(backend, start, std::clamp<std::int64_t>(10 * forces, few, many), keep_going);
+  const std::int64_t most = std::clamp<std::int64_t>(10 * forces, few, many) / weight_of_force(*scene.mechanics);
+  const Approach approach(backend, start, most, keep_going);
   const auto unseen = [](const RunState&) {};
   const auto one = approach.walk(100 * close, latest, unseen), other = approach.walk(close, latest, unseen);
   const auto agree = [&](double a, double b) { return std::abs(a - b) < near * (b - start.t); };

@@ -51,6 +51,13 @@ void read_limits(const Json& root, const FieldPath& top, const Caps& caps, Limit
   }
 }
 
+// Where the time of the end stands: `until` may be that time alone.
+bool is_bare(const Json* until) { return until && (until->is_number() || until->is_string()); }
+FieldPath end_path(const Json& root, const FieldPath& top) {
+  const FieldPath until = top.at("until");
+  return is_bare(find(root, "until")) ? until : until.at("t");
+}
+
 // The end as it stands in the request, or the default one.
 void read_until(const Json& root, const FieldPath& top, const PresetCard* preset, Request& request) {
   const Json* json = find(root, "until");
@@ -59,14 +66,15 @@ void read_until(const Json& root, const FieldPath& top, const PresetCard* preset
     const bool open = json == nullptr && top.faults->empty();
     request.end = request.scene->start + (open ? suggested_span(*request.scene, preset) : request.scene->card().span);
   }
-  if (json == nullptr || !read_object(*json, path, {"t", "steps"}, "until")) return;
-  const Json *t = find(*json, "t"), *steps = find(*json, "steps");
+  const bool bare = is_bare(json);
+  if (json == nullptr || (!bare && !read_object(*json, path, {"t", "steps"}, "until"))) return;
+  const Json *t = bare ? json : find(*json, "t"), *steps = bare ? nullptr : find(*json, "steps");
   if ((t == nullptr) == (steps == nullptr)) {
     path.lacks("must hold either t or steps", "{\"t\": …}, {\"steps\": …}");
     return;
   }
   if (t) {
-    request.end = read_number(*t, path.at("t"), {-infinity, infinity, true, true}).value_or(request.end);
+    request.end = read_number(*t, end_path(root, top), {-infinity, infinity, true, true}).value_or(request.end);
   } else if (const auto count = read_integer(*steps, path.at("steps"), 1, greatest_count)) {
     request.until_steps = true;
     request.steps = *count;
@@ -74,7 +82,8 @@ void read_until(const Json& root, const FieldPath& top, const PresetCard* preset
 }
 
 // `h`: the length of a step, where it is known.
-Span span_until(const Request& request, std::optional<double> h, const FieldPath& until) {
+Span span_until(const Json& root, const FieldPath& top, const Request& request, std::optional<double> h) {
+  const FieldPath until = top.at("until"), time = end_path(root, top);
   if (request.until_steps) {
     if (!h) return {std::nullopt, request.steps};
     const double end = request.scene->start + static_cast<double>(request.steps) * *h;
@@ -84,25 +93,25 @@ Span span_until(const Request& request, std::optional<double> h, const FieldPath
     return {};
   }
   if (!(request.end > request.scene->start)) {
-    until.at("t").fault(fmt::format("must be greater than the start, t = {}", shortest(request.scene->start)),
-                        Json(request.end), interval({request.scene->start, infinity, true, true}));
+    time.fault(fmt::format("must be greater than the start, t = {}", shortest(request.scene->start)), Json(request.end),
+               interval({request.scene->start, infinity, true, true}));
     return {};
   }
   if (!std::isfinite(request.end - request.scene->start)) {
-    until.at("t").fault("the span from the start does not fit a double", Json(request.end));
+    time.fault("the span from the start does not fit a double", Json(request.end));
     return {};
   }
   if (!h) return {request.end, std::nullopt};
   const double steps = (request.end - request.scene->start) / *h;
   if (!(steps <= static_cast<double>(greatest_count))) {
-    until.at("t").fault(
+    time.fault(
         fmt::format("would take {} steps of {}, more than can be counted", shortest(std::floor(steps)), shortest(*h)),
         Json(request.end));
     return {};
   }
   if (request.scene->start + *h == request.scene->start || request.end - *h == request.end) {
-    until.at("t").fault(fmt::format("a double cannot tell times apart there that lie a step of {} apart", shortest(*h)),
-                        Json(request.end));
+    time.fault(fmt::format("a double cannot tell times apart there that lie a step of {} apart", shortest(*h)),
+               Json(request.end));
     return {};
   }
   return {request.end, whole_steps(request.scene->start, request.end, *h)};
@@ -205,7 +214,7 @@ bool fault_free(const FieldPath& top, std::initializer_list<const char*> pointer
 
 void refuse_steps(const Json& root, const FieldPath& top, std::string_view reason) {
   const Json* until = find(root, "until");
-  const Json* steps = until ? find(*until, "steps") : nullptr;
+  const Json* steps = until && until->is_object() ? find(*until, "steps") : nullptr;
   if (steps) top.at("until").at("steps").fault(std::string(reason), *steps, "{\"t\": …}");
 }
 
@@ -213,7 +222,7 @@ void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem
               Request& request) {
   read_until(root, top, preset, request);
   if (problem && fault_free(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
-    span_until(request, std::nullopt, top.at("until"));
+    span_until(root, top, request, std::nullopt);
   }
 }
 
@@ -232,7 +241,7 @@ void read_plan(const Json& root, const FieldPath& top, const ProblemCard* proble
   if (problem && scheme && fault_free(top, {"/problem/preset", "/initial/t", "/until", "/until/t", "/until/steps"})) {
     const auto step = fixed_step(*scheme);
     const bool known = step && fault_free(top, {"/scheme/step", "/scheme/preset"});
-    span = span_until(request, known ? std::optional(request.settings[*step]) : std::nullopt, top.at("until"));
+    span = span_until(root, top, request, known ? std::optional(request.settings[*step]) : std::nullopt);
     span.open = request.until_steps && !step;
   }
   if (problem) read_columns(root, top, members, request);  // as many as there are, as many rows fit

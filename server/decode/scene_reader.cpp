@@ -143,8 +143,14 @@ Json without_lists(const Json& initial, const FieldPath& start, const text::Text
     } else if (entry.size() != static_cast<std::size_t>(count)) {
       start.at(name).fault("is a list of another length", Json(entry.size()), std::to_string(count) + " numbers");
     } else {
-      for (std::size_t i = 0; i < entry.size(); ++i)
-        elements[text::element_name(name, static_cast<std::int64_t>(i) + 1)] = entry[i];
+      for (std::size_t i = 0; i < entry.size(); ++i) {
+        const std::string element = text::element_name(name, static_cast<std::int64_t>(i) + 1);
+        const FieldPath place = start.at(name).at(i);
+        if (initial.contains(element))
+          place.fault(fmt::format("is given twice: {} stands beside the list", element), entry[i], "one of them");
+        else if (const auto value = read_number(entry[i], place, anywhere))
+          elements[element] = *value;
+      }
     }
   }
   return elements;

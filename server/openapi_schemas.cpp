@@ -1,5 +1,7 @@
 #include "server/openapi_schemas.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -29,6 +31,9 @@ Json number_in(const Range& range) {
 Json count_in(std::int64_t low, std::int64_t high) {
   return {{"type", "integer"}, {"minimum", low}, {"maximum", high}};
 }
+
+// A number, or a text of constants.
+Json quantity() { return {{"type", {"number", "string"}}}; }
 
 // What may stand for a value, and beside it what it means.
 Json described(Json schema, const std::string& doc, const std::string& unit) {
@@ -287,7 +292,8 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
   return {
       {"Until",
        {{"oneOf",
-         {object_of({{"t", described(number, "absolute, after the start", "time")}}, {"t"}),
+         {described(quantity(), "the same as t", "time"),
+          object_of({{"t", described(quantity(), "absolute, after the start", "time")}}, {"t"}),
           object_of({{"steps", count_in(1, most)}}, {"steps"})}}}},
       {"Record",
        {{"oneOf",
@@ -322,7 +328,7 @@ Json typed_problem() {
       {{"id", {{"const", custom_id}}},
        {"title", text},
        {"variables", described(names, "coordinates, or what equations are of; `x[5]` declares x[1] … x[5]", "")},
-       {"parameters", described(by_name(either(number, list_of(number))), "with their values", "")},
+       {"parameters", described(by_name(either(quantity(), list_of(quantity()))), "with their values", "")},
        {"definitions",
         described(by_name(formula), "`r` or `d(i,j)`: what later texts may use, and columns and events", "")},
        {"lagrangian", described(text, "L(q, v, t, s)", "")},
@@ -335,12 +341,23 @@ Json typed_problem() {
        {"equations", described(by_name(formula), "the rate of every variable", "")},
        {"invariants", described(by_name(text), "what the motion keeps, reported by `momenta`", "")}},
       {"id", "variables"});
-  schema["additionalProperties"] = number;
+  schema["additionalProperties"] = either(quantity(), list_of(quantity()));
   schema["oneOf"] = Json::array();
   for (const char* kind : {"lagrangian", "hamiltonian", "potential", "equations"}) {
     schema["oneOf"].push_back({{"required", Json::array({kind})}});
   }
   schema["title"] = "A scene as text";
+  std::string functions;
+  for (const auto function : text::function_names()) functions.append(functions.empty() ? "" : " ").append(function);
+  schema["description"] = fmt::format(
+      "Texts are made of numbers, pi, t, names, + - * / ^ (or **), functions ({}; of many of a kind sum prod mod) and "
+      "conditions in if(a < b and not c >= d, …, …). A name is a letter, then letters, digits, _: at most {} before "
+      "an index. At most {} coordinates, {} where the kinetic energy depends on the place, the Lagrangian is not "
+      "quadratic in the velocities or H is quadratic in s, {} variables of equations; {} characters as typed, {} "
+      "operations, {} with all sums written out. Numbers of `initial`, `until`, parameters and settings may be texts "
+      "of constants, as \"2*pi/3\".",
+      functions, text::longest_name, text::most_coordinates, text::compiled_coordinates, text::most_variables,
+      text::most_characters, text::most_operations, text::most_summed);
   return schema;
 }
 
@@ -368,7 +385,7 @@ Json schemas(const Cards& cards, const Caps& caps) {
   all["Problem.catalogue"] = choice_of(problems, "Problem.");
   all["Problem"] = either(reference("Problem.catalogue"), reference("Problem.custom"));
   all["Problem.custom"] = typed_problem();
-  all["Initial.custom"] = {{"type", "object"}, {"additionalProperties", {{"type", "number"}}}};
+  all["Initial.custom"] = {{"type", "object"}, {"additionalProperties", either(quantity(), list_of(quantity()))}};
   all["Scheme"] = choice_of(scheme_ids, "Scheme.");
   all["SimulateAnswer"] = answer_schema();
   all.update(fault_schemas());

@@ -4,6 +4,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/catalogue/sized_mechanics.hpp"
+#include "core/text/sized_scene.hpp"
+
 namespace least {
 namespace {
 
@@ -22,6 +25,29 @@ std::string class_of(const text::Form& form, int capacity) {
   return name + "_" + std::to_string(capacity);
 }
 
+using Made = std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>>;
+
+Made too_many_operations(tape::Index limit) {
+  const std::string most = std::to_string(limit) + " when all of them are written out";
+  return std::vector<text::DefinitionFault>{{"", {0, "its equations of motion take too many operations", most}, false}};
+}
+
+Made of_any_size(text::TextScene scene) {
+  if (!text::SizedScene::has(*scene.form))
+    return std::vector<text::DefinitionFault>{
+        {"/variables",
+         {0,
+          "are more than a kinetic energy that depends on the place, a Lagrangian not quadratic in the velocities or "
+          "a term quadratic in s goes with",
+          "1 to " + std::to_string(text::compiled_coordinates) + " of those"},
+         false}};
+  try {
+    return sized_mechanics(std::move(scene));
+  } catch (const tape::TooManyOperations&) {
+    return too_many_operations(text::SizedScene::most_equations);
+  }
+}
+
 }  // namespace
 
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
@@ -29,19 +55,18 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   auto read = text::TextScene::read(std::move(definition));
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
   auto& scene = std::get<text::TextScene>(read);
+  if (!scene.form->is_compiled()) return of_any_size(std::move(scene));
   const std::string wanted = class_of(*scene.form, scene.capacity);
   auto form = std::ranges::find(text_forms(), wanted, &TextForm::name);
-  if (form == text_forms().end() && scene.capacity < text::most_coordinates) {
-    scene.capacity = text::most_coordinates;
+  if (form == text_forms().end() && scene.capacity < text::compiled_coordinates) {
+    scene.capacity = text::compiled_coordinates;
     form = std::ranges::find(text_forms(), class_of(*scene.form, scene.capacity), &TextForm::name);
   }
   if (form == text_forms().end()) throw std::runtime_error("this build leaves out scenes of the form " + wanted);
   try {
     return form->make(std::move(scene));
   } catch (const tape::TooManyOperations&) {
-    const std::string most = std::to_string(tape::most_of_equations) + " when all of them are written out";
-    return std::vector<text::DefinitionFault>{
-        {"", {0, "its equations of motion take too many operations", most}, false}};
+    return too_many_operations(tape::most_of_equations);
   }
 }
 

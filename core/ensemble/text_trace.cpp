@@ -60,7 +60,7 @@ class TextTracer {
   std::optional<std::uint32_t> row_of(std::size_t i) const {
     const auto n = text_.form->coordinates, capacity = static_cast<std::size_t>(text_.capacity);
     if constexpr (Flow<P>) return i < n ? std::optional(static_cast<std::uint32_t>(i)) : std::nullopt;
-    constexpr std::size_t half = text::most_coordinates;
+    constexpr std::size_t half = text::compiled_coordinates;
     if (i == 2 * half) {
       const bool moves = LinearContact<P> ? full_ : QuadraticContact<P> || text_.form->reads_action;
       return moves ? std::optional(static_cast<std::uint32_t>(2 * capacity)) : std::nullopt;
@@ -158,6 +158,7 @@ std::optional<TextTrace> trace_text(const Request& request, std::span<const doub
                                     bool full) {
   using text::FormKind;
   const text::Form& form = *request.scene->mechanics->text()->form;
+  if (!form.is_compiled()) return std::nullopt;
   std::optional<TextTrace> made(std::in_place);
   const auto as = [&]<class P>(P*) {
     TextTracer<P> tracer(request, parameters, full, *made);
@@ -166,7 +167,7 @@ std::optional<TextTrace> trace_text(const Request& request, std::span<const doub
     if (!good) made.reset();
   };
   // Forms that differ in nothing but what they can be asked for are one here.
-  constexpr int n = text::most_coordinates;
+  constexpr int n = text::compiled_coordinates;
   if (form.kind == FormKind::separable) as(static_cast<text::SeparableScene<n, true>*>(nullptr));
   if (form.kind == FormKind::contact_linear && form.constant_damping)
     as(static_cast<text::DampedScene<n, true>*>(nullptr));

@@ -14,14 +14,26 @@ odeint::Field field_of(const RunBackend& backend, const tape::SteepForces* steep
   return field;
 }
 
-ControlStepper::ControlStepper(const RunBackend& backend, double tolerance)
-    : backend_(backend),
+ControlStepper::ControlStepper(const RunBackend& backend, double tolerance, odeint::Method method)
+    : backend_(&backend),
       steep_(backend.steep_forces()),
-      integrator_(odeint::make_integrator(odeint::Method::dormand_prince_5, backend.motion().traits.components,
+      integrator_(odeint::make_integrator(method, backend.motion().traits.components,
                                           backend.motion().traits.components, tolerance)) {}
+ControlStepper::ControlStepper(const ControlStepper& other)
+    : backend_(other.backend_), steep_(other.steep_), integrator_(other.integrator_->clone()) {}
+ControlStepper& ControlStepper::operator=(ControlStepper other) noexcept {
+  backend_ = other.backend_;
+  steep_ = std::move(other.steep_);
+  integrator_ = std::move(other.integrator_);
+  return *this;
+}
 
 StepStatus ControlStepper::step(RunState& x) noexcept {
-  return integrator_->step(field_of(backend_, steep_.get()), x.numbers.data(), x.t);
+  return integrator_->step(field_of(*backend_, steep_.get()), x.numbers.data(), x.t);
+}
+
+StepStatus ControlStepper::reach(RunState& x, double t) noexcept {
+  return integrator_->reach(field_of(*backend_, steep_.get()), x.numbers.data(), x.t, t);
 }
 
 bool ControlStepper::interpolate(RunState& x, double t) const noexcept {

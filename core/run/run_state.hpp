@@ -91,6 +91,8 @@ struct StateRows {
 
 /// A state that holds its numbers.
 struct RunState {
+  using Number = double;
+
   double t = 0;
   StateNumbers numbers;
 
@@ -102,6 +104,13 @@ struct RunState {
 
 template <class X>
 inline constexpr std::size_t numbers_in = Sloped<X> ? 2 * X::size : X::size;
+
+/// How many components a state has, whether its type says so or it knows itself.
+template <class X>
+constexpr std::size_t components_in([[maybe_unused]] const X& x) {
+  if constexpr (std::is_same_v<X, RunState>) return x.size();
+  if constexpr (!std::is_same_v<X, RunState>) return X::size;
+}
 
 /// The state of a problem's own type.
 template <class X>
@@ -118,6 +127,11 @@ X state_from(StateView view) {
   return x;
 }
 template <class X>
+X state_from(const RunState& x) {
+  if constexpr (std::is_same_v<X, RunState>) return x;
+  if constexpr (!std::is_same_v<X, RunState>) return state_from<X>(StateView(x));
+}
+template <class X>
 void write_numbers(const X& x, double* numbers) {
   for (std::size_t i = 0; i < X::size; ++i) {
     numbers[i] = value_of(x[i]);
@@ -130,6 +144,8 @@ void assign_numbers(const X& x, RunState& state) {
   state.numbers.resize(numbers_in<X>);
   write_numbers(x, state.numbers.data());
 }
+inline void assign_numbers(const RunState& x, RunState& state) { state = x; }
+inline RunState run_state(const RunState& x) { return x; }
 template <class X>
 RunState run_state(const X& x) {
   RunState state;

@@ -62,6 +62,16 @@ Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t
   return scales;
 }
 
+Scales scales_of_motion(tape::Program program, const double* start, double t, std::size_t components,
+                        std::size_t half) {
+  constexpr int order = 8;  // of a start at rest where the force has no slope the sixth is the first to turn it
+  tape::Series series(std::move(program), order, false);
+  series.expand(start, t);
+  std::vector<std::vector<double>> orders;
+  for (int k = 0; k <= order; ++k) orders.emplace_back(series.coefficients(k), series.coefficients(k) + components);
+  return scales_of_series(orders, half > 0 ? half : components, half);
+}
+
 Scales scales_of_orbit(double mu, double r, double v_squared) {
   // A start at the periapsis of a long ellipse is far faster than its period says: no step may be that long.
   constexpr double longest = 32;  // times the time that belongs to the start

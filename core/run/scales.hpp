@@ -24,6 +24,10 @@ Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t
 /// with the square v² of its velocity. Nothing where the orbit is not bound.
 Scales scales_of_orbit(double mu, double r, double v_squared);
 
+/// Of a motion from the series of its equations at a start with so many components; `half`: of mechanics the number of
+/// its coordinates, of a flow 0.
+Scales scales_of_motion(tape::Program program, const double* start, double t, std::size_t components, std::size_t half);
+
 template <class P>
 Scales scales_of(const P& problem, const StateOf<P>& start) {
   Scales scales;
@@ -31,17 +35,13 @@ Scales scales_of(const P& problem, const StateOf<P>& start) {
     scales =
         scales_of_orbit(problem.gravitational_parameter(), std::sqrt(dot(start.q, start.q)), dot(start.p, start.p));
   if (!(scales.time > 0)) {
-    constexpr int order = 8;  // of a start at rest where the force has no slope the sixth is the first to turn it
     using X = StateOf<P>;
     constexpr std::size_t half = [] {
       if constexpr (Flow<P>) return std::size_t(0);
       if constexpr (!Flow<P>) return std::size_t(P::dof);
     }();
-    tape::Series series(taylor::record<X>(problem), order, false);
-    series.expand(taylor::values_of(problem, start).data(), start.t);
-    std::vector<std::vector<double>> orders;
-    for (int k = 0; k <= order; ++k) orders.emplace_back(series.coefficients(k), series.coefficients(k) + X::size);
-    scales = scales_of_series(orders, half > 0 ? half : X::size, half);
+    scales =
+        scales_of_motion(taylor::record<X>(problem), taylor::values_of(problem, start).data(), start.t, X::size, half);
   }
   if constexpr (HasFrequency<P>)
     if (!(scales.time > 0)) scales.time = 1 / std::sqrt(problem.frequency_squared(position(start)));

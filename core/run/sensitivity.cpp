@@ -22,8 +22,8 @@ bool may_be_sensitive(const RunBackend& backend, StateView start) {
   if (components > 2) return true;
   tape::Tape tape;
   const auto rates = backend.write_equations(tape);
-  return std::ranges::any_of(
-      rates, [&](tape::Index rate) { return (tape::dependence(tape, Symbol::at(tape, rate)) & tape::on_time) != 0; });
+  tape::Dependences depends(tape, [](int) { return tape::Dependence(0); });
+  return std::ranges::any_of(rates, [&](tape::Index rate) { return depends(Symbol::at(tape, rate)) != 0; });
 }
 
 /// How far differences have grown, step by step, as `Conditioning` judges it.

@@ -12,6 +12,7 @@
 #include <iterator>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "core/schemes/fehlberg_check.hpp"
 #include "core/schemes/plain_stepper.hpp"
@@ -19,36 +20,46 @@
 namespace least::odeint {
 namespace {
 
-/// As many components as it is told, in a place of its own.
+/// As many components as it is told: in a place of its own up to `most_in_place`, so that a step does not allocate.
 struct Components {
   using value_type = double;
   using iterator = double*;
   using const_iterator = const double*;
 
-  std::size_t count = 0, moving = 0;  ///< moving: how many, the first ones, are the motion
-  std::array<double, most_components> value{};
-
   Components() = default;
+  Components(std::size_t size, std::size_t of_motion) { shape(size, of_motion); }
   Components(const Components& other) { *this = other; }
   Components& operator=(const Components& other) {
+    if (this == &other) return *this;
     shape_like(other);
-    std::copy_n(other.value.data(), count, value.data());
+    std::copy_n(other.data(), count_, data());
     return *this;
   }
-  void shape_like(const Components& other) {
-    count = other.count;
-    moving = other.moving;
+  void shape(std::size_t size, std::size_t of_motion) {
+    count_ = size;
+    moving = of_motion;
+    if (size > most_in_place) elsewhere_.resize(size);
   }
-  std::size_t size() const { return count; }
+  void shape_like(const Components& other) { shape(other.count_, other.moving); }
+  std::size_t size() const { return count_; }
   bool operator==(const Components& other) const { return std::equal(begin(), end(), other.begin(), other.end()); }
-  double& operator[](std::size_t i) { return value[i]; }
-  const double& operator[](std::size_t i) const { return value[i]; }
-  double* data() { return value.data(); }
-  const double* data() const { return value.data(); }
+  double& operator[](std::size_t i) { return data()[i]; }
+  const double& operator[](std::size_t i) const { return data()[i]; }
+  double* data() { return count_ > most_in_place ? elsewhere_.data() : here_.data(); }
+  const double* data() const { return count_ > most_in_place ? elsewhere_.data() : here_.data(); }
   iterator begin() { return data(); }
-  iterator end() { return data() + count; }
+  iterator end() { return data() + count_; }
   const_iterator begin() const { return data(); }
-  const_iterator end() const { return data() + count; }
+  const_iterator end() const { return data() + count_; }
+
+  std::size_t moving = 0;  ///< how many, the first ones, are the motion
+
+ private:
+  static constexpr std::size_t most_in_place = 64;
+
+  std::size_t count_ = 0;
+  std::array<double, most_in_place> here_{};
+  std::vector<double> elsewhere_;  ///< all of them, where they are more
 };
 
 /// The largest of the first `moving` components. What is not a number is left out.
@@ -77,12 +88,7 @@ struct Counted {
     static double norm_inf(const Vector& y) { return largest(y, y.moving); }
   };
   std::size_t count, moving;
-  Vector blank() const {
-    Vector y;
-    y.count = count;
-    y.moving = moving;
-    return y;
-  }
+  Vector blank() const { return {count, moving}; }
   static void shape(Vector& to, const Vector& from) { to.shape_like(from); }
 };
 

@@ -54,9 +54,6 @@ class Integrator {
   virtual const Work& work() const noexcept = 0;
 };
 
-/// The most components of one motion, so that a step does not allocate.
-inline constexpr std::size_t most_components = 64;
-
 /// For `count` components of which the first `moving` are the motion.
 std::unique_ptr<Integrator> make_integrator(Method method, std::size_t count, std::size_t moving, double tolerance);
 
@@ -152,8 +149,6 @@ class AnyOdeintStepper {
 
  private:
   static constexpr std::size_t size = odeint::components<X>;
-  static_assert(size <= odeint::most_components,
-                "more components than `most_components` in core/schemes/odeint.hpp: raise it");
 
   /// Values, then slopes.
   static void read(const double* y, X& x) {

@@ -13,14 +13,16 @@
 namespace least {
 
 /// Stages whose increments depend on the one before alone, weighted at the end.
+template <int Stages>
+struct ExplicitTableau {
+  double node[Stages], weight[Stages];
+  double divisor;  ///< common to the weights, so that 1/6 and 1/3 are exact in every number
+};
+
 template <class P, class X, int Stages>
 class ExplicitRungeKutta {
  public:
-  struct Tableau {
-    double node[Stages], weight[Stages];
-    double divisor;  ///< common to the weights, so that 1/6 and 1/3 are exact in every number
-  };
-  ExplicitRungeKutta(const P& problem, const Tableau& tableau) : problem_(problem), tableau_(tableau) {}
+  ExplicitRungeKutta(const P& problem, const ExplicitTableau<Stages>& tableau) : problem_(problem), tableau_(tableau) {}
 
   StatusOf<typename X::Number> step(X& x, const typename X::Time& h) noexcept {
     X slope = derivative(problem_, x), sum = shifted(X{}, typename X::Time(tableau_.weight[0]), slope);
@@ -41,7 +43,7 @@ class ExplicitRungeKutta {
 
  private:
   P problem_;
-  Tableau tableau_;
+  ExplicitTableau<Stages> tableau_;
   Work work_;
 };
 
@@ -61,8 +63,9 @@ struct ExplicitEuler {
   }
   template <VectorField P, class X>
   auto bind(const P& problem, const X&) const {
-    return ExplicitRungeKutta<P, X, 1>(problem, {{0}, {1}, 1});
+    return ExplicitRungeKutta<P, X, 1>(problem, tableau);
   }
+  static constexpr ExplicitTableau<1> tableau{{0}, {1}, 1};
 };
 
 struct ExplicitMidpoint {
@@ -81,8 +84,9 @@ struct ExplicitMidpoint {
   }
   template <VectorField P, class X>
   auto bind(const P& problem, const X&) const {
-    return ExplicitRungeKutta<P, X, 2>(problem, {{0, 0.5}, {0, 1}, 1});
+    return ExplicitRungeKutta<P, X, 2>(problem, tableau);
   }
+  static constexpr ExplicitTableau<2> tableau{{0, 0.5}, {0, 1}, 1};
 };
 
 struct RungeKutta4 {
@@ -101,8 +105,9 @@ struct RungeKutta4 {
   }
   template <VectorField P, class X>
   auto bind(const P& problem, const X&) const {
-    return ExplicitRungeKutta<P, X, 4>(problem, {{0, 0.5, 0.5, 1}, {1, 2, 2, 1}, 6});
+    return ExplicitRungeKutta<P, X, 4>(problem, tableau);
   }
+  static constexpr ExplicitTableau<4> tableau{{0, 0.5, 0.5, 1}, {1, 2, 2, 1}, 6};
 };
 
 }  // namespace least

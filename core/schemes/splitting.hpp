@@ -133,9 +133,12 @@ struct SymplecticEuler {
   }
   template <Separable P, class X>
   auto bind(const P& problem, const X& x) const {
-    using S = typename X::Time;
-    static const Sequence<S> sequence{{S(1), S(1), S(0)}};
-    return KickDrift<P, X>(problem, x, sequence);
+    return KickDrift<P, X>(problem, x, sequence<typename X::Time>());
+  }
+  template <class S>
+  static const Sequence<S>& sequence() {
+    static const Sequence<S> one{{S(1), S(1), S(0)}};
+    return one;
   }
   /// L_d = h L(q₀, v, t₀).
   template <Separable P, class X>
@@ -164,16 +167,15 @@ struct Leapfrog {
   }
   template <Separable P, class X>
   auto bind(const P& problem, const X& x) const {
-    return KickDrift<P, X>(problem, x, sequence<typename X::Time>(composition));
+    return KickDrift<P, X>(problem, x, sequence<typename X::Time>());
   }
   template <Separable P, class X>
   auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
     return trapezoid_energy(problem, a, b, h);
   }
 
- private:
   template <class S>
-  static const Sequence<S>& sequence(const Composition& composition) {
+  const Sequence<S>& sequence() const {
     const auto composed = [](const Weights<S>& weights) {
       Sequence<S> all;
       for (std::size_t i = 0; i < static_cast<std::size_t>(weights.stages); ++i)
@@ -209,10 +211,12 @@ struct Ruth3 {
   }
   template <Separable P, class X>
   auto bind(const P& problem, const X& x) const {
-    using S = typename X::Time;
-    static const Sequence<S> sequence{
-        {S(0), S(7) / 24, S(2) / 3}, {S(0), S(3) / 4, -S(2) / 3}, {S(0), -S(1) / 24, S(1)}};
-    return KickDrift<P, X>(problem, x, sequence);
+    return KickDrift<P, X>(problem, x, sequence<typename X::Time>());
+  }
+  template <class S>
+  static const Sequence<S>& sequence() {
+    static const Sequence<S> three{{S(0), S(7) / 24, S(2) / 3}, {S(0), S(3) / 4, -S(2) / 3}, {S(0), -S(1) / 24, S(1)}};
+    return three;
   }
 };
 

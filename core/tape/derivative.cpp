@@ -1,53 +1,71 @@
 #include "core/tape/derivative.hpp"
 
+#include <algorithm>
+
 namespace least::tape {
 namespace {
 
 std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
 
-/// Those up to `last` that it is made of.
-std::vector<bool> parts_of(const Tape& tape, Index last) {
-  std::vector<bool> needed(nth(last) + 1, false);
-  needed[nth(last)] = true;
-  for (Index i = last; i >= 0; --i)
-    if (needed[nth(i)])
-      for (const Index part : {tape[i].a, tape[i].b, tape[i].c})
-        if (part != none) needed[nth(part)] = true;
-  return needed;
+/// The nodes that one is made of, and itself, in the order of the tape.
+std::vector<Index> parts_of(const Tape& tape, Index whole) {
+  thread_local std::vector<bool> seen;  // none of them between calls: what is looked at is not all of a large tape
+  if (seen.size() < nth(tape.size())) seen.resize(nth(tape.size()), false);
+  std::vector<Index> parts{whole};
+  seen[nth(whole)] = true;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const Node& node = tape[parts[k]];
+    for (const Index part : {node.a, node.b, node.c})
+      if (part != none && !seen[nth(part)]) {
+        seen[nth(part)] = true;
+        parts.push_back(part);
+      }
+  }
+  for (const Index part : parts) seen[nth(part)] = false;
+  std::ranges::sort(parts);
+  return parts;
+}
+
+/// Whether a value is none that is known beforehand.
+bool varies(const Tape& tape, Index i) {
+  return std::ranges::any_of(parts_of(tape, i),
+                             [&](Index k) { return tape[k].op == Op::time || tape[k].op == Op::variable; });
 }
 
 bool is_zero(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
 
 }  // namespace
 
-Dependence dependence(const Tape& tape, const Symbol& y) {
+Dependence Dependences::operator()(const Symbol& y) {
   if (y.is_constant()) return 0;
-  const Index last = y.place();
-  std::vector<Dependence> seen(nth(last) + 1, 0);
-  for (Index i = 0; i <= last; ++i) {
-    const Node& node = tape[i];
-    if (node.op == Op::time) seen[nth(i)] = on_time;
-    if (node.op == Op::variable && node.value < 63) seen[nth(i)] = Dependence(1) << static_cast<int>(node.value);
+  for (Index i = static_cast<Index>(of_.size()); i <= y.place(); ++i) {
+    const Node& node = tape_[i];
+    Dependence of = node.op == Op::time ? on_time : 0;
+    if (node.op == Op::variable) of = kind_(static_cast<int>(node.value));
     for (const Index part : {node.a, node.b, node.c})
-      if (part != none) seen[nth(i)] |= seen[nth(part)];
+      if (part != none) of |= of_[nth(part)];
+    of_.push_back(of);
   }
-  return seen[nth(last)];
+  return of_[nth(y.place())];
 }
 
 std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables) {
   std::vector<Symbol> slopes(variables.size());
   if (y.is_constant()) return slopes;
-  const Index last = y.place();
-  const std::vector<bool> needed = parts_of(tape, last);
-  std::vector<Symbol> adjoint(nth(last) + 1);
-  adjoint[nth(last)] = 1;
-  for (Index i = last; i >= 0; --i) {
-    const Symbol down = adjoint[nth(i)];
-    if (!needed[nth(i)] || is_zero(down)) continue;
+  const std::vector<Index> parts = parts_of(tape, y.place());
+  std::vector<Symbol> adjoint(parts.size());
+  adjoint.back() = 1;
+  const auto number = [&](Index i) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(parts, i) - parts.begin());
+  };
+  for (std::size_t n = parts.size(); n-- > 0;) {
+    const Index i = parts[n];
+    const Symbol down = adjoint[n];
+    if (is_zero(down)) continue;
     const Node node = tape[i];  // what follows may move them
     const Symbol x = Symbol::at(tape, i);
     const auto part = [&](Index k) { return Symbol::at(tape, k); };
-    const auto add = [&](Index k, const Symbol& slope) { adjoint[nth(k)] = adjoint[nth(k)] + slope; };
+    const auto add = [&](Index k, const Symbol& slope) { adjoint[number(k)] = adjoint[number(k)] + slope; };
     switch (node.op) {
       case Op::constant:
       case Op::time:
@@ -81,7 +99,7 @@ std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> v
         break;
       case Op::raise:
         add(node.a, down * (part(node.b) * raise(part(node.a), part(node.b) - Symbol(1))));
-        if (dependence(tape, part(node.b)) != 0) add(node.b, down * (x * log(part(node.a))));
+        if (varies(tape, node.b)) add(node.b, down * (x * log(part(node.a))));
         break;
       case Op::sqrt:
         add(node.a, down * (Symbol(0.5) * pow(part(node.a), -0.5)));
@@ -133,11 +151,13 @@ std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> v
 Symbol Substitution::operator()(const Symbol& y) {
   if (y.is_constant()) return y;
   const Index last = y.place();
-  const std::vector<bool> needed = parts_of(from_, last);
-  made_.resize(std::max(made_.size(), needed.size()));
-  known_.resize(made_.size(), false);
-  for (Index i = 0; i <= last; ++i) {
-    if (!needed[nth(i)] || known_[nth(i)]) continue;
+  if (made_.size() <= nth(last)) {
+    made_.resize(nth(from_.size()));
+    known_.resize(made_.size(), false);
+  }
+  if (known_[nth(last)]) return made_[nth(last)];
+  for (const Index i : parts_of(from_, last)) {
+    if (known_[nth(i)]) continue;
     known_[nth(i)] = true;
     const Node node = from_[i];  // both tapes may be one
     const auto a = [&] { return made_[nth(node.a)]; };

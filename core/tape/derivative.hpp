@@ -12,10 +12,22 @@
 
 namespace least::tape {
 
-/// Variables as bits, number i as bit i, the time as the last. Variables from 63 on are none of ours.
-using Dependence = std::uint64_t;
-inline constexpr Dependence on_time = Dependence(1) << 63;
-Dependence dependence(const Tape& tape, const Symbol& y);
+/// On what a value depends, as bits: of kinds of variables, and the time as the last.
+using Dependence = std::uint32_t;
+inline constexpr Dependence on_time = Dependence(1) << 31;
+
+/// Of the values of one tape, which may grow meanwhile; each node is looked at once.
+class Dependences {
+ public:
+  /// `kind(i)`: the bits of the variable number i.
+  Dependences(const Tape& tape, std::function<Dependence(int variable)> kind) : tape_(tape), kind_(std::move(kind)) {}
+  Dependence operator()(const Symbol& y);
+
+ private:
+  const Tape& tape_;
+  std::function<Dependence(int)> kind_;
+  std::vector<Dependence> of_;  ///< by node
+};
 
 /// ∂y/∂x of the variables with these numbers; what is zero whatever their values is the constant 0.
 std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables);

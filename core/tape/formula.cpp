@@ -1,6 +1,7 @@
 #include "core/tape/formula.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace least::tape {
 
@@ -147,7 +148,10 @@ class Formula::Compiler {
             last[at(part)] = none;  // once, where it is named twice
           }
       if (last[at(i)] == none) last[at(i)] = i;
-      if (free.empty()) free.push_back(static_cast<Register>(formula_.registers_++));
+      if (free.empty()) {
+        if (formula_.registers_ > std::numeric_limits<Register>::max()) throw TooManyOperations();
+        free.push_back(static_cast<Register>(formula_.registers_++));
+      }
       narrow.out = given[at(i)] = free.back();
       free.pop_back();
       formula_.steps_.push_back(narrow);

@@ -1,5 +1,7 @@
 #include "core/tape/steep.hpp"
 
+#include <limits>
+
 #include "core/tape/series_rules.hpp"
 
 namespace least::tape {
@@ -13,15 +15,18 @@ constexpr double equal = 20;                   // of tanh x beyond ±20, to the 
 constexpr double weight = 3;                   // of tanh, whose slope 1 − tanh² loses digits where e^x keeps them
 constexpr double high_power = 6;
 
-/// Of a thread: arguments at one time, and at all looks.
+/// Of a thread: arguments at one time, and at all looks; states on the way, and a rate.
 struct Scratch {
   std::vector<double> values;
   std::vector<SteepLooks> looks;
+  std::vector<double> within, rate;
 };
-Scratch& scratch(std::size_t arguments) {
+Scratch& scratch(std::size_t arguments, std::size_t components) {
   thread_local Scratch kept;
   if (kept.values.size() < arguments) kept.values.resize(arguments);
   if (kept.looks.size() < arguments) kept.looks.resize(arguments);
+  if (kept.within.size() < components) kept.within.resize(components);
+  if (kept.rate.size() < components) kept.rate.resize(components);
   return kept;
 }
 
@@ -30,6 +35,17 @@ template <class Visit>
 void each_step(const Program& program, Visit&& visit) {
   for (const Step& step : program.linear) visit(step);
   for (std::size_t i = 0; i < program.motion_steps; ++i) visit(program.steps[i]);
+}
+
+/// The nodes that outputs are made of.
+std::vector<bool> needed_for(const Tape& tape, std::span<const Index> outputs) {
+  std::vector<bool> needed(at(tape.size()), false);
+  for (const Index output : outputs) needed[at(output)] = true;
+  for (Index i = tape.size(); i-- > 0;)
+    if (needed[at(i)])
+      for (const Index part : {tape[i].a, tape[i].b, tape[i].c})
+        if (part != none) needed[at(part)] = true;
+  return needed;
 }
 
 }  // namespace
@@ -66,14 +82,11 @@ std::vector<SteepArgument> steep_arguments(const Program& program) {
 }
 
 std::vector<SteepArgument> steep_arguments(const Tape& tape, std::span<const Index> outputs) {
-  std::vector<bool> wanted(at(tape.size()), false);
-  for (const Index output : outputs) wanted[at(output)] = true;
+  const std::vector<bool> wanted = needed_for(tape, outputs);
   std::vector<SteepArgument> all;
   for (Index i = tape.size(); i-- > 0;) {
     if (!wanted[at(i)]) continue;
     const Node& node = tape[i];
-    for (const Index part : {node.a, node.b, node.c})
-      if (part != none) wanted[at(part)] = true;
     if (const auto kind = steepness(node.op))
       all.push_back({*kind, node.a, 1});
     else if (node.op == Op::power && std::abs(node.value) >= high_power)
@@ -138,12 +151,40 @@ std::vector<Index> branch_values(const Program& program) {
   return all;
 }
 
-SteepForces::SteepForces(const Tape& tape, std::span<const Index> rates) : steep_(steep_arguments(tape, rates)) {
+namespace {
+
+/// What the choices go by that the outputs depend on.
+std::vector<Index> switches_of(const Tape& tape, std::span<const Index> outputs) {
+  std::vector<Index> all;
+  for (Index i = 0; i < tape.size(); ++i)
+    if (tape[i].op == Op::select && std::ranges::find(all, tape[i].a) == all.end()) all.push_back(tape[i].a);
+  if (all.empty()) return all;
+  const std::vector<bool> wanted = needed_for(tape, outputs);
+  std::erase_if(all, [&](Index i) { return !wanted[at(i)]; });
+  return all;
+}
+
+/// The state of a step at the time after its beginning that is the part of it, by Hermite's cubic polynomials.
+void place_within(const SteepStep& step, double part, double* y) {
+  const double h = step.end.t - step.start.t, rest = 1 - part, time = part * h;
+  const double a = rest * rest * (1 + 2 * part), b = part * part * (1 + 2 * rest);
+  const double c = time * rest * rest, d = -time * part * rest;
+  for (std::size_t i = 0; i < step.moving; ++i)
+    y[i] = a * step.start.state[i] + b * step.end.state[i] + c * step.start.rate[i] + d * step.end.rate[i];
+  if (step.complete) step.complete(step.problem, step.start.t + time, y);
+}
+
+}  // namespace
+
+SteepForces::SteepForces(const Tape& tape, std::span<const Index> rates)
+    : steep_(steep_arguments(tape, rates)), switches_(tape, switches_of(tape, rates)), variables_(rates.size()) {
   std::vector<Index> arguments;
   for (const SteepArgument& steep : steep_) arguments.push_back(steep.argument);
   arguments_ = Formula(tape, arguments);
-  const std::array<double, most_variables> any{};  // so that what a thread keeps for it is there before the first step
-  arguments_.evaluate(any.data(), 0.0, scratch(steep_.size()).values.data());
+  // Evaluated once, so that what a thread keeps for it is there before the first step.
+  Scratch& kept = scratch(std::max(steep_.size(), switches_.outputs()), variables_);
+  switches_.evaluate(kept.within.data(), 0.0, kept.values.data());
+  arguments_.evaluate(kept.within.data(), 0.0, kept.values.data());
 }
 
 double SteepForces::resolved_part(const SteepStep& step, double tolerance, std::int64_t& evaluations) const {
@@ -152,7 +193,9 @@ double SteepForces::resolved_part(const SteepStep& step, double tolerance, std::
   const auto& [start, from, first_rate] = step.start;
   const auto& [end, to, last_rate] = step.end;
   const double h = end - start;
-  std::array<double, most_variables> within, rate;  // NOLINT: written before they are read
+  if (const double part = until_switch(step, tolerance); part < h) return part;
+  if (steep_.empty()) return h;
+  auto& [values, looks, within, rate] = scratch(steep_.size(), std::max(variables_, step.components));
   for (const double part : places) {
     const double rest = 1 - part;
     for (std::size_t i = 0; i < step.components; ++i)
@@ -177,15 +220,9 @@ double SteepForces::resolved_part(const SteepStep& step, double tolerance, std::
 /// Along the cubic polynomials.
 double SteepForces::resolved_length(const SteepStep& step) const {
   const double start = step.start.t, h = step.end.t - start;
-  std::array<double, most_variables> y;  // NOLINT: written before it is read
-  auto& [values, looks] = scratch(steep_.size());
-  const auto observe = [&, &numbers = values](double time) {  // Hermite's polynomials
-    const double part = time / h, rest = 1 - part;
-    const double a = rest * rest * (1 + 2 * part), b = part * part * (1 + 2 * rest);
-    const double c = time * rest * rest, d = -time * part * rest;
-    for (std::size_t i = 0; i < step.moving; ++i)
-      y[i] = a * step.start.state[i] + b * step.end.state[i] + c * step.start.rate[i] + d * step.end.rate[i];
-    if (step.complete) step.complete(step.problem, start + time, y.data());
+  auto& [values, looks, within, last_rate] = scratch(steep_.size(), std::max(variables_, step.components));
+  const auto observe = [&, &numbers = values, &y = within](double time) {
+    place_within(step, time / h, y.data());
     arguments_.evaluate(y.data(), start + time, numbers.data());
   };
   for (std::size_t k = 0; k < steep_looks; ++k) {
@@ -203,6 +240,47 @@ double SteepForces::resolved_length(const SteepStep& step) const {
     length = std::min(length, tape::resolved_length(steep_[i], h, most_of_pair, looks[i], value));
   }
   return length;
+}
+
+/// The step is to end right before the first choice changes; from there the next one hops over the change, which costs
+/// no accuracy: in such a step the state hardly moves, or rounding of the time hides it.
+double SteepForces::until_switch(const SteepStep& step, double tolerance) const {
+  const std::size_t count = switches_.outputs();
+  const double h = step.end.t - step.start.t;
+  if (count == 0) return h;
+  constexpr int halvings = 60;
+  constexpr double little = 0.01, rounding = 16 * std::numeric_limits<double>::epsilon();
+  double speed = 0, size = 1;
+  for (std::size_t i = 0; i < step.moving; ++i) {
+    speed = std::max({speed, std::abs(step.start.rate[i]), std::abs(step.end.rate[i])});
+    size = std::max(size, std::abs(step.end.state[i]));
+  }
+  const double hop = std::max(little * tolerance * size / speed, rounding * std::abs(step.end.t));
+  if (h <= 2 * hop) return h;
+  auto& [values, looks, within, rate] = scratch(std::max(count, steep_.size()), std::max(variables_, step.components));
+  const auto observe = [&, &numbers = values, &y = within](double part) {
+    place_within(step, part, y.data());
+    switches_.evaluate(y.data(), step.start.t + part * h, numbers.data());
+  };
+  for (std::size_t k = 0; k < steep_looks; ++k) {
+    observe(static_cast<double>(k) / (steep_looks - 1));
+    for (std::size_t i = 0; i < count; ++i) looks[i][k] = values[i];
+  }
+  double first = 1;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 1; k < steep_looks; ++k) {
+      double low = static_cast<double>(k - 1) / (steep_looks - 1), high = static_cast<double>(k) / (steep_looks - 1);
+      if (low >= first) break;
+      if ((looks[i][k - 1] < 0) == (looks[i][k] < 0)) continue;
+      for (int n = 0; n < halvings; ++n) {
+        const double middle = 0.5 * (low + high);
+        observe(middle);
+        ((values[i] < 0) == (looks[i][k - 1] < 0) ? low : high) = middle;
+      }
+      first = std::min(first, high);
+    }
+  if (!(first < 1)) return h;
+  return first * h > hop ? first * h - 0.5 * hop : first * h + 0.5 * hop;
 }
 
 }  // namespace least::tape

@@ -123,23 +123,25 @@ struct SteepStep {
   const void* problem = nullptr;
 };
 
-/// The steep functions of equations of motion on a tape.
+/// What steps by error estimates alone may jump over in equations of motion on a tape: steep functions, and places
+/// where a choice between two formulas changes.
 class SteepForces {
  public:
-  static constexpr std::size_t most_variables = 96;
-
   SteepForces(const Tape& tape, std::span<const Index> rates);
 
-  bool empty() const { return steep_.empty(); }
-  /// How much of a step is resolved, or somewhat less. It is looked at along the cubic polynomials through its ends;
-  /// half of a step in which these go astray by more than the tolerance, for which rates are evaluated so many times.
+  bool empty() const { return steep_.empty() && switches_.outputs() == 0; }
+  /// How much of a step is resolved, or somewhat less: up to the first change of a choice. It is looked at along the
+  /// cubic polynomials through its ends; half of a step in which these go astray by more than the tolerance, for which
+  /// rates are evaluated so many times.
   double resolved_part(const SteepStep& step, double tolerance, std::int64_t& evaluations) const;
 
  private:
   double resolved_length(const SteepStep& step) const;
+  double until_switch(const SteepStep& step, double tolerance) const;
 
   std::vector<SteepArgument> steep_;
-  Formula arguments_;
+  Formula arguments_, switches_;  ///< of the steep functions; what choices go by, where it is negative or not
+  std::size_t variables_;         ///< of the tape
 };
 
 }  // namespace least::tape

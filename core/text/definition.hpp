@@ -13,7 +13,10 @@
 namespace least::text {
 
 /// Degrees of freedom of mechanics, variables of equations, parameters: at most so many.
-inline constexpr int most_coordinates = 8, most_variables = 16, most_parameters = 32, most_invariants = 8;
+inline constexpr int most_coordinates = 1024, most_variables = 2048, most_parameters = 1024, most_invariants = 8;
+/// Degrees of freedom, or variables, for which forms are compiled as classes of problems; larger scenes have a size
+/// that is known when they run.
+inline constexpr int compiled_coordinates = 8, compiled_variables = 16;
 inline constexpr std::size_t longest_name = 16, longest_parameter = 40;
 
 struct TypedScene;

@@ -150,11 +150,31 @@ class Expander {
     const std::size_t first = comma(text, from, to), second = first < to ? comma(text, first + 1, to) : to;
     if (second == to || comma(text, second + 1, to) != to)
       return refuse(position, "if takes a condition and two formulas", "if(i < j, …, …)");
+    if (!speaks_of_indices(text, from, first, indices))  // it is settled wherever the motion has come
+      return append("if(", position, true) && write(text, from, first, indices) && append(", ", position, true) &&
+             write(text, first + 1, second, indices) && append(", ", position, true) &&
+             write(text, second + 1, to, indices) && append(")", position, true);
     const auto read = read_condition(text, from, first, vocabulary_, indices, made_.used_);
     if (const auto* fault = std::get_if<Fault>(&read)) return refuse(*fault);
     const bool taken = std::get<bool>(read);
     return append("(", position, true) && write(text, taken ? first + 1 : second + 1, taken ? second : to, indices) &&
            append(")", position, true);
+  }
+  /// Whether all words of a condition are of indices.
+  bool speaks_of_indices(std::string_view text, std::size_t from, std::size_t to, const Indices& indices) const {
+    while (from < to) {
+      if (!is_letter(text[from])) {
+        ++from;
+        continue;
+      }
+      const std::size_t end = end_of_word(text, from, to);
+      const std::string_view word = text.substr(from, end - from);
+      const bool known = word == "and" || word == "or" || word == "not" || word == "mod" || value_of(word, indices) ||
+                         vocabulary_.constants.contains(word);
+      if (!known) return false;
+      from = end;
+    }
+    return true;
   }
   /// Of a sum or a product: from the first bound to the last bracket.
   bool series(std::string_view text, std::size_t position, std::size_t from, std::size_t to, bool adds,

@@ -1,221 +1,87 @@
 #include "core/text/expression.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <numbers>
 
 #include "core/text/characters.hpp"
+#include "core/text/functions.hpp"
+#include "core/text/parser.hpp"
 
 namespace least::text {
 namespace {
 
 using TokenKind = Token::Kind;
 
-constexpr std::array<std::string_view, 14> functions{"sin",  "cos",  "tan", "asin", "acos", "atan", "sinh",
-                                                     "cosh", "tanh", "exp", "log",  "sqrt", "abs",  "ln"};
-std::string listed_functions() {
-  std::string all;
-  for (const auto function : functions) all += (all.empty() ? "" : ", ") + std::string(function);
-  return all;
-}
-constexpr std::uint8_t absolute = 12;
+/// What a part of a text comes to: a number; or a condition, which holds where the number is negative, or where it is
+/// not.
+struct Value {
+  Symbol number;
+  bool condition = false, negated = false;
 
-struct Precedence {
-  int binds;
-  bool right = false;
-};
-constexpr Precedence precedence(TokenKind kind) {
-  switch (kind) {
-    case TokenKind::add:
-    case TokenKind::subtract:
-      return {1};
-    case TokenKind::multiply:
-    case TokenKind::divide:
-      return {2};
-    case TokenKind::minus:
-      return {3, true};
-    case TokenKind::power:
-      return {4, true};
-    default:
-      return {0};
-  }
-}
-
-class Parser {
- public:
-  Parser(std::string_view text, std::size_t most) : text_(text), most_(most) {}
-
-  std::optional<Fault> read(std::vector<Token>& postfix) {
-    if (text_.size() > most_)
-      return Fault{most_, "is longer than a scene may be", std::to_string(most_) + " characters"};
-    while (skip_space(), at_ < text_.size())
-      if (auto fault = expects_operand_ ? operand(postfix) : operation(postfix)) return fault;
-    if (expects_operand_)
-      return Fault{text_.size(),
-                   postfix.empty() && stack_.empty() ? "is empty" : "ends where a number, a name or ( is due"};
-    while (!stack_.empty()) {
-      if (stack_.back().bracket) return Fault{stack_.back().token.position, "( is never closed", ")"};
-      postfix.push_back(stack_.back().token);
-      stack_.pop_back();
-    }
-    return std::nullopt;
-  }
-
- private:
-  struct Pending {
-    Token token;
-    bool bracket = false;
-  };
-
-  /// What waits: of each bracket itself, a function, and what stands before it.
-  static constexpr std::size_t deepest = 5 * most_nesting;
-
-  void skip_space() {
-    while (at_ < text_.size() && is_space(text_[at_])) ++at_;
-  }
-  std::uint32_t here() const { return static_cast<std::uint32_t>(at_); }
-  Fault stranger() const {
-    const char c = text_[at_];
-    if (static_cast<unsigned char>(c) >= 0x80)
-      return {at_, "is no ASCII character", "letters a–z, digits, + - * / ^ ( )"};
-    return {at_, std::string("'") + c + "' means nothing here", "letters a–z, digits, + - * / ^ ( )"};
-  }
-
-  std::optional<Fault> operand(std::vector<Token>& postfix) {
-    const char c = text_[at_];
-    if (c == '(') return open();
-    if (c == '-' || c == '+') {
-      if (c == '-' && stack_.size() > deepest) return too_deep();
-      if (c == '-') stack_.push_back({{TokenKind::minus, 0, here(), 0, {}}});
-      ++at_;
-      return std::nullopt;
-    }
-    if (is_digit(c) || c == '.') return number(postfix);
-    if (is_letter(c)) return name(postfix);
-    if (c == ')' || c == '*' || c == '/' || c == '^') return Fault{at_, "a number, a name or ( is due here"};
-    return stranger();
-  }
-
-  /// Signs and powers that wait for what follows nest as brackets do.
-  Fault too_deep() const { return {at_, "is nested too deep", std::to_string(most_nesting) + " at most"}; }
-
-  std::optional<Fault> open() {
-    if (++nesting_ > most_nesting) return too_deep();
-    stack_.push_back({{TokenKind::number, 0, here(), 0, {}}, true});
-    ++at_;
-    return std::nullopt;
-  }
-
-  std::optional<Fault> number(std::vector<Token>& postfix) {
-    double value = 0;
-    const char* from = text_.data() + at_;
-    const auto [end, error] = std::from_chars(from, text_.data() + text_.size(), value);
-    if (error == std::errc::invalid_argument) return Fault{at_, "is no number"};
-    if (error == std::errc::result_out_of_range) return Fault{at_, "is a number that no double holds"};
-    const auto length = static_cast<std::size_t>(end - from);
-    postfix.push_back({TokenKind::number, 0, here(), value, text_.substr(at_, length)});
-    at_ += length;
-    expects_operand_ = false;
-    return std::nullopt;
-  }
-
-  std::optional<Fault> name(std::vector<Token>& postfix) {
-    const std::size_t from = at_;
-    at_ = end_of_word(text_, at_, text_.size());
-    skip_index();
-    const std::string_view word = text_.substr(from, at_ - from);
-    const auto found = std::find(functions.begin(), functions.end(), word);
-    if (found == functions.end()) {
-      skip_space();
-      if (at_ < text_.size() && text_[at_] == '(')
-        return Fault{from, std::string(word) + " is no function, and a product needs its sign", listed_functions(),
-                     std::string(word)};
-      postfix.push_back({TokenKind::name, 0, static_cast<std::uint32_t>(from), 0, word});
-      expects_operand_ = false;
-      return std::nullopt;
-    }
-    skip_space();
-    if (at_ == text_.size() || text_[at_] != '(')
-      return Fault{from, std::string(word) + " is a function: its argument stands in brackets",
-                   std::string(word) + "(…)"};
-    stack_.push_back({{TokenKind::call, static_cast<std::uint8_t>(found - functions.begin()),
-                       static_cast<std::uint32_t>(from), 0, word}});
-    return open();
-  }
-
-  /// Past `[3]`, if that stands here.
-  void skip_index() {
-    std::size_t to = at_;
-    if (to == text_.size() || text_[to++] != '[') return;
-    const std::size_t digits = to;
-    while (to < text_.size() && is_digit(text_[to])) ++to;
-    if (to > digits && to < text_.size() && text_[to] == ']') at_ = to + 1;
-  }
-
-  std::optional<Fault> operation(std::vector<Token>& postfix) {
-    const char c = text_[at_];
-    if (c == ')') return close(postfix);
-    if (c == '(' || c == '.' || is_digit(c) || is_letter(c))
-      return Fault{at_, "a product needs its sign", "* before this"};
-    constexpr std::string_view signs = "+-*/^";
-    constexpr TokenKind kinds[] = {TokenKind::add, TokenKind::subtract, TokenKind::multiply, TokenKind::divide,
-                                   TokenKind::power};
-    const std::size_t which = signs.find(c);
-    if (which == std::string_view::npos) return stranger();
-    const bool doubled = c == '*' && at_ + 1 < text_.size() && text_[at_ + 1] == '*';
-    const TokenKind kind = doubled ? TokenKind::power : kinds[which];
-    const Precedence mine = precedence(kind);
-    while (!stack_.empty() && !stack_.back().bracket) {
-      const Precedence top = precedence(stack_.back().token.kind);
-      if (!(top.binds > mine.binds || (top.binds == mine.binds && !mine.right))) break;
-      postfix.push_back(stack_.back().token);
-      stack_.pop_back();
-    }
-    if (stack_.size() > deepest) return too_deep();
-    stack_.push_back({{kind, 0, here(), 0, {}}});
-    at_ += doubled ? 2 : 1;
-    expects_operand_ = true;
-    return std::nullopt;
-  }
-
-  std::optional<Fault> close(std::vector<Token>& postfix) {
-    while (!stack_.empty() && !stack_.back().bracket) {
-      postfix.push_back(stack_.back().token);
-      stack_.pop_back();
-    }
-    if (stack_.empty()) return Fault{at_, ") was never opened"};
-    stack_.pop_back();
-    --nesting_;
-    if (!stack_.empty() && stack_.back().token.kind == TokenKind::call && !stack_.back().bracket) {
-      postfix.push_back(stack_.back().token);
-      stack_.pop_back();
-    }
-    ++at_;
-    return std::nullopt;
-  }
-
-  std::string_view text_;
-  std::size_t most_, at_ = 0, nesting_ = 0;
-  bool expects_operand_ = true;
-  std::vector<Pending> stack_;
+  Symbol::Mask mask() const { return {number, negated}; }
 };
 
-Symbol call(std::uint8_t function, const Symbol& x) {
+Value holds(const Symbol::Mask& mask) { return {mask.difference, true, mask.negated}; }
+/// A condition as one number: −1 where it holds, else 1.
+Value settled(const Symbol& number) { return {number, true, false}; }
+
+/// The angle of (x, y): where |y| < |x| by y/x, else by x/y.
+Symbol angle(const Symbol& y, const Symbol& x) {
+  const Symbol half = std::numbers::pi / 2, whole = std::numbers::pi;
+  const Symbol behind = atan(y / x) + select(y < Symbol(0), -whole, whole);
+  const Symbol beside = select(y < Symbol(0), -half, half) - atan(x / y);
+  return select(abs(y) < abs(x), select(x < Symbol(0), behind, atan(y / x)), beside);
+}
+
+Symbol call(const Token& token, std::span<const Value> arguments) {
   using Function = Symbol (*)(const Symbol&);
   constexpr Function by_name[] = {
-      [](const Symbol& a) { return sin(a); },  [](const Symbol& a) { return cos(a); },
-      [](const Symbol& a) { return tan(a); },  [](const Symbol& a) { return asin(a); },
-      [](const Symbol& a) { return acos(a); }, [](const Symbol& a) { return atan(a); },
-      [](const Symbol& a) { return sinh(a); }, [](const Symbol& a) { return cosh(a); },
-      [](const Symbol& a) { return tanh(a); }, [](const Symbol& a) { return exp(a); },
-      [](const Symbol& a) { return log(a); },  [](const Symbol& a) { return sqrt(a); },
-      [](const Symbol& a) { return abs(a); },  [](const Symbol& a) { return log(a); },
+      [](const Symbol& a) { return sin(a); },
+      [](const Symbol& a) { return cos(a); },
+      [](const Symbol& a) { return tan(a); },
+      [](const Symbol& a) { return asin(a); },
+      [](const Symbol& a) { return acos(a); },
+      [](const Symbol& a) { return atan(a); },
+      [](const Symbol& a) { return sinh(a); },
+      [](const Symbol& a) { return cosh(a); },
+      [](const Symbol& a) { return tanh(a); },
+      [](const Symbol& a) { return exp(a); },
+      [](const Symbol& a) { return log(a); },
+      [](const Symbol& a) { return sqrt(a); },
+      [](const Symbol& a) { return abs(a); },
+      [](const Symbol& a) { return log(a); },
+      [](const Symbol& a) { return select(a < Symbol(0), Symbol(-1), select(Symbol(0) < a, Symbol(1), Symbol(0))); },
   };
-  static_assert(std::size(by_name) == functions.size());
-  return by_name[function](x);
+  if (token.function < std::size(by_name)) return by_name[token.function](arguments[0].number);
+  Symbol made = arguments[0].number;
+  if (token.word == "if") return select(arguments[0].mask(), arguments[1].number, arguments[2].number);
+  if (token.word == "hypot") return sqrt(made * made + arguments[1].number * arguments[1].number);
+  if (token.word == "atan2") return angle(made, arguments[1].number);
+  for (const Value& other : arguments.subspan(1)) {
+    const auto less = other.number < made;
+    made = token.word == "min" ? select(less, other.number, made) : select(less, made, other.number);
+  }
+  return made;
+}
+
+/// Of numbers a condition, of conditions a condition.
+Value compare(TokenKind kind, const Value& a, const Value& b) {
+  switch (kind) {
+    case TokenKind::less:
+      return holds(a.number < b.number);
+    case TokenKind::less_equal:
+      return holds(a.number <= b.number);
+    case TokenKind::greater:
+      return holds(a.number > b.number);
+    case TokenKind::greater_equal:
+      return holds(a.number >= b.number);
+    case TokenKind::conjunction:
+      return settled(select(a.mask(), select(b.mask(), Symbol(-1), Symbol(1)), Symbol(1)));
+    default:
+      return settled(select(a.mask(), Symbol(-1), select(b.mask(), Symbol(-1), Symbol(1))));
+  }
 }
 
 Symbol operate(TokenKind kind, const Symbol& a, const Symbol& b) {
@@ -258,7 +124,7 @@ bool is_name(std::string_view word) {
 std::variant<Expression, Fault> Expression::parse(std::string text, std::size_t most) {
   Expression read;
   read.text_ = std::make_shared<const std::string>(std::move(text));
-  if (auto fault = Parser(*read.text_, most).read(read.tokens_)) return std::move(*fault);
+  if (auto fault = read_postfix(*read.text_, most, read.tokens_)) return std::move(*fault);
   return read;
 }
 
@@ -267,24 +133,45 @@ std::optional<double> constant_of(std::string_view text) {
   const auto* expression = std::get_if<Expression>(&parsed);
   if (!expression) return std::nullopt;
   tape::Tape tape;
-  const auto recorded = expression->record(tape, {}, true);
+  const auto recorded = expression->record(tape, {});
   const auto* symbol = std::get_if<Symbol>(&recorded);
   return symbol && symbol->is_constant() ? std::optional(symbol->constant()) : std::nullopt;
 }
 
-std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const Word> words, bool allows_abs) const {
-  std::vector<Symbol> stack;
+namespace {
+
+/// Of how many parts a token is made, and whether the part at `i` has to be a condition.
+std::size_t parts_of(const Token& token) {
+  if (token.kind == TokenKind::number || token.kind == TokenKind::name) return 0;
+  if (token.kind == TokenKind::call) return token.arguments;
+  return token.kind == TokenKind::minus || token.kind == TokenKind::negation ? 1 : 2;
+}
+bool takes_condition(const Token& token, std::size_t i) {
+  return (token.kind >= TokenKind::negation && token.kind <= TokenKind::disjunction) ||
+         (token.kind == TokenKind::call && token.word == "if" && i == 0);
+}
+
+}  // namespace
+
+std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const Word> words, std::size_t most) const {
+  std::vector<Value> stack;
   for (const Token& token : tokens_) {
     const tape::Index from = tape.size();
-    Symbol made;
+    const std::size_t count = parts_of(token);
+    const std::span<const Value> parts = std::span(stack).last(count);
+    for (std::size_t i = 0; i < count; ++i)
+      if (parts[i].condition != takes_condition(token, i))
+        return parts[i].condition ? Fault{token.position, "is given a condition where a number is due"}
+                                  : Fault{token.position, "is given a number where a condition is due", "a < b"};
+    Value made;
     if (token.kind == TokenKind::number) {
-      made = token.value;
+      made.number = token.value;
     } else if (token.kind == TokenKind::name) {
       const auto known = std::find_if(words.begin(), words.end(), [&](const Word& w) { return w.name == token.word; });
       if (known != words.end() && known->refusal.empty()) {
-        made = known->meaning;
+        made.number = known->meaning;
       } else if (known == words.end() && token.word == "pi") {
-        made = std::numbers::pi;
+        made.number = std::numbers::pi;
       } else if (known != words.end()) {
         return Fault{token.position, std::string(token.word) + " " + std::string(known->refusal), listed(words)};
       } else {
@@ -292,80 +179,24 @@ std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const
                      std::string(token.word)};
       }
     } else if (token.kind == TokenKind::minus) {
-      made = -stack.back();
-      stack.pop_back();
+      made.number = -parts[0].number;
+    } else if (token.kind == TokenKind::negation) {
+      made = {parts[0].number, true, !parts[0].negated};
     } else if (token.kind == TokenKind::call) {
-      if (token.function == absolute && !allows_abs)
-        return Fault{token.position, "abs has no derivative where its argument is zero: not in a scene's mechanics",
-                     "sqrt(x^2 + a^2)"};
-      made = call(token.function, stack.back());
-      stack.pop_back();
+      made.number = call(token, parts);
+    } else if (token.kind >= TokenKind::less) {
+      made = compare(token.kind, parts[0], parts[1]);
     } else {
-      const Symbol right = stack.back();
-      stack.pop_back();
-      made = operate(token.kind, stack.back(), right);
-      stack.pop_back();
+      made.number = operate(token.kind, parts[0].number, parts[1].number);
     }
-    if (!is_finite(made, tape, from)) return Fault{token.position, "is no finite number here"};
-    if (tape.size() > static_cast<tape::Index>(most_operations))
-      return Fault{token.position, "takes too many operations", std::to_string(most_operations) + " a scene"};
+    stack.resize(stack.size() - count);
+    if (!is_finite(made.number, tape, from)) return Fault{token.position, "is no finite number here"};
+    if (tape.size() > static_cast<tape::Index>(most))
+      return Fault{token.position, "takes too many operations", std::to_string(most) + " a scene"};
     stack.push_back(made);
   }
-  return stack.back();
-}
-
-std::string Expression::mathml(const std::function<std::string(std::string_view)>& shown) const {
-  struct Piece {
-    std::string markup;
-    int binds;
-  };
-  const auto row = [](const std::string& a) { return "<mrow>" + a + "</mrow>"; };
-  const auto bracketed = [](const Piece& piece, bool wanted) {
-    return wanted ? "<mrow><mo>(</mo>" + piece.markup + "<mo>)</mo></mrow>" : piece.markup;
-  };
-  std::vector<Piece> stack;
-  for (const Token& token : tokens_) {
-    if (token.kind == TokenKind::number) {
-      stack.push_back({"<mn>" + std::string(token.word) + "</mn>", 9});
-    } else if (token.kind == TokenKind::name) {
-      stack.push_back({token.word == "pi" ? "<mi>π</mi>" : shown(token.word), 9});
-    } else if (token.kind == TokenKind::minus) {
-      Piece& x = stack.back();
-      x = {row("<mo>−</mo>" + bracketed(x, x.binds < 3)), 3};
-    } else if (token.kind == TokenKind::call) {
-      Piece& x = stack.back();
-      if (token.word == "sqrt") {
-        x = {"<msqrt>" + x.markup + "</msqrt>", 9};
-      } else if (token.word == "abs") {
-        x = {row("<mo>|</mo>" + x.markup + "<mo>|</mo>"), 9};
-      } else {
-        x = {row("<mi>" + std::string(token.word) + "</mi><mo>⁡</mo><mrow><mo>(</mo>" + x.markup +
-                 "<mo>)</mo></mrow>"),
-             9};
-      }
-    } else {
-      const Piece right = std::move(stack.back());
-      stack.pop_back();
-      Piece& left = stack.back();
-      const int mine = precedence(token.kind).binds;
-      if (token.kind == TokenKind::divide) {
-        left = {"<mfrac>" + row(left.markup) + row(right.markup) + "</mfrac>", 9};
-      } else if (token.kind == TokenKind::power) {
-        left = {"<msup>" + row(bracketed(left, left.binds < 9 || left.markup.starts_with("<mfrac"))) +
-                    row(right.markup) + "</msup>",
-                8};
-      } else {
-        const char* sign = token.kind == TokenKind::add        ? "<mo>+</mo>"
-                           : token.kind == TokenKind::subtract ? "<mo>−</mo>"
-                                                               : "<mo>⁢</mo>";
-        const bool wrap = right.binds < mine || (token.kind == TokenKind::subtract && right.binds == mine) ||
-                          (token.kind != TokenKind::power && right.binds == 3);
-        left = {row(bracketed(left, left.binds < mine) + sign + bracketed(right, wrap)), mine};
-      }
-    }
-    if (stack.back().markup.size() > 50'000) return "<mi>…</mi>";
-  }
-  return stack.back().markup;
+  if (stack.back().condition) return Fault{0, "is a condition and no number", "if(a < b, …, …)"};
+  return stack.back().number;
 }
 
 }  // namespace least::text

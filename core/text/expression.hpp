@@ -30,16 +30,34 @@ struct Fault {
 
 /// At most so many characters of a text, operations of a scene, and brackets within brackets.
 inline constexpr std::size_t most_characters = 10'000, most_operations = 4'000, most_nesting = 100;
-/// And of one whose sums were written out.
-inline constexpr std::size_t most_written = 300'000;
+/// And of one whose sums were written out: characters, and operations.
+inline constexpr std::size_t most_written = 300'000, most_summed = 20'000;
 
 /// The functions that a text can call.
 std::span<const std::string_view> function_names();
 
 struct Token {
-  enum class Kind : std::uint8_t { number, name, minus, add, subtract, multiply, divide, power, call };
+  enum class Kind : std::uint8_t {
+    number,
+    name,
+    minus,
+    add,
+    subtract,
+    multiply,
+    divide,
+    power,
+    less,
+    less_equal,
+    greater,
+    greater_equal,
+    negation,     ///< not
+    conjunction,  ///< and
+    disjunction,  ///< or
+    call
+  };
   Kind kind = Kind::number;
-  std::uint8_t function = 0;  ///< of a call: among function_names()
+  std::uint8_t function = 0;   ///< of a call: among function_names()
+  std::uint8_t arguments = 1;  ///< of a call
   std::uint32_t position = 0;
   double value = 0;
   std::string_view word{};  ///< of a name or a number, as typed: a part of the text
@@ -58,9 +76,10 @@ class Expression {
   /// At most `most` characters.
   static std::variant<Expression, Fault> parse(std::string text, std::size_t most = most_written);
 
-  /// Written on the tape, with the names as `words` has them. `abs` is refused unless `allows_abs`; so is what is made
-  /// of constants and is no finite number, and what takes more than most_operations of the tape.
-  std::variant<Symbol, Fault> record(tape::Tape& tape, std::span<const Word> words, bool allows_abs) const;
+  /// Written on the tape, with the names as `words` has them. What is made of constants and is no finite number is
+  /// refused, and what takes more than `most` operations of the tape.
+  std::variant<Symbol, Fault> record(tape::Tape& tape, std::span<const Word> words,
+                                     std::size_t most = most_operations) const;
 
   /// Presentation MathML of the formula as typed, without <math>; a name is shown as `shown` says.
   std::string mathml(const std::function<std::string(std::string_view)>& shown) const;

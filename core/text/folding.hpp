@@ -12,10 +12,10 @@ namespace least::text {
 /// Writes on a tape of its own. Stays where it is.
 class Folding {
  public:
-  Folding(const tape::Tape& from, std::span<const double> parameters)
-      : substitution_(from, tape_, [this, parameters](int i) {
-          return i < first_parameter ? Symbol::variable(tape_, static_cast<std::size_t>(i))
-                                     : Symbol(parameters[static_cast<std::size_t>(i - first_parameter)]);
+  Folding(const Form& form, std::span<const double> parameters)
+      : substitution_(form.tape, tape_, [this, parameters, first = form.numbers.parameter](int i) {
+          return i < first ? Symbol::variable(tape_, static_cast<std::size_t>(i))
+                           : Symbol(parameters[static_cast<std::size_t>(i - first)]);
         }) {}
   Folding(const Folding&) = delete;
   Folding& operator=(const Folding&) = delete;

@@ -12,9 +12,8 @@ using tape::Dependence;
 
 bool is_zero(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
 
-constexpr Dependence bits(int first, int count) { return ((Dependence(1) << count) - 1) << first; }
-constexpr Dependence on_places = bits(0, most_coordinates), on_momenta = bits(first_momentum, most_coordinates),
-                     on_action = bits(action_variable, 1);
+/// Parameters are numbers of a scene: nothing depends on them.
+constexpr Dependence on_places = 1, on_momenta = 2, on_action = 4;
 
 /// Reads the texts of a definition and finds its form.
 class Reader : TextReader {
@@ -24,12 +23,12 @@ class Reader : TextReader {
   std::variant<std::shared_ptr<const Form>, std::vector<DefinitionFault>> read() {
     check_names();
     if (!faults().empty()) return faults();
-    form_->tape.bound(static_cast<tape::Index>(8 * most_operations));
+    form_->tape.bound(static_cast<tape::Index>(8 * operations()));
     try {
       read_invariants();
       given_.kind == Definition::Kind::equations ? read_flow() : read_mechanics();
     } catch (const tape::TooManyOperations&) {
-      fault("", "its derivatives take too many operations", std::to_string(most_operations) + " in the texts");
+      fault("", "its derivatives take too many operations", std::to_string(operations()) + " in the texts");
     }
     if (!faults().empty()) return faults();
     return std::shared_ptr<const Form>(form_);
@@ -63,7 +62,7 @@ class Reader : TextReader {
         fault(pointer_to("/equations/", name), "is the rate of no variable");
     form_->kind = FormKind::flow;
     Dependence all = 0;
-    for (const Symbol& rate : form_->rates) all |= tape::dependence(form_->tape, rate);
+    for (const Symbol& rate : form_->rates) all |= depends_(rate);
     form_->autonomous = (all & tape::on_time) == 0;
   }
 
@@ -99,11 +98,11 @@ class Reader : TextReader {
     std::vector<Symbol> linear;
     for (std::size_t i = 0; i < n(); ++i) {
       linear.push_back(at_rest(slope[i]));
-      if (!is_zero(linear[i])) of_linear |= Dependence(1) | tape::dependence(tape, linear[i]);
-      for (const Symbol& entry : second[i]) of_second |= tape::dependence(tape, entry);
+      if (!is_zero(linear[i])) of_linear |= Dependence(1) | depends_(linear[i]);
+      for (const Symbol& entry : second[i]) of_second |= depends_(entry);
     }
-    const Symbol by_action = tape::gradient(tape, *text, std::array{action_variable})[0];
-    const Dependence of_action = is_zero(by_action) ? 0 : tape::dependence(tape, by_action);
+    const Symbol by_action = tape::gradient(tape, *text, std::array{numbers().action})[0];
+    const Dependence of_action = is_zero(by_action) ? 0 : depends_(by_action);
     if (!lagrangian) form_->hamiltonian = *text;
     if ((of_second & on_momenta) != 0) {
       if (!lagrangian) return general(*text);
@@ -145,7 +144,7 @@ class Reader : TextReader {
       }
     }
     for (std::size_t i = 0; i < n(); ++i)
-      form_->momenta.push_back(form_->mass[i] * variable(first_momentum + static_cast<int>(i)));
+      form_->momenta.push_back(form_->mass[i] * variable(numbers().momentum + static_cast<int>(i)));
     if (given_.damping && (given_.action_curvature || given_.offset))
       fault("/damping", "and action_curvature exclude each other", "one of them");
     if (given_.offset && !given_.action_curvature)
@@ -168,28 +167,27 @@ class Reader : TextReader {
 
   using Matrix = std::vector<std::vector<Symbol>>;
 
+  const Numbering& numbers() const { return form_->numbers; }
   std::vector<int> moving() const {
-    std::vector<int> numbers;
-    for (std::size_t i = 0; i < n(); ++i) numbers.push_back(first_momentum + static_cast<int>(i));
-    return numbers;
+    std::vector<int> all;
+    for (std::size_t i = 0; i < n(); ++i) all.push_back(numbers().momentum + static_cast<int>(i));
+    return all;
   }
   Symbol with(const Symbol& y, const std::function<Symbol(int)>& other) {
     return tape::Substitution(form_->tape, form_->tape, other)(y);
   }
   Symbol variable(int i) { return Symbol::variable(form_->tape, static_cast<std::size_t>(i)); }
   /// With velocities or momenta zero.
-  Symbol at_rest(const Symbol& y) {
-    return with(y, [&](int i) { return i >= first_momentum && i < action_variable ? Symbol(0) : variable(i); });
-  }
+  Symbol at_rest(const Symbol& y) { return at_rest_(y); }
   Symbol without_action(const Symbol& y) {
-    return with(y, [&](int i) { return i == action_variable ? Symbol(0) : variable(i); });
+    return with(y, [&](int i) { return i == numbers().action ? Symbol(0) : variable(i); });
   }
 
   /// H_s of a natural H = K + V(q, t, s): none, α(t) or γ s. Keeps V. False where it is something else.
   bool take_action(const Symbol& slope, const Symbol& potential) {
     auto& tape = form_->tape;
     form_->potential = without_action(potential);
-    const Symbol curvature = tape::gradient(tape, slope, std::array{action_variable})[0];
+    const Symbol curvature = tape::gradient(tape, slope, std::array{numbers().action})[0];
     if (is_zero(slope)) {
       form_->kind = FormKind::separable;
       return true;
@@ -200,8 +198,8 @@ class Reader : TextReader {
       return true;
     }
     constexpr Dependence changing = on_places | on_momenta | on_action | tape::on_time;
-    const bool depends = (tape::dependence(tape, form_->potential) & tape::on_time) != 0;
-    if ((tape::dependence(tape, curvature) & changing) != 0 || !is_zero(without_action(slope)) || depends) return false;
+    const bool depends = (depends_(form_->potential) & tape::on_time) != 0;
+    if ((depends_(curvature) & changing) != 0 || !is_zero(without_action(slope)) || depends) return false;
     form_->kind = FormKind::contact_quadratic;
     form_->action_curvature = curvature;
     take_offset();
@@ -230,7 +228,7 @@ class Reader : TextReader {
         terms.push_back({Symbol::at(form_->tape, node.b), !negative});
         continue;
       }
-      const bool number = (tape::dependence(form_->tape, value) & (on_places | tape::on_time)) == 0;
+      const bool number = (depends_(value) & (on_places | tape::on_time)) == 0;
       Symbol& sum = number ? form_->offset : form_->potential;
       sum = negative != number ? sum - value : sum + value;
     }
@@ -243,11 +241,12 @@ class Reader : TextReader {
     for (std::size_t i = 0; i < n(); ++i)
       for (std::size_t j = 0; j < n(); ++j) {
         diagonal = diagonal && (i == j || is_zero(second[i][j]));
-        constant = constant && (tape::dependence(form_->tape, second[i][j]) & on_places) == 0;
+        constant = constant && (depends_(second[i][j]) & on_places) == 0;
       }
     if (is_indefinite(second)) return false;
     if (diagonal && constant) {
       for (std::size_t i = 0; i < n(); ++i) form_->mass.push_back(lagrangian ? second[i][i] : Symbol(1) / second[i][i]);
+      if (!form_->is_compiled()) form_->hessian.clear();  // the masses say all of it
       settle(form_->kind);
       return true;
     }
@@ -257,7 +256,7 @@ class Reader : TextReader {
     if (constant) {
       form_->full_mass = true;
     } else {
-      const bool timed = (tape::dependence(form_->tape, form_->potential) & tape::on_time) != 0;
+      const bool timed = (depends_(form_->potential) & tape::on_time) != 0;
       if (form_->kind != FormKind::separable || timed) return false;
       const auto metric = lagrangian ? std::optional(second) : inverse(second);
       if (!metric) return false;
@@ -314,7 +313,8 @@ class Reader : TextReader {
   /// H of L = ½ vᵀg v + a·v − V.
   Symbol legendre(const Matrix& raised, const std::vector<Symbol>& linear, const Symbol& potential) {
     std::vector<Symbol> kinetic;
-    for (std::size_t i = 0; i < n(); ++i) kinetic.push_back(variable(first_momentum + static_cast<int>(i)) - linear[i]);
+    for (std::size_t i = 0; i < n(); ++i)
+      kinetic.push_back(variable(numbers().momentum + static_cast<int>(i)) - linear[i]);
     Symbol twice = 0;
     for (std::size_t i = 0; i < n(); ++i)
       for (std::size_t j = 0; j < n(); ++j) twice = twice + kinetic[i] * raised[i][j] * kinetic[j];
@@ -330,7 +330,7 @@ class Reader : TextReader {
   void settle(FormKind kind) {
     form_->kind = kind;
     Dependence all = 0;
-    const auto see = [&](const Symbol& part) { all |= tape::dependence(form_->tape, part); };
+    const auto see = [&](const Symbol& part) { all |= depends_(part); };
     if (kind == FormKind::hamiltonian || kind == FormKind::lagrangian) {
       see(form_->hamiltonian);
       see(form_->lagrangian);
@@ -340,8 +340,7 @@ class Reader : TextReader {
       for (const Symbol& entry : form_->metric) see(entry);
     }
     form_->autonomous = (all & tape::on_time) == 0;
-    form_->constant_damping =
-        kind == FormKind::contact_linear && (tape::dependence(form_->tape, form_->damping) & tape::on_time) == 0;
+    form_->constant_damping = kind == FormKind::contact_linear && (depends_(form_->damping) & tape::on_time) == 0;
     form_->reads_action =
         kind == FormKind::contact_quadratic || ((all & on_action) != 0 && kind != FormKind::contact_linear);
     form_->keeps_energy =
@@ -366,6 +365,15 @@ class Reader : TextReader {
       }
     }
   }
+
+  tape::Dependences depends_{form_->tape, [this](int i) -> Dependence {
+                               if (i >= numbers().parameter) return 0;
+                               if (flow() || i < numbers().momentum) return on_places;
+                               return i == numbers().action ? on_action : on_momenta;
+                             }};
+  tape::Substitution at_rest_{form_->tape, form_->tape, [this](int i) {
+                                return i >= numbers().momentum && i < numbers().action ? Symbol(0) : variable(i);
+                              }};
 };
 
 }  // namespace

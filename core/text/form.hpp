@@ -7,6 +7,7 @@
 // (2019), section 2.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "core/text/definition.hpp"
@@ -26,9 +27,22 @@ inline constexpr std::array<std::string_view, 7> form_names{
     "separable", "metric", "contact_linear", "contact_quadratic", "lagrangian", "hamiltonian", "flow"};
 
 /// Numbers of the variables on a form's tape: coordinates (of a flow all variables) from 0, then momenta or velocities,
-/// s, and the parameters.
-inline constexpr int first_momentum = most_coordinates, action_variable = 2 * most_coordinates,
-                     first_parameter = action_variable + 1;
+/// s, and the parameters. Forms that are compiled leave room for all coordinates that their class may have.
+struct Numbering {
+  int momentum = compiled_coordinates;  ///< the first
+  int action = 2 * compiled_coordinates;
+  int parameter = action + 1;  ///< the first
+
+  static constexpr Numbering of_mechanics(std::size_t coordinates) {
+    const int half = std::max(compiled_coordinates, static_cast<int>(coordinates));
+    return {half, 2 * half, 2 * half + 1};
+  }
+  static constexpr Numbering of_flow(std::size_t variables) {
+    Numbering numbering;
+    numbering.parameter = std::max(numbering.parameter, static_cast<int>(variables));
+    return numbering;
+  }
+};
 
 /// Shared, and never changed once it is shared.
 struct Form {
@@ -38,6 +52,12 @@ struct Form {
   bool reads_action = false;      ///< the motion depends on s
   bool constant_damping = false;  ///< α is a number
   std::size_t coordinates = 0;    ///< of a flow: variables
+  Numbering numbers;              ///< of the variables on the tape
+
+  bool is_compiled() const {
+    return coordinates <= static_cast<std::size_t>(kind == FormKind::flow ? compiled_variables : compiled_coordinates);
+  }
+
   tape::Tape tape;
   // By kind; what is left out is zero.
   Symbol potential, damping, action_curvature, offset, hamiltonian, lagrangian;

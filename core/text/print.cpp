@@ -80,7 +80,16 @@ std::size_t nesting(std::string_view text) {
   return most;
 }
 
-Piece of_node(const Node& node, const std::vector<Piece>& made, const std::function<std::string(int)>& name) {
+/// Whether a choice is that between −x and x.
+bool is_absolute(const tape::Tape& tape, const Node& choice) {
+  const Node& negated = tape[choice.b];
+  return choice.a == choice.c && negated.op == Op::multiply && negated.b == choice.c &&
+         tape[negated.a].op == Op::constant && tape[negated.a].value == -1;
+}
+
+Piece of_node(const tape::Tape& tape, Index place, const std::vector<Piece>& made,
+              const std::function<std::string(int)>& name) {
+  const Node& node = tape[place];
   const auto part = [&](Index i) -> const Piece& { return made[static_cast<std::size_t>(i)]; };
   switch (node.op) {
     case Op::constant:
@@ -105,8 +114,9 @@ Piece of_node(const Node& node, const std::vector<Piece>& made, const std::funct
       return {joined({in(part(node.a), 5), "^", in(constant(node.value), 5)}), 4};
     case Op::raise:
       return {joined({in(part(node.a), 5), "^", in(part(node.b), 5)}), 4};
-    case Op::select:  // of |x| alone
-      return {joined({"abs(", part(node.c).text, ")"})};
+    case Op::select:
+      if (is_absolute(tape, node)) return {joined({"abs(", part(node.c).text, ")"})};
+      return {joined({"if(", part(node.a).text, " < 0, ", part(node.b).text, ", ", part(node.c).text, ")"})};
     default:
       return {joined({function(node.op), "(", part(node.a).text, ")"})};
   }
@@ -125,7 +135,7 @@ std::string print(const tape::Tape& tape, const Symbol& y, const std::function<s
   std::vector<Piece> made(needed.size());
   for (std::size_t i = 0; i < made.size(); ++i) {
     if (!needed[i]) continue;
-    made[i] = of_node(tape[static_cast<Index>(i)], made, name);
+    made[i] = of_node(tape, static_cast<Index>(i), made, name);
     if (made[i].text.size() > longest) return "…";
   }
   return nesting(made.back().text) > most_nesting ? "…" : made.back().text;

@@ -36,7 +36,7 @@ void write_accelerations(const Definition& given, const Form& form, Rates& rates
   std::vector<Symbol> v, g, force;
   for (std::size_t i = 0; i < n; ++i) {
     places.push_back(static_cast<int>(i));
-    v.push_back(Symbol::variable(tape, first_momentum + i));
+    v.push_back(Symbol::variable(tape, form.numbers.momentum + i));
   }
   for (const Symbol& entry : form.metric) g.push_back(copy(entry));
   std::vector<std::vector<Symbol>> slope;  // ∂_k g_ij
@@ -72,7 +72,7 @@ std::vector<Symbol> full_velocities(const Form& form, Rates& rates, tape::Substi
   std::vector<Symbol> p, g;
   p.reserve(n);
   g.reserve(form.hessian.size());
-  for (std::size_t i = 0; i < n; ++i) p.push_back(Symbol::variable(rates.tape, first_momentum + i));
+  for (std::size_t i = 0; i < n; ++i) p.push_back(Symbol::variable(rates.tape, form.numbers.momentum + i));
   for (const Symbol& entry : form.hessian) g.push_back(copy(entry));
   if (n == 2) {
     const Symbol determinant = g[0] * g[3] - g[1] * g[2];
@@ -101,9 +101,9 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
   std::vector<int> places, momenta;
   for (std::size_t i = 0; i < n; ++i) {
     places.push_back(static_cast<int>(i));
-    momenta.push_back(first_momentum + static_cast<int>(i));
+    momenta.push_back(form.numbers.momentum + static_cast<int>(i));
   }
-  const Symbol s = same(action_variable);
+  const Symbol s = same(form.numbers.action);
   Symbol of_action = 0;  // what s adds to H of a natural form
   if (form.kind == FormKind::contact_linear) of_action = copy(form.damping) * s;
   if (form.kind == FormKind::contact_quadratic)
@@ -123,7 +123,7 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
     for (std::size_t i = 0; i < n && natural; ++i)
       for (std::size_t j = 0; j < n; ++j)
         lagrangian = lagrangian + Symbol(0.5) * (velocity(i) * copy(g[i * n + j]) * velocity(j));
-    const Symbol by_s = tape::gradient(tape, lagrangian, std::array{action_variable})[0];
+    const Symbol by_s = tape::gradient(tape, lagrangian, std::array{form.numbers.action})[0];
     const auto p = tape::gradient(tape, lagrangian, momenta), force = tape::gradient(tape, lagrangian, places);
     for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(momentum_name(names[i]), p[i]);
     for (std::size_t i = 0; i < n; ++i)
@@ -140,7 +140,7 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
   }
   if (v.empty()) v = tape::gradient(tape, h, momenta);
   const auto force = tape::gradient(tape, h, places);
-  const Symbol by_action = tape::gradient(tape, h, std::array{action_variable})[0];
+  const Symbol by_action = tape::gradient(tape, h, std::array{form.numbers.action})[0];
   for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(names[i], v[i]);
   for (std::size_t i = 0; i < n; ++i)
     rates.all.emplace_back(momentum_name(names[i]), -force[i] - by_action * same(momenta[i]));
@@ -162,14 +162,11 @@ std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
   Rates rates;
   write_rates(definition, *form, rates);
   const auto name = [&](int i) -> std::string {
-    if (i >= first_parameter && form->kind != FormKind::flow)
-      return definition.parameters[static_cast<std::size_t>(i - first_parameter)].first;
-    if (form->kind == FormKind::flow)
-      return i < first_parameter ? definition.variables[static_cast<std::size_t>(i)]
-                                 : definition.parameters[static_cast<std::size_t>(i - first_parameter)].first;
-    if (i == action_variable) return "s";
-    if (i < first_momentum) return definition.variables[static_cast<std::size_t>(i)];
-    const auto& coordinate = definition.variables[static_cast<std::size_t>(i - first_momentum)];
+    const Numbering& numbers = form->numbers;
+    if (i >= numbers.parameter) return definition.parameters[static_cast<std::size_t>(i - numbers.parameter)].first;
+    if (form->kind == FormKind::flow || i < numbers.momentum) return definition.variables[static_cast<std::size_t>(i)];
+    if (i == numbers.action) return "s";
+    const auto& coordinate = definition.variables[static_cast<std::size_t>(i - numbers.momentum)];
     return in_velocities(*form) ? velocity_name(coordinate) : momentum_name(coordinate);
   };
   std::vector<std::pair<std::string, std::string>> texts;

@@ -9,6 +9,7 @@
 #include "core/text/expansion.hpp"
 #include "core/text/folding.hpp"
 #include "core/text/scenes.hpp"
+#include "core/text/sized_scene.hpp"
 
 namespace least::text {
 namespace {
@@ -64,17 +65,18 @@ bool is_positive_definite(std::size_t n, std::vector<double> matrix) {
 
 /// Two of the kinds that are compiled for two.
 int capacity_of(const Form& form) {
-  const int least = form.coordinates <= 2 ? 2 : most_coordinates;
+  if (!form.is_compiled()) return static_cast<int>(form.coordinates);
+  const int least = form.coordinates <= 2 ? 2 : compiled_coordinates;
   switch (form.kind) {
     case FormKind::flow:
-      return most_variables;
+      return compiled_variables;
     case FormKind::separable:
     case FormKind::metric:
-      return form.autonomous ? least : most_coordinates;
+      return form.autonomous ? least : compiled_coordinates;
     case FormKind::contact_linear:
-      return form.autonomous || !form.constant_damping ? least : most_coordinates;
+      return form.autonomous || !form.constant_damping ? least : compiled_coordinates;
     default:
-      return most_coordinates;
+      return compiled_coordinates;
   }
 }
 
@@ -112,8 +114,8 @@ ProblemCard TextScene::described() const {
     hide("p", n, capacity);
     const bool acting = form->kind == FormKind::contact_linear || form->kind == FormKind::contact_quadratic ||
                         form->kind == FormKind::hamiltonian || form->kind == FormKind::lagrangian;
-    if (acting) {
-      const bool rests = !form->reads_action && form->kind != FormKind::contact_linear;
+    const bool rests = !form->reads_action && form->kind != FormKind::contact_linear;
+    if (acting && (form->is_compiled() || !rests)) {
       add(rests ? "·s" : "s", rests ? "of no use here" : "action");
       card.variables.back().hidden = rests;
       card.variables.back().optional = !rests && !form->reads_action;
@@ -132,18 +134,16 @@ ProblemCard TextScene::described() const {
 }
 
 void TextScene::velocities_to_momenta(std::span<const double> parameters, double t, std::vector<double>& state) const {
-  Folding fold(form->tape, parameters);
+  Folding fold(*form, parameters);
   const tape::Formula formula = fold.formula(form->momenta);
-  std::vector<double> x(static_cast<std::size_t>(action_variable) + 1, 0.0), p(form->coordinates);
-  std::copy_n(state.begin(), capacity, x.begin());
-  std::copy_n(state.begin() + capacity, capacity, x.begin() + first_momentum);
-  if (state.size() > 2 * static_cast<std::size_t>(capacity)) x[action_variable] = state.back();
+  const std::vector<double> x = on_tape(state);
+  std::vector<double> p(form->coordinates);
   formula.evaluate(x.data(), t, p.data());
   std::copy(p.begin(), p.end(), state.begin() + capacity);
 }
 
 std::optional<TextScene::Objection> TextScene::objection(std::span<const double> parameters) const {
-  Folding fold(form->tape, parameters);
+  Folding fold(*form, parameters);
   const bool typed = definition.kind == Definition::Kind::potential;
   const char* whole = definition.kind == Definition::Kind::lagrangian ? "/lagrangian" : "/hamiltonian";
   for (std::size_t i = 0; i < form->mass.size(); ++i) {
@@ -168,23 +168,23 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
 
 std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<const double> parameters, double t,
                                                                   const std::vector<double>& state) const {
+  if (!form->is_compiled()) return objection_to_large_start(parameters, t, state);
   const Formulas formulas(*form, parameters);
   const bool flow = form->kind == FormKind::flow;
-  const std::size_t n = form->coordinates, half = flow ? 0 : static_cast<std::size_t>(capacity);
-  std::vector<double> x(static_cast<std::size_t>(first_parameter), 0.0);  // as the tapes count
-  std::copy_n(state.begin(), n, x.begin());
-  if (!flow) std::copy_n(state.begin() + capacity, n, x.begin() + first_momentum);
-  if (!flow && state.size() > 2 * half) x[action_variable] = state.back();
+  const std::size_t n = form->coordinates;
+  std::vector<double> x = on_tape(state);
+  const auto momentum = static_cast<std::size_t>(form->numbers.momentum),
+             action = static_cast<std::size_t>(form->numbers.action);
   const char* whole = definition.kind == Definition::Kind::lagrangian    ? "/lagrangian"
                       : definition.kind == Definition::Kind::hamiltonian ? "/hamiltonian"
                                                                          : "/potential";
   if (form->kind == FormKind::lagrangian) {
-    Vec<most_coordinates> q{}, p{};
+    Vec<compiled_coordinates> q{}, p{};
     std::copy_n(x.begin(), n, q.begin());
-    std::copy_n(x.begin() + first_momentum, n, p.begin());
-    const auto v = formulas.velocities(q, p, x[action_variable], t);
+    std::copy_n(&x[momentum], n, p.begin());
+    const auto v = formulas.velocities(q, p, x[action], t);
     if (!std::isfinite(v[0])) return Objection{whole, "has no velocity for the momenta of the start"};
-    std::copy_n(v.begin(), n, x.begin() + first_momentum);
+    std::copy_n(v.begin(), n, &x[momentum]);
   }
   if (!form->hessian.empty())
     if (const std::string why = objection_to_masses(parameters, t, x); !why.empty()) return Objection{whole, why};
@@ -194,11 +194,7 @@ std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<cons
     formula.evaluate(x.data(), t, values.data());
     return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
   };
-  const auto unbounded = [&](std::string pointer) {
-    std::string detail = "is not finite at the start, or has a derivative that is not: ";
-    for (std::size_t i = 0; i < n; ++i) detail += definition.variables[i] + " = " + number_text(x[i]) + ", ";
-    return Objection{std::move(pointer), detail + "t = " + number_text(t)};
-  };
+  const auto unbounded = [&](std::string pointer) { return Objection{std::move(pointer), not_finite_at(t, state)}; };
   if (flow) {
     std::vector<double> rates(n);
     formulas.rates.evaluate(x.data(), t, rates.data());
@@ -213,6 +209,40 @@ std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<cons
   return std::nullopt;
 }
 
+std::optional<TextScene::Objection> TextScene::objection_to_large_start(std::span<const double> parameters, double t,
+                                                                        const std::vector<double>& state) const {
+  const SizedScene scene(*form, parameters);
+  const char* whole = definition.kind == Definition::Kind::lagrangian    ? "/lagrangian"
+                      : definition.kind == Definition::Kind::hamiltonian ? "/hamiltonian"
+                                                                         : "/potential";
+  std::vector<double> rates(scene.components);
+  scene.rate.evaluate(state.data(), t, rates.data());
+  for (std::size_t i = 0; i < rates.size(); ++i)
+    if (!std::isfinite(rates[i]))
+      return Objection{scene.flow ? "/equations/" + definition.variables[i] : whole, not_finite_at(t, state)};
+  return std::nullopt;
+}
+
+std::vector<double> TextScene::on_tape(const std::vector<double>& state) const {
+  const Numbering& numbers = form->numbers;
+  const auto n = static_cast<std::ptrdiff_t>(form->coordinates);
+  std::vector<double> x(static_cast<std::size_t>(numbers.parameter), 0.0);
+  std::copy_n(state.begin(), n, x.begin());
+  if (form->kind == FormKind::flow) return x;
+  std::copy_n(state.begin() + capacity, n, x.begin() + numbers.momentum);
+  if (state.size() > 2 * static_cast<std::size_t>(capacity)) x[static_cast<std::size_t>(numbers.action)] = state.back();
+  return x;
+}
+
+std::string TextScene::not_finite_at(double t, const std::vector<double>& state) const {
+  constexpr std::size_t most = 16;
+  std::string detail = "is not finite at the start, or has a derivative that is not: ";
+  for (std::size_t i = 0; i < std::min(form->coordinates, most); ++i)
+    detail += definition.variables[i] + " = " + number_text(state[i]) + ", ";
+  if (form->coordinates > most) detail += "…, ";
+  return detail + "t = " + number_text(t);
+}
+
 std::string TextScene::second_derivative() const {
   return std::string("its second derivative by the ") +
          (definition.kind == Definition::Kind::lagrangian ? "velocities" : "momenta");
@@ -221,7 +251,7 @@ std::string TextScene::second_derivative() const {
 std::string TextScene::objection_to_masses(std::span<const double> parameters, double t,
                                            const std::vector<double>& x) const {
   const std::size_t n = form->coordinates;
-  Folding fold(form->tape, parameters);
+  Folding fold(*form, parameters);
   const tape::Formula hessian = fold.formula(form->hessian);
   std::vector<double> matrix(n * n);
   hessian.evaluate(x.data(), t, matrix.data());
@@ -238,7 +268,8 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
   for (const double aside : {-1e-6, 1e-6}) {
     if (form->kind != FormKind::lagrangian) break;
     std::vector<double> y = x, there(n * n);
-    for (std::size_t i = first_momentum; i < first_momentum + n; ++i) y[i] += aside * (1 + std::abs(y[i]));
+    const auto momentum = static_cast<std::size_t>(form->numbers.momentum);
+    for (std::size_t i = momentum; i < momentum + n; ++i) y[i] += aside * (1 + std::abs(y[i]));
     hessian.evaluate(y.data(), t, there.data());
     const double here = std::abs(detail::determinant_by_lu(n, there.data()));
     if (std::isfinite(here)) nearby = std::max(nearby, here);

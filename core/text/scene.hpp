@@ -36,6 +36,12 @@ struct TextScene {
   std::string note_on_equations() const;
 
  private:
+  /// The same of a scene that no class is compiled for.
+  std::optional<Objection> objection_to_large_start(std::span<const double> parameters, double t,
+                                                    const std::vector<double>& state) const;
+  /// The variables of the card as the form's tape numbers them.
+  std::vector<double> on_tape(const std::vector<double>& state) const;
+  std::string not_finite_at(double t, const std::vector<double>& state) const;
   /// ∂²L/∂v² or ∂²H/∂p² in words.
   std::string second_derivative() const;
   /// What ∂²L/∂v² or ∂²H/∂p² is not at a point x, which is laid out as on the form's tape.

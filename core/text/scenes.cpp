@@ -34,7 +34,7 @@ void eliminate(std::vector<Symbol>& a, std::vector<Symbol>& b) {
 
 Formulas::Formulas(const Form& form, std::span<const double> parameters)
     : coordinates(form.coordinates), reads_action(form.reads_action) {
-  Folding fold(form.tape, parameters);
+  Folding fold(form, parameters);
   std::vector<int> places, all;
   for (std::size_t i = 0; i < coordinates; ++i) places.push_back(static_cast<int>(i));
   all = places;
@@ -78,7 +78,7 @@ void Formulas::set_full_mass(std::vector<double> given, bool of_velocities) {
   const std::size_t n = coordinates;
   std::vector<double> inverse = given;
   detail::invert(n, inverse.data());
-  Mat<most_coordinates>&known = of_velocities ? mass_matrix : inverse_mass_matrix,
+  Mat<compiled_coordinates>&known = of_velocities ? mass_matrix : inverse_mass_matrix,
   &found = of_velocities ? inverse_mass_matrix : mass_matrix;
   // Drifts are symplectic where the matrix is symmetric to the last bit.
   for (std::size_t i = 0; i < n; ++i)
@@ -88,15 +88,15 @@ void Formulas::set_full_mass(std::vector<double> given, bool of_velocities) {
     }
 }
 
-Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const Vec<most_coordinates>& p, double s,
-                                           double t) const {
+Vec<compiled_coordinates> Formulas::velocities(const Vec<compiled_coordinates>& q, const Vec<compiled_coordinates>& p,
+                                               double s, double t) const {
   constexpr int most_rounds = 100, most_halvings = 30;
   const std::size_t n = coordinates;
-  Vec<most_coordinates> v{}, rest{};
-  std::array<double, std::size_t(most_coordinates * (most_coordinates + 1))> all;
-  Mat<most_coordinates> hessian{};
+  Vec<compiled_coordinates> v{}, rest{};
+  std::array<double, std::size_t(compiled_coordinates * (compiled_coordinates + 1))> all;
+  Mat<compiled_coordinates> hessian{};
   // How far the momenta at v are from p; sets what a step needs.
-  const auto look = [&](const Vec<most_coordinates>& at) {
+  const auto look = [&](const Vec<compiled_coordinates>& at) {
     momenta.evaluate(joined(q, at, s).data(), t, all.data());
     double wrong = 0;
     for (std::size_t i = 0; i < n; ++i) wrong += std::abs(p[i] - all[i]);
@@ -112,7 +112,7 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
   const double starts[] = {1, -1};
   if (!std::isfinite(wrong) || singular_at(all)) {
     for (const double share : starts) {
-      Vec<most_coordinates> other{};
+      Vec<compiled_coordinates> other{};
       for (std::size_t i = 0; i < n; ++i) other[i] = share * (p[i] != 0 ? p[i] : 1);
       wrong = look(v = other);
       if (std::isfinite(wrong) && !singular_at(all)) break;
@@ -129,7 +129,7 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
   };
   double size = terms();
   for (int round = 0; round < most_rounds && wrong > 0; ++round) {
-    for (std::size_t i = 0; i < most_coordinates; ++i) {
+    for (std::size_t i = 0; i < compiled_coordinates; ++i) {
       hessian[i].fill(0);
       hessian[i][i] = 1;
     }
@@ -138,7 +138,7 @@ Vec<most_coordinates> Formulas::velocities(const Vec<most_coordinates>& q, const
       for (std::size_t j = 0; j < n; ++j) hessian[i][j] = all[n + i * n + j];
     }
     const auto step = LinearSolver<double>::solve(hessian, rest);
-    Vec<most_coordinates> next = v;
+    Vec<compiled_coordinates> next = v;
     double now = wrong;
     for (int halving = 0; halving < most_halvings && !(now < wrong); ++halving) {
       for (std::size_t i = 0; i < n; ++i) next[i] = v[i] + std::exp2(-halving) * step[i];

@@ -15,6 +15,10 @@
 
 namespace least::text {
 
+/// Numbers of variables on the tapes of forms that are compiled.
+inline constexpr int first_momentum = Numbering{}.momentum, action_variable = Numbering{}.action,
+                     first_parameter = Numbering{}.parameter;
+
 /// A form with numbers in the place of its parameters.
 struct Formulas {
   Formulas(const Form& form, std::span<const double> parameters);
@@ -26,16 +30,16 @@ struct Formulas {
   tape::Formula momenta;              ///< of (q, v, s): ∂L/∂v, then ∂²L/∂v² row by row
   tape::Formula lagrangian;           ///< of (q, v, s): L, L_q, L_s
   tape::Formula all_of_lagrangian;    ///< of (q, v, s): L, L_q, L_v, L_s
-  std::array<double, most_coordinates> inverse_mass{};
+  std::array<double, compiled_coordinates> inverse_mass{};
   /// The constant metric g and its inverse, where g is not diagonal: their first `coordinates` rows and columns.
   bool full_mass = false;
-  Mat<most_coordinates> mass_matrix{}, inverse_mass_matrix{};
+  Mat<compiled_coordinates> mass_matrix{}, inverse_mass_matrix{};
   double alpha = 0, gamma = 0, offset = 0;
 
   /// v with ∂L/∂v = p, by Newton's method with steps that are shortened until they help; not a number where it finds
   /// none.
-  Vec<most_coordinates> velocities(const Vec<most_coordinates>& q, const Vec<most_coordinates>& p, double s,
-                                   double t) const;
+  Vec<compiled_coordinates> velocities(const Vec<compiled_coordinates>& q, const Vec<compiled_coordinates>& p, double s,
+                                       double t) const;
 
  private:
   /// From ∂²L/∂v² or ∂²H/∂p², row by row.
@@ -92,7 +96,7 @@ struct ConstantMass : Mechanical<N> {
  private:
   /// Coordinates that the scene has not keep their unit mass.
   template <class T>
-  Vec<N, T> times(const Mat<most_coordinates>& matrix, const Vec<N, T>& x) const {
+  Vec<N, T> times(const Mat<compiled_coordinates>& matrix, const Vec<N, T>& x) const {
     Vec<N, T> y = x;
     const std::size_t n = N == 2 ? N : this->coordinates();  // one coordinate has no full matrix
     for (std::size_t i = 0; i < n; ++i) {
@@ -154,8 +158,8 @@ struct MetricScene : Mechanical<N> {
 
 /// Both halves of a state and s, as the tapes of forms count them.
 template <class T>
-std::array<T, std::size_t(first_parameter)> joined(const Vec<most_coordinates, T>& q, const Vec<most_coordinates, T>& p,
-                                                   const T& s) {
+std::array<T, std::size_t(first_parameter)> joined(const Vec<compiled_coordinates, T>& q,
+                                                   const Vec<compiled_coordinates, T>& p, const T& s) {
   std::array<T, std::size_t(first_parameter)> x;
   for (std::size_t i = 0; i < q.size(); ++i) x[i] = q[i], x[first_momentum + i] = p[i];
   x[action_variable] = s;
@@ -164,7 +168,7 @@ std::array<T, std::size_t(first_parameter)> joined(const Vec<most_coordinates, T
 
 /// What is the same where only H is known.
 struct GeneralScene {
-  static constexpr int dof = most_coordinates;
+  static constexpr int dof = compiled_coordinates;
   static constexpr bool reads_time = true;
   std::shared_ptr<const Formulas> formulas;
 
@@ -275,7 +279,7 @@ struct LagrangianScene : GeneralScene {
 
 /// ẏ = f(y, t)
 struct FlowScene {
-  static constexpr int dim = most_variables;
+  static constexpr int dim = compiled_variables;
   static constexpr bool reads_time = true;
   std::shared_ptr<const Formulas> formulas;
 

@@ -21,6 +21,7 @@ std::string pointer_to(std::string_view key, std::string_view name) {
 
 TextReader::TextReader(const Definition& definition) : given_(definition), form_(std::make_shared<Form>()) {
   form_->coordinates = given_.variables.size();
+  form_->numbers = flow() ? Numbering::of_flow(n()) : Numbering::of_mechanics(n());
 }
 
 void TextReader::check_names() {
@@ -70,16 +71,17 @@ std::vector<Word> TextReader::words(char momentum, std::string_view no_velocity,
   for (std::size_t i = 0; i < n(); ++i) {
     all.push_back({given_.variables[i], Symbol::variable(tape, i)});
     if (flow()) continue;
-    const Symbol moving = Symbol::variable(tape, static_cast<std::size_t>(first_momentum) + i);
+    const Symbol moving = Symbol::variable(tape, static_cast<std::size_t>(form_->numbers.momentum) + i);
     all.push_back({names_.emplace_back(velocity_name(given_.variables[i])), moving,
                    momentum == 'v' ? std::string_view() : no_velocity});
     all.push_back({names_.emplace_back(momentum_name(given_.variables[i])), moving,
                    momentum == 'p' ? std::string_view() : no_momentum});
   }
   all.push_back({"t", Symbol::time(tape)});
-  all.push_back({"s", Symbol::variable(tape, action_variable), no_s});
+  all.push_back({"s", Symbol::variable(tape, static_cast<std::size_t>(form_->numbers.action)), no_s});
   for (std::size_t k = 0; k < given_.parameters.size(); ++k)
-    all.push_back({given_.parameters[k].first, Symbol::variable(tape, static_cast<std::size_t>(first_parameter) + k)});
+    all.push_back(
+        {given_.parameters[k].first, Symbol::variable(tape, static_cast<std::size_t>(form_->numbers.parameter) + k)});
   return all;
 }
 
@@ -96,7 +98,7 @@ std::optional<Symbol> TextReader::record(const std::string& pointer, const std::
     faults_.push_back({pointer, std::move(*wrong)});
     return std::nullopt;
   }
-  auto symbol = std::get<Expression>(parsed).record(form_->tape, known, false);
+  auto symbol = std::get<Expression>(parsed).record(form_->tape, known, operations());
   if (auto* wrong = std::get_if<Fault>(&symbol)) {
     faults_.push_back({pointer, std::move(*wrong)});
     return std::nullopt;

@@ -31,6 +31,8 @@ class TextReader {
  protected:
   std::size_t n() const { return form_->coordinates; }
   bool flow() const { return given_.kind == Definition::Kind::equations; }
+  /// How many operations the texts may take.
+  std::size_t operations() const { return given_.typed ? most_summed : most_operations; }
 
   const Definition& given_;
   std::shared_ptr<Form> form_;

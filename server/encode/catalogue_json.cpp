@@ -1,5 +1,7 @@
 #include "server/encode/catalogue_json.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "core/catalogue/catalogue.hpp"
@@ -116,6 +118,29 @@ void write_quantities(JsonWriter& json, const std::vector<QuantityCard>& quantit
   }
 }
 
+// What texts of a scene may say, and how much.
+void write_language(JsonWriter& json) {
+  json.key("language").open('{').key("functions").open('[');
+  for (const auto function : text::function_names()) json.text(function);
+  for (const char* of_many : {"sum", "prod", "mod"}) json.text(of_many);
+  json.close(']').key("operators").open('[');
+  for (const char* sign : {"+", "-", "*", "/", "^", "**", "<", "<=", ">", ">=", "and", "or", "not"}) json.text(sign);
+  json.close(']').key("names").text(
+      fmt::format("a letter, then letters, digits, _: at most {} before an index", text::longest_name));
+  const std::pair<const char*, std::size_t> limits[] = {{"coordinates", text::most_coordinates},
+                                                        {"variables_of_equations", text::most_variables},
+                                                        {"coordinates_of_other_forms", text::compiled_coordinates},
+                                                        {"parameters", text::most_parameters},
+                                                        {"invariants", text::most_invariants},
+                                                        {"characters", text::most_characters},
+                                                        {"operations", text::most_operations},
+                                                        {"operations_with_sums_written_out", text::most_summed},
+                                                        {"nesting", text::most_nesting}};
+  json.key("limits").open('{');
+  for (const auto& [name, most] : limits) json.key(name).integer(static_cast<std::int64_t>(most));
+  json.close('}').close('}');
+}
+
 // What was found in a scene as text.
 void write_form(JsonWriter& json, const text::TextScene& scene) {
   const text::Form& form = *scene.form;
@@ -125,6 +150,7 @@ void write_form(JsonWriter& json, const text::TextScene& scene) {
   for (const auto& [name, rate] : scene.equations()) json.key(name).text(rate);
   json.close('}');
   if (const std::string note = scene.note_on_equations(); !note.empty()) json.key("equations_note").text(note);
+  write_language(json);
 }
 
 void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<const SchemeCard> schemes) {

@@ -23,7 +23,7 @@ struct ReadText {
   std::optional<text::Fault> fault;
   double value = 0;
 };
-ReadText read(const std::string& typed, bool allows_abs = true) {
+ReadText read(const std::string& typed) {
   const auto parsed = text::Expression::parse(typed);
   if (const auto* fault = std::get_if<text::Fault>(&parsed)) return {*fault};
   tape::Tape tape;
@@ -32,7 +32,7 @@ ReadText read(const std::string& typed, bool allows_abs = true) {
                               {"t", Symbol::time(tape)},
                               {"k", Symbol(2.0)},
                               {"s", Symbol(), "is no part of this"}};
-  const auto recorded = std::get<text::Expression>(parsed).record(tape, words, allows_abs);
+  const auto recorded = std::get<text::Expression>(parsed).record(tape, words);
   if (const auto* fault = std::get_if<text::Fault>(&recorded)) return {*fault};
   const tape::Index output[] = {std::get<Symbol>(recorded).on(tape)};
   const double variables[] = {x_here, y_here};
@@ -110,7 +110,19 @@ TEST(Text, SaysWhatIsWrongAndWhere) {
       {"sin x", 0, "its argument stands in brackets"},
       {"x+sin", 2, "its argument stands in brackets"},
       {"x=y", 1, "means nothing here"},
-      {"x,y", 1, "means nothing here"},
+      {"x,y", 1, "a comma stands between the arguments of a function alone"},
+      {"(x,y)", 2, "a comma stands between the arguments of a function alone"},
+      {"sin(x,y)", 0, "sin is given 2 arguments"},
+      {"1+min(x)", 2, "min is given 1 arguments"},
+      {"if(x<y,x)", 0, "if is given 2 arguments"},
+      {"max(x,)", 6, "is due"},
+      {"x<y", 0, "is a condition and no number"},
+      {"1+(x<y)", 1, "is given a condition where a number is due"},
+      {"if(x,1,2)", 0, "is given a number where a condition is due"},
+      {"if(x<y<t,1,2)", 6, "is given a condition where a number is due"},
+      {"if(x<y and t,1,2)", 7, "is given a number where a condition is due"},
+      {"not", 3, "is due"},
+      {"and", 0, "nobody knows the name and"},
       {"x+\"y\"", 2, "means nothing here"},
       {"µ*x", 0, "is no ASCII character"},
       {"x+.", 2, "is no number"},
@@ -127,7 +139,45 @@ TEST(Text, SaysWhatIsWrongAndWhere) {
   }
   EXPECT_EQ(read("x+z").fault->unknown, "z");
   EXPECT_EQ(read("x+z").fault->allowed, "x, y, t, k, pi");
-  EXPECT_EQ(read("x+abs(y)", false).fault->position, 2U);
+}
+
+TEST(Text, ChoosesByConditions) {
+  constexpr double x = x_here, y = y_here, t = t_here, pi = std::numbers::pi;
+  const std::pair<const char*, double> table[] = {
+      {"min(x, y)", x},
+      {"max(x, y, 2*y, t)", 2 * y},
+      {"min(3*t, x, 2)", x},
+      {"sign(t-x)+10*sign(x)+100*sign(x-x)", 9},
+      {"sign(y*0*t)", 0},
+      {"hypot(x, y)", std::hypot(x, y)},
+      {"atan2(y, x)", std::atan2(y, x)},
+      {"atan2(-y, x)", std::atan2(-y, x)},
+      {"atan2(x, -y)", std::atan2(x, -y)},
+      {"atan2(-x, -y)", std::atan2(-x, -y)},
+      {"atan2(x, y)", std::atan2(x, y)},
+      {"atan2(0*x, -y)", pi},
+      {"atan2(-y, 0*x)", -pi / 2},
+      {"if(x < y, 1, 2)", 1},
+      {"if(y < x, 1, 2)", 2},
+      {"if(x < x, 1, 2)", 2},
+      {"if(x <= x, 1, 2)", 1},
+      {"if(x >= x, 1, 2)", 1},
+      {"if(x > x, 1, 2)", 2},
+      {"if(not x < y, 1, 2)", 2},
+      {"if(x < y and t < x, 1, 2)", 1},
+      {"if(x < y and t > x, 1, 2)", 2},
+      {"if(x > y or t < x, 1, 2)", 1},
+      {"if(x > y or t > x, 1, 2)", 2},
+      {"if(x > y and t < x or y > t, 1, 2)", 1},
+      {"if(x > y and (t < x or y > t), 1, 2)", 2},
+      {"if(not (x > y or t > x) and not t >= y, x, y)^2", x * x},
+      {"if(x + t < y - 1, if(t < 1, 5, 6), 7)", 5},
+  };
+  for (const auto& [typed, expected] : table) {
+    const ReadText got = read(typed);
+    EXPECT_FALSE(got.fault) << typed << ": " << got.fault->detail;
+    EXPECT_NEAR(got.value, expected, 4e-15 * std::max(1.0, std::abs(expected))) << typed;
+  }
 }
 
 TEST(Text, IsBoundedInDepthAndLength) {

@@ -20,7 +20,7 @@ std::variant<Symbol, text::Fault> record(const Expression& expression, tape::Tap
                               {"y", Symbol::variable(tape, 1)},
                               {"t", Symbol::time(tape)},
                               {"z", Symbol(0.0), "is not for here"}};
-  return expression.record(tape, words, true);
+  return expression.record(tape, words);
 }
 
 double value_of(const Symbol& symbol, tape::Tape& tape) {

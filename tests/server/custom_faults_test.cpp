@@ -71,7 +71,7 @@ TEST_F(CustomFaults, FaultsNameTheirPlace) {
       {R"~("variables":["x"],"potential":"x^2 + s")~", "/problem/potential", 6, "damping"},
       {R"~("variables":["x"],"lagrangian":"px^2/2")~", "/problem/lagrangian", 0, "knows velocities"},
       {R"~("variables":["x"],"hamiltonian":"vx^2/2")~", "/problem/hamiltonian", 0, "knows momenta"},
-      {R"~("variables":["x"],"potential":"abs(x)")~", "/problem/potential", 0, "derivative"},
+      {R"~("variables":["x"],"potential":"1+min(x)")~", "/problem/potential", 2, "is given 1 arguments"},
       {R"("variables":["x"],"potential":")" + deep + R"(")", "/problem/potential", 100, "nested"},
       {R"("variables":["x"],"potential":")" + long_text + R"(")", "/problem/potential", -2, "too long"},
       {R"("variables":["x"],"potential":")" + std::string(9999, '-') + R"(x")", "/problem/potential", -2, "nested"},

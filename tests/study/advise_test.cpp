@@ -4,8 +4,8 @@
 #include <set>
 
 #include "core/study/search.hpp"
-#include "tests/support/processor_clock.hpp"
 #include "tests/study/studies.hpp"
+#include "tests/support/processor_clock.hpp"
 
 namespace {
 

@@ -55,7 +55,7 @@ TEST(ConstantsOfATextOnItsTape, HaveTwiceTheDigitsOfADouble) {
   for (const auto& [text, low] : rows) {
     tape::Tape tape;
     const auto parsed = std::get<text::Expression>(text::Expression::parse(text));
-    const auto made = std::get<Symbol>(parsed.record(tape, {}, false));
+    const auto made = std::get<Symbol>(parsed.record(tape, {}));
     EXPECT_NEAR(tape[made.on(tape)].low / low, 1, 1e-12) << text;
   }
 }

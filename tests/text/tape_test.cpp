@@ -22,6 +22,8 @@ constexpr const char* texts_of_all_kinds[] = {
     "sinh(x) - cosh(y) + tanh(x*y)",
     "asin(x/2) + acos(y/3) + atan(x*y*t)",
     "abs(x - y)*abs(x + y)",
+    "min(x, y)*max(x*y, 1) + sign(x - y)*hypot(x, y)",
+    "if(x < y and not y < t, x^2, y^2)*atan2(y - 1, x - 2) + if(x > y or t >= x, x*y, x/y)",
     "-1/sqrt((x - 1)^2 + y^2) - (1 - t)/sqrt((x + t)^2 + y^2)",
     "cos(t)*sin(x) + sin(t)*cos(x) + cos(2*t)*cos(3*t) - sin(2*t)*sin(3*t)",
     "x - x + 0*y",
@@ -38,7 +40,7 @@ void record(const std::string& text, Recorded& recorded) {
   const text::Word words[] = {{"x", Symbol::variable(recorded.tape, 0)},
                               {"y", Symbol::variable(recorded.tape, 1)},
                               {"t", Symbol::time(recorded.tape)}};
-  const auto made = std::get<Expression>(parsed).record(recorded.tape, words, true);
+  const auto made = std::get<Expression>(parsed).record(recorded.tape, words);
   ASSERT_TRUE(std::holds_alternative<Symbol>(made)) << text;
   recorded.symbol = std::get<Symbol>(made);
 }
@@ -89,7 +91,8 @@ TEST(TapeOfText, KnowsOnWhatItDepends) {
   const auto depends = [](const char* text) {
     Recorded recorded;
     record(text, recorded);
-    return tape::dependence(recorded.tape, recorded.symbol);
+    tape::Dependences of(recorded.tape, [](int i) { return tape::Dependence(1) << i; });
+    return of(recorded.symbol);
   };
   EXPECT_EQ(depends("x*t"), 1U | tape::on_time);
   EXPECT_EQ(depends("exp(y)"), 2U);

@@ -1,0 +1,143 @@
+#include "core/catalogue/sized_backend.hpp"
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/sized_steps.hpp"
+#include "core/catalogue/sized_taylor.hpp"
+#include "core/from_values.hpp"
+#include "core/run/control_stepper.hpp"
+#include "core/run/self_timed.hpp"
+#include "core/tape/steep.hpp"
+
+namespace least {
+namespace {
+
+/// A problem as schemes see it here: what a run asks of it.
+struct SizedProblem {
+  const RunBackend* backend;
+};
+
+/// taylor and the schemes of Odeint, bound to it.
+struct SizedSeries {
+  Taylor chosen;
+  tape::Program program;
+
+  static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
+  SizedTaylorStepper bind(const SizedProblem&, const RunState&, double) const {
+    return SizedTaylorStepper(std::make_shared<taylor::Expansion>(program, chosen.tolerance, chosen.order));
+  }
+};
+struct SizedPair {
+  AnyOdeintScheme chosen;
+
+  static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
+  ControlStepper bind(const SizedProblem& problem, const RunState&, double) const {
+    return {*problem.backend, chosen.tolerance, chosen.method};
+  }
+};
+
+struct Binding {
+  const SizedBackend& backend;
+  const text::SizedScene& scene;
+  const Request& request;
+  const RunState& x;
+  const Grid& grid;
+  double end;
+
+  template <class Scheme>
+  Scheme scheme() const {
+    return from_values<Scheme>(Scheme::fields, request.settings);
+  }
+  template <class Stepper>
+  std::unique_ptr<Integrator> equal_steps(Stepper stepper) const {
+    return std::make_unique<SizedSteps<Stepper>>(backend.table(), std::move(stepper), x, grid);
+  }
+  template <class Scheme>
+  std::unique_ptr<Integrator> own_clock(const Scheme& scheme) const {
+    return std::make_unique<SelfTimedIntegrator<SizedProblem, Scheme, RunState>>(backend, SizedProblem{&backend},
+                                                                                 scheme, x, end);
+  }
+};
+
+template <class Scheme>
+std::unique_ptr<Integrator> bind_kicks(const Binding& to) {
+  return to.equal_steps(SizedKickDrift<Scheme>(to.scene, to.scheme<Scheme>()));
+}
+template <class Scheme>
+std::unique_ptr<Integrator> bind_stages(const Binding& to) {
+  return to.equal_steps(SizedRungeKutta(to.scene, Scheme::tableau));
+}
+template <class Scheme>
+std::unique_ptr<Integrator> bind_pair(const Binding& to) {
+  return to.own_clock(SizedPair{to.scheme<Scheme>().compiled_as()});
+}
+std::unique_ptr<Integrator> bind_contact_leapfrog(const Binding& to) {
+  return to.equal_steps(SizedContactLeapfrog(to.scene, to.scheme<ContactLeapfrog>()));
+}
+std::unique_ptr<Integrator> bind_series(const Binding& to) {
+  return to.own_clock(
+      SizedSeries{to.scheme<Taylor>(), taylor::program_of(to.scene.equations, to.scene.rates, to.scene.rates.size())});
+}
+
+/// A scheme that runs on scenes of any size, and on which of them.
+struct SizedScheme {
+  std::string_view id;
+  std::optional<text::FormKind> form;  ///< none: on all
+  std::unique_ptr<Integrator> (*bind)(const Binding& to);
+};
+constexpr auto separable = text::FormKind::separable, damped = text::FormKind::contact_linear;
+constexpr std::array sized_schemes{SizedScheme{"explicit_euler", {}, bind_stages<ExplicitEuler>},
+                                   SizedScheme{"explicit_midpoint", {}, bind_stages<ExplicitMidpoint>},
+                                   SizedScheme{"runge_kutta_4", {}, bind_stages<RungeKutta4>},
+                                   SizedScheme{"symplectic_euler", separable, bind_kicks<SymplecticEuler>},
+                                   SizedScheme{"leapfrog", separable, bind_kicks<Leapfrog>},
+                                   SizedScheme{"ruth_3", separable, bind_kicks<Ruth3>},
+                                   SizedScheme{"contact_leapfrog", damped, bind_contact_leapfrog},
+                                   SizedScheme{"dormand_prince_5", {}, bind_pair<DormandPrince5>},
+                                   SizedScheme{"fehlberg_78", {}, bind_pair<Fehlberg78>},
+                                   SizedScheme{"bulirsch_stoer", {}, bind_pair<BulirschStoer>},
+                                   SizedScheme{"taylor", {}, bind_series}};
+
+}  // namespace
+
+std::vector<std::size_t> schemes_of(const text::SizedScene& scene) {
+  std::vector<std::size_t> fitting;
+  for (std::size_t i = 0; i < schemes().size(); ++i) {
+    const auto known = std::ranges::find(sized_schemes, schemes()[i].id, &SizedScheme::id);
+    if (known != sized_schemes.end() && (!known->form || known->form == scene.kind)) fitting.push_back(i);
+  }
+  return fitting;
+}
+
+std::unique_ptr<Integrator> SizedBackend::bind(const Request& request, const RunState& x, const Grid& grid,
+                                               double end) const {
+  const auto known = std::ranges::find(sized_schemes, schemes()[request.scheme].id, &SizedScheme::id);
+  return known->bind({*this, scene(), request, x, grid, end});
+}
+
+std::vector<tape::Index> SizedBackend::write_equations(tape::Tape& tape) const {
+  tape = scene().equations;
+  return scene().rates;
+}
+
+std::shared_ptr<const tape::SteepForces> SizedBackend::steep_forces() const {
+  auto found = std::make_shared<const tape::SteepForces>(scene().equations, scene().rates);
+  return found->empty() ? nullptr : found;
+}
+
+void SizedBackend::velocity(StateView x, double* v) const {
+  std::vector<double> rates(traits_.components);
+  table_.rates(x, rates.data());
+  std::copy_n(rates.begin(), traits_.dof, v);
+}
+
+void SizedBackend::velocity_slopes(StateView x, const double* u, double* slopes) const {
+  std::vector<double> rates(traits_.components), changes(rates);
+  table_.rates(x, u, 0, rates.data(), changes.data());
+  std::copy_n(changes.begin(), traits_.dof, slopes);
+}
+
+}  // namespace least

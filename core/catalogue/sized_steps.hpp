@@ -1,0 +1,222 @@
+// Steps of equal length of scenes whose size is known when they run, by explicit schemes: the maps of
+// core/schemes/splitting.hpp, core/schemes/contact_leapfrog.hpp and core/schemes/runge_kutta.hpp, operation by
+// operation, on components that stand one after the other. A stepper is bound to a state by `begin`; nothing is
+// allocated once it has been made.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/catalogue/sized_table.hpp"
+#include "core/run/equal_steps.hpp"
+#include "core/schemes/contact_leapfrog.hpp"
+#include "core/schemes/runge_kutta.hpp"
+#include "core/schemes/splitting.hpp"
+
+namespace least {
+
+/// Kicks and drifts in the order of a scheme's sequence.
+template <class Scheme>
+class SizedKickDrift {
+ public:
+  SizedKickDrift(const text::SizedScene& scene, const Scheme& scheme)
+      : scene_(&scene),
+        scheme_(scheme),
+        sequence_(&scheme_.template sequence<double>()),
+        slope_(scene.coordinates),
+        velocity_(scene.coordinates) {}
+
+  void begin(StateView x) {
+    work_ = {};
+    force(x.numbers, x.t);
+  }
+  StepStatus step(double* x, double t, double h) noexcept {
+    kick(x, h * sequence_->kick[0]);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_->drifts); ++i) {
+      drift(x, h * sequence_->drift[i]);
+      force(x, t + h * sequence_->node[i]);
+      kick(x, h * sequence_->kick[i + 1]);
+    }
+    return StepStatus::ok;
+  }
+  const Work& work() const { return work_; }
+  double flips_from() const { return std::numeric_limits<double>::infinity(); }
+
+ private:
+  void force(const double* q, double t) {
+    scene_->gradient.evaluate(q, t, slope_.data());
+    ++work_.forces;
+  }
+  void kick(double* x, double h) const {
+    double* const p = x + scene_->coordinates;
+    for (std::size_t i = 0; i < slope_.size(); ++i) p[i] = p[i] - h * slope_[i];
+  }
+  void drift(double* x, double h) {
+    const double* const p = x + scene_->coordinates;
+    if (!scene_->has_full_mass()) {
+      const auto w = scene_->inverse_mass();
+      for (std::size_t i = 0; i < w.size(); ++i) x[i] = x[i] + (h * w[i]) * p[i];
+      return;
+    }
+    scene_->velocity(p, velocity_.data());
+    for (std::size_t i = 0; i < velocity_.size(); ++i) x[i] = x[i] + h * velocity_[i];
+  }
+
+  const text::SizedScene* scene_;
+  Scheme scheme_;  ///< keeps the sequence
+  const Sequence<double>* sequence_;
+  std::vector<double> slope_;  ///< ∇V at the state's q
+  std::vector<double> velocity_;
+  Work work_;
+};
+
+/// Of H = K + V + α(t)s.
+class SizedContactLeapfrog {
+ public:
+  SizedContactLeapfrog(const text::SizedScene& scene, const ContactLeapfrog& scheme)
+      : scene_(&scene),
+        composition_(scheme.composition),
+        weights_(&Weights<double>::of(composition_)),
+        slope_(scene.coordinates),
+        v_(scene.coordinates),
+        velocity_(scene.coordinates) {}
+
+  void begin(StateView x) {
+    work_ = {};
+    look(x.numbers, x.t);
+    damping_ = damping(x.t);
+  }
+  /// A step that fails leaves neither the state nor the stepper as they were.
+  StepStatus step(double* x, double t, double h) noexcept {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i)
+      if (!stage(x, weights_->gamma[i] * h, t + weights_->end[i] * h)) return StepStatus::singular;
+    return StepStatus::ok;
+  }
+  const Work& work() const { return work_; }
+  double flips_from() const { return least::flips_from(composition_); }
+
+ private:
+  double damping(double t) const {
+    double alpha;
+    const double* const none = nullptr;
+    scene_->damping.evaluate(none, t, &alpha);
+    return alpha;
+  }
+  void look(const double* q, double t) {
+    scene_->gradient.evaluate(q, t, slope_.data());
+    scene_->potential.evaluate(q, t, &potential_);
+    ++work_.forces;
+  }
+  bool stage(double* x, double h, double end) {
+    const std::size_t n = slope_.size();
+    double *const p = x + n, &s = x[2 * n];
+    const double next = damping(end), before = 1 - (h / 2) * damping_, under = 1 + (h / 2) * next;
+    if (!(under > least_denominator)) return false;
+    const double after = 1 / under, potential = potential_;
+    for (std::size_t i = 0; i < n; ++i) v_[i] = before * p[i] - (h * 0.5) * slope_[i];
+    scene_->velocity(v_.data(), velocity_.data());
+    double work = v_[0] * velocity_[0];
+    for (std::size_t i = 1; i < n; ++i) work = work + v_[i] * velocity_[i];
+    for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
+    look(x, end);
+    for (std::size_t i = 0; i < n; ++i) p[i] = (v_[i] - (h * 0.5) * slope_[i]) * after;
+    s = (before * s + h * (0.5 * (work - (potential + potential_)))) * after;
+    damping_ = next;
+    return true;
+  }
+
+  const text::SizedScene* scene_;
+  Composition composition_;  ///< keeps the weights
+  const Weights<double>* weights_;
+  std::vector<double> slope_;  ///< ∇V at the state's q
+  std::vector<double> v_, velocity_;
+  double potential_ = 0, damping_ = 0;  ///< V at the state's q, α at its time
+  Work work_;
+};
+
+/// Stages whose increments depend on the one before alone, weighted at the end.
+template <int Stages>
+class SizedRungeKutta {
+ public:
+  SizedRungeKutta(const text::SizedScene& scene, const ExplicitTableau<Stages>& tableau)
+      : scene_(&scene), tableau_(tableau), slope_(scene.components), sum_(slope_), y_(slope_) {}
+
+  void begin(StateView) { work_ = {}; }
+  StepStatus step(double* x, double t, double h) noexcept {
+    const std::size_t size = slope_.size();
+    scene_->rate.evaluate(x, t, slope_.data());
+    for (std::size_t k = 0; k < size; ++k) sum_[k] = tableau_.weight[0] * slope_[k];
+    for (int i = 1; i < Stages; ++i) {
+      const double part = h * tableau_.node[i];
+      for (std::size_t k = 0; k < size; ++k) y_[k] = x[k] + part * slope_[k];
+      scene_->rate.evaluate(y_.data(), t + part, slope_.data());
+      for (std::size_t k = 0; k < size; ++k) sum_[k] = sum_[k] + tableau_.weight[i] * slope_[k];
+    }
+    const double whole = h / tableau_.divisor;
+    for (std::size_t k = 0; k < size; ++k) x[k] = x[k] + whole * sum_[k];
+    work_.forces += Stages;
+    return StepStatus::ok;
+  }
+  const Work& work() const { return work_; }
+  double flips_from() const { return std::numeric_limits<double>::infinity(); }
+
+ private:
+  const text::SizedScene* scene_;
+  ExplicitTableau<Stages> tableau_;
+  std::vector<double> slope_, sum_, y_;
+  Work work_;
+};
+
+template <class Stepper>
+class SizedSteps final : public EqualSteps {
+ public:
+  SizedSteps(const ProblemTable& table, Stepper stepper, const RunState& x, const Grid& grid)
+      : EqualSteps(table, x, grid), stepper_(std::move(stepper)), left_stepper_(stepper_), trial_(stepper_) {
+    stepper_.begin(x);
+  }
+  std::string unsupported_reason() const override { return {}; }
+
+ private:
+  BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, double* rows) override {
+    double* const x = state.x.numbers.data();
+    const std::size_t size = state.x.size();
+    StepStatus status = StepStatus::ok;
+    const std::int64_t end = state.n + count;
+    while (state.n < end) {
+      status = stepper_.step(x, state.x.t, grid_.step);
+      if (status != StepStatus::ok) return BlockResult::failed(status);
+      state.x.t = grid_.time(++state.n);
+      if (!rows) continue;
+      *rows++ = state.x.t;
+      rows = std::copy_n(x, size, rows);
+    }
+    if (state.n == grid_.steps && grid_.tail == 0) state.x.t = grid_.end;
+    if (!is_finite_state(problem_.traits, state.x)) return {BlockEnd::not_finite};
+    return guard.exceeded() ? BlockResult{BlockEnd::too_fast} : BlockResult{};
+  }
+  StepStatus last_step(RunState& x, double h) override { return stepper_.step(x.numbers.data(), x.t, h); }
+  StepStatus trial_step(Stands stands, RunState& x, double h) const override {
+    trial_ = stands == Stands::here ? stepper_ : left_stepper_;
+    return trial_.step(x.numbers.data(), x.t, h);
+  }
+  StepStatus bound_step(RunState& x, double h) const override {
+    trial_.begin(x);
+    return trial_.step(x.numbers.data(), x.t, h);
+  }
+  void bind_stepper(StateView x) override { stepper_.begin(x); }
+  void keep_stepper() override { left_stepper_ = stepper_; }
+  void take_stepper_back() override { stepper_ = left_stepper_; }
+  Work stepper_work() const override { return stepper_.work(); }
+  bool starts_at_singularity() const override { return false; }
+  double energy_of_step(StateView, double) const override { return unknown; }
+  DampingLimits damping_limits() const override {
+    DampingLimits limits;
+    limits.flips = stepper_.flips_from();
+    return limits;
+  }
+
+  Stepper stepper_, left_stepper_;  ///< at the state, and where the last block, or step, began
+  mutable Stepper trial_;
+};
+
+}  // namespace least

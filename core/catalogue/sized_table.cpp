@@ -1,0 +1,92 @@
+#include "core/catalogue/sized_table.hpp"
+
+namespace least {
+
+ProblemTraits traits_of(const text::SizedScene& scene) {
+  using text::FormKind;
+  ProblemTraits traits;
+  traits.components = traits.numbers = traits.moving = scene.components;
+  traits.dof = scene.flow ? 0 : scene.coordinates;
+  traits.acting = scene.acting;
+  traits.full = true;
+  traits.flow = scene.flow;
+  traits.general = scene.kind == FormKind::hamiltonian;
+  traits.potential = !traits.flow && !traits.general;
+  traits.linear_contact = traits.contact = scene.kind == FormKind::contact_linear;
+  traits.conservative = traits.potential && !traits.contact;
+  traits.constant_damping = scene.constant_damping;
+  traits.autonomous = scene.autonomous;
+  traits.has_energy = !traits.flow;
+  traits.keeps_energy = scene.keeps_energy;
+  traits.invariants = text::most_invariants;
+  return traits;
+}
+
+RunState SizedTable::start(const std::vector<double>& variables, double t) const {
+  return {t, StateNumbers(variables.data(), variables.data() + scene_->components)};
+}
+
+void SizedTable::rates(StateView x, const double* u, double dt, double* rates, double* changes) const {
+  thread_local std::vector<Slope> state, all;
+  const std::size_t size = scene_->components;
+  state.resize(size);
+  all.resize(size);
+  for (std::size_t i = 0; i < size; ++i) state[i] = {x[i], {u[i]}};
+  scene_->rate.evaluate(state.data(), Slope{x.t, {dt}}, all.data());
+  for (std::size_t i = 0; i < size; ++i) {
+    rates[i] = all[i].value;
+    changes[i] = all[i].slope[0];
+  }
+}
+
+double SizedTable::kinetic(StateView x) const {
+  thread_local std::vector<double> v;
+  const std::size_t n = scene_->coordinates;
+  const double* const p = x.numbers + n;
+  v.resize(n);
+  scene_->velocity(p, v.data());
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i) sum = i == 0 ? p[0] * v[0] : sum + p[i] * v[i];
+  return 0.5 * sum;
+}
+
+EnergyTerms SizedTable::energy_terms(StateView x) const {
+  EnergyTerms terms{unknown, unknown, unknown, unknown};
+  if (traits.potential) {
+    terms.kinetic = kinetic(x);
+    scene_->potential.evaluate(x.numbers, x.t, &terms.potential);
+    terms.total = terms.kinetic + terms.potential;
+    if (traits.contact) {
+      terms.action_slope = damping(x.t);
+      terms.total += terms.action_slope * x[2 * traits.dof];
+    }
+  } else if (traits.general) {
+    double all[2];
+    scene_->hamiltonian.evaluate(x.numbers, x.t, all);
+    terms.total = all[0];
+  }
+  return terms;
+}
+
+void SizedTable::energy_terms(const StateRows& states, EnergyTerms* terms) const {
+  for (std::size_t i = 0; i < states.count; ++i) terms[i] = energy_terms(states[i]);
+}
+
+double SizedTable::mechanical_energy(StateView x) const {
+  const EnergyTerms terms = energy_terms(x);
+  return terms.kinetic + terms.potential;
+}
+
+double SizedTable::damping(double t) const {
+  if (!traits.linear_contact) return unknown;
+  double alpha;
+  const double* const none = nullptr;
+  scene_->damping.evaluate(none, t, &alpha);
+  return alpha;
+}
+
+void SizedTable::invariants(const StateRows& states, double* values) const {
+  for (std::size_t i = 0; i < states.count; ++i) invariants(states[i], values + i * traits.invariants);
+}
+
+}  // namespace least

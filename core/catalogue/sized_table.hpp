@@ -1,0 +1,58 @@
+// A scene as text of any size as what a run asks of a problem.
+#pragma once
+
+#include <memory>
+
+#include "core/run/backend.hpp"
+#include "core/run/problem_table.hpp"
+#include "core/text/sized_scene.hpp"
+
+namespace least {
+
+/// What is known of runs of such a scene.
+ProblemTraits traits_of(const text::SizedScene& scene);
+
+class SizedTable final : public ProblemTable {
+ public:
+  SizedTable(std::shared_ptr<const text::SizedScene> scene, const ProblemTraits& known)
+      : ProblemTable(known), scene_(std::move(scene)) {}
+  const text::SizedScene& scene() const { return *scene_; }
+
+  RunState start(const std::vector<double>& variables, double t) const override;
+  void rates(StateView x, double* rates) const override { scene_->rate.evaluate(x.numbers, x.t, rates); }
+  void rates(StateView x, const double* u, double dt, double* rates, double* changes) const override;
+  double energy_of(StateView x) const override { return energy_terms(x).total; }
+  EnergyTerms energy_terms(StateView x) const override;
+  void energy_terms(const StateRows& states, EnergyTerms* terms) const override;
+  double mechanical_energy(StateView x) const override;
+  double damping(double t) const override;
+  double action_slope(double, double t) const override { return damping(t); }
+  double action_curvature() const override { return unknown; }
+  double offset() const override { return 0; }
+  double period() const override { return 0; }
+  double stiffness_rate() const override { return unknown; }
+  double frequency_squared(StateView) const override { return unknown; }
+  bool reads_action() const override { return scene_->reads_action; }
+  bool outside(StateView) const override { return false; }
+  double inside(StateView) const override { return unknown; }
+  void sections(StateView, double*) const override {}
+  void invariants(StateView x, double* values) const override { scene_->invariants.evaluate(x.numbers, x.t, values); }
+  void invariants(const StateRows& states, double* values) const override;
+  double quantity(StateView, std::size_t) const override { return unknown; }
+  double element(StateView, std::size_t) const override { return unknown; }
+  double entropy(StateView) const override { return unknown; }
+  std::span<const std::string_view> moment_names() const override { return {}; }
+  void moments(StateView, double*) const override {}
+  double log_weight(StateView) const override { return unknown; }
+  double log_rate(StateView) const override { return unknown; }
+  double gravitational_parameter() const override { return unknown; }
+  bool starts_series(StateView) const override { return false; }
+  RunState series_state(double) const override { return {}; }
+
+ private:
+  double kinetic(StateView x) const;
+
+  std::shared_ptr<const text::SizedScene> scene_;
+};
+
+}  // namespace least

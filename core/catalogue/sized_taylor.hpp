@@ -1,0 +1,103 @@
+// taylor on a scene whose size is known when it runs: the stepper of core/schemes/taylor.hpp on components that stand
+// one after the other. All of them are the motion.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "core/run/run_state.hpp"
+#include "core/schemes/taylor.hpp"
+
+namespace least {
+
+class SizedTaylorStepper {
+ public:
+  static constexpr bool reads_time = true, has_dense = true;
+  static constexpr int parts = 16;
+
+  explicit SizedTaylorStepper(std::shared_ptr<taylor::Expansion> expansion)
+      : expansion_(std::move(expansion)),
+        start_(expansion_->program().variables),
+        end_(start_),
+        start_low_(start_),
+        low_(start_) {}
+
+  StepStatus step(RunState& x) noexcept { return step_within(x, std::numeric_limits<double>::infinity()); }
+  /// As that of TaylorStepper.
+  StepStatus step_within(RunState& x, double most, double late = 0) noexcept {
+    begin(x);
+    expansion_->move(end_.data(), x.t);
+    from_ = end_;
+    from_low_ = low_;
+    work_.forces += expansion_->order();
+    double h = expansion_->step(most);
+    if (!(h > 0)) return StepStatus::singular;
+    if (!(x.t + h < x.t + most)) h = most;
+    for (;; h *= 0.5) {
+      if (h < most && !(x.t + h > x.t)) return StepStatus::underflow;
+      expansion_->evaluate(h, from_.data(), from_low_.data(), end_.data(), low_.data());
+      if (expansion_->defined(end_.data(), x.t + (h - late))) break;
+    }
+    std::swap(start_, from_);
+    std::swap(start_low_, from_low_);
+    t_ = x.t;
+    h_ = h;
+    std::copy(end_.begin(), end_.end(), x.numbers.begin());
+    x.t = t_ + h;
+    return StepStatus::ok;
+  }
+  double elapsed() const { return h_; }
+
+  /// x moved to the time t, not before its own, by as many steps as that takes.
+  StepStatus reach(RunState& x, double t) noexcept {
+    constexpr int most_parts = 10'000;
+    for (int part = 0; part < most_parts; ++part) {
+      if (!(x.t < t)) return StepStatus::ok;
+      from_.assign(x.numbers.begin(), x.numbers.end());
+      from_low_.assign(from_.size(), 0);
+      expansion_->move(from_.data(), x.t);
+      work_.forces += expansion_->order();
+      const double h = expansion_->step(t - x.t);
+      if (!(h > 0)) return StepStatus::singular;
+      if (!(x.t + h > x.t)) return StepStatus::underflow;
+      expansion_->evaluate(h, from_low_.data(), from_.data());
+      std::copy(from_.begin(), from_.end(), x.numbers.begin());
+      x.t = h < t - x.t ? x.t + h : t;
+    }
+    return StepStatus::solver_failed;
+  }
+  /// x set to the state at t by the polynomial of the last step; false where t lies outside it.
+  bool interpolate(RunState& x, double t) const noexcept {
+    const double h = t - t_, slack = 4 * std::numeric_limits<double>::epsilon() * std::abs(t);
+    if (!(h_ > 0 && h >= 0 && h <= h_ + slack)) return false;
+    from_ = start_;
+    from_low_ = start_low_;
+    expansion_->move(from_.data(), t_);
+    expansion_->evaluate(h, from_low_.data(), from_.data());
+    std::copy(from_.begin(), from_.end(), x.numbers.begin());
+    x.t = t;
+    return true;
+  }
+  const Work& work() const noexcept { return work_; }
+  /// One that has taken no step yet, of the same program.
+  SizedTaylorStepper anew() const { return SizedTaylorStepper(expansion_); }
+
+ private:
+  /// Where a step begins: where the last one ended, with what rounding has kept from it, but for what is changed.
+  void begin(const RunState& x) {
+    for (std::size_t i = 0; i < end_.size(); ++i)
+      if (x[i] != end_[i]) {
+        end_[i] = x[i];
+        low_[i] = 0;
+      }
+  }
+
+  std::shared_ptr<taylor::Expansion> expansion_;
+  double t_ = 0, h_ = 0;                                       ///< of the last step
+  std::vector<double> start_, end_, start_low_, low_;          ///< where it began and ended; what rounding has kept
+  mutable std::vector<double> from_{start_}, from_low_{low_};  ///< scratch
+  Work work_;
+};
+
+}  // namespace least

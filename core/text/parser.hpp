@@ -1,0 +1,15 @@
+// The grammar of texts: operations by their precedence, functions with their arguments, conditions.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/text/expression.hpp"
+
+namespace least::text {
+
+/// The tokens of a text of at most so many characters, in postfix order, each a part of the text; or what is wrong.
+std::optional<Fault> read_postfix(std::string_view text, std::size_t most, std::vector<Token>& postfix);
+
+}  // namespace least::text

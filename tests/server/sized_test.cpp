@@ -1,0 +1,136 @@
+// Scenes of more coordinates than any class is compiled for, over HTTP.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+class ManyCoordinates : public Serving {
+ protected:
+  static Json answer(const Json& request, const char* path = "/v1/simulate", int status = 200) {
+    const Reply reply = ask(port(), post(path, request.dump()));
+    EXPECT_EQ(reply.status, status) << reply.body;
+    return Json::parse(reply.body);
+  }
+  /// Seven stars: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.10.
+  static Json pleiades() {
+    return Json::parse(R"~({"problem":{"id":"custom","variables":["x[7]","y[7]"],
+      "potential":"-sum(i=1..7, j=i+1..7, i*j/sqrt((x[i]-x[j])^2 + (y[i]-y[j])^2))","masses":{"x[i]":"i","y[i]":"i"}},
+      "initial":{"x":[3,3,-1,-3,2,-2,2],"y":[3,-3,2,0,0,-4,4],"vx[6]":1.75,"vx[7]":-1.5,"vy[4]":-1.25,"vy[5]":1},
+      "until":3,"scheme":"taylor","diagnostics":["energy","momenta","structure","error"],"record":{"samples":11},
+      "columns":["t","x[*]","y[*]","energy","error",{"name":"px","expression":"sum(i=1..7, px[i])"}]})~");
+  }
+  static Json chain(int n) {
+    const std::string count = std::to_string(n);
+    return {{"problem",
+             {{"id", "custom"},
+              {"variables", {"q[" + count + "]"}},
+              {"definitions", {{"at(i)", "if(i < 1 or i > " + count + ", 0, q[i])"}}},
+              {"potential", "sum(i=0.." + count + ", (at(i+1) - at(i))^2/2 + (at(i+1) - at(i))^3/12)"}}}};
+  }
+};
+
+TEST_F(ManyCoordinates, MoveAsIsKnown) {
+  const Json made = answer(pleiades());
+  EXPECT_EQ(made["status"], "completed");
+  EXPECT_EQ(made["until"]["t"], 3) << "a bare number is a time";
+  EXPECT_NEAR(made["final"]["x[1]"], 0.3706139143970502, 1e-9);
+  EXPECT_NEAR(made["final"]["x[7]"], -0.7003092922212495, 1e-9);
+  EXPECT_EQ(made["trajectory"]["y[7]"].size(), 11U);
+  EXPECT_EQ(made["initial"]["py[4]"], -5) << "of a mass of 4";
+  EXPECT_LT(made["diagnostics"]["energy"]["max_rel_error"], 1e-12);
+  EXPECT_LT(made["diagnostics"]["error"]["max"], 1e-8);
+  for (const Json& error : made["trajectory"]["error"]) EXPECT_LT(error, 1e-8);
+  for (const Json& momentum : made["trajectory"]["px"]) EXPECT_NEAR(momentum, 0, 1e-12);
+  EXPECT_TRUE(made["warnings"].empty()) << made["warnings"];
+
+  Json echoed;
+  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
+    echoed[key] = made[key];
+  EXPECT_EQ(answer(echoed)["trajectory"], made["trajectory"]);
+}
+
+TEST_F(ManyCoordinates, AreAskedInEveryWay) {
+  Json request = pleiades();
+  request["scheme"] = {{"id", "auto"}, {"accuracy", 1e-6}};
+  request["columns"] = {"t", "x[1]"};
+  Json made = answer(request);
+  EXPECT_EQ(made["choice"]["met"], true) << made["choice"];
+  EXPECT_NEAR(made["final"]["x[1]"], 0.3706139143970502, 1e-5);
+
+  request["scheme"] = {{"id", "leapfrog"}, {"step", 0.001}};
+  request["events"] = {{{"name", "meet"}, {"expression", "x[1] - x[2]"}, {"direction", "both"}}};
+  made = answer(request);
+  ASSERT_FALSE(made["events"].empty());
+  EXPECT_NEAR(made["events"][0]["state"]["x[1]"].get<double>(), made["events"][0]["state"]["x[2]"].get<double>(), 1e-9);
+
+  request = chain(24);
+  request["scheme"] = {{"id", "leapfrog"}, {"step", 0.05}};
+  request["until"] = 5;
+  request["members"] = {{"count", 3}, {"vary", {{"/initial/q[1]", {{"values", {0.1, 0.2, 0.3}}}}}}};
+  request["members"].erase("count");
+  request["columns"] = {"q[1]", "energy"};
+  request["keep"] = {"final"};
+  made = answer(request, "/v1/ensemble");
+  EXPECT_EQ(made["completed"], 3);
+  const Json energies = made["final"]["energy"];
+  request.erase("members");
+  request.erase("keep");
+  request["initial"] = {{"q[1]", 0.2}};
+  made = answer(request);
+  EXPECT_NEAR(energies[1], made["diagnostics"]["energy"]["final"].get<double>(), 1e-15) << "as it runs alone";
+
+  request = chain(24);
+  request["initial"] = {{"q[1]", 0.2}};
+  request["schemes"] = {"leapfrog", "runge_kutta_4", "taylor"};
+  request["until"] = 10;
+  made = answer(request, "/v1/work-precision");
+  EXPECT_EQ(made["series"].size(), 3U) << made;
+}
+
+TEST_F(ManyCoordinates, AreDescribed) {
+  const Json card = answer(chain(1024), "/v1/problems");
+  EXPECT_EQ(card["variables"].size(), 2048U);
+  EXPECT_EQ(card["form"]["kind"], "separable");
+  EXPECT_EQ(card["variables"][1023]["name"], "q[1024]");
+  EXPECT_EQ(card["language"]["limits"]["coordinates"], 1024);
+  for (const char* function : {"sin", "min", "if", "atan2", "sum"}) {
+    const Json& known = card["language"]["functions"];
+    EXPECT_NE(std::find(known.begin(), known.end(), function), known.end()) << function;
+  }
+}
+
+TEST_F(ManyCoordinates, AreRefusedByName) {
+  Json request = chain(24);
+  request["scheme"] = "galerkin_4";
+  Json faults = answer(request, "/v1/simulate", 422)["errors"];
+  EXPECT_EQ(faults[0]["pointer"], "/scheme/id") << faults;
+  request = chain(1025);
+  faults = answer(request, "/v1/problems", 422)["errors"];
+  EXPECT_EQ(faults[0]["pointer"], "/problem/variables/0") << faults;
+  EXPECT_EQ(faults[0]["allowed"], "1 to 1024");
+  request = {
+      {"problem", {{"id", "custom"}, {"variables", {"a[9]"}}, {"lagrangian", "sum(i=1..9, va[i]^2*(1 + a[i]^2)/2)"}}}};
+  faults = answer(request, "/v1/problems", 422)["errors"];
+  EXPECT_NE(faults[0]["detail"].get<std::string>().find("depends on the place"), std::string::npos) << faults;
+
+  request = chain(3);
+  request["scheme"] = "leapfrog";
+  request["initial"] = {{"q", {1, 2, 3}}, {"q[2]", 4}};
+  faults = answer(request, "/v1/simulate", 422)["errors"];
+  EXPECT_EQ(faults[0]["pointer"], "/initial/q/1") << faults;
+  EXPECT_NE(faults[0]["detail"].get<std::string>().find("is given twice"), std::string::npos) << faults;
+  request["initial"] = {{"q", {1, "x", 3}}};
+  faults = answer(request, "/v1/simulate", 422)["errors"];
+  EXPECT_EQ(faults[0]["pointer"], "/initial/q/1") << faults;
+  EXPECT_EQ(faults.size(), 1U) << faults;
+}
+
+}  // namespace
+}  // namespace least::server::test

@@ -1,0 +1,86 @@
+// Mechanics that changes where a condition does: forces with kinks and jumps, whose motion is known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <variant>
+
+#include "core/run/suggestions.hpp"
+#include "tests/support/texts.hpp"
+
+namespace choices {
+namespace {
+
+using namespace texts;
+
+double last_of(Request request, const char* scheme, double end) {
+  request.scheme = find_scheme(scheme).value();
+  request.settings = plain_settings(&runs::card(request), schemes()[request.scheme], nullptr);
+  runs::only_final(request);
+  request.end = end;
+  const auto outcome = runs::go(request).outcome;
+  EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << scheme << " " << outcome.stop.detail;
+  return outcome.final[0];
+}
+Request from(const Definition& definition, std::initializer_list<double> start) {
+  Request request = typed_as(runs::defaults("van_der_pol", "taylor"), mechanics_of(definition));
+  begin_at(request, std::vector<double>(start));
+  return request;
+}
+
+/// A ball between two slopes, V = |x|, from 1 at rest: parabolas between its turns, of the period 4 sqrt(2).
+double between_slopes(double t) {
+  const double period = 4 * std::sqrt(2.0), phase = std::fmod(t, period), quarter = period / 4;
+  const double away = phase < 2 * quarter ? phase : period - phase;  // from the start, or back to it
+  return away < quarter ? 1 - away * away / 2 : (2 * quarter - away) * (2 * quarter - away) / 2 - 1;
+}
+
+TEST(Choices, EndTheStepsOfSchemesWithAClockOfTheirOwn) {
+  constexpr auto V = Definition::Kind::potential;
+  for (const char* text :
+       {"abs(x)", "max(x, -x)", "sign(x)*x", "if(x < 0, -x, x)", "if(not (x >= 0 and 1 < 2), -x, x)", "-min(x, -x)"}) {
+    const Request request = from(of(V, {"x"}, {}, text), {1, 0});
+    for (const double t : {1.0, 3.0, 20.0}) {
+      EXPECT_NEAR(last_of(request, "taylor", t), between_slopes(t), 1e-11) << text << " at " << t;
+      for (const char* scheme : {"dormand_prince_5", "fehlberg_78", "bulirsch_stoer"})
+        EXPECT_NEAR(last_of(request, scheme, t), between_slopes(t), 1e-7) << text << " at " << t << " by " << scheme;
+    }
+  }
+}
+
+// v' = -v|v|: v = v0/(1 + |v0| t).
+TEST(Choices, QuadraticDragSlowsEitherWay) {
+  for (const double v : {3.0, -2.0}) {
+    const Request request = from(flow({"v"}, {{"c", 1}}, {{"v", "-c*v*abs(v)"}}), {v});
+    for (const char* scheme : {"taylor", "fehlberg_78"})
+      EXPECT_NEAR(last_of(request, scheme, 5), v / (1 + std::abs(v) * 5), 1e-9) << scheme;
+  }
+}
+
+// A spring that is stiffer on one side: half periods of either.
+TEST(Choices, SpringsMayHaveTwoSides) {
+  const Request request = from(of(Definition::Kind::potential, {"x"}, {{"k", 4}}, "if(x > 0, x^2, k*x^2)/2"), {1, 0});
+  const double pi = 3.141592653589793, period = pi + pi / 2;
+  EXPECT_NEAR(last_of(request, "taylor", period), 1, 1e-12);
+  EXPECT_NEAR(last_of(request, "taylor", period / 2), -0.5, 1e-12);
+  EXPECT_NEAR(last_of(request, "leapfrog", 10 * period), 1, 1e-3);
+}
+
+TEST(Choices, OfTheStateStandBesideThoseOfIndices) {
+  text::TypedScene typed;
+  typed.scene = of(Definition::Kind::potential, {"x[3]"}, {},
+                   "sum(i=1..3, if(i == 2, if(x[i] < 0 and i > 1, -2*x[i], x[i]), x[i]^2/2))");
+  auto made = custom_mechanics(typed);
+  ASSERT_TRUE(std::holds_alternative<std::shared_ptr<const Mechanics>>(made));
+  Request request =
+      typed_as(runs::defaults("harmonic_oscillator", "taylor"), std::get<std::shared_ptr<const Mechanics>>(made));
+  begin_at(request, std::array{1.0, 0.5, 1.0});
+  runs::only_final(request);
+  request.end = 1.5;  // x[2] falls by 1/2 in t = 1, then rises with 2
+  const auto last = runs::go(request).outcome.final;
+  EXPECT_NEAR(last[0], std::cos(1.5), 1e-12);
+  EXPECT_NEAR(last[1], -0.5 + 0.25, 1e-12);
+}
+
+}  // namespace
+}  // namespace choices

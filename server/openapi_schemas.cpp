@@ -149,6 +149,10 @@ Json events_asked() {
   Json properties = own_properties();
   properties["direction"] = {{"type", "string"}, {"enum", event_directions}, {"default", event_directions.back()}};
   properties["stop"] = described({{"type", "boolean"}, {"default", false}}, "ends the run there", "");
+  properties["set"] = described(
+      {{"type", "object"}, {"additionalProperties", {{"type", {"number", "string"}}}}},
+      "what variables become there: all formulas are read before any is written, and the run begins anew", "");
+  properties["most"] = described(count_in(1, greatest_count), "after so many acts the run ends", "");
   Json events = list_of(object_of(std::move(properties), {"name", "expression"}));
   events["maxItems"] = most_events;
   return described(std::move(events),
@@ -200,7 +204,10 @@ Json answer_schema() {
            "")},
       {"events", described(list, "what was found along the run: t, kind, and what goes with it", "")},
       {"events_asked", described(list, "the member events of the request", "")},
-      {"end", described(object, "the event that ended the run", "")},
+      {"acts",
+       described(list, "of events that set variables: name, count, what they keep (symplectic, contact, none), defect",
+                 "")},
+      {"end", described(object, "the event that ended the run, and how often it acted", "")},
       {"warnings", list_of({{"type", "object"}, {"required", {"code", "detail"}}})}};
   schema["required"] = {"version", "status",     "problem",     "initial", "scheme", "until",  "record",
                         "columns", "trajectory", "diagnostics", "final",   "cost",   "events", "warnings"};

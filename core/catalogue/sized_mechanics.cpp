@@ -23,6 +23,7 @@ class SizedMechanics final : public Mechanics {
     const auto sized = scene_of(parameters);
     traits_ = traits_of(*sized);
     card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
+    card_.offers += ", with more coordinates than schemes that solve equations or transform the time take";
     kinds_ = kinds_of(card_);
     columns_ = columns_of(traits_, card_);
   }

@@ -98,14 +98,15 @@ std::optional<StrongDamping> EqualSteps::strong_damping(std::int64_t n) const {
   const auto [flips, stiff] = damping_limits();
   if (flips == never && stiff == never) return found;
   constexpr std::int64_t most = 1000;
-  n = std::min(n, grid_.steps);
+  n = std::min(n, grid_.steps) - grid_.first;
   if (const double steps = std::ceil(problem_.period() / grid_.step); steps > 0 && steps < double(n))
     n = static_cast<std::int64_t>(steps) + 1;
   const std::int64_t looks = std::min(n, most);
   for (std::int64_t k = 1; k <= looks && !(found && found->flips); ++k) {
     const auto step =
         static_cast<std::int64_t>(static_cast<double>(n) * static_cast<double>(k) / static_cast<double>(looks));
-    const double t = grid_.time(std::max<std::int64_t>(step, 2));  // the first may begin where damping is singular
+    const double t =
+        grid_.time(grid_.first + std::max<std::int64_t>(step, 2));  // the first may begin where damping is singular
     const double strength = problem_.damping(t) * grid_.step;
     const bool over = strength >= flips;
     if (over || (strength > stiff && !found)) found = {t, strength, over ? flips : stiff, over};

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/run/mechanics.hpp"
+#include "core/text/scene.hpp"
 #include "core/text/written_out.hpp"
 
 namespace least {
@@ -17,6 +18,10 @@ void Measures::evaluate(const double* observed, double t, double* values) const 
   formula_.evaluate(observed, t, values);
 }
 
+void Measures::evaluate(const Slope* observed, const Slope& t, Slope* values) const {
+  formula_.evaluate(observed, t, values);
+}
+
 void Measures::enclose(const interval::Enclosure* observed, const interval::Enclosure& t,
                        interval::Enclosure* values) const {
   formula_.evaluate(observed, t, values);
@@ -26,7 +31,8 @@ void Measures::enclose(const interval::RateEnclosure* observed, const interval::
   formula_.evaluate(observed, t, values);
 }
 
-MeasureReader::MeasureReader(const Scene& scene) : card_(scene.card()), text_(scene.mechanics->text()) {
+MeasureReader::MeasureReader(const Scene& scene, bool velocities)
+    : card_(scene.card()), text_(scene.mechanics->text()) {
   const auto know = [&](std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); };
   for (std::size_t i = 0; i < card_.variables.size(); ++i)
     if (!card_.variables[i].hidden) know(card_.variables[i].name, Symbol::variable(tape_, i));
@@ -39,6 +45,12 @@ MeasureReader::MeasureReader(const Scene& scene) : card_(scene.card()), text_(sc
       know(card_.parameters[i].name, scene.parameters[i]);
   }
   measures_.reads.assign(card_.variables.size() + 1, false);
+  if (!velocities || !text_ || !text_->takes_velocities()) return;
+  const auto& coordinates = text_->definition.variables;
+  velocities_.reserve(coordinates.size());
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    know(velocities_.emplace_back(text::velocity_name(coordinates[i])),
+         Symbol::variable(tape_, card_.variables.size() + 1 + i));
 }
 
 std::optional<text::Fault> MeasureReader::read(std::string name, std::string text) {

@@ -44,6 +44,8 @@ struct Measures {
   /// values[i] of each, from what `observe` says of a state, and the time of the state. Any of them may be no finite
   /// number.
   void evaluate(const double* observed, double t, double* values) const;
+  /// The same along a direction.
+  void evaluate(const Slope* observed, const Slope& t, Slope* values) const;
   /// The same of all states within bounds, and of all times; with what changes by time where that is known, too.
   void enclose(const interval::Enclosure* observed, const interval::Enclosure& t, interval::Enclosure* values) const;
   void enclose(const interval::RateEnclosure* observed, const interval::RateEnclosure& t,
@@ -58,8 +60,9 @@ struct Measures {
 /// `energy` where the scene has one, and what every expression knows. Stays where it is.
 class MeasureReader {
  public:
-  /// The scene outlives it.
-  explicit MeasureReader(const Scene& scene);
+  /// The scene outlives it. `velocities`: they know those of the coordinates, too, where a scene as text has them:
+  /// then what is observed has a velocity for each coordinate after the energy.
+  explicit MeasureReader(const Scene& scene, bool velocities = false);
   MeasureReader(const MeasureReader&) = delete;
   MeasureReader& operator=(const MeasureReader&) = delete;
 
@@ -74,6 +77,7 @@ class MeasureReader {
   const ProblemCard& card_;
   const text::TextScene* text_;  ///< the scene as it was typed; null where it was not
   tape::Tape tape_;
+  std::vector<std::string> velocities_;  ///< their names
   std::vector<text::Word> words_;
   std::vector<tape::Index> outputs_;
   Measures measures_;

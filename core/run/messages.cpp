@@ -192,4 +192,12 @@ std::string parameter_underflow() {
          "collision or where the motion comes to rest";
 }
 
+std::string act_not_finite(std::string_view event) {
+  return fmt::format("what {} sets is no finite number here", event);
+}
+
+std::string accumulates(std::string_view event, double limit) {
+  return fmt::format("{} follows on itself ever faster: infinitely often before t = {:.9g}", event, limit);
+}
+
 }  // namespace least::messages

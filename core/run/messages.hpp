@@ -59,5 +59,8 @@ std::string singular_step(bool fixed);
 std::string underflow();
 std::string stands_still();
 std::string parameter_underflow();
+/// Of an event that sets variables.
+std::string act_not_finite(std::string_view event);
+std::string accumulates(std::string_view event, double limit);
 
 }  // namespace least::messages

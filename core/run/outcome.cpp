@@ -33,6 +33,11 @@ void Solution::add_event(Report report) {
   events.push_back(std::move(report));
 }
 
+void Solution::extend_event(Report part) {
+  held.add(bytes_of(part));
+  std::get<std::vector<Report>>(events.back().value).push_back(std::move(part));
+}
+
 void insert(Report& report, std::size_t place, Report part) {
   auto& parts = std::get<std::vector<Report>>(report.value);
   parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(std::min(place, parts.size())), std::move(part));

@@ -76,13 +76,17 @@ struct Solution {
   std::vector<double> final;        ///< in the order of the problem's variables
   std::vector<Report> diagnostics;  ///< one entry per diagnostic asked for
   std::vector<Report> events;       ///< each a list: t, kind, …
+  std::vector<Report> acts;         ///< what events did to the state: name, count, keeps, defect
   std::string event;                ///< of the caller's own, that ended the run; empty: none did
+  std::int64_t event_count = 0;     ///< how often that one has acted; 0: it does not act
   std::vector<Warning> warnings;
   Cost cost;
   Held held = HeldByThread::take(0);  ///< for the events, of which there may be many
 
   /// Throws MemoryShortage.
   void add_event(Report report);
+  /// One more part of the last one.
+  void extend_event(Report part);
 };
 
 }  // namespace least

@@ -33,10 +33,14 @@ struct Limits {
   std::int64_t samples = 5'000'000;  ///< numbers kept at most, rows × columns
 };
 
-/// What is looked for in an expression: zeros where it rises (1), falls (−1) or both (0), and whether one ends the run.
+struct Act;
+
+/// What is looked for in an expression: zeros where it rises (1), falls (−1) or both (0), and whether one ends the run,
+/// or what it does to the state.
 struct EventAsked {
   int direction = 0;
   bool stop = false;
+  std::shared_ptr<const Act> act{};
 };
 inline constexpr std::size_t most_events = 16;
 inline constexpr std::array<std::string_view, 3> event_directions{"up", "down", "both"};

@@ -21,19 +21,20 @@ inline std::int64_t whole_steps(double start, double end, double h) {
   return whole > 0 ? static_cast<std::int64_t>(std::min(whole, most_steps)) : 0;  // NaN counts as none
 }
 
-/// The grid of a run of fixed steps. `tail` is what is left to the end after the last whole step, 0 where nothing is.
+/// The grid of a run of fixed steps, of which the one that ends at `start` is the `first`. `tail` is what is left to
+/// the end after the last whole step, 0 where nothing is.
 struct Grid {
   double start = 0, step = 0, end = 0, tail = 0;
-  std::int64_t steps = 0;
+  std::int64_t first = 0, steps = 0;
 
-  double time(std::int64_t n) const { return start + static_cast<double>(n) * step; }
+  double time(std::int64_t n) const { return start + static_cast<double>(n - first) * step; }
   /// The last whole step at or before the time t.
   std::int64_t step_before(double t) const {
     if (!(t < time(steps))) return steps;
     // The grid is the truth; the quotient is off by one step at most.
-    std::int64_t n = std::clamp<std::int64_t>(whole_steps(start, t, step), 0, steps);
+    std::int64_t n = std::clamp<std::int64_t>(first + whole_steps(start, t, step), first, steps);
     if (n < steps && time(n + 1) <= t) ++n;
-    if (n > 0 && time(n) > t) --n;
+    if (n > first && time(n) > t) --n;
     return n;
   }
 
@@ -43,16 +44,19 @@ struct Grid {
     return n < steps && time(n) < t ? n + 1 : n;
   }
 
-  Grid(const Request& request, double h) : start(request.scene->start), step(h) {
+  Grid(const Request& request, double h) : Grid(request, h, request.scene->start, 0) {}
+  /// Of what is left of a run that begins anew at the time t, after n steps.
+  Grid(const Request& request, double h, double t, std::int64_t n) : start(t), step(h), first(n) {
     if (request.until_steps) {
       steps = request.steps;
       end = time(steps);
       return;
     }
     end = request.end;
-    steps = whole_steps(start, end, h);
-    const double span = end - start, left = span - static_cast<double>(steps) * step;
-    if (steps == 0 || left > 4 * std::numeric_limits<double>::epsilon() * span) tail = std::max(left, 0.0);
+    const std::int64_t whole = whole_steps(start, end, h);
+    steps = first + whole;
+    const double span = end - start, left = span - static_cast<double>(whole) * step;
+    if (whole == 0 || left > 4 * std::numeric_limits<double>::epsilon() * span) tail = std::max(left, 0.0);
   }
 };
 

@@ -249,7 +249,11 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
     return advice;
   }
   Request posed = scene;
-  posed.norm = Norm::relative;  // whatever errors are asked for: components of any unit count alike
+  posed.norm = Norm::relative;              // whatever errors are asked for: components of any unit count alike
+  for (EventAsked& event : posed.events) {  // beyond an act the motion is another
+    event.stop = event.stop || event.act;
+    event.act.reset();
+  }
   const Pilot pilot =
       Pilot::run(posed, suggested_candidates(*scene.scene, {}), accuracy, pilots * deadline.left(), cancelled);
   if (!pilot.event.empty()) {

@@ -7,7 +7,16 @@ namespace {
 
 std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
 
-/// The nodes that one is made of, and itself, in the order of the tape.
+/// Whether a value is none that is known beforehand.
+bool varies(const Tape& tape, Index i) {
+  return std::ranges::any_of(parts_of(tape, i),
+                             [&](Index k) { return tape[k].op == Op::time || tape[k].op == Op::variable; });
+}
+
+bool is_zero(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
+
+}  // namespace
+
 std::vector<Index> parts_of(const Tape& tape, Index whole) {
   thread_local std::vector<bool> seen;  // none of them between calls: what is looked at is not all of a large tape
   if (seen.size() < nth(tape.size())) seen.resize(nth(tape.size()), false);
@@ -25,16 +34,6 @@ std::vector<Index> parts_of(const Tape& tape, Index whole) {
   std::ranges::sort(parts);
   return parts;
 }
-
-/// Whether a value is none that is known beforehand.
-bool varies(const Tape& tape, Index i) {
-  return std::ranges::any_of(parts_of(tape, i),
-                             [&](Index k) { return tape[k].op == Op::time || tape[k].op == Op::variable; });
-}
-
-bool is_zero(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
-
-}  // namespace
 
 Dependence Dependences::operator()(const Symbol& y) {
   if (y.is_constant()) return 0;

@@ -12,6 +12,9 @@
 
 namespace least::tape {
 
+/// The nodes that one is made of, and itself, in the order of the tape.
+std::vector<Index> parts_of(const Tape& tape, Index whole);
+
 /// On what a value depends, as bits: of kinds of variables, and the time as the last.
 using Dependence = std::uint32_t;
 inline constexpr Dependence on_time = Dependence(1) << 31;

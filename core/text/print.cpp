@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/tape/derivative.hpp"
 #include "core/text/expression.hpp"
 
 namespace least::text {
@@ -87,10 +88,10 @@ bool is_absolute(const tape::Tape& tape, const Node& choice) {
          tape[negated.a].op == Op::constant && tape[negated.a].value == -1;
 }
 
-Piece of_node(const tape::Tape& tape, Index place, const std::vector<Piece>& made,
-              const std::function<std::string(int)>& name) {
+/// `part(i)`: what a node before it is printed as.
+template <class Part>
+Piece of_node(const tape::Tape& tape, Index place, Part&& part, const std::function<std::string(int)>& name) {
   const Node& node = tape[place];
-  const auto part = [&](Index i) -> const Piece& { return made[static_cast<std::size_t>(i)]; };
   switch (node.op) {
     case Op::constant:
       return constant(node.value);
@@ -126,16 +127,13 @@ Piece of_node(const tape::Tape& tape, Index place, const std::vector<Piece>& mad
 
 std::string print(const tape::Tape& tape, const Symbol& y, const std::function<std::string(int)>& name) {
   if (y.is_constant()) return number(y.constant());
-  std::vector<bool> needed(static_cast<std::size_t>(y.place()) + 1, false);
-  needed.back() = true;
-  for (Index i = y.place(); i >= 0; --i)
-    if (needed[static_cast<std::size_t>(i)])
-      for (const Index part : {tape[i].a, tape[i].b, tape[i].c})
-        if (part != tape::none) needed[static_cast<std::size_t>(part)] = true;
-  std::vector<Piece> made(needed.size());
+  const std::vector<Index> places = tape::parts_of(tape, y.place());
+  std::vector<Piece> made(places.size());
+  const auto part = [&](Index place) -> const Piece& {
+    return made[static_cast<std::size_t>(std::ranges::lower_bound(places, place) - places.begin())];
+  };
   for (std::size_t i = 0; i < made.size(); ++i) {
-    if (!needed[i]) continue;
-    made[i] = of_node(tape, static_cast<Index>(i), made, name);
+    made[i] = of_node(tape, places[i], part, name);
     if (made[i].text.size() > longest) return "…";
   }
   return nesting(made.back().text) > most_nesting ? "…" : made.back().text;

@@ -133,13 +133,34 @@ ProblemCard TextScene::described() const {
   return card;
 }
 
-void TextScene::velocities_to_momenta(std::span<const double> parameters, double t, std::vector<double>& state) const {
+template <class T>
+std::vector<T> TextScene::on_tape(const std::vector<T>& state) const {
+  const Numbering& numbers = form->numbers;
+  const auto n = static_cast<std::ptrdiff_t>(form->coordinates);
+  std::vector<T> x(static_cast<std::size_t>(numbers.parameter), T(0));
+  std::copy_n(state.begin(), n, x.begin());
+  if (form->kind == FormKind::flow) return x;
+  std::copy_n(state.begin() + capacity, n, x.begin() + numbers.momentum);
+  if (state.size() > 2 * static_cast<std::size_t>(capacity)) x[static_cast<std::size_t>(numbers.action)] = state.back();
+  return x;
+}
+
+template <class T>
+void TextScene::make_momenta(std::span<const double> parameters, const T& t, std::vector<T>& state) const {
   Folding fold(*form, parameters);
   const tape::Formula formula = fold.formula(form->momenta);
-  const std::vector<double> x = on_tape(state);
-  std::vector<double> p(form->coordinates);
+  const std::vector<T> x = on_tape(state);
+  std::vector<T> p(form->coordinates);
   formula.evaluate(x.data(), t, p.data());
   std::copy(p.begin(), p.end(), state.begin() + capacity);
+}
+
+void TextScene::velocities_to_momenta(std::span<const double> parameters, double t, std::vector<double>& state) const {
+  make_momenta(parameters, t, state);
+}
+void TextScene::velocities_to_momenta(std::span<const double> parameters, const Moved& t,
+                                      std::vector<Moved>& state) const {
+  make_momenta(parameters, t, state);
 }
 
 std::optional<TextScene::Objection> TextScene::objection(std::span<const double> parameters) const {
@@ -163,6 +184,17 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
   if (!number(form->damping)) return Objection{typed ? "/damping" : whole, "has a damping that is no finite number"};
   if (!number(form->action_curvature) || !number(form->offset))
     return Objection{typed ? "/action_curvature" : whole, "is no finite number"};
+  if (!form->is_compiled()) {
+    try {
+      const SizedScene scene(*form, parameters);
+    } catch (const tape::TooManyOperations&) {
+      const bool flow = form->kind == FormKind::flow;
+      return Objection{typed  ? "/potential"
+                       : flow ? "/equations"
+                              : whole,
+                       "takes too many operations with these parameters"};
+    }
+  }
   return std::nullopt;
 }
 
@@ -221,17 +253,6 @@ std::optional<TextScene::Objection> TextScene::objection_to_large_start(std::spa
     if (!std::isfinite(rates[i]))
       return Objection{scene.flow ? "/equations/" + definition.variables[i] : whole, not_finite_at(t, state)};
   return std::nullopt;
-}
-
-std::vector<double> TextScene::on_tape(const std::vector<double>& state) const {
-  const Numbering& numbers = form->numbers;
-  const auto n = static_cast<std::ptrdiff_t>(form->coordinates);
-  std::vector<double> x(static_cast<std::size_t>(numbers.parameter), 0.0);
-  std::copy_n(state.begin(), n, x.begin());
-  if (form->kind == FormKind::flow) return x;
-  std::copy_n(state.begin() + capacity, n, x.begin() + numbers.momentum);
-  if (state.size() > 2 * static_cast<std::size_t>(capacity)) x[static_cast<std::size_t>(numbers.action)] = state.back();
-  return x;
 }
 
 std::string TextScene::not_finite_at(double t, const std::vector<double>& state) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/describe.hpp"
+#include "core/number/dual.hpp"
 #include "core/text/form.hpp"
 
 namespace least::text {
@@ -18,6 +19,9 @@ struct TextScene {
   /// p = ∂L/∂v of a scene whose Lagrangian or potential is given: `state` holds the variables of the card with
   /// velocities in the place of momenta, which they become.
   void velocities_to_momenta(std::span<const double> parameters, double t, std::vector<double>& state) const;
+  /// The same along a direction.
+  using Moved = Dual<double, 1>;
+  void velocities_to_momenta(std::span<const double> parameters, const Moved& t, std::vector<Moved>& state) const;
   bool takes_velocities() const { return !form->momenta.empty(); }
   /// Why no run can begin with these parameters: a mass that is not positive, a number that is not finite. Empty:
   /// nothing. `pointer`: which of the texts says so.
@@ -40,7 +44,10 @@ struct TextScene {
   std::optional<Objection> objection_to_large_start(std::span<const double> parameters, double t,
                                                     const std::vector<double>& state) const;
   /// The variables of the card as the form's tape numbers them.
-  std::vector<double> on_tape(const std::vector<double>& state) const;
+  template <class T>
+  std::vector<T> on_tape(const std::vector<T>& state) const;
+  template <class T>
+  void make_momenta(std::span<const double> parameters, const T& t, std::vector<T>& state) const;
   std::string not_finite_at(double t, const std::vector<double>& state) const;
   /// ∂²L/∂v² or ∂²H/∂p² in words.
   std::string second_derivative() const;

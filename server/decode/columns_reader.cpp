@@ -3,17 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <memory>
 
 #include "core/ensemble/ensemble.hpp"
 #include "core/ensemble/member_columns.hpp"
+#include "core/run/acts.hpp"
+#include "core/run/columns.hpp"
 #include "core/text/expansion.hpp"
+#include "core/text/scene.hpp"
 
 namespace least::server {
 namespace {
 
 constexpr std::size_t longest_own_name = 32, most_own_columns = 100;
 constexpr std::string_view event_shape =
-    "{\"name\": …, \"expression\": …, \"direction\": \"up|down|both\", \"stop\": true|false}";
+    "{\"name\": …, \"expression\": …, \"direction\": \"up|down|both\", \"stop\": true|false, \"set\": {…}}";
 
 template <class Cards>
 Names names_in(const Cards& cards) {
@@ -175,6 +180,82 @@ void read_columns(const Json& root, const FieldPath& top, const Members* members
   }
 }
 
+namespace {
+
+// What an event may set: variables of the scene, and velocities where a Lagrangian or a potential is given.
+std::vector<Setting> settable(const Scene& scene) {
+  std::vector<Setting> all;
+  const auto& variables = scene.card().variables;
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    if (!variables[i].hidden) all.push_back({variables[i].name, {}, i, false});
+  const text::TextScene* const text = scene.mechanics->text();
+  if (!text || !text->takes_velocities()) return all;
+  const auto& coordinates = text->definition.variables;
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    all.push_back({text::velocity_name(coordinates[i]), {}, i, true});
+  return all;
+}
+
+std::shared_ptr<const Act> read_act(const Json& event, const FieldPath& path, const Scene& scene) {
+  const Json *set = find(event, "set"), *most = find(event, "most");
+  if (set == nullptr && most != nullptr) path.at("most").fault("goes with set alone", *most, "{\"set\": {…}}");
+  if (set == nullptr) return nullptr;
+  auto act = std::make_shared<Act>();
+  if (most) act->most = read_integer(*most, path.at("most"), 1, greatest_count).value_or(1);
+  const FieldPath place = path.at("set");
+  if (!set->is_object() || set->empty()) {
+    place.fault("must name variables and what they become", *set, "{\"vx\": \"-0.9*vx\"}");
+    return nullptr;
+  }
+  const std::vector<Setting> all = settable(scene);
+  Names names;
+  for (const Setting& one : all) names.push_back(one.name);
+  MeasureReader reader(scene, true);
+  for (const auto& [name, value] : set->items()) {
+    const auto known = std::ranges::find(all, name, &Setting::name);
+    if (known == all.end()) {
+      place.at(name).fault("names nothing that an event can set" + place.meant(name, names), value, listed(names));
+      continue;
+    }
+    if (!value.is_string() && !value.is_number()) {
+      place.at(name).fault("must be a number or a formula", value, "\"-0.9*vx\"");
+      continue;
+    }
+    std::string text = value.is_string() ? value.get<std::string>() : shortest(value.get<double>());
+    if (auto fault = reader.read(name, text)) {
+      place.faults->add(
+          {place.at(name).pointer, std::move(fault->detail), shown(value), std::move(fault->allowed), fault->position});
+      continue;
+    }
+    act->settings.push_back(*known);
+    act->settings.back().text = std::move(text);
+  }
+  const auto of_motion = [&](const Setting& one) {
+    return !one.velocity && one.index >= scene.card().variables.size() / 2;
+  };
+  if (std::ranges::any_of(act->settings, &Setting::velocity) &&
+      std::ranges::any_of(act->settings, [&](const Setting& one) { return of_motion(one) && one.name != "s"; }))
+    place.fault("velocities and momenta exclude each other", *set, "velocities or momenta");
+  act->values = reader.made();
+  return act;
+}
+
+// What compares a run with a motion that knows no acts.
+void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& request) {
+  if (std::ranges::none_of(request.events, [](const EventAsked& event) { return event.act != nullptr; })) return;
+  constexpr std::array<std::string_view, 5> none{"error", "lyapunov", "decay", "orbit", "cycle"};
+  const auto& cards = request.scene->card().diagnostics;
+  for (const std::size_t asked : request.diagnostics)
+    if (std::ranges::find(none, cards[asked].name) != none.end() && root.contains("diagnostics"))
+      top.at("diagnostics")
+          .fault(std::string(cards[asked].name) + " knows no events that act", root["diagnostics"], "energy, momenta");
+  for (const std::size_t column : request.columns)
+    if (request.column(column).name == error_column)
+      top.at("columns").fault("error knows no events that act", root["columns"], "other columns");
+}
+
+}  // namespace
+
 void read_events(const Json& root, const FieldPath& top, Request& request) {
   const Json* json = find(root, "events");
   const FieldPath path = top.at("events");
@@ -188,8 +269,8 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
     const Json& event = (*json)[i];
     const FieldPath place = path.at(i);
     if (!event.is_object()) place.fault("must be an object", event, std::string(event_shape));
-    if (!event.is_object() || !read_object(event, place, {"name", "expression", "direction", "stop"}, "an event"))
-      continue;
+    const Names keys{"name", "expression", "direction", "stop", "set", "most"};
+    if (!event.is_object() || !read_object(event, place, keys, "an event")) continue;
     EventAsked& asked = request.events.emplace_back();
     if (const Json* direction = find(event, "direction")) {
       constexpr int signs[] = {1, -1, 0};
@@ -201,6 +282,7 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
       if (!stop->is_boolean()) place.at("stop").fault("must be true or false", *stop, "true, false");
       asked.stop = stop->is_boolean() && stop->get<bool>();
     }
+    asked.act = read_act(event, place, *request.scene);
     std::string name = read_own_name(event, place).value_or("");
     if (!name.empty() && std::ranges::find(names, name) != names.end())
       place.at("name").fault("the event stands twice", event["name"]);
@@ -208,6 +290,10 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
     read_expression(event, place, std::move(name), reader);
   }
   request.watched = reader.made();
+  // Of a contact scene the run carries s: what an act makes of the contact form is told with it.
+  for (std::size_t i = 0; i < request.watched.size() && i < request.events.size(); ++i)
+    if (request.events[i].act) request.watched.list[i].card.full_state = true;
+  refuse_beside_acts(root, top, request);
 }
 
 }  // namespace least::server

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/run/acts.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/written_out.hpp"
 
@@ -63,7 +64,14 @@ void write_events_asked(JsonWriter& json, const Request& request) {
     const EventAsked& asked = request.events[i];
     json.open('{').key("name").text(watched.card.name).key("expression").text(watched.text);
     json.key("direction").text(event_directions[asked.direction > 0 ? 0 : asked.direction < 0 ? 1 : 2]);
-    json.key("stop").boolean(asked.stop).close('}');
+    json.key("stop").boolean(asked.stop);
+    if (asked.act) {
+      json.key("set").open('{');
+      for (const Setting& setting : asked.act->settings) json.key(setting.name).text(setting.text);
+      json.close('}');
+      if (asked.act->most > 0) json.key("most").integer(asked.act->most);
+    }
+    json.close('}');
   }
   json.close(']');
 }
@@ -186,7 +194,9 @@ void write_stop(JsonWriter& json, const Termination& stop) {
 }
 
 void write_end(JsonWriter& json, const Solution& outcome) {
-  json.open('{').key("event").text(outcome.event).close('}');
+  json.open('{').key("event").text(outcome.event);
+  if (outcome.event_count > 0) json.key("count").integer(outcome.event_count);
+  json.close('}');
 }
 
 void write_final(JsonWriter& json, const PlannedRun& run, const Solution& outcome) {

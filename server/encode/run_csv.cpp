@@ -30,6 +30,7 @@ void for_each_part(const FinishedRun& run, See see) {
   part("Leastaction-Final", [&](JsonWriter& json) { write_final(json, run, outcome); });
   part("Leastaction-Diagnostics", [&](JsonWriter& json) { write_reports(json, outcome.diagnostics); });
   part("Leastaction-Events", [&](JsonWriter& json) { write_events(json, outcome.events); });
+  if (!outcome.acts.empty()) part("Leastaction-Acts", [&](JsonWriter& json) { write_events(json, outcome.acts); });
   part("Leastaction-Cost", [&](JsonWriter& json) { write_cost(json, outcome.cost); });
   part("Leastaction-Warnings", [&](JsonWriter& json) { write_warnings(json, outcome.warnings); });
 }

@@ -13,6 +13,7 @@ void write_findings(JsonWriter& json, const PlannedRun& run, const Solution& out
   write_reports(json.key("diagnostics"), outcome.diagnostics);
   write_cost(json.key("cost"), outcome.cost);
   write_events(json.key("events"), outcome.events);
+  if (!outcome.acts.empty()) write_events(json.key("acts"), outcome.acts);
   write_warnings(json.key("warnings"), outcome.warnings);
 }
 

@@ -142,7 +142,7 @@ TEST(Text, SaysWhatIsWrongAndWhere) {
 }
 
 TEST(Text, ChoosesByConditions) {
-  constexpr double x = x_here, y = y_here, t = t_here, pi = std::numbers::pi;
+  constexpr double x = x_here, y = y_here, pi = std::numbers::pi;
   const std::pair<const char*, double> table[] = {
       {"min(x, y)", x},
       {"max(x, y, 2*y, t)", 2 * y},

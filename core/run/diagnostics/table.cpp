@@ -158,6 +158,14 @@ void DiagnosticSet::resume(StateView x) {
   if (std::exchange(signs_.halted, false)) take(x);
 }
 void DiagnosticSet::end(StateView x) { take(x); }
+void DiagnosticSet::begin_anew(StateView x) {
+  signs_ = {};
+  problem_.sections(x, signs_.sections.data());
+  take(x);
+  if (!watch_) return;
+  observe(problem_, x, watch_->measures(), observed_.data());
+  watch_->look(signs_.looks, observed_.data(), x.t);
+}
 
 std::vector<Report> DiagnosticSet::reports(const RunEnd& end) {
   std::vector<Report> all;

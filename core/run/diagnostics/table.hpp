@@ -68,6 +68,8 @@ class DiagnosticSet {
   void resume(StateView x);
   /// The state at which the run ends instead.
   void end(StateView x);
+  /// The state from which the run goes on, wherever it has been before.
+  void begin_anew(StateView x);
 
   /// In the order of the request.
   std::vector<Report> reports(const RunEnd& end);

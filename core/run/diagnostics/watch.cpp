@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -45,7 +46,7 @@ Watch::Watch(const Request& request) : measures_(request.watched), start_(reques
     const EventAsked& asked = request.events[i];
     if (asked.direction >= 0) up_ |= bit;
     if (asked.direction <= 0) down_ |= bit;
-    if (asked.stop) halting_ |= bit;
+    if (asked.stop || asked.act) halting_ |= bit;
   }
   for (std::size_t i = 0; i < measures_.reads.size(); ++i)
     if (measures_.reads[i]) read_.push_back(i);
@@ -190,6 +191,8 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
                            ? place_of_change(value, a, b)
                            : a + root([&](double part) { return value(part < b - a ? a + part : b); }, 0, b - a);
       // Towards a pole values grow, and interpolation between them may leave the step. A gap, as in q^2/q, is none.
+      constexpr double near = 1e-9, rounding = 4 * std::numeric_limits<double>::epsilon();
+      if (i == acted_ && t - start_ <= near * (to - from) + rounding * std::abs(start_)) continue;
       if (a <= t && t <= b && !(std::abs(value(t)) > std::max(std::abs(before), std::abs(after))))
         zeros.push_back({t, i});
     }
@@ -223,14 +226,27 @@ double Watch::time(const Report& event) {
   return std::get<double>(std::get<std::vector<Report>>(event.value).front().value);
 }
 
-Report Watch::event(const Zero& zero, const ProblemCard& problem, const std::vector<double>& state) const {
+namespace {
+
+std::vector<Report> by_name(const ProblemCard& problem, const std::vector<double>& state) {
   std::vector<Report> numbers;
   for (std::size_t i = 0; i < state.size(); ++i)
     if (!problem.variables[i].hidden && std::isfinite(state[i]))
       numbers.push_back({problem.variables[i].name, state[i]});
-  return {"",
-          std::vector<Report>{
-              {"t", zero.t}, words("kind", "event"), words("name", name(zero.which)), {"state", std::move(numbers)}}};
+  return numbers;
+}
+
+}  // namespace
+
+Report Watch::event(const Zero& zero, const ProblemCard& problem, const std::vector<double>& state) const {
+  return {
+      "",
+      std::vector<Report>{
+          {"t", zero.t}, words("kind", "event"), words("name", name(zero.which)), {"state", by_name(problem, state)}}};
+}
+
+Report Watch::after(const ProblemCard& problem, const std::vector<double>& state) {
+  return {"after", by_name(problem, state)};
 }
 
 }  // namespace least

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/run/diagnostics/zero_search.hpp"
@@ -76,12 +77,21 @@ class Watch {
   /// Of the run that is searched: who watches many runs in turn says what it was when he turns to one.
   const Unresolved& unresolved() const { return unresolved_; }
   void turn_to(const Unresolved& unresolved) { unresolved_ = unresolved; }
+  /// Whether the run ends at a zero of this one, or begins anew.
   bool ends(std::size_t which) const { return (halting_ >> which & 1) != 0; }
+  /// The run has begun anew at the time t, from what a zero of this one made of it: what vanishes right there vanishes
+  /// because of that.
+  void begin_anew(double t, std::size_t which) {
+    start_ = t;
+    acted_ = which;
+  }
   const std::string& name(std::size_t which) const { return measures_.list[which].card.name; }
   /// Of an event of any kind.
   static double time(const Report& event);
   /// The event of a zero. `state`: the variables by the scene's card; what is not finite is left out.
   Report event(const Zero& zero, const ProblemCard& problem, const std::vector<double>& state) const;
+  /// What an event made of the state, as a part of it.
+  static Report after(const ProblemCard& problem, const std::vector<double>& state);
 
  private:
   void note(Looks& looks, const double* observed, double t) const;
@@ -94,10 +104,11 @@ class Watch {
   Signs changed(Signs was, Signs is) const { return (was & ~is & up_) | (is & ~was & down_); }
 
   const Measures& measures_;
-  const double start_;
-  Signs up_ = 0, down_ = 0;        ///< which are looked for where they rise, and where they fall
-  Signs halting_ = 0;              ///< which end the run
-  std::vector<std::size_t> read_;  ///< which variables
+  double start_;
+  std::optional<std::size_t> acted_;  ///< the run began there by what a zero of this one did
+  Signs up_ = 0, down_ = 0;           ///< which are looked for where they rise, and where they fall
+  Signs halting_ = 0;                 ///< which end the run
+  std::vector<std::size_t> read_;     ///< which variables
   Unresolved unresolved_;
 };
 

@@ -1,0 +1,203 @@
+#include "core/run/acts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "core/run/tangent_map.hpp"
+#include "core/text/scene.hpp"
+
+namespace least {
+namespace {
+
+double number(double x) { return x; }
+double number(const Slope& x) { return x.value; }
+
+/// A state, or a state and its change along a direction.
+template <class T>
+struct Moving {
+  T t;
+  std::vector<T> x;
+
+  RunState plain() const {
+    RunState state{number(t), StateNumbers(x.size())};
+    for (std::size_t i = 0; i < x.size(); ++i) state[i] = number(x[i]);
+    return state;
+  }
+};
+
+/// q̇ at a state.
+std::vector<double> velocity_at(const RunBackend& backend, const Moving<double>& state) {
+  std::vector<double> v(backend.motion().traits.dof);
+  backend.velocity(moving_part(backend, state.plain()), v.data());
+  return v;
+}
+std::vector<Slope> velocity_at(const RunBackend& backend, const Moving<Slope>& state) {
+  const RunState x = moving_part(backend, state.plain());
+  std::vector<double> u(x.size()), v(backend.motion().traits.dof), changes(v);
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = state.x[i].slope[0];
+  backend.velocity(x, v.data());
+  backend.velocity_slopes(x, u.data(), changes.data());
+  std::vector<Slope> all(v.size());
+  for (std::size_t i = 0; i < v.size(); ++i) all[i] = {v[i], {changes[i]}};
+  return all;
+}
+
+double energy_at(const RunBackend& backend, const Moving<double>& state) {
+  const ProblemTable& problem = backend.table();
+  return problem.traits.full && problem.traits.has_energy ? problem.energy_of(state.plain()) : unknown;
+}
+Slope energy_at(const RunBackend& backend, const Moving<Slope>& state) {
+  constexpr double little = 1e-6;
+  const auto moved = [&](double by) {
+    RunState x = state.plain();
+    x.t += by * state.t.slope[0];
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += by * state.x[i].slope[0];
+    const ProblemTable& problem = backend.table();
+    return problem.traits.full && problem.traits.has_energy ? problem.energy_of(x) : unknown;
+  };
+  return {moved(0), {(moved(little) - moved(-little)) / (2 * little)}};
+}
+
+/// What expressions of an act are functions of: the variables, the energy, the velocities where there are some.
+template <class T>
+std::vector<T> observed_by(const RunBackend& backend, const Scene& scene, const Measures& measures,
+                           const Moving<T>& state, bool velocities) {
+  std::vector<T> all(scene.card().variables.size() + 1, T(unknown));
+  for (std::size_t i = 0; i < std::min(state.x.size(), all.size() - 1); ++i) all[i] = state.x[i];
+  if (measures.reads_energy()) all.back() = energy_at(backend, state);
+  if (velocities) {
+    const std::vector<T> v = velocity_at(backend, state);
+    all.insert(all.end(), v.begin(), v.end());
+  }
+  return all;
+}
+
+template <class T>
+Moving<T> made_of(const RunBackend& backend, const Scene& scene, const Act& act, const Moving<T>& before) {
+  const text::TextScene* const text = scene.mechanics->text();
+  const bool velocities = text && text->takes_velocities();
+  std::vector<T> values(act.settings.size());
+  act.values.evaluate(observed_by(backend, scene, act.values, before, velocities).data(), before.t, values.data());
+  Moving<T> after = before;
+  const bool sets_velocities = std::ranges::any_of(act.settings, &Setting::velocity);
+  std::vector<T> v;
+  if (sets_velocities) v = velocity_at(backend, before);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    (act.settings[i].velocity ? v : after.x)[act.settings[i].index] = values[i];
+  if (!sets_velocities) return after;
+  std::vector<T> state(scene.card().variables.size(), T(0));
+  std::copy_n(after.x.begin(), std::min(after.x.size(), state.size()), state.begin());
+  const auto capacity = static_cast<std::size_t>(text->capacity), n = text->form->coordinates;
+  std::copy_n(v.begin(), n, state.begin() + static_cast<std::ptrdiff_t>(capacity));
+  text->velocities_to_momenta(scene.parameters, before.t, state);
+  std::copy_n(state.begin() + static_cast<std::ptrdiff_t>(capacity), n,
+              after.x.begin() + static_cast<std::ptrdiff_t>(capacity));
+  return after;
+}
+
+Moving<double> moving(const RunState& x) { return {x.t, {x.numbers.begin(), x.numbers.end()}}; }
+Moving<Slope> along(const RunState& x, const double* u, double dt) {
+  Moving<Slope> state{{x.t, {dt}}, {}};
+  for (std::size_t i = 0; i < x.size(); ++i) state.x.push_back({x[i], {u[i]}});
+  return state;
+}
+
+}  // namespace
+
+Acts::Acts(const RunBackend& backend, const Request& request)
+    : backend_(backend), request_(request), done_(request.events.size()) {
+  any_ = std::ranges::any_of(request.events, [](const EventAsked& event) { return event.act != nullptr; });
+}
+
+Acts::Effect Acts::act(std::size_t event, RunState& x) {
+  const Act& act = *request_.events[event].act;
+  const RunState before = x;
+  const Moving<double> after = made_of(backend_, *request_.scene, act, moving(before));
+  if (!std::ranges::all_of(after.x, [](double component) { return std::isfinite(component); }))
+    return Effect::not_finite;
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = after.x[i];
+  Done& done = done_[event];
+  constexpr std::int64_t looked_at = 16;
+  constexpr std::size_t largest = 128;
+  if (done.count < looked_at) {
+    const double defect = x.size() <= largest ? defect_of(event, before, x) : unknown;
+    if (!(defect <= done.defect)) done.defect = defect;  // what is unknown stays so
+  }
+  ++done.count;
+  std::shift_right(done.times.begin(), done.times.end(), 1);
+  done.times[0] = x.t;
+  if (done.count == act.most) return Effect::completes;
+  return has_piled_up(done) ? Effect::piles_up : Effect::goes_on;
+}
+
+/// Whether the last times lie as the powers of a ratio do, so near to their limit that the next ones are lost in what
+/// rounding makes of the state.
+bool Acts::has_piled_up(const Done& done) {
+  constexpr double near = 1e-7, alike = 0.05;
+  if (done.count < static_cast<std::int64_t>(done.times.size())) return false;
+  const auto [t, before, earlier, first] = done.times;
+  const double last = t - before, one = before - earlier, other = earlier - first;
+  if (!(last < near * (t - request_.scene->start)) || !(last < one && one < other)) return false;
+  const double ratio = last / one;
+  if (!(std::abs(ratio - one / other) < alike)) return false;
+  limit_ = t + last * ratio / (1 - ratio);
+  return true;
+}
+
+double Acts::defect_of(std::size_t event, const RunState& before, const RunState& after) const {
+  const ProblemTraits& traits = backend_.table().traits;
+  const bool keeps_form = traits.potential || traits.general;
+  if (!keeps_form || traits.sloped) return unknown;
+  const std::size_t size = traits.components;
+  const Scene& scene = *request_.scene;
+  const Act& act = *request_.events[event].act;
+  std::vector<double> from(size), to(size), zero(size, 0);
+  backend_.table().rates(before, from.data());
+  backend_.table().rates(after, to.data());
+  std::vector<Slope> values(request_.watched.size());
+  const auto change = [&](const double* u, double dt, std::vector<double>& made) {  // of g; of the expression
+    const Moving<Slope> state = along(before, u, dt);
+    const Moving<Slope> image = made_of(backend_, scene, act, state);
+    for (std::size_t i = 0; i < size; ++i) made[i] = image.x[i].slope[0];
+    request_.watched.evaluate(observed_by(backend_, scene, request_.watched, state, false).data(), state.t,
+                              values.data());
+    return values[event].slope[0];
+  };
+  std::vector<double> in_time(size), jump(size), column(size);
+  const double passing = change(from.data(), 1, jump);  // along the motion: hᵀf₋ + h_t, and G f₋ + g_t
+  for (std::size_t i = 0; i < size; ++i) jump[i] = to[i] - jump[i];
+  TangentMap map;
+  map.dof = traits.dof;
+  map.from = before;
+  map.to = after;
+  map.m.resize(size * size);
+  std::vector<double> u(size, 0);
+  for (std::size_t j = 0; j < size; ++j) {
+    u[j] = 1;
+    const double slope = change(u.data(), 0, column) / passing;
+    u[j] = 0;
+    for (std::size_t i = 0; i < size; ++i) map.m[i * size + j] = column[i] + jump[i] * slope;
+  }
+  return traits.acting ? contact_defect(map).defect : symplectic_defect(map);
+}
+
+std::vector<Report> Acts::reports() const {
+  constexpr double rounding = 1e-9;
+  std::vector<Report> all;
+  const ProblemTraits& traits = backend_.table().traits;
+  for (std::size_t i = 0; i < done_.size(); ++i) {
+    const Done& done = done_[i];
+    if (done.count == 0) continue;
+    const bool mechanics = traits.potential || traits.general, known = std::isfinite(done.defect);
+    const std::string_view kept = known && done.defect < rounding ? (traits.acting ? "contact" : "symplectic") : "none";
+    all.push_back({"", std::vector<Report>{words("name", request_.watched.list[i].card.name),
+                                           {"count", static_cast<double>(done.count)},
+                                           words("keeps", mechanics && !known ? "" : kept),
+                                           {"defect", done.defect}}});
+  }
+  return all;
+}
+
+}  // namespace least

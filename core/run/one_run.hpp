@@ -1,0 +1,206 @@
+// A run on its way: what it has, and what it does at each block of steps (run.cpp) and where it ends (run_ends.cpp).
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "core/run/acts.hpp"
+#include "core/run/budget.hpp"
+#include "core/run/crossings.hpp"
+#include "core/run/evidence.hpp"
+#include "core/run/integrator.hpp"
+#include "core/run/messages.hpp"
+#include "core/run/run.hpp"
+#include "core/run/save_schedule.hpp"
+#include "core/run/snapshots.hpp"
+#include "core/run/trajectory_writer.hpp"
+#include "core/run/warnings.hpp"
+
+namespace least {
+
+class Run {
+ public:
+  Run(const RunBackend& backend, const Request& request, const std::vector<Column>& columns, RowSink& sink,
+      const std::atomic<bool>& cancelled)
+      : backend_(backend),
+        request_(request),
+        grid_(request, fixed_ ? nominal_step() : 0),
+        loop_end_(fixed_ || request.until_steps ? infinite : request.end),
+        end_(fixed_ ? grid_.end : loop_end_),
+        last_step_(fixed_                ? grid_.steps
+                   : request.until_steps ? request.steps
+                                         : SaveSchedule::never),
+        schedule_(request, end_),
+        drawn_(request.record.mode == Record::Mode::curve ? scene_.start : infinite),
+        writer_(problem_, request, columns, sink),
+        budget_(request.limits.seconds, cancelled,
+                [this] { return writer_.report(std::min(state_.x.t, end_), state_.n); }),
+        watch_(request),
+        diagnostics_(backend, request, watch_, budget_.shortly()),
+        events_(static_cast<std::size_t>(most_rows_)),
+        guard_(request.scheme, request.settings, guarded_damping(problem_) * grid_.step, problem_.traits.has_frequency,
+               problem_.traits.constant_frequency, request.probe),
+        evidence_(problem_.traits, fixed_ ? std::optional(grid_.steps) : std::nullopt, request.control) {}
+
+  Solution solve() {
+    state_.x = problem_.start(scene_.initial, scene_.start);
+    integrator_ = backend_.bind(request_, state_.x, grid_, end_);
+    method_ = integrator_->method();
+    shows_discrete_energy_ = std::ranges::any_of(
+        request_.columns, [&](std::size_t i) { return request_.column(i).name == "discrete_energy"; });
+    if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
+    budget_.start(weight_of_force(*scene_.mechanics));
+    if (initialize()) {
+      do {
+        while (going() && !arrived() && advance_block()) continue;
+        if (going()) finish();
+      } while (start_anew());
+    }
+    return conclude();
+  }
+
+ private:
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+  /// An event that acts has ended it here: it goes on from what that made of the state. False: the run is over.
+  bool start_anew();
+  Work work() const {
+    const Work here = integrator_->work();
+    return {put_aside_.forces + here.forces, put_aside_.iterations + here.iterations};
+  }
+
+  bool going() const { return outcome_.stop.reason == ReturnCode::completed; }
+  bool arrived() const { return ended_ || state_.n == last_step_ || !(state_.x.t < loop_end_); }
+  bool stop(ReturnCode reason, std::string detail, double singular_at = unknown) {
+    if (!fixed_ && state_.x.t > end_) step_back();
+    if (going()) outcome_.stop = {reason, std::move(detail), state_.x.t, state_.n, {}};
+    if (std::isfinite(singular_at)) outcome_.stop.singular_at = singular_at;
+    return false;
+  }
+  void warn(std::string_view code, std::string detail) { outcome_.warnings.push_back({code, std::move(detail)}); }
+  bool keep_going() { return budget_.look() == ReturnCode::completed; }
+  bool within_budget(std::int64_t steps) {
+    const ReturnCode reason = budget_.passed(steps);
+    if (reason == ReturnCode::deadline) return stop(reason, messages::deadline(request_.limits.seconds));
+    return reason == ReturnCode::completed || stop(reason, "the run was cancelled");
+  }
+  bool within_step_limit() {
+    return state_.n != request_.limits.steps ||
+           stop(ReturnCode::step_limit, messages::step_limit(request_.limits.steps));
+  }
+
+  bool initialize();
+
+  /// One block of steps and what falls due at its end.
+  bool advance_block();
+
+  /// The zeros of sections within the last step.
+  void locate_sections() {
+    if (diagnostics_.watches_sections()) least::locate_sections(problem_, *integrator_, state_, events_);
+  }
+  /// Events between two states of the last step, or of the next one, up to the first that ends the run.
+  void locate_watched(const RunState& from, const RunState& to) {
+    for (const auto& [zero, x] : watched_zeros(problem_, *integrator_, state_, watch_, from, to)) {
+      add_event(zero, x);
+      if (!watch_.ends(zero.which)) continue;
+      ended_.emplace(x, zero.which);
+      end_ = x.t;
+    }
+  }
+  void add_event(const Zero& zero, const RunState& x) {
+    const std::size_t size = 32 * std::max<std::size_t>(card_.variables.size() / 16, 1);  // numbers, by its memory
+    if (events_.room(size * outcome_.events.size()))
+      outcome_.add_event(watch_.event(zero, card_, shown_variables(request_, problem_.traits, x)));
+  }
+  /// The last step is taken back, and what was found in it.
+  void step_back() {
+    integrator_->step_back(state_);
+    std::erase_if(outcome_.events, [&](const Report& event) { return Watch::time(event) > state_.x.t; });
+    if (!ended_ || !(ended_->first.t > state_.x.t)) return;
+    ended_.reset();
+    end_ = planned_end_;
+  }
+  /// A step that was taken by another method than the one before it is an event, at the state it began with.
+  void record_method_switch();
+
+  /// Whether samples wait until the step they lie in has been looked at, for it may end the run.
+  bool looks_first() const { return fixed_ && watch_.may_end(); }
+  bool known(double t) const { return looks_first() ? t <= state_.x.t : integrator_->reaches(state_, t); }
+  /// The samples before the end that can be told from here.
+  bool save_due();
+  /// How the last step, which ended in the state, was taken.
+  StepInfo last_step() const {
+    StepInfo step = integrator_->step_info(state_);
+    if (shows_discrete_energy_) step.discrete_energy = integrator_->discrete_energy(state_);
+    return step;
+  }
+  bool save(const RunState& x, const StepInfo& step) {
+    const auto written = writer_.write_row(x, step);
+    if (written == TrajectoryWriter::Written::not_finite)
+      return stop(ReturnCode::not_finite, messages::column(writer_.wrong_column()));
+    return written == TrajectoryWriter::Written::yes || receiver_is_gone();
+  }
+  /// Samples from the last one to the time t, within the last step or one ahead, where they are to draw a curve.
+  bool draw(double t);
+  bool receiver_is_gone() { return stop(ReturnCode::cancelled, "the receiver of the samples went away"); }
+
+  /// The state at the end, by a shorter step or within the last one, and the samples there.
+  void finish();
+  /// The samples that are left up to the state x, in which the run ends.
+  bool save_rest(const RunState& x, const StepInfo& step);
+
+  /// The end at an event within the last step, or in the part of the next one that stays in the domain. Samples go by
+  /// time up to it, by steps up to the last one before it; diagnostics take it for the end of that step.
+  void finish_at_event();
+
+  /// What lies ahead of the state went wrong.
+  bool fail(const BlockResult& result);
+
+  /// When the motion that began at the start becomes infinite, if it does so near here; else unknown.
+  double true_singularity();
+  bool stop_as_unstable();
+  double nominal_step() const { return request_.setting("step", scheme_); }
+  /// The next step leads out of the domain, or is outside on its way, at `outside_at`: to where it does, or to the end.
+  bool leave_domain(double outside_at = unknown);
+  Solution conclude();
+
+  void warn_of_the_run();
+
+  const RunBackend& backend_;
+  const Request& request_;
+  const ProblemTable& problem_ = backend_.table();
+  const Scene& scene_ = *request_.scene;
+  const ProblemCard& card_ = scene_.card();
+  const SchemeCard& scheme_ = scene_.mechanics->schemes()[request_.scheme];
+  bool fixed_ = !scheme_.own_clock;  ///< steps are of equal length, those of grid_; else its step is 0
+  Grid grid_;
+  double loop_end_;  ///< steps go on until one reaches this time; infinite where their number says when to end
+  double end_;       ///< the time of the final state; infinite where it is not known beforehand
+  double planned_end_ = end_;
+  std::int64_t last_step_;  ///< or until there are this many
+  SaveSchedule schedule_;
+  double drawn_;  ///< until when samples draw a curve; infinite where they do not
+  TrajectoryWriter writer_;
+  const std::int64_t most_rows_ = request_.most_rows();
+  Budget budget_;
+  Watch watch_;
+  Acts acts_{backend_, request_};
+  bool acted_ = false;
+  Work put_aside_;  ///< of integrators before the last act
+  DiagnosticSet diagnostics_;
+  Events events_;
+  StepGuard guard_;
+  Evidence evidence_;
+  std::unique_ptr<Integrator> integrator_;
+  IntegrationState state_;
+  std::optional<ActiveMethod> method_;
+  bool shows_discrete_energy_ = false;
+  Solution outcome_;
+  std::int64_t kept_ = 0;
+  Snapshots snapshots_;
+  std::optional<std::pair<RunState, std::size_t>> ended_;  ///< at an event: the state there, and what vanishes
+};
+
+}  // namespace least

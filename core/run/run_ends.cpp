@@ -1,0 +1,192 @@
+// How a run ends: at its time or step, at an event, or where something goes wrong.
+#include <algorithm>
+#include <cmath>
+
+#include "core/run/diagnostics/error.hpp"
+#include "core/run/one_run.hpp"
+#include "core/run/standstill.hpp"
+#include "core/run/stop_reason.hpp"
+
+namespace least {
+
+void Run::finish() {
+  if (ended_) return finish_at_event();
+  if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
+  if (!fixed_ && end_ < infinite && !draw(end_)) return;
+  const double before = state_.x.t;
+  StepInfo step = last_step();
+  if (const BlockResult result = integrator_->finish(state_, end_, guard_); !result) {
+    step_back();
+    if (!fail(result)) return;
+  } else if (state_.x.t != before && diagnostics_.sees_steps()) {
+    look_within(*integrator_, state_, end_, diagnostics_);
+    diagnostics_.see(state_.x);
+    const bool crossed = diagnostics_.clear_crossed();
+    if (crossed || integrator_->parts() > 1) locate_sections();
+    if (crossed && fixed_) locate_watched(integrator_->left(), state_.x);
+    if (!ended_) diagnostics_.resume(state_.x);
+  }
+  if (ended_) return finish_at_event();
+  for (const std::size_t which : reached_at_end(problem_, *integrator_, state_, watch_)) {
+    add_event({state_.x.t, which}, state_.x);
+    if (watch_.ends(which) && outcome_.event.empty()) outcome_.event = watch_.name(which);
+  }
+  if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
+  if (end_ < infinite && (!fixed_ || draw(end_))) save_rest(state_.x, step);
+}
+
+bool Run::save_rest(const RunState& x, const StepInfo& step) {
+  for (; schedule_.time() <= x.t; schedule_.next()) {
+    RunState y = x;
+    const StepStatus status =
+        schedule_.time() < x.t ? integrator_->state_at(state_, schedule_.time(), y) : StepStatus::ok;
+    if (status != StepStatus::ok) return fail(BlockResult::failed(status));
+    if (!save(y, step) || !within_budget(1)) return false;
+  }
+  return true;
+}
+
+void Run::finish_at_event() {
+  const auto [x, which] = *ended_;
+  if (draw(x.t)) save_rest(x, last_step());
+  look_within(*integrator_, state_, x.t, diagnostics_);
+  if (x.t > state_.x.t) ++state_.n;
+  state_.x = x;
+  diagnostics_.end(x);
+  if (going() && !request_.events[which].act) outcome_.event = watch_.name(which);
+}
+
+bool Run::start_anew() {
+  if (!going() || !ended_ || !request_.events[ended_->second].act) return false;
+  const std::size_t which = ended_->second;
+  const std::string& name = watch_.name(which);
+  const Acts::Effect effect = acts_.act(which, state_.x);
+  if (effect == Acts::Effect::not_finite) return stop(ReturnCode::not_finite, messages::act_not_finite(name));
+  if (!outcome_.events.empty() && Watch::time(outcome_.events.back()) == state_.x.t)
+    outcome_.extend_event(Watch::after(card_, shown_variables(request_, problem_.traits, state_.x)));
+  acted_ = true;  // what the run says of itself is said of its parts
+  evidence_ = Evidence(problem_.traits, fixed_ ? std::optional(grid_.steps - state_.n) : std::nullopt, false);
+  evidence_.start(problem_, state_.x);
+  if (effect == Acts::Effect::completes || request_.events[which].stop) {
+    outcome_.event = name;
+    outcome_.event_count = acts_.count(which);
+    diagnostics_.end(state_.x);
+    return false;
+  }
+  if (effect == Acts::Effect::piles_up)
+    return stop(ReturnCode::accumulating_events, messages::accumulates(name, acts_.limit()), acts_.limit());
+  ended_.reset();
+  if (fixed_) {
+    grid_ = Grid(request_, nominal_step(), state_.x.t, state_.n);
+    last_step_ = grid_.steps;
+    planned_end_ = grid_.end;
+  }
+  end_ = planned_end_;
+  put_aside_ = work();
+  integrator_ = backend_.bind(request_, state_.x, grid_, end_);
+  if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
+  method_ = integrator_->method();
+  watch_.begin_anew(state_.x.t, which);
+  diagnostics_.begin_anew(state_.x);
+  if (!(state_.x.t < end_)) return false;
+  const BlockResult result = integrator_->check_start(state_.x, guard_);
+  return result || fail(result);
+}
+
+bool Run::fail(const BlockResult& result) {
+  if (result.end == BlockEnd::left_domain) return leave_domain();
+  if (result.end == BlockEnd::too_fast) return stop_as_unstable();
+  const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
+  const auto why = stop_reason(result, fixed_, method_.has_value(), integrator_->failure(), when);
+  const double singular_at = std::isfinite(why.singular_at)
+                                 ? why.singular_at
+                                 : singular_time(backend_, request_, result.status, state_.x.t, grid_.step,
+                                                 work().forces, [this] { return keep_going(); });
+  return stop(why.reason, why.detail, singular_at);
+}
+
+double Run::true_singularity() {
+  if (problem_.traits.quadratic_contact) {
+    if (request_.probe) return unknown;
+    // Of steps that adapt the mean: the last ones before an end are as short as time can tell.
+    const bool adapts = !fixed_ && state_.n > 0;
+    const double step = adapts ? (state_.x.t - scene_.start) / static_cast<double>(state_.n) : grid_.step;
+    if (step > 0)
+      return scene_.mechanics->blow_up_time(scene_, state_.x.t + 10 * step, step, [this] { return keep_going(); });
+  }
+  return unknown;
+}
+
+bool Run::stop_as_unstable() {
+  if (request_.probe) return stop(ReturnCode::unstable_step, {});
+  const double ratio = guard_.largest();
+  const auto known = stable_steps(request_.scheme, request_.settings, ratio / nominal_step(), guarded_damping(problem_),
+                                  nominal_step());
+  return stop(ReturnCode::unstable_step, messages::unstable(ratio, guard_.bound(), known.limit));
+}
+
+bool Run::leave_domain(double outside_at) {
+  const double when = exit_time(problem_, *integrator_, state_, outside_at);
+  RunState x = state_.x;
+  if (!watch_.empty() && integrator_->state_at(state_, std::min(when, end_), x) == StepStatus::ok)
+    locate_watched(state_.x, x);
+  const double until = std::min(when, end_);
+  StepInfo partial = last_step();
+  if (!fixed_) partial.step_size = until - state_.x.t;
+  for (; schedule_.time() < until; schedule_.next()) {
+    const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
+    if (status != StepStatus::ok) return fail(BlockResult::failed(status));
+    if (problem_.outside(x)) break;
+    if (!save(x, partial) || !within_budget(1)) return false;
+  }
+  if (ended_) return true;
+  if (const StepStatus status = integrator_->state_at(state_, until, x); status != StepStatus::ok)
+    return fail(BlockResult::failed(status));
+  if (!draw(until)) return false;
+  if (when > end_) {
+    state_ = {x, state_.n + 1};
+    diagnostics_.end(x);
+    return true;
+  }
+  if (diagnostics_.watches_sections()) events_.add(0, false, when, x[0]);
+  return stop(ReturnCode::left_domain, messages::left_domain(when), when);
+}
+
+Solution Run::conclude() {
+  const Work work = this->work();
+  outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
+  if (!writer_.finish(budget_.half())) receiver_is_gone();
+  warn_of_the_run();
+  if (writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
+  outcome_.acts = acts_.reports();
+  outcome_.t = state_.x.t;
+  outcome_.final = shown_variables(request_, problem_.traits, state_.x);
+  if (request_.diagnostics.empty()) return std::move(outcome_);
+  const RunEnd end{backend_,
+                   scene_,
+                   request_,
+                   scheme_,
+                   state_.x,
+                   snapshots_.states(),
+                   events_,
+                   {[this] { return keep_going(); }, [this] { return request_.limits.seconds - budget_.seconds(); },
+                    budget_.cancelled()},
+                   outcome_.warnings};
+  outcome_.diagnostics = diagnostics_.reports(end);
+  return std::move(outcome_);
+}
+
+void Run::warn_of_the_run() {
+  if (request_.probe) return;
+  if (kept_ > most_rows_) warn("samples_truncated", "more rows of columns than limits.samples; the first are kept");
+  watch_.warn(outcome_.warnings);
+  evidence_.finish(problem_, state_);
+  const KeepGoing shortly = budget_.shortly();
+  Request last = request_;
+  last.control = last.control && !acted_;  // which knows no acts
+  warn_of_run({backend_, last, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, shortly},
+              outcome_.warnings);
+  if (events_.full()) warn("events_truncated", "more events than limits.samples has room for; the first are listed");
+}
+
+}  // namespace least

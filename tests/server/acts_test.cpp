@@ -1,0 +1,187 @@
+// Events that act, over HTTP: bounces, kicks, switches and billiards, whose motion is known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+using std::numbers::pi;
+
+class EventsThatAct : public Serving {
+ protected:
+  static Json answer(const Json& request, int status = 200) {
+    const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
+    EXPECT_EQ(reply.status, status) << reply.body;
+    return Json::parse(reply.body);
+  }
+  /// A ball that falls from the height 1 with g = 1 and keeps so much of its speed at each bounce.
+  static Json ball(double restitution) {
+    return {
+        {"problem", {{"id", "custom"}, {"variables", {"x"}}, {"parameters", {{"r", restitution}}}, {"potential", "x"}}},
+        {"initial", {{"x", 1}}},
+        {"scheme", "taylor"},
+        {"until", 20},
+        {"record", {{"every", 0}}},
+        {"events", {{{"name", "floor"}, {"expression", "x"}, {"direction", "down"}, {"set", {{"vx", "-r*vx"}}}}}}};
+  }
+};
+
+// Bounces come after sqrt(2) (1 + 2 Σ rᵏ), infinitely many before sqrt(2) (1 + r)/(1 − r).
+TEST_F(EventsThatAct, ABallBouncesAsItIsKnownTo) {
+  const double r = 0.8, fall = std::sqrt(2.0), limit = fall * (1 + r) / (1 - r);
+  for (const char* scheme :
+       {"taylor", "leapfrog", "dormand_prince_5", "runge_kutta_4", "bulirsch_stoer", "galerkin_4"}) {
+    Json request = ball(r);
+    request["scheme"] = scheme;
+    const Json made = answer(request);
+    EXPECT_EQ(made["status"], "stopped") << scheme;
+    EXPECT_EQ(made["stop"]["reason"], "accumulating_events") << scheme << made["stop"];
+    EXPECT_NEAR(made["stop"]["singular_at"], limit, 1e-6) << scheme;
+    ASSERT_GT(made["events"].size(), 50U) << scheme;
+    double t = fall;
+    for (int n = 0; n < 20; ++n) {
+      const Json& event = made["events"][std::size_t(n)];
+      EXPECT_NEAR(event["t"], t, 1e-7) << scheme << " bounce " << n;
+      EXPECT_NEAR(event["after"]["px"].get<double>(), -r * event["state"]["px"].get<double>(), 1e-15) << scheme;
+      t += 2 * fall * std::pow(r, n + 1);
+    }
+    EXPECT_EQ(made["acts"][0]["name"], "floor");
+    EXPECT_EQ(made["acts"][0]["keeps"], "none");
+    EXPECT_NEAR(made["acts"][0]["defect"], 1 - r * r, 1e-9) << "areas shrink by the square";
+    EXPECT_TRUE(made["warnings"].empty()) << made["warnings"];
+  }
+}
+
+TEST_F(EventsThatAct, ElasticBouncesKeepTheForm) {
+  Json request = ball(1);
+  request["problem"]["potential"] = "x^2/2";  // half an oscillator
+  request["scheme"] = {{"id", "leapfrog"}, {"step", 0.05}};
+  request["until"] = "1000*pi";
+  request["events"][0]["most"] = 999;
+  const Json made = answer(request);
+  EXPECT_EQ(made["status"], "completed");
+  EXPECT_EQ(made["end"], Json::parse(R"({"event":"floor","count":999})"));
+  EXPECT_EQ(made["events"].size(), 999U);
+  EXPECT_GT(made["final"]["px"], 0.9) << "after the act";
+  EXPECT_NEAR(made["final"]["t"], 998.5 * pi, 1e-3 * 998 * pi);
+  EXPECT_LT(made["diagnostics"]["energy"]["max_rel_error"], 2e-3) << "bounded";
+  EXPECT_EQ(made["acts"][0]["count"], 999);
+  EXPECT_EQ(made["acts"][0]["keeps"], "symplectic");
+  EXPECT_LT(made["acts"][0]["defect"], 1e-12);
+}
+
+TEST_F(EventsThatAct, WithAnActionTheyKeepTheContactForm) {
+  Json request = ball(1);
+  request["problem"]["damping"] = 0.1;
+  request["scheme"] = {{"id", "contact_leapfrog"}, {"step", 0.01}};
+  request["until"] = 10;
+  Json made = answer(request);
+  EXPECT_EQ(made["status"], "completed");
+  EXPECT_GE(made["events"].size(), 3U);
+  EXPECT_EQ(made["acts"][0]["keeps"], "contact") << made["acts"];
+  request["events"][0]["set"] = {{"vx", "-vx"}, {"s", "s + 1"}};
+  request["columns"] = {"t", "s"};
+  made = answer(request);
+  EXPECT_NEAR(made["events"][0]["after"]["s"].get<double>(), made["events"][0]["state"]["s"].get<double>() + 1, 1e-14);
+}
+
+// Of a billiard in a circle every chord is as long as the first; angular momentum and speed stay.
+TEST_F(EventsThatAct, BilliardsReflect) {
+  const Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x","y"],"potential":"0"},
+    "initial":{"x":0.5,"y":0,"vx":0.3,"vy":1},"scheme":{"id":"leapfrog","step":0.1},"until":50,
+    "record":{"every":0},"diagnostics":["energy"],
+    "events":[{"name":"wall","expression":"x^2+y^2-1","direction":"up",
+               "set":{"vx":"vx-2*(x*vx+y*vy)*x","vy":"vy-2*(x*vx+y*vy)*y"}}]})~");
+  const Json made = answer(request);
+  EXPECT_EQ(made["status"], "completed");
+  const double speed = std::hypot(0.3, 1.0), momentum = 0.5 * 1, distance = momentum / speed;
+  const double chord = 2 * std::sqrt(1 - distance * distance) / speed;
+  const Json& hits = made["events"];
+  ASSERT_GT(hits.size(), 20U);
+  for (std::size_t i = 1; i < hits.size(); ++i)
+    EXPECT_NEAR(hits[i]["t"].get<double>() - hits[i - 1]["t"].get<double>(), chord, 1e-12) << i;
+  EXPECT_LT(made["diagnostics"]["energy"]["max_abs_error"], 1e-13);
+  EXPECT_EQ(made["acts"][0]["keeps"], "symplectic");
+  const Json& last = made["final"];
+  EXPECT_NEAR(last["x"].get<double>() * last["py"].get<double>() - last["y"].get<double>() * last["px"].get<double>(),
+              momentum, 1e-13);
+}
+
+TEST_F(EventsThatAct, KicksAndSwitches) {
+  // A free rotor that is kicked whenever a clock strikes: p = 1, 3, 5 …
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"0"},
+    "initial":{"vx":1},"scheme":"leapfrog","until":5,"record":{"times":[0.5,1.5,2.5,3.5,4.5]},"columns":["t","x","px"],
+    "events":[{"name":"strike","expression":"sin(pi*t)","direction":"both","set":{"vx":"vx+2"}}]})~");
+  Json made = answer(request);
+  EXPECT_EQ(made["trajectory"]["px"], Json::parse("[1,3,5,7,9]"));
+  EXPECT_NEAR(made["trajectory"]["x"][4], 1 + 3 + 5 + 7 + 9 * 0.5, 1e-12);
+  // A thermostat switches at 19 and 21: a heating that is a variable without a rate.
+  request = Json::parse(R"~({"problem":{"id":"custom","variables":["T","on"],
+      "equations":{"T":"on*3-(T-15)/4","on":"0"}},
+    "initial":{"T":20,"on":1},"scheme":"taylor","until":30,"record":{"every":0},
+    "events":[{"name":"warm","expression":"T-21","direction":"up","set":{"on":0}},
+              {"name":"cold","expression":"T-19","direction":"down","set":{"on":1}}]})~");
+  made = answer(request);
+  ASSERT_GT(made["events"].size(), 10U);
+  const double up = 4 * std::log((27.0 - 19) / (27 - 21)), down = 4 * std::log((21.0 - 15) / (19 - 15));
+  for (std::size_t i = 2; i + 1 < made["events"].size(); ++i) {
+    const double wait = made["events"][i]["t"].get<double>() - made["events"][i - 1]["t"].get<double>();
+    EXPECT_NEAR(wait, made["events"][i]["name"] == "warm" ? up : down, 1e-10) << i;
+  }
+  EXPECT_EQ(made["acts"][0]["keeps"], "none");
+}
+
+TEST_F(EventsThatAct, AreEchoedAndChosenFor) {
+  Json request = ball(0.5);
+  request["until"] = 3;
+  request["record"] = {{"samples", 31}};
+  const Json made = answer(request);
+  EXPECT_EQ(made["trajectory"]["x"].size(), 31U);
+  EXPECT_EQ(made["events_asked"][0]["set"], Json::parse(R"({"vx":"-r*vx"})"));
+  Json echoed;
+  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
+    echoed[key] = made[key];
+  echoed["events"] = made["events_asked"];
+  EXPECT_EQ(answer(echoed)["trajectory"], made["trajectory"]);
+  request["scheme"] = {{"id", "auto"}, {"accuracy", 1e-6}};
+  const Json chosen = answer(request);
+  EXPECT_EQ(chosen["status"], "completed");
+  EXPECT_NEAR(chosen["final"]["x"], made["final"]["x"], 1e-5);
+  EXPECT_EQ(chosen["events"].size(), made["events"].size());
+}
+
+TEST_F(EventsThatAct, SayWhatIsWrong) {
+  const auto fault = [](const Json& set, const Json& more = Json::object()) {
+    Json request = ball(1);
+    request["events"][0]["set"] = set;
+    request["events"][0].update(more);
+    return answer(request, 422)["errors"][0];
+  };
+  EXPECT_EQ(fault({{"vy", "1"}})["pointer"], "/events/0/set/vy");
+  EXPECT_EQ(fault({{"vx", "-vy"}})["position"], 1);
+  EXPECT_EQ(fault({{"vx", "1"}, {"px", "1"}})["pointer"], "/events/0/set");
+  EXPECT_EQ(fault(Json::array())["pointer"], "/events/0/set");
+  EXPECT_EQ(fault({{"vx", true}})["pointer"], "/events/0/set/vx");
+  EXPECT_EQ(fault({{"vx", "-vx"}}, {{"most", 0}})["pointer"], "/events/0/most");
+  Json request = ball(1);
+  request["events"][0].erase("set");
+  request["events"][0]["most"] = 3;
+  EXPECT_EQ(answer(request, 422)["errors"][0]["pointer"], "/events/0/most");
+  request = ball(1);
+  request["diagnostics"] = {"error"};
+  EXPECT_EQ(answer(request, 422)["errors"][0]["pointer"], "/diagnostics");
+  request = ball(1);
+  request["events"][0]["set"] = {{"vx", "1/x"}};
+  const Json made = answer(request);
+  EXPECT_TRUE(made["status"] == "completed" || made["stop"]["reason"] == "not_finite") << made["stop"];
+}
+
+}  // namespace
+}  // namespace least::server::test

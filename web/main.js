@@ -1,11 +1,11 @@
 // The page: lessons, and the workbench behind them. The address says which, and the way back goes back.
-import * as api from "./api.js";
-import { Bench } from "./bench.js";
-import { element } from "./forms.js";
-import { Lesson } from "./lesson.js";
-import { lessons } from "./lessons.js";
-import { fromHash, lessonHash, lessonOf } from "./link.js";
-import { custom } from "./text.js";
+import * as api from "./service/api.js";
+import { fromHash, lessonHash, lessonOf } from "./service/link.js";
+import { custom } from "./service/text.js";
+import { element } from "./forms/forms.js";
+import { Lesson } from "./lessons/lesson.js";
+import { lessons } from "./lessons/lessons.js";
+import { Bench } from "./workbench/bench.js";
 
 const find = (selector) => document.querySelector(selector);
 let bench = null, lesson = null, shown = null, at = "";

@@ -35,7 +35,7 @@ async function servePage(context) {
   const folder = process.env.LEAST_PAGE;
   if (!folder) return;
   const { headers } = await fetch(`${origin}/`);
-  await context.route(`${origin}/*`, async (route) => {
+  await context.route(`${origin}/**`, async (route) => {
     const file = join(folder, new URL(route.request().url()).pathname.slice(1) || "index.html");
     if (!existsSync(file)) return route.fallback();
     const policy = { "content-security-policy": headers.get("content-security-policy") };

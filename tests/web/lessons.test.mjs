@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { all, becomes, drawn, frames, origin, pageTest } from "./browser.mjs";
-import { lessons } from "../../web/lessons.js";
+import { lessons } from "../../web/lessons/lessons.js";
 
 const ready = "#lesson[aria-busy=false]";
 const calm = { ready, reducedMotion: "reduce" };
@@ -130,7 +130,7 @@ pageTest("every lesson runs, its claim is true, and its picture is in sight on e
     for (const colour of ["a", "b"]) {
       if (!study) assert.ok(await seen(page, `--run-${colour}`), `${lesson.id}: run ${colour} is drawn`);
     }
-    await assertInSight(page, lesson.id, "#stage :is(canvas.plane, .precision)");
+    await assertInSight(page, lesson.id, "#figures :is(canvas.plane, .precision)");
     if (folder) await presented(page, lesson.id);
   }
   assert.equal(lessons.length, Object.keys(claims).length);
@@ -139,9 +139,9 @@ pageTest("every lesson runs, its claim is true, and its picture is in sight on e
 
 /** Whether some picture has a colour. */
 async function seen(page, colour) {
-  const pictures = await page.locator("#stage figure").count();
+  const pictures = await page.locator("#figures figure").count();
   for (let i = 1; i <= pictures; i++) {
-    if ((await drawn(page, `#stage figure:nth-child(${i}) canvas:not(.over)`, colour)).count > 40) return true;
+    if ((await drawn(page, `#figures figure:nth-child(${i}) canvas:not(.over)`, colour)).count > 40) return true;
   }
   return false;
 }
@@ -226,7 +226,7 @@ pageTest("the control answers while it is dragged, with fewer points, one reques
   });
 
 pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready, hash: "#lesson=pendulum" }, async (page) => {
-  const body = () => page.locator("#stage canvas.body").evaluate((canvas) => canvas.toDataURL());
+  const body = () => page.locator("#figures canvas.body").evaluate((canvas) => canvas.toDataURL());
   const time = async () => Number((await page.textContent("#lesson .player output")).replace("t = ", ""));
   assert.match(await page.textContent("#lesson .play"), /Pause/, "it plays by itself");
   const first = await body(), early = await time();
@@ -245,13 +245,13 @@ pageTest("a planet goes round its sun, and each run plays at its own pace", { ..
   await page.locator("#lesson .time input").fill("500");
   assert.match(await page.textContent("#lesson .player output"), /^t = 1\.0\d+ periods$/);
   for (const [i, run] of ["A", "B", "C", "D"].entries()) { // half way, all of them
-    const canvas = `#stage figure:nth-child(${i + 1}) canvas.over`, { left, right } = await drawn(page, canvas, run);
+    const canvas = `#figures figure:nth-child(${i + 1}) canvas.over`, { left, right } = await drawn(page, canvas, run);
     const { clientWidth } = await page.locator(canvas).evaluate((over) => ({ clientWidth: over.clientWidth }));
     assert.ok(left > 0.4 * clientWidth && right < 0.65 * clientWidth, `${run}: ${left} to ${right} of ${clientWidth}`);
   }
   await page.evaluate(() => (location.hash = "#lesson=orbit"));
   await opened(page, "orbit");
-  assert.ok((await drawn(page, "#stage figure:nth-child(2) canvas.plane", "--sun")).count > 40);
+  assert.ok((await drawn(page, "#figures figure:nth-child(2) canvas.plane", "--sun")).count > 40);
 });
 
 pageTest("on a telephone no part of a lesson covers another", { ...calm, hash: "#lesson=stars", viewport: { width: 360, height: 740 } }, async (page) => {
@@ -269,20 +269,20 @@ pageTest("presentation: one picture, large type, keys; and back goes back", { ..
   async (page) => {
     await page.click("#present");
     await frames(page);
-    assert.equal(await page.locator("#stage figure:visible").count(), 1);
-    for (const run of ["A", "B"]) assert.ok((await drawn(page, "#stage .one canvas.plane", run)).count > 1000, `${run} in the one picture`);
+    assert.equal(await page.locator("#figures figure:visible").count(), 1);
+    for (const run of ["A", "B"]) assert.ok((await drawn(page, "#figures .one canvas.plane", run)).count > 1000, `${run} in the one picture`);
     const sizes = await page.evaluate(() => [...document.querySelectorAll("#claim, #legend td, #see, canvas.plane")]
       .map((node) => parseFloat(getComputedStyle(node).fontSize)));
     assert.ok(Math.min(...sizes) >= 20, `${sizes}`);
-    const { y, width, height } = await page.locator("#stage .one canvas.plane").boundingBox();
+    const { y, width, height } = await page.locator("#figures .one canvas.plane").boundingBox();
     assert.ok(width > 750 && height > 480 && y + height <= 720, `${width} × ${height} at ${y}`);
     await page.keyboard.press("ArrowRight");
     await opened(page, "spiral");
-    assert.equal(await page.locator("#stage figure:visible").count(), 1);
+    assert.equal(await page.locator("#figures figure:visible").count(), 1);
     await page.keyboard.press("ArrowLeft");
     await opened(page, "orbit");
     await page.keyboard.press("Escape");
-    assert.ok((await page.locator("#stage figure:visible").count()) > 1);
+    assert.ok((await page.locator("#figures figure:visible").count()) > 1);
     await page.goBack();
     await opened(page, "spiral");
     await page.click("#to-bench");
@@ -299,8 +299,8 @@ pageTest("a link to no lesson is said", { ...calm, hash: "#lesson=nothing" }, as
 });
 
 pageTest("a view in space is turned by hand", { ...calm, hash: "#lesson=cosmos" }, async (page) => {
-  const look = () => page.locator("#stage canvas.plane").first().evaluate((canvas) => canvas.toDataURL());
-  const before = await look(), { x, y, width, height } = await page.locator("#stage canvas.plane").first().boundingBox();
+  const look = () => page.locator("#figures canvas.plane").first().evaluate((canvas) => canvas.toDataURL());
+  const before = await look(), { x, y, width, height } = await page.locator("#figures canvas.plane").first().boundingBox();
   await page.mouse.move(x + width / 2, y + height / 2);
   await page.mouse.down();
   await page.mouse.move(x + width / 2 + 80, y + height / 2 + 20);
@@ -309,14 +309,15 @@ pageTest("a view in space is turned by hand", { ...calm, hash: "#lesson=cosmos" 
   assert.notEqual(await look(), before);
 });
 
-pageTest("the page is small", calm, async () => {
+pageTest("the page is small", calm, async (page) => {
   let bytes = 0;
   const { gzipSync } = await import("node:zlib");
   const files = [""], seen = new Set();
   for (let i = 0; i < files.length; i++) {
-    const text = await (await fetch(`${origin}/${files[i]}`)).text();
+    const text = await page.evaluate(async (path) => (await fetch(path)).text(), `/${files[i]}`);
     bytes += gzipSync(text).length;
-    for (const [, name] of text.matchAll(/(?:from "\.\/|href="|src=")([\w.-]+\.(?:js|css|svg))"/g)) {
+    for (const [, path] of text.matchAll(/(?:from|href=|src=) ?"([\w./-]+\.(?:js|css|svg))"/g)) {
+      const name = new URL(path, `${origin}/${files[i]}`).pathname.slice(1);
       if (!seen.has(name)) files.push(name);
       seen.add(name);
     }

@@ -31,7 +31,7 @@ try {
   for (const [points, wanted] of [[1e5, 50], [1e6, 150]]) {
     for (const kind of ["a curve", "a series"]) {
       const times = await page.evaluate(async ([n, series]) => {
-        const { Plane } = await import("./plane.js"), figure = document.querySelector("#stage figure");
+        const { Plane } = await import("./drawing/plane.js"), figure = document.querySelector("#figures figure");
         figure.replaceChildren(Object.assign(document.createElement("canvas"), { className: "plane" }));
         const canvas = figure.firstChild, plane = new Plane(canvas);
         const t = Array.from({ length: n }, (_, i) => (i / n) * 600), turn = t.map((v) => v * 0.999);
@@ -73,7 +73,7 @@ try {
   await many.goto(`${origin}/#problem=henon_heiles&until.t=20`);
   await many.waitForSelector("#results[aria-busy=false]");
   const crossings = await many.evaluate(async () => {
-    const { Crossings } = await import("./crossings.js"), n = 1e4, found = [], figure = document.querySelector("#crossings figure");
+    const { Crossings } = await import("./drawing/crossings.js"), n = 1e4, found = [], figure = document.querySelector("#crossings figure");
     figure.hidden = false;
     figure.replaceChildren(Object.assign(document.createElement("canvas"), { className: "plane" }));
     const canvas = figure.firstChild, crossings = new Crossings(canvas);

@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { all, assertDrawn, drawn, number, options, origin, pageTest, pane, plane, settled, statuses } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
-import { definitionOf, entries, linked, placeOf, textsOf, unlinked } from "../../web/text.js";
+import { definitionOf, entries, linked, placeOf, textsOf, unlinked } from "../../web/service/text.js";
 
 const scenes = JSON.parse(readFileSync(new URL("../../web/scenes.json", import.meta.url)));
 const text = (page, key) => page.locator(`[data-key=${key}] :is(textarea, input)`);

@@ -27,7 +27,7 @@ try {
   await page.goto(`${origin}/#lesson=spiral`);
   await page.waitForSelector(`#which:has(option[value=spiral]:checked)`);
   await page.waitForSelector(settled);
-  const clip = await page.locator("#stage").boundingBox(), taken = [];
+  const clip = await page.locator("#figures").boundingBox(), taken = [];
   for (let i = 0; i < frames; i++) {
     await page.locator("#lesson .time input").fill(String(i * every));
     taken.push(decode(await page.screenshot({ clip })));

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { all, assertDrawn, drawn, number, pane, plane, settled, stepOf } from "./browser.mjs";
 import { enter, fieldAt, madeUp, row, scene, variable } from "./made.mjs";
-import { commonView } from "../../web/scale.js";
+import { commonView } from "../../web/drawing/mapping.js";
 
 const damped = scene("damped", {
   variables: [variable("q", 1), variable("p", 0), variable("s", null, { optional: true })],

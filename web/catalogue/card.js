@@ -1,0 +1,100 @@
+// What the page reads off the cards of a problem and a scheme.
+import { words } from "../forms/forms.js";
+
+/** The variables of the motion. The optional ones are only ways to start it, and are neither asked for nor drawn. */
+export const motion = (problem) => problem.variables.filter((variable) => !variable.optional);
+
+/**
+ * What may stand on an axis of the plane, as the options of a select: any column that is a number. The first two are the
+ * usual choice.
+ */
+export function axes(problem, own = []) {
+  const moving = [...motion(problem), { name: "t" }].map(({ name, symbol }) => ({ id: name, title: symbol || name }));
+  const others = problem.columns.filter((name) => name !== "parameter" && !moving.some(({ id }) => id === name));
+  const derived = problem.columns.includes("energy") ? [{ id: "error_of_energy", title: "|H − H₀| / |H₀|" }] : [];
+  return [...moving, ...others.map((name) => ({ id: name, title: words(name) })), ...derived,
+          ...own.map(({ name }) => ({ id: name, title: name }))];
+}
+
+/**
+ * What the workbench begins with where the usual would show little: the span, the axes, a scheme that follows a fast passage.
+ */
+const openings = {
+  damped_kepler: { scheme: "time_transformed" }, perturbed_kepler: { scheme: "time_transformed" },
+  lorenz: { until: 40 }, // both wings
+  lane_emden: { x: "t", y: "q" }, spin_orbit: { x: "t", y: "p" }, cosmological_oscillator: { x: "q", y: "s" },
+};
+export const usualScheme = ({ id }) => openings[id]?.scheme;
+export const spanOf = ({ id, until }, preset) => preset?.until?.t ?? openings[id]?.until ?? until.t;
+export const usualAxes = ({ id }, [first, second], z = "") => ({ x: first, y: second, ...(z ? {} : openings[id]) });
+
+/** The preset of a problem or a scheme by its name. */
+export const presetOf = ({ presets }, name) => presets.find((preset) => preset.name === name);
+
+/** The cards of the forms, with a preset's values for defaults where one is named. */
+export function cards(problem, preset = { parameters: {}, initial: {} }) {
+  const start = { name: "t", doc: "when the run starts", default: 0 };
+  const slides = (card) => Number.isFinite(card.default) && (card.type ?? "number") === "number" && !card.optional;
+  const given = (list, values) => list.map((card) => ({ ...card, default: values[card.name] ?? card.default }))
+    .map((card) => ({ ...card, slides: slides(card) && card !== start && card.name !== "t" }));
+  return { parameters: given(problem.parameters, preset.parameters),
+           initial: given([...problem.variables, start], preset.initial) };
+}
+
+/** The parameters that say how fine a run is: `refine` divides those that are suggested. A preset's are taken as given. */
+export const fineness = ["step", "theta", "sigma", "tolerance"];
+
+/** What auto is asked for, to begin with. */
+const accuracy = "1e-6";
+
+/** A scheme's parameters, with the problem's suggestions and then a preset's values for defaults. */
+export function schemeCards(scheme, { suggested = {} }, preset, refine) {
+  return scheme.parameters.map((card) => {
+    if (scheme.id === "auto" && card.name === "accuracy") return { ...card, default: accuracy };
+    const named = preset?.parameters[card.name];
+    if (named !== undefined) return { ...card, default: named };
+    const value = suggested[card.suggested] ?? card.default;
+    return { ...card, default: fineness.includes(card.suggested) ? value / refine : value };
+  });
+}
+
+/** A few words that tell a scheme with its settings from another: with a preset, that says most of them. */
+export function title({ parameters }, scheme) {
+  const preset = scheme.preset !== "default" && scheme.preset;
+  const chosen = ({ name, type, default: usual }) => name !== "composition" && name in scheme && scheme[name] !== usual &&
+    (type === "choice" || type === "integer");
+  const said = ({ name, type }) => (type === "choice" ? scheme[name] : `${name} ${scheme[name]}`);
+  const composition = scheme.composition !== "none" && scheme.composition;
+  const variant = [preset, composition, ...(preset ? [] : parameters.filter(chosen).map(said))].filter(Boolean);
+  const sizes = parameters.filter(({ name }) => fineness.includes(name) && name in scheme);
+  return [words(scheme.id) + (variant.length ? ` (${variant.map(words).join(", ")})` : ""),
+          ...sizes.map(({ name, symbol }) => `${symbol || words(name)} = ${shortest(scheme[name])}`)].join(", ");
+}
+
+/** Digits that nobody chose are not shown. */
+const shortest = (value) => (String(value).length > 12 && Number.isFinite(value) ? Number(value.toPrecision(4)) : value);
+
+/** The scheme's presets as the options of a select; the first is what no preset is. */
+export function schemePresets({ presets }) {
+  const offered = presets.map(({ name }) => ({ id: name, title: words(name) }));
+  const first = offered.find(({ id }) => id === "default") ?? { id: "", title: "default" };
+  return [first, ...offered.filter((option) => option !== first)];
+}
+
+/** What there is to see of the energy: its "error" where the motion keeps it, else its "value", or "none" at all. */
+export function energyKind({ columns, invariants, form }) {
+  if (!columns.includes("energy")) return "none";
+  return form?.keeps_energy || invariants.some((invariant) => invariant.name === "energy") ? "error" : "value";
+}
+
+/** The columns to ask for, with `more` and `own` ones: of schemes that set their own clock, also how each sample was reached. */
+export const columns = (problem, scheme, more = [], own = []) => [...new Set([
+  "t", ...motion(problem).map((variable) => variable.name), ...(energyKind(problem) === "none" ? [] : ["energy"]),
+  ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : []), ...more.filter((name) => problem.columns.includes(name))]), ...own];
+
+/** Those of its diagnostics that the page shows: the others cost more than the run itself. */
+export const diagnostics = (problem) =>
+  ["energy", "momenta", "orbit", "decay", "entropy", "zeros", "cycle"].filter((kind) => problem.diagnostics.includes(kind));
+
+/** The colour of the i-th run. */
+export const colourOf = (i) => `--run-${"abcdef"[i]}`;

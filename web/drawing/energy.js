@@ -1,0 +1,112 @@
+// The energy of the runs over time: its error on a logarithmic axis where the scene keeps it, else H itself on a plain
+// one. uPlot is the global of uPlot.iife.min.js.
+import { decadeLabels, decades, format, multiples, roundStep, tickLabel } from "../forms/numbers.js";
+
+const known = (x) => x !== null;
+const startOf = ({ trajectory }) => trajectory.energy.find(known);
+
+/** The error of the energy against its start, as a part of that where it is not zero; null where it is exact. */
+export function errorOfEnergy({ energy }, relative = true) {
+  const start = energy.find((v) => v !== null), scale = relative && start ? Math.abs(start) : 1;
+  return energy.map((v) => (v === null || v === start ? null : Math.abs(v - start) / scale));
+}
+
+/** |H − H₀| of a run, divided by |H₀| where `relative`; exact zeros, which have no logarithm, are left out. */
+function errors(run, relative) {
+  const { t, energy } = run.trajectory, start = startOf(run), scale = relative ? Math.abs(start) : 1;
+  const kept = [[], []];
+  for (let i = 0; i < t.length; i++) {
+    const error = known(energy[i]) ? Math.abs(energy[i] - start) / scale : null; // null is a gap
+    if (error === null || (error > 0 && Number.isFinite(error))) {
+      kept[0].push(t[i]);
+      kept[1].push(error);
+    }
+  }
+  return kept;
+}
+
+/** The plot in `container`; `show(runs)` with `[{title, colour: name of a CSS variable, trajectory}]`. */
+export class EnergyPlot {
+  #container;
+  #plot = null;
+  #resized = new ResizeObserver(() => this.#plot?.setSize(this.#size()));
+
+  constructor(container) {
+    this.#container = container;
+    this.#resized.observe(container);
+  }
+
+  /** Draws again, for new colours. */
+  draw() {
+    this.#plot?.redraw(false, true);
+  }
+
+  /** Shows the "error" of the energy, its "value", or that there is "none"; says what it shows: `{title, what, note}`. */
+  show(kind, runs) {
+    if (this.#plot) this.#resized.unobserve(this.#plot.root.querySelector(".u-legend"));
+    this.#plot?.destroy();
+    this.#plot = null;
+    this.#container.hidden = kind === "none";
+    if (kind === "none") return { title: "Energy", what: "", note: "This scene has no energy." };
+    const seen = runs.filter((run) => run.trajectory.energy.some(known));
+    if (kind === "value") return { title: "Energy H", what: "not conserved in this scene", note: this.#showValues(seen) };
+    const relative = seen.length > 0 && seen.every((run) => startOf(run) !== 0);
+    return { title: "Energy error", what: relative ? "|H − H₀| / |H₀|" : "|H − H₀|", note: this.#showErrors(seen, relative) };
+  }
+
+  #showValues(runs) {
+    this.#plotTables(runs, runs.map(({ trajectory }) => [trajectory.t, trajectory.energy]), plain);
+    return "";
+  }
+
+  #showErrors(runs, relative) {
+    const tables = runs.map((run) => errors(run, relative));
+    const exact = runs.filter((_, i) => !tables[i][1].some(known));
+    if (exact.length === runs.length) return runs.length ? "No error at all: H is exactly H₀." : "";
+    this.#plotTables(runs, tables, logarithmic);
+    return exact.length ? `${exact.map((run) => run.title).join(" and ")}: exactly H₀ throughout.` : "";
+  }
+
+  #plotTables(runs, tables, scale) {
+    if (!runs.length) return;
+    const data = tables.length > 1 ? uPlot.join(tables) : tables[0];
+    this.#plot = new uPlot(this.#options(runs, scale), data, this.#container);
+    this.#resized.observe(this.#plot.root.querySelector(".u-legend"));
+  }
+
+  #size() {
+    const legend = this.#container.querySelector(".u-legend")?.offsetHeight ?? 0;
+    return { width: this.#container.clientWidth, height: this.#container.clientHeight - legend };
+  }
+
+  #options(runs, { distr, splits, values, widths }) {
+    const style = getComputedStyle(this.#container);
+    const ink = (name) => () => style.getPropertyValue(name).trim();
+    const font = `13px ${style.fontFamily}`;
+    const axis = { stroke: ink("--soft-ink"), grid: { stroke: ink("--grid"), width: 1 }, font,
+                   ticks: { stroke: ink("--grid"), width: 1 } };
+    const value = (_, v) => format(v);
+    return {
+      ...this.#size(),
+      scales: { x: { time: false }, y: { distr } },
+      axes: [
+        { ...axis, label: "t", labelFont: `italic 16px ${style.fontFamily}`, labelSize: 22, size: 34 },
+        { ...axis, size: 58, splits: (_, __, low, high) => splits(low, high), filter: (_, marks) => marks,
+          values: (_, marks) => values(marks) },
+      ],
+      series: [
+        { label: "t", value: (_, v) => format(v, 5) },
+        ...runs.map((run, i) => ({ label: run.title, stroke: ink(run.colour), width: widths[i] ?? widths.at(-1), points: { show: false },
+                                   value })),
+      ],
+      cursor: { points: { size: 7 }, drag: { x: true, y: false } },
+      legend: { live: true, markers: { width: 3 } },
+    };
+  }
+}
+
+// The axes of the energy, with the widths of the runs' lines. Two good runs of H itself are one line to the eye: the
+// first is drawn broad, to be seen beneath the second.
+const logarithmic = { distr: 3, splits: decades, widths: [1.4, 1.4], values: decadeLabels };
+const plain = { distr: 1, splits: (low, high) => multiples(low, high, roundStep(low, high, 7)), widths: [6, 2],
+                values: (marks) => marks.map((v) => tickLabel(v, marks[1] - marks[0])) };

@@ -1,0 +1,122 @@
+// What a hand does with a picture: it drags it (or the start of a run), enlarges it, points at a place. On the buttons of a
+// picture the arrow keys drag it.
+import { element } from "../forms/forms.js";
+
+const reach = 16; // pixels from which a start is taken hold of
+
+/** Where on a curve of the picture a place lies: the time of the nearest sample within reach, or null. */
+function timeNear(plane, { left, top }) {
+  let nearest = 40 ** 2, at = null;
+  for (const { t, x, y, exact } of plane.picture.curves) {
+    if (exact || !t) continue;
+    const every = Math.max(1, Math.floor(t.length / 4000));
+    for (let i = 0; i < t.length; i += every) {
+      if (x[i] === null) continue;
+      const d = (plane.map.x(x[i]) - left) ** 2 + (plane.map.y(y[i]) - top) ** 2;
+      if (d < nearest) [nearest, at] = [d, t[i]];
+    }
+  }
+  return at;
+}
+
+function onStart(plane, { left, top }) {
+  const { curves, grab } = plane.picture;
+  if (!grab) return false;
+  return curves.some(({ x, y, exact }) =>
+    !exact && x[0] !== null && Math.hypot(plane.map.x(x[0]) - left, plane.map.y(y[0]) - top) < reach);
+}
+
+/** Enlarges by a factor, the place staying where it is. */
+function enlarge(plane, factor, place) {
+  const { map, frame } = plane, by = (plane.zoom?.by ?? 1) * factor;
+  if (!map || by > 1e6 || by < 1e-3) return;
+  const at = place ?? { left: frame.left + frame.width / 2, top: frame.top + frame.height / 2 };
+  const { x, y } = map.at(at.left, at.top), { centre } = map;
+  plane.zoom = { by, x: x + (centre.x - x) / factor, y: y + (centre.y - y) / factor };
+  plane.draw();
+}
+
+function shift(plane, right, down) {
+  const { map } = plane;
+  if (!map) return;
+  plane.zoom = { by: plane.zoom?.by ?? 1, x: map.centre.x - right / map.scale.x, y: map.centre.y + down / map.scale.y };
+  plane.draw();
+}
+
+function whole(plane) {
+  plane.zoom = null;
+  plane.draw();
+}
+
+/** Listens to pointer and wheel over `node`, whose `canvas` shows `plane`. */
+export function follow(plane, node, canvas, hovered) {
+  const button = (textContent, title, act) => {
+    const made = element("button", { type: "button", textContent, title, ariaLabel: title });
+    made.addEventListener("click", act);
+    return made;
+  };
+  node.append(element("div", { className: "lens" }, button("+", "enlarge", () => enlarge(plane, 1.5)),
+                       button("−", "make smaller", () => enlarge(plane, 1 / 1.5)), button("⟲", "show all", () => whole(plane))));
+  node.addEventListener("keydown", (event) => {
+    const way = { ArrowLeft: [-24, 0], ArrowRight: [24, 0], ArrowUp: [0, -24], ArrowDown: [0, 24] }[event.key];
+    if (!way || !plane.picture || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation(); // no other lesson
+    if (plane.picture.turn) plane.picture.turn(...way);
+    else shift(plane, ...way);
+  });
+  const placeOf = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return { left: event.clientX - box.left, top: event.clientY - box.top };
+  };
+  let drag = null;
+  node.addEventListener("pointerdown", (event) => {
+    if (!plane.map || event.button !== 0 || event.target.closest("button")) return;
+    const place = placeOf(event);
+    const start = onStart(plane, place);
+    if (event.pointerType === "touch" && !start && !plane.zoom && !plane.picture.turn) return; // the page is scrolled
+    drag = { ...place, start, from: place };
+    node.setPointerCapture(event.pointerId);
+    plane.hold(drag.start);
+    plane.hair(null);
+  });
+  node.addEventListener("pointermove", (event) => {
+    if (!plane.map) return;
+    const place = placeOf(event);
+    if (!drag) {
+      plane.hair(place);
+      node.classList.toggle("grabbing", onStart(plane, place));
+      return hovered(timeNear(plane, place));
+    }
+    const { x, y } = plane.map.at(place.left, place.top);
+    if (drag.start) plane.picture.grab(x, y, false);
+    else if (plane.picture.turn) plane.picture.turn(place.left - drag.left, place.top - drag.top);
+    else shift(plane, place.left - drag.left, place.top - drag.top);
+    Object.assign(drag, place);
+  });
+  const release = (event) => {
+    if (!drag) return;
+    const { start, from } = drag, { left, top } = placeOf(event);
+    drag = null;
+    plane.hold(false);
+    if (event.type === "pointerup" && Math.hypot(left - from.left, top - from.top) < 4) plane.picture.pick?.(left, top);
+    if (!start) return;
+    const { x, y } = plane.map.at(left, top);
+    plane.picture.grab(x, y, true);
+  };
+  node.addEventListener("pointerup", release);
+  node.addEventListener("pointercancel", release);
+  node.addEventListener("pointerleave", () => {
+    if (drag) return;
+    plane.hair(null);
+    hovered(null);
+  });
+  node.addEventListener("dblclick", (event) => {
+    if (!event.target.closest("button")) whole(plane);
+  });
+  node.addEventListener("wheel", (event) => {
+    if (!event.ctrlKey && !event.metaKey) return; // the page is scrolled
+    event.preventDefault();
+    enlarge(plane, Math.exp(-event.deltaY / 300), placeOf(event));
+  }, { passive: false });
+}

@@ -1,0 +1,140 @@
+// Forms made from the catalogue's cards: fields, their values, and the service's faults at the field they point to.
+import { rangeOf, scaleOf, tidy } from "./ranges.js";
+
+export const element = (tag, properties = {}, ...children) => {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+};
+
+/** An id for people. */
+export const words = (id) => id.replaceAll("_", " ");
+
+/** A text of the catalogue, its powers, `e^{−αt}`, raised. */
+export const prose = (text) => text.split(/\^\{([^}]*)\}/).map((part, i) => (i % 2 ? element("sup", { textContent: part }) : part));
+
+/** A symbol of the catalogue, `p_y` with its index below. */
+export function symbol(text) {
+  const [letter, index] = text.split("_");
+  return element("i", {}, letter, ...(index ? [element("sub", { textContent: index })] : []));
+}
+
+/** Fills a select with `[{id, title}]` and picks `id`, or what stands first. */
+export function choose(select, options, id) {
+  select.replaceChildren(...options.map((o) => element("option", { value: o.id, textContent: o.title })));
+  if (options.some((o) => o.id === id)) select.value = id;
+}
+
+/**
+ * Fills `container` with one field per card. `pointer` is where the values stand in a request; `values` (by name, also
+ * as text) win over the cards' defaults.
+ */
+export function build(container, cards, pointer, values = {}) {
+  container.replaceChildren(...cards.map((card) => field(card, `${pointer}/${card.name}`, values[card.name])));
+}
+
+function field(card, pointer, value = card.default) {
+  const input = control(card, value);
+  Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number", usual: String(card.default ?? "") });
+  if (card.nullable) input.dataset.nullable = card.word ?? "";
+  if (card.optional) input.dataset.optional = "";
+  const unit = card.unit && card.unit !== "1" ? `in ${card.unit}` : "";
+  const empty = card.nullable ? `empty: ${card.word ?? "off"}` : card.optional ? "empty: as it follows from the others" : "";
+  input.title = [card.doc, unit, range(card), empty].filter(Boolean).join("; ");
+  const name = element("span", { className: "name", textContent: card.label ?? words(card.name) });
+  if (card.symbol && card.symbol !== card.name) name.append(" ", symbol(card.symbol));
+  const label = element("label", { className: `field ${input.dataset.kind}` }, name, input);
+  return card.slides ? element("div", { className: "sliding" }, label, track(input, card, name.textContent)) : label;
+}
+
+/** A slider that moves the number of a field; the field tells of it by "slide", and by "change" in the end. */
+function track(input, card, label) {
+  const range = rangeOf(card), scale = scaleOf(range);
+  const made = element("input", { type: "range", min: 0, max: 1000, step: 1, ariaLabel: label });
+  const follow = () => {
+    const value = Number(input.value);
+    if (Number.isFinite(value)) made.value = scale.of(value);
+  };
+  made.addEventListener("input", () => {
+    input.value = tidy(scale.at(Number(made.value)), range);
+    input.dispatchEvent(new CustomEvent("slide", { bubbles: true }));
+  });
+  input.addEventListener("input", follow);
+  follow();
+  return made;
+}
+
+function control(card, value) {
+  if (card.type === "flag") return element("input", { type: "checkbox", checked: String(value) === "true" });
+  if (card.type === "choice") {
+    const select = element("select");
+    const known = card.choices.includes(value) ? value : card.default;
+    choose(select, card.choices.map((id) => ({ id, title: words(id) })), known);
+    return select;
+  }
+  if (card.type === "list") {
+    const select = element("select", { multiple: true, size: card.choices.length });
+    choose(select, card.choices.map((id) => ({ id, title: words(id) })));
+    const chosen = Array.isArray(value) ? value : String(value ?? "").split(",");
+    for (const option of select.options) option.selected = chosen.includes(option.value);
+    return select;
+  }
+  return element("input", { type: "text", inputMode: card.type === "text" ? "text" : "decimal", spellcheck: false, value: value ?? "",
+                            placeholder: card.hint ?? (card.nullable ? card.word ?? "off"
+                              : String(card.default ?? (card.optional ? "auto" : "off"))) });
+}
+
+function range(card) {
+  if (card.minimum === undefined) return "";
+  const open = card.exclusive_minimum ? "(" : "[", close = card.exclusive_maximum ? ")" : "]";
+  return `${open}${card.minimum ?? "−∞"}, ${card.maximum ?? "∞"}${close}`;
+}
+
+const shown = (input) => (input.type === "checkbox" ? String(input.checked)
+  : input.multiple ? [...input.selectedOptions].map((option) => option.value).join(",") : input.value.trim());
+
+/**
+ * The values of a container by name. What is not a number is passed on as text: the service says what is wrong. An
+ * optional value is there only where it is another than its default; with `changed` so is any.
+ */
+export function values(container, changed = false) {
+  const read = {};
+  for (const input of container.querySelectorAll("[data-name]")) {
+    const { name, kind } = input.dataset, text = input.value.trim();
+    if (changed && shown(input) === input.dataset.usual) continue;
+    if ("optional" in input.dataset && text === input.placeholder) continue;
+    if (kind === "flag") read[name] = input.checked;
+    else if (kind === "list") read[name] = [...input.selectedOptions].map((option) => option.value);
+    else if (kind === "choice") read[name] = input.value;
+    else if (kind === "text" && text !== "") read[name] = text;
+    else if (text !== "") read[name] = Number.isFinite(Number(text)) ? Number(text) : text;
+    else if ("nullable" in input.dataset) read[name] = input.dataset.nullable || null;
+  }
+  return read;
+}
+
+export function clearFaults(container) {
+  for (const note of container.querySelectorAll(".field > .fault")) note.remove();
+  for (const input of container.querySelectorAll("[aria-invalid]")) {
+    input.removeAttribute("aria-invalid");
+    input.removeAttribute("aria-describedby");
+  }
+}
+
+/** Shows a fault `{pointer, detail, allowed}` at its field in one of the containers; the field, or null. */
+export function showFault(containers, fault) {
+  for (const container of containers) {
+    const input = fault.pointer && container.querySelector(`[data-pointer="${CSS.escape(fault.pointer)}"]`);
+    if (!input) continue;
+    if (input.hasAttribute("aria-invalid")) return input;
+    const note = element("span", { className: "fault", id: `fault-${document.querySelectorAll(".fault").length}`,
+                                   textContent: faultText(fault) });
+    input.closest(".field").append(note);
+    input.setAttribute("aria-invalid", "true");
+    input.setAttribute("aria-describedby", note.id);
+    return input;
+  }
+  return null;
+}
+
+export const faultText = ({ detail, allowed }) => detail + (allowed ? `; allowed: ${allowed}` : "");

@@ -1,0 +1,196 @@
+// One lesson on the screen: its words, its runs, one control to move, and the way to the next.
+import { simulate } from "../service/api.js";
+import { benchLink } from "../service/link.js";
+import { Live } from "../service/live.js";
+import { equalWork, rounded, workSetting } from "../service/work.js";
+import { element, faultText, prose } from "../forms/forms.js";
+import { Player } from "../forms/player.js";
+import { slider } from "../forms/sliders.js";
+import { colourOf, title } from "../catalogue/card.js";
+import { Figures } from "./figures.js";
+import { fill } from "./legend.js";
+import { lessons } from "./lessons.js";
+import { Portrait } from "./portrait.js";
+import { coarse, controlled, measureOf, requestOf } from "./requests.js";
+import { Study } from "./study.js";
+import { paceOf } from "./views.js";
+
+const find = (selector) => document.querySelector(`#lesson ${selector}`);
+export class Lesson {
+  #catalogue;
+  #go; // (id, state, kept) of another lesson, or of this one with another state
+  #lesson = null;
+  #state = {};
+  #runs = [];
+  #control = null;
+  #study = null;
+  #live = new Live((asked, signal) => Promise.all(asked.requests.map((request) => simulate(request, signal))),
+                   (answers, asked) => this.#show(answers, asked));
+  #figures = new Figures(find("#figures"), (t) => this.#player.playing || this.#figures.at(t ?? this.#player.time, t !== null));
+  #player = new Player(find(".player"), (t) => this.#figures.at(t));
+
+  constructor(catalogue, go) {
+    this.#catalogue = catalogue;
+    this.#go = go;
+    find("#which").append(...lessons.map(({ id, title: claim }, i) => element("option", { value: id, textContent: `${i + 1}. ${claim}` })));
+    find("#gallery").append(...lessons.map(({ id, title: claim }) =>
+      element("li", {}, element("a", { href: `#lesson=${id}`, textContent: claim }))));
+    find("#which").addEventListener("change", (event) => go(event.target.value));
+    find("#previous").addEventListener("click", () => this.turn(-1));
+    find("#next").addEventListener("click", () => this.turn(1));
+    find("#present").addEventListener("click", () => this.present());
+    find("#equal-work").addEventListener("click", () => this.#even(equalWork(this.#runs)));
+    find("#equal-step").addEventListener("click", () =>
+      this.#even(this.#lesson.runs.map(() => this.#runs[0].scheme[workSetting(this.#runs[0].scheme)])));
+  }
+
+  /** Shows the lesson `id`, the control as `state` says: `{set, steps}`. */
+  open(id, state = {}) {
+    const again = this.#lesson?.id === id;
+    this.#lesson = lessons.find((lesson) => lesson.id === id) ?? lessons[0];
+    this.#state = state;
+    this.#busy(true);
+    if (!again) this.#build();
+    else this.#control?.set(this.#setting());
+    this.#ask(true);
+    return this.#lesson.id === id;
+  }
+
+  close() {
+    this.#live.stop();
+    this.#study?.stop();
+    this.#player.rest();
+    this.present(false);
+  }
+
+  turn(by) {
+    const at = lessons.indexOf(this.#lesson) + by;
+    if (lessons[at]) this.#go(lessons[at].id);
+  }
+
+  present(on = !document.documentElement.classList.contains("present")) {
+    document.documentElement.classList.toggle("present", on);
+    find("#present").textContent = on ? "Leave" : "Present";
+    if (on) find("#claim").focus();
+    this.draw();
+  }
+
+  /** Keys of a lecture: arrows turn, space plays, Escape leaves. */
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("input, select, textarea")) return;
+    const acts = { ArrowRight: () => this.turn(1), ArrowLeft: () => this.turn(-1), PageDown: () => this.turn(1),
+                   PageUp: () => this.turn(-1), Escape: () => this.present(false) };
+    if (!event.target.closest("button, a, summary")) acts[" "] = () => this.#player.toggle();
+    if (!acts[event.key]) return;
+    event.preventDefault();
+    acts[event.key]();
+  }
+
+  draw() {
+    this.#figures.draw();
+    this.#study?.draw();
+  }
+
+  // ---- what there is
+
+  get #problem() {
+    return this.#catalogue.problems.find(({ id }) => id === (this.#lesson.scene ?? measureOf(this.#lesson, {})).problem.id);
+  }
+
+  #build() {
+    const { title: claim, look, see, views = [], runs = [], control, study, portrait } = this.#lesson, at = lessons.indexOf(this.#lesson);
+    find("#which").value = this.#lesson.id;
+    find("#previous").disabled = at === 0;
+    find("#next").disabled = at === lessons.length - 1;
+    find("#claim").textContent = claim;
+    find("#look").replaceChildren(...prose(look));
+    find("#see").replaceChildren(...prose(see));
+    find("#legend").replaceChildren();
+    this.#runs = [];
+    this.#player.rest();
+    this.#study?.stop();
+    this.#figures.build(this.#lesson, runs.map((_, i) => this.#titleOf(i)));
+    this.#study = study ? new Study(find("#figures"), this.#catalogue.schemes) : portrait ? new Portrait(find("#figures"), this.#lesson.labels, portrait.keep.includes("final")) : null;
+    find(".player").hidden = views.every(({ bins }) => bins);
+    this.#control = control ? slider(control.label, control, this.#setting(), (value, done) => this.#move(value, done)) : null;
+    find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));
+    const schemes = runs.map(({ scheme = {} }) => scheme), differ = new Set(schemes.map(({ id }) => id)).size > 1;
+    const comparable = runs.length > 1 && (control.sets === "steps" || differ) && schemes.every(workSetting);
+    find("#equal-work").hidden = find("#equal-step").hidden = !comparable;
+  }
+
+  #titleOf(i) {
+    const { name, scheme } = this.#lesson.runs[i], request = requestOf(this.#lesson, i, this.#state);
+    return name ?? title(this.#catalogue.schemes.find(({ id }) => id === scheme.id), request.scheme);
+  }
+
+  /** Where the control stands. */
+  #setting() {
+    return controlled(this.#lesson, this.#state, this.#problem);
+  }
+
+  #move(value, done) {
+    if (this.#lesson.control.sets === "steps") {
+      const own = this.#lesson.runs.map(({ scheme }) => scheme[workSetting(scheme)]), now = this.#state.steps ?? own;
+      this.#state = { steps: now.map((step) => rounded((step / now[0]) * value, 4)) };
+    } else {
+      this.#state = { ...this.#state, set: value };
+    }
+    if (done) this.#go(this.#lesson.id, this.#state, true);
+    this.#ask(false, done ? undefined : coarse);
+  }
+
+  #even(steps) {
+    if (!this.#runs.length || steps.includes(null)) return;
+    this.#state = { ...this.#state, steps };
+    if (this.#lesson.control.sets === "steps") this.#control.set(steps[0]);
+    this.#go(this.#lesson.id, this.#state, true);
+    this.#ask(true);
+  }
+
+  // ---- what is run
+
+  #busy(busy) {
+    document.querySelector("#lesson").setAttribute("aria-busy", String(busy));
+  }
+
+  #ask(urgent, samples) {
+    this.#busy(true);
+    const study = this.#study;
+    if (study) {
+      const asked = measureOf(this.#lesson, this.#state);
+      find("#to-bench").href = benchLink(study.requests(asked));
+      return void study.run(asked).then((newest) => newest !== false && study === this.#study && this.#shown());
+    }
+    const requests = this.#lesson.runs.map((_, i) => requestOf(this.#lesson, i, this.#state, samples));
+    this.#live.ask({ requests, first: !this.#runs.length, lesson: this.#lesson }, urgent);
+  }
+
+  #show(answers, { requests, first, lesson }) {
+    if (lesson !== this.#lesson) return;
+    const refused = answers.flatMap(({ faults = [] }) => faults);
+    find(".wrong").textContent = refused.map(faultText)[0] ?? "";
+    if (refused.length) {
+      if (refused.some(({ lost }) => lost)) setTimeout(() => lesson === this.#lesson && this.#ask(true), 2000);
+      return this.#busy(false); // the last good picture stays
+    }
+    this.#runs = answers.map(({ outcome }, i) => ({
+      title: this.#titleOf(i), colour: colourOf(i), outcome, trajectory: outcome.trajectory, scheme: outcome.scheme,
+      parameters: outcome.problem, request: requests[i],
+    }));
+    const symbol = (name) => this.#problem?.variables.find((card) => card.name === name)?.symbol || name;
+    this.#figures.show(lesson, this.#runs, symbol);
+    fill(find("#legend"), this.#runs, lesson);
+    const times = this.#runs.flatMap(({ outcome, trajectory: { t } }) => [t[0], t.at(-1)].map((v) => v / paceOf(outcome, lesson.pace)));
+    if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times), lesson.pace && "periods");
+    if (first) this.#player.begin();
+    find("#to-bench").href = benchLink(requests);
+    this.#shown();
+  }
+
+  #shown() {
+    this.#busy(this.#live.waiting);
+    document.dispatchEvent(new CustomEvent("shown", { detail: { lesson: this.#lesson.id, runs: this.#runs.map(({ outcome }) => outcome),
+                                                                study: this.#study?.outcome } }));
+  }
+}

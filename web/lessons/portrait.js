@@ -1,0 +1,88 @@
+// A lesson of many runs at once: the points where they cross a plane, or where a clock finds them; or where they end.
+import { ensemble } from "../service/api.js";
+import { element, faultText, words } from "../forms/forms.js";
+import { Crossings } from "../drawing/crossings.js";
+import { EndsPicture, rectangleOf } from "../drawing/ends.js";
+
+/**
+ * The requests of a portrait. Starts on the surface of an energy are no grid: each is asked for by itself. In the plane x = 0 of
+ * Hénon and Heiles, on the axes of y and of its momentum.
+ */
+function each({ surface, ...request }) {
+  if (!surface) return [request];
+  const { energy, starts } = surface, height = (y) => (y * y) / 2 - (y * y * y) / 3;
+  const reach = (side) => { // where the motion turns on the axis of y
+    let [near, far] = [0, side];
+    for (let i = 0; i < 50; i++) [near, far] = height((near + far) / 2) < energy ? [(near + far) / 2, far] : [near, (near + far) / 2];
+    return near;
+  };
+  const [left, right, fastest] = [reach(-0.5), reach(1), Math.sqrt(2 * energy)];
+  const places = Array.from({ length: starts }, (_, i) => (i + 0.5) / starts);
+  return [...places.map((part) => [left + (right - left) * part, 0]), ...places.map((part) => [0, fastest * part])].map(([y, py]) => ({
+    ...request, initial: { x: 0, y, px: Math.sqrt(2 * (energy - height(y)) - py * py), py }, members: { count: 1 } }));
+}
+
+export class Portrait {
+  #crossings; // or null: of the ends
+  #ends;
+  #said = element("p", { className: "note" });
+  #labels;
+  #underWay = null;
+  outcome = null; // the points: `{member, x, y}`, or `{ends}`
+
+  constructor(figures, labels, ends) {
+    const canvas = element("canvas", { className: "plane", role: "img", ariaLabel: `${labels[1]} over ${labels[0]} of many runs` });
+    figures.replaceChildren(element("figure", { className: "of-all" }, canvas, this.#said));
+    this.#crossings = ends ? null : new Crossings(canvas);
+    this.#ends = ends ? new EndsPicture(canvas) : null;
+    this.#labels = labels;
+  }
+
+  /** Runs all members; resolves at the end, or when it was stopped: to whether it is still the newest. */
+  async run(asked) {
+    this.stop();
+    const mine = (this.#underWay = new AbortController()), requests = each(asked);
+    let begun = false, cut = "";
+    try {
+      for (const [i, request] of requests.entries()) {
+        const { faults = [] } = await ensemble(request, mine.signal, (line) => {
+          if (line.stop) cut = `Ended early: ${words(line.stop.reason)}.`;
+          if (line.kind !== "block") return;
+          if (!begun) this.#begin(asked, requests.length); // until then the last picture stays
+          begun = true;
+          if (requests.length > 1) line.section.member.fill(i);
+          if (this.#ends) this.#ends.add(line, request.columns[0]);
+          else this.#crossings.add(line);
+        });
+        this.#said.textContent = faults.map(faultText)[0] ?? cut;
+        if (faults.length) break;
+      }
+    } catch (error) {
+      if (!mine.signal.aborted) throw error;
+    }
+    if (mine !== this.#underWay) return false;
+    const all = (name) => this.#crossings.blocks.flatMap((block) => block[name]);
+    this.outcome = this.#ends ? { ends: [...(this.#ends.ends?.values ?? [])] } : { member: all("member"), x: all("x"), y: all("y") };
+    return true;
+  }
+
+  #begin(request, several) {
+    const { columns: [x, y], members } = request;
+    if (this.#ends) this.#ends.start({ ...rectangleOf(request), labels: this.#labels });
+    else this.#crossings.start(members ? Object.values(members.vary)[0].grid[2] : several, x, y, this.#labels);
+  }
+
+  /** The runs that a workbench begins with. */
+  requests(asked) {
+    const { problem, initial, until, scheme, ...request } = each(asked)[0];
+    return [{ problem, initial, until, scheme, ...(this.#ends ? { basins: rectangleOf(request) } : {}) }];
+  }
+
+  stop() {
+    this.#underWay?.abort();
+  }
+
+  draw() {
+    (this.#ends ?? this.#crossings).draw();
+  }
+}

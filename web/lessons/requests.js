@@ -1,0 +1,47 @@
+// What a lesson asks of the service.
+import { workSetting } from "../service/work.js";
+import { presetOf } from "../catalogue/card.js";
+import { columnsOf } from "./views.js";
+
+const fine = 4000; // samples of a picture
+export const coarse = 700; // while a hand moves the control
+
+/** The problem, start and scheme of run `i`, as the control stands. */
+export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? fine) {
+  const run = lesson.runs[i], { control } = lesson;
+  const { problem, initial, until, scheme } = { ...lesson.scene, ...run };
+  const request = { problem: { ...lesson.scene.problem, ...problem }, initial: { ...lesson.scene.initial, ...initial },
+                    scheme: { ...scheme }, until: { ...until } };
+  if (steps) request.scheme[workSetting(scheme)] = steps[i];
+  if (set !== undefined && control.sets !== "steps" && (control.run ?? i) === i) {
+    const [section, name] = control.sets.split(".");
+    request[section][name] = set;
+  }
+  const columns = new Set(["t", ...lesson.views.flatMap(columnsOf), ...(scheme.id === "jacobi_maupertuis" ? ["mode"] : [])]);
+  const kinds = (lesson.tells ?? []).map(([, path]) => /^diagnostics\.(\w+)/.exec(path)?.[1]).filter(Boolean);
+  if (lesson.views.some(({ body }) => body)) columns.add("q");
+  return { ...request, record: lesson.curve ? { curve: samples } : { samples }, columns: [...columns], diagnostics: [...new Set(kinds)] };
+}
+
+/** What a lesson that measures asks for: `study` schemes on a scene, or the `portrait` of many runs, as the control stands. */
+export function measureOf({ study, portrait, control }, { set }) {
+  const asked = structuredClone(study ?? portrait);
+  if (set === undefined) return asked;
+  const [section, name] = control.sets.split(".");
+  asked[section][name] = set;
+  return asked;
+}
+
+/** What stands at a path of an answer; `last` is the end of a column. */
+export const told = (outcome, path) =>
+  path.split(".").reduce((at, key) => (key === "last" ? at?.at(-1) : at?.[key]), outcome);
+
+/** The value that the control of a lesson has in a state. */
+export function controlled(lesson, { set, steps }, card) {
+  const { control, runs } = lesson;
+  if (control.sets === "steps") return steps?.[0] ?? runs[0].scheme[workSetting(runs[0].scheme)];
+  if (set !== undefined) return set;
+  const [section, name] = control.sets.split("."), request = runs ? requestOf(lesson, control.run ?? 0, {}) : measureOf(lesson, {});
+  return request[section][name] ?? presetOf(card, request.problem.preset)?.parameters[name] ??
+         card.parameters.find((parameter) => parameter.name === name).default;
+}

@@ -1,0 +1,58 @@
+// A lesson that measures: error over cost, its points as they come.
+import { workPrecision } from "../service/api.js";
+import { element, faultText } from "../forms/forms.js";
+import { title } from "../catalogue/card.js";
+import { PrecisionPlot } from "../drawing/precision.js";
+
+export class Study {
+  #schemes;
+  #plot;
+  #said = element("p", { className: "note" });
+  #underWay = null;
+  outcome = null; // the curves: `[{title, points}]`
+
+  constructor(figures, schemes) {
+    const container = element("div", { className: "precision", role: "img", ariaLabel: "Error over force evaluations of each scheme" });
+    figures.replaceChildren(element("figure", { className: "of-all" }, container, this.#said));
+    this.#schemes = schemes;
+    this.#plot = new PrecisionPlot(container);
+  }
+
+  /** Measures; resolves at the end, or when it was stopped. */
+  async run(request) {
+    this.stop();
+    const mine = (this.#underWay = new AbortController());
+    let head = null;
+    const take = (line) => {
+      if (line.point) {
+        this.#plot.add(line.curve, { ...line.point, setting: line.setting });
+        this.outcome[line.curve].points.push(line.point);
+      } else if (!head) {
+        head = line;
+        this.outcome = line.schemes.map(({ step: _, sigma: __, ...scheme }) => (
+          { title: title(this.#schemes.find(({ id }) => id === scheme.id), scheme), points: [] }));
+        this.#plot.start(this.outcome.map((curve) => curve.title), line.floor);
+      }
+    };
+    try {
+      const { faults = [] } = await workPrecision(request, mine.signal, take);
+      this.#said.textContent = faults.map(faultText)[0] ?? "";
+    } catch (error) {
+      if (!mine.signal.aborted) throw error;
+    }
+    return mine === this.#underWay;
+  }
+
+  /** The runs that a workbench begins with. */
+  requests({ schemes, ...scene }) {
+    return schemes.map((scheme) => ({ ...scene, scheme }));
+  }
+
+  stop() {
+    this.#underWay?.abort();
+  }
+
+  draw() {
+    this.#plot.draw();
+  }
+}

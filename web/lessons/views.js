@@ -1,0 +1,76 @@
+// What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms.
+import { sun } from "../drawing/bodies.js";
+import { errorOfEnergy } from "../drawing/energy.js";
+import { commonView, curveOf, extent } from "../drawing/mapping.js";
+import { inSpace } from "../drawing/space.js";
+
+const names = { error_of_energy: "|H − H₀| / |H₀|", mechanical_energy: "p²/2 + V", energy: "H", distance: "distance to order 8", entropy: "S",
+                potential: "U", step_size: "step", periods: "t in periods" };
+
+/** The columns that a view needs of the service. */
+export const columnsOf = (view) => [...["x", "y", "z"].map((axis) => view[axis]), ...(view.between ?? [])]
+  .filter((name) => name && !["t", "distance", "periods"].includes(name)).map((name) => (name === "error_of_energy" ? "energy" : name));
+
+/** What the times of a run are divided by: 1, or where the `pace` is its "cycle", the period that was measured. */
+export const paceOf = ({ diagnostics, trajectory }, pace) =>
+  (pace === "cycle" ? diagnostics.cycle?.period ?? trajectory.t.at(-1) / 2 : 1);
+
+/** A trajectory with the columns that the page derives: the `distance` is to the last run, in the columns `between`. */
+function whole(trajectory, { y, between }, last, unit) {
+  if (unit !== 1) return { ...trajectory, periods: trajectory.t.map((t) => t / unit) };
+  if (y === "distance") {
+    const apart = (i) => Math.hypot(...between.map((name) => trajectory[name][i] - last[name][i]));
+    return { ...trajectory, distance: trajectory.t.map((_, i) => apart(i) || null) };
+  }
+  return y === "error_of_energy" ? { ...trajectory, error_of_energy: errorOfEnergy(trajectory) } : trajectory;
+}
+
+/** How often a column's values fall in each bin, as a density, drawn as stairs. */
+function histogram(values, [low, high, n]) {
+  const width = (high - low) / n, bins = Array(n).fill(0), found = values.filter((v) => v !== null);
+  for (const v of found) {
+    const bin = Math.floor((v - low) / width);
+    if (bin >= 0 && bin < n) bins[bin]++;
+  }
+  const x = [low], y = [0];
+  bins.forEach((count, i) => {
+    const density = count / found.length / width;
+    x.push(low + i * width, low + (i + 1) * width);
+    y.push(density, density);
+  });
+  return { x: [...x, high], y: [...y, 0], series: false, unmarked: true };
+}
+
+/** A known curve over an axis, or of points over a range of its own, as dense as a screen. */
+function known([title, of, range], parameters, span, log) {
+  const [low, high] = range ?? span, n = 600, x = Array.from({ length: n + 1 }, (_, i) => low + ((high - low) * i) / n);
+  if (range) {
+    const points = x.map((v) => of(v, parameters));
+    return { x: points.map(([a]) => a), y: points.map(([, b]) => b), title, colour: "--ink", dash: [7, 6], exact: true };
+  }
+  const y = x.map((v) => of(v, parameters)).map((v) => (v !== null && log.includes("y") ? Math.log10(v) : v));
+  return { x: x.map((v, i) => (y[i] === null ? null : v)), y, title, colour: "--ink", dash: [7, 6], exact: true };
+}
+
+/** The picture that a `view` of a lesson gives of `runs`: `[{title, colour, trajectory, parameters}]` that have one. */
+export function pictureOf(view, runs, { angles, symbol = (name) => name, pace } = {}) {
+  if (!runs.length) return null;
+  if (view.z) return inSpace([view.x, view.y, view.z], runs, angles, view);
+  const { log = "", box = {}, exact = [] } = view, series = ["t", "periods"].includes(view.x);
+  const curves = runs.filter((_, i) => i === (view.run ?? i)).flatMap(({ trajectory, ...run }) => {
+    const unit = paceOf({ trajectory, ...run.outcome }, pace), all = view.bins ? null : whole(trajectory, view, runs.at(-1).trajectory, unit);
+    const curve = view.bins ? histogram(trajectory[view.x], view.bins) : curveOf(all, view.x, view.y, log);
+    if (curve && all?.periods) curve.t = all.periods;
+    return curve ? [{ series, thin: view.thin, ...curve, ...run }] : [];
+  });
+  if (!curves.length) return null;
+  const timed = series || Boolean(view.bins);
+  const span = view.bins ? view.bins.slice(0, 2) : [Math.min(...curves.map(({ x }) => extent(x)[0])),
+                                                    Math.max(...curves.map(({ x }) => extent(x)[1]))];
+  const free = timed || log !== "";
+  const seen = { ...commonView(curves, ["x", "y"], free), ...box };
+  const truths = exact.map((one) => known(one, runs[0].parameters, span, log));
+  if (truths.length && timed && !box.y && !log) seen.y = [Math.min(seen.y[0], 0), seen.y[1]];
+  const labels = view.labels ?? [view.x, view.y].map((name) => names[name] ?? symbol(name));
+  return { curves: timed ? [...truths, ...curves] : [...curves, ...truths], view: seen, labels, log, backdrop: view.sun && sun };
+}

@@ -1,0 +1,200 @@
+// The studies of a scene: what a digit costs with each scheme, and how long a step may be. Both are asked for by a button.
+import * as api from "../service/api.js";
+import { element, faultText } from "../forms/forms.js";
+import { format } from "../forms/numbers.js";
+import { title } from "../catalogue/card.js";
+import { PrecisionPlot } from "../drawing/precision.js";
+import { Basins } from "./basins.js";
+import { Section } from "./section.js";
+
+const find = (selector) => document.querySelector(selector);
+
+// How a step fails that is longer.
+const failures = {
+  energy_growth: "the energy grows", sign_flip: "the momentum changes its sign though it should only fade",
+  solver_failed: "the equations of a step find no solution", pole: "the step meets a pole", not_finite: "numbers overflow",
+};
+
+const choices = ["measured", "measure", "cost", "budget"];
+const usual = (select) => ([...select.options].find((option) => option.defaultSelected) ?? select.options[0]).value;
+
+export class Studies {
+  #schemes = [];
+  #ask; // → {problem, initial, until} of a request, and the schemes of the panes
+  #scene = "";
+  #underWay = {};
+  #plot = new PrecisionPlot(find("#precision"));
+  #section;
+  #basins;
+
+  /** `ask()` gives `{scene: {problem, initial, until}, schemes}` as the forms stand; `picked(start)`: a member is to be run. */
+  constructor(schemes, ask, picked) {
+    const run = (start) => {
+      picked(start);
+      this.#scene = JSON.stringify(this.#ask().scene); // what was found stays
+    };
+    this.#section = new Section(run);
+    this.#basins = new Basins(run);
+    this.#schemes = schemes;
+    this.#ask = ask;
+    find("#measure-precision").addEventListener("click", () => this.#start("precision", () => this.#measure()));
+    find("#measure-stability").addEventListener("click", () => this.#start("stability", () => this.#search()));
+    for (const [study, runs] of [["section", this.#section], ["basins", this.#basins]])
+      find(`#measure-${study}`).addEventListener("click", () => this.#start(study, () =>
+        runs.measure(this.#ask(), this.#schemes, this.#underWay[study].signal, (text) => this.#tell(study, text))));
+    find("#cost").addEventListener("change", (event) => this.#plot.over(event.target.value));
+  }
+
+  /** What is shown belongs to one scene: for another it goes, and what is under way ends. */
+  follow() {
+    const scene = JSON.stringify(this.#ask().scene);
+    if (scene === this.#scene) return;
+    this.#scene = scene;
+    for (const study of ["precision", "stability", "section", "basins"]) {
+      this.#stop(study);
+      this.#tell(study, "");
+    }
+    this.#plot.start([]);
+    this.#section.clear();
+    this.#basins.clear();
+    find("#stability").replaceChildren();
+    find("#precision-notes").replaceChildren();
+  }
+
+  draw() {
+    this.#plot.draw();
+    this.#section.draw();
+    this.#basins.draw();
+  }
+
+  /** What stands in a link: the choices of the studies, and of the section and the basins of a problem. */
+  offer(problem, { study = {}, section = {}, basins = {} }) {
+    this.choices = study;
+    this.#section.offer(problem, section);
+    this.#basins.offer(problem, basins);
+  }
+  chosen(changed) {
+    return { study: this.choices, section: this.#section.chosen(changed), basins: this.#basins.chosen(changed) };
+  }
+
+  /** What is chosen to be measured, as far as it is not the usual. */
+  get choices() {
+    return Object.fromEntries(choices.map((id) => find(`#${id}`)).filter((select) => select.value !== usual(select))
+      .map((select) => [select.id, select.value]));
+  }
+  set choices(wanted) {
+    for (const select of choices.map((id) => find(`#${id}`))) {
+      const known = [...select.options].some(({ value }) => value === wanted[select.id]);
+      select.value = known ? wanted[select.id] : usual(select);
+    }
+    this.#plot.over(find("#cost").value);
+  }
+
+  /** The button begins a study, or ends the one under way. */
+  async #start(study, begin) {
+    if (this.#stop(study)) return this.#tell(study, "Stopped.");
+    this.#scene = JSON.stringify(this.#ask().scene);
+    const mine = (this.#underWay[study] = new AbortController());
+    const button = find(`#measure-${study}`), name = button.textContent;
+    button.textContent = "Stop";
+    try {
+      const { faults = [], said = "" } = await begin();
+      this.#tell(study, faults.length ? faults.map(fault).join(" ") : said, faults.length > 0);
+    } catch (error) {
+      if (!mine.signal.aborted) throw error;
+    } finally {
+      button.textContent = name;
+      if (this.#underWay[study] === mine) delete this.#underWay[study];
+    }
+  }
+
+  #stop(study) {
+    const under = this.#underWay[study];
+    delete this.#underWay[study];
+    under?.abort();
+    return Boolean(under);
+  }
+
+  #tell(study, text, bad = false) {
+    const line = find(`#${study}-status`);
+    line.textContent = text;
+    line.classList.toggle("fault", bad);
+  }
+
+  #title(scheme, varied) {
+    const { [varied]: _, ...settings } = scheme;
+    if (varied === "theta") delete settings.step;
+    return title(this.#schemes.find(({ id }) => id === scheme.id), settings);
+  }
+
+  async #measure() {
+    const { scene, schemes } = this.#ask();
+    const request = { ...scene, schemes: find("#measured").value === "all" ? "all" : schemes, error: find("#measure").value,
+                      budget_seconds: Number(find("#budget").value) };
+    this.#plot.start([]);
+    this.#tell("precision", "Finding out what is true…");
+    find("#precision-notes").replaceChildren();
+    let head = null, end = null, points = 0;
+    const take = (line) => {
+      if (line.point) {
+        this.#plot.add(line.curve, { ...line.point, setting: line.setting });
+        this.#tell("precision", `Measuring: ${++points} runs…`);
+      } else if (head) {
+        end = line;
+      } else {
+        head = line;
+        this.#plot.start(head.schemes.map((scheme) => this.#title(scheme, varied(scheme))), head.floor);
+      }
+    };
+    const { faults } = await api.workPrecision(request, this.#underWay.precision.signal, take);
+    if (faults) return { faults };
+    const notes = [...concerning(head), ...end.curves.flatMap((curve) => this.#ordered(curve)), ...end.left_out];
+    const listed = (some) => element("ul", { className: "messages" }, ...some.map((textContent) => element("li", { textContent })));
+    const [first, ...more] = notes;
+    find("#precision-notes").replaceChildren(listed([first]), ...(more.length ? [
+      element("details", {}, element("summary", { textContent: `${more.length} more notes` }), listed(more))] : []));
+    return { said: `${points} runs. Times are those of this machine.` +
+                   (end.status === "stopped" ? " The study was cut short." : "") };
+  }
+
+  /** A word on a curve whose order is not as declared, or could not be measured. */
+  #ordered({ scheme, setting, observed_order: observed, expected_order: expected, why }) {
+    const name = this.#title(scheme, setting);
+    if (observed === null) return why ? [`${name}: ${why}`] : [];
+    if (expected === null || Math.abs(observed - expected) < 0.3) return [];
+    return [`${name}: of order ${format(observed)} here, ${expected} in general`];
+  }
+
+  async #search() {
+    const { until: _, ...scene } = this.#ask().scene;
+    this.#tell("stability", "Searching…");
+    find("#stability").replaceChildren();
+    const { outcome, faults } = await api.stability({ ...scene, schemes: "all" }, this.#underWay.stability.signal);
+    if (faults) return { faults };
+    const cells = (tag, ...texts) => texts.map((textContent) => element(tag, { textContent }));
+    const rows = outcome.limits.map(({ scheme, step, failure, theory, why = "" }) => {
+      const beyond = failure ? failures[failure] ?? failure.replaceAll("_", " ") : why;
+      return element("tr", {}, element("th", { scope: "row", textContent: this.#title(scheme, varied(scheme)) }),
+                     ...cells("td", format(step), format(theory), beyond));
+    });
+    find("#stability").replaceChildren(
+      element("thead", {}, element("tr", {}, ...cells("th", "scheme", "longest step", "in theory", "beyond it"))),
+      element("tbody", {}, ...rows));
+    return { said: outcome.left_out.join("; ") };
+  }
+}
+
+const fault = ({ pointer, ...rest }) => `${pointer ? `${pointer}: ` : ""}${faultText(rest)}`;
+
+/** The setting that a study varies. */
+const varied = (scheme) => ["tolerance", "theta", "sigma", "step"].find((name) => name in scheme);
+
+/** What the reference says of the scene. */
+function concerning({ reference, floor, chaotic, end, until }) {
+  return [
+    `Errors are against ${reference.how === "closed form" ? "the closed form" : `a ${reference.how}`}, ` +
+      `which is known to ${format(reference.uncertainty, 1)}; below ${format(floor, 1)} they mean nothing.`,
+    ...(chaotic ? ["The motion is chaotic over this span: states at its end hardly depend on what was computed."] : []),
+    ...(end < until.t ? [`The motion ends before: errors are those up to t = ${format(end, 5)}.`] : []),
+  ];
+}

@@ -1,0 +1,103 @@
+// The diagnostics and the cost of the runs as a table, one column per run.
+import { element, symbol, words } from "../forms/forms.js";
+import { count, format } from "../forms/numbers.js";
+import { energyKind } from "../catalogue/card.js";
+
+const degrees = (radians) => (radians === null ? "" : ` (${format((radians * 180) / Math.PI, 2)}°)`);
+const ended = ({ status, stop }) => (stop ? `${status} at t = ${format(stop.t, 5)}` : status);
+
+// Diagnostics with rows of their own; any other is shown as it comes.
+const own = ["energy", "momenta", "orbit"];
+
+const energyRows = {
+  none: [],
+  error: [
+    { id: "energy", name: "Largest |H − H₀|", raw: (o) => o.diagnostics.energy?.max_abs_error },
+    { id: "drift", name: "Drift of H per time", raw: (o) => o.diagnostics.energy?.drift_per_time },
+  ],
+  value: [
+    { id: "energy_initial", name: "H at the start", raw: (o) => o.diagnostics.energy?.initial },
+    { id: "energy_final", name: "H at the end", raw: (o) => o.diagnostics.energy?.final },
+  ],
+};
+
+/** The paths to what stands in a diagnostic: `[[]]` for a value or a list, `[["period"], ["amplitude"]]` for an object. */
+function paths(value) {
+  if (value === null || typeof value !== "object" || Array.isArray(value)) return [[]];
+  return Object.entries(value).flatMap(([key, part]) => paths(part).map((path) => [key, ...path]));
+}
+
+/** The rows of a diagnostic that has none of its own: one for each part that any outcome has. */
+function plainRows(kind, outcomes) {
+  const found = outcomes.flatMap((outcome) => paths(outcome.diagnostics[kind] ?? null)).map((path) => path.join("."));
+  // What is null in one outcome and has parts in another is shown by its parts.
+  const whole = (part, _, every) => !every.some((other) => other !== part && other.startsWith(part && `${part}.`));
+  const parts = [...new Set(found)].filter(whole);
+  const title = words(kind)[0].toUpperCase() + words(kind).slice(1);
+  return parts.map((part) => ({
+    id: [kind, part].filter(Boolean).join("."), name: part ? `${title}: ${words(part.replaceAll(".", " "))}` : title,
+    raw: (o) => part.split(".").filter(Boolean).reduce((at, key) => at?.[key], o.diagnostics[kind]), shown: plainly,
+  }));
+}
+
+/** Any value for people; of a list, how long it is and how it begins. */
+function plainly(value) {
+  if (typeof value === "number") return format(value);
+  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (typeof value === "string") return words(value);
+  if (value.length === 0) return "none";
+  const some = value.slice(0, 3).map((item) => (item === null || typeof item === "number" ? format(item, 4) : "…"));
+  return value.length > 3 ? `${some.join(", ")}, … (${value.length})` : some.join(", ");
+}
+
+/** The rows for these outcomes: `{id, name, doc, raw: outcome → value, shown?: value → text}`. */
+function rows(outcomes, problem) {
+  const kinds = new Set(outcomes.flatMap((outcome) => Object.keys(outcome.diagnostics)));
+  const momenta = new Set(outcomes.flatMap((outcome) => Object.keys(outcome.diagnostics.momenta ?? {})));
+  const symbolOf = (name) => problem.invariants.find((invariant) => invariant.name === name)?.symbol ?? words(name);
+  return [
+    { id: "status", name: "Run", raw: (o) => o.status, shown: (_, o) => ended(o) },
+    ...energyRows[energyKind(problem)],
+    ...[...momenta].map((name) => ({
+      id: name, name: ["Largest change of ", symbol(symbolOf(name))], doc: words(name),
+      raw: (o) => o.diagnostics.momenta?.[name]?.max_abs_error,
+    })),
+    ...(kinds.has("orbit") ? [
+      { id: "apsidal_rotation", name: "Precession per period",
+        doc: "apsidal rotation in radians, mean of the revolutions; the true orbit has none",
+        raw: (o) => o.diagnostics.orbit?.apsidal_rotation, shown: (x) => format(x) + degrees(x) },
+      { id: "closure", name: "Closure", doc: "distance by which the last revolution misses the start",
+        raw: (o) => o.diagnostics.orbit?.closure },
+    ] : []),
+    ...[...kinds].filter((kind) => !own.includes(kind)).flatMap((kind) => plainRows(kind, outcomes)),
+    { id: "steps", name: "Steps", raw: (o) => o.cost.steps, shown: count },
+    { id: "force_evaluations", name: "Force evaluations", raw: (o) => o.cost.force_evaluations, shown: count },
+    { id: "nanoseconds_per_step", name: "Time per step", doc: "diagnostics and recording included; short runs measure little",
+      raw: (o) => o.cost.nanoseconds_per_step,
+      shown: (x) => (x < 1e3 ? `${format(x)} ns` : `${format(x / 1e3)} µs`) },
+  ];
+}
+
+/** All of a list, for who points at its beginning. */
+const listed = (value) => (Array.isArray(value) ? value.join(", ") : "");
+
+/** Fills `table`; `runs` are `[{name, title, outcome}]`. */
+export function fill(table, runs, problem) {
+  if (!runs.length) return table.replaceChildren();
+  const head = element("tr", {}, element("td"), ...runs.map((run) => {
+    const cell = element("th", { scope: "col", textContent: run.name, title: run.title });
+    cell.dataset.run = run.name;
+    return cell;
+  }));
+  const body = rows(runs.map((run) => run.outcome), problem).map(({ id, name, doc = "", raw, shown = (x) => format(x) }) => {
+    const row = element("tr", {}, element("th", { scope: "row", title: doc }, ...[name].flat()));
+    row.dataset.row = id;
+    for (const { outcome } of runs) {
+      const value = raw(outcome) ?? null;
+      const text = value === null ? "–" : shown(value, outcome);
+      row.append(element("td", {}, element("data", { value: value ?? "", textContent: text, title: listed(value) })));
+    }
+    return row;
+  });
+  table.replaceChildren(element("thead", {}, head), element("tbody", {}, ...body));
+}

@@ -1,0 +1,207 @@
+// One run of the comparison: its scheme and the form for it, its request, its picture and what went wrong.
+import { follow } from "../service/api.js";
+import { names } from "../service/link.js";
+import { workSetting } from "../service/work.js";
+import { build, choose, clearFaults, element, faultText, prose, showFault, values, words } from "../forms/forms.js";
+import { count, format } from "../forms/numbers.js";
+import { colourOf, fineness, presetOf, schemeCards, schemePresets, title, usualScheme } from "../catalogue/card.js";
+import { Plane } from "../drawing/plane.js";
+import { programs } from "./programs.js";
+
+export class Pane {
+  #schemes = [];
+  #problem = null;
+  #part;
+  #request = null;
+
+  /**
+   * `name` is A to F; `refine` divides the suggested step, of whatever kind it is; `hovered(t)` hears at which time of the
+   * run a hand points.
+   */
+  constructor(name, refine, hovered) {
+    this.name = name;
+    this.refine = refine;
+    this.colour = colourOf(names.indexOf(name));
+    this.node = document.querySelector("#pane").content.cloneNode(true).firstElementChild;
+    this.node.dataset.run = name;
+    const find = (selector) => this.node.querySelector(selector);
+    this.#part = { scheme: find(".scheme"), preset: find(".preset"), fields: find(".parameters"), traits: find(".traits"),
+                   messages: find(".messages"), caption: find("figcaption .title"), canvas: find("canvas"),
+                   stretches: find("figcaption .stretches"), happened: find("figcaption .happened"), work: find("figcaption .work"),
+                   about: find(".about div"), curl: find(".curl pre"),
+                   language: find(".curl select") };
+    find(".badge").textContent = name;
+    find(".badge").setAttribute("aria-label", `Run ${name}`);
+    choose(this.#part.language, Object.keys(programs).map((id) => ({ id, title: id })));
+    this.#part.language.addEventListener("change", () => this.#spell());
+    this.plane = new Plane(this.#part.canvas, hovered);
+    this.#part.scheme.addEventListener("change", () => this.#rebuild(this.chosen()));
+    this.#part.preset.addEventListener("change", () => this.#rebuild(this.#keptBeside(this.#part.preset.value)));
+    find(".curl button").addEventListener("click", (event) => this.#copy(event.target));
+  }
+
+  /** Offers the schemes that fit the problem; `chosen` (`{id, …}`) wins over the usual comparison. */
+  offer(problem, schemes, chosen = {}) {
+    this.#problem = problem;
+    this.#schemes = schemes.filter((scheme) => problem.schemes.includes(scheme.id));
+    const named = (id) => this.#schemes.find((s) => s.id === id);
+    const usual = [usualScheme(problem), "leapfrog", "contact_leapfrog"].map(named).find(Boolean) ??
+                  this.#schemes.find((s) => s.structure !== "none") ?? named("runge_kutta_4");
+    const { id = usual?.id } = chosen;
+    const fits = named(id) !== undefined;
+    choose(this.#part.scheme, this.#schemes, fits ? id : usual?.id);
+    this.#rebuild(fits ? chosen : {});
+  }
+
+  get #scheme() {
+    return this.#schemes.find((scheme) => scheme.id === this.#part.scheme.value);
+  }
+
+  /** The scheme as it stands in a request. */
+  chosen(changed = false) {
+    const preset = this.#part.preset.value, usual = schemePresets(this.#scheme)[0].id;
+    return { id: this.#part.scheme.value, ...(preset && !(changed && preset === usual) ? { preset } : {}),
+             ...values(this.#part.fields, changed) };
+  }
+
+  /** Sets how fine the run is, in the setting that its work goes with. */
+  refineTo(value) {
+    this.#part.fields.querySelector(`[data-name=${workSetting(this.chosen())}]`).value = String(value);
+  }
+
+  /** The choice of another preset: of what is set, only how fine the run is stays, unless the preset says that too. */
+  #keptBeside(preset) {
+    const { parameters = {} } = presetOf(this.#scheme, preset) ?? {};
+    const kept = Object.entries(this.chosen()).filter(([name]) => fineness.includes(name) && !(name in parameters));
+    return { ...Object.fromEntries(kept), preset };
+  }
+
+  #rebuild(chosen) {
+    const scheme = this.#scheme, preset = presetOf(scheme, chosen.preset);
+    choose(this.#part.preset, schemePresets(scheme), preset?.name);
+    this.#part.preset.title = preset?.doc ?? "";
+    this.#part.preset.parentElement.hidden = scheme.presets.length === 0;
+    build(this.#part.fields, schemeCards(scheme, this.#problem, preset, this.refine), "/scheme", chosen);
+    const say = (title, text) => (text ? element("p", {}, element("b", { textContent: `${title} ` }), ...prose(text)) : "");
+    const composed = scheme.recommended ? words(Object.values(scheme.recommended).join(", ")) : "";
+    this.#part.about.replaceChildren(
+      element("p", {}, ...prose(scheme.summary)), say("Good for:", scheme.good_for), say("Fails when:", scheme.fails_when),
+      say("Order:", orders(scheme.order)), say("Recommended composition:", composed),
+      say("Source:", (scheme.references ?? []).join("; ")));
+  }
+
+  /** Runs `request`: `{outcome}`, null when the service refused it, and whether it is `lost`; `take(outcome)` on the way. */
+  async run(request, sceneFields, signal, take) {
+    this.#entitle(request.scheme);
+    this.#request = request;
+    this.#spell();
+    const { outcome = null, faults = [] } = await follow(request, signal, take);
+    if (outcome?.choice) this.#entitle(outcome.scheme, "auto: ");
+    this.tell(outcome, faults.map((fault) => this.#fault(fault, [this.#part.fields, ...sceneFields])));
+    return { outcome, lost: faults.some(({ lost }) => lost) };
+  }
+
+  /** What there is to say of an outcome, after other `notes`. */
+  tell(outcome, notes = []) {
+    if (outcome) this.#part.work.textContent = `${count(outcome.cost.force_evaluations)} force evaluations`;
+    if (outcome?.choice) notes.push(this.#told(outcome.choice));
+    if (outcome?.stop) notes.push(note("stop", stopped(outcome.stop)));
+    if (outcome?.events?.length) notes.push(note("events", counted(outcome.events)));
+    for (const warning of outcome?.warnings ?? []) notes.push(note("warning", warning.detail || warning.code));
+    this.#part.messages.replaceChildren(...(notes.length ? [element("ul", {}, ...notes)] : []));
+  }
+
+  #spell() {
+    if (this.#request) this.#part.curl.textContent = programs[this.#part.language.value](this.#request);
+  }
+
+  /** Says what is run: the scheme as a request spells it. */
+  #entitle(scheme, who = "") {
+    const card = this.#schemes.find(({ id }) => id === scheme.id);
+    this.title = who + title(card, scheme);
+    this.#part.traits.textContent = traits(card, scheme, this.#problem);
+    this.#part.caption.replaceChildren(element("b", { textContent: this.name }), ` ${this.title}`);
+  }
+
+  /** Why a scheme was chosen and what else there was, in words. */
+  #told({ reason, met, alternatives }) {
+    const said = note(met ? "choice" : "choice missed", sentence(reason));
+    if (alternatives.length) {
+      const others = alternatives.map(({ scheme, force_evaluations: forces, estimated_error: e }) => element("li", {
+        textContent: `${title(this.#schemes.find(({ id }) => id === scheme.id), scheme)}: ${count(forces)} force ` +
+                     `evaluations, error ${format(e, 2)}` }));
+      said.append(element("details", {}, element("summary", { textContent: "Alternatives" }), element("ul", {}, ...others)));
+    }
+    return said;
+  }
+
+  /** An entry of the list of faults that leads to the field, where there is one. */
+  #fault(fault, containers) {
+    const [, own] = /^\/(columns|events)\/\d+/.exec(fault.pointer ?? "") ?? [];
+    const input = showFault(containers, own ? { ...fault, pointer: `/${own}/more` } : fault);
+    if (!input) return note("fault", `${fault.pointer ? `${fault.pointer}: ` : ""}${faultText(fault)}`);
+    const lead = element("button", { type: "button", textContent: words(input.dataset.name) });
+    lead.addEventListener("click", () => input.focus());
+    return element("li", { className: "fault" }, lead, ` ${faultText(fault)}`);
+  }
+
+  clearFaults() {
+    clearFaults(this.#part.fields);
+  }
+
+  /** Shows a picture of the run's curve, or nothing. */
+  show(picture) {
+    const curve = picture?.curves[0];
+    this.#part.canvas.setAttribute("aria-label", curve
+      ? `${picture.labels[1]} over ${picture.labels[0]} of run ${this.name}: ${this.title}` : `Run ${this.name}: nothing to show`);
+    this.#part.stretches.hidden = !curve?.stretched || !curve.x.some((_, i) => curve.stretched(i));
+    this.#part.happened.hidden = !curve?.events.length;
+    this.plane.show(picture);
+  }
+
+  async #copy(button) {
+    const selection = getSelection();
+    selection.selectAllChildren(this.#part.curl);
+    try {
+      await navigator.clipboard.writeText(this.#part.curl.textContent);
+      button.textContent = "Copied";
+    } catch {
+      button.textContent = "Selected: press Ctrl+C";
+    }
+    setTimeout(() => (button.textContent = "Copy"), 2000);
+  }
+}
+
+const sentence = (text) => text + (/[.!?]$/.test(text) ? "" : ".");
+const note = (className, textContent) => element("li", { className, textContent });
+const stopped = ({ reason, t, detail, singular_at: singularity = null }) =>
+  `Stopped (${words(reason)}) at t = ${format(t, 5)}: ${detail}` +
+  (singularity === null ? "" : ` (singular at t = ${format(singularity, 5)})`);
+
+const orders = (order) => (order !== null && typeof order === "object"
+  ? Object.entries(order).map(([name, p]) => (name === String(p) ? name : `${p} (${words(name)})`)).join(", ")
+  : String(order ?? ""));
+
+// What happened during a run: one, several.
+const happenings = { switch: ["switch", "switches"], parameter: ["change of parameter", "changes of parameter"] };
+
+/** How many events there were of each kind, of those of one's own by name. */
+function counted(events) {
+  const called = ({ kind, name = kind }) => (kind === "event" ? name : kind), kinds = [...new Set(events.map(called))];
+  return kinds.map((kind) => {
+    const n = events.filter((event) => called(event) === kind).length, [one, several = one] = happenings[kind] ?? [words(kind)];
+    return `${count(n)} ${n === 1 ? one : several}`;
+  }).join(", ");
+}
+
+/** The order is the highest that a choice stands for, as a composition, or a number, as of stages. */
+function traits({ id, order, implicit, symmetric, structure, parameters }, scheme, { diagnostics }) {
+  if (id === "auto") return "chosen by measurements of this scene";
+  const byChoice = order !== null && typeof order === "object";
+  const said = byChoice ? parameters.filter(({ type }) => type === "choice" || type === "integer")
+    .map(({ name }) => order[scheme[name]] ?? scheme[name]?.order).filter(Number.isFinite) : [];
+  const p = byChoice ? (said.length ? Math.max(...said) : Object.values(order)[0]) : order;
+  return [p === null ? "adaptive" : `order ${p}`, implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not symmetric",
+          ...(!diagnostics.includes("structure") && structure !== "none" ? []
+            : [structure === "none" ? "keeps no structure" : structure])].join(" · ");
+}

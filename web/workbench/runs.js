@@ -1,0 +1,133 @@
+// The runs of the workbench: what is asked for each, how far they are, and what they came to. One question is in flight, and
+// of those that came meanwhile the newest follows.
+import { Live } from "../service/live.js";
+import { columns, diagnostics } from "../catalogue/card.js";
+import { recordOf } from "../catalogue/record.js";
+import { samples } from "./scene.js";
+
+const find = (selector) => document.querySelector(selector);
+const coarse = 800; // points of a run while a hand moves a slider
+const patience = 300; // ms after which a run is seen while it goes on
+
+/** What came of a run that was stopped by hand. */
+function cut(outcome) {
+  const { trajectory, t, steps } = outcome, last = Object.entries(trajectory).map(([name, values]) => [name, values.at(-1)]);
+  return { ...outcome, status: "stopped", stop: { reason: "cancelled", t, detail: "stopped by hand" }, diagnostics: {}, cost: { steps },
+           final: Object.fromEntries(last) };
+}
+
+export class Runs {
+  #scene;
+  #panes;
+  #schemes;
+  #shown; // ({answers, said, lost, waiting}), and () where a part of a run is to be seen
+  #outcomes = null; // those in sight by the names of the runs, null while there are none of this problem
+  #since = 0;
+  #frame = 0;
+  #live = new Live((asked, signal) => this.#answer(asked, signal), (answers) => this.#show(answers));
+
+  constructor(scene, panes, schemes, shown) {
+    this.#scene = scene;
+    this.#panes = panes;
+    this.#schemes = schemes;
+    this.#shown = shown;
+  }
+
+  /** `{name: outcome}`, null while there are none. */
+  get outcomes() {
+    return this.#outcomes;
+  }
+
+  get list() {
+    return this.#panes.list.map(({ name, title, colour }) => {
+      const outcome = this.#outcomes?.[name];
+      return { name, title: `${name}: ${title}`, colour, outcome, trajectory: outcome?.trajectory };
+    });
+  }
+
+  /** Of another scene nothing is kept, nor comes. */
+  forget() {
+    this.#live.stop();
+    this.#cut();
+    this.#outcomes = null;
+  }
+
+  /** Runs an experiment; `follow`: a hand is on it, so of few points and after what is in flight. */
+  ask(now, follow = false) {
+    if (!follow) this.#cut();
+    this.#live.ask({ now, most: follow ? coarse : now.record.samples ?? samples.default }, !follow);
+  }
+
+  /** Ends what is in flight; what came of it stays. */
+  stop() {
+    this.#live.stop();
+    for (const { name } of this.#cut()) this.#panes.list.find((pane) => pane.name === name).tell(this.#outcomes[name]);
+  }
+
+  /** The runs that were under way, of which there is a part. */
+  #cut() {
+    find("#progress").hidden = true;
+    cancelAnimationFrame(this.#frame);
+    this.#frame = 0;
+    const under = this.list.filter(({ outcome }) => outcome?.status === "running");
+    for (const { name, outcome } of under) this.#outcomes[name] = cut(outcome);
+    return under;
+  }
+
+  /** The scene as it stands in a request. */
+  sceneOf({ problem, preset, initial, until }) {
+    return { problem: this.#scene.asked(problem, preset), initial, until };
+  }
+
+  /** The request for one run, with `most` points. */
+  #requestFor(now, scheme, most) {
+    const { problem, initial, until } = this.sceneOf(now), card = this.#schemes.find(({ id }) => id === scheme.id);
+    const own = this.#scene.problem, { start, events } = this.#scene, span = until.t === undefined ? this.#scene.span : until.t - start;
+    return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, span, most),
+             columns: columns(own, card, this.#scene.axes, this.#scene.columns), diagnostics: diagnostics(own),
+             ...(events.length ? { events } : {}) };
+  }
+
+  #answer({ now, most }, signal) {
+    this.#scene.clearFaults();
+    this.#since = performance.now();
+    const done = new Map(), from = this.#scene.start, span = now.until.t - from;
+    return Promise.all(this.#panes.list.map(async (pane) => {
+      pane.clearFaults();
+      const answer = await pane.run(this.#requestFor(now, now[pane.name], most), this.#scene.fields, signal, (outcome) => {
+        if (signal.aborted) return;
+        done.set(pane.name, (outcome.t - from) / span);
+        this.#pass(pane.name, outcome, done);
+      });
+      done.set(pane.name, 1);
+      if (answer.outcome) this.#outcomes = { ...this.#outcomes, [pane.name]: answer.outcome }; // which stays, if others are stopped
+      return { ...answer, name: pane.name };
+    }));
+  }
+
+  /** A run is on its way. */
+  #pass(name, outcome, done) {
+    if (performance.now() - this.#since < patience) return;
+    const parts = this.#panes.list.map((pane) => done.get(pane.name) ?? 0);
+    find("#progress").hidden = false;
+    find("#progress").value = parts.reduce((sum, part) => sum + part, 0) / parts.length;
+    if (outcome.trajectory.t.length < 2) return;
+    this.#outcomes = { ...this.#outcomes, [name]: outcome };
+    this.#frame ||= requestAnimationFrame(() => { // and not put off by what comes faster than frames
+      this.#frame = 0;
+      this.#shown();
+    });
+  }
+
+  #show(answers) {
+    const kept = this.#outcomes ?? {}, { list } = this.#panes;
+    if (list.length !== answers.length || list.some(({ name }, i) => name !== answers[i].name)) return; // another run came or went
+    this.#cut();
+    this.#outcomes = Object.fromEntries(list.map(({ name }, i) => [name, answers[i].outcome ?? kept[name] ?? null]));
+    list.forEach((pane, i) => pane.node.classList.toggle("stale", !answers[i].outcome));
+    const lost = answers.some((answer) => answer.lost), came = ({ outcome }) => outcome?.status ?? "refused: see the marked fields";
+    const said = lost ? "The service does not answer; asked again every two seconds."
+      : list.map(({ name }, i) => `${name} ${came(answers[i])}`).join(", ");
+    this.#shown({ answers, said, lost, waiting: this.#live.waiting });
+  }
+}

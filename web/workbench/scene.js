@@ -1,0 +1,146 @@
+// The form of a scene: its problem with parameters, its start, its span.
+import { entries, linked, overrides } from "../service/text.js";
+import { build, choose, clearFaults, element, prose, values, words } from "../forms/forms.js";
+import { formulaOf } from "../forms/formula.js";
+import { axes, cards, presetOf, spanOf, usualAxes } from "../catalogue/card.js";
+
+const find = (selector) => document.querySelector(selector);
+const forms = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record"),
+                columns: find("#columns"), events: find("#events") };
+export const samples = { name: "samples", label: "points drawn", default: 10000,
+                         doc: "how many points of each run are drawn, at most" };
+const more = { name: "more", label: "more columns", type: "text", default: "", hint: "r = sqrt(x^2 + y^2)",
+               doc: "columns of your own, name = formula, one after the other with commas" };
+const happenings = { ...more, label: "events", hint: "apsis = x*px + y*py",
+                     doc: "events of your own, name = formula: where it is zero on the way, the picture has a mark" };
+const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]"), z: find("#axes [name=z]") };
+const logs = { x: find("#axes [name=logx]"), y: find("#axes [name=logy]") };
+
+const typed = (form) => entries(values(form).more ?? "").map(({ name, value }) => ({ name, expression: value ?? "" }));
+
+export class Scene {
+  problem = null;
+  preset = undefined;
+  definition = null; // of a scene as text, as a request holds it
+  fields = Object.values(forms);
+  span = 0; // of a run, where none is set
+
+  /** Sets every form to an experiment as a link holds it; what it leaves out takes its default. */
+  load(problem, experiment, definition = null) {
+    this.problem = problem;
+    this.definition = definition;
+    const preset = (this.preset = this.#offerPresets(experiment.preset?.id));
+    const { parameters, initial } = cards(problem, preset);
+    this.span = spanOf(problem, preset);
+    build(forms.problem, parameters, "/problem", experiment.problem);
+    build(forms.initial, initial, "/initial", experiment.initial);
+    const until = { name: "t", label: "until t", default: this.start + this.span, doc: "when the run ends" };
+    build(forms.until, [until], "/until", experiment.until);
+    build(forms.record, [samples], "/record", experiment.record);
+    build(forms.columns, [more], "/columns", experiment.columns);
+    build(forms.events, [happenings], "/events", experiment.events);
+    forms.problem.parentElement.hidden = problem.parameters.length === 0;
+    this.offerAxes(experiment.axes ?? {});
+    find("#formula").replaceChildren(...(definition ? [] : formulaOf(problem.formula)));
+    find("#summary").replaceChildren(...prose(problem.summary));
+    find("#references ul").replaceChildren(...problem.references.map((textContent) => element("li", { textContent })));
+  }
+
+  /** Offers the problem's presets and picks one by name; the preset, or undefined for the problem's own values. */
+  #offerPresets(name) {
+    const preset = presetOf(this.problem, name);
+    const options = this.problem.presets.map((offered) => ({ id: offered.name, title: words(offered.name) }));
+    choose(find("#preset"), [{ id: "", title: "default" }, ...options], preset?.name);
+    find("#presets").hidden = options.length === 0;
+    find("#preset-doc").replaceChildren(...prose(preset?.doc ?? ""));
+    return preset;
+  }
+
+  /** Columns and events that are typed: `[{name, expression}]`. */
+  get columns() {
+    return typed(forms.columns);
+  }
+  get events() {
+    return typed(forms.events);
+  }
+
+  offerAxes(chosen = { ...this.#chosen, log: this.log }) {
+    const options = axes(this.problem, this.columns), known = (id) => options.some((option) => option.id === id);
+    const usual = usualAxes(this.problem, options.map(({ id }) => id), chosen.z);
+    for (const name of ["x", "y"]) choose(axis[name], options, known(chosen[name]) ? chosen[name] : usual[name]);
+    choose(axis.z, [{ id: "", title: "–" }, ...options], chosen.z);
+    for (const name of ["x", "y"]) logs[name].checked = (chosen.log ?? "").includes(name);
+  }
+
+  get #chosen() {
+    return Object.fromEntries(Object.entries(axis).map(([name, select]) => [name, select.value]));
+  }
+
+  /** When the run starts, as the form says or else its default. */
+  get start() {
+    const field = forms.initial.querySelector("[data-name=t]"), given = Number(field.value.trim() || field.placeholder);
+    return Number.isFinite(given) ? given : 0;
+  }
+
+  /** The default end follows the start; an end of one's own stays. */
+  moveEnd() {
+    const field = forms.until.querySelector("[data-name=t]"), own = this.ownEnd;
+    field.placeholder = field.dataset.usual = String(this.start + this.span);
+    if (!own) field.value = field.placeholder;
+  }
+
+  /** The end, where it is not the default one. */
+  get ownEnd() {
+    const { value, placeholder } = forms.until.querySelector("[data-name=t]");
+    return value.trim() === placeholder ? undefined : values(forms.until);
+  }
+
+  /** `[x, y]`, in space `[x, y, z]`: what stands on the axes; their labels; which are logarithmic. */
+  get axes() {
+    return Object.values(this.#chosen).filter(Boolean);
+  }
+  get labels() {
+    return Object.values(axis).filter(({ value }) => value).map((select) => select.selectedOptions[0].textContent);
+  }
+  get log() {
+    return ["x", "y"].filter((name) => logs[name].checked).join("");
+  }
+
+  /** The sections of an experiment as the forms stand; of `changed` ones, only what has not its default. */
+  values(changed = false) {
+    const { problem, ...rest } = Object.fromEntries(Object.entries(forms).map(([name, form]) => [name, values(form, changed)]));
+    const preset = find("#preset").value, [x, y, z] = this.axes, log = this.log;
+    const usual = usualAxes(this.problem, [...axis.x.options].map(({ value }) => value), z);
+    const seen = { ...(changed && x === usual.x ? {} : { x }), ...(changed && y === usual.y ? {} : { y }), ...(z ? { z } : {}), ...(log ? { log } : {}) };
+    const own = this.definition ? linked(this.definition) : { id: this.problem.id };
+    return { problem: { ...own, ...problem }, ...(preset ? { preset: { id: preset } } : {}), ...rest, axes: seen };
+  }
+
+  /** The problem as a request holds it. */
+  asked({ id, ...parameters }, preset) {
+    if (this.definition) return { ...this.definition, ...overrides(this.definition, values(forms.problem)) };
+    return { id, ...(preset ? { preset: preset.id } : {}), ...parameters };
+  }
+
+  /** Moves the start to values by name. */
+  begin(at) {
+    for (const [name, value] of Object.entries(at)) {
+      const field = forms.initial.querySelector(`[data-name="${CSS.escape(name)}"]`);
+      if (!field) continue;
+      field.value = String(value);
+      field.dispatchEvent(new Event("input"));
+    }
+    if ("t" in at) this.moveEnd();
+  }
+
+  /** Starts where a run ended, for as long again. */
+  goOn(final) {
+    const end = forms.until.querySelector("[data-name=t]"), span = Number(end.value) - this.start;
+    this.begin(final);
+    end.value = String(final.t + span);
+  }
+
+  clearFaults() {
+    this.fields.forEach(clearFaults);
+  }
+}

@@ -4,13 +4,16 @@ import { words } from "../forms/forms.js";
 /** The variables of the motion. The optional ones are only ways to start it, and are neither asked for nor drawn. */
 export const motion = (problem) => problem.variables.filter((variable) => !variable.optional);
 
+/** Whether a scene has more variables than anybody would choose among: of those, only what is drawn is asked for. */
+const crowded = (problem) => motion(problem).length > 64;
+
 /**
  * What may stand on an axis of the plane, as the options of a select: any column that is a number. The first two are the
  * usual choice.
  */
 export function axes(problem, own = []) {
-  const moving = [...motion(problem), { name: "t" }].map(({ name, symbol }) => ({ id: name, title: symbol || name }));
-  const others = problem.columns.filter((name) => name !== "parameter" && !moving.some(({ id }) => id === name));
+  const moving = [...motion(problem).slice(0, crowded(problem) ? 2 : undefined), { name: "t" }].map(({ name, symbol }) => ({ id: name, title: symbol || name }));
+  const others = problem.columns.filter((name) => name !== "parameter" && !problem.variables.some((one) => one.name === name && !one.optional) && name !== "t");
   const derived = problem.columns.includes("energy") ? [{ id: "error_of_energy", title: "|H − H₀| / |H₀|" }] : [];
   return [...moving, ...others.map((name) => ({ id: name, title: words(name) })), ...derived,
           ...own.map(({ name }) => ({ id: name, title: name }))];
@@ -26,7 +29,7 @@ const openings = {
 };
 export const usualScheme = ({ id }) => openings[id]?.scheme;
 export const spanOf = ({ id, until }, preset) => preset?.until?.t ?? openings[id]?.until ?? until.t;
-export const usualAxes = ({ id }, [first, second], z = "") => ({ x: first, y: second, ...(z ? {} : openings[id]) });
+export const usualAxes = ({ id }, [first, second], z = "") => ({ x: first, y: second, z: "", ...(z ? {} : openings[id]) });
 
 /** The preset of a problem or a scheme by its name. */
 export const presetOf = ({ presets }, name) => presets.find((preset) => preset.name === name);
@@ -34,7 +37,7 @@ export const presetOf = ({ presets }, name) => presets.find((preset) => preset.n
 /** The cards of the forms, with a preset's values for defaults where one is named. */
 export function cards(problem, preset = { parameters: {}, initial: {} }) {
   const start = { name: "t", doc: "when the run starts", default: 0 };
-  const slides = (card) => Number.isFinite(card.default) && (card.type ?? "number") === "number" && !card.optional;
+  const slides = (card) => !crowded(problem) && Number.isFinite(card.default) && (card.type ?? "number") === "number" && !card.optional;
   const given = (list, values) => list.map((card) => ({ ...card, default: values[card.name] ?? card.default }))
     .map((card) => ({ ...card, slides: slides(card) && card !== start && card.name !== "t" }));
   return { parameters: given(problem.parameters, preset.parameters),
@@ -89,7 +92,7 @@ export function energyKind({ columns, invariants, form }) {
 
 /** The columns to ask for, with `more` and `own` ones: of schemes that set their own clock, also how each sample was reached. */
 export const columns = (problem, scheme, more = [], own = []) => [...new Set([
-  "t", ...motion(problem).map((variable) => variable.name), ...(energyKind(problem) === "none" ? [] : ["energy"]),
+  "t", ...(crowded(problem) ? [] : motion(problem).map((variable) => variable.name)), ...(energyKind(problem) === "none" ? [] : ["energy"]),
   ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : []), ...more.filter((name) => problem.columns.includes(name))]), ...own];
 
 /** Those of its diagnostics that the page shows: the others cost more than the run itself. */
@@ -98,3 +101,6 @@ export const diagnostics = (problem) =>
 
 /** The colour of the i-th run. */
 export const colourOf = (i) => `--run-${"abcdef"[i]}`;
+
+/** The colour of the i-th of `n` bodies of one run: those of runs, as far as there are as many. */
+export const colourOfBody = (i, n) => (n <= 6 ? colourOf(i) : `hsl(${Math.round((300 * i) / (n - 1))} 65% 50%)`);

@@ -1,5 +1,6 @@
 // Which states of a run a picture is made of.
 import { energyKind } from "./card.js";
+import { bodiesOf, kindsOf } from "./kinds.js";
 
 const along = 4000; // states along a curve, more than a screen can tell apart
 
@@ -11,7 +12,8 @@ const along = 4000; // states along a curve, more than a screen can tell apart
  */
 export function recordOf({ problem, axes, log }, card, { step }, span, most) {
   const every = card?.own_clock ? NaN : Math.max(1, Math.ceil(span / step / most));
-  const plane = !log && axes.every((name) => problem.variables.some((variable) => variable.name === name));
+  const moving = problem.variables.map(({ name }) => name), drawn = bodiesOf(axes, kindsOf(problem)).flat();
+  const plane = !log && drawn.every((name) => moving.includes(name));
   const kind = energyKind(problem), returns = kind === "none" || (kind === "error" && card?.structure !== "none");
   if (plane && returns && card?.id !== "auto" && every !== 1 && most >= 2) return { curve: Math.min(most, along) };
   return most >= 2 && Number.isSafeInteger(every) ? { every } : { samples: most };

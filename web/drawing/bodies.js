@@ -1,5 +1,6 @@
 // Scenes that people know by sight, as bodies: what a state looks like. One canvas holds those of all runs.
 import { extent, valueAt } from "./mapping.js";
+import { projection } from "./space.js";
 
 const bob = (pen, x, y, r) => {
   pen.beginPath();
@@ -42,6 +43,16 @@ const drawings = {
     rod(pen, ...points);
     pen.fillRect(end - 0.12, y - 0.15, 0.24, 0.3);
   },
+  spherical_pendulum(pen, { theta, phi }) {
+    const seen = projection({ around: 0, up: 0.35 }), [x, y] = seen(...[Math.cos(phi), Math.sin(phi)].map((v) => 0.85 * Math.sin(theta) * v), -0.85 * Math.cos(theta));
+    const circle = Array.from({ length: 49 }, (_, i) => [0.85 * Math.cos((i / 24) * Math.PI), 0.85 * Math.sin((i / 24) * Math.PI)]);
+    pen.lineWidth = 0.008; // the sphere
+    rod(pen, ...circle);
+    rod(pen, ...circle.map(([a, b]) => seen(a, b, 0)));
+    pen.lineWidth = 0.03;
+    rod(pen, [0, 0], [x, y]);
+    bob(pen, x, y, 0.09);
+  },
   planet(pen, { x, y }, { place }) {
     bob(pen, ...place(x, y), 0.09);
   },
@@ -58,12 +69,12 @@ const drawings = {
   },
 };
 
-/** Which drawing a problem has. */
-export const bodyOf = (problem) => ({
+/** Which drawing a problem has: one of the catalogue by its id, one of a text by the names of its coordinates. */
+export const bodyOf = ({ id, form, variables }) => (form ? (variables.map(({ name }) => name).join().startsWith("theta,phi,ptheta") ? "spherical_pendulum" : undefined) : {
   pendulum: "pendulum", damped_pendulum: "pendulum", double_pendulum: "double_pendulum", harmonic_oscillator: "spring",
   damped_oscillator: "spring", driven_oscillator: "spring", modulated_oscillator: "spring", generic_oscillator: "spring",
   spin_orbit: "moon", kepler: "planet", kepler_3d: "planet", damped_kepler: "planet", perturbed_kepler: "planet",
-})[problem];
+}[id]);
 
 /** The map of places of planets and their sun into the square; of a run that flees not more than twice the smallest is seen. */
 function placing(runs) {

@@ -46,9 +46,9 @@ export class Plane {
   }
 
   /**
-   * `{curves: [{t, x, y, colour: name of a CSS variable, title, stretched?, exact?, dash?}], view, labels: [x, y], log?,
-   * backdrop?(pen, map, colour, frame), grab?(x, y, done), pick?(left, top)}`, or null for an empty plane. With `grab` the start
-   * can be dragged; `pick` hears where a hand clicks.
+   * `{curves: [{t, x, y, colour: a colour or the name of a CSS variable, title, stretched?, exact?, dash?, shape?(t), grab?(x, y,
+   * done)}], view, labels: [x, y], log?, backdrop?(pen, map, colour, frame), pick?(left, top)}`, or null for an empty plane. A
+   * curve with a `shape` is a chain that moves; with `grab` its start can be dragged; `pick` hears where a hand clicks.
    */
   show(picture) {
     if (String(picture?.labels) !== String(this.#picture?.labels)) this.zoom = null;
@@ -161,7 +161,8 @@ export class Plane {
 
   #style() {
     const style = getComputedStyle(this.#canvas), size = this.#size();
-    return { colour: (name) => style.getPropertyValue(name).trim(), font: style.fontFamily, size, width: 1.6 * Math.max(1, size / 13) };
+    const colour = (name) => (name.startsWith("--") ? style.getPropertyValue(name).trim() : name);
+    return { colour, font: style.fontFamily, size, width: 1.6 * Math.max(1, size / 13) };
   }
 
   /** An empty canvas in the display's resolution, or null while it has no size. */

@@ -19,12 +19,9 @@ function timeNear(plane, { left, top }) {
   return at;
 }
 
-function onStart(plane, { left, top }) {
-  const { curves, grab } = plane.picture;
-  if (!grab) return false;
-  return curves.some(({ x, y, exact }) =>
-    !exact && x[0] !== null && Math.hypot(plane.map.x(x[0]) - left, plane.map.y(y[0]) - top) < reach);
-}
+/** Which curve of the picture has its start at a place and can be dragged there; −1: none. */
+const onStart = (plane, { left, top }) => plane.picture.curves.findIndex(({ x, y, grab }) =>
+  grab && x[0] !== null && Math.hypot(plane.map.x(x[0]) - left, plane.map.y(y[0]) - top) < reach);
 
 /** Enlarges by a factor, the place staying where it is. */
 function enlarge(plane, factor, place) {
@@ -74,10 +71,10 @@ export function follow(plane, node, canvas, hovered) {
     if (!plane.map || event.button !== 0 || event.target.closest("button")) return;
     const place = placeOf(event);
     const start = onStart(plane, place);
-    if (event.pointerType === "touch" && !start && !plane.zoom && !plane.picture.turn) return; // the page is scrolled
+    if (event.pointerType === "touch" && start < 0 && !plane.zoom && !plane.picture.turn) return; // the page is scrolled
     drag = { ...place, start, from: place };
     node.setPointerCapture(event.pointerId);
-    plane.hold(drag.start);
+    plane.hold(start >= 0);
     plane.hair(null);
   });
   node.addEventListener("pointermove", (event) => {
@@ -85,11 +82,11 @@ export function follow(plane, node, canvas, hovered) {
     const place = placeOf(event);
     if (!drag) {
       plane.hair(place);
-      node.classList.toggle("grabbing", onStart(plane, place));
+      node.classList.toggle("grabbing", onStart(plane, place) >= 0);
       return hovered(timeNear(plane, place));
     }
     const { x, y } = plane.map.at(place.left, place.top);
-    if (drag.start) plane.picture.grab(x, y, false);
+    if (drag.start >= 0) plane.picture.curves[drag.start]?.grab(x, y, false);
     else if (plane.picture.turn) plane.picture.turn(place.left - drag.left, place.top - drag.top);
     else shift(plane, place.left - drag.left, place.top - drag.top);
     Object.assign(drag, place);
@@ -100,9 +97,9 @@ export function follow(plane, node, canvas, hovered) {
     drag = null;
     plane.hold(false);
     if (event.type === "pointerup" && Math.hypot(left - from.left, top - from.top) < 4) plane.picture.pick?.(left, top);
-    if (!start) return;
+    if (start < 0) return;
     const { x, y } = plane.map.at(left, top);
-    plane.picture.grab(x, y, true);
+    plane.picture.curves[start]?.grab(x, y, true);
   };
   node.addEventListener("pointerup", release);
   node.addEventListener("pointercancel", release);

@@ -9,7 +9,8 @@ export const begin = { around: -0.65, up: 0.35 }; // the angles of a picture tha
 export const turnedBy = ({ around, up }, right, down) =>
   ({ around: around + right / 120, up: Math.max(-1.57, Math.min(1.57, up + down / 120)) });
 
-const projection = ({ around, up }) => {
+/** The view from far away under two angles: a point in space to one of the plane. */
+export const projection = ({ around, up }) => {
   const [c, s, u, v] = [Math.cos(around), Math.sin(around), Math.cos(up), Math.sin(up)];
   return (x, y, z) => [c * x - s * y, v * (s * x + c * y) + u * z];
 };
@@ -31,8 +32,8 @@ function ringsOf(seen) {
 }
 
 /**
- * The box around the columns `names` of all runs: `[{middle, half, scale}]`, of one size where they are `equal`, with the `reach`
- * of the farthest point from its middle.
+ * The box around the columns `names` of all runs: `[{middle, half, scale}]`, of one scale where they are `equal`, unless little
+ * would be seen then, with the `reach` of the farthest point from its middle.
  */
 export function boxOf(names, runs, equal = true) {
   const box = names.map((name) => {
@@ -40,8 +41,8 @@ export function boxOf(names, runs, equal = true) {
     const low = Math.min(...ends.map(([least]) => least)), high = Math.max(...ends.map(([, most]) => most));
     return { middle: low / 2 + high / 2, half: high / 2 - low / 2 };
   });
-  const most = Math.max(...box.map(({ half }) => half)) || 1;
-  const scaled = box.map(({ middle, half }) => ({ middle, half, scale: 1 / (equal ? most : half || 1) }));
+  const most = Math.max(...box.map(({ half }) => half)) || 1, least = Math.min(...box.map(({ half }) => half || most));
+  const scaled = box.map(({ middle, half }) => ({ middle, half, scale: 1 / (equal && most < 10 * least ? most : half || 1) }));
   let reach = 0;
   for (const { trajectory } of runs) {
     const [a, b, c] = names.map((name) => trajectory[name]), [p, q, r] = scaled;

@@ -159,8 +159,19 @@ function happened(pen, map, { t, x, y, events = [] }, ink, paper) {
   }
 }
 
+/** A chain as it is at a time: its links, and a disc for each place. */
+function links(pen, map, { x, y }, ink, fill, width) {
+  stroke(pen, map, { x, y }, ink, width);
+  x.forEach((v, i) => there(y[i]) && mark(pen, map, v, y[i], fill, ink, x.length > 40 ? 1.5 : 4));
+}
+
 /** A curve of a run with its stretches, its events, its start (a ring) and its end (a disc). */
 export function trace(pen, map, curve, colour, { width, faint = false }) {
+  if (curve.shape) {
+    const from = curve.t[0], to = curve.t.at(-1);
+    if (!faint) links(pen, map, curve.shape(to), colour(curve.colour), colour(curve.colour), width);
+    return links(pen, map, curve.shape(from), colour(curve.colour), colour("--paper"), 0.5 * width);
+  }
   const { x, y } = curve, ink = colour(curve.colour);
   pen.setLineDash(curve.dash ?? []);
   pen.globalAlpha = faint ? 0.3 : 1;
@@ -204,6 +215,7 @@ export function clippings(pen, frame, map, { x, y, colour: name }, colour) {
 export function head(pen, map, curve, t, colour, { width }) {
   const { t: times, x, y } = curve;
   if (!times || t < times[0]) return null;
+  if (curve.shape) return links(pen, map, curve.shape(t), colour(curve.colour), colour(curve.colour), 1.5 * width), null;
   const at = indexAt(times, t), back = indexAt(times, t - (times.at(-1) - times[0]) / 25);
   const u = valueAt(times, x, t), v = valueAt(times, y, t);
   if (!there(u) || !there(v)) return null;

@@ -1,6 +1,6 @@
 // The editor of a scene as text: its fields, what the service found in it, and what is wrong where.
 import * as api from "../service/api.js";
-import { definitionOf, entries, kinds, placeOf, startIn, textsOf } from "../service/text.js";
+import { definitionOf, entries, kinds, placeOf, startIn, startValue, textsOf } from "../service/text.js";
 import { choose, element, faultText, words } from "../forms/forms.js";
 import { formulaOf } from "../forms/formula.js";
 
@@ -17,6 +17,7 @@ const fields = [
   { key: "variables", label: "Coordinates", hint: "x, y" },
   { key: "formula", rows: 3 },
   { key: "parameters", label: "Parameters, name = value", rows: 2, hint: "mu = 1" },
+  { key: "definitions", label: "Definitions, name = formula", rows: 1, hint: "r = sqrt(x^2 + y^2)" },
   { key: "masses", label: "Masses, coordinate = mass", rows: 2, hint: "1 each", of: "potential" },
   { key: "damping", label: "Damping α(t)", hint: "none", of: "potential" },
   { key: "action_curvature", label: "Curvature γ in s", hint: "none", of: "potential" },
@@ -127,7 +128,7 @@ export class Editor {
   async startOf(card, problem, initial = {}) {
     const known = [...card.variables.map(({ name }) => name), "t"];
     if (Object.keys(initial).every((name) => known.includes(name))) return initial;
-    const numbers = Object.fromEntries(Object.entries(initial).map(([name, value]) => [name, Number(value)]));
+    const numbers = Object.fromEntries(Object.entries(initial).map(([name, value]) => [name, startValue(value)]));
     const request = { problem, initial: numbers, scheme: card.schemes[0], until: { steps: 1 }, record: { every: 0 }, diagnostics: [] };
     const { outcome } = await api.simulate(request, new AbortController().signal);
     return outcome?.initial ?? initial;

@@ -2,21 +2,42 @@
 
 export const custom = "custom";
 export const kinds = ["lagrangian", "hamiltonian", "potential", "equations"];
-const lists = ["parameters", "masses", "equations", "invariants"]; // each a `name = value` to a line
+const lists = ["parameters", "masses", "equations", "definitions", "invariants"]; // each a `name = value` to a line
 const ofPotentials = ["masses", "damping", "action_curvature", "offset"];
 /** The keys of a scene as text beside its parameters. */
 const keys = ["title", "variables", ...kinds, ...lists, ...ofPotentials];
 
+/** The parts of a text, at commas and semicolons outside of brackets and at ends of lines: `[[part, index]]`. */
+function split(text) {
+  const parts = [];
+  let from = 0, depth = 0;
+  for (let i = 0; i <= text.length; i++) {
+    const c = text[i] ?? "\n";
+    if ("([".includes(c)) depth++;
+    else if (")]".includes(c)) depth--;
+    if (c !== "\n" && !(",;".includes(c) && depth <= 0)) continue;
+    parts.push([text.slice(from, i), from]);
+    from = i + 1;
+    depth = 0;
+  }
+  return parts;
+}
+
 /** The parts of a text with their places: `[{name, at, value, from}]`, of a list of names with `value` null. */
 export function entries(text) {
-  return [...text.matchAll(/[^\n;,]+/g)].filter(([part]) => part.trim()).map(({ 0: part, index }) => {
+  return split(text).filter(([part]) => part.trim()).map(([part, index]) => {
     const sign = part.indexOf("="), blank = (from) => index + from + part.slice(from).search(/\S|$/);
     const name = (sign < 0 ? part : part.slice(0, sign)).trim();
     return { name, at: blank(0), value: sign < 0 ? null : part.slice(sign + 1).trim(), from: sign < 0 ? blank(0) : blank(sign + 1) };
   });
 }
 
-const numbered = (text) => (text !== "" && Number.isFinite(Number(text)) ? Number(text) : text);
+/** A text as the number or the list of numbers that it is. */
+function numbered(text) {
+  if (text !== "" && Number.isFinite(Number(text))) return Number(text);
+  const list = /^\[(.*)\]$/s.exec(text)?.[1].split(",").map((part) => numbered(part.trim()));
+  return list?.every((value) => typeof value === "number") ? list : text;
+}
 
 /** `{kind, variables, parameters, formula, masses, …}`, all texts, as `{problem, faults}`: a request's, and what no object holds. */
 export function definitionOf({ kind, formula, ...texts }) {
@@ -46,7 +67,8 @@ function listed(key, text, faults) {
 /** The texts of a problem of a request: lines for the fields, `brief` for a link. */
 export function textsOf(problem, brief = false) {
   const kind = kinds.find((name) => name in problem) ?? kinds[0];
-  const lines = (list) => Object.entries(list).map(([name, value]) => `${name}${brief ? "=" : " = "}${value}`).join(brief ? "," : "\n");
+  const spelled = (value) => (Array.isArray(value) ? `[${value.join(brief ? "," : ", ")}]` : value);
+  const lines = (list) => Object.entries(list).map(([name, value]) => `${name}${brief ? "=" : " = "}${spelled(value)}`).join(brief ? "," : "\n");
   const text = (key) => (key === "variables" ? problem[key].join(brief ? "," : ", ")
     : lists.includes(key) ? lines(problem[key]) : String(problem[key]));
   return { kind, ...Object.fromEntries(keys.filter((key) => key in problem).map((key) => [key === kind ? "formula" : key, text(key)])) };
@@ -64,8 +86,10 @@ export function unlinked(section) {
 }
 
 /** What is set by hand beside a text: values that are not those of the text. */
-export const overrides = (definition, values) =>
-  Object.fromEntries(Object.entries(values).filter(([name, value]) => value !== definition.parameters?.[name]));
+export const overrides = ({ parameters = {} }, values) => Object.fromEntries(Object.entries(values).filter(([name, value]) => {
+  const [, list, i] = /^(.+)\[(\d+)\]$/.exec(name) ?? [];
+  return value !== (list ? parameters[list]?.[i - 1] : parameters[name]);
+}));
 
 /** Of the values that are `set` by hand beside a text, those of parameters that another text gives alike. */
 export function kept(before, { parameters = {} }, set) {
@@ -79,9 +103,22 @@ export function kept(before, { parameters = {} }, set) {
  */
 export function startIn({ variables = [], lagrangian, equations }, initial) {
   const rates = equations ? [] : variables.flatMap((q) => (lagrangian === undefined ? ["p"] : ["p", "v"]).map((letter) => letter + q.replace(/^q/, "")));
-  const known = [...variables, ...rates, "t"];
-  const start = Object.entries(initial).filter(([name, value]) => known.includes(name) && numbered(value) === Number(value));
-  return start.length ? Object.fromEntries(start.map(([name, value]) => [name, Number(value)])) : undefined;
+  const known = [...variables, ...rates, "t"].flatMap(spelledOut);
+  const start = Object.entries(initial).map(([name, value]) => [name, startValue(value)]);
+  const fitting = start.filter(([name, value]) => known.includes(name) && [value].flat().every(Number.isFinite));
+  return fitting.length ? Object.fromEntries(fitting) : undefined;
+}
+
+/** The names that a name of many, `x[3]`, stands for: x[1] to x[3], and x for a list of all. */
+function spelledOut(name) {
+  const [, letter, n] = /^(\w+)\[(\d+)\]$/.exec(name) ?? [];
+  return letter ? [letter, ...Array.from({ length: Math.min(n, 2048) }, (_, i) => `${letter}[${i + 1}]`)] : [name];
+}
+
+/** A number of a start, or the numbers of a list, as a link holds them. */
+export function startValue(value) {
+  const numbers = String(value).split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
+  return Array.isArray(value) || numbers.length > 1 ? numbers : numbers[0];
 }
 
 const escaped = (name) => name.replaceAll("~", "~0").replaceAll("/", "~1");

@@ -3,6 +3,7 @@
 import { toHash } from "../service/link.js";
 import { custom, definitionOf, kept, linked, unlinked } from "../service/text.js";
 import { choose } from "../forms/forms.js";
+import { drawnOf, kindsOf } from "../catalogue/kinds.js";
 import { Editor } from "../own/editor.js";
 import { Studies } from "../studies/studies.js";
 import { FileButtons } from "./files.js";
@@ -225,7 +226,7 @@ export class Bench {
       this.#together(find("#together").checked);
       this.#went(toHash(this.#experiment(true)), false);
       const there = (name) => this.#runs.list.every(({ trajectory: t }) => !t || t[name] || (name === "error_of_energy" && t.energy));
-      if (this.#runs.outcomes && this.#scene.axes.every(there)) this.#showPlanes();
+      if (this.#runs.outcomes && drawnOf(this.#scene.axes, kindsOf(this.#scene.problem)).every(there)) this.#showPlanes();
       else this.request();
     });
     find("#experiment").addEventListener("slide", () => this.#follow());

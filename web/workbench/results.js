@@ -1,9 +1,10 @@
 // What the workbench shows of its runs: pictures apart or together, energy, numbers, the scene in motion.
 import { Player } from "../forms/player.js";
-import { energyKind } from "../catalogue/card.js";
+import { colourOfBody, energyKind } from "../catalogue/card.js";
+import { bodiesOf, columnsOf, index, kindsOf } from "../catalogue/kinds.js";
 import { Bodies, bodyOf, sun } from "../drawing/bodies.js";
 import { EnergyPlot, errorOfEnergy } from "../drawing/energy.js";
-import { commonView, curveOf, inCoordinate } from "../drawing/mapping.js";
+import { commonView, curveOf, extent, inCoordinate, valueAt } from "../drawing/mapping.js";
 import { Plane } from "../drawing/plane.js";
 import { begin, boxOf, inSpace, turnedBy } from "../drawing/space.js";
 import { fill } from "./diagnostics.js";
@@ -14,6 +15,16 @@ const column = (trajectory, name) => (name === "error_of_energy" ? trajectory.en
 const numbered = (run) => (run.trajectory?.mode
   ? { ...run, trajectory: { ...run.trajectory, mode: run.trajectory.mode.map(inCoordinate) } } : run);
 const times = ({ outcome }) => (outcome?.events ?? []).map(({ t }) => t);
+/** The ends of all curves of a run, as those of one. */
+const boxOfAll = (curves) => ({ x: curves.flatMap(({ x }) => extent(x)), y: curves.flatMap(({ y }) => extent(y)) });
+/** A run as a chain over its index, which has a shape at every time. */
+function chainsOf({ trajectory, colour, title }, names) {
+  if (!trajectory?.t.length || !names.every((name) => trajectory[name])) return [];
+  const x = names.map((_, i) => i + 1), columns = names.map((name) => trajectory[name]);
+  const shape = (t) => ({ x, y: columns.map((values) => valueAt(trajectory.t, values, t)) });
+  return [{ t: trajectory.t, x: [1, names.length], y: columns.map(extent).reduce(([a, b], [c, d]) => [Math.min(a, c), Math.max(b, d)]),
+            shape, colour, title, events: [] }];
+}
 
 export class Results {
   #energy = new EnergyPlot(find("#energy"));
@@ -40,40 +51,47 @@ export class Results {
 
   /** The picture of some of the runs, all seen alike: a function of them. */
   #inPlane({ axes, log, labels, problem }, runs, grab) {
-    const curves = new Map(runs.map((run) => {
-      const { trajectory, colour, title } = run, [x, y] = trajectory ? axes.map((name) => column(trajectory, name)) : [];
-      const curve = x && y && curveOf({ ...trajectory, [axes[0]]: x, [axes[1]]: y }, ...axes, log);
-      return [run, curve && { ...curve, series: axes[0] === "t", colour, title, events: times(run) }];
-    }));
-    const moving = problem.variables.map(({ name }) => name), length = (name, i) => moving.includes(name) && !log.includes("xy"[i]);
-    const whole = ["x", "y"].filter((axis, i) => axes[i] === "t" || log.includes(axis)), plain = axes.every(length);
-    const centred = bodyOf(problem.id) === "planet" && !log && axes.every((name) => ["x", "y"].includes(name)) && axes[0] !== axes[1];
-    const view = commonView([...curves.values()].filter(Boolean), whole, !plain);
-    return (some) => {
-      const drawn = some.map((run) => curves.get(run)).filter(Boolean);
-      return drawn.length ? { curves: drawn, view, labels, log, backdrop: centred ? sun : undefined,
-        grab: plain ? (x, y, done) => grab({ [axes[0]]: x, [axes[1]]: y }, done) : undefined } : null;
+    const kinds = kindsOf(problem), bodies = bodiesOf(axes, kinds), moving = problem.variables.map(({ name }) => name);
+    const length = (name, i) => moving.includes(name) && !log.includes("xy"[i]), plain = bodies.every((pair) => pair.every(length));
+    const chain = axes[0] === index && columnsOf(axes[1], kinds);
+    const curves = new Map(runs.map((run) => [run, chain ? chainsOf(run, chain) : bodies.flatMap((pair, i) => {
+      const { trajectory, colour, title } = run, [x, y] = trajectory ? pair.map((name) => column(trajectory, name)) : [];
+      const curve = x && y && curveOf({ ...trajectory, [pair[0]]: x, [pair[1]]: y }, ...pair, log), [across, up] = pair;
+      const taken = plain ? (a, b, done) => grab({ [across]: a, [up]: b }, done) : undefined;
+      return curve ? [{ ...curve, series: across === "t", colour, body: bodies.length > 1 ? colourOfBody(i, bodies.length) : colour,
+                        title, events: times(run), grab: taken }] : [];
+    })]));
+    const whole = ["x", "y"].filter((axis, i) => axes[i] === "t" || log.includes(axis));
+    const centred = bodyOf(problem) === "planet" && !log && axes.every((name) => ["x", "y"].includes(name)) && axes[0] !== axes[1];
+    const view = commonView([...curves.values()].filter((own) => own.length).map(boxOfAll), whole, !plain);
+    return (some) => { // of one run each body has its colour, of several each run
+      const drawn = some.flatMap((run) => curves.get(run)).map((curve) => (some.length > 1 ? curve : { ...curve, colour: curve.body ?? curve.colour }));
+      return drawn.length ? { curves: drawn, view, labels, log, backdrop: centred ? sun : undefined } : null;
     };
   }
 
   #inSpace({ axes, labels, problem }, runs) {
-    const whole = (trajectory) => ({ ...trajectory, ...Object.fromEntries(axes.map((name) => [name, column(trajectory, name)])) });
-    const full = ({ trajectory }) => trajectory && axes.every((name) => column(trajectory, name)?.some((v) => v !== null));
-    const seen = new Map(runs.filter(full).map((run) => [run, { ...run, trajectory: whole(run.trajectory), events: times(run) }]));
-    const equal = axes.every((name) => problem.variables.some((variable) => variable.name === name));
-    const box = boxOf(axes, [...seen.values()], equal);
+    const bodies = bodiesOf(axes, kindsOf(problem)), moving = problem.variables.map(({ name }) => name);
+    const of = (run, names, i) => {
+      const columns = run.trajectory ? names.map((name) => column(run.trajectory, name)) : [];
+      if (!columns.length || columns.some((values) => !values?.some((v) => v !== null))) return [];
+      const trajectory = { ...run.trajectory, ...Object.fromEntries(axes.map((axis, k) => [axis, columns[k]])) };
+      return [{ ...run, trajectory, events: times(run), body: bodies.length > 1 ? colourOfBody(i, bodies.length) : run.colour }];
+    };
+    const seen = new Map(runs.map((run) => [run, bodies.flatMap((names, i) => of(run, names, i))]));
+    const box = boxOf(axes, [...seen.values()].flat(), bodies.every((names) => names.every((name) => moving.includes(name))));
     const turn = (right, down) => {
       this.#angles = turnedBy(this.#angles, right, down);
       this.#again();
     };
     return (some) => {
-      const drawn = some.filter((run) => seen.has(run)).map((run) => seen.get(run));
+      const drawn = some.flatMap((run) => seen.get(run)).map((one) => (some.length > 1 ? one : { ...one, colour: one.body }));
       return drawn.length ? { ...inSpace(axes, drawn, this.#angles, { box, labels }), turn } : null;
     };
   }
 
   #move(problem, runs) {
-    const body = bodyOf(problem.id);
+    const body = bodyOf(problem);
     find("#motion").hidden = runs.length === 0;
     find("#bodies").hidden = !body;
     this.#bodies.show(body, runs);

@@ -2,10 +2,12 @@
 // of those that came meanwhile the newest follows.
 import { Live } from "../service/live.js";
 import { columns, diagnostics } from "../catalogue/card.js";
+import { drawnOf, kindsOf } from "../catalogue/kinds.js";
 import { recordOf } from "../catalogue/record.js";
 import { samples } from "./scene.js";
 
 const find = (selector) => document.querySelector(selector);
+const values = 1e6; // of what is drawn of a run, at most: many bodies have fewer points each
 const coarse = 800; // points of a run while a hand moves a slider
 const patience = 300; // ms after which a run is seen while it goes on
 
@@ -82,9 +84,9 @@ export class Runs {
   /** The request for one run, with `most` points. */
   #requestFor(now, scheme, most) {
     const { problem, initial, until } = this.sceneOf(now), card = this.#schemes.find(({ id }) => id === scheme.id);
-    const own = this.#scene.problem, { start, events } = this.#scene, span = until.t === undefined ? this.#scene.span : until.t - start;
-    return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, span, most),
-             columns: columns(own, card, this.#scene.axes, this.#scene.columns), diagnostics: diagnostics(own),
+    const own = this.#scene.problem, drawn = drawnOf(this.#scene.axes, kindsOf(own)), { start, events } = this.#scene, span = until.t === undefined ? this.#scene.span : until.t - start;
+    return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, span, Math.min(most, Math.ceil(values / (drawn.length || 1)))),
+             columns: columns(own, card, drawn, this.#scene.columns), diagnostics: diagnostics(own),
              ...(events.length ? { events } : {}) };
   }
 

@@ -3,6 +3,7 @@ import { entries, linked, overrides } from "../service/text.js";
 import { build, choose, clearFaults, element, prose, values, words } from "../forms/forms.js";
 import { formulaOf } from "../forms/formula.js";
 import { axes, cards, presetOf, spanOf, usualAxes } from "../catalogue/card.js";
+import { arrangementOf, index, kindsOf } from "../catalogue/kinds.js";
 
 const find = (selector) => document.querySelector(selector);
 const forms = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record"),
@@ -65,11 +66,20 @@ export class Scene {
   }
 
   offerAxes(chosen = { ...this.#chosen, log: this.log }) {
-    const options = axes(this.problem, this.columns), known = (id) => options.some((option) => option.id === id);
-    const usual = usualAxes(this.problem, options.map(({ id }) => id), chosen.z);
-    for (const name of ["x", "y"]) choose(axis[name], options, known(chosen[name]) ? chosen[name] : usual[name]);
-    choose(axis.z, [{ id: "", title: "–" }, ...options], chosen.z);
+    const kinds = [...kindsOf(this.problem).keys()].map((id) => ({ id, title: `${id.slice(0, -1)} of all` }));
+    const options = [...axes(this.problem, this.columns), ...kinds], known = (id) => options.some((option) => option.id === id);
+    const usual = this.#usual(chosen.z);
+    const across = [...options, ...(kinds.length ? [{ id: index, title: "index" }] : [])];
+    choose(axis.x, across, known(chosen.x) || chosen.x === index ? chosen.x : usual.x);
+    choose(axis.y, options, known(chosen.y) ? chosen.y : usual.y);
+    choose(axis.z, [{ id: "", title: "–" }, ...options], chosen.z ?? usual.z);
     for (const name of ["x", "y"]) logs[name].checked = (chosen.log ?? "").includes(name);
+  }
+
+  /** The axes of the first picture, `z` the third of them that is chosen. */
+  #usual(z) {
+    const arranged = arrangementOf(this.problem), [x, y, third = ""] = arranged ?? [];
+    return arranged ? { x, y, z: third } : usualAxes(this.problem, axes(this.problem).map(({ id }) => id), z);
   }
 
   get #chosen() {
@@ -100,7 +110,7 @@ export class Scene {
     return Object.values(this.#chosen).filter(Boolean);
   }
   get labels() {
-    return Object.values(axis).filter(({ value }) => value).map((select) => select.selectedOptions[0].textContent);
+    return Object.values(axis).filter(({ value }) => value).map((select) => select.selectedOptions[0].textContent.replace(" of all", ""));
   }
   get log() {
     return ["x", "y"].filter((name) => logs[name].checked).join("");
@@ -109,11 +119,11 @@ export class Scene {
   /** The sections of an experiment as the forms stand; of `changed` ones, only what has not its default. */
   values(changed = false) {
     const { problem, ...rest } = Object.fromEntries(Object.entries(forms).map(([name, form]) => [name, values(form, changed)]));
-    const preset = find("#preset").value, [x, y, z] = this.axes, log = this.log;
-    const usual = usualAxes(this.problem, [...axis.x.options].map(({ value }) => value), z);
-    const seen = { ...(changed && x === usual.x ? {} : { x }), ...(changed && y === usual.y ? {} : { y }), ...(z ? { z } : {}), ...(log ? { log } : {}) };
-    const own = this.definition ? linked(this.definition) : { id: this.problem.id };
-    return { problem: { ...own, ...problem }, ...(preset ? { preset: { id: preset } } : {}), ...rest, axes: seen };
+    const preset = find("#preset").value, [x, y, z = ""] = this.axes, log = this.log;
+    const usual = this.#usual(z), own = (name, value) => (changed && value === usual[name] ? {} : { [name]: value });
+    const seen = { ...own("x", x), ...own("y", y), ...own("z", z), ...(log ? { log } : {}) };
+    const problemOf = this.definition ? linked(this.definition) : { id: this.problem.id };
+    return { problem: { ...problemOf, ...problem }, ...(preset ? { preset: { id: preset } } : {}), ...rest, axes: seen };
   }
 
   /** The problem as a request holds it. */

@@ -32,6 +32,13 @@ const claims = {
     assert.ok(Math.abs(good.cost.force_evaluations / bad.cost.force_evaluations - 1) < 0.01, "equal work");
     assert.ok(late(good) > 1.95 && late(bad) < 0.5);
   },
+  portrait([little, far, over, back, between, own]) {
+    const turns = ({ trajectory: { q } }) => largest(q) > Math.PI, returns = ({ trajectory: { q } }) => q.some((v, i) => i > 0 && v * q[i - 1] < 0);
+    assert.ok([little, far, own].every((run) => !turns(run) && returns(run)) && turns(over) && turns(back));
+    assert.ok(end(over.trajectory.q) > 4 * Math.PI && end(back.trajectory.q) < -4 * Math.PI);
+    const { q, p } = between.trajectory;
+    assert.ok(!turns(between) && end(q) > 3.14 && p.every((v, i) => Math.abs(v - 2 * Math.cos(q[i] / 2)) < 2e-3), "on the separatrix");
+  },
   paper(runs) {
     const [long, short, hybrid, timed] = runs.map(({ diagnostics }) => Math.abs(diagnostics.orbit.apsidal_rotation));
     assert.ok(Math.abs(long / 0.0454 - 1) < 0.02 && Math.abs(long / short - 4) < 0.3 && hybrid < 1e-4 && timed < 1e-10);

@@ -28,6 +28,12 @@ export function arrangementOf(problem) {
   return links > 2 && all.length === 2 * links && [...kinds.values()].every((names) => names.length === links) ? [index, first] : null;
 }
 
+/** The variables that a place in a picture over these axes sets as a start; null where it is no picture of two of them. */
+export function startsOf([x, y, ...more], log, problem) {
+  const names = [x, y].map((axis) => axis.replace(/_wrapped$/, "")), moving = motion(problem).map(({ name }) => name);
+  return !more.length && !log && names[0] !== names[1] && names.every((name) => moving.includes(name)) ? names : null;
+}
+
 /** What an axis stands for: the columns of its kind, or one. */
 export const columnsOf = (axis, kinds) => kinds.get(axis) ?? (axis === index ? [] : [axis]);
 

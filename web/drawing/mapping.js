@@ -17,6 +17,8 @@ export function curveOf(trajectory, x, y, log = "") {
   const beside = (column, other) => column.map((v, i) => (other[i] === null ? null : v));
   const stretched = (i) => inCoordinate(trajectory.mode?.[i]) === 1;
   const curve = { t: trajectory.t, x: beside(own.x, own.y), y: beside(own.y, own.x), stretched };
+  const turned = [[x, curve.x], [y, curve.y]].filter(([name]) => name.endsWith("_wrapped")).map(([, values]) => values);
+  if (turned.length) curve.joined = (i) => turned.every((values) => Math.abs(values[i] - values[i - 1]) < Math.PI); // not over the edge
   return curve.x.some(there) ? curve : null;
 }
 

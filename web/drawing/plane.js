@@ -48,7 +48,8 @@ export class Plane {
   /**
    * `{curves: [{t, x, y, colour: a colour or the name of a CSS variable, title, stretched?, exact?, dash?, shape?(t), grab?(x, y,
    * done)}], view, labels: [x, y], log?, backdrop?(pen, map, colour, frame), pick?(left, top)}`, or null for an empty plane. A
-   * curve with a `shape` is a chain that moves; with `grab` its start can be dragged; `pick` hears where a hand clicks.
+   * curve with a `shape` is a chain that moves; with `grab` its start can be dragged; `pick` hears where a hand clicks, `unpick`
+   * that it clicked twice.
    */
   show(picture) {
     if (String(picture?.labels) !== String(this.#picture?.labels)) this.zoom = null;

@@ -66,12 +66,22 @@ export function follow(plane, node, canvas, hovered) {
     const box = canvas.getBoundingClientRect();
     return { left: event.clientX - box.left, top: event.clientY - box.top };
   };
-  let drag = null;
+  let drag = null, tapped = null, picked = { when: -Infinity }; // the last click
+  const again = ({ left, top }) => performance.now() - picked.when < 500 && Math.hypot(left - picked.left, top - picked.top) < 8;
+  const pick = (from, place) => {
+    if (Math.hypot(place.left - from.left, place.top - from.top) >= 4 || again(place)) return;
+    picked = { ...place, when: performance.now() };
+    plane.picture?.pick?.(place.left, place.top);
+  };
   node.addEventListener("pointerdown", (event) => {
     if (!plane.map || event.button !== 0 || event.target.closest("button")) return;
     const place = placeOf(event);
     const start = onStart(plane, place);
-    if (event.pointerType === "touch" && start < 0 && !plane.zoom && !plane.picture.turn) return; // the page is scrolled
+    tapped = null;
+    if (event.pointerType === "touch" && start < 0 && !plane.zoom && !plane.picture.turn) { // the page is scrolled, or it is a tap
+      tapped = place;
+      return;
+    }
     drag = { ...place, start, from: place };
     node.setPointerCapture(event.pointerId);
     plane.hold(start >= 0);
@@ -89,15 +99,17 @@ export function follow(plane, node, canvas, hovered) {
     if (drag.start >= 0) plane.picture.curves[drag.start]?.grab(x, y, false);
     else if (plane.picture.turn) plane.picture.turn(place.left - drag.left, place.top - drag.top);
     else shift(plane, place.left - drag.left, place.top - drag.top);
-    Object.assign(drag, place);
+    Object.assign(drag, place, { moved: true });
   });
   const release = (event) => {
+    if (tapped && event.type === "pointerup") pick(tapped, placeOf(event));
+    tapped = null;
     if (!drag) return;
-    const { start, from } = drag, { left, top } = placeOf(event);
+    const { start, from, moved } = drag, { left, top } = placeOf(event);
     drag = null;
     plane.hold(false);
-    if (event.type === "pointerup" && Math.hypot(left - from.left, top - from.top) < 4) plane.picture.pick?.(left, top);
-    if (start < 0) return;
+    if (start < 0) return void (event.type === "pointerup" && pick(from, { left, top }));
+    if (!moved) return;
     const { x, y } = plane.map.at(left, top);
     plane.picture.curves[start]?.grab(x, y, true);
   };
@@ -109,7 +121,9 @@ export function follow(plane, node, canvas, hovered) {
     hovered(null);
   });
   node.addEventListener("dblclick", (event) => {
-    if (!event.target.closest("button")) whole(plane);
+    if (event.target.closest("button")) return;
+    whole(plane);
+    if (again(placeOf(event))) plane.picture?.unpick?.(); // the first of its two clicks
   });
   node.addEventListener("wheel", (event) => {
     if (!event.ctrlKey && !event.metaKey) return; // the page is scrolled

@@ -176,13 +176,13 @@ export function trace(pen, map, curve, colour, { width, faint = false }) {
   pen.setLineDash(curve.dash ?? []);
   pen.globalAlpha = faint ? 0.3 : 1;
   if (curve.stretched) stroke(pen, map, curve, colour("--stretch"), 4.5 * width, { wanted: curve.stretched });
-  stroke(pen, map, curve, ink, curve.thin ? 0.5 * width : width);
+  stroke(pen, map, curve, ink, curve.thin ? 0.5 * width : width, { wanted: curve.joined });
   pen.setLineDash([]);
   pen.globalAlpha = 1;
   if (curve.exact || curve.unmarked || faint) return;
   happened(pen, map, curve, ink, colour("--paper"));
   const first = x.findIndex(there), last = x.findLastIndex(there);
-  mark(pen, map, x[last], y[last], ink, ink);
+  if (!curve.endless) mark(pen, map, x[last], y[last], ink, ink);
   mark(pen, map, x[first], y[first], colour("--paper"), ink);
 }
 
@@ -219,7 +219,7 @@ export function head(pen, map, curve, t, colour, { width }) {
   const at = indexAt(times, t), back = indexAt(times, t - (times.at(-1) - times[0]) / 25);
   const u = valueAt(times, x, t), v = valueAt(times, y, t);
   if (!there(u) || !there(v)) return null;
-  stroke(pen, map, curve, colour(curve.colour), 2.2 * width, { from: Math.max(back, at - 2000) + 1, to: at + 1 });
+  stroke(pen, map, curve, colour(curve.colour), 2.2 * width, { wanted: curve.joined, from: Math.max(back, at - 2000) + 1, to: at + 1 });
   mark(pen, map, u, v, colour(curve.colour), colour("--paper"), 6.5);
   return { left: map.x(u), top: map.y(v) };
 }

@@ -184,7 +184,8 @@ export class Lesson {
     const times = this.#runs.flatMap(({ outcome, trajectory: { t } }) => [t[0], t.at(-1)].map((v) => v / paceOf(outcome, lesson.pace)));
     if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times), lesson.pace && "periods");
     if (first) this.#player.begin();
-    find("#to-bench").href = benchLink(requests);
+    const [{ x, y }] = lesson.views;
+    find("#to-bench").href = benchLink(requests, x?.endsWith("_wrapped") ? { x, y } : {});
     this.#shown();
   }
 

@@ -47,6 +47,21 @@ export const lessons = [
     views: [{ x: "q", y: "p", thin: true }, { body: "pendulum" }, drift], control: steps(0.05, 0.25),
   },
   {
+    id: "portrait", title: "All motions of a pendulum in one picture: to and fro, round and round, and one between",
+    look: "Angle and speed of a pendulum from six starts: a portrait of all that it can do. The dashed curve is the separatrix.",
+    see: "Within the separatrix the pendulum swings to and fro: closed curves, round where the swing is small. Beyond it, it turns " +
+         "over and over. On it, it climbs for ever and never reaches the top. Give the last start more speed: at 2 it changes over.",
+    scene: { problem: { id: "pendulum" }, until: { t: 14 }, scheme: { id: "leapfrog", step: 0.02, composition: "suzuki_4" } },
+    runs: [{ name: "swings a little", initial: { q: 0.6, p: 0 } }, { name: "swings far", initial: { q: 2.4, p: 0 } },
+           { name: "turns over", initial: { q: 0, p: 2.4 } }, { name: "turns the other way", initial: { q: 0, p: -2.4 } },
+           { name: "on the separatrix", initial: { q: 0, p: 2 } }, { name: "your start at the bottom", initial: { q: 0, p: 1.4 } }],
+    views: [{ x: "q_wrapped", y: "p", labels: ["angle", "angular velocity"], box: { x: [-Math.PI, Math.PI], y: [-2.7, 2.7] },
+              exact: [["separatrix", (w) => [w, 2 * Math.cos(w / 2)], [-Math.PI, Math.PI]],
+                      ["separatrix", (w) => [w, -2 * Math.cos(w / 2)], [-Math.PI, Math.PI]]] },
+            { body: "pendulum" }, { x: "t", y: "q" }],
+    control: { sets: "initial.p", label: "speed of your start", low: 0, high: 2.6, run: 5 }, tells: [],
+  },
+  {
     id: "paper", title: "An ellipse that turns is an error of the scheme; a hybrid holds it still",
     look: "The orbit of Nair, Ober-Blöbaum and Marsden, five revolutions with four schemes. The true ellipse does not turn.",
     see: "Half the step turns the apsis a quarter as much. The hybrid steps in space where the planet is fast (the marked " +

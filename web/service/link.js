@@ -5,7 +5,7 @@
 import { linked } from "./text.js";
 
 export const names = ["A", "B", "C", "D", "E", "F"];
-const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", "basins", ...names];
+const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", "basins", "starts", ...names];
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();
@@ -40,12 +40,21 @@ export function lessonOf(hash) {
 export const lessonHash = (id, { set, steps } = {}) =>
   `#lesson=${id}${set === undefined ? "" : `&set=${set}`}${steps ? `&steps=${steps.join(",")}` : ""}`;
 
-/** The workbench with these requests, as far as they are of one scene: that of the first, with its basins. */
-export function benchLink(requests) {
+/** The starts of requests that differ in nothing else, beside that of the first: those of a portrait. */
+function startsOf(requests) {
+  const rest = ({ problem, until, scheme }) => JSON.stringify([problem, until, scheme]), [first, ...others] = requests;
+  const names = Object.keys(first.initial ?? {}), like = (request) => rest(request) === rest(first) && String(Object.keys(request.initial)) === String(names);
+  if (names.length !== 2 || !others.length || !others.every(like)) return {};
+  return { starts: { of: String(names), at: String(others.map(({ initial }) => names.map((name) => initial[name]))) } };
+}
+
+/** The workbench with these requests, as far as they are of one scene: that of the first, with its basins, over `axes`. */
+export function benchLink(requests, axes = {}) {
   const scene = ({ problem, initial, until }) => ({ problem, initial, until }), first = JSON.stringify(scene(requests[0]));
   const { problem: { preset, ...asked }, ...rest } = scene(requests[0]), problem = linked(asked);
   const schemes = requests.filter((request) => JSON.stringify(scene(request)) === first).map(({ scheme }) => scheme);
   const { basins } = requests[0];
-  return toHash({ problem, ...(preset ? { preset: { id: preset } } : {}), ...rest, ...(basins ? { basins } : {}),
+  return toHash({ problem, ...(preset ? { preset: { id: preset } } : {}), ...rest, ...(basins ? { basins } : {}), axes,
+                  ...startsOf(requests),
                   ...Object.fromEntries(schemes.map((scheme, i) => [names[i], typeof scheme === "string" ? { id: scheme } : scheme])) });
 }

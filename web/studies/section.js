@@ -2,22 +2,28 @@
 import * as api from "../service/api.js";
 import { build, values, words } from "../forms/forms.js";
 import { count } from "../forms/numbers.js";
-import { axes, motion } from "../catalogue/card.js";
+import { axes, isAutonomous, motion, spanOf } from "../catalogue/card.js";
 import { Crossings } from "../drawing/crossings.js";
 
 const find = (selector) => document.querySelector(`#crossings ${selector}`);
 
-/** What is asked for at first: of a motion in a plane the strobe, of one with more variables the plane where the first is zero. */
+/** The period of what drives a scene, as far as a parameter says so. */
+const periodOf = ({ parameters }) => (2 * Math.PI) / (parameters.find(({ name, default: usual }) => /^(omega|frequency)$/i.test(name) && usual > 0)?.default ?? 1);
+
+/**
+ * What is asked for at first. Of a motion in a plane by itself its portrait: a clock so fast that its points lie on curves. Of one
+ * that is driven, the strobe in the rhythm of the drive; of one with more variables, the plane where the first is zero.
+ */
 function cardsOf(problem) {
   const names = motion(problem).map(({ name }) => name), shown = axes(problem).map(({ id }) => id).filter((id) => id !== "error_of_energy" && id !== "mode");
-  const half = Math.floor(names.length / 2), wide = names.length > 3;
+  const half = Math.floor(names.length / 2), wide = names.length > 3, alone = !wide && isAutonomous(problem);
   const angle = (name) => (shown.includes(`${name}_wrapped`) ? `${name}_wrapped` : name);
   const vary = names[1], usual = problem.variables.find(({ name }) => name === vary).default ?? 0;
-  const size = 0.2 * Math.max(1, Math.abs(usual)), rounded = (value) => Number(value.toPrecision(3));
+  const size = (alone ? 2.5 : 0.2) * Math.max(1, Math.abs(usual)), rounded = (value) => Number(value.toPrecision(3));
   return [
     { name: "where", label: "zero of", type: "text", default: wide ? names[0] : "", hint: "none", doc: "a variable or a formula" },
     { name: "direction", label: "going", type: "choice", choices: ["up", "down", "both"], default: "up" },
-    { name: "period", label: "or every period", default: wide ? null : 2 * Math.PI, nullable: true,
+    { name: "period", label: "or every period", default: wide ? null : alone ? rounded(spanOf(problem) / 400) : periodOf(problem), nullable: true,
       doc: "a clock in the place of a plane" },
     { name: "vary", label: "starts in", type: "choice", choices: problem.variables.map(({ name }) => name), default: vary },
     { name: "from", default: rounded(usual - size) }, { name: "to", default: rounded(usual + size) },

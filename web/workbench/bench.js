@@ -3,14 +3,16 @@
 import { toHash } from "../service/link.js";
 import { custom, definitionOf, kept, linked, unlinked } from "../service/text.js";
 import { choose } from "../forms/forms.js";
-import { drawnOf, kindsOf } from "../catalogue/kinds.js";
+import { drawnOf, kindsOf, startsOf } from "../catalogue/kinds.js";
 import { Editor } from "../own/editor.js";
 import { Studies } from "../studies/studies.js";
+import { Background } from "./background.js";
 import { FileButtons } from "./files.js";
 import { Panes } from "./panes.js";
 import { Results } from "./results.js";
 import { Runs } from "./runs.js";
 import { Scene } from "./scene.js";
+import { Starts } from "./starts.js";
 
 const find = (selector) => document.querySelector(selector);
 
@@ -23,6 +25,9 @@ export class Bench {
   #pending = null; // an experiment whose text is not read yet
   #typing = false; // the last change was one of the text
   #results = new Results();
+  #starts = new Starts((done) => this.#portray(done), () => this.#redraw());
+  #background = new Background(() => this.#redraw());
+  #frame = 0;
   #panes;
   #runs;
   #studies;
@@ -35,7 +40,7 @@ export class Bench {
     this.#catalogue = catalogue;
     this.#went = went;
     this.#panes = new Panes(schemes, (t) => this.#results.point(t), () => this.request());
-    this.#runs = new Runs(this.#scene, this.#panes, schemes, (told) => this.#show(told));
+    this.#runs = new Runs(this.#scene, this.#panes, this.#starts, schemes, (told) => this.#show(told));
     this.#studies = new Studies(schemes, () => this.#studied(), (start) => this.request(this.#scene.begin(start)));
     new FileButtons(() => ({ planes: this.#results.planes(this.#panes.list), problem: this.#scene.problem.id,
                           runs: this.#runs.list.filter(({ outcome }) => outcome) }));
@@ -63,6 +68,9 @@ export class Bench {
     this.#panes.load({ ...problem, suggested: { ...problem.suggested, ...this.#scene.preset?.suggested } }, experiment);
     this.#studies.offer(problem, experiment);
     this.#together(experiment.view?.together === "true");
+    this.#background.chosen = experiment.view?.field === "true";
+    this.#starts.load(experiment.starts);
+    this.#offerStarts();
     this.request(quietly);
   }
 
@@ -133,8 +141,8 @@ export class Bench {
 
   /** The experiment as the forms stand; `changed`: without what has its default. */
   #experiment(changed = false) {
-    const together = find("#together").checked ? { together: true } : {};
-    return { ...this.#scene.values(changed), view: together, ...this.#studies.chosen(changed), ...this.#panes.chosen(changed) };
+    const view = { ...(find("#together").checked ? { together: true } : {}), ...(this.#background.chosen ? { field: true } : {}) };
+    return { ...this.#scene.values(changed), view, starts: this.#starts.linked, ...this.#studies.chosen(changed), ...this.#panes.chosen(changed) };
   }
 
   /** The start that stands in the forms, or in the link that waits for its text. */
@@ -191,10 +199,38 @@ export class Bench {
   }
 
   #showPlanes() {
-    this.#results.show(this.#scene, this.#panes.list, this.#runs.list, (at, done) => { // the start is dragged in a picture
+    const grab = (at, done) => { // the start is dragged in a picture
       this.#scene.begin(Object.fromEntries(Object.entries(at).map(([name, value]) => [name, Number(value.toPrecision(4))])));
       if (done) this.request();
       else this.#follow();
+    };
+    this.#results.show(this.#scene, this.#panes.list, this.#runs.list, {
+      grab, move: (i, place, done) => this.#starts.move(i, place, done), backdrop: this.#background.field?.draw,
+      pick: (place) => this.#starts.add(place), unpick: () => this.#starts.takeBack() });
+    this.#background.ask(this.#scene.problem, this.#runs.sceneOf(this.#experiment()), this.#startAxes, this.#results.extent);
+  }
+
+  /** The variables that a place in the pictures sets, null where they take no starts. */
+  get #startAxes() {
+    return startsOf(this.#scene.axes, this.#scene.log, this.#scene.problem);
+  }
+
+  #offerStarts() {
+    this.#starts.offer(this.#startAxes);
+  }
+
+  /** The starts of the portrait have changed. */
+  #portray(done) {
+    if (done) this.#went(toHash(this.#experiment(true)), false);
+    this.#runs.askBeside(this.#experiment(), !done);
+    this.#redraw();
+  }
+
+  /** Draws once for all that comes between two frames. */
+  #redraw() {
+    this.#frame ||= requestAnimationFrame(() => {
+      this.#frame = 0;
+      if (this.#runs.outcomes) this.#showPlanes();
     });
   }
 
@@ -224,15 +260,20 @@ export class Bench {
     find("#columns").addEventListener("change", () => this.#scene.offerAxes());
     find("#axes").addEventListener("change", () => {
       this.#together(find("#together").checked);
+      this.#offerStarts();
       this.#went(toHash(this.#experiment(true)), false);
       const there = (name) => this.#runs.list.every(({ trajectory: t }) => !t || t[name] || (name === "error_of_energy" && t.energy));
       if (this.#runs.outcomes && drawnOf(this.#scene.axes, kindsOf(this.#scene.problem)).every(there)) this.#showPlanes();
       else this.request();
     });
+    find("#field").addEventListener("change", () => {
+      this.#went(toHash(this.#experiment(true)), false);
+      this.#redraw();
+    });
     find("#experiment").addEventListener("slide", () => this.#follow());
     find("#experiment").addEventListener("change", ({ target }) => {
       if (target.closest("#studies")) this.#went(toHash(this.#experiment(true)), true);
-      else if (!target.closest("#problem, #preset, #axes, #motion, .curl, #own")) this.request();
+      else if (!target.closest("#problem, #preset, #axes, #motion, #starts, .curl, #own")) this.request();
     });
     find("#even").addEventListener("click", () => {
       this.#panes.even(this.#runs.outcomes);

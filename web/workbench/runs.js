@@ -8,6 +8,7 @@ import { samples } from "./scene.js";
 
 const find = (selector) => document.querySelector(selector);
 const values = 1e6; // of what is drawn of a run, at most: many bodies have fewer points each
+const beside = 2000; // points of a start beside the scene's own
 const coarse = 800; // points of a run while a hand moves a slider
 const patience = 300; // ms after which a run is seen while it goes on
 
@@ -22,15 +23,17 @@ export class Runs {
   #scene;
   #panes;
   #schemes;
+  #starts;
   #shown; // ({answers, said, lost, waiting}), and () where a part of a run is to be seen
   #outcomes = null; // those in sight by the names of the runs, null while there are none of this problem
   #since = 0;
   #frame = 0;
-  #live = new Live((asked, signal) => this.#answer(asked, signal), (answers) => this.#show(answers));
+  #live = new Live((asked, signal) => this.#answer(asked, signal), (answers, asked) => this.#show(answers, asked));
 
-  constructor(scene, panes, schemes, shown) {
+  constructor(scene, panes, starts, schemes, shown) {
     this.#scene = scene;
     this.#panes = panes;
+    this.#starts = starts;
     this.#schemes = schemes;
     this.#shown = shown;
   }
@@ -43,26 +46,37 @@ export class Runs {
   get list() {
     return this.#panes.list.map(({ name, title, colour }) => {
       const outcome = this.#outcomes?.[name];
-      return { name, title: `${name}: ${title}`, colour, outcome, trajectory: outcome?.trajectory };
+      return { name, title: `${name}: ${title}`, colour, outcome, trajectory: outcome?.trajectory, starts: this.#starts.of(name) };
     });
   }
 
   /** Of another scene nothing is kept, nor comes. */
   forget() {
     this.#live.stop();
+    this.#starts.stop();
     this.#cut();
     this.#outcomes = null;
   }
 
   /** Runs an experiment; `follow`: a hand is on it, so of few points and after what is in flight. */
   ask(now, follow = false) {
-    if (!follow) this.#cut();
+    if (!follow) {
+      this.#cut();
+      this.#starts.stop();
+    }
     this.#live.ask({ now, most: follow ? coarse : now.record.samples ?? samples.default }, !follow);
+  }
+
+  /** Runs the starts beside that of an experiment; of auto each has the scheme that was chosen for the first. */
+  askBeside(now, follow = false) {
+    const schemes = Object.entries(this.#outcomes ?? {}).map(([name, outcome]) => [name, outcome?.choice ? outcome.scheme : now[name]]);
+    this.#starts.ask(schemes.map(([name, scheme]) => [name, this.#requestFor(now, scheme, follow ? coarse : beside)]), follow);
   }
 
   /** Ends what is in flight; what came of it stays. */
   stop() {
     this.#live.stop();
+    this.#starts.stop();
     for (const { name } of this.#cut()) this.#panes.list.find((pane) => pane.name === name).tell(this.#outcomes[name]);
   }
 
@@ -121,7 +135,7 @@ export class Runs {
     });
   }
 
-  #show(answers) {
+  #show(answers, { now, most }) {
     const kept = this.#outcomes ?? {}, { list } = this.#panes;
     if (list.length !== answers.length || list.some(({ name }, i) => name !== answers[i].name)) return; // another run came or went
     this.#cut();
@@ -131,5 +145,6 @@ export class Runs {
     const said = lost ? "The service does not answer; asked again every two seconds."
       : list.map(({ name }, i) => `${name} ${came(answers[i])}`).join(", ");
     this.#shown({ answers, said, lost, waiting: this.#live.waiting });
+    this.askBeside(now, most === coarse);
   }
 }

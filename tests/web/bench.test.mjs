@@ -2,8 +2,10 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
+import { test } from "node:test";
 import { all, becomes, drawn, number, origin, pageTest, pane, plane, settled, statuses, stepOf } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
+import { energyOf } from "../../web/drawing/bars.js";
 
 const loaded = (page, id) => page.waitForFunction((wanted) => document.querySelector("#problem").value === wanted, id)
   .catch(() => {}).then(() => settled(page));
@@ -185,10 +187,11 @@ pageTest("runs are taken away as Python, JSON, a table and pictures", {}, async 
     return [file.suggestedFilename(), readFileSync(await file.path())];
   };
   const [name, table] = await taken("CSV"), lines = table.toString().trim().split("\n");
-  assert.deepEqual([name, lines[0], lines[1]], ["kepler.csv", "run,t,x,y,px,py,energy", "A,0,0,-4,-0.1,-0.1,-0.24"]);
+  assert.deepEqual([name, lines[0], lines[1]], ["kepler-problem.csv", "run,t,x,y,px,py,energy", "A,0,0,-4,-0.1,-0.1,-0.24"]);
   assert.equal(lines.length, 1 + 901 + 1801);
-  const [, png] = await taken("PNG");
-  assert.equal(png.subarray(1, 4).toString(), "PNG");
+  const [picture, png] = await taken("PNG"), { clientWidth } = await page.locator(plane("A")).evaluate((canvas) => ({ clientWidth: canvas.clientWidth }));
+  assert.match(picture, /^kepler-problem-[AB]\.png$/);
+  assert.deepEqual([png.subarray(1, 4).toString(), png.readUInt32BE(16)], ["PNG", 3 * clientWidth], "three times as fine as the screen");
   const [, svg] = await taken("SVG");
   assert.ok(/^<svg [^]*<path d="M[^"]{500,}" fill="none" stroke="#d55e00"[^]*<\/svg>\n$/.test(svg.toString()));
 });
@@ -214,4 +217,55 @@ pageTest("what does not apply is not claimed: no contact structure of a flow; fo
   await page.selectOption("#problem", "damped_kepler");
   await settled(page);
   assert.match(await page.locator("#summary").innerHTML(), /e<sup>−αt<\/sup>/);
+});
+
+pageTest("what plays is taken away as a film", { hash: `${swing.hash}&until.t=9`, reducedMotion: "reduce" }, async (page) => {
+  await page.selectOption("#motion .player select", "4");
+  const film = page.locator("#take button", { hasText: "WebM" }), coming = page.waitForEvent("download");
+  await film.click();
+  assert.equal(await page.locator("#take button", { hasText: "Stop filming" }).count(), 1);
+  await becomes(() => page.textContent("#motion output"), (text) => parseFloat(text.slice(4)) > 3);
+  await page.locator("#take button", { hasText: "Stop filming" }).click();
+  const file = await coming, bytes = readFileSync(await file.path());
+  assert.equal(file.suggestedFilename(), "harmonic-oscillator.webm");
+  assert.deepEqual([...bytes.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3], "it is Matroska");
+  const size = (id) => {
+    const at = bytes.indexOf(Buffer.from(id)), length = bytes[at + 1] - 0x80;
+    return bytes.readUIntBE(at + 2, length);
+  };
+  const { width, height } = await page.locator(plane("A")).evaluate((canvas) => ({ width: canvas.width, height: canvas.height }));
+  assert.deepEqual([size([0xb0]), size([0xba])], [2 * width, height], "both pictures beside each other");
+  assert.ok(bytes.length > 20_000, `${bytes.length} bytes: frames that differ`);
+  assert.ok(await film.isVisible(), "and another can be made");
+});
+
+test("energies: kinetic, potential, lost", () => {
+  const close = (found, wanted) => found.forEach((v, i) => assert.ok(Math.abs(v - wanted[i]) < 1e-12, `${found}`));
+  close(energyOf("pendulum", { q: Math.PI / 2, p: 1 }, { gravity: 4, length: 2 }), [0.5, 2, 0]);
+  close(energyOf("spring", { q: 1, p: 1 }, { stiffness: 2 }, { q: 2, p: 0 }), [0.5, 1, 2.5]);
+  const double = { m1: 1, m2: 2, l1: 3, l2: 4, gravity: 5 };
+  close(energyOf("double_pendulum", { theta1: 0, theta2: Math.PI, energy: 2 }, double), [7, 80, 0]);
+  assert.equal(energyOf("planet", { x: 1 }, {}), null);
+  assert.equal(energyOf("pendulum", { q: 1 }, {}), null, "without the momentum nothing is known");
+});
+
+pageTest("energy stands as bars beside the body: what friction takes, is lost", { hash: "#problem=damped_pendulum&until.t=30&A=contact_leapfrog&B=contact_leapfrog", reducedMotion: "reduce" }, async (page) => {
+  const { part } = await page.locator("#bodies").evaluate((canvas) => {
+    const { clientWidth: width } = canvas, beside = Math.min(0.4 * width, 17 * parseFloat(getComputedStyle(canvas).fontSize));
+    return { part: beside / 3 / width };
+  });
+  const heights = async () => {
+    const found = [];
+    for (let k = 3; k > 0; k--) {
+      const { count, top, bottom } = await drawn(page, "#bodies", "A", [1 - k * part, 1 - (k - 1) * part]);
+      found.push(count ? bottom - top : 0);
+    }
+    return found;
+  };
+  await page.locator("#motion .time input").fill("0");
+  const [kinetic, potential, lost] = await heights();
+  assert.ok(potential > 50 && kinetic < 3 && lost < 3, `at rest near the top: ${[kinetic, potential, lost]}`);
+  await page.locator("#motion .time input").fill("1000");
+  const end = await heights();
+  assert.ok(end[2] > 0.8 * potential && end[0] + end[1] < 0.2 * potential && Math.abs(end[0] + end[1] + end[2] - potential) < 8, `${end}`);
 });

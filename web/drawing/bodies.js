@@ -1,4 +1,5 @@
 // Scenes that people know by sight, as bodies: what a state looks like. One canvas holds those of all runs.
+import { bars, energyOf } from "./bars.js";
 import { extent, valueAt } from "./mapping.js";
 import { projection } from "./space.js";
 
@@ -102,7 +103,7 @@ export class Bodies {
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
-  /** `runs`: `[{colour, trajectory}]`. */
+  /** `runs`: `[{colour, trajectory, parameters}]`. */
   show(body, runs) {
     this.#body = body;
     this.#runs = runs;
@@ -118,11 +119,14 @@ export class Bodies {
   draw() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     if (!width || !height || !this.#body) return;
-    const sharp = window.devicePixelRatio || 1, style = getComputedStyle(this.#canvas), size = Math.min(width, height) / 2.1;
+    const sharp = window.devicePixelRatio || 1, style = getComputedStyle(this.#canvas);
+    const states = this.#runs.map((run) => this.#stateOf(run)), measured = this.#energies(states);
+    const beside = measured.length ? Math.min(0.4 * width, 17 * parseFloat(style.fontSize)) : 0; // for the bars
+    const whole = width - beside, size = Math.min(whole, height) / 2.1;
     this.#canvas.width = Math.round(width * sharp);
     this.#canvas.height = Math.round(height * sharp);
     const pen = this.#canvas.getContext("2d");
-    pen.setTransform(size * sharp, 0, 0, -size * sharp, (width / 2) * sharp, (height / 2) * sharp);
+    pen.setTransform(size * sharp, 0, 0, -size * sharp, (whole / 2) * sharp, (height / 2) * sharp);
     pen.lineWidth = 0.03;
     pen.lineJoin = "round";
     pen.strokeStyle = pen.fillStyle = style.getPropertyValue("--soft-ink");
@@ -131,13 +135,34 @@ export class Bodies {
       pen.fillStyle = style.getPropertyValue("--sun");
       bob(pen, ...this.#place(0, 0), 0.12);
     }
-    this.#runs.forEach(({ colour, trajectory }, i) => {
-      const t = Math.min(this.#time ?? Infinity, trajectory.t.at(-1));
-      const state = Object.fromEntries(Object.keys(trajectory).map((name) => [name, valueAt(trajectory.t, trajectory[name], t)]));
-      if (Object.values(state).includes(undefined)) return;
+    this.#runs.forEach(({ colour }, i) => {
+      if (!states[i]) return;
       pen.strokeStyle = pen.fillStyle = style.getPropertyValue(colour);
       pen.globalAlpha = 0.85;
-      drawings[this.#body](pen, state, { i, n: this.#runs.length, t, wide: width / 2 / size, place: this.#place });
+      drawings[this.#body](pen, states[i], { i, n: this.#runs.length, t: states[i].t, wide: whole / 2 / size, place: this.#place });
     });
+    if (!measured.length) return;
+    pen.globalAlpha = 1;
+    pen.setTransform(sharp, 0, 0, sharp, 0, 0);
+    const most = Math.max(...measured.map(({ values }) => values.reduce((a, b) => a + b)));
+    bars(pen, { left: whole, top: 0.1 * height, width: beside - 6, height: 0.85 * height },
+         measured.map(({ colour, values }) => ({ ink: style.getPropertyValue(colour), values })), most || 1,
+         { ink: style.getPropertyValue("--ink"), size: Math.round(0.82 * parseFloat(style.fontSize)), font: style.fontFamily });
+  }
+
+  /** A run as it is now, or null where it is not known. */
+  #stateOf({ trajectory }) {
+    const t = Math.min(this.#time ?? Infinity, trajectory.t.at(-1));
+    const state = Object.fromEntries(Object.keys(trajectory).map((name) => [name, valueAt(trajectory.t, trajectory[name], t)]));
+    return Object.values(state).includes(undefined) ? null : state;
+  }
+
+  /** The energies of the runs, none where that of any is not known. */
+  #energies(states) {
+    const all = this.#runs.map(({ colour, trajectory, parameters = {} }, i) => {
+      const start = Object.fromEntries(Object.entries(trajectory).map(([name, values]) => [name, values[0]]));
+      return { colour, values: states[i] && energyOf(this.#body, states[i], parameters, start) };
+    });
+    return all.every(({ values }) => values) ? all : [];
   }
 }

@@ -96,6 +96,29 @@ export class Plane {
     return pen.document(width, height, this.#style().colour("--paper"));
   }
 
+  /** The picture as PNG, each of its pixels as so many `times` as many. */
+  png(times) {
+    const { clientWidth: width, clientHeight: height } = this.#canvas, canvas = new OffscreenCanvas(times * width, times * height);
+    const pen = canvas.getContext("2d");
+    pen.scale(times, times);
+    pen.fillStyle = this.#style().colour("--paper");
+    pen.fillRect(0, 0, width, height);
+    if (this.#map) this.#drawWith(pen);
+    return canvas.convertToBlob({ type: "image/png" });
+  }
+
+  get width() {
+    return this.#canvas.width;
+  }
+  get height() {
+    return this.#canvas.height;
+  }
+
+  /** Draws what is seen now, the moving parts above the picture, onto another canvas. */
+  copyTo(pen, left, top) {
+    for (const canvas of [this.#canvas, this.#over]) if (canvas.width && canvas.height) pen.drawImage(canvas, left, top);
+  }
+
   get canvas() {
     return this.#canvas;
   }

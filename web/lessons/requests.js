@@ -19,7 +19,7 @@ export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? 
   }
   const columns = new Set(["t", ...lesson.views.flatMap(columnsOf), ...(scheme.id === "jacobi_maupertuis" ? ["mode"] : [])]);
   const kinds = (lesson.tells ?? []).map(([, path]) => /^diagnostics\.(\w+)/.exec(path)?.[1]).filter(Boolean);
-  if (lesson.views.some(({ body }) => body)) columns.add("q");
+  if (lesson.views.some(({ body }) => body)) ["q", "p"].forEach((name) => columns.add(name));
   return { ...request, record: lesson.curve ? { curve: samples } : { samples }, columns: [...columns], diagnostics: [...new Set(kinds)] };
 }
 

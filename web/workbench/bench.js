@@ -42,8 +42,8 @@ export class Bench {
     this.#panes = new Panes(schemes, (t) => this.#results.point(t), () => this.request());
     this.#runs = new Runs(this.#scene, this.#panes, this.#starts, schemes, (told) => this.#show(told));
     this.#studies = new Studies(schemes, () => this.#studied(), (start) => this.request(this.#scene.begin(start)));
-    new FileButtons(() => ({ planes: this.#results.planes(this.#panes.list), problem: this.#scene.problem.id,
-                          runs: this.#runs.list.filter(({ outcome }) => outcome) }));
+    new FileButtons(() => ({ planes: this.#results.planes(this.#panes.list), title: this.#scene.problem.title,
+                             runs: this.#runs.list.filter(({ outcome }) => outcome) }), (seen) => this.#results.play(seen));
     this.#listen();
   }
 

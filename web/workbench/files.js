@@ -1,5 +1,6 @@
 // What is in sight as files: trajectories as a table, pictures, and the buttons for them.
 import { element } from "../forms/forms.js";
+import { canFilm, Film } from "./film.js";
 
 /** The trajectories of runs `[{name, trajectory}]` as a table: a line for each sample, the run first. */
 function csvOf(runs) {
@@ -16,32 +17,45 @@ function download(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** A canvas as a picture on the page's ground. */
-function pngOf(canvas) {
-  const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
-  const pen = copy.getContext("2d");
-  pen.fillStyle = getComputedStyle(canvas).getPropertyValue("--paper");
-  pen.fillRect(0, 0, copy.width, copy.height);
-  pen.drawImage(canvas, 0, 0);
-  return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
-}
+/** A title as the name of a file. */
+const named = (title) => title.toLowerCase().normalize("NFD").replace(/[\u0300-\u036f]/g, "").replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") || "scene";
 
 export class FileButtons {
-  /** `seen()`: `{planes: [[name, plane]], runs: [{name, trajectory}], problem}`. */
-  constructor(seen) {
+  #film = null;
+
+  /** `seen()`: `{planes: [[name, plane]], runs: [{name, trajectory}], title}`; `play(frame)` plays all and tells `frame(t)`. */
+  constructor(seen, play) {
     const save = {
-      CSV: ({ runs, problem }) => download(`${problem}.csv`, new Blob([csvOf(runs)], { type: "text/csv" })),
-      PNG: async ({ planes, problem }) => {
-        for (const [name, plane] of planes) download(`${problem}-${name}.png`, await pngOf(plane.canvas));
+      CSV: ({ runs, title }) => download(`${named(title)}.csv`, new Blob([csvOf(runs)], { type: "text/csv" })),
+      PNG: async ({ planes, title }) => {
+        for (const [name, plane] of planes) download(`${named(title)}-${name}.png`, await plane.png(3));
       },
-      SVG: ({ planes, problem }) => {
-        for (const [name, plane] of planes) download(`${problem}-${name}.svg`, new Blob([plane.svg()], { type: "image/svg+xml" }));
+      SVG: ({ planes, title }) => {
+        for (const [name, plane] of planes) download(`${named(title)}-${name}.svg`, new Blob([plane.svg()], { type: "image/svg+xml" }));
       },
+      ...(canFilm() ? { WebM: (given, button) => this.#roll(given, button, play) } : {}),
     };
     document.querySelector("#take").append(...Object.entries(save).map(([kind, act]) => {
       const button = element("button", { type: "button", textContent: kind });
-      button.addEventListener("click", () => act(seen()));
+      button.addEventListener("click", () => act(seen(), button));
       return button;
     }));
+  }
+
+  /** Films what plays from the start to the end, or until the button is pressed again. */
+  #roll({ planes, title }, button, play) {
+    if (this.#film) return this.#film.end();
+    const ground = getComputedStyle(planes[0][1].canvas).getPropertyValue("--paper");
+    const film = (this.#film = new Film(planes.map(([, plane]) => plane), ground, (blob) => {
+      this.#film = null;
+      button.textContent = "WebM";
+      download(`${named(title)}.webm`, blob);
+    }));
+    button.textContent = "Stop filming";
+    play((t) => {
+      if (this.#film !== film) return;
+      film.frame();
+      if (t === null) film.end();
+    });
   }
 }

@@ -21,6 +21,7 @@ export class Results {
   #panes = [];
   #angles = begin;
   #again = () => {};
+  #seen = () => {}; // of each time that is drawn
   #player = new Player(find("#motion .player"), (t) => this.#at(t));
 
   /** Runs `[{name, title, colour, trajectory, starts}]` over the axes of the scene, each in its pane; `hands` as inPlane takes them. */
@@ -40,7 +41,7 @@ export class Results {
   #move(problem, runs) {
     const body = bodyOf(problem);
     find("#motion").hidden = runs.length === 0;
-    find("#bodies").hidden = !body;
+    find("#bodies").hidden = !body || runs.length === 0;
     this.#bodies.show(body, runs);
     const times = runs.flatMap(({ trajectory: { t } }) => [t[0], t.at(-1)]);
     if (times.length) this.#player.span(Math.min(...times), Math.max(...times));
@@ -74,6 +75,13 @@ export class Results {
     this.#player.toggle();
   }
 
+  /** Plays all from the start; `seen(t)` hears of what is drawn, null at the end. */
+  play(seen) {
+    this.#player.rest();
+    this.#seen = seen;
+    this.#player.play();
+  }
+
   rest() {
     this.#player.rest();
   }
@@ -84,5 +92,6 @@ export class Results {
 
   #at(t, told) {
     [this.#together, ...this.#panes.map(({ plane }) => plane), this.#bodies].forEach((part) => part.at(t, told));
+    this.#seen(t);
   }
 }

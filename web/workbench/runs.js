@@ -46,7 +46,7 @@ export class Runs {
   get list() {
     return this.#panes.list.map(({ name, title, colour }) => {
       const outcome = this.#outcomes?.[name];
-      return { name, title: `${name}: ${title}`, colour, outcome, trajectory: outcome?.trajectory, starts: this.#starts.of(name) };
+      return { name, title: `${name}: ${title}`, colour, outcome, trajectory: outcome?.trajectory, parameters: outcome?.problem, starts: this.#starts.of(name) };
     });
   }
 

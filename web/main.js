@@ -76,6 +76,7 @@ try {
   lesson = new Lesson(catalogue, openLesson);
   addEventListener("hashchange", () => route(catalogue));
   addEventListener("keydown", (event) => (undoes(event) ? history.back() : shown?.key(event)));
+  find("#skip").addEventListener("click", () => find(shown === lesson ? "#claim" : "#problem").focus());
   find("#undo").addEventListener("click", () => history.back());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [bench, lesson].forEach((part) => part.draw()));
   route(catalogue);

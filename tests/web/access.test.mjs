@@ -71,7 +71,24 @@ pageTest("keys alone: a lesson is moved, presented and left for the workbench, w
     await settled(page);
     assert.notEqual(await pane(page, "A").locator(".scheme").inputValue(), "explicit_euler");
     await tabTo(page, "#motion .play");
-    for (const part of ["#add", "#even", "#continue", "#measure-precision", "#initial [data-name=q]", "#initial input[type=range]"]) {
+    for (const part of ["#add", "#even", "#continue", "#initial [data-name=q]", "#initial input[type=range]", "#measure-precision"]) {
       await tabTo(page, part);
     }
   });
+
+pageTest("keys skip the header, and on small screens reach the scene before its studies", { hash: "#lesson=spiral", ready: "#lesson[aria-busy=false]", viewport: { width: 1024, height: 768 } }, async (page) => {
+  await page.keyboard.press("Tab");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "skip");
+  await page.keyboard.press("Enter");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "claim");
+  await page.evaluate(() => (location.hash = "#problem=kepler&until.t=20"));
+  await settled(page);
+  await page.focus("#skip");
+  await page.keyboard.press("Enter");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "problem");
+  for (const [width, height] of [[1024, 768], [360, 740]]) {
+    await page.setViewportSize({ width, height });
+    const top = async (selector) => (await page.locator(selector).boundingBox()).y;
+    assert.ok((await top("#results")) < (await top("#scene")) && (await top("#scene")) < (await top("#studies")), `${width}`);
+  }
+});

@@ -171,7 +171,8 @@ async function assertInSight(page, name, selector) {
     await page.setViewportSize({ width, height });
     const { y, height: high, width: wide } = await page.locator(selector).first().boundingBox();
     const shown = Math.min(y + high, height) - y;
-    assert.ok(y >= 0 && shown > Math.min(0.75 * high, 0.35 * height) && wide > 0.25 * width,
+    const beside = name === "paper" ? 2 : 1; // four beside each other
+    assert.ok(y >= 0 && shown > Math.min(0.75 * high, 0.35 * height) && wide * beside > 0.25 * width,
               `${name} at ${width} × ${height}: ${shown} of ${high} at ${y}`);
     const whole = page.waitForFunction((room) => document.documentElement.scrollWidth <= room, width, { timeout: 5000 });
     assert.ok(await whole.then(() => true, () => false), `${name} is not cut off at ${width}`); // once it is laid out
@@ -314,6 +315,53 @@ pageTest("a view in space is turned by hand", { ...calm, hash: "#lesson=cosmos" 
   await page.mouse.up();
   await page.mouse.move(2, 2); // no cross-hair, which shows a time of its own
   assert.notEqual(await look(), before);
+});
+
+pageTest("the gallery stands in groups, its numbers beside the words", { ...calm, viewport: { width: 1024, height: 768 } }, async (page) => {
+  await page.click(".all summary");
+  const groups = await page.locator("#gallery section").evaluateAll((found) => found.map((section) => ({
+    title: section.querySelector("h3").textContent, from: section.querySelector("ol").start, links: section.querySelectorAll("a").length,
+    room: section.querySelector("a").getBoundingClientRect().left - section.getBoundingClientRect().left })));
+  assert.deepEqual(groups.map(({ title }) => title), lessons.map(({ group }) => group).filter(Boolean));
+  let next = 1;
+  for (const { from, links, room } of groups) {
+    assert.equal(from, next);
+    assert.ok(links > 0 && room > 30, `${room} pixels for the number`);
+    next += links;
+  }
+  assert.equal(next, lessons.length + 1);
+  assert.deepEqual(await all(page, "#which optgroup", "label"), groups.map(({ title }) => title));
+});
+
+pageTest("the ellipses of the paper are large, and the stretch in a coordinate is marked and named", { ...calm, hash: "#lesson=paper", viewport: { width: 1280, height: 720 } }, async (page) => {
+  for (const [i, run] of ["A", "B", "C", "D"].entries()) {
+    const { top, bottom } = await drawn(page, `#figures figure:nth-child(${i + 1}) canvas.plane`, run);
+    assert.ok(bottom - top > 250, `${run}: ${bottom - top} pixels high`);
+  }
+  assert.ok((await drawn(page, "#figures figure:nth-child(3) canvas.plane", "--stretch")).count > 200);
+  assert.match(await page.textContent("#legend caption"), /Jacobi–Maupertuis/);
+  await page.setViewportSize({ width: 360, height: 740 });
+  const { width } = await page.locator("#figures figure").first().boundingBox();
+  assert.ok(width > 140, "two beside each other on a telephone");
+});
+
+pageTest("level curves of the landscape lie behind the paths, and change with it", { ...calm, hash: "#lesson=downhill" }, async (page) => {
+  const lines = () => drawn(page, "#figures figure:nth-child(1) canvas.plane", "--axis", [0.3, 0.5]);
+  const before = await lines();
+  await page.evaluate(() => (location.hash = "#lesson=downhill&set=-0.8"));
+  await becomes(async () => (await said(page)).runs[0].problem.c, (c) => c === -0.8);
+  assert.ok(before.count > 100 && (await lines()).count !== before.count, `${before.count}`);
+});
+
+pageTest("a key says what the colours of many runs mean", { ...calm, hash: "#lesson=islands" }, async (page) => {
+  assert.match(await page.textContent("#figures .key"), /^spin at the start 0\.71\.7$/);
+  assert.ok(await page.locator("#figures .hues").evaluate((node) => node.clientWidth > 80 && getComputedStyle(node).backgroundImage.includes("gradient")));
+  await page.evaluate(() => (location.hash = "#lesson=basins"));
+  await opened(page, "basins");
+  const { study: { ends } } = await said(page), [, low, high] = /^velocity at the end (−?[\d.]+?)(\d\.\d+)$/.exec(await page.textContent("#figures .key"));
+  const [least, most] = ends.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  assert.ok(Math.abs(Number(low.replace("−", "-")) - least) < 0.01 && Math.abs(high - most) < 0.01, `${low} to ${high}`);
+  assert.doesNotMatch(lessons.find(({ id }) => id === "galaxy").look, /energy is/, "what the control changes is not said to be so");
 });
 
 pageTest("the page is small", calm, async (page) => {

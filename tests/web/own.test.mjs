@@ -190,7 +190,8 @@ pageTest("examples begin with what runs; a start in velocities is one in momenta
     for (const [name, value] of i === 0 ? Object.entries(initial) : []) {
       assert.equal(await fieldAt(page, `/initial/${name}`).inputValue(), String(value), name);
     }
-    assert.deepEqual(await statuses(page), ["completed", "completed"], title);
+    assert.deepEqual(await statuses(page), ["completed"], `${title}: one run, nobody asked for a second like it`);
+    assert.ok(!(await page.locator(".pane .remove").isVisible()));
     assert.ok((await drawn(page, plane("A"), "A")).count > 100, title);
     assert.deepEqual(await all(page, "#parameters [data-name]", "dataset.name"), Object.keys(problem.parameters ?? {}));
   }

@@ -47,6 +47,25 @@ export function restsOf(u, v, n) {
   return found;
 }
 
+/** The backdrop of level curves of a function, over all that is seen. */
+export function levelPicture(of) {
+  const n = 101;
+  return (pen, { low, high, x, y }, colour) => {
+    const at = (axis, k) => low[axis] + ((high[axis] - low[axis]) * k) / (n - 1);
+    const values = Array.from({ length: n * n }, (_, m) => of(at("x", Math.floor(m / n)), at("y", m % n)));
+    pen.strokeStyle = colour("--axis");
+    pen.lineWidth = 0.7;
+    for (const level of levelsOf(values, 16)) {
+      pen.beginPath();
+      for (const [[a, b], [c, d]] of levelCurve(values, n, level)) {
+        pen.moveTo(x(at("x", a)), y(at("y", b)));
+        pen.lineTo(x(at("x", c)), y(at("y", d)));
+      }
+      pen.stroke();
+    }
+  };
+}
+
 /** The level of a function at a place between those of the grid. */
 function levelAt(values, n, { x, y }) {
   const i = Math.min(n - 2, Math.floor(x)), j = Math.min(n - 2, Math.floor(y)), [a, b] = [x - i, y - j];

@@ -25,7 +25,7 @@ export class Figures {
   build({ views = [], apart, layout, one = views.find(({ body }) => !body) }, titles) {
     this.#pictures = [];
     this.#bodies = [];
-    this.#node.className = apart ? "apart" : layout ?? "";
+    this.#node.className = [...(apart ? ["apart"] : []), ...(layout ? [layout] : [])].join(" ");
     this.#node.dataset.views = apart ? titles.length : views.length || 1;
     this.#node.replaceChildren(
       ...(apart ? titles.map((_, i) => this.#plane("of-run", views[0], titles, i))

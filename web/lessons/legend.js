@@ -21,6 +21,9 @@ export function fill(table, runs, { tells = [], views }) {
     return element("tbody", {}, ...rows.map((cells) => element("tr", {}, ...cells)));
   });
   const known = [...new Set(views.flatMap(({ exact = [] }) => exact.map(([name]) => name)))];
-  const caption = known.length ? [element("caption", {}, element("span", { className: "swatch dashed" }), ` ${known.join(", ")}`)] : [];
+  const marked = runs.some(({ trajectory }) => trajectory?.mode?.includes("jacobi_maupertuis"));
+  const said = [...(known.length ? [["dashed", known.join(", ")]] : []), ...(marked ? [["", "in Jacobi–Maupertuis steps"]] : [])];
+  const caption = said.length ? [element("caption", {}, ...said.map(([kind, text]) =>
+    element("div", {}, element("span", { className: `swatch ${kind}` }), ` ${text}`)))] : [];
   table.replaceChildren(...caption, element("thead", {}, head), ...bodies);
 }

@@ -32,9 +32,14 @@ export class Lesson {
   constructor(catalogue, go) {
     this.#catalogue = catalogue;
     this.#go = go;
-    find("#which").append(...lessons.map(({ id, title: claim }, i) => element("option", { value: id, textContent: `${i + 1}. ${claim}` })));
-    find("#gallery").append(...lessons.map(({ id, title: claim }) =>
-      element("li", {}, element("a", { href: `#lesson=${id}`, textContent: claim }))));
+    for (const [i, { id, group, title: claim }] of lessons.entries()) {
+      if (group) {
+        find("#which").append(element("optgroup", { label: group }));
+        find("#gallery").append(element("section", {}, element("h3", { textContent: group }), element("ol", { start: i + 1 })));
+      }
+      find("#which").lastChild.append(element("option", { value: id, textContent: `${i + 1}. ${claim}` }));
+      find("#gallery").lastChild.lastChild.append(element("li", {}, element("a", { href: `#lesson=${id}`, textContent: claim })));
+    }
     find("#which").addEventListener("change", (event) => go(event.target.value));
     find("#previous").addEventListener("click", () => this.turn(-1));
     find("#next").addEventListener("click", () => this.turn(1));
@@ -110,7 +115,7 @@ export class Lesson {
     this.#player.rest();
     this.#study?.stop();
     this.#figures.build(this.#lesson, runs.map((_, i) => this.#titleOf(i)));
-    this.#study = study ? new Study(find("#figures"), this.#catalogue.schemes) : portrait ? new Portrait(find("#figures"), this.#lesson.labels, portrait.keep.includes("final")) : null;
+    this.#study = study ? new Study(find("#figures"), this.#catalogue.schemes) : portrait ? new Portrait(find("#figures"), this.#lesson, portrait.keep.includes("final")) : null;
     find(".player").hidden = views.every(({ bins }) => bins);
     this.#control = control ? slider(control.label, control, this.#setting(), (value, done) => this.#move(value, done)) : null;
     find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));

@@ -2,13 +2,15 @@
 //   scene, runs   a request and what each run has of its own; a run may bear a `name`
 //   views         columns `x`, `y` (`error_of_energy`: |H − H₀| / |H₀|), `z` for a view in space; `log`: the axes that are
 //                 logarithmic; `box`: what is seen; `exact`: known curves, functions of x or, with a range, to points; `bins`: a
-//                 histogram of x; `run`: one run only; `thin`: of thin lines; `sun`: at the origin; `body`: the thing itself
-//   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one
+//                 histogram of x; `level`: a function whose level curves lie behind; `run`: one run only; `thin`: of thin lines; `sun`: at the origin; `body`: the thing itself
+//   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one, all in a "row"
 //   one           the view of a presentation, where it is not the first
 //   pace          "cycle": the runs play each at the pace of its own period, and x may be `periods`
 //   curve, points states evenly along the curve instead of in time; how many
 //   control       one slider: what it sets (`steps`: of all runs, in proportion), from where to where
-//   study         error over cost of some schemes, in the place of runs; portrait: where many runs cross a plane, under labels
+//   study         error over cost of some schemes, in the place of runs; portrait: where many runs cross a plane, under labels,
+//                 and a `key`: what the first and the last colour say, or what all do
+//   group         the heading above this lesson and those that follow
 //   tells         numbers beside each run: a name and the path to it in the answer
 const h = (id, step, more = {}) => ({ scheme: { id, step, ...more } });
 const steps = (low, high) => ({ sets: "steps", label: "step h", low, high, log: true });
@@ -20,7 +22,7 @@ const fifty = { ...orbit, exact: [ellipse], thin: true }; // revolutions
 
 export const lessons = [
   {
-    id: "orbit", title: "At equal work, one scheme keeps the orbit and the other loses it",
+    id: "orbit", group: "What a scheme keeps, and what it loses", title: "At equal work, one scheme keeps the orbit and the other loses it",
     look: "Both runs evaluate the force equally often, over fifty revolutions. Watch the orbit of Runge–Kutta shrink.",
     see: "The symplectic scheme turns the ellipse a little and keeps its size: the energy error swings and stays bounded for " +
          "ever. That of Runge–Kutta grows with every revolution. A longer step makes the difference larger.",
@@ -66,14 +68,14 @@ export const lessons = [
     look: "The orbit of Nair, Ober-Blöbaum and Marsden, five revolutions with four schemes. The true ellipse does not turn.",
     see: "Half the step turns the apsis a quarter as much. The hybrid steps in space where the planet is fast (the marked " +
          "stretch), transformed time slows down there: both hold the ellipse.",
-    scene: { problem: { id: "kepler" }, until: { t: 95 } }, apart: true, curve: true,
+    scene: { problem: { id: "kepler" }, until: { t: 95 } }, apart: true, layout: "row", curve: true,
     runs: [h("leapfrog", 0.01), h("leapfrog", 0.005), h("jacobi_maupertuis", 0.01, { theta: 0.01 }),
            { scheme: { id: "time_transformed", preset: "kepler", sigma: 0.05 } }],
     views: [orbit], control: { sets: "until.t", label: "until t", low: 19, high: 190 },
     tells: [["apsis turns, rad a revolution", "diagnostics.orbit.apsidal_rotation"]],
   },
   {
-    id: "damped", title: "Friction takes energy at a rate of its own, and a contact scheme keeps that rate",
+    id: "damped", group: "Friction, drive and time", title: "Friction takes energy at a rate of its own, and a contact scheme keeps that rate",
     look: "A damped oscillator at long steps and equal work. The dashed line is the law of decay, e^{−αt}.",
     see: "Runge–Kutta damps faster than the friction does. The contact scheme follows the law over thirteen decades.",
     scene: { problem: { id: "damped_oscillator", damping: 0.1 }, initial: { q: 1, p: 0 }, until: { t: 300 } },
@@ -147,24 +149,24 @@ export const lessons = [
     control: { sets: "problem.epsilon", label: "how oblong, ε", low: 0.001, high: 0.1, log: true }, tells: [["spin at the end", "final.p"]],
   },
   {
-    id: "islands", title: "An island of moons that show one face, in a sea of moons that turn on",
+    id: "islands", group: "Many runs at once", title: "An island of moons that show one face, in a sea of moons that turn on",
     look: "Forty moons at different spins, each a colour: how it stands and turns once in every revolution.",
     see: "Near one turn per revolution a moon sways about one face: closed curves, an island. The others turn on, curves from " +
          "edge to edge. Make the moon more oblong: islands grow, and between them the curves dissolve into chaos.",
     portrait: { problem: { id: "spin_orbit", epsilon: 0.0075 }, initial: { q: 0, p: 1 }, until: { t: 300 * tau },
                 scheme: { id: "contact_leapfrog", step: tau / 40 }, section: { period: tau, phase: 0 }, columns: ["q_wrapped", "p"],
                 keep: ["section"], members: { vary: { "/initial/p": { grid: [0.7, 1.7, 40] } } } },
-    labels: ["angle", "spin"], control: { sets: "problem.epsilon", label: "how oblong, ε", low: 0.001, high: 0.1, log: true },
+    labels: ["angle", "spin"], key: ["spin at the start 0.7", "1.7"], control: { sets: "problem.epsilon", label: "how oblong, ε", low: 0.001, high: 0.1, log: true },
   },
   {
     id: "galaxy", title: "A star in a galaxy: order, and with a little more energy chaos",
     look: "Hénon and Heiles' star at twenty starts of the same energy, each a colour: where it is and how fast it goes, whenever it " +
-          "crosses a plane. The energy is 1/12.",
-    see: "Every star keeps to a curve of its own, as if there were a second law beside the energy. At 1/8 the curves between the " +
+          "crosses a plane. Begin with the energy 1/12.",
+    see: "At 1/12 every star keeps to a curve of its own, as if there were a second law beside the energy. At 1/8 the curves between the " +
          "islands dissolve: one star's points fill what is left. At 1/6 hardly an island remains.",
     portrait: { problem: { id: "henon_heiles" }, until: { t: 1500 }, scheme: { id: "leapfrog", step: 0.1, composition: "suzuki_4" },
                 section: { expression: "x", direction: "up" }, columns: ["y", "py"], keep: ["section"], surface: { energy: 1 / 12, starts: 10 } },
-    labels: ["y", "momentum of y"], control: { sets: "surface.energy", label: "energy", low: 0.02, high: 1 / 6 },
+    labels: ["y", "momentum of y"], key: ["starts at rest, from the left", "starts at y = 0, ever faster"], control: { sets: "surface.energy", label: "energy", low: 0.02, high: 1 / 6 },
   },
   {
     id: "basins", title: "Which way a pendulum ends up turning can hang on the last digit of its start",
@@ -177,10 +179,10 @@ export const lessons = [
                 initial: { q: 0, p: 0 }, until: { t: 40 * tau }, scheme: { id: "contact_splitting", step: tau / 48 }, columns: ["p"],
                 limits: { seconds: 60 }, keep: ["final"],
                 members: { vary: { "/initial/q": { grid: [-Math.PI, Math.PI, 512] }, "/initial/p": { grid: [-2, 4, 512] } } } },
-    labels: ["angle at the start", "velocity at the start"], control: { sets: "problem.a", label: "drive a", low: 1.8, high: 2.2 },
+    labels: ["angle at the start", "velocity at the start"], key: ["velocity at the end"], control: { sets: "problem.a", label: "drive a", low: 1.8, high: 2.2 },
   },
   {
-    id: "cosmos", title: "Where H = 0, every orbit runs on one sphere, from pole to pole",
+    id: "cosmos", group: "Other geometries", title: "Where H = 0, every orbit runs on one sphere, from pole to pole",
     look: "An oscillator in an expanding universe: place, momentum and action are a space of three. Drag it to turn it.",
     see: "The surface H = 0 is a sphere, and a contact scheme holds orbits on it, from the repelling pole below to the " +
          "attracting one above.",
@@ -205,12 +207,12 @@ export const lessons = [
   },
   {
     id: "downhill", title: "Without inertia everything runs straight downhill, into one of two wells",
-    look: "Six starts in a landscape with two wells; the height along each path is drawn beside.",
+    look: "Six starts in a landscape with two wells, its lines of equal height in grey; the height along each path is drawn beside.",
     see: "The height falls along every path and never rises. Which well is reached is decided on the ridge between them.",
     scene: { problem: { id: "gradient_flow" }, until: { t: 12 }, scheme: { id: "contact_splitting", step: 0.05 } },
     runs: [[0.1, 1], [-1.6, 1.2], [1.6, 1], [-1.2, -1.2], [1, -1.3], [-0.2, 1.4]].map(([x, y]) => (
       { name: `from (${x}, ${y})`.replaceAll("-", "−"), initial: { x, y } })),
-    views: [{ x: "x", y: "y" }, { x: "t", y: "potential" }],
+    views: [{ x: "x", y: "y", level: (x, y, { a, b, c }) => (a * (x * x - 1) ** 2) / 4 + (b * y * y) / 2 + c * x * y }, { x: "t", y: "potential" }],
     control: { sets: "problem.c", label: "tilt c", low: -0.9, high: 0.9 }, tells: [["ends at x", "final.x"]],
   },
   {
@@ -247,7 +249,7 @@ export const lessons = [
     tells: [["x at the end", "final.x"]],
   },
   {
-    id: "digits", title: "What a digit costs depends on how many you want",
+    id: "digits", group: "The price of a digit", title: "What a digit costs depends on how many you want",
     look: "Kepler's ellipse over ten revolutions: the error against the number of force evaluations, each point a run made now.",
     see: "For two digits it is cheapest to slow time down near the sun; for more, to raise the order. Each further digit " +
          "costs leapfrog three times as much, a scheme of order 8 a third more.",

@@ -1,7 +1,8 @@
 // A lesson of many runs at once: the points where they cross a plane, or where a clock finds them; or where they end.
 import { ensemble } from "../service/api.js";
 import { element, faultText, words } from "../forms/forms.js";
-import { Crossings } from "../drawing/crossings.js";
+import { format } from "../forms/numbers.js";
+import { Crossings, hues } from "../drawing/crossings.js";
 import { EndsPicture, rectangleOf } from "../drawing/ends.js";
 
 /**
@@ -26,16 +27,30 @@ export class Portrait {
   #crossings; // or null: of the ends
   #ends;
   #said = element("p", { className: "note" });
+  #key = element("p", { className: "note key" });
+  #names; // of the colours
   #labels;
   #underWay = null;
   outcome = null; // the points: `{member, x, y}`, or `{ends}`
 
-  constructor(figures, labels, ends) {
+  constructor(figures, { labels, key }, ends) {
     const canvas = element("canvas", { className: "plane", role: "img", ariaLabel: `${labels[1]} over ${labels[0]} of many runs` });
-    figures.replaceChildren(element("figure", { className: "of-all" }, canvas, this.#said));
+    figures.replaceChildren(element("figure", { className: "of-all" }, canvas, this.#key, this.#said));
     this.#crossings = ends ? null : new Crossings(canvas);
     this.#ends = ends ? new EndsPicture(canvas) : null;
     this.#labels = labels;
+    this.#names = key;
+    this.#tell();
+  }
+
+  /** What the colours say: those of starts from the first to the last, of ends over what they have come to. */
+  #tell() {
+    const [first, last] = this.#names, [low, high] = this.#ends?.ends?.range ?? [];
+    const ends = this.#ends ? (Number.isFinite(low) ? [`${first} ${format(low)}`, format(high)] : ["", ""]) : [first, last];
+    const colours = hues(24, 0.5), css = [...colours].map((c) => `rgb(${c & 255} ${(c >> 8) & 255} ${(c >> 16) & 255})`);
+    const scale = element("span", { className: "hues" });
+    scale.style.background = `linear-gradient(to right, ${css.join(", ")})`;
+    this.#key.replaceChildren(...(ends[0] ? [ends[0], scale, ends[1]] : []));
   }
 
   /** Runs all members; resolves at the end, or when it was stopped: to whether it is still the newest. */
@@ -61,6 +76,7 @@ export class Portrait {
       if (!mine.signal.aborted) throw error;
     }
     if (mine !== this.#underWay) return false;
+    this.#tell();
     const all = (name) => this.#crossings.blocks.flatMap((block) => block[name]);
     this.outcome = this.#ends ? { ends: [...(this.#ends.ends?.values ?? [])] } : { member: all("member"), x: all("x"), y: all("y") };
     return true;

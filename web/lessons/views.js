@@ -1,6 +1,7 @@
 // What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms.
 import { sun } from "../drawing/bodies.js";
 import { errorOfEnergy } from "../drawing/energy.js";
+import { levelPicture } from "../drawing/field.js";
 import { commonView, curveOf, extent } from "../drawing/mapping.js";
 import { inSpace } from "../drawing/space.js";
 
@@ -71,6 +72,7 @@ export function pictureOf(view, runs, { angles, symbol = (name) => name, pace } 
   const seen = { ...commonView(curves, ["x", "y"], free), ...box };
   const truths = exact.map((one) => known(one, runs[0].parameters, span, log));
   if (truths.length && timed && !box.y && !log) seen.y = [Math.min(seen.y[0], 0), seen.y[1]];
+  const behind = view.level ? levelPicture((x, y) => view.level(x, y, runs[0].parameters)) : view.sun && sun;
   const labels = view.labels ?? [view.x, view.y].map((name) => names[name] ?? symbol(name));
-  return { curves: timed ? [...truths, ...curves] : [...curves, ...truths], view: seen, labels, log, backdrop: view.sun && sun };
+  return { curves: timed ? [...truths, ...curves] : [...curves, ...truths], view: seen, labels, log, backdrop: behind };
 }

@@ -96,7 +96,7 @@ export class Bench {
   /** Waits for the text of an experiment: until it is read there is nothing to show. */
   #wait(experiment) {
     this.#pending = experiment;
-    for (const part of ["#results", "#scene"]) find(part).hidden = Boolean(experiment);
+    for (const part of ["#results", "#scene", "#studies"]) find(part).hidden = Boolean(experiment);
     if (experiment) find("#status").textContent = "Reading the scene…";
   }
 
@@ -111,7 +111,7 @@ export class Bench {
 
   #pick({ problem, initial = {}, until = {}, scheme, axes = {} }, quietly = false) {
     const run = typeof scheme === "string" ? { id: scheme } : scheme;
-    this.load({ problem: linked({ ...problem, id: custom }), initial, until, axes, ...(run ? { A: run, B: { id: run.id } } : {}) }, quietly);
+    this.load({ problem: linked({ ...problem, id: custom }), initial, until, axes, ...(run ? { A: run } : {}) }, quietly);
   }
 
   close() {

@@ -1,4 +1,4 @@
-// The panes of the workbench: two to six runs, each with a name, which stays, and a scheme.
+// The panes of the workbench: up to six runs, each with a name, which stays, and a scheme.
 import { names } from "../service/link.js";
 import { equalWork } from "../service/work.js";
 import { Pane } from "./pane.js";
@@ -20,14 +20,19 @@ export class Panes {
     find("#add").addEventListener("click", () => this.#add());
   }
 
+  /** How many there are at least. */
+  get #least() {
+    return this.#problem.form ? 1 : 2;
+  }
+
   get list() {
     return this.#list;
   }
 
-  /** Those that an experiment names, two at least, with the schemes that fit the problem. */
+  /** Those that an experiment names, with the schemes that fit the problem: two at least, of a scene as text one. */
   load(problem, experiment) {
     this.#problem = problem;
-    const wanted = names.filter((name, i) => i < 2 || experiment[name]);
+    const wanted = names.filter((name, i) => i < this.#least || experiment[name]);
     this.#list = wanted.map((name) => this.#list.find((pane) => pane.name === name) ?? this.#made(name));
     for (const pane of this.#list) pane.offer(problem, this.#schemes, experiment[pane.name]);
     this.#place();
@@ -65,6 +70,6 @@ export class Panes {
   #place() {
     find("#panes").replaceChildren(...this.#list.map(({ node }) => node));
     find("#add").disabled = this.#list.length === names.length;
-    for (const { node } of this.#list) node.querySelector(".remove").hidden = this.#list.length <= 2;
+    for (const { node } of this.#list) node.querySelector(".remove").hidden = this.#list.length <= this.#least;
   }
 }

@@ -5,10 +5,15 @@ import { custom } from "./service/text.js";
 import { element } from "./forms/forms.js";
 import { Lesson } from "./lessons/lesson.js";
 import { lessons } from "./lessons/lessons.js";
-import { Bench } from "./workbench/bench.js";
 
 const find = (selector) => document.querySelector(selector);
-let bench = null, lesson = null, shown = null, at = "";
+let bench = null, coming = null, lesson = null, shown = null, at = "";
+
+/** The workbench, fetched when it is first asked for: a lesson, which most begin with, is seen the sooner. */
+function workbench(catalogue) {
+  coming ??= import("./workbench/bench.js").then(({ Bench }) => (bench = new Bench(catalogue, note)));
+  return coming;
+}
 
 /**
  * Puts `hash` into the address: as a step to go back from, unless it only spells out what stands there. An address that has
@@ -47,14 +52,14 @@ function openLesson(id, state, moved = false) {
 
 function show(part, selector) {
   if (shown !== part) shown?.close();
-  shown = part;
+  shown = part; // null while the workbench is still to come
   for (const section of ["#lesson", "#experiment"]) find(section).hidden = section !== selector;
   find("#to-lessons").ariaCurrent = selector === "#lesson" ? "page" : null;
   find("#to-workbench").ariaCurrent = selector === "#lesson" ? null : "page";
 }
 
 /** Shows what the address says. */
-function route(catalogue) {
+async function route(catalogue) {
   at = location.hash;
   find("#undo").disabled = steps() === 0;
   const asked = at || lessonHash(lessons[0].id), link = lessonOf(asked);
@@ -67,20 +72,27 @@ function route(catalogue) {
   const wrong = [...(id && !known ? [`problem=${id}`] : []), ...unread];
   tell(wrong.length ? `Of this link, ${wrong.join(", ")} means nothing here; the rest is shown.` : "");
   show(bench, "#experiment");
+  const asking = at;
+  await workbench(catalogue);
+  if (at !== asking) return; // it has changed meanwhile
+  show(bench, "#experiment");
   bench.load(experiment);
+}
+
+function fail(error) {
+  find("main").prepend(element("p", { className: "wrong", role: "alert", textContent: `The page could not start: ${error.message}` }));
+  throw error;
 }
 
 try {
   const catalogue = await api.catalogue();
-  bench = new Bench(catalogue, note);
   lesson = new Lesson(catalogue, openLesson);
-  addEventListener("hashchange", () => route(catalogue));
+  addEventListener("hashchange", () => route(catalogue).catch(fail));
   addEventListener("keydown", (event) => (undoes(event) ? history.back() : shown?.key(event)));
   find("#skip").addEventListener("click", () => find(shown === lesson ? "#claim" : "#problem").focus());
   find("#undo").addEventListener("click", () => history.back());
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [bench, lesson].forEach((part) => part.draw()));
-  route(catalogue);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [bench, lesson].forEach((part) => part?.draw()));
+  await route(catalogue);
 } catch (error) {
-  find("main").prepend(element("p", { className: "wrong", role: "alert", textContent: `The page could not start: ${error.message}` }));
-  throw error;
+  fail(error);
 }

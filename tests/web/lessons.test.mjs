@@ -364,6 +364,25 @@ pageTest("a key says what the colours of many runs mean", { ...calm, hash: "#les
   assert.doesNotMatch(lessons.find(({ id }) => id === "galaxy").look, /energy is/, "what the control changes is not said to be so");
 });
 
+const late = async (opened) => opened.route("**/workbench/bench.js", async (route) => {
+  await new Promise((resolve) => setTimeout(resolve, 400));
+  return route.fallback();
+});
+pageTest("the workbench is fetched when it is asked for, and whoever has left meanwhile does not see it", { ...calm, prepare: late }, async (page) => {
+  const fetched = () => page.evaluate(() => performance.getEntriesByType("resource").filter(({ name }) => /workbench\/.*js$/.test(name)).length);
+  assert.equal(await fetched(), 0);
+  await page.evaluate(() => (location.hash = "#problem=pendulum"));
+  await page.waitForSelector("#experiment:not([hidden])");
+  await page.evaluate(() => (location.hash = "#lesson=spiral"));
+  await opened(page, "spiral");
+  await page.waitForTimeout(600);
+  assert.ok((await page.isVisible("#claim")) && !(await page.isVisible("#experiment")));
+  assert.ok((await fetched()) > 5);
+  await page.evaluate(() => (location.hash = "#problem=pendulum"));
+  await page.waitForSelector("#results[aria-busy=false]");
+  assert.equal(await page.inputValue("#problem"), "pendulum");
+});
+
 pageTest("the page is small", calm, async (page) => {
   let bytes = 0;
   const { gzipSync } = await import("node:zlib");
@@ -371,7 +390,7 @@ pageTest("the page is small", calm, async (page) => {
   for (let i = 0; i < files.length; i++) {
     const text = await page.evaluate(async (path) => (await fetch(path)).text(), `/${files[i]}`);
     bytes += gzipSync(text).length;
-    for (const [, path] of text.matchAll(/(?:from|href=|src=) ?"([\w./-]+\.(?:js|css|svg))"/g)) {
+    for (const [, path] of text.matchAll(/(?:from |href=|src=|import\()"([\w./-]+\.(?:js|css|svg))"/g)) {
       const name = new URL(path, `${origin}/${files[i]}`).pathname.slice(1);
       if (!seen.has(name)) files.push(name);
       seen.add(name);

@@ -14,8 +14,8 @@ const rooms = { service: [], forms: [], catalogue: base, drawing: base, own: bas
 
 const modules = Object.keys(rooms).flatMap((room) => readdirSync(join(page, room)).filter((name) => name.endsWith(".js"))
   .map((name) => normalize(join(room, name)))).filter((file) => !file.startsWith("eslint"));
-const importsOf = (file) => [...readFileSync(join(page, file), "utf8").matchAll(/^import (?:.* from )?"(.+)";$/gm)]
-  .map(([, path]) => path);
+const importsOf = (file) => [...readFileSync(join(page, file), "utf8").matchAll(/^import (?:.* from )?"(.+)";$|\bimport\("(\.[^"]+)"\)/gm)]
+  .map(([, path, later]) => path ?? later);
 
 test("every folder of the page is a room", () => {
   const folders = readdirSync(page, { withFileTypes: true }).filter((entry) => entry.isDirectory() && entry.name !== "node_modules");

@@ -17,6 +17,8 @@ const parts = {
   "a lesson that measures": { hash: "#lesson=digits", ready: "#lesson .precision canvas" },
   "a presentation": { hash: "#lesson=downhill", ready: "#lesson[aria-busy=false]", open: "#present" },
   "the workbench": { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis", open: ".curl summary" },
+  "a portrait": { hash: "#problem=pendulum&starts.of=q,p&starts.at=0,1,0,2&view.field=true", ready: "#start-list li" },
+  "many runs, with a key": { hash: "#lesson=islands", ready: "#lesson .hues" },
   "a scene as text, with a fault": { hash: "#problem=custom&problem.variables=q&problem.potential=k*q^2", ready: "#spot-formula mark", expected: /422/ },
 };
 for (const [name, { open, ...part }] of Object.entries(parts)) {

@@ -224,7 +224,7 @@ pageTest("what plays is taken away as a film", { hash: `${swing.hash}&until.t=9`
   const film = page.locator("#take button", { hasText: "WebM" }), coming = page.waitForEvent("download");
   await film.click();
   assert.equal(await page.locator("#take button", { hasText: "Stop filming" }).count(), 1);
-  await becomes(() => page.textContent("#motion output"), (text) => parseFloat(text.slice(4)) > 3);
+  await becomes(() => page.textContent("#motion output"), (text) => parseFloat(text.slice(4)) > 7);
   await page.locator("#take button", { hasText: "Stop filming" }).click();
   const file = await coming, bytes = readFileSync(await file.path());
   assert.equal(file.suggestedFilename(), "harmonic-oscillator.webm");
@@ -232,7 +232,7 @@ pageTest("what plays is taken away as a film", { hash: `${swing.hash}&until.t=9`
   const size = (id) => bytes.readUInt16BE(bytes.indexOf(Buffer.from([id, 0x82])) + 2); // an element of two bytes
   const { width, height } = await page.locator(plane("A")).evaluate((canvas) => ({ width: canvas.width, height: canvas.height }));
   assert.deepEqual([size(0xb0), size(0xba)], [2 * width, height], "both pictures beside each other");
-  assert.ok(bytes.length > 20_000, `${bytes.length} bytes: frames that differ`);
+  assert.ok(bytes.length > 18_000, `${bytes.length} bytes: a still film has 16 000`);
   assert.ok(await film.isVisible(), "and another can be made");
 });
 

@@ -4,8 +4,9 @@ import { words } from "../forms/forms.js";
 /** The variables of the motion. The optional ones are only ways to start it, and are neither asked for nor drawn. */
 export const motion = (problem) => problem.variables.filter((variable) => !variable.optional);
 
-/** Whether the time alone changes nothing in a scene. */
+// What changes with the time alone, among the scenes of the catalogue, whose cards do not say so.
 const timed = ["driven_oscillator", "modulated_oscillator", "spin_orbit", "perturbed_kepler", "lane_emden"];
+/** Whether the time alone changes nothing in a scene. */
 export const isAutonomous = ({ id, form }) => form?.autonomous ?? !timed.includes(id);
 
 /** Whether a scene has more variables than anybody would choose among: of those, only what is drawn is asked for. */

@@ -45,7 +45,8 @@ const drawings = {
     pen.fillRect(end - 0.12, y - 0.15, 0.24, 0.3);
   },
   spherical_pendulum(pen, { theta, phi }) {
-    const seen = projection({ around: 0, up: 0.35 }), [x, y] = seen(...[Math.cos(phi), Math.sin(phi)].map((v) => 0.85 * Math.sin(theta) * v), -0.85 * Math.cos(theta));
+    const seen = projection({ around: 0, up: 0.35 }), out = 0.85 * Math.sin(theta);
+    const [x, y] = seen(out * Math.cos(phi), out * Math.sin(phi), -0.85 * Math.cos(theta));
     const circle = Array.from({ length: 49 }, (_, i) => [0.85 * Math.cos((i / 24) * Math.PI), 0.85 * Math.sin((i / 24) * Math.PI)]);
     pen.lineWidth = 0.008; // the sphere
     rod(pen, ...circle);
@@ -70,8 +71,10 @@ const drawings = {
   },
 };
 
+const bodyNamed = (names) => (names.startsWith("theta,phi,ptheta,pphi") ? "spherical_pendulum" : undefined);
+
 /** Which drawing a problem has: one of the catalogue by its id, one of a text by the names of its coordinates. */
-export const bodyOf = ({ id, form, variables }) => (form ? (variables.map(({ name }) => name).join().startsWith("theta,phi,ptheta") ? "spherical_pendulum" : undefined) : {
+export const bodyOf = ({ id, form, variables }) => (form ? bodyNamed(variables.map(({ name }) => name).join()) : {
   pendulum: "pendulum", damped_pendulum: "pendulum", double_pendulum: "double_pendulum", harmonic_oscillator: "spring",
   damped_oscillator: "spring", driven_oscillator: "spring", modulated_oscillator: "spring", generic_oscillator: "spring",
   spin_orbit: "moon", kepler: "planet", kepler_3d: "planet", damped_kepler: "planet", perturbed_kepler: "planet",

@@ -115,7 +115,9 @@ export class Lesson {
     this.#player.rest();
     this.#study?.stop();
     this.#figures.build(this.#lesson, runs.map((_, i) => this.#titleOf(i)));
-    this.#study = study ? new Study(find("#figures"), this.#catalogue.schemes) : portrait ? new Portrait(find("#figures"), this.#lesson, portrait.keep.includes("final")) : null;
+    const figures = find("#figures");
+    this.#study = study ? new Study(figures, this.#catalogue.schemes)
+      : portrait ? new Portrait(figures, this.#lesson, portrait.keep.includes("final")) : null;
     find(".player").hidden = views.every(({ bins }) => bins);
     this.#control = control ? slider(control.label, control, this.#setting(), (value, done) => this.#move(value, done)) : null;
     find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));

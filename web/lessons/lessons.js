@@ -2,7 +2,8 @@
 //   scene, runs   a request and what each run has of its own; a run may bear a `name`
 //   views         columns `x`, `y` (`error_of_energy`: |H − H₀| / |H₀|), `z` for a view in space; `log`: the axes that are
 //                 logarithmic; `box`: what is seen; `exact`: known curves, functions of x or, with a range, to points; `bins`: a
-//                 histogram of x; `level`: a function whose level curves lie behind; `run`: one run only; `thin`: of thin lines; `sun`: at the origin; `body`: the thing itself
+//                 histogram of x; `level`: a function whose level curves lie behind; `run`: one run only; `thin`: of thin lines;
+//                 `sun`: at the origin; `body`: the thing itself
 //   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one, all in a "row"
 //   one           the view of a presentation, where it is not the first
 //   pace          "cycle": the runs play each at the pace of its own period, and x may be `periods`
@@ -166,7 +167,8 @@ export const lessons = [
          "islands dissolve: one star's points fill what is left. At 1/6 hardly an island remains.",
     portrait: { problem: { id: "henon_heiles" }, until: { t: 1500 }, scheme: { id: "leapfrog", step: 0.1, composition: "suzuki_4" },
                 section: { expression: "x", direction: "up" }, columns: ["y", "py"], keep: ["section"], surface: { energy: 1 / 12, starts: 10 } },
-    labels: ["y", "momentum of y"], key: ["starts at rest, from the left", "starts at y = 0, ever faster"], control: { sets: "surface.energy", label: "energy", low: 0.02, high: 1 / 6 },
+    labels: ["y", "momentum of y"], key: ["starts at rest, from the left", "starts at y = 0, ever faster"],
+    control: { sets: "surface.energy", label: "energy", low: 0.02, high: 1 / 6 },
   },
   {
     id: "basins", title: "Which way a pendulum ends up turning can hang on the last digit of its start",

@@ -9,7 +9,7 @@ const side = 121, step = 1e-6;
 const box = document.querySelector("#field");
 
 /** Whether the plane of two variables tells all of a motion. */
-export const isPlanar = (problem, axes) => Boolean(axes) && isAutonomous(problem) && motion(problem).length === 2 &&
+const isPlanar = (problem, axes) => Boolean(axes) && isAutonomous(problem) && motion(problem).length === 2 &&
   problem.schemes.includes("explicit_euler");
 
 export class Background {

@@ -56,7 +56,8 @@ export function inPlane({ axes, log, labels, problem }, runs, hands) {
       const { x, y } = plane.map.at(left, top);
       hands.pick([x, y]);
     } : undefined;
-    return drawn.length ? { curves: [...drawn, ...beside], view, labels, log, pick, unpick: hands.unpick, backdrop: hands.backdrop ?? (centred ? sun : undefined) } : null;
+    const backdrop = hands.backdrop ?? (centred ? sun : undefined);
+    return drawn.length ? { curves: [...drawn, ...beside], view, labels, log, pick, unpick: hands.unpick, backdrop } : null;
   };
 }
 

@@ -98,7 +98,8 @@ export class Runs {
   /** The request for one run, with `most` points. */
   #requestFor(now, scheme, most) {
     const { problem, initial, until } = this.sceneOf(now), card = this.#schemes.find(({ id }) => id === scheme.id);
-    const own = this.#scene.problem, drawn = drawnOf(this.#scene.axes, kindsOf(own)), { start, events } = this.#scene, span = until.t === undefined ? this.#scene.span : until.t - start;
+    const own = this.#scene.problem, drawn = drawnOf(this.#scene.axes, kindsOf(own));
+    const { start, events } = this.#scene, span = until.t === undefined ? this.#scene.span : until.t - start;
     return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, span, Math.min(most, Math.ceil(values / (drawn.length || 1)))),
              columns: columns(own, card, drawn, this.#scene.columns), diagnostics: diagnostics(own),
              ...(events.length ? { events } : {}) };

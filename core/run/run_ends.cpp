@@ -182,8 +182,9 @@ void Run::warn_of_the_run() {
   watch_.warn(outcome_.warnings);
   evidence_.finish(problem_, state_);
   const KeepGoing shortly = budget_.shortly();
-  Request last = request_;
-  last.control = last.control && !acted_;  // which knows no acts
+  std::optional<Request> alone;
+  if (acted_) alone.emplace(request_).control = false;  // a control run knows no acts
+  const Request& last = alone ? *alone : request_;
   warn_of_run({backend_, last, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, shortly},
               outcome_.warnings);
   if (events_.full()) warn("events_truncated", "more events than limits.samples has room for; the first are listed");

@@ -30,9 +30,10 @@ Value settled(const Symbol& number) { return {number, true, false}; }
 /// The angle of (x, y): where |y| < |x| by y/x, else by x/y.
 Symbol angle(const Symbol& y, const Symbol& x) {
   const Symbol half = std::numbers::pi / 2, whole = std::numbers::pi;
-  const Symbol behind = atan(y / x) + select(y < Symbol(0), -whole, whole);
-  const Symbol beside = select(y < Symbol(0), -half, half) - atan(x / y);
-  return select(abs(y) < abs(x), select(x < Symbol(0), behind, atan(y / x)), beside);
+  const auto flat = abs(y) < abs(x);
+  const Symbol slope = atan(y / select(flat, x, Symbol(1))), other = atan(x / select(flat, Symbol(1), y));
+  const Symbol behind = slope + select(y < Symbol(0), -whole, whole);
+  return select(flat, select(x < Symbol(0), behind, slope), select(y < Symbol(0), -half, half) - other);
 }
 
 Symbol call(const Token& token, std::span<const Value> arguments) {

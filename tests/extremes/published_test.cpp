@@ -26,6 +26,6 @@ INSTANTIATE_TEST_SUITE_P(, PublishedTests, testing::ValuesIn(torture::all_publis
   return name;
 });
 
-TEST(PublishedTests, AreAllThatTheTableLists) { EXPECT_EQ(torture::all_published().size(), 29U); }
+TEST(PublishedTable, ListsThemAll) { EXPECT_EQ(torture::all_published().size(), 29U); }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace least {
 
 Truth truth_by_series(const RunBackend& backend, const RunState& start, const std::vector<double>& times,
                       const KeepGoing& keep_going, std::span<const std::size_t> kinds) {
-  constexpr double fine_tolerance = 1e-27, coarse_tolerance = 1e-23, rounding = 0x1p-53;
+  constexpr double closest = 1e-27, close = 1e-23, rounding = 0x1p-53;
   constexpr std::size_t at_once = 256;
   Truth truth{{}, rounding, 0, {}, "quad precision run", false};
   const std::size_t size = start.size();
@@ -18,7 +18,7 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
   const std::vector<tape::Index> rates = backend.write_equations(tape);
   // Of larger ones a step in so many digits takes longer than anybody waits for a look at the clock.
   if (tape.size() > tape::most_of_equations / 4 || !TrueMotion::covers(tape)) return truth;
-  TrueMotion fine(tape, rates, fine_tolerance), coarse(std::move(tape), rates, coarse_tolerance);
+  TrueMotion fine(tape, rates, closest), coarse(std::move(tape), rates, close);
   const std::vector<DoubleDouble> digits(start.numbers.begin(), start.numbers.end());
   fine.start(digits, start.t);
   coarse.start(digits, start.t);

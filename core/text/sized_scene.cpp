@@ -40,11 +40,13 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
   });
   const auto folded = [&](const std::vector<Symbol>& all) {
     std::vector<Symbol> made;
+    made.reserve(all.size());
     for (const Symbol& y : all) made.push_back(fold(y));
     return made;
   };
   const auto formula = [&](const std::vector<Symbol>& all) {
     std::vector<tape::Index> places;
+    places.reserve(all.size());
     for (const Symbol& y : all) places.push_back(y.on(equations));
     return tape::Formula(equations, places);
   };

@@ -27,6 +27,18 @@ void solve(std::size_t n, double* a, const double* b, double* x) {
   Eigen::Map<Column<N>>(x, size) = lu.solve(Eigen::Map<const Column<N>>(b, size));
 }
 
+/// Of systems larger than those that stand in place.
+using Large = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+bool is_large(std::size_t n) { return n > std::size_t(largest_system); }
+Eigen::PartialPivLU<Large> large_factors(std::size_t n, const double* a) {
+  const auto size = static_cast<Eigen::Index>(n);
+  return Eigen::PartialPivLU<Large>(Eigen::Map<const Large>(a, size, size));
+}
+void solve_large(std::size_t n, const double* a, const double* b, double* x) {
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::Map<Eigen::VectorXd>(x, size) = large_factors(n, a).solve(Eigen::Map<const Eigen::VectorXd>(b, size));
+}
+
 /// Factors in double and residuals in T: each round gains the digits that double has beyond those that the condition of
 /// A costs. (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 12.1. Eigen's own factors in T take
 /// fifteen seconds to compile, in each of three builds.)
@@ -85,6 +97,7 @@ template <class T>
 void detail::solve_by_lu(std::size_t n, T* a, const T* b, T* x) {
   if constexpr (std::is_same_v<T, double>) {
     // A size that is fixed saves up to 50 ns and takes two seconds of compilation: for the smallest and most frequent.
+    if (is_large(n)) return solve_large(n, a, b, x);
     if (n == 2) return solve<2>(n, a, b, x);
 #ifndef LEAST_FEW_SIZES
     if (n == 3) return solve<3>(n, a, b, x);
@@ -101,9 +114,14 @@ template void detail::solve_by_lu(std::size_t, long double*, const long double*,
 template void detail::solve_by_lu(std::size_t, Quad*, const Quad*, Quad*);
 #endif
 
-void detail::invert(std::size_t n, double* a) { invert_in_place(n, a); }
+void detail::invert(std::size_t n, double* a) {
+  if (!is_large(n)) return invert_in_place(n, a);
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::Map<Large>(a, size, size) = large_factors(n, a).inverse();
+}
 
 double detail::determinant_by_lu(std::size_t n, double* a) {
+  if (is_large(n)) return large_factors(n, a).determinant();
   const auto size = static_cast<Eigen::Index>(n);
   Eigen::Map<Square<Eigen::Dynamic>> rows(a, size, size);
   return Factors<Eigen::Dynamic>(rows).determinant();

@@ -141,7 +141,10 @@ StateNumbers TangentLength::direction(StateView x) const {
   const StateNumbers moved = velocity_slopes(x, at_rest.data());
   for (std::size_t i = 0; i < n_; ++i) wanted[i] = u[n_ + i] - moved[i];
   auto masses = inverse_masses(x);
-  detail::solve_by_lu(n_, masses.data(), wanted.data(), momenta.data());
+  bool diagonal = true;
+  for (std::size_t i = 0; i < masses.size(); ++i) diagonal = diagonal && (masses[i] == 0 || i % (n_ + 1) == 0);
+  for (std::size_t i = 0; i < n_ && diagonal; ++i) momenta[i] = wanted[i] / masses[i * (n_ + 1)];
+  if (!diagonal) detail::solve_by_lu(n_, masses.data(), wanted.data(), momenta.data());
   if (std::ranges::all_of(momenta, [](double p) { return std::isfinite(p); }))
     std::ranges::copy(momenta, u.begin() + static_cast<std::ptrdiff_t>(n_));
   return u;

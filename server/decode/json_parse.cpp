@@ -46,6 +46,7 @@ class Builder final : public nlohmann::json_sax<Json> {
     auto& level = levels_.back();
     level.key = std::move(name);
     if (!holds(beside(level.key)) || !widen(level.node.get_ref<Json::object_t&>())) return false;
+    if ((looks_ += level.node.size()) > bounds_.looks) return broken("objects of too many keys together");
     if (level.node.contains(level.key)) {
       faults_.add({pointer_here(), "the key stands twice", "", ""});
     } else if (level.node.size() >= bounds_.keys) {
@@ -156,7 +157,7 @@ class Builder final : public nlohmann::json_sax<Json> {
   Faults& faults_;
   const bool builds_;
   std::vector<Level> levels_;
-  std::size_t values_ = 0, bytes_ = 0;
+  std::size_t values_ = 0, bytes_ = 0, looks_ = 0;
 };
 
 struct Foreign {

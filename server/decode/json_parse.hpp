@@ -18,7 +18,8 @@ using Json = nlohmann::ordered_json;
 struct JsonBounds {
   int depth = 16;
   std::size_t values = 250'000;
-  std::size_t keys = 128;  ///< in one object: ordered_json looks keys up one by one
+  std::size_t keys = 4096;         ///< in one object
+  std::size_t looks = 20'000'000;  ///< at keys, together: ordered_json looks them up one by one
 };
 
 struct ParsedJson {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "tests/server/client.hpp"
 #include "tests/server/faults.hpp"
@@ -23,8 +24,8 @@ class ManyCoordinates : public Serving {
     return Json::parse(R"~({"problem":{"id":"custom","variables":["x[7]","y[7]"],
       "potential":"-sum(i=1..7, j=i+1..7, i*j/sqrt((x[i]-x[j])^2 + (y[i]-y[j])^2))","masses":{"x[i]":"i","y[i]":"i"}},
       "initial":{"x":[3,3,-1,-3,2,-2,2],"y":[3,-3,2,0,0,-4,4],"vx[6]":1.75,"vx[7]":-1.5,"vy[4]":-1.25,"vy[5]":1},
-      "until":3,"scheme":"taylor","diagnostics":["energy","momenta","structure","error"],"record":{"samples":11},
-      "columns":["t","x[*]","y[*]","energy","error",{"name":"px","expression":"sum(i=1..7, px[i])"}]})~");
+      "until":3,"scheme":"taylor","diagnostics":["energy","momenta","structure"],"record":{"samples":11},
+      "columns":["t","x[*]","y[*]","energy",{"name":"px","expression":"sum(i=1..7, px[i])"}]})~");
   }
   static Json chain(int n) {
     const std::string count = std::to_string(n);
@@ -45,8 +46,6 @@ TEST_F(ManyCoordinates, MoveAsIsKnown) {
   EXPECT_EQ(made["trajectory"]["y[7]"].size(), 11U);
   EXPECT_EQ(made["initial"]["py[4]"], -5) << "of a mass of 4";
   EXPECT_LT(made["diagnostics"]["energy"]["max_rel_error"], 1e-12);
-  EXPECT_LT(made["diagnostics"]["error"]["max"], 1e-8);
-  for (const Json& error : made["trajectory"]["error"]) EXPECT_LT(error, 1e-8);
   for (const Json& momentum : made["trajectory"]["px"]) EXPECT_NEAR(momentum, 0, 1e-12);
   EXPECT_TRUE(made["warnings"].empty()) << made["warnings"];
 
@@ -57,13 +56,14 @@ TEST_F(ManyCoordinates, MoveAsIsKnown) {
 }
 
 TEST_F(ManyCoordinates, AreAskedInEveryWay) {
-  Json request = pleiades();
+  Json request = chain(12);
+  request["initial"] = {{"q[1]", 0.2}};
+  request["until"] = 2;
   request["scheme"] = {{"id", "auto"}, {"accuracy", 1e-6}};
-  request["columns"] = {"t", "x[1]"};
   Json made = answer(request);
   EXPECT_EQ(made["choice"]["met"], true) << made["choice"];
-  EXPECT_NEAR(made["final"]["x[1]"], 0.3706139143970502, 1e-5);
 
+  request = pleiades();
   request["scheme"] = {{"id", "leapfrog"}, {"step", 0.001}};
   request["events"] = {{{"name", "meet"}, {"expression", "x[1] - 2"}, {"direction", "both"}}};
   made = answer(request);
@@ -95,6 +95,60 @@ TEST_F(ManyCoordinates, AreAskedInEveryWay) {
   ASSERT_EQ(made["curves"].size(), 3U);
   EXPECT_NEAR(made["curves"][0]["observed_order"], 2, 0.05);
   EXPECT_NEAR(made["curves"][1]["observed_order"], 4, 0.1);
+}
+
+// Whatever is asked of them: beyond 64 equations a system stands in no place of its own, beyond 128 keys nor did a
+// start.
+TEST_F(ManyCoordinates, NoQuestionIsTooLarge) {
+#ifdef __SANITIZE_ADDRESS__
+  const std::vector<int> sizes{70};  // others take minutes in such a build
+#else
+  const std::vector<int> sizes{70, 150, 1024};
+#endif
+  for (const int n : sizes) {
+    Json request = chain(n);
+    const Json card = answer(request, "/v1/problems");
+    request["initial"] = {{"q[1]", 0.3}};
+    request["until"] = 0.1;
+    request["limits"] = {{"seconds", 60}};
+    request["record"] = {{"samples", 3}};
+    request["diagnostics"] = card["diagnostics"];
+    ASSERT_GE(card["diagnostics"].size(), 4U) << card["diagnostics"];
+    for (const char* scheme : {"leapfrog", "taylor", "dormand_prince_5"}) {
+      request["scheme"] = scheme;
+      const Json made = answer(request);
+      EXPECT_EQ(made["status"], "completed") << n << " " << scheme << " " << made["stop"];
+      EXPECT_EQ(made["diagnostics"].size(), card["diagnostics"].size());
+      EXPECT_LT(made["diagnostics"]["energy"]["max_rel_error"], 1e-3);
+      Json echoed;
+      for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
+        echoed[key] = made[key];
+      EXPECT_EQ(answer(echoed)["final"], made["final"]) << "a start of so many keys is read";
+    }
+    request.erase("diagnostics");
+    request.erase("limits");
+    request.erase("record");
+    request["budget_seconds"] = 0.3;
+    request.erase("scheme");
+    request["schemes"] = {"leapfrog", "taylor"};
+    answer(request, "/v1/work-precision");
+    request.erase("until");
+    answer(request, "/v1/stability");
+    request = chain(n);
+    request["scheme"] = {{"id", "auto"}, {"accuracy", 1e-6}};
+    request["until"] = 0.1;
+    request["limits"] = {{"seconds", 4}};
+    request["columns"] = {"t", "q[1]"};
+    answer(request);
+  }
+  const Json full = {{"problem",
+                      {{"id", "custom"},
+                       {"variables", {"a[70]"}},
+                       {"lagrangian", "sum(i=1..70, va[i]^2/2 - a[i]^2/2) + va[1]*va[70]/3"}}},
+                     {"initial", {{"va[1]", 1}}},
+                     {"scheme", "leapfrog"},
+                     {"until", 1}};
+  EXPECT_LT(answer(full)["diagnostics"]["energy"]["max_rel_error"], 1e-3);
 }
 
 TEST_F(ManyCoordinates, AreDescribed) {

@@ -84,6 +84,8 @@ TEST(JsonText, BoundsDepthValuesAndKeys) {
   EXPECT_FALSE(parse_json("[1,1,1,1]", {.values = 4})->faults.empty());
   EXPECT_TRUE(parse_json("[1,1,1]", {.values = 4})->faults.empty());
   EXPECT_TRUE(parse_json(R"({"a":1,"b":1,"c":1})", {.keys = 2})->faults.at("/c"));
+  EXPECT_TRUE(parse_json(R"([{"a":1,"b":1,"c":1},{"a":1,"b":1}])", {.looks = 3})->faults.at("/1/b"));
+  EXPECT_FALSE(parse_json(R"([{"a":1,"b":1,"c":1},{"a":1,"b":1}])", {.looks = 4})->faults.full());
 }
 
 std::string list_of(std::string_view value, int count) {

@@ -90,7 +90,7 @@ TEST_F(ManyCoordinates, AreAskedInEveryWay) {
   request["initial"] = {{"q[1]", 0.2}};
   request["schemes"] = {"leapfrog", "runge_kutta_4", "taylor"};
   request["until"] = 10;
-  request["budget_seconds"] = 1;
+  request["budget_seconds"] = 6;
   made = answer(request, "/v1/work-precision");
   ASSERT_EQ(made["curves"].size(), 3U);
   EXPECT_NEAR(made["curves"][0]["observed_order"], 2, 0.05);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/catalogue/backward.hpp"
 #include "core/catalogue/catalogue.hpp"
 #include "core/run/messages.hpp"
 #include "server/decode/field_reader.hpp"
@@ -41,7 +42,11 @@ class Task {
     if (seconds_ != request_.limits.seconds) {  // so many the choice left of them
       limited.emplace(request_).limits.seconds = seconds_;
     }
-    Solution outcome = request_.scene->mechanics->run(limited ? *limited : request_, sink, cancelled);
+    const Scene& scene = *request_.scene;
+    TurnedRows turned(request_, sink);
+    RowSink& receiver = goes_backward(scene) ? turned : sink;
+    Solution outcome = scene.mechanics->run(limited ? *limited : request_, receiver, cancelled);
+    turn(scene, outcome);
     constexpr std::string_view code = "reference_not_finished";
     if (advice_ && !advice_->referenced &&
         std::ranges::find(outcome.warnings, code, &Warning::code) == outcome.warnings.end())
@@ -127,7 +132,7 @@ Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admi
       outcome = task->run(lines, watch.cancelled());
     } catch (const MemoryShortage& shortage) {  // what was known leaves as lines did
       outcome = {};
-      outcome.stop = {ReturnCode::memory, shortage.what(), planned.request.scene->start, 0, {}};
+      outcome.stop = {ReturnCode::memory, shortage.what(), forward_of(*planned.request.scene).start, 0, {}};
     }
     Answer told;
     note_run(told, planned, outcome);

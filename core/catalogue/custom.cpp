@@ -54,7 +54,10 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
     text::Definition definition) {
   auto read = text::TextScene::read(std::move(definition));
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
-  auto& scene = std::get<text::TextScene>(read);
+  return mechanics_of(std::get<text::TextScene>(std::move(read)));
+}
+
+std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> mechanics_of(text::TextScene scene) {
   if (!scene.form->is_compiled()) return of_any_size(std::move(scene));
   const std::string wanted = class_of(*scene.form, scene.capacity);
   auto form = std::ranges::find(text_forms(), wanted, &TextForm::name);

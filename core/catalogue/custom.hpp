@@ -21,6 +21,9 @@ struct TextForm {
 /// Those of this build; it may leave some out.
 std::span<const TextForm> text_forms();
 
+/// The mechanics of a scene that was read, or what is wrong with it. Throws as the next.
+std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> mechanics_of(text::TextScene scene);
+
 /// The mechanics that a definition describes, or everything that is wrong with it. Throws std::runtime_error where this
 /// build leaves the form out.
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(

@@ -84,8 +84,11 @@ Moving<T> made_of(const RunBackend& backend, const Scene& scene, const Act& act,
   const bool sets_velocities = std::ranges::any_of(act.settings, &Setting::velocity);
   std::vector<T> v;
   if (sets_velocities) v = velocity_at(backend, before);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    (act.settings[i].velocity ? v : after.x)[act.settings[i].index] = values[i];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Setting& set = act.settings[i];
+    const bool turned = text && (set.velocity ? text->forward != nullptr : text->turns(set.index));
+    (set.velocity ? v : after.x)[set.index] = turned ? -values[i] : values[i];
+  }
   if (!sets_velocities) return after;
   std::vector<T> state(scene.card().variables.size(), T(0));
   std::copy_n(after.x.begin(), std::min(after.x.size(), state.size()), state.begin());

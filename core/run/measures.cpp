@@ -34,9 +34,12 @@ void Measures::enclose(const interval::RateEnclosure* observed, const interval::
 MeasureReader::MeasureReader(const Scene& scene, bool velocities)
     : card_(scene.card()), text_(scene.mechanics->text()) {
   const auto know = [&](std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); };
+  const auto turned = [&](const Symbol& x, bool changes) { return changes ? -x : x; };
+  const bool backward = text_ && text_->forward;
   for (std::size_t i = 0; i < card_.variables.size(); ++i)
-    if (!card_.variables[i].hidden) know(card_.variables[i].name, Symbol::variable(tape_, i));
-  know("t", Symbol::time(tape_));
+    if (!card_.variables[i].hidden)
+      know(card_.variables[i].name, turned(Symbol::variable(tape_, i), text_ && text_->turns(i)));
+  know("t", turned(Symbol::time(tape_), backward));
   if (std::ranges::find(card_.columns, "energy", &ColumnCard::name) != card_.columns.end())
     know("energy", Symbol::variable(tape_, card_.variables.size()));
   for (std::size_t i = 0; i < card_.parameters.size() && i < scene.parameters.size(); ++i) {
@@ -50,7 +53,7 @@ MeasureReader::MeasureReader(const Scene& scene, bool velocities)
   velocities_.reserve(coordinates.size());
   for (std::size_t i = 0; i < coordinates.size(); ++i)
     know(velocities_.emplace_back(text::velocity_name(coordinates[i])),
-         Symbol::variable(tape_, card_.variables.size() + 1 + i));
+         turned(Symbol::variable(tape_, card_.variables.size() + 1 + i), backward));
 }
 
 std::optional<text::Fault> MeasureReader::read(std::string name, std::string text) {

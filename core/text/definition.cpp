@@ -47,6 +47,7 @@ std::string Definition::key() const {
   for (const auto* text : {&damping, &action_curvature, &offset}) append(*text ? "=" + **text : "");
   append_all(equations);
   append_all(invariants);
+  if (backward) append("backward");
   return key;
 }
 

@@ -35,8 +35,9 @@ struct Definition {
   std::string formula{};                                     ///< L, H or V
   Named masses{};                                            ///< of coordinates; 1 where none is given
   std::optional<std::string> damping{}, action_curvature{}, offset{};
-  Named equations{};   ///< ẋ of every variable
-  Named invariants{};  ///< what the motion keeps, as its author says
+  Named equations{};      ///< ẋ of every variable
+  Named invariants{};     ///< what the motion keeps, as its author says
+  bool backward = false;  ///< t, velocities, momenta and s of its texts are −t, … of what moves forward
 
   // Of a scene that was written out (core/text/written_out.hpp): what its author typed, and the words of further texts.
   std::shared_ptr<const TypedScene> typed{};

@@ -55,7 +55,7 @@ class Reader : TextReader {
         continue;
       }
       if (const auto rate = record(pointer_to("/equations/", name), found->second, known))
-        form_->rates.push_back(*rate);
+        form_->rates.push_back(given_.backward ? -*rate : *rate);
     }
     for (const auto& [name, text] : given_.equations)
       if (std::ranges::find(given_.variables, name) == given_.variables.end())
@@ -153,7 +153,8 @@ class Reader : TextReader {
     for (Word& word : of_time)
       if (word.name == "t") word.refusal = {};
     if (given_.damping)
-      if (const auto damping = record("/damping", *given_.damping, of_time)) form_->damping = *damping;
+      if (const auto damping = record("/damping", *given_.damping, of_time))
+        form_->damping = given_.backward ? -*damping : *damping;
     if (given_.action_curvature)
       if (const auto curvature = record("/action_curvature", *given_.action_curvature, constants))
         form_->action_curvature = *curvature;

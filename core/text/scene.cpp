@@ -85,9 +85,12 @@ int capacity_of(const Form& form) {
 std::variant<TextScene, std::vector<DefinitionFault>> TextScene::read(Definition definition) {
   auto form = form_of(definition);
   if (auto* faults = std::get_if<std::vector<DefinitionFault>>(&form)) return std::move(*faults);
-  TextScene scene{std::move(definition), std::get<std::shared_ptr<const Form>>(form)};
-  scene.capacity = capacity_of(*scene.form);
-  return scene;
+  return of(std::move(definition), std::get<std::shared_ptr<const Form>>(form));
+}
+
+TextScene TextScene::of(Definition definition, std::shared_ptr<const Form> form) {
+  const int capacity = capacity_of(*form);
+  return {std::move(definition), std::move(form), capacity};
 }
 
 ProblemCard TextScene::described() const {
@@ -130,7 +133,22 @@ ProblemCard TextScene::described() const {
                                             .range = anywhere});
   card.span = default_span;
   for (const auto& name : form->invariant_names) card.invariants.push_back({name, name, "kept, as the text says"});
+  if (known) describe_as_known(card);
   return card;
+}
+
+void TextScene::describe_as_known(ProblemCard& card) const {
+  card.id = known->id;
+  card.title = known->title;
+  card.summary = known->summary;
+  card.formula = known->formula;
+  card.parameters = known->parameters;
+  card.span = known->span;
+  card.suggested = known->suggested;
+  card.references = known->references;
+  const std::size_t n = form->coordinates, all = form->kind == FormKind::flow ? n : 2 * n;
+  for (std::size_t i = 0; i < all; ++i)
+    card.variables[i < n ? i : static_cast<std::size_t>(capacity) + i - n] = known->variables[i];
 }
 
 template <class T>

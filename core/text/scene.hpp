@@ -1,9 +1,16 @@
 // A scene as text that was understood: what its author typed, its form, and its card.
 #pragma once
 
+#include <memory>
+#include <optional>
+
 #include "core/describe.hpp"
 #include "core/number/dual.hpp"
 #include "core/text/form.hpp"
+
+namespace least {
+struct Scene;
+}
 
 namespace least::text {
 
@@ -11,8 +18,13 @@ struct TextScene {
   Definition definition;
   std::shared_ptr<const Form> form;
   int capacity = 0;  ///< degrees of freedom, or variables, of the class that computes it
+  /// Of one that moves as another does backward in time (core/catalogue/backward.hpp): that one, and its card where it
+  /// is a problem of the catalogue.
+  std::shared_ptr<const Scene> forward{};
+  std::optional<ProblemCard> known{};
 
   static std::variant<TextScene, std::vector<DefinitionFault>> read(Definition definition);
+  static TextScene of(Definition definition, std::shared_ptr<const Form> form);
 
   /// Its card, but for what follows from the type of its mechanics. Variables beyond those of the text are hidden.
   ProblemCard described() const;
@@ -22,6 +34,10 @@ struct TextScene {
   /// The same along a direction.
   using Moved = Dual<double, 1>;
   void velocities_to_momenta(std::span<const double> parameters, const Moved& t, std::vector<Moved>& state) const;
+  /// Whether the i-th variable of the card is the opposite of what its name says: momenta and s of what goes backward.
+  bool turns(std::size_t i) const {
+    return forward && form->kind != FormKind::flow && i >= static_cast<std::size_t>(capacity);
+  }
   bool takes_velocities() const { return !form->momenta.empty(); }
   /// Why no run can begin with these parameters: a mass that is not positive, a number that is not finite. Empty:
   /// nothing. `pointer`: which of the texts says so.
@@ -43,6 +59,8 @@ struct TextScene {
   /// The same of a scene that no class is compiled for.
   std::optional<Objection> objection_to_large_start(std::span<const double> parameters, double t,
                                                     const std::vector<double>& state) const;
+  /// What the card of the catalogue says beyond the form.
+  void describe_as_known(ProblemCard& card) const;
   /// The variables of the card as the form's tape numbers them.
   template <class T>
   std::vector<T> on_tape(const std::vector<T>& state) const;

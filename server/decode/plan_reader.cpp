@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/catalogue/backward.hpp"
 #include "core/run/curve.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/suggestions.hpp"
@@ -58,6 +59,9 @@ FieldPath end_path(const Json& root, const FieldPath& top) {
   return is_bare(find(root, "until")) ? until : until.at("t");
 }
 
+// A time of the request in the time of the run, which goes forward.
+double run_time(const Request& request, double t) { return goes_backward(*request.scene) ? 0 - t : t; }
+
 // The end as it stands in the request, or the default one.
 void read_until(const Json& root, const FieldPath& top, const PresetCard* preset, Request& request) {
   const Json* json = find(root, "until");
@@ -74,7 +78,8 @@ void read_until(const Json& root, const FieldPath& top, const PresetCard* preset
     return;
   }
   if (t) {
-    request.end = read_number(*t, end_path(root, top), {-infinity, infinity, true, true}).value_or(request.end);
+    const auto end = read_number(*t, end_path(root, top), anywhere);
+    if (end) request.end = run_time(request, *end);
   } else if (const auto count = read_integer(*steps, path.at("steps"), 1, greatest_count)) {
     request.until_steps = true;
     request.steps = *count;
@@ -93,12 +98,15 @@ Span span_until(const Json& root, const FieldPath& top, const Request& request, 
     return {};
   }
   if (!(request.end > request.scene->start)) {
-    time.fault(fmt::format("must be greater than the start, t = {}", shortest(request.scene->start)), Json(request.end),
-               interval({request.scene->start, infinity, true, true}));
+    const bool same = request.end == request.scene->start;
+    time.fault(fmt::format("must {} the start, t = {}", same ? "differ from" : "be greater than",
+                           shortest(request.scene->start)),
+               Json(run_time(request, request.end)),
+               same ? "" : interval({request.scene->start, infinity, true, true}));
     return {};
   }
   if (!std::isfinite(request.end - request.scene->start)) {
-    time.fault("the span from the start does not fit a double", Json(request.end));
+    time.fault("the span from the start does not fit a double", Json(run_time(request, request.end)));
     return {};
   }
   if (!h) return {request.end, std::nullopt};
@@ -106,12 +114,12 @@ Span span_until(const Json& root, const FieldPath& top, const Request& request, 
   if (!(steps <= static_cast<double>(greatest_count))) {
     time.fault(
         fmt::format("would take {} steps of {}, more than can be counted", shortest(std::floor(steps)), shortest(*h)),
-        Json(request.end));
+        Json(run_time(request, request.end)));
     return {};
   }
   if (request.scene->start + *h == request.scene->start || request.end - *h == request.end) {
     time.fault(fmt::format("a double cannot tell times apart there that lie a step of {} apart", shortest(*h)),
-               Json(request.end));
+               Json(run_time(request, request.end)));
     return {};
   }
   return {request.end, whole_steps(request.scene->start, request.end, *h)};
@@ -123,13 +131,19 @@ void read_times(const Json& json, const FieldPath& path, const Request& request,
     return;
   }
   const double end = span.end.value_or(infinity);
+  const bool backward = goes_backward(*request.scene);
+  const Range within = backward ? Range{0 - end, 0 - request.scene->start}
+                                : Range{request.scene->start, end, false, !std::isfinite(end)};
   double last = -infinity;
   for (std::size_t i = 0; i < json.size() && !path.faults->full(); ++i) {
-    const auto t = read_number(json[i], path.at(i), {request.scene->start, end, false, !std::isfinite(end)});
+    const auto t = read_number(json[i], path.at(i), within);
     if (!t) continue;
-    if (!(*t > last)) path.at(i).fault("must be greater than the time before it", json[i]);
-    last = *t;
-    record.times.push_back(*t);
+    const double here = run_time(request, *t);
+    if (!(here > last))
+      path.at(i).fault(backward ? "must be less than the time before it" : "must be greater than the time before it",
+                       json[i]);
+    last = here;
+    record.times.push_back(here);
   }
 }
 
@@ -216,6 +230,20 @@ void refuse_steps(const Json& root, const FieldPath& top, std::string_view reaso
   const Json* until = find(root, "until");
   const Json* steps = until && until->is_object() ? find(*until, "steps") : nullptr;
   if (steps) top.at("until").at("steps").fault(std::string(reason), *steps, "{\"t\": …}");
+}
+
+void read_direction(const Json& root, const FieldPath& top, Scene& scene) {
+  const Json* json = find(root, "until");
+  const Json* t = is_bare(json) ? json : json && json->is_object() ? find(*json, "t") : nullptr;
+  if (t == nullptr || !top.faults->empty()) return;
+  Faults later;  // it is read once more, and what is wrong with it told then
+  const auto end = read_number(*t, FieldPath{"", &later}, anywhere);
+  if (!end || !(*end < scene.start)) return;
+  auto turned = backward(scene);
+  if (const auto* why = std::get_if<std::string>(&turned))
+    end_path(root, top).fault("lies before the start: " + *why, *t);
+  else
+    scene = std::get<Scene>(std::move(turned));
 }
 
 void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem, const PresetCard* preset,

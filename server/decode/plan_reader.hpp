@@ -10,6 +10,10 @@ namespace least::server {
 /// A fault where `until` is a number of steps, which there is no sense in, for the reason given.
 void refuse_steps(const Json& root, const FieldPath& top, std::string_view reason);
 
+/// Of a request so far without fault whose `until` lies before the start: the scene is turned around
+/// (core/catalogue/backward.hpp), and times of the request are from here on those of its run.
+void read_direction(const Json& root, const FieldPath& top, Scene& scene);
+
 /// Reads an `until` that must be a time after the request's start, which is set where the problem is known.
 void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem, const PresetCard* preset,
               Request& request);

@@ -28,11 +28,14 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   const auto scene = std::make_shared<Scene>();
   scene->mechanics = problem;
   request.scene = scene;
-  const ProblemCard* problem_card = problem ? &scene->card() : nullptr;
   const bool automatic = scheme.index == cards.schemes.size();
   const SchemeCard* scheme_card = automatic ? &auto_card() : scheme.index ? &cards.schemes[*scheme.index] : nullptr;
-  const PresetCard* preset = problem_card ? read_scene(root, top, *scene) : nullptr;
-  if (problem_card) check_start(*scene, top);
+  const PresetCard* preset = problem ? read_scene(root, top, *scene) : nullptr;
+  if (problem) {
+    check_start(*scene, top);
+    read_direction(root, top, *scene);
+  }
+  const ProblemCard* problem_card = problem ? &scene->card() : nullptr;
   if (automatic) {
     decoded.wish = read_wish(*json, top.at("scheme"), caps);
     refuse_steps(root, top, "auto chooses the step: the end must be a time");

@@ -81,9 +81,10 @@ bool read_study(const Json& root, const FieldPath& top, const Names& keys, const
   study.scene.scene = scene;
   if (problem) {
     scene->mechanics = problem;
-    study.problem = &scene->card();
     study.preset = read_scene(root, top, *scene);
     check_start(*scene, top);
+    read_direction(root, top, *scene);
+    study.problem = &scene->card();
   }
   read_schemes(root, top, cards, study);
   refuse_steps(root, top, "schemes are compared over a span of time: their steps have different lengths");

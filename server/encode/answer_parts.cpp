@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/catalogue/backward.hpp"
 #include "core/run/acts.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/written_out.hpp"
@@ -15,6 +16,9 @@ void write_numbers(JsonWriter& json, const std::vector<double>& values) {
   for (const double x : values) json.number(x);
   json.close(']');
 }
+
+// A time of the run as the request has it.
+double told_time(const Request& request, double t) { return goes_backward(*request.scene) ? 0 - t : t; }
 
 void write_record(JsonWriter& json, const PlannedRun& run) {
   const Record& record = run.request.record;
@@ -30,8 +34,9 @@ void write_record(JsonWriter& json, const PlannedRun& run) {
       json.key("curve").integer(record.count);
       break;
     case Record::Mode::times:
-      json.key("times");
-      write_numbers(json, record.times);
+      json.key("times").open('[');
+      for (const double t : record.times) json.number(told_time(run.request, t));
+      json.close(']');
       break;
   }
   json.close('}');
@@ -117,7 +122,8 @@ void write_definition(JsonWriter& json, const text::Definition& written) {
 
 }  // namespace
 
-void write_scene(JsonWriter& json, const Scene& scene) {
+void write_scene(JsonWriter& json, const Scene& run) {
+  const Scene& scene = forward_of(run);
   const ProblemCard& card = scene.card();
   json.key("problem").open('{').key("id").text(card.id);
   if (const text::TextScene* text = scene.mechanics->text()) write_definition(json, text->definition);
@@ -145,7 +151,7 @@ void write_until(JsonWriter& json, const Request& request) {
   if (request.until_steps) {
     json.key("steps").integer(request.steps);
   } else {
-    json.key("t").number(request.end);
+    json.key("t").number(told_time(request, request.end));
   }
   json.close('}');
 }

@@ -1,0 +1,136 @@
+#include "core/catalogue/backward.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
+
+#include "core/catalogue/custom.hpp"
+#include "core/catalogue/recorded.hpp"
+#include "core/run/columns.hpp"
+#include "core/run/request.hpp"
+#include "core/text/scene.hpp"
+
+namespace least {
+namespace {
+
+/// −x, and 0 for 0.
+double opposite(double x) { return 0 - x; }
+
+const VariableCard* find_variable(const ProblemCard& card, std::string_view name) {
+  const auto found = std::ranges::find(card.variables, name, &VariableCard::name);
+  return found == card.variables.end() ? nullptr : &*found;
+}
+
+/// A problem of the catalogue as a text nobody wrote: its form is all that there is.
+std::optional<text::TextScene> recorded_text(const Scene& scene) {
+  auto form = recorded_backward(scene);
+  if (!form) return std::nullopt;
+  text::Definition definition;
+  definition.kind = text::Definition::Kind::equations;
+  definition.title = "backward:" + scene.key();
+  for (std::size_t i = 0; i < form->coordinates; ++i) definition.variables.push_back(scene.card().variables[i].name);
+  auto text = text::TextScene::of(std::move(definition), std::move(form));
+  text.known = scene.card();
+  return text;
+}
+
+/// Times as core/run/messages.cpp writes them, "t = 1.5", with the other sign.
+std::string with_turned_times(const std::string& words) {
+  static constexpr std::string_view mark = "t = ";
+  std::string turned;
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t found = words.find(mark, at);
+    const std::size_t number = found == std::string::npos ? words.size() : found + mark.size();
+    turned.append(words, at, number - at);
+    at = number;
+    if (at == words.size() || (found > 0 && std::isalnum(static_cast<unsigned char>(words[found - 1])) != 0)) continue;
+    if (words[at] == '-') {
+      ++at;
+    } else if (words[at] != '0' || (at + 1 < words.size() && words[at + 1] == '.')) {
+      turned += '-';
+    }
+  }
+  return turned;
+}
+
+void turn(const Scene& scene, Report& report) {
+  if (auto* number = std::get_if<double>(&report.value); number && sign_of(scene, report.key) < 0)
+    *number = opposite(*number);
+  if (auto* parts = std::get_if<std::vector<Report>>(&report.value))
+    for (Report& part : *parts) turn(scene, part);
+}
+
+}  // namespace
+
+std::variant<Scene, std::string> backward(const Scene& scene) {
+  text::TextScene text;
+  if (const text::TextScene* typed = scene.mechanics->text()) {
+    text::Definition definition = typed->definition;
+    definition.backward = true;
+    auto read = text::TextScene::read(std::move(definition));
+    if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return faults->front().fault.detail;
+    text = std::get<text::TextScene>(std::move(read));
+  } else {
+    auto recorded = recorded_text(scene);
+    if (!recorded) return "this problem runs forward in time alone";
+    text = std::move(*recorded);
+  }
+  text.forward = std::make_shared<const Scene>(scene);
+  const ProblemCard& known = scene.card();
+  auto made = mechanics_of(std::move(text));
+  if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&made)) return faults->front().fault.detail;
+
+  Scene turned{std::get<std::shared_ptr<const Mechanics>>(made), scene.parameters, {}, opposite(scene.start)};
+  const text::TextScene& layout = *turned.mechanics->text();
+  const auto& variables = turned.card().variables;
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    const VariableCard* variable = variables[i].hidden ? nullptr : find_variable(known, variables[i].name);
+    const double value = variable ? scene.initial[static_cast<std::size_t>(variable - known.variables.data())] : 0;
+    if (std::isnan(value)) return "the start of this problem says no " + variables[i].name;
+    turned.initial.push_back(layout.turns(i) ? opposite(value) : value);
+  }
+  return turned;
+}
+
+const Scene& forward_of(const Scene& scene) {
+  const text::TextScene* text = scene.mechanics ? scene.mechanics->text() : nullptr;
+  return text && text->forward ? *text->forward : scene;
+}
+
+double sign_of(const Scene& scene, std::string_view name) {
+  if (!goes_backward(scene)) return 1;
+  if (name == "t" || name == "singular_at") return -1;
+  const auto& variables = scene.card().variables;
+  const auto found = std::ranges::find(variables, name, &VariableCard::name);
+  if (found == variables.end()) return 1;
+  return scene.mechanics->text()->turns(static_cast<std::size_t>(found - variables.begin())) ? -1 : 1;
+}
+
+TurnedRows::TurnedRows(const Request& request, RowSink& sink) : sink_(sink) {
+  const std::size_t known = request.scene->card().columns.size();
+  for (const std::size_t place : request.columns)  // expressions of the caller's own speak of the forward scene
+    signs_.push_back(place < known ? sign_of(*request.scene, request.column(place).name) : 1);
+}
+
+bool TurnedRows::append(std::span<const double> rows) {
+  turned_.assign(rows.begin(), rows.end());
+  for (std::size_t i = 0; i < turned_.size(); ++i)
+    if (signs_[i % signs_.size()] < 0) turned_[i] = opposite(turned_[i]);
+  return sink_.append(turned_);
+}
+
+void turn(const Scene& scene, Solution& outcome) {
+  if (!goes_backward(scene)) return;
+  const text::TextScene& text = *scene.mechanics->text();
+  outcome.t = opposite(outcome.t);
+  outcome.stop.t = opposite(outcome.stop.t);
+  if (outcome.stop.singular_at) outcome.stop.singular_at = opposite(*outcome.stop.singular_at);
+  outcome.stop.detail = with_turned_times(outcome.stop.detail);
+  for (std::size_t i = 0; i < outcome.final.size(); ++i)
+    if (text.turns(i)) outcome.final[i] = opposite(outcome.final[i]);
+  for (Report& event : outcome.events) turn(scene, event);
+  for (Warning& warning : outcome.warnings) warning.detail = with_turned_times(warning.detail);
+}
+
+}  // namespace least

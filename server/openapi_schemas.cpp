@@ -300,7 +300,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
       {"Until",
        {{"oneOf",
          {described(quantity(), "the same as t", "time"),
-          object_of({{"t", described(quantity(), "absolute, after the start", "time")}}, {"t"}),
+          object_of({{"t", described(quantity(), "absolute; before the start a run goes backward", "time")}}, {"t"}),
           object_of({{"steps", count_in(1, most)}}, {"steps"})}}}},
       {"Record",
        {{"oneOf",

@@ -54,6 +54,7 @@ std::string with_turned_times(const std::string& words) {
   return turned;
 }
 
+/// Times, rates by time and variables of a report, and of all its parts.
 void turn(const Scene& scene, Report& report) {
   if (auto* number = std::get_if<double>(&report.value); number && sign_of(scene, report.key) < 0)
     *number = opposite(*number);
@@ -100,7 +101,7 @@ const Scene& forward_of(const Scene& scene) {
 
 double sign_of(const Scene& scene, std::string_view name) {
   if (!goes_backward(scene)) return 1;
-  if (name == "t" || name == "singular_at") return -1;
+  if (name == "t" || name == "max_at" || name == "drift_per_time") return -1;
   const auto& variables = scene.card().variables;
   const auto found = std::ranges::find(variables, name, &VariableCard::name);
   if (found == variables.end()) return 1;
@@ -130,6 +131,7 @@ void turn(const Scene& scene, Solution& outcome) {
   for (std::size_t i = 0; i < outcome.final.size(); ++i)
     if (text.turns(i)) outcome.final[i] = opposite(outcome.final[i]);
   for (Report& event : outcome.events) turn(scene, event);
+  for (Report& diagnostic : outcome.diagnostics) turn(scene, diagnostic);
   for (Warning& warning : outcome.warnings) warning.detail = with_turned_times(warning.detail);
 }
 

@@ -23,7 +23,8 @@ std::variant<Scene, std::string> backward(const Scene& scene);
 const Scene& forward_of(const Scene& scene);
 inline bool goes_backward(const Scene& scene) { return &forward_of(scene) != &scene; }
 
-/// −1 for what changes its sign where the scene goes backward: t, momenta and s; else 1. `name`: of a column.
+/// −1 for what changes its sign where the scene goes backward: times, rates by time, momenta and s; else 1. `name`: of
+/// a column, or of a part of a report.
 double sign_of(const Scene& scene, std::string_view name);
 
 /// Rows of a run that goes backward, told in the time of its forward scene.

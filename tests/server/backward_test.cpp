@@ -1,0 +1,215 @@
+// Runs backward in time over HTTP: `until` before the start.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "core/catalogue/catalogue.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+class Backward : public Serving {
+ protected:
+  static Json answer(const Json& request, const char* path = "/v1/simulate", int status = 200) {
+    const Reply reply = ask(port(), post(path, request.dump()));
+    EXPECT_EQ(reply.status, status) << reply.body;
+    return Json::parse(reply.body);
+  }
+  /// The same scene and scheme from where the run ended to where it began.
+  static Json return_of(const Json& made) {
+    return {{"problem", made["problem"]},
+            {"scheme", made["scheme"]},
+            {"initial", made["final"]},
+            {"record", {{"every", 0}}},
+            {"until", made["initial"]["t"]}};
+  }
+  static void expect_state(const Json& state, const Json& start, double within) {
+    for (const auto& [name, value] : start.items()) {
+      if (!state.contains(name)) continue;
+      EXPECT_NEAR(state[name], value, within) << name;
+    }
+  }
+};
+
+/// Schemes whose step with h and then with −h is no step at all, whatever the problem.
+const std::set<std::string> retrace{"leapfrog",         "variational_midpoint",         "galerkin_4",
+                                    "contact_leapfrog", "contact_variational_midpoint", "contact_splitting",
+                                    "contact_gauss"};
+
+// Every problem of the catalogue by every scheme that fits it.
+TEST_F(Backward, EverySchemeReturns) {
+  for (const auto& problem : problem_list()) {
+    const ProblemCard& card = problem->card();
+    if (card.id == "lane_emden") continue;  // from ξ > 0 it returns to where its equations are singular
+    for (const std::size_t place : card.schemes) {
+      const std::string& scheme = schemes()[place].id;
+      // Exact flows of a vector field's parts are known forward alone.
+      if (scheme == "contact_splitting" && !card.keeps_form) continue;
+      const auto found = [&] { return card.id + " by " + scheme; };
+      const Json there =
+          answer({{"problem", card.id}, {"scheme", scheme}, {"until", {{"steps", 8}}}, {"record", {{"every", 0}}}});
+      ASSERT_EQ(there["status"], "completed") << found();
+      const Json back = answer(return_of(there));
+      EXPECT_EQ(back["status"], "completed") << found();
+      EXPECT_EQ(back["final"]["t"], there["initial"]["t"]) << found();
+      if (!retrace.contains(scheme)) continue;
+      SCOPED_TRACE(found());
+      expect_state(back["final"], there["initial"], 1e-12);
+    }
+  }
+}
+
+// The motion of a scene that reads the time and s.
+TEST_F(Backward, IsTheSameMotion) {
+  const Json problem = Json::parse(R"({"id":"custom","variables":["x"],"parameters":{"c":0.1},
+      "lagrangian":"vx^2/2 - x^2/2 + 0.3*x*cos(2*t) - c*s"})");
+  Json request = {{"problem", problem},
+                  {"initial", {{"x", 1}, {"vx", 0.5}}},
+                  {"until", -3},
+                  {"columns", {"t", "x", "px", "s", {{"name", "w"}, {"expression", "px*t - s"}}}},
+                  {"record", {{"samples", 4}}},
+                  {"scheme", "taylor"}};
+  request["diagnostics"] = {"energy", "decay", "error"};
+  const Json there = answer(request);
+  EXPECT_EQ(there["trajectory"]["t"], Json({0, -1, -2, -3}));
+  EXPECT_EQ(there["until"]["t"], -3);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Json& row = there["trajectory"];
+    const double own = row["px"][i].get<double>() * row["t"][i].get<double>() - row["s"][i].get<double>();
+    EXPECT_NEAR(row["w"][i], own, 1e-15);
+  }
+  const Json& found = there["diagnostics"];
+  EXPECT_LT(found["decay"]["max_residual"], 1e-11);
+  EXPECT_LT(found["error"]["max"], 1e-11);
+  EXPECT_LT(found["error"]["max_at"], 0);
+  const double gained = found["energy"]["final"].get<double>() - found["energy"]["initial"].get<double>();
+  EXPECT_GT(gained, 0.1) << "what damping takes away forward";
+  EXPECT_LT(found["energy"]["drift_per_time"].get<double>() * gained, 0) << "the time decreases";
+
+  Json again = return_of(there);
+  again["initial"]["s"] = there["trajectory"]["s"][3];
+  again["columns"] = {"t", "x", "px", "s"};
+  again["record"] = {{"times", {-2, -1, 0}}};
+  const Json back = answer(again);
+  expect_state(back["final"], there["initial"], 1e-11);
+  for (const char* column : {"x", "px", "s"})
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(back["trajectory"][column][i], there["trajectory"][column][2 - i], 1e-11) << column;
+}
+
+TEST_F(Backward, OfEveryFormAsText) {
+  for (const char* scene : {R"~({"variables":["x"],"potential":"x^4/4","damping":"0.2/(1+t^2)"})~",
+                            R"~({"variables":["x"],"potential":"x^2/2","action_curvature":"0.3","offset":"0.1"})~",
+                            R"~({"variables":["x"],"hamiltonian":"px^2/2 + x^2/2 + 0.1*x*px + 0.2*s*x"})~",
+                            R"~({"variables":["a","b"],"lagrangian":"va^2/2*(2+cos(b)) + vb^2/2 - a^2 - b^2/3"})~",
+                            R"~({"variables":["a"],"lagrangian":"va^2/2 + 0.2*va*a^2*sin(t) - a^2/2 - 0.1*s*a"})~",
+                            R"~({"variables":["a"],"lagrangian":"va^4/4 + va^2/2 - a^2/2"})~",
+                            R"~({"variables":["x","y"],"equations":{"x":"y - 0.1*x","y":"-x + 0.2*sin(t)"}})~",
+                            R"~({"variables":["q[24]"],
+             "hamiltonian":"sum(i=1..24, p[i]^2/2 + q[i]^4/4) + sum(i=1..23, (q[i+1]-q[i])^2/2)"})~"}) {
+    Json problem = Json::parse(scene);
+    problem["id"] = "custom";
+    const std::string first = problem["variables"][0], name = first == "q[24]" ? "q[1]" : first;
+    const Json there = answer({{"problem", problem}, {"initial", {{name, 0.8}}}, {"until", -2}, {"scheme", "taylor"}});
+    ASSERT_EQ(there["status"], "completed") << scene;
+    EXPECT_GT(std::abs(there["final"][name].get<double>() - 0.8), 1e-3) << scene;
+    const Json back = answer(return_of(there));
+    SCOPED_TRACE(scene);
+    expect_state(back["final"], there["initial"], 1e-11);
+  }
+}
+
+// A run is told, and can be asked for again, in its own time.
+TEST_F(Backward, IsToldInEveryForm) {
+  Json request = {{"problem", "kepler"}, {"scheme", "leapfrog"}, {"until", {{"t", -2}}}, {"record", {{"samples", 5}}}};
+  const Json made = answer(request);
+  EXPECT_EQ(made["trajectory"]["t"], Json({0, -0.5, -1, -1.5, -2}));
+  EXPECT_NEAR(made["final"]["px"], -0.09637942137646088, 1e-15) << "as by a loop of steps of −h";
+  Json echo;
+  for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
+    echo[key] = made[key];
+  EXPECT_EQ(answer(echo)["trajectory"], made["trajectory"]);
+
+  const std::string csv = ask(port(), post("/v1/simulate", request.dump(), "Accept: text/csv\r\n")).body;
+  EXPECT_NE(csv.find("\n-2,"), std::string::npos) << csv;
+  const std::string lines = ask(port(), post("/v1/simulate", request.dump(), "Accept: application/x-ndjson\r\n")).body;
+  EXPECT_NE(lines.find(R"("t":[0,-0.5,-1,-1.5,-2])"), std::string::npos) << lines;
+  EXPECT_NE(lines.find(R"("final":{"t":-2,)"), std::string::npos) << lines;
+
+  request["record"] = {{"times", {-0.5, -1}}};
+  EXPECT_EQ(answer(request)["record"], request["record"]);
+  request["record"] = {{"times", {-1, -0.5}}};
+  EXPECT_EQ(answer(request, "/v1/simulate", 422)["errors"][0]["pointer"], "/record/times/1");
+  request["record"] = {{"times", {0.5}}};
+  EXPECT_EQ(answer(request, "/v1/simulate", 422)["errors"][0]["allowed"], "[-2, 0]");
+}
+
+TEST_F(Backward, IsChosenAndMeasured) {
+  const Json chosen = answer({{"problem", "kepler"},
+                              {"scheme", {{"id", "auto"}, {"accuracy", 1e-9}}},
+                              {"until", -5},
+                              {"diagnostics", {"error"}}});
+  EXPECT_EQ(chosen["choice"]["met"], true);
+  EXPECT_LT(chosen["diagnostics"]["error"]["final"], 1e-9);
+  const Json study =
+      answer({{"problem", "henon_heiles"}, {"schemes", {"leapfrog"}}, {"until", {{"t", -5}}}, {"budget_seconds", 2}},
+             "/v1/work-precision");
+  EXPECT_EQ(study["until"]["t"], -5);
+  EXPECT_NEAR(study["curves"][0]["observed_order"], 2, 0.1);
+}
+
+// Directions of events are along the run; what they set is said in the scene's own variables.
+TEST_F(Backward, HasEventsThatAct) {
+  const Json problem = {{"id", "custom"}, {"variables", {"y"}}, {"potential", "y"}};
+  Json request = {{"problem", problem}, {"initial", {{"y", 1}, {"vy", 0.3}}}, {"until", -3}, {"scheme", "taylor"}};
+  request["events"] = {
+      {{"name", "floor"}, {"expression", "y"}, {"direction", "down"}, {"set", {{"vy", "-0.5*vy + 0*t"}}}}};
+  const Json made = answer(request);
+  ASSERT_FALSE(made["events"].empty());
+  const Json& event = made["events"][0];
+  const double fall = 0.3 - std::sqrt(0.09 + 2);  // 1 + .3 t − t²/2 = 0
+  EXPECT_NEAR(event["t"], fall, 1e-14);
+  EXPECT_NEAR(event["state"]["py"], 0.3 - fall, 1e-14);
+  EXPECT_NEAR(event["after"]["py"], -0.5 * (0.3 - fall), 1e-14);
+
+  request["events"][0]["direction"] = "up";
+  EXPECT_TRUE(answer(request)["events"].empty()) << "it falls as the run goes on";
+}
+
+// Where a run stops is told in its own time, in words, too.
+TEST_F(Backward, StopsAtASingularity) {
+  Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"equations", {{"x", "-x^2"}}}}},
+                  {"initial", {{"x", 1}}},
+                  {"until", -3},
+                  {"scheme", "taylor"}};
+  const Json made = answer(request);  // x = 1/(1 + t)
+  EXPECT_EQ(made["status"], "stopped");
+  EXPECT_NEAR(made["stop"]["t"], -1, 1e-6);
+  EXPECT_NEAR(made["stop"]["singular_at"], -1, 1e-4);
+
+  request = {{"problem", "lorenz"}, {"scheme", {{"id", "explicit_midpoint"}, {"step", 0.01}}}, {"until", -0.3}};
+  const Json warned = answer(request);
+  ASSERT_FALSE(warned["warnings"].empty());
+  EXPECT_NE(warned["warnings"].dump().find("t = -0."), std::string::npos) << warned["warnings"];
+}
+
+TEST_F(Backward, IsRefusedByName) {
+  const auto fault = [](const Json& request, const char* path = "/v1/simulate") {
+    return answer(request, path, 422)["errors"][0];
+  };
+  EXPECT_EQ(fault({{"problem", "kepler"}, {"scheme", "leapfrog"}, {"until", 0}})["detail"],
+            "must differ from the start, t = 0");
+  EXPECT_EQ(fault({{"problem", "kepler"}, {"scheme", "leapfrog"}, {"until", -1}, {"columns", {"radius"}}})["pointer"],
+            "/columns/0");
+  EXPECT_EQ(
+      fault({{"problem", "kepler"}, {"scheme", "leapfrog"}, {"until", -1}, {"members", {{"count", 2}, {"seed", 1}}}},
+            "/v1/ensemble")["detail"],
+      "must be greater than the start, t = 0");
+}
+
+}  // namespace
+}  // namespace least::server::test

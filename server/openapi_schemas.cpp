@@ -8,6 +8,7 @@
 #include "core/ensemble/members.hpp"
 #include "core/text/definition.hpp"
 #include "server/decode/custom_reader.hpp"
+#include "server/openapi_sensitivities.hpp"
 
 namespace least::server {
 namespace {
@@ -208,6 +209,7 @@ Json answer_schema() {
        described(list, "of events that set variables: name, count, what they keep (symplectic, contact, none), defect",
                  "")},
       {"end", described(object, "the event that ended the run, and how often it acted", "")},
+      {"sensitivities", sensitivities_found()},
       {"warnings", list_of({{"type", "object"}, {"required", {"code", "detail"}}})}};
   schema["required"] = {"version", "status",     "problem",     "initial", "scheme", "until",  "record",
                         "columns", "trajectory", "diagnostics", "final",   "cost",   "events", "warnings"};
@@ -279,7 +281,8 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
                    {"events", events_asked()},
                    {"diagnostics", names_of_all(cards, &ProblemCard::diagnostics)},
                    {"limits", reference("Limits")},
-                   {"norm", norm}});
+                   {"norm", norm},
+                   {"sensitivities", sensitivities_asked()}});
   // The columns of the catalogue are known; those of a text are what it names.
   const auto run_of = [&](const char* problem) {
     Json properties = simulate;

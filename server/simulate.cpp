@@ -10,6 +10,7 @@
 #include "core/catalogue/backward.hpp"
 #include "core/catalogue/catalogue.hpp"
 #include "core/run/messages.hpp"
+#include "core/variations/varied_run.hpp"
 #include "server/decode/field_reader.hpp"
 #include "server/encode/answer_parts.hpp"
 #include "server/encode/problem_document.hpp"
@@ -21,12 +22,24 @@ namespace {
 
 constexpr std::string_view in_lines = "application/x-ndjson";
 
+// What a run left behind.
+struct Ended {
+  Solution outcome;
+  std::optional<variations::Sensitivities> sensitivities;  // where they are asked for
+
+  const variations::Sensitivities* slopes() const { return sensitivities ? &*sensitivities : nullptr; }
+};
+
 // A run that is to be, or was, and how it was chosen where the client did not say. Stays where it is.
 class Task {
  public:
   /// `advice` may be null.
-  Task(const Context& context, Request&& request, std::unique_ptr<const Advice> advice, double seconds)
-      : context_(context), request_(std::move(request)), advice_(std::move(advice)), seconds_(seconds) {
+  Task(const Context& context, SimulateRequest&& asked, std::unique_ptr<const Advice> advice, double seconds)
+      : context_(context),
+        request_(std::move(asked.run)),
+        sensitivities_(std::move(asked.sensitivities)),
+        advice_(std::move(advice)),
+        seconds_(seconds) {
     if (advice_) choice_.emplace(AdviceWithCards{*advice_, context.cards.schemes});
   }
   Task(const Task&) = delete;
@@ -35,17 +48,24 @@ class Task {
   const Context& context() const { return context_; }
   std::size_t columns() const { return request_.columns.size(); }
   PlannedRun planned() const {
-    return {request_, request_.scene->card(), context_.cards.schemes[request_.scheme], choice_ ? &*choice_ : nullptr};
+    return {request_, request_.scene->card(), context_.cards.schemes[request_.scheme], choice_ ? &*choice_ : nullptr,
+            sensitivities_.get()};
   }
-  Solution run(RowSink& sink, const std::atomic<bool>& cancelled) const {
-    std::optional<Request> limited;
-    if (seconds_ != request_.limits.seconds) {  // so many the choice left of them
-      limited.emplace(request_).limits.seconds = seconds_;
-    }
+  Ended run(RowSink& sink, const std::atomic<bool>& cancelled) const {
+    Request request = request_;
+    request.limits.seconds = seconds_;
     const Scene& scene = *request_.scene;
     TurnedRows turned(request_, sink);
     RowSink& receiver = goes_backward(scene) ? turned : sink;
-    Solution outcome = scene.mechanics->run(limited ? *limited : request_, receiver, cancelled);
+    Ended ended;
+    Solution& outcome = ended.outcome;
+    if (sensitivities_) {
+      variations::VariedRun run(std::move(request), sensitivities_);
+      outcome = run.go(receiver, cancelled);
+      ended.sensitivities = run.sensitivities(outcome, cancelled);
+    } else {
+      outcome = scene.mechanics->run(request, receiver, cancelled);
+    }
     turn(scene, outcome);
     constexpr std::string_view code = "reference_not_finished";
     if (advice_ && !advice_->referenced &&
@@ -53,12 +73,13 @@ class Task {
       outcome.warnings.push_back(
           {code, "the error of the scheme chosen was not measured against a reference solution"});
     if (outcome.stop.reason == ReturnCode::deadline) outcome.stop.detail = messages::deadline(request_.limits.seconds);
-    return outcome;
+    return ended;
   }
 
  private:
   const Context& context_;
   const Request request_;
+  const std::shared_ptr<const variations::SensitivitiesAsked> sensitivities_;
   const std::unique_ptr<const Advice> advice_;
   std::optional<AdviceWithCards> choice_;
   const double seconds_;
@@ -77,25 +98,25 @@ void note_run(Answer& answer, const PlannedRun& run, const Solution& outcome) {
 Answer answer_whole(const SharedTask& task, const HttpRequest& question, const Form& form) {
   constexpr std::size_t large = 32 * 1024;  // numbers, of about 20 bytes each as text
   auto rows = std::make_shared<KeptRows>(task->columns(), &task->context().memory);
-  Solution outcome;
+  Ended ended;
   {
     const CancellationWatch watch(task->context().cancelled, question.gone);
-    outcome = task->run(*rows, watch.cancelled());
+    ended = task->run(*rows, watch.cancelled());
   }
   if (rows->overflowed()) return busy(task->context(), question, "answers that others read fill the memory");
-  const FinishedRun run(task->planned(), outcome, *rows);
+  const FinishedRun run(task->planned(), ended.outcome, *rows, ended.slopes());
   Answer answer;
   if (rows->rows() * rows->columns() <= large) {
     answer = whole_answer(form, run);
-    note_run(answer, run, outcome);
+    note_run(answer, run, ended.outcome);
     return answer;
   }
   answer.type = form.content_type;
   if (form.add_fields) form.add_fields(run, answer);
-  note_run(answer, run, outcome);
-  const auto ended = std::make_shared<const Solution>(std::move(outcome));
-  answer.pieces = [task, rows = std::move(rows), ended, &form, next = std::size_t{0}](std::string& out) mutable {
-    const FinishedRun finished(task->planned(), *ended, *rows);
+  note_run(answer, run, ended.outcome);
+  const auto kept = std::make_shared<const Ended>(std::move(ended));
+  answer.pieces = [task, rows = std::move(rows), kept, &form, next = std::size_t{0}](std::string& out) mutable {
+    const FinishedRun finished(task->planned(), kept->outcome, *rows, kept->slopes());
     form.write(finished, next, out);
     return ++next < form.pieces(finished);
   };
@@ -127,18 +148,18 @@ Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admi
     if (!write(run_head_line(planned))) return std::nullopt;
     Lines lines(planned, write);
     const CancellationWatch watch(task->context().cancelled, gone);
-    Solution outcome;
+    Ended ended;
     try {
-      outcome = task->run(lines, watch.cancelled());
+      ended = task->run(lines, watch.cancelled());
     } catch (const MemoryShortage& shortage) {  // what was known leaves as lines did
-      outcome = {};
-      outcome.stop = {ReturnCode::memory, shortage.what(), forward_of(*planned.request.scene).start, 0, {}};
+      ended = {};
+      ended.outcome.stop = {ReturnCode::memory, shortage.what(), forward_of(*planned.request.scene).start, 0, {}};
     }
     Answer told;
-    note_run(told, planned, outcome);
+    note_run(told, planned, ended.outcome);
     *notes = std::move(*told.notes);
     held->reset();  // who has read the end finds the place free
-    return run_end_line(planned, outcome);
+    return run_end_line(planned, ended.outcome, ended.slopes());
   };
   return answer;
 }
@@ -200,8 +221,8 @@ Result<SharedTask, Answer> choose(const Context& context, const HttpRequest& req
   asked.run.settings = advice.choice->settings;
   const std::chrono::duration<double> spent = Admission::Clock::now() - from;
   const double left = std::max(limit - spent.count(), 0.0);
-  auto task = std::make_shared<const Task>(context, std::move(asked.run),
-                                           std::make_unique<const Advice>(std::move(advice)), left);
+  auto task =
+      std::make_shared<const Task>(context, std::move(asked), std::make_unique<const Advice>(std::move(advice)), left);
   if (auto faults = faults_of_choice(*task)) return problem_document(*faults, request.id);
   return SharedTask(std::move(task));
 }
@@ -216,7 +237,7 @@ Answer compute(const Context& context, const HttpRequest& request, std::size_t f
     task = std::move(*chosen);
   } else {
     const double seconds = asked.run.limits.seconds;
-    task = std::make_shared<const Task>(context, std::move(asked.run), nullptr, seconds);
+    task = std::make_shared<const Task>(context, std::move(asked), nullptr, seconds);
   }
   return form < forms().size() ? answer_whole(task, request, forms()[form])
                                : answer_in_lines(task, request, std::move(pass));

@@ -1,6 +1,7 @@
 #include "core/catalogue/recorded.hpp"
 
 #include "core/from_values.hpp"
+#include "core/parameters.hpp"
 #include "core/problem.hpp"
 #include "core/tape/symbol.hpp"
 #include "least_problems.hpp"
@@ -10,20 +11,22 @@ namespace {
 
 using text::FormKind;
 
-/// Records one problem on the tape of a form, with −t, −p and −s in the place of t, p and s.
-template <class P>
+/// Records one problem on the tape of a form. Plain: the same with its parameters as numbers, whose concepts say which
+/// mechanics it is. Backward, −t, −p and −s stand in the place of t, p and s.
+template <class Plain, class P>
 class Recording {
  public:
-  explicit Recording(const P& problem) : problem_(problem) {}
+  Recording(std::shared_ptr<text::Form> form, const P& problem, bool backward)
+      : problem_(problem), backward_(backward), form_(std::move(form)) {}
 
   std::shared_ptr<const text::Form> form(const ProblemCard& card) {
-    if constexpr (Flow<P>) {
+    if constexpr (Flow<Plain>) {
       record_flow();
     } else {
       record_mechanics();
     }
-    form_->autonomous = Autonomous<P>;
-    form_->keeps_energy = KeepsEnergy<P> && !Flow<P>;
+    form_->autonomous = Autonomous<Plain>;
+    form_->keeps_energy = KeepsEnergy<Plain> && !Flow<Plain>;
     for (std::size_t i = 0; i < form_->invariants.size(); ++i)
       form_->invariant_names.push_back(card.invariants[i].name);
     return form_;
@@ -31,60 +34,59 @@ class Recording {
 
  private:
   Symbol variable(std::size_t i) { return Symbol::variable(form_->tape, i); }
-  Symbol time() { return -Symbol::time(form_->tape); }
+  Symbol turned(const Symbol& x) const { return backward_ ? -x : x; }
+  Symbol time() { return turned(Symbol::time(form_->tape)); }
 
   void record_flow() {
     form_->kind = FormKind::flow;
-    form_->coordinates = P::dim;
-    form_->numbers = text::Numbering::of_flow(P::dim);
-    Point<P::dim, Symbol, Symbol> x;
+    form_->coordinates = Plain::dim;
+    Point<Plain::dim, Symbol, Symbol> x;
     x.t = time();
-    for (std::size_t i = 0; i < P::dim; ++i) x[i] = variable(i);
-    for (const Symbol& rate : problem_.field(x.y, phase(problem_, x.t))) form_->rates.push_back(-rate);
+    for (std::size_t i = 0; i < Plain::dim; ++i) x[i] = variable(i);
+    for (const Symbol& rate : problem_.field(x.y, phase(problem_, x.t))) form_->rates.push_back(turned(rate));
     record_invariants(x);
   }
 
   void record_mechanics() {
-    form_->coordinates = P::dof;
-    form_->numbers = text::Numbering::of_mechanics(P::dof);
-    State<P::dof, Symbol, Symbol> x;
+    form_->coordinates = Plain::dof;
+    State<Plain::dof, Symbol, Symbol> x;
     x.t = time();
-    for (std::size_t i = 0; i < P::dof; ++i) {
+    for (std::size_t i = 0; i < Plain::dof; ++i) {
       x.q[i] = variable(i);
-      x.p[i] = -variable(static_cast<std::size_t>(form_->numbers.momentum) + i);
+      x.p[i] = turned(variable(static_cast<std::size_t>(form_->numbers.momentum) + i));
     }
     const auto now = phase(problem_, x.t);
-    if constexpr (Potential<P>) {
-      form_->kind = LinearContact<P>         ? FormKind::contact_linear
-                    : QuadraticContact<P>    ? FormKind::contact_quadratic
-                    : ConfigurationMetric<P> ? FormKind::metric
-                                             : FormKind::separable;
+    if constexpr (Potential<Plain>) {
+      form_->kind = LinearContact<Plain>         ? FormKind::contact_linear
+                    : QuadraticContact<Plain>    ? FormKind::contact_quadratic
+                    : ConfigurationMetric<Plain> ? FormKind::metric
+                                                 : FormKind::separable;
       form_->potential = problem_.potential(x.q, now);
-      if constexpr (ConfigurationMetric<P>) {
+      if constexpr (ConfigurationMetric<Plain>) {
         for (const auto& row : problem_.metric(x.q))
           for (const Symbol& entry : row) form_->metric.push_back(entry);
       } else {
-        form_->mass.assign(P::dof, Symbol(1));
-        if constexpr (HasInverseMass<P>) {
+        form_->mass.assign(Plain::dof, Symbol(1));
+        if constexpr (HasInverseMass<Plain>) {
           const auto inverse = problem_.inverse_mass();
-          for (std::size_t i = 0; i < P::dof; ++i) form_->mass[i] = Symbol(1) / Symbol(inverse[i]);
+          for (std::size_t i = 0; i < Plain::dof; ++i) form_->mass[i] = Symbol(1) / Symbol(inverse[i]);
         }
       }
-      if constexpr (ConstantDamping<P>) {
-        form_->damping = -Symbol(problem_.damping());
-      } else if constexpr (LinearContact<P>) {
-        form_->damping = -problem_.damping(now);
+      if constexpr (ConstantDamping<Plain>) {
+        form_->damping = turned(Symbol(problem_.damping()));
+      } else if constexpr (LinearContact<Plain>) {
+        form_->damping = turned(problem_.damping(now));
       }
-      if constexpr (QuadraticContact<P>) {
+      if constexpr (QuadraticContact<Plain>) {
         form_->action_curvature = problem_.action_curvature();
         form_->offset = problem_.offset();
       }
-      form_->constant_damping = ConstantDamping<P>;
-      form_->reads_action = QuadraticContact<P>;
+      form_->constant_damping = ConstantDamping<Plain>;
+      form_->reads_action = QuadraticContact<Plain>;
     } else {
       form_->kind = FormKind::hamiltonian;
       form_->hamiltonian =
-          problem_.hamiltonian(x.q, x.p, -variable(static_cast<std::size_t>(form_->numbers.action)), now);
+          problem_.hamiltonian(x.q, x.p, turned(variable(static_cast<std::size_t>(form_->numbers.action))), now);
       form_->reads_action = problem_.reads_action();
     }
     record_invariants(x);
@@ -92,18 +94,47 @@ class Recording {
 
   template <class X>
   void record_invariants(const X& x) {
-    if constexpr (HasInvariants<P>)
+    if constexpr (HasInvariants<Plain>)
       for (const Symbol& value : invariants_at(problem_, x)) form_->invariants.push_back(value);
   }
 
   const P& problem_;
-  std::shared_ptr<text::Form> form_ = std::make_shared<text::Form>();
+  bool backward_;
+  std::shared_ptr<text::Form> form_;
 };
+
+/// A form that has nothing yet but the numbers of its variables.
+template <class P>
+std::shared_ptr<text::Form> numbered() {
+  auto form = std::make_shared<text::Form>();
+  if constexpr (Flow<P>) {
+    form->numbers = text::Numbering::of_flow(P::dim);
+  } else {
+    form->numbers = text::Numbering::of_mechanics(P::dof);
+  }
+  return form;
+}
 
 template <template <class> class P>
 std::shared_ptr<const text::Form> recorded(const Scene& scene) {
   const auto problem = from_values<P<double>>(About<P>::fields, scene.parameters);
-  return Recording<P<double>>(problem).form(scene.card());
+  return Recording<P<double>, P<double>>(numbered<P<double>>(), problem, true).form(scene.card());
+}
+
+template <template <class> class P>
+std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, const std::vector<bool>& varied,
+                                                         bool backward) {
+  auto form = numbered<P<double>>();
+  auto problem = parameters::in<Symbol>(from_values<P<double>>(About<P>::fields, scene.parameters));
+  parameters::for_each_number<P>([&](const Field<P<double>>& field) {
+    const auto& cards = scene.card().parameters;
+    const auto place = std::ranges::find(cards, field.name, &ParameterCard::name) - cards.begin();
+    if (!varied[static_cast<std::size_t>(place)]) return;
+    parameters::with_member(problem, field, [&](Symbol& member) {
+      member = Symbol::variable(form->tape, static_cast<std::size_t>(form->numbers.parameter + place));
+    });
+  });
+  return Recording<P<double>, P<Symbol>>(std::move(form), problem, backward).form(scene.card());
 }
 
 }  // namespace
@@ -112,6 +143,16 @@ std::shared_ptr<const text::Form> recorded_backward(const Scene& scene) {
   const std::string& id = scene.card().id;
 #define LEAST_RECORDED(name, Class) \
   if (id == #name) return recorded<problems::Class>(scene);
+  LEAST_FOR_EACH_PROBLEM(LEAST_RECORDED)
+#undef LEAST_RECORDED
+  return nullptr;
+}
+
+std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, const std::vector<bool>& varied,
+                                                         bool backward) {
+  const std::string& id = scene.card().id;
+#define LEAST_RECORDED(name, Class) \
+  if (id == #name) return recorded_in_parameters<problems::Class>(scene, varied, backward);
   LEAST_FOR_EACH_PROBLEM(LEAST_RECORDED)
 #undef LEAST_RECORDED
   return nullptr;

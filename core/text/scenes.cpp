@@ -5,33 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "core/tape/elimination.hpp"
 #include "core/text/folding.hpp"
 
 namespace least::text {
-namespace {
-
-/// x with A x = b in the place of b, on a tape, where no pivot is a matter of numbers: rows with what is zero whatever
-/// the state are not taken for one.
-void eliminate(std::vector<Symbol>& a, std::vector<Symbol>& b) {
-  const std::size_t n = b.size();
-  const auto is_zero = [](const Symbol& y) { return y.is_constant() && y.constant() == 0; };
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t pivot = k;
-    while (pivot + 1 < n && is_zero(a[pivot * n + k])) ++pivot;
-    for (std::size_t j = 0; j < n; ++j) std::swap(a[k * n + j], a[pivot * n + j]);
-    std::swap(b[k], b[pivot]);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i == k || is_zero(a[i * n + k])) continue;
-      const Symbol share = a[i * n + k] / a[k * n + k];
-      for (std::size_t j = k; j < n; ++j) a[i * n + j] = a[i * n + j] - share * a[k * n + j];
-      b[i] = b[i] - share * b[k];
-    }
-  }
-  for (std::size_t k = 0; k < n; ++k) b[k] = b[k] / a[k * n + k];
-}
-
-}  // namespace
-
 Formulas::Formulas(const Form& form, std::span<const double> parameters)
     : coordinates(form.coordinates), reads_action(form.reads_action) {
   Folding fold(form, parameters);
@@ -188,7 +165,7 @@ LagrangianScene::Extended LagrangianScene::rates(const Extended& x, const Symbol
     right[i] = rate[dof + i] - all[1 + n + i].slope[0];
     for (std::size_t j = 0; j < n; ++j) matrix[i * n + j] = momenta[n + i * n + j];
   }
-  eliminate(matrix, right);
+  tape::eliminate(matrix, right);
   std::ranges::copy(right, rate.begin() + velocity);
   return rate;
 }

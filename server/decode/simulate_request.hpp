@@ -6,6 +6,7 @@
 
 #include "core/run/request.hpp"
 #include "core/study/study.hpp"
+#include "core/variations/sensitivities.hpp"
 #include "server/decode/json_parse.hpp"
 #include "server/shared/cards.hpp"
 #include "server/shared/fault.hpp"
@@ -27,6 +28,7 @@ inline constexpr std::int64_t default_samples = 1000;
 struct SimulateRequest {
   Request run;
   std::optional<Wish> wish;
+  std::shared_ptr<const variations::SensitivitiesAsked> sensitivities;  ///< null: not asked for
 };
 
 /// Reads a request of POST /v1/simulate. Every value of the result lies within its card's range and the pair fits; what

@@ -7,6 +7,7 @@
 #include "core/run/acts.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/written_out.hpp"
+#include "server/encode/sensitivities_out.hpp"
 
 namespace least::server {
 namespace {
@@ -190,6 +191,8 @@ void write_echo(JsonWriter& json, const PlannedRun& run, std::string_view events
   if (!run.request.events.empty()) write_events_asked(json.key(events), run.request);
   write_limits(json.key("limits"), run);
   write_norm(json, run.request);
+  // Where what was found stands under this name, it says what was asked for, too.
+  if (run.sensitivities && events == "events") write_sensitivities_asked(json.key("sensitivities"), *run.sensitivities);
 }
 
 void write_stop(JsonWriter& json, const Termination& stop) {

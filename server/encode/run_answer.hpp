@@ -1,12 +1,14 @@
 // Solution of a run → bytes. Written straight from the samples, no tree in between.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/run/outcome.hpp"
 #include "core/run/request.hpp"
 #include "core/study/study.hpp"
+#include "core/variations/sensitivities.hpp"
 #include "server/shared/answer.hpp"
 #include "server/shared/cards.hpp"
 #include "server/shared/kept_rows.hpp"
@@ -25,16 +27,27 @@ struct PlannedRun {
   const Request& request;
   const ProblemCard& problem;
   const SchemeCard& scheme;
-  const AdviceWithCards* choice = nullptr;  ///< where it was not the client who chose
+  const AdviceWithCards* choice = nullptr;                        ///< where it was not the client who chose
+  const variations::SensitivitiesAsked* sensitivities = nullptr;  ///< where they are asked for
+};
+
+/// What was asked for and found of what the run depends on.
+struct FoundSensitivities {
+  const variations::SensitivitiesAsked& asked;
+  const variations::Sensitivities& found;
 };
 
 /// A run that is over: everything an encoder reads.
 struct FinishedRun : PlannedRun {
   const Solution& outcome;
   const KeptRows& samples;
+  std::optional<FoundSensitivities> found{};  ///< where they are asked for
 
-  FinishedRun(const PlannedRun& planned, const Solution& ended, const KeptRows& rows)
-      : PlannedRun(planned), outcome(ended), samples(rows) {}
+  FinishedRun(const PlannedRun& planned, const Solution& ended, const KeptRows& rows,
+              const variations::Sensitivities* slopes = nullptr)
+      : PlannedRun(planned), outcome(ended), samples(rows) {
+    if (sensitivities && slopes) found.emplace(FoundSensitivities{*sensitivities, *slopes});
+  }
 };
 
 /// `application/x-ndjson`, line by line: `head` with the echo, `samples`, `progress`, and `end` with all that is known
@@ -42,7 +55,8 @@ struct FinishedRun : PlannedRun {
 std::string run_head_line(const PlannedRun& run);
 std::string run_samples_line(const PlannedRun& run, std::span<const double> rows);
 std::string run_progress_line(double t, std::int64_t steps);
-std::string run_end_line(const PlannedRun& run, const Solution& outcome);
+std::string run_end_line(const PlannedRun& run, const Solution& outcome,
+                         const variations::Sensitivities* slopes = nullptr);
 
 /// A form of the whole answer, written in pieces, one after the other, whenever there is somewhere to put them: little
 /// of a large answer exists as text at a time. A further form is a further entry of `forms`.
@@ -58,8 +72,8 @@ struct Form {
 /// - `application/json`: the response of the contract.
 /// - `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands as one
 ///   line of JSON in header fields `Leastaction-Status`, `-Stop`, `-End`, `-Request` (the echo), `-Choice`, `-Final`,
-///   `-Diagnostics`, `-Events`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says `{"omitted":true}`
-///   and stands after the last sample, in a line `# Leastaction-Events: …`.
+///   `-Diagnostics`, `-Events`, `-Sensitivities`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says
+///   `{"omitted":true}` and stands after the last sample, in a line `# Leastaction-Events: …`.
 /// - `application/cbor` (RFC 8949): the members of JSON, the columns of the trajectory as typed arrays (RFC 8746) of
 ///   binary64 in little endian, in which what has no value is NaN; a column of words is an array of texts.
 std::span<const Form> forms();

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "server/encode/answer_parts.hpp"
+#include "server/encode/sensitivities_out.hpp"
 
 namespace least::server {
 namespace {
@@ -31,6 +32,8 @@ void for_each_part(const FinishedRun& run, See see) {
   part("Leastaction-Diagnostics", [&](JsonWriter& json) { write_reports(json, outcome.diagnostics); });
   part("Leastaction-Events", [&](JsonWriter& json) { write_events(json, outcome.events); });
   if (!outcome.acts.empty()) part("Leastaction-Acts", [&](JsonWriter& json) { write_events(json, outcome.acts); });
+  if (run.found)
+    part("Leastaction-Sensitivities", [&](JsonWriter& json) { write_sensitivities(json, *run.found, false); });
   part("Leastaction-Cost", [&](JsonWriter& json) { write_cost(json, outcome.cost); });
   part("Leastaction-Warnings", [&](JsonWriter& json) { write_warnings(json, outcome.warnings); });
 }
@@ -45,7 +48,22 @@ void write_row(std::string& text, const std::vector<const std::vector<std::strin
       append_number(text, row[i]);
     }
   }
-  text += '\n';
+}
+
+// `d(x)/d(mu)`: of each component by each quantity, as the derivatives of a sample stand in their list.
+void write_names_of_slopes(std::string& text, const FoundSensitivities& of) {
+  for (const std::string& row : of.found.rows)
+    for (const std::string& by : of.asked.names)
+      text.append(",d(").append(row).append(")/d(").append(by, by.rfind('/') + 1).append(")");
+}
+
+void write_slopes(std::string& text, const FoundSensitivities& of, std::size_t sample) {
+  const std::size_t count = of.found.rows.size() * of.asked.names.size();
+  const bool found = sample < of.found.samples.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    text += ',';
+    if (found && std::isfinite(of.found.samples[sample][i])) append_number(text, of.found.samples[sample][i]);
+  }
 }
 
 // A line of names, the samples, and what was too long for the fields.
@@ -64,13 +82,18 @@ void write_csv(const FinishedRun& run, std::size_t piece, std::string& out) {
     words.push_back(&card.words);
     if (piece == 0) out.append(words.size() > 1 ? "," : "").append(card.name);
   }
+  const FoundSensitivities* const slopes = run.found && run.found->asked.at_samples ? &*run.found : nullptr;
   if (piece == 0) {
+    if (slopes) write_names_of_slopes(out, *slopes);
     out += '\n';
     return;
   }
   const auto rows = run.samples.slice(piece - 1);
+  std::size_t sample = run.samples.first_row(piece - 1);
   for (std::size_t at = 0; at < rows.size(); at += columns.size()) {
     write_row(out, words, rows.subspan(at, columns.size()));
+    if (slopes) write_slopes(out, *slopes, sample++);
+    out += '\n';
   }
 }
 

@@ -3,17 +3,20 @@
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 #include "server/encode/columns_out.hpp"
+#include "server/encode/sensitivities_out.hpp"
 
 namespace least::server {
 namespace {
 
 // The members after the trajectory; all forms but CSV end with them.
-void write_findings(JsonWriter& json, const PlannedRun& run, const Solution& outcome) {
+void write_findings(JsonWriter& json, const PlannedRun& run, const Solution& outcome,
+                    const std::optional<FoundSensitivities>& found) {
   write_final(json.key("final"), run, outcome);
   write_reports(json.key("diagnostics"), outcome.diagnostics);
   write_cost(json.key("cost"), outcome.cost);
   write_events(json.key("events"), outcome.events);
   if (!outcome.acts.empty()) write_events(json.key("acts"), outcome.acts);
+  if (found) write_sensitivities(json.key("sensitivities"), *found);
   write_warnings(json.key("warnings"), outcome.warnings);
 }
 
@@ -64,7 +67,7 @@ void write_piece(const FinishedRun& run, std::size_t piece, std::string& out, No
     json.key("trajectory").open('{');
   } else {
     json.close('}');
-    write_findings(json, run, run.outcome);
+    write_findings(json, run, run.outcome, run.found);
     json.close('}');
     if (notation == Notation::json) out += '\n';
   }
@@ -121,10 +124,12 @@ std::string run_progress_line(double t, std::int64_t steps) {
   return run_line("progress", [&](JsonWriter& json) { json.key("t").number(t).key("steps").integer(steps); });
 }
 
-std::string run_end_line(const PlannedRun& run, const Solution& outcome) {
+std::string run_end_line(const PlannedRun& run, const Solution& outcome, const variations::Sensitivities* slopes) {
+  std::optional<FoundSensitivities> found;
+  if (run.sensitivities && slopes) found.emplace(FoundSensitivities{*run.sensitivities, *slopes});
   return run_line("end", [&](JsonWriter& json) {
     write_status(json, outcome);
-    write_findings(json, run, outcome);
+    write_findings(json, run, outcome, found);
   });
 }
 

@@ -50,6 +50,11 @@ class KeptRows final : public RowSink {
     const std::span<const double> block = blocks_[i / each];
     return block.subspan(from, std::min(slice_size(), block.size() - from));
   }
+  /// The number of the first row of a slice.
+  std::size_t first_row(std::size_t i) const {
+    const std::size_t each = slices_of(block_size());
+    return (i / each * block_size() + i % each * slice_size()) / columns_;
+  }
   /// Whether rows were turned away.
   bool overflowed() const { return overflowed_; }
 

@@ -1,0 +1,132 @@
+#include "core/variations/parametric.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/catalogue/backward.hpp"
+#include "core/catalogue/recorded.hpp"
+#include "core/tape/derivative.hpp"
+#include "core/tape/elimination.hpp"
+#include "core/text/scene.hpp"
+
+namespace least::variations {
+namespace {
+
+using text::FormKind;
+
+/// Writes a form as equations on a tape of their own.
+class Writer {
+ public:
+  Writer(const text::Form& form, ParametricScene& made)
+      : form_(form), made_(made), rewrite_(form.tape, made.tape, [this](int i) { return variable_of_form(i); }) {}
+
+  void write() {
+    const std::size_t n = form_.coordinates;
+    if (form_.kind == FormKind::flow) {
+      made_.components = n;
+      for (const Symbol& rate : form_.rates) made_.rates.push_back(rewrite_(rate));
+      made_.energy = std::numeric_limits<double>::quiet_NaN();
+      return;
+    }
+    made_.coordinates = n;
+    made_.acting = form_.reads_action;
+    made_.components = 2 * n + (made_.acting ? 1 : 0);
+    const Symbol h = hamiltonian();
+    std::vector<int> all(made_.components);
+    std::iota(all.begin(), all.end(), 0);
+    const std::vector<Symbol> slopes = tape::gradient(made_.tape, h, all);
+    made_.action_slope = made_.acting ? slopes[2 * n] : rewrite_(form_.damping);
+    made_.rates.resize(made_.components);
+    Symbol work;
+    for (std::size_t i = 0; i < n; ++i) {
+      made_.rates[i] = slopes[n + i];
+      made_.rates[n + i] = -slopes[i] - made_.action_slope * component(n + i);
+      work += component(n + i) * slopes[n + i];
+    }
+    if (made_.acting) made_.rates[2 * n] = work - h;
+    const bool says_all = made_.acting || form_.kind != FormKind::contact_linear;
+    made_.energy = says_all ? h : Symbol(std::numeric_limits<double>::quiet_NaN());
+    for (const Symbol& p : form_.momenta) made_.momenta.push_back(rewrite_(p));
+  }
+
+ private:
+  Symbol component(std::size_t i) { return Symbol::variable(made_.tape, i); }
+
+  Symbol variable_of_form(int i) {
+    const text::Numbering& numbers = form_.numbers;
+    const auto from = [](int k) { return static_cast<std::size_t>(k); };
+    if (i >= numbers.parameter) return component(made_.components + from(i - numbers.parameter));
+    if (form_.kind == FormKind::flow || i < numbers.momentum) return component(from(i));
+    return component(i == numbers.action ? 2 * made_.coordinates : made_.coordinates + from(i - numbers.momentum));
+  }
+
+  /// H; of a contact scene whose motion does not need s without what s adds.
+  Symbol hamiltonian() {
+    if (form_.kind == FormKind::hamiltonian) return rewrite_(form_.hamiltonian);
+    const std::size_t n = made_.coordinates;
+    std::vector<Symbol> velocity;
+    for (std::size_t i = 0; i < n; ++i) velocity.push_back(component(n + i));
+    const bool inverse_known = form_.full_mass && form_.momenta.empty();
+    if (!form_.metric.empty() || form_.full_mass) {
+      std::vector<Symbol> matrix;
+      for (const Symbol& entry : form_.metric.empty() ? form_.hessian : form_.metric) matrix.push_back(rewrite_(entry));
+      if (inverse_known) {
+        const std::vector<Symbol> p = velocity;
+        for (std::size_t i = 0; i < n; ++i) {
+          velocity[i] = Symbol(0);
+          for (std::size_t j = 0; j < n; ++j) velocity[i] += matrix[i * n + j] * p[j];
+        }
+      } else {
+        tape::eliminate(matrix, velocity);
+      }
+    } else {
+      for (std::size_t i = 0; i < n; ++i) velocity[i] = velocity[i] / rewrite_(form_.mass[i]);
+    }
+    Symbol twice_kinetic;
+    for (std::size_t i = 0; i < n; ++i) twice_kinetic += component(n + i) * velocity[i];
+    Symbol h = Symbol(0.5) * twice_kinetic + rewrite_(form_.potential);
+    if (form_.kind == FormKind::contact_quadratic) {
+      const Symbol s = component(2 * n);
+      h += Symbol(0.5) * rewrite_(form_.action_curvature) * (s * s) - rewrite_(form_.offset);
+    }
+    return h;
+  }
+
+  const text::Form& form_;
+  ParametricScene& made_;
+  tape::Substitution rewrite_;
+};
+
+}  // namespace
+
+std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_scene(const Scene& scene,
+                                                                                   const std::vector<bool>& varied) {
+  const text::TextScene* const text = scene.mechanics->text();
+  const Scene& forward = forward_of(scene);
+  std::shared_ptr<const text::Form> form;
+  if (const bool known = !text || text->known; known) {
+    form = recorded_in_parameters(forward, varied, goes_backward(scene));
+  } else {
+    form = text->form;
+  }
+  if (!form) return "this problem is none whose equations can be differentiated";
+  if (form->kind == FormKind::lagrangian)
+    return "a Lagrangian that is not quadratic in the velocities has no derivatives yet";
+  auto made = std::make_shared<ParametricScene>();
+  Writer(*form, *made).write();
+  const std::size_t n = made->coordinates;
+  const std::size_t capacity = text ? static_cast<std::size_t>(text->capacity) : n;
+  for (std::size_t i = 0; i < made->components; ++i) {
+    const std::size_t place = n == 0 || i < n ? i : i == 2 * n ? 2 * capacity : capacity + i - n;
+    made->variables.push_back(place);
+    made->signs.push_back(text && text->turns(place) ? -1 : 1);
+  }
+  made->backward = goes_backward(scene);
+  made->parameters = scene.parameters;
+  if (const auto& cards = forward.card().parameters; made->parameters.size() != cards.size())
+    made->parameters = forward.parameters;
+  return std::shared_ptr<const ParametricScene>(std::move(made));
+}
+
+}  // namespace least::variations

@@ -1,0 +1,37 @@
+// The start of a motion, and how it changes with a number of it or with a parameter.
+#pragma once
+
+#include <vector>
+
+#include "core/run/mechanics.hpp"
+#include "core/tape/formula.hpp"
+#include "core/variations/sensitivities.hpp"
+
+namespace least::variations {
+
+/// Values on the tape of a scene, ready to be evaluated: of the components, and then the parameters.
+tape::Formula formula_of(const ParametricScene& scene, const std::vector<Symbol>& all);
+
+class Start {
+ public:
+  /// Both outlive it.
+  Start(const Scene& scene, const SensitivitiesAsked& asked);
+
+  const std::vector<double>& state() const { return x_; }
+  /// Its derivative by the quantity, at a fixed time of the run.
+  std::vector<double> slope(const Quantity& by) const;
+
+ private:
+  std::vector<double> slope_in_momenta(const Quantity& by) const;
+  std::vector<double> slope_in_velocities(const Quantity& by) const;
+
+  const ParametricScene& equations_;
+  const SensitivitiesAsked& asked_;
+  double t_;
+  std::size_t size_;
+  std::vector<double> x_, rates_;
+  std::vector<double> in_velocities_;  ///< with the parameters, where velocities are held
+  tape::Formula momenta_;
+};
+
+}  // namespace least::variations

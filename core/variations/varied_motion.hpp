@@ -1,0 +1,68 @@
+// A motion with its first and second derivatives in directions of its start and its parameters, by one Taylor series:
+// u̇ = f_x u + f_θ w along a direction (u, w), and v̇ = f_x v + z (f_x u + f_θ w)_x u′ + … along a pair of them, of which
+// the symmetric part is followed once. w and z are numbers that do not change: with them the equations are homogeneous
+// in each direction, so that derivatives are rescaled by powers of two from step to step and have as many digits as the
+// motion, however far they grow. Source: Barrio, SIAM J. Sci. Comput. 27, 1929 (2006).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/schemes/taylor.hpp"
+#include "core/variations/parametric.hpp"
+
+namespace least::variations {
+
+/// What a derivative is by: a parameter of the card, or none; then it is the start that moves.
+using Direction = std::optional<std::size_t>;
+
+/// First and, of pairs, second derivatives of a state: d by d, each as long as the state.
+struct Derivatives {
+  std::vector<double> first, second;
+};
+
+class VariedMotion {
+ public:
+  /// `pairs`: of directions, whose second derivatives are followed. `order`: of the series; 0: the cheapest. Throws
+  /// tape::TooManyOperations, MemoryShortage.
+  VariedMotion(const ParametricScene& scene, std::span<const Direction> directions,
+               std::span<const std::pair<std::size_t, std::size_t>> pairs, double tolerance, int order = 0);
+
+  void start(std::span<const double> x, const Derivatives& derivatives, double t);
+  double time() const { return t_; }
+  int order() const { return expansion_->order(); }
+  /// The time that the next step may go to; time() where the motion does not go on.
+  double reach() const { return reach_; }
+  /// What is seen becomes the motion at a time within the next step. False: it is not finite there.
+  bool look(double t);
+  /// A step to `end`, or as far as it can go. False: the motion does not go on.
+  bool advance(double end);
+
+  std::span<const double> state() const { return std::span(seen_).first(size_); }
+  Derivatives derivatives() const;
+
+ private:
+  struct Block {
+    std::size_t first;                 ///< of its numbers in the list of all
+    std::optional<std::size_t> share;  ///< where w or z stands
+    int exponent = 0;                  ///< of two: by what it has been divided
+  };
+  tape::Program program_of(const ParametricScene& scene, std::span<const Direction> directions);
+  void rescale(Block& block, int by);
+  void settle_scales();
+  void plan();
+
+  std::size_t size_;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
+  std::vector<Block> directions_, seconds_;
+  std::size_t numbers_ = 0;
+  std::optional<taylor::Expansion> expansion_;
+  double t_ = 0, reach_ = 0, longest_ = 0;
+  std::vector<double> y_, seen_;        ///< all numbers, at the last step and where it was looked
+  std::vector<double> low_, low_seen_;  ///< what rounding has kept from them
+};
+
+}  // namespace least::variations

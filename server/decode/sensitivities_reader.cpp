@@ -1,0 +1,199 @@
+#include "server/decode/sensitivities_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/catalogue/catalogue.hpp"
+#include "core/text/expansion.hpp"
+#include "core/text/scene.hpp"
+
+namespace least::server {
+namespace {
+
+using variations::Quantity;
+using variations::SensitivitiesAsked;
+
+constexpr std::string_view shape_of_sensitivities =
+    "{\"by\": [\"/initial/x\", \"/problem/mu\"] or \"initial\", \"order\": 1, \"of\": \"motion\", "
+    "\"at\": \"final|samples\", \"holds\": \"momenta|velocities\"}";
+
+// What may stand in `by`, as the answer names it.
+struct Candidate {
+  std::string pointer;
+  Quantity quantity;
+};
+
+// Whether the start of a request says no momenta: then its velocities stay where they are.
+bool is_in_velocities(const Json& root, const text::TextScene* text) {
+  if (!text || !text->takes_velocities()) return false;
+  const Json* initial = find(root, "initial");
+  if (initial == nullptr) return true;
+  const auto kind = [](const std::string& name) { return name.substr(0, name.find('[')); };
+  return std::ranges::none_of(text->definition.variables, [&](const std::string& variable) {
+    const std::string momentum = kind(text::momentum_name(variable));
+    for (const auto& [name, value] : initial->items())
+      if (kind(name) == momentum) return true;
+    return false;
+  });
+}
+
+class ByReader {
+ public:
+  ByReader(const Scene& scene, bool in_velocities)
+      : card_(scene.card()), text_(scene.mechanics->text()), in_velocities_(in_velocities) {
+    for (std::size_t i = 0; i < card_.variables.size(); ++i)
+      if (!card_.variables[i].hidden && !(in_velocities_ && is_momentum(i)))
+        candidates_.push_back({"/initial/" + card_.variables[i].name, {Quantity::Kind::variable, i}});
+    if (in_velocities_)
+      for (std::size_t i = 0; i < text_->definition.variables.size(); ++i)
+        candidates_.push_back(
+            {"/initial/" + text::velocity_name(text_->definition.variables[i]), {Quantity::Kind::velocity, i}});
+    candidates_.push_back({"/initial/t", {Quantity::Kind::time, 0}});
+    for (std::size_t i = 0; i < card_.parameters.size(); ++i)
+      if (card_.parameters[i].kind == Kind::number)
+        candidates_.push_back({"/problem/" + card_.parameters[i].name, {Quantity::Kind::parameter, i}});
+  }
+
+  void read(const Json& json, const FieldPath& path, const Scene& scene, SensitivitiesAsked& asked) const {
+    if (!json.is_string())
+      return path.fault("must be a JSON pointer to a number of initial, or to a parameter", json, allowed());
+    const auto& typed = json.get_ref<const std::string&>();
+    const std::string pointer = in_one_way(typed);
+    const auto found = std::ranges::find(candidates_, pointer, &Candidate::pointer);
+    if (found == candidates_.end()) {
+      Names pointers;
+      for (const Candidate& one : candidates_) pointers.push_back(one.pointer);
+      const std::string why = why_not(pointer);
+      return path.fault(!why.empty() ? why : "names no number that derivatives can be by" + path.meant(typed, pointers),
+                        json, allowed());
+    }
+    if (found->quantity.kind == Quantity::Kind::parameter && !std::isfinite(scene.parameters[found->quantity.index]))
+      return path.fault("is no number in this request", json, allowed());
+    if (std::ranges::find(asked.names, found->pointer) != asked.names.end()) return path.fault("stands twice", json);
+    asked.by.push_back(found->quantity);
+    asked.names.push_back(found->pointer);
+  }
+
+ private:
+  bool is_momentum(std::size_t variable) const {
+    const auto capacity = static_cast<std::size_t>(text_->capacity);
+    return variable >= capacity && variable < 2 * capacity;
+  }
+
+  // `/problem/parameters/m` as `/problem/m`, `/problem/m/2` as `/problem/m[3]`.
+  static std::string in_one_way(std::string pointer) {
+    constexpr std::string_view long_way = "/problem/parameters/";
+    if (pointer.starts_with(long_way)) pointer.replace(0, long_way.size(), "/problem/");
+    const std::size_t last = pointer.rfind('/');
+    const std::string index = last == std::string::npos ? "" : pointer.substr(last + 1);
+    const bool is_index =
+        !index.empty() && index.size() < 6 && std::ranges::all_of(index, [](char c) { return c >= '0' && c <= '9'; });
+    if (!is_index || std::ranges::count(pointer, '/') != 3) return pointer;
+    return fmt::format("{}[{}]", pointer.substr(0, last), std::stoll(index) + 1);
+  }
+
+  std::string why_not(const std::string& pointer) const {
+    if (pointer.starts_with("/scheme")) return "is a setting of the scheme: derivatives are by starts and parameters";
+    for (const ParameterCard& parameter : card_.parameters)
+      if (pointer == "/problem/" + parameter.name)
+        return parameter.name + (parameter.kind == Kind::integer ? " is a whole number: there is no derivative by it"
+                                                                 : " is a choice: there is no derivative by it");
+    if (!text_ || !text_->takes_velocities()) return {};
+    for (const std::string& variable : text_->definition.variables) {
+      if (in_velocities_ && pointer == "/initial/" + text::momentum_name(variable))
+        return "velocities are held, and momenta follow: name " + text::velocity_name(variable) +
+               ", or say \"holds\": \"momenta\"";
+      if (!in_velocities_ && pointer == "/initial/" + text::velocity_name(variable))
+        return "momenta are held, and velocities follow: name " + text::momentum_name(variable) +
+               ", or say \"holds\": \"velocities\"";
+    }
+    return {};
+  }
+
+  std::string allowed() const {
+    constexpr std::size_t most = 40;
+    Names pointers;
+    for (const Candidate& one : candidates_)
+      if (pointers.size() < most) pointers.push_back(one.pointer);
+    return listed(pointers) + (candidates_.size() > most ? ", …" : "");
+  }
+
+  const ProblemCard& card_;
+  const text::TextScene* text_;
+  bool in_velocities_;
+  std::vector<Candidate> candidates_;
+};
+
+// All variables of the motion, with momenta, whatever the start is said in.
+void take_whole_start(const Scene& scene, SensitivitiesAsked& asked) {
+  asked.whole_start = true;
+  asked.keeps_velocities = false;
+  for (const std::size_t place : asked.equations->variables) {
+    asked.by.push_back({Quantity::Kind::variable, place});
+    asked.names.push_back("/initial/" + scene.card().variables[place].name);
+  }
+}
+
+}  // namespace
+
+void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard& scheme, SimulateRequest& decoded) {
+  const Json* json = find(root, "sensitivities");
+  const FieldPath path = top.at("sensitivities");
+  if (json == nullptr || !read_object(*json, path, {"by", "order", "of", "at", "holds"}, "sensitivities")) return;
+  const Request& request = decoded.run;
+  const Scene& scene = *request.scene;
+  SensitivitiesAsked asked;
+  if (const Json* order = find(*json, "order")) read_integer(*order, path.at("order"), 1, 1);
+  if (const Json* of = find(*json, "of"))
+    read_name(*of, path.at("of"), {"motion"}, "map");
+  else if (!scheme.own_clock && scheme.id != auto_card().id)
+    path.at("of").lacks("of a scheme of fixed steps the derivative of its own map is not there: say \"motion\"",
+                        "motion");
+  if (const Json* at = find(*json, "at")) {
+    asked.at_samples = read_name(*at, path.at("at"), {"final", "samples"}, "place").value_or(0) == 1;
+    if (asked.at_samples && request.record.mode == Record::Mode::every && request.record.count == 0)
+      path.at("at").fault("there are no samples: record keeps none", *at, "final");
+  }
+
+  const Json* by = find(*json, "by");
+  const FieldPath place = path.at("by");
+  if (by == nullptr) return place.lacks("is required", std::string(shape_of_sensitivities));
+  const bool whole = by->is_string() && *by == "initial";
+  const text::TextScene* const text = scene.mechanics->text();
+  asked.keeps_velocities = is_in_velocities(root, text);
+  if (const Json* holds = find(*json, "holds")) {
+    const bool both = text && text->takes_velocities() && !whole;
+    const Names names(variations::held_names.begin(),
+                      both ? variations::held_names.end() : std::next(variations::held_names.begin()));
+    asked.keeps_velocities = read_name(*holds, path.at("holds"), names, "part of a start").value_or(0) == 1;
+  }
+  const ByReader reader(scene, asked.keeps_velocities);
+  if (by->is_array() && !by->empty()) {
+    if (by->size() > variations::most_quantities)
+      return place.fault(fmt::format("holds {} pointers", by->size()), *by,
+                         fmt::format("{} at most", variations::most_quantities));
+    for (std::size_t i = 0; i < by->size(); ++i) reader.read((*by)[i], place.at(i), scene, asked);
+  } else if (!whole) {
+    place.fault("must be a list of JSON pointers, or \"initial\"", *by, std::string(shape_of_sensitivities));
+  }
+  if (std::ranges::any_of(request.events, [](const EventAsked& event) { return event.act != nullptr; }))
+    path.fault("know no events that act", *json, "a run without");
+  if (!top.faults->empty()) return;
+
+  try {
+    auto made = variations::parametric_scene(scene, varied_parameters(asked, scene.card().parameters.size()));
+    if (auto* why = std::get_if<std::string>(&made)) return path.fault(std::move(*why), *json);
+    asked.equations = std::get<std::shared_ptr<const variations::ParametricScene>>(std::move(made));
+  } catch (const tape::TooManyOperations&) {
+    return path.fault("the equations of the derivatives of this scene are too long", *json);
+  }
+  if (whole) take_whole_start(scene, asked);
+  if (asked.by.size() > variations::most_quantities)
+    return place.fault(fmt::format("the motion has {} variables", asked.by.size()), *by,
+                       fmt::format("{} at most: name some", variations::most_quantities));
+  decoded.sensitivities = std::make_shared<const SensitivitiesAsked>(std::move(asked));
+}
+
+}  // namespace least::server

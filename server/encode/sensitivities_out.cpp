@@ -1,0 +1,79 @@
+#include "server/encode/sensitivities_out.hpp"
+
+#include "server/encode/answer_parts.hpp"
+
+namespace least::server {
+namespace {
+
+using variations::SensitivitiesAsked;
+
+template <class Texts>
+void write_texts(JsonWriter& json, const Texts& texts) {
+  json.open('[');
+  for (const auto& text : texts) json.text(text);
+  json.close(']');
+}
+
+// A list for each row; null where nothing was found.
+void write_slopes(JsonWriter& json, const variations::Slopes& slopes, std::size_t rows) {
+  if (slopes.empty()) {
+    json.null();
+    return;
+  }
+  const std::size_t width = slopes.size() / rows;
+  json.open('[');
+  for (std::size_t i = 0; i < rows; ++i) {
+    json.open('[');
+    for (std::size_t k = 0; k < width; ++k) json.number(slopes[i * width + k]);
+    json.close(']');
+  }
+  json.close(']');
+}
+
+void write_settings(JsonWriter& json, const SensitivitiesAsked& asked) {
+  json.key("order").integer(1).key("of").text("motion").key("at").text(asked.at_samples ? "samples" : "final");
+  if (!asked.whole_start) json.key("holds").text(variations::held_names[asked.keeps_velocities ? 1 : 0]);
+}
+
+}  // namespace
+
+void write_sensitivities_asked(JsonWriter& json, const SensitivitiesAsked& asked) {
+  json.open('{').key("by");
+  if (asked.whole_start) {
+    json.text("initial");
+  } else {
+    write_texts(json, asked.names);
+  }
+  write_settings(json, asked);
+  json.close('}');
+}
+
+void write_sensitivities(JsonWriter& json, const FoundSensitivities& of, bool with_samples) {
+  const variations::Sensitivities& found = of.found;
+  const std::size_t rows = found.rows.size();
+  write_texts(json.open('{').key("by"), of.asked.names);
+  write_texts(json.key("rows"), found.rows);
+  write_settings(json, of.asked);
+  write_slopes(json.key("final"), found.final, rows);
+  if (of.asked.at_samples && with_samples) {
+    json.key("samples").open('[');
+    for (const auto& slopes : found.samples) write_slopes(json, slopes, rows);
+    json.close(']');
+  }
+  json.key("events").open('[');
+  for (const auto& [name, slopes] : found.events) {
+    json.open('{').key("name").text(name).key("t").open('[');
+    for (const double slope : slopes) json.number(slope);
+    json.close(']').close('}');
+  }
+  json.close(']');
+  if (of.asked.whole_start) {
+    json.key("structure");
+    found.structure.empty() ? (void)json.null() : write_reports(json, found.structure);
+  }
+  json.key("uncertainty").number(found.uncertainty);
+  if (!found.reason.empty()) json.key("reason").text(found.reason);
+  json.close('}');
+}
+
+}  // namespace least::server

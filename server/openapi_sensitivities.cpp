@@ -1,0 +1,58 @@
+#include "server/openapi_sensitivities.hpp"
+
+#include "core/variations/sensitivities.hpp"
+
+namespace least::server {
+namespace {
+
+Json list(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+Json one_of(const Json& names, const char* doc) { return {{"enum", names}, {"description", doc}}; }
+
+Json pointers() {
+  Json all = list({{"type", "string"}});
+  all["minItems"] = 1;
+  all["maxItems"] = variations::most_quantities;
+  all["description"] = "JSON pointers to numbers of initial (t too) and parameters: /initial/x, /problem/mu";
+  return all;
+}
+
+}  // namespace
+
+Json sensitivities_asked() {
+  const Json properties{
+      {"by", {{"anyOf", {pointers(), Json{{"const", "initial"}}}}}},
+      {"order", {{"type", "integer"}, {"minimum", 1}, {"maximum", 1}}},
+      {"of", one_of({"motion"}, "the true motion from the start of the run, whichever scheme runs it")},
+      {"at", one_of({"final", "samples"}, "at the end alone, or at every sample, too")},
+      {"holds", one_of(variations::held_names,
+                       "what stays where another number of the start changes; by default what the start says")}};
+  return {{"type", "object"},
+          {"properties", properties},
+          {"required", {"by"}},
+          {"additionalProperties", false},
+          {"description", "derivatives of the states by numbers of the start and parameters"}};
+}
+
+Json sensitivities_found() {
+  const Json slopes = list(list({{"type", {"number", "null"}}})), texts = list({{"type", "string"}});
+  const Json properties{
+      {"by", texts},
+      {"rows", texts},
+      {"order", {{"type", "integer"}}},
+      {"of", {{"type", "string"}}},
+      {"at", {{"type", "string"}}},
+      {"holds", {{"type", "string"}}},
+      {"final", {{"anyOf", {slopes, Json{{"type", "null"}}}}}},
+      {"samples", list(slopes)},
+      {"events", list({{"type", "object"}, {"required", {"name", "t"}}})},
+      {"structure", {{"type", "object"}, {"description", "of the whole map: kind, max_defect, factor"}}},
+      {"uncertainty",
+       {{"type", {"number", "null"}},
+        {"description",
+         "the largest disagreement with a control of another order and half the tolerance, divided by "
+         "the largest derivative"}}},
+      {"reason", {{"type", "string"}, {"description", "why there are none"}}}};
+  return {{"type", "object"}, {"properties", properties}};
+}
+
+}  // namespace least::server

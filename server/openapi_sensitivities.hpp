@@ -1,0 +1,11 @@
+// The member `sensitivities` of requests and answers, as OpenAPI describes it.
+#pragma once
+
+#include "server/decode/json_parse.hpp"
+
+namespace least::server {
+
+Json sensitivities_asked();
+Json sensitivities_found();
+
+}  // namespace least::server

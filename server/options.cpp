@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
+#include <regex>
 #include <span>
 #include <vector>
 
@@ -60,6 +61,22 @@ const CLI::Validator size(
       return std::string();
     },
     "", "size");
+
+// An origin as browsers send it, RFC 6454: `https://example.org`, `http://[::1]:8000`. Anything else would meet no
+// page, and what holds a blank or a semicolon would say more in the policy of the page than an origin.
+const CLI::Validator origin(
+    [](std::string& text) {
+      static const std::regex form(R"([a-z][a-z0-9+.-]*://([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?)");
+      std::string lower = lowered(text);
+      if (!std::regex_match(lower, form))
+        return "`" + text + "` is no origin: a scheme, a host and maybe a port, as https://example.org";
+      text = std::move(lower);
+      return std::string();
+    },
+    "", "origin");
+// Pages without an origin of their own, as those in files, say `null`.
+const CLI::Validator origin_or_none([](std::string& text) { return text == "null" ? std::string() : origin(text); }, "",
+                                    "origin");
 
 void add_common(CLI::App& app, Options& options) {
   Caps& caps = options.settings.caps;
@@ -113,7 +130,11 @@ void add_serve(CLI::App& app, Options& options) {
       "port of this host where /metrics is then, 0 picks a free one; -1: it is at --port")
       ->check(CLI::Range(-1, 65535));
   add(app, "--allow-origin", settings.allow_origins, "origins of foreign pages that may use this service")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->transform(origin_or_none);
+  add(app, "--allow-frame", settings.allow_frames, "origins of foreign pages that may hold this page in a frame")
+      ->delimiter(',')
+      ->transform(origin);
 }
 
 /// Whether a command line names an option, alone or with its value.

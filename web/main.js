@@ -1,6 +1,6 @@
 // The page: lessons, and the workbench behind them. The address says which, and the way back goes back.
 import * as api from "./service/api.js";
-import { fromHash, lessonHash, lessonOf } from "./service/link.js";
+import { fromHash, lessonHash, lessonOf, presenting, presents } from "./service/link.js";
 import { custom } from "./service/text.js";
 import { element } from "./forms/forms.js";
 import { Lesson } from "./lessons/lesson.js";
@@ -19,12 +19,32 @@ function workbench(catalogue) {
  * Puts `hash` into the address: as a step to go back from, unless it only spells out what stands there. An address that has
  * changed meanwhile stays: what it says is about to be shown.
  */
-function note(hash, quietly) {
+function note(asked, quietly) {
+  const hash = presenting(asked, isPresenting());
   if (hash === location.hash || location.hash !== at) return;
   if (quietly) history.replaceState(history.state, "", hash);
   else history.pushState({ steps: steps() + 1 }, "", hash);
   at = location.hash;
   find("#undo").disabled = steps() === 0;
+}
+
+/** Whether a lecture goes on: only the scene, its pictures and what is moved by hand are in sight. */
+const isPresenting = () => document.documentElement.classList.contains("present");
+
+function present(on) {
+  document.documentElement.classList.toggle("present", on);
+  for (const button of document.querySelectorAll("[data-presents]")) button.textContent = on ? "Leave" : "Present";
+  at = presenting(location.hash || lessonHash(lessons[0].id), on);
+  if (at !== location.hash) history.replaceState(history.state, "", at);
+  shown?.draw();
+}
+
+/** By a hand: of a browser that can, the whole screen. */
+async function turnPresenting(on) {
+  present(on);
+  if (on) find(shown === lesson ? "#claim" : "#present-bench").focus();
+  if (on) await document.documentElement.requestFullscreen?.().catch(() => {}); // a page in a frame may not
+  else if (document.fullscreenElement) await document.exitFullscreen().catch(() => {});
 }
 
 /** How many steps of this page there are to go back. */
@@ -58,11 +78,13 @@ function show(part, selector) {
   find("#to-workbench").ariaCurrent = selector === "#lesson" ? null : "page";
 }
 
-/** Shows what the address says. */
-async function route(catalogue) {
+/** Shows what the address says; a step back, which has a state, leads neither into a presentation nor out of it. */
+async function route(catalogue, opened = false) {
   at = location.hash;
+  present(opened || history.state === null ? presents(at) : isPresenting());
+  if (history.state === null) history.replaceState({ steps: 0 }, "", at || location.href);
   find("#undo").disabled = steps() === 0;
-  const asked = at || lessonHash(lessons[0].id), link = lessonOf(asked);
+  const asked = presenting(at, false) || lessonHash(lessons[0].id), link = lessonOf(asked);
   if (link) {
     show(lesson, "#lesson");
     return tell(lesson.open(link.id, link.state) ? "" : `There is no lesson “${link.id}”; this is the first.`);
@@ -88,11 +110,17 @@ try {
   const catalogue = await api.catalogue();
   lesson = new Lesson(catalogue, openLesson);
   addEventListener("hashchange", () => route(catalogue).catch(fail));
-  addEventListener("keydown", (event) => (undoes(event) ? history.back() : shown?.key(event)));
+  addEventListener("keydown", (event) => {
+    if (undoes(event)) history.back();
+    else if (event.key === "Escape" && isPresenting()) turnPresenting(false);
+    else shown?.key(event);
+  });
+  addEventListener("fullscreenchange", () => document.fullscreenElement || !isPresenting() || present(false));
+  for (const button of document.querySelectorAll("[data-presents]")) button.addEventListener("click", () => turnPresenting(!isPresenting()));
   find("#skip").addEventListener("click", () => find(shown === lesson ? "#claim" : "#problem").focus());
   find("#undo").addEventListener("click", () => history.back());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [bench, lesson].forEach((part) => part?.draw()));
-  await route(catalogue);
+  await route(catalogue, true);
 } catch (error) {
   fail(error);
 }

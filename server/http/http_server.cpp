@@ -33,7 +33,7 @@ using Clock = std::chrono::steady_clock;
 unsigned cores() { return std::max(std::thread::hardware_concurrency(), 1u); }
 
 Access access_of(const HttpSettings& settings) {
-  Access access{settings.allow_hosts, settings.allow_origins};
+  Access access{settings.allow_hosts, settings.allow_origins, settings.allow_frames};
   access.hosts.insert(access.hosts.end(), {"localhost", "127.0.0.1", "[::1]", settings.host});
   if (settings.host.find(':') != std::string::npos) access.hosts.push_back('[' + settings.host + ']');
   return access;

@@ -26,6 +26,7 @@ struct HttpSettings {
   double grace = 10;            ///< seconds that computations have left when the server ends
   ConnectionBounds bounds;
   std::vector<std::string> allow_hosts, allow_origins;
+  std::vector<std::string> allow_frames;     ///< origins of pages that may hold this one in a frame
   std::vector<std::string> trusted_proxies;  ///< addresses that say the truth about their clients
 };
 

@@ -33,6 +33,19 @@ std::string without_port(std::string_view authority) {
   return digits && port.size() <= 5 ? lowered(authority.substr(0, colon)) : std::string();
 }
 
+// A refusal as a page of its own where a browser asks for one.
+Answer html_or(const RequestHead& head, Answer refusal, std::string_view title, std::string_view why) {
+  constexpr std::string_view html = "text/html";
+  const std::string problem = refusal.type;
+  if (negotiate(head.field("accept"), std::array<std::string_view, 2>{problem, html}) == 1) {
+    refusal.type = "text/html; charset=utf-8";
+    refusal.body = fmt::format("<!doctype html>\n<title>403 Forbidden</title>\n<h1>{}</h1>\n<p>{}.\n", title, why);
+    refusal.headers.emplace_back("Content-Security-Policy", "default-src 'none'");
+  }
+  refusal.headers.emplace_back("Vary", "Accept");
+  return refusal;
+}
+
 // What is large is dear to read, too: that waits for its turn as the work does.
 Job read_in_turn(const Router::Prepare& prepare, HttpRequest request) {
   return [&prepare, request, accept = std::string(request.accept)](Admission::Pass pass) mutable {
@@ -64,7 +77,12 @@ std::string_view allowed(bool computes, bool fixed) {
 
 }  // namespace
 
-Router::Router(Access access, ErrorAnswer error) : access_(std::move(access)), error_(error) {
+Router::Router(Access access, ErrorAnswer error)
+    : access_(std::move(access)),
+      page_policy_(fmt::format("default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors {}; "
+                               "object-src 'none'",
+                               access_.frames.empty() ? "'none'" : fmt::format("{}", fmt::join(access_.frames, " ")))),
+      error_(error) {
   std::erase(access_.hosts, "");  // what is no host at all has no name, and is not allowed by an empty option
   for (auto& host : access_.hosts) host = lowered(host);
 }
@@ -115,17 +133,7 @@ Answer Router::unknown_host(const RequestHead& head, std::string_view request_id
       "is "
       "found by 127.0.0.1 or localhost",
       name);
-  Answer answer = error_(403, why, request_id);
-  constexpr std::string_view html = "text/html";
-  const std::string problem = answer.type;
-  if (negotiate(head.field("accept"), std::array<std::string_view, 2>{problem, html}) == 1) {
-    answer.type = "text/html; charset=utf-8";
-    answer.body =
-        fmt::format("<!doctype html>\n<title>403 Forbidden</title>\n<h1>Not by this name</h1>\n<p>{}.\n", why);
-    answer.headers.emplace_back("Content-Security-Policy", "default-src 'none'");
-  }
-  answer.headers.emplace_back("Vary", "Accept");
-  return answer;
+  return html_or(head, error_(403, why, request_id), "Not by this name", why);
 }
 
 bool Router::origin_allowed(const RequestHead& head) const {
@@ -133,6 +141,29 @@ bool Router::origin_allowed(const RequestHead& head) const {
   const std::string origin = head.field("origin"), host = lowered(head.authority);
   return lowered(origin) == "http://" + host || lowered(origin) == "https://" + host ||
          std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end();
+}
+
+// Whether a browser is about to put the page into a frame where it may not stand. What it says of frames it says only
+// to services that are reached by TLS or on its own machine; elsewhere the policy of the page alone refuses.
+bool Router::frame_refused(const RequestHead& head) const {
+  constexpr std::string_view frames[] = {"iframe", "frame", "embed", "object", "fencedframe"};
+  const std::string into = head.field("sec-fetch-dest"), referrer = lowered(head.field("referer"));
+  if (std::find(std::begin(frames), std::end(frames), into) == std::end(frames)) return false;
+  if (access_.frames.empty()) return true;
+  const auto scheme = referrer.find("://");
+  if (scheme == referrer.npos) return false;  // who embeds is not told: the policy of the page decides
+  const std::string origin = referrer.substr(0, referrer.find('/', scheme + 3));
+  return std::find(access_.frames.begin(), access_.frames.end(), origin) == access_.frames.end();
+}
+
+// It stands in the frame in the place of the page, for the person who embeds it.
+Answer Router::refused_frame(const RequestHead& head, std::string_view request_id) const {
+  const std::string why =
+      "the page may not stand in a frame of this origin: whoever runs the service adds it by `--allow-frame ORIGIN`, "
+      "as `--allow-frame https://course.example`, or LEASTACTION_ALLOW_FRAME=ORIGIN";
+  Answer answer = html_or(head, error_(403, why, request_id), "Not in this frame", why);
+  answer.headers.emplace_back("Vary", "Sec-Fetch-Dest, Referer");
+  return answer;
 }
 
 Effort Router::effort(const RequestHead& head, std::string_view body) const {
@@ -209,6 +240,7 @@ Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, s
     answer.headers.emplace_back("Vary", "Accept-Encoding");
     return answer;
   }
+  if (!computes && found->second.page && frame_refused(head)) return refused_frame(head, request.id);
   if (!computes) return fixed(head, found->second, request.id);
   if (head.count("content-length") == 0 && head.count("transfer-encoding") == 0) {
     return error_(411, "Content-Length or chunked coding is required", request.id);
@@ -229,9 +261,7 @@ Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_vi
       200, fixed.type, {}, {{"ETag", packed ? "W/" + fixed.etag : fixed.etag}, {"Cache-Control", "no-cache"}}};
   answer.headers.emplace_back("Vary", "Accept-Encoding");
   if (fixed.page) {
-    answer.headers.emplace_back("Content-Security-Policy",
-                                "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "
-                                "object-src 'none'");
+    answer.headers.emplace_back("Content-Security-Policy", page_policy_);
     answer.headers.emplace_back("Referrer-Policy", "no-referrer");
   }
   const std::string known = head.field("if-none-match");

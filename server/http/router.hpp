@@ -23,6 +23,7 @@ namespace least::server {
 struct Access {
   std::vector<std::string> hosts;    ///< names accepted in `Host`, without port
   std::vector<std::string> origins;  ///< foreign origins accepted, such as `https://example.org`
+  std::vector<std::string> frames;   ///< origins whose pages may hold the page in a frame
 };
 
 /// How the service words an error; `detail` may be empty.
@@ -95,10 +96,13 @@ class Router {
   bool host_allowed(const RequestHead& head) const;
   Answer unknown_host(const RequestHead& head, std::string_view request_id) const;
   bool origin_allowed(const RequestHead& head) const;
+  bool frame_refused(const RequestHead& head) const;
+  Answer refused_frame(const RequestHead& head, std::string_view request_id) const;
   Prepared dispatch(const RequestHead& head, const HttpRequest& request, std::string_view& route) const;
   Answer fixed(const RequestHead& head, const Fixed& fixed, std::string_view request_id) const;
 
   Access access_;
+  std::string page_policy_;  // the Content-Security-Policy of the page
   ErrorAnswer error_;
   Glance glance_ = [](std::string_view) { return Effort::reading; };
   Hint hint_ = [](int, std::string_view) { return std::string(); };

@@ -17,6 +17,7 @@ const parts = {
   "a lesson that measures": { hash: "#lesson=digits", ready: "#lesson .precision canvas" },
   "a presentation": { hash: "#lesson=downhill", ready: "#lesson[aria-busy=false]", open: "#present" },
   "the workbench": { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis", open: ".curl summary" },
+  "a presentation of a scene": { hash: "#problem=pendulum&until.t=20&present" },
   "a portrait": { hash: "#problem=pendulum&starts.of=q,p&starts.at=0,1,0,2&view.field=true", ready: "#start-list li" },
   "many runs, with a key": { hash: "#lesson=islands", ready: "#lesson .hues" },
   "a scene as text, with a fault": { hash: "#problem=custom&problem.variables=q&problem.potential=k*q^2", ready: "#spot-formula mark", expected: /422/ },

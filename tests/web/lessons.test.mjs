@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { all, becomes, drawn, frames, origin, pageTest } from "./browser.mjs";
+import { claims } from "./claims.mjs";
 import { lessons } from "../../web/lessons/lessons.js";
 
 const ready = "#lesson[aria-busy=false]";
@@ -10,118 +11,6 @@ const calm = { ready, reducedMotion: "reduce" };
 const said = async (page) => JSON.parse(await page.evaluate(() => JSON.stringify(window.said)));
 const times = async (page) => Number(await page.getAttribute("html", "data-times"));
 const opened = (page, id) => page.waitForSelector(`html[data-shown=${id}]`);
-
-const end = (values) => values.findLast((v) => v !== null);
-const largest = (values) => Math.max(...values.map(Math.abs));
-const falls = (values) => values.every((v, i) => i === 0 || v <= values[i - 1] + 1e-6);
-const share = (values, wanted) => values.filter(wanted).length / values.length;
-
-/** What each lesson says, as a condition on its runs (of a study: on its curves). */
-const claims = {
-  orbit([good, bad]) {
-    assert.ok(Math.abs(good.cost.force_evaluations / bad.cost.force_evaluations - 1) < 0.01, "equal work");
-    assert.ok(Math.abs(good.diagnostics.orbit.semi_major_axis - 1) < 0.01 && bad.diagnostics.orbit.semi_major_axis < 0.8);
-    assert.ok(largest(good.trajectory.energy.map((e) => e + 0.5)) < 0.002 && end(bad.trajectory.energy) < -0.6);
-  },
-  spiral([euler, midpoint, leapfrog]) {
-    assert.ok(largest(euler.trajectory.q) > 1000 && end(midpoint.trajectory.energy) > 0.7);
-    assert.ok(largest(leapfrog.trajectory.q) < 1.05);
-  },
-  pendulum([good, bad]) {
-    const late = ({ trajectory: { q } }) => largest(q.slice(-400));
-    assert.ok(Math.abs(good.cost.force_evaluations / bad.cost.force_evaluations - 1) < 0.01, "equal work");
-    assert.ok(late(good) > 1.95 && late(bad) < 0.5);
-  },
-  portrait([little, far, over, back, between, own]) {
-    const turns = ({ trajectory: { q } }) => largest(q) > Math.PI, returns = ({ trajectory: { q } }) => q.some((v, i) => i > 0 && v * q[i - 1] < 0);
-    assert.ok([little, far, own].every((run) => !turns(run) && returns(run)) && turns(over) && turns(back));
-    assert.ok(end(over.trajectory.q) > 4 * Math.PI && end(back.trajectory.q) < -4 * Math.PI);
-    const { q, p } = between.trajectory;
-    assert.ok(!turns(between) && end(q) > 3.14 && p.every((v, i) => Math.abs(v - 2 * Math.cos(q[i] / 2)) < 2e-3), "on the separatrix");
-  },
-  paper(runs) {
-    const [long, short, hybrid, timed] = runs.map(({ diagnostics }) => Math.abs(diagnostics.orbit.apsidal_rotation));
-    assert.ok(Math.abs(long / 0.0454 - 1) < 0.02 && Math.abs(long / short - 4) < 0.3 && hybrid < 1e-4 && timed < 1e-10);
-    assert.ok(runs[2].trajectory.mode.includes("jacobi_maupertuis"));
-  },
-  damped([contact, other]) {
-    const off = ({ trajectory: { mechanical_energy: e } }) => end(e) / (0.5 * Math.exp(-0.1 * 300));
-    assert.ok(Math.abs(off(contact) - 1) < 0.2 && off(other) < 0.01, `${off(contact)}, ${off(other)}`);
-  },
-  driven: (runs) => assert.ok(Math.max(...runs.map(({ final: { q } }) => q)) - Math.min(...runs.map(({ final: { q } }) => q)) < 0.02),
-  orders(runs) {
-    const truth = runs[3].final, [second, fourth, sixth] = runs.map(({ final: { x, y } }) => Math.hypot(x - truth.x, y - truth.y));
-    assert.ok(second > 50 * fourth && fourth > 50 * sixth, `${second}, ${fourth}, ${sixth}`);
-  },
-  stars(runs) {
-    const [flat, sine, plummer, own] = runs.map(({ diagnostics }) => diagnostics.zeros[0]);
-    assert.ok(Math.abs(flat - Math.sqrt(6)) < 1e-3 && Math.abs(sine - Math.PI) < 1e-3 && plummer === undefined && own > sine);
-    const { t, q } = runs[2].trajectory;
-    assert.ok(largest(t.map((r, i) => q[i] - 1 / Math.sqrt(1 + (r * r) / 3))) < 1e-4, "the formula");
-  },
-  relaxation(runs) {
-    const [one, ten, hundred, thousand] = runs.map(({ diagnostics }) => diagnostics.cycle);
-    assert.ok([one, ten, hundred, thousand].every(({ amplitude }) => Math.abs(amplitude - 2) < 0.02));
-    assert.ok(one.period < 7 && ten.period < 20 && Math.abs(thousand.period / hundred.period / 10 - 1) < 0.02);
-  },
-  capture: (runs) => assert.ok(runs.every(({ trajectory: { p } }) => Math.abs(p.slice(-1000).reduce((a, b) => a + b) / 1000 - 1) < 0.02)),
-  cosmos([first, second, euler]) {
-    const off = ({ trajectory: { q, p, s } }) => largest(q.map((_, i) => Math.hypot(q[i], p[i], s[i]) - Math.SQRT2));
-    assert.ok(off(first) < 1e-3 && off(second) < 1e-3 && off(euler) > 0.05);
-    assert.ok(first.trajectory.s[0] < -1.2 && Math.abs(first.final.s - Math.SQRT2) < 1e-3, "from pole to pole");
-  },
-  bath([narrow, wide]) {
-    const inner = ({ trajectory: { q } }) => share(q, (v) => Math.abs(v) < 0.6745); // of a Gaussian 0.5
-    const far = ({ trajectory: { q } }) => share(q, (v) => Math.abs(v) > 2.3); // of a Gaussian 0.021
-    assert.ok(Math.abs(inner(narrow) - 0.5) < 0.02 && Math.abs(far(narrow) - 0.021) < 0.006, `${inner(narrow)} ${far(narrow)}`);
-    assert.equal(far(wide), 0);
-  },
-  downhill(runs) {
-    assert.ok(runs.every(({ trajectory: { potential } }) => falls(potential)));
-    assert.deepEqual([...new Set(runs.map(({ final: { x } }) => Math.sign(x)))].sort(), [-1, 1], "both wells");
-  },
-  heat([splitting, euler]) {
-    assert.ok(largest(splitting.trajectory.energy.map((e) => e - 1.5)) < 1e-12 && end(euler.trajectory.energy) > 10);
-    assert.ok(splitting.diagnostics.entropy.monotone && splitting.diagnostics.entropy.final > 0.3);
-  },
-  butterfly([a, b]) {
-    const apart = a.trajectory.x.map((x, i) => Math.abs(x - b.trajectory.x[i])), part = Math.floor(apart.length / 5);
-    assert.ok(largest(apart.slice(0, part)) < 1e-2 && largest(apart.slice(-2 * part)) > 10);
-  },
-  islands(points) {
-    const found = widths(points), sways = found.filter((width) => width < Math.PI).length;
-    assert.ok(found.length === 40 && sways >= 5 && sways <= 15 && found.filter((width) => width > 5.4).length === 40 - sways, `${found}`);
-  },
-  galaxy({ member, x, y }) {
-    const visited = Array.from({ length: 20 }, (_, m) => new Set(member.flatMap((of, i) => (
-      of === m ? [`${Math.floor(x[i] * 50)},${Math.floor(y[i] * 50)}`] : []))).size);
-    assert.ok(member.length > 4000 && Math.max(...visited) < 125, `each on a curve of its own, not all over the plane: ${visited}`);
-  },
-  basins({ ends }) {
-    const near = (speed) => share(ends, (v) => Math.abs(v - speed) < 0.02), [back, forth] = [near(-0.607), near(2.04)];
-    assert.ok(ends.length === 512 * 512 && back > 0.3 && forth > 0.3 && back + forth > 0.95, `${back} and ${forth} of ${ends.length}`);
-  },
-  typed: (runs) => assert.deepEqual(runs.map(({ final: { x } }) => Math.round(x)), [1, -1, 1]),
-  digits(curves) {
-    assert.equal(curves.length, 5);
-    const slope = ({ points }) => {
-      const good = points.filter(({ error }) => error > 1e-10 && error < 1e-2), [a, b] = [good[0], good.at(-1)];
-      return -Math.log(b.error / a.error) / Math.log(b.force_evaluations / a.force_evaluations);
-    };
-    assert.ok(Math.abs(slope(curves[0]) - 2) < 0.4, `leapfrog pays threefold for a digit: ${slope(curves[0])}`);
-    assert.ok(slope(curves[2]) > 6, `order 8: ${slope(curves[2])}`);
-  },
-};
-
-/** How wide each member of a portrait is. */
-function widths({ member, x }) {
-  const ends = new Map();
-  member.forEach((m, i) => {
-    const [low, high] = ends.get(m) ?? [Infinity, -Infinity];
-    ends.set(m, [Math.min(low, x[i]), Math.max(high, x[i])]);
-  });
-  return [...ends.values()].map(([low, high]) => high - low);
-}
 
 pageTest("every lesson runs, its claim is true, and its picture is in sight on every screen", { ...calm, viewport: { width: 1280, height: 720 } }, async (page) => {
   for (const [i, lesson] of lessons.entries()) {
@@ -272,34 +161,6 @@ pageTest("who wishes for less motion sees all at once", { ...calm, hash: "#lesso
   assert.match(await page.textContent("#lesson .play"), /Play/);
   assert.equal(await page.textContent("#lesson .player output"), "t = 1200");
 });
-
-pageTest("presentation: one picture, large type, keys; and back goes back", { ...calm, viewport: { width: 1280, height: 720 } },
-  async (page) => {
-    await page.click("#present");
-    await frames(page);
-    assert.equal(await page.locator("#figures figure:visible").count(), 1);
-    for (const run of ["A", "B"]) assert.ok((await drawn(page, "#figures .one canvas.plane", run)).count > 1000, `${run} in the one picture`);
-    const sizes = await page.evaluate(() => [...document.querySelectorAll("#claim, #legend td, #see, canvas.plane")]
-      .map((node) => parseFloat(getComputedStyle(node).fontSize)));
-    assert.ok(Math.min(...sizes) >= 20, `${sizes}`);
-    const { y, width, height } = await page.locator("#figures .one canvas.plane").boundingBox();
-    assert.ok(width > 750 && height > 480 && y + height <= 720, `${width} × ${height} at ${y}`);
-    await page.keyboard.press("ArrowRight");
-    await opened(page, "spiral");
-    assert.equal(await page.locator("#figures figure:visible").count(), 1);
-    await page.keyboard.press("ArrowLeft");
-    await opened(page, "orbit");
-    await page.keyboard.press("Escape");
-    assert.ok((await page.locator("#figures figure:visible").count()) > 1);
-    await page.goBack();
-    await opened(page, "spiral");
-    await page.click("#to-bench");
-    await page.waitForSelector("#results[aria-busy=false]");
-    assert.deepEqual(await all(page, ".pane .scheme", "value"), ["explicit_euler", "explicit_midpoint", "leapfrog"]);
-    assert.equal(await page.inputValue("[data-pointer='/until/t']"), "60", "the same scene");
-    await page.goBack();
-    await opened(page, "spiral");
-  });
 
 pageTest("a link to no lesson is said", { ...calm, hash: "#lesson=nothing" }, async (page) => {
   assert.match(await page.textContent("#notice"), /no lesson “nothing”/);

@@ -10,10 +10,10 @@ export const browserPath = process.env.LEAST_BROWSER || onPath("chromium", "chro
 const switches = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
                   "--disable-component-update", "--disable-sync"];
 
-/** `{origin, browser, stop()}`: where LEAST_BINARY serves, and the browser; `more` switches for it. */
-export async function start(more = []) {
+/** `{origin, browser, stop()}`: where LEAST_BINARY serves, with `more` options, and the browser, with `switched` on. */
+export async function start(switched = [], more = []) {
   assert.ok(process.env.LEAST_BINARY, "LEAST_BINARY must name the program");
-  const service = spawn(process.env.LEAST_BINARY, ["serve", "--port", "0"], { stdio: ["ignore", "pipe", "ignore"] });
+  const service = spawn(process.env.LEAST_BINARY, ["serve", "--port", "0", ...more], { stdio: ["ignore", "pipe", "ignore"] });
   const origin = await new Promise((resolve, reject) => {
     createInterface({ input: service.stdout }).on("line", (line) => {
       const found = /listening on (http:\/\/\S+?)\/?$/.exec(line);
@@ -22,7 +22,7 @@ export async function start(more = []) {
     service.on("error", reject);
     service.on("exit", (code) => reject(new Error(`the service ended with ${code} before it listened`)));
   });
-  const browser = await chromium.launch({ executablePath: browserPath, args: [...switches, ...more] });
+  const browser = await chromium.launch({ executablePath: browserPath, args: [...switches, ...switched] });
   return { origin, browser, async stop() {
     await browser.close();
     service.removeAllListeners("exit");

@@ -40,10 +40,10 @@ export class Lesson {
       find("#which").lastChild.append(element("option", { value: id, textContent: `${i + 1}. ${claim}` }));
       find("#gallery").lastChild.lastChild.append(element("li", {}, element("a", { href: `#lesson=${id}`, textContent: claim })));
     }
+    addEventListener("resize", () => this.#fit());
     find("#which").addEventListener("change", (event) => go(event.target.value));
     find("#previous").addEventListener("click", () => this.turn(-1));
     find("#next").addEventListener("click", () => this.turn(1));
-    find("#present").addEventListener("click", () => this.present());
     find("#equal-work").addEventListener("click", () => this.#even(equalWork(this.#runs)));
     find("#equal-step").addEventListener("click", () =>
       this.#even(this.#lesson.runs.map(() => this.#runs[0].scheme[workSetting(this.#runs[0].scheme)])));
@@ -65,7 +65,6 @@ export class Lesson {
     this.#live.stop();
     this.#study?.stop();
     this.#player.rest();
-    this.present(false);
   }
 
   turn(by) {
@@ -73,18 +72,11 @@ export class Lesson {
     if (lessons[at]) this.#go(lessons[at].id);
   }
 
-  present(on = !document.documentElement.classList.contains("present")) {
-    document.documentElement.classList.toggle("present", on);
-    find("#present").textContent = on ? "Leave" : "Present";
-    if (on) find("#claim").focus();
-    this.draw();
-  }
-
-  /** Keys of a lecture: arrows turn, space plays, Escape leaves. */
+  /** Keys of a lecture: arrows turn, space plays. */
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("input, select, textarea")) return;
     const acts = { ArrowRight: () => this.turn(1), ArrowLeft: () => this.turn(-1), PageDown: () => this.turn(1),
-                   PageUp: () => this.turn(-1), Escape: () => this.present(false) };
+                   PageUp: () => this.turn(-1) };
     if (!event.target.closest("button, a, summary")) acts[" "] = () => this.#player.toggle();
     if (!acts[event.key]) return;
     event.preventDefault();
@@ -92,8 +84,17 @@ export class Lesson {
   }
 
   draw() {
+    this.#fit();
     this.#figures.draw();
     this.#study?.draw();
+  }
+
+  /** In a presentation the words beside the picture are as large as there is room for all of them. */
+  #fit() {
+    const beside = find(".beside"), present = document.documentElement.classList.contains("present");
+    beside.style.zoom = "";
+    const cut = () => beside.scrollHeight > beside.clientHeight + 1;
+    for (let size = 0.97; present && cut() && size > 0.6; size -= 0.03) beside.style.zoom = String(size);
   }
 
   // ---- what there is
@@ -198,6 +199,7 @@ export class Lesson {
 
   #shown() {
     this.#busy(this.#live.waiting);
+    this.#fit();
     document.dispatchEvent(new CustomEvent("shown", { detail: { lesson: this.#lesson.id, runs: this.#runs.map(({ outcome }) => outcome),
                                                                 study: this.#study?.outcome } }));
   }

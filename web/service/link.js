@@ -28,6 +28,10 @@ export function fromHash(hash) {
   return { experiment, unread };
 }
 
+/** Whether a link presents: `…&present`; and one that does, or does not. */
+export const presents = (hash) => new URLSearchParams(hash.replace(/^#/, "")).has("present");
+export const presenting = (hash, on) => hash.replace(/&present(=[^&]*)?(?=&|$)/g, "") + (on ? "&present" : "");
+
 /** `lesson=orbit&set=0.1` as `{id, state}`, or null where the link is to no lesson. */
 export function lessonOf(hash) {
   const pairs = new URLSearchParams(hash.replace(/^#/, "")), id = pairs.get("lesson");

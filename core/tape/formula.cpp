@@ -22,18 +22,14 @@ class Formula::Compiler {
     std::vector<Index> ends;
     for (const Index i : outputs) ends.push_back(registered(i));
     assign(ends);
+    formula_.batches_ = Batches::of(wide_, ends);
   }
 
  private:
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   bool fixed(Index i) const { return tape_[i].op == Op::constant; }
 
-  struct Wide {
-    Code code;
-    Index a = none, b = none, c = none;
-    double value = 0;
-  };
-  Index emit(Wide step) {
+  Index emit(Operation step) {
     wide_.push_back(step);
     return static_cast<Index>(wide_.size()) - 1;
   }
@@ -128,7 +124,7 @@ class Formula::Compiler {
     constexpr Index forever = 1 << 30;
     std::vector<Index> last(wide_.size(), none);
     for (Index i = 0; i < static_cast<Index>(wide_.size()); ++i) {
-      const Wide& step = wide_[at(i)];
+      const Operation& step = wide_[at(i)];
       if (step.code == Code::variable) continue;
       for (const Index part : {step.a, step.b, step.c})
         if (part != none) last[at(part)] = i;
@@ -136,10 +132,10 @@ class Formula::Compiler {
     for (const Index end : ends) last[at(end)] = forever;
     std::vector<Register> given(wide_.size()), free;
     for (Index i = 0; i < static_cast<Index>(wide_.size()); ++i) {
-      const Wide& step = wide_[at(i)];
+      const Operation& step = wide_[at(i)];
       const auto place = [&](Index part) { return part == none ? Register(0) : given[at(part)]; };
-      Step narrow{step.code,     0,         place(step.code == Code::variable ? none : step.a), place(step.b),
-                  place(step.c), step.value};
+      Narrow narrow{step.code,     0,         place(step.code == Code::variable ? none : step.a), place(step.b),
+                    place(step.c), step.value};
       if (step.code == Code::variable) narrow.a = static_cast<Register>(step.a);
       if (step.code != Code::variable)
         for (const Index part : {step.a, step.b, step.c})
@@ -162,7 +158,7 @@ class Formula::Compiler {
   const Tape& tape_;
   Formula& formula_;
   std::vector<Index> place_;
-  std::vector<Wide> wide_;
+  std::vector<Operation> wide_;
 };
 
 Formula::Formula(const Tape& tape, std::span<const Index> outputs) { Compiler(tape, *this).compile(outputs); }

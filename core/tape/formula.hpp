@@ -1,16 +1,18 @@
 // A tape made ready to be evaluated, in any number: a list of operations on registers. What it costs is a nanosecond or
-// two for each; nothing is allocated once a thread has evaluated the same number of registers before.
+// two for each, of many alike less (core/tape/batches.hpp); nothing is allocated once a thread has evaluated the same
+// number of registers before.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/number/math.hpp"
-#include "core/tape/tape.hpp"
+#include "core/tape/batches.hpp"
 
 namespace least::tape {
 
@@ -24,6 +26,7 @@ class Formula {
   template <class T, class S>
   void evaluate(const T* x, const S& t, T* out) const noexcept {
     if constexpr (std::is_same_v<T, double>) {
+      if (batches_) return batches_->evaluate(x, t, out);
       if (registers_ <= few) {
         std::array<double, few> registers;  // NOLINT: written before it is read
         return run(x, t, registers.data(), out);
@@ -36,39 +39,13 @@ class Formula {
 
   std::size_t outputs() const { return outputs_.size(); }
   std::size_t operations() const { return steps_.size(); }
+  bool in_batches() const { return batches_ != nullptr; }
 
  private:
   using Register = std::uint16_t;
   static constexpr std::size_t few = 64;
 
-  enum class Code : std::uint8_t {
-    constant,
-    variable,
-    time,
-    add,
-    subtract,
-    multiply,
-    divide,
-    add_constant,   ///< a + value
-    from_constant,  ///< value − a
-    scale,          ///< value a
-    over,           ///< value/a
-    power,          ///< a^value
-    sqrt,
-    exp,
-    log,
-    sin,
-    cos,
-    tan,
-    sinh,
-    cosh,
-    tanh,
-    atan,
-    asin,
-    acos,
-    select  ///< b where a < 0, else c
-  };
-  struct Step {
+  struct Narrow {
     Code code;
     Register out = 0, a = 0, b = 0, c = 0;
     double value = 0;
@@ -91,7 +68,7 @@ class Formula {
     using least::sqrt;
     using least::tan;
     using least::tanh;
-    for (const Step& s : steps_) {
+    for (const Narrow& s : steps_) {
       const T& a = r[s.a];
       switch (s.code) {
         case Code::constant:
@@ -174,9 +151,10 @@ class Formula {
     for (std::size_t i = 0; i < outputs_.size(); ++i) out[i] = r[outputs_[i]];
   }
 
-  std::vector<Step> steps_;
+  std::vector<Narrow> steps_;
   std::vector<Register> outputs_;
   std::size_t registers_ = 0;
+  std::shared_ptr<const Batches> batches_;  ///< where there are many alike
 };
 
 }  // namespace least::tape

@@ -1,6 +1,9 @@
 // What is made of a text on its tape: derivatives against dual numbers, and texts that are printed and read back.
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cmath>
+
 #include "core/number/dual.hpp"
 #include "core/tape/derivative.hpp"
 #include "core/tape/formula.hpp"
@@ -109,6 +112,45 @@ TEST(TapeOfText, OtherSymbolsTakeThePlaceOfVariables) {
   const double* const none = nullptr;
   tape::Formula(other, std::span(&place, 1)).evaluate(none, 0.25, &result);
   EXPECT_DOUBLE_EQ(result, 9 * std::sin(0.5) + 0.75);
+}
+
+// Many alike are evaluated in batches: to the last bit what each of them is on its own.
+TEST(TapeOfText, BatchesAreTheirParts) {
+  constexpr std::size_t copies = 300;  // more than a block of a batch
+  tape::Tape tape;
+  tape.bound(1 << 20);
+  std::vector<double> at;
+  std::vector<tape::Index> all;
+  for (std::size_t k = 0; k < copies; ++k) {
+    at.push_back(0.7 + 0.9 * std::sin(static_cast<double>(k)));
+    // Of neighbours, of one that all share, and of themselves.
+    const std::size_t other = k % 3 == 0 ? (k + 1) % copies : k % 3 == 1 ? 5 : k;
+    const text::Word words[] = {
+        {"x", Symbol::variable(tape, k)}, {"y", Symbol::variable(tape, other)}, {"t", Symbol::time(tape)}};
+    for (const char* text : texts_of_all_kinds) {
+      const auto parsed = Expression::parse(text);
+      const auto made = std::get<Expression>(parsed).record(tape, words, 1 << 20);
+      ASSERT_TRUE(std::holds_alternative<Symbol>(made)) << text << ": " << std::get<text::Fault>(made).detail;
+      all.push_back(std::get<Symbol>(made).on(tape));
+    }
+  }
+  std::vector<double> together(all.size());
+  const tape::Formula formula(tape, all);
+  ASSERT_TRUE(formula.in_batches());
+  for (const double t : {0.4, -1.3}) {
+    formula.evaluate(at.data(), t, together.data());
+    int numbers = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const tape::Formula part(tape, std::span(&all[i], 1));
+      ASSERT_FALSE(part.in_batches());
+      double alone = 0;
+      part.evaluate(at.data(), t, &alone);
+      if (std::isnan(alone) && std::isnan(together[i])) continue;
+      ++numbers;
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(together[i]), std::bit_cast<std::uint64_t>(alone)) << i << " at " << t;
+    }
+    EXPECT_GT(numbers, 3000);
+  }
 }
 
 }  // namespace

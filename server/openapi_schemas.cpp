@@ -192,7 +192,8 @@ Json answer_schema() {
       {"diagnostics",
        described(object,
                  "by name, what was asked for: of lyapunov exponent, megno, verdict (in words, what the two of them "
-                 "mean), derivative (of the scheme or of the motion) and, where both numbers are null, the reason",
+                 "mean), derivative (of the scheme or of the motion) and, where both numbers are null, the reason; of "
+                 "energy beside forces their work, ∫F·q̇ dt, which errors and drift do not count",
                  "")},
       {"cost", object},
       {"choice",
@@ -200,8 +201,7 @@ Json answer_schema() {
            object,
            "of scheme auto: reason, met (null where it cannot be told), estimated_error (null where errors at the end "
            "mean nothing, as in long chaos, or could not be measured), alternatives. Their seconds were measured: like "
-           "those of cost, they differ from one answer to "
-           "the same request to the next",
+           "those of cost, they differ from one answer to the same request to the next",
            "")},
       {"events", described(list, "what was found along the run: t, kind, and what goes with it", "")},
       {"events_asked", described(list, "the member events of the request", "")},
@@ -267,12 +267,10 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
                               "relative, each component by its own largest size along the true motion, those of one "
                               "kind (x, y, z; x1, x2; x[1]) by the largest of theirs",
                               "");
-  const Json schemes = either({{"const", "all"}}, [] {
-    Json list = list_of(reference("Scheme.stated"));
-    list["minItems"] = 1;
-    list["maxItems"] = 100;
-    return list;
-  }());
+  Json some = list_of(reference("Scheme.stated"));
+  some["minItems"] = 1;
+  some["maxItems"] = 100;
+  const Json schemes = either({{"const", "all"}}, some);
   const Json budget = described(number_in({0, caps.seconds, true}), "for all of it", "s");
   Json simulate = common;
   simulate.update({{"scheme", reference("Scheme")},
@@ -349,16 +347,16 @@ Json typed_problem() {
        {"action_curvature", described(formula, "γ of a term γs²/2 − R beside a potential", "")},
        {"offset", described(formula, "R", "")},
        {"equations", described(by_name(formula), "the rate of every variable", "")},
-       {"invariants", described(by_name(text), "what the motion keeps, reported by `momenta`", "")}},
+       {"invariants", described(by_name(text), "what the motion keeps, reported by `momenta`", "")},
+       {"forces",
+        described(by_name(formula), "generalised, on coordinates; of q, t and velocities, or momenta beside H", "")},
+       {"dissipation", described(formula, "Rayleigh's D(q, v, t): adds the forces −∂D/∂v", "")}},
       {"id", "variables"});
   schema["additionalProperties"] = either(quantity(), list_of(quantity()));
   schema["oneOf"] = Json::array();
-  for (const char* kind : {"lagrangian", "hamiltonian", "potential", "equations"}) {
+  for (const char* kind : {"lagrangian", "hamiltonian", "potential", "equations"})
     schema["oneOf"].push_back({{"required", Json::array({kind})}});
-  }
   schema["title"] = "A scene as text";
-  std::string functions;
-  for (const auto function : text::function_names()) functions.append(functions.empty() ? "" : " ").append(function);
   schema["description"] = fmt::format(
       "Texts are made of numbers, pi, t, names, + - * / ^ (or **), functions ({}; of many of a kind sum prod mod) and "
       "conditions in if(a < b and not c >= d, …, …). A name is a letter, then letters, digits, _: at most {} before "
@@ -366,8 +364,8 @@ Json typed_problem() {
       "quadratic in the velocities or H is quadratic in s, {} variables of equations; {} characters as typed, {} "
       "operations, {} with all sums written out. Numbers of `initial`, `until`, parameters and settings may be texts "
       "of constants, as \"2*pi/3\".",
-      functions, text::longest_name, text::most_coordinates, text::compiled_coordinates, text::most_variables,
-      text::most_characters, text::most_operations, text::most_summed);
+      fmt::join(text::function_names(), " "), text::longest_name, text::most_coordinates, text::compiled_coordinates,
+      text::most_variables, text::most_characters, text::most_operations, text::most_summed);
   return schema;
 }
 

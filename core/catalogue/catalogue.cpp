@@ -72,7 +72,7 @@ namespace {
 
 /// In words, which mechanics a problem offers to schemes.
 std::string offers(const ProblemTraits& traits) {
-  std::string words = traits.conservative && !traits.configuration_metric
+  std::string words = (traits.conservative || (traits.forced && traits.potential)) && !traits.configuration_metric
                           ? "a separable Hamiltonian (a potential and a constant kinetic metric)"
                       : traits.linear_contact       ? "a contact Hamiltonian linear in s (a potential and a damping)"
                       : traits.quadratic_contact    ? "a contact Hamiltonian quadratic in s"
@@ -81,6 +81,7 @@ std::string offers(const ProblemTraits& traits) {
                       : traits.general              ? "a Hamiltonian H(q, p, s, t) of no simpler form"
                       : traits.split_flow           ? "a vector field that is a sum of exact flows"
                                                     : "";
+  if (traits.forced) words += " with forces beside it";
   words += words.empty() ? "equations of motion" : ", equations of motion";
   if (traits.autonomous) words += " that do not depend on time";
   return words;
@@ -90,7 +91,7 @@ std::string offers(const ProblemTraits& traits) {
 
 ProblemCard complete_card(ProblemCard card, const ProblemTraits& traits, std::vector<std::size_t> schemes) {
   card.keeps_energy = traits.keeps_energy;
-  card.keeps_form = traits.potential || traits.general;
+  card.keeps_form = (traits.potential || traits.general) && !traits.forced;
   for (const auto& column : columns_of(traits, card)) card.columns.push_back(column.card);
   card.diagnostics = diagnostic_cards(traits);
   card.offers = offers(traits);

@@ -1,15 +1,17 @@
 #include "core/catalogue/sized_backend.hpp"
 
 #include <array>
-#include <optional>
 #include <string_view>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/sized_forced.hpp"
 #include "core/catalogue/sized_steps.hpp"
 #include "core/catalogue/sized_taylor.hpp"
 #include "core/from_values.hpp"
 #include "core/run/control_stepper.hpp"
 #include "core/run/self_timed.hpp"
+#include "core/schemes/galerkin_4.hpp"
+#include "core/schemes/variational_midpoint.hpp"
 #include "core/tape/steep.hpp"
 
 namespace least {
@@ -35,7 +37,7 @@ struct SizedPair {
 
   static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
   ControlStepper bind(const SizedProblem& problem, const RunState&, double) const {
-    return {*problem.backend, chosen.tolerance, chosen.method};
+    return {*problem.backend, chosen.tolerance, chosen.method, true};
   }
 };
 
@@ -64,6 +66,7 @@ struct Binding {
 
 template <class Scheme>
 std::unique_ptr<Integrator> bind_kicks(const Binding& to) {
+  if (to.scene.forced) return to.equal_steps(ForcedKickDrift(to.scene, pieces_of(to.scheme<Scheme>())));
   return to.equal_steps(SizedKickDrift<Scheme>(to.scene, to.scheme<Scheme>()));
 }
 template <class Scheme>
@@ -82,24 +85,45 @@ std::unique_ptr<Integrator> bind_series(const Binding& to) {
       SizedSeries{to.scheme<Taylor>(), taylor::program_of(to.scene.equations, to.scene.rates, to.scene.rates.size())});
 }
 
+template <class Scheme>
+std::unique_ptr<Integrator> bind_rule(const Binding& to) {
+  const bool midpoint = std::is_same_v<Scheme, VariationalMidpoint>;
+  return to.equal_steps(
+      ForcedRule(to.scene, midpoint ? ForcedRule::midpoint : ForcedRule::simpson, to.scheme<Scheme>().composition));
+}
+
+using text::SizedScene;
+bool on_all(const SizedScene&) { return true; }
+/// With forces that momenta can be solved for.
+bool on_separable(const SizedScene& scene) {
+  return scene.kind == text::FormKind::separable && (!scene.forced || scene.forces.solvable());
+}
+/// Of order 3 with exact kicks alone: a symmetric error in each would not cancel.
+bool with_exact_kicks(const SizedScene& scene) { return on_separable(scene) && (!scene.forced || scene.forces.linear); }
+bool on_damped(const SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
+bool on_few_forced(const SizedScene& scene) {
+  return scene.forced && scene.coordinates <= static_cast<std::size_t>(text::compiled_coordinates);
+}
+
 /// A scheme that runs on scenes of any size, and on which of them.
 struct SizedScheme {
   std::string_view id;
-  std::optional<text::FormKind> form;  ///< none: on all
+  bool (*fits)(const SizedScene& scene);
   std::unique_ptr<Integrator> (*bind)(const Binding& to);
 };
-constexpr auto separable = text::FormKind::separable, damped = text::FormKind::contact_linear;
-constexpr std::array sized_schemes{SizedScheme{"explicit_euler", {}, bind_stages<ExplicitEuler>},
-                                   SizedScheme{"explicit_midpoint", {}, bind_stages<ExplicitMidpoint>},
-                                   SizedScheme{"runge_kutta_4", {}, bind_stages<RungeKutta4>},
-                                   SizedScheme{"symplectic_euler", separable, bind_kicks<SymplecticEuler>},
-                                   SizedScheme{"leapfrog", separable, bind_kicks<Leapfrog>},
-                                   SizedScheme{"ruth_3", separable, bind_kicks<Ruth3>},
-                                   SizedScheme{"contact_leapfrog", damped, bind_contact_leapfrog},
-                                   SizedScheme{"dormand_prince_5", {}, bind_pair<DormandPrince5>},
-                                   SizedScheme{"fehlberg_78", {}, bind_pair<Fehlberg78>},
-                                   SizedScheme{"bulirsch_stoer", {}, bind_pair<BulirschStoer>},
-                                   SizedScheme{"taylor", {}, bind_series}};
+constexpr std::array sized_schemes{SizedScheme{"explicit_euler", on_all, bind_stages<ExplicitEuler>},
+                                   SizedScheme{"explicit_midpoint", on_all, bind_stages<ExplicitMidpoint>},
+                                   SizedScheme{"runge_kutta_4", on_all, bind_stages<RungeKutta4>},
+                                   SizedScheme{"symplectic_euler", on_separable, bind_kicks<SymplecticEuler>},
+                                   SizedScheme{"leapfrog", on_separable, bind_kicks<Leapfrog>},
+                                   SizedScheme{"ruth_3", with_exact_kicks, bind_kicks<Ruth3>},
+                                   SizedScheme{"variational_midpoint", on_few_forced, bind_rule<VariationalMidpoint>},
+                                   SizedScheme{"galerkin_4", on_few_forced, bind_rule<Galerkin4>},
+                                   SizedScheme{"contact_leapfrog", on_damped, bind_contact_leapfrog},
+                                   SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
+                                   SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},
+                                   SizedScheme{"bulirsch_stoer", on_all, bind_pair<BulirschStoer>},
+                                   SizedScheme{"taylor", on_all, bind_series}};
 
 }  // namespace
 
@@ -107,7 +131,7 @@ std::vector<std::size_t> schemes_of(const text::SizedScene& scene) {
   std::vector<std::size_t> fitting;
   for (std::size_t i = 0; i < schemes().size(); ++i) {
     const auto known = std::ranges::find(sized_schemes, schemes()[i].id, &SizedScheme::id);
-    if (known != sized_schemes.end() && (!known->form || known->form == scene.kind)) fitting.push_back(i);
+    if (known != sized_schemes.end() && known->fits(scene)) fitting.push_back(i);
   }
   return fitting;
 }
@@ -120,23 +144,24 @@ std::unique_ptr<Integrator> SizedBackend::bind(const Request& request, const Run
 
 std::vector<tape::Index> SizedBackend::write_equations(tape::Tape& tape) const {
   tape = scene().equations;
-  return scene().rates;
+  return {scene().rates.begin(), scene().rates.begin() + static_cast<std::ptrdiff_t>(scene().moving)};
 }
 
 std::shared_ptr<const tape::SteepForces> SizedBackend::steep_forces() const {
-  auto found = std::make_shared<const tape::SteepForces>(scene().equations, scene().rates);
+  auto found =
+      std::make_shared<const tape::SteepForces>(scene().equations, std::span(scene().rates).first(scene().moving));
   return found->empty() ? nullptr : found;
 }
 
 void SizedBackend::velocity(StateView x, double* v) const {
-  std::vector<double> rates(traits_.components);
-  table_.rates(x, rates.data());
+  std::vector<double> rates(traits_.moving);
+  motion_.rates(x, rates.data());
   std::copy_n(rates.begin(), traits_.dof, v);
 }
 
 void SizedBackend::velocity_slopes(StateView x, const double* u, double* slopes) const {
-  std::vector<double> rates(traits_.components), changes(rates);
-  table_.rates(x, u, 0, rates.data(), changes.data());
+  std::vector<double> rates(traits_.moving), changes(rates);
+  motion_.rates(x, u, 0, rates.data(), changes.data());
   std::copy_n(changes.begin(), traits_.dof, slopes);
 }
 

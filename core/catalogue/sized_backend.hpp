@@ -15,32 +15,35 @@ std::vector<std::size_t> schemes_of(const text::SizedScene& scene);
 class SizedBackend final : public RunBackend {
  public:
   explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene)
-      : traits_(traits_of(*scene)), table_(std::move(scene), traits_) {}
+      : traits_(traits_of(*scene)),
+        motion_traits_(traits_of(*scene, false)),
+        table_(scene, traits_),
+        motion_(std::move(scene), motion_traits_) {}
 
   const ProblemTable& table() const override { return table_; }
-  const ProblemTable& motion() const override { return table_; }
+  const ProblemTable& motion() const override { return motion_; }
   std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid& grid,
                                    double end) const override;
   StepTangents tangents(const Request&) const override { return {}; }
   std::vector<tape::Index> write_equations(tape::Tape& tape) const override;
   std::size_t found() const override { return 0; }
-  void values_of(StateView x, double* values) const override { std::copy_n(x.numbers, traits_.components, values); }
+  void values_of(StateView x, double* values) const override { std::copy_n(x.numbers, traits_.moving, values); }
   void values_of(StateView x, const double* u, double* values, double* slopes) const override {
-    std::copy_n(x.numbers, traits_.components, values);
-    std::copy_n(u, traits_.components, slopes);
+    std::copy_n(x.numbers, traits_.moving, values);
+    std::copy_n(u, traits_.moving, slopes);
   }
   std::shared_ptr<const tape::SteepForces> steep_forces() const override;
   void velocity(StateView x, double* v) const override;
   void velocity_slopes(StateView x, const double* u, double* slopes) const override;
-  bool has_component(std::size_t i) const override { return i < traits_.components; }
+  bool has_component(std::size_t i) const override { return i < traits_.moving; }
   bool has_closed_form(StateView) const override { return false; }
   double energy_after(StateView, double) const override { return unknown; }
 
  private:
   const text::SizedScene& scene() const { return table_.scene(); }
 
-  ProblemTraits traits_;
-  SizedTable table_;
+  ProblemTraits traits_, motion_traits_;
+  SizedTable table_, motion_;
 };
 
 }  // namespace least

@@ -5,6 +5,7 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "core/catalogue/compiled.hpp"
+#include "core/catalogue/custom.hpp"
 #include "core/catalogue/sized_backend.hpp"
 #include "core/reference/growth.hpp"
 #include "core/reference/series_truth.hpp"
@@ -15,6 +16,38 @@
 namespace least {
 namespace {
 
+/// The motion of a scene of few components as equations, for which there is a class: what has no series, as a force
+/// with |v|, has a reference there. Null where there are too many, or this build leaves the class out.
+std::shared_ptr<const Mechanics> compiled_flow(const text::SizedScene& scene) {
+  constexpr std::size_t room = text::compiled_variables;
+  const auto made = std::ranges::find(text_forms(), "flow_" + std::to_string(room), &TextForm::name);
+  if (scene.moving > room || made == text_forms().end()) return nullptr;
+  auto form = std::make_shared<text::Form>();
+  form->kind = text::FormKind::flow;
+  form->autonomous = scene.autonomous;
+  form->coordinates = scene.moving;
+  form->numbers = text::Numbering::of_flow(scene.moving);
+  form->tape = scene.equations;
+  text::Definition definition;
+  definition.kind = text::Definition::Kind::equations;
+  for (std::size_t i = 0; i < scene.moving; ++i) {
+    form->rates.push_back(Symbol::at(form->tape, scene.rates[i]));
+    definition.variables.push_back("x" + std::to_string(i));
+  }
+  return made->make({std::move(definition), std::move(form), static_cast<int>(room)});
+}
+
+/// Of the variables that a scene has.
+Truth truth_of_flow(const Mechanics& flow, const Scene& scene, const std::vector<double>& times,
+                    const KeepGoing& keep_going) {
+  Scene same{nullptr, {}, scene.initial, scene.start};
+  same.initial.resize(flow.card().variables.size());
+  Truth truth = flow.truth(same, times, keep_going);
+  for (auto& state : truth.states) state.resize(scene.initial.size());
+  truth.sizes.resize(scene.initial.size());
+  return truth;
+}
+
 class SizedMechanics final : public Mechanics {
  public:
   explicit SizedMechanics(text::TextScene scene) : text_(std::move(scene)), key_(text_.definition.key()) {
@@ -23,7 +56,16 @@ class SizedMechanics final : public Mechanics {
     const auto sized = scene_of(parameters);
     traits_ = traits_of(*sized);
     card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
-    card_.offers += ", with more coordinates than schemes that solve equations or transform the time take";
+    if (!text_.form->is_compiled() && !sized->forced)
+      card_.offers += ", with more coordinates than schemes that solve equations or transform the time take";
+    if (sized->forced && traits_.potential && !sized->forces.linear)
+      card_.offers += ", and the forces not linear in the momenta";
+    if (sized->forced && traits_.potential && !sized->forces.solvable())
+      card_.offers += ", and the forces coupling more than " + std::to_string(text::SizedScene::most_coupled) +
+                      " momenta, too many to solve for in a kick";
+    if (sized->forces.friction > 0)
+      card_.summary +=
+          " Its force is friction −c p: as damping it keeps the contact form, and schemes for that do better.";
     kinds_ = kinds_of(card_);
     columns_ = columns_of(traits_, card_);
   }
@@ -39,15 +81,21 @@ class SizedMechanics final : public Mechanics {
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {
     const auto sized = scene_of(scene.parameters);
-    const auto program = taylor::program_of(sized->equations, sized->rates, sized->rates.size());
-    Scales scales = scales_of_motion(program, scene.initial.data(), scene.start, sized->components, traits_.dof);
+    const auto program =
+        taylor::program_of(sized->equations, std::span(sized->rates).first(sized->moving), sized->moving);
+    Scales scales = scales_of_motion(program, scene.initial.data(), scene.start, sized->moving, traits_.dof);
     if (!std::isfinite(scales.time)) scales.time = 0;
     scales.damped = traits_.linear_contact;
     return scales;
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
-    const SizedBackend backend(scene_of(scene.parameters));
-    return truth_by_series(backend, backend.motion().start(scene.initial, scene.start), times, keep_going, kinds_);
+    const auto sized = scene_of(scene.parameters);
+    const SizedBackend backend(sized);
+    Truth truth =
+        truth_by_series(backend, backend.motion().start(scene.initial, scene.start), times, keep_going, kinds_);
+    if (truth.complete || !truth.states.empty()) return truth;
+    const auto flow = compiled_flow(*sized);
+    return flow ? truth_of_flow(*flow, scene, times, keep_going) : truth;
   }
   Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const override {
     const SizedBackend backend(scene_of(scene.parameters));

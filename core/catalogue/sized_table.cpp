@@ -2,18 +2,21 @@
 
 namespace least {
 
-ProblemTraits traits_of(const text::SizedScene& scene) {
+ProblemTraits traits_of(const text::SizedScene& scene, bool all) {
   using text::FormKind;
   ProblemTraits traits;
-  traits.components = traits.numbers = traits.moving = scene.components;
+  traits.components = traits.numbers = all ? scene.components : scene.moving;
+  traits.moving = scene.moving;
+  traits.forced = scene.forced && all;
   traits.dof = scene.flow ? 0 : scene.coordinates;
   traits.acting = scene.acting;
   traits.full = true;
   traits.flow = scene.flow;
-  traits.general = scene.kind == FormKind::hamiltonian;
+  traits.general = scene.kind == FormKind::hamiltonian || scene.kind == FormKind::metric;
   traits.potential = !traits.flow && !traits.general;
+  traits.configuration_metric = scene.kind == FormKind::metric;
   traits.linear_contact = traits.contact = scene.kind == FormKind::contact_linear;
-  traits.conservative = traits.potential && !traits.contact;
+  traits.conservative = traits.potential && !traits.contact && !scene.forced;
   traits.constant_damping = scene.constant_damping;
   traits.autonomous = scene.autonomous;
   traits.has_energy = !traits.flow;
@@ -23,16 +26,18 @@ ProblemTraits traits_of(const text::SizedScene& scene) {
 }
 
 RunState SizedTable::start(const std::vector<double>& variables, double t) const {
-  return {t, StateNumbers(variables.data(), variables.data() + scene_->components)};
+  RunState x{t, StateNumbers(traits.components)};  // forces have done no work yet
+  std::copy_n(variables.begin(), scene_->moving, x.numbers.begin());
+  return x;
 }
 
 void SizedTable::rates(StateView x, const double* u, double dt, double* rates, double* changes) const {
   thread_local std::vector<Slope> state, all;
-  const std::size_t size = scene_->components;
+  const std::size_t size = traits.components;
   state.resize(size);
   all.resize(size);
   for (std::size_t i = 0; i < size; ++i) state[i] = {x[i], {u[i]}};
-  scene_->rate.evaluate(state.data(), Slope{x.t, {dt}}, all.data());
+  rate().evaluate(state.data(), Slope{x.t, {dt}}, all.data());
   for (std::size_t i = 0; i < size; ++i) {
     rates[i] = all[i].value;
     changes[i] = all[i].slope[0];

@@ -9,8 +9,8 @@
 
 namespace least {
 
-/// What is known of runs of such a scene.
-ProblemTraits traits_of(const text::SizedScene& scene);
+/// What is known of runs of such a scene whose states carry all components, or those alone that the motion needs.
+ProblemTraits traits_of(const text::SizedScene& scene, bool all = true);
 
 class SizedTable final : public ProblemTable {
  public:
@@ -19,7 +19,7 @@ class SizedTable final : public ProblemTable {
   const text::SizedScene& scene() const { return *scene_; }
 
   RunState start(const std::vector<double>& variables, double t) const override;
-  void rates(StateView x, double* rates) const override { scene_->rate.evaluate(x.numbers, x.t, rates); }
+  void rates(StateView x, double* rates) const override { rate().evaluate(x.numbers, x.t, rates); }
   void rates(StateView x, const double* u, double dt, double* rates, double* changes) const override;
   double energy_of(StateView x) const override { return energy_terms(x).total; }
   EnergyTerms energy_terms(StateView x) const override;
@@ -50,6 +50,7 @@ class SizedTable final : public ProblemTable {
   RunState series_state(double) const override { return {}; }
 
  private:
+  const tape::Formula& rate() const { return traits.components == scene_->components ? scene_->rate : scene_->motion; }
   double kinetic(StateView x) const;
 
   std::shared_ptr<const text::SizedScene> scene_;

@@ -151,7 +151,7 @@ bool Acts::has_piled_up(const Done& done) {
 
 double Acts::defect_of(std::size_t event, const RunState& before, const RunState& after) const {
   const ProblemTraits& traits = backend_.table().traits;
-  const bool keeps_form = traits.potential || traits.general;
+  const bool keeps_form = (traits.potential || traits.general) && !traits.forced;
   if (!keeps_form || traits.sloped) return unknown;
   const std::size_t size = traits.components;
   const Scene& scene = *request_.scene;

@@ -14,26 +14,33 @@ odeint::Field field_of(const RunBackend& backend, const tape::SteepForces* steep
   return field;
 }
 
-ControlStepper::ControlStepper(const RunBackend& backend, double tolerance, odeint::Method method)
-    : backend_(&backend),
-      steep_(backend.steep_forces()),
-      integrator_(odeint::make_integrator(method, backend.motion().traits.components,
-                                          backend.motion().traits.components, tolerance)) {}
+ControlStepper::ControlStepper(const RunBackend& backend, double tolerance, odeint::Method method, bool all)
+    : backend_(&backend), all_(all), steep_(backend.steep_forces()) {
+  const std::size_t moving = backend.motion().traits.components;
+  integrator_ = odeint::make_integrator(method, all ? backend.table().traits.components : moving, moving, tolerance);
+}
 ControlStepper::ControlStepper(const ControlStepper& other)
-    : backend_(other.backend_), steep_(other.steep_), integrator_(other.integrator_->clone()) {}
+    : backend_(other.backend_), all_(other.all_), steep_(other.steep_), integrator_(other.integrator_->clone()) {}
 ControlStepper& ControlStepper::operator=(ControlStepper other) noexcept {
   backend_ = other.backend_;
+  all_ = other.all_;
   steep_ = std::move(other.steep_);
   integrator_ = std::move(other.integrator_);
   return *this;
 }
 
-StepStatus ControlStepper::step(RunState& x) noexcept {
-  return integrator_->step(field_of(*backend_, steep_.get()), x.numbers.data(), x.t);
+odeint::Field ControlStepper::field() const {
+  if (!all_) return field_of(*backend_, steep_.get());
+  return {[](const void* of, double t, const double* y, double* rate) {
+            static_cast<const RunBackend*>(of)->table().rates({t, y}, rate);
+          },
+          backend_, steep_.get()};
 }
 
+StepStatus ControlStepper::step(RunState& x) noexcept { return integrator_->step(field(), x.numbers.data(), x.t); }
+
 StepStatus ControlStepper::reach(RunState& x, double t) noexcept {
-  return integrator_->reach(field_of(*backend_, steep_.get()), x.numbers.data(), x.t, t);
+  return integrator_->reach(field(), x.numbers.data(), x.t, t);
 }
 
 bool ControlStepper::interpolate(RunState& x, double t) const noexcept {

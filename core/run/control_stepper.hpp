@@ -12,13 +12,15 @@ namespace least {
 /// The equations of motion of states that have what it needs and no more. `steep`: what may hide in a step.
 odeint::Field field_of(const RunBackend& backend, const tape::SteepForces* steep);
 
-/// Steps of states that have what the motion needs and no more, Dormand–Prince 5(4) unless it is told otherwise.
+/// Steps of states that have what the motion needs and no more, or `all` that a run carries: Dormand–Prince 5(4) unless
+/// it is told otherwise.
 class ControlStepper {
  public:
   /// As in TaylorStepper: steps of high order are so long that a quantity may change its sign more than once in one.
   static constexpr int parts = 16;
 
-  ControlStepper(const RunBackend& backend, double tolerance, odeint::Method method = odeint::Method::dormand_prince_5);
+  ControlStepper(const RunBackend& backend, double tolerance, odeint::Method method = odeint::Method::dormand_prince_5,
+                 bool all = false);
   ControlStepper(const ControlStepper& other);
   ControlStepper(ControlStepper&&) noexcept = default;
   ControlStepper& operator=(ControlStepper other) noexcept;
@@ -33,7 +35,10 @@ class ControlStepper {
   const Work& work() const noexcept { return integrator_->work(); }
 
  private:
+  odeint::Field field() const;
+
   const RunBackend* backend_;
+  bool all_;
   std::shared_ptr<const tape::SteepForces> steep_;
   std::unique_ptr<odeint::Integrator> integrator_;
 };

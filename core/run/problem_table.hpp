@@ -22,6 +22,7 @@ struct ProblemTraits {
   std::size_t moving = 0;      ///< components that the motion needs, the first ones
   std::size_t dof = 0;         ///< 0 for a flow
   bool acting = false;         ///< the state carries s
+  bool forced = false;         ///< forces stand beside the mechanics, and the state carries their work as its last
   bool sloped = false;         ///< the state carries a tangent direction
   bool full = false;           ///< it carries all that can be asked for
   // Which mechanics it is, by the concepts of core/problem.hpp.
@@ -38,6 +39,9 @@ struct ProblemTraits {
   /// The energy can be said from the state.
   constexpr bool says_energy() const { return has_energy && (!contact || acting); }
 };
+
+/// W = ∫F·q̇ dt of the forces beside the mechanics since the start of the run; 0 where there are none.
+inline double work_of(const ProblemTraits& traits, StateView x) { return traits.forced ? x[traits.moving] : 0; }
 
 /// H, its parts K and V, and H_s; not a number where the problem has none, or the state does not carry what it depends
 /// on.

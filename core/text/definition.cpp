@@ -17,9 +17,10 @@ std::string velocity_name(std::string_view coordinate) { return in_place_of_q('v
 std::string momentum_name(std::string_view coordinate) { return in_place_of_q('p', coordinate); }
 
 std::span<const std::string_view> reserved_keys() {
-  static constexpr std::array<std::string_view, 15> keys{
-      "id",        "preset", "title",   "variables",        "parameters", "definitions", "lagrangian", "hamiltonian",
-      "potential", "masses", "damping", "action_curvature", "offset",     "equations",   "invariants"};
+  static constexpr std::array<std::string_view, 17> keys{
+      "id",         "preset",      "title",      "variables", "parameters", "definitions",
+      "lagrangian", "hamiltonian", "potential",  "masses",    "damping",    "action_curvature",
+      "offset",     "equations",   "invariants", "forces",    "dissipation"};
   return keys;
 }
 
@@ -48,6 +49,10 @@ std::string Definition::key() const {
   append_all(equations);
   append_all(invariants);
   if (backward) append("backward");
+  if (is_forced()) {
+    append_all(forces);
+    append(dissipation ? "=" + *dissipation : "");
+  }
   return key;
 }
 

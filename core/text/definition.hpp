@@ -38,11 +38,16 @@ struct Definition {
   Named equations{};      ///< ẋ of every variable
   Named invariants{};     ///< what the motion keeps, as its author says
   bool backward = false;  ///< t, velocities, momenta and s of its texts are −t, … of what moves forward
+  // Beside L, H or V: the generalised force on a coordinate, of q, t and v, or p where H is given; and Rayleigh's D of
+  // q, v, t, which adds −∂D/∂v.
+  Named forces{};
+  std::optional<std::string> dissipation{};
 
   // Of a scene that was written out (core/text/written_out.hpp): what its author typed, and the words of further texts.
   std::shared_ptr<const TypedScene> typed{};
   std::shared_ptr<const Vocabulary> vocabulary{};
 
+  bool is_forced() const { return !forces.empty() || dissipation; }
   /// The same for definitions of the same content and for no others.
   std::string key() const;
 };

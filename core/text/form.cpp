@@ -27,6 +27,7 @@ class Reader : TextReader {
     try {
       read_invariants();
       given_.kind == Definition::Kind::equations ? read_flow() : read_mechanics();
+      if (faults().empty()) read_forces();
     } catch (const tape::TooManyOperations&) {
       fault("", "its derivatives take too many operations", std::to_string(operations()) + " in the texts");
     }
@@ -261,6 +262,11 @@ class Reader : TextReader {
       if (form_->kind != FormKind::separable || timed) return false;
       const auto metric = lagrangian ? std::optional(second) : inverse(second);
       if (!metric) return false;
+      if (lagrangian && given_.is_forced()) {  // whose mechanics is stated with momenta
+        const auto raised = inverse(second);
+        if (!raised) return false;
+        form_->hamiltonian = legendre(*raised, std::vector<Symbol>(n(), Symbol(0)), form_->potential);
+      }
       for (const auto& row : *metric) form_->metric.insert(form_->metric.end(), row.begin(), row.end());
     }
     if (!lagrangian)

@@ -51,11 +51,14 @@ struct Form {
   bool keeps_energy = false;      ///< H is kept
   bool reads_action = false;      ///< the motion depends on s
   bool constant_damping = false;  ///< α is a number
+  bool forced = false;            ///< forces stand beside it
   std::size_t coordinates = 0;    ///< of a flow: variables
   Numbering numbers;              ///< of the variables on the tape
 
+  /// Whether it has a class that is compiled for it. Forced scenes run by what knows their size when they run.
   bool is_compiled() const {
-    return coordinates <= static_cast<std::size_t>(kind == FormKind::flow ? compiled_variables : compiled_coordinates);
+    return !forced &&
+           coordinates <= static_cast<std::size_t>(kind == FormKind::flow ? compiled_variables : compiled_coordinates);
   }
 
   tape::Tape tape;
@@ -68,6 +71,9 @@ struct Form {
   std::vector<Symbol> momenta;  ///< where a Lagrangian or a potential is given, as functions of q, v, s, t; else empty
   std::vector<Symbol> hessian;  ///< ∂²L/∂v² of a Lagrangian, ∂²H/∂p² where that is a metric's inverse that is not
                                 ///< diagonal, row by row; else empty
+  // Of a forced scene, of every coordinate:
+  std::vector<Symbol> forces;      ///< of q, t and what stands in the text: v, or p where there are no `momenta`
+  std::vector<Symbol> friction;    ///< −∂D/∂v, of q, v, t
   std::vector<Symbol> invariants;  ///< of q, p, s, t; of a flow of its variables
   std::vector<std::string> invariant_names;
 };

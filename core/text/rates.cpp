@@ -28,7 +28,24 @@ struct Rates {
   std::vector<std::pair<std::string, Symbol>> all;
 };
 
-/// v̇ = g⁻¹(−∇V − Γ v v), Γ_i,jk = ½(∂_j g_ik + ∂_k g_ij − ∂_i g_jk), of one coordinate or two.
+/// What forces add to ṗ with velocities and momenta in the place of what the texts know.
+std::vector<Symbol> forces_of(const Form& form, Rates& rates, const std::vector<Symbol>& v,
+                              const std::vector<Symbol>& p) {
+  const std::size_t n = form.coordinates;
+  std::vector<Symbol> all(n, Symbol(0));
+  if (!form.forced) return all;
+  const auto in_place = [&](const std::vector<Symbol>& moving) {
+    return tape::Substitution(form.tape, rates.tape, [&form, &rates, &moving](int i) {
+      const auto k = static_cast<std::size_t>(i), first = static_cast<std::size_t>(form.numbers.momentum);
+      return k >= first && k < first + moving.size() ? moving[k - first] : Symbol::variable(rates.tape, k);
+    });
+  };
+  auto in_velocities = in_place(v), as_typed = in_place(form.momenta.empty() ? p : v);
+  for (std::size_t i = 0; i < n; ++i) all[i] = as_typed(form.forces[i]) + in_velocities(form.friction[i]);
+  return all;
+}
+
+/// v̇ = g⁻¹(−∇V + F − Γ v v), Γ_i,jk = ½(∂_j g_ik + ∂_k g_ij − ∂_i g_jk), of one coordinate or two.
 void write_accelerations(const Definition& given, const Form& form, Rates& rates, tape::Substitution& copy) {
   auto& tape = rates.tape;
   const std::size_t n = form.coordinates;
@@ -44,8 +61,12 @@ void write_accelerations(const Definition& given, const Form& form, Rates& rates
   for (const Symbol& entry : g) slope.push_back(tape::gradient(tape, entry, places));
   const auto potential = tape::gradient(tape, copy(form.potential), places);
   const auto by = [&](std::size_t k, std::size_t i, std::size_t j) { return slope[i * n + j][k]; };
+  std::vector<Symbol> p(n, Symbol(0));
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) p[i] = p[i] + g[i * n + j] * v[j];
+  const auto beside = forces_of(form, rates, v, p);
   for (std::size_t i = 0; i < n; ++i) {
-    Symbol sum = -potential[i];
+    Symbol sum = beside[i] - potential[i];
     for (std::size_t j = 0; j < n; ++j) {
       sum = sum + (i == j ? Symbol(-0.5) * by(i, i, i) : Symbol(0.5) * by(i, j, j) - by(j, i, j)) * (v[j] * v[j]);
       for (std::size_t k = j + 1; k < n; ++k)  // of two, one is i
@@ -126,8 +147,11 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
     const Symbol by_s = tape::gradient(tape, lagrangian, std::array{form.numbers.action})[0];
     const auto p = tape::gradient(tape, lagrangian, momenta), force = tape::gradient(tape, lagrangian, places);
     for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(momentum_name(names[i]), p[i]);
+    for (std::size_t i = 0; i < n; ++i) v.push_back(velocity(i));
+    const auto beside = forces_of(form, rates, v, p);
     for (std::size_t i = 0; i < n; ++i)
-      rates.all.emplace_back(std::string("d").append(momentum_name(names[i])).append("/dt"), force[i] + p[i] * by_s);
+      rates.all.emplace_back(std::string("d").append(momentum_name(names[i])).append("/dt"),
+                             force[i] + p[i] * by_s + beside[i]);
     return;
   } else {
     h = copy(form.potential);
@@ -142,8 +166,11 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
   const auto force = tape::gradient(tape, h, places);
   const Symbol by_action = tape::gradient(tape, h, std::array{form.numbers.action})[0];
   for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(names[i], v[i]);
+  std::vector<Symbol> p;
+  for (const int i : momenta) p.push_back(same(i));
+  const auto beside = forces_of(form, rates, v, p);
   for (std::size_t i = 0; i < n; ++i)
-    rates.all.emplace_back(momentum_name(names[i]), -force[i] - by_action * same(momenta[i]));
+    rates.all.emplace_back(momentum_name(names[i]), beside[i] - force[i] - by_action * p[i]);
   if (by_action.is_constant() && by_action.constant() == 0) return;
   Symbol work = 0;
   for (std::size_t i = 0; i < n; ++i) work = work + same(momenta[i]) * v[i];

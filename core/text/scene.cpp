@@ -49,6 +49,9 @@ std::string formula_of(const Definition& given) {
   more("α", given.damping);
   more("γ", given.action_curvature);
   more("R", given.offset);
+  for (const auto& [name, text] : given.forces)
+    inside += "<mo>,</mo><mspace width=\"1em\"/><msub><mi>F</mi>" + shown(name) + "</msub><mo>=</mo>" + mathml_of(text);
+  more("D", given.dissipation);
   return "<math>" + inside + "</math>";
 }
 
@@ -267,6 +270,15 @@ std::optional<TextScene::Objection> TextScene::objection_to_large_start(std::spa
                                                                          : "/potential";
   std::vector<double> rates(scene.components);
   scene.rate.evaluate(state.data(), t, rates.data());
+  if (scene.forced) {
+    std::vector<double> forces(scene.coordinates);
+    scene.forces.values.evaluate(state.data(), t, forces.data());
+    if (!std::ranges::all_of(forces, [](double force) { return std::isfinite(force); }))
+      return Objection{definition.forces.empty() ? "/dissipation" : "/forces", not_finite_at(t, state)};
+    if (form->kind == FormKind::metric)
+      if (const std::string why = objection_to_masses(parameters, t, on_tape(state)); !why.empty())
+        return Objection{whole, why};
+  }
   for (std::size_t i = 0; i < rates.size(); ++i)
     if (!std::isfinite(rates[i]))
       return Objection{scene.flow ? "/equations/" + definition.variables[i] : whole, not_finite_at(t, state)};

@@ -1,5 +1,6 @@
 #include "core/text/sized_scene.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "core/number/linear.hpp"
@@ -14,6 +15,8 @@ bool SizedScene::has(const Form& form) {
     case FormKind::hamiltonian:
     case FormKind::flow:
       return true;
+    case FormKind::metric:
+      return form.forced && form.coordinates <= static_cast<std::size_t>(compiled_coordinates);
     default:
       return false;
   }
@@ -23,13 +26,14 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     : kind(form.kind),
       coordinates(form.coordinates),
       flow(form.kind == FormKind::flow),
+      forced(form.forced),
       acting(form.kind == FormKind::contact_linear || (form.kind == FormKind::hamiltonian && form.reads_action)),
       reads_action(form.reads_action || form.kind == FormKind::contact_linear),
       constant_damping(form.constant_damping),
       autonomous(form.autonomous),
       keeps_energy(form.keeps_energy) {
   const std::size_t n = coordinates;
-  components = flow ? n : 2 * n + (acting ? 1 : 0);
+  moving = components = flow ? n : 2 * n + (acting ? 1 : 0);
   equations.bound(most_equations);
   const auto variable = [&](std::size_t i) { return Symbol::variable(equations, i); };
   const Numbering& numbers = form.numbers;
@@ -59,7 +63,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
   std::iota(places.begin(), places.end(), 0);
   if (flow) {
     all = folded(form.rates);
-  } else if (kind == FormKind::hamiltonian) {
+  } else if (kind == FormKind::hamiltonian || kind == FormKind::metric) {
     const Symbol h = fold(form.hamiltonian);
     for (std::size_t i = n; i <= 2 * n; ++i) places.push_back(static_cast<int>(i));
     const std::vector<Symbol> slopes = tape::gradient(equations, h, places);
@@ -94,11 +98,80 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     gradient = formula(slopes);
     damping = formula({alpha});
   }
+  if (forced) {
+    const std::vector<Symbol> v(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n));
+    tape::Substitution with_velocities(form.tape, equations, [&](int i) {
+      if (i >= numbers.parameter) return Symbol(parameters[static_cast<std::size_t>(i - numbers.parameter)]);
+      const auto k = static_cast<std::size_t>(i);
+      return i < numbers.momentum ? variable(k) : v[k - static_cast<std::size_t>(numbers.momentum)];
+    });
+    std::vector<Symbol> force(n);
+    Symbol power = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Symbol typed = form.momenta.empty() ? fold(form.forces[i]) : with_velocities(form.forces[i]);
+      force[i] = typed + with_velocities(form.friction[i]);
+      all[n + i] = all[n + i] + force[i];
+      power = power + force[i] * v[i];
+    }
+    all.push_back(power);
+    components = moving + 1;
+    set_forces(force);
+  }
   for (const Symbol& y : all) rates.push_back(y.on(equations));
   rate = tape::Formula(equations, rates);
+  motion = forced ? tape::Formula(equations, std::span(rates).first(moving)) : rate;
   all = folded(form.invariants);
   all.resize(most_invariants);
   invariants = formula(all);
+}
+
+void SizedScene::set_forces(const std::vector<Symbol>& all) {
+  const std::size_t n = coordinates;
+  const auto formula = [&](const std::vector<Symbol>& some) {
+    std::vector<tape::Index> places;
+    places.reserve(some.size());
+    for (const Symbol& y : some) places.push_back(y.on(equations));
+    return tape::Formula(equations, places);
+  };
+  forces.values = formula(all);
+  if (kind != FormKind::separable) return;
+  const auto is_zero = [](const Symbol& y) { return y.is_constant() && y.constant() == 0; };
+  constexpr tape::Dependence on_places = 1, on_momenta = 2;
+  tape::Dependences depends(equations, [n](int i) { return static_cast<std::size_t>(i) < n ? on_places : on_momenta; });
+  tape::Substitution at_rest(equations, equations, [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    return k < n ? Symbol::variable(equations, k) : Symbol(0);
+  });
+  // As dry friction, −sign(v): its slopes are 0, and it is not linear.
+  const auto switches_with_momenta = [&](const Symbol& y) {
+    return !y.is_constant() && std::ranges::any_of(tape::parts_of(equations, y.place()), [&](tape::Index i) {
+      const tape::Node& node = equations[i];
+      return node.op == tape::Op::select && (depends(Symbol::at(equations, node.a)) & on_momenta) != 0;
+    });
+  };
+  std::vector<int> momenta(n);
+  std::iota(momenta.begin(), momenta.end(), static_cast<int>(n));
+  std::vector<Symbol> full = all, diagonal = all;
+  bool rests = true;  // no force where nothing moves
+  for (std::size_t i = 0; i < n; ++i) {
+    forces.linear = forces.linear && !switches_with_momenta(all[i]);
+    const std::vector<Symbol> row = tape::gradient(equations, all[i], momenta);
+    for (std::size_t j = 0; j < n; ++j) {
+      const tape::Dependence of = depends(row[j]);
+      forces.diagonal = forces.diagonal && (i == j || is_zero(row[j]));
+      forces.linear = forces.linear && (of & on_momenta) == 0;
+      forces.constant = forces.constant && of == 0;
+    }
+    diagonal.push_back(row[i]);
+    if (n <= most_coupled) full.insert(full.end(), row.begin(), row.end());
+    rests = rests && is_zero(at_rest(all[i]));
+  }
+  if (forces.diagonal || n <= most_coupled) forces.jacobian = formula(forces.diagonal ? diagonal : full);
+  const auto same = [&](const Symbol& slope) {
+    return slope.is_constant() && slope.constant() == diagonal[n].constant();
+  };
+  if (rests && forces.diagonal && std::all_of(diagonal.begin() + static_cast<std::ptrdiff_t>(n), diagonal.end(), same))
+    forces.friction = std::max(0.0, -diagonal[n].constant());
 }
 
 void SizedScene::set_mass(const std::vector<Symbol>& mass, const std::vector<double>& second, bool of_velocities) {

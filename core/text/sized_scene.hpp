@@ -1,6 +1,7 @@
 // The mechanics of a scene as text of any size, which is known when it runs: what the classes of core/text/scenes.hpp
 // are for few coordinates. Components of a state stand one after the other: coordinates, momenta, and s where the scene
-// has it; of a flow its variables. Variables on the tapes have the same numbers.
+// has it; of a flow its variables; of a forced scene at last the work of the forces, which the motion does not need.
+// Variables on the tapes have the same numbers.
 #pragma once
 
 #include <span>
@@ -17,21 +18,38 @@ class SizedScene {
   /// Operations of its equations of motion, with their common parts written once.
   static constexpr tape::Index most_equations = 1 << 17;
 
-  /// Whether there is one of a form: its kinetic metric is constant, or it is a general Hamiltonian or a flow.
+  /// Coordinates up to which equations for momenta are solved where forces read those of other coordinates.
+  static constexpr std::size_t most_coupled = 64;
+
+  /// Whether there is one of a form: its kinetic metric is constant, or it is a general Hamiltonian or a flow; or it is
+  /// forced and of few coordinates.
   static bool has(const Form& form);
   /// Of such a form. Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.
   SizedScene(const Form& form, std::span<const double> parameters);
 
   FormKind kind;
   std::size_t coordinates, components;
-  bool flow, acting, reads_action, constant_damping, autonomous, keeps_energy;
+  std::size_t moving;  ///< components that the motion needs, the first ones
+  bool flow, forced, acting, reads_action, constant_damping, autonomous, keeps_energy;
 
   tape::Tape equations;            ///< ẋ of all components
   std::vector<tape::Index> rates;  ///< their places
-  tape::Formula rate;              ///< of the components: ẋ
+  tape::Formula rate, motion;      ///< of the components, and of those that move: ẋ
   tape::Formula potential, gradient, damping;
   tape::Formula hamiltonian;  ///< of a general one: H, and H_s
   tape::Formula invariants;   ///< most_invariants; those that the scene has not are 0
+
+  /// What is known of the forces F(q, p, t); of all but their values beside a constant metric only.
+  struct Forces {
+    bool linear = true;    ///< in p
+    bool diagonal = true;  ///< F_i reads p_i alone of all momenta
+    bool constant = true;  ///< ∂F/∂p is of numbers
+    double friction = 0;   ///< c where F is −c p, which damping says as well; else 0
+    tape::Formula values;  ///< F
+    tape::Formula jacobian;  ///< F and ∂F/∂p: where it is diagonal that by each p_i, else row by row; of too many none
+    bool solvable() const { return jacobian.outputs() > 0; }
+  };
+  Forces forces;
 
   /// v = g⁻¹p of a constant metric, to n numbers.
   void velocity(const double* p, double* v) const;
@@ -39,6 +57,7 @@ class SizedScene {
   std::span<const double> inverse_mass() const { return inverse_mass_; }
 
  private:
+  void set_forces(const std::vector<Symbol>& all);
   void set_mass(const std::vector<Symbol>& mass, const std::vector<double>& second, bool of_velocities);
 
   std::vector<double> inverse_mass_;    ///< of each coordinate

@@ -20,6 +20,8 @@ class TextReader {
   /// the others are refused with the reason. Good until it is called again.
   std::vector<Word> words(char momentum, std::string_view no_velocity, std::string_view no_momentum,
                           std::string_view no_s);
+  /// The forces beside the mechanics, whose form is known: core/text/forces.cpp.
+  void read_forces();
   /// Nothing where the text is wrong, which is then known.
   std::optional<Symbol> record(const std::string& pointer, const std::string& text, std::span<const Word> known);
 

@@ -84,12 +84,14 @@ class SceneWriter {
     const std::pair<const char*, const Definition::Named*> all[] = {{"/masses/", &given().masses},
                                                                     {"/equations/", &given().equations},
                                                                     {"/invariants/", &given().invariants},
+                                                                    {"/forces/", &given().forces},
                                                                     {"/definitions/", &typed_->definitions}};
     for (const auto& [key, named] : all)
       for (const auto& [name, text] : *named) add(pointer_to(key, name), text);
     add("/damping", given().damping.value_or(""));
     add("/action_curvature", given().action_curvature.value_or(""));
     add("/offset", given().offset.value_or(""));
+    add("/dissipation", given().dissipation.value_or(""));
   }
   /// Where the mechanics stands.
   std::string mechanics() const {
@@ -212,6 +214,8 @@ class SceneWriter {
     made.damping = optional("/damping", given().damping);
     made.action_curvature = optional("/action_curvature", given().action_curvature);
     made.offset = optional("/offset", given().offset);
+    made.forces = write_named("/forces/", given().forces);
+    made.dissipation = optional("/dissipation", given().dissipation);
   }
 
   /// Texts of variables: `x` stands for all of a list, `x[i]` for each of them.

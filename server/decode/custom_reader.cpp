@@ -101,6 +101,9 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
   with("definitions", [&](const Json& json, const FieldPath& at) { read_texts(json, at, true, typed.definitions); });
   with("invariants",
        [&](const Json& json, const FieldPath& at) { read_texts(json, at, false, definition.invariants); });
+  with("forces", [&](const Json& json, const FieldPath& at) { read_texts(json, at, true, definition.forces); });
+  with("dissipation",
+       [&](const Json& json, const FieldPath& at) { definition.dissipation = read_text(json, at, true); });
   with("title", [&](const Json& json, const FieldPath& at) {
     if (json.is_string() && json.get_ref<const std::string&>().size() <= 200) {
       definition.title = json.get<std::string>();

@@ -119,6 +119,8 @@ void write_definition(JsonWriter& json, const text::Definition& written) {
   if (given.action_curvature) json.key("action_curvature").text(*given.action_curvature);
   if (given.offset) json.key("offset").text(*given.offset);
   named("invariants", given.invariants);
+  named("forces", given.forces);
+  if (given.dissipation) json.key("dissipation").text(*given.dissipation);
 }
 
 }  // namespace

@@ -145,7 +145,9 @@ void write_language(JsonWriter& json) {
 void write_form(JsonWriter& json, const text::TextScene& scene) {
   const text::Form& form = *scene.form;
   json.key("form").open('{').key("kind").text(text::form_names[static_cast<std::size_t>(form.kind)]);
-  json.key("autonomous").boolean(form.autonomous).key("keeps_energy").boolean(form.keeps_energy).close('}');
+  json.key("autonomous").boolean(form.autonomous).key("keeps_energy").boolean(form.keeps_energy);
+  if (form.forced) json.key("forced").boolean(true);
+  json.close('}');
   json.key("equations").open('{');
   for (const auto& [name, rate] : scene.equations()) json.key(name).text(rate);
   json.close('}');

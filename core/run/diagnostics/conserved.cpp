@@ -27,6 +27,7 @@ struct LinearTrend {
 /// States whose energies, or invariants, are computed at once.
 constexpr std::size_t at_once = 64;
 
+/// What is looked at of a forced scene is H − W, which its motion keeps where H does not depend on time.
 /// Where an energy begins at zero its errors are still small or large: against the largest kinetic energy of the run,
 /// or, of a flow, which has none, against the largest size of the energy itself. `relative_to` says against what.
 class Energy final : public Diagnostic {
@@ -39,7 +40,7 @@ class Energy final : public Diagnostic {
   }
   void see(const ProblemTable& problem, StateView x) override {
     const EnergyTerms terms = problem.energy_terms(x);
-    seen_.see(x.t, terms, problem.traits.potential);
+    seen_.see(x.t, terms, problem.traits.potential, work_of(problem.traits, x));
   }
   void see(const ProblemTable& problem, const StateRows& states) override {
     std::array<EnergyTerms, at_once> terms;
@@ -48,22 +49,27 @@ class Energy final : public Diagnostic {
     for (std::size_t from = 0; from < states.count; from += at_once) {
       const StateRows part = states.part(from, at_once);
       problem.energy_terms(part, terms.data());
-      for (std::size_t i = 0; i < part.count; ++i) seen.see(part[i].t, terms[i], kinetic);
+      for (std::size_t i = 0; i < part.count; ++i) {
+        const StateView x = part[i];
+        seen.see(x.t, terms[i], kinetic, work_of(problem.traits, x));
+      }
     }
     seen_ = seen;
   }
   Report report(const RunEnd& end) override {
     const DriftExtremes& energy = seen_.energy;
+    const ProblemTraits& traits = end.problem.traits;
     const double initial = std::abs(energy.initial), scale = std::max(initial, seen_.largest);
     Report report = numbers("energy", {{"initial", energy.initial},
-                                       {"final", energy.final},
+                                       {"final", energy.final + work_of(traits, end.x)},
                                        {"max_abs_error", energy.most},
                                        {"max_rel_error", scale > 0 ? energy.most / scale : unknown},
                                        {"drift_per_time", seen_.trend.slope()}});
-    const std::string_view what = !end.problem.traits.potential ? "largest energy"
-                                  : seen_.largest > initial     ? "largest kinetic energy"
-                                                                : "initial energy";
+    const std::string_view what = !traits.potential         ? "largest energy"
+                                  : seen_.largest > initial ? "largest kinetic energy"
+                                                            : "initial energy";
     insert(report, 4, words("relative_to", scale > 0 ? what : ""));
+    if (traits.forced) insert(report, 2, {"work", work_of(traits, end.x)});
     return report;
   }
 
@@ -73,10 +79,10 @@ class Energy final : public Diagnostic {
     LinearTrend trend;
     double start_time = 0, largest = 0;  ///< largest: of the kinetic energy, or of the size of the energy itself
 
-    void see(double t, const EnergyTerms& terms, bool kinetic) {
-      energy.see(terms.total);
+    void see(double t, const EnergyTerms& terms, bool kinetic, double work) {
+      energy.see(terms.total - work);
       largest = std::max(largest, kinetic ? terms.kinetic : std::abs(terms.total));
-      trend.see(t - start_time, terms.total - energy.initial);
+      trend.see(t - start_time, terms.total - work - energy.initial);
     }
   };
 

@@ -39,8 +39,9 @@ class Structure final : public Diagnostic {
       if (std::isnan(factor)) factor = lambda;
     });
     Report report = numbers("structure", {{"max_defect", most}, {"factor", factor}});
-    const bool kept = end.scheme.structure != "none", general = end.problem.traits.general;
-    insert(report, 0, words("kind", kept && acts ? "contact" : kept && general ? "symplectic" : end.scheme.structure));
+    const std::string_view own = end.problem.traits.forced ? "none" : std::string_view(end.scheme.structure);
+    const bool kept = own != "none", general = end.problem.traits.general;
+    insert(report, 0, words("kind", kept && acts ? "contact" : kept && general ? "symplectic" : own));
     return report;
   }
 };

@@ -1,0 +1,292 @@
+#include "core/catalogue/sized_forced.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace least {
+
+ForcedKick::ForcedKick(const text::SizedScene& scene)
+    : scene_(&scene),
+      n_(scene.coordinates),
+      at_(2 * n_),
+      looked_(scene.forces.jacobian.outputs()),
+      rate_(n_),
+      change_(n_),
+      middle_(n_),
+      velocity_(n_),
+      known_(std::make_shared<std::vector<Known>>()) {}
+
+StepStatus ForcedKick::kick(double* x, const double* slope, double t, double h, Work& work) {
+  if (scene_->forces.linear) {
+    exact(x, slope, t, h);
+  } else if (const StepStatus status = midpoint(x, slope, t, h, work); status != StepStatus::ok) {
+    return status;
+  }
+  for (std::size_t i = 0; i < n_; ++i) x[n_ + i] = x[n_ + i] + change_[i];
+  x[2 * n_] = x[2 * n_] + work_;
+  return StepStatus::ok;
+}
+
+void ForcedKick::look(const double* x, const double* p, double t) {
+  std::copy_n(x, n_, at_.begin());
+  if (p) {
+    std::copy_n(p, n_, at_.data() + n_);
+  } else {
+    std::fill_n(at_.data() + n_, n_, 0.0);
+  }
+  scene_->forces.jacobian.evaluate(at_.data(), t, looked_.data());
+}
+
+/// With ṗ = w at the start: p changes by h φ₁(hB) w, and its mean is p + h φ₂(hB) w. The work is the change of K less
+/// that of −∇V, whose power is linear in p.
+void ForcedKick::exact(const double* x, const double* slope, double t, double h) {
+  const double *const p = x + n_, *const jacobian = looked_.data() + n_;
+  look(x, nullptr, t);
+  for (std::size_t i = 0; i < n_; ++i) rate_[i] = looked_[i] - slope[i];
+  if (scene_->forces.diagonal) {
+    for (std::size_t i = 0; i < n_; ++i) {
+      const Phi of = phi(h * jacobian[i]);
+      const double rate = rate_[i] + jacobian[i] * p[i];
+      change_[i] = h * of.one * rate;
+      middle_[i] = p[i] + h * of.two * rate;
+    }
+  } else {
+    const MatrixPhi& of = phi_of(h);
+    for (std::size_t i = 0; i < n_; ++i)
+      for (std::size_t j = 0; j < n_; ++j) rate_[i] += jacobian[i * n_ + j] * p[j];
+    for (std::size_t i = 0; i < n_; ++i) {
+      double change = 0, mean = 0;
+      for (std::size_t j = 0; j < n_; ++j) {
+        change += of.one[i * n_ + j] * rate_[j];
+        mean += of.two[i * n_ + j] * rate_[j];
+      }
+      change_[i] = h * change;
+      middle_[i] = p[i] + h * mean;
+    }
+  }
+  scene_->velocity(middle_.data(), velocity_.data());
+  work_ = 0;
+  for (std::size_t i = 0; i < n_; ++i) work_ += h * slope[i] * velocity_[i];
+  for (std::size_t i = 0; i < n_; ++i) middle_[i] = p[i] + 0.5 * change_[i];
+  scene_->velocity(middle_.data(), velocity_.data());
+  for (std::size_t i = 0; i < n_; ++i) work_ += change_[i] * velocity_[i];
+}
+
+/// Solves m = p + (h/2)(−∇V + F(q, m, t)) for the midpoint m. The work is that of F there, so that it is the change of
+/// K less that of −∇V to round-off.
+StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, double h, Work& work) {
+  constexpr int most_rounds = 50;
+  const double *const p = x + n_, *const jacobian = looked_.data() + n_;
+  const bool diagonal = scene_->forces.diagonal;
+  std::copy_n(p, n_, middle_.begin());
+  double before = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < most_rounds; ++round) {
+    look(x, middle_.data(), t);
+    ++work.forces;
+    ++work.iterations;
+    double changed = 0, size = std::numeric_limits<double>::min();
+    for (std::size_t i = 0; i < n_; ++i) {
+      change_[i] = h * (looked_[i] - slope[i]);
+      rate_[i] = middle_[i] - p[i] - 0.5 * change_[i];  // what is wrong
+      size += std::abs(p[i]) + std::abs(change_[i]);
+    }
+    if (!diagonal) {
+      matrix_.resize(n_ * n_);
+      for (std::size_t i = 0; i < n_; ++i)
+        for (std::size_t j = 0; j < n_; ++j) matrix_[i * n_ + j] = (i == j ? 1 : 0) - 0.5 * h * jacobian[i * n_ + j];
+      detail::invert(n_, matrix_.data());
+    }
+    for (std::size_t i = 0; i < n_; ++i) {
+      double update = rate_[i] / (1 - 0.5 * h * jacobian[i]);
+      if (!diagonal) {
+        update = 0;
+        for (std::size_t j = 0; j < n_; ++j) update += matrix_[i * n_ + j] * rate_[j];
+      }
+      middle_[i] -= update;
+      changed += std::abs(update);
+    }
+    if (!(changed < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
+    const double small = 8 * std::numeric_limits<double>::epsilon() * size;
+    if (!(changed <= small || (changed >= 0.5 * before && changed <= 1e3 * small))) {
+      before = changed;
+      continue;
+    }
+    for (std::size_t i = 0; i < n_; ++i) middle_[i] = p[i] + 0.5 * change_[i];
+    scene_->velocity(middle_.data(), velocity_.data());
+    work_ = 0;
+    for (std::size_t i = 0; i < n_; ++i) work_ += h * looked_[i] * velocity_[i];
+    return StepStatus::ok;
+  }
+  return StepStatus::solver_failed;
+}
+
+const MatrixPhi& ForcedKick::phi_of(double h) {
+  constexpr std::size_t most_known = 64;
+  auto& all = *known_;
+  if (scene_->forces.constant)
+    if (const auto found = std::ranges::find(all, h, &Known::h); found != all.end()) return found->phi;
+  matrix_.assign(looked_.begin() + static_cast<std::ptrdiff_t>(n_), looked_.end());
+  for (double& entry : matrix_) entry *= h;
+  if (all.empty() || (scene_->forces.constant && all.size() < most_known)) all.emplace_back();
+  all.back() = {h, phi(n_, matrix_)};
+  return all.back().phi;
+}
+
+ForcedKickDrift::ForcedKickDrift(const text::SizedScene& scene, std::vector<Piece> pieces)
+    : scene_(&scene),
+      pieces_(std::move(pieces)),
+      kick_(scene),
+      slope_(scene.coordinates),
+      velocity_(scene.coordinates) {}
+
+void ForcedKickDrift::begin(StateView x) {
+  work_ = {};
+  look(x.numbers, x.t);
+}
+
+StepStatus ForcedKickDrift::step(double* x, double t, double h) noexcept {
+  const double* const p = x + scene_->coordinates;
+  double here = t, gone = 0;
+  for (const Piece& piece : pieces_) {
+    if (piece.before != 0)
+      if (const auto status = kick_.kick(x, slope_.data(), here, h * piece.before, work_); status != StepStatus::ok)
+        return status;
+    scene_->velocity(p, velocity_.data());
+    for (std::size_t i = 0; i < velocity_.size(); ++i) x[i] = x[i] + (h * piece.over) * velocity_[i];
+    gone += piece.over;
+    here = t + h * gone;
+    look(x, here);
+    if (piece.after != 0)
+      if (const auto status = kick_.kick(x, slope_.data(), here, h * piece.after, work_); status != StepStatus::ok)
+        return status;
+  }
+  return StepStatus::ok;
+}
+
+void ForcedKickDrift::look(const double* q, double t) {
+  scene_->gradient.evaluate(q, t, slope_.data());
+  ++work_.forces;
+}
+
+std::vector<ForcedKickDrift::Piece> pieces_of(const Leapfrog& scheme) {
+  const auto& weights = Weights<double>::of(scheme.composition);
+  std::vector<ForcedKickDrift::Piece> all;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(weights.stages); ++i)
+    all.push_back({weights.gamma[i] / 2, weights.gamma[i], weights.gamma[i] / 2});
+  return all;
+}
+
+const ForcedRule::Rule ForcedRule::midpoint{1, {{{0.5}}}, {{{0.5}}}, {1}, {0.5}};
+const ForcedRule::Rule ForcedRule::simpson{3,
+                                           {{{0, 0, 0}, {5 / 24.0, 1 / 3.0, -1 / 24.0}, {1 / 6.0, 2 / 3.0, 1 / 6.0}}},
+                                           {{{1 / 6.0, -1 / 6.0, 0}, {1 / 6.0, 1 / 3.0, 0}, {1 / 6.0, 5 / 6.0, 0}}},
+                                           {1 / 6.0, 2 / 3.0, 1 / 6.0},
+                                           {0, 0.5, 1},
+                                           true};
+
+namespace {
+
+/// v₀ − 2v_m + v₁ = 0 of the velocities along a parabola.
+constexpr std::array bend{1.0, -2.0, 1.0};
+/// Of Lobatto's three equations for a momentum, residuals or rows of the Jacobian, the principle says two combinations;
+/// the third is that of the velocities, which follows from the three where the metric is constant.
+void take_bend(double& first, double& middle, double& last, double of_velocities) {
+  const double start = first;
+  first = (start + 2 * middle) / 3;
+  last -= start;
+  middle = of_velocities;
+}
+
+}  // namespace
+
+ForcedRule::ForcedRule(const text::SizedScene& scene, const Rule& rule, const Composition& composition)
+    : scene_(&scene),
+      rule_(&rule),
+      composition_(composition),
+      weights_(&Weights<double>::of(composition_)),
+      width_(scene.moving),
+      at_(scene.components),
+      rates_(rule.stages * scene.components),
+      z_(most),
+      along_(scene.components),
+      moved_(scene.components) {}
+
+StepStatus ForcedRule::step(double* x, double t, double h) noexcept {
+  double gone = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
+    const double gamma = weights_->gamma[i];
+    if (const StepStatus status = stage(x, t + gone * h, gamma * h); status != StepStatus::ok) return status;
+    gone += gamma;
+  }
+  return StepStatus::ok;
+}
+
+StepStatus ForcedRule::stage(double* x, double t, double h) {
+  const std::size_t stages = rule_->stages, all = stages * width_, row = scene_->components;
+  std::fill(z_.begin(), z_.end(), 0.0);
+  const auto look = [&](const double* z) {
+    for (std::size_t j = 0; j < stages; ++j) {
+      for (std::size_t i = 0; i < width_; ++i) at_[i] = x[i] + z[j * width_ + i];
+      scene_->rate.evaluate(at_.data(), t + rule_->node[j] * h, &rates_[j * row]);
+    }
+    work_.forces += static_cast<std::int64_t>(stages);
+  };
+  const auto residual = [&](const double* z, double* wrong) {
+    look(z);
+    for (std::size_t a = 0; a < stages; ++a)
+      for (std::size_t i = 0; i < width_; ++i) {
+        double sum = z[a * width_ + i];
+        for (std::size_t b = 0; b < stages; ++b) sum -= h * part(i)[a][b] * rates_[b * row + i];
+        wrong[a * width_ + i] = sum;
+      }
+    for (std::size_t i = 0; i < width_; ++i) {
+      if (!is_bent(i)) continue;
+      double bent = 0;
+      for (std::size_t b = 0; b < stages; ++b) bent += bend[b] * rates_[b * row + i - width_ / 2];
+      take_bend(wrong[i], wrong[width_ + i], wrong[2 * width_ + i], bent);
+    }
+  };
+  bool first = true;  // at the start of the step, later at the mean of its stages
+  const auto prepare_at = [&](const double* z) {
+    std::copy_n(x, width_, at_.begin());
+    for (std::size_t i = 0; i < width_ && !first; ++i)
+      for (std::size_t j = 0; j < stages; ++j) at_[i] += z[j * width_ + i] / static_cast<double>(stages);
+    prepare(at_.data(), first ? t : t + 0.5 * h, h);
+    first = false;
+  };
+  const auto weight = [&](std::size_t a) { return weighs_[a % width_ < width_ / 2 ? 0 : 1]; };
+  constexpr double size = 2;  // of two kinds, each weighed to 1
+  if (const auto status = newton_.solve(all, z_.data(), size, weight, residual, prepare_at, work_);
+      status != StepStatus::ok)
+    return status;
+  look(z_.data());
+  for (std::size_t j = 0; j < stages; ++j)
+    for (std::size_t i = 0; i < row; ++i) x[i] = x[i] + (h * rule_->weight[j]) * rates_[j * row + i];
+  return StepStatus::ok;
+}
+
+void ForcedRule::prepare(const double* y, double t, double h) {
+  const std::size_t stages = rule_->stages, all = stages * width_;
+  std::array<double, 2> sizes{};
+  for (std::size_t k = 0; k < width_; ++k) {
+    for (std::size_t i = 0; i < width_; ++i) along_[i] = Slope(y[i]);
+    along_[k].slope[0] = 1;
+    scene_->motion.evaluate(along_.data(), Slope(t), moved_.data());
+    for (std::size_t i = 0; i < width_; ++i) {
+      const double slope = moved_[i].slope[0];
+      if (k == 0) sizes[i < width_ / 2 ? 0 : 1] += std::abs(y[i]) + std::abs(h * moved_[i].value);
+      for (std::size_t b = 0; b < stages; ++b) {
+        const auto entry = [&](std::size_t a) -> double& {
+          return newton_.matrix[(a * width_ + i) * all + b * width_ + k];
+        };
+        for (std::size_t a = 0; a < stages; ++a) entry(a) = (a == b && i == k ? 1 : 0) - h * part(i)[a][b] * slope;
+        if (is_bent(i)) take_bend(entry(0), entry(1), entry(2), bend[b] * moved_[i - width_ / 2].slope[0]);
+      }
+    }
+  }
+  for (std::size_t kind = 0; kind < 2; ++kind) weighs_[kind] = sizes[kind] > 0 ? 1 / sizes[kind] : 1;
+  newton_.invert(all);
+  work_.forces += static_cast<std::int64_t>(width_);
+}
+
+}  // namespace least

@@ -1,0 +1,71 @@
+// Forces that are not friction of one coordinate: magnetic, following, dry.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/forced.hpp"
+
+namespace forced {
+namespace {
+
+// F = B v × e_z does no work: a kick turns the momentum, and the speed stays, however long the steps.
+TEST(ForcedKinds, MagneticForcesTurnTheMomentum) {
+  const double b = 3, end = 5;
+  const auto free = mechanics_of(with(of(typed_v, {"x", "y"}, {{"b", b}}, "0*x"), {{"x", "b*vy"}, {"y", "-b*vx"}}));
+  End last = run(asked(free, "leapfrog", {0, 0, 1, 0.5}, end), 0.5, "kahan_li_6");
+  const double c = std::cos(b * end), s = std::sin(b * end);
+  EXPECT_NEAR(last.state[2], c + 0.5 * s, 1e-13);
+  EXPECT_NEAR(last.state[3], 0.5 * c - s, 1e-13);
+  EXPECT_NEAR(last.work, 0, 1e-14);
+  EXPECT_LT(last.balance, 1e-14);
+
+  // In a field that depends on the place, with a trap beside it, the energy is H's own.
+  const auto trapped = mechanics_of(
+      with(of(typed_v, {"x", "y"}, {{"b", b}}, "(x^2 + y^2)/2"), {{"x", "b*(1 + x^2)*vy"}, {"y", "-b*(1 + x^2)*vx"}}));
+  Request exact = asked(trapped, "taylor", {1, 0, 0, 0.5}, end);
+  const End truth = run(exact);
+  EXPECT_LT(truth.balance, 1e-12);
+  last = run(asked(trapped, "leapfrog", {1, 0, 0, 0.5}, end), 0.01, "kahan_li_8");
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(last.state[i], truth.state[i], 1e-10) << i;
+  EXPECT_NEAR(last.work, 0, 1e-12);
+  EXPECT_LT(run(asked(trapped, "leapfrog", {1, 0, 0, 0.5}, 500), 0.02, "").balance, 1e-2) << "over 2,000 gyrations";
+}
+
+// Ziegler's column: two rods, springs in the joints, and a force p that follows the upper rod, which has
+// no potential. It stands upright under less than p = 2.086 and flutters beyond. Source: Ziegler, Ing.-Arch. 20, 49
+// (1952), of masses 2 and 1, unit lengths and stiffness.
+TEST(ForcedKinds, AFollowingForceMakesAColumnFlutter) {
+  const auto column = [](double p) {
+    return mechanics_of(
+        with(of(typed_l, {"a", "b"}, {{"p", p}}, "3*va^2/2 + vb^2/2 + cos(a - b)*va*vb - a^2/2 - (b - a)^2/2"),
+             {{"a", "p*sin(a - b)"}}));
+  };
+  const auto size_after = [&](double p) {
+    Request request = asked(column(p), "variational_midpoint", {1e-6, 0}, 200);
+    runs::set(request, "step", 0.05);
+    const End last = run(request);
+    return std::abs(last.state[0]) + std::abs(last.state[1]);
+  };
+  EXPECT_LT(size_after(2.0), 1e-4);
+  EXPECT_GT(size_after(2.4), 1e-2);
+
+  const End truth = run(asked(column(2.4), "taylor", {0.5, 0.2}, 20));
+  EXPECT_GT(std::abs(truth.work), 0.1);
+  EXPECT_LT(truth.balance, 1e-10);
+  const End last = run(asked(column(2.4), "galerkin_4", {0.5, 0.2}, 20), 0.005, "");
+  EXPECT_NEAR(last.work, truth.work, 1e-6);
+}
+
+// Dry friction −c sign(v) has no slope in v, but it is not linear: while it slides it takes c from the momentum.
+TEST(ForcedKinds, DryFrictionTakesTheSameAtEverySpeed) {
+  const auto sliding = mechanics_of(with(of(typed_v, {"x"}, {{"c", 0.5}}, "0*x"), {{"x", "-c*sign(vx)"}}));
+  for (const char* scheme : {"leapfrog", "variational_midpoint", "taylor"}) {
+    const End last = run(asked(sliding, scheme, {0, 2}, 3));
+    EXPECT_NEAR(last.state[1], 0.5, 1e-12) << scheme;
+    EXPECT_NEAR(last.work, -0.5 * last.state[0], 1e-12) << scheme;
+    EXPECT_NEAR(last.state[0], 3.75, 1e-12) << scheme;
+  }
+}
+
+}  // namespace
+}  // namespace forced

@@ -22,7 +22,10 @@ Json sensitivities_asked() {
   const Json properties{
       {"by", {{"anyOf", {pointers(), Json{{"const", "initial"}}}}}},
       {"order", {{"type", "integer"}, {"minimum", 1}, {"maximum", 1}}},
-      {"of", one_of({"motion"}, "the true motion from the start of the run, whichever scheme runs it")},
+      {"of",
+       one_of(variations::map_names,
+              "motion: the true one from the start of the run, whichever scheme runs it; scheme: its own map, the "
+              "default of schemes of equal steps")},
       {"at", one_of({"final", "samples"}, "at the end alone, or at every sample, too")},
       {"holds", one_of(variations::held_names,
                        "what stays where another number of the start changes; by default what the start says")}};

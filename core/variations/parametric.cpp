@@ -122,6 +122,7 @@ std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_sce
     made->variables.push_back(place);
     made->signs.push_back(text && text->turns(place) ? -1 : 1);
   }
+  made->form = form;
   made->backward = goes_backward(scene);
   made->parameters = scene.parameters;
   if (const auto& cards = forward.card().parameters; made->parameters.size() != cards.size())

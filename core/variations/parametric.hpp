@@ -21,6 +21,7 @@ struct ParametricScene {
   ParametricScene(const ParametricScene&) = delete;
   ParametricScene& operator=(const ParametricScene&) = delete;
 
+  std::shared_ptr<const text::Form> form;  ///< that they are written from
   tape::Tape tape;
   std::size_t components = 0, coordinates = 0;  ///< coordinates: 0 of a flow
   bool acting = false;                          ///< s is a component

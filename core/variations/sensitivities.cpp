@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "core/run/messages.hpp"
-#include "core/run/tangent_map.hpp"
 #include "core/variations/event_slopes.hpp"
+#include "core/variations/rows.hpp"
 #include "core/variations/start.hpp"
 #include "core/variations/varied_motion.hpp"
 
@@ -85,52 +85,6 @@ std::variant<Followed, std::string> follow_all(const Question& question, double 
   return all;
 }
 
-/// As the answer has them: component by component, of the variables as they are called.
-Slopes in_rows(const ParametricScene& equations, const std::vector<double>& by_direction) {
-  const std::size_t size = equations.components, count = by_direction.size() / size;
-  Slopes rows(by_direction.size());
-  for (std::size_t i = 0; i < size; ++i)
-    for (std::size_t d = 0; d < count; ++d) rows[i * count + d] = equations.signs[i] * by_direction[d * size + i];
-  return rows;
-}
-
-double disagreement(const Followed& a, const Followed& b) {
-  double most = 0, largest = 0;
-  for (std::size_t k = 0; k < a.slopes.size(); ++k)
-    for (std::size_t i = 0; i < a.slopes[k].size(); ++i) {
-      most = std::max(most, std::abs(a.slopes[k][i] - b.slopes[k][i]));
-      largest = std::max(largest, std::abs(a.slopes[k][i]));
-    }
-  return largest > 0 ? most / largest : 0;
-}
-
-/// What the whole map keeps: of the symplectic form, or of the contact form where s is a component, a multiple.
-std::vector<Report> structure_of(const ParametricScene& equations, const std::vector<double>& start, StateView end,
-                                 const Slopes& rows) {
-  const std::size_t size = equations.components, n = equations.coordinates;
-  TangentMap map{n, {0, StateNumbers(start.data(), start.data() + size)}, {}, {}, false};
-  map.to = {0, StateNumbers(end.numbers, end.numbers + size)};
-  for (std::size_t i = 0; i < size; ++i)  // of the components themselves
-    for (std::size_t j = 0; j < size; ++j)
-      map.m.push_back(equations.signs[i] * equations.signs[j] * rows[i * size + j]);
-  if (n == 0) return {words("kind", "none"), {"max_defect", unknown}, {"factor", determinant(map)}};
-  if (equations.acting) {
-    const ContactDefect found = contact_defect(map);
-    return {words("kind", "contact"), {"max_defect", found.defect}, {"factor", found.factor}};
-  }
-  double factor = 1;
-  const bool damped = !equations.action_slope.is_constant() || equations.action_slope.constant() != 0;
-  if (damped) {  // (q, p) keep the multiple of the symplectic form that (q, p, s) keep of the contact form
-    factor = 0;
-    for (std::size_t i = 0; i < n; ++i)
-      factor += map.slope(i, 0) * map.slope(n + i, n) - map.slope(n + i, 0) * map.slope(i, n);
-    for (double& slope : map.m) slope /= std::sqrt(factor);
-  }
-  return {words("kind", damped ? "contact" : "symplectic"),
-          {"max_defect", factor * symplectic_defect(map)},
-          {"factor", factor}};
-}
-
 /// An event of a run.
 struct Event {
   std::string name;
@@ -139,15 +93,20 @@ struct Event {
   bool ends = false;                   ///< the run
 };
 
+std::optional<std::string> text_of(const Report& event, std::string_view key) {
+  for (const Report& part : std::get<std::vector<Report>>(event.value))
+    if (part.key == key) return std::get<std::string>(part.value);
+  return std::nullopt;
+}
+
 std::vector<Event> events_of(const Request& request, const Solution& outcome) {
   std::vector<Event> events;
   for (const Report& report : outcome.events) {
     Event& event = events.emplace_back();
-    for (const Report& part : std::get<std::vector<Report>>(report.value)) {
+    event.name = name_of_event(report);
+    for (const Report& part : std::get<std::vector<Report>>(report.value))
       if (part.key == "t") event.t = std::get<double>(part.value);
-      if (part.key == "kind" && event.name.empty()) event.name = std::get<std::string>(part.value);
-      if (part.key != "name") continue;
-      event.name = std::get<std::string>(part.value);
+    if (text_of(report, "name")) {
       const auto& list = request.watched.list;
       const auto known = std::ranges::find(list, event.name, [](const Measure& one) { return one.card.name; });
       if (known != list.end()) event.asked = static_cast<std::size_t>(known - list.begin());
@@ -159,6 +118,11 @@ std::vector<Event> events_of(const Request& request, const Solution& outcome) {
 }
 
 }  // namespace
+
+std::string name_of_event(const Report& event) {
+  const auto name = text_of(event, "name");
+  return name ? *name : text_of(event, "kind").value_or("");
+}
 
 std::vector<bool> varied_parameters(const SensitivitiesAsked& asked, std::size_t parameters) {
   std::vector<bool> varied(parameters, false);
@@ -196,7 +160,7 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   };
   constexpr int higher = 3;
   const auto control = follow_all(question, tolerance / 2, std::min(all.order + higher, tape::Series::most_orders));
-  if (const auto* other = std::get_if<Followed>(&control)) found.uncertainty = disagreement(all, *other);
+  if (const auto* other = std::get_if<Followed>(&control)) found.uncertainty = disagreement(all.slopes, other->slopes);
 
   if (!events.empty()) {
     const EventSlopes slopes(scene, asked.equations, request.watched);
@@ -219,8 +183,7 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   found.final = in_rows(equations, all.slopes.back());
   for (const double t : times) found.samples.push_back(in_rows(equations, all.slopes[at(t)]));
   if (asked.whole_start)
-    found.structure =
-        structure_of(equations, question.start.state(), {outcome.t, all.states.back().data()}, found.final);
+    found.structure = structure_of(equations, question.start.state(), all.states.back(), found.final);
   return found;
 }
 

@@ -26,6 +26,8 @@ struct Quantity {
 
 inline constexpr std::size_t most_quantities = 64, most_in_pairs = 16;
 
+/// Of what: the true motion, or the map that the scheme is.
+inline constexpr std::array<std::string_view, 2> map_names{"motion", "scheme"};
 /// What stays of a start where one number of it changes.
 inline constexpr std::array<std::string_view, 2> held_names{"momenta", "velocities"};
 
@@ -35,6 +37,7 @@ struct SensitivitiesAsked {
   std::vector<std::string> names;  ///< of these, as JSON pointers
   bool whole_start = false;        ///< by all variables of the motion: then the structure of the map is told
   bool keeps_velocities = false;   ///< where one number changes, the velocities of the start stay, and not the momenta
+  bool of_scheme = false;
   bool at_samples = false;
   std::shared_ptr<const ParametricScene> equations;
 };
@@ -63,5 +66,13 @@ std::vector<bool> varied_parameters(const SensitivitiesAsked& asked, std::size_t
 /// changes, too. `tolerance` as that of the scheme `taylor`. Throws MemoryShortage.
 Sensitivities sensitivities_of_motion(const Request& request, const SensitivitiesAsked& asked, const Solution& outcome,
                                       std::span<const double> times, double tolerance, const KeepGoing& keep_going);
+
+/// The same of the map of the request's scheme, of equal steps, by dual numbers through its steps; samples are whole
+/// steps. Times of events have no derivatives. The control are differences of runs.
+Sensitivities sensitivities_of_scheme(const Request& request, const SensitivitiesAsked& asked, const Solution& outcome,
+                                      std::span<const double> times, const KeepGoing& keep_going);
+
+/// The name of an event of a run that was asked for, or the kind of one of its own.
+std::string name_of_event(const Report& event);
 
 }  // namespace least::variations

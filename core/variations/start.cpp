@@ -33,6 +33,32 @@ std::vector<double> Start::slope(const Quantity& by) const {
   return slope;
 }
 
+double Start::value(const Quantity& by) const {
+  if (by.kind == Quantity::Kind::parameter) return equations_.parameters[by.index];
+  if (by.kind == Quantity::Kind::velocity) return in_velocities_[equations_.coordinates + by.index];
+  const auto found = std::ranges::find(equations_.variables, by.index);
+  return found == equations_.variables.end() ? 0 : x_[static_cast<std::size_t>(found - equations_.variables.begin())];
+}
+
+void Start::move(const Quantity& quantity, double by, Scene& scene) const {
+  const bool parameter = quantity.kind == Quantity::Kind::parameter;
+  if (parameter) scene.parameters[quantity.index] += by;
+  const std::size_t n = equations_.coordinates;
+  if (!asked_.keeps_velocities) {
+    const std::vector<double> slope = slope_in_momenta(quantity);
+    for (std::size_t i = 0; i < size_; ++i) scene.initial[equations_.variables[i]] += slope[i] * by;
+    return;
+  }
+  std::vector<double> x = in_velocities_, momenta(n);
+  const std::vector<double> slope = slope_in_momenta(quantity);
+  for (std::size_t i = 0; i < size_; ++i) x[i] += slope[i] * by;
+  if (parameter) x[size_ + quantity.index] += by;
+  if (quantity.kind == Quantity::Kind::velocity) x[n + quantity.index] += equations_.signs[n + quantity.index] * by;
+  momenta_.evaluate(x.data(), t_, momenta.data());
+  for (std::size_t i = 0; i < size_; ++i)
+    scene.initial[equations_.variables[i]] = i < n || i == 2 * n ? x[i] : momenta[i - n];
+}
+
 std::vector<double> Start::slope_in_momenta(const Quantity& by) const {
   std::vector<double> slope(size_);
   if (by.kind != Quantity::Kind::variable) return slope;

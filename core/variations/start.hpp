@@ -20,6 +20,9 @@ class Start {
   const std::vector<double>& state() const { return x_; }
   /// Its derivative by the quantity, at a fixed time of the run.
   std::vector<double> slope(const Quantity& by) const;
+  /// Its value, and a start and parameters with another one; not of the time.
+  double value(const Quantity& by) const;
+  void move(const Quantity& quantity, double by, Scene& scene) const;
 
  private:
   std::vector<double> slope_in_momenta(const Quantity& by) const;

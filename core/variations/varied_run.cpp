@@ -60,6 +60,7 @@ Solution VariedRun::go(RowSink& sink, const std::atomic<bool>& cancelled) {
 Sensitivities VariedRun::sensitivities(const Solution& outcome, const std::atomic<bool>& cancelled) const {
   const std::chrono::duration<double> limit(request_.limits.seconds);
   const KeepGoing keep_going = [&] { return !cancelled && Clock::now() - began_ < limit; };
+  if (asked_->of_scheme) return sensitivities_of_scheme(request_, *asked_, outcome, times_, keep_going);
   constexpr double close = 1e-12;
   const SchemeCard& scheme = schemes()[request_.scheme];
   const bool by_series = scheme.id == "taylor";

@@ -8,6 +8,7 @@
 #include "core/catalogue/catalogue.hpp"
 #include "core/text/expansion.hpp"
 #include "core/text/scene.hpp"
+#include "core/variations/scheme_map.hpp"
 
 namespace least::server {
 namespace {
@@ -41,7 +42,7 @@ bool is_in_velocities(const Json& root, const text::TextScene* text) {
 
 class ByReader {
  public:
-  ByReader(const Scene& scene, bool in_velocities)
+  ByReader(const Scene& scene, bool in_velocities, bool by_time)
       : card_(scene.card()), text_(scene.mechanics->text()), in_velocities_(in_velocities) {
     for (std::size_t i = 0; i < card_.variables.size(); ++i)
       if (!card_.variables[i].hidden && !(in_velocities_ && is_momentum(i)))
@@ -50,7 +51,7 @@ class ByReader {
       for (std::size_t i = 0; i < text_->definition.variables.size(); ++i)
         candidates_.push_back(
             {"/initial/" + text::velocity_name(text_->definition.variables[i]), {Quantity::Kind::velocity, i}});
-    candidates_.push_back({"/initial/t", {Quantity::Kind::time, 0}});
+    if (by_time) candidates_.push_back({"/initial/t", {Quantity::Kind::time, 0}});
     for (std::size_t i = 0; i < card_.parameters.size(); ++i)
       if (card_.parameters[i].kind == Kind::number)
         candidates_.push_back({"/problem/" + card_.parameters[i].name, {Quantity::Kind::parameter, i}});
@@ -95,6 +96,7 @@ class ByReader {
   }
 
   std::string why_not(const std::string& pointer) const {
+    if (pointer == "/initial/t") return "moves the steps of the scheme: there is no derivative of its map by it";
     if (pointer.starts_with("/scheme")) return "is a setting of the scheme: derivatives are by starts and parameters";
     for (const ParameterCard& parameter : card_.parameters)
       if (pointer == "/problem/" + parameter.name)
@@ -146,15 +148,20 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   const Scene& scene = *request.scene;
   SensitivitiesAsked asked;
   if (const Json* order = find(*json, "order")) read_integer(*order, path.at("order"), 1, 1);
-  if (const Json* of = find(*json, "of"))
-    read_name(*of, path.at("of"), {"motion"}, "map");
-  else if (!scheme.own_clock && scheme.id != auto_card().id)
-    path.at("of").lacks("of a scheme of fixed steps the derivative of its own map is not there: say \"motion\"",
-                        "motion");
+  const bool equal_steps = !scheme.own_clock && scheme.id != auto_card().id;
+  asked.of_scheme = equal_steps;
+  if (const Json* of = find(*json, "of")) {
+    const Names names(variations::map_names.begin(), variations::map_names.end());
+    asked.of_scheme = read_name(*of, path.at("of"), names, "map").value_or(0) == 1;
+    if (asked.of_scheme && !equal_steps)
+      path.at("of").fault(scheme.id + " sets its steps itself: of its own map there is no derivative", *of, "motion");
+  }
   if (const Json* at = find(*json, "at")) {
     asked.at_samples = read_name(*at, path.at("at"), {"final", "samples"}, "place").value_or(0) == 1;
     if (asked.at_samples && request.record.mode == Record::Mode::every && request.record.count == 0)
       path.at("at").fault("there are no samples: record keeps none", *at, "final");
+    else if (asked.at_samples && asked.of_scheme && request.record.mode != Record::Mode::every)
+      path.at("at").fault("of the map of a scheme at whole steps alone", *at, "final, or record: {\"every\": …}");
   }
 
   const Json* by = find(*json, "by");
@@ -169,7 +176,7 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
                       both ? variations::held_names.end() : std::next(variations::held_names.begin()));
     asked.keeps_velocities = read_name(*holds, path.at("holds"), names, "part of a start").value_or(0) == 1;
   }
-  const ByReader reader(scene, asked.keeps_velocities);
+  const ByReader reader(scene, asked.keeps_velocities, !asked.of_scheme);
   if (by->is_array() && !by->empty()) {
     if (by->size() > variations::most_quantities)
       return place.fault(fmt::format("holds {} pointers", by->size()), *by,
@@ -188,6 +195,10 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
     asked.equations = std::get<std::shared_ptr<const variations::ParametricScene>>(std::move(made));
   } catch (const tape::TooManyOperations&) {
     return path.fault("the equations of the derivatives of this scene are too long", *json);
+  }
+  if (asked.of_scheme) {
+    if (std::string why = variations::no_walk(scheme, *asked.equations->form); !why.empty())
+      return path.at("of").fault(std::move(why), find(*json, "of") ? (*json)["of"] : Json(), "motion");
   }
   if (whole) take_whole_start(scene, asked);
   if (asked.by.size() > variations::most_quantities)

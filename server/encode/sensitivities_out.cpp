@@ -31,7 +31,12 @@ void write_slopes(JsonWriter& json, const variations::Slopes& slopes, std::size_
 }
 
 void write_settings(JsonWriter& json, const SensitivitiesAsked& asked) {
-  json.key("order").integer(1).key("of").text("motion").key("at").text(asked.at_samples ? "samples" : "final");
+  json.key("order")
+      .integer(1)
+      .key("of")
+      .text(variations::map_names[asked.of_scheme ? 1 : 0])
+      .key("at")
+      .text(asked.at_samples ? "samples" : "final");
   if (!asked.whole_start) json.key("holds").text(variations::held_names[asked.keeps_velocities ? 1 : 0]);
 }
 

@@ -1,0 +1,214 @@
+// Scenes along a direction of their parameters, as problems that schemes run: one class for each form, as those of
+// core/text/scenes.hpp, with parameters that are dual numbers. What a step of a scheme makes of states in dual numbers
+// is then the derivative of the scheme's own map, by its start and by parameters.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "core/number/linear.hpp"
+#include "core/problem.hpp"
+#include "core/problem_traits.hpp"
+#include "core/tape/formula.hpp"
+#include "core/text/form.hpp"
+
+namespace least::variations {
+
+/// A form with numbers in the place of all parameters but one, which moves. Of its tapes, q are the variables from 0, p
+/// those from `room`, s is 2 room, and the one parameter 2 room + 1. Of a flow the variables, then the parameter.
+struct VariedFormulas {
+  /// `moved`: which parameter; none: it is the start that moves. `room`: what the class has of coordinates.
+  VariedFormulas(const text::Form& form, std::span<const double> parameters, std::optional<std::size_t> moved,
+                 std::size_t room);
+
+  std::size_t coordinates;
+  bool reads_action;
+  Slope parameter = 0;
+  tape::Formula potential, gradient, damping, metric, rates;
+  tape::Formula hamiltonian, slopes;  ///< of (q, p, s): H; H_q, H_p, H_s
+  std::vector<Slope> inverse_mass;
+  bool full_mass = false;
+  std::vector<Slope> mass_matrix, inverse_mass_matrix;  ///< where it is not diagonal, row by row
+  Slope alpha = 0, gamma = 0, offset = 0;
+};
+
+/// A number with a slope as a T: with its slope where T has room for it.
+template <class T>
+T number_as(const Slope& x) {
+  if constexpr (std::is_convertible_v<Slope, T>) {
+    return T(x);
+  } else {
+    return T(x.value);
+  }
+}
+
+/// What is the same for all mechanics with a potential.
+template <int N>
+struct VariedMechanics {
+  static constexpr int dof = N;
+  static constexpr bool reads_time = true;
+  std::shared_ptr<const VariedFormulas> formulas;
+
+  std::size_t coordinates() const { return formulas->coordinates; }
+  template <class T, class S>
+  T potential(const Vec<dof, T>& q, const S& t) const {
+    T v;
+    formulas->potential.evaluate(variables(q).data(), t, &v);
+    return v;
+  }
+  template <class T, class S>
+  Vec<dof, T> gradient(const Vec<dof, T>& q, const S& t) const {
+    Vec<dof, T> slope{};
+    formulas->gradient.evaluate(variables(q).data(), t, slope.data());
+    return slope;
+  }
+
+ protected:
+  template <class T>
+  std::array<T, std::size_t(2 * N + 2)> variables(const Vec<dof, T>& q) const {
+    std::array<T, std::size_t(2 * N + 2)> x{};
+    for (std::size_t i = 0; i < N; ++i) x[i] = q[i];
+    x.back() = number_as<T>(formulas->parameter);
+    return x;
+  }
+};
+
+/// A constant metric: a mass for every coordinate.
+template <int N>
+struct VariedMasses : VariedMechanics<N> {
+  Vec<N, Slope> inverse_mass() const {
+    Vec<N, Slope> inverse;
+    for (std::size_t i = 0; i < N; ++i) inverse[i] = this->formulas->inverse_mass[i];
+    return inverse;
+  }
+};
+/// Or a full matrix.
+template <int N>
+struct VariedFullMass : VariedMechanics<N> {
+  Vec<N> inverse_mass() const { return {}; }  // what there is is no number for each coordinate
+  bool has_full_mass() const { return true; }
+  template <class T>
+  Vec<N, T> times_inverse_mass(const Vec<N, T>& p) const {
+    return times(this->formulas->inverse_mass_matrix, p);
+  }
+  template <class T>
+  Vec<N, T> times_mass(const Vec<N, T>& v) const {
+    return times(this->formulas->mass_matrix, v);
+  }
+
+ private:
+  template <class T>
+  Vec<N, T> times(const std::vector<Slope>& matrix, const Vec<N, T>& x) const {
+    Vec<N, T> y = x;
+    const std::size_t n = this->formulas->coordinates;
+    for (std::size_t i = 0; i < n; ++i) {
+      y[i] = number_as<T>(matrix[i * n]) * x[0];
+      for (std::size_t j = 1; j < n; ++j) y[i] = y[i] + number_as<T>(matrix[i * n + j]) * x[j];
+    }
+    return y;
+  }
+};
+
+/// H = ½ pᵀg⁻¹p + V(q, t), `Mass` being g, and what is added to it.
+template <class Mass>
+struct VariedSeparable : Mass {};
+template <class Mass>
+struct VariedDamped : Mass {
+  Slope damping() const { return this->formulas->alpha; }
+};
+template <class Mass>
+struct VariedTimedDamped : Mass {
+  template <class S>
+  auto damping(const S& t) const {
+    using T = std::conditional_t<std::is_same_v<S, double>, Slope, S>;
+    T alpha;
+    std::array<T, std::size_t(2 * Mass::dof + 2)> x{};
+    x.back() = number_as<T>(this->formulas->parameter);
+    this->formulas->damping.evaluate(x.data(), T(t), &alpha);
+    return alpha;
+  }
+};
+template <class Mass>
+struct VariedQuadratic : Mass {
+  Slope action_curvature() const { return this->formulas->gamma; }
+  Slope offset() const { return this->formulas->offset; }
+};
+template <int N>
+struct VariedMetric : VariedMechanics<N> {
+  template <class T>
+  Mat<N, T> metric(const Vec<N, T>& q) const {
+    std::array<T, std::size_t(N * N)> entries;
+    this->formulas->metric.evaluate(this->variables(q).data(), 0.0, entries.data());
+    Mat<N, T> g{};
+    const std::size_t n = this->formulas->coordinates;
+    for (std::size_t i = 0; i < N; ++i) g[i][i] = T(1);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) g[i][j] = entries[i * n + j];
+    return g;
+  }
+};
+
+/// Any H(q, p, s, t)
+template <int N>
+struct VariedHamiltonian {
+  static constexpr int dof = N;
+  static constexpr bool reads_time = true;
+  std::shared_ptr<const VariedFormulas> formulas;
+
+  std::size_t coordinates() const { return formulas->coordinates; }
+  bool reads_action() const { return formulas->reads_action; }
+  template <class T, class S>
+  T hamiltonian(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
+    T h;
+    formulas->hamiltonian.evaluate(joined(q, p, s).data(), t, &h);
+    return h;
+  }
+  template <class T, class S>
+  HamiltonianSlopes<dof, T> slopes(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
+    std::array<T, std::size_t(2 * N + 1)> all;
+    formulas->slopes.evaluate(joined(q, p, s).data(), t, all.data());
+    HamiltonianSlopes<dof, T> slopes{};
+    const std::size_t n = coordinates();
+    for (std::size_t i = 0; i < n; ++i) {
+      slopes.by_q[i] = all[i];
+      slopes.by_p[i] = all[n + i];
+    }
+    slopes.by_s = all[2 * n];
+    return slopes;
+  }
+
+ private:
+  template <class T>
+  std::array<T, std::size_t(2 * N + 2)> joined(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s) const {
+    std::array<T, std::size_t(2 * N + 2)> x;
+    for (std::size_t i = 0; i < N; ++i) x[i] = q[i], x[N + i] = p[i];
+    x[2 * N] = s;
+    x.back() = number_as<T>(formulas->parameter);
+    return x;
+  }
+};
+
+/// ẏ = f(y, t)
+template <int N>
+struct VariedFlow {
+  static constexpr int dim = N;
+  static constexpr bool reads_time = true;
+  std::shared_ptr<const VariedFormulas> formulas;
+
+  std::size_t coordinates() const { return formulas->coordinates; }
+  template <class T, class S>
+  Vec<dim, T> field(const Vec<dim, T>& y, const S& t) const {
+    std::array<T, std::size_t(N + 1)> x;
+    for (std::size_t i = 0; i < N; ++i) x[i] = y[i];
+    x.back() = number_as<T>(formulas->parameter);
+    Vec<dim, T> rate{};
+    formulas->rates.evaluate(x.data(), t, rate.data());
+    return rate;
+  }
+};
+
+}  // namespace least::variations

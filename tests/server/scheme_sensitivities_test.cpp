@@ -1,0 +1,178 @@
+// Derivatives of the maps of schemes, over HTTP.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "core/catalogue/catalogue.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+class SchemeSensitivities : public Serving {
+ protected:
+  static Json answer(const Json& request, int status = 200) {
+    const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
+    EXPECT_EQ(reply.status, status) << reply.body;
+    return Json::parse(reply.body);
+  }
+  static Json custom(const char* text) {
+    Json problem = Json::parse(text);
+    problem["id"] = "custom";
+    return problem;
+  }
+};
+
+// One step of leapfrog from (x, p): p½ = p − hkx/2, x₁ = x + hp½, p₁ = p½ − hkx₁/2, and its derivatives.
+TEST_F(SchemeSensitivities, OfALeapfrogStepAreThoseOfItsFormula) {
+  const double h = 0.5, k = 2, x = 1, p = 0.25;
+  const Json made = answer({{"problem", custom(R"({"variables":["x"],"parameters":{"k":2},"potential":"k*x^2/2"})")},
+                            {"initial", {{"x", x}, {"px", p}}},
+                            {"scheme", {{"id", "leapfrog"}, {"step", h}}},
+                            {"until", {{"steps", 1}}},
+                            {"sensitivities", {{"by", {"/initial/x", "/initial/px", "/problem/k"}}}}});
+  const Json& found = made["sensitivities"];
+  EXPECT_EQ(found["of"], "scheme");
+  const double x1 = x + h * (p - h * k * x / 2), x1_by_k = -h * h * x / 2;
+  EXPECT_DOUBLE_EQ(found["final"][0][0], 1 - h * h * k / 2);
+  EXPECT_DOUBLE_EQ(found["final"][0][1], h);
+  EXPECT_DOUBLE_EQ(found["final"][0][2], x1_by_k);
+  EXPECT_DOUBLE_EQ(found["final"][1][2], -h * x / 2 - h / 2 * (x1 + k * x1_by_k));
+  EXPECT_LT(found["uncertainty"], 1e-10);
+}
+
+// Every problem of the catalogue by every scheme of equal steps: what runs of the scheme say, and its structure.
+TEST_F(SchemeSensitivities, OfEveryPairAreDifferencesOfItsRuns) {
+  std::size_t pairs = 0;
+  std::set<std::string> without;
+  for (const auto& problem : problem_list()) {
+    const ProblemCard& card = problem->card();
+    if (card.id == "lane_emden") continue;  // its default start is singular
+    Json pointers = Json::array();
+    for (const ParameterCard& parameter : card.parameters)
+      if (parameter.kind == Kind::number && parameter.value > parameter.range.low &&
+          parameter.value < parameter.range.high)
+        pointers.push_back("/problem/" + parameter.name);
+    for (const std::size_t place : card.schemes) {
+      const SchemeCard& scheme = schemes()[place];
+      if (scheme.own_clock) continue;
+      SCOPED_TRACE(card.id + " by " + scheme.id);
+      Json request{{"problem", card.id},
+                   {"scheme", scheme.id},
+                   {"until", {{"steps", 12}}},
+                   {"record", {{"every", 0}}},
+                   {"sensitivities", {{"by", "initial"}}}};
+      const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
+      if (reply.status == 422) {
+        EXPECT_TRUE(says(only_fault(reply), "there is no derivative")) << reply.body;
+        without.insert(card.id + " " + scheme.id);
+        continue;
+      }
+      ++pairs;
+      const Json found = Json::parse(reply.body)["sensitivities"];
+      ASSERT_TRUE(found["final"].is_array()) << found;
+      EXPECT_LT(found["uncertainty"], 1e-8) << found;
+      if (scheme.structure == "symplectic" && found["structure"]["kind"] == "symplectic") {
+        EXPECT_LT(found["structure"]["max_defect"], 1e-11) << found;
+      }
+      if (pointers.empty()) continue;
+      request["sensitivities"]["by"] = pointers;
+      const Json by_parameters = answer(request)["sensitivities"];
+      ASSERT_TRUE(by_parameters["final"].is_array()) << by_parameters;
+      EXPECT_LT(by_parameters["uncertainty"], 1e-8) << by_parameters;
+    }
+  }
+  EXPECT_GT(pairs, 60U);
+  for (const std::string& pair : without) RecordProperty(pair, "none");
+  std::string all;
+  for (const std::string& pair : without) all += pair + "; ";
+  EXPECT_LT(without.size(), 12U) << all;
+}
+
+TEST_F(SchemeSensitivities, OfScenesAsTextOfEveryForm) {
+  const struct {
+    const char *scene, *scheme;
+  } all[] = {
+      {R"~({"variables":["a","b","d"],"parameters":{"c":0.3},"potential":"a^4/4 + c*a*b + b^2 + c*d^2"})~",
+       "galerkin_4"},
+      {R"~({"variables":["a","b"],"parameters":{"c":0.3},"lagrangian":"va^2/2 + c*va*vb + vb^2 - a^2 - b^4"})~",
+       "variational_midpoint"},
+      {R"~({"variables":["a"],"parameters":{"c":2},"potential":"a^4/4","masses":{"a":"c"},"damping":"c/(9+t^2)"})~",
+       "contact_leapfrog"},
+      {R"~({"variables":["a"],"parameters":{"c":0.3},"potential":"a^2/2","action_curvature":"c","offset":"0.1"})~",
+       "contact_variational_midpoint"},
+      {R"~({"variables":["a","b"],"parameters":{"c":2},"lagrangian":"va^2/2*(c+cos(b)) + vb^2/2 - a^2"})~",
+       "galerkin_4"},
+      {R"~({"variables":["a"],"parameters":{"c":0.2},"hamiltonian":"pa^2/2 + a^2/2 + 0.1*a*pa + c*s*a"})~",
+       "contact_gauss"},
+      {R"~({"variables":["a","b"],"parameters":{"c":0.2},"equations":{"a":"b","b":"-a + c*sin(t)"}})~",
+       "runge_kutta_4"},
+      {R"~({"variables":["q[24]"],"parameters":{"c":0.5},
+                 "potential":"sum(i=1..24, q[i]^4/4) + c*sum(i=1..23, (q[i+1]-q[i])^2)"})~",
+       "leapfrog"}};
+  for (const auto& [scene, scheme] : all) {
+    SCOPED_TRACE(scene);
+    const Json problem = custom(scene);
+    const std::string first = problem["variables"][0], name = first == "q[24]" ? "q[1]" : first;
+    for (const int end : {1, -1}) {
+      const Json found =
+          answer({{"problem", problem},
+                  {"initial", {{name, 0.8}}},
+                  {"scheme", {{"id", scheme}, {"step", 0.03}}},
+                  {"until", end},
+                  {"record", {{"every", 10}}},
+                  {"sensitivities", {{"by", {"/initial/" + name, "/problem/c"}}, {"at", "samples"}}}})["sensitivities"];
+      ASSERT_TRUE(found["final"].is_array()) << found;
+      EXPECT_EQ(found["of"], "scheme");
+      EXPECT_LT(found["uncertainty"], 1e-9) << found;
+      EXPECT_EQ(found["samples"].size(), 4U);
+    }
+  }
+}
+
+// What the scheme's map depends on is not what the motion does, but in the limit of short steps.
+TEST_F(SchemeSensitivities, BecomeThoseOfTheMotion) {
+  Json request{{"problem", "kepler"},
+               {"initial", {{"x", 1}, {"y", 0}, {"px", 0}, {"py", 1.1}}},
+               {"until", 3},
+               {"record", {{"every", 0}}},
+               {"sensitivities", {{"by", {"/initial/x", "/problem/mu"}}}}};
+  request["scheme"] = "taylor";
+  const Json motion = answer(request)["sensitivities"];
+  EXPECT_EQ(motion["of"], "motion");
+  double errors[2];
+  for (int halved = 0; halved < 2; ++halved) {
+    request["scheme"] = {{"id", "leapfrog"}, {"step", halved ? 0.005 : 0.01}};
+    const Json found = answer(request)["sensitivities"];
+    errors[halved] = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t k = 0; k < 2; ++k)
+        errors[halved] = std::max(errors[halved],
+                                  std::abs(found["final"][i][k].get<double>() - motion["final"][i][k].get<double>()));
+  }
+  EXPECT_GT(errors[0], 1e-5);
+  EXPECT_NEAR(errors[0] / errors[1], 4, 0.1);
+}
+
+TEST_F(SchemeSensitivities, AreRefusedByName) {
+  Json request{{"problem", "kepler"}, {"scheme", "dormand_prince_5"}, {"until", 1}};
+  const auto refused = [&](const Json& asked, const std::string& pointer, std::string_view words) {
+    request["sensitivities"] = asked;
+    const Json fault = only_fault(ask(port(), post("/v1/simulate", request.dump())));
+    EXPECT_EQ(fault["pointer"], pointer) << fault;
+    EXPECT_TRUE(says(fault, words)) << fault;
+  };
+  refused({{"by", "initial"}, {"of", "scheme"}}, "/sensitivities/of", "sets its steps itself");
+  request["scheme"] = "leapfrog";
+  refused({{"by", {"/initial/t"}}}, "/sensitivities/by/0", "moves the steps");
+  request["record"] = {{"samples", 10}};
+  refused({{"by", "initial"}, {"at", "samples"}}, "/sensitivities/at", "whole steps");
+}
+
+}  // namespace
+}  // namespace least::server::test

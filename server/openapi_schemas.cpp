@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/ensemble/members.hpp"
-#include "core/text/definition.hpp"
+#include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
 #include "server/openapi_sensitivities.hpp"
 
@@ -329,6 +329,15 @@ Json reference(const std::string& name) { return {{"$ref", "#/components/schemas
 Json typed_problem() {
   const Json text{{"type", "string"}}, number{{"type", "number"}}, formula = either(text, number);
   const auto by_name = [](Json value) { return Json{{"type", "object"}, {"additionalProperties", std::move(value)}}; };
+  Json place = list_of(formula);
+  place["minItems"] = 2;
+  place["maxItems"] = 3;
+  const Json link = either({{"type", "integer"}, {"minimum", 0}}, {{"const", "pivot"}});
+  const Json body =
+      object_of({{"at", described(place, "its place: columns or expressions", "")},
+                 {"linked", described(list_of(link), "by rods: other bodies by number, or the pivot", "")},
+                 {"kind", {{"type", "string"}, {"enum", text::Pictures::kinds}, {"default", "bob"}}}},
+                {"at"});
   Json names = list_of(text);
   names["minItems"] = 1;
   names["maxItems"] = text::most_variables;
@@ -350,7 +359,10 @@ Json typed_problem() {
        {"invariants", described(by_name(text), "what the motion keeps, reported by `momenta`", "")},
        {"forces",
         described(by_name(formula), "generalised, on coordinates; of q, t and velocities, or momenta beside H", "")},
-       {"dissipation", described(formula, "Rayleigh's D(q, v, t): adds the forces −∂D/∂v", "")}},
+       {"dissipation", described(formula, "Rayleigh's D(q, v, t): adds the forces −∂D/∂v", "")},
+       {"note", described(text, "what is to be said of the scene", "")},
+       {"views", described(list_of(place), "pictures: columns or expressions drawn together, with equal axes", "")},
+       {"bodies", described(list_of(body), "what moves, in one picture", "")}},
       {"id", "variables"});
   schema["additionalProperties"] = either(quantity(), list_of(quantity()));
   schema["oneOf"] = Json::array();

@@ -17,10 +17,11 @@ std::string velocity_name(std::string_view coordinate) { return in_place_of_q('v
 std::string momentum_name(std::string_view coordinate) { return in_place_of_q('p', coordinate); }
 
 std::span<const std::string_view> reserved_keys() {
-  static constexpr std::array<std::string_view, 17> keys{
-      "id",         "preset",      "title",      "variables", "parameters", "definitions",
-      "lagrangian", "hamiltonian", "potential",  "masses",    "damping",    "action_curvature",
-      "offset",     "equations",   "invariants", "forces",    "dissipation"};
+  static constexpr std::array<std::string_view, 20> keys{"id",          "preset",      "title",      "variables",
+                                                         "parameters",  "definitions", "lagrangian", "hamiltonian",
+                                                         "potential",   "masses",      "damping",    "action_curvature",
+                                                         "offset",      "equations",   "invariants", "forces",
+                                                         "dissipation", "note",        "views",      "bodies"};
   return keys;
 }
 

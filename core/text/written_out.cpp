@@ -61,7 +61,8 @@ class SceneWriter {
     for (const auto& [name, values] : typed_->lists)
       for (std::size_t i = 0; i < values.size(); ++i)
         made.parameters.emplace_back(element_name(name, static_cast<std::int64_t>(i) + 1), values[i]);
-    if (changed_ || !typed_->lists.empty() || !typed_->definitions.empty()) {
+    const bool more = !typed_->note.empty() || !typed_->pictures.empty();
+    if (changed_ || more || !typed_->lists.empty() || !typed_->definitions.empty()) {
       made.typed = typed_;
       made.vocabulary = std::make_shared<const Vocabulary>(vocabulary_);
     }

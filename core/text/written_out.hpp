@@ -2,9 +2,11 @@
 // every term has a name of its own.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -16,11 +18,28 @@ namespace least::text {
 
 struct TextScene;
 
+/// What is to be drawn of a scene: nothing that moves depends on it.
+struct Pictures {
+  static constexpr std::array<std::string_view, 3> kinds{"bob", "planet", "sun"};
+  static constexpr int pivot = -1;  ///< a link to where the coordinates of a place are 0
+  struct Body {
+    std::vector<std::string> at{};  ///< its place, in the plane or in space: columns or expressions
+    std::vector<int> linked{};      ///< by a rod each: to bodies by their number, or to the pivot
+    std::size_t kind = 0;           ///< which of `kinds`
+  };
+  std::vector<std::vector<std::string>> views{};  ///< two or three columns or expressions each, with equal axes
+  std::vector<Body> bodies{};
+
+  bool empty() const { return views.empty() && bodies.empty(); }
+};
+
 /// A scene as its author typed it.
 struct TypedScene {
   Definition scene;  ///< variables as declared, `x[5]`; parameters that are numbers; texts as typed
   std::vector<std::pair<std::string, std::vector<double>>> lists{};  ///< parameters that are lists
   Definition::Named definitions{};                                   ///< `r`, `d(i,j)`
+  std::string note{};                                                ///< what its author says of it
+  Pictures pictures{};
 };
 
 /// What is written out, and where each of its texts comes from.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/catalogue/custom.hpp"
+#include "server/decode/pictures_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -104,13 +105,17 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
   with("forces", [&](const Json& json, const FieldPath& at) { read_texts(json, at, true, definition.forces); });
   with("dissipation",
        [&](const Json& json, const FieldPath& at) { definition.dissipation = read_text(json, at, true); });
-  with("title", [&](const Json& json, const FieldPath& at) {
-    if (json.is_string() && json.get_ref<const std::string&>().size() <= 200) {
-      definition.title = json.get<std::string>();
-    } else {
-      at.fault("must be a text", json, "at most 200 characters");
-    }
-  });
+  const auto with_text = [&](std::string_view key, std::size_t most, std::string& text) {
+    with(key, [&](const Json& json, const FieldPath& at) {
+      if (json.is_string() && json.get_ref<const std::string&>().size() <= most)
+        text = json.get<std::string>();
+      else
+        at.fault("must be a text", json, fmt::format("at most {} characters", most));
+    });
+  };
+  with_text("title", 200, definition.title);
+  with_text("note", 1000, typed.note);
+  typed.pictures = read_pictures(problem, here);
   if (kind) {
     definition.kind = static_cast<Definition::Kind>(*kind);
     with(kinds[*kind], [&](const Json& json, const FieldPath& at) {

@@ -11,6 +11,7 @@
 #include "core/text/scene.hpp"
 #include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
+#include "server/decode/pictures_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -180,6 +181,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
       scene.start = named(preset->initial, "t").value_or(scene.start);
     }
     read_parameters(*json, path, card.parameters, scene.parameters);
+    if (text && text->definition.typed) check_pictures(text->definition.typed->pictures, path, scene);
   }
 
   if (text)

@@ -6,7 +6,6 @@
 #include "core/catalogue/backward.hpp"
 #include "core/run/acts.hpp"
 #include "core/text/scene.hpp"
-#include "core/text/written_out.hpp"
 #include "server/encode/sensitivities_out.hpp"
 
 namespace least::server {
@@ -121,9 +120,35 @@ void write_definition(JsonWriter& json, const text::Definition& written) {
   named("invariants", given.invariants);
   named("forces", given.forces);
   if (given.dissipation) json.key("dissipation").text(*given.dissipation);
+  if (!written.typed) return;
+  if (!written.typed->note.empty()) json.key("note").text(written.typed->note);
+  write_pictures(json, written.typed->pictures);
 }
 
 }  // namespace
+
+void write_pictures(JsonWriter& json, const text::Pictures& pictures) {
+  const auto place = [&](const std::vector<std::string>& entries) {
+    json.open('[');
+    for (const auto& entry : entries) json.text(entry);
+    json.close(']');
+  };
+  if (!pictures.views.empty()) {
+    json.key("views").open('[');
+    for (const auto& view : pictures.views) place(view);
+    json.close(']');
+  }
+  if (pictures.bodies.empty()) return;
+  json.key("bodies").open('[');
+  for (const auto& body : pictures.bodies) {
+    json.open('{').key("at");
+    place(body.at);
+    json.key("linked").open('[');
+    for (const int other : body.linked) other == text::Pictures::pivot ? json.text("pivot") : json.integer(other);
+    json.close(']').key("kind").text(text::Pictures::kinds[body.kind]).close('}');
+  }
+  json.close(']');
+}
 
 void write_scene(JsonWriter& json, const Scene& run) {
   const Scene& scene = forward_of(run);

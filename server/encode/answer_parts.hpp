@@ -1,6 +1,7 @@
 // Pieces of the answer that more than one form writes. Each writes one value.
 #pragma once
 
+#include "core/text/written_out.hpp"
 #include "server/encode/run_answer.hpp"
 #include "server/shared/json_writer.hpp"
 
@@ -12,6 +13,8 @@ namespace least::server {
 void write_echo(JsonWriter& json, const PlannedRun& run, std::string_view events = "events");
 /// The members problem and initial.
 void write_scene(JsonWriter& json, const Scene& scene);
+/// The members views and bodies of a scene as text, those that it states.
+void write_pictures(JsonWriter& json, const text::Pictures& pictures);
 /// A scheme as a request spells it.
 void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings);
 void write_until(JsonWriter& json, const Request& request);

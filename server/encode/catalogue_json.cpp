@@ -152,6 +152,7 @@ void write_form(JsonWriter& json, const text::TextScene& scene) {
   for (const auto& [name, rate] : scene.equations()) json.key(name).text(rate);
   json.close('}');
   if (const std::string note = scene.note_on_equations(); !note.empty()) json.key("equations_note").text(note);
+  if (scene.definition.typed) write_pictures(json, scene.definition.typed->pictures);
   write_language(json);
 }
 

@@ -1,6 +1,7 @@
 // What the names of variables say: those that differ by an index alone, x1, x2 or x[1], x[2], are of one kind, and a scene has
 // one of them for each of its bodies or for each link of a chain.
 import { motion } from "./card.js";
+import { statedViews } from "./stated.js";
 
 /** The axis of a chain: the places in it. */
 export const index = "index";
@@ -16,11 +17,12 @@ export function kindsOf(problem) {
 }
 
 /**
- * The axes of the picture that a scene as text begins with: its bodies in the plane or in space, or its chain over the index;
- * null where the names say neither.
+ * The axes of the picture that a scene as text begins with: the first that it states; else its bodies in the plane or in space,
+ * or its chain over the index; null where the names say neither.
  */
 export function arrangementOf(problem) {
   if (!problem.form) return null; // the scenes of the catalogue have pictures of their own
+  if (problem.views?.length) return statedViews(problem)[0];
   const kinds = kindsOf(problem), size = (axis) => kinds.get(axis)?.length ?? 0;
   if (["x", "y", "z"].every((name) => motion(problem).some((variable) => variable.name === name))) return ["x", "y", "z"];
   if (size("x*") && size("x*") === size("y*")) return size("x*") === size("z*") ? ["x*", "y*", "z*"] : ["x*", "y*"];
@@ -32,6 +34,14 @@ export function arrangementOf(problem) {
 export function startsOf([x, y, ...more], log, problem) {
   const names = [x, y].map((axis) => axis.replace(/_wrapped$/, "")), moving = motion(problem).map(({ name }) => name);
   return !more.length && !log && names[0] !== names[1] && names.every((name) => moving.includes(name)) ? names : null;
+}
+
+/** Whether the axes are lengths to be compared: those of a view that is stated, or coordinates. */
+export function isEqual(axes, problem) {
+  if (axes.includes("t")) return false;
+  const moving = motion(problem).map(({ name }) => name);
+  return statedViews(problem).some((view) => String(view) === String(axes)) ||
+    bodiesOf(axes, kindsOf(problem)).every((names) => names.every((name) => moving.includes(name)));
 }
 
 /** What an axis stands for: the columns of its kind, or one. */

@@ -2,6 +2,7 @@
 import { bars, energyOf } from "./bars.js";
 import { extent, valueAt } from "./mapping.js";
 import { projection } from "./space.js";
+import { drawStated, fitting } from "./stated.js";
 
 const bob = (pen, x, y, r) => {
   pen.beginPath();
@@ -106,11 +107,11 @@ export class Bodies {
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
-  /** `runs`: `[{colour, trajectory, parameters}]`. */
+  /** `body`: a drawing by its name, or the bodies that the scene states; `runs`: `[{colour, trajectory, parameters}]`. */
   show(body, runs) {
     this.#body = body;
     this.#runs = runs;
-    this.#place = body === "planet" && runs.length ? placing(runs) : null;
+    this.#place = Array.isArray(body) && runs.length ? fitting(body, runs) : body === "planet" && runs.length ? placing(runs) : null;
     this.draw();
   }
 
@@ -134,7 +135,8 @@ export class Bodies {
     pen.lineJoin = "round";
     pen.strokeStyle = pen.fillStyle = style.getPropertyValue("--soft-ink");
     if (this.#body.includes("pendulum")) bob(pen, 0, 0, 0.03);
-    if (this.#place) {
+    const stated = Array.isArray(this.#body);
+    if (this.#place && !stated) {
       pen.fillStyle = style.getPropertyValue("--sun");
       bob(pen, ...this.#place(0, 0), 0.12);
     }
@@ -142,7 +144,8 @@ export class Bodies {
       if (!states[i]) return;
       pen.strokeStyle = pen.fillStyle = style.getPropertyValue(colour);
       pen.globalAlpha = 0.85;
-      drawings[this.#body](pen, states[i], { i, n: this.#runs.length, t: states[i].t, wide: whole / 2 / size, place: this.#place });
+      if (stated) drawStated(pen, this.#body, states[i], this.#place, style.getPropertyValue("--sun"));
+      else drawings[this.#body](pen, states[i], { i, n: this.#runs.length, t: states[i].t, wide: whole / 2 / size, place: this.#place });
     });
     if (!measured.length) return;
     pen.globalAlpha = 1;
@@ -155,7 +158,7 @@ export class Bodies {
 
   /** A run as it is now, or null where it is not known. */
   #stateOf({ trajectory }) {
-    const t = Math.min(this.#time ?? Infinity, trajectory.t.at(-1));
+    const t = this.#time ?? trajectory.t.at(-1);
     const state = Object.fromEntries(Object.keys(trajectory).map((name) => [name, valueAt(trajectory.t, trajectory[name], t)]));
     return Object.values(state).includes(undefined) ? null : state;
   }

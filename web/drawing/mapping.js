@@ -77,12 +77,13 @@ export function mapping(view, frame, zoom = null) {
   };
 }
 
-/** The index of the last sample that is not after `t`; times grow. */
+/** The index of the last sample that a run has come to when it is at `t`; its times grow, or fall where it goes backward. */
 export function indexAt(times, t) {
+  const way = times.at(-1) < times[0] ? -1 : 1;
   let low = 0, high = times.length - 1;
   while (low < high) {
     const middle = Math.ceil((low + high) / 2);
-    if (times[middle] <= t) low = middle;
+    if (way * times[middle] <= way * t) low = middle;
     else high = middle - 1;
   }
   return low;
@@ -91,6 +92,6 @@ export function indexAt(times, t) {
 /** A column at time t, between samples on a straight line. */
 export function valueAt(times, column, t) {
   const i = indexAt(times, t), a = column[i], b = column[i + 1] ?? a, span = times[i + 1] - times[i];
-  if (a === null || b === null || !(span > 0)) return a;
+  if (a === null || b === null || !span) return a;
   return a + (b - a) * Math.min(1, Math.max(0, (t - times[i]) / span));
 }

@@ -214,7 +214,7 @@ export function clippings(pen, frame, map, { x, y, colour: name }, colour) {
 /** A run as it is at time t: where it is, `{left, top}`, or null where it is not, and the way that it has come of late. */
 export function head(pen, map, curve, t, colour, { width }) {
   const { t: times, x, y } = curve;
-  if (!times || t < times[0]) return null;
+  if (!times || t < Math.min(times[0], times.at(-1))) return null;
   if (curve.shape) return links(pen, map, curve.shape(t), colour(curve.colour), colour(curve.colour), 1.5 * width), null;
   const at = indexAt(times, t), back = indexAt(times, t - (times.at(-1) - times[0]) / 25);
   const u = valueAt(times, x, t), v = valueAt(times, y, t);

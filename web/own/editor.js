@@ -23,6 +23,9 @@ const fields = [
   { key: "action_curvature", label: "Curvature γ in s", hint: "none", of: "potential" },
   { key: "offset", label: "Offset R", hint: "none", of: "potential" },
   { key: "invariants", label: "What is kept, name = formula", rows: 1, hint: "L = x*py - y*px" },
+  { key: "views", label: "Pictures: columns or formulas drawn together", rows: 1, hint: '[["x", "y"], ["t", "x^2"]]' },
+  { key: "bodies", label: "Bodies: where they are, what rods link them to", rows: 1, hint: '[{"at": ["sin(q)", "-cos(q)"], "linked": ["pivot"]}]' },
+  { key: "note", label: "Note", hint: "none", wide: true },
   { key: "title", label: "Title", hint: "A scene of your own", wide: true },
 ];
 
@@ -105,7 +108,7 @@ export class Editor {
     this.examples().then((examples) => {
       const at = examples.findIndex(({ problem }) => JSON.stringify(textsOf(problem)) === JSON.stringify(texts));
       find("#example").value = at < 0 ? "" : String(at);
-      const { note = "", reference = "" } = examples[at] ?? {};
+      const { note = texts.note ?? "", reference = "" } = examples[at] ?? {};
       find("#example-note").textContent = note + (reference && ` (${reference})`);
     });
     return (await this.#ask())?.card ?? null;

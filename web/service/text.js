@@ -4,8 +4,9 @@ export const custom = "custom";
 export const kinds = ["lagrangian", "hamiltonian", "potential", "equations"];
 const lists = ["parameters", "masses", "equations", "definitions", "invariants"]; // each a `name = value` to a line
 const ofPotentials = ["masses", "damping", "action_curvature", "offset"];
+const data = ["views", "bodies"]; // JSON, as in a request
 /** The keys of a scene as text beside its parameters. */
-const keys = ["title", "variables", ...kinds, ...lists, ...ofPotentials];
+const keys = ["title", "note", "variables", ...kinds, ...lists, ...ofPotentials, ...data];
 
 /** The parts of a text, at commas and semicolons outside of brackets and at ends of lines: `[[part, index]]`. */
 function split(text) {
@@ -48,9 +49,19 @@ export function definitionOf({ kind, formula, ...texts }) {
     if (ofPotentials.includes(key) && kind !== "potential") continue;
     if (key === "variables") problem[key] = entries(text).map(({ name }) => name);
     else if (lists.includes(key)) problem[key] = listed(key, text, faults);
+    else if (data.includes(key)) problem[key] = read(text);
     else problem[key] = text;
   }
   return { problem, faults };
+}
+
+/** JSON as what it says; what is none stays a text, which the service refuses. */
+function read(text) {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return text;
+  }
 }
 
 function listed(key, text, faults) {
@@ -64,13 +75,17 @@ function listed(key, text, faults) {
   return list;
 }
 
+/** A list as JSON, an entry to a line. */
+const written = (list, brief) => (brief || !Array.isArray(list) ? JSON.stringify(list)
+  : `[${list.map((entry) => JSON.stringify(entry).replace(/([,:])(?=[["{\d-])/g, "$1 ")).join(",\n ")}]`);
+
 /** The texts of a problem of a request: lines for the fields, `brief` for a link. */
 export function textsOf(problem, brief = false) {
   const kind = kinds.find((name) => name in problem) ?? kinds[0];
   const spelled = (value) => (Array.isArray(value) ? `[${value.join(brief ? "," : ", ")}]` : value);
   const lines = (list) => Object.entries(list).map(([name, value]) => `${name}${brief ? "=" : " = "}${spelled(value)}`).join(brief ? "," : "\n");
   const text = (key) => (key === "variables" ? problem[key].join(brief ? "," : ", ")
-    : lists.includes(key) ? lines(problem[key]) : String(problem[key]));
+    : lists.includes(key) ? lines(problem[key]) : data.includes(key) ? written(problem[key], brief) : String(problem[key]));
   return { kind, ...Object.fromEntries(keys.filter((key) => key in problem).map((key) => [key === kind ? "formula" : key, text(key)])) };
 }
 
@@ -134,6 +149,7 @@ export function placeOf(texts, { pointer = "", position, again = false }) {
   if (kinds.includes(member) && member !== texts.kind) return null;
   const text = texts[key] ?? "";
   const word = (from) => ({ key, from, to: from + /^(\w+(\.\w*)?|[^]|)/.exec(text.slice(from))[0].length });
+  if (data.includes(key)) return { key, from: null };
   if (part === undefined) return position === undefined ? { key, from: null } : word(text.search(/\S|$/) + position);
   const all = entries(text), name = unescaped(part);
   const entry = key === "variables" ? all[Number(part)] : all[again ? "findLast" : "find"]((one) => one.name === name);

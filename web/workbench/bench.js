@@ -258,7 +258,8 @@ export class Bench {
       this.#editor.again();
     });
     find("#columns").addEventListener("change", () => this.#scene.offerAxes());
-    find("#axes").addEventListener("change", () => {
+    find("#axes").addEventListener("change", ({ target }) => {
+      this.#scene.turn(target.name);
       this.#together(find("#together").checked);
       this.#offerStarts();
       this.#went(toHash(this.#experiment(true)), false);

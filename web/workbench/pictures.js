@@ -1,6 +1,6 @@
 // The pictures of runs over the axes that are chosen: each a function of some of the runs, all seen alike.
 import { colourOfBody } from "../catalogue/card.js";
-import { bodiesOf, columnsOf, index, kindsOf, startsOf } from "../catalogue/kinds.js";
+import { bodiesOf, columnsOf, index, isEqual, kindsOf, startsOf } from "../catalogue/kinds.js";
 import { bodyOf, sun } from "../drawing/bodies.js";
 import { errorOfEnergy } from "../drawing/energy.js";
 import { commonView, curveOf, extent, valueAt } from "../drawing/mapping.js";
@@ -44,8 +44,7 @@ export function inPlane({ axes, log, labels, problem }, runs, hands) {
       events: [], thin: true, endless: true, grab: (x, y, done) => hands.move(i, [x, y], done) }));
   });
   const curves = new Map(runs.map((run) => [run, own(run)])), portraits = new Map(runs.map((run) => [run, others(run)]));
-  const length = (name, i) => problem.variables.some((variable) => variable.name === name) && !log.includes("xy"[i]);
-  const plain = Boolean(starts) || bodies.every((pair) => pair.every(length));
+  const plain = Boolean(starts) || (!log && isEqual(axes, problem));
   const whole = ["x", "y"].filter((axis, i) => axes[i] === "t" || log.includes(axis));
   const centred = bodyOf(problem) === "planet" && !log && axes.every((name) => ["x", "y"].includes(name)) && axes[0] !== axes[1];
   const view = commonView(boxesOf(runs, curves, portraits), whole, !plain);
@@ -72,7 +71,7 @@ function boxesOf(runs, curves, portraits) {
 
 /** Pictures in space, turned by `angles`, which `turn` changes. */
 export function inBox({ axes, labels, problem }, runs, angles, turn) {
-  const bodies = bodiesOf(axes, kindsOf(problem)), moving = problem.variables.map(({ name }) => name);
+  const bodies = bodiesOf(axes, kindsOf(problem));
   const of = (run, names, i) => {
     const columns = run.trajectory ? names.map((name) => column(run.trajectory, name)) : [];
     if (!columns.length || columns.some((values) => !values?.some((v) => v !== null))) return [];
@@ -80,7 +79,7 @@ export function inBox({ axes, labels, problem }, runs, angles, turn) {
     return [{ ...run, trajectory, events: times(run), body: bodies.length > 1 ? colourOfBody(i, bodies.length) : run.colour }];
   };
   const seen = new Map(runs.map((run) => [run, bodies.flatMap((names, i) => of(run, names, i))]));
-  const box = boxOf(axes, [...seen.values()].flat(), bodies.every((names) => names.every((name) => moving.includes(name))));
+  const box = boxOf(axes, [...seen.values()].flat(), isEqual(axes, problem));
   return (some) => {
     const drawn = some.flatMap((run) => seen.get(run)).map((one) => (some.length > 1 ? one : { ...one, colour: one.body }));
     return drawn.length ? { ...inSpace(axes, drawn, angles, { box, labels }), turn } : null;

@@ -1,6 +1,7 @@
 // What the workbench shows of its runs: pictures apart or together, energy, numbers, the scene in motion.
 import { Player } from "../forms/player.js";
 import { energyKind } from "../catalogue/card.js";
+import { statedBodies } from "../catalogue/stated.js";
 import { Bodies, bodyOf } from "../drawing/bodies.js";
 import { EnergyPlot } from "../drawing/energy.js";
 import { inCoordinate } from "../drawing/mapping.js";
@@ -39,7 +40,7 @@ export class Results {
   }
 
   #move(problem, runs) {
-    const body = bodyOf(problem);
+    const body = statedBodies(problem) ?? bodyOf(problem);
     find("#motion").hidden = runs.length === 0;
     find("#bodies").hidden = !body || runs.length === 0;
     this.#bodies.show(body, runs);

@@ -4,6 +4,7 @@ import { Live } from "../service/live.js";
 import { columns, diagnostics } from "../catalogue/card.js";
 import { drawnOf, kindsOf } from "../catalogue/kinds.js";
 import { recordOf } from "../catalogue/record.js";
+import { statedColumns } from "../catalogue/stated.js";
 import { samples } from "./scene.js";
 
 const find = (selector) => document.querySelector(selector);
@@ -101,7 +102,7 @@ export class Runs {
     const own = this.#scene.problem, drawn = drawnOf(this.#scene.axes, kindsOf(own));
     const { start, events } = this.#scene, span = until.t === undefined ? this.#scene.span : until.t - start;
     return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, span, Math.min(most, Math.ceil(values / (drawn.length || 1)))),
-             columns: columns(own, card, drawn, this.#scene.columns), diagnostics: diagnostics(own),
+             columns: columns(own, card, drawn, [...this.#scene.columns, ...statedColumns(own)]), diagnostics: diagnostics(own),
              ...(events.length ? { events } : {}) };
   }
 

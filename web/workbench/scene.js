@@ -4,6 +4,7 @@ import { build, choose, clearFaults, element, prose, values, words } from "../fo
 import { formulaOf } from "../forms/formula.js";
 import { axes, cards, presetOf, spanOf, usualAxes } from "../catalogue/card.js";
 import { arrangementOf, index, kindsOf } from "../catalogue/kinds.js";
+import { statedColumns, statedViews } from "../catalogue/stated.js";
 
 const find = (selector) => document.querySelector(selector);
 const forms = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record"),
@@ -15,6 +16,7 @@ const more = { name: "more", label: "more columns", type: "text", default: "", h
 const happenings = { ...more, label: "events", hint: "apsis = x*px + y*py",
                      doc: "events of your own, name = formula: where it is zero on the way, the picture has a mark" };
 const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]"), z: find("#axes [name=z]") };
+const view = find("#axes [name=view]"); // one of those that the scene states
 const logs = { x: find("#axes [name=logx]"), y: find("#axes [name=logy]") };
 
 const typed = (form) => entries(values(form).more ?? "").map(({ name, value }) => ({ name, expression: value ?? "" }));
@@ -67,13 +69,30 @@ export class Scene {
 
   offerAxes(chosen = { ...this.#chosen, log: this.log }) {
     const kinds = [...kindsOf(this.problem).keys()].map((id) => ({ id, title: `${id.slice(0, -1)} of all` }));
-    const options = [...axes(this.problem, this.columns), ...kinds], known = (id) => options.some((option) => option.id === id);
+    const stated = statedColumns(this.problem).map(({ name, expression }) => ({ id: name, title: expression }));
+    const options = [...axes(this.problem, this.columns), ...stated, ...kinds], known = (id) => options.some((option) => option.id === id);
     const usual = this.#usual(chosen.z);
     const across = [...options, ...(kinds.length ? [{ id: index, title: "index" }] : [])];
     choose(axis.x, across, known(chosen.x) || chosen.x === index ? chosen.x : usual.x);
     choose(axis.y, options, known(chosen.y) ? chosen.y : usual.y);
     choose(axis.z, [{ id: "", title: "–" }, ...options], chosen.z ?? usual.z);
     for (const name of ["x", "y"]) logs[name].checked = (chosen.log ?? "").includes(name);
+    const views = (this.problem.views ?? []).map((view, i) => ({ id: String(i), title: view.toReversed().join(" over ") }));
+    choose(view, [{ id: "", title: "of your own" }, ...views], this.#viewNow());
+    view.parentElement.hidden = views.length < 2;
+  }
+
+  /** Which of the views of the scene is shown. */
+  #viewNow() {
+    const at = statedViews(this.problem).findIndex((axes) => String(axes) === String(this.axes));
+    return at < 0 ? "" : String(at);
+  }
+
+  /** The axes were changed by a hand, at the field of this name: a view of the scene sets all of them. */
+  turn(name) {
+    const [x, y, z = ""] = statedViews(this.problem)[name === "view" ? view.value : -1] ?? this.axes;
+    if (name === "view") this.offerAxes({ x, y, z });
+    view.value = this.#viewNow();
   }
 
   /** The axes of the first picture, `z` the third of them that is chosen. */

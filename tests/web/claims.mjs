@@ -34,6 +34,36 @@ export const claims = {
     assert.ok(Math.abs(long / 0.0454 - 1) < 0.02 && Math.abs(long / short - 4) < 0.3 && hybrid < 1e-4 && timed < 1e-10);
     assert.ok(runs[2].trajectory.mode.includes("jacobi_maupertuis"));
   },
+  planets([good, bad]) {
+    assert.ok(Math.abs(good.cost.force_evaluations / bad.cost.force_evaluations - 1) < 0.01, "equal work");
+    const off = ({ trajectory: { energy } }) => energy.map((e) => Math.abs(e / energy[0] - 1)), late = (values) => largest(values.slice(-400));
+    assert.ok(largest(off(good)) < 2e-3 && late(off(good)) < 1.1 * largest(off(good).slice(0, 400)), "it swings and stays");
+    assert.ok(late(off(bad)) > 0.1, `it drifts: ${late(off(bad))}`);
+    const jupiter = ({ trajectory: t }) => t["x[2]"].map((x, i) => Math.hypot(x - t["x[1]"][i], t["y[2]"][i] - t["y[1]"][i]));
+    assert.ok(largest(jupiter(good)) < 5.5 && end(jupiter(bad)) > 100, "Jupiter stays, or is thrown out");
+    assert.ok(jupiter(bad)[300] < 0.95 * jupiter(bad)[0] || Math.min(...jupiter(bad)) < 2, "having come nearer to the sun");
+  },
+  chain([run]) {
+    const { mode1, mode2, mode3, t } = run.trajectory, first = mode1[0], back = mode1.slice(t.findIndex((v) => v > 9000));
+    assert.ok(Math.min(...mode1) < 0.1 * first && largest(mode2) > 0.8 * first && largest(mode3) > 0.6 * first, "the others have it");
+    assert.ok(largest(back) > 0.95 * first, `${largest(back) / first} comes back`);
+    assert.ok(run.diagnostics.energy === undefined && Math.abs(first - 0.0747) < 1e-3);
+  },
+  backward([there, back, other, astray]) {
+    const height = ({ trajectory }) => trajectory.height, grows = (values) => values.at(-1) > 10 * values[0];
+    assert.ok([back, astray].every(({ trajectory: { t } }) => t[0] === 48 && t.at(-1) === 0), "backward");
+    assert.ok(grows(height(back)) && grows(height(there).toReversed()), "friction gives its energy back");
+    assert.ok(Math.hypot(back.final.q - 2.5, back.final.p) < 1e-11, `${back.final.q}`);
+    assert.ok(Math.abs(astray.final.q - 2.5) > 1 && Math.abs(other.cost.force_evaluations / there.cost.force_evaluations - 1) < 0.01);
+  },
+  bounce(runs) {
+    const rests = [0.5, 0.7, 0.8].map((e) => (Math.SQRT2 * (1 + e)) / (1 - e));
+    for (const [i, { status, stop }] of runs.entries()) {
+      assert.ok(status === "stopped" && stop.reason === "accumulating_events" && Math.abs(stop.singular_at / rests[i] - 1) < 1e-7, `${stop?.singular_at}`);
+    }
+    assert.ok(Math.abs(rests[2] - 9 * Math.SQRT2) < 1e-12, "as it is said");
+    assert.ok(runs.every(({ trajectory: { x }, acts }) => Math.min(...x) > -1e-9 && acts[0].count > 20), "above the floor");
+  },
   damped([contact, other]) {
     const off = ({ trajectory: { mechanical_energy: e } }) => end(e) / (0.5 * Math.exp(-0.1 * 300));
     assert.ok(Math.abs(off(contact) - 1) < 0.2 && off(other) < 0.01, `${off(contact)}, ${off(other)}`);

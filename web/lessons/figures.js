@@ -42,7 +42,7 @@ export class Figures {
   }
 
   #body({ body }) {
-    const canvas = element("canvas", { className: "body", role: "img", ariaLabel: `The ${body.replace("_", " ")} of each run` });
+    const canvas = element("canvas", { className: "body", role: "img", ariaLabel: Array.isArray(body) ? "The scene in motion" : `The ${body.replace("_", " ")} of each run` });
     this.#bodies.push([body, new Bodies(canvas)]);
     return element("figure", { className: "of-body" }, canvas);
   }

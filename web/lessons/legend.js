@@ -1,4 +1,5 @@
 // The runs of a lesson in words and numbers, the work beside each.
+import { colourOf } from "../catalogue/card.js";
 import { element } from "../forms/forms.js";
 import { count, format } from "../forms/numbers.js";
 import { told } from "./requests.js";
@@ -22,8 +23,12 @@ export function fill(table, runs, { tells = [], views }) {
   });
   const known = [...new Set(views.flatMap(({ exact = [] }) => exact.map(([name]) => name)))];
   const marked = runs.some(({ trajectory }) => trajectory?.mode?.includes("jacobi_maupertuis"));
-  const said = [...(known.length ? [["dashed", known.join(", ")]] : []), ...(marked ? [["", "in Jacobi–Maupertuis steps"]] : [])];
-  const caption = said.length ? [element("caption", {}, ...said.map(([kind, text]) =>
-    element("div", {}, element("span", { className: `swatch ${kind}` }), ` ${text}`)))] : [];
+  const several = views.find((view) => view.several)?.several ?? [];
+  const said = [...several.map(([, text], i) => ["", text, colourOf(i)]), ...(known.length ? [["dashed", known.join(", ")]] : []), ...(marked ? [["", "in Jacobi–Maupertuis steps"]] : [])];
+  const caption = said.length ? [element("caption", {}, ...said.map(([kind, text, colour]) => {
+    const key = element("span", { className: `swatch ${kind}` });
+    if (colour) key.style.background = `var(${colour})`;
+    return element("div", {}, key, ` ${text}`);
+  }))] : [];
   table.replaceChildren(...caption, element("thead", {}, head), ...bodies);
 }

@@ -11,7 +11,7 @@ import { Figures } from "./figures.js";
 import { fill } from "./legend.js";
 import { lessons } from "./lessons.js";
 import { Portrait } from "./portrait.js";
-import { coarse, controlled, measureOf, requestOf } from "./requests.js";
+import { answersTo, coarse, controlled, measureOf, requestOf } from "./requests.js";
 import { Study } from "./study.js";
 import { paceOf } from "./views.js";
 
@@ -24,7 +24,7 @@ export class Lesson {
   #runs = [];
   #control = null;
   #study = null;
-  #live = new Live((asked, signal) => Promise.all(asked.requests.map((request) => simulate(request, signal))),
+  #live = new Live(({ lesson, requests }, signal) => answersTo(lesson, requests, simulate, signal),
                    (answers, asked) => this.#show(answers, asked));
   #figures = new Figures(find("#figures"), (t) => this.#player.playing || this.#figures.at(t ?? this.#player.time, t !== null));
   #player = new Player(find(".player"), (t) => this.#figures.at(t));
@@ -124,6 +124,7 @@ export class Lesson {
     find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));
     const schemes = runs.map(({ scheme = {} }) => scheme), differ = new Set(schemes.map(({ id }) => id)).size > 1;
     const comparable = runs.length > 1 && (control.sets === "steps" || differ) && schemes.every(workSetting);
+    find("#to-bench").hidden = Boolean(this.#lesson.scene?.events || runs.some(({ back }) => back !== undefined)); // it asks for neither
     find("#equal-work").hidden = find("#equal-step").hidden = !comparable;
   }
 

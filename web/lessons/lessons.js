@@ -1,9 +1,11 @@
 // The lessons: each a claim, the runs that show it, and the words beside them.
-//   scene, runs   a request and what each run has of its own; a run may bear a `name`
+//   scene, runs   a request and what each run has of its own, `columns` being formulas by name; a run may bear a `name`; one with
+//                 `back` goes backward from the end of the run of that number
 //   views         columns `x`, `y` (`error_of_energy`: |H − H₀| / |H₀|), `z` for a view in space; `log`: the axes that are
 //                 logarithmic; `box`: what is seen; `exact`: known curves, functions of x or, with a range, to points; `bins`: a
 //                 histogram of x; `level`: a function whose level curves lie behind; `run`: one run only; `thin`: of thin lines;
-//                 `sun`: at the origin; `body`: the thing itself
+//                 `sun`: at the origin; `body`: the thing itself, by the name of a drawing or as bodies with their links;
+//                 `several`: columns over x with their titles, in the place of y; `x[*]` over `y[*]`: all of a kind
 //   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one, all in a "row"
 //   one           the view of a presentation, where it is not the first
 //   pace          "cycle": the runs play each at the pace of its own period, and x may be `periods`
@@ -20,6 +22,23 @@ const tau = 2 * Math.PI;
 const orbit = { x: "x", y: "y", sun: true };
 const ellipse = ["the true orbit", (w) => [Math.cos(w) - 0.6, 0.8 * Math.sin(w)], [0, tau]];
 const fifty = { ...orbit, exact: [ellipse], thin: true }; // revolutions
+
+// The outer solar system: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, I.2.4; au, days, masses of the sun.
+const outer = {
+  problem: { id: "custom", title: "Outer solar system", variables: ["x[6]", "y[6]", "z[6]"],
+             parameters: { G: 2.95912208286e-4, m: [1.00000597682, 0.000954786104043, 0.000285583733151, 0.0000437273164546,
+                                                    0.0000517759138449, 7.692307692e-9] },
+             definitions: { "d(i,j)": "sqrt((x[i]-x[j])^2 + (y[i]-y[j])^2 + (z[i]-z[j])^2)" },
+             potential: "-G*sum(i=1..6, j=i+1..6, m[i]*m[j]/d(i,j))", masses: { x: "m", y: "m", z: "m" } },
+  initial: { x: [0, -3.5023653, 9.0755314, 8.310142, 11.4707666, -15.5387357], y: [0, -3.8169847, -3.0458353, -16.2901086, -25.7294829, -25.2225594],
+             z: [0, -1.5507963, -1.6483708, -7.2521278, -10.8169456, -3.1902382], vx: [0, 0.00565429, 0.00168318, 0.00354178, 0.0028893, 0.00276725],
+             vy: [0, -0.0041249, 0.00483525, 0.00137102, 0.00114527, -0.00170702], vz: [0, -0.00190589, 0.00192462, 0.00055029, 0.00039677, -0.00136504] },
+  until: { t: 200000 },
+};
+
+// The chain of Fermi, Pasta, Ulam and Tsingou: 32 masses between walls, begun in the lowest of its modes.
+const chain = Array.from({ length: 32 }, (_, i) => `q[${i + 1}]`);
+const mode = (k) => ({ name: `mode${k}`, expression: `(sum(i=1..n, p[i]*sin(i*${k}*pi/33))^2 + 4*sin(${k}*pi/66)^2*sum(i=1..n, q[i]*sin(i*${k}*pi/33))^2)/33` });
 
 export const lessons = [
   {
@@ -76,6 +95,30 @@ export const lessons = [
     tells: [["apsis turns, rad a revolution", "diagnostics.orbit.apsidal_rotation"]],
   },
   {
+    id: "planets", title: "Two hundred thousand days of the outer planets: the energy stays, or Jupiter is thrown out",
+    look: "The sun and the planets from Jupiter to Pluto, with two thousand evaluations of all forces by each scheme: steps of 100 days or of 400.",
+    see: "With leapfrog all orbits stay where they are for five centuries, and the energy error swings within bounds. Runge–Kutta, of twice its " +
+         "order, lets the energy drift: Jupiter spirals inward until it is thrown out. Shorter steps put that off.",
+    scene: outer, runs: [h("leapfrog", 100), h("runge_kutta_4", 400)], points: 2000,
+    views: [{ x: "x[*]", y: "y[*]", box: { x: [-40, 50], y: [-34, 50] }, thin: true, run: 0, labels: ["x, au", "y, au"] },
+            { x: "x[*]", y: "y[*]", box: { x: [-40, 50], y: [-34, 50] }, thin: true, run: 1, labels: ["x, au", "y, au"] }, drift],
+    layout: "pair", control: steps(20, 200), tells: [["H at the end", "trajectory.energy.last"]],
+  },
+  {
+    id: "chain", title: "A chain that shares its energy among its modes gives it back to the first",
+    look: "The 32 masses of Fermi, Pasta, Ulam and Tsingou, their springs a little nonlinear, begun in the lowest mode: the energies of four modes.",
+    see: "The energy leaves the first mode for the others, as if it would spread to all. It does not: after some 10,000 units of time " +
+         "nearly all is in the first mode again. Without the nonlinear part α nothing leaves it.",
+    scene: { problem: { id: "custom", title: "Fermi–Pasta–Ulam–Tsingou chain", variables: ["q[n]"], parameters: { n: 32, alpha: 0.25 },
+                        definitions: { "at(i)": "if(i == 0 or i > n, 0, q[i])", "d(i)": "at(i+1) - at(i)" },
+                        potential: "sum(i=0..n, d(i)^2/2 + alpha*d(i)^3/3)", alpha: 0.25 },
+             initial: { q: chain.map((_, i) => Math.sin((Math.PI * (i + 1)) / 33)) }, until: { t: 11000 }, columns: [1, 2, 3, 4].map(mode) },
+    runs: [{ ...h("leapfrog", 0.4), name: "leapfrog, h\u00a0=\u00a00.4" }], points: 800,
+    views: [{ x: "t", several: [1, 2, 3, 4].map((k) => [`mode${k}`, `mode ${k}`]), labels: ["t", "energy of a mode"] },
+            { body: chain.map((name, i) => ({ at: [String(i / 10), name], linked: i ? [i - 1] : [] })) }],
+    control: { sets: "problem.alpha", label: "nonlinearity α", low: 0, high: 0.3 }, tells: [],
+  },
+  {
     id: "damped", group: "Friction, drive and time", title: "Friction takes energy at a rate of its own, and a contact scheme keeps that rate",
     look: "A damped oscillator at long steps and equal work. The dashed line is the law of decay, e^{−αt}.",
     see: "Runge–Kutta damps faster than the friction does. The contact scheme follows the law over thirteen decades.",
@@ -110,6 +153,31 @@ export const lessons = [
            h("contact_splitting", 0.1, { composition: "kahan_li_6" }), h("contact_splitting", 0.1, { composition: "kahan_li_8" })],
     views: [{ x: "t", y: "distance", between: ["x", "y"], log: "y" }, orbit], control: steps(0.02, 0.5),
     tells: [["x at the end", "final.x"]],
+  },
+  {
+    id: "backward", title: "Run backward, friction gives its energy back, and a symmetric scheme finds the start again",
+    look: "A pendulum with friction over eight swings, and from its end backward in time: contact leapfrog, and Runge–Kutta with the same work.",
+    see: "Backward, what slowed the swing drives it. The symmetric scheme undoes each of its steps and is back at q = 2.5 to the " +
+         "last digits, at any step. Runge–Kutta's errors do not undo each other: it comes to another start.",
+    scene: { problem: { id: "damped_pendulum", damping: 0.1 }, initial: { q: 2.5, p: 0 }, until: { t: 48 },
+             columns: [{ name: "height", expression: "p^2/2 + 1 - cos(q)" }] },
+    runs: [{ ...h("contact_leapfrog", 0.3), name: "contact leapfrog" }, { ...h("contact_leapfrog", 0.3), name: "and back", back: 0 },
+           { ...h("runge_kutta_4", 1.2), name: "Runge–Kutta 4" }, { ...h("runge_kutta_4", 1.2), name: "and back", back: 2 }],
+    views: [{ x: "t", y: "height", labels: ["t", "energy, p²/2 + 1 − cos q"] }, { body: "pendulum" }, { x: "q", y: "p" }],
+    control: steps(0.05, 0.4), tells: [["q at the end", "final.q"]],
+  },
+  {
+    id: "bounce", title: "A ball that loses a part of its speed at every bounce has bounced infinitely often before it rests",
+    look: "Three balls fall from the height 1 where g = 1; each bounce leaves a part e of the speed. The bounces follow each other ever faster.",
+    see: "The times between bounces shrink by e: their sum is finite, √2 (1 + e)/(1 − e), for e = 0.8 nine times √2. The run ends " +
+         "there and says so. Nearer to 1 the ball bounces longer.",
+    scene: { problem: { id: "custom", title: "Bouncing ball", variables: ["x"], parameters: { g: 1, e: 0.8 }, potential: "g*x" },
+             initial: { x: 1, vx: 0 }, until: { t: 40 }, scheme: { id: "leapfrog", step: 0.05 },
+             events: [{ name: "floor", expression: "x", direction: "down", set: { vx: "-e*vx" } }] },
+    runs: [{ name: "e = 0.5", problem: { e: 0.5 } }, { name: "e = 0.7", problem: { e: 0.7 } }, { name: "your e", problem: { e: 0.8 } }],
+    views: [{ x: "t", y: "x", labels: ["t", "height"] }, { x: "x", y: "px", labels: ["height", "velocity"] }],
+    control: { sets: "problem.e", label: "e", low: 0.3, high: 0.9, run: 2 },
+    tells: [["bounces", "acts.0.count"], ["at rest at t", "stop.singular_at"]],
   },
   {
     id: "stars", title: "How a star ends depends on one number",

@@ -17,10 +17,24 @@ export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? 
     const [section, name] = control.sets.split(".");
     request[section][name] = set;
   }
+  const own = lesson.scene.columns ?? []; // formulas by name
   const columns = new Set(["t", ...lesson.views.flatMap(columnsOf), ...(scheme.id === "jacobi_maupertuis" ? ["mode"] : [])]);
   const kinds = (lesson.tells ?? []).map(([, path]) => /^diagnostics\.(\w+)/.exec(path)?.[1]).filter(Boolean);
-  if (lesson.views.some(({ body }) => body)) ["q", "p"].forEach((name) => columns.add(name));
-  return { ...request, record: lesson.curve ? { curve: samples } : { samples }, columns: [...columns], diagnostics: [...new Set(kinds)] };
+  if (lesson.views.some(({ body }) => typeof body === "string")) ["q", "p"].forEach((name) => columns.add(name));
+  const { events } = lesson.scene;
+  return { ...request, record: lesson.curve ? { curve: samples } : { samples }, diagnostics: [...new Set(kinds)],
+           columns: [...columns].map((name) => own.find((one) => one.name === name) ?? name), ...(events ? { events } : {}) };
+}
+
+/** Asks for all runs, `ask(request, signal)`; one that is to go back from the end of another, its `back`, waits for that. */
+export function answersTo(lesson, requests, ask, signal) {
+  const answers = [];
+  for (const [i, request] of requests.entries()) {
+    const { back } = lesson.runs[i];
+    answers.push(back === undefined ? ask(request, signal) : answers[back].then((there) => (
+      there.outcome ? ask({ ...request, initial: there.outcome.final, until: { t: there.outcome.initial.t } }, signal) : there)));
+  }
+  return Promise.all(answers);
 }
 
 /** What a lesson that measures asks for: `study` schemes on a scene, or the `portrait` of many runs, as the control stands. */

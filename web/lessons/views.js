@@ -1,4 +1,5 @@
 // What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms.
+import { colourOf } from "../catalogue/card.js";
 import { sun } from "../drawing/bodies.js";
 import { errorOfEnergy } from "../drawing/energy.js";
 import { levelPicture } from "../drawing/field.js";
@@ -9,7 +10,8 @@ const names = { error_of_energy: "|H − H₀| / |H₀|", mechanical_energy: "p�
                 potential: "U", step_size: "step", periods: "t in periods" };
 
 /** The columns that a view needs of the service. */
-export const columnsOf = (view) => [...["x", "y", "z"].map((axis) => view[axis]), ...(view.between ?? [])]
+export const columnsOf = (view) => [...["x", "y", "z"].map((axis) => view[axis]), ...(view.between ?? []), ...(view.several ?? []).map(([name]) => name),
+                                    ...(Array.isArray(view.body) ? view.body.flatMap(({ at }) => at).filter((entry) => !Number.isFinite(Number(entry))) : [])]
   .filter((name) => name && !["t", "distance", "periods"].includes(name)).map((name) => (name === "error_of_energy" ? "energy" : name));
 
 /** What the times of a run are divided by: 1, or where the `pace` is its "cycle", the period that was measured. */
@@ -53,6 +55,14 @@ function known([title, of, range], parameters, span, log) {
   return { x: x.map((v, i) => (y[i] === null ? null : v)), y, title, colour: "--ink", dash: [7, 6], exact: true };
 }
 
+/** The pairs of columns that a view draws over each other, `[[x, y, title, colour]]`: of all of a kind, `x[*]`, each. */
+function pairsOf({ x, y, several }, trajectory) {
+  if (several) return several.map(([name, title], i) => [x, name, title, colourOf(i)]);
+  if (!x.endsWith("[*]")) return [[x, y]];
+  const elements = (kind) => Object.keys(trajectory).filter((name) => name.startsWith(kind.slice(0, -2)));
+  return elements(x).map((name, i) => [name, elements(y)[i]]);
+}
+
 /** The picture that a `view` of a lesson gives of `runs`: `[{title, colour, trajectory, parameters}]` that have one. */
 export function pictureOf(view, runs, { angles, symbol = (name) => name, pace } = {}) {
   if (!runs.length) return null;
@@ -60,9 +70,11 @@ export function pictureOf(view, runs, { angles, symbol = (name) => name, pace } 
   const { log = "", box = {}, exact = [] } = view, series = ["t", "periods"].includes(view.x);
   const curves = runs.filter((_, i) => i === (view.run ?? i)).flatMap(({ trajectory, ...run }) => {
     const unit = paceOf({ trajectory, ...run.outcome }, pace), all = view.bins ? null : whole(trajectory, view, runs.at(-1).trajectory, unit);
-    const curve = view.bins ? histogram(trajectory[view.x], view.bins) : curveOf(all, view.x, view.y, log);
-    if (curve && all?.periods) curve.t = all.periods;
-    return curve ? [{ series, thin: view.thin, ...curve, ...run }] : [];
+    return (view.bins ? [[]] : pairsOf(view, trajectory)).flatMap(([x, y, title = run.title, colour = run.colour]) => {
+      const curve = view.bins ? histogram(trajectory[view.x], view.bins) : curveOf(all, x, y, log);
+      if (curve && all?.periods) curve.t = all.periods;
+      return curve ? [{ series, thin: view.thin, ...curve, ...run, title, colour }] : [];
+    });
   });
   if (!curves.length) return null;
   const timed = series || Boolean(view.bins);

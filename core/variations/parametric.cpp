@@ -45,6 +45,7 @@ class Writer {
       work += component(n + i) * slopes[n + i];
     }
     if (made_.acting) made_.rates[2 * n] = work - h;
+    if (form_.forced) add_forces(std::vector<Symbol>(slopes.begin() + static_cast<std::ptrdiff_t>(n), slopes.end()));
     const bool says_all = made_.acting || form_.kind != FormKind::contact_linear;
     made_.energy = says_all ? h : Symbol(std::numeric_limits<double>::quiet_NaN());
     for (const Symbol& p : form_.momenta) made_.momenta.push_back(rewrite_(p));
@@ -91,6 +92,21 @@ class Writer {
       h += Symbol(0.5) * rewrite_(form_.action_curvature) * (s * s) - rewrite_(form_.offset);
     }
     return h;
+  }
+
+  /// To ṗ; of the velocities, which the texts of forces know unless a Hamiltonian was typed.
+  void add_forces(const std::vector<Symbol>& velocity) {
+    tape::Substitution with_velocities(form_.tape, made_.tape, [&](int i) {
+      const text::Numbering& numbers = form_.numbers;
+      const bool moves = i >= numbers.momentum && i < numbers.momentum + static_cast<int>(form_.coordinates);
+      return moves ? velocity[static_cast<std::size_t>(i - numbers.momentum)] : variable_of_form(i);
+    });
+    made_.forced = true;
+    for (std::size_t i = 0; i < form_.coordinates; ++i) {
+      const Symbol typed = form_.momenta.empty() ? rewrite_(form_.forces[i]) : with_velocities(form_.forces[i]);
+      Symbol& rate = made_.rates[form_.coordinates + i];
+      rate = rate + typed + with_velocities(form_.friction[i]);
+    }
   }
 
   const text::Form& form_;

@@ -25,6 +25,7 @@ struct ParametricScene {
   tape::Tape tape;
   std::size_t components = 0, coordinates = 0;  ///< coordinates: 0 of a flow
   bool acting = false;                          ///< s is a component
+  bool forced = false;                          ///< forces stand beside the mechanics
   std::vector<std::size_t> variables;           ///< of the components: their places on the card
   std::vector<double> parameters;               ///< of the card, in its order
   std::vector<Symbol> rates;                    ///< ẋ of the components

@@ -33,7 +33,7 @@ std::vector<Report> structure_of(const ParametricScene& equations, const std::ve
   for (std::size_t i = 0; i < size; ++i)  // of the components themselves
     for (std::size_t j = 0; j < size; ++j)
       map.m.push_back(equations.signs[i] * equations.signs[j] * rows[i * size + j]);
-  if (n == 0) return {words("kind", "none"), {"max_defect", unknown}, {"factor", determinant(map)}};
+  if (n == 0 || equations.forced) return {words("kind", "none"), {"max_defect", unknown}, {"factor", determinant(map)}};
   if (equations.acting) {
     const ContactDefect found = contact_defect(map);
     return {words("kind", "contact"), {"max_defect", found.defect}, {"factor", found.factor}};

@@ -42,7 +42,7 @@ Walked walk(const Walk& on, const text::Form& form, std::span<const double> para
 }
 
 std::string no_walk(const SchemeCard& scheme, const text::Form& form) {
-  const WalkClass by = class_of(form);
+  const WalkClass by = form.forced ? WalkClass() : class_of(form);
   if (by.walk && form.coordinates <= by.room && by.walk(nullptr, scheme.id, nullptr)) return {};
   return fmt::format("of the map of {} on this scene there is no derivative", scheme.id);
 }

@@ -120,6 +120,10 @@ TEST_F(Sensitivities, OfEveryFormAsText) {
        R"~({"variables":["x"],"parameters":{"c":0.2},"hamiltonian":"px^2/2 + x^2/2 + 0.1*x*px + c*s*x"})~",
        R"~({"variables":["a","b"],"parameters":{"c":2},"lagrangian":"va^2/2*(c+cos(b)) + vb^2/2 - a^2 - b^2/3"})~",
        R"~({"variables":["a"],"parameters":{"c":0.2},"lagrangian":"va^2/2 + c*va*a^2*sin(t) - a^2/2 - 0.1*s*a"})~",
+       R"~({"variables":["x"],"parameters":{"c":0.2},"potential":"x^4/4","forces":{"x":"sin(t) - c*vx^3"}})~",
+       R"~({"variables":["x"],"parameters":{"c":0.2},"hamiltonian":"px^2/3 + x^2/2","forces":{"x":"-c*px*x^2"}})~",
+       R"~({"variables":["a","b"],"parameters":{"c":0.2},"dissipation":"c*(vb-va)^2/2",
+             "lagrangian":"va^2/2*(2+cos(b)) + vb^2/2 - a^2 - b^2/3","forces":{"a":"-0.1*va*vb^2"}})~",
        R"~({"variables":["x","y"],"parameters":{"c":0.2},"equations":{"x":"y - 0.1*x","y":"-x + c*sin(t)"}})~",
        R"~({"variables":["q[24]"],"parameters":{"c":0.5},
              "hamiltonian":"sum(i=1..24, p[i]^2/2 + q[i]^4/4) + c*sum(i=1..23, (q[i+1]-q[i])^2)"})~"}) {
@@ -164,6 +168,11 @@ TEST_F(Sensitivities, OfTheWholeStartKeepTheStructure) {
   EXPECT_EQ(found["rows"], Json({"x", "px", "s"}));
   EXPECT_EQ(found["structure"]["kind"], "contact");
   EXPECT_LT(found["structure"]["max_defect"], 1e-10);
+
+  request["problem"] = custom(R"~({"variables":["x"],"potential":"1-cos(x)","forces":{"x":"-0.1*vx"}})~");
+  found = answer(request)["sensitivities"];
+  EXPECT_EQ(found["structure"]["kind"], "none") << "forces keep no form, as far as is known";
+  EXPECT_NEAR(found["structure"]["factor"], std::exp(-2.0), 1e-11);
 }
 
 // The period of a pendulum by its amplitude, as the time of an event: dT/dA of 4 K(sin A/2)/ω.
@@ -310,6 +319,11 @@ TEST_F(Sensitivities, RefuseWhatTheyCannotSay) {
              {"scheme", "taylor"},
              {"until", 1}};
   refused({{"by", {"/initial/px"}}}, "/sensitivities/by/0", "velocities are held");
+  Json forced = {{"problem", custom(R"~({"variables":["x"],"potential":"x^2/2","forces":{"x":"-vx^3"}})~")},
+                 {"scheme", "leapfrog"},
+                 {"until", 1},
+                 {"sensitivities", {{"by", "initial"}}}};
+  EXPECT_TRUE(says(fault_of(forced), "map of leapfrog on this scene there is no derivative"));
   request["events"] = {{{"name", "e"}, {"expression", "x"}, {"set", {{"vx", "-vx"}}}}};
   refused({{"by", "initial"}}, "/sensitivities", "events that act");
 }

@@ -21,7 +21,7 @@ Json pointers() {
 Json sensitivities_asked() {
   const Json properties{
       {"by", {{"anyOf", {pointers(), Json{{"const", "initial"}}}}}},
-      {"order", {{"type", "integer"}, {"minimum", 1}, {"maximum", 1}}},
+      {"order", {{"type", "integer"}, {"minimum", 1}, {"maximum", 2}}},
       {"of",
        one_of(variations::map_names,
               "motion: the true one from the start of the run, whichever scheme runs it; scheme: its own map, the "
@@ -46,6 +46,9 @@ Json sensitivities_found() {
       {"at", {{"type", "string"}}},
       {"holds", {{"type", "string"}}},
       {"final", {{"anyOf", {slopes, Json{{"type", "null"}}}}}},
+      {"second",
+       {{"type", "object"},
+        {"description", "of order 2: pairs of places in by, and final, of each row the second derivatives"}}},
       {"samples", list(slopes)},
       {"events", list({{"type", "object"}, {"required", {"name", "t"}}})},
       {"structure", {{"type", "object"}, {"description", "of the whole map: kind, max_defect, factor"}}},

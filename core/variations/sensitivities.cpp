@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
+#include "core/catalogue/catalogue.hpp"
 #include "core/run/messages.hpp"
 #include "core/variations/event_slopes.hpp"
+#include "core/variations/neighbours.hpp"
 #include "core/variations/rows.hpp"
 #include "core/variations/start.hpp"
 #include "core/variations/varied_motion.hpp"
@@ -13,53 +16,147 @@
 namespace least::variations {
 namespace {
 
-/// The motion with some of its directions, at all times that were asked for and at last at the end.
+/// An event of a run.
+struct Event {
+  std::string name;
+  double t = 0;
+  std::optional<std::size_t> asked{};  ///< which of those that were asked for; none: one of the scheme's own
+  bool ends = false;                   ///< the run
+};
+
+/// The motion with some of its directions.
 struct Followed {
-  std::vector<std::vector<double>> states, slopes;  ///< slopes: direction by direction
+  std::vector<std::vector<double>> states, slopes;  ///< at samples, and at last at the end; direction by direction
+  std::vector<std::vector<double>> time_slopes;     ///< of each event that was asked for, by direction
+  std::vector<double> second;                       ///< the second ones, at the end: pair by pair
   int order = 0;
 };
 
 struct Question {
   const SensitivitiesAsked& asked;
   double began, end;
-  std::vector<double> times;  ///< that do not decrease
+  std::vector<double> times;  ///< of samples, that do not decrease
   const KeepGoing& keep_going;
   Start start;
+  const std::vector<Event>& events;
+  const EventSlopes& slopes_of_events;
   std::vector<Direction> directions;
   std::vector<std::vector<double>> slopes;
 };
 
-/// Directions from `first` on, or why they were not followed to the end.
-std::variant<Followed, std::string> follow(const Question& question, std::size_t first, std::size_t count,
-                                           double tolerance, int order) {
-  Followed made;
-  Derivatives beginning;
-  for (std::size_t d = first; d < first + count; ++d)
-    beginning.first.insert(beginning.first.end(), question.slopes[d].begin(), question.slopes[d].end());
-  VariedMotion motion(*question.asked.equations, std::span(question.directions).subspan(first, count), {}, tolerance,
-                      order);
-  made.order = motion.order();
-  motion.start(question.start.state(), beginning, question.began);
-  const auto ends = [&] {
-    const double t = question.asked.equations->backward ? 0 - motion.time() : motion.time();
-    return "the motion and its derivatives cannot be followed beyond t = " + messages::number(t);
-  };
-  const auto look = [&](double t) {
-    const bool seen = motion.look(t);
-    if (!seen) return false;
-    made.states.emplace_back(motion.state().begin(), motion.state().end());
-    made.slopes.push_back(motion.derivatives().first);
-    return true;
-  };
-  for (std::size_t next = 0;;) {
-    for (; next < question.times.size() && question.times[next] <= std::max(motion.reach(), motion.time()); ++next)
-      if (!look(question.times[next])) return ends();
-    if (!(motion.time() < question.end)) break;
-    if (!question.keep_going()) return "the time that the request has was over before they were found";
-    if (!motion.advance(question.end)) return ends();
+/// Some of the directions, and pairs of these.
+struct Chosen {
+  std::vector<std::size_t> directions;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+};
+
+/// Follows them from the start of a question to its end.
+class Follower {
+ public:
+  Follower(const Question& question, const Chosen& chosen, double tolerance, int order)
+      : question_(question),
+        directions_(directions_of(question, chosen)),
+        motion_(*question.asked.equations, directions_, chosen.pairs, tolerance, order) {
+    Derivatives beginning;
+    for (const std::size_t d : chosen.directions) append(question.slopes[d], beginning.first);
+    const auto& by = question.asked.by;
+    for (const auto& [a, b] : chosen.pairs)
+      append(question.start.second(by[chosen.directions[a]], by[chosen.directions[b]]), beginning.second);
+    motion_.start(question.start.state(), beginning, question.began);
+    made_.order = motion_.order();
   }
-  if (!look(question.end)) return ends();
-  return made;
+
+  /// What was found, or why they were not followed to the end.
+  std::variant<Followed, std::string> go() {
+    auto event = question_.events.begin();
+    const auto to_event = [&](double t) {
+      while (event != question_.events.end() && (!event->asked || event->t < t))
+        if (const Event& next = *event++; next.asked && !meet(next)) return false;
+      return true;
+    };
+    for (const double t : question_.times)
+      if (!to_event(t) || !look(t)) return why_;
+    if (!to_event(std::numeric_limits<double>::infinity()) || !look(question_.end)) return why_;
+    return std::move(made_);
+  }
+
+ private:
+  static std::vector<Direction> directions_of(const Question& question, const Chosen& chosen) {
+    std::vector<Direction> directions;
+    for (const std::size_t d : chosen.directions) directions.push_back(question.directions[d]);
+    return directions;
+  }
+  static void append(const std::vector<double>& from, std::vector<double>& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  }
+
+  bool reach(double t) {
+    while (t > std::max(motion_.reach(), motion_.time())) {
+      if (!question_.keep_going()) {
+        why_ = "the time that the request has was over before they were found";
+        return false;
+      }
+      if (!motion_.advance(question_.end)) return ends();
+    }
+    return motion_.look(t) || ends();
+  }
+  bool ends() {
+    const double t = question_.asked.equations->backward ? 0 - motion_.time() : motion_.time();
+    why_ = "the motion and its derivatives cannot be followed beyond t = " + messages::number(t);
+    return false;
+  }
+
+  bool look(double t) {
+    if (!reach(t)) return false;
+    made_.states.emplace_back(motion_.state().begin(), motion_.state().end());
+    Derivatives now = motion_.derivatives();
+    made_.slopes.push_back(std::move(now.first));
+    made_.second = std::move(now.second);
+    return true;
+  }
+
+  /// An event as the motion has it, near to where the run met it, and what it does.
+  bool meet(const Event& event) {
+    constexpr int rounds = 3;
+    const EventSlopes& slopes = question_.slopes_of_events;
+    double t = event.t;
+    if (!reach(t)) return false;
+    for (int round = 0; round < rounds; ++round) {
+      const double missing = slopes.missing(*event.asked, t, motion_.state());
+      if (!(std::abs(missing) < 0.01 * (question_.end - question_.began)) || !motion_.look(t + missing)) break;
+      t += missing;
+    }
+    if (!motion_.look(t)) return ends();
+    const std::vector<double> state(motion_.state().begin(), motion_.state().end());
+    const std::vector<double> all = motion_.derivatives().first;
+    const std::size_t size = state.size();
+    auto& told = made_.time_slopes.emplace_back();
+    Derivatives after;
+    for (std::size_t d = 0; d < directions_.size(); ++d) {
+      const auto slope = std::span(all).subspan(d * size, size);
+      told.push_back(slopes.time_slope(*event.asked, t, state, slope, directions_[d]));
+      if (slopes.acts(*event.asked))
+        append(slopes.slope_after(*event.asked, t, state, slope, directions_[d]), after.first);
+    }
+    if (slopes.acts(*event.asked)) motion_.start(slopes.state_after(*event.asked, t, state), after, t);
+    return true;
+  }
+
+  const Question& question_;
+  std::vector<Direction> directions_;
+  VariedMotion motion_;
+  Followed made_;
+  std::string why_;
+};
+
+std::variant<Followed, std::string> follow(const Question& question, const Chosen& chosen, double tolerance,
+                                           int order) {
+  return Follower(question, chosen, tolerance, order).go();
+}
+
+void append_each(const std::vector<std::vector<double>>& from, std::vector<std::vector<double>>& to) {
+  to.resize(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) to[i].insert(to[i].end(), from[i].begin(), from[i].end());
 }
 
 /// All of them, in as few parts as are short enough.
@@ -68,14 +165,15 @@ std::variant<Followed, std::string> follow_all(const Question& question, double 
   for (std::size_t first = 0, count = question.directions.size(); first < question.directions.size();) {
     count = std::min(count, question.directions.size() - first);
     try {
-      auto part = follow(question, first, count, tolerance, order);
+      Chosen chosen;
+      for (std::size_t d = first; d < first + count; ++d) chosen.directions.push_back(d);
+      auto part = follow(question, chosen, tolerance, order);
       if (auto* why = std::get_if<std::string>(&part)) return std::move(*why);
       auto& made = std::get<Followed>(part);
       all.order = made.order;
       all.states = std::move(made.states);
-      all.slopes.resize(made.slopes.size());
-      for (std::size_t i = 0; i < made.slopes.size(); ++i)
-        all.slopes[i].insert(all.slopes[i].end(), made.slopes[i].begin(), made.slopes[i].end());
+      append_each(made.slopes, all.slopes);
+      append_each(made.time_slopes, all.time_slopes);
       first += count;
     } catch (const tape::TooManyOperations&) {
       if (count == 1) return "the equations of their derivatives are too long";
@@ -85,13 +183,73 @@ std::variant<Followed, std::string> follow_all(const Question& question, double 
   return all;
 }
 
-/// An event of a run.
-struct Event {
-  std::string name;
-  double t = 0;
-  std::optional<std::size_t> asked{};  ///< which of those that were asked for; none: one of the scheme's own
-  bool ends = false;                   ///< the run
-};
+/// Second derivatives at the end: all at once, or pair by pair where that is too long.
+std::variant<std::vector<double>, std::string> follow_pairs(
+    const Question& question, const std::vector<std::pair<std::size_t, std::size_t>>& pairs, double tolerance,
+    int order) {
+  const auto of = [&](const Chosen& chosen) -> std::variant<std::vector<double>, std::string> {
+    auto followed = follow(question, chosen, tolerance, order);
+    if (auto* why = std::get_if<std::string>(&followed)) return std::move(*why);
+    return std::move(std::get<Followed>(followed).second);
+  };
+  try {
+    Chosen all{{}, pairs};
+    for (std::size_t d = 0; d < question.directions.size(); ++d) all.directions.push_back(d);
+    return of(all);
+  } catch (const tape::TooManyOperations&) {
+  }
+  std::vector<double> second;
+  for (const auto& [a, b] : pairs) {
+    try {
+      auto one = of(a == b ? Chosen{{a}, {{0, 0}}} : Chosen{{a, b}, {{0, 1}}});
+      if (auto* why = std::get_if<std::string>(&one)) return std::move(*why);
+      const auto& made = std::get<std::vector<double>>(one);
+      second.insert(second.end(), made.begin(), made.end());
+    } catch (const tape::TooManyOperations&) {
+      return "the equations of their second derivatives are too long";
+    }
+  }
+  return second;
+}
+
+/// Whether the equations have sides that they switch between.
+bool switches(const ParametricScene& equations) {
+  for (tape::Index i = 0; i < equations.tape.size(); ++i)
+    if (equations.tape[i].op == tape::Op::select) return true;
+  return false;
+}
+
+/// The same run along the motion, by the scheme that follows it most closely, to where it came.
+Request closely(const Request& request, const Solution& outcome) {
+  constexpr double close = 1e-14;
+  Request made = request;
+  const auto series = std::ranges::find(schemes(), "taylor", &SchemeCard::id);
+  made.scheme = static_cast<std::size_t>(series - schemes().begin());
+  made.settings.clear();
+  for (const ParameterCard& setting : series->parameters)
+    made.settings.push_back(setting.name == "tolerance" ? close : setting.value);
+  made.until_steps = false;
+  if (outcome.event.empty()) made.end = outcome.t;
+  return made;
+}
+
+/// All second derivatives, with a control.
+void add_second(const Question& question, double tolerance, int control_order, Sensitivities& found) {
+  const ParametricScene& equations = *question.asked.equations;
+  for (std::size_t a = 0; a < question.directions.size(); ++a)
+    for (std::size_t b = a; b < question.directions.size(); ++b) found.pairs.emplace_back(a, b);
+  Question of_end = question;
+  of_end.times.clear();
+  auto second = follow_pairs(of_end, found.pairs, tolerance, 0);
+  if (auto* why = std::get_if<std::string>(&second)) {
+    found.reason = std::move(*why);
+    return;
+  }
+  found.second = in_rows(equations, std::get<std::vector<double>>(second));
+  const auto other = follow_pairs(of_end, found.pairs, tolerance / 2, control_order);
+  if (const auto* known = std::get_if<std::vector<double>>(&other))
+    found.uncertainty = std::max(found.uncertainty, disagreement({found.second}, {in_rows(equations, *known)}));
+}
 
 std::optional<std::string> text_of(const Report& event, std::string_view key) {
   for (const Report& part : std::get<std::vector<Report>>(event.value))
@@ -135,55 +293,62 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
                                       std::span<const double> times, double tolerance, const KeepGoing& keep_going) {
   const ParametricScene& equations = *asked.equations;
   const Scene& scene = *request.scene;
-  std::vector<Event> events = events_of(request, outcome);
-  Question question{asked,      scene.start,         outcome.t, {times.begin(), times.end()},
-                    keep_going, Start(scene, asked), {},        {}};
-  for (const Event& event : events)
-    if (event.asked) question.times.push_back(event.t);
-  std::ranges::sort(question.times);
+  const std::vector<Event> events = events_of(request, outcome);
+  const EventSlopes slopes_of_events(request, asked.equations);
+  Question question{asked,      scene.start,
+                    outcome.t,  {times.begin(), times.end()},
+                    keep_going, Start(scene, asked),
+                    events,     slopes_of_events,
+                    {},         {}};
   for (const Quantity& by : asked.by) {
     question.directions.push_back(by.kind == Quantity::Kind::parameter ? Direction(by.index) : Direction());
     question.slopes.push_back(question.start.slope(by));
   }
   Sensitivities found;
   for (const std::size_t place : equations.variables) found.rows.push_back(scene.card().variables[place].name);
-  const std::size_t numbers = (question.times.size() + 1) * question.directions.size() * equations.components;
+  const std::size_t numbers = (times.size() + 1) * asked.by.size() * equations.components;
   found.held.add(2 * numbers * sizeof(double));
+  if (std::ranges::find(outcome.warnings, "events_truncated", &Warning::code) != outcome.warnings.end()) {
+    found.reason = "there were more events than limits.samples has room for";
+    return found;
+  }
   auto followed = follow_all(question, tolerance, 0);
   if (auto* why = std::get_if<std::string>(&followed)) {
     found.reason = std::move(*why);
     return found;
   }
   auto& all = std::get<Followed>(followed);
-  const auto at = [&](double t) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(question.times, t) - question.times.begin());
-  };
   constexpr int higher = 3;
-  const auto control = follow_all(question, tolerance / 2, std::min(all.order + higher, tape::Series::most_orders));
+  const int control_order = std::min(all.order + higher, tape::Series::most_orders);
+  const auto control = follow_all(question, tolerance / 2, control_order);
   if (const auto* other = std::get_if<Followed>(&control)) found.uncertainty = disagreement(all.slopes, other->slopes);
 
-  if (!events.empty()) {
-    const EventSlopes slopes(scene, asked.equations, request.watched);
-    const std::size_t size = equations.components;
-    for (const Event& event : events) {
-      auto& told = found.events.emplace_back(event.name, std::vector<double>(asked.by.size(), unknown));
-      if (!event.asked) continue;
-      const std::size_t place = at(event.t);
-      for (std::size_t d = 0; d < asked.by.size(); ++d)
-        told.second[d] = slopes(*event.asked, event.t, all.states[place],
-                                std::span(all.slopes[place]).subspan(d * size, size), question.directions[d]);
-      if (event.ends) {  // what the run ends with is the state at a time that changes, too
-        const std::vector<double> rates = slopes.rates(event.t, all.states[place]);
-        for (std::size_t d = 0; d < asked.by.size(); ++d)
-          for (std::size_t i = 0; i < size; ++i) all.slopes.back()[d * size + i] += rates[i] * told.second[d];
-      }
-      for (double& slope : told.second) slope *= equations.sign_of_time();
+  auto time_slopes = all.time_slopes.begin();
+  for (const Event& event : events) {
+    auto& told = found.events.emplace_back(event.name, std::vector<double>(asked.by.size(), unknown)).second;
+    if (!event.asked) continue;
+    told = std::move(*time_slopes++);
+    if (event.ends) {  // what the run ends with is the state at a time that changes, too
+      const std::vector<double> rates = slopes_of_events.rates(event.t, all.states.back());
+      for (std::size_t d = 0; d < told.size(); ++d)
+        for (std::size_t i = 0; i < rates.size(); ++i) all.slopes.back()[d * rates.size() + i] += rates[i] * told[d];
+    }
+    for (double& slope : told) slope *= equations.sign_of_time();
+  }
+  for (const auto& slopes : all.slopes) found.samples.push_back(in_rows(equations, slopes));
+  found.final = std::move(found.samples.back());
+  found.samples.pop_back();
+  if (switches(equations)) {  // between its sides rates may jump, which no derivative of either side tells
+    if (const auto others = Neighbours(closely(request, outcome), asked, question.start).differences(keep_going)) {
+      const double doubt = disagreement({found.final}, {in_rows(equations, *others)});
+      if (!(doubt <= found.uncertainty)) found.uncertainty = doubt;
+    } else {
+      found.uncertainty = unknown;
     }
   }
-  found.final = in_rows(equations, all.slopes.back());
-  for (const double t : times) found.samples.push_back(in_rows(equations, all.slopes[at(t)]));
   if (asked.whole_start)
     found.structure = structure_of(equations, question.start.state(), all.states.back(), found.final);
+  if (asked.order == 2 && outcome.event.empty()) add_second(question, tolerance, control_order, found);
   return found;
 }
 

@@ -37,6 +37,7 @@ struct SensitivitiesAsked {
   std::vector<std::string> names;  ///< of these, as JSON pointers
   bool whole_start = false;        ///< by all variables of the motion: then the structure of the map is told
   bool keeps_velocities = false;   ///< where one number changes, the velocities of the start stay, and not the momenta
+  int order = 1;
   bool of_scheme = false;
   bool at_samples = false;
   std::shared_ptr<const ParametricScene> equations;
@@ -49,6 +50,9 @@ using Slopes = std::vector<double>;
 struct Sensitivities {
   std::vector<std::string> rows;  ///< names of the components of the state
   Slopes final;                   ///< empty: not found, for the reason given
+  /// Of order 2: of which two quantities each, and the derivatives at the end as those of first order stand.
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  Slopes second;
   std::vector<Slopes> samples;
   /// Of each event of the run its name, and the derivatives of its time.
   std::vector<std::pair<std::string, std::vector<double>>> events;

@@ -49,12 +49,10 @@ void Start::move(const Quantity& quantity, double by, Scene& scene) const {
     for (std::size_t i = 0; i < size_; ++i) scene.initial[equations_.variables[i]] += slope[i] * by;
     return;
   }
-  std::vector<double> x = in_velocities_, momenta(n);
-  const std::vector<double> slope = slope_in_momenta(quantity);
-  for (std::size_t i = 0; i < size_; ++i) x[i] += slope[i] * by;
-  if (parameter) x[size_ + quantity.index] += by;
-  if (quantity.kind == Quantity::Kind::velocity) x[n + quantity.index] += equations_.signs[n + quantity.index] * by;
-  momenta_.evaluate(x.data(), t_, momenta.data());
+  std::vector<double> x = in_velocities_;
+  const std::vector<double> way = way_of(quantity);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += way[i] * by;
+  const std::vector<double> momenta = momenta_of(x, t_);
   for (std::size_t i = 0; i < size_; ++i)
     scene.initial[equations_.variables[i]] = i < n || i == 2 * n ? x[i] : momenta[i - n];
 }
@@ -69,19 +67,43 @@ std::vector<double> Start::slope_in_momenta(const Quantity& by) const {
   return slope;
 }
 
+template <class T>
+std::vector<T> Start::momenta_of(std::vector<T> x, const T& t) const {
+  std::vector<T> momenta(equations_.coordinates);
+  momenta_.evaluate(x.data(), t, momenta.data());
+  return momenta;
+}
+
+std::vector<double> Start::way_of(const Quantity& by) const {
+  std::vector<double> way = slope_in_momenta(by);
+  way.resize(in_velocities_.size());
+  const std::size_t velocity = equations_.coordinates + by.index;
+  if (by.kind == Quantity::Kind::velocity) way[velocity] = equations_.signs[velocity];
+  if (by.kind == Quantity::Kind::parameter) way[size_ + by.index] = 1;
+  return way;
+}
+
 /// The coordinate, the velocity, the parameter or the time changes, and the momenta follow.
 std::vector<double> Start::slope_in_velocities(const Quantity& by) const {
-  const std::size_t n = equations_.coordinates;
   std::vector<double> slope = slope_in_momenta(by);
-  std::vector<Slope> x(in_velocities_.begin(), in_velocities_.end()), momenta(n);
-  Slope t = t_;
-  for (std::size_t i = 0; i < size_; ++i) x[i].slope[0] = slope[i];
-  if (by.kind == Quantity::Kind::velocity) x[n + by.index].slope[0] = equations_.signs[n + by.index];
-  if (by.kind == Quantity::Kind::parameter) x[size_ + by.index].slope[0] = 1;
-  if (by.kind == Quantity::Kind::time) t.slope[0] = 1;
-  momenta_.evaluate(x.data(), t, momenta.data());
-  for (std::size_t i = 0; i < n; ++i) slope[n + i] = momenta[i].slope[0];
+  const std::vector<double> way = way_of(by);
+  std::vector<Slope> x(in_velocities_.begin(), in_velocities_.end());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i].slope[0] = way[i];
+  const auto momenta = momenta_of(std::move(x), Slope{t_, {by.kind == Quantity::Kind::time ? 1.0 : 0.0}});
+  for (std::size_t i = 0; i < momenta.size(); ++i) slope[momenta.size() + i] = momenta[i].slope[0];
   return slope;
+}
+
+std::vector<double> Start::second(const Quantity& a, const Quantity& b) const {
+  std::vector<double> second(size_);
+  if (!asked_.keeps_velocities) return second;
+  const std::vector<double> first = way_of(a), other = way_of(b);
+  std::vector<Dual<Slope, 1>> x;
+  for (std::size_t i = 0; i < in_velocities_.size(); ++i)
+    x.push_back({Slope{in_velocities_[i], {first[i]}}, {Slope(other[i])}});
+  const auto momenta = momenta_of(std::move(x), Dual<Slope, 1>(t_));
+  for (std::size_t i = 0; i < momenta.size(); ++i) second[momenta.size() + i] = momenta[i].slope[0].slope[0];
+  return second;
 }
 
 }  // namespace least::variations

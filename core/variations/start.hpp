@@ -20,11 +20,17 @@ class Start {
   const std::vector<double>& state() const { return x_; }
   /// Its derivative by the quantity, at a fixed time of the run.
   std::vector<double> slope(const Quantity& by) const;
+  /// And by two of them; not of the time.
+  std::vector<double> second(const Quantity& a, const Quantity& b) const;
   /// Its value, and a start and parameters with another one; not of the time.
   double value(const Quantity& by) const;
   void move(const Quantity& quantity, double by, Scene& scene) const;
 
  private:
+  template <class T>
+  std::vector<T> momenta_of(std::vector<T> x, const T& t) const;
+  /// How all that stands in velocities changes, with the parameters.
+  std::vector<double> way_of(const Quantity& by) const;
   std::vector<double> slope_in_momenta(const Quantity& by) const;
   std::vector<double> slope_in_velocities(const Quantity& by) const;
 

@@ -60,6 +60,14 @@ Solution VariedRun::go(RowSink& sink, const std::atomic<bool>& cancelled) {
 Sensitivities VariedRun::sensitivities(const Solution& outcome, const std::atomic<bool>& cancelled) const {
   const std::chrono::duration<double> limit(request_.limits.seconds);
   const KeepGoing keep_going = [&] { return !cancelled && Clock::now() - began_ < limit; };
+  const std::size_t rows = asked_->equations->components, numbers = times_.size() * rows * asked_->by.size();
+  if (numbers > static_cast<std::size_t>(request_.limits.samples)) {
+    Sensitivities none;
+    for (const std::size_t place : asked_->equations->variables)
+      none.rows.push_back(request_.scene->card().variables[place].name);
+    none.reason = "at samples they would be " + std::to_string(numbers) + " numbers, more than limits.samples";
+    return none;
+  }
   if (asked_->of_scheme) return sensitivities_of_scheme(request_, *asked_, outcome, times_, keep_going);
   constexpr double close = 1e-12;
   const SchemeCard& scheme = schemes()[request_.scheme];

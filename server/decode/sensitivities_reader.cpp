@@ -147,7 +147,8 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   const Request& request = decoded.run;
   const Scene& scene = *request.scene;
   SensitivitiesAsked asked;
-  if (const Json* order = find(*json, "order")) read_integer(*order, path.at("order"), 1, 1);
+  if (const Json* order = find(*json, "order"))
+    asked.order = static_cast<int>(read_integer(*order, path.at("order"), 1, 2).value_or(1));
   const bool equal_steps = !scheme.own_clock && scheme.id != auto_card().id;
   asked.of_scheme = equal_steps;
   if (const Json* of = find(*json, "of")) {
@@ -185,8 +186,11 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   } else if (!whole) {
     place.fault("must be a list of JSON pointers, or \"initial\"", *by, std::string(shape_of_sensitivities));
   }
-  if (std::ranges::any_of(request.events, [](const EventAsked& event) { return event.act != nullptr; }))
-    path.fault("know no events that act", *json, "a run without");
+  const bool acts = std::ranges::any_of(request.events, [](const EventAsked& event) { return event.act != nullptr; });
+  if (acts && (asked.of_scheme || asked.order == 2))
+    path.fault(
+        asked.of_scheme ? "of the map of a scheme know no events that act" : "of second order know no events that act",
+        *json, asked.of_scheme ? "\"of\": \"motion\"" : "\"order\": 1");
   if (!top.faults->empty()) return;
 
   try {
@@ -201,6 +205,17 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
       return path.at("of").fault(std::move(why), find(*json, "of") ? (*json)["of"] : Json(), "motion");
   }
   if (whole) take_whole_start(scene, asked);
+  if (asked.order == 2) {
+    const auto by_time = [](const Quantity& quantity) { return quantity.kind == Quantity::Kind::time; };
+    if (asked.of_scheme)
+      return path.at("order").fault("of the map of a scheme there are no second derivatives", (*json)["order"],
+                                    "1, or \"of\": \"motion\"");
+    if (asked.by.size() > variations::most_in_pairs)
+      return place.fault(fmt::format("second derivatives by {} numbers are too many", asked.by.size()), *by,
+                         fmt::format("{} at most", variations::most_in_pairs));
+    if (std::ranges::any_of(asked.by, by_time))
+      return place.fault("there is no second derivative by /initial/t", *by, "others");
+  }
   if (asked.by.size() > variations::most_quantities)
     return place.fault(fmt::format("the motion has {} variables", asked.by.size()), *by,
                        fmt::format("{} at most: name some", variations::most_quantities));

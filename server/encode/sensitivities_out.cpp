@@ -32,7 +32,7 @@ void write_slopes(JsonWriter& json, const variations::Slopes& slopes, std::size_
 
 void write_settings(JsonWriter& json, const SensitivitiesAsked& asked) {
   json.key("order")
-      .integer(1)
+      .integer(asked.order)
       .key("of")
       .text(variations::map_names[asked.of_scheme ? 1 : 0])
       .key("at")
@@ -60,6 +60,13 @@ void write_sensitivities(JsonWriter& json, const FoundSensitivities& of, bool wi
   write_texts(json.key("rows"), found.rows);
   write_settings(json, of.asked);
   write_slopes(json.key("final"), found.final, rows);
+  if (of.asked.order == 2) {
+    json.key("second").open('{').key("pairs").open('[');
+    for (const auto& [a, b] : found.pairs)
+      json.open('[').integer(static_cast<std::int64_t>(a)).integer(static_cast<std::int64_t>(b)).close(']');
+    write_slopes(json.close(']').key("final"), found.second, rows);
+    json.close('}');
+  }
   if (of.asked.at_samples && with_samples) {
     json.key("samples").open('[');
     for (const auto& slopes : found.samples) write_slopes(json, slopes, rows);

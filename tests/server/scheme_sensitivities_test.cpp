@@ -87,8 +87,7 @@ TEST_F(SchemeSensitivities, OfEveryPairAreDifferencesOfItsRuns) {
       EXPECT_LT(by_parameters["uncertainty"], 1e-8) << by_parameters;
     }
   }
-  EXPECT_GT(pairs, 60U);
-  for (const std::string& pair : without) RecordProperty(pair, "none");
+  EXPECT_GT(pairs, 2 * problem_list().size());
   std::string all;
   for (const std::string& pair : without) all += pair + "; ";
   EXPECT_LT(without.size(), 12U) << all;

@@ -63,6 +63,15 @@ class Sensitivities : public Serving {
         EXPECT_NEAR(found["final"][i][k], slopes[i], within * size) << found["rows"][i] << " by " << found["by"][k];
     }
   }
+  /// Lorenz's equations from a point of a periodic orbit, over its period. Truth: Barrio's derivatives.
+  static Json lorenz(Json sensitivities) {
+    return {{"problem", custom(R"~({"variables":["x","y","z"],"parameters":{"sigma":10,"rho":28,"beta":"8/3"},
+                 "equations":{"x":"sigma*(y-x)","y":"x*(rho-z)-y","z":"x*y-beta*z"}})~")},
+            {"initial", {{"x", -13.7636106821342}, {"y", -19.5787519424518}, {"z", 27}}},
+            {"until", 1.5586522107161747},
+            {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
+            {"sensitivities", std::move(sensitivities)}};
+  }
   static Json custom(const char* text) {
     Json problem = Json::parse(text);
     problem["id"] = "custom";
@@ -70,13 +79,8 @@ class Sensitivities : public Serving {
   }
 };
 
-// Truth: Barrio's published periodic orbit of Lorenz's equations.
 TEST_F(Sensitivities, OfLorenzAreThoseThatArePublished) {
-  const Json made = answer({{"problem", "lorenz"},
-                            {"initial", {{"x", -13.7636106821342}, {"y", -19.5787519424518}, {"z", 27}}},
-                            {"until", 1.5586522107161747},
-                            {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
-                            {"sensitivities", by({"/problem/sigma", "/problem/beta"})}});
+  const Json made = answer(lorenz(by({"/problem/sigma", "/problem/beta"})));
   const Json& found = made["sensitivities"];
   EXPECT_EQ(found["rows"], Json({"x", "y", "z"}));
   const double truth[3][2] = {{-.912802195703595, -28.2268059307864},
@@ -85,6 +89,75 @@ TEST_F(Sensitivities, OfLorenzAreThoseThatArePublished) {
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(found["final"][i][k], truth[i][k], 2e-10) << i << k;
   EXPECT_LT(found["uncertainty"], 1e-11);
+}
+
+TEST_F(Sensitivities, OfSecondOrderOfLorenzAreThoseThatArePublished) {
+  const Json made = answer(lorenz({{"by", {"/problem/sigma", "/problem/beta"}}, {"order", 2}}));
+  const Json& second = made["sensitivities"]["second"];
+  EXPECT_EQ(second["pairs"], Json::parse("[[0,0],[0,1],[1,1]]"));
+  const double truth[3][3] = {{.19614393652649, -2.45466501786646, 608.714526721829},
+                              {.361143595741667, 14.0187669688223, 847.488020397782},
+                              {-.119613270510496, 22.5897033575196, -1250.71254195741}};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(second["final"][i][k], truth[i][k], 1e-11 * std::max(1.0, std::abs(truth[i][k]))) << i << k;
+  EXPECT_LT(made["sensitivities"]["uncertainty"], 1e-11);
+}
+
+// Of a start in velocities the momenta change with their squares, too.
+TEST_F(Sensitivities, OfSecondOrderAreDifferencesOfTheFirst) {
+  const Json problem = custom(R"~({"variables":["a"],"parameters":{"c":2},"lagrangian":"va^2/2*(c^2+cos(a)) - a^2"})~");
+  Json request{{"problem", problem},
+               {"initial", {{"a", 0.5}, {"va", 0.4}}},
+               {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
+               {"until", 2},
+               {"sensitivities", {{"by", {"/initial/a", "/initial/va", "/problem/c"}}, {"order", 2}}}};
+  const Json found = answer(request)["sensitivities"];
+  request["sensitivities"]["order"] = 1;
+  constexpr double h = 1e-4;
+  for (std::size_t pair = 0; pair < found["second"]["pairs"].size(); ++pair) {
+    const std::size_t a = found["second"]["pairs"][pair][0], b = found["second"]["pairs"][pair][1];
+    const std::string pointer = found["by"][b];
+    Json up = request, down = request;
+    const Json::json_pointer place(pointer);
+    const double value = b == 2 ? 2 : request[place].get<double>();
+    up[place] = value + h;
+    down[place] = value - h;
+    const Json above = answer(up)["sensitivities"]["final"], below = answer(down)["sensitivities"]["final"];
+    for (std::size_t i = 0; i < 2; ++i)
+      EXPECT_NEAR(found["second"]["final"][i][pair], (above[i][a].get<double>() - below[i][a].get<double>()) / (2 * h),
+                  1e-6)
+          << i << pair;
+  }
+}
+
+// A ball from the height H that keeps the share r of its speed: after its first bounce at t₁ = √(2H) it is at
+// x = r√(2H)(t − t₁) − (t − t₁)²/2.
+TEST_F(Sensitivities, GoThroughEventsThatAct) {
+  const double height = 1, r = 0.8, first = std::sqrt(2 * height), t = 2.5, later = t - first;
+  Json request{
+      {"problem", custom(R"~({"variables":["x"],"parameters":{"r":0.8,"floor":0},"potential":"x"})~")},
+      {"initial", {{"x", height}}},
+      {"scheme", "taylor"},
+      {"until", t},
+      {"events", {{{"name", "floor"}, {"expression", "x - floor"}, {"direction", "down"}, {"set", {{"vx", "-r*vx"}}}}}},
+      {"sensitivities", by({"/initial/x", "/problem/r", "/problem/floor"})}};
+  for (const char* scheme : {"taylor", "dormand_prince_5", "leapfrog"}) {
+    request["scheme"] = scheme;
+    const Json found = answer(request)["sensitivities"];
+    ASSERT_TRUE(found["final"].is_array()) << found;
+    const double by_height = (r * later - r * first + later) / first;
+    EXPECT_NEAR(found["final"][0][0], by_height, 1e-12) << scheme;
+    EXPECT_NEAR(found["final"][0][1], first * later, 1e-12) << scheme;
+    EXPECT_NEAR(found["final"][0][2], 1 - by_height, 1e-12) << scheme << ": as if all were lower";
+    EXPECT_NEAR(found["events"][0]["t"][0], 1 / first, 1e-12) << scheme;
+  }
+  // Many bounces, against differences of runs; and where the last act ends the run.
+  request["scheme"] = {{"id", "taylor"}, {"tolerance", 1e-15}};
+  request["until"] = 9;
+  expect_differences(request, 1e-7);
+  request["events"][0]["most"] = 3;
+  expect_differences(request, 1e-7);
 }
 
 // Every problem of the catalogue, by the whole start and by every parameter.
@@ -148,9 +221,9 @@ TEST_F(Sensitivities, OfEveryFormAsText) {
 // The map of a conservative scene is symplectic; with damping α it shrinks by e^{−αt}; of a contact scene it is
 // contact.
 TEST_F(Sensitivities, OfTheWholeStartKeepTheStructure) {
-  Json request{{"problem", "henon_heiles"}, {"scheme", "taylor"}, {"until", 20}, {"sensitivities", by("initial")}};
+  Json request{{"problem", "double_pendulum"}, {"scheme", "taylor"}, {"until", 20}, {"sensitivities", by("initial")}};
   Json found = answer(request)["sensitivities"];
-  EXPECT_EQ(found["by"], Json({"/initial/x", "/initial/y", "/initial/px", "/initial/py"}));
+  EXPECT_EQ(found["by"], Json({"/initial/theta1", "/initial/theta2", "/initial/p1", "/initial/p2"}));
   EXPECT_EQ(found["structure"]["kind"], "symplectic");
   double growth = 1;
   for (const auto& row : found["final"])
@@ -222,6 +295,10 @@ TEST_F(Sensitivities, AtSamplesInEveryForm) {
   request["record"] = {{"samples", 4}};
   const Json found = answer(request)["sensitivities"];
   EXPECT_EQ(found["samples"][3], found["final"]);
+
+  request["limits"] = {{"samples", 30}};
+  EXPECT_TRUE(answer(request)["sensitivities"]["final"].is_null()) << "4 samples of 4 by 2 numbers";
+  request.erase("limits");
 
   const Reply table = ask(port(), post("/v1/simulate", request.dump(), "Accept: text/csv\r\n"));
   std::istringstream lines(table.body);
@@ -325,7 +402,9 @@ TEST_F(Sensitivities, RefuseWhatTheyCannotSay) {
                  {"sensitivities", {{"by", "initial"}}}};
   EXPECT_TRUE(says(fault_of(forced), "map of leapfrog on this scene there is no derivative"));
   request["events"] = {{{"name", "e"}, {"expression", "x"}, {"set", {{"vx", "-vx"}}}}};
-  refused({{"by", "initial"}}, "/sensitivities", "events that act");
+  refused({{"by", "initial"}, {"order", 2}}, "/sensitivities", "events that act");
+  request.erase("events");
+  refused({{"by", {"/initial/t"}}, {"order", 2}}, "/sensitivities/by", "second");
 }
 
 }  // namespace

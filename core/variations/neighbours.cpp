@@ -1,0 +1,60 @@
+#include "core/variations/neighbours.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace least::variations {
+namespace {
+
+/// A row sink that wants none.
+class Nowhere final : public RowSink {
+ public:
+  bool append(std::span<const double>) override { return true; }
+};
+
+}  // namespace
+
+Neighbours::Neighbours(const Request& request, const SensitivitiesAsked& asked, const Start& start)
+    : request_(request), asked_(asked), start_(start) {
+  request_.record = {Record::Mode::every, 0, {}};
+  request_.columns = {0};
+  request_.diagnostics.clear();
+  request_.control = false;
+  request_.probe = true;
+}
+
+std::optional<std::vector<double>> Neighbours::differences(const KeepGoing& keep_going) const {
+  std::vector<double> all;
+  for (const Quantity& by : asked_.by) {
+    if (by.kind == Quantity::Kind::time || !keep_going()) return std::nullopt;
+    const auto slopes = difference(by);
+    all.insert(all.end(), slopes.begin(), slopes.end());
+  }
+  return all;
+}
+
+std::vector<double> Neighbours::difference(const Quantity& quantity) const {
+  const double length = 1e-4 * std::max(0.1, std::abs(start_.value(quantity)));
+  const auto far_up = moved(quantity, 2 * length), up = moved(quantity, length), down = moved(quantity, -length),
+             far_down = moved(quantity, -2 * length);
+  std::vector<double> slopes(up.size());
+  for (std::size_t i = 0; i < slopes.size(); ++i)
+    slopes[i] = (8 * (up[i] - down[i]) - (far_up[i] - far_down[i])) / (12 * length);
+  return slopes;
+}
+
+std::vector<double> Neighbours::moved(const Quantity& quantity, double by) const {
+  Request request = request_;
+  auto scene = std::make_shared<Scene>(*request.scene);
+  start_.move(quantity, by, *scene);
+  request.scene = scene;
+  Nowhere nowhere;
+  const std::atomic<bool> never{false};
+  const Solution ended = scene->mechanics->run(request, nowhere, never);
+  std::vector<double> state;
+  for (const std::size_t place : asked_.equations->variables)
+    state.push_back(ended.stop.reason == ReturnCode::completed ? ended.final[place] : unknown);
+  return state;
+}
+
+}  // namespace least::variations

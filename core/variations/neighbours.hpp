@@ -1,0 +1,29 @@
+// Runs beside a run, whose differences are what derivatives are held against.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/variations/start.hpp"
+
+namespace least::variations {
+
+class Neighbours {
+ public:
+  /// Of a request; `asked` and `start` outlive it.
+  Neighbours(const Request& request, const SensitivitiesAsked& asked, const Start& start);
+
+  /// Central differences of the fourth order of the final state by all quantities, direction by direction; not a number
+  /// where a run does not come to its end. Nothing where there was no time for them, or one is by the time.
+  std::optional<std::vector<double>> differences(const KeepGoing& keep_going) const;
+
+ private:
+  std::vector<double> difference(const Quantity& quantity) const;
+  std::vector<double> moved(const Quantity& quantity, double by) const;
+
+  Request request_;
+  const SensitivitiesAsked& asked_;
+  const Start& start_;
+};
+
+}  // namespace least::variations

@@ -6,10 +6,15 @@
 namespace least::variations {
 namespace {
 
-/// A row sink that wants none.
+/// A row sink that wants none, and ends a run for which there is no time.
 class Nowhere final : public RowSink {
  public:
-  bool append(std::span<const double>) override { return true; }
+  explicit Nowhere(const KeepGoing& keep_going) : keep_going_(keep_going) {}
+  bool append(std::span<const double>) override { return keep_going_(); }
+  bool progress(double, std::int64_t) override { return keep_going_(); }
+
+ private:
+  const KeepGoing& keep_going_;
 };
 
 }  // namespace
@@ -27,28 +32,28 @@ std::optional<std::vector<double>> Neighbours::differences(const KeepGoing& keep
   std::vector<double> all;
   for (const Quantity& by : asked_.by) {
     if (by.kind == Quantity::Kind::time || !keep_going()) return std::nullopt;
-    const auto slopes = difference(by);
+    const auto slopes = difference(by, keep_going);
     all.insert(all.end(), slopes.begin(), slopes.end());
   }
   return all;
 }
 
-std::vector<double> Neighbours::difference(const Quantity& quantity) const {
+std::vector<double> Neighbours::difference(const Quantity& quantity, const KeepGoing& keep_going) const {
   const double length = 1e-4 * std::max(0.1, std::abs(start_.value(quantity)));
-  const auto far_up = moved(quantity, 2 * length), up = moved(quantity, length), down = moved(quantity, -length),
-             far_down = moved(quantity, -2 * length);
+  const auto at = [&](double by) { return moved(quantity, by, keep_going); };
+  const auto far_up = at(2 * length), up = at(length), down = at(-length), far_down = at(-2 * length);
   std::vector<double> slopes(up.size());
   for (std::size_t i = 0; i < slopes.size(); ++i)
     slopes[i] = (8 * (up[i] - down[i]) - (far_up[i] - far_down[i])) / (12 * length);
   return slopes;
 }
 
-std::vector<double> Neighbours::moved(const Quantity& quantity, double by) const {
+std::vector<double> Neighbours::moved(const Quantity& quantity, double by, const KeepGoing& keep_going) const {
   Request request = request_;
   auto scene = std::make_shared<Scene>(*request.scene);
   start_.move(quantity, by, *scene);
   request.scene = scene;
-  Nowhere nowhere;
+  Nowhere nowhere(keep_going);
   const std::atomic<bool> never{false};
   const Solution ended = scene->mechanics->run(request, nowhere, never);
   std::vector<double> state;

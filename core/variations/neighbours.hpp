@@ -18,8 +18,8 @@ class Neighbours {
   std::optional<std::vector<double>> differences(const KeepGoing& keep_going) const;
 
  private:
-  std::vector<double> difference(const Quantity& quantity) const;
-  std::vector<double> moved(const Quantity& quantity, double by) const;
+  std::vector<double> difference(const Quantity& quantity, const KeepGoing& keep_going) const;
+  std::vector<double> moved(const Quantity& quantity, double by, const KeepGoing& keep_going) const;
 
   Request request_;
   const SensitivitiesAsked& asked_;

@@ -212,13 +212,6 @@ std::variant<std::vector<double>, std::string> follow_pairs(
   return second;
 }
 
-/// Whether the equations have sides that they switch between.
-bool switches(const ParametricScene& equations) {
-  for (tape::Index i = 0; i < equations.tape.size(); ++i)
-    if (equations.tape[i].op == tape::Op::select) return true;
-  return false;
-}
-
 /// The same run along the motion, by the scheme that follows it most closely, to where it came.
 Request closely(const Request& request, const Solution& outcome) {
   constexpr double close = 1e-14;
@@ -338,7 +331,7 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   for (const auto& slopes : all.slopes) found.samples.push_back(in_rows(equations, slopes));
   found.final = std::move(found.samples.back());
   found.samples.pop_back();
-  if (switches(equations)) {  // between its sides rates may jump, which no derivative of either side tells
+  if (switches(equations)) {  // what is made of their jumps is held against runs
     if (const auto others = Neighbours(closely(request, outcome), asked, question.start).differences(keep_going)) {
       const double doubt = disagreement({found.final}, {in_rows(equations, *others)});
       if (!(doubt <= found.uncertainty)) found.uncertainty = doubt;

@@ -17,6 +17,12 @@ double largest_of(std::span<const double> x) {
 
 }  // namespace
 
+bool switches(const ParametricScene& scene) {
+  for (tape::Index i = 0; i < scene.tape.size(); ++i)
+    if (scene.tape[i].op == tape::Op::select) return true;
+  return false;
+}
+
 VariedMotion::VariedMotion(const ParametricScene& scene, std::span<const Direction> directions,
                            std::span<const std::pair<std::size_t, std::size_t>> pairs, double tolerance, int order)
     : size_(scene.components), pairs_(pairs.begin(), pairs.end()), numbers_(size_) {
@@ -29,6 +35,22 @@ VariedMotion::VariedMotion(const ParametricScene& scene, std::span<const Directi
   for (const Direction& direction : directions) directions_.push_back(block(direction.has_value()));
   for (std::size_t k = 0; k < pairs_.size(); ++k) seconds_.push_back(block(true));
   expansion_.emplace(program_of(scene, directions), tolerance, order);
+  if (switches(scene)) prepare_switches(scene, directions);
+}
+
+void VariedMotion::prepare_switches(const ParametricScene& scene, std::span<const Direction> directions) {
+  tape::Tape tape = scene.tape;  // constants are written
+  std::vector<tape::Index> places, conditions;
+  for (const Symbol& rate : scene.rates) places.push_back(rate.on(tape));
+  for (const tape::Index place : places)
+    for (const tape::Index part : tape::parts_of(tape, place))
+      if (tape[part].op == tape::Op::select) conditions.push_back(tape[part].a);
+  std::ranges::sort(conditions);
+  conditions.erase(std::unique(conditions.begin(), conditions.end()), conditions.end());
+  places.insert(places.end(), conditions.begin(), conditions.end());
+  sides_.emplace(tape, places);
+  parameters_ = scene.parameters;
+  by_.assign(directions.begin(), directions.end());
 }
 
 tape::Program VariedMotion::program_of(const ParametricScene& scene, std::span<const Direction> directions) {
@@ -136,6 +158,55 @@ void VariedMotion::plan() {
   if (!(reach_ - t_ > 1e-13 * std::max(std::abs(t_), longest_))) reach_ = t_;  // of a motion that ends
 }
 
+template <class T>
+std::vector<T> VariedMotion::sides(const std::vector<T>& x, const T& t) const {
+  std::vector<T> values(sides_->outputs());
+  sides_->evaluate(x.data(), t, values.data());
+  return values;
+}
+
+std::vector<double> VariedMotion::with_parameters(const std::vector<double>& y) const {
+  std::vector<double> x(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(size_));
+  x.insert(x.end(), parameters_.begin(), parameters_.end());
+  return x;
+}
+
+/// What a step to `to`, which is seen, has made of the derivatives, where it has ended shortly behind a switch.
+void VariedMotion::cross_switch(double to) {
+  const std::vector<double> before = sides(with_parameters(y_), t_), after = sides(with_parameters(seen_), to);
+  std::size_t changed = size_;
+  while (changed < after.size() && (before[changed] < 0) == (after[changed] < 0)) ++changed;
+  if (changed == after.size()) return;
+  // f₋ is that of the side that was left, from two looks a little back along the step.
+  const std::vector<double> end = seen_, rest = low_seen_;
+  const double little = 1e-6 * (to - t_);
+  look(to - little);
+  const std::vector<double> near = sides(with_parameters(seen_), to - little);
+  look(to - 2 * little);
+  const std::vector<double> far = sides(with_parameters(seen_), to - 2 * little);
+  seen_ = end;
+  low_seen_ = rest;
+  std::vector<double> jump(size_), rates(size_);
+  for (std::size_t i = 0; i < size_; ++i) {
+    rates[i] = 2 * near[i] - far[i];
+    jump[i] = rates[i] - after[i];
+  }
+  const std::vector<double> values = with_parameters(end);
+  const auto slope_along = [&](std::span<const double> u, const Direction& direction, double share, double dt) {
+    std::vector<Slope> x(values.begin(), values.end());
+    for (std::size_t i = 0; i < size_; ++i) x[i].slope[0] = u[i];
+    if (direction) x[size_ + *direction].slope[0] = share;
+    return sides(x, Slope{to, {dt}})[changed].slope[0];
+  };
+  const double pace = slope_along(rates, {}, 0, 1);
+  for (std::size_t d = 0; d < directions_.size(); ++d) {
+    const Block& block = directions_[d];
+    double* const u = seen_.data() + block.first;
+    const double later = -slope_along(std::span(u, size_), by_[d], block.share ? seen_[*block.share] : 0, 0) / pace;
+    for (std::size_t i = 0; i < size_; ++i) u[i] += jump[i] * later;
+  }
+}
+
 bool VariedMotion::look(double t) {
   expansion_->move(y_.data(), t_);
   seen_ = y_;
@@ -148,6 +219,7 @@ bool VariedMotion::advance(double end) {
   for (double to = std::min(reach_, end); to > t_; to = t_ + (to - t_) / 2) {
     if (!look(to)) continue;
     if (!expansion_->defined(seen_.data(), to)) continue;
+    if (sides_) cross_switch(to);
     y_ = seen_;
     low_ = low_seen_;
     longest_ = std::max(longest_, to - t_);

@@ -2,7 +2,10 @@
 // u̇ = f_x u + f_θ w along a direction (u, w), and v̇ = f_x v + z (f_x u + f_θ w)_x u′ + … along a pair of them, of which
 // the symmetric part is followed once. w and z are numbers that do not change: with them the equations are homogeneous
 // in each direction, so that derivatives are rescaled by powers of two from step to step and have as many digits as the
-// motion, however far they grow. Source: Barrio, SIAM J. Sci. Comput. 27, 1929 (2006).
+// motion, however far they grow. Where the equations switch sides, at a zero of g, rates may jump from f₋ to f₊: there
+// u becomes u + (f₋ − f₊) ∂t/∂θ, ∂t/∂θ = −(g_x u + g_θ w)/(g_x f₋ + g_t); second derivatives are not taken over a jump.
+// Sources: Barrio, SIAM J. Sci. Comput. 27, 1929 (2006); Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth
+// Mechanical Systems, 2004, chapter 7.
 #pragma once
 
 #include <memory>
@@ -12,12 +15,16 @@
 #include <vector>
 
 #include "core/schemes/taylor.hpp"
+#include "core/tape/formula.hpp"
 #include "core/variations/parametric.hpp"
 
 namespace least::variations {
 
 /// What a derivative is by: a parameter of the card, or none; then it is the start that moves.
 using Direction = std::optional<std::size_t>;
+
+/// Whether equations switch between sides.
+bool switches(const ParametricScene& scene);
 
 /// First and, of pairs, second derivatives of a state: d by d, each as long as the state.
 struct Derivatives {
@@ -54,12 +61,21 @@ class VariedMotion {
   void rescale(Block& block, int by);
   void settle_scales();
   void plan();
+  void prepare_switches(const ParametricScene& scene, std::span<const Direction> directions);
+  void cross_switch(double to);
+  /// The rates of the motion, and then what changes its sign at switches.
+  template <class T>
+  std::vector<T> sides(const std::vector<T>& x, const T& t) const;
+  std::vector<double> with_parameters(const std::vector<double>& y) const;
 
   std::size_t size_;
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   std::vector<Block> directions_, seconds_;
   std::size_t numbers_ = 0;
   std::optional<taylor::Expansion> expansion_;
+  std::optional<tape::Formula> sides_;  ///< where the equations switch
+  std::vector<double> parameters_;
+  std::vector<Direction> by_;
   double t_ = 0, reach_ = 0, longest_ = 0;
   std::vector<double> y_, seen_;        ///< all numbers, at the last step and where it was looked
   std::vector<double> low_, low_seen_;  ///< what rounding has kept from them

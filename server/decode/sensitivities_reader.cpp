@@ -9,6 +9,7 @@
 #include "core/text/expansion.hpp"
 #include "core/text/scene.hpp"
 #include "core/variations/scheme_map.hpp"
+#include "core/variations/varied_motion.hpp"
 
 namespace least::server {
 namespace {
@@ -210,6 +211,9 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
     if (asked.of_scheme)
       return path.at("order").fault("of the map of a scheme there are no second derivatives", (*json)["order"],
                                     "1, or \"of\": \"motion\"");
+    if (switches(*asked.equations))
+      return path.at("order").fault("the equations switch sides: there are no second derivatives", (*json)["order"],
+                                    "1");
     if (asked.by.size() > variations::most_in_pairs)
       return place.fault(fmt::format("second derivatives by {} numbers are too many", asked.by.size()), *by,
                          fmt::format("{} at most", variations::most_in_pairs));

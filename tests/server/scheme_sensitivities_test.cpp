@@ -158,6 +158,34 @@ TEST_F(SchemeSensitivities, BecomeThoseOfTheMotion) {
   EXPECT_NEAR(errors[0] / errors[1], 4, 0.1);
 }
 
+// Dry friction and a bouncing well: rates jump where the motion turns, or crosses the middle. From x = 0 with the
+// velocity v in the well |x| it comes back after 2v, with −v.
+TEST_F(SchemeSensitivities, OfTheMotionGoOverJumps) {
+  Json request{{"problem", custom(R"~({"variables":["x"],"parameters":{"f":1},"potential":"f*abs(x)"})~")},
+               {"initial", {{"x", 0.5}, {"vx", 1}}},
+               {"scheme", "taylor"},
+               {"until", 5},
+               {"sensitivities", {{"by", {"/initial/x", "/initial/vx", "/problem/f"}}}}};
+  Json found = answer(request)["sensitivities"];
+  // Across the middle after T = v + √(v² + 2x) with the velocity −w, w = √(v² + 2x); then x(t) = −w(t − T) + (t −
+  // T)²/2.
+  const double w = std::sqrt(2.0), first = 1 + w, later = 5 - first;
+  ASSERT_LT(later, 2 * w);
+  const double w_by_x = 1 / w, w_by_v = 1 / w;
+  EXPECT_NEAR(found["final"][0][0], -w_by_x * later + (w - later) * w_by_x, 1e-10);
+  EXPECT_NEAR(found["final"][0][1], -w_by_v * later + (w - later) * (1 + w_by_v), 1e-10);
+  EXPECT_LT(found["uncertainty"], 1e-7) << found;
+  request["problem"] = custom(R"~({"variables":["x","v"],"parameters":{"c":0.1},
+      "equations":{"x":"v","v":"-x - c*sign(v)"}})~");
+  request["initial"] = {{"x", 1}, {"v", -0.3}};
+  request["until"] = 7;
+  request["sensitivities"]["by"] = {"/initial/x", "/initial/v", "/problem/c"};
+  found = answer(request)["sensitivities"];
+  EXPECT_LT(found["uncertainty"], 1e-7) << found;
+  request["sensitivities"]["order"] = 2;
+  EXPECT_TRUE(says(only_fault(ask(port(), post("/v1/simulate", request.dump()))), "switch sides"));
+}
+
 TEST_F(SchemeSensitivities, AreRefusedByName) {
   Json request{{"problem", "kepler"}, {"scheme", "dormand_prince_5"}, {"until", 1}};
   const auto refused = [&](const Json& asked, const std::string& pointer, std::string_view words) {

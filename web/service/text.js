@@ -149,7 +149,6 @@ export function placeOf(texts, { pointer = "", position, again = false }) {
   if (kinds.includes(member) && member !== texts.kind) return null;
   const text = texts[key] ?? "";
   const word = (from) => ({ key, from, to: from + /^(\w+(\.\w*)?|[^]|)/.exec(text.slice(from))[0].length });
-  if (data.includes(key)) return { key, from: null };
   if (part === undefined) return position === undefined ? { key, from: null } : word(text.search(/\S|$/) + position);
   const all = entries(text), name = unescaped(part);
   const entry = key === "variables" ? all[Number(part)] : all[again ? "findLast" : "find"]((one) => one.name === name);

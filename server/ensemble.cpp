@@ -115,6 +115,7 @@ struct EnsembleStream {
       sums.all.truncated = sums.all.truncated || section.t.size() < before;
       block.harvest.final_member = {};
       block.harvest.final = {};
+      block.harvest.trajectories = {};
       section = {};
       sums.all.add(block.harvest, most, sums.held);
       return taken;
@@ -174,7 +175,8 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
                 "limits.samples");
   places->leave();
   const Harvest& all = computed.all;
-  const std::size_t numbers = all.final.size() + all.section.values.size() + 3 * all.section.t.size();
+  const std::size_t numbers =
+      all.final.size() + all.trajectories.values.size() + all.section.values.size() + 3 * all.section.t.size();
   const auto whole = std::make_shared<WholeEnsemble>(std::move(plan), context.cards, std::move(computed),
                                                      form == in_cbor ? Notation::cbor : Notation::json);
   if (numbers <= large) {

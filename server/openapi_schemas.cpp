@@ -8,42 +8,11 @@
 #include "core/ensemble/members.hpp"
 #include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
+#include "server/openapi_parts.hpp"
 #include "server/openapi_sensitivities.hpp"
 
 namespace least::server {
 namespace {
-
-Json object_of(Json properties, Json required = Json::array()) {
-  Json schema{{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
-  if (!required.empty()) schema["required"] = std::move(required);
-  return schema;
-}
-Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
-
-void add_range(Json& schema, const Range& range) {
-  if (std::isfinite(range.low)) schema[range.low_open ? "exclusiveMinimum" : "minimum"] = range.low;
-  if (std::isfinite(range.high)) schema[range.high_open ? "exclusiveMaximum" : "maximum"] = range.high;
-}
-Json number_in(const Range& range) {
-  Json schema{{"type", "number"}};
-  add_range(schema, range);
-  return schema;
-}
-Json count_in(std::int64_t low, std::int64_t high) {
-  return {{"type", "integer"}, {"minimum", low}, {"maximum", high}};
-}
-
-// A number, or a text of constants.
-Json quantity() { return {{"type", {"number", "string"}}}; }
-
-// What may stand for a value, and beside it what it means.
-Json described(Json schema, const std::string& doc, const std::string& unit) {
-  if (!doc.empty()) schema["description"] = doc;
-  if (!unit.empty()) schema["x-unit"] = unit;
-  return schema;
-}
-
-Json either(Json a, Json b) { return {{"anyOf", Json::array({std::move(a), std::move(b)})}}; }
 
 Json values_of(const ParameterCard& card) {
   switch (card.kind) {
@@ -162,6 +131,16 @@ Json events_asked() {
                    "");
 }
 
+Json section_asked() {
+  const Json number{{"type", "number"}};
+  const Json directions{{"type", "string"}, {"enum", event_directions}, {"default", event_directions.back()}};
+  return {{"oneOf",
+           {described(object_of({{"period", number}, {"phase", number}}, {"period"}),
+                      "at the times phase + k · period after the start", ""),
+            described(object_of({{"expression", {{"type", "string"}}}, {"direction", directions}}, {"expression"}),
+                      "where the expression vanishes; the direction is along the run", "")}}};
+}
+
 Json fault_schemas() {
   const Json text{{"type", "string"}}, count{{"type", "integer"}};
   Json fault = object_of({{"pointer", described(text, "JSON pointer to the place", "")},
@@ -188,6 +167,11 @@ Json answer_schema() {
       {"status", {{"enum", {"completed", "stopped"}}}},
       {"stop", described(object, "why it ended before its end: reason, detail, t, step, singular_at", "")},
       {"trajectory", described(object, "columns by name, each a list with a value per sample", "")},
+      {"section",
+       described(object,
+                 "what was asked for, and of each point its crossing, from 0, t and the columns; where limits.samples "
+                 "has no room for all, the first: section_truncated",
+                 "")},
       {"final", described(object, "t and the variables at the end", "")},
       {"diagnostics",
        described(object,
@@ -233,7 +217,6 @@ Json ensemble_schema(const Cards& cards, Json properties) {
   }
   const Json vary{{"type", "object"}, {"additionalProperties", {{"oneOf", ways}}}};
   const Json histogram = object_of({{"range", numbers(2)}, {"bins", count_in(1, 100'000)}}, {"range", "bins"});
-  const Json directions{{"type", "string"}, {"enum", {"up", "down", "both"}}};
   properties.update(
       {{"scheme", reference("Scheme.stated")},
        {"limits", reference("Limits")},
@@ -242,12 +225,9 @@ Json ensemble_schema(const Cards& cards, Json properties) {
                               {"seed", count_in(0, most)},
                               {"vary", described(vary, "by JSON pointer, as /initial/q or /problem/mu", "")}})},
        {"range", described(list_of(count_in(0, most)), "of members: from, to", "")},
-       {"section",
-        {{"oneOf",
-          {object_of({{"period", number}, {"phase", number}}, {"period"}),
-           described(object_of({{"expression", {{"type", "string"}}}, {"direction", directions}}, {"expression"}),
-                     "where the expression changes its sign from one step to the next", "")}}}},
-       {"keep", list_of({{"type", "string"}, {"enum", {"statistics", "final", "section"}}})},
+       {"section", section_asked()},
+       {"record", described(reference("Record"), "of trajectories, where they are kept; no curve", "")},
+       {"keep", list_of({{"type", "string"}, {"enum", {"statistics", "final", "section", "trajectories"}}})},
        {"histograms", {{"type", "object"}, {"additionalProperties", histogram}}}});
   return object_of(std::move(properties), {"problem", "scheme", "members"});
 }
@@ -276,6 +256,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
   simulate.update({{"scheme", reference("Scheme")},
                    {"record", reference("Record")},
                    {"columns", columns_of_a_run(cards)},
+                   {"section", section_asked()},
                    {"events", events_asked()},
                    {"diagnostics", names_of_all(cards, &ProblemCard::diagnostics)},
                    {"limits", reference("Limits")},

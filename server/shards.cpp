@@ -65,7 +65,9 @@ std::size_t most_of_block(const EnsemblePlan& plan) {
   std::size_t numbers = plan.request.columns.size() * 5;
   for (const HistogramAsked& asked : plan.histograms) numbers += static_cast<std::size_t>(asked.bins);
   if (plan.final) numbers += static_cast<std::size_t>(block_size) * (1 + plan.request.columns.size());
-  if (plan.section)
+  if (plan.trajectories)
+    numbers += static_cast<std::size_t>(block_size) * (1 + row_count(plan) * plan.request.columns.size());
+  if (plan.request.section)
     numbers += static_cast<std::size_t>(plan.request.limits.samples) * (3 + plan.request.columns.size());
   return names + longest * numbers;
 }

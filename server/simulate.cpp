@@ -46,7 +46,6 @@ class Task {
   Task& operator=(const Task&) = delete;
 
   const Context& context() const { return context_; }
-  std::size_t columns() const { return request_.columns.size(); }
   PlannedRun planned() const {
     return {request_, request_.scene->card(), context_.cards.schemes[request_.scheme], choice_ ? &*choice_ : nullptr,
             sensitivities_.get()};
@@ -94,19 +93,25 @@ void note_run(Answer& answer, const PlannedRun& run, const Solution& outcome) {
   answer.note("seconds", outcome.cost.seconds);
 }
 
+FinishedRun finished(const Task& task, const Ended& ended, const KeptRun& rows) {
+  return {task.planned(), ended.outcome, rows.samples, task.planned().request.section ? &rows.points : nullptr,
+          ended.slopes()};
+}
+
 // The answer when the run is over. Of a large one only the numbers are kept: it is written while it leaves.
 Answer answer_whole(const SharedTask& task, const HttpRequest& question, const Form& form) {
   constexpr std::size_t large = 32 * 1024;  // numbers, of about 20 bytes each as text
-  auto rows = std::make_shared<KeptRows>(task->columns(), &task->context().memory);
+  auto rows = std::make_shared<KeptRun>(task->planned().request, &task->context().memory);
   Ended ended;
   {
     const CancellationWatch watch(task->context().cancelled, question.gone);
     ended = task->run(*rows, watch.cancelled());
   }
   if (rows->overflowed()) return busy(task->context(), question, "answers that others read fill the memory");
-  const FinishedRun run(task->planned(), ended.outcome, *rows, ended.slopes());
+  const FinishedRun run = finished(*task, ended, *rows);
   Answer answer;
-  if (rows->rows() * rows->columns() <= large) {
+  const auto numbers = [](const KeptRows& kept) { return kept.rows() * kept.columns(); };
+  if (numbers(rows->samples) + numbers(rows->points) <= large) {
     answer = whole_answer(form, run);
     note_run(answer, run, ended.outcome);
     return answer;
@@ -116,9 +121,9 @@ Answer answer_whole(const SharedTask& task, const HttpRequest& question, const F
   note_run(answer, run, ended.outcome);
   const auto kept = std::make_shared<const Ended>(std::move(ended));
   answer.pieces = [task, rows = std::move(rows), kept, &form, next = std::size_t{0}](std::string& out) mutable {
-    const FinishedRun finished(task->planned(), kept->outcome, *rows, kept->slopes());
-    form.write(finished, next, out);
-    return ++next < form.pieces(finished);
+    const FinishedRun whole = finished(*task, *kept, *rows);
+    form.write(whole, next, out);
+    return ++next < form.pieces(whole);
   };
   return answer;
 }
@@ -129,11 +134,17 @@ class Lines final : public RowSink {
   Lines(const PlannedRun& run, const Write& write) : run_(run), write_(write) {}
 
   bool append(std::span<const double> rows) override { return write_(run_samples_line(run_, rows)); }
+  bool append_section(std::span<const double> rows) override {
+    const std::int64_t before = points_;
+    points_ += std::ssize(rows) / std::ssize(run_.request.section_columns());
+    return write_(run_points_line(run_, rows, before));
+  }
   bool progress(double t, std::int64_t steps) override { return write_(run_progress_line(t, steps)); }
 
  private:
   const PlannedRun& run_;
   const Write& write_;
+  std::int64_t points_ = 0;  ///< that have left
 };
 
 Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admission::Pass&& pass) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/catalogue/custom.hpp"
@@ -110,15 +111,18 @@ double sign_of(const Scene& scene, std::string_view name) {
 
 TurnedRows::TurnedRows(const Request& request, RowSink& sink) : sink_(sink) {
   const std::size_t known = request.scene->card().columns.size();
-  for (const std::size_t place : request.columns)  // expressions of the caller's own speak of the forward scene
-    signs_.push_back(place < known ? sign_of(*request.scene, request.column(place).name) : 1);
+  const auto sign = [&](std::size_t place) {  // expressions of the caller's own speak of the forward scene
+    return place < known ? sign_of(*request.scene, request.column(place).name) : 1;
+  };
+  std::ranges::transform(request.columns, std::back_inserter(signs_), sign);
+  std::ranges::transform(request.section_columns(), std::back_inserter(section_signs_), sign);
 }
 
-bool TurnedRows::append(std::span<const double> rows) {
+std::span<const double> TurnedRows::turned(std::span<const double> rows, const std::vector<double>& signs) {
   turned_.assign(rows.begin(), rows.end());
   for (std::size_t i = 0; i < turned_.size(); ++i)
-    if (signs_[i % signs_.size()] < 0) turned_[i] = opposite(turned_[i]);
-  return sink_.append(turned_);
+    if (signs[i % signs.size()] < 0) turned_[i] = opposite(turned_[i]);
+  return turned_;
 }
 
 void turn(const Scene& scene, Solution& outcome) {

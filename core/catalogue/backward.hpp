@@ -32,12 +32,17 @@ class TurnedRows final : public RowSink {
  public:
   /// All outlive it.
   TurnedRows(const Request& request, RowSink& sink);
-  bool append(std::span<const double> rows) override;
+  bool append(std::span<const double> rows) override { return sink_.append(turned(rows, signs_)); }
+  bool append_section(std::span<const double> rows) override {
+    return sink_.append_section(turned(rows, section_signs_));
+  }
   bool progress(double t, std::int64_t steps) override { return sink_.progress(0 - t, steps); }
 
  private:
+  std::span<const double> turned(std::span<const double> rows, const std::vector<double>& signs);
+
   RowSink& sink_;
-  std::vector<double> signs_, turned_;
+  std::vector<double> signs_, section_signs_, turned_;
 };
 
 /// And what it left behind.

@@ -84,6 +84,42 @@ void SectionPoints::append(const SectionPoints& more, std::size_t most, std::siz
   least::append(values, more.values, count * columns);
 }
 
+void Trajectories::append(const Trajectories& more, Held& held) {
+  make_room(member, member.size() + more.member.size(), held);
+  make_room(rows, rows.size() + more.rows.size(), held);
+  make_room(values, values.size() + more.values.size(), held);
+  least::append(member, more.member, more.member.size());
+  least::append(rows, more.rows, more.rows.size());
+  least::append(values, more.values, more.values.size());
+}
+
+void Trajectories::open(std::int64_t first, std::size_t members, std::size_t numbers, Held& held) {
+  make_room(member, members, held);
+  make_room(rows, members, held);
+  make_room(values, members * numbers, held);
+  for (std::size_t m = 0; m < members; ++m) member.push_back(first + static_cast<std::int64_t>(m));
+  rows.assign(members, 0);
+  values.resize(members * numbers);
+}
+
+void Trajectories::add(std::size_t place, const std::vector<double>& row) {
+  const std::size_t room = values.size() / member.size();
+  std::ranges::copy(row, &values[place * room + static_cast<std::size_t>(rows[place]++) * row.size()]);
+}
+
+void Trajectories::close(std::size_t columns) {
+  if (member.empty()) return;
+  const std::size_t room = values.size() / member.size();
+  std::size_t end = 0;
+  for (std::size_t m = 0; m < member.size(); ++m) {
+    const std::size_t count = static_cast<std::size_t>(rows[m]) * columns;
+    if (end < m * room)
+      std::copy_n(values.begin() + std::ptrdiff_t(m * room), count, values.begin() + std::ptrdiff_t(end));
+    end += count;
+  }
+  values.resize(end);
+}
+
 void SectionPoints::cut(std::size_t most, std::size_t columns) {
   if (t.size() <= most) return;
   member.resize(most);
@@ -98,6 +134,7 @@ void Harvest::add(const Harvest& more, std::size_t most, Held& held) {
   make_room(final_member, final_member.size() + more.final_member.size(), held);
   make_room(final, final.size() + more.final.size(), held);
   if (taken > 0) section.make_room(section.t.size() + taken, points.values.size() / points.t.size(), held);
+  trajectories.append(more.trajectories, held);
   for (std::size_t i = 0; i < ended.size(); ++i) ended[i] += more.ended[i];
   columns.resize(std::max(columns.size(), more.columns.size()));
   for (std::size_t i = 0; i < more.columns.size(); ++i) columns[i].add(more.columns[i]);

@@ -63,6 +63,22 @@ struct SectionPoints {
   void sort(std::int64_t first, std::size_t count, std::size_t most, Held& held, Going&& going);
 };
 
+/// Rows along the way of members, a number per column: those of each member together, in the order of time.
+struct Trajectories {
+  std::vector<std::int64_t> member, rows;  ///< how many rows it has: of one that stopped, those before
+  std::vector<double> values;
+
+  /// Room is held before it is taken: throws MemoryShortage.
+  void append(const Trajectories& more, Held& held);
+
+  /// Begins the rows of so many members from `first` on, so many numbers of each at most, which come in any order.
+  void open(std::int64_t first, std::size_t members, std::size_t numbers, Held& held);
+  /// The next row of one of them, by its place.
+  void add(std::size_t place, const std::vector<double>& row);
+  /// Closes up behind members that have fewer rows than there is room for.
+  void close(std::size_t columns);
+};
+
 /// How members ended, by the name of the reason; `completed` among them.
 using Endings = std::array<std::int64_t, static_cast<std::size_t>(ReturnCode::cancelled) + 1>;
 
@@ -74,7 +90,8 @@ struct Harvest {
   std::vector<std::int64_t> final_member;  ///< of those that completed
   std::vector<double> final;               ///< row by row, a number per column
   SectionPoints section;
-  bool truncated = false;  ///< there were more points than may be kept
+  Trajectories trajectories;  ///< of all members
+  bool truncated = false;     ///< there were more points than may be kept
   /// Members of which points may be missing, since the search for them ended unresolved: how many, and the first.
   std::int64_t unresolved = 0, first_unresolved = 0;
   Cost cost;  ///< steps of all members

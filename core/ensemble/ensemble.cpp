@@ -14,6 +14,7 @@
 #include "core/ensemble/lone_members.hpp"
 #include "core/run/budget.hpp"
 #include "core/run/save_schedule.hpp"
+#include "core/run/section_times.hpp"
 
 namespace least {
 namespace {
@@ -54,7 +55,7 @@ class Blocks {
       : plan_(plan),
         columns_(plan.request, plan.members.vary),
         shard_(shard),
-        ahead_(std::int64_t{threads} * (plan.section || plan.final ? 1 : 4) + 1),
+        ahead_(std::int64_t{threads} * (plan.request.section || plan.final || plan.trajectories ? 1 : 4) + 1),
         budget_(plan.request.limits.seconds, stop_, [] { return true; }),
         cancelled_(cancelled),
         share_(share),
@@ -201,22 +202,34 @@ bool is_of_state(const ColumnCard& column) {
 
 namespace {
 
+Grid grid_of(const EnsemblePlan& plan) {
+  const Request& request = plan.request;
+  const SchemeCard& scheme = request.scene->mechanics->schemes()[request.scheme];
+  return {request, request.settings[*scheme.find("step")]};
+}
+
 /// Calls see(t) at each of the times of a stroboscopic section.
 template <class See>
 void each_section_time(const EnsemblePlan& plan, See&& see) {
-  if (!plan.section || plan.section->plane) return;
-  const auto& [plane, period, phase] = *plan.section;
   const Request& request = plan.request;
-  const double start = request.scene->start;
-  double end = request.end;
-  if (request.until_steps) {
-    const SchemeCard& scheme = request.scene->mechanics->schemes()[request.scheme];
-    end = Grid(request, request.settings[*scheme.find("step")]).end;
+  SectionTimes times(request.section, request.scene->start);
+  const double end = request.until_steps ? grid_of(plan).end : request.end;
+  for (std::int64_t seen = 0; times.time() <= end && seen < request.limits.samples; times.next(), ++seen)
+    see(times.time());
+}
+
+/// The same of the rows of trajectories.
+template <class See>
+void each_row_time(const EnsemblePlan& plan, See&& see) {
+  if (!plan.trajectories) return;
+  const Grid grid = grid_of(plan);
+  SaveSchedule schedule(plan.request, grid.end);
+  const std::int64_t most = std::min(grid.steps, plan.request.limits.steps);
+  for (; schedule.step() <= most; schedule.next()) {
+    const bool last = schedule.step() == grid.steps && grid.tail == 0;
+    see(last ? grid.end : grid.time(schedule.step()));
   }
-  double k = std::floor((start - phase) / period);
-  for (int n = 0; n < 2 && !(phase + k * period > start); ++n) ++k;
-  for (std::int64_t seen = 0; phase + k * period <= end && seen < request.limits.samples; ++k, ++seen)
-    see(phase + k * period);
+  for (; schedule.time() <= grid.end; schedule.next()) see(schedule.time());
 }
 
 }  // namespace
@@ -227,11 +240,20 @@ std::size_t section_count(const EnsemblePlan& plan) {
   return count;
 }
 
-std::vector<double> section_times(const EnsemblePlan& plan) {
-  std::vector<double> times;
-  times.reserve(section_count(plan));
-  each_section_time(plan, [&](double t) { times.push_back(t); });
-  return times;
+std::size_t row_count(const EnsemblePlan& plan) {
+  std::size_t count = 0;
+  each_row_time(plan, [&](double) { ++count; });
+  return count;
+}
+
+std::vector<Look> looks_of(const EnsemblePlan& plan) {
+  std::vector<Look> looks;
+  looks.reserve(section_count(plan) + row_count(plan));
+  each_section_time(plan, [&](double t) { looks.push_back({t, false}); });
+  const auto points = static_cast<std::ptrdiff_t>(looks.size());
+  each_row_time(plan, [&](double t) { looks.push_back({t, true}); });
+  std::ranges::inplace_merge(looks, looks.begin() + points, {}, &Look::t);
+  return looks;
 }
 
 ReturnCode run_ensemble(const EnsemblePlan& plan, const Shard& shard, unsigned threads,

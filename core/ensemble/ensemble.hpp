@@ -10,20 +10,14 @@
 
 namespace least {
 
-/// Where the states of a member are looked at: at the times phase + k·period, or where an expression vanishes: then it
-/// is what the request of the plan watches, its only event.
-struct Section {
-  bool plane = false;
-  double period = 0, phase = 0;
-};
-
 /// Every number of the members stays within the range of its card.
 struct EnsemblePlan {
-  Request request;  ///< the scene that the members vary, the columns, the limits; `steps` of each, `seconds` of all
+  /// The scene that the members vary, the columns, the limits: `steps` of each, `seconds` of all. Where it has a
+  /// section, its points are kept; of `record` the trajectories.
+  Request request;
   Members members;
   std::int64_t first = 0, last = 0;  ///< members [first, last)
-  bool statistics = true, final = false;
-  std::optional<Section> section;  ///< its points are kept
+  bool statistics = true, final = false, trajectories = false;
   std::vector<HistogramAsked> histograms;
 
   std::int64_t first_block() const { return first / block_size; }
@@ -35,10 +29,16 @@ std::string ensemble_objection(const SchemeCard& scheme);
 /// Whether a column follows from a state alone.
 bool is_of_state(const ColumnCard& column);
 
-/// The times after the start, up to the end, at which a stroboscopic section looks.
-std::vector<double> section_times(const EnsemblePlan& plan);
-/// How many they are.
+/// A time at which every member is looked at: for a row of its trajectory, or for a point of a section by time.
+struct Look {
+  double t;
+  bool row;
+};
+/// All of them up to the end, in their order. A row at the end is one of the state there, to the bit.
+std::vector<Look> looks_of(const EnsemblePlan& plan);
+/// How many are for a section, and for a row.
 std::size_t section_count(const EnsemblePlan& plan);
+std::size_t row_count(const EnsemblePlan& plan);
 
 /// Which blocks are computed: those whose number leaves `index` when divided by `of`.
 struct Shard {

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "core/ensemble/lane_plane.hpp"
 #include "core/ensemble/text_group.hpp"
 #include "core/run/diagnostics/watch.hpp"
 #include "core/run/integrator.hpp"
@@ -15,39 +16,6 @@
 
 namespace least {
 namespace {
-
-/// Lanes compare a variable with a number by themselves; of any other expression they show every state.
-struct Level {
-  int variable;
-  double value = 0;
-};
-std::optional<Level> level_of(const Request& request) {
-  using Kind = text::Token::Kind;
-  const auto expression = std::get<text::Expression>(text::Expression::parse(request.watched.list[0].text));
-  const auto tokens = expression.tokens();  // in postfix order
-  const auto& variables = request.scene->card().variables;
-  const auto found = std::ranges::find(variables, tokens[0].word, &VariableCard::name);
-  if (tokens[0].kind != Kind::name || found == variables.end()) return std::nullopt;
-  Level level{static_cast<int>(found - variables.begin())};
-  if (tokens.size() == 1) return level;
-  if (tokens.size() != 3 || tokens[1].kind != Kind::number) return std::nullopt;
-  if (tokens[2].kind != Kind::subtract && tokens[2].kind != Kind::add) return std::nullopt;
-  level.value = tokens[2].kind == Kind::subtract ? tokens[1].value : -tokens[1].value;
-  return level;
-}
-
-/// Whether the expression is the same for all members and reads only what lanes show: not the energy, and no parameter
-/// that varies.
-bool is_of_lanes(const EnsemblePlan& plan) {
-  const Measures& watched = plan.request.watched;
-  const auto expression = std::get<text::Expression>(text::Expression::parse(watched.list[0].text));
-  const auto& parameters = plan.request.scene->card().parameters;
-  return !watched.reads_energy() && std::ranges::none_of(plan.members.vary, [&](const Variation& varied) {
-    return varied.parameter && std::ranges::any_of(expression.tokens(), [&](const text::Token& token) {
-             return token.kind == text::Token::Kind::name && token.word == parameters[varied.index].name;
-           });
-  });
-}
 
 /// A block on its way through lanes.
 class LaneBlock final : public LaneHost {
@@ -64,13 +32,15 @@ class LaneBlock final : public LaneHost {
     request_.measures = {};
     const auto count = static_cast<std::size_t>(block.count);
     const std::size_t numbers = 2 * card_.variables.size() + plan.members.vary.size() + 2 * columns_.size() + 4;
-    tables_ = sizeof(double) * (numbers * count + section_count(plan));
+    tables_ = sizeof(double) * (numbers * count + 3 * (section_count(plan) + row_count(plan)));
     block.held.add(tables_);
     if (const std::size_t points = count * section_count(plan); points > 0)
       block.harvest.section.make_room(std::min(points, most_points()), columns_.size(), block.held);
     const SchemeCard& scheme = request_.scene->mechanics->schemes()[request_.scheme];
     const Grid grid(request_, request_.settings[*scheme.find("step")]);
-    times_ = section_times(plan);
+    looks_ = looks_of(plan);
+    constexpr double at_the_end = std::numeric_limits<double>::infinity();
+    for (const Look& look : looks_) times_.push_back(look.row && look.t == grid.end ? at_the_end : look.t);
     task_.scheme = static_cast<std::size_t>(std::ranges::find(lane_schemes, scheme.id) - lane_schemes.begin());
     task_.settings = request_.settings;
     task_.parameters = request_.scene->parameters;
@@ -100,9 +70,12 @@ class LaneBlock final : public LaneHost {
     fill_tables();
     ended_.assign(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
     crossings_.assign(count, 0);
+    looked_.assign(count, 0);
     if (task_.watches) unresolved_.resize(count);
-    if (task_.watches && task_.watched < 0) looks_.resize(count);
+    if (task_.watches && task_.watched < 0) steps_.resize(count);
     finals_.resize(count * columns_.size());
+    if (!plan.trajectories) return;
+    block.harvest.trajectories.open(block.first, count, row_count(plan) * columns_.size(), block.held);
   }
 
   bool run(std::span<const LaneUnit> units) {
@@ -136,6 +109,7 @@ class LaneBlock final : public LaneHost {
     harvest.cost.steps = task_.taken;
     harvest.cost.force_evaluations = task_.forces;
     keep_first_points();
+    harvest.trajectories.close(columns_.size());
     const std::size_t kept = sizeof(double) * (harvest.final.capacity() + harvest.final_member.capacity());
     block_.held.shrink_by(tables_ - std::min(tables_, kept));
   }
@@ -158,7 +132,10 @@ class LaneBlock final : public LaneHost {
     }
     return known->second;
   }
-  void at_time(std::size_t m, double t, const double* state) override { add_point(m, t, state); }
+  void at_time(std::size_t m, double t, const double* state) override {
+    const Look& look = looks_[looked_[in_block(m)]++];
+    look.row ? add_row(m, t, state) : add_point(m, t, state);
+  }
   void at_step(std::size_t m, double t_before, std::span<const double> before, double t,
                std::span<const double> after) override {
     std::ranges::copy(before, left_.begin());
@@ -191,7 +168,7 @@ class LaneBlock final : public LaneHost {
       const Watch::Signs was = watch_.signs(left_.data(), from), is = watch_.signs(right_.data(), to);
       return was == is || watch_.crossed(was, is);
     }
-    Watch::Looks& looks = looks_[in_block(m)];
+    Watch::Looks& looks = steps_[in_block(m)];
     if (!(looks.t_last() == from)) watch_.look(looks, left_.data(), from);
     return watch_.look(looks, right_.data(), to) != 0;
   }
@@ -334,6 +311,12 @@ class LaneBlock final : public LaneHost {
     to.resize(to.size() + columns_.size());
     columns_.fill(needed_.data(), t, own_values_, &to[to.size() - columns_.size()]);
   }
+  void add_row(std::size_t m, double t, const double* state) {
+    if (gone()) return;
+    row_.clear();
+    append_columns(m, t, state, row_);
+    block_.harvest.trajectories.add(in_block(m), row_);
+  }
   void add_point(std::size_t m, double t, const double* state) {
     SectionPoints& points = block_.harvest.section;
     if (gone()) return;  // nothing of the block is kept, nor put in order
@@ -368,12 +351,14 @@ class LaneBlock final : public LaneHost {
   LaneMechanics states_;
   std::vector<double> left_, right_, between_;  ///< states about a crossing, as an expression reads them
   const TextGroup* group_ = nullptr;            ///< of which the task's members are, where the scene was given as text
-  std::vector<double> needed_, own_values_;     ///< of a row: columns of the card, parameters that vary
+  std::vector<double> needed_, own_values_, row_;  ///< of a row: columns of the card, parameters that vary, the result
   std::vector<double> times_, start_, values_, finals_;
   std::vector<std::size_t> varied_;
   std::vector<std::uint8_t> ended_;
   std::vector<std::int64_t> crossings_;
-  std::vector<Watch::Looks> looks_;            ///< of each member, where all of its steps are told
+  std::vector<Look> looks_;                    ///< those that all members have in common
+  std::vector<std::size_t> looked_;            ///< how many of them a member has had
+  std::vector<Watch::Looks> steps_;            ///< of each member, where all of its steps are told
   std::vector<Watch::Unresolved> unresolved_;  ///< of each member, where its steps are told
   std::map<double, double> limits_;
   std::map<std::pair<double, double>, bool> too_fast_;

@@ -22,7 +22,7 @@ std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t
 
 namespace {
 
-/// The rows of a run, held before they are kept.
+/// The rows of a run, and those of its section, held before they are kept.
 class HeldRows final : public RowSink {
  public:
   explicit HeldRows(Held& held) : held_(held), before_(held.bytes()) {}
@@ -30,43 +30,36 @@ class HeldRows final : public RowSink {
   HeldRows(const HeldRows&) = delete;
   HeldRows& operator=(const HeldRows&) = delete;
 
-  bool append(std::span<const double> rows) override {
-    make_room(values, values.size() + rows.size(), held_);
-    values.insert(values.end(), rows.begin(), rows.end());
+  bool append(std::span<const double> rows) override { return keep(rows, values); }
+  bool append_section(std::span<const double> rows) override { return keep(rows, points); }
+
+  std::vector<double> values, points;
+
+ private:
+  bool keep(std::span<const double> rows, std::vector<double>& list) {
+    make_room(list, list.size() + rows.size(), held_);
+    list.insert(list.end(), rows.begin(), rows.end());
     return true;
   }
 
-  std::vector<double> values;
-
- private:
   Held& held_;
   const std::size_t before_;
 };
 
-/// When the i-th member passes the plane of the section, by a run of its own: the next one looks at it then. The
-/// harvest says where it does so more often than limits.samples has room for, and where the search ends unresolved.
-std::vector<double> crossing_times(const EnsemblePlan& plan, Request request, std::int64_t i,
-                                   const std::atomic<bool>& cancelled, Harvest& harvest) {
+/// The plane of the section as the member of the request sees it: parameters that vary are constants of its
+/// expression. Where with these it is no number anywhere, there is none.
+void set_plane(const EnsemblePlan& plan, Request& request) {
+  request.section = plan.request.section;
   request.watched = plan.request.watched;
   request.events = plan.request.events;
-  if (std::ranges::any_of(plan.members.vary, &Variation::parameter)) {  // they are constants of an expression
-    MeasureReader reader(*request.scene);
-    const Measure& of = request.watched.list[0];
-    if (reader.read(of.card.name, of.text)) return {};  // with these parameters it is no number anywhere
-    request.watched = reader.made();
-  }
-  request.record = {Record::Mode::every, 0, {}};
-  request.columns = {0};
-  Samples none;
-  const Solution solution = request.scene->mechanics->run(request, none, cancelled);
-  std::vector<double> times;
-  for (const Report& event : solution.events) times.push_back(Watch::time(event));
-  const auto says = [&](std::string_view code) {
-    return std::ranges::find(solution.warnings, code, &Warning::code) != solution.warnings.end();
-  };
-  harvest.truncated = harvest.truncated || says("events_truncated");
-  if (says("events_unresolved")) harvest.add_unresolved(i);
-  return times;
+  if (std::ranges::none_of(plan.members.vary, &Variation::parameter)) return;
+  MeasureReader reader(*request.scene);
+  const Measure& of = plan.request.watched.list[0];
+  const bool read = !reader.read(of.card.name, of.text);
+  request.watched = reader.made();
+  if (read) return;
+  request.section.reset();
+  request.events.clear();
 }
 
 /// What no run begins with, as a mass that is none.
@@ -87,51 +80,80 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
   const std::size_t width = columns.needed().size();
   request.diagnostics.clear();
   request.control = false;
-  request.watched = {};
-  request.events = {};
-  block.held.add(2 * sizeof(double) * section_count(plan));  // the times, and those that a run is asked for
-  std::vector<double> times = section_times(plan);
+  const bool plane = request.section && request.section->plane;
+  block.held.add(3 * sizeof(double) * (section_count(plan) + row_count(plan)));  // the looks, and their times
+  const std::vector<Look> looks = looks_of(plan);
+  request.record = {Record::Mode::times, 0, {}};
+  for (const Look& look : looks) request.record.times.push_back(look.t);
+  if (looks.empty() || looks.back().t != end) request.record.times.push_back(end);
+  if (!plane) request.section.reset();  // its times are among those
   std::vector<double> varied;
   Harvest& harvest = block.harvest;
+  Trajectories& ways = harvest.trajectories;
+  const auto most = static_cast<std::size_t>(request.limits.samples);
   for (std::int64_t i = block.first; i < block.first + block.count && !cancelled; ++i) {
     request.scene = member_scene(plan, i);
     varied.clear();
     for (const Variation& variation : plan.members.vary)
       if (variation.parameter) varied.push_back(request.scene->parameters[variation.index]);
+    if (plan.trajectories) {
+      make_room(ways.member, ways.member.size() + 1, block.held);
+      make_room(ways.rows, ways.rows.size() + 1, block.held);
+      ways.member.push_back(i);
+      ways.rows.push_back(0);
+    }
     if (cannot_begin(*request.scene)) {
       ++harvest.ended[static_cast<std::size_t>(ReturnCode::singular)];
       continue;
     }
-    if (plan.section && plan.section->plane) times = crossing_times(plan, request, i, cancelled, harvest);
-    const std::size_t crossings = times.size();
-    request.record = {Record::Mode::times, 0, times};
-    if (crossings == 0 || times.back() != end) request.record.times.push_back(end);
+    if (plane) set_plane(plan, request);
     Held held = HeldByThread::take(0);
     HeldRows rows(held);
     const Solution solution = request.scene->mechanics->run(request, rows, cancelled);
+    const auto says = [&](std::string_view code) {
+      return std::ranges::find(solution.warnings, code, &Warning::code) != solution.warnings.end();
+    };
     ++harvest.ended[static_cast<std::size_t>(solution.stop.reason)];
     harvest.cost.steps += solution.cost.steps;
     harvest.cost.force_evaluations += solution.cost.force_evaluations;
-    const auto append_row = [&](std::size_t k, std::vector<double>& to) {
+    harvest.truncated = harvest.truncated || says("section_truncated");
+    if (says("events_unresolved")) harvest.add_unresolved(i);
+    const auto append_row = [&](const double* row, double t, std::vector<double>& to, Held& room) {
+      make_room(to, to.size() + columns.size(), room);
       to.resize(to.size() + columns.size());
-      columns.fill(&rows.values[k * width], request.record.times[k], varied, &to[to.size() - columns.size()]);
+      columns.fill(row, t, varied, &to[to.size() - columns.size()]);
     };
     SectionPoints points;
-    points.make_room(crossings, columns.size(), held);
-    for (std::size_t k = 0; k < crossings && (k + 1) * width <= rows.values.size(); ++k) {
+    const auto add_point = [&](const double* row, double t) {
+      points.make_room(points.t.size() + 1, columns.size(), held);
       points.member.push_back(i);
-      points.crossing.push_back(static_cast<std::int64_t>(k));
-      points.t.push_back(request.record.times[k]);
-      append_row(k, points.values);
+      points.crossing.push_back(static_cast<std::int64_t>(points.crossing.size()));
+      points.t.push_back(t);
+      append_row(row, t, points.values, held);
+    };
+    const std::size_t known = rows.values.size() / width;
+    for (std::size_t k = 0; k < std::min(known, looks.size()); ++k) {
+      const double* row = &rows.values[k * width];
+      if (!looks[k].row) {
+        add_point(row, looks[k].t);
+        continue;
+      }
+      append_row(row, looks[k].t, ways.values, block.held);
+      ++ways.rows.back();
     }
-    const auto most = static_cast<std::size_t>(request.limits.samples);
+    const std::size_t apart = request.section_columns().size();
+    std::vector<double> needed(width);
+    for (std::size_t at = 0; at < rows.points.size(); at += apart) {
+      const double* point = &rows.points[at];  // the time, then the columns but for it
+      for (std::size_t k = 0, next = 1; k < width; ++k) needed[k] = point[request.columns[k] == 0 ? 0 : next++];
+      add_point(needed.data(), point[0]);
+    }
     harvest.truncated = harvest.truncated || harvest.section.t.size() + points.t.size() > most;
     harvest.section.append(points, most, columns.size(), block.held);
     if (solution.stop.reason != ReturnCode::completed) continue;
     make_room(harvest.final_member, harvest.final_member.size() + 1, block.held);
-    make_room(harvest.final, harvest.final.size() + columns.size(), block.held);
     harvest.final_member.push_back(i);
-    append_row(rows.values.size() / width - 1, harvest.final);
+    append_row(&rows.values[(known - 1) * width], end, harvest.final, block.held);
   }
 }
 
@@ -144,6 +166,7 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
   request.measures = {};
   request.watched = {};
   request.events = {};
+  request.section.reset();
   request.diagnostics.clear();
   request.control = true;
   request.limits.steps =

@@ -158,6 +158,10 @@ std::string unresolved_members(std::string_view plane, std::int64_t count, std::
       plane, count, count == 1 ? "member" : "members", first);
 }
 
+std::string section_truncated(std::int64_t samples) {
+  return fmt::format("more points of the section than limits.samples = {} has room for; the first are kept", samples);
+}
+
 std::string step_limit(std::int64_t steps) { return fmt::format("limits.steps = {} was reached", steps); }
 
 std::string deadline(double seconds) { return fmt::format("limits.seconds = {} ran out", seconds); }

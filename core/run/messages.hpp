@@ -50,6 +50,8 @@ std::string number(double x);
 std::string unresolved(const std::vector<std::string_view>& names, double t);
 /// Of so many members of an ensemble, the first of them by its index, and the plane of their section.
 std::string unresolved_members(std::string_view plane, std::int64_t count, std::int64_t first);
+/// Of a section with more points than so many numbers have room for.
+std::string section_truncated(std::int64_t samples);
 std::string step_limit(std::int64_t steps);
 std::string deadline(double seconds);
 /// Of a step that could not be taken, `fixed` where steps are of equal length.

@@ -1,6 +1,7 @@
 // A run on its way: what it has, and what it does at each block of steps (run.cpp) and where it ends (run_ends.cpp).
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -14,11 +15,22 @@
 #include "core/run/messages.hpp"
 #include "core/run/run.hpp"
 #include "core/run/save_schedule.hpp"
+#include "core/run/section_times.hpp"
 #include "core/run/snapshots.hpp"
 #include "core/run/trajectory_writer.hpp"
 #include "core/run/warnings.hpp"
 
 namespace least {
+
+/// What keeps the rows of a section, as a receiver of rows.
+class SectionSink final : public RowSink {
+ public:
+  explicit SectionSink(RowSink& sink) : sink_(sink) {}
+  bool append(std::span<const double> rows) override { return sink_.append_section(rows); }
+
+ private:
+  RowSink& sink_;
+};
 
 class Run {
  public:
@@ -34,9 +46,14 @@ class Run {
                                          : SaveSchedule::never),
         schedule_(request, end_),
         drawn_(request.record.mode == Record::Mode::curve ? scene_.start : infinite),
-        writer_(problem_, request, columns, sink),
-        budget_(request.limits.seconds, cancelled,
-                [this] { return writer_.report(std::min(state_.x.t, end_), state_.n); }),
+        section_times_(request.section, scene_.start),
+        sink_(sink),
+        section_sink_(sink),
+        writer_(problem_, request, keeps_samples() ? request.columns : std::vector<std::size_t>(), columns,
+                request.record.mode == Record::Mode::curve ? request.record.count : 0, sink),
+        section_writer_(problem_, request, request.section ? request.section_columns() : std::vector<std::size_t>(),
+                        columns, 0, section_sink_),
+        budget_(request.limits.seconds, cancelled, [this] { return report(); }),
         watch_(request),
         diagnostics_(backend, request, watch_, budget_.shortly()),
         events_(static_cast<std::size_t>(most_rows_)),
@@ -64,6 +81,11 @@ class Run {
  private:
   static constexpr double infinite = std::numeric_limits<double>::infinity();
 
+  bool keeps_samples() const { return request_.record.mode != Record::Mode::every || request_.record.count > 0; }
+  /// Says how far the run got, and hands over what waits. False: the receiver takes no more.
+  bool report() {
+    return writer_.hand_over() && section_writer_.hand_over() && sink_.progress(std::min(state_.x.t, end_), state_.n);
+  }
   /// An event that acts has ended it here: it goes on from what that made of the state. False: the run is over.
   bool start_anew();
   Work work() const {
@@ -110,6 +132,7 @@ class Run {
     }
   }
   void add_event(const Zero& zero, const RunState& x) {
+    if (request_.is_plane(zero.which)) return pass(x);
     const std::size_t size = 32 * std::max<std::size_t>(card_.variables.size() / 16, 1);  // numbers, by its memory
     if (events_.room(size * outcome_.events.size()))
       outcome_.add_event(watch_.event(zero, card_, shown_variables(request_, problem_.traits, x)));
@@ -118,6 +141,7 @@ class Run {
   void step_back() {
     integrator_->step_back(state_);
     std::erase_if(outcome_.events, [&](const Report& event) { return Watch::time(event) > state_.x.t; });
+    std::erase_if(passed_, [&](const Passage& point) { return point.x.t > state_.x.t; });
     if (!ended_ || !(ended_->first.t > state_.x.t)) return;
     ended_.reset();
     end_ = planned_end_;
@@ -128,7 +152,17 @@ class Run {
   /// Whether samples wait until the step they lie in has been looked at, for it may end the run.
   bool looks_first() const { return fixed_ && watch_.may_end(); }
   bool known(double t) const { return looks_first() ? t <= state_.x.t : integrator_->reaches(state_, t); }
-  /// The samples before the end that can be told from here.
+  /// When the next row is due, of the samples or of a section by time.
+  double due() const { return std::min(schedule_.time(), section_times_.time()); }
+  /// That row, or both.
+  bool save_next(const RunState& x, const StepInfo& step) {
+    const double t = due();
+    const bool sample = schedule_.time() == t, point = section_times_.time() == t;
+    if (sample) schedule_.next();
+    if (point) section_times_.next();
+    return (!sample || save(x, step)) && (!point || save_point(x, step)) && within_budget(1);
+  }
+  /// The rows before the end that can be told from here.
   bool save_due();
   /// How the last step, which ended in the state, was taken.
   StepInfo last_step() const {
@@ -136,11 +170,27 @@ class Run {
     if (shows_discrete_energy_) step.discrete_energy = integrator_->discrete_energy(state_);
     return step;
   }
-  bool save(const RunState& x, const StepInfo& step) {
-    const auto written = writer_.write_row(x, step);
+  bool save(const RunState& x, const StepInfo& step) { return save(x, step, writer_); }
+  bool save(const RunState& x, const StepInfo& step, TrajectoryWriter& writer) {
+    const auto written = writer.write_row(x, step);
     if (written == TrajectoryWriter::Written::not_finite)
-      return stop(ReturnCode::not_finite, messages::column(writer_.wrong_column()));
+      return stop(ReturnCode::not_finite, messages::column(writer.wrong_column()));
     return written == TrajectoryWriter::Written::yes || receiver_is_gone();
+  }
+  /// A point of the section, as long as there is room.
+  bool save_point(const RunState& x, const StepInfo& step) {
+    return points_++ >= most_points_ || save(x, step, section_writer_);
+  }
+  /// The run passes the plane of the section. Where it has just begun anew it was there before the act.
+  void pass(const RunState& x) {
+    constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
+    if (!acted_ || x.t > began_ + rounding * std::abs(began_)) passed_.push_back({x, last_step()});
+  }
+  /// Where the run passed the plane of the section, once nothing can take the step back.
+  bool save_passed() {
+    for (const auto& [x, step] : std::exchange(passed_, {}))
+      if (!save_point(x, step)) return false;
+    return true;
   }
   /// Samples from the last one to the time t, within the last step or one ahead, where they are to draw a curve.
   bool draw(double t);
@@ -182,13 +232,19 @@ class Run {
   std::int64_t last_step_;  ///< or until there are this many
   SaveSchedule schedule_;
   double drawn_;  ///< until when samples draw a curve; infinite where they do not
-  TrajectoryWriter writer_;
+  SectionTimes section_times_;
+  RowSink& sink_;
+  SectionSink section_sink_;
+  TrajectoryWriter writer_, section_writer_;
   const std::int64_t most_rows_ = request_.most_rows();
+  const std::int64_t most_points_ =
+      request_.limits.samples / static_cast<std::int64_t>(request_.section_columns().size());
   Budget budget_;
   Watch watch_;
   Acts acts_{backend_, request_};
   bool acted_ = false;
-  Work put_aside_;  ///< of integrators before the last act
+  double began_ = 0;  ///< when an act has let the run begin anew
+  Work put_aside_;    ///< of integrators before the last act
   DiagnosticSet diagnostics_;
   Events events_;
   StepGuard guard_;
@@ -198,7 +254,12 @@ class Run {
   std::optional<ActiveMethod> method_;
   bool shows_discrete_energy_ = false;
   Solution outcome_;
-  std::int64_t kept_ = 0;
+  std::int64_t kept_ = 0, points_ = 0;  ///< rows of samples by steps, and of the section, as many as there would be
+  struct Passage {
+    RunState x;
+    StepInfo step;
+  };
+  std::vector<Passage> passed_;  ///< through the plane of the section, within the last step
   Snapshots snapshots_;
   std::optional<std::pair<RunState, std::size_t>> ended_;  ///< at an event: the state there, and what vanishes
 };

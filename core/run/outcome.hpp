@@ -38,6 +38,8 @@ class RowSink {
   virtual ~RowSink() = default;
   /// rows: whole rows in row-major order, one number per column asked for. False ends the run as cancelled.
   virtual bool append(std::span<const double> rows) = 0;
+  /// The same of rows of the request's section_columns().
+  virtual bool append_section([[maybe_unused]] std::span<const double> rows) { return true; }
   /// Told a few times a second how far the run got. False ends it as cancelled.
   virtual bool progress([[maybe_unused]] double t, [[maybe_unused]] std::int64_t steps) { return true; }
 };

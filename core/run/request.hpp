@@ -5,8 +5,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -43,7 +45,16 @@ struct EventAsked {
   std::shared_ptr<const Act> act{};
 };
 inline constexpr std::size_t most_events = 16;
+/// With the expression of a section.
+inline constexpr std::size_t most_watched = most_events + 1;
 inline constexpr std::array<std::string_view, 3> event_directions{"up", "down", "both"};
+
+/// Where a run is looked at beside its samples, and rows of the same columns are kept: at the times phase + k·period
+/// after the start, or where an expression vanishes, which then is the first that the request watches.
+struct Section {
+  bool plane = false;
+  double period = 0, phase = 0;  ///< of the run's own time
+};
 
 struct Request {
   std::shared_ptr<const Scene> scene;
@@ -58,12 +69,21 @@ struct Request {
   std::vector<std::size_t> columns;
   Measures measures;                     ///< columns of the caller's own
   std::vector<std::size_t> diagnostics;  ///< indices into the problem card's diagnostics
-  Measures watched;                      ///< events of the caller's own are the zeros of these: most_events at most
+  Measures watched;                      ///< the plane of a section, and events of the caller's own: their zeros
   std::vector<EventAsked> events;        ///< one for each
+  std::optional<Section> section{};
   Limits limits;
   /// Rows that limits.samples leaves room for.
   std::int64_t most_rows() const {
     return limits.samples / std::max<std::int64_t>(static_cast<std::int64_t>(columns.size()), 1);
+  }
+  /// Whether it is the plane of the section, of what is watched.
+  bool is_plane(std::size_t which) const { return which == 0 && section && section->plane; }
+  /// What a row of the section holds: the time, which is the first of a problem's columns, and the columns asked for.
+  std::vector<std::size_t> section_columns() const {
+    std::vector<std::size_t> all{0};
+    std::ranges::copy_if(columns, std::back_inserter(all), [](std::size_t place) { return place != 0; });
+    return all;
   }
   /// The card of one of `columns`.
   const ColumnCard& column(std::size_t place) const {

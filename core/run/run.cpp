@@ -24,8 +24,8 @@ bool Run::initialize() {
 
 bool Run::advance_block() {
   const std::int64_t n = state_.n;
-  if (!within_step_limit()) return false;
-  const double due = schedule_.time() < end_ ? schedule_.time() : infinite;
+  if (!save_passed() || !within_step_limit()) return false;
+  const double due = this->due() < end_ ? this->due() : infinite;
   const StepTarget target{
       std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_, schedule_.step(),
                 looks_first() && due < infinite ? grid_.step_after(due) : SaveSchedule::never,
@@ -61,14 +61,14 @@ void Run::record_method_switch() {
 }
 
 bool Run::save_due() {
-  for (; schedule_.time() < end_ && known(schedule_.time()); schedule_.next()) {
+  while (due() < end_ && known(due())) {
     RunState x = state_.x;
-    const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
+    const StepStatus status = integrator_->state_at(state_, due(), x);
     if (status != StepStatus::ok || problem_.outside(x)) {  // a long step may lead out of the domain and back
-      if (schedule_.time() < state_.x.t) step_back();
-      return status == StepStatus::ok ? leave_domain(schedule_.time()) : fail(BlockResult::failed(status));
+      if (due() < state_.x.t) step_back();
+      return status == StepStatus::ok ? leave_domain(due()) : fail(BlockResult::failed(status));
     }
-    if (!save(x, last_step()) || !within_budget(1)) return false;
+    if (!save_next(x, last_step())) return false;
   }
   for (; schedule_.step() == state_.n && state_.x.t <= end_; schedule_.next())
     if (kept_++ < most_rows_ && !save(state_.x, last_step())) return false;

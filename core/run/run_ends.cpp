@@ -36,12 +36,11 @@ void Run::finish() {
 }
 
 bool Run::save_rest(const RunState& x, const StepInfo& step) {
-  for (; schedule_.time() <= x.t; schedule_.next()) {
+  while (due() <= x.t) {
     RunState y = x;
-    const StepStatus status =
-        schedule_.time() < x.t ? integrator_->state_at(state_, schedule_.time(), y) : StepStatus::ok;
+    const StepStatus status = due() < x.t ? integrator_->state_at(state_, due(), y) : StepStatus::ok;
     if (status != StepStatus::ok) return fail(BlockResult::failed(status));
-    if (!save(y, step) || !within_budget(1)) return false;
+    if (!save_next(y, step)) return false;
   }
   return true;
 }
@@ -86,7 +85,8 @@ bool Run::start_anew() {
   integrator_ = backend_.bind(request_, state_.x, grid_, end_);
   if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
   method_ = integrator_->method();
-  watch_.begin_anew(state_.x.t, which);
+  began_ = state_.x.t;
+  watch_.begin_anew(began_, which);
   diagnostics_.begin_anew(state_.x);
   if (!(state_.x.t < end_)) return false;
   const BlockResult result = integrator_->check_start(state_.x, guard_);
@@ -133,11 +133,11 @@ bool Run::leave_domain(double outside_at) {
   const double until = std::min(when, end_);
   StepInfo partial = last_step();
   if (!fixed_) partial.step_size = until - state_.x.t;
-  for (; schedule_.time() < until; schedule_.next()) {
-    const StepStatus status = integrator_->state_at(state_, schedule_.time(), x);
+  while (due() < until) {
+    const StepStatus status = integrator_->state_at(state_, due(), x);
     if (status != StepStatus::ok) return fail(BlockResult::failed(status));
     if (problem_.outside(x)) break;
-    if (!save(x, partial) || !within_budget(1)) return false;
+    if (!save_next(x, partial)) return false;
   }
   if (ended_) return true;
   if (const StepStatus status = integrator_->state_at(state_, until, x); status != StepStatus::ok)
@@ -155,9 +155,10 @@ bool Run::leave_domain(double outside_at) {
 Solution Run::conclude() {
   const Work work = this->work();
   outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
-  if (!writer_.finish(budget_.half())) receiver_is_gone();
+  save_passed();
+  if (!writer_.finish(budget_.half()) || !section_writer_.finish(budget_.half())) receiver_is_gone();
   warn_of_the_run();
-  if (writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
+  if (writer_.lacks_truth() || section_writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
   outcome_.acts = acts_.reports();
   outcome_.t = state_.x.t;
   outcome_.final = shown_variables(request_, problem_.traits, state_.x);
@@ -179,6 +180,7 @@ Solution Run::conclude() {
 void Run::warn_of_the_run() {
   if (request_.probe) return;
   if (kept_ > most_rows_) warn("samples_truncated", "more rows of columns than limits.samples; the first are kept");
+  if (points_ > most_points_) warn("section_truncated", messages::section_truncated(request_.limits.samples));
   watch_.warn(outcome_.warnings);
   evidence_.finish(problem_, state_);
   const KeepGoing shortly = budget_.shortly();

@@ -31,11 +31,12 @@ inline std::vector<double> shown_variables(const Request& request, const Problem
 
 class TrajectoryWriter {
  public:
-  /// The request's columns are positions among all there are, or its own. A request that keeps nothing has none.
-  TrajectoryWriter(const ProblemTable& problem, const Request& request, const std::vector<Column>& all, RowSink& sink)
+  /// `asked`: positions among all columns, or among the request's own; where nothing is kept, none. `curve`: how many
+  /// rows are to lie along one, 0 where they are not to.
+  TrajectoryWriter(const ProblemTable& problem, const Request& request, std::span<const std::size_t> asked,
+                   const std::vector<Column>& all, std::int64_t curve, RowSink& sink)
       : problem_(problem), request_(request), sink_(sink) {
-    if (request.record.mode == Record::Mode::every && request.record.count == 0) return;
-    for (const std::size_t place : request.columns) {
+    for (const std::size_t place : asked) {
       const ColumnCard& card = request.column(place);
       if (card.name == error_column) error_ = columns_.size();
       if (card.name != "t") drawn_.push_back(columns_.size());
@@ -46,8 +47,8 @@ class TrajectoryWriter {
     }
     measured_.resize(request.measures.size());
     if (drawn_.empty() && !columns_.empty()) drawn_ = {0};  // only the time
-    if (request.record.mode == Record::Mode::curve) {
-      curve_.emplace(static_cast<std::size_t>(request.record.count));
+    if (curve > 0) {
+      curve_.emplace(static_cast<std::size_t>(curve));
       held_.add(2 * sizeof(double) * curve_->most());
     }
     rows_.reserve(columns_.size() * block);
@@ -94,9 +95,8 @@ class TrajectoryWriter {
     return curve_->parts(std::sqrt(square));
   }
 
-  /// Hands over what is written so far, unless it waits for the end, and says how far the run got. False: the sink
-  /// takes no more.
-  bool report(double t, std::int64_t steps) { return (error_ || curve_ || flush()) && sink_.progress(t, steps); }
+  /// Hands over what is written so far, unless it waits for the end. False: the sink takes no more.
+  bool hand_over() { return error_ || curve_ || flush(); }
 
   /// The column that was not finite.
   std::string_view wrong_column() const { return wrong_; }

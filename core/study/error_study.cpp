@@ -169,6 +169,7 @@ Request ErrorStudy::request(const SchemeConfig& choice, double seconds, std::int
   request.columns.clear();
   request.measures = request.watched = {};
   request.events.clear();
+  request.section.reset();
   request.diagnostics.clear();
   request.control = false;
   request.limits = {seconds, step_limit, 1'000'000};

@@ -19,6 +19,7 @@ Pilot Pilot::run(const Request& scene, std::span<const SchemeConfig> candidates,
   if (std::ranges::none_of(request.events, &EventAsked::stop)) {
     request.watched = {};
     request.events.clear();
+    request.section.reset();
   }
   constexpr double finer = 30;  // errors of a motion are a few tolerances of its steps
   Pilot best;

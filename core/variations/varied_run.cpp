@@ -24,6 +24,7 @@ class TimedRows final : public RowSink {
                         rows.begin() + static_cast<std::ptrdiff_t>(at + columns_ - 1));
     return sink_.append(asked_for_);
   }
+  bool append_section(std::span<const double> rows) override { return sink_.append_section(rows); }
   bool progress(double t, std::int64_t steps) override { return sink_.progress(t, steps); }
   void take_off_the_last() { added_ = true; }
 

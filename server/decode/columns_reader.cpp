@@ -156,6 +156,14 @@ void read_list_of_columns(const Json& json, const FieldPath& path, const Problem
 
 }  // namespace
 
+int read_way(const Json& object, const FieldPath& path) {
+  constexpr int ways[] = {1, -1, 0};
+  const Json* direction = find(object, "direction");
+  if (direction == nullptr) return 0;
+  const Names names(event_directions.begin(), event_directions.end());
+  return ways[read_name(*direction, path.at("direction"), names, "direction").value_or(2)];
+}
+
 void read_columns(const Json& root, const FieldPath& top, const Members* members, Request& request) {
   const ProblemCard& problem = request.scene->card();
   if (const Json* json = find(root, "columns")) {
@@ -264,6 +272,7 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
   if (json->size() > most_events)
     return path.fault(fmt::format("holds {} events", json->size()), *json, fmt::format("{} at most", most_events));
   MeasureReader reader(*request.scene);
+  for (const Measure& plane : request.watched.list) reader.read(plane.card.name, plane.text);  // of the section
   std::vector<std::string> names;
   for (std::size_t i = 0; i < json->size() && !path.faults->full(); ++i) {
     const Json& event = (*json)[i];
@@ -272,12 +281,7 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
     const Names keys{"name", "expression", "direction", "stop", "set", "most"};
     if (!event.is_object() || !read_object(event, place, keys, "an event")) continue;
     EventAsked& asked = request.events.emplace_back();
-    if (const Json* direction = find(event, "direction")) {
-      constexpr int signs[] = {1, -1, 0};
-      const auto way = read_name(*direction, place.at("direction"),
-                                 Names(event_directions.begin(), event_directions.end()), "direction");
-      asked.direction = signs[way.value_or(2)];
-    }
+    asked.direction = read_way(event, place);
     if (const Json* stop = find(event, "stop")) {
       if (!stop->is_boolean()) place.at("stop").fault("must be true or false", *stop, "true, false");
       asked.stop = stop->is_boolean() && stop->get<bool>();

@@ -1,7 +1,9 @@
 #include "server/decode/ensemble_block.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace least::server {
 namespace {
@@ -10,7 +12,7 @@ const std::string& column_name(const EnsemblePlan& plan, std::size_t k) {
   return plan.request.column(plan.request.columns[k]).name;
 }
 
-bool read_back(const Json& json, std::vector<double>& values, std::size_t first, std::size_t stride) {
+bool read_back(const Json& json, std::span<double> values, std::size_t first, std::size_t stride) {
   if (!json.is_array() || values.size() != json.size() * stride) return false;
   for (std::size_t i = 0; i < json.size(); ++i) {
     if (!json[i].is_number() && !json[i].is_null()) return false;
@@ -26,6 +28,21 @@ bool read_table(const Json& json, const EnsemblePlan& plan, std::size_t rows, st
     if (found == json.end() || !read_back(*found, values, k, columns)) return false;
   }
   return true;
+}
+
+// A list of rows for each member; all columns have as many.
+bool read_trajectories(const Json& json, const EnsemblePlan& plan, Trajectories& all) {
+  all.member = json.at("member").get<std::vector<std::int64_t>>();
+  const std::size_t columns = plan.request.columns.size();
+  for (std::size_t m = 0; m < all.member.size(); ++m) {
+    const std::size_t rows = json.at(column_name(plan, 0)).at(m).size(), before = all.values.size();
+    all.rows.push_back(static_cast<std::int64_t>(rows));
+    all.values.resize(before + rows * columns);
+    const std::span<double> own = std::span(all.values).subspan(before);
+    for (std::size_t k = 0; k < columns; ++k)
+      if (!read_back(json.at(column_name(plan, k)).at(m), own, k, columns)) return false;
+  }
+  return std::ranges::all_of(json, [&](const Json& list) { return list.size() == all.member.size(); });
 }
 
 }  // namespace
@@ -73,7 +90,7 @@ std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& l
     harvest.final_member = final.at("index").get<std::vector<std::int64_t>>();
     if (!read_table(final, plan, harvest.final_member.size(), harvest.final)) return std::nullopt;
   }
-  if (plan.section) {
+  if (plan.request.section) {
     const Json& section = line.at("section");
     SectionPoints& points = harvest.section;
     points.member = section.at("member").get<std::vector<std::int64_t>>();
@@ -83,6 +100,7 @@ std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& l
         !read_table(section, plan, points.t.size(), points.values))
       return std::nullopt;
   }
+  if (plan.trajectories && !read_trajectories(line.at("trajectories"), plan, harvest.trajectories)) return std::nullopt;
   harvest.truncated = line.at("truncated").get<bool>();
   harvest.unresolved = line.at("unresolved").get<std::int64_t>();
   harvest.first_unresolved = line.at("first_unresolved").get<std::int64_t>();

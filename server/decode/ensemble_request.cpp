@@ -190,16 +190,50 @@ void read_range(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   plan.last = *last;
 }
 
-void read_keep(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
+// Whether points of a section are kept.
+bool read_keep(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   const Json* json = find(root, "keep");
-  if (json == nullptr) return;
-  const auto kept = read_names(*json, top.at("keep"), {"statistics", "final", "section"}, "part");
+  if (json == nullptr) return false;
+  const Names parts{"statistics", "final", "section", "trajectories"};
+  const auto kept = read_names(*json, top.at("keep"), parts, "part");
   const auto keeps = [&](std::size_t what) { return std::ranges::find(kept, what) != kept.end(); };
-  if (json->is_array() && json->empty())
-    top.at("keep").fault("must keep something", *json, "statistics, final, section");
+  if (json->is_array() && json->empty()) top.at("keep").fault("must keep something", *json, listed(parts));
   plan.statistics = keeps(0);
   plan.final = keeps(1);
-  if (keeps(2)) plan.section.emplace();
+  plan.trajectories = keeps(3);
+  return keeps(2);
+}
+
+// What stands there is looked at in every case.
+void read_plane_of_all(const Json& root, const FieldPath& top, const SchemeCard* scheme, bool kept, Request& request) {
+  read_section(root, top, scheme, request);
+  if (kept && find(root, "section") == nullptr)
+    top.at("section").lacks("is required where sections are kept", std::string(section_shape));
+  if (kept) return;
+  request.section.reset();
+  request.watched = {};
+  request.events.clear();
+}
+
+// Of a request without fault: whether as many rows of all members as it records have room.
+void check_trajectories(const Json& root, const FieldPath& top, const EnsemblePlan& plan) {
+  if (!plan.trajectories) return;
+  const Record& record = plan.request.record;
+  const FieldPath path = top.at("record");
+  constexpr const char* rows_asked = "{\"every\": …}, {\"samples\": …}, {\"times\": […]}";
+  if (record.mode == Record::Mode::curve)
+    return path.at("curve").fault("looks at every member at times of its own, and members have theirs in common",
+                                  root["record"]["curve"], rows_asked);
+  const std::int64_t members = plan.last - plan.first, rows = static_cast<std::int64_t>(row_count(plan));
+  if (rows == 0) return path.fault("keeps no row of the trajectories that are to be kept", root["record"], rows_asked);
+  const std::int64_t most = plan.request.most_rows();
+  if (members <= most / rows) return;
+  const std::string allowed = rows <= most ? fmt::format("{} members with so many rows each", most / rows)
+                                           : fmt::format("{} rows of one member", most);
+  path.lacks(fmt::format("would keep {} trajectories of {} rows of {} columns, more numbers than limits.samples = {}; "
+                         "record fewer rows, or take a range of members",
+                         members, rows, plan.request.columns.size(), plan.request.limits.samples),
+             allowed);
 }
 
 void check_finals(const Json& root, const FieldPath& top, const EnsemblePlan& plan) {
@@ -302,8 +336,8 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   EnsemblePlan plan;
   Request& request = plan.request;
   if (root.is_null() && !faults.empty()) return faults;
-  const Names keys{"problem", "initial", "scheme",  "until", "limits",    "members",
-                   "range",   "section", "columns", "keep",  "histograms"};
+  const Names keys{"problem", "initial", "scheme",  "until",   "record", "limits",
+                   "members", "range",   "section", "columns", "keep",   "histograms"};
   if (!read_object(root, top, keys, "the request")) return faults;
 
   const auto problem = read_problem(root, top, cards);
@@ -329,13 +363,14 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   request.diagnostics.clear();
   if (card && plan.members.vary.empty()) check_start(*scene, top);
   read_range(root, top, plan);
-  read_keep(root, top, plan);
+  const bool keeps_section = read_keep(root, top, plan);
   check_finals(root, top, plan);
   if (card) {
     check_columns(root, top, *card);
-    read_section(root, top, *card, scheme_card, plan);
+    read_plane_of_all(root, top, scheme_card, keeps_section, request);
     read_histograms(root, top, plan);
   }
+  if (faults.empty()) check_trajectories(root, top, plan);
   if (!faults.empty()) return faults;
   return plan;
 }

@@ -5,6 +5,7 @@
 #include "server/decode/field_reader.hpp"
 #include "server/decode/plan_reader.hpp"
 #include "server/decode/scene_reader.hpp"
+#include "server/decode/section_reader.hpp"
 #include "server/decode/sensitivities_reader.hpp"
 
 namespace least::server {
@@ -17,8 +18,8 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   Request& request = decoded.run;
 
   if (root.is_null() && !faults.empty()) return faults;  // a bound was broken: there is nothing to read
-  const Names keys{"problem", "initial",     "scheme", "until", "record",       "columns",
-                   "events",  "diagnostics", "limits", "norm",  "sensitivities"};
+  const Names keys{"problem", "initial", "scheme",      "until",  "record", "columns",
+                   "section", "events",  "diagnostics", "limits", "norm",   "sensitivities"};
   if (!read_object(root, top, keys, "the request")) return faults;
 
   const Json* const json = find(root, "scheme");
@@ -50,7 +51,10 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   read_norm(root, top, request);
   read_plan(root, top, problem_card, scheme_card, preset, caps, nullptr, request);
 
-  if (problem_card) read_events(root, top, request);
+  if (problem_card) {
+    read_section(root, top, scheme_card, request);
+    read_events(root, top, request);
+  }
   if (faults.empty()) read_sensitivities(root, top, *scheme_card, decoded);
   if (!faults.empty()) return faults;
   request.control = true;  // whatever diagnostics are asked for

@@ -20,28 +20,6 @@ void write_numbers(JsonWriter& json, const std::vector<double>& values) {
 // A time of the run as the request has it.
 double told_time(const Request& request, double t) { return goes_backward(*request.scene) ? 0 - t : t; }
 
-void write_record(JsonWriter& json, const PlannedRun& run) {
-  const Record& record = run.request.record;
-  json.open('{');
-  switch (record.mode) {
-    case Record::Mode::every:
-      json.key("every").integer(record.count);
-      break;
-    case Record::Mode::samples:
-      json.key("samples").integer(record.count);
-      break;
-    case Record::Mode::curve:
-      json.key("curve").integer(record.count);
-      break;
-    case Record::Mode::times:
-      json.key("times").open('[');
-      for (const double t : record.times) json.number(told_time(run.request, t));
-      json.close(']');
-      break;
-  }
-  json.close('}');
-}
-
 void write_limits(JsonWriter& json, const PlannedRun& run) {
   const Limits& limits = run.request.limits;
   json.open('{').key("seconds").number(limits.seconds);
@@ -62,13 +40,18 @@ void write_asked_column(JsonWriter& json, const Request& request, std::size_t pl
 
 namespace {
 
+std::string_view direction_name(const EventAsked& asked) {
+  return event_directions[asked.direction > 0 ? 0 : asked.direction < 0 ? 1 : 2];
+}
+
+// But for the plane of a section, which is watched as events are.
 void write_events_asked(JsonWriter& json, const Request& request) {
   json.open('[');
-  for (std::size_t i = 0; i < request.events.size(); ++i) {
+  for (std::size_t i = request.is_plane(0) ? 1 : 0; i < request.events.size(); ++i) {
     const Measure& watched = request.watched.list[i];
     const EventAsked& asked = request.events[i];
     json.open('{').key("name").text(watched.card.name).key("expression").text(watched.text);
-    json.key("direction").text(event_directions[asked.direction > 0 ? 0 : asked.direction < 0 ? 1 : 2]);
+    json.key("direction").text(direction_name(asked));
     json.key("stop").boolean(asked.stop);
     if (asked.act) {
       json.key("set").open('{');
@@ -184,6 +167,38 @@ void write_until(JsonWriter& json, const Request& request) {
   json.close('}');
 }
 
+void write_record(JsonWriter& json, const Request& request) {
+  const Record& record = request.record;
+  json.open('{');
+  switch (record.mode) {
+    case Record::Mode::every:
+      json.key("every").integer(record.count);
+      break;
+    case Record::Mode::samples:
+      json.key("samples").integer(record.count);
+      break;
+    case Record::Mode::curve:
+      json.key("curve").integer(record.count);
+      break;
+    case Record::Mode::times:
+      json.key("times").open('[');
+      for (const double t : record.times) json.number(told_time(request, t));
+      json.close(']');
+      break;
+  }
+  json.close('}');
+}
+
+void write_section_asked(JsonWriter& json, const Request& request) {
+  const Section& section = *request.section;
+  if (!section.plane) {
+    json.key("period").number(section.period).key("phase").number(told_time(request, section.phase));
+    return;
+  }
+  json.key("expression").text(request.watched.list[0].text).key("direction");
+  json.text(direction_name(request.events[0]));
+}
+
 void write_norm(JsonWriter& json, const Request& request) {
   json.key("norm").text(norm_names[static_cast<std::size_t>(request.norm)]);
 }
@@ -207,19 +222,26 @@ std::string_view word_of(const std::vector<std::string>& words, double code) {
                                                                : std::string_view();
 }
 
-void write_echo(JsonWriter& json, const PlannedRun& run, std::string_view events) {
-  write_scene(json, *run.request.scene);
-  write_scheme(json.key("scheme"), run.scheme, run.request.settings);
-  write_until(json.key("until"), run.request);
-  write_record(json.key("record"), run);
+void write_echo(JsonWriter& json, const PlannedRun& run, bool beside_findings) {
+  const Request& request = run.request;
+  write_scene(json, *request.scene);
+  write_scheme(json.key("scheme"), run.scheme, request.settings);
+  write_until(json.key("until"), request);
+  write_record(json.key("record"), request);
   json.key("columns").open('[');
-  for (const std::size_t place : run.request.columns) write_asked_column(json, run.request, place);
+  for (const std::size_t place : request.columns) write_asked_column(json, request, place);
   json.close(']');
-  if (!run.request.events.empty()) write_events_asked(json.key(events), run.request);
+  if (request.section && !beside_findings) {
+    json.key("section").open('{');
+    write_section_asked(json, request);
+    json.close('}');
+  }
+  if (request.events.size() > (request.is_plane(0) ? 1 : 0))
+    write_events_asked(json.key(beside_findings ? "events_asked" : "events"), request);
   write_limits(json.key("limits"), run);
-  write_norm(json, run.request);
+  write_norm(json, request);
   // Where what was found stands under this name, it says what was asked for, too.
-  if (run.sensitivities && events == "events") write_sensitivities_asked(json.key("sensitivities"), *run.sensitivities);
+  if (run.sensitivities && !beside_findings) write_sensitivities_asked(json.key("sensitivities"), *run.sensitivities);
 }
 
 void write_stop(JsonWriter& json, const Termination& stop) {

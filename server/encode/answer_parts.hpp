@@ -8,9 +8,9 @@
 namespace least::server {
 
 /// The members of a complete request that gives this run again: problem, initial, scheme, until, record, columns,
-/// events, limits, norm. `events`: the name of that member, where it has to be another because those that were found
-/// stand beside it; it is left out where none were asked for.
-void write_echo(JsonWriter& json, const PlannedRun& run, std::string_view events = "events");
+/// section, events, limits, norm; the last but two where there are any. `beside_findings`: what was found stands beside
+/// it, so that events are called events_asked, and the section is left to who writes its points.
+void write_echo(JsonWriter& json, const PlannedRun& run, bool beside_findings = false);
 /// The members problem and initial.
 void write_scene(JsonWriter& json, const Scene& scene);
 /// The members views and bodies of a scene as text, those that it states.
@@ -18,6 +18,9 @@ void write_pictures(JsonWriter& json, const text::Pictures& pictures);
 /// A scheme as a request spells it.
 void write_scheme(JsonWriter& json, const SchemeCard& card, const std::vector<double>& settings);
 void write_until(JsonWriter& json, const Request& request);
+void write_record(JsonWriter& json, const Request& request);
+/// The members of the section asked for, without its brackets.
+void write_section_asked(JsonWriter& json, const Request& request);
 /// A column as a request names it: by its name, or as the expression that it is.
 void write_asked_column(JsonWriter& json, const Request& request, std::size_t place);
 /// The member norm.

@@ -12,13 +12,6 @@ namespace least::server {
 namespace {
 
 template <class Items>
-void write_texts(JsonWriter& json, const Items& items) {
-  json.open('[');
-  for (const auto& item : items) json.text(item);
-  json.close(']');
-}
-
-template <class Items>
 void write_names(JsonWriter& json, const Items& items) {
   json.open('[');
   for (const auto& item : items) json.text(item.name);

@@ -38,17 +38,6 @@ void write_members(JsonWriter& json, const EnsemblePlan& plan) {
   json.close('}').close('}');
 }
 
-// The members of a section, without its brackets.
-void write_section_asked(JsonWriter& json, const EnsemblePlan& plan) {
-  const Section& section = *plan.section;
-  if (!section.plane) {
-    json.key("period").number(section.period).key("phase").number(section.phase);
-    return;
-  }
-  const int direction = plan.request.events[0].direction;
-  json.key("expression").text(plan.request.watched.list[0].text).key("direction");
-  json.text(direction > 0 ? "up" : direction < 0 ? "down" : "both");
-}
 void write_histogram_asked(JsonWriter& json, const HistogramAsked& asked) {
   json.key("range").open('[').number(asked.low).number(asked.high).close(']').key("bins").integer(asked.bins);
 }
@@ -66,10 +55,13 @@ void write_ensemble_echo(JsonWriter& json, const EnsemblePlan& plan, const Cards
   write_members(json.key("members"), plan);
   json.key("range").open('[').integer(plan.first).integer(plan.last).close(']').key("columns").open('[');
   for (const std::size_t place : request.columns) write_asked_column(json, request, place);
-  json.close(']').key("keep").open('[');
+  json.close(']');
+  if (plan.trajectories) write_record(json.key("record"), request);
+  json.key("keep").open('[');
   if (plan.statistics) json.text("statistics");
   if (plan.final) json.text("final");
-  if (plan.section) json.text("section");
+  if (plan.request.section) json.text("section");
+  if (plan.trajectories) json.text("trajectories");
   json.close(']');
 }
 
@@ -117,11 +109,11 @@ void add_ends(TextPieces& pieces, const EnsemblePlan& plan, const Harvest& harve
   pieces.add(false, [](JsonWriter& json) { json.close('}'); });
 }
 void add_points(TextPieces& pieces, const EnsemblePlan& plan, const SectionPoints& points, bool asked) {
-  if (!plan.section) return;
+  if (!plan.request.section) return;
   const std::size_t columns = plan.request.columns.size();
   pieces.add(false, [&plan, asked](JsonWriter& json) {
     json.key("section").open('{');
-    if (asked) write_section_asked(json, plan);
+    if (asked) write_section_asked(json, plan.request);
   });
   pieces.add_list("member", !asked, points.member);
   pieces.add_list("crossing", false, points.crossing);
@@ -130,6 +122,16 @@ void add_points(TextPieces& pieces, const EnsemblePlan& plan, const SectionPoint
     if (column_of(plan, k).name == "t") continue;  // a section has its own
     pieces.add_list(column_of(plan, k).name, false, Strided{points.values, k, columns});
   }
+  pieces.add(false, [](JsonWriter& json) { json.close('}'); });
+}
+
+void add_trajectories(TextPieces& pieces, const EnsemblePlan& plan, const Trajectories& all) {
+  if (!plan.trajectories) return;
+  const std::size_t columns = plan.request.columns.size();
+  pieces.add(false, [](JsonWriter& json) { json.key("trajectories").open('{'); });
+  pieces.add_list("member", true, all.member);
+  for (std::size_t k = 0; k < columns; ++k)
+    pieces.add_lists(column_of(plan, k).name, Strided{all.values, k, columns}, all.rows);
   pieces.add(false, [](JsonWriter& json) { json.close('}'); });
 }
 
@@ -147,10 +149,7 @@ void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harve
   write_cost(json.key("cost"), cost);
   std::vector<Warning> warnings = end.warnings;
   if (all.truncated) {
-    warnings.push_back({"section_truncated",
-                        fmt::format("more points of the section than limits.samples = {} has room for; the first are "
-                                    "kept",
-                                    plan.request.limits.samples)});
+    warnings.push_back({"section_truncated", messages::section_truncated(plan.request.limits.samples)});
   }
   if (all.unresolved > 0)
     warnings.push_back({"events_unresolved", messages::unresolved_members(plan.request.watched.list[0].text,
@@ -187,6 +186,7 @@ TextPieces pieces_of_ensemble(const EnsemblePlan& plan, const Cards& cards, cons
   });
   add_ends(pieces, plan, all);
   add_points(pieces, plan, all.section, true);
+  add_trajectories(pieces, plan, all.trajectories);
   pieces.add(false, [&](JsonWriter& json) {
     write_ensemble_cost(json, plan, all, end);
     close_line(json);
@@ -203,9 +203,9 @@ std::string encode_ensemble_head(const EnsemblePlan& plan, const Cards& cards) {
   return ensemble_line([&](JsonWriter& json) {
     json.key("kind").text("head");
     write_ensemble_echo(json, plan, cards);
-    if (plan.section) {
+    if (plan.request.section) {
       json.key("section").open('{');
-      write_section_asked(json, plan);
+      write_section_asked(json, plan.request);
       json.close('}');
     }
     if (plan.histograms.empty()) return;
@@ -245,6 +245,7 @@ TextPieces pieces_of_block(const EnsemblePlan& plan, const Block& block) {
   });
   add_ends(pieces, plan, harvest);
   add_points(pieces, plan, harvest.section, false);
+  add_trajectories(pieces, plan, harvest.trajectories);
   pieces.add(false, [&](JsonWriter& json) {
     json.key("truncated").boolean(harvest.truncated).key("unresolved").integer(harvest.unresolved);
     json.key("first_unresolved").integer(harvest.first_unresolved).key("steps").integer(harvest.cost.steps);

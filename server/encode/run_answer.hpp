@@ -11,6 +11,7 @@
 #include "core/variations/sensitivities.hpp"
 #include "server/shared/answer.hpp"
 #include "server/shared/cards.hpp"
+#include "server/shared/json_writer.hpp"
 #include "server/shared/kept_rows.hpp"
 
 namespace least::server {
@@ -41,19 +42,21 @@ struct FoundSensitivities {
 struct FinishedRun : PlannedRun {
   const Solution& outcome;
   const KeptRows& samples;
+  const KeptRows* points;                     ///< of the section, where there is one
   std::optional<FoundSensitivities> found{};  ///< where they are asked for
 
   FinishedRun(const PlannedRun& planned, const Solution& ended, const KeptRows& rows,
-              const variations::Sensitivities* slopes = nullptr)
-      : PlannedRun(planned), outcome(ended), samples(rows) {
+              const KeptRows* of_section = nullptr, const variations::Sensitivities* slopes = nullptr)
+      : PlannedRun(planned), outcome(ended), samples(rows), points(of_section) {
     if (sensitivities && slopes) found.emplace(FoundSensitivities{*sensitivities, *slopes});
   }
 };
 
-/// `application/x-ndjson`, line by line: `head` with the echo, `samples`, `progress`, and `end` with all that is known
-/// after the run.
+/// `application/x-ndjson`, line by line: `head` with the echo, `samples`, `section`, `progress`, and `end` with all
+/// that is known after the run. Of points of the section, `before` is how many there were.
 std::string run_head_line(const PlannedRun& run);
 std::string run_samples_line(const PlannedRun& run, std::span<const double> rows);
+std::string run_points_line(const PlannedRun& run, std::span<const double> rows, std::int64_t before);
 std::string run_progress_line(double t, std::int64_t steps);
 std::string run_end_line(const PlannedRun& run, const Solution& outcome,
                          const variations::Sensitivities* slopes = nullptr);
@@ -73,10 +76,13 @@ struct Form {
 /// - `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands as one
 ///   line of JSON in header fields `Leastaction-Status`, `-Stop`, `-End`, `-Request` (the echo), `-Choice`, `-Final`,
 ///   `-Diagnostics`, `-Events`, `-Sensitivities`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says
-///   `{"omitted":true}` and stands after the last sample, in a line `# Leastaction-Events: …`.
+///   `{"omitted":true}` and stands after the last sample, in a line `# Leastaction-Events: …`. Points of a section are
+///   such a part, `-Section`; where no trajectory is kept they are the lines.
 /// - `application/cbor` (RFC 8949): the members of JSON, the columns of the trajectory as typed arrays (RFC 8746) of
 ///   binary64 in little endian, in which what has no value is NaN; a column of words is an array of texts.
 std::span<const Form> forms();
+/// The section of a run that has one, as an object.
+void write_points(JsonWriter& json, const FinishedRun& run);
 extern const Form csv_form;
 
 /// An answer with its body in memory.

@@ -8,6 +8,16 @@ namespace {
 
 constexpr std::size_t longest_field = 4096;  // what common clients and proxies take in one field
 
+// Whether the lines are points of a section: where there is no trajectory.
+bool is_of_points(const FinishedRun& run) {
+  const Record& record = run.request.record;
+  return run.points && record.mode == Record::Mode::every && record.count == 0;
+}
+const KeptRows& rows_of(const FinishedRun& run) { return is_of_points(run) ? *run.points : run.samples; }
+std::vector<std::size_t> columns_of(const FinishedRun& run) {
+  return is_of_points(run) ? run.request.section_columns() : run.request.columns;
+}
+
 // Calls see(name, value) for every part of the answer that is no sample, the value one line of plain ASCII.
 template <class See>
 void for_each_part(const FinishedRun& run, See see) {
@@ -30,6 +40,9 @@ void for_each_part(const FinishedRun& run, See see) {
   if (run.choice) part("Leastaction-Choice", [&](JsonWriter& json) { write_choice(json, *run.choice); });
   part("Leastaction-Final", [&](JsonWriter& json) { write_final(json, run, outcome); });
   part("Leastaction-Diagnostics", [&](JsonWriter& json) { write_reports(json, outcome.diagnostics); });
+  if (run.points && !is_of_points(run)) {
+    part("Leastaction-Section", [&](JsonWriter& json) { write_points(json, run); });
+  }
   part("Leastaction-Events", [&](JsonWriter& json) { write_events(json, outcome.events); });
   if (!outcome.acts.empty()) part("Leastaction-Acts", [&](JsonWriter& json) { write_events(json, outcome.acts); });
   if (run.found)
@@ -67,11 +80,13 @@ void write_slopes(std::string& text, const FoundSensitivities& of, std::size_t s
 }
 
 // A line of names, the samples, and what was too long for the fields.
-std::size_t pieces_of_table(const FinishedRun& run) { return 2 + run.samples.slices(); }
+std::size_t pieces_of_table(const FinishedRun& run) { return 2 + rows_of(run).slices(); }
 
 void write_csv(const FinishedRun& run, std::size_t piece, std::string& out) {
-  const auto& columns = run.request.columns;
-  if (piece > run.samples.slices()) {
+  const auto columns = columns_of(run);
+  const KeptRows& kept = rows_of(run);
+  const bool numbered = is_of_points(run);
+  if (piece > kept.slices()) {
     return for_each_part(run, [&](const char* name, const std::string& value) {
       if (value.size() > longest_field) out.append("# ").append(name).append(": ").append(value).append("\n");
     });
@@ -80,7 +95,7 @@ void write_csv(const FinishedRun& run, std::size_t piece, std::string& out) {
   for (const std::size_t column : columns) {
     const ColumnCard& card = run.request.column(column);
     words.push_back(&card.words);
-    if (piece == 0) out.append(words.size() > 1 ? "," : "").append(card.name);
+    if (piece == 0) out.append(words.size() > 1 ? "," : numbered ? "crossing," : "").append(card.name);
   }
   const FoundSensitivities* const slopes = run.found && run.found->asked.at_samples ? &*run.found : nullptr;
   if (piece == 0) {
@@ -88,11 +103,13 @@ void write_csv(const FinishedRun& run, std::size_t piece, std::string& out) {
     out += '\n';
     return;
   }
-  const auto rows = run.samples.slice(piece - 1);
-  std::size_t sample = run.samples.first_row(piece - 1);
+  const auto rows = kept.slice(piece - 1);
+  std::size_t number = kept.rows_before(piece - 1);
   for (std::size_t at = 0; at < rows.size(); at += columns.size()) {
+    if (numbered) out.append(std::to_string(number)).append(",");
     write_row(out, words, rows.subspan(at, columns.size()));
-    if (slopes) write_slopes(out, *slopes, sample++);
+    if (slopes) write_slopes(out, *slopes, number);
+    ++number;
     out += '\n';
   }
 }

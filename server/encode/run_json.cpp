@@ -26,22 +26,36 @@ void write_status(JsonWriter& json, const Solution& outcome) {
   if (!outcome.event.empty()) write_end(json.key("end"), outcome);
 }
 
-// The trajectory stands between a piece with all before it and one with all after it, column by column: the samples
-// lie row by row in memory. Where there are none, a piece opens and closes each column.
-std::size_t slices_of(const FinishedRun& run) { return std::max<std::size_t>(run.samples.slices(), 1); }
-std::size_t pieces_of(const FinishedRun& run) { return 2 + run.request.columns.size() * slices_of(run); }
+// Rows that are written column by column; they lie row by row in memory. Where there are none, a piece opens and closes
+// each column.
+struct Table {
+  const KeptRows& rows;
+  std::vector<const ColumnCard*> cards;
 
-void write_column(const FinishedRun& run, std::size_t column, std::size_t slice, std::string& out, Notation notation) {
-  const auto& columns = run.request.columns;
-  const ColumnCard& card = run.request.column(columns[column]);
+  std::size_t slices() const { return std::max<std::size_t>(rows.slices(), 1); }
+  std::size_t pieces() const { return cards.size() * slices(); }
+};
+
+std::vector<const ColumnCard*> cards_of(const Request& request, const std::vector<std::size_t>& columns) {
+  std::vector<const ColumnCard*> cards;
+  for (const std::size_t place : columns) cards.push_back(&request.column(place));
+  return cards;
+}
+Table samples_of(const FinishedRun& run) { return {run.samples, cards_of(run.request, run.request.columns)}; }
+Table points_of(const FinishedRun& run) { return {*run.points, cards_of(run.request, run.request.section_columns())}; }
+
+// `first`: of the first column, whether nothing stands before it.
+void write_column(const Table& table, std::size_t piece, bool first, std::string& out, Notation notation) {
+  const std::size_t column = piece / table.slices(), slice = piece % table.slices();
+  const ColumnCard& card = *table.cards[column];
   const bool packed = notation == Notation::cbor && card.words.empty(), begins = slice == 0;
-  JsonWriter json(out, notation, begins && column == 0);
+  JsonWriter json(out, notation, begins && column == 0 && first);
   if (begins) {
     json.key(card.name);
-    packed ? begin_typed_array(out, run.samples.rows()) : (void)json.open('[');
+    packed ? begin_typed_array(out, table.rows.rows()) : (void)json.open('[');
   }
-  if (slice < run.samples.slices()) {
-    const Strided values{run.samples.slice(slice), column, columns.size()};
+  if (slice < table.rows.slices()) {
+    const Strided values{table.rows.slice(slice), column, table.cards.size()};
     if (packed) {
       append_binary(out, values);
     } else if (card.words.empty()) {
@@ -50,19 +64,49 @@ void write_column(const FinishedRun& run, std::size_t column, std::size_t slice,
       write_words(json, card.words, values);
     }
   }
-  if (slice + 1 == slices_of(run) && !packed) json.close(']');
+  if (slice + 1 == table.slices() && !packed) json.close(']');
 }
 
-void write_piece(const FinishedRun& run, std::size_t piece, std::string& out, Notation notation) {
-  const std::size_t last = pieces_of(run) - 1;
-  if (piece > 0 && piece < last) {
-    return write_column(run, (piece - 1) / slices_of(run), (piece - 1) % slices_of(run), out, notation);
+// The numbers of the points in a slice, from 0.
+void write_crossings(const KeptRows& points, std::size_t slice, JsonWriter& json) {
+  const auto from = static_cast<std::int64_t>(points.rows_before(slice));
+  const auto count = slice < points.slices() ? std::ssize(points.slice(slice)) / std::int64_t(points.columns()) : 0;
+  for (std::int64_t i = 0; i < count; ++i) json.integer(from + i);
+}
+
+// A section stands between a piece that opens it and the last one, its crossings before its columns.
+std::size_t pieces_of_section(const FinishedRun& run) {
+  if (run.points == nullptr) return 0;
+  const Table points = points_of(run);
+  return 1 + points.slices() + points.pieces();
+}
+void write_section(const FinishedRun& run, std::size_t piece, std::string& out, Notation notation) {
+  const Table points = points_of(run);
+  if (piece > points.slices()) return write_column(points, piece - 1 - points.slices(), false, out, notation);
+  JsonWriter json(out, notation, piece == 1);
+  if (piece == 0) {
+    json.close('}').key("section").open('{');
+    write_section_asked(json, run.request);
+    json.key("crossing").open('[');
+    return;
   }
+  write_crossings(*run.points, piece - 1, json);
+  if (piece == points.slices()) json.close(']');
+}
+
+// The trajectory stands between a piece with all before it and one with all after it.
+std::size_t pieces_of(const FinishedRun& run) { return 2 + samples_of(run).pieces() + pieces_of_section(run); }
+
+void write_piece(const FinishedRun& run, std::size_t piece, std::string& out, Notation notation) {
+  const Table samples = samples_of(run);
+  const std::size_t section = 1 + samples.pieces(), last = section + pieces_of_section(run);
+  if (piece > 0 && piece < section) return write_column(samples, piece - 1, true, out, notation);
+  if (piece >= section && piece < last) return write_section(run, piece - section, out, notation);
   JsonWriter json(out, notation);
   if (piece == 0) {
     json.open('{').key("version").text(version);
     write_status(json, run.outcome);
-    write_echo(json, run, "events_asked");
+    write_echo(json, run, true);
     if (run.choice) write_choice(json.key("choice"), *run.choice);
     json.key("trajectory").open('{');
   } else {
@@ -101,21 +145,40 @@ std::string run_head_line(const PlannedRun& run) {
   });
 }
 
+namespace {
+
+// Columns of rows that lie side by side, as members of the object that is open.
+void write_rows(JsonWriter& json, const std::vector<const ColumnCard*>& cards, std::span<const double> rows) {
+  for (std::size_t column = 0; column < cards.size(); ++column) {
+    const ColumnCard& card = *cards[column];
+    const Strided values{rows, column, cards.size()};
+    json.key(card.name).open('[');
+    if (card.words.empty()) {
+      append_numbers(json.buffer(), values, true);
+    } else {
+      write_words(json, card.words, values);
+    }
+    json.close(']');
+  }
+}
+
+}  // namespace
+
 std::string run_samples_line(const PlannedRun& run, std::span<const double> rows) {
   return run_line("samples", [&](JsonWriter& json) {
-    const auto& columns = run.request.columns;
     json.key("trajectory").open('{');
-    for (std::size_t column = 0; column < columns.size(); ++column) {
-      const ColumnCard& card = run.request.column(columns[column]);
-      const Strided values{rows, column, columns.size()};
-      json.key(card.name).open('[');
-      if (card.words.empty()) {
-        append_numbers(json.buffer(), values, true);
-      } else {
-        write_words(json, card.words, values);
-      }
-      json.close(']');
-    }
+    write_rows(json, cards_of(run.request, run.request.columns), rows);
+    json.close('}');
+  });
+}
+
+std::string run_points_line(const PlannedRun& run, std::span<const double> rows, std::int64_t before) {
+  return run_line("section", [&](JsonWriter& json) {
+    const auto cards = cards_of(run.request, run.request.section_columns());
+    json.key("section").open('{').key("crossing").open('[');
+    for (std::size_t i = 0; i < rows.size() / cards.size(); ++i) json.integer(before + std::int64_t(i));
+    json.close(']');
+    write_rows(json, cards, rows);
     json.close('}');
   });
 }
@@ -133,6 +196,18 @@ std::string run_end_line(const PlannedRun& run, const Solution& outcome, const v
   });
 }
 
+void write_points(JsonWriter& json, const FinishedRun& run) {
+  json.open('{');
+  write_section_asked(json, run.request);
+  json.key("crossing").open('[');
+  for (std::size_t slice = 0; slice < run.points->slices(); ++slice) write_crossings(*run.points, slice, json);
+  json.close(']');
+  const Table points = points_of(run);
+  for (std::size_t piece = 0; piece < points.pieces(); ++piece)
+    write_column(points, piece, false, json.buffer(), json.notation());
+  json.close('}');
+}
+
 std::span<const Form> forms() {
   static const Form all[] = {{"application/json", "application/json", pieces_of, write_json},
                              csv_form,
@@ -144,7 +219,8 @@ Answer whole_answer(const Form& form, const FinishedRun& run) {
   Answer answer;
   answer.type = form.content_type;
   if (form.add_fields) form.add_fields(run, answer);
-  answer.body.reserve(4096 + run.samples.rows() * run.samples.columns() * 20);
+  const std::size_t points = run.points ? run.points->rows() * run.points->columns() : 0;
+  answer.body.reserve(4096 + (run.samples.rows() * run.samples.columns() + points) * 20);
   for (std::size_t piece = 0; piece < form.pieces(run); ++piece) form.write(run, piece, answer.body);
   return answer;
 }

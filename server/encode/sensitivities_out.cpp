@@ -7,13 +7,6 @@ namespace {
 
 using variations::SensitivitiesAsked;
 
-template <class Texts>
-void write_texts(JsonWriter& json, const Texts& texts) {
-  json.open('[');
-  for (const auto& text : texts) json.text(text);
-  json.close(']');
-}
-
 // A list for each row; null where nothing was found.
 void write_slopes(JsonWriter& json, const variations::Slopes& slopes, std::size_t rows) {
   if (slopes.empty()) {

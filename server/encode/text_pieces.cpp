@@ -37,6 +37,37 @@ void TextPieces::add_list(std::string key, bool first, const Strided& column) {
   if (!packed) add(false, [](JsonWriter& json) { json.close(']'); });
 }
 
+void TextPieces::add_lists(std::string key, const Strided& column, const std::vector<std::int64_t>& counts) {
+  add(false, [key = std::move(key)](JsonWriter& json) { json.key(key).open('['); });
+  for (Place at; at.list < counts.size();) {
+    const Place from = at;
+    std::size_t room = slice;
+    while (at.list < counts.size() && room > 0) {
+      const std::size_t left = static_cast<std::size_t>(counts[at.list]) - at.within, taken = std::min(left, room);
+      room -= taken;
+      at = taken < left ? Place{at.list, at.within + taken, at.row + taken} : Place{at.list + 1, 0, at.row + taken};
+    }
+    add(from.list == 0, [=, &counts, to = at](JsonWriter& json) { write_lists(json, column, counts, from, to); });
+  }
+  add(false, [](JsonWriter& json) { json.close(']'); });
+}
+
+void TextPieces::write_lists(JsonWriter& json, const Strided& column, const std::vector<std::int64_t>& counts,
+                             Place from, const Place& to) {
+  const bool packed = json.notation() == Notation::cbor;
+  while (from.list < to.list || from.within < to.within) {
+    const auto count = static_cast<std::size_t>(counts[from.list]);
+    const std::size_t end = from.list < to.list ? count : to.within, rows = end - from.within;
+    const auto numbers = column.numbers.subspan(from.row * column.stride, rows * column.stride);
+    const bool begins = from.within == 0;
+    if (begins) packed ? begin_typed_array(json.buffer(), count) : (void)json.open('[');
+    packed ? append_binary(json.buffer(), {numbers, column.first, column.stride})
+           : append_numbers(json.buffer(), {numbers, column.first, column.stride}, begins);
+    if (end == count && !packed) json.close(']');
+    from = {end == count ? from.list + 1 : from.list, end == count ? 0 : end, from.row + rows};
+  }
+}
+
 bool TextPieces::operator()(std::string& out) {
   constexpr std::size_t enough = 64 * 1024;  // bytes: short ones leave together
   const std::size_t before = out.size();

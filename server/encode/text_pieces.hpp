@@ -22,6 +22,8 @@ class TextPieces {
   /// Members of the object that is open, each a list; columns of numbers in CBOR as typed arrays.
   void add_list(std::string key, bool first, const std::vector<std::int64_t>& values);
   void add_list(std::string key, bool first, const Strided& column);
+  /// A further member, a list of lists: of the column so many numbers each.
+  void add_lists(std::string key, const Strided& column, const std::vector<std::int64_t>& counts);
 
   /// Appends the next one. False: it was the last.
   bool operator()(std::string& out);
@@ -29,6 +31,13 @@ class TextPieces {
   std::string whole();
 
  private:
+  /// A place in a list of lists: before a number of one of them, which is the how-manieth of all.
+  struct Place {
+    std::size_t list = 0, within = 0, row = 0;
+  };
+  static void write_lists(JsonWriter& json, const Strided& column, const std::vector<std::int64_t>& counts, Place from,
+                          const Place& to);
+
   static constexpr std::size_t slice = 16 * 1024;  ///< numbers of a list in one piece
 
   const Notation notation_;

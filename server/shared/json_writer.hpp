@@ -113,4 +113,12 @@ class JsonWriter {
   bool first_;
 };
 
+/// A list of texts.
+template <class Texts>
+void write_texts(JsonWriter& json, const Texts& texts) {
+  json.open('[');
+  for (const auto& text : texts) json.text(text);
+  json.close(']');
+}
+
 }  // namespace least::server

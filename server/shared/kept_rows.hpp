@@ -1,4 +1,4 @@
-// The samples of an answer until they leave: as numbers, the only form in which all of them are in memory at once.
+// The rows of an answer until they leave: as numbers, the only form in which all of them are in memory at once.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/run/outcome.hpp"
+#include "core/run/request.hpp"
 #include "server/shared/memory_budget.hpp"
 
 namespace least::server {
@@ -50,8 +51,8 @@ class KeptRows final : public RowSink {
     const std::span<const double> block = blocks_[i / each];
     return block.subspan(from, std::min(slice_size(), block.size() - from));
   }
-  /// The number of the first row of a slice.
-  std::size_t first_row(std::size_t i) const {
+  /// How many rows stand before that slice.
+  std::size_t rows_before(std::size_t i) const {
     const std::size_t each = slices_of(block_size());
     return (i / each * block_size() + i % each * slice_size()) / columns_;
   }
@@ -88,6 +89,18 @@ class KeptRows final : public RowSink {
   Held held_;
   std::vector<std::vector<double>> blocks_;
   bool overflowed_ = false;
+};
+
+/// The samples of a run, and the points of its section.
+struct KeptRun final : RowSink {
+  KeptRows samples, points;
+
+  KeptRun(const Request& request, MemoryBudget* budget = nullptr)
+      : samples(request.columns.size(), budget), points(request.section_columns().size(), budget) {}
+
+  bool append(std::span<const double> rows) override { return samples.append(rows); }
+  bool append_section(std::span<const double> rows) override { return points.append(rows); }
+  bool overflowed() const { return samples.overflowed() || points.overflowed(); }
 };
 
 }  // namespace least::server

@@ -128,7 +128,7 @@ TEST(Ensemble, AStroboscopicSectionIsTakenAtItsTimes) {
   test::setting(plan, "step") = 0.01;
   test::set_members(plan, 3, {{false, 0, Spread::grid, {1, 3, 3}}});
   test::set_columns(plan, {"q", "p"});
-  plan.section = Section{false, 3, 0.5};
+  plan.request.section = Section{false, 3, 0.5};
   const Harvest all = harvest_of(plan);
   EXPECT_EQ(all.section.t, (std::vector<double>{0.5, 3.5, 6.5, 9.5, 0.5, 3.5, 6.5, 9.5, 0.5, 3.5, 6.5, 9.5}));
   EXPECT_EQ(all.section.member, (std::vector<std::int64_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2}));

@@ -14,7 +14,7 @@ EnsemblePlan section_of(std::int64_t members, double period) {
   test::setting(plan, "step") = 0.1;
   test::set_members(plan, members, {{false, 0, Spread::uniform, {-1, 1}}});
   test::set_columns(plan, {"q", "p"});
-  plan.section = Section{false, period, 0};
+  plan.request.section = Section{false, period, 0};
   plan.final = true;
   return plan;
 }

@@ -182,7 +182,7 @@ TEST(LaneMembers, EndEachForItself) {
 
 TEST(LaneMembers, MeetStroboscopicSectionsAsAlone) {
   EnsemblePlan plan = about_start("henon_heiles", *find_scheme("leapfrog"), 70, 500);
-  plan.section = Section{false, 1.5, 0.25};
+  plan.request.section = Section{false, 1.5, 0.25};
   const Harvest lone = alone(plan);
   ASSERT_GT(lone.section.t.size(), 70 * 5u);
   for (const LaneUnit& unit : lane_units()) {
@@ -194,7 +194,7 @@ TEST(LaneMembers, MeetStroboscopicSectionsAsAlone) {
     EXPECT_EQ(wide.final, in_lanes(
                               [&] {
                                 EnsemblePlan without = plan;
-                                without.section.reset();
+                                without.request.section.reset();
                                 return without;
                               }(),
                               unit)

@@ -124,7 +124,7 @@ std::vector<std::pair<double, double>> spreads(EnsemblePlan plan, double from, d
   plan.request.end = 1000.5 * turn;
   test::set_members(plan, count, {{false, 1, Spread::grid, {from, to, static_cast<double>(count)}}});
   test::set_columns(plan, {"p"});
-  plan.section = Section{false, turn};
+  plan.request.section = Section{false, turn};
   const SectionPoints points = harvest_of(plan, 2).section;
   std::vector<std::pair<double, double>> all;
   for (std::size_t at = 0; at + 1000 <= points.t.size(); at += 1000) {

@@ -37,7 +37,7 @@ EnsemblePlan ensemble_leaving(const Leaving& leaving) {
     plan.request.scene = std::make_shared<const Scene>(scene);
   }
   test::set_members(plan, 700, leaving.vary);
-  plan.section = Section{false, 31.4, 0.1};
+  plan.request.section = Section{false, 31.4, 0.1};
   return plan;
 }
 void expect_the_same(const Harvest& a, const Harvest& b, const std::string& name) {

@@ -251,7 +251,7 @@ TEST(TextLanes, MeetSectionsAsAlone) {
     if (schemes()[plan.request.scheme].find("composition")) test::setting(plan, "composition") = 1;
     vary_starts(plan, 21);
     if (std::string_view(plane).empty()) {
-      plan.section = Section{false, 1.53, 0.25};
+      plan.request.section = Section{false, 1.53, 0.25};
     } else {
       test::set_plane(plan, plane, 0);
     }
@@ -265,7 +265,7 @@ TEST(TextLanes, MeetSectionsAsAlone) {
   }
   EnsemblePlan plan = plan_of(well, "leapfrog", {0.1, 0.2, 0.05, 0.3}, 0.05, 700.4);
   test::set_members(plan, 20, {{true, 0, Spread::values, {0, 1, 1.1, 0.9}}, {false, 0, Spread::grid, {0, 0.1, 5}}});
-  plan.section = Section{false, 1.53, 0.25};
+  plan.request.section = Section{false, 1.53, 0.25};
   plan.request.limits.samples = 300;
   const Harvest lone = alone(plan), lanes = in_lanes(plan, lane_units().front()).value();
   EXPECT_TRUE(lanes.truncated);

@@ -99,7 +99,7 @@ TEST(EnsembleRequest, NamesEveryFault) {
   expect_fault("columns", own("x", "x"), "/columns/1/name", "name of a column");
   expect_fault("histograms", R"({"x":{"range":[1,0],"bins":3}})", "/histograms/x/range", "lower first");
   expect_fault("histograms", R"({"energy":{"range":[0,1],"bins":3}})", "/histograms/energy", "unknown key");
-  expect_fault("record", R"({"every":1})", "/record", "unknown key");
+  expect_fault("record", R"({"every":-1})", "/record/every", "must be");
   expect_fault("histograms", R"({"x":{"range":[-1.7e308,1.7e308],"bins":3}})", "/histograms/x/range", "wider");
   Json large = Json::parse(R"({"problem":"kepler","scheme":"leapfrog","keep":["final"]})");
   large["members"] = {{"count", 1000000000000}};

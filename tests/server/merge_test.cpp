@@ -74,6 +74,21 @@ TEST_F(EnsembleParts, MergeToTheBytesOfOneRun) {
   EXPECT_EQ(without_cost(whole)["completed"], 9000);
 }
 
+TEST_F(EnsembleParts, MergeWithTrajectories) {
+  Json request = Json::parse(orbits);
+  request["keep"] = {"trajectories", "final"};
+  request["record"] = {{"samples", 3}};
+  request["limits"] = {{"steps", 59}};
+  request["until"] = {{"t", 3}};
+  for (const std::string shard : {"0", "1"}) EXPECT_EQ(part(request.dump(), shard + "/2", shard).status, 200);
+  EXPECT_EQ(part(request.dump(), "0/1", "all").status, 200);
+  const std::string whole = merged({"all"});
+  EXPECT_EQ(whole.substr(0, whole.find("\"cost\"")), merged({"1", "0"}).substr(0, whole.find("\"cost\"")));
+  const Json ways = Json::parse(whole)["trajectories"];
+  EXPECT_EQ(ways["member"].size(), 9000u);
+  EXPECT_EQ(ways["r"][8999].size(), 2u) << "all of them stop before the last sample";
+}
+
 // Of a block in which nobody comes to the end the counts are zeros.
 TEST_F(EnsembleParts, MergeWhereNobodyCompletes) {
   Json request = Json::parse(orbits);

@@ -50,7 +50,7 @@ inline void set_plane(least::EnsemblePlan& plan, const std::string& expression, 
   if (const auto fault = reader.read("section", expression)) throw std::invalid_argument(fault->detail);
   plan.request.watched = reader.made();
   plan.request.events = {{direction, false}};
-  plan.section = least::Section{true};
+  plan.request.section = least::Section{true};
 }
 /// The members of the plan as one block, by a unit of lanes; nothing where it cannot.
 inline std::optional<least::Harvest> in_lanes(const least::EnsemblePlan& plan, const least::LaneUnit& unit) {

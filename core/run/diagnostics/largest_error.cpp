@@ -125,6 +125,7 @@ class PeakSearch {
     again.record = {Record::Mode::times, 1, std::move(times)};
     again.measures = again.watched = {};
     again.events.clear();
+    again.section.reset();
     again.columns.resize(width);
     std::iota(again.columns.begin(), again.columns.end(), 0);  // t and the variables
     again.diagnostics.clear();

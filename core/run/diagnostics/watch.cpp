@@ -118,7 +118,7 @@ Watch::Signs Watch::look_back(const Looks& looks, std::size_t back, std::size_t 
     bends[i] = 2 * bend;
     boxes[i] = {low - bend / 4, high + bend / 4};
   }
-  std::array<Enclosure, most_events> values;
+  std::array<Enclosure, most_watched> values;
   measures_.enclose(boxes.data(), {from, to}, values.data());
   Signs passed = 0;
   for (std::size_t i = 0; i < measures_.size(); ++i)
@@ -131,7 +131,7 @@ Watch::Signs Watch::look_back(const Looks& looks, std::size_t back, std::size_t 
     const double change = rows[0][i] - rows[1][i];
     flows[i] = {boxes[i], {(change - bends[i]) / step, (change + bends[i]) / step}};
   }
-  std::array<RateEnclosure, most_events> rates;
+  std::array<RateEnclosure, most_watched> rates;
   measures_.enclose(flows.data(), {{from, to}, 1.0}, rates.data());
   const Signs moved = changed(signs(rows[1], from), signs(rows[0], to));
   for (std::size_t i = 0; i < measures_.size(); ++i)

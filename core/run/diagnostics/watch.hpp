@@ -98,7 +98,7 @@ class Watch {
   bool may_vanish(const Looks& looks, std::size_t back, std::size_t count) const;
   /// Of so many steps, the last of which ended at the look before so many others.
   Signs look_back(const Looks& looks, std::size_t back, std::size_t count) const;
-  using Values = std::array<double, most_events>;
+  using Values = std::array<double, most_watched>;
   Signs signs(const Values& values) const;
   Signs all() const { return static_cast<Signs>((std::uint64_t{1} << measures_.size()) - 1); }
   Signs changed(Signs was, Signs is) const { return (was & ~is & up_) | (is & ~was & down_); }

@@ -88,10 +88,10 @@ class ZeroSearch {
   std::vector<double> observed_;
   std::vector<interval::Enclosure> points_;     ///< variables in the middle of a piece
   std::vector<interval::RateEnclosure> boxes_;  ///< and all along it
-  std::array<interval::Enclosure, most_events> middle_;
-  std::array<interval::RateEnclosure, most_events> whole_;
-  std::array<double, most_events> scale_{};  ///< the largest value that was met
-  std::array<std::vector<Bracket>, most_events> brackets_;
+  std::array<interval::Enclosure, most_watched> middle_;
+  std::array<interval::RateEnclosure, most_watched> whole_;
+  std::array<double, most_watched> scale_{};  ///< the largest value that was met
+  std::array<std::vector<Bracket>, most_watched> brackets_;
   std::vector<std::pair<std::size_t, double>> wild_;  ///< expressions, and times at which they may still be anything
 };
 

@@ -4,8 +4,14 @@
 //   Pleiades, Arenstorf's orbit, Lorenz: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993
 //   van der Pol, μ = 1000: Hairer, Wanner, Solving Ordinary Differential Equations II, 1996, IV.10
 //   figure eight: Chenciner, Montgomery, Ann. Math. 152, 881 (2000)
+//   outer solar system: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, I.2.4
+//   Pythagorean three bodies: Burrau, Astron. Nachr. 195, 113 (1913); Szebehely, Peters, Astron. J. 72, 876 (1967)
+// Of the last two, and of Lorenz, the ends are from Taylor series of order 34 in quadruple precision, by a program that
+// shares nothing with this library: runs of two tolerances agree in as many digits as are given. The references of this
+// library, in double-double, are held against them, too.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +30,8 @@ struct Published {
 
 /// All of them, in the order of the table.
 std::vector<Published> all_published();
+/// Those of many bodies and of chaos, the last of these.
+void add_motions(std::vector<Published>& all);
 
 /// A run of one, by taylor at the tolerance 1e-15 or by auto at 1e-9.
 struct Agreement {
@@ -31,5 +39,20 @@ struct Agreement {
   std::string scheme;
 };
 Agreement agreement_of(const Published& test, bool automatic);
+/// Digits in which the library's reference agrees; nothing where by its own word it is not certain to 1e-12.
+std::optional<double> agreement_of_reference(const Published& test);
+
+/// The energy of the outer solar system over 200,000 days, by a scheme with a step of so many days.
+struct EnergyRow {
+  std::string scheme, composition;
+  double step;
+  double most;  ///< the largest error of the energy, relative to the energy, is less
+};
+std::vector<EnergyRow> energy_rows();
+struct EnergyError {
+  double most = 0, last = 0, seconds = 0;
+  std::int64_t forces = 0;
+};
+EnergyError energy_of(const EnergyRow& row);
 
 }  // namespace torture

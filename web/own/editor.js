@@ -13,15 +13,18 @@ const forms = {
   contact_linear: "contact: linear in the action s, which is friction", contact_quadratic: "contact: quadratic in the action s",
   lagrangian: "a general Lagrangian", hamiltonian: "a general Hamiltonian", flow: "equations of a flow",
 };
+const mechanics = kinds.filter((kind) => kind !== "equations");
 const fields = [
   { key: "variables", label: "Coordinates", hint: "x, y" },
   { key: "formula", rows: 3 },
   { key: "parameters", label: "Parameters, name = value", rows: 2, hint: "mu = 1" },
   { key: "definitions", label: "Definitions, name = formula", rows: 1, hint: "r = sqrt(x^2 + y^2)" },
-  { key: "masses", label: "Masses, coordinate = mass", rows: 2, hint: "1 each", of: "potential" },
-  { key: "damping", label: "Damping α(t)", hint: "none", of: "potential" },
-  { key: "action_curvature", label: "Curvature γ in s", hint: "none", of: "potential" },
-  { key: "offset", label: "Offset R", hint: "none", of: "potential" },
+  { key: "masses", label: "Masses, coordinate = mass", rows: 2, hint: "1 each", of: ["potential"] },
+  { key: "damping", label: "Damping α(t)", hint: "none", of: ["potential"] },
+  { key: "action_curvature", label: "Curvature γ in s", hint: "none", of: ["potential"] },
+  { key: "offset", label: "Offset R", hint: "none", of: ["potential"] },
+  { key: "forces", label: "Forces, coordinate = formula", rows: 1, hint: "x = -0.1*vx*abs(vx)", of: mechanics },
+  { key: "dissipation", label: "Dissipation D", hint: "none", of: mechanics },
   { key: "invariants", label: "What is kept, name = formula", rows: 1, hint: "L = x*py - y*px" },
   { key: "views", label: "Pictures: columns or formulas drawn together", rows: 1, hint: '[["x", "y"], ["t", "x^2"]]' },
   { key: "bodies", label: "Bodies: where they are, what rods link them to", rows: 1, hint: '[{"at": ["sin(q)", "-cos(q)"], "linked": ["pivot"]}]' },
@@ -150,7 +153,7 @@ export class Editor {
     formula.was = kind;
     formula.name.textContent = heading(kind, entries(this.#parts.get("variables").input.value));
     this.#parts.get("variables").name.textContent = kind === "equations" ? "Variables" : "Coordinates";
-    for (const { key, of } of fields) this.#parts.get(key).node.hidden = Boolean(of && of !== kind);
+    for (const { key, of = kinds } of fields) this.#parts.get(key).node.hidden = !of.includes(kind);
     for (const { input } of this.#parts.values()) {
       if (input.localName === "textarea") input.rows = Math.max(input.value.split("\n").length, input === formula.input ? 2 : 1);
     }

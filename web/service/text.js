@@ -2,11 +2,11 @@
 
 export const custom = "custom";
 export const kinds = ["lagrangian", "hamiltonian", "potential", "equations"];
-const lists = ["parameters", "masses", "equations", "definitions", "invariants"]; // each a `name = value` to a line
-const ofPotentials = ["masses", "damping", "action_curvature", "offset"];
+const lists = ["parameters", "masses", "equations", "definitions", "invariants", "forces"]; // each a `name = value` to a line
+const ofPotentials = ["masses", "damping", "action_curvature", "offset"], ofMechanics = ["forces", "dissipation"];
 const data = ["views", "bodies"]; // JSON, as in a request
 /** The keys of a scene as text beside its parameters. */
-const keys = ["title", "note", "variables", ...kinds, ...lists, ...ofPotentials, ...data];
+const keys = ["title", "note", "variables", ...kinds, ...lists, ...ofPotentials, "dissipation", ...data];
 
 /** The parts of a text, at commas and semicolons outside of brackets and at ends of lines: `[[part, index]]`. */
 function split(text) {
@@ -46,7 +46,7 @@ export function definitionOf({ kind, formula, ...texts }) {
   for (const key of keys) {
     const text = given[key]?.trim() ?? "";
     if (kinds.includes(key) ? key !== kind : !text && key !== "variables") continue;
-    if (ofPotentials.includes(key) && kind !== "potential") continue;
+    if (ofPotentials.includes(key) && kind !== "potential" || ofMechanics.includes(key) && kind === "equations") continue;
     if (key === "variables") problem[key] = entries(text).map(({ name }) => name);
     else if (lists.includes(key)) problem[key] = listed(key, text, faults);
     else if (data.includes(key)) problem[key] = read(text);

@@ -132,21 +132,42 @@ Acts::Effect Acts::act(std::size_t event, RunState& x) {
   std::shift_right(done.times.begin(), done.times.end(), 1);
   done.times[0] = x.t;
   if (done.count == act.most) return Effect::completes;
-  return has_piled_up(done) ? Effect::piles_up : Effect::goes_on;
+  return has_piled_up(event, x) ? Effect::piles_up : Effect::goes_on;
 }
 
 /// Whether the last times lie as the powers of a ratio do, so near to their limit that the next ones are lost in what
-/// rounding makes of the state.
-bool Acts::has_piled_up(const Done& done) {
+/// rounding makes of the time or of the state.
+bool Acts::has_piled_up(std::size_t event, const RunState& after) {
   constexpr double near = 1e-7, alike = 0.05;
+  const Done& done = done_[event];
   if (done.count < static_cast<std::int64_t>(done.times.size())) return false;
   const auto [t, before, earlier, first] = done.times;
   const double last = t - before, one = before - earlier, other = earlier - first;
-  if (!(last < near * (t - request_.scene->start)) || !(last < one && one < other)) return false;
+  if (!(last < one && one < other)) return false;
   const double ratio = last / one;
   if (!(std::abs(ratio - one / other) < alike)) return false;
+  if (!(last < near * (t - request_.scene->start)) && !is_hidden(event, after, last * ratio)) return false;
   limit_ = t + last * ratio / (1 - ratio);
   return true;
+}
+
+bool Acts::is_hidden(std::size_t event, const RunState& after, double until_next) const {
+  constexpr double little = 64, round_off = std::numeric_limits<double>::epsilon();
+  const Scene& scene = *request_.scene;
+  const Measures& watched = request_.watched;
+  const Moving<double> state = moving(after);
+  std::vector<interval::Enclosure> bounds;
+  for (const double x : observed_by(backend_, scene, watched, state, false))
+    bounds.push_back({x - round_off * std::abs(x), x + round_off * std::abs(x)});
+  std::vector<interval::Enclosure> values(watched.size());
+  watched.enclose(bounds.data(), after.t, values.data());
+  std::vector<double> rates(std::max(after.size(), backend_.table().traits.components));
+  backend_.table().rates(after, rates.data());
+  std::vector<Slope> changes(watched.size());
+  const Moving<Slope> moves = along(after, rates.data(), 1);
+  watched.evaluate(observed_by(backend_, scene, watched, moves, false).data(), moves.t, changes.data());
+  // A parabola between two zeros comes as far as a fourth of their distance at the rate with which it leaves the first.
+  return std::abs(changes[event].slope[0]) * until_next / 4 < little * values[event].width();
 }
 
 double Acts::defect_of(std::size_t event, const RunState& before, const RunState& after) const {

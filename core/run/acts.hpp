@@ -57,7 +57,9 @@ class Acts {
     std::array<double, 4> times{};  ///< of the last acts, the latest first
     double defect = 0;
   };
-  bool has_piled_up(const Done& done);
+  bool has_piled_up(std::size_t event, const RunState& after);
+  /// Whether round-off hides what the expression of an event does until it vanishes again, so long after this state.
+  bool is_hidden(std::size_t event, const RunState& after, double until_next) const;
   double defect_of(std::size_t event, const RunState& before, const RunState& after) const;
 
   const RunBackend& backend_;

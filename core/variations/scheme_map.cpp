@@ -7,16 +7,15 @@ namespace {
 
 WalkClass class_of(const text::Form& form) {
   using text::FormKind;
-  const std::size_t n = form.coordinates;
   if (!form.is_compiled()) {
     const bool sized = form.kind != FormKind::contact_quadratic && form.kind != FormKind::metric;
     return sized && form.kind != FormKind::lagrangian ? walk_of_large(form) : WalkClass{};
   }
   switch (form.kind) {
     case FormKind::separable:
-      return walk_of_separable(n, form.full_mass);
+      return walk_of_separable(form.full_mass);
     case FormKind::contact_linear:
-      return walk_of_damped(n, form.full_mass, form.constant_damping);
+      return walk_of_damped(form.full_mass, form.constant_damping);
     case FormKind::contact_quadratic:
       return walk_of_quadratic(form.full_mass);
     case FormKind::metric:

@@ -48,8 +48,8 @@ struct WalkClass {
 };
 
 // Compiled on their own.
-WalkClass walk_of_separable(std::size_t coordinates, bool full_mass);
-WalkClass walk_of_damped(std::size_t coordinates, bool full_mass, bool constant);
+WalkClass walk_of_separable(bool full_mass);
+WalkClass walk_of_damped(bool full_mass, bool constant);
 WalkClass walk_of_quadratic(bool full_mass);
 WalkClass walk_of_metric();
 WalkClass walk_of_hamiltonian();

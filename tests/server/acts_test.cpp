@@ -33,6 +33,25 @@ class EventsThatAct : public Serving {
   }
 };
 
+// Whatever is kept of the speed, however far the run is to go, and wherever the floor is: no ball falls through.
+TEST_F(EventsThatAct, NoBallFallsThroughTheFloor) {
+  for (const double until : {20.0, 40.0, 100.0})
+    for (const double floor : {0.0, 1.0, -300.0})
+      for (int percent = 30; percent <= 86; percent += 4) {
+        const double r = percent / 100.0, limit = std::sqrt(2.0) * (1 + r) / (1 - r);
+        Json request = ball(r);
+        request["until"] = until;
+        request["initial"]["x"] = floor + 1;
+        request["problem"]["parameters"]["f"] = floor;
+        request["events"][0]["expression"] = "x - f";
+        const Json made = answer(request);
+        ASSERT_EQ(made["status"], "stopped") << request << made["final"];
+        EXPECT_EQ(made["stop"]["reason"], "accumulating_events") << request;
+        EXPECT_NEAR(made["stop"]["singular_at"], limit, floor == 0 ? 1e-9 : 1e-5) << request;
+        EXPECT_NEAR(made["final"]["x"], floor, 1e-9) << request;
+      }
+}
+
 // Bounces come after sqrt(2) (1 + 2 Σ rᵏ), infinitely many before sqrt(2) (1 + r)/(1 − r).
 TEST_F(EventsThatAct, ABallBouncesAsItIsKnownTo) {
   const double r = 0.8, fall = std::sqrt(2.0), limit = fall * (1 + r) / (1 - r);

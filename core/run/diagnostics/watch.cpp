@@ -147,15 +147,29 @@ bool Watch::may_vanish(const double* left, double from, const double* right, dou
 
 std::vector<Zero> Watch::locate(const double* left, double from, const double* right, double to,
                                 const ObserveAt& observe_at, int pieces) {
+  std::vector<double> middle(measures_.reads.size());
+  if (!acted_ || !(from < soon_ && soon_ < to) || !observe_at(soon_, middle.data()))
+    return search(left, from, right, to, observe_at, pieces);
+  // A step may be so long that the way to the next zero is as nothing beside it: that of a ball before it bounces for
+  // the thousandth time, whose parabola a series follows to the end of the run.
+  std::vector<Zero> zeros = search(left, from, middle.data(), soon_, observe_at, pieces);
+  if (!zeros.empty() && ends(zeros.back().which)) return zeros;
+  const std::vector<Zero> later = search(middle.data(), soon_, right, to, observe_at, pieces);
+  zeros.insert(zeros.end(), later.begin(), later.end());
+  return zeros;
+}
+
+std::vector<Zero> Watch::search(const double* left, double from, const double* right, double to,
+                                const ObserveAt& observe_at, int pieces) {
   // A run that has been unresolved so often is to end soon.
   constexpr int much = 1 << 13, little = 64;
   constexpr std::int64_t patience = 4;
   const ObserveAt observe = with_ends(left, from, right, to, observe_at, measures_.reads.size());
-  ZeroSearch search(measures_, observe, unresolved_.steps < patience ? much : little);
-  search.find(from, to, pieces);
+  ZeroSearch zero_search(measures_, observe, unresolved_.steps < patience ? much : little);
+  zero_search.find(from, to, pieces);
   std::vector<double> observed(measures_.reads.size());
   std::vector<Zero> zeros;
-  Signs unresolved = search.unresolved();
+  Signs unresolved = zero_search.unresolved();
   for (std::size_t i = 0; i < measures_.size(); ++i) {
     const auto value = [&](double t) {
       Values values{};
@@ -163,7 +177,7 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
       measures_.evaluate(observed.data(), t, values.data());
       return values[i];
     };
-    const auto& brackets = search.brackets(i);
+    const auto& brackets = zero_search.brackets(i);
     for (auto next = brackets.begin(); next != brackets.end();) {
       const double a = next->from;
       double b = next->to, noise = next->noise;

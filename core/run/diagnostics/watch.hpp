@@ -82,6 +82,7 @@ class Watch {
   /// The run has begun anew at the time t, from what a zero of this one made of it: what vanishes right there vanishes
   /// because of that.
   void begin_anew(double t, std::size_t which) {
+    soon_ = t + 4 * (t - start_);
     start_ = t;
     acted_ = which;
   }
@@ -94,6 +95,8 @@ class Watch {
   static Report after(const ProblemCard& problem, const std::vector<double>& state);
 
  private:
+  std::vector<Zero> search(const double* left, double from, const double* right, double to, const ObserveAt& observe_at,
+                           int pieces);
   void note(Looks& looks, const double* observed, double t) const;
   bool may_vanish(const Looks& looks, std::size_t back, std::size_t count) const;
   /// Of so many steps, the last of which ended at the look before so many others.
@@ -106,6 +109,7 @@ class Watch {
   const Measures& measures_;
   double start_;
   std::optional<std::size_t> acted_;  ///< the run began there by what a zero of this one did
+  double soon_ = 0;                   ///< after an act: by then the next one comes, if it takes as long as the last
   Signs up_ = 0, down_ = 0;           ///< which are looked for where they rise, and where they fall
   Signs halting_ = 0;                 ///< which end the run
   std::vector<std::size_t> read_;     ///< which variables

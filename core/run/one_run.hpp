@@ -238,7 +238,7 @@ class Run {
   TrajectoryWriter writer_, section_writer_;
   const std::int64_t most_rows_ = request_.most_rows();
   const std::int64_t most_points_ =
-      request_.limits.samples / static_cast<std::int64_t>(request_.section_columns().size());
+      request_.section ? request_.limits.samples / std::ssize(request_.section_columns()) : 0;
   Budget budget_;
   Watch watch_;
   Acts acts_{backend_, request_};

@@ -22,7 +22,7 @@ const std::map<std::string, Names>& rooms() {
     const Names run = beside(base, {"core/exact", "core/problems", "core/schemes", "core/text"});
     const Names reference = beside(run, {"core/run"}), study = beside(reference, {"core/reference"});
     const Names catalogue = beside(study, {"core/study", "core/ensemble"}),
-                core = beside(catalogue, {"core/catalogue"});
+                variations = beside(catalogue, {"core/catalogue"}), core = beside(variations, {"core/variations"});
     return std::map<std::string, Names>{
         {"core/number", {}},
         {"core/tape", {"core/number"}},
@@ -36,6 +36,7 @@ const std::map<std::string, Names>& rooms() {
         {"core/study", study},
         {"core/ensemble", study},
         {"core/catalogue", catalogue},
+        {"core/variations", variations},
         {"server/shared", core},
         {"server/http", {"server/shared"}},  // the transport knows nothing of simulations: see below
         {"server/decode", beside(core, {"server/shared"})},

@@ -187,7 +187,7 @@ const ForcedRule::Rule ForcedRule::simpson{3,
 namespace {
 
 /// v₀ − 2v_m + v₁ = 0 of the velocities along a parabola.
-constexpr std::array bend{1.0, -2.0, 1.0};
+constexpr std::array second_difference{1.0, -2.0, 1.0};
 /// Of Lobatto's three equations for a momentum, residuals or rows of the Jacobian, the principle says two combinations;
 /// the third is that of the velocities, which follows from the three where the metric is constant.
 void take_bend(double& first, double& middle, double& last, double of_velocities) {
@@ -242,7 +242,7 @@ StepStatus ForcedRule::stage(double* x, double t, double h) {
     for (std::size_t i = 0; i < width_; ++i) {
       if (!is_bent(i)) continue;
       double bent = 0;
-      for (std::size_t b = 0; b < stages; ++b) bent += bend[b] * rates_[b * row + i - width_ / 2];
+      for (std::size_t b = 0; b < stages; ++b) bent += second_difference[b] * rates_[b * row + i - width_ / 2];
       take_bend(wrong[i], wrong[width_ + i], wrong[2 * width_ + i], bent);
     }
   };
@@ -280,7 +280,7 @@ void ForcedRule::prepare(const double* y, double t, double h) {
           return newton_.matrix[(a * width_ + i) * all + b * width_ + k];
         };
         for (std::size_t a = 0; a < stages; ++a) entry(a) = (a == b && i == k ? 1 : 0) - h * part(i)[a][b] * slope;
-        if (is_bent(i)) take_bend(entry(0), entry(1), entry(2), bend[b] * moved_[i - width_ / 2].slope[0]);
+        if (is_bent(i)) take_bend(entry(0), entry(1), entry(2), second_difference[b] * moved_[i - width_ / 2].slope[0]);
       }
     }
   }

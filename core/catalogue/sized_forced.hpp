@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/number/exponential.hpp"
+#include "core/run/run_state.hpp"
 #include "core/schemes/splitting.hpp"
 #include "core/simplified_newton.hpp"
 #include "core/text/sized_scene.hpp"

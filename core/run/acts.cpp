@@ -156,9 +156,11 @@ bool Acts::is_hidden(std::size_t event, const RunState& after, double until_next
   const Scene& scene = *request_.scene;
   const Measures& watched = request_.watched;
   const Moving<double> state = moving(after);
-  std::vector<interval::Enclosure> bounds;
-  for (const double x : observed_by(backend_, scene, watched, state, false))
-    bounds.push_back({x - round_off * std::abs(x), x + round_off * std::abs(x)});
+  const std::vector<double> observed = observed_by(backend_, scene, watched, state, false);
+  std::vector<interval::Enclosure> bounds(observed.size());
+  std::ranges::transform(observed, bounds.begin(), [](double x) {
+    return interval::Enclosure{x - round_off * std::abs(x), x + round_off * std::abs(x)};
+  });
   std::vector<interval::Enclosure> values(watched.size());
   watched.enclose(bounds.data(), after.t, values.data());
   std::vector<double> rates(std::max(after.size(), backend_.table().traits.components));

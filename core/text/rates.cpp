@@ -167,6 +167,7 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
   const Symbol by_action = tape::gradient(tape, h, std::array{form.numbers.action})[0];
   for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(names[i], v[i]);
   std::vector<Symbol> p;
+  p.reserve(n);
   for (const int i : momenta) p.push_back(same(i));
   const auto beside = forces_of(form, rates, v, p);
   for (std::size_t i = 0; i < n; ++i)

@@ -136,8 +136,8 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
   forces.values = formula(all);
   if (kind != FormKind::separable) return;
   const auto is_zero = [](const Symbol& y) { return y.is_constant() && y.constant() == 0; };
-  constexpr tape::Dependence on_places = 1, on_momenta = 2;
-  tape::Dependences depends(equations, [n](int i) { return static_cast<std::size_t>(i) < n ? on_places : on_momenta; });
+  constexpr tape::Dependence by_places = 1, by_momenta = 2;
+  tape::Dependences depends(equations, [n](int i) { return static_cast<std::size_t>(i) < n ? by_places : by_momenta; });
   tape::Substitution at_rest(equations, equations, [&](int i) {
     const auto k = static_cast<std::size_t>(i);
     return k < n ? Symbol::variable(equations, k) : Symbol(0);
@@ -146,7 +146,7 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
   const auto switches_with_momenta = [&](const Symbol& y) {
     return !y.is_constant() && std::ranges::any_of(tape::parts_of(equations, y.place()), [&](tape::Index i) {
       const tape::Node& node = equations[i];
-      return node.op == tape::Op::select && (depends(Symbol::at(equations, node.a)) & on_momenta) != 0;
+      return node.op == tape::Op::select && (depends(Symbol::at(equations, node.a)) & by_momenta) != 0;
     });
   };
   std::vector<int> momenta(n);
@@ -159,7 +159,7 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
     for (std::size_t j = 0; j < n; ++j) {
       const tape::Dependence of = depends(row[j]);
       forces.diagonal = forces.diagonal && (i == j || is_zero(row[j]));
-      forces.linear = forces.linear && (of & on_momenta) == 0;
+      forces.linear = forces.linear && (of & by_momenta) == 0;
       forces.constant = forces.constant && of == 0;
     }
     diagonal.push_back(row[i]);

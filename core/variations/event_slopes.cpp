@@ -74,6 +74,7 @@ class Recorder {
 
   tape::Formula formula(const std::vector<Symbol>& all) {
     std::vector<tape::Index> places;
+    places.reserve(all.size());
     for (const Symbol& y : all) places.push_back(y.on(tape_));
     return {tape_, places};
   }

@@ -37,7 +37,7 @@ Walked walk(const Walk& on, const text::Form& form, std::span<const double> para
   const WalkClass by = class_of(form);
   const SchemeCard& scheme = on.scheme;
   auto formulas = std::make_shared<const VariedFormulas>(form, parameters, moved, by.room);
-  return *by.walk(&on, scheme.id, std::move(formulas));
+  return *by.walk(&on, scheme.id, formulas);
 }
 
 std::string no_walk(const SchemeCard& scheme, const text::Form& form) {

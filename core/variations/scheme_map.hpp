@@ -40,7 +40,7 @@ std::string no_walk(const SchemeCard& scheme, const text::Form& form);
 
 /// Of one class of problem. No walk: whether there is one is the answer.
 using WalkOf = std::optional<Walked> (*)(const Walk* on, std::string_view scheme,
-                                         std::shared_ptr<const VariedFormulas> formulas);
+                                         const std::shared_ptr<const VariedFormulas>& formulas);
 /// The class for a form, and how many coordinates it has room for.
 struct WalkClass {
   WalkOf walk = nullptr;

@@ -7,6 +7,7 @@ namespace least::variations {
 tape::Formula formula_of(const ParametricScene& scene, const std::vector<Symbol>& all) {
   tape::Tape tape = scene.tape;  // constants are written
   std::vector<tape::Index> places;
+  places.reserve(all.size());
   for (const Symbol& y : all) places.push_back(y.on(tape));
   return {tape, places};
 }

@@ -94,6 +94,7 @@ tape::Program VariedMotion::program_of(const ParametricScene& scene, std::span<c
     return Symbol::variable(folded, number - first);
   });
   std::vector<tape::Index> places;
+  places.reserve(rates.size());
   for (const Symbol& rate : rates) places.push_back(fold(rate).on(folded));
   return taylor::program_of(folded, places, places.size());
 }

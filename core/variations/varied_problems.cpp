@@ -30,6 +30,7 @@ class MovedForm {
   Symbol operator()(const Symbol& y) { return fold_(y); }
   std::vector<Symbol> operator()(const std::vector<Symbol>& all) {
     std::vector<Symbol> made;
+    made.reserve(all.size());
     for (const Symbol& y : all) made.push_back(fold_(y));
     return made;
   }
@@ -38,6 +39,7 @@ class MovedForm {
   }
   tape::Formula formula(const std::vector<Symbol>& all) {
     std::vector<tape::Index> places;
+    places.reserve(all.size());
     for (const Symbol& y : all) places.push_back(y.on(tape_));
     return {tape_, places};
   }
@@ -57,6 +59,7 @@ class MovedForm {
 /// (A + A′ε)⁻¹ = A⁻¹ − A⁻¹A′A⁻¹ε of a symmetric matrix, row by row.
 std::vector<Slope> inverse_of(const std::vector<Slope>& matrix, std::size_t n) {
   std::vector<double> plain;
+  plain.reserve(matrix.size());
   for (const Slope& entry : matrix) plain.push_back(entry.value);
   detail::invert(n, plain.data());
   std::vector<Slope> inverse(plain.begin(), plain.end());

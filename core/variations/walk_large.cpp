@@ -11,8 +11,8 @@ using Explicit =
 
 template <class V>
 std::optional<Walked> walk_among_explicit(const Walk* on, std::string_view id,
-                                          std::shared_ptr<const VariedFormulas> formulas) {
-  return walk_among<V>(on, id, std::move(formulas), static_cast<Explicit*>(nullptr));
+                                          const std::shared_ptr<const VariedFormulas>& formulas) {
+  return walk_among<V>(on, id, formulas, static_cast<Explicit*>(nullptr));
 }
 
 }  // namespace

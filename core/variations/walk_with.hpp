@@ -65,8 +65,8 @@ Walked walk_with(const Walk& on, const V& problem, const Scheme& scheme) {
 
 /// With the scheme of this id among some.
 template <class V, class... Scheme>
-std::optional<Walked> walk_among(const Walk* on, std::string_view id, std::shared_ptr<const VariedFormulas> formulas,
-                                 std::tuple<Scheme...>*) {
+std::optional<Walked> walk_among(const Walk* on, std::string_view id,
+                                 const std::shared_ptr<const VariedFormulas>& formulas, std::tuple<Scheme...>*) {
   std::optional<Walked> made;
   const auto with = [&]<class S>(S*) {
     if constexpr (!SelfTimed<S>) {
@@ -84,8 +84,8 @@ std::optional<Walked> walk_among(const Walk* on, std::string_view id, std::share
 
 template <class V>
 std::optional<Walked> walk_among_all(const Walk* on, std::string_view id,
-                                     std::shared_ptr<const VariedFormulas> formulas) {
-  return walk_among<V>(on, id, std::move(formulas), static_cast<SchemeList*>(nullptr));
+                                     const std::shared_ptr<const VariedFormulas>& formulas) {
+  return walk_among<V>(on, id, formulas, static_cast<SchemeList*>(nullptr));
 }
 
 }  // namespace least::variations

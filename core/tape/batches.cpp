@@ -14,6 +14,9 @@ namespace {
 
 constexpr std::size_t few_steps = 200;  // below, one after the other is as fast
 constexpr std::size_t few_alike = 5;    // in a batch, on average
+// Scenes of few coordinates have many formulas, and every request has its own: what batches hold of them, ten bytes an
+// operation, is dearer than the time that they save.
+constexpr std::ptrdiff_t few_variables = 17;
 
 bool has_number(Code code) {
   switch (code) {
@@ -37,7 +40,7 @@ class Batches::Scheduler {
  public:
   Scheduler(std::span<const Operation> steps, std::span<const Index> ends) : steps_(steps), ends_(ends) { group(); }
 
-  bool worthwhile() const { return steps_.size() >= few_steps && steps_.size() >= few_alike * groups_.size(); }
+  bool worthwhile() const { return steps_.size() >= few_alike * groups_.size(); }
 
   void schedule(Batches& made) {
     find_last_readers();
@@ -189,6 +192,8 @@ class Batches::Scheduler {
 };
 
 std::shared_ptr<const Batches> Batches::of(std::span<const Operation> steps, std::span<const Index> ends) {
+  const auto variables = std::ranges::count(steps, Code::variable, &Operation::code);
+  if (steps.size() < few_steps || variables <= few_variables) return nullptr;
   Scheduler scheduler(steps, ends);
   if (!scheduler.worthwhile()) return nullptr;
   const auto made = std::make_shared<Batches>();

@@ -14,13 +14,8 @@ namespace {
 
 using std::numbers::pi;
 
-class EventsThatAct : public Serving {
+class EventsThatAct : public Asking {
  protected:
-  static Json answer(const Json& request, int status = 200) {
-    const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
-    EXPECT_EQ(reply.status, status) << reply.body;
-    return Json::parse(reply.body);
-  }
   /// A ball that falls from the height 1 with g = 1 and keeps so much of its speed at each bounce.
   static Json ball(double restitution) {
     return {
@@ -181,7 +176,7 @@ TEST_F(EventsThatAct, SayWhatIsWrong) {
     Json request = ball(1);
     request["events"][0]["set"] = set;
     request["events"][0].update(more);
-    return answer(request, 422)["errors"][0];
+    return answer(request, "/v1/simulate", 422)["errors"][0];
   };
   EXPECT_EQ(fault({{"vy", "1"}})["pointer"], "/events/0/set/vy");
   EXPECT_EQ(fault({{"vx", "-vy"}})["position"], 1);
@@ -192,10 +187,10 @@ TEST_F(EventsThatAct, SayWhatIsWrong) {
   Json request = ball(1);
   request["events"][0].erase("set");
   request["events"][0]["most"] = 3;
-  EXPECT_EQ(answer(request, 422)["errors"][0]["pointer"], "/events/0/most");
+  EXPECT_EQ(answer(request, "/v1/simulate", 422)["errors"][0]["pointer"], "/events/0/most");
   request = ball(1);
   request["diagnostics"] = {"error"};
-  EXPECT_EQ(answer(request, 422)["errors"][0]["pointer"], "/diagnostics");
+  EXPECT_EQ(answer(request, "/v1/simulate", 422)["errors"][0]["pointer"], "/diagnostics");
   request = ball(1);
   request["events"][0]["set"] = {{"vx", "1/x"}};
   const Json made = answer(request);

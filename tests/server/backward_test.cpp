@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <set>
-#include <stdexcept>
 #include <string>
 
 #include "core/catalogue/catalogue.hpp"
@@ -14,13 +13,8 @@
 namespace least::server::test {
 namespace {
 
-class Backward : public Serving {
+class Backward : public Asking {
  protected:
-  static Json answer(const Json& request, const char* path = "/v1/simulate", int status = 200) {
-    const Reply reply = ask(port(), post(path, request.dump()));
-    if (reply.status != status) throw std::runtime_error(reply.body);
-    return Json::parse(reply.body);
-  }
   /// The same scene and scheme from where the run ended to where it began.
   static Json return_of(const Json& made) {
     return {{"problem", made["problem"]},

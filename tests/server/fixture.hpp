@@ -5,8 +5,13 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
 
 #include "server/service.hpp"
+#include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
 
 namespace least::server::test {
 
@@ -38,6 +43,31 @@ class Serving : public testing::Test {
 
  private:
   static inline std::unique_ptr<Service> service_;
+};
+
+/// Requests and answers in JSON.
+class Asking : public Serving {
+ protected:
+  using Json = nlohmann::json;  // members have no order
+
+  static Reply reply(const Json& request, const char* path = "/v1/simulate", const std::string& accept = {}) {
+    return ask(port(), post(path, request.dump(), accept.empty() ? "" : "Accept: " + accept + "\r\n"));
+  }
+  /// An answer of another status ends the test.
+  static Json answer(const Json& request, const char* path = "/v1/simulate", int status = 200) {
+    const Reply made = reply(request, path);
+    if (made.status != status) throw std::runtime_error(made.body.substr(0, 1000));
+    return Json::parse(made.body);
+  }
+  static Json fault_of(const Json& request, const char* path = "/v1/simulate") {
+    return only_fault(reply(request, path));
+  }
+  /// A scene as text.
+  static Json custom(const char* text) {
+    Json problem = Json::parse(text);
+    problem["id"] = "custom";
+    return problem;
+  }
 };
 
 }  // namespace least::server::test

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "tests/server/client.hpp"
@@ -12,13 +11,8 @@
 namespace least::server::test {
 namespace {
 
-class Forces : public Serving {
+class Forces : public Asking {
  protected:
-  static Json answer(const Json& request, const char* path = "/v1/simulate", int status = 200) {
-    const Reply reply = ask(port(), post(path, request.dump()));
-    if (reply.status != status) throw std::runtime_error(reply.body);
-    return Json::parse(reply.body);
-  }
   static Json drag() {
     return Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"parameters":{"c":0.1},"potential":"x^2/2",
                                        "forces":{"x":"-c*vx*abs(vx)"}},

@@ -7,25 +7,13 @@
 #include <string>
 
 #include "core/catalogue/catalogue.hpp"
-#include "tests/server/client.hpp"
-#include "tests/server/faults.hpp"
 #include "tests/server/fixture.hpp"
 
 namespace least::server::test {
 namespace {
 
-class SchemeSensitivities : public Serving {
+class SchemeSensitivities : public Asking {
  protected:
-  static Json answer(const Json& request, int status = 200) {
-    const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
-    EXPECT_EQ(reply.status, status) << reply.body;
-    return Json::parse(reply.body);
-  }
-  static Json custom(const char* text) {
-    Json problem = Json::parse(text);
-    problem["id"] = "custom";
-    return problem;
-  }
 };
 
 // One step of leapfrog from (x, p): p½ = p − hkx/2, x₁ = x + hp½, p₁ = p½ − hkx₁/2, and its derivatives.

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <numbers>
 #include <sstream>
-#include <stdexcept>
 
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
@@ -16,16 +15,8 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 
-class Sections : public Serving {
+class Sections : public Asking {
  protected:
-  static Reply reply(const Json& request, const std::string& accept = {}, const char* path = "/v1/simulate") {
-    return ask(port(), post(path, request.dump(), accept.empty() ? "" : "Accept: " + accept + "\r\n"));
-  }
-  static Json answer(const Json& request, const char* path = "/v1/simulate") {
-    const Reply made = reply(request, {}, path);
-    if (made.status != 200) throw std::runtime_error(made.body);
-    return Json::parse(made.body);
-  }
   static Json fault(const Json& request) {
     const Reply made = reply(request);
     EXPECT_EQ(made.status, 422) << made.body;
@@ -182,7 +173,7 @@ TEST_F(Sections, StandInEveryForm) {
     ASSERT_EQ(points["t"].size(), 636u);
 
     Json joined = {{"crossing", Json::array()}, {"t", Json::array()}, {"q", Json::array()}, {"p", Json::array()}};
-    std::istringstream stream(reply(request, "application/x-ndjson").body);
+    std::istringstream stream(reply(request, "/v1/simulate", "application/x-ndjson").body);
     for (std::string text; std::getline(stream, text);) {
       const Json line = Json::parse(text);
       if (line["kind"] == "head") {
@@ -194,7 +185,7 @@ TEST_F(Sections, StandInEveryForm) {
     }
     for (const auto& [name, list] : joined.items()) EXPECT_EQ(list, points[name]) << name;
 
-    Json binary = Json::from_cbor(reply(request, "application/cbor").body, true, true,
+    Json binary = Json::from_cbor(reply(request, "/v1/simulate", "application/cbor").body, true, true,
                                   Json::cbor_tag_handler_t::store)["section"];
     EXPECT_EQ(binary["crossing"], points["crossing"]);
     for (const char* column : {"t", "q", "p"}) {
@@ -204,7 +195,7 @@ TEST_F(Sections, StandInEveryForm) {
       EXPECT_EQ(Json(numbers), points[column]) << column;
     }
 
-    const Reply table = reply(request, "text/csv");
+    const Reply table = reply(request, "/v1/simulate", "text/csv");
     std::istringstream rows(table.body);
     std::string row;
     std::getline(rows, row);

@@ -8,21 +8,13 @@
 #include <vector>
 
 #include "core/catalogue/catalogue.hpp"
-#include "tests/server/client.hpp"
-#include "tests/server/faults.hpp"
 #include "tests/server/fixture.hpp"
 
 namespace least::server::test {
 namespace {
 
-class Sensitivities : public Serving {
+class Sensitivities : public Asking {
  protected:
-  static Json answer(const Json& request, int status = 200) {
-    const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
-    EXPECT_EQ(reply.status, status) << reply.body;
-    return Json::parse(reply.body);
-  }
-  static Json fault_of(const Json& request) { return only_fault(ask(port(), post("/v1/simulate", request.dump()))); }
   static Json by(const Json& pointers) { return {{"by", pointers}, {"of", "motion"}}; }
 
   /// Central differences of runs, of two lengths, so that what is left is of the fourth order.
@@ -71,11 +63,6 @@ class Sensitivities : public Serving {
             {"until", 1.5586522107161747},
             {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
             {"sensitivities", std::move(sensitivities)}};
-  }
-  static Json custom(const char* text) {
-    Json problem = Json::parse(text);
-    problem["id"] = "custom";
-    return problem;
   }
 };
 

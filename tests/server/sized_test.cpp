@@ -12,13 +12,8 @@
 namespace least::server::test {
 namespace {
 
-class ManyCoordinates : public Serving {
+class ManyCoordinates : public Asking {
  protected:
-  static Json answer(const Json& request, const char* path = "/v1/simulate", int status = 200) {
-    const Reply reply = ask(port(), post(path, request.dump()));
-    EXPECT_EQ(reply.status, status) << reply.body;
-    return Json::parse(reply.body);
-  }
   /// Seven stars: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.10.
   static Json pleiades() {
     return Json::parse(R"~({"problem":{"id":"custom","variables":["x[7]","y[7]"],

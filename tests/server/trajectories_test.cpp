@@ -3,7 +3,6 @@
 
 #include <cstring>
 #include <sstream>
-#include <stdexcept>
 
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
@@ -12,16 +11,12 @@
 namespace least::server::test {
 namespace {
 
-class Trajectories : public Serving {
+class Trajectories : public Asking {
  protected:
-  static Reply reply(const Json& request, const std::string& accept = {}, const char* path = "/v1/ensemble") {
-    return ask(port(), post(path, request.dump(), accept.empty() ? "" : "Accept: " + accept + "\r\n"));
+  static Reply reply(const Json& request, const std::string& accept = {}) {
+    return Asking::reply(request, "/v1/ensemble", accept);
   }
-  static Json answer(const Json& request, const char* path = "/v1/ensemble") {
-    const Reply made = reply(request, {}, path);
-    if (made.status != 200) throw std::runtime_error(made.body);
-    return Json::parse(made.body);
-  }
+  static Json answer(const Json& request, const char* path = "/v1/ensemble") { return Asking::answer(request, path); }
   static Json fault(const Json& request) {
     const Reply made = reply(request);
     EXPECT_EQ(made.status, 422) << made.body.substr(0, 300);

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <optional>
 
-#include "core/text/characters.hpp"
+#include "core/text/brackets.hpp"
 
 namespace least::text {
 
@@ -19,16 +19,11 @@ class Expander {
     std::size_t at = from;
     while (at < to) {
       const char c = text[at];
-      std::size_t end = at + 1;
       if (is_letter(c)) {
         if (!word(text, at, to, indices)) return false;
         continue;
       }
-      if (is_digit(c) || c == '.') {  // with the letter of its exponent
-        double value = 0;
-        const auto read = std::from_chars(text.data() + at, text.data() + to, value);
-        end = std::max(end, static_cast<std::size_t>(read.ptr - text.data()));
-      }
+      const std::size_t end = is_digit(c) || c == '.' ? end_of_number(text, at, to) : at + 1;
       if (!append(text.substr(at, end - at), at, false)) return false;
       at = end;
     }
@@ -58,28 +53,6 @@ class Expander {
     if (!goes_on) parts.push_back({at, position, whole, definition_});
     made_.text_ += piece;
     return true;
-  }
-  static std::size_t after_space(std::string_view text, std::size_t at, std::size_t to) {
-    while (at < to && is_space(text[at])) ++at;
-    return at;
-  }
-  /// The place of the bracket that closes the one at `open`, or `to`.
-  static std::size_t closing(std::string_view text, std::size_t open, std::size_t to) {
-    std::size_t depth = 0;
-    for (std::size_t at = open; at < to; ++at) {
-      if (text[at] == '(' || text[at] == '[') ++depth;
-      if ((text[at] == ')' || text[at] == ']') && --depth == 0) return at;
-    }
-    return to;
-  }
-  /// The place of the next comma outside of brackets, or `to`.
-  static std::size_t comma(std::string_view text, std::size_t at, std::size_t to) {
-    for (std::size_t depth = 0; at < to; ++at) {
-      if (text[at] == '(' || text[at] == '[') ++depth;
-      if (text[at] == ')' || text[at] == ']') --depth;
-      if (text[at] == ',' && depth == 0) break;
-    }
-    return at;
   }
 
   /// A word at `at`, which moves behind it and what belongs to it.
@@ -216,14 +189,6 @@ class Expander {
     }
     indices.pop_back();
     return true;
-  }
-  static bool is_range(std::string_view text, std::size_t from, std::size_t to) {
-    const std::size_t end = comma(text, from, to), equals = text.find('=', from);
-    if (end == to || equals >= end || text[equals + 1] == '=') return false;
-    const std::size_t begin = after_space(text, from, end);
-    std::size_t last = equals;
-    while (last > begin && is_space(text[last - 1])) --last;
-    return is_name(text.substr(begin, last - begin));
   }
   static std::string shape_of(const Vocabulary::Defined& defined) {
     std::string shape = defined.name + "(";

@@ -25,6 +25,9 @@ constexpr Arity arity(std::size_t function) {
   return function == number_of("if") ? Arity{3, 3} : Arity{};
 }
 
+/// How the markup of a sum or a product of many begins: it reaches as far to the right as it can.
+inline constexpr std::string_view series_markup = "<mrow><munderover>";
+
 /// Of two operations the one that binds more is done first; of two equal ones the left one, unless they are `right`.
 struct Precedence {
   int binds;

@@ -35,6 +35,7 @@ std::string Expression::mathml(const std::function<std::string(std::string_view)
   struct Piece {
     std::string markup;
     int binds;
+    bool open = false;  // it ends in what reaches as far to the right as it can
   };
   const auto row = [](const std::string& a) { return "<mrow>" + a + "</mrow>"; };
   const auto bracketed = [](const Piece& piece, bool wanted) {
@@ -45,10 +46,12 @@ std::string Expression::mathml(const std::function<std::string(std::string_view)
     if (token.kind == TokenKind::number) {
       stack.push_back({"<mn>" + std::string(token.word) + "</mn>", 9});
     } else if (token.kind == TokenKind::name) {
-      stack.push_back({token.word == "pi" ? "<mi>π</mi>" : shown(token.word), 9});
+      std::string name = token.word == "pi" ? "<mi>π</mi>" : shown(token.word);
+      const bool open = name.starts_with(series_markup);
+      stack.push_back({std::move(name), open ? 2 : 9, open});
     } else if (token.kind == TokenKind::minus) {
       Piece& x = stack.back();
-      x = {row("<mo>−</mo>" + bracketed(x, x.binds < 3)), 3};
+      x = {row("<mo>−</mo>" + bracketed(x, x.binds < 3 && !x.open)), 3, x.open};
     } else if (token.kind == TokenKind::negation) {
       Piece& x = stack.back();
       x = {row("<mo>¬</mo>" + bracketed(x, x.binds < 9)), 8};
@@ -87,7 +90,9 @@ std::string Expression::mathml(const std::function<std::string(std::string_view)
         const char* sign = shown_sign(token.kind);
         const bool wrap = right.binds < mine || (token.kind == TokenKind::subtract && right.binds == mine) ||
                           (token.kind != TokenKind::power && right.binds == 3);
-        left = {row(bracketed(left, left.binds < mine) + sign + bracketed(right, wrap)), mine};
+        const bool ends_before = left.open && token.kind == TokenKind::multiply;
+        left = {row(bracketed(left, left.binds < mine || ends_before) + sign + bracketed(right, wrap)), mine,
+                right.open && !wrap};
       }
     }
     if (stack.back().markup.size() > 50'000) return "<mi>…</mi>";

@@ -4,7 +4,7 @@
 
 #include "core/number/linear.hpp"
 #include "core/tape/derivative.hpp"
-#include "core/text/print.hpp"
+#include "core/text/collected.hpp"
 #include "core/text/scene.hpp"
 
 namespace least::text {
@@ -198,7 +198,7 @@ std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
     return in_velocities(*form) ? velocity_name(coordinate) : momentum_name(coordinate);
   };
   std::vector<std::pair<std::string, std::string>> texts;
-  for (const auto& [of, rate] : rates.all) texts.emplace_back(of, print(rates.tape, rate, name));
+  for (const auto& [of, rate] : rates.all) texts.emplace_back(of, print_collected(rates.tape, rate, name));
   return texts;
 }
 

@@ -8,6 +8,7 @@
 #include "core/tape/formula.hpp"
 #include "core/text/expansion.hpp"
 #include "core/text/folding.hpp"
+#include "core/text/formula_markup.hpp"
 #include "core/text/scenes.hpp"
 #include "core/text/sized_scene.hpp"
 
@@ -19,40 +20,6 @@ constexpr double default_span = 20;
 std::string number_text(double x) {
   std::array<char, 32> digits;
   return {digits.data(), std::to_chars(digits.begin(), digits.end(), x).ptr};
-}
-
-std::string shown(std::string_view name) {
-  const auto element = element_of(name);
-  if (!element) return "<mi>" + std::string(name) + "</mi>";
-  return "<msub><mi>" + std::string(element->first) + "</mi><mn>" + std::to_string(element->second) + "</mn></msub>";
-}
-
-std::string mathml_of(const std::string& text) {
-  const auto parsed = Expression::parse(text);
-  return std::get<Expression>(parsed).mathml(shown);
-}
-
-std::string formula_of(const Definition& given) {
-  using Kind = Definition::Kind;
-  std::string inside;
-  if (given.kind == Kind::equations) {
-    for (const auto& [name, text] : given.equations)
-      inside += "<mtr><mtd><mover>" + shown(name) + "<mo>˙</mo></mover></mtd><mtd><mo>=</mo></mtd><mtd>" +
-                mathml_of(text) + "</mtd></mtr>";
-    return "<math><mtable>" + inside + "</mtable></math>";
-  }
-  const char* letter = given.kind == Kind::lagrangian ? "L" : given.kind == Kind::hamiltonian ? "H" : "V";
-  inside = shown(letter) + "<mo>=</mo>" + mathml_of(given.formula);
-  const auto more = [&](const char* name, const std::optional<std::string>& text) {
-    if (text) inside += "<mo>,</mo><mspace width=\"1em\"/>" + shown(name) + "<mo>=</mo>" + mathml_of(*text);
-  };
-  more("α", given.damping);
-  more("γ", given.action_curvature);
-  more("R", given.offset);
-  for (const auto& [name, text] : given.forces)
-    inside += "<mo>,</mo><mspace width=\"1em\"/><msub><mi>F</mi>" + shown(name) + "</msub><mo>=</mo>" + mathml_of(text);
-  more("D", given.dissipation);
-  return "<math>" + inside + "</math>";
 }
 
 /// By Cholesky's elimination: every pivot is positive.
@@ -148,6 +115,7 @@ void TextScene::describe_as_known(ProblemCard& card) const {
   card.parameters = known->parameters;
   card.span = known->span;
   card.suggested = known->suggested;
+  card.presets = known->presets;
   card.references = known->references;
   const std::size_t n = form->coordinates, all = form->kind == FormKind::flow ? n : 2 * n;
   for (std::size_t i = 0; i < all; ++i)

@@ -52,12 +52,11 @@ TEST(ForcedCards, DerivedEquationsContainTheForces) {
   const auto said = [](const Definition& definition, std::size_t i) {
     return mechanics_of(definition)->text()->equations().at(i).second;
   };
-  EXPECT_EQ(said(with(of(typed_v, {"x"}, {}, "x^2/2"), {{"x", "-vx^3"}}), 1), "-(px*px^2) - x");
+  EXPECT_EQ(said(with(of(typed_v, {"x"}, {}, "x^2/2"), {{"x", "-vx^3"}}), 1), "-px^3 - x");
   Definition heavy = with(of(typed_v, {"x"}, {{"m", 2}, {"c", 1}}, "x^2/2"), {{"x", "-c*vx"}});
   heavy.masses = {{"x", "m"}};
   EXPECT_NE(said(heavy, 1).find("c*"), std::string::npos) << said(heavy, 1);
-  EXPECT_NE(said(heavy, 1).find("/(2*m)"), std::string::npos)
-      << "velocities are momenta over masses: " << said(heavy, 1);
+  EXPECT_NE(said(heavy, 1).find("/m"), std::string::npos) << "velocities are momenta over masses: " << said(heavy, 1);
   EXPECT_NE(said(double_pendulum(), 2).find("c*"), std::string::npos);
   const auto card = mechanics_of(with(of(typed_v, {"x"}, {}, "x^2/2"), {{"x", "-vx^3"}}, "vx^2"))->card();
   EXPECT_NE(card.formula.find("<msub><mi>F</mi><mi>x</mi></msub>"), std::string::npos);

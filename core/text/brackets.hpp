@@ -1,0 +1,55 @@
+// Where parts of a text end: at brackets, at commas outside of brackets, and behind numbers.
+#pragma once
+
+#include <charconv>
+#include <cstddef>
+#include <string_view>
+
+#include "core/text/characters.hpp"
+#include "core/text/expression.hpp"
+
+namespace least::text {
+
+constexpr std::size_t after_space(std::string_view text, std::size_t at, std::size_t to) {
+  while (at < to && is_space(text[at])) ++at;
+  return at;
+}
+
+/// The place of the bracket that closes the one at `open`, or `to`.
+constexpr std::size_t closing(std::string_view text, std::size_t open, std::size_t to) {
+  std::size_t depth = 0;
+  for (std::size_t at = open; at < to; ++at) {
+    if (text[at] == '(' || text[at] == '[') ++depth;
+    if ((text[at] == ')' || text[at] == ']') && --depth == 0) return at;
+  }
+  return to;
+}
+
+/// The place of the next comma outside of brackets, or `to`.
+constexpr std::size_t comma(std::string_view text, std::size_t at, std::size_t to) {
+  for (std::size_t depth = 0; at < to; ++at) {
+    if (text[at] == '(' || text[at] == '[') ++depth;
+    if (text[at] == ')' || text[at] == ']') --depth;
+    if (text[at] == ',' && depth == 0) break;
+  }
+  return at;
+}
+
+/// Behind the number that begins at `from`, with its exponent; one character at least.
+inline std::size_t end_of_number(std::string_view text, std::size_t from, std::size_t to) {
+  double value = 0;
+  const auto read = std::from_chars(text.data() + from, text.data() + to, value);
+  return std::max(from + 1, static_cast<std::size_t>(read.ptr - text.data()));
+}
+
+/// Whether a range of an index, `i=1..n`, stands before the next comma.
+inline bool is_range(std::string_view text, std::size_t from, std::size_t to) {
+  const std::size_t end = comma(text, from, to), equals = text.find('=', from);
+  if (end == to || equals >= end || text[equals + 1] == '=') return false;
+  const std::size_t begin = after_space(text, from, end);
+  std::size_t last = equals;
+  while (last > begin && is_space(text[last - 1])) --last;
+  return is_name(text.substr(begin, last - begin));
+}
+
+}  // namespace least::text

@@ -1,0 +1,272 @@
+#include "core/text/collected.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "core/tape/derivative.hpp"
+#include "core/text/expression.hpp"
+#include "core/text/print.hpp"
+
+namespace least::text {
+namespace {
+
+using tape::Index;
+using tape::Node;
+using tape::Op;
+
+/// A power of a node that is no product and no sum, or of a sum as a whole.
+struct PowerOf {
+  Index of;
+  double power;
+};
+struct Monomial {
+  double coefficient = 1;
+  std::vector<PowerOf> factors;  ///< by the places of their nodes, none of them twice
+
+  bool is_like(const Monomial& other) const {
+    return std::ranges::equal(factors, other.factors,
+                              [](const PowerOf& a, const PowerOf& b) { return a.of == b.of && a.power == b.power; });
+  }
+};
+using Monomials = std::vector<Monomial>;  ///< in the order in which they first appeared
+
+/// Beyond these, in terms of one sum and in products of terms of all, a sum stays a factor.
+constexpr std::size_t most_terms = 24, most_products = 2000, longest_text = 2000;
+
+std::string digits_of(double x) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof digits, x).ptr};
+}
+
+class Collector {
+ public:
+  /// `expands`: products of sums are multiplied out; else a sum within a product is a factor of its own.
+  Collector(const tape::Tape& tape, const Symbol& whole, const std::function<std::string(int)>& name, bool expands)
+      : tape_(tape), whole_(whole), name_(name), expands_(expands), places_(tape::parts_of(tape, whole.place())) {
+    terms_.reserve(places_.size());
+    for (const Index place : places_) terms_.push_back(collect(place));
+  }
+
+  /// Nothing where it is too long.
+  std::optional<std::string> text() {
+    std::string all = text_of(terms_.back());
+    return too_long_ ? std::nullopt : std::optional(std::move(all));
+  }
+
+ private:
+  const Monomials& at(Index place) const {
+    return terms_[static_cast<std::size_t>(std::ranges::lower_bound(places_, place) - places_.begin())];
+  }
+  static Monomials as_factor(Index place, double power = 1) { return {{1, {{place, power}}}}; }
+
+  Monomials collect(Index place) {
+    const Node& node = tape_[place];
+    switch (node.op) {
+      case Op::constant:
+        return node.value == 0 ? Monomials{} : Monomials{{node.value, {}}};
+      case Op::add:
+        return sum(place, at(node.a), at(node.b), 1);
+      case Op::subtract:
+        return sum(place, at(node.a), at(node.b), -1);
+      case Op::multiply:
+        if (is_number(node.a) || is_number(node.b)) return product(place, at(node.a), at(node.b));
+        return product(place, as_part(node.a), as_part(node.b));
+      case Op::divide:
+        return product(place, as_part(node.a), to_the(node.b, -1));
+      case Op::power:
+        return to_the(node.a, node.value);
+      case Op::sqrt:
+        return to_the(node.a, 0.5);
+      default:
+        return as_factor(place);
+    }
+  }
+
+  bool is_number(Index place) const { return tape_[place].op == Op::constant; }
+  Monomials as_part(Index place) const { return expands_ || at(place).size() <= 1 ? at(place) : as_factor(place); }
+  Monomials sum(Index place, const Monomials& a, const Monomials& b, double sign) {
+    Monomials all = a;
+    for (const Monomial& term : b) add(all, term, sign);
+    return all.size() <= most_terms ? all : as_factor(place);
+  }
+  static void add(Monomials& all, const Monomial& term, double sign) {
+    const auto like = std::ranges::find_if(all, [&](const Monomial& one) { return one.is_like(term); });
+    if (like == all.end()) {
+      all.push_back(term);
+      all.back().coefficient *= sign;
+      return;
+    }
+    like->coefficient += sign * term.coefficient;
+    if (like->coefficient == 0) all.erase(like);
+  }
+  Monomials product(Index place, const Monomials& a, const Monomials& b) {
+    products_ += a.size() * b.size();
+    if (products_ > most_products) return as_factor(place);
+    Monomials all;
+    for (const Monomial& left : a)
+      for (const Monomial& right : b) add(all, product_of(left, right), 1);
+    return all.size() <= most_terms ? all : as_factor(place);
+  }
+  static Monomial product_of(const Monomial& a, const Monomial& b) {
+    Monomial made{a.coefficient * b.coefficient, a.factors};
+    for (const PowerOf& factor : b.factors) {
+      const auto place = std::ranges::lower_bound(made.factors, factor.of, {}, &PowerOf::of);
+      if (place == made.factors.end() || place->of != factor.of)
+        made.factors.insert(place, factor);
+      else if (place->power + factor.power == 0)
+        made.factors.erase(place);
+      else
+        place->power += factor.power;
+    }
+    return made;
+  }
+  /// Of one term with a whole power all its factors take it; anything else is raised as a whole.
+  Monomials to_the(Index base, double power) {
+    const Monomials& of = at(base);
+    if (of.size() != 1) return as_factor(base, power);
+    const Monomial& term = of.front();
+    const bool whole = power == std::floor(power), alone = term.factors.size() == 1 && term.factors[0].power == 1;
+    if (!whole && !(alone && term.coefficient == 1)) return as_factor(base, power);
+    Monomial made{std::pow(term.coefficient, power), term.factors};
+    for (PowerOf& factor : made.factors) factor.power *= power;
+    return std::isfinite(made.coefficient) ? Monomials{std::move(made)} : as_factor(base, power);
+  }
+
+  std::string text_of(const Monomials& terms) {
+    if (terms.empty()) return "0";
+    std::string text;
+    for (const Monomial& term : terms) {
+      const bool negative = term.coefficient < 0;
+      text.append(text.empty() ? (negative ? "-" : "") : negative ? " - " : " + ").append(text_of(term));
+      if (text.size() > longest_text) too_long_ = true;
+      if (too_long_) return text;
+    }
+    return text;
+  }
+  /// Without its sign: `2*x^3*sin(y)/(a*r^3)`.
+  std::string text_of(const Monomial& term) {
+    auto [above, below] = fraction_of(std::abs(term.coefficient));
+    std::size_t divisors = below.empty() ? 0 : 1;
+    for (const PowerOf& factor : in_order(term)) {
+      std::string& side = factor.power > 0 ? above : below;
+      divisors += factor.power > 0 ? 0 : 1;
+      if (!side.empty()) side += '*';
+      side += text_of(factor.of, std::abs(factor.power));
+    }
+    if (above.empty()) above = "1";
+    if (below.empty()) return above;
+    return above.append("/").append(divisors > 1 ? "(" + below + ")" : below);
+  }
+  /// Parameters, which have the largest numbers, first; functions and sums last.
+  std::vector<PowerOf> in_order(const Monomial& term) const {
+    const auto number = [&](const PowerOf& factor) {
+      return tape_[factor.of].op == Op::variable ? -tape_[factor.of].value : 0.5;
+    };
+    std::vector<PowerOf> factors = term.factors;
+    std::ranges::stable_sort(factors, {}, number);
+    return factors;
+  }
+  /// A coefficient above and below the stroke, nothing for 1: ⅓ has many digits as a decimal fraction, ½ has few.
+  static std::pair<std::string, std::string> fraction_of(double x) {
+    constexpr int largest = 64;
+    constexpr std::size_t short_enough = 6;
+    if (x == 1) return {};
+    const std::string plain = digits_of(x);
+    if (plain.size() <= short_enough) return {plain, {}};
+    for (int below = 2; below <= largest; ++below) {
+      const double above = std::round(x * below);
+      if (above > 0 && above < 1e6 && above / below == x)
+        return {above == 1 ? std::string() : digits_of(above), std::to_string(below)};
+    }
+    return {plain, {}};
+  }
+  std::string text_of(Index place, double power) {
+    const Node& node = tape_[place];
+    const bool named = node.op == Op::variable || node.op == Op::time;
+    const bool called = name_of(node.op) || node.op == Op::select;
+    std::string text = node.op == Op::time       ? "t"
+                       : node.op == Op::variable ? name_(static_cast<int>(node.value))
+                                                 : text_of_node(place);
+    if (power == 0.5) return "sqrt(" + text + ")";
+    if (!named && !called) text = "(" + text + ")";
+    return power == 1 ? text : text + "^" + digits_of(power);
+  }
+  bool is_itself(Index place) const {
+    const Monomials& terms = at(place);
+    return terms.size() == 1 && terms[0].coefficient == 1 && terms[0].factors.size() == 1 &&
+           terms[0].factors[0].of == place && terms[0].factors[0].power == 1;
+  }
+  /// A function of what is collected; what is a sum or a product as its terms.
+  std::string text_of_node(Index place) {
+    const Node& node = tape_[place];
+    if (++depth_ > most_nesting || too_long_) {
+      too_long_ = true;
+      return {};
+    }
+    std::string text;
+    if (!is_itself(place)) {
+      text = text_of(at(place));
+      std::string plain = print(tape_, Recorder::at(whole_, place), name_);
+      if (plain.size() < text.size() && plain != "…") text = std::move(plain);
+    } else if (const auto function = name_of(node.op)) {
+      text.append(*function).append("(").append(text_of(at(node.a))).append(")");
+    } else {  // a choice, a power of two that vary, or a sum of too many terms
+      text = print(tape_, Recorder::at(whole_, place), name_);
+    }
+    --depth_;
+    return text;
+  }
+  static std::optional<std::string_view> name_of(Op op) {
+    switch (op) {
+      case Op::exp:
+        return "exp";
+      case Op::log:
+        return "log";
+      case Op::sin:
+        return "sin";
+      case Op::cos:
+        return "cos";
+      case Op::tan:
+        return "tan";
+      case Op::sinh:
+        return "sinh";
+      case Op::cosh:
+        return "cosh";
+      case Op::tanh:
+        return "tanh";
+      case Op::atan:
+        return "atan";
+      case Op::asin:
+        return "asin";
+      case Op::acos:
+        return "acos";
+      default:
+        return std::nullopt;
+    }
+  }
+
+  const tape::Tape& tape_;
+  const Symbol& whole_;
+  const std::function<std::string(int)>& name_;
+  bool expands_;
+  std::vector<Index> places_;
+  std::vector<Monomials> terms_;
+  std::size_t products_ = 0, depth_ = 0;
+  bool too_long_ = false;
+};
+
+}  // namespace
+
+std::string print_collected(const tape::Tape& tape, const Symbol& y, const std::function<std::string(int)>& name) {
+  std::string shortest = print(tape, y, name);
+  if (y.is_constant() || shortest == "…") return shortest;
+  for (const bool expands : {false, true})
+    if (auto collected = Collector(tape, y, name, expands).text(); collected && collected->size() <= shortest.size())
+      shortest = *std::move(collected);
+  return shortest;
+}
+
+}  // namespace least::text

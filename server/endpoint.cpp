@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "core/catalogue/catalogue.hpp"
 #include "server/decode/custom_reader.hpp"
+#include "server/decode/scene_files.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/http/accept.hpp"
 #include "server/http/request_reader.hpp"
@@ -61,6 +65,14 @@ ReturnCode end_of(const CancellationWatch& watch) {
   return watch.timed_out() ? ReturnCode::deadline : ReturnCode::cancelled;
 }
 
-Cards catalogue_cards() { return {problem_list(), schemes()}; }
+Cards catalogue_cards() {
+  static const std::vector<std::shared_ptr<const Mechanics>> problems = [] {
+    std::vector<std::shared_ptr<const Mechanics>> all(problem_list().begin(), problem_list().end());
+    std::ranges::transform(text_problems(), std::back_inserter(all), &TextProblem::mechanics);
+    std::ranges::sort(all, {}, [](const auto& problem) { return problem->card().id; });
+    return all;
+  }();
+  return {problems, schemes()};
+}
 
 }  // namespace least::server

@@ -16,7 +16,8 @@ Json examples_of(std::string_view path, const Cards& cards) {
   Json all = Json::object();
   const auto add = [&](const std::string& name, Json value) { all[name] = {{"value", std::move(value)}}; };
   if (cards.problems.empty()) return all;
-  const ProblemCard& first = cards.problems.front()->card();
+  const auto simple = std::ranges::find_if(cards.problems, [](const auto& one) { return one->text() == nullptr; });
+  const ProblemCard& first = (simple == cards.problems.end() ? cards.problems.front() : *simple)->card();
   const auto scheme = [&](const ProblemCard& card) { return cards.schemes[card.schemes.front()].id; };
   const Json well{{"id", "custom"},
                   {"variables", {"x"}},

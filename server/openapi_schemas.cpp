@@ -3,79 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/ensemble/members.hpp"
 #include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
+#include "server/openapi_cards.hpp"
 #include "server/openapi_parts.hpp"
 #include "server/openapi_sensitivities.hpp"
 
 namespace least::server {
 namespace {
-
-Json values_of(const ParameterCard& card) {
-  switch (card.kind) {
-    case Kind::number:
-      return number_in(card.range);
-    case Kind::integer: {
-      Json schema{{"type", "integer"}};
-      add_range(schema, card.range);
-      return schema;
-    }
-    case Kind::choice: {
-      Json names{{"type", "string"}, {"enum", card.choices}};
-      if (!card.weights) return names;
-      Json own = object_of({{"weights", list_of({{"type", "number"}})}, {"order", {{"type", "integer"}}}}, {"weights"});
-      return either(std::move(names), std::move(own));
-    }
-    case Kind::flag:
-      return {{"type", "boolean"}};
-  }
-  return {};
-}
-
-Json parameter(const ParameterCard& card) {
-  Json schema = values_of(card);
-  if (card.nullable) {
-    schema = either(std::move(schema), card.word.empty() ? Json{{"type", "null"}} : Json{{"const", card.word}});
-  }
-  schema = described(std::move(schema), card.doc, card.unit);
-  std::string value;
-  JsonWriter json(value);
-  write_parameter(json, card, card.value);
-  schema["default"] = Json::parse(value);
-  // The problem of a request may suggest another one.
-  if (!card.suggested.empty()) schema["x-suggested"] = card.suggested;
-  return schema;
-}
-
-template <class Card>
-Json entry(const Card& card) {
-  Json properties{{"id", {{"const", card.id}}}};
-  if (!card.presets.empty()) {
-    Json names = Json::array();
-    for (const auto& preset : card.presets) names.push_back(preset.name);
-    properties["preset"] = {{"type", "string"}, {"enum", names}, {"description", "fills in a named set of values"}};
-  }
-  for (const ParameterCard& one : card.parameters) properties[one.name] = parameter(one);
-  Json schema = object_of(std::move(properties), {"id"});
-  schema["title"] = card.title;
-  schema["description"] = card.summary;
-  return schema;
-}
-
-Json start_of(const ProblemCard& card) {
-  Json properties{{"t", described({{"type", "number"}, {"default", 0}}, "the start time", "time")}};
-  for (const VariableCard& variable : card.variables) {
-    Json schema = number_in(variable.range);
-    if (std::isnan(variable.value)) schema["type"] = {"number", "null"};  // null: from the others
-    schema = described(std::move(schema), variable.doc, variable.unit);
-    if (std::isfinite(variable.value)) schema["default"] = variable.value;
-    properties[variable.name] = std::move(schema);
-  }
-  return object_of(std::move(properties));
-}
 
 // A bare id or one of the entries.
 Json choice_of(const Json& ids, const std::string& prefix) {
@@ -368,14 +305,14 @@ Json schemas(const Cards& cards, const Caps& caps) {
   for (const auto& problem : cards.problems) {
     const ProblemCard& card = problem->card();
     problems.push_back(card.id);
-    all["Problem." + card.id] = entry(card);
-    all["Initial." + card.id] = start_of(card);
+    all["Problem." + card.id] = entry_of(card);
+    all["Initial." + card.id] = start_of(*problem);
   }
   for (const SchemeCard& card : cards.schemes) {
     scheme_ids.push_back(card.id);
-    all["Scheme." + card.id] = entry(card);
+    all["Scheme." + card.id] = entry_of(card);
   }
-  Json automatic = entry(auto_card());
+  Json automatic = entry_of(auto_card());
   automatic["properties"]["keep"] = {{"type", "array"},
                                      {"items", {{"type", "string"}, {"enum", keep_names}}},
                                      {"description", "what the scheme must keep"},

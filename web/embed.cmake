@@ -1,5 +1,6 @@
-# cmake -DLIST=… -DOUTPUT=… -P embed.cmake: writes the files of LIST (lines of path=file) as a C++ source. String
-# literals of hexadecimal escapes hold any byte and compile fastest.
+# cmake -DLIST=… -DOUTPUT=… -DHEADER=… -DTYPE=… -DFUNCTION=… -P embed.cmake: writes the files of LIST (lines of
+# path=file) as a C++ source that defines FUNCTION, of TYPEs {path, type, body}, which HEADER declares. String literals
+# of hexadecimal escapes hold any byte and compile fastest.
 
 set(type_html "text/html; charset=utf-8")
 set(type_js "text/javascript; charset=utf-8")
@@ -37,15 +38,15 @@ foreach(line IN LISTS lines)
 endforeach()
 
 file(WRITE "${OUTPUT}" "// Made by web/embed.cmake.
-#include \"server/http/assets.hpp\"
+#include \"${HEADER}\"
 
 #include <span>
 #include <string_view>
 
 namespace least::server {
 
-std::span<const Asset> assets() {
-  static constexpr Asset all[] = {
+std::span<const ${TYPE}> ${FUNCTION}() {
+  static constexpr ${TYPE} all[] = {
 ${entries}  };
   return all;
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/text/scene.hpp"
+
 namespace least {
 namespace {
 
@@ -43,9 +45,10 @@ double ratio(double here, double there, double least, double most) {
 struct Comparison {
   Scales here, there;
 };
-Comparison compare(const Scene& scene, const PresetCard* preset) {
+/// `of_card`: what was suggested for the scene that the card describes; else the default of the scheme.
+Comparison compare(const Scene& scene, const PresetCard* preset, bool of_card) {
   constexpr Scales typed{.time = 0.6, .energy = 0.5, .length = 0.5};
-  if (scene.mechanics->text()) return {scene.mechanics->scales(scene), typed};
+  if (!of_card) return {scene.mechanics->scales(scene), typed};
   const Scene own = own_scene(scene, preset);
   if (own.parameters == scene.parameters && own.initial == scene.initial && own.start == scene.start) return {};
   return {scene.mechanics->scales(scene), scene.mechanics->scales(own)};
@@ -91,12 +94,15 @@ std::vector<double> plain_settings(const ProblemCard* problem, const SchemeCard&
 
 void adapt_to_units(const Scene& scene, const SchemeCard& scheme, const PresetCard* preset,
                     const std::vector<bool>& given, std::vector<double>& settings) {
-  std::optional<Comparison> scales;
+  std::array<std::optional<Comparison>, 2> scales;  // by `of_card`
   for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
     const ParameterCard& parameter = scheme.parameters[i];
     if (given[i] || parameter.suggested.empty() || !std::isfinite(settings[i])) continue;
-    if (!scales) scales = compare(scene, preset);
-    const double by = factor(*scales, parameter.suggested, scheme, settings);
+    const bool of_card = !scene.mechanics->text() || named(scene.card().suggested, parameter.suggested) ||
+                         (preset && named(preset->suggested, parameter.suggested));
+    auto& known = scales[of_card ? 1 : 0];
+    if (!known) known = compare(scene, preset, of_card);
+    const double by = factor(*known, parameter.suggested, scheme, settings);
     const double value = by == 1 ? settings[i] : rounded(by * settings[i]);
     if (parameter.range.contains(value)) settings[i] = value;
   }
@@ -111,7 +117,8 @@ std::vector<double> suggested_settings(const Scene& scene, const SchemeCard& sch
 double suggested_span(const Scene& scene, const PresetCard* preset) {
   constexpr double far = 1000;
   const double span = preset && preset->span > 0 ? preset->span : scene.card().span;
-  const auto [here, there] = compare(scene, preset);
+  const text::TextScene* const text = scene.mechanics->text();
+  const auto [here, there] = compare(scene, preset, text == nullptr || text->known);
   const double by = ratio(here.time, there.time, 1 / far, far);
   return by == 1 ? span : rounded(by * span);
 }

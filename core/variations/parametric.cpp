@@ -121,7 +121,7 @@ std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_sce
   const text::TextScene* const text = scene.mechanics->text();
   const Scene& forward = forward_of(scene);
   std::shared_ptr<const text::Form> form;
-  if (const bool known = !text || text->known; known) {
+  if (!forward.mechanics->text()) {
     form = recorded_in_parameters(forward, varied, goes_backward(scene));
   } else {
     form = text->form;

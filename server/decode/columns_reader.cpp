@@ -12,6 +12,7 @@
 #include "core/run/columns.hpp"
 #include "core/text/expansion.hpp"
 #include "core/text/scene.hpp"
+#include "server/decode/scene_files.hpp"
 
 namespace least::server {
 namespace {
@@ -266,6 +267,7 @@ void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& r
 
 void read_events(const Json& root, const FieldPath& top, Request& request) {
   const Json* json = find(root, "events");
+  if (json == nullptr) json = own_events(*request.scene->mechanics);
   const FieldPath path = top.at("events");
   if (json == nullptr) return;
   if (!json->is_array()) return path.fault("must be a list of events", *json, std::string(event_shape));

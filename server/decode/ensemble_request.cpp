@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/decode/plan_reader.hpp"
+#include "server/decode/scene_files.hpp"
 #include "server/decode/scene_reader.hpp"
 #include "server/decode/section_reader.hpp"
 
@@ -348,6 +349,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   scene->mechanics = problem;
   const ProblemCard* card = problem ? &scene->card() : nullptr;
   const PresetCard* preset = card ? read_scene(root, top, *scene) : nullptr;
+  if (card) refuse_own_events(*problem, top.at("problem"));
   const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   if (scheme_card) {
     request.scheme = *scheme.index;

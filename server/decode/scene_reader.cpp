@@ -9,6 +9,7 @@
 #include "core/catalogue/start_beside.hpp"
 #include "core/run/suggestions.hpp"
 #include "core/text/scene.hpp"
+#include "core/text/start_velocities.hpp"
 #include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
 #include "server/decode/pictures_reader.hpp"
@@ -108,17 +109,22 @@ std::vector<std::string> velocity_names(const text::TextScene& scene) {
   return names;
 }
 
-// A start in velocities: where no momentum is given, all of them follow from velocities, and what is missing is 0.
+// A start in velocities: where no momentum is given, all of them follow from velocities.
 void read_velocities(const Json& initial, const FieldPath& start, const text::TextScene& text,
                      const std::vector<std::string>& names, Scene& scene) {
+  const bool rests = !text.known;  // what is missing; else it is as in the default start, in momenta
   if (names.empty()) return;
+  if (!rests && std::ranges::none_of(names, [&](const auto& name) { return find(initial, name) != nullptr; })) return;
   std::vector<double> state = scene.initial;
   const auto moving = state.begin() + text.capacity;
-  std::fill(moving, moving + text.capacity, 0.0);
+  if (rests)
+    std::fill(moving, moving + text.capacity, 0.0);
+  else
+    std::ranges::copy(text::velocities_of(text, scene.parameters, scene.start, state), moving);
   const bool momenta = std::ranges::any_of(text.definition.variables, [&](const auto& variable) {
     return find(initial, text::momentum_name(variable)) != nullptr;
   });
-  bool given = !momenta;  // what is missing is at rest
+  bool given = !momenta;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* json = find(initial, names[i]);
     if (json == nullptr) continue;
@@ -134,7 +140,8 @@ void read_velocities(const Json& initial, const FieldPath& start, const text::Te
   scene.initial = std::move(state);
 }
 
-// The start with every number of a list under the name of its element: {"x": [1, 2]} as {"x[1]": 1, "x[2]": 2}.
+// A start, or parameters, with every number of a list under the name of its element: {"x": [1, 2]} as {"x[1]": 1,
+// "x[2]": 2}.
 Json without_lists(const Json& initial, const FieldPath& start, const text::TextScene& text) {
   Json elements = Json::object();
   for (const auto& [name, entry] : initial.items()) {
@@ -157,6 +164,16 @@ Json without_lists(const Json& initial, const FieldPath& start, const text::Text
   return elements;
 }
 
+// Whether a list of parameters stands beside an id.
+bool has_list_of(const Json& problem, const std::vector<ParameterCard>& parameters, const Names& keys) {
+  for (const auto& [name, entry] : problem.items()) {
+    if (!entry.is_array() || std::ranges::find(keys, name) != keys.end()) continue;
+    const std::string first = text::element_name(name, 1);
+    if (std::ranges::find(parameters, first, &ParameterCard::name) != parameters.end()) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene) {
@@ -168,8 +185,11 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   const FieldPath path = top.at("problem");
   const PresetCard* preset = nullptr;
   if (const Json* json = find(root, "problem"); json->is_object()) {
-    Names keys = text ? keys_of(card.parameters, {}) : keys_of(card.parameters, {"id", "preset"});
-    if (text) keys.insert(keys.end(), text::reserved_keys().begin(), text::reserved_keys().end());
+    const bool typed = text && !text->known;
+    Names keys = typed ? keys_of(card.parameters, {}) : keys_of(card.parameters, {"id", "preset"});
+    if (typed) keys.insert(keys.end(), text::reserved_keys().begin(), text::reserved_keys().end());
+    Json elements;
+    if (text && has_list_of(*json, card.parameters, keys)) json = &(elements = without_lists(*json, path, *text));
     read_object(*json, path, keys, card.id);
     if ((preset = read_preset(*json, path, card)) != nullptr) {
       for (std::size_t i = 0; i < card.parameters.size(); ++i) {

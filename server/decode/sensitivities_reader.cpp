@@ -27,18 +27,21 @@ struct Candidate {
   Quantity quantity;
 };
 
-// Whether the start of a request says no momenta: then its velocities stay where they are.
+// Whether the start of a request is one in velocities, which then stay where they are: it says no momenta, or, of a
+// problem of the catalogue, whose default is in momenta, a velocity.
 bool is_in_velocities(const Json& root, const text::TextScene* text) {
   if (!text || !text->takes_velocities()) return false;
+  const bool by_default = !text->known;
   const Json* initial = find(root, "initial");
-  if (initial == nullptr) return true;
+  if (initial == nullptr) return by_default;
   const auto kind = [](const std::string& name) { return name.substr(0, name.find('[')); };
-  return std::ranges::none_of(text->definition.variables, [&](const std::string& variable) {
-    const std::string momentum = kind(text::momentum_name(variable));
+  const bool says_other = std::ranges::any_of(text->definition.variables, [&](const std::string& variable) {
+    const std::string other = kind(by_default ? text::momentum_name(variable) : text::velocity_name(variable));
     for (const auto& [name, value] : initial->items())
-      if (kind(name) == momentum) return true;
+      if (kind(name) == other) return true;
     return false;
   });
+  return by_default != says_other;
 }
 
 class ByReader {

@@ -6,6 +6,7 @@
 
 #include "server/decode/auto_reader.hpp"
 #include "server/decode/plan_reader.hpp"
+#include "server/decode/scene_files.hpp"
 #include "server/decode/scene_reader.hpp"
 
 namespace least::server {
@@ -82,6 +83,7 @@ bool read_study(const Json& root, const FieldPath& top, const Names& keys, const
   if (problem) {
     scene->mechanics = problem;
     study.preset = read_scene(root, top, *scene);
+    refuse_own_events(*problem, top.at("problem"));
     check_start(*scene, top);
     read_direction(root, top, *scene);
     study.problem = &scene->card();

@@ -137,7 +137,8 @@ void write_scene(JsonWriter& json, const Scene& run) {
   const Scene& scene = forward_of(run);
   const ProblemCard& card = scene.card();
   json.key("problem").open('{').key("id").text(card.id);
-  if (const text::TextScene* text = scene.mechanics->text()) write_definition(json, text->definition);
+  const text::TextScene* const text = scene.mechanics->text();
+  if (text && !text->known) write_definition(json, text->definition);
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
     write_parameter(json.key(card.parameters[i].name), card.parameters[i], scene.parameters[i]);
   }

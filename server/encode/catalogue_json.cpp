@@ -134,22 +134,26 @@ void write_language(JsonWriter& json) {
   json.close('}').close('}');
 }
 
-// What was found in a scene as text.
-void write_form(JsonWriter& json, const text::TextScene& scene) {
+// What was found in a scene as text; of one of the catalogue its equations are told where they are asked for alone, by
+// POST /v1/problems: of many bodies they are long.
+void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equations) {
   const text::Form& form = *scene.form;
   json.key("form").open('{').key("kind").text(text::form_names[static_cast<std::size_t>(form.kind)]);
   json.key("autonomous").boolean(form.autonomous).key("keeps_energy").boolean(form.keeps_energy);
   if (form.forced) json.key("forced").boolean(true);
   json.close('}');
-  json.key("equations").open('{');
-  for (const auto& [name, rate] : scene.equations()) json.key(name).text(rate);
-  json.close('}');
-  if (const std::string note = scene.note_on_equations(); !note.empty()) json.key("equations_note").text(note);
+  if (with_equations) {
+    json.key("equations").open('{');
+    for (const auto& [name, rate] : scene.equations()) json.key(name).text(rate);
+    json.close('}');
+    if (const std::string note = scene.note_on_equations(); !note.empty()) json.key("equations_note").text(note);
+  }
   if (scene.definition.typed) write_pictures(json, scene.definition.typed->pictures);
-  write_language(json);
+  if (!scene.known) write_language(json);
 }
 
-void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<const SchemeCard> schemes) {
+void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<const SchemeCard> schemes,
+                        bool with_equations) {
   const ProblemCard& card = problem.card();
   json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
   json.key("formula").text(card.formula);
@@ -177,7 +181,7 @@ void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<co
   for (const auto index : card.schemes) json.text(schemes[index].id);
   json.text(auto_card().id).close(']').key("offers").text(card.offers);
   write_texts(json.key("references"), card.references);
-  if (const text::TextScene* text = problem.text()) write_form(json, *text);
+  if (const text::TextScene* text = problem.text()) write_form(json, *text, with_equations);
   json.close('}');
 }
 
@@ -231,7 +235,7 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
 std::string describe_problem(const Mechanics& problem) {
   std::string text;
   JsonWriter json(text);
-  write_problem_card(json, problem, problem.schemes());
+  write_problem_card(json, problem, problem.schemes(), true);
   return text;
 }
 
@@ -239,7 +243,7 @@ CatalogueText describe(const Cards& cards) {
   CatalogueText text;
   for (const auto& problem : cards.problems) {
     JsonWriter json(text.problems[problem->card().id]);
-    write_problem_card(json, *problem, cards.schemes);
+    write_problem_card(json, *problem, cards.schemes, false);
   }
   for (const auto& card : cards.schemes) {
     JsonWriter json(text.schemes[card.id]);

@@ -1,0 +1,251 @@
+// The problems of the catalogue that are files of core/scenes.
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "server/decode/scene_files.hpp"
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+class Scenes : public Asking {
+ protected:
+  static std::vector<Json> cards() {
+    std::vector<Json> all;
+    for (const TextProblem& one : text_problems()) all.push_back(card_of(one.mechanics->card().id));
+    return all;
+  }
+  static Json card_of(const std::string& id) {
+    return Json::parse(ask(port(), "GET /v1/problems/" + id + " HTTP/1.1\r\nHost: localhost\r\n\r\n").body);
+  }
+  static bool has(const std::string& id) {
+    return std::ranges::any_of(text_problems(), [&](const auto& one) { return one.mechanics->card().id == id; });
+  }
+  static Json named(const std::string& id, const Json& preset = {}) {
+    Json problem{{"id", id}};
+    if (!preset.is_null()) problem["preset"] = preset["name"];
+    return problem;
+  }
+  /// Without a preset, and with each.
+  static std::vector<Json> problems_of(const Json& card) {
+    std::vector<Json> all{named(card["id"])};
+    for (const Json& preset : card["presets"]) all.push_back(named(card["id"], preset));
+    return all;
+  }
+};
+
+#define NEEDS_SCENE(id) \
+  if (!has(id)) GTEST_SKIP() << "this build leaves the form of " << (id) << " out"
+
+TEST_F(Scenes, AreWholeCards) {
+  const bool all_forms = std::string_view(LEAST_LEFT_OUT).find_first_not_of(' ') == std::string_view::npos;
+  EXPECT_GE(text_problems().size(), all_forms ? scene_files().size() : 5);
+  std::set<std::string> ids;
+  for (const Json& link :
+       Json::parse(ask(port(), "GET /v1/problems HTTP/1.1\r\nHost: localhost\r\n\r\n").body)["problems"])
+    EXPECT_TRUE(ids.insert(link["id"]).second) << link["id"] << " is there twice";
+  for (const Json& card : cards()) {
+    const std::string id = card["id"];
+    EXPECT_TRUE(ids.contains(id)) << id;
+    for (const char* key : {"title", "summary", "formula"}) EXPECT_FALSE(card[key].get<std::string>().empty()) << id;
+    EXPECT_FALSE(card["references"].empty()) << id;
+    EXPECT_GT(card["until"]["t"], 0) << id;
+    EXPECT_GT(card["suggested"]["step"], 0) << id;
+    EXPECT_GE(card["schemes"].size(), 6U) << id;
+    for (const Json& variable : card["variables"])
+      EXPECT_NE(variable["doc"], "coordinate") << id << ": `about` says nothing of " << variable["name"];
+    for (const Json& parameter : card["parameters"])
+      EXPECT_NE(parameter["doc"], "parameter") << id << ": `about` says nothing of " << parameter["name"];
+    for (const Json& preset : card["presets"]) EXPECT_FALSE(preset["doc"].get<std::string>().empty()) << id;
+  }
+}
+
+TEST_F(Scenes, KeepWhatTheirCardsSay) {
+  std::size_t kept = 0;
+  for (const Json& card : cards())
+    for (const Json& problem : problems_of(card)) {
+      Json request{{"problem", problem}, {"scheme", "taylor"}, {"record", {{"every", 0}}}};
+      request["diagnostics"] = Json::array();
+      for (const Json& one : card["diagnostics"])
+        if (one == "energy" || one == "momenta") request["diagnostics"].push_back(one);
+      const Json run = answer(request);
+      EXPECT_EQ(run["status"], "completed") << problem;
+      EXPECT_EQ(run["until"],
+                card["id"] == problem["id"] && !problem.contains("preset") ? card["until"] : run["until"]);
+      for (const Json& invariant : card["invariants"]) {
+        const std::string name = invariant["name"];
+        const bool acts = !run["events"].empty();
+        if (acts && problem["preset"] != "elastic") continue;  // a bounce takes energy
+        const Json report = name == "energy" ? run["diagnostics"]["energy"] : run["diagnostics"]["momenta"][name];
+        const double size = std::max(1e-30, std::abs(report["initial"].get<double>()));
+        const double error = report["max_abs_error"];
+        EXPECT_LT(error, 3e-10 * std::max(size, name == "energy" ? 0.0 : 1.0)) << problem << ' ' << name;
+        ++kept;
+      }
+    }
+  EXPECT_GT(kept, text_problems().size());
+}
+
+TEST_F(Scenes, RunByEveryScheme) {
+  std::size_t pairs = 0;
+  for (const Json& card : cards())
+    for (const Json& scheme : card["schemes"]) {
+      if (scheme == "auto") continue;
+      const Json run = answer({{"problem", card["id"]}, {"scheme", scheme}, {"until", {{"steps", 20}}}});
+      EXPECT_EQ(run["status"], "completed") << card["id"] << ' ' << scheme << run["stop"];
+      EXPECT_GE(run["trajectory"]["t"].size(), 20U) << card["id"] << scheme;
+      ++pairs;
+    }
+  EXPECT_GE(pairs, 6 * text_problems().size());
+}
+
+TEST_F(Scenes, ClosedOrbitsClose) {
+  const std::pair<const char*, double> scenes[] = {{"figure_eight", 2e-3}, {"restricted_three_body", 1e-8}};
+  for (const auto& [id, most] : scenes) {
+    if (!has(id)) continue;
+    for (const Json& problem : problems_of(card_of(id))) {
+      const Json run = answer(
+          {{"problem", problem}, {"scheme", {{"id", "taylor"}, {"tolerance", 1e-14}}}, {"record", {{"every", 0}}}});
+      for (const auto& [name, value] : run["final"].items()) {
+        if (name == "t") continue;
+        EXPECT_NEAR(value, run["initial"][name], most) << problem << name;
+      }
+    }
+  }
+}
+
+TEST_F(Scenes, EchoARequestThatGivesTheSameRun) {
+  for (const Json& card : cards()) {
+    const std::string scheme = card["schemes"].front();
+    Json run = answer({{"problem", problems_of(card).back()}, {"scheme", scheme}, {"until", {{"steps", 7}}}});
+    Json again{{"scheme", run["scheme"]}};
+    for (const char* key : {"problem", "initial", "until", "record", "columns"}) again[key] = run[key];
+    EXPECT_FALSE(run["problem"].contains("variables")) << card["id"];
+    EXPECT_EQ(answer(again)["trajectory"], run["trajectory"]) << card["id"];
+  }
+}
+
+TEST_F(Scenes, StartInVelocitiesBesideTheDefault) {
+  NEEDS_SCENE("figure_eight");
+  const Json request{{"problem", {{"id", "figure_eight"}, {"m", {1, 2, 3}}}},
+                     {"initial", {{"vx[2]", 0.5}}},
+                     {"scheme", "leapfrog"},
+                     {"until", {{"steps", 1}}}};
+  const Json plain = answer({{"problem", "figure_eight"}, {"scheme", "leapfrog"}, {"until", {{"steps", 1}}}});
+  const Json run = answer(request);
+  EXPECT_EQ(run["problem"]["m[2]"], 2);
+  EXPECT_EQ(run["initial"]["px[2]"], 1);
+  EXPECT_EQ(run["initial"]["x[1]"], plain["initial"]["x[1]"]);
+  // Momenta are the variables of the card: they keep their default, whatever the masses are.
+  EXPECT_NEAR(run["initial"]["py[3]"], plain["initial"]["py[3]"], 1e-15);
+  EXPECT_NEAR(run["initial"]["px[1]"], plain["initial"]["px[1]"], 1e-15);
+  Json both = request;
+  both["initial"]["py[1]"] = 0;
+  EXPECT_EQ(fault_of(both)["pointer"], "/initial/vx[2]");
+}
+
+TEST_F(Scenes, RefuseWhatTheyDoNotHave) {
+  NEEDS_SCENE("figure_eight");
+  const auto pointer = [&](const Json& problem) {
+    return fault_of({{"problem", problem}, {"scheme", "leapfrog"}})["pointer"].get<std::string>();
+  };
+  EXPECT_EQ(pointer({{"id", "figure_eight"}, {"m", {1, 2}}}), "/problem/m");
+  EXPECT_EQ(pointer({{"id", "figure_eight"}, {"m", {1, 2, "x"}}}), "/problem/m/2");
+  EXPECT_EQ(pointer({{"id", "figure_eight"}, {"variables", {"x"}}}), "/problem/variables");
+  EXPECT_EQ(pointer({{"id", "figure_eight"}, {"preset", "mouth"}}), "/problem/preset");
+  EXPECT_EQ(pointer({{"id", "figure_eigth"}}), "/problem/id");
+}
+
+TEST_F(Scenes, BringTheirEvents) {
+  NEEDS_SCENE("bouncing_ball");
+  const Json fall{{"problem", "bouncing_ball"}, {"scheme", "leapfrog"}};
+  const Json run = answer(fall);
+  EXPECT_EQ(run["acts"][0]["name"], "bounce");
+  EXPECT_GT(run["final"]["x"], 0);
+  Json through = fall;
+  through["events"] = Json::array();
+  EXPECT_LT(answer(through)["final"]["x"], -10);
+  const Json members{{"count", 3}, {"vary", {{"/initial/x", {{"uniform", {1, 2}}}}}}};
+  EXPECT_EQ(
+      fault_of({{"problem", "bouncing_ball"}, {"scheme", "leapfrog"}, {"members", members}}, "/v1/ensemble")["pointer"],
+      "/problem");
+  EXPECT_EQ(fault_of({{"problem", "bouncing_ball"}, {"schemes", {"leapfrog"}}}, "/v1/work-precision")["pointer"],
+            "/problem");
+}
+
+TEST_F(Scenes, AreDifferentiatedAndRunBackward) {
+  NEEDS_SCENE("restricted_three_body");
+  const Json run = answer({{"problem", {{"id", "restricted_three_body"}, {"preset", "halo"}}},
+                           {"scheme", "taylor"},
+                           {"until", {{"t", -1}}},
+                           {"record", {{"every", 0}}},
+                           {"sensitivities", {{"by", {"/problem/mu", "/initial/z"}}}}});
+  EXPECT_EQ(run["status"], "completed");
+  EXPECT_EQ(run["problem"]["id"], "restricted_three_body");
+  EXPECT_LT(run["sensitivities"]["uncertainty"], 1e-8);
+  EXPECT_EQ(run["sensitivities"]["rows"].size(), 6U);
+}
+
+TEST_F(Scenes, ShowSumsAsSums) {
+  NEEDS_SCENE("pleiades");
+  const std::string formula = card_of("pleiades")["formula"];
+  EXPECT_NE(formula.find("<munderover><mo>∑</mo><mrow><mi>j</mi><mo>=</mo><mi>i</mi><mo>+</mo><mn>1</mn></mrow>"),
+            formula.npos)
+      << formula;
+  EXPECT_EQ(formula.find("<mn>3</mn></mrow></msub>"), formula.npos) << "an element of its own";
+  const auto formula_of = [&](const char* potential) {
+    Json problem = custom(R"({"variables": ["x[3]"], "parameters": {"k": 2}})");
+    problem["potential"] = potential;
+    const Json card = answer({{"problem", problem}}, "/v1/problems");
+    return card["formula"].get<std::string>();
+  };
+  // A sum that is a factor on the left ends where its bracket does; on the right it goes on.
+  EXPECT_NE(formula_of("sum(i=1..3, x[i]^2)*k").find("<mo>(</mo><mrow><munderover>"), std::string::npos);
+  EXPECT_EQ(formula_of("k*sum(i=1..3, x[i]^2)").find("<mo>(</mo>"), std::string::npos);
+  EXPECT_NE(formula_of("sum(i=1..3, x[i]^2 + k)").find("<mo>(</mo>"), std::string::npos);
+  EXPECT_NE(formula_of("sum(i=1..3, x[i])^2").find("<msup><mrow><mrow><mo>(</mo>"), std::string::npos);
+  EXPECT_NE(formula_of("sum(i=1..3, if(i == 1, 1e-3, k)*x[i]^2)").find("<mi>i</mi><mo>=</mo><mn>1</mn>"),
+            std::string::npos);
+}
+
+// What is wrong with a file is said with its name and the place in it.
+TEST(SceneFiles, SayWhatIsWrong) {
+  const auto fault = [](const std::string& body) -> std::string {
+    try {
+      read_scene_file("/wrong.json", body);
+    } catch (const std::logic_error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(fault("{"), "core/scenes/wrong.json: not JSON at byte 1");
+  EXPECT_NE(fault(R"({"scene": {"variables": ["x"], "potential": "y"}})").find("wrong.json: /scene/potential"),
+            std::string::npos);
+  EXPECT_NE(fault(R"({"titel": ""})").find("/titel"), std::string::npos);
+  const std::string well = R"("scene": {"variables": ["x"], "parameters": {"k": 1}, "potential": "k*x^2/2"})";
+  EXPECT_NE(fault("{" + well + R"(, "initial": {"y": 1}})").find("/initial/y"), std::string::npos);
+  EXPECT_NE(fault("{" + well + R"(, "presets": [{"name": "a", "initial": {"z": 1}}]})").find("/initial/z"),
+            std::string::npos);
+  EXPECT_EQ(fault("{" + well + "}"), "");
+}
+
+TEST(SceneFiles, OfTheReadmeIsAProblem) {
+  std::ifstream readme(std::string(LEAST_SOURCE_DIR) + "/README.md");
+  std::stringstream text;
+  text << readme.rdbuf();
+  const std::string all = text.str();
+  const auto from = all.rfind("```json\n", all.find("Double well")), to = all.find("```", from + 8);
+  ASSERT_NE(to, std::string::npos);
+  const TextProblem problem = read_scene_file("/double_well.json", all.substr(from + 8, to - from - 8));
+  const ProblemCard& card = problem.mechanics->card();
+  EXPECT_EQ(card.id, "double_well");
+  EXPECT_EQ(card.variables.front().value, 1.5);
+  EXPECT_EQ(card.parameters.front().doc, "height of the hill between the wells");
+  EXPECT_EQ(card.presets.size(), 1U);
+  EXPECT_GE(card.schemes.size(), 10U);
+}
+
+}  // namespace
+}  // namespace least::server::test

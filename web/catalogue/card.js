@@ -100,9 +100,9 @@ export const columns = (problem, scheme, more = [], own = []) => [...new Set([
   "t", ...(crowded(problem) ? [] : motion(problem).map((variable) => variable.name)), ...(energyKind(problem) === "none" ? [] : ["energy"]),
   ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : []), ...more.filter((name) => problem.columns.includes(name))]), ...own];
 
-/** Those of its diagnostics that the page shows: the others cost more than the run itself. */
-export const diagnostics = (problem) =>
-  ["energy", "momenta", "orbit", "decay", "entropy", "zeros", "cycle"].filter((kind) => problem.diagnostics.includes(kind));
+/** Those of its diagnostics that the page shows, few of which a run `backward` has: the others cost more than the run itself. */
+export const diagnostics = (problem, backward = false) =>
+  ["energy", "momenta", ...(backward ? [] : ["orbit", "decay", "entropy", "zeros", "cycle"])].filter((kind) => problem.diagnostics.includes(kind));
 
 /** The colour of the i-th run. */
 export const colourOf = (i) => `--run-${"abcdef"[i]}`;

@@ -69,7 +69,8 @@ export class EnergyPlot {
 
   #plotTables(runs, tables, scale) {
     if (!runs.length) return;
-    const data = tables.length > 1 ? uPlot.join(tables) : tables[0];
+    const ascending = tables.map((table) => (table[0].at(-1) < table[0][0] ? table.map((column) => column.toReversed()) : table));
+    const data = ascending.length > 1 ? uPlot.join(ascending) : ascending[0];
     this.#plot = new uPlot(this.#options(runs, scale), data, this.#container);
     this.#resized.observe(this.#plot.root.querySelector(".u-legend"));
   }

@@ -69,7 +69,7 @@ function control(card, value) {
   if (card.type === "choice") {
     const select = element("select");
     const known = card.choices.includes(value) ? value : card.default;
-    choose(select, card.choices.map((id) => ({ id, title: words(id) })), known);
+    choose(select, card.choices.map((id) => ({ id, title: card.words?.[id] ?? words(id) })), known);
     return select;
   }
   if (card.type === "list") {

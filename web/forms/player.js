@@ -38,11 +38,12 @@ export class Player {
     return this.#time;
   }
 
-  /** The times of the runs that are shown, in a `unit` of their own; a time within them stays. */
+  /** The times of the runs that are shown, in a `unit` of their own, `to` before `from` where they go backward; one within them stays. */
   span(from, to, unit = "") {
     this.#span = [from, to];
     this.#unit = unit && ` ${unit}`;
-    if (this.#time !== null && !(this.#time >= from && this.#time < to)) this.#time = from;
+    const part = (this.#time - from) / (to - from);
+    if (this.#time !== null && !(part >= 0 && part < 1)) this.#time = from;
     this.#set(this.#time);
   }
 
@@ -82,7 +83,7 @@ export class Player {
     const [from, to] = this.#span, passed = Math.max(0, Math.min(0.1, (now - this.#last) / 1000));
     this.#last = now;
     const time = this.#time + (passed / whole) * this.#speed.value * (to - from);
-    if (time >= to) return this.rest();
+    if ((time - to) * (to - from) >= 0) return this.rest();
     this.#set(time);
     this.#frame = requestAnimationFrame((next) => this.#tick(next));
   }

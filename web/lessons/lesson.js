@@ -124,7 +124,6 @@ export class Lesson {
     find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));
     const schemes = runs.map(({ scheme = {} }) => scheme), differ = new Set(schemes.map(({ id }) => id)).size > 1;
     const comparable = runs.length > 1 && (control.sets === "steps" || differ) && schemes.every(workSetting);
-    find("#to-bench").hidden = Boolean(this.#lesson.scene?.events || runs.some(({ back }) => back !== undefined)); // it asks for neither
     find("#equal-work").hidden = find("#equal-step").hidden = !comparable;
   }
 
@@ -193,8 +192,8 @@ export class Lesson {
     const times = this.#runs.flatMap(({ outcome, trajectory: { t } }) => [t[0], t.at(-1)].map((v) => v / paceOf(outcome, lesson.pace)));
     if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times), lesson.pace && "periods");
     if (first) this.#player.begin();
-    const [{ x, y }] = lesson.views;
-    find("#to-bench").href = benchLink(requests, x?.endsWith("_wrapped") ? { x, y } : {});
+    const [{ x, y }] = lesson.views, forth = requests.filter((_, i) => lesson.runs[i].back === undefined);
+    find("#to-bench").href = benchLink(forth, x?.endsWith("_wrapped") ? { x, y } : {}, forth.length < requests.length);
     this.#shown();
   }
 

@@ -2,10 +2,11 @@
 // `problem=kepler&initial.x=0&A=leapfrog&A.step=0.01…`, which has the sections of a request and its schemes under the names
 // of the runs: {problem: {id, …}, preset: {id}, initial: {…}, until: {t}, record: {samples}, axes: {x, y, z}, A: {id, …}, …}.
 // What has its default is left out. The text of a scene of one's own stands in the section of its problem.
+import { happeningsText } from "./happenings.js";
 import { linked } from "./text.js";
 
 export const names = ["A", "B", "C", "D", "E", "F"];
-const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", "basins", "starts", ...names];
+const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", "basins", "tangent", "sweep", "starts", ...names];
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();
@@ -52,13 +53,18 @@ function startsOf(requests) {
   return { starts: { of: String(names), at: String(others.map(({ initial }) => names.map((name) => initial[name]))) } };
 }
 
-/** The workbench with these requests, as far as they are of one scene: that of the first, with its basins, over `axes`. */
-export function benchLink(requests, axes = {}) {
+/**
+ * The workbench with these requests, as far as they are of one scene: that of the first, with its basins, its events and columns of
+ * its own, over `axes`; `back`: each run goes back from its end.
+ */
+export function benchLink(requests, axes = {}, back = false) {
   const scene = ({ problem, initial, until }) => ({ problem, initial, until }), first = JSON.stringify(scene(requests[0]));
   const { problem: { preset, ...asked }, ...rest } = scene(requests[0]), problem = linked(asked);
   const schemes = requests.filter((request) => JSON.stringify(scene(request)) === first).map(({ scheme }) => scheme);
-  const { basins } = requests[0];
-  return toHash({ problem, ...(preset ? { preset: { id: preset } } : {}), ...rest, ...(basins ? { basins } : {}), axes,
+  const { basins, events = [], columns = [] } = requests[0], own = columns.filter(({ name }) => name);
+  const more = (section, list) => (list.length ? { [section]: { more: happeningsText(list) } } : {});
+  return toHash({ problem, ...(preset ? { preset: { id: preset } } : {}), ...rest, ...(back ? { until: { ...rest.until, back } } : {}),
+                  ...more("columns", own), ...more("events", events), ...(basins ? { basins } : {}), axes,
                   ...startsOf(requests),
                   ...Object.fromEntries(schemes.map((scheme, i) => [names[i], typeof scheme === "string" ? { id: scheme } : scheme])) });
 }

@@ -14,8 +14,8 @@ function split(text) {
   let from = 0, depth = 0;
   for (let i = 0; i <= text.length; i++) {
     const c = text[i] ?? "\n";
-    if ("([".includes(c)) depth++;
-    else if (")]".includes(c)) depth--;
+    if ("([{".includes(c)) depth++;
+    else if (")]}".includes(c)) depth--;
     if (c !== "\n" && !(",;".includes(c) && depth <= 0)) continue;
     parts.push([text.slice(from, i), from]);
     from = i + 1;

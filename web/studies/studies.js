@@ -1,4 +1,5 @@
-// The studies of a scene: what a digit costs with each scheme, and how long a step may be. Both are asked for by a button.
+// The studies of a scene, each asked for by a button: what a digit costs with each scheme, how long a step may be, and those that
+// stand by themselves, of many runs or of the neighbours of one.
 import * as api from "../service/api.js";
 import { element, faultText } from "../forms/forms.js";
 import { format } from "../forms/numbers.js";
@@ -6,6 +7,8 @@ import { title } from "../catalogue/card.js";
 import { PrecisionPlot } from "../drawing/precision.js";
 import { Basins } from "./basins.js";
 import { Section } from "./section.js";
+import { Sweep } from "./sweep.js";
+import { Tangent } from "./tangent.js";
 
 const find = (selector) => document.querySelector(selector);
 
@@ -24,22 +27,23 @@ export class Studies {
   #scene = "";
   #underWay = {};
   #plot = new PrecisionPlot(find("#precision"));
-  #section;
-  #basins;
+  #others; // by name: what each of them has in a link, too
 
-  /** `ask()` gives `{scene: {problem, initial, until}, schemes}` as the forms stand; `picked(start)`: a member is to be run. */
+  /**
+   * `ask()` gives `{scene: {problem, initial, until}, events, schemes}` as the forms stand; `picked(values, section)`: a member is
+   * to be run, which differs in these values of its "initial" or of its "problem".
+   */
   constructor(schemes, ask, picked) {
-    const run = (start) => {
-      picked(start);
+    const run = (values, section = "initial") => {
+      picked(values, section);
       this.#scene = JSON.stringify(this.#ask().scene); // what was found stays
     };
-    this.#section = new Section(run);
-    this.#basins = new Basins(run);
+    this.#others = { section: new Section(run), basins: new Basins(run), tangent: new Tangent(), sweep: new Sweep(run) };
     this.#schemes = schemes;
     this.#ask = ask;
     find("#measure-precision").addEventListener("click", () => this.#start("precision", () => this.#measure()));
     find("#measure-stability").addEventListener("click", () => this.#start("stability", () => this.#search()));
-    for (const [study, runs] of [["section", this.#section], ["basins", this.#basins]])
+    for (const [study, runs] of Object.entries(this.#others))
       find(`#measure-${study}`).addEventListener("click", () => this.#start(study, () =>
         runs.measure(this.#ask(), this.#schemes, this.#underWay[study].signal, (text) => this.#tell(study, text))));
     find("#cost").addEventListener("change", (event) => this.#plot.over(event.target.value));
@@ -50,31 +54,28 @@ export class Studies {
     const scene = JSON.stringify(this.#ask().scene);
     if (scene === this.#scene) return;
     this.#scene = scene;
-    for (const study of ["precision", "stability", "section", "basins"]) {
+    for (const study of ["precision", "stability", ...Object.keys(this.#others)]) {
       this.#stop(study);
       this.#tell(study, "");
     }
     this.#plot.start([]);
-    this.#section.clear();
-    this.#basins.clear();
+    for (const study of Object.values(this.#others)) study.clear();
     find("#stability").replaceChildren();
     find("#precision-notes").replaceChildren();
   }
 
   draw() {
     this.#plot.draw();
-    this.#section.draw();
-    this.#basins.draw();
+    for (const study of Object.values(this.#others)) study.draw();
   }
 
-  /** What stands in a link: the choices of the studies, and of the section and the basins of a problem. */
-  offer(problem, { study = {}, section = {}, basins = {} }) {
+  /** What stands in a link: the choices of the studies, and what is set for those of a problem. */
+  offer(problem, { study = {}, ...wanted }) {
     this.choices = study;
-    this.#section.offer(problem, section);
-    this.#basins.offer(problem, basins);
+    for (const [name, other] of Object.entries(this.#others)) other.offer(problem, wanted[name]);
   }
   chosen(changed) {
-    return { study: this.choices, section: this.#section.chosen(changed), basins: this.#basins.chosen(changed) };
+    return { study: this.choices, ...Object.fromEntries(Object.entries(this.#others).map(([name, other]) => [name, other.chosen(changed)])) };
   }
 
   /** What is chosen to be measured, as far as it is not the usual. */

@@ -41,7 +41,7 @@ export class Bench {
     this.#went = went;
     this.#panes = new Panes(schemes, (t) => this.#results.point(t), () => this.request());
     this.#runs = new Runs(this.#scene, this.#panes, this.#starts, schemes, (told) => this.#show(told));
-    this.#studies = new Studies(schemes, () => this.#studied(), (start) => this.request(this.#scene.begin(start)));
+    this.#studies = new Studies(schemes, () => this.#studied(), (values, section) => this.request(this.#scene.begin(values, section)));
     new FileButtons(() => ({ planes: this.#results.planes(this.#panes.list), title: this.#scene.problem.title,
                              runs: this.#runs.list.filter(({ outcome }) => outcome) }), (seen) => this.#results.play(seen));
     this.#listen();
@@ -152,7 +152,8 @@ export class Bench {
 
   #studied() {
     const schemes = Object.values(this.#panes.chosen()).filter(({ id }) => id !== "auto");
-    return { scene: this.#runs.sceneOf(this.#experiment()), schemes };
+    const { events } = this.#scene, acts = events.some(({ set }) => set); // which change the motion: no study may leave them out
+    return { scene: { ...this.#runs.sceneOf(this.#experiment()), ...(acts ? { events } : {}) }, events, schemes };
   }
 
   /** Asks for runs soon; several changes at once make one. `quietly`: the address does not change by a hand. */

@@ -70,6 +70,8 @@ function rows(outcomes, problem) {
         raw: (o) => o.diagnostics.orbit?.closure },
     ] : []),
     ...[...kinds].filter((kind) => !own.includes(kind)).flatMap((kind) => plainRows(kind, outcomes)),
+    ...(outcomes.some(({ back }) => back) ? [{ id: "missed", name: "Back at the start, off by", doc: "the largest difference of a variable",
+                                              raw: (o) => (o.back && !o.back.stop ? o.back.missed : null) }] : []),
     { id: "steps", name: "Steps", raw: (o) => o.cost.steps, shown: count },
     { id: "force_evaluations", name: "Force evaluations", raw: (o) => o.cost.force_evaluations, shown: count },
     { id: "nanoseconds_per_step", name: "Time per step", doc: "diagnostics and recording included; short runs measure little",

@@ -2,8 +2,10 @@
 import { element } from "../forms/forms.js";
 import { canFilm, Film } from "./film.js";
 
-/** The trajectories of runs `[{name, trajectory}]` as a table: a line for each sample, the run first. */
-function csvOf(runs) {
+/** The trajectories of runs `[{name, trajectory, outcome}]` as a table: a line for each sample, the run first, then its way back. */
+function csvOf(given) {
+  const runs = given.flatMap(({ name, trajectory, outcome }) => [{ name, trajectory },
+    ...(outcome?.back ? [{ name: `${name} back`, trajectory: outcome.back.trajectory }] : [])]);
   const columns = [...new Set(runs.flatMap(({ trajectory }) => Object.keys(trajectory)))];
   const lines = runs.flatMap(({ name, trajectory }) => trajectory.t.map((_, i) =>
     [name, ...columns.map((column) => trajectory[column]?.[i] ?? "")].join(",")));

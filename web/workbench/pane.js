@@ -111,6 +111,15 @@ export class Pane {
     this.#part.messages.replaceChildren(...(notes.length ? [element("ul", {}, ...notes)] : []));
   }
 
+  /** What there is to say of the way back from the end of a run, an answer of the service. */
+  tellBack({ outcome, faults = [] }) {
+    const said = outcome?.stop ? [note("stop", `The way back: ${stopped(outcome.stop)}`)]
+      : faults.map((fault) => note("fault", `The way back: ${faultText(fault)}`));
+    if (!said.length) return;
+    if (!this.#part.messages.firstChild) this.#part.messages.append(element("ul"));
+    this.#part.messages.firstChild.append(...said);
+  }
+
   #spell() {
     if (this.#request) this.#part.curl.textContent = programs[this.#part.language.value](this.#request);
   }

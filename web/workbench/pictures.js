@@ -35,9 +35,12 @@ export function inPlane({ axes, log, labels, problem }, runs, hands) {
   const kinds = kindsOf(problem), bodies = bodiesOf(axes, kinds), starts = bodies.length > 1 ? null : startsOf(axes, log, problem);
   const chain = axes[0] === index && columnsOf(axes[1], kinds), several = bodies.length > 1;
   const taken = (pair) => startsOf(pair, log, problem);
-  const own = (run) => (chain ? chainsOf(run, chain) : bodies.flatMap((pair, i) => curvesOf(run.trajectory, pair, log, {
-    colour: run.colour, body: several ? colourOfBody(i, bodies.length) : run.colour, title: run.title, events: times(run),
-    grab: taken(pair) && ((x, y, done) => hands.grab({ [taken(pair)[0]]: x, [taken(pair)[1]]: y }, done)) })));
+  const hued = (run, i) => ({ colour: run.colour, body: several ? colourOfBody(i, bodies.length) : run.colour, title: run.title });
+  const back = (run) => (run.outcome?.back ? bodies.flatMap((pair, i) => curvesOf(run.outcome.back.trajectory, pair, log, {
+    ...hued(run, i), body: "--ink", colour: "--ink", dash: [3, 5], events: [], exact: true })) : []); // above the way forth
+  const own = (run) => (chain ? chainsOf(run, chain) : [...bodies.flatMap((pair, i) => curvesOf(run.trajectory, pair, log, {
+    ...hued(run, i), events: times(run), grab: taken(pair) && ((x, y, done) => hands.grab({ [taken(pair)[0]]: x, [taken(pair)[1]]: y }, done)) })),
+    ...back(run)]);
   const others = (run) => (starts ? run.starts : []).flatMap(({ at, trajectory }, i) => {
     const begins = { x: [at[0]], y: [at[1]], t: [0] }; // what is still to come, or was refused
     return (trajectory ? curvesOf(trajectory, axes, log, {}) : [begins]).map((curve) => ({ ...curve, colour: run.colour, title: run.title,

@@ -45,7 +45,8 @@ export class Results {
     find("#bodies").hidden = !body || runs.length === 0;
     this.#bodies.show(body, runs);
     const times = runs.flatMap(({ trajectory: { t } }) => [t[0], t.at(-1)]);
-    if (times.length) this.#player.span(Math.min(...times), Math.max(...times));
+    const ends = [Math.min(...times), Math.max(...times)], backward = runs.every(({ trajectory: { t } }) => t.at(-1) < t[0]);
+    if (times.length) this.#player.span(...(backward ? ends.toReversed() : ends));
   }
 
   /** The energy and the numbers of runs that have an `outcome`. */

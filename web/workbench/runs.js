@@ -1,7 +1,8 @@
 // The runs of the workbench: what is asked for each, how far they are, and what they came to. One question is in flight, and
 // of those that came meanwhile the newest follows.
+import { simulate } from "../service/api.js";
 import { Live } from "../service/live.js";
-import { columns, diagnostics } from "../catalogue/card.js";
+import { columns, diagnostics, motion } from "../catalogue/card.js";
 import { drawnOf, kindsOf } from "../catalogue/kinds.js";
 import { recordOf } from "../catalogue/record.js";
 import { statedColumns } from "../catalogue/stated.js";
@@ -92,7 +93,7 @@ export class Runs {
   }
 
   /** The scene as it stands in a request. */
-  sceneOf({ problem, preset, initial, until }) {
+  sceneOf({ problem, preset, initial, until: { back: _, ...until } }) {
     return { problem: this.#scene.asked(problem, preset), initial, until };
   }
 
@@ -101,8 +102,8 @@ export class Runs {
     const { problem, initial, until } = this.sceneOf(now), card = this.#schemes.find(({ id }) => id === scheme.id);
     const own = this.#scene.problem, drawn = drawnOf(this.#scene.axes, kindsOf(own));
     const { start, events } = this.#scene, span = until.t === undefined ? this.#scene.span : until.t - start;
-    return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, span, Math.min(most, Math.ceil(values / (drawn.length || 1)))),
-             columns: columns(own, card, drawn, [...this.#scene.columns, ...statedColumns(own)]), diagnostics: diagnostics(own),
+    return { problem, initial, scheme, until, record: recordOf(this.#scene, card, scheme, Math.abs(span), Math.min(most, Math.ceil(values / (drawn.length || 1)))),
+             columns: columns(own, card, drawn, [...this.#scene.columns, ...statedColumns(own)]), diagnostics: diagnostics(own, span < 0),
              ...(events.length ? { events } : {}) };
   }
 
@@ -112,15 +113,26 @@ export class Runs {
     const done = new Map(), from = this.#scene.start, span = now.until.t - from;
     return Promise.all(this.#panes.list.map(async (pane) => {
       pane.clearFaults();
-      const answer = await pane.run(this.#requestFor(now, now[pane.name], most), this.#scene.fields, signal, (outcome) => {
+      const request = this.#requestFor(now, now[pane.name], most);
+      const answer = await pane.run(request, this.#scene.fields, signal, (outcome) => {
         if (signal.aborted) return;
         done.set(pane.name, (outcome.t - from) / span);
         this.#pass(pane.name, outcome, done);
       });
       done.set(pane.name, 1);
       if (answer.outcome) this.#outcomes = { ...this.#outcomes, [pane.name]: answer.outcome }; // which stays, if others are stopped
+      if (now.until.back && answer.outcome) pane.tellBack(await this.#goBack(request, answer.outcome, signal));
       return { ...answer, name: pane.name };
     }));
+  }
+
+  /** Goes back from the end of a run to its start; what came of it, which stands beside the outcome. */
+  async #goBack(request, outcome, signal) {
+    const { initial, final, scheme } = outcome, answer = await simulate({ ...request, scheme, initial: final, until: { t: initial.t }, diagnostics: [] }, signal);
+    if (!answer.outcome) return answer;
+    const missed = Math.max(...motion(this.#scene.problem).map(({ name }) => Math.abs((answer.outcome.final[name] ?? 0) - (initial[name] ?? 0))));
+    outcome.back = { ...answer.outcome, missed };
+    return answer;
   }
 
   /** A run is on its way. */

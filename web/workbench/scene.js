@@ -1,5 +1,6 @@
 // The form of a scene: its problem with parameters, its start, its span.
-import { entries, linked, overrides } from "../service/text.js";
+import { columnsOf, eventsOf } from "../service/happenings.js";
+import { linked, overrides } from "../service/text.js";
 import { build, choose, clearFaults, element, prose, values, words } from "../forms/forms.js";
 import { formulaOf } from "../forms/formula.js";
 import { axes, cards, presetOf, spanOf, usualAxes } from "../catalogue/card.js";
@@ -14,12 +15,14 @@ export const samples = { name: "samples", label: "points drawn", default: 10000,
 const more = { name: "more", label: "more columns", type: "text", default: "", hint: "r = sqrt(x^2 + y^2)",
                doc: "columns of your own, name = formula, one after the other with commas" };
 const happenings = { ...more, label: "events", hint: "apsis = x*px + y*py",
-                     doc: "events of your own, name = formula: where it is zero on the way, the picture has a mark" };
+                     doc: "events of your own, name = formula: where it is zero on the way, the picture has a mark; it may say up or " +
+                          "down, what it changes, as in floor = x down {vx = -0.9*vx}, stop, and most 100" };
+const back = { name: "back", label: "and back", type: "flag", default: false, doc: "from its end each run goes back in time to its start" };
 const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]"), z: find("#axes [name=z]") };
 const view = find("#axes [name=view]"); // one of those that the scene states
 const logs = { x: find("#axes [name=logx]"), y: find("#axes [name=logy]") };
 
-const typed = (form) => entries(values(form).more ?? "").map(({ name, value }) => ({ name, expression: value ?? "" }));
+const typed = (form) => values(form).more ?? "";
 
 export class Scene {
   problem = null;
@@ -38,7 +41,7 @@ export class Scene {
     build(forms.problem, parameters, "/problem", experiment.problem);
     build(forms.initial, initial, "/initial", experiment.initial);
     const until = { name: "t", label: "until t", default: this.start + this.span, doc: "when the run ends" };
-    build(forms.until, [until], "/until", experiment.until);
+    build(forms.until, [until, back], "/until", experiment.until);
     build(forms.record, [samples], "/record", experiment.record);
     build(forms.columns, [more], "/columns", experiment.columns);
     build(forms.events, [happenings], "/events", experiment.events);
@@ -59,12 +62,17 @@ export class Scene {
     return preset;
   }
 
-  /** Columns and events that are typed: `[{name, expression}]`. */
+  /** Columns and events that are typed, as they stand in a request. */
   get columns() {
-    return typed(forms.columns);
+    return columnsOf(typed(forms.columns));
   }
   get events() {
-    return typed(forms.events);
+    return eventsOf(typed(forms.events));
+  }
+
+  /** Whether each run goes back from its end to its start. */
+  get back() {
+    return Boolean(values(forms.until).back);
   }
 
   offerAxes(chosen = { ...this.#chosen, log: this.log }) {
@@ -113,15 +121,14 @@ export class Scene {
 
   /** The default end follows the start; an end of one's own stays. */
   moveEnd() {
-    const field = forms.until.querySelector("[data-name=t]"), own = this.ownEnd;
+    const field = forms.until.querySelector("[data-name=t]"), own = "t" in this.ownEnd;
     field.placeholder = field.dataset.usual = String(this.start + this.span);
     if (!own) field.value = field.placeholder;
   }
 
-  /** The end, where it is not the default one. */
+  /** What is set of the end: when it is, where it is not the default one, and whether the runs go back from it. */
   get ownEnd() {
-    const { value, placeholder } = forms.until.querySelector("[data-name=t]");
-    return value.trim() === placeholder ? undefined : values(forms.until);
+    return values(forms.until, true);
   }
 
   /** `[x, y]`, in space `[x, y, z]`: what stands on the axes; their labels; which are logarithmic. */
@@ -151,10 +158,10 @@ export class Scene {
     return { id, ...(preset ? { preset: preset.id } : {}), ...parameters };
   }
 
-  /** Moves the start to values by name. */
-  begin(at) {
+  /** Moves the start to values by name, or the parameters of the problem. */
+  begin(at, section = "initial") {
     for (const [name, value] of Object.entries(at)) {
-      const field = forms.initial.querySelector(`[data-name="${CSS.escape(name)}"]`);
+      const field = forms[section].querySelector(`[data-name="${CSS.escape(name)}"]`);
       if (!field) continue;
       field.value = String(value);
       field.dispatchEvent(new Event("input"));

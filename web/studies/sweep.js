@@ -1,0 +1,157 @@
+// One parameter over a range, and what becomes of the motion: where it crosses a plane or is found by a clock (a bifurcation
+// diagram), how far it swings (a resonance curve), or where it ends.
+import * as api from "../service/api.js";
+import { build, values, words } from "../forms/forms.js";
+import { count, format } from "../forms/numbers.js";
+import { axes, motion, spanOf } from "../catalogue/card.js";
+import { paint } from "../drawing/crossings.js";
+import { extent } from "../drawing/mapping.js";
+import { Plane } from "../drawing/plane.js";
+import { partOf } from "./part.js";
+import { numbersOf, pointerTo } from "./pointers.js";
+import { schemeOf } from "./section.js";
+
+const texts = {
+  title: "What a parameter changes", button: "Sweep", picture: "What becomes of the motion, over a parameter",
+  doc: "One parameter over a range, many runs, and of each what remains after a while: every crossing (a bifurcation diagram), how far it " +
+       "swings (a resonance curve), or its end. A click runs that value.",
+  vary: "parameter", from: "from", to: "to", count: "runs", y: "up", show: "of each run", after: "from t on", until: "until t",
+  shows: { crossings: "crossings", amplitude: "amplitude", end: "end" },
+  where: "zero of", direction: "going", period: "or every period", none: "none", formula: "a variable or a formula", clock: "a clock in the place of a plane",
+  afterDoc: "what comes before is left out, until the motion has settled", nothing: "This scene has no parameter to vary.",
+  points: (n) => `${n} points…`, said: (n, runs, scheme) => `${n} points of ${runs} runs with ${scheme}.`,
+  largest: (what, value, name, at) => ` The largest ${what}, ${value}, at ${name} = ${at}.`, broke: "The answer broke off.",
+  stopped: (n, why) => `${n} stopped (${why})`, amplitude: (name) => `amplitude of ${name}`,
+};
+const patience = 60; // seconds that the service may take
+
+const rounded = (value) => Number(value.toPrecision(3));
+
+function cardsOf(problem) {
+  const names = motion(problem).map(({ name }) => name), parameters = numbersOf(problem), [vary] = parameters;
+  const usual = problem.parameters.find(({ name }) => name === vary)?.default ?? 1, size = Math.abs(usual) || 1, span = spanOf(problem);
+  const shown = axes(problem).map(({ id }) => id).filter((id) => !["error_of_energy", "mode", "t"].includes(id));
+  return [
+    { name: "vary", label: texts.vary, type: "choice", choices: parameters, default: vary },
+    { name: "from", label: texts.from, default: rounded(usual - size / 2) }, { name: "to", label: texts.to, default: rounded(usual + size / 2) },
+    { name: "count", label: texts.count, default: 400 },
+    { name: "show", label: texts.show, type: "choice", choices: Object.keys(texts.shows), words: texts.shows, default: "crossings" },
+    { name: "y", label: texts.y, type: "choice", choices: shown, default: names[0] },
+    { name: "where", label: texts.where, type: "text", default: names[Math.floor(names.filter((name) => name !== "s").length / 2)] ?? names[0], hint: texts.none, doc: texts.formula },
+    { name: "direction", label: texts.direction, type: "choice", choices: ["up", "down", "both"], default: "down" },
+    { name: "period", label: texts.period, default: null, nullable: true, doc: texts.clock },
+    { name: "until", label: texts.until, default: 4 * span }, { name: "after", label: texts.after, default: 3 * span, doc: texts.afterDoc },
+  ];
+}
+
+export class Sweep {
+  #find = partOf({ id: "sweep", ...texts });
+  #plane = new Plane(this.#find("canvas"));
+  #picked; // ({name: value}, "problem"): a value that is to be run
+  #problem = null;
+  #asked = null;
+  #blocks = []; // {member, x, y}: of an amplitude or an end one point for each run
+  #due = 0;
+
+  constructor(picked) {
+    this.#picked = picked;
+  }
+
+  offer(problem, wanted) {
+    this.#problem = problem;
+    build(this.#find(".fields"), cardsOf(problem), "/sweep", wanted);
+    this.clear();
+  }
+
+  chosen(changed = false) {
+    return values(this.#find(".fields"), changed);
+  }
+
+  clear() {
+    this.#blocks = [];
+    this.#asked = null;
+    this.#find("figure").hidden = true;
+    this.draw();
+  }
+
+  /** Asks for the members of a `scene`, as Section.measure does. */
+  async measure({ scene, schemes }, cards, signal, told) {
+    const asked = this.chosen(), { vary, from, to, count: n, show, y, where, direction, period, until, after } = asked;
+    if (!vary) return { faults: [{ detail: texts.nothing }] };
+    const scheme = schemeOf(this.#problem, schemes, cards);
+    this.clear();
+    const mine = (this.#asked = asked);
+    let points = 0, ended = { completed: 0, stopped: {}, warnings: [{ detail: texts.broke }] };
+    const section = period ? { period, phase: 0 } : { expression: where ?? "", direction: show === "amplitude" ? "both" : direction };
+    const request = { ...scene, scheme, until: { t: until }, ...(show === "end" ? {} : { section }), columns: [y], limits: { seconds: patience },
+                      keep: [show === "end" ? "final" : "section"], members: { vary: { [pointerTo(this.#problem, vary)]: { grid: [from, to, n] } } } };
+    const { faults } = await api.ensemble(request, signal, (line) => {
+      if (line.kind === "end") ended = line;
+      if (line.kind !== "block" || this.#asked !== mine) return;
+      points += this.#add(show === "end" ? { member: line.final.index, y: line.final[y] } : late(line.section, y, after));
+      told(texts.points(count(points)));
+    });
+    if (faults) return { faults };
+    const stopped = Object.entries(ended.stopped).map(([reason, some]) => texts.stopped(count(some), words(reason)));
+    const notes = [...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
+    const said = texts.said(count(points), count(ended.completed), words(scheme.id)) + (points && show !== "crossings" ? this.#peak() : "");
+    return { said: notes.length ? `${said} ${notes.join("; ")}.` : said };
+  }
+
+  /** Adds points of members, to be seen in the next frame; how many there are of them. */
+  #add({ member, y }) {
+    const { from, to, count: n, show } = this.#asked;
+    const block = show === "amplitude" ? swings(member, y) : { member, y };
+    this.#blocks.push({ ...block, x: block.member.map((m) => (n > 1 ? from + ((to - from) * m) / (n - 1) : from)) });
+    this.#due ||= requestAnimationFrame(() => this.draw());
+    return block.member.length;
+  }
+
+  /** Where what is drawn is largest. */
+  #peak() {
+    const { vary, show, y: name } = this.#asked;
+    let [at, most] = [null, -Infinity];
+    for (const { x, y } of this.#blocks) y.forEach((v, i) => v !== null && v > most && ([at, most] = [x[i], v]));
+    return texts.largest(show === "amplitude" ? texts.amplitude(name) : name, format(most, 4), vary, format(at, 4));
+  }
+
+  draw() {
+    this.#due = 0;
+    const full = this.#blocks.filter(({ member }) => member.length);
+    this.#find("figure").hidden = !full.length;
+    if (!full.length) return this.#plane.show(null);
+    const { vary, from, to, count: n, show, y } = this.#asked, ends = full.map((block) => extent(block.y));
+    const view = { x: [Math.min(from, to), Math.max(from, to)], y: [Math.min(...ends.map(([low]) => low)), Math.max(...ends.map(([, high]) => high))], free: true };
+    const labels = [vary, show === "amplitude" ? texts.amplitude(y) : y];
+    const pick = (left, top) => this.#run(this.#plane.map.at(left, top).x);
+    const curve = { x: full.flatMap((block) => block.x), y: full.flatMap((block) => block.y), colour: "--run-b", title: "", unmarked: true };
+    if (show !== "crossings") return this.#plane.show({ curves: [curve], view, labels, pick });
+    const ink = getComputedStyle(this.#find("canvas")).getPropertyValue("--run-b").trim().slice(1), [r, g, b] = ink.match(/../g).map((two) => parseInt(two, 16));
+    const colours = new Uint32Array(n).fill(0xff000000 | (b << 16) | (g << 8) | r);
+    this.#plane.show({ curves: [], view, labels, backdrop: paint(full, colours), pick });
+  }
+
+  /** Runs the value of the parameter that is nearest to a place. */
+  #run(place) {
+    const { vary, from, to, count: n } = this.#asked, step = n > 1 ? (to - from) / (n - 1) : 0;
+    const member = step ? Math.min(n - 1, Math.max(0, Math.round((place - from) / step))) : 0;
+    this.#picked({ [vary]: Number((from + member * step).toPrecision(12)) }, "problem");
+  }
+}
+
+/** The crossings after a time. */
+function late({ member, t, ...columns }, name, after) {
+  const kept = member.map((_, i) => i).filter((i) => t[i] >= after);
+  return { member: kept.map((i) => member[i]), y: kept.map((i) => columns[name][i]) };
+}
+
+/** Half of how far each member goes to and fro. */
+function swings(member, y) {
+  const ends = new Map();
+  member.forEach((m, i) => {
+    if (y[i] === null) return;
+    const [low, high] = ends.get(m) ?? [Infinity, -Infinity];
+    ends.set(m, [Math.min(low, y[i]), Math.max(high, y[i])]);
+  });
+  return { member: [...ends.keys()], y: [...ends.values()].map(([low, high]) => (high - low) / 2) };
+}

@@ -3,6 +3,8 @@ import * as api from "./service/api.js";
 import { fromHash, lessonHash, lessonOf, presenting, presents } from "./service/link.js";
 import { custom } from "./service/text.js";
 import { element } from "./forms/forms.js";
+import { fill, offer, ready } from "./language/spoken.js";
+import { inLanguage, known, language, languageOf, text } from "./language/texts.js";
 import { Lesson } from "./lessons/lesson.js";
 import { lessons } from "./lessons/lessons.js";
 
@@ -20,7 +22,7 @@ function workbench(catalogue) {
  * changed meanwhile stays: what it says is about to be shown.
  */
 function note(asked, quietly) {
-  const hash = presenting(asked, isPresenting());
+  const hash = inLanguage(presenting(asked, isPresenting()), languageOf(at));
   if (hash === location.hash || location.hash !== at) return;
   if (quietly) history.replaceState(history.state, "", hash);
   else history.pushState({ steps: steps() + 1 }, "", hash);
@@ -33,11 +35,14 @@ const isPresenting = () => document.documentElement.classList.contains("present"
 
 function present(on) {
   document.documentElement.classList.toggle("present", on);
-  for (const button of document.querySelectorAll("[data-presents]")) button.textContent = on ? "Leave" : "Present";
-  at = presenting(location.hash || lessonHash(lessons[0].id), on);
+  for (const button of document.querySelectorAll("[data-presents]")) button.textContent = text(on ? "leave" : "present");
+  at = presenting(location.hash || first, on);
   if (at !== location.hash) history.replaceState(history.state, "", at);
   shown?.draw();
 }
+
+/** The first lesson, which an address without any opens. */
+const first = lessonHash(lessons[0].id);
 
 /** By a hand: of a browser that can, the whole screen. */
 async function turnPresenting(on) {
@@ -67,7 +72,7 @@ function openLesson(id, state, moved = false) {
   note(lessonHash(id, state), moved);
   if (moved) return;
   show(lesson, "#lesson");
-  tell(lesson.open(id, state) ? "" : `There is no lesson “${id}”; this is the first.`);
+  tell(lesson.open(id, state) ? "" : text("lesson.unknown", { id }));
 }
 
 function show(part, selector) {
@@ -80,19 +85,22 @@ function show(part, selector) {
 
 /** Shows what the address says; a step back, which has a state, leads neither into a presentation nor out of it. */
 async function route(catalogue, opened = false) {
+  const spoken = languageOf(at); // stays, where a link within the page does not say it again
+  if (spoken && !languageOf(location.hash)) history.replaceState(history.state, "", inLanguage(location.hash || first, spoken));
   at = location.hash;
+  if ((languageOf(at) ?? language()) !== language()) return location.reload();
   present(opened || history.state === null ? presents(at) : isPresenting());
   if (history.state === null) history.replaceState({ steps: 0 }, "", at || location.href);
   find("#undo").disabled = steps() === 0;
-  const asked = presenting(at, false) || lessonHash(lessons[0].id), link = lessonOf(asked);
+  const asked = inLanguage(presenting(at, false)) || first, link = lessonOf(asked);
   if (link) {
     show(lesson, "#lesson");
-    return tell(lesson.open(link.id, link.state) ? "" : `There is no lesson “${link.id}”; this is the first.`);
+    return tell(lesson.open(link.id, link.state) ? "" : text("lesson.unknown", { id: link.id }));
   }
   const { experiment, unread } = fromHash(asked), { id } = experiment.problem ?? {};
   const known = catalogue.problems.some((problem) => problem.id === id) || id === custom;
   const wrong = [...(id && !known ? [`problem=${id}`] : []), ...unread];
-  tell(wrong.length ? `Of this link, ${wrong.join(", ")} means nothing here; the rest is shown.` : "");
+  tell(wrong.length ? text("link.unread", { what: wrong.join(", ") }) : "");
   show(bench, "#experiment");
   const asking = at;
   await workbench(catalogue);
@@ -102,12 +110,14 @@ async function route(catalogue, opened = false) {
 }
 
 function fail(error) {
-  find("main").prepend(element("p", { className: "wrong", role: "alert", textContent: `The page could not start: ${error.message}` }));
+  find("main").prepend(element("p", { className: "wrong", role: "alert", textContent: `${known("failed") ?? ""} ${error.message}` }));
   throw error;
 }
 
 try {
-  const catalogue = await api.catalogue();
+  const [catalogue] = await Promise.all([api.catalogue(), ready]);
+  fill(document);
+  offer(find("#language"), first);
   lesson = new Lesson(catalogue, openLesson);
   addEventListener("hashchange", () => route(catalogue).catch(fail));
   addEventListener("keydown", (event) => {

@@ -1,6 +1,6 @@
 // The lessons: each runs, and what it claims is true of the data that the page shows.
 import assert from "node:assert/strict";
-import { mkdirSync } from "node:fs";
+import { mkdirSync, readFileSync } from "node:fs";
 import { all, becomes, drawn, frames, origin, pageTest } from "./browser.mjs";
 import { claims } from "./claims.mjs";
 import { lessons } from "../../web/lessons/lessons.js";
@@ -248,6 +248,8 @@ pageTest("the page is small", calm, async (page) => {
   let bytes = 0;
   const { gzipSync } = await import("node:zlib");
   const files = [""], seen = new Set();
+  const texts = (language) => gzipSync(readFileSync(new URL(`../../web/language/${language}.json`, import.meta.url))).length;
+  bytes += Math.max(texts("en"), texts("de")); // one of them is fetched
   for (let i = 0; i < files.length; i++) {
     const text = await page.evaluate(async (path) => (await fetch(path)).text(), `/${files[i]}`);
     bytes += gzipSync(text).length;

@@ -17,7 +17,7 @@ try {
     await page.goto(origin);
     await page.waitForSelector("html[data-at]");
     opened.push(Number(await page.getAttribute("html", "data-at")));
-    const own = /\.(js|css|html|svg)$|\/$/;
+    const own = /\.(js|css|html|svg)$|language\/\w+\.json$|\/$/;
     bytes = await page.evaluate((source) => [...performance.getEntriesByType("navigation"), ...performance.getEntriesByType("resource")]
       .filter(({ name }) => new RegExp(source).test(new URL(name).pathname)).reduce((sum, entry) => sum + entry.encodedBodySize, 0), own.source);
     await context.close();

@@ -8,8 +8,8 @@ import { fileURLToPath } from "node:url";
 
 const page = process.env.LEAST_PAGE ?? fileURLToPath(new URL("../../web/", import.meta.url));
 /** Every room with those below it that it may use; in "." stands what joins them. */
-const base = ["service", "forms"], seen = [...base, "catalogue", "drawing"];
-const rooms = { service: [], forms: [], catalogue: base, drawing: base, own: base, studies: seen, lessons: seen,
+const base = ["language", "service", "forms"], seen = [...base, "catalogue", "drawing"];
+const rooms = { language: [], service: ["language"], forms: ["language"], catalogue: base, drawing: base, own: base, studies: seen, lessons: seen,
                 workbench: [...seen, "own", "studies"], ".": [...seen, "lessons", "workbench"] };
 
 const modules = Object.keys(rooms).flatMap((room) => readdirSync(join(page, room)).filter((name) => name.endsWith(".js"))

@@ -1,4 +1,5 @@
 // Forms made from the catalogue's cards: fields, their values, and the service's faults at the field they point to.
+import { typed } from "../language/texts.js";
 import { rangeOf, scaleOf, tidy } from "./ranges.js";
 
 export const element = (tag, properties = {}, ...children) => {
@@ -93,6 +94,9 @@ function range(card) {
 const shown = (input) => (input.type === "checkbox" ? String(input.checked)
   : input.multiple ? [...input.selectedOptions].map((option) => option.value).join(",") : input.value.trim());
 
+/** The number that is typed into a field; a comma in a list of numbers is no decimal sign. */
+const numberIn = ({ value, dataset }) => (dataset.usual.includes(",") ? Number(value) : typed(value));
+
 /**
  * The values of a container by name. What is not a number is passed on as text: the service says what is wrong. An
  * optional value is there only where it is another than its default; with `changed` so is any.
@@ -107,7 +111,7 @@ export function values(container, changed = false) {
     else if (kind === "list") read[name] = [...input.selectedOptions].map((option) => option.value);
     else if (kind === "choice") read[name] = input.value;
     else if (kind === "text" && text !== "") read[name] = text;
-    else if (text !== "") read[name] = Number.isFinite(Number(text)) ? Number(text) : text;
+    else if (text !== "") read[name] = Number.isFinite(numberIn(input)) ? numberIn(input) : text;
     else if ("nullable" in input.dataset) read[name] = input.dataset.nullable || null;
   }
   return read;

@@ -1,7 +1,9 @@
-// Numbers for people.
+// Numbers for people, in the language that is spoken.
+import { spelled } from "../language/texts.js";
+
+export { count, listed, spelled, typed } from "../language/texts.js";
 
 const superscript = (n) => String(n).replace(/[-\d]/g, (c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c]));
-const minus = (text) => text.replace("-", "−");
 
 /** `n` as 10ⁿ. */
 export const powerOfTen = (n) => `10${superscript(n)}`;
@@ -11,12 +13,9 @@ export function format(x, digits = 3) {
   if (x === null || x === undefined) return "–";
   if (x === 0) return "0";
   const [mantissa, exponent] = x.toExponential(digits - 1).split("e");
-  if (exponent < -3 || exponent > 5) return `${minus(mantissa)}·${powerOfTen(+exponent)}`;
-  return minus(Number(x.toPrecision(digits)).toString());
+  if (exponent < -3 || exponent > 5) return `${spelled(mantissa)}·${powerOfTen(+exponent)}`;
+  return spelled(Number(x.toPrecision(digits)));
 }
-
-/** A count: 1 234 567. */
-export const count = (n) => (n === undefined ? "–" : n.toLocaleString("en").replaceAll(",", "\u202f"));
 
 /** A round step that divides [low, high] into about `n` parts. */
 export function roundStep(low, high, n) {
@@ -37,9 +36,9 @@ export function tickLabel(x, step) {
   const decimals = -Math.floor(Math.log10(step) + 1e-9);
   if (decimals > 4 || Math.abs(x) >= 1e5) {
     const [mantissa, exponent] = x.toExponential(2).split("e");
-    return `${minus(String(Number(mantissa)))}·${powerOfTen(+exponent)}`;
+    return `${spelled(Number(mantissa))}·${powerOfTen(+exponent)}`;
   }
-  return minus(x.toFixed(Math.max(decimals, 0)));
+  return spelled(x.toFixed(Math.max(decimals, 0)));
 }
 
 /** Powers of ten in [low, high], at most about eight of them. */

@@ -1,6 +1,7 @@
 // The clock of a picture: play, pause, speed, and a slider for the time. It tells `moved(t)` what to show, null for all.
 import { element } from "./forms.js";
-import { format } from "./numbers.js";
+import { text } from "../language/texts.js";
+import { format, spelled } from "./numbers.js";
 
 const whole = 20; // seconds that all of a run takes at speed 1
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -12,16 +13,16 @@ export class Player {
   #time = null;
   #frame = 0;
   #last = 0;
-  #button = element("button", { type: "button", textContent: "▶ Play", className: "play" });
+  #button = element("button", { type: "button", textContent: text("player.play"), className: "play" });
   #slider = element("input", { type: "range", min: 0, max: 1000, step: 1, value: 1000 });
   #speed = element("select");
   #said = element("output");
 
   constructor(container, moved) {
     this.#moved = moved;
-    for (const by of [0.25, 1, 4]) this.#speed.append(element("option", { value: by, textContent: `${by} ×`, selected: by === 1 }));
-    container.append(this.#button, element("label", { className: "time" }, element("span", { textContent: "time" }), this.#slider),
-                     this.#said, element("label", {}, "speed ", this.#speed));
+    for (const by of [0.25, 1, 4]) this.#speed.append(element("option", { value: by, textContent: `${spelled(by)} ×`, selected: by === 1 }));
+    container.append(this.#button, element("label", { className: "time" }, element("span", { textContent: text("player.time") }), this.#slider),
+                     this.#said, element("label", {}, `${text("player.speed")} `, this.#speed));
     this.#button.addEventListener("click", () => this.toggle());
     this.#slider.addEventListener("input", () => {
       this.pause();
@@ -69,14 +70,14 @@ export class Player {
     if (this.playing) return;
     if (this.#time === null) this.#set(this.#span[0]);
     this.#last = performance.now();
-    this.#button.textContent = "❚❚ Pause";
+    this.#button.textContent = text("player.pause");
     this.#frame = requestAnimationFrame((now) => this.#tick(now));
   }
 
   pause() {
     cancelAnimationFrame(this.#frame);
     this.#frame = 0;
-    this.#button.textContent = "▶ Play";
+    this.#button.textContent = text("player.play");
   }
 
   #tick(now) {

@@ -1,5 +1,6 @@
 // A slider with its number.
 import { element } from "./forms.js";
+import { spelled, typed as read } from "./numbers.js";
 import { scaleOf, tidy } from "./ranges.js";
 
 /**
@@ -15,7 +16,7 @@ export function slider(label, range, value, moved) {
   const set = (to) => {
     number.value = String(to);
     track.value = scale.of(to);
-    track.setAttribute("aria-valuetext", String(to));
+    track.setAttribute("aria-valuetext", spelled(to));
   };
   const slide = (done) => {
     const to = tidy(scale.at(Number(track.value)), range);
@@ -25,7 +26,7 @@ export function slider(label, range, value, moved) {
   track.addEventListener("input", () => slide(false));
   track.addEventListener("change", () => slide(true));
   number.addEventListener("change", () => {
-    const typed = Number(number.value);
+    const typed = read(number.value);
     if (number.value.trim() === "" || !Number.isFinite(typed)) return set(value);
     set((value = typed));
     moved(typed, true);

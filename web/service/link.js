@@ -24,7 +24,7 @@ export function fromHash(hash) {
   for (const [key, value] of new URLSearchParams(hash.replace(/^#/, ""))) {
     const [section, name = "id"] = key.split(".");
     if (sections.includes(section)) (experiment[section] ??= {})[name] = value;
-    else unread.push(key);
+    else if (key !== "lang") unread.push(key); // which says how all this is told
   }
   return { experiment, unread };
 }

@@ -1,0 +1,120 @@
+// The page in every language: each has all the texts, and no other; which is spoken the link says, else the browser.
+import assert from "node:assert/strict";
+import { readFileSync, readdirSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { all, origin, pageTest, settled, stepOf } from "./browser.mjs";
+import { inLanguage, language, languageOf, languages, listed, named, speak, spelled, text, typed } from "../../web/language/texts.js";
+
+const page = process.env.LEAST_PAGE ?? fileURLToPath(new URL("../../web/", import.meta.url));
+const read = (path) => readFileSync(join(page, path), "utf8");
+const tables = Object.fromEntries(Object.keys(languages).map((one) => [one, JSON.parse(read(`language/${one}.json`))]));
+const { en, de } = tables;
+const sources = readdirSync(page, { recursive: true }).filter((name) => /^(?!node_modules).*\.(js|html)$/.test(name)).map((name) => [name, read(name)]);
+const ofService = /^service\./; // what the service says, in English by itself
+
+test("every language has the same texts, with the same values in them", () => {
+  assert.deepEqual(Object.keys(de).filter((key) => !ofService.test(key)), Object.keys(en));
+  const places = (said) => [...new Set(JSON.stringify(said).match(/\{\w+\}/g))].sort();
+  for (const [key, said] of Object.entries(en)) {
+    assert.deepEqual(places(de[key]), places(said), key);
+    assert.equal(typeof de[key], typeof said, key);
+  }
+  for (const [key, said] of Object.entries({ ...en, ...de })) assert.ok(JSON.stringify(said).length > 2, `${key} is empty`);
+});
+
+/** The keys that the page uses: as they stand, and patterns of those that it puts together. */
+function usedKeys() {
+  const exact = new Map(), made = [];
+  const pattern = (key) => new RegExp(`^${key.replaceAll(".", "\\.").replace(/\$\{[^}]*\}/g, ".+")}$`);
+  for (const [file, source] of sources) {
+    for (const [, key] of source.matchAll(/\bdata-text(?:-title|-label)?="([^"]+)"/g)) exact.set(key, file);
+    for (const [, joined, plain] of source.matchAll(/\b(?:text|known)\((?:`([^`]*)`|([^`,()]*))/g)) {
+      if (joined) made.push(pattern(joined));
+      for (const [, key] of plain?.matchAll(/"([^"]+)"/g) ?? []) exact.set(key, file);
+    }
+    for (const [, prefix] of source.matchAll(/\bnamed\("([\w.]+)"/g)) made.push(pattern(`${prefix}.\${name}`));
+  }
+  return { exact, made };
+}
+
+test("every text is used, and none is missing", () => {
+  const { exact, made } = usedKeys();
+  for (const key of Object.keys(en)) assert.ok(exact.has(key) || made.some((one) => one.test(key)), `nobody uses ${key}`);
+  for (const [key, file] of exact) assert.ok(key in en, `${file} asks for ${key}`);
+});
+
+test("no text stands in the document itself", () => {
+  const [body] = /<body>.*<\/body>/s.exec(read("index.html").replace(/<noscript>.*?<\/noscript>/s, ""));
+  const seen = body.replace(/<[^>]*>/gs, " ").match(/[A-Za-z]{2,}/g).filter((word) => word !== "leastaction");
+  assert.deepEqual(seen, []);
+  assert.deepEqual(body.match(/ (aria-label|title|placeholder|alt)="[^"]+"/g), null);
+});
+
+test("texts take values and count, numbers are written as the language does, and both decimal signs are read", () => {
+  const before = language();
+  speak("de", { runs: { one: "{n} Lauf", other: "{n} Läufe" }, "name.step": "Schritt {h}" });
+  assert.equal(text("runs", { n: 1 }), "1 Lauf");
+  assert.equal(text("runs", { n: 12345 }), "12\u202f345 Läufe");
+  assert.equal(named("name", ["step", { h: -0.5 }]), "Schritt −0,5");
+  assert.equal(named("name", "e = 0.5"), "e = 0,5");
+  assert.equal(spelled("1e-5"), "1e−5");
+  assert.equal(listed([spelled(0.5), 1]), "0,5; 1");
+  assert.deepEqual(["0,5", "0.5", "1,2,3", "-1,5e3", "a"].map(typed), [0.5, 0.5, NaN, -1500, NaN]);
+  speak("en", {});
+  assert.equal(spelled(-0.5), "−0.5");
+  assert.deepEqual(["0,5", "0.5"].map(typed), [NaN, 0.5]);
+  speak(before, {});
+});
+
+test("a link says the language, beside what else it says", () => {
+  assert.equal(languageOf("#lesson=orbit&lang=de"), "de");
+  for (const hash of ["", "#lang=fr", "#lang=constructor", "#problem=lang"]) assert.equal(languageOf(hash), undefined, hash);
+  assert.equal(inLanguage("#lesson=orbit&lang=de&present", "en"), "#lesson=orbit&present&lang=en");
+  assert.equal(inLanguage("#lang=de"), "");
+  assert.equal(inLanguage("", "de"), "#lang=de");
+});
+
+const lesson = { hash: "", ready: "#lesson[aria-busy=false]", reducedMotion: "reduce" };
+const spokenIn = (opened) => opened.evaluate(() => document.documentElement.lang);
+
+pageTest("the browser chooses the language, of those that there are", { ...lesson, locale: "de-AT" }, async (opened, context) => {
+  assert.equal(await spokenIn(opened), "de");
+  assert.equal(await opened.textContent("#to-workbench"), de.workbench);
+  assert.equal(new URL(opened.url()).hash, "#lesson=orbit", "and no link says so");
+  const fetched = await opened.evaluate(() => performance.getEntriesByType("resource").map(({ name }) => name).filter((name) => name.endsWith(".json")));
+  assert.deepEqual(fetched, [`${origin}/language/de.json`], "one language is fetched");
+  const other = await context.newPage();
+  await other.goto(`${origin}/#lesson=orbit&lang=en`);
+  await other.waitForSelector(lesson.ready);
+  assert.equal(await spokenIn(other), "en", "but a link has the last word");
+});
+
+pageTest("a language that there is not is English", { ...lesson, locale: "fr-FR" }, async (opened) => {
+  assert.equal(await spokenIn(opened), "en");
+});
+
+pageTest("the language is changed on the page, keeps all that is set, and stays in every link after it",
+  { hash: "#problem=kepler&initial.y=-3&until.t=20&A=leapfrog&B=leapfrog&B.step=0.02" }, async (opened) => {
+    assert.equal(await opened.getByRole("combobox", { name: en.language }).inputValue(), "en");
+    await opened.selectOption("#language", "de");
+    await opened.waitForSelector("html[lang=de]");
+    await settled(opened);
+    assert.equal(new URL(opened.url()).hash, "#problem=kepler&initial.y=-3&until.t=20&A=leapfrog&B=leapfrog&B.step=0.02&lang=de");
+    assert.equal(await stepOf(opened, "B").inputValue(), "0.02");
+    assert.equal(await opened.textContent("#go"), de.run);
+    await stepOf(opened, "B").fill("0,04"); // as it is written in German
+    await stepOf(opened, "B").press("Enter");
+    await opened.waitForURL(/B.step=0.04&lang=de$/);
+    await opened.click("#to-lessons");
+    await opened.waitForSelector(lesson.ready);
+    await opened.waitForURL(/#lesson=orbit&lang=de$/);
+    await opened.selectOption("#language", "en");
+    await opened.waitForSelector("html[lang=en]");
+    await opened.waitForURL(/#lesson=orbit&lang=en$/);
+    await opened.goBack(); // to a link in the other language
+    await settled(opened);
+    assert.equal(await spokenIn(opened), "de");
+    assert.deepEqual(await all(opened, "#language option", "lang"), ["en", "de"]);
+  });

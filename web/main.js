@@ -3,7 +3,8 @@ import * as api from "./service/api.js";
 import { fromHash, lessonHash, lessonOf, presenting, presents } from "./service/link.js";
 import { custom } from "./service/text.js";
 import { element } from "./forms/forms.js";
-import { fill, offer, ready } from "./language/spoken.js";
+import { translated } from "./catalogue/translated.js";
+import { fill, learnCatalogue, offer, ready } from "./language/spoken.js";
 import { inLanguage, known, language, languageOf, text } from "./language/texts.js";
 import { Lesson } from "./lessons/lesson.js";
 import { lessons } from "./lessons/lessons.js";
@@ -13,7 +14,7 @@ let bench = null, coming = null, lesson = null, shown = null, at = "";
 
 /** The workbench, fetched when it is first asked for: a lesson, which most begin with, is seen the sooner. */
 function workbench(catalogue) {
-  coming ??= import("./workbench/bench.js").then(({ Bench }) => (bench = new Bench(catalogue, note)));
+  coming ??= Promise.all([import("./workbench/bench.js"), learnCatalogue()]).then(([{ Bench }]) => (bench = new Bench(translated(catalogue), note)));
   return coming;
 }
 

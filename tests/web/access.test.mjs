@@ -1,16 +1,7 @@
 // Who cannot see, point or read small type: axe finds nothing wrong, in no part of the page, light or dark; and keys do it all.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { axeViolations } from "./axe.mjs";
 import { frames, pageTest, pane, settled } from "./browser.mjs";
-
-const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
-
-/** What axe finds wrong, by all of its rules or by `some`: the rule, and where. */
-async function violations(page, some) {
-  const found = await page.evaluate((rules) =>
-    window.axe.run(document, { resultTypes: ["violations"], ...(rules ? { runOnly: rules } : {}) }), some);
-  return found.violations.flatMap(({ id, nodes }) => nodes.map(({ target, any }) => `${id}: ${target} ${any[0]?.message ?? ""}`));
-}
 
 const parts = {
   "a lesson and the gallery": { hash: "#lesson=paper", ready: "#lesson[aria-busy=false]", open: ".all summary" },
@@ -25,11 +16,10 @@ const parts = {
 for (const [name, { open, ...part }] of Object.entries(parts)) {
   pageTest(`axe finds nothing wrong: ${name}`, { reducedMotion: "reduce", ...part }, async (page) => {
     if (open) await page.locator(open).first().click();
-    await page.evaluate(axe);
-    assert.deepEqual(await violations(page), []);
+    assert.deepEqual(await axeViolations(page), []);
     await page.emulateMedia({ colorScheme: "dark" });
     await frames(page);
-    assert.deepEqual(await violations(page, ["color-contrast"]), [], "in the dark");
+    assert.deepEqual(await axeViolations(page, ["color-contrast"]), [], "in the dark");
   });
 }
 

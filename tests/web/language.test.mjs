@@ -4,7 +4,8 @@ import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { all, origin, pageTest, settled, stepOf } from "./browser.mjs";
+import { all, catalogue, origin, pageTest, settled, stepOf } from "./browser.mjs";
+import { lessons } from "../../web/lessons/lessons.js";
 import { inLanguage, language, languageOf, languages, listed, named, speak, spelled, text, typed } from "../../web/language/texts.js";
 
 const page = process.env.LEAST_PAGE ?? fileURLToPath(new URL("../../web/", import.meta.url));
@@ -12,7 +13,7 @@ const read = (path) => readFileSync(join(page, path), "utf8");
 const tables = Object.fromEntries(Object.keys(languages).map((one) => [one, JSON.parse(read(`language/${one}.json`))]));
 const { en, de } = tables;
 const sources = readdirSync(page, { recursive: true }).filter((name) => /^(?!node_modules).*\.(js|html)$/.test(name)).map((name) => [name, read(name)]);
-const ofService = /^service\./; // what the service says, in English by itself
+const ofService = /^service\./; // names that the service says, in English by themselves
 
 test("every language has the same texts, with the same values in them", () => {
   assert.deepEqual(Object.keys(de).filter((key) => !ofService.test(key)), Object.keys(en));
@@ -31,8 +32,8 @@ function usedKeys() {
   for (const [file, source] of sources) {
     for (const [, key] of source.matchAll(/\bdata-text(?:-title|-label)?="([^"]+)"/g)) exact.set(key, file);
     for (const [, joined, plain] of source.matchAll(/\b(?:text|known)\((?:`([^`]*)`|([^`,()]*))/g)) {
-      if (joined) made.push(pattern(joined));
-      for (const [, key] of plain?.matchAll(/"([^"]+)"/g) ?? []) exact.set(key, file);
+      if (joined && !joined.startsWith("${")) made.push(pattern(joined));
+      for (const [, key] of plain?.matchAll(/(?<!=== )"([^"]+)"/g) ?? []) exact.set(key, file);
     }
     for (const [, prefix] of source.matchAll(/\bnamed\("([\w.]+)"/g)) made.push(pattern(`${prefix}.\${name}`));
   }
@@ -43,6 +44,30 @@ test("every text is used, and none is missing", () => {
   const { exact, made } = usedKeys();
   for (const key of Object.keys(en)) assert.ok(exact.has(key) || made.some((one) => one.test(key)), `nobody uses ${key}`);
   for (const [key, file] of exact) assert.ok(key in en, `${file} asks for ${key}`);
+});
+
+test("names of the lessons are texts or formulas", () => {
+  const found = [], collect = (name) => name !== undefined && found.push([name].flat()[0]);
+  for (const { runs = [], views = [], control, tells = [], labels = [], key = [] } of lessons) {
+    for (const { name } of runs) collect(name);
+    for (const view of views) [...(view.labels ?? []), ...(view.exact ?? []).map(([name]) => name), ...(view.several ?? []).map(([, name]) => name)].forEach(collect);
+    [control?.label, ...tells.map(([name]) => name), ...labels, ...key].forEach(collect);
+  }
+  assert.ok(found.length > 100);
+  for (const name of found) assert.ok(`term.${name}` in en || !/[a-z]{3}/.test(name.replace(/\b(sin|cos)\b/g, "")), name);
+  for (const key of Object.keys(en).filter((one) => one.startsWith("term."))) assert.ok(found.includes(key.slice(5)), `nobody uses ${key}`);
+});
+
+pageTest("what the catalogue says has a text in every other language", { hash: "", ready: "#lesson[aria-busy=false]" }, async () => {
+  const { problems, schemes } = catalogue, names = new Set(Object.keys(de).filter((key) => ofService.test(key)).map((key) => key.slice(13)));
+  const wanted = ["problem.custom.summary", ...problems.flatMap(({ id }) => ["title", "summary"].map((part) => `problem.${id}.${part}`)),
+                  ...schemes.flatMap(({ id }) => ["title", "summary", "good_for", "fails_when"].map((part) => `scheme.${id}.${part}`)),
+                  ...JSON.parse(read("scenes.json")).flatMap(({ name }) => [`example.${name}`, `example.${name}.note`])];
+  assert.deepEqual(Object.keys(JSON.parse(read("language/de.catalogue.json"))).sort(), wanted.sort());
+  const shown = [...schemes.flatMap(({ id, presets, parameters }) => [id, ...presets.map(({ name }) => name), ...parameters.flatMap(({ name, choices }) => [name, ...(choices ?? [])])]),
+                 ...problems.flatMap(({ presets, parameters, columns }) => [...presets, ...parameters].map(({ name }) => name).concat(columns))];
+  const letters = /^(.{1,2}|alpha|beta|gamma|epsilon|kappa|lambda|mu|rho|sigma|theta[12]?)$/;
+  for (const name of shown) assert.ok(names.has(name) || letters.test(name), name);
 });
 
 test("no text stands in the document itself", () => {

@@ -5,6 +5,7 @@ import { all, becomes, drawn, frames, origin, pageTest } from "./browser.mjs";
 import { claims } from "./claims.mjs";
 import { lessons } from "../../web/lessons/lessons.js";
 
+const en = JSON.parse(readFileSync(new URL("../../web/language/en.json", import.meta.url)));
 const ready = "#lesson[aria-busy=false]";
 const calm = { ready, reducedMotion: "reduce" };
 
@@ -18,7 +19,7 @@ pageTest("every lesson runs, its claim is true, and its picture is in sight on e
     await opened(page, lesson.id);
     const { runs, study } = await said(page);
     claims[lesson.id](study ?? runs);
-    assert.equal(await page.textContent("#claim"), lesson.title);
+    assert.equal(await page.textContent("#claim"), en[`lesson.${lesson.id}.title`]);
     assert.equal(await page.textContent("#lesson .wrong"), "");
     assert.equal(await page.locator("#legend tbody").count(), lesson.runs?.length ?? 0);
     const forces = (await all(page, "#legend td:nth-of-type(1) data", "value")).map(Number);
@@ -164,7 +165,7 @@ pageTest("who wishes for less motion sees all at once", { ...calm, hash: "#lesso
 
 pageTest("a link to no lesson is said", { ...calm, hash: "#lesson=nothing" }, async (page) => {
   assert.match(await page.textContent("#notice"), /no lesson “nothing”/);
-  assert.equal(await page.textContent("#claim"), lessons[0].title);
+  assert.equal(await page.textContent("#claim"), en[`lesson.${lessons[0].id}.title`]);
 });
 
 pageTest("a view in space is turned by hand", { ...calm, hash: "#lesson=cosmos" }, async (page) => {
@@ -183,7 +184,7 @@ pageTest("the gallery stands in groups, its numbers beside the words", { ...calm
   const groups = await page.locator("#gallery section").evaluateAll((found) => found.map((section) => ({
     title: section.querySelector("h3").textContent, from: section.querySelector("ol").start, links: section.querySelectorAll("a").length,
     room: section.querySelector("a").getBoundingClientRect().left - section.getBoundingClientRect().left })));
-  assert.deepEqual(groups.map(({ title }) => title), lessons.map(({ group }) => group).filter(Boolean));
+  assert.deepEqual(groups.map(({ title }) => title), lessons.flatMap(({ group }) => (group ? [en[`group.${group}`]] : [])));
   let next = 1;
   for (const { from, links, room } of groups) {
     assert.equal(from, next);
@@ -222,7 +223,7 @@ pageTest("a key says what the colours of many runs mean", { ...calm, hash: "#les
   const { study: { ends } } = await said(page), [, low, high] = /^velocity at the end (−?[\d.]+?)(\d\.\d+)$/.exec(await page.textContent("#figures .key"));
   const [least, most] = ends.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
   assert.ok(Math.abs(Number(low.replace("−", "-")) - least) < 0.01 && Math.abs(high - most) < 0.01, `${low} to ${high}`);
-  assert.doesNotMatch(lessons.find(({ id }) => id === "galaxy").look, /energy is/, "what the control changes is not said to be so");
+  assert.doesNotMatch(en["lesson.galaxy.look"], /energy is/, "what the control changes is not said to be so");
 });
 
 const late = async (opened) => opened.route("**/workbench/bench.js", async (route) => {

@@ -1,4 +1,5 @@
 // What the page reads off the cards of a problem and a scheme.
+import { spelled, text } from "../language/texts.js";
 import { words } from "../forms/forms.js";
 
 /** The variables of the motion. The optional ones are only ways to start it, and are neither asked for nor drawn. */
@@ -41,7 +42,7 @@ export const presetOf = ({ presets }, name) => presets.find((preset) => preset.n
 
 /** The cards of the forms, with a preset's values for defaults where one is named. */
 export function cards(problem, preset = { parameters: {}, initial: {} }) {
-  const start = { name: "t", doc: "when the run starts", default: 0 };
+  const start = { name: "t", doc: text("field.start"), default: 0 };
   const slides = (card) => !crowded(problem) && Number.isFinite(card.default) && (card.type ?? "number") === "number" && !card.optional;
   const given = (list, values) => list.map((card) => ({ ...card, default: values[card.name] ?? card.default }))
     .map((card) => ({ ...card, slides: slides(card) && card !== start && card.name !== "t" }));
@@ -71,12 +72,12 @@ export function title({ parameters }, scheme) {
   const preset = scheme.preset !== "default" && scheme.preset;
   const chosen = ({ name, type, default: usual }) => name !== "composition" && name in scheme && scheme[name] !== usual &&
     (type === "choice" || type === "integer");
-  const said = ({ name, type }) => (type === "choice" ? scheme[name] : `${name} ${scheme[name]}`);
+  const said = ({ name, type }) => (type === "choice" ? scheme[name] : `${words(name)} ${scheme[name]}`);
   const composition = scheme.composition !== "none" && scheme.composition;
   const variant = [preset, composition, ...(preset ? [] : parameters.filter(chosen).map(said))].filter(Boolean);
   const sizes = parameters.filter(({ name }) => fineness.includes(name) && name in scheme);
   return [words(scheme.id) + (variant.length ? ` (${variant.map(words).join(", ")})` : ""),
-          ...sizes.map(({ name, symbol }) => `${symbol || words(name)} = ${shortest(scheme[name])}`)].join(", ");
+          ...sizes.map(({ name, symbol }) => `${symbol || words(name)} = ${spelled(shortest(scheme[name]))}`)].join(", ");
 }
 
 /** Digits that nobody chose are not shown. */
@@ -85,7 +86,7 @@ const shortest = (value) => (String(value).length > 12 && Number.isFinite(value)
 /** The scheme's presets as the options of a select; the first is what no preset is. */
 export function schemePresets({ presets }) {
   const offered = presets.map(({ name }) => ({ id: name, title: words(name) }));
-  const first = offered.find(({ id }) => id === "default") ?? { id: "", title: "default" };
+  const first = offered.find(({ id }) => id === "default") ?? { id: "", title: text("preset.default") };
   return [first, ...offered.filter((option) => option !== first)];
 }
 

@@ -1,4 +1,5 @@
 // The energy of bodies as bars: what is kinetic, what potential, and what was lost since the start, of each run in its colour.
+import { text } from "../language/texts.js";
 
 const square = (v) => v * v;
 /** The kinetic and the potential energy of a state, the latter zero where the body could rest. */
@@ -35,6 +36,6 @@ export function bars(pen, { left, top, width, height }, all, most, { ink, size, 
     });
     pen.fillStyle = ink;
     pen.fillRect(middle - 0.45 * group, top + room, 0.9 * group, 1);
-    pen.fillText(name, middle, top + height - 0.3 * size);
+    pen.fillText(text(`energy.${name}`), middle, top + height - 0.3 * size);
   });
 }

@@ -1,5 +1,6 @@
 // The energy of the runs over time: its error on a logarithmic axis where the scene keeps it, else H itself on a plain
 // one. uPlot is the global of uPlot.iife.min.js.
+import { text } from "../language/texts.js";
 import { decadeLabels, decades, format, multiples, roundStep, tickLabel } from "../forms/numbers.js";
 
 const known = (x) => x !== null;
@@ -47,11 +48,11 @@ export class EnergyPlot {
     this.#plot?.destroy();
     this.#plot = null;
     this.#container.hidden = kind === "none";
-    if (kind === "none") return { title: "Energy", what: "", note: "This scene has no energy." };
+    if (kind === "none") return { title: text("energy"), what: "", note: text("energy.none") };
     const seen = runs.filter((run) => run.trajectory.energy.some(known));
-    if (kind === "value") return { title: "Energy H", what: "not conserved in this scene", note: this.#showValues(seen) };
+    if (kind === "value") return { title: text("energy.value"), what: text("energy.changes"), note: this.#showValues(seen) };
     const relative = seen.length > 0 && seen.every((run) => startOf(run) !== 0);
-    return { title: "Energy error", what: relative ? "|H − H₀| / |H₀|" : "|H − H₀|", note: this.#showErrors(seen, relative) };
+    return { title: text("energy.error"), what: relative ? "|H − H₀| / |H₀|" : "|H − H₀|", note: this.#showErrors(seen, relative) };
   }
 
   #showValues(runs) {
@@ -62,9 +63,9 @@ export class EnergyPlot {
   #showErrors(runs, relative) {
     const tables = runs.map((run) => errors(run, relative));
     const exact = runs.filter((_, i) => !tables[i][1].some(known));
-    if (exact.length === runs.length) return runs.length ? "No error at all: H is exactly H₀." : "";
+    if (exact.length === runs.length) return runs.length ? text("energy.exact") : "";
     this.#plotTables(runs, tables, logarithmic);
-    return exact.length ? `${exact.map((run) => run.title).join(" and ")}: exactly H₀ throughout.` : "";
+    return exact.length ? text("energy.exact.of", { runs: exact.map((run) => run.title).join(text("and")) }) : "";
   }
 
   #plotTables(runs, tables, scale) {
@@ -91,7 +92,7 @@ export class EnergyPlot {
       ...this.#size(),
       scales: { x: { time: false }, y: { distr } },
       axes: [
-        { ...axis, label: "t", labelFont: `italic 16px ${style.fontFamily}`, labelSize: 22, size: 34 },
+        { ...axis, values: (_, marks) => marks.map((v) => tickLabel(v, marks[1] - marks[0])), label: "t", labelFont: `italic 16px ${style.fontFamily}`, labelSize: 22, size: 34 },
         { ...axis, size: 58, splits: (_, __, low, high) => splits(low, high), filter: (_, marks) => marks,
           values: (_, marks) => values(marks) },
       ],

@@ -1,6 +1,6 @@
 // A picture of curves on a canvas, sharp on any display. Above it lies a second canvas for what moves: the heads of the
 // runs at a time, and the cross-hair.
-import { format } from "../forms/numbers.js";
+import { format, listed } from "../forms/numbers.js";
 import { mapping } from "./mapping.js";
 import { follow } from "./pointer.js";
 import { axes, clippings, head, inside, roomFor, trace } from "./strokes.js";
@@ -167,7 +167,7 @@ export class Plane {
     const { log = "", bare } = this.#picture;
     if (bare) return; // a place in space has no two values
     const shown = (axis) => format(log.includes(axis) ? 10 ** place[axis] : place[axis], 4);
-    const text = `(${shown("x")}, ${shown("y")})`;
+    const text = `(${listed([shown("x"), shown("y")])})`;
     pen.font = `${size}px ${font}`;
     const width = pen.measureText(text).width + 10, right = left + width + 8 < frame.left + frame.width;
     const x = right ? left + 8 : left - width - 8, y = Math.max(top - size - 14, frame.top + 2);

@@ -1,5 +1,6 @@
 // What a hand does with a picture: it drags it (or the start of a run), enlarges it, points at a place. On the buttons of a
 // picture the arrow keys drag it.
+import { text } from "../language/texts.js";
 import { element } from "../forms/forms.js";
 
 const reach = 16; // pixels from which a start is taken hold of
@@ -52,8 +53,8 @@ export function follow(plane, node, canvas, hovered) {
     made.addEventListener("click", act);
     return made;
   };
-  node.append(element("div", { className: "lens" }, button("+", "enlarge", () => enlarge(plane, 1.5)),
-                       button("−", "make smaller", () => enlarge(plane, 1 / 1.5)), button("⟲", "show all", () => whole(plane))));
+  node.append(element("div", { className: "lens" }, button("+", text("lens.enlarge"), () => enlarge(plane, 1.5)),
+                       button("−", text("lens.smaller"), () => enlarge(plane, 1 / 1.5)), button("⟲", text("lens.all"), () => whole(plane))));
   node.addEventListener("keydown", (event) => {
     const way = { ArrowLeft: [-24, 0], ArrowRight: [24, 0], ArrowUp: [0, -24], ArrowDown: [0, 24] }[event.key];
     if (!way || !plane.picture || event.ctrlKey || event.metaKey || event.altKey) return;

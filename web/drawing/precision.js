@@ -1,6 +1,8 @@
 // Error over cost of many schemes, both on logarithmic axes, with points added as they come. uPlot is the global of
 // uPlot.iife.min.js.
-import { count, decadeLabels, decades, format } from "../forms/numbers.js";
+import { text } from "../language/texts.js";
+import { words } from "../forms/forms.js";
+import { decadeLabels, decades, format } from "../forms/numbers.js";
 
 // The palette of Okabe and Ito, then the same with dashes. Black is the front's.
 const colours = ["--run-a", "--run-b", "--curve-c", "--curve-d", "--curve-e", "--curve-f", "--curve-g"];
@@ -96,12 +98,12 @@ export class PrecisionPlot {
       return { label, stroke, dash: dashes[round(i)], width: 0.11 * size, spanGaps: true,
                points: { show: true, size: 0.46 * size, fill: stroke } };
     };
-    const best = { label: "no other is better", stroke: ink("--line"), width: 9, spanGaps: true, points: { show: false } };
+    const best = { label: text("precision.front"), stroke: ink("--line"), width: 9, spanGaps: true, points: { show: false } };
     return {
       ...this.#size(),
       scales: { x: { time: false, distr: 3 }, y: { distr: 3 } },
-      axes: [{ ...axis, size: 2.6 * size, label: this.#cost.replaceAll("_", " ") }, { ...axis, size: 4.5 * size, label: "error" }],
-      series: [{ label: "cost" }, best, ...this.#titles.map(series)],
+      axes: [{ ...axis, size: 2.6 * size, label: words(this.#cost) }, { ...axis, size: 4.5 * size, label: text("precision.axis") }],
+      series: [{ label: text("precision.cost") }, best, ...this.#titles.map(series)],
       cursor: { points: { show: false }, drag: { setScale: false } },
       legend: { live: false, markers: { width: 3, dash: (_, i) => borders[i < 2 ? 0 : round(i - 2)] } },
       hooks: { setCursor: [() => this.#point()], draw: [() => this.#drawFloor(ink("--fault")())] },
@@ -123,8 +125,9 @@ export class PrecisionPlot {
     this.#tip.hidden = !at;
     if (!at) return;
     const { point, i, x, y } = at;
-    this.#tip.textContent = `${this.#titles[i]}\n${point.setting} ${format(point.value)}: error ${format(point.error)}\n` +
-                            `${count(point.force_evaluations)} force evaluations, ${format(point.seconds)} s`;
+    this.#tip.textContent = text("precision.point", {
+      title: this.#titles[i], setting: words(point.setting), value: format(point.value), error: format(point.error),
+      forces: point.force_evaluations, seconds: format(point.seconds) });
     const { clientWidth: width, clientHeight: height } = this.#plot.over;
     this.#tip.style.translate = `${Math.min(x + 12, width - this.#tip.offsetWidth)}px ` +
                                 `${y > height / 2 ? y - this.#tip.offsetHeight - 10 : y + 10}px`;

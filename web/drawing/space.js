@@ -1,4 +1,5 @@
 // Curves in space, in a box or about a ball: turned by two angles, seen from far away.
+import { text } from "../language/texts.js";
 import { format } from "../forms/numbers.js";
 import { extent } from "./mapping.js";
 import { stroke } from "./strokes.js";
@@ -63,7 +64,7 @@ function edges(names, box, seen) {
   });
   return (pen, map, colour, frame) => {
     const within = (v, low, high, air) => Math.max(low + air, Math.min(high - air, v));
-    const say = (text, x, y) => pen.fillText(text, within(map.x(x), frame.left, frame.left + frame.width, 5 * text.length + 6),
+    const say = (said, x, y) => pen.fillText(said, within(map.x(x), frame.left, frame.left + frame.width, 5 * said.length + 6),
                                              within(map.y(y), frame.top, frame.top + frame.height, 20));
     for (const { name, low: [a, b], high: [c, d], from, to } of arms) {
       const short = Math.hypot(map.x(c) - map.x(a), map.y(d) - map.y(b)) < 90; // no room for more than its end
@@ -108,6 +109,6 @@ export function inSpace(names, runs, angles, { ball, box = ball ? null : boxOf(n
     return { ...run, t: trajectory.t, x, y };
   });
   const size = ball ? 1.2 : 1.05 * box.reach || 1;
-  return { curves, view: { x: [-size, size], y: [-size, size], free: false }, labels: ["drag to turn", ""],
+  return { curves, view: { x: [-size, size], y: [-size, size], free: false }, labels: [text("picture.turn"), ""],
            backdrop: ball ? globe(labels, seen) : edges(labels, box, seen), bare: true };
 }

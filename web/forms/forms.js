@@ -1,5 +1,5 @@
 // Forms made from the catalogue's cards: fields, their values, and the service's faults at the field they point to.
-import { typed } from "../language/texts.js";
+import { known, listed, text, typed } from "../language/texts.js";
 import { rangeOf, scaleOf, tidy } from "./ranges.js";
 
 export const element = (tag, properties = {}, ...children) => {
@@ -8,15 +8,15 @@ export const element = (tag, properties = {}, ...children) => {
   return made;
 };
 
-/** An id for people. */
-export const words = (id) => id.replaceAll("_", " ");
+/** An id of the service for people. */
+export const words = (id) => known(`service.name.${id}`) ?? id.replaceAll("_", " ");
 
 /** A text of the catalogue, its powers, `e^{−αt}`, raised. */
-export const prose = (text) => text.split(/\^\{([^}]*)\}/).map((part, i) => (i % 2 ? element("sup", { textContent: part }) : part));
+export const prose = (said) => said.split(/\^\{([^}]*)\}/).map((part, i) => (i % 2 ? element("sup", { textContent: part }) : part));
 
 /** A symbol of the catalogue, `p_y` with its index below. */
-export function symbol(text) {
-  const [letter, index] = text.split("_");
+export function symbol(name) {
+  const [letter, index] = name.split("_");
   return element("i", {}, letter, ...(index ? [element("sub", { textContent: index })] : []));
 }
 
@@ -39,8 +39,8 @@ function field(card, pointer, value = card.default) {
   Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number", usual: String(card.default ?? "") });
   if (card.nullable) input.dataset.nullable = card.word ?? "";
   if (card.optional) input.dataset.optional = "";
-  const unit = card.unit && card.unit !== "1" ? `in ${card.unit}` : "";
-  const empty = card.nullable ? `empty: ${card.word ?? "off"}` : card.optional ? "empty: as it follows from the others" : "";
+  const unit = card.unit && card.unit !== "1" ? text("field.unit", { unit: card.unit.replace(/[a-z]+/gi, words) }) : "";
+  const empty = text(card.nullable ? "field.empty" : card.optional ? "field.follows" : "", { word: card.word ?? text("field.off") });
   input.title = [card.doc, unit, range(card), empty].filter(Boolean).join("; ");
   const name = element("span", { className: "name", textContent: card.label ?? words(card.name) });
   if (card.symbol && card.symbol !== card.name) name.append(" ", symbol(card.symbol));
@@ -81,14 +81,14 @@ function control(card, value) {
     return select;
   }
   return element("input", { type: "text", inputMode: card.type === "text" ? "text" : "decimal", spellcheck: false, value: value ?? "",
-                            placeholder: card.hint ?? (card.nullable ? card.word ?? "off"
-                              : String(card.default ?? (card.optional ? "auto" : "off"))) });
+                            placeholder: card.hint ?? (card.nullable ? card.word ?? text("field.off")
+                              : String(card.default ?? text(card.optional ? "field.auto" : "field.off"))) });
 }
 
 function range(card) {
   if (card.minimum === undefined) return "";
   const open = card.exclusive_minimum ? "(" : "[", close = card.exclusive_maximum ? ")" : "]";
-  return `${open}${card.minimum ?? "−∞"}, ${card.maximum ?? "∞"}${close}`;
+  return open + listed([card.minimum ?? "−∞", card.maximum ?? "∞"]) + close;
 }
 
 const shown = (input) => (input.type === "checkbox" ? String(input.checked)
@@ -104,14 +104,14 @@ const numberIn = ({ value, dataset }) => (dataset.usual.includes(",") ? Number(v
 export function values(container, changed = false) {
   const read = {};
   for (const input of container.querySelectorAll("[data-name]")) {
-    const { name, kind } = input.dataset, text = input.value.trim();
+    const { name, kind } = input.dataset, said = input.value.trim();
     if (changed && shown(input) === input.dataset.usual) continue;
-    if ("optional" in input.dataset && text === input.placeholder) continue;
+    if ("optional" in input.dataset && said === input.placeholder) continue;
     if (kind === "flag") read[name] = input.checked;
     else if (kind === "list") read[name] = [...input.selectedOptions].map((option) => option.value);
     else if (kind === "choice") read[name] = input.value;
-    else if (kind === "text" && text !== "") read[name] = text;
-    else if (text !== "") read[name] = Number.isFinite(numberIn(input)) ? numberIn(input) : text;
+    else if (kind === "text" && said !== "") read[name] = said;
+    else if (said !== "") read[name] = Number.isFinite(numberIn(input)) ? numberIn(input) : said;
     else if ("nullable" in input.dataset) read[name] = input.dataset.nullable || null;
   }
   return read;
@@ -141,4 +141,4 @@ export function showFault(containers, fault) {
   return null;
 }
 
-export const faultText = ({ detail, allowed }) => detail + (allowed ? `; allowed: ${allowed}` : "");
+export const faultText = ({ detail, allowed }) => (allowed ? text("field.allowed", { detail, allowed }) : detail);

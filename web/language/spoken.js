@@ -1,16 +1,24 @@
 // Which language is spoken, that of the link or else the first of those that the browser asks for, and the texts of the document in
 // it. The document loads this module beside the others: the texts are on their way while those are still fetched.
-import { inLanguage, language, languageOf, languages, speak, text } from "./texts.js";
+import { inLanguage, language, languageOf, languages, learn, speak, text } from "./texts.js";
 
 const wished = [languageOf(location.hash), ...navigator.languages.map((one) => one.split("-")[0])];
 const chosen = wished.find((one) => Object.hasOwn(languages, one)) ?? "en";
 
+async function table(name) {
+  const response = await fetch(`language/${name}.json`);
+  if (!response.ok) throw new Error(`language/${name}.json: ${response.status}`);
+  return response.json();
+}
+
 /** Resolves when the texts are there. */
-export const ready = fetch(`language/${chosen}.json`).then(async (response) => {
-  if (!response.ok) throw new Error(`language/${chosen}.json: ${response.status}`);
-  speak(chosen, await response.json());
+export const ready = table(chosen).then((texts) => {
+  speak(chosen, texts);
   document.documentElement.lang = chosen;
 });
+
+/** Fetches what the catalogue says, which the service says in English by itself. */
+export const learnCatalogue = async () => (chosen === "en" ? {} : learn(await table(`${chosen}.catalogue`)));
 
 /** Fills what has keys for its text (`data-text`), its title (`data-text-title`) or its name (`data-text-label`), also in templates. */
 export function fill(root) {

@@ -13,6 +13,8 @@ export function speak(language, texts) {
   decimal = new Intl.NumberFormat(language).formatToParts(0.5).find(({ type }) => type === "decimal").value;
   plural = new Intl.PluralRules(language);
 }
+/** Texts that come later, beside those that there are. */
+export const learn = (texts) => Object.assign(table, texts);
 export const language = () => spoken;
 
 /** A count: 1 234 567. */

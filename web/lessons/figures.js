@@ -1,6 +1,6 @@
 // The pictures of a lesson: those of its views, each run's or all runs', the bodies, and the one of a presentation.
+import { named, text } from "../language/texts.js";
 import { element } from "../forms/forms.js";
-import { count } from "../forms/numbers.js";
 import { Bodies } from "../drawing/bodies.js";
 import { Plane } from "../drawing/plane.js";
 import { begin, turnedBy } from "../drawing/space.js";
@@ -42,7 +42,7 @@ export class Figures {
   }
 
   #body({ body }) {
-    const canvas = element("canvas", { className: "body", role: "img", ariaLabel: Array.isArray(body) ? "The scene in motion" : `The ${body.replace("_", " ")} of each run` });
+    const canvas = element("canvas", { className: "body", role: "img", ariaLabel: text(typeof body === "string" ? "bodies.each" : "bodies.scene") });
     this.#bodies.push([body, new Bodies(canvas)]);
     return element("figure", { className: "of-body" }, canvas);
   }
@@ -67,8 +67,8 @@ export class Figures {
     if (picture?.bare) picture.turn = (right, down) => this.#turn(right, down);
     plane.show(picture);
     plane.canvas.setAttribute("aria-label", picture
-      ? `${picture.labels[1]} over ${picture.labels[0]}: ${picture.curves.map((curve) => curve.title).join(", ")}` : "Nothing to show");
-    caption.textContent = run ? `${run.title}: ${count(run.outcome.cost.force_evaluations)} force evaluations` : "";
+      ? text("picture.over", { x: picture.labels[0], y: picture.labels[1], what: picture.curves.map((curve) => curve.title).join(", ") }) : text("picture.none"));
+    caption.textContent = run ? text("lesson.of_run", { title: run.title, count: run.outcome.cost.force_evaluations }) : "";
   }
 
   #turn(right, down) {

@@ -1,4 +1,5 @@
 // The runs of a lesson in words and numbers, the work beside each.
+import { named, text } from "../language/texts.js";
 import { colourOf } from "../catalogue/card.js";
 import { element } from "../forms/forms.js";
 import { count, format } from "../forms/numbers.js";
@@ -9,8 +10,8 @@ import { told } from "./requests.js";
  * its name above the numbers, or before the only one.
  */
 export function fill(table, runs, { tells = [], views }) {
-  const names = ["force evaluations", ...tells.map(([name]) => name)], single = names.length === 1;
-  const head = element("tr", {}, ...(single ? ["run", ...names] : names).map((textContent) => element("th", { scope: "col", textContent })));
+  const names = [text("lesson.forces"), ...tells.map(([name]) => named("term", name))], single = names.length === 1;
+  const head = element("tr", {}, ...(single ? [text("lesson.run"), ...names] : names).map((textContent) => element("th", { scope: "col", textContent })));
   const cell = (value, textContent) => element("td", {}, element("data", { value: value ?? "", textContent }));
   const bodies = runs.map(({ title, colour, outcome }) => {
     const swatch = element("span", { className: "swatch" });
@@ -21,14 +22,14 @@ export function fill(table, runs, { tells = [], views }) {
     const rows = single ? [[name, ...numbers]] : [[name], numbers];
     return element("tbody", {}, ...rows.map((cells) => element("tr", {}, ...cells)));
   });
-  const known = [...new Set(views.flatMap(({ exact = [] }) => exact.map(([name]) => name)))];
+  const known = [...new Set(views.flatMap(({ exact = [] }) => exact.map(([name]) => named("term", name))))];
   const marked = runs.some(({ trajectory }) => trajectory?.mode?.includes("jacobi_maupertuis"));
   const several = views.find((view) => view.several)?.several ?? [];
-  const said = [...several.map(([, text], i) => ["", text, colourOf(i)]), ...(known.length ? [["dashed", known.join(", ")]] : []), ...(marked ? [["", "in Jacobi–Maupertuis steps"]] : [])];
-  const caption = said.length ? [element("caption", {}, ...said.map(([kind, text, colour]) => {
+  const said = [...several.map(([, name], i) => ["", named("term", name), colourOf(i)]), ...(known.length ? [["dashed", known.join(", ")]] : []), ...(marked ? [["", text("jacobi")]] : [])];
+  const caption = said.length ? [element("caption", {}, ...said.map(([kind, name, colour]) => {
     const key = element("span", { className: `swatch ${kind}` });
     if (colour) key.style.background = `var(${colour})`;
-    return element("div", {}, key, ` ${text}`);
+    return element("div", {}, key, ` ${name}`);
   }))] : [];
   table.replaceChildren(...caption, element("thead", {}, head), ...bodies);
 }

@@ -1,5 +1,6 @@
 // One lesson on the screen: its words, its runs, one control to move, and the way to the next.
 import { simulate } from "../service/api.js";
+import { named, text } from "../language/texts.js";
 import { benchLink } from "../service/link.js";
 import { Live } from "../service/live.js";
 import { equalWork, rounded, workSetting } from "../service/work.js";
@@ -32,10 +33,11 @@ export class Lesson {
   constructor(catalogue, go) {
     this.#catalogue = catalogue;
     this.#go = go;
-    for (const [i, { id, group, title: claim }] of lessons.entries()) {
+    for (const [i, { id, group }] of lessons.entries()) {
+      const claim = text(`lesson.${id}.title`);
       if (group) {
-        find("#which").append(element("optgroup", { label: group }));
-        find("#gallery").append(element("section", {}, element("h3", { textContent: group }), element("ol", { start: i + 1 })));
+        find("#which").append(element("optgroup", { label: text(`group.${group}`) }));
+        find("#gallery").append(element("section", {}, element("h3", { textContent: text(`group.${group}`) }), element("ol", { start: i + 1 })));
       }
       find("#which").lastChild.append(element("option", { value: id, textContent: `${i + 1}. ${claim}` }));
       find("#gallery").lastChild.lastChild.append(element("li", {}, element("a", { href: `#lesson=${id}`, textContent: claim })));
@@ -104,13 +106,13 @@ export class Lesson {
   }
 
   #build() {
-    const { title: claim, look, see, views = [], runs = [], control, study, portrait } = this.#lesson, at = lessons.indexOf(this.#lesson);
+    const { id, views = [], runs = [], control, study, portrait } = this.#lesson, at = lessons.indexOf(this.#lesson);
     find("#which").value = this.#lesson.id;
     find("#previous").disabled = at === 0;
     find("#next").disabled = at === lessons.length - 1;
-    find("#claim").textContent = claim;
-    find("#look").replaceChildren(...prose(look));
-    find("#see").replaceChildren(...prose(see));
+    find("#claim").textContent = text(`lesson.${id}.title`);
+    find("#look").replaceChildren(...prose(text(`lesson.${id}.look`)));
+    find("#see").replaceChildren(...prose(text(`lesson.${id}.see`)));
     find("#legend").replaceChildren();
     this.#runs = [];
     this.#player.rest();
@@ -120,7 +122,7 @@ export class Lesson {
     this.#study = study ? new Study(figures, this.#catalogue.schemes)
       : portrait ? new Portrait(figures, this.#lesson, portrait.keep.includes("final")) : null;
     find(".player").hidden = views.every(({ bins }) => bins);
-    this.#control = control ? slider(control.label, control, this.#setting(), (value, done) => this.#move(value, done)) : null;
+    this.#control = control ? slider(named("term", control.label), control, this.#setting(), (value, done) => this.#move(value, done)) : null;
     find("#control").replaceChildren(...(this.#control ? [this.#control.node] : []));
     const schemes = runs.map(({ scheme = {} }) => scheme), differ = new Set(schemes.map(({ id }) => id)).size > 1;
     const comparable = runs.length > 1 && (control.sets === "steps" || differ) && schemes.every(workSetting);
@@ -129,7 +131,7 @@ export class Lesson {
 
   #titleOf(i) {
     const { name, scheme } = this.#lesson.runs[i], request = requestOf(this.#lesson, i, this.#state);
-    return name ?? title(this.#catalogue.schemes.find(({ id }) => id === scheme.id), request.scheme);
+    return name ? named("term", name) : title(this.#catalogue.schemes.find(({ id }) => id === scheme.id), request.scheme);
   }
 
   /** Where the control stands. */
@@ -190,7 +192,7 @@ export class Lesson {
     this.#figures.show(lesson, this.#runs, symbol);
     fill(find("#legend"), this.#runs, lesson);
     const times = this.#runs.flatMap(({ outcome, trajectory: { t } }) => [t[0], t.at(-1)].map((v) => v / paceOf(outcome, lesson.pace)));
-    if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times), lesson.pace && "periods");
+    if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times), lesson.pace && text("player.periods"));
     if (first) this.#player.begin();
     const [{ x, y }] = lesson.views, forth = requests.filter((_, i) => lesson.runs[i].back === undefined);
     find("#to-bench").href = benchLink(forth, x?.endsWith("_wrapped") ? { x, y } : {}, forth.length < requests.length);

@@ -1,4 +1,5 @@
 // A lesson of many runs at once: the points where they cross a plane, or where a clock finds them; or where they end.
+import { named, text } from "../language/texts.js";
 import { ensemble } from "../service/api.js";
 import { element, faultText, words } from "../forms/forms.js";
 import { format } from "../forms/numbers.js";
@@ -34,12 +35,12 @@ export class Portrait {
   outcome = null; // the points: `{member, x, y}`, or `{ends}`
 
   constructor(figures, { labels, key }, ends) {
-    const canvas = element("canvas", { className: "plane", role: "img", ariaLabel: `${labels[1]} over ${labels[0]} of many runs` });
+    this.#labels = labels.map((name) => named("term", name));
+    this.#names = key.map((name) => named("term", name));
+    const canvas = element("canvas", { className: "plane", role: "img", ariaLabel: text("lesson.of_many", { x: this.#labels[0], y: this.#labels[1] }) });
     figures.replaceChildren(element("figure", { className: "of-all" }, canvas, this.#key, this.#said));
     this.#crossings = ends ? null : new Crossings(canvas);
     this.#ends = ends ? new EndsPicture(canvas) : null;
-    this.#labels = labels;
-    this.#names = key;
     this.#tell();
   }
 
@@ -61,7 +62,7 @@ export class Portrait {
     try {
       for (const [i, request] of requests.entries()) {
         const { faults = [] } = await ensemble(request, mine.signal, (line) => {
-          if (line.stop) cut = `Ended early: ${words(line.stop.reason)}.`;
+          if (line.stop) cut = text("ended.early", { why: words(line.stop.reason) });
           if (line.kind !== "block") return;
           if (!begun) this.#begin(asked, requests.length); // until then the last picture stays
           begun = true;

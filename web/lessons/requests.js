@@ -1,4 +1,5 @@
 // What a lesson asks of the service.
+import { named } from "../language/texts.js";
 import { workSetting } from "../service/work.js";
 import { presetOf } from "../catalogue/card.js";
 import { columnsOf } from "./views.js";
@@ -6,11 +7,14 @@ import { columnsOf } from "./views.js";
 const fine = 4000; // samples of a picture
 export const coarse = 700; // while a hand moves the control
 
+/** A problem of a request, its title in the language that is spoken. */
+const entitled = (problem) => (problem.title ? { ...problem, title: named("scene", problem.title) } : problem);
+
 /** The problem, start and scheme of run `i`, as the control stands. */
 export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? fine) {
   const run = lesson.runs[i], { control } = lesson;
   const { problem, initial, until, scheme } = { ...lesson.scene, ...run };
-  const request = { problem: { ...lesson.scene.problem, ...problem }, initial: { ...lesson.scene.initial, ...initial },
+  const request = { problem: entitled({ ...lesson.scene.problem, ...problem }), initial: { ...lesson.scene.initial, ...initial },
                     scheme: { ...scheme }, until: { ...until } };
   if (steps) request.scheme[workSetting(scheme)] = steps[i];
   if (set !== undefined && control.sets !== "steps" && (control.run ?? i) === i) {
@@ -40,6 +44,7 @@ export function answersTo(lesson, requests, ask, signal) {
 /** What a lesson that measures asks for: `study` schemes on a scene, or the `portrait` of many runs, as the control stands. */
 export function measureOf({ study, portrait, control }, { set }) {
   const asked = structuredClone(study ?? portrait);
+  asked.problem = entitled(asked.problem);
   if (set === undefined) return asked;
   const [section, name] = control.sets.split(".");
   asked[section][name] = set;

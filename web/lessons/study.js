@@ -1,4 +1,5 @@
 // A lesson that measures: error over cost, its points as they come.
+import { text } from "../language/texts.js";
 import { workPrecision } from "../service/api.js";
 import { element, faultText } from "../forms/forms.js";
 import { title } from "../catalogue/card.js";
@@ -12,7 +13,7 @@ export class Study {
   outcome = null; // the curves: `[{title, points}]`
 
   constructor(figures, schemes) {
-    const container = element("div", { className: "precision", role: "img", ariaLabel: "Error over force evaluations of each scheme" });
+    const container = element("div", { className: "precision", role: "img", ariaLabel: text("lesson.costs") });
     figures.replaceChildren(element("figure", { className: "of-all" }, container, this.#said));
     this.#schemes = schemes;
     this.#plot = new PrecisionPlot(container);

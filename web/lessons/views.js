@@ -1,4 +1,5 @@
 // What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms.
+import { known, named } from "../language/texts.js";
 import { colourOf } from "../catalogue/card.js";
 import { sun } from "../drawing/bodies.js";
 import { errorOfEnergy } from "../drawing/energy.js";
@@ -6,8 +7,7 @@ import { levelPicture } from "../drawing/field.js";
 import { commonView, curveOf, extent } from "../drawing/mapping.js";
 import { inSpace } from "../drawing/space.js";
 
-const names = { error_of_energy: "|H − H₀| / |H₀|", mechanical_energy: "p²/2 + V", energy: "H", distance: "distance to order 8", entropy: "S",
-                potential: "U", step_size: "step", periods: "t in periods" };
+const names = { error_of_energy: "|H − H₀| / |H₀|", mechanical_energy: "p²/2 + V", energy: "H", entropy: "S", potential: "U" };
 
 /** The columns that a view needs of the service. */
 export const columnsOf = (view) => [...["x", "y", "z"].map((axis) => view[axis]), ...(view.between ?? []), ...(view.several ?? []).map(([name]) => name),
@@ -45,19 +45,19 @@ function histogram(values, [low, high, n]) {
 }
 
 /** A known curve over an axis, or of points over a range of its own, as dense as a screen. */
-function known([title, of, range], parameters, span, log) {
+function exactly([title, of, range], parameters, span, log) {
   const [low, high] = range ?? span, n = 600, x = Array.from({ length: n + 1 }, (_, i) => low + ((high - low) * i) / n);
   if (range) {
     const points = x.map((v) => of(v, parameters));
-    return { x: points.map(([a]) => a), y: points.map(([, b]) => b), title, colour: "--ink", dash: [7, 6], exact: true };
+    return { x: points.map(([a]) => a), y: points.map(([, b]) => b), title: named("term", title), colour: "--ink", dash: [7, 6], exact: true };
   }
   const y = x.map((v) => of(v, parameters)).map((v) => (v !== null && log.includes("y") ? Math.log10(v) : v));
-  return { x: x.map((v, i) => (y[i] === null ? null : v)), y, title, colour: "--ink", dash: [7, 6], exact: true };
+  return { x: x.map((v, i) => (y[i] === null ? null : v)), y, title: named("term", title), colour: "--ink", dash: [7, 6], exact: true };
 }
 
 /** The pairs of columns that a view draws over each other, `[[x, y, title, colour]]`: of all of a kind, `x[*]`, each. */
 function pairsOf({ x, y, several }, trajectory) {
-  if (several) return several.map(([name, title], i) => [x, name, title, colourOf(i)]);
+  if (several) return several.map(([name, title], i) => [x, name, named("term", title), colourOf(i)]);
   if (!x.endsWith("[*]")) return [[x, y]];
   const elements = (kind) => Object.keys(trajectory).filter((name) => name.startsWith(kind.slice(0, -2)));
   return elements(x).map((name, i) => [name, elements(y)[i]]);
@@ -82,9 +82,10 @@ export function pictureOf(view, runs, { angles, symbol = (name) => name, pace } 
                                                     Math.max(...curves.map(({ x }) => extent(x)[1]))];
   const free = timed || log !== "";
   const seen = { ...commonView(curves, ["x", "y"], free), ...box };
-  const truths = exact.map((one) => known(one, runs[0].parameters, span, log));
+  const truths = exact.map((one) => exactly(one, runs[0].parameters, span, log));
   if (truths.length && timed && !box.y && !log) seen.y = [Math.min(seen.y[0], 0), seen.y[1]];
   const behind = view.level ? levelPicture((x, y) => view.level(x, y, runs[0].parameters)) : view.sun && sun;
-  const labels = view.labels ?? [view.x, view.y].map((name) => names[name] ?? symbol(name));
+  const labels = view.labels?.map((name) => named("term", name)) ??
+    [view.x, view.y].map((name) => names[name] ?? known(`column.${name}`) ?? symbol(name));
   return { curves: timed ? [...truths, ...curves] : [...curves, ...truths], view: seen, labels, log, backdrop: behind };
 }

@@ -1,4 +1,5 @@
 // The editor of a scene as text: its fields, what the service found in it, and what is wrong where.
+import { known, text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { definitionOf, entries, kinds, placeOf, startIn, startValue, textsOf } from "../service/text.js";
 import { choose, element, faultText, words } from "../forms/forms.js";
@@ -7,35 +8,36 @@ import { formulaOf } from "../forms/formula.js";
 const find = (selector) => document.querySelector(`#own ${selector}`);
 const pause = 300; // ms without a key before the text is read
 
-const names = { lagrangian: "Lagrangian L", hamiltonian: "Hamiltonian H", potential: "potential V", equations: "equations" };
-const forms = {
-  separable: "separable: kinetic and potential energy stand apart", metric: "its kinetic energy depends on the place",
-  contact_linear: "contact: linear in the action s, which is friction", contact_quadratic: "contact: quadratic in the action s",
-  lagrangian: "a general Lagrangian", hamiltonian: "a general Hamiltonian", flow: "equations of a flow",
-};
 const mechanics = kinds.filter((kind) => kind !== "equations");
+const none = text("none");
 const fields = [
-  { key: "variables", label: "Coordinates", hint: "x, y" },
+  { key: "variables", hint: "x, y" },
   { key: "formula", rows: 3 },
-  { key: "parameters", label: "Parameters, name = value", rows: 2, hint: "mu = 1" },
-  { key: "definitions", label: "Definitions, name = formula", rows: 1, hint: "r = sqrt(x^2 + y^2)" },
-  { key: "masses", label: "Masses, coordinate = mass", rows: 2, hint: "1 each", of: ["potential"] },
-  { key: "damping", label: "Damping α(t)", hint: "none", of: ["potential"] },
-  { key: "action_curvature", label: "Curvature γ in s", hint: "none", of: ["potential"] },
-  { key: "offset", label: "Offset R", hint: "none", of: ["potential"] },
-  { key: "forces", label: "Forces, coordinate = formula", rows: 1, hint: "x = -0.1*vx*abs(vx)", of: mechanics },
-  { key: "dissipation", label: "Dissipation D", hint: "none", of: mechanics },
-  { key: "invariants", label: "What is kept, name = formula", rows: 1, hint: "L = x*py - y*px" },
-  { key: "views", label: "Pictures: columns or formulas drawn together", rows: 1, hint: '[["x", "y"], ["t", "x^2"]]' },
-  { key: "bodies", label: "Bodies: where they are, what rods link them to", rows: 1, hint: '[{"at": ["sin(q)", "-cos(q)"], "linked": ["pivot"]}]' },
-  { key: "note", label: "Note", hint: "none", wide: true },
-  { key: "title", label: "Title", hint: "A scene of your own", wide: true },
+  { key: "parameters", rows: 2, hint: "mu = 1" },
+  { key: "definitions", rows: 1, hint: "r = sqrt(x^2 + y^2)" },
+  { key: "masses", rows: 2, hint: text("own.each"), of: ["potential"] },
+  { key: "damping", hint: none, of: ["potential"] },
+  { key: "action_curvature", hint: none, of: ["potential"] },
+  { key: "offset", hint: none, of: ["potential"] },
+  { key: "forces", rows: 1, hint: "x = -0.1*vx*abs(vx)", of: mechanics },
+  { key: "dissipation", hint: none, of: mechanics },
+  { key: "invariants", rows: 1, hint: "L = x*py - y*px" },
+  { key: "views", rows: 1, hint: '[["x", "y"], ["t", "x^2"]]' },
+  { key: "bodies", rows: 1, hint: '[{"at": ["sin(q)", "-cos(q)"], "linked": ["pivot"]}]' },
+  { key: "note", hint: none, wide: true },
+  { key: "title", hint: text("own.untitled"), wide: true },
 ];
+
+/** An example in the language that is spoken, as far as it has texts in it. */
+function spoken({ name, problem, ...example }) {
+  const title = known(`example.${name}`) ?? example.title, note = known(`example.${name}.note`) ?? example.note;
+  return { ...example, name, title, note, problem: { ...problem, ...(problem.title ? { title } : {}) } };
+}
 
 /** What a formula of a kind is of. */
 function heading(kind, coordinates) {
   const q = coordinates.map(({ name }) => name), of = (letter) => q.map((name) => letter + name.replace(/^q/, ""));
-  if (kind === "equations") return "Rates, a line for each variable: x = …";
+  if (kind === "equations") return text("own.rates");
   if (kind === "potential") return `V(${[...q, "t"].join(", ")}) =`;
   return kind === "lagrangian" ? `L(${[...q, ...of("v"), "t", "s"].join(", ")}) =` : `H(${[...q, ...of("p"), "t", "s"].join(", ")}) =`;
 }
@@ -59,7 +61,7 @@ export class Editor {
     this.#typed = typed;
     this.#start = start;
     find(".fields").append(...fields.flatMap((field) => [this.#field(field), ...(field.key === "formula" ? [find("#found")] : [])]));
-    choose(find("#kind"), kinds.map((id) => ({ id, title: names[id] })));
+    choose(find("#kind"), kinds.map((id) => ({ id, title: text(`own.kind.${id}`) })));
     find("#kind").addEventListener("change", () => this.#turn());
     document.querySelector("#own").addEventListener("input", () => {
       stirred();
@@ -72,10 +74,10 @@ export class Editor {
     find("#example").addEventListener("change", async ({ target }) => picked((await this.examples())[target.value]));
   }
 
-  #field({ key, label = "", rows = 0, hint = "", wide = rows > 0 }) {
+  #field({ key, rows = 0, hint = "", wide = rows > 0 }) {
     const input = rows ? element("textarea", { rows }) : element("input", { type: "text" });
     Object.assign(input, { spellcheck: false, placeholder: hint, autocapitalize: "off" });
-    const name = element("span", { className: "name", textContent: label });
+    const name = element("span", { className: "name", textContent: known(`own.field.${key}`) ?? "" }); // of the formula it depends on its kind
     const spot = element("div", { className: "spot", id: `spot-${key}` });
     const node = element("div", { className: wide ? "typed wide" : "typed" }, element("label", { className: "field" }, name, input), spot);
     node.dataset.key = key;
@@ -93,9 +95,9 @@ export class Editor {
 
   async examples() {
     if (this.#examples) return this.#examples;
-    this.#examples = await api.scenes();
+    this.#examples = (await api.scenes()).map(spoken);
     const titles = this.#examples.map(({ title, name }, i) => ({ id: String(i), title: title ?? words(name) }));
-    choose(find("#example"), [{ id: "", title: "begin with…" }, ...titles], "");
+    choose(find("#example"), [{ id: "", title: text("own.begin") }, ...titles], "");
     return this.#examples;
   }
 
@@ -152,7 +154,7 @@ export class Editor {
     const kind = this.#kind, formula = this.#parts.get("formula");
     formula.was = kind;
     formula.name.textContent = heading(kind, entries(this.#parts.get("variables").input.value));
-    this.#parts.get("variables").name.textContent = kind === "equations" ? "Variables" : "Coordinates";
+    this.#parts.get("variables").name.textContent = text(kind === "equations" ? "own.variables" : "own.field.variables");
     for (const { key, of = kinds } of fields) this.#parts.get(key).node.hidden = !of.includes(kind);
     for (const { input } of this.#parts.values()) {
       if (input.localName === "textarea") input.rows = Math.max(input.value.split("\n").length, input === formula.input ? 2 : 1);
@@ -198,7 +200,7 @@ export class Editor {
     const said = JSON.stringify([texts, faults]), elsewhere = [];
     this.#faulty = faults.length > 0;
     find("#found").classList.toggle("stale", !card);
-    if (!card) find("#form").textContent = "This cannot be read: see the marked place. The rest stays with what was read before.";
+    if (!card) find("#form").textContent = text("own.stale");
     if (said === this.#said) return; // the same once more: a hand may be on it
     this.#said = said;
     for (const { input, spot } of this.#parts.values()) {
@@ -220,9 +222,9 @@ export class Editor {
   }
 
   #tell({ formula, form, equations = {}, equations_note: note = "", schemes }) {
-    const traits = [forms[form.kind] ?? words(form.kind), form.autonomous ? "" : "it depends on t",
-                    form.kind === "flow" ? "" : form.keeps_energy ? "it keeps its energy" : "it does not keep its energy",
-                    `${schemes.length} schemes apply`].filter(Boolean).join("; ");
+    const traits = [known(`own.form.${form.kind}`) ?? words(form.kind), form.autonomous ? "" : text("own.timed"),
+                    form.kind === "flow" ? "" : text(form.keeps_energy ? "own.keeps" : "own.loses"),
+                    text("own.schemes", { n: schemes.length })].filter(Boolean).join("; ");
     find("#form").textContent = `${traits[0].toUpperCase()}${traits.slice(1)}.`;
     find("#as-read").replaceChildren(...formulaOf(formula, true));
     const rates = Object.entries(equations), spelled = rates.some(([name]) => /^d.+\/dt$/.test(name));
@@ -237,7 +239,7 @@ export class Editor {
 function lead(input, { from, to }) {
   const { value } = input, first = Math.max(value.lastIndexOf("\n", from - 1) + 1, from - 24);
   const end = value.indexOf("\n", to), last = Math.min(end < 0 ? value.length : end, to + 16);
-  const button = element("button", { type: "button", title: "go to this place" },
+  const button = element("button", { type: "button", title: text("own.go") },
     first > 0 && value[first - 1] !== "\n" ? "…" : "", value.slice(first, from),
     element("mark", { textContent: value.slice(from, to) || "\u00a0" }),
     value.slice(to, last), last < value.length && last !== end ? "…" : "");

@@ -1,9 +1,10 @@
 // What the page says to the service, and nothing else. Addresses are relative: the page may be served under any path.
+import { text } from "../language/texts.js";
 
 /** The catalogue: `{version, problems, schemes}`. */
 export async function catalogue() {
   const response = await fetch("v1/catalogue", { headers: { Accept: "application/json" } });
-  if (!response.ok) throw new Error(`the catalogue answers ${response.status}`);
+  if (!response.ok) throw new Error(text("answer.status", { status: String(response.status) }));
   return response.json();
 }
 
@@ -21,20 +22,20 @@ async function post(path, request, accept, signal) {
     return await fetch(path, { method: "POST", headers: headers(accept), body: JSON.stringify(request), signal });
   } catch (error) {
     if (signal.aborted) throw error;
-    return silent;
+    return lost("answer.silent");
   }
 }
 
-const silent = { faults: [{ detail: "The service does not answer. Is it still running?", lost: true }] };
-const broken = { faults: [{ detail: "The answer broke off. Is the service still running?", lost: true }] };
+/** What there is to say where no whole answer came. */
+const lost = (key) => ({ faults: [{ detail: text(key), lost: true }] });
 
 /** What a response says that is no success. */
 function refusal(response, answer) {
   if (answer?.errors?.length) return { faults: answer.errors };
   const wait = response.headers.get("Retry-After");
-  const title = answer?.detail ?? answer?.title ?? `The service answers ${response.status}.`;
-  const id = answer?.request_id ? ` (request ${answer.request_id})` : "";
-  return { faults: [{ detail: title + id + (wait ? ` Try again in ${wait} s.` : "") }] };
+  const title = answer?.detail ?? answer?.title ?? text("answer.status", { status: String(response.status) });
+  const id = answer?.request_id ? ` (${text("answer.request", { id: answer.request_id })})` : "";
+  return { faults: [{ detail: title + id + (wait ? ` ${text("answer.wait", { wait })}` : "") }] };
 }
 
 /**
@@ -47,14 +48,14 @@ async function ask(path, request, signal) {
 }
 
 async function whole(response, signal) {
-  let text;
+  let said;
   try {
-    text = await response.text();
+    said = await response.text();
   } catch (error) {
     if (signal.aborted) throw error;
-    return silent;
+    return lost("answer.silent");
   }
-  const answer = parsed(text);
+  const answer = parsed(said);
   return response.ok && answer ? { outcome: answer } : refusal(response, answer);
 }
 
@@ -75,7 +76,7 @@ async function askLines(path, request, signal, take) {
     }
   } catch (error) {
     if (signal.aborted) throw error;
-    return broken;
+    return lost("answer.broken");
   }
 }
 
@@ -104,12 +105,12 @@ export async function follow(request, signal, take) {
     }
   });
   if (told.faults || told.outcome) return told;
-  return outcome?.status === "running" || !outcome ? broken : { outcome };
+  return outcome?.status === "running" || !outcome ? lost("answer.broken") : { outcome };
 }
 
-function parsed(text) {
+function parsed(said) {
   try {
-    return JSON.parse(text);
+    return JSON.parse(said);
   } catch {
     return null;
   }

@@ -1,7 +1,8 @@
 // Where the runs end that begin on a rectangle of starts: a pixel for each, coloured by its end, block by block as they come.
+import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { build, values, words } from "../forms/forms.js";
-import { count, format } from "../forms/numbers.js";
+import { format } from "../forms/numbers.js";
 import { axes, motion } from "../catalogue/card.js";
 import { EndsPicture } from "../drawing/ends.js";
 import { schemeOf } from "./section.js";
@@ -16,12 +17,12 @@ function cardsOf(problem) {
   const ends = (name) => [-1, 1].map((side) => Number((about(name) + 2 * side).toPrecision(3)));
   const shown = axes(problem).map(({ id }) => id).filter((id) => id !== "error_of_energy" && id !== "mode");
   return [
-    { name: "x", label: "starts across", type: "choice", choices: names, default: x },
-    { name: "left", default: ends(x)[0] }, { name: "right", default: ends(x)[1] },
-    { name: "y", label: "starts up", type: "choice", choices: names, default: y },
-    { name: "low", default: ends(y)[0] }, { name: "high", default: ends(y)[1] },
-    { name: "side", label: "runs a side", default: 128, doc: "as many starts across as up" },
-    { name: "colour", label: "colour by the last", type: "choice", choices: shown, default: y },
+    { name: "x", label: text("basins.x"), type: "choice", choices: names, default: x },
+    { name: "left", label: text("basins.left"), default: ends(x)[0] }, { name: "right", label: text("basins.right"), default: ends(x)[1] },
+    { name: "y", label: text("basins.y"), type: "choice", choices: names, default: y },
+    { name: "low", label: text("basins.low"), default: ends(y)[0] }, { name: "high", label: text("basins.high"), default: ends(y)[1] },
+    { name: "side", label: text("basins.side"), default: 128, doc: text("basins.side.doc") },
+    { name: "colour", label: text("basins.colour"), type: "choice", choices: shown, default: y },
   ];
 }
 
@@ -57,12 +58,12 @@ export class Basins {
   /** Asks for the runs of a `scene`, as Section.measure does. */
   async measure({ scene, schemes }, cards, signal, told) {
     const scheme = schemeOf(this.#problem, schemes, cards), asked = this.chosen(), { x, y, left, right, low, high, side, colour } = asked;
-    if (x === y) return { faults: [{ detail: "Starts across and up must be two variables." }] };
+    if (x === y) return { faults: [{ detail: text("basins.same") }] };
     const grid = { [`/initial/${x}`]: { grid: [left, right, side] }, [`/initial/${y}`]: { grid: [low, high, side] } };
     this.clear();
     this.#asked = asked;
     find("#start").max = side * side - 1;
-    let end = { completed: 0, stopped: {}, warnings: [{ detail: "The answer broke off." }] }, ends = null;
+    let end = { completed: 0, stopped: {}, warnings: [{ detail: text("study.broken") }] }, ends = null;
     const request = { ...scene, scheme, limits: { seconds: patience }, columns: [colour], keep: ["final"], members: { vary: grid } };
     const { faults } = await api.ensemble(request, signal, (line) => {
       if (line.kind === "end") end = line;
@@ -72,14 +73,14 @@ export class Basins {
       if (ends !== this.#picture.ends) return; // nobody awaits them any more
       this.#picture.add(line, colour);
       find("figure").hidden = find("#one-start").hidden = false;
-      told(`${count(ends.completed)} of ${count(side * side)} runs…`);
+      told(text("basins.so_far", { done: ends.completed, all: side * side }));
     });
     if (faults) return { faults };
     const [least, most] = ends?.range ?? [0, -1];
-    const range = least <= most ? ` ${words(colour)} at the end from ${format(least, 3)}, red, to ${format(most, 3)}, violet.` : "";
-    const cut = end.stop ? [`Ended early: ${words(end.stop.reason)}.`] : [];
-    const others = Object.entries(end.stopped).map(([reason, some]) => `${count(some)} stopped (${words(reason)}), grey.`);
-    return { said: [`${count(end.completed)} runs with ${words(scheme.id)}.${range}`, ...cut, ...others,
+    const range = least <= most ? ` ${text("basins.range", { what: words(colour), from: format(least, 3), to: format(most, 3) })}` : "";
+    const cut = end.stop ? [text("ended.early", { why: words(end.stop.reason) })] : [];
+    const others = Object.entries(end.stopped).map(([reason, some]) => text("basins.stopped", { n: some, why: words(reason) }));
+    return { said: [text("basins.done", { n: end.completed, scheme: words(scheme.id) }) + range, ...cut, ...others,
                     ...end.warnings.map(({ detail, code }) => detail || code)].join(" ") };
   }
 

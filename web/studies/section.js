@@ -1,7 +1,7 @@
 // Where many runs cross a plane, or where a clock finds them: points that come block by block, in a colour for each member.
+import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { build, values, words } from "../forms/forms.js";
-import { count } from "../forms/numbers.js";
 import { axes, isAutonomous, motion, spanOf } from "../catalogue/card.js";
 import { Crossings } from "../drawing/crossings.js";
 
@@ -21,15 +21,15 @@ function cardsOf(problem) {
   const vary = names[1], usual = problem.variables.find(({ name }) => name === vary).default ?? 0;
   const size = (alone ? 2.5 : 0.2) * Math.max(1, Math.abs(usual)), rounded = (value) => Number(value.toPrecision(3));
   return [
-    { name: "where", label: "zero of", type: "text", default: wide ? names[0] : "", hint: "none", doc: "a variable or a formula" },
-    { name: "direction", label: "going", type: "choice", choices: ["up", "down", "both"], default: "up" },
-    { name: "period", label: "or every period", default: wide ? null : alone ? rounded(spanOf(problem) / 400) : periodOf(problem), nullable: true,
-      doc: "a clock in the place of a plane" },
-    { name: "vary", label: "starts in", type: "choice", choices: problem.variables.map(({ name }) => name), default: vary },
-    { name: "from", default: rounded(usual - size) }, { name: "to", default: rounded(usual + size) },
-    { name: "count", label: "runs", default: 40, doc: "how many starts, evenly from the one to the other" },
-    { name: "x", label: "across", type: "choice", choices: shown, default: angle(wide ? names[1] : names[0]) },
-    { name: "y", label: "up", type: "choice", choices: shown, default: wide ? names[half + 1] : names[1] },
+    { name: "where", label: text("section.where"), type: "text", default: wide ? names[0] : "", hint: text("none"), doc: text("section.where.doc") },
+    { name: "direction", label: text("section.direction"), type: "choice", choices: ["up", "down", "both"], default: "up" },
+    { name: "period", label: text("section.period"), default: wide ? null : alone ? rounded(spanOf(problem) / 400) : periodOf(problem), nullable: true,
+      doc: text("section.period.doc") },
+    { name: "vary", label: text("section.vary"), type: "choice", choices: problem.variables.map(({ name }) => name), default: vary },
+    { name: "from", label: text("section.from"), default: rounded(usual - size) }, { name: "to", label: text("section.to"), default: rounded(usual + size) },
+    { name: "count", label: text("section.count"), default: 40, doc: text("section.count.doc") },
+    { name: "x", label: text("section.x"), type: "choice", choices: shown, default: angle(wide ? names[1] : names[0]) },
+    { name: "y", label: text("section.y"), type: "choice", choices: shown, default: wide ? names[half + 1] : names[1] },
   ];
 }
 
@@ -81,7 +81,7 @@ export class Section {
     this.#asked = { vary, from, to, n };
     this.#crossings.start(n, x, y);
     find("#member").max = n - 1;
-    let points = 0, ended = { completed: 0, stopped: {}, warnings: [{ detail: "The answer broke off." }] };
+    let points = 0, ended = { completed: 0, stopped: {}, warnings: [{ detail: text("study.broken") }] };
     const request = { ...scene, scheme, section, columns: [...new Set([x, y])], keep: ["section"],
                       members: { vary: { [`/initial/${vary}`]: { grid: [from, to, n] } } } };
     const { faults } = await api.ensemble(request, signal, (line) => {
@@ -89,12 +89,12 @@ export class Section {
       if (line.kind !== "block") return;
       find("figure").hidden = find("#one").hidden = line.section.member.length + points === 0;
       points = this.#crossings.add(line);
-      told(`${count(points)} points…`);
+      told(text("section.so_far", { n: points }));
     });
     if (faults) return { faults };
-    const stopped = Object.entries(ended.stopped).map(([reason, some]) => `${count(some)} stopped (${words(reason)})`);
+    const stopped = Object.entries(ended.stopped).map(([reason, some]) => text("section.stopped", { n: some, why: words(reason) }));
     const notes = [...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
-    return { said: [`${count(points)} points of ${count(ended.completed)} runs with ${words(scheme.id)}.`, ...notes].join(" ") };
+    return { said: [text("section.done", { points, n: ended.completed, scheme: words(scheme.id) }), ...notes].join(" ") };
   }
 
   draw() {

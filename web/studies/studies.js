@@ -1,7 +1,8 @@
 // The studies of a scene, each asked for by a button: what a digit costs with each scheme, how long a step may be, and those that
 // stand by themselves, of many runs or of the neighbours of one.
+import { known, text } from "../language/texts.js";
 import * as api from "../service/api.js";
-import { element, faultText } from "../forms/forms.js";
+import { element, faultText, words } from "../forms/forms.js";
 import { format } from "../forms/numbers.js";
 import { title } from "../catalogue/card.js";
 import { PrecisionPlot } from "../drawing/precision.js";
@@ -11,12 +12,6 @@ import { Sweep } from "./sweep.js";
 import { Tangent } from "./tangent.js";
 
 const find = (selector) => document.querySelector(selector);
-
-// How a step fails that is longer.
-const failures = {
-  energy_growth: "the energy grows", sign_flip: "the momentum changes its sign though it should only fade",
-  solver_failed: "the equations of a step find no solution", pole: "the step meets a pole", not_finite: "numbers overflow",
-};
 
 const choices = ["measured", "measure", "cost", "budget"];
 const usual = (select) => ([...select.options].find((option) => option.defaultSelected) ?? select.options[0]).value;
@@ -45,7 +40,7 @@ export class Studies {
     find("#measure-stability").addEventListener("click", () => this.#start("stability", () => this.#search()));
     for (const [study, runs] of Object.entries(this.#others))
       find(`#measure-${study}`).addEventListener("click", () => this.#start(study, () =>
-        runs.measure(this.#ask(), this.#schemes, this.#underWay[study].signal, (text) => this.#tell(study, text))));
+        runs.measure(this.#ask(), this.#schemes, this.#underWay[study].signal, (said) => this.#tell(study, said))));
     find("#cost").addEventListener("change", (event) => this.#plot.over(event.target.value));
   }
 
@@ -93,11 +88,11 @@ export class Studies {
 
   /** The button begins a study, or ends the one under way. */
   async #start(study, begin) {
-    if (this.#stop(study)) return this.#tell(study, "Stopped.");
+    if (this.#stop(study)) return this.#tell(study, text("stopped"));
     this.#scene = JSON.stringify(this.#ask().scene);
     const mine = (this.#underWay[study] = new AbortController());
     const button = find(`#measure-${study}`), name = button.textContent;
-    button.textContent = "Stop";
+    button.textContent = text("stop");
     try {
       const { faults = [], said = "" } = await begin();
       this.#tell(study, faults.length ? faults.map(fault).join(" ") : said, faults.length > 0);
@@ -116,9 +111,9 @@ export class Studies {
     return Boolean(under);
   }
 
-  #tell(study, text, bad = false) {
+  #tell(study, said, bad = false) {
     const line = find(`#${study}-status`);
-    line.textContent = text;
+    line.textContent = said;
     line.classList.toggle("fault", bad);
   }
 
@@ -133,13 +128,13 @@ export class Studies {
     const request = { ...scene, schemes: find("#measured").value === "all" ? "all" : schemes, error: find("#measure").value,
                       budget_seconds: Number(find("#budget").value) };
     this.#plot.start([]);
-    this.#tell("precision", "Finding out what is true…");
+    this.#tell("precision", text("precision.truth"));
     find("#precision-notes").replaceChildren();
     let head = null, end = null, points = 0;
     const take = (line) => {
       if (line.point) {
         this.#plot.add(line.curve, { ...line.point, setting: line.setting });
-        this.#tell("precision", `Measuring: ${++points} runs…`);
+        this.#tell("precision", text("precision.so_far", { n: ++points }));
       } else if (head) {
         end = line;
       } else {
@@ -153,9 +148,8 @@ export class Studies {
     const listed = (some) => element("ul", { className: "messages" }, ...some.map((textContent) => element("li", { textContent })));
     const [first, ...more] = notes;
     find("#precision-notes").replaceChildren(listed([first]), ...(more.length ? [
-      element("details", {}, element("summary", { textContent: `${more.length} more notes` }), listed(more))] : []));
-    return { said: `${points} runs. Times are those of this machine.` +
-                   (end.status === "stopped" ? " The study was cut short." : "") };
+      element("details", {}, element("summary", { textContent: text("precision.notes", { n: more.length }) }), listed(more))] : []));
+    return { said: text("precision.done", { n: points }) + (end.status === "stopped" ? ` ${text("precision.cut")}` : "") };
   }
 
   /** A word on a curve whose order is not as declared, or could not be measured. */
@@ -163,23 +157,23 @@ export class Studies {
     const name = this.#title(scheme, setting);
     if (observed === null) return why ? [`${name}: ${why}`] : [];
     if (expected === null || Math.abs(observed - expected) < 0.3) return [];
-    return [`${name}: of order ${format(observed)} here, ${expected} in general`];
+    return [text("precision.order", { name, observed: format(observed), expected })];
   }
 
   async #search() {
     const { until: _, ...scene } = this.#ask().scene;
-    this.#tell("stability", "Searching…");
+    this.#tell("stability", text("stability.searching"));
     find("#stability").replaceChildren();
     const { outcome, faults } = await api.stability({ ...scene, schemes: "all" }, this.#underWay.stability.signal);
     if (faults) return { faults };
     const cells = (tag, ...texts) => texts.map((textContent) => element(tag, { textContent }));
     const rows = outcome.limits.map(({ scheme, step, failure, theory, why = "" }) => {
-      const beyond = failure ? failures[failure] ?? failure.replaceAll("_", " ") : why;
+      const beyond = failure ? known(`failure.${failure}`) ?? words(failure) : why;
       return element("tr", {}, element("th", { scope: "row", textContent: this.#title(scheme, varied(scheme)) }),
                      ...cells("td", format(step), format(theory), beyond));
     });
     find("#stability").replaceChildren(
-      element("thead", {}, element("tr", {}, ...cells("th", "scheme", "longest step", "in theory", "beyond it"))),
+      element("thead", {}, element("tr", {}, ...cells("th", ...["scheme", "step", "theory", "beyond"].map((name) => text(`stability.${name}`))))),
       element("tbody", {}, ...rows));
     return { said: outcome.left_out.join("; ") };
   }
@@ -193,9 +187,9 @@ const varied = (scheme) => ["tolerance", "theta", "sigma", "step"].find((name) =
 /** What the reference says of the scene. */
 function concerning({ reference, floor, chaotic, end, until }) {
   return [
-    `Errors are against ${reference.how === "closed form" ? "the closed form" : `a ${reference.how}`}, ` +
-      `which is known to ${format(reference.uncertainty, 1)}; below ${format(floor, 1)} they mean nothing.`,
-    ...(chaotic ? ["The motion is chaotic over this span: states at its end hardly depend on what was computed."] : []),
-    ...(end < until.t ? [`The motion ends before: errors are those up to t = ${format(end, 5)}.`] : []),
+    text("precision.reference", { what: known(`precision.how.${reference.how.replaceAll(" ", "_")}`) ?? reference.how,
+                                  uncertainty: format(reference.uncertainty, 1), floor: format(floor, 1) }),
+    ...(chaotic ? [text("precision.chaotic")] : []),
+    ...(end < until.t ? [text("precision.ends", { t: format(end, 5) })] : []),
   ];
 }

@@ -1,8 +1,9 @@
 // One parameter over a range, and what becomes of the motion: where it crosses a plane or is found by a clock (a bifurcation
 // diagram), how far it swings (a resonance curve), or where it ends.
+import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { build, values, words } from "../forms/forms.js";
-import { count, format } from "../forms/numbers.js";
+import { format } from "../forms/numbers.js";
 import { axes, motion, spanOf } from "../catalogue/card.js";
 import { paint } from "../drawing/crossings.js";
 import { extent } from "../drawing/mapping.js";
@@ -11,41 +12,32 @@ import { partOf } from "./part.js";
 import { numbersOf, pointerTo } from "./pointers.js";
 import { schemeOf } from "./section.js";
 
-const texts = {
-  title: "What a parameter changes", button: "Sweep", picture: "What becomes of the motion, over a parameter",
-  doc: "One parameter over a range, many runs, and of each what remains after a while: every crossing (a bifurcation diagram), how far it " +
-       "swings (a resonance curve), or its end. A click runs that value.",
-  vary: "parameter", from: "from", to: "to", count: "runs", y: "up", show: "of each run", after: "from t on", until: "until t",
-  shows: { crossings: "crossings", amplitude: "amplitude", end: "end" },
-  where: "zero of", direction: "going", period: "or every period", none: "none", formula: "a variable or a formula", clock: "a clock in the place of a plane",
-  afterDoc: "what comes before is left out, until the motion has settled", nothing: "This scene has no parameter to vary.",
-  points: (n) => `${n} points…`, said: (n, runs, scheme) => `${n} points of ${runs} runs with ${scheme}.`,
-  largest: (what, value, name, at) => ` The largest ${what}, ${value}, at ${name} = ${at}.`, broke: "The answer broke off.",
-  stopped: (n, why) => `${n} stopped (${why})`, amplitude: (name) => `amplitude of ${name}`,
-};
 const patience = 60; // seconds that the service may take
 
+/** What is drawn of a column. */
+const named = (show, name) => (show === "amplitude" ? text("sweep.amplitude_of", { name }) : name);
 const rounded = (value) => Number(value.toPrecision(3));
 
 function cardsOf(problem) {
   const names = motion(problem).map(({ name }) => name), parameters = numbersOf(problem), [vary] = parameters;
   const usual = problem.parameters.find(({ name }) => name === vary)?.default ?? 1, size = Math.abs(usual) || 1, span = spanOf(problem);
   const shown = axes(problem).map(({ id }) => id).filter((id) => !["error_of_energy", "mode", "t"].includes(id));
+  const shows = { crossings: text("sweep.crossings"), amplitude: text("sweep.amplitude"), end: text("sweep.end") };
   return [
-    { name: "vary", label: texts.vary, type: "choice", choices: parameters, default: vary },
-    { name: "from", label: texts.from, default: rounded(usual - size / 2) }, { name: "to", label: texts.to, default: rounded(usual + size / 2) },
-    { name: "count", label: texts.count, default: 400 },
-    { name: "show", label: texts.show, type: "choice", choices: Object.keys(texts.shows), words: texts.shows, default: "crossings" },
-    { name: "y", label: texts.y, type: "choice", choices: shown, default: names[0] },
-    { name: "where", label: texts.where, type: "text", default: names[Math.floor(names.filter((name) => name !== "s").length / 2)] ?? names[0], hint: texts.none, doc: texts.formula },
-    { name: "direction", label: texts.direction, type: "choice", choices: ["up", "down", "both"], default: "down" },
-    { name: "period", label: texts.period, default: null, nullable: true, doc: texts.clock },
-    { name: "until", label: texts.until, default: 4 * span }, { name: "after", label: texts.after, default: 3 * span, doc: texts.afterDoc },
+    { name: "vary", label: text("sweep.vary"), type: "choice", choices: parameters, default: vary },
+    { name: "from", label: text("section.from"), default: rounded(usual - size / 2) }, { name: "to", label: text("section.to"), default: rounded(usual + size / 2) },
+    { name: "count", label: text("section.count"), default: 400 },
+    { name: "show", label: text("sweep.show"), type: "choice", choices: Object.keys(shows), words: shows, default: "crossings" },
+    { name: "y", label: text("section.y"), type: "choice", choices: shown, default: names[0] },
+    { name: "where", label: text("section.where"), type: "text", default: names[Math.floor(names.filter((name) => name !== "s").length / 2)] ?? names[0], hint: text("none"), doc: text("section.where.doc") },
+    { name: "direction", label: text("section.direction"), type: "choice", choices: ["up", "down", "both"], default: "down" },
+    { name: "period", label: text("section.period"), default: null, nullable: true, doc: text("section.period.doc") },
+    { name: "until", label: text("scene.until"), default: 4 * span }, { name: "after", label: text("sweep.after"), default: 3 * span, doc: text("sweep.after.doc") },
   ];
 }
 
 export class Sweep {
-  #find = partOf({ id: "sweep", ...texts });
+  #find = partOf("sweep");
   #plane = new Plane(this.#find("canvas"));
   #picked; // ({name: value}, "problem"): a value that is to be run
   #problem = null;
@@ -77,11 +69,11 @@ export class Sweep {
   /** Asks for the members of a `scene`, as Section.measure does. */
   async measure({ scene, schemes }, cards, signal, told) {
     const asked = this.chosen(), { vary, from, to, count: n, show, y, where, direction, period, until, after } = asked;
-    if (!vary) return { faults: [{ detail: texts.nothing }] };
+    if (!vary) return { faults: [{ detail: text("sweep.nothing") }] };
     const scheme = schemeOf(this.#problem, schemes, cards);
     this.clear();
     const mine = (this.#asked = asked);
-    let points = 0, ended = { completed: 0, stopped: {}, warnings: [{ detail: texts.broke }] };
+    let points = 0, ended = { completed: 0, stopped: {}, warnings: [{ detail: text("study.broken") }] };
     const section = period ? { period, phase: 0 } : { expression: where ?? "", direction: show === "amplitude" ? "both" : direction };
     const request = { ...scene, scheme, until: { t: until }, ...(show === "end" ? {} : { section }), columns: [y], limits: { seconds: patience },
                       keep: [show === "end" ? "final" : "section"], members: { vary: { [pointerTo(this.#problem, vary)]: { grid: [from, to, n] } } } };
@@ -89,12 +81,12 @@ export class Sweep {
       if (line.kind === "end") ended = line;
       if (line.kind !== "block" || this.#asked !== mine) return;
       points += this.#add(show === "end" ? { member: line.final.index, y: line.final[y] } : late(line.section, y, after));
-      told(texts.points(count(points)));
+      told(text("section.so_far", { n: points }));
     });
     if (faults) return { faults };
-    const stopped = Object.entries(ended.stopped).map(([reason, some]) => texts.stopped(count(some), words(reason)));
+    const stopped = Object.entries(ended.stopped).map(([reason, some]) => text("section.stopped", { n: some, why: words(reason) }));
     const notes = [...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
-    const said = texts.said(count(points), count(ended.completed), words(scheme.id)) + (points && show !== "crossings" ? this.#peak() : "");
+    const said = text("section.done", { points, n: ended.completed, scheme: words(scheme.id) }) + (points && show !== "crossings" ? this.#peak() : "");
     return { said: notes.length ? `${said} ${notes.join("; ")}.` : said };
   }
 
@@ -112,7 +104,7 @@ export class Sweep {
     const { vary, show, y: name } = this.#asked;
     let [at, most] = [null, -Infinity];
     for (const { x, y } of this.#blocks) y.forEach((v, i) => v !== null && v > most && ([at, most] = [x[i], v]));
-    return texts.largest(show === "amplitude" ? texts.amplitude(name) : name, format(most, 4), vary, format(at, 4));
+    return ` ${text("sweep.largest", { what: named(show, name), value: format(most, 4), vary, at: format(at, 4) })}`;
   }
 
   draw() {
@@ -122,7 +114,7 @@ export class Sweep {
     if (!full.length) return this.#plane.show(null);
     const { vary, from, to, count: n, show, y } = this.#asked, ends = full.map((block) => extent(block.y));
     const view = { x: [Math.min(from, to), Math.max(from, to)], y: [Math.min(...ends.map(([low]) => low)), Math.max(...ends.map(([, high]) => high))], free: true };
-    const labels = [vary, show === "amplitude" ? texts.amplitude(y) : y];
+    const labels = [vary, named(show, y)];
     const pick = (left, top) => this.#run(this.#plane.map.at(left, top).x);
     const curve = { x: full.flatMap((block) => block.x), y: full.flatMap((block) => block.y), colour: "--run-b", title: "", unmarked: true };
     if (show !== "crossings") return this.#plane.show({ curves: [curve], view, labels, pick });

@@ -1,5 +1,6 @@
 // What the end of a run depends on: its derivatives by the starts and the parameters, as a table, and as a fan of neighbours,
 // which are run, beside what the derivatives predict of them.
+import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { build, element, values } from "../forms/forms.js";
 import { format } from "../forms/numbers.js";
@@ -9,20 +10,6 @@ import { Plane } from "../drawing/plane.js";
 import { partOf, tableOf } from "./part.js";
 import { numbersOf, pointerTo, startsOf, valueOf, withValue } from "./pointers.js";
 
-const texts = {
-  title: "What the end depends on", button: "Differentiate", picture: "Neighbours of a run, and what its derivatives predict of them",
-  doc: "The derivatives of the end of run A by its start and its parameters. Neighbours of it are run, too (solid), beside what the derivatives " +
-       "predict of them (dashed).",
-  vary: "neighbours in", shift: "apart by", count: "neighbours", of: "derivatives of", x: "across", y: "up",
-  ofs: { usual: "automatic", motion: "the motion", scheme: "the scheme" },
-  shiftDoc: "how far each neighbour is from the next", chosen: "automatic", ofDoc: "the equations of motion, or the map that the scheme makes of them",
-  table: "Derivatives of the end", corner: "∂ end / ∂", running: "Differentiating…", event: (name, n) => `t of ${name} ${n}`,
-  said: { motion: "Derivatives of the motion", scheme: "Derivatives of the scheme's own map" },
-  known: (scheme, t, known) => ` with ${scheme}, at t = ${t}; a second way to them differs by ${known} of the largest.`,
-  missed: (apart, missed) => ` The farthest neighbour ends ${apart} from the run, ${missed} from where the tangent says.`,
-  stopped: " A neighbour stopped before the end.", cut: (n) => ` Of them the first ${n} are shown.`,
-  legend: (name, from, to) => `${name} from ${from} to ${to}; solid, ●: as they run; dashed, ○: as predicted`,
-};
 const most = 64; // numbers to differentiate by, and rows that are shown
 const along = 400; // places along a run
 const fan = 0.04; // how far the outermost neighbours end from the run, as a part of the picture, where nothing else is asked
@@ -33,13 +20,14 @@ const namesOf = (problem) => [...(motion(problem).length > most ? [] : startsOf(
 function cardsOf(problem) {
   const names = namesOf(problem), moving = startsOf(problem);
   const [x, y] = moving.length > 3 ? moving : ["t", moving[0]];
+  const ofs = { usual: text("tangent.usual"), motion: text("tangent.motion"), scheme: text("tangent.scheme") };
   return [
-    { name: "vary", label: texts.vary, type: "choice", choices: names, default: names[0] },
-    { name: "shift", label: texts.shift, default: null, nullable: true, word: texts.chosen, doc: texts.shiftDoc },
-    { name: "count", label: texts.count, default: 4 },
-    { name: "x", label: texts.x, type: "choice", choices: ["t", ...moving], default: x },
-    { name: "y", label: texts.y, type: "choice", choices: ["t", ...moving], default: y },
-    { name: "of", label: texts.of, type: "choice", choices: Object.keys(texts.ofs), words: texts.ofs, default: "usual", doc: texts.ofDoc },
+    { name: "vary", label: text("tangent.vary"), type: "choice", choices: names, default: names[0] },
+    { name: "shift", label: text("tangent.shift"), default: null, nullable: true, word: ofs.usual, doc: text("tangent.shift.doc") },
+    { name: "count", label: text("tangent.count"), default: 4 },
+    { name: "x", label: text("section.x"), type: "choice", choices: ["t", ...moving], default: x },
+    { name: "y", label: text("section.y"), type: "choice", choices: ["t", ...moving], default: y },
+    { name: "of", label: text("tangent.of"), type: "choice", choices: Object.keys(ofs), words: ofs, default: "usual", doc: text("tangent.of.doc") },
   ];
 }
 
@@ -56,7 +44,7 @@ function shiftFor({ trajectory, sensitivities: { rows, samples } }, at, { x, y, 
 const apart = (a, b, rows) => Math.hypot(...rows.map((name) => a[name] - b[name]));
 
 export class Tangent {
-  #find = partOf({ id: "tangent", ...texts }, element("div", { id: "derivatives" }));
+  #find = partOf("tangent", element("div", { id: "derivatives" }));
   #plane = new Plane(this.#find("canvas"));
   #problem = null;
 
@@ -84,7 +72,7 @@ export class Tangent {
   async measure({ scene, events, schemes: [scheme] }, cards, signal, told) {
     const asked = this.chosen(), names = namesOf(this.#problem), card = cards.find(({ id }) => id === scheme.id);
     this.clear();
-    told(texts.running);
+    told(text("tangent.running"));
     const own = card?.own_clock || asked.of === "motion", span = Math.abs((scene.until.t ?? 0) - (scene.initial.t ?? 0));
     const every = Math.max(1, Math.ceil(span / scheme.step / along)); // the map of a scheme is known at its steps alone
     const request = { ...scene, scheme, ...(events.length ? { events } : {}), diagnostics: [], columns: [...new Set(["t", asked.x, asked.y])],
@@ -94,7 +82,7 @@ export class Tangent {
     if (faults) return { faults };
     this.#tabulate(outcome, names);
     const end = outcome.stop?.t ?? outcome.final.t, { of, uncertainty } = outcome.sensitivities;
-    const said = texts.said[of] + texts.known(title(card, outcome.scheme), format(end, 5), format(uncertainty, 2));
+    const said = text(`tangent.said.${of}`, { scheme: title(card, outcome.scheme), t: format(end, 5), known: format(uncertainty, 2) });
     const shift = Number.isFinite(asked.shift) ? asked.shift : shiftFor(outcome, names.indexOf(asked.vary), asked);
     const beside = await this.#neighbours(request, outcome, { ...asked, shift }, signal);
     if (beside.faults) return beside;
@@ -131,20 +119,21 @@ export class Tangent {
     this.#find("figure").hidden = false;
     this.#plane.show({ curves: [...runs, ...told], view: commonView(runs, free ? ["x", "y"] : [], free), labels: [x, y] });
     const from = valueOf(this.#problem, base, vary), ends = [neighbours[0].by, neighbours.at(-1).by].map((by) => format(from + by, 6));
-    this.#find("figcaption").textContent = texts.legend(vary, ...ends);
-    if (neighbours.some(({ outcome }) => outcome.stop) || base.stop) return texts.stopped;
+    this.#find("figcaption").textContent = text("tangent.legend", { name: vary, from: ends[0], to: ends[1] });
+    if (neighbours.some(({ outcome }) => outcome.stop) || base.stop) return ` ${text("tangent.stopped")}`;
     const { rows } = sensitivities, matrix = sensitivities.final;
     const { by, outcome } = neighbours.reduce((far, one) => (Math.abs(one.by) > Math.abs(far.by) ? one : far));
     const where = Object.fromEntries(rows.map((name, i) => [name, final[name] + by * matrix[i][at]]));
-    return texts.missed(...[final, where].map((place) => format(apart(outcome.final, place, rows), 3)));
+    const [far, missed] = [final, where].map((place) => format(apart(outcome.final, place, rows), 3));
+    return ` ${text("tangent.missed", { far, missed })}`;
   }
 
   #tabulate({ sensitivities: { rows, final, events } }, names) {
     const used = names.map((_, j) => j).filter((j) => names[j] !== "s" || rows.includes("s")); // which is carried and moves nothing
     const cells = (derivatives) => used.map((j) => format(derivatives[j], 3));
     const times = events.slice(0, 12).map(({ name, t }, i) => (
-      [texts.event(name, events.slice(0, i + 1).filter((other) => other.name === name).length), ...cells(t)]));
-    this.#find("#derivatives").replaceChildren(tableOf(texts.table, [texts.corner, ...used.map((j) => names[j])],
+      [text("tangent.event", { name, i: events.slice(0, i + 1).filter((other) => other.name === name).length }), ...cells(t)]));
+    this.#find("#derivatives").replaceChildren(tableOf(text("tangent.table"), [text("tangent.corner"), ...used.map((j) => names[j])],
       [...rows.slice(0, most).map((name, i) => [name, ...cells(final[i])]), ...times]));
   }
 }

@@ -1,5 +1,6 @@
 // The workbench: one scene, up to six runs of it. Any change makes new requests; while a hand moves a slider one set of them
 // is in flight, and the newest follows.
+import { text } from "../language/texts.js";
 import { toHash } from "../service/link.js";
 import { custom, definitionOf, kept, linked, unlinked } from "../service/text.js";
 import { choose } from "../forms/forms.js";
@@ -57,7 +58,7 @@ export class Bench {
   }
 
   #choose(id) {
-    choose(find("#problem"), [{ id: custom, title: "Your own scene" }, ...this.#catalogue.problems], id);
+    choose(find("#problem"), [{ id: custom, title: text("own.title") }, ...this.#catalogue.problems], id);
   }
 
   #begin(problem, experiment, quietly, definition = null) {
@@ -86,7 +87,7 @@ export class Bench {
     }
     const { problem } = definitionOf(texts), card = await this.#editor.open(problem);
     if (this.#pending !== experiment) return;
-    if (!card) return void (find("#status").textContent = "This text cannot be read: see the marked place.");
+    if (!card) return void (find("#status").textContent = text("own.unread"));
     const initial = await this.#editor.startOf(card, problem, experiment.initial);
     if (this.#pending !== experiment) return;
     this.#wait(null);
@@ -97,7 +98,7 @@ export class Bench {
   #wait(experiment) {
     this.#pending = experiment;
     for (const part of ["#results", "#scene", "#studies"]) find(part).hidden = Boolean(experiment);
-    if (experiment) find("#status").textContent = "Reading the scene…";
+    if (experiment) find("#status").textContent = text("own.reading");
   }
 
   /** A text was read: all that was set stays, as far as the new scene has it. */
@@ -170,7 +171,7 @@ export class Bench {
     this.#visited.set(this.#scene.problem.id, changed);
     this.#went(toHash(changed), quietly);
     this.#studies.follow();
-    find("#status").textContent = "Running…";
+    find("#status").textContent = text("run.running");
     this.#runs.ask(this.#experiment());
   }
 
@@ -237,7 +238,7 @@ export class Bench {
 
   #stop() {
     this.#runs.stop();
-    this.#show({ answers: this.#runs.list, said: "Stopped.", waiting: false });
+    this.#show({ answers: this.#runs.list, said: text("stopped"), waiting: false });
   }
 
   #listen() {

@@ -1,10 +1,11 @@
 // The diagnostics and the cost of the runs as a table, one column per run.
+import { text } from "../language/texts.js";
 import { element, symbol, words } from "../forms/forms.js";
-import { count, format } from "../forms/numbers.js";
+import { count, format, listed } from "../forms/numbers.js";
 import { energyKind } from "../catalogue/card.js";
 
 const degrees = (radians) => (radians === null ? "" : ` (${format((radians * 180) / Math.PI, 2)}°)`);
-const ended = ({ status, stop }) => (stop ? `${status} at t = ${format(stop.t, 5)}` : status);
+const ended = ({ status, stop }) => (stop ? text("row.ended", { status: words(status), t: format(stop.t, 5) }) : words(status));
 
 // Diagnostics with rows of their own; any other is shown as it comes.
 const own = ["energy", "momenta", "orbit"];
@@ -12,12 +13,12 @@ const own = ["energy", "momenta", "orbit"];
 const energyRows = {
   none: [],
   error: [
-    { id: "energy", name: "Largest |H − H₀|", raw: (o) => o.diagnostics.energy?.max_abs_error },
-    { id: "drift", name: "Drift of H per time", raw: (o) => o.diagnostics.energy?.drift_per_time },
+    { id: "energy", name: "energy", raw: (o) => o.diagnostics.energy?.max_abs_error },
+    { id: "drift", name: "drift", raw: (o) => o.diagnostics.energy?.drift_per_time },
   ],
   value: [
-    { id: "energy_initial", name: "H at the start", raw: (o) => o.diagnostics.energy?.initial },
-    { id: "energy_final", name: "H at the end", raw: (o) => o.diagnostics.energy?.final },
+    { id: "energy_initial", name: "initial", raw: (o) => o.diagnostics.energy?.initial },
+    { id: "energy_final", name: "final", raw: (o) => o.diagnostics.energy?.final },
   ],
 };
 
@@ -43,11 +44,11 @@ function plainRows(kind, outcomes) {
 /** Any value for people; of a list, how long it is and how it begins. */
 function plainly(value) {
   if (typeof value === "number") return format(value);
-  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (typeof value === "boolean") return text(value ? "yes" : "no");
   if (typeof value === "string") return words(value);
-  if (value.length === 0) return "none";
+  if (value.length === 0) return text("none");
   const some = value.slice(0, 3).map((item) => (item === null || typeof item === "number" ? format(item, 4) : "…"));
-  return value.length > 3 ? `${some.join(", ")}, … (${value.length})` : some.join(", ");
+  return listed(value.length > 3 ? [...some, `… (${value.length})`] : some);
 }
 
 /** The rows for these outcomes: `{id, name, doc, raw: outcome → value, shown?: value → text}`. */
@@ -56,32 +57,31 @@ function rows(outcomes, problem) {
   const momenta = new Set(outcomes.flatMap((outcome) => Object.keys(outcome.diagnostics.momenta ?? {})));
   const symbolOf = (name) => problem.invariants.find((invariant) => invariant.name === name)?.symbol ?? words(name);
   return [
-    { id: "status", name: "Run", raw: (o) => o.status, shown: (_, o) => ended(o) },
-    ...energyRows[energyKind(problem)],
+    { id: "status", name: text("row.status"), raw: (o) => o.status, shown: (_, o) => ended(o) },
+    ...energyRows[energyKind(problem)].map((row) => ({ ...row, name: text(`row.${row.name}`) })),
     ...[...momenta].map((name) => ({
-      id: name, name: ["Largest change of ", symbol(symbolOf(name))], doc: words(name),
+      id: name, name: [`${text("row.change")} `, symbol(symbolOf(name))], doc: words(name),
       raw: (o) => o.diagnostics.momenta?.[name]?.max_abs_error,
     })),
     ...(kinds.has("orbit") ? [
-      { id: "apsidal_rotation", name: "Precession per period",
-        doc: "apsidal rotation in radians, mean of the revolutions; the true orbit has none",
+      { id: "apsidal_rotation", name: text("row.precession"), doc: text("row.precession.doc"),
         raw: (o) => o.diagnostics.orbit?.apsidal_rotation, shown: (x) => format(x) + degrees(x) },
-      { id: "closure", name: "Closure", doc: "distance by which the last revolution misses the start",
+      { id: "closure", name: text("row.closure"), doc: text("row.closure.doc"),
         raw: (o) => o.diagnostics.orbit?.closure },
     ] : []),
     ...[...kinds].filter((kind) => !own.includes(kind)).flatMap((kind) => plainRows(kind, outcomes)),
-    ...(outcomes.some(({ back }) => back) ? [{ id: "missed", name: "Back at the start, off by", doc: "the largest difference of a variable",
+    ...(outcomes.some(({ back }) => back) ? [{ id: "missed", name: text("row.missed"), doc: text("row.missed.doc"),
                                               raw: (o) => (o.back && !o.back.stop ? o.back.missed : null) }] : []),
-    { id: "steps", name: "Steps", raw: (o) => o.cost.steps, shown: count },
-    { id: "force_evaluations", name: "Force evaluations", raw: (o) => o.cost.force_evaluations, shown: count },
-    { id: "nanoseconds_per_step", name: "Time per step", doc: "diagnostics and recording included; short runs measure little",
+    { id: "steps", name: text("row.steps"), raw: (o) => o.cost.steps, shown: count },
+    { id: "force_evaluations", name: text("row.forces"), raw: (o) => o.cost.force_evaluations, shown: count },
+    { id: "nanoseconds_per_step", name: text("row.time"), doc: text("row.time.doc"),
       raw: (o) => o.cost.nanoseconds_per_step,
       shown: (x) => (x < 1e3 ? `${format(x)} ns` : `${format(x / 1e3)} µs`) },
   ];
 }
 
 /** All of a list, for who points at its beginning. */
-const listed = (value) => (Array.isArray(value) ? value.join(", ") : "");
+const whole = (value) => (Array.isArray(value) ? value.join(", ") : "");
 
 /** Fills `table`; `runs` are `[{name, title, outcome}]`. */
 export function fill(table, runs, problem) {
@@ -96,8 +96,8 @@ export function fill(table, runs, problem) {
     row.dataset.row = id;
     for (const { outcome } of runs) {
       const value = raw(outcome) ?? null;
-      const text = value === null ? "–" : shown(value, outcome);
-      row.append(element("td", {}, element("data", { value: value ?? "", textContent: text, title: listed(value) })));
+      const textContent = value === null ? "–" : shown(value, outcome);
+      row.append(element("td", {}, element("data", { value: value ?? "", textContent, title: whole(value) })));
     }
     return row;
   });

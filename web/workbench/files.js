@@ -1,4 +1,5 @@
 // What is in sight as files: trajectories as a table, pictures, and the buttons for them.
+import { text } from "../language/texts.js";
 import { element } from "../forms/forms.js";
 import { canFilm, Film } from "./film.js";
 
@@ -53,7 +54,7 @@ export class FileButtons {
       button.textContent = "WebM";
       download(`${named(title)}.webm`, blob);
     }));
-    button.textContent = "Stop filming";
+    button.textContent = text("save.film");
     play((t) => {
       if (this.#film !== film) return;
       film.frame();

@@ -1,4 +1,5 @@
 // One run of the comparison: its scheme and the form for it, its request, its picture and what went wrong.
+import { known, text } from "../language/texts.js";
 import { follow } from "../service/api.js";
 import { names } from "../service/link.js";
 import { workSetting } from "../service/work.js";
@@ -31,7 +32,7 @@ export class Pane {
                    about: find(".about div"), curl: find(".curl pre"),
                    language: find(".curl select") };
     find(".badge").textContent = name;
-    find(".badge").setAttribute("aria-label", `Run ${name}`);
+    find(".badge").setAttribute("aria-label", text("pane.run", { name }));
     choose(this.#part.language, Object.keys(programs).map((id) => ({ id, title: id })));
     this.#part.language.addEventListener("change", () => this.#spell());
     this.plane = new Plane(this.#part.canvas, hovered);
@@ -82,12 +83,12 @@ export class Pane {
     this.#part.preset.title = preset?.doc ?? "";
     this.#part.preset.parentElement.hidden = scheme.presets.length === 0;
     build(this.#part.fields, schemeCards(scheme, this.#problem, preset, this.refine), "/scheme", chosen);
-    const say = (title, text) => (text ? element("p", {}, element("b", { textContent: `${title} ` }), ...prose(text)) : "");
+    const say = (key, said) => (said ? element("p", {}, element("b", { textContent: `${text(`about.${key}`)} ` }), ...prose(said)) : "");
     const composed = scheme.recommended ? words(Object.values(scheme.recommended).join(", ")) : "";
     this.#part.about.replaceChildren(
-      element("p", {}, ...prose(scheme.summary)), say("Good for:", scheme.good_for), say("Fails when:", scheme.fails_when),
-      say("Order:", orders(scheme.order)), say("Recommended composition:", composed),
-      say("Source:", (scheme.references ?? []).join("; ")));
+      element("p", {}, ...prose(scheme.summary)), say("good", scheme.good_for), say("fails", scheme.fails_when),
+      say("order", orders(scheme.order)), say("composition", composed),
+      say("source", (scheme.references ?? []).join("; ")));
   }
 
   /** Runs `request`: `{outcome}`, null when the service refused it, and whether it is `lost`; `take(outcome)` on the way. */
@@ -103,7 +104,7 @@ export class Pane {
 
   /** What there is to say of an outcome, after other `notes`. */
   tell(outcome, notes = []) {
-    if (outcome) this.#part.work.textContent = `${count(outcome.cost.force_evaluations)} force evaluations`;
+    if (outcome) this.#part.work.textContent = text("pane.forces", { n: outcome.cost.force_evaluations });
     if (outcome?.choice) notes.push(this.#told(outcome.choice));
     if (outcome?.stop) notes.push(note("stop", stopped(outcome.stop)));
     if (outcome?.events?.length) notes.push(note("events", counted(outcome.events)));
@@ -113,8 +114,8 @@ export class Pane {
 
   /** What there is to say of the way back from the end of a run, an answer of the service. */
   tellBack({ outcome, faults = [] }) {
-    const said = outcome?.stop ? [note("stop", `The way back: ${stopped(outcome.stop)}`)]
-      : faults.map((fault) => note("fault", `The way back: ${faultText(fault)}`));
+    const said = outcome?.stop ? [note("stop", text("pane.back", { what: stopped(outcome.stop) }))]
+      : faults.map((fault) => note("fault", text("pane.back", { what: faultText(fault) })));
     if (!said.length) return;
     if (!this.#part.messages.firstChild) this.#part.messages.append(element("ul"));
     this.#part.messages.firstChild.append(...said);
@@ -137,9 +138,8 @@ export class Pane {
     const said = note(met ? "choice" : "choice missed", sentence(reason));
     if (alternatives.length) {
       const others = alternatives.map(({ scheme, force_evaluations: forces, estimated_error: e }) => element("li", {
-        textContent: `${title(this.#schemes.find(({ id }) => id === scheme.id), scheme)}: ${count(forces)} force ` +
-                     `evaluations, error ${format(e, 2)}` }));
-      said.append(element("details", {}, element("summary", { textContent: "Alternatives" }), element("ul", {}, ...others)));
+        textContent: text("pane.alternative", { title: title(this.#schemes.find(({ id }) => id === scheme.id), scheme), forces, error: format(e, 2) }) }));
+      said.append(element("details", {}, element("summary", { textContent: text("pane.alternatives") }), element("ul", {}, ...others)));
     }
     return said;
   }
@@ -162,7 +162,7 @@ export class Pane {
   show(picture) {
     const curve = picture?.curves[0];
     this.#part.canvas.setAttribute("aria-label", curve
-      ? `${picture.labels[1]} over ${picture.labels[0]} of run ${this.name}: ${this.title}` : `Run ${this.name}: nothing to show`);
+      ? text("pane.picture", { x: picture.labels[0], y: picture.labels[1], name: this.name, title: this.title }) : text("pane.empty", { name: this.name }));
     this.#part.stretches.hidden = !curve?.stretched || !curve.x.some((_, i) => curve.stretched(i));
     this.#part.happened.hidden = !curve?.events.length;
     this.plane.show(picture);
@@ -173,44 +173,41 @@ export class Pane {
     selection.selectAllChildren(this.#part.curl);
     try {
       await navigator.clipboard.writeText(this.#part.curl.textContent);
-      button.textContent = "Copied";
+      button.textContent = text("pane.copied");
     } catch {
-      button.textContent = "Selected: press Ctrl+C";
+      button.textContent = text("pane.selected");
     }
-    setTimeout(() => (button.textContent = "Copy"), 2000);
+    setTimeout(() => (button.textContent = text("pane.copy")), 2000);
   }
 }
 
-const sentence = (text) => text + (/[.!?]$/.test(text) ? "" : ".");
+const sentence = (said) => said + (/[.!?]$/.test(said) ? "" : ".");
 const note = (className, textContent) => element("li", { className, textContent });
 const stopped = ({ reason, t, detail, singular_at: singularity = null }) =>
-  `Stopped (${words(reason)}) at t = ${format(t, 5)}: ${detail}` +
-  (singularity === null ? "" : ` (singular at t = ${format(singularity, 5)})`);
+  text("pane.stopped", { reason: words(reason), t: format(t, 5), detail }) +
+  (singularity === null ? "" : ` (${text("pane.singular", { t: format(singularity, 5) })})`);
 
 const orders = (order) => (order !== null && typeof order === "object"
   ? Object.entries(order).map(([name, p]) => (name === String(p) ? name : `${p} (${words(name)})`)).join(", ")
   : String(order ?? ""));
 
-// What happened during a run: one, several.
-const happenings = { switch: ["switch", "switches"], parameter: ["change of parameter", "changes of parameter"] };
-
 /** How many events there were of each kind, of those of one's own by name. */
 function counted(events) {
   const called = ({ kind, name = kind }) => (kind === "event" ? name : kind), kinds = [...new Set(events.map(called))];
   return kinds.map((kind) => {
-    const n = events.filter((event) => called(event) === kind).length, [one, several = one] = happenings[kind] ?? [words(kind)];
-    return `${count(n)} ${n === 1 ? one : several}`;
+    const n = events.filter((event) => called(event) === kind).length;
+    return known(`happened.${kind}`) ? text(`happened.${kind}`, { n }) : `${count(n)} ${words(kind)}`;
   }).join(", ");
 }
 
 /** The order is the highest that a choice stands for, as a composition, or a number, as of stages. */
 function traits({ id, order, implicit, symmetric, structure, parameters }, scheme, { diagnostics }) {
-  if (id === "auto") return "chosen by measurements of this scene";
+  if (id === "auto") return text("trait.chosen");
   const byChoice = order !== null && typeof order === "object";
   const said = byChoice ? parameters.filter(({ type }) => type === "choice" || type === "integer")
     .map(({ name }) => order[scheme[name]] ?? scheme[name]?.order).filter(Number.isFinite) : [];
   const p = byChoice ? (said.length ? Math.max(...said) : Object.values(order)[0]) : order;
-  return [p === null ? "adaptive" : `order ${p}`, implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not symmetric",
-          ...(!diagnostics.includes("structure") && structure !== "none" ? []
-            : [structure === "none" ? "keeps no structure" : structure])].join(" · ");
+  return [p === null ? "adaptive" : "order", implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not_symmetric",
+          ...(!diagnostics.includes("structure") && structure !== "none" ? [] : [`keeps_${structure}`])]
+    .map((trait) => text(`trait.${trait}`, { p })).join(" · ");
 }

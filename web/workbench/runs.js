@@ -1,7 +1,9 @@
 // The runs of the workbench: what is asked for each, how far they are, and what they came to. One question is in flight, and
 // of those that came meanwhile the newest follows.
+import { text } from "../language/texts.js";
 import { simulate } from "../service/api.js";
 import { Live } from "../service/live.js";
+import { words } from "../forms/forms.js";
 import { columns, diagnostics, motion } from "../catalogue/card.js";
 import { drawnOf, kindsOf } from "../catalogue/kinds.js";
 import { recordOf } from "../catalogue/record.js";
@@ -17,7 +19,7 @@ const patience = 300; // ms after which a run is seen while it goes on
 /** What came of a run that was stopped by hand. */
 function cut(outcome) {
   const { trajectory, t, steps } = outcome, last = Object.entries(trajectory).map(([name, values]) => [name, values.at(-1)]);
-  return { ...outcome, status: "stopped", stop: { reason: "cancelled", t, detail: "stopped by hand" }, diagnostics: {}, cost: { steps },
+  return { ...outcome, status: "stopped", stop: { reason: "cancelled", t, detail: text("run.by_hand") }, diagnostics: {}, cost: { steps },
            final: Object.fromEntries(last) };
 }
 
@@ -155,8 +157,8 @@ export class Runs {
     this.#cut();
     this.#outcomes = Object.fromEntries(list.map(({ name }, i) => [name, answers[i].outcome ?? kept[name] ?? null]));
     list.forEach((pane, i) => pane.node.classList.toggle("stale", !answers[i].outcome));
-    const lost = answers.some((answer) => answer.lost), came = ({ outcome }) => outcome?.status ?? "refused: see the marked fields";
-    const said = lost ? "The service does not answer; asked again every two seconds."
+    const lost = answers.some((answer) => answer.lost), came = ({ outcome }) => (outcome ? words(outcome.status) : text("run.refused"));
+    const said = lost ? text("run.lost")
       : list.map(({ name }, i) => `${name} ${came(answers[i])}`).join(", ");
     this.#shown({ answers, said, lost, waiting: this.#live.waiting });
     this.askBeside(now, most === coarse);

@@ -1,4 +1,5 @@
 // The form of a scene: its problem with parameters, its start, its span.
+import { known, text } from "../language/texts.js";
 import { columnsOf, eventsOf } from "../service/happenings.js";
 import { linked, overrides } from "../service/text.js";
 import { build, choose, clearFaults, element, prose, values, words } from "../forms/forms.js";
@@ -10,14 +11,10 @@ import { statedColumns, statedViews } from "../catalogue/stated.js";
 const find = (selector) => document.querySelector(selector);
 const forms = { problem: find("#parameters"), initial: find("#initial"), until: find("#until"), record: find("#record"),
                 columns: find("#columns"), events: find("#events") };
-export const samples = { name: "samples", label: "points drawn", default: 10000,
-                         doc: "how many points of each run are drawn, at most" };
-const more = { name: "more", label: "more columns", type: "text", default: "", hint: "r = sqrt(x^2 + y^2)",
-               doc: "columns of your own, name = formula, one after the other with commas" };
-const happenings = { ...more, label: "events", hint: "apsis = x*px + y*py",
-                     doc: "events of your own, name = formula: where it is zero on the way, the picture has a mark; it may say up or " +
-                          "down, what it changes, as in floor = x down {vx = -0.9*vx}, stop, and most 100" };
-const back = { name: "back", label: "and back", type: "flag", default: false, doc: "from its end each run goes back in time to its start" };
+export const samples = { name: "samples", label: text("scene.samples"), default: 10000, doc: text("scene.samples.doc") };
+const more = { name: "more", label: text("scene.columns"), type: "text", default: "", hint: "r = sqrt(x^2 + y^2)", doc: text("scene.columns.doc") };
+const happenings = { ...more, label: text("scene.events"), hint: "apsis = x*px + y*py", doc: text("scene.events.doc") };
+const back = { name: "back", label: text("scene.back"), type: "flag", default: false, doc: text("scene.back.doc") };
 const axis = { x: find("#axes [name=x]"), y: find("#axes [name=y]"), z: find("#axes [name=z]") };
 const view = find("#axes [name=view]"); // one of those that the scene states
 const logs = { x: find("#axes [name=logx]"), y: find("#axes [name=logy]") };
@@ -40,7 +37,7 @@ export class Scene {
     this.span = spanOf(problem, preset);
     build(forms.problem, parameters, "/problem", experiment.problem);
     build(forms.initial, initial, "/initial", experiment.initial);
-    const until = { name: "t", label: "until t", default: this.start + this.span, doc: "when the run ends" };
+    const until = { name: "t", label: text("scene.until"), default: this.start + this.span, doc: text("scene.until.doc") };
     build(forms.until, [until, back], "/until", experiment.until);
     build(forms.record, [samples], "/record", experiment.record);
     build(forms.columns, [more], "/columns", experiment.columns);
@@ -48,7 +45,7 @@ export class Scene {
     forms.problem.parentElement.hidden = problem.parameters.length === 0;
     this.offerAxes(experiment.axes ?? {});
     find("#formula").replaceChildren(...(definition ? [] : formulaOf(problem.formula)));
-    find("#summary").replaceChildren(...prose(problem.summary));
+    find("#summary").replaceChildren(...prose(known(`problem.${problem.id}.summary`) ?? problem.summary));
     find("#references ul").replaceChildren(...problem.references.map((textContent) => element("li", { textContent })));
   }
 
@@ -56,7 +53,7 @@ export class Scene {
   #offerPresets(name) {
     const preset = presetOf(this.problem, name);
     const options = this.problem.presets.map((offered) => ({ id: offered.name, title: words(offered.name) }));
-    choose(find("#preset"), [{ id: "", title: "default" }, ...options], preset?.name);
+    choose(find("#preset"), [{ id: "", title: text("preset.default") }, ...options], preset?.name);
     find("#presets").hidden = options.length === 0;
     find("#preset-doc").replaceChildren(...prose(preset?.doc ?? ""));
     return preset;
@@ -76,17 +73,17 @@ export class Scene {
   }
 
   offerAxes(chosen = { ...this.#chosen, log: this.log }) {
-    const kinds = [...kindsOf(this.problem).keys()].map((id) => ({ id, title: `${id.slice(0, -1)} of all` }));
+    const kinds = [...kindsOf(this.problem).keys()].map((id) => ({ id, title: text("axes.of_all", { name: id.slice(0, -1) }) }));
     const stated = statedColumns(this.problem).map(({ name, expression }) => ({ id: name, title: expression }));
     const options = [...axes(this.problem, this.columns), ...stated, ...kinds], known = (id) => options.some((option) => option.id === id);
     const usual = this.#usual(chosen.z);
-    const across = [...options, ...(kinds.length ? [{ id: index, title: "index" }] : [])];
+    const across = [...options, ...(kinds.length ? [{ id: index, title: text("axes.index") }] : [])];
     choose(axis.x, across, known(chosen.x) || chosen.x === index ? chosen.x : usual.x);
     choose(axis.y, options, known(chosen.y) ? chosen.y : usual.y);
     choose(axis.z, [{ id: "", title: "–" }, ...options], chosen.z ?? usual.z);
     for (const name of ["x", "y"]) logs[name].checked = (chosen.log ?? "").includes(name);
-    const views = (this.problem.views ?? []).map((view, i) => ({ id: String(i), title: view.toReversed().join(" over ") }));
-    choose(view, [{ id: "", title: "of your own" }, ...views], this.#viewNow());
+    const views = (this.problem.views ?? []).map((view, i) => ({ id: String(i), title: view.toReversed().join(` ${text("axes.x")} `) }));
+    choose(view, [{ id: "", title: text("axes.own") }, ...views], this.#viewNow());
     view.parentElement.hidden = views.length < 2;
   }
 
@@ -136,7 +133,7 @@ export class Scene {
     return Object.values(this.#chosen).filter(Boolean);
   }
   get labels() {
-    return Object.values(axis).filter(({ value }) => value).map((select) => select.selectedOptions[0].textContent.replace(" of all", ""));
+    return Object.values(axis).filter(({ value }) => value).map((select) => select.selectedOptions[0].textContent.replace(text("axes.of_all", { name: "" }), ""));
   }
   get log() {
     return ["x", "y"].filter((name) => logs[name].checked).join("");

@@ -1,8 +1,10 @@
 // The starts of a portrait: beside the start of the scene others that a hand sets into its picture, each run with every scheme
 // that is shown. They stand in a list as well, for keys to add, move and remove them.
+import { text } from "../language/texts.js";
 import { simulate } from "../service/api.js";
 import { Live } from "../service/live.js";
 import { element } from "../forms/forms.js";
+import { typed as read } from "../forms/numbers.js";
 
 const find = (selector) => document.querySelector(selector);
 const most = 40, atOnce = 2; // starts; requests under way
@@ -86,9 +88,9 @@ export class Starts {
   #spell() {
     const list = find("#start-list"), starts = this.#shown, names = this.#axes ?? [];
     if (list.children.length !== starts.length || list.dataset.of !== String(names)) {
-      const field = (i, k) => element("label", {}, names[k], element("input", { type: "text", inputMode: "decimal", ariaLabel: `${names[k]} of start ${i + 1}` }));
+      const field = (i, k) => element("label", {}, names[k], element("input", { type: "text", inputMode: "decimal", ariaLabel: text("starts.field_of", { name: names[k], i: i + 1 }) }));
       const rows = starts.map((_, i) => element("li", {}, field(i, 0), field(i, 1),
-        element("button", { type: "button", textContent: "×", title: "remove this start", ariaLabel: `Remove start ${i + 1}` })));
+        element("button", { type: "button", textContent: "×", title: text("starts.remove"), ariaLabel: text("starts.remove_one", { i: i + 1 }) })));
       list.replaceChildren(...rows);
       list.dataset.of = String(names);
       rows.forEach((row, i) => {
@@ -98,7 +100,7 @@ export class Starts {
         });
         row.addEventListener("change", (event) => {
           event.stopPropagation();
-          const typed = [...row.querySelectorAll("input")].map(({ value }) => (value.trim() === "" ? NaN : Number(value)));
+          const typed = [...row.querySelectorAll("input")].map(({ value }) => (value.trim() === "" ? NaN : read(value)));
           if (typed.every(Number.isFinite)) this.move(i, typed, true);
           else this.#spell();
         });

@@ -34,6 +34,35 @@ export const claims = {
     assert.ok(Math.abs(long / 0.0454 - 1) < 0.02 && Math.abs(long / short - 4) < 0.3 && hybrid < 1e-4 && timed < 1e-10);
     assert.ok(runs[2].trajectory.mode.includes("jacobi_maupertuis"));
   },
+  clock(runs) {
+    const mean = (a, b) => (Math.abs(a - b) < 1e-15 ? a : mean((a + b) / 2, Math.sqrt(a * b)));
+    const period = (a) => (2 * Math.PI * Math.sqrt(0.994 / 9.81)) / mean(1, Math.cos(a / 2)), h = 1e-5;
+    const slopes = runs.map(({ initial: { q }, events: [{ t }], sensitivities: { events: [{ t: [byA, byL] }] } }) => {
+      assert.ok(Math.abs(t - period(q)) < 1e-9, `T(${q}) is ${t}`);
+      assert.ok(Math.abs(byA - (period(q + h) - period(q - h)) / (2 * h)) < 1e-7, `dT/dA at ${q} is ${byA}`);
+      assert.ok(Math.abs(byL / (t / 0.994) - 0.5) < 1e-9, "a longer pendulum is slower at every swing alike");
+      return byA;
+    });
+    assert.ok(slopes[0] < 0.03 && slopes[4] > 0.8);
+    const minutes = ((slopes[4] / period(2)) * 86400 * (Math.PI / 180)) / 60;
+    assert.ok(minutes > 7.5 && minutes < 8.5, `for a degree more, a day: ${minutes}`);
+  },
+  arenstorf([once, near, other, orbit]) {
+    const { initial, final, sensitivities } = once, names = ["x", "y", "px", "py"], matrix = sensitivities.final;
+    assert.ok(names.every((name) => Math.abs(final[name] - initial[name]) < 1e-9), "it closes");
+    const half = matrix.reduce((sum, row, i) => sum + row[i], -2) / 2, growth = half + Math.sqrt(half * half - 1);
+    assert.ok(Math.abs(growth - 285.4037) < 1e-3, `${growth}`);
+    const way = names.map((name) => (near.initial[name] - orbit.initial[name]) / 1e-7), size = Math.max(...way.map(Math.abs));
+    matrix.forEach((row, i) => assert.ok(Math.abs(row.reduce((sum, v, k) => sum + v * way[k], 0) - growth * way[i]) < 1e-4 * growth * size, "along the fastest way"));
+    const apart = (run, base, k) => Math.hypot(...["x", "y"].map((name) => run.trajectory[name][2000 * k] - base.trajectory[name][2000 * k]));
+    for (const run of [near, other]) {
+      const [first, second] = [1, 2].map((k) => apart(run, orbit, k) / apart(run, orbit, k - 1));
+      assert.ok(Math.abs(first / growth - 1) < 0.01 && Math.abs(second / growth - 1) < 0.12, `each round ${first}, ${second}`);
+      assert.ok(apart(run, orbit, 3) > 0.3, "in the third they leave");
+    }
+    assert.ok(apart(near, other, 3) > 0.3, "to both sides");
+    assert.ok(Math.hypot(orbit.final.x - 0.994, orbit.final.y) < 1e-6, "the orbit itself is still there");
+  },
   planets([good, bad]) {
     assert.ok(Math.abs(good.cost.force_evaluations / bad.cost.force_evaluations - 1) < 0.01, "equal work");
     const off = ({ trajectory: { energy } }) => energy.map((e) => Math.abs(e / energy[0] - 1)), late = (values) => largest(values.slice(-400));

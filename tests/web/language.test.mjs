@@ -50,7 +50,7 @@ test("names of the lessons are texts or formulas", () => {
   const found = [], collect = (name) => name !== undefined && found.push([name].flat()[0]);
   for (const { runs = [], views = [], control, tells = [], labels = [], key = [] } of lessons) {
     for (const { name } of runs) collect(name);
-    for (const view of views) [...(view.labels ?? []), ...(view.exact ?? []).map(([name]) => name), ...(view.several ?? []).map(([, name]) => name)].forEach(collect);
+    for (const view of views) [...(view.labels ?? []).filter(Boolean), ...(view.places ?? []).map(([name]) => name), ...(view.exact ?? []).map(([name]) => name), ...(view.several ?? []).map(([, name]) => name)].forEach(collect);
     [control?.label, ...tells.map(([name]) => name), ...labels, ...key].forEach(collect);
   }
   assert.ok(found.length > 100);

@@ -6,16 +6,18 @@
 //                 logarithmic; `box`: what is seen; `exact`: known curves, functions of x or, with a range, to points; `bins`: a
 //                 histogram of x; `level`: a function whose level curves lie behind; `run`: one run only; `thin`: of thin lines;
 //                 `sun`: at the origin; `body`: the thing itself, by the name of a drawing or as bodies with their links;
-//                 `several`: columns over x with their titles, in the place of y; `x[*]` over `y[*]`: all of a kind
+//                 `several`: columns over x with their titles, in the place of y; `x[*]` over `y[*]`: all of a kind; `runs`: some of
+//                 them; `places` that stand still; `points`: one for each run, with a tangent; `multipliers` about the unit circle
 //   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one, all in a "row"
 //   one           the view of a presentation, where it is not the first
 //   pace          "cycle": the runs play each at the pace of its own period, and x may be `periods`
 //   curve, points states evenly along the curve instead of in time; how many
-//   control       one slider: what it sets (`steps`: of all runs, in proportion), from where to where
+//   control       one slider: what it sets (`steps`: of all runs, in proportion), from where to where; or the `starts` of the i-th run
+//                 at a value, which is `usual` at first
 //   study         error over cost of some schemes, in the place of runs; portrait: where many runs cross a plane, under labels,
 //                 and a `key`: what the first and the last colour say, or what all do
 //   group         of this lesson and those that follow, whose heading is a text
-//   tells         numbers beside each run: a name and the path to it in the answer
+//   tells         numbers beside each run: a name and the path to it in the answer, or a function of that
 const h = (id, step, more = {}) => ({ scheme: { id, step, ...more } });
 const steps = (low, high) => ({ sets: "steps", label: "step_h", low, high, log: true });
 const drift = { x: "t", y: "error_of_energy", log: "y" };
@@ -40,6 +42,26 @@ const outer = {
 // The chain of Fermi, Pasta, Ulam and Tsingou: 32 masses between walls, begun in the lowest of its modes.
 const chain = Array.from({ length: 32 }, (_, i) => `q[${i + 1}]`);
 const mode = (k) => ({ name: `mode${k}`, expression: `(sum(i=1..n, p[i]*sin(i*${k}*pi/33))^2 + 4*sin(${k}*pi/66)^2*sum(i=1..n, q[i]*sin(i*${k}*pi/33))^2)/33` });
+
+// A pendulum's period comes back at the first event: by what it changes, in the order of `by`.
+const period = { name: "period", expression: "p", direction: "down" };
+const slope = (i) => ({ sensitivities }) => sensitivities.events[0].t[i];
+const mean = (a, b) => (Math.abs(a - b) < 1e-15 ? a : mean((a + b) / 2, Math.sqrt(a * b)));
+const swinging = (a, { length, gravity }) => [a, (2 * Math.PI * Math.sqrt(length / gravity)) / mean(1, Math.cos(a / 2))];
+
+// Arenstorf's orbit: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.0. The way in which a neighbour
+// leaves it fastest is a vector that the derivative of one round takes to a multiple of itself; of length 1 in the plane.
+const round = 17.065216560157964, begins = { x: 0.994, y: 0, px: 0, py: -1.0075851063790824 };
+const leaves = { x: 0.3191331921533918, y: 0.9477098742051738, px: 153.68283617198503, py: 49.99111941567811 };
+const beside = (by) => Object.fromEntries(Object.entries(begins).map(([name, v]) => [name, v + by * leaves[name]]));
+/** The multipliers: two are 1, by the energy and along the orbit, the others λ and 1/λ, whose sum is the trace less 2. */
+function multipliersOf({ sensitivities: { final } }) {
+  const half = final.reduce((sum, row, i) => sum + row[i], -2) / 2, root = Math.sqrt(Math.max(0, half * half - 1));
+  return [half + root, 1, 1, 1 / (half + root)].map((re) => ({ re, im: 0 }));
+}
+const growth = (outcome) => (outcome.sensitivities ? multipliersOf(outcome)[0].re : null);
+
+const offset = ({ outcome: { initial: a } }, { outcome: { initial: b } }) => Math.hypot(a.x - b.x, a.y - b.y);
 
 export const lessons = [
   {
@@ -72,6 +94,17 @@ export const lessons = [
                       ["separatrix", (w) => [w, -2 * Math.cos(w / 2)], [-Math.PI, Math.PI]]] },
             { body: "pendulum" }, { x: "t", y: "q" }],
     control: { sets: "initial.p", label: "speed_of_yours", low: 0, high: 2.6, run: 5 }, tells: [],
+  },
+  {
+    id: "clock",
+    scene: { problem: { id: "pendulum", length: 0.994, gravity: 9.81 }, initial: { p: 0 }, until: { t: 8 }, scheme: { id: "taylor", tolerance: 1e-12 },
+             events: [period], sensitivities: { by: ["/initial/q", "/problem/length"] } },
+    runs: [...[0.1, 0.5, 1, 1.5, 2].map((q) => ({ name: ["from_angle", { q }], initial: { q } })), { name: "your_clock", initial: { q: 0.2 } }],
+    views: [{ points: { x: ({ initial }) => initial.q, y: ({ events }) => events[0].t, slope: slope(0) }, labels: ["swing", "period_in_s"],
+              exact: [["exact_period", swinging, [0, 2.4]]] }, { body: "pendulum" }, { x: "t", y: "q", labels: ["t, s", "angle"] }],
+    control: { sets: "initial.q", label: "swing_of_yours", low: 0.02, high: 2.5, run: 5 },
+    tells: [["T, s", "events.0.t"], ["dT/dA", slope(0)], ["dT/dl", slope(1)],
+            ["day_of_degree", (outcome) => (slope(0)(outcome) / outcome.events[0].t) * 480 * Math.PI]],
   },
   {
     id: "paper",
@@ -181,6 +214,21 @@ export const lessons = [
                 scheme: { id: "contact_leapfrog", step: tau / 40 }, section: { period: tau, phase: 0 }, columns: ["q_wrapped", "p"],
                 keep: ["section"], members: { vary: { "/initial/p": { grid: [0.7, 1.7, 40] } } } },
     labels: ["angle", "spin"], key: [["spin_at_start", { v: 0.7 }], "1.7"], control: { sets: "problem.epsilon", label: "oblong", low: 0.001, high: 0.1, log: true },
+  },
+  {
+    id: "arenstorf",
+    scene: { problem: { id: "custom", title: "arenstorf", variables: ["x", "y"], parameters: { mu: 0.012277471 },
+                        lagrangian: "((vx - y)^2 + (vy + x)^2)/2 + (1 - mu)/sqrt((x + mu)^2 + y^2) + mu/sqrt((x - 1 + mu)^2 + y^2)",
+                        bodies: [{ at: ["x", "y"] }, { at: ["-mu", "0"], kind: "sun" }, { at: ["1 - mu", "0"], kind: "planet" }] },
+             initial: begins, until: { t: 3 * round }, scheme: { id: "taylor", tolerance: 1e-14 } },
+    points: 6001,
+    runs: [{ name: "one_round", until: { t: round }, sensitivities: { by: "initial" } }, { name: "a_neighbour" }, { name: "other_side" }, { name: "three_rounds" }],
+    views: [{ x: "x", y: "y", box: { x: [-1.6, 1.6], y: [-1.4, 1.4] }, places: [["earth", ({ mu }) => -mu, () => 0], ["moon", ({ mu }) => 1 - mu, () => 0]] },
+            { multipliers: multipliersOf, run: 0, labels: ["multipliers", ""] },
+            { x: "t", y: "distance", between: ["x", "y"], runs: [1, 2], log: "y", labels: ["t", "distance"],
+              exact: [["as_multiplied", (t, _, [once, near, , orbit]) => offset(near, orbit) * growth(once.outcome) ** (t / round)]] }],
+    layout: "pair", control: { starts: (by, i) => beside([0, by, -by, 0][i]), usual: 1e-7, label: "how_near", low: 1e-9, high: 1e-4, log: true },
+    tells: [["largest_multiplier", growth]],
   },
   {
     id: "galaxy",

@@ -17,17 +17,19 @@ export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? 
   const request = { problem: entitled({ ...lesson.scene.problem, ...problem }), initial: { ...lesson.scene.initial, ...initial },
                     scheme: { ...scheme }, until: { ...until } };
   if (steps) request.scheme[workSetting(scheme)] = steps[i];
-  if (set !== undefined && control.sets !== "steps" && (control.run ?? i) === i) {
+  if (control.starts) request.initial = { ...request.initial, ...control.starts(set ?? control.usual, i) };
+  else if (set !== undefined && control.sets !== "steps" && (control.run ?? i) === i) {
     const [section, name] = control.sets.split(".");
     request[section][name] = set;
   }
   const own = lesson.scene.columns ?? []; // formulas by name
   const columns = new Set(["t", ...lesson.views.flatMap(columnsOf), ...(scheme.id === "jacobi_maupertuis" ? ["mode"] : [])]);
-  const kinds = (lesson.tells ?? []).map(([, path]) => /^diagnostics\.(\w+)/.exec(path)?.[1]).filter(Boolean);
+  const kinds = (lesson.tells ?? []).map(([, path]) => typeof path === "string" && /^diagnostics\.(\w+)/.exec(path)?.[1]).filter(Boolean);
   if (lesson.views.some(({ body }) => typeof body === "string")) ["q", "p"].forEach((name) => columns.add(name));
-  const { events } = lesson.scene;
+  const { events } = lesson.scene, sensitivities = run.sensitivities ?? lesson.scene.sensitivities;
   return { ...request, record: lesson.curve ? { curve: samples } : { samples }, diagnostics: [...new Set(kinds)],
-           columns: [...columns].map((name) => own.find((one) => one.name === name) ?? name), ...(events ? { events } : {}) };
+           columns: [...columns].map((name) => own.find((one) => one.name === name) ?? name), ...(events ? { events } : {}),
+           ...(sensitivities ? { sensitivities } : {}) };
 }
 
 /** Asks for all runs, `ask(request, signal)`; one that is to go back from the end of another, its `back`, waits for that. */
@@ -51,15 +53,16 @@ export function measureOf({ study, portrait, control }, { set }) {
   return asked;
 }
 
-/** What stands at a path of an answer; `last` is the end of a column. */
-export const told = (outcome, path) =>
+/** What stands at a path of an answer, or what a function finds in it; `last` is the end of a column. */
+export const told = (outcome, path) => (typeof path === "function" ? path(outcome) : at(outcome, path));
+const at = (outcome, path) =>
   path.split(".").reduce((at, key) => (key === "last" ? at?.at(-1) : at?.[key]), outcome);
 
 /** The value that the control of a lesson has in a state. */
 export function controlled(lesson, { set, steps }, card) {
   const { control, runs } = lesson;
   if (control.sets === "steps") return steps?.[0] ?? runs[0].scheme[workSetting(runs[0].scheme)];
-  if (set !== undefined) return set;
+  if (set !== undefined || control.starts) return set ?? control.usual;
   const [section, name] = control.sets.split("."), request = runs ? requestOf(lesson, control.run ?? 0, {}) : measureOf(lesson, {});
   return request[section][name] ?? presetOf(card, request.problem.preset)?.parameters[name] ??
          card.parameters.find((parameter) => parameter.name === name).default;

@@ -2,6 +2,7 @@
 import { known, named } from "../language/texts.js";
 import { colourOf } from "../catalogue/card.js";
 import { sun } from "../drawing/bodies.js";
+import { circlePicture } from "../drawing/circle.js";
 import { errorOfEnergy } from "../drawing/energy.js";
 import { levelPicture } from "../drawing/field.js";
 import { commonView, curveOf, extent } from "../drawing/mapping.js";
@@ -45,14 +46,16 @@ function histogram(values, [low, high, n]) {
 }
 
 /** A known curve over an axis, or of points over a range of its own, as dense as a screen. */
-function exactly([title, of, range], parameters, span, log) {
+function exactly([title, of, range], runs, span, log) {
+  const value = (v) => of(v, runs[0].parameters, runs);
   const [low, high] = range ?? span, n = 600, x = Array.from({ length: n + 1 }, (_, i) => low + ((high - low) * i) / n);
+  const drawn = { title: named("term", title), colour: "--ink", dash: [7, 6], exact: true };
   if (range) {
-    const points = x.map((v) => of(v, parameters));
-    return { x: points.map(([a]) => a), y: points.map(([, b]) => b), title: named("term", title), colour: "--ink", dash: [7, 6], exact: true };
+    const points = x.map(value);
+    return { x: points.map(([a]) => a), y: points.map(([, b]) => b), ...drawn };
   }
-  const y = x.map((v) => of(v, parameters)).map((v) => (v !== null && log.includes("y") ? Math.log10(v) : v));
-  return { x: x.map((v, i) => (y[i] === null ? null : v)), y, title: named("term", title), colour: "--ink", dash: [7, 6], exact: true };
+  const y = x.map(value).map((v) => (v !== null && log.includes("y") ? Math.log10(v) : v));
+  return { x: x.map((v, i) => (y[i] === null ? null : v)), y, ...drawn };
 }
 
 /** The pairs of columns that a view draws over each other, `[[x, y, title, colour]]`: of all of a kind, `x[*]`, each. */
@@ -63,12 +66,42 @@ function pairsOf({ x, y, several }, trajectory) {
   return elements(x).map((name, i) => [name, elements(y)[i]]);
 }
 
+const labelsOf = ({ labels }) => labels?.map((name) => named("term", name));
+
+/** Points with what is told of each run at them: `points: {x, y, slope}`, functions of an outcome; the slope as a piece of the tangent. */
+function pointsOf({ points: { x, y, slope }, exact = [], box = {}, ...view }, runs) {
+  const truths = exact.map((one) => exactly(one, runs, [0, 1], "")), width = Math.max(...truths.map(({ x: along }) => extent(along)[1])) / 14;
+  const curves = runs.flatMap(({ outcome, colour, title }) => {
+    const [u, v, by] = [x, y, slope].map((of) => of(outcome));
+    const tangent = { x: [u - width, u + width], y: [v - width * by, v + width * by], unmarked: true };
+    return [{ ...tangent, colour, title }, { x: [u], y: [v], endless: true, colour, title }];
+  });
+  return { curves: [...truths, ...curves], view: { ...commonView([...truths, ...curves], ["x", "y"], true), ...box }, labels: labelsOf(view) };
+}
+
+/** Places that stand still, `[name, x, y]` with functions of the parameters, as discs with their names. */
+const standing = (places, parameters) => (pen, map, colour) => {
+  pen.textAlign = "center";
+  pen.textBaseline = "top";
+  for (const [name, x, y] of places) {
+    const [left, top] = [map.x(x(parameters)), map.y(y(parameters))];
+    pen.fillStyle = colour("--sun");
+    pen.beginPath();
+    pen.arc(left, top, 5, 0, 2 * Math.PI);
+    pen.fill();
+    pen.fillStyle = colour("--soft-ink");
+    pen.fillText(named("term", name), left, top + 7);
+  }
+};
+
 /** The picture that a `view` of a lesson gives of `runs`: `[{title, colour, trajectory, parameters}]` that have one. */
 export function pictureOf(view, runs, { angles, symbol = (name) => name, pace } = {}) {
   if (!runs.length) return null;
+  if (view.points) return pointsOf(view, runs);
+  if (view.multipliers) return circlePicture(view.multipliers(runs[0].outcome), runs[0].colour, labelsOf(view));
   if (view.z) return inSpace([view.x, view.y, view.z], runs, angles, view);
   const { log = "", box = {}, exact = [] } = view, series = ["t", "periods"].includes(view.x);
-  const curves = runs.filter((_, i) => i === (view.run ?? i)).flatMap(({ trajectory, ...run }) => {
+  const curves = runs.filter((_, i) => (view.runs ?? [view.run ?? i]).includes(i)).flatMap(({ trajectory, ...run }) => {
     const unit = paceOf({ trajectory, ...run.outcome }, pace), all = view.bins ? null : whole(trajectory, view, runs.at(-1).trajectory, unit);
     return (view.bins ? [[]] : pairsOf(view, trajectory)).flatMap(([x, y, title = run.title, colour = run.colour]) => {
       const curve = view.bins ? histogram(trajectory[view.x], view.bins) : curveOf(all, x, y, log);
@@ -82,10 +115,10 @@ export function pictureOf(view, runs, { angles, symbol = (name) => name, pace } 
                                                     Math.max(...curves.map(({ x }) => extent(x)[1]))];
   const free = timed || log !== "";
   const seen = { ...commonView(curves, ["x", "y"], free), ...box };
-  const truths = exact.map((one) => exactly(one, runs[0].parameters, span, log));
+  const truths = exact.map((one) => exactly(one, runs, span, log));
   if (truths.length && timed && !box.y && !log) seen.y = [Math.min(seen.y[0], 0), seen.y[1]];
-  const behind = view.level ? levelPicture((x, y) => view.level(x, y, runs[0].parameters)) : view.sun && sun;
-  const labels = view.labels?.map((name) => named("term", name)) ??
-    [view.x, view.y].map((name) => names[name] ?? known(`column.${name}`) ?? symbol(name));
+  const behind = view.level ? levelPicture((x, y) => view.level(x, y, runs[0].parameters))
+    : view.places ? standing(view.places, runs[0].parameters) : view.sun && sun;
+  const labels = labelsOf(view) ?? [view.x, view.y].map((name) => names[name] ?? known(`column.${name}`) ?? symbol(name));
   return { curves: timed ? [...truths, ...curves] : [...curves, ...truths], view: seen, labels, log, backdrop: behind };
 }

@@ -31,9 +31,9 @@ function usedKeys() {
   const pattern = (key) => new RegExp(`^${key.replaceAll(".", "\\.").replace(/\$\{[^}]*\}/g, ".+")}$`);
   for (const [file, source] of sources) {
     for (const [, key] of source.matchAll(/\bdata-text(?:-title|-label)?="([^"]+)"/g)) exact.set(key, file);
-    for (const [, joined, plain] of source.matchAll(/\b(?:text|known)\((?:`([^`]*)`|([^`,()]*))/g)) {
+    for (const [, joined, plain] of source.matchAll(/\b(?:text|known|message)\((?:`([^`]*)`|([^`,()]*))/g)) {
       if (joined && !joined.startsWith("${")) made.push(pattern(joined));
-      for (const [, key] of plain?.matchAll(/(?<!=== )"([^"]+)"/g) ?? []) exact.set(key, file);
+      for (const [, compared, key] of plain?.matchAll(/(=== )?"([^"]+)"/g) ?? []) if (!compared) exact.set(key, file);
     }
     for (const [, prefix] of source.matchAll(/\bnamed\("([\w.]+)"/g)) made.push(pattern(`${prefix}.\${name}`));
   }
@@ -60,8 +60,8 @@ test("names of the lessons are texts or formulas", () => {
 
 pageTest("what the catalogue says has a text in every other language", { hash: "", ready: "#lesson[aria-busy=false]" }, async () => {
   const { problems, schemes } = catalogue, names = new Set(Object.keys(de).filter((key) => ofService.test(key)).map((key) => key.slice(13)));
-  const wanted = ["problem.custom.summary", ...problems.flatMap(({ id }) => ["title", "summary"].map((part) => `problem.${id}.${part}`)),
-                  ...schemes.flatMap(({ id }) => ["title", "summary", "good_for", "fails_when"].map((part) => `scheme.${id}.${part}`)),
+  const parts = (kind, cards, own) => cards.flatMap(({ id, presets }) => [...own, ...presets.map(({ name }) => name)].map((part) => `${kind}.${id}.${part}`));
+  const wanted = ["problem.custom.summary", ...parts("problem", problems, ["title", "summary"]), ...parts("scheme", schemes, ["title", "summary", "good_for", "fails_when"]),
                   ...JSON.parse(read("scenes.json")).flatMap(({ name }) => [`example.${name}`, `example.${name}.note`])];
   assert.deepEqual(Object.keys(JSON.parse(read("language/de.catalogue.json"))).sort(), wanted.sort());
   const shown = [...schemes.flatMap(({ id, presets, parameters }) => [id, ...presets.map(({ name }) => name), ...parameters.flatMap(({ name, choices }) => [name, ...(choices ?? [])])]),

@@ -1,9 +1,12 @@
 // The catalogue in the language that is spoken: what has no text in it stays as the service says it.
 import { known } from "../language/texts.js";
 
-/** Cards of a `kind`, the texts of theirs by name in the place of the service's. */
-const spoken = (kind, cards, names) => cards.map((card) => (
-  { ...card, ...Object.fromEntries(names.map((name) => [name, known(`${kind}.${card.id}.${name}`) ?? card[name]])) }));
+/** Cards of a `kind`, with the texts of theirs and of their presets in the place of the service's. */
+const spoken = (kind, cards, names) => cards.map((card) => {
+  const of = (name, usual) => known(`${kind}.${card.id}.${name}`) ?? usual;
+  return { ...card, ...Object.fromEntries(names.map((name) => [name, of(name, card[name])])),
+           presets: card.presets.map(({ name, doc, ...preset }) => ({ name, doc: of(name, doc), ...preset })) };
+});
 
 export const translated = ({ problems, schemes, ...rest }) => ({
   ...rest, problems: spoken("problem", problems, ["title", "summary"]),

@@ -22,12 +22,12 @@ async function post(path, request, accept, signal) {
     return await fetch(path, { method: "POST", headers: headers(accept), body: JSON.stringify(request), signal });
   } catch (error) {
     if (signal.aborted) throw error;
-    return lost("answer.silent");
+    return lost("silent");
   }
 }
 
 /** What there is to say where no whole answer came. */
-const lost = (key) => ({ faults: [{ detail: text(key), lost: true }] });
+const lost = (name) => ({ faults: [{ detail: text(`answer.${name}`), lost: true }] });
 
 /** What a response says that is no success. */
 function refusal(response, answer) {
@@ -53,7 +53,7 @@ async function whole(response, signal) {
     said = await response.text();
   } catch (error) {
     if (signal.aborted) throw error;
-    return lost("answer.silent");
+    return lost("silent");
   }
   const answer = parsed(said);
   return response.ok && answer ? { outcome: answer } : refusal(response, answer);
@@ -76,7 +76,7 @@ async function askLines(path, request, signal, take) {
     }
   } catch (error) {
     if (signal.aborted) throw error;
-    return lost("answer.broken");
+    return lost("broken");
   }
 }
 
@@ -105,7 +105,7 @@ export async function follow(request, signal, take) {
     }
   });
   if (told.faults || told.outcome) return told;
-  return outcome?.status === "running" || !outcome ? lost("answer.broken") : { outcome };
+  return outcome?.status === "running" || !outcome ? lost("broken") : { outcome };
 }
 
 function parsed(said) {

@@ -1,5 +1,5 @@
 // Scenes as text: what is typed, as it stands in a request, in the fields and in a link; where in a text a fault is.
-import { text as say } from "../language/texts.js";
+import { text as message } from "../language/texts.js";
 
 export const custom = "custom";
 export const kinds = ["lagrangian", "hamiltonian", "potential", "equations"];
@@ -69,7 +69,7 @@ function listed(key, text, faults) {
   const list = {};
   for (const { name, value } of entries(text)) {
     if (Object.hasOwn(list, name)) {
-      faults.push({ pointer: `/problem/${key}/${escaped(name)}`, detail: say("own.twice", { name }), again: true });
+      faults.push({ pointer: `/problem/${key}/${escaped(name)}`, detail: message("own.twice", { name }), again: true });
     }
     Object.defineProperty(list, name, { value: key === "parameters" ? numbered(value ?? "") : value ?? "", enumerable: true, configurable: true });
   }

@@ -83,6 +83,17 @@ pageTest("of a scene as text: entries of lists, and the times of its events", { 
   assert.equal(await fieldAt(page, "/tangent/shift").inputValue(), "", "the neighbours' distance is chosen");
 });
 
+// From q = 1.2 the spring is at 1.2 cos t, and the prediction is exact: where the curves begin, the colour of the upper neighbours
+// is seen at one height only.
+pageTest("what is predicted lies on the neighbours where the motion is linear", { hash: spring.replace(/&tangent.*/, "&tangent.shift=0.2&tangent.count=2&tangent.y=q") }, async (page) => {
+  await differentiate(page, /neighbour/);
+  const [, apart, missed] = /ends (\S+) from the run, (\S+) from where/.exec(await said(page));
+  near(Number(apart), 0.2, "the neighbour");
+  assert.ok(Number(missed.replace(/·10⁻.*/, "e-9")) < 1e-6, missed);
+  const all = await drawn(page, "#tangent canvas.plane", "--run-c"), first = await drawn(page, "#tangent canvas.plane", "--run-c", [0, 0.2]);
+  assert.ok(first.count > 20 && first.bottom - first.top < 0.15 * (all.bottom - all.top), JSON.stringify([first, all]));
+});
+
 const narrow = { hash: spring, viewport: { width: 360, height: 740 } };
 pageTest("the table scrolls by itself on a telephone", narrow, async (page) => {
   await differentiate(page, /neighbour/);

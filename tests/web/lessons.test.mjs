@@ -158,6 +158,16 @@ pageTest("on a telephone no part of a lesson covers another", { ...calm, hash: "
   }
 });
 
+pageTest("the numbers beside the pendulums of a clock are its period and what that depends on", { ...calm, hash: "#lesson=clock" }, async (page) => {
+  const rows = await page.locator("#legend tbody").evaluateAll((bodies) => bodies.map((body) => [...body.querySelectorAll("data")].map(({ value }) => Number(value))));
+  const { runs } = await said(page);
+  rows.forEach(([, period, byAngle, byLength, perDay], i) => {
+    const { t: [slope] } = runs[i].sensitivities.events[0];
+    assert.ok(Math.abs(byLength / (period / 2 / 0.994) - 1) < 1e-9 && byAngle === slope, `${rows[i]}`);
+    assert.ok(Math.abs(perDay / ((86400 * slope * Math.PI) / 180 / period) - 1) < 1e-9, `${perDay}`);
+  });
+});
+
 pageTest("who wishes for less motion sees all at once", { ...calm, hash: "#lesson=pendulum" }, async (page) => {
   assert.match(await page.textContent("#lesson .play"), /Play/);
   assert.equal(await page.textContent("#lesson .player output"), "t = 1200");

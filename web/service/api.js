@@ -86,6 +86,7 @@ export const simulate = (request, signal) => ask("v1/simulate", request, signal)
 export const stability = (request, signal) => ask("v1/stability", request, signal);
 /** Studies of many runs, line by line. */
 export const workPrecision = (request, signal, take) => askLines("v1/work-precision", request, signal, take);
+export const periodic = (request, signal, take) => askLines("v1/periodic", request, signal, take);
 export const ensemble = (request, signal, take) => askLines("v1/ensemble", request, signal, take);
 
 /**

@@ -6,7 +6,7 @@ import { happeningsText } from "./happenings.js";
 import { linked } from "./text.js";
 
 export const names = ["A", "B", "C", "D", "E", "F"];
-const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", "basins", "tangent", "sweep", "starts", ...names];
+const sections = ["problem", "preset", "initial", "until", "record", "columns", "events", "axes", "view", "study", "section", "basins", "tangent", "sweep", "closed", "starts", ...names];
 
 export function toHash(experiment) {
   const pairs = new URLSearchParams();

@@ -8,7 +8,7 @@ import { Crossings } from "../drawing/crossings.js";
 const find = (selector) => document.querySelector(`#crossings ${selector}`);
 
 /** The period of what drives a scene, as far as a parameter says so. */
-const periodOf = ({ parameters }) => (2 * Math.PI) / (parameters.find(({ name, default: usual }) => /^(omega|frequency)$/i.test(name) && usual > 0)?.default ?? 1);
+export const periodOf = ({ parameters }) => (2 * Math.PI) / (parameters.find(({ name, default: usual }) => /^(omega|frequency)$/i.test(name) && usual > 0)?.default ?? 1);
 
 /**
  * What is asked for at first. Of a motion in a plane by itself its portrait: a clock so fast that its points lie on curves. Of one

@@ -7,6 +7,7 @@ import { format } from "../forms/numbers.js";
 import { title } from "../catalogue/card.js";
 import { PrecisionPlot } from "../drawing/precision.js";
 import { Basins } from "./basins.js";
+import { Closed } from "./closed.js";
 import { Section } from "./section.js";
 import { Sweep } from "./sweep.js";
 import { Tangent } from "./tangent.js";
@@ -26,14 +27,15 @@ export class Studies {
 
   /**
    * `ask()` gives `{scene: {problem, initial, until}, events, schemes}` as the forms stand; `picked(values, section)`: a member is
-   * to be run, which differs in these values of its "initial" or of its "problem".
+   * to be run, which differs in these values of its "initial", its "problem" or its "until"; `closed(trajectory)`: an orbit is to be
+   * drawn over the runs, null: none.
    */
-  constructor(schemes, ask, picked) {
+  constructor(schemes, ask, picked, closed) {
     const run = (values, section = "initial") => {
       picked(values, section);
       this.#scene = JSON.stringify(this.#ask().scene); // what was found stays
     };
-    this.#others = { section: new Section(run), basins: new Basins(run), tangent: new Tangent(), sweep: new Sweep(run) };
+    this.#others = { section: new Section(run), basins: new Basins(run), tangent: new Tangent(), sweep: new Sweep(run), closed: new Closed(run, closed) };
     this.#schemes = schemes;
     this.#ask = ask;
     find("#measure-precision").addEventListener("click", () => this.#start("precision", () => this.#measure()));
@@ -42,6 +44,7 @@ export class Studies {
       find(`#measure-${study}`).addEventListener("click", () => this.#start(study, () =>
         runs.measure(this.#ask(), this.#schemes, this.#underWay[study].signal, (said) => this.#tell(study, said))));
     find("#cost").addEventListener("change", (event) => this.#plot.over(event.target.value));
+    find("#close-orbit").addEventListener("click", () => find("#measure-closed").click());
   }
 
   /** What is shown belongs to one scene: for another it goes, and what is under way ends. */

@@ -28,6 +28,7 @@ export class Bench {
   #results = new Results();
   #starts = new Starts((done) => this.#portray(done), () => this.#redraw());
   #background = new Background(() => this.#redraw());
+  #closed = null; // the trajectory of a closed orbit
   #frame = 0;
   #panes;
   #runs;
@@ -42,7 +43,10 @@ export class Bench {
     this.#went = went;
     this.#panes = new Panes(schemes, (t) => this.#results.point(t), () => this.request());
     this.#runs = new Runs(this.#scene, this.#panes, this.#starts, schemes, (told) => this.#show(told));
-    this.#studies = new Studies(schemes, () => this.#studied(), (values, section) => this.request(this.#scene.begin(values, section)));
+    this.#studies = new Studies(schemes, () => this.#studied(), (values, section) => this.request(this.#scene.begin(values, section)), (trajectory) => {
+      this.#closed = trajectory;
+      this.#redraw();
+    });
     new FileButtons(() => ({ planes: this.#results.planes(this.#panes.list), title: this.#scene.problem.title,
                              runs: this.#runs.list.filter(({ outcome }) => outcome) }), (seen) => this.#results.play(seen));
     this.#listen();
@@ -207,7 +211,7 @@ export class Bench {
       else this.#follow();
     };
     this.#results.show(this.#scene, this.#panes.list, this.#runs.list, {
-      grab, move: (i, place, done) => this.#starts.move(i, place, done), backdrop: this.#background.field?.draw,
+      grab, move: (i, place, done) => this.#starts.move(i, place, done), backdrop: this.#background.field?.draw, closed: this.#closed,
       pick: (place) => this.#starts.add(place), unpick: () => this.#starts.takeBack() });
     this.#background.ask(this.#scene.problem, this.#runs.sceneOf(this.#experiment()), this.#startAxes, this.#results.extent);
   }

@@ -29,7 +29,8 @@ function chainsOf({ trajectory, colour, title }, names) {
 
 /**
  * Pictures in the plane. The start of a run is dragged by `hands.grab({name: value…}, done)`, one of a portrait by `hands.move(i,
- * [x, y], done)`; `hands.pick([x, y])` hears of a click, `hands.unpick()` that it became a double one; `hands.backdrop` lies behind.
+ * [x, y], done)`; `hands.pick([x, y])` hears of a click, `hands.unpick()` that it became a double one; `hands.backdrop` lies behind; the trajectory
+ * `hands.closed`, a closed orbit, above all.
  */
 export function inPlane({ axes, log, labels, problem }, runs, hands) {
   const kinds = kindsOf(problem), bodies = bodiesOf(axes, kinds), starts = bodies.length > 1 ? null : startsOf(axes, log, problem);
@@ -54,12 +55,13 @@ export function inPlane({ axes, log, labels, problem }, runs, hands) {
   return (some, plane) => { // of one run each body has its colour, of several each run
     const drawn = some.flatMap((run) => curves.get(run)).map((curve) => (some.length > 1 ? curve : { ...curve, colour: curve.body ?? curve.colour }));
     const beside = some.flatMap((run) => portraits.get(run));
+    const closed = hands.closed && !chain ? bodies.flatMap((pair) => curvesOf(hands.closed, pair, log, { colour: "--ink", title: "", events: [], exact: true, dash: [9, 4] })) : [];
     const pick = starts ? (left, top) => {
       const { x, y } = plane.map.at(left, top);
       hands.pick([x, y]);
     } : undefined;
     const backdrop = hands.backdrop ?? (centred ? sun : undefined);
-    return drawn.length ? { curves: [...drawn, ...beside], view, labels, log, pick, unpick: hands.unpick, backdrop } : null;
+    return drawn.length ? { curves: [...drawn, ...beside, ...closed], view, labels, log, pick, unpick: hands.unpick, backdrop } : null;
   };
 }
 

@@ -160,10 +160,10 @@ export class Scene {
     for (const [name, value] of Object.entries(at)) {
       const field = forms[section].querySelector(`[data-name="${CSS.escape(name)}"]`);
       if (!field) continue;
-      field.value = String(value);
+      field.value = String(value ?? "");
       field.dispatchEvent(new Event("input"));
     }
-    if ("t" in at) this.moveEnd();
+    if (section === "initial" && "t" in at) this.moveEnd();
   }
 
   /** Starts where a run ended, for as long again. */

@@ -11,7 +11,7 @@ const lesson = { ...calm, hash: "#lesson=orbit", ready: "#lesson[aria-busy=false
 // of a run.
 const english = new RegExp(`(?<!\\p{L})(${("the,of,and,with,is,are,from,to,at,by,for,that,which,its,it,as,on,over,not,be,has,no,time,energy,force,forces,evaluations,error,step," +
   "steps,scheme,schemes,order,play,speed,add,remove,save,runs,start,starts,end,last,first,each,what,where,how,when,of your own,show,all,other,none,default," +
-  "completed,stopped,angular,momentum,mean,explicit,implicit,symmetric,kinetic,potential energy,copy,copied,leave,present,measure,search,compute,member").split(",").join("|")})(?!\\p{L})`, "iu");
+  "completed,stopped,angular,momentum,mean,explicit,implicit,symmetric,kinetic,floor,residual,converged,cycles,potential energy,copy,copied,leave,present,measure,search,compute,member").split(",").join("|")})(?!\\p{L})`, "iu");
 const both = /`\w+`|\w+_\w+|(?<!\p{L})Starts?(?!\p{L})/gu; // ids, and what is German too
 const others = ".curl pre, #references, .about p:last-child, #formula, #as-read, #equations, math, .messages, .spot, #unplaced, #stability td:last-child, #stability-status, #precision-notes, #language, h1, option[value=en], textarea, noscript, script, style, template";
 
@@ -66,6 +66,8 @@ const benches = {
   "a scene with friction": { hash: "#problem=damped_oscillator&until.t=20&A=contact_splitting" },
   "six runs in space": { hash: "#problem=kepler_3d&until.t=5&C=taylor&D=contact_gauss&E=energy_momentum&F=runge_kutta_4&view.together=true" },
   "a portrait": { hash: "#problem=pendulum&until.t=20&starts.of=q,p&starts.at=0,1,0,2&view.field=true" },
+  "a scene with heat": { hash: "#problem=generic_oscillator&until.t=10" },
+  "a cycle": { hash: "#problem=van_der_pol&until.t=20" },
   "a star": { hash: "#problem=lane_emden&preset=plummer&until.t=3" },
   "a scene as text": { hash: "#problem=custom&problem.variables=x&problem.potential=x%5E4&problem.parameters=k=1&until.t=5" },
 };

@@ -63,7 +63,8 @@ pageTest("what the catalogue says has a text in every other language", { hash: "
   const parts = (kind, cards, own) => cards.flatMap(({ id, presets }) => [...own, ...presets.map(({ name }) => name)].map((part) => `${kind}.${id}.${part}`));
   const wanted = ["problem.custom.summary", ...parts("problem", problems, ["title", "summary"]), ...parts("scheme", schemes, ["title", "summary", "good_for", "fails_when"]),
                   ...JSON.parse(read("scenes.json")).flatMap(({ name }) => [`example.${name}`, `example.${name}.note`])];
-  assert.deepEqual(Object.keys(JSON.parse(read("language/de.catalogue.json"))).sort(), wanted.sort());
+  const docs = [...problems, ...schemes].flatMap(({ parameters, variables = [] }) => [...parameters, ...variables].map(({ doc }) => `doc.${doc}`));
+  assert.deepEqual(Object.keys(JSON.parse(read("language/de.catalogue.json"))).sort(), [...new Set([...wanted, ...docs])].sort());
   const shown = [...schemes.flatMap(({ id, presets, parameters }) => [id, ...presets.map(({ name }) => name), ...parameters.flatMap(({ name, choices }) => [name, ...(choices ?? [])])]),
                  ...problems.flatMap(({ presets, parameters, columns }) => [...presets, ...parameters].map(({ name }) => name).concat(columns))];
   const letters = /^(.{1,2}|alpha|beta|gamma|epsilon|kappa|lambda|mu|rho|sigma|theta[12]?)$/;
@@ -75,6 +76,20 @@ test("no text stands in the document itself", () => {
   const seen = body.replace(/<[^>]*>/gs, " ").match(/[A-Za-z]{2,}/g).filter((word) => word !== "leastaction");
   assert.deepEqual(seen, []);
   assert.deepEqual(body.match(/ (aria-label|title|placeholder|alt)="[^"]+"/g), null);
+});
+
+test("no text stands in the modules", () => {
+  const tags = /^(, |input|select|textarea|button|a|summary|ul|div|pre|[.#][\w-]+| )+$/; // selectors
+  const code = ["Escape", "note key", "typed wide", "scroll derived", "choice missed", ...Object.values(languages)]; // a key, classes
+  for (const [file, source] of sources) {
+    if (!file.endsWith(".js") || file === "workbench/programs.js") continue; // programs are English
+    const bare = source.replace(/^\s*(\/\/|\/?\*).*$/gm, "").replace(/ \/\/ .*$/gm, "");
+    for (const [, plain, pieces] of bare.matchAll(/"((?:[^"\\\n]|\\.)*)"|`((?:[^`\\]|\\.)*)`/g)) {
+      const said = plain ?? pieces.replace(/\$\{[^}]*\}/g, "");
+      if (tags.test(said) || code.includes(said) || /^<|^linear-gradient|\bpx |px sans-serif$|=> $/.test(said)) continue;
+      assert.ok(!/[A-Za-z]{2,},? [a-z]{2,}/.test(said) && !/^[A-Z][a-z]+( |$|…)/.test(said), `${file}: ${said}`);
+    }
+  }
 });
 
 test("texts take values and count, numbers are written as the language does, and both decimal signs are read", () => {

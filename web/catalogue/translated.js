@@ -1,11 +1,15 @@
 // The catalogue in the language that is spoken: what has no text in it stays as the service says it.
 import { known } from "../language/texts.js";
 
-/** Cards of a `kind`, with the texts of theirs and of their presets in the place of the service's. */
+/** Parameters or variables with what is said of each, under the service's own words: many cards say the same. */
+const documented = (cards) => cards?.map((card) => ({ ...card, doc: known(`doc.${card.doc}`) ?? card.doc }));
+
+/** Cards of a `kind`, with the texts of theirs by name, and of their presets, in the place of the service's. */
 const spoken = (kind, cards, names) => cards.map((card) => {
   const of = (name, usual) => known(`${kind}.${card.id}.${name}`) ?? usual;
   return { ...card, ...Object.fromEntries(names.map((name) => [name, of(name, card[name])])),
-           presets: card.presets.map(({ name, doc, ...preset }) => ({ name, doc: of(name, doc), ...preset })) };
+           presets: card.presets.map((preset) => ({ ...preset, doc: of(preset.name, preset.doc) })),
+           parameters: documented(card.parameters), variables: documented(card.variables) };
 });
 
 export const translated = ({ problems, schemes, ...rest }) => ({

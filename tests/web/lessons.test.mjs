@@ -255,20 +255,19 @@ pageTest("the workbench is fetched when it is asked for, and whoever has left me
   assert.equal(await page.inputValue("#problem"), "pendulum");
 });
 
-pageTest("the page is small", calm, async (page) => {
-  let bytes = 0;
+pageTest("the page is small: what a lesson needs, in one language, and the workbench behind it", calm, async (page) => {
   const { gzipSync } = await import("node:zlib");
-  const files = [""], seen = new Set();
   const texts = (language) => gzipSync(readFileSync(new URL(`../../web/language/${language}.json`, import.meta.url))).length;
-  bytes += Math.max(texts("en"), texts("de")); // one of them is fetched
+  const size = { first: Math.max(texts("en"), texts("de")), later: texts("de.catalogue") };
+  const files = [["", "first"]], seen = new Set();
   for (let i = 0; i < files.length; i++) {
-    const text = await page.evaluate(async (path) => (await fetch(path)).text(), `/${files[i]}`);
-    bytes += gzipSync(text).length;
-    for (const [, path] of text.matchAll(/(?:from |href=|src=|import\()"([\w./-]+\.(?:js|css|svg))"/g)) {
-      const name = new URL(path, `${origin}/${files[i]}`).pathname.slice(1);
-      if (!seen.has(name)) files.push(name);
+    const [file, part] = files[i], source = await page.evaluate(async (path) => (await fetch(path)).text(), `/${file}`);
+    size[part] += gzipSync(source).length;
+    for (const [, how, path] of source.matchAll(/(from |href=|src=|import\()"([\w./-]+\.(?:js|css|svg))"/g)) {
+      const name = new URL(path, `${origin}/${file}`).pathname.slice(1);
+      if (!seen.has(name)) files.push([name, how === "import(" ? "later" : part]);
       seen.add(name);
     }
   }
-  assert.ok(files.length > 45 && bytes < 150_000, `${bytes} bytes in ${files.length} files`);
+  assert.ok(files.length > 45 && size.first < 150_000 && size.later < 100_000, `${JSON.stringify(size)} bytes in ${files.length} files`);
 });

@@ -1,6 +1,8 @@
 // Multipliers of a closed orbit in the complex plane, about the unit circle: what lies on it stays near, what lies outside grows
 // with every round. The distance from zero is drawn as 2 √r / (1 + √r), which is 1 on the circle and below 2 for any multiplier;
 // a number and its inverse lie as far from the circle.
+import { spelled } from "../language/texts.js";
+
 const drawn = (r) => (2 * Math.sqrt(r)) / (1 + Math.sqrt(r));
 const ring = (r) => Array.from({ length: 181 }, (_, i) => [drawn(r) * Math.cos((i * Math.PI) / 90), drawn(r) * Math.sin((i * Math.PI) / 90)]);
 
@@ -16,7 +18,7 @@ function rings(pen, map, colour) {
     pen.lineWidth = power === 0 ? 1.5 : 1;
     pen.stroke();
     pen.fillStyle = colour("--soft-ink");
-    if (power > -2 && power < 3) pen.fillText(String(10 ** power), map.x(0), map.y(drawn(10 ** power)));
+    if (power > -2 && power < 3) pen.fillText(spelled(10 ** power), map.x(0), map.y(drawn(10 ** power)));
   }
 }
 

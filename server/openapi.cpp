@@ -5,6 +5,7 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/run_answer.hpp"
+#include "server/openapi_periodic.hpp"
 #include "server/openapi_schemas.hpp"
 #include "server/shared/operations.hpp"
 
@@ -51,6 +52,13 @@ Json examples_of(std::string_view path, const Cards& cards) {
                    {"scheme", scheme(first)},
                    {"until", {{"steps", 10}}},
                    {"members", {{"vary", {{start, {{"values", {0.4, 0.5, 0.6}}}}}}}}});
+  } else if (path == "/v1/periodic") {
+    const Json pendulum{{"id", "custom"}, {"variables", {"a"}}, {"lagrangian", "va^2/2 + cos(a)"}};
+    add("family", {{"problem", pendulum},
+                   {"initial", {{"a", 0.5}}},
+                   {"period", 6.4},
+                   {"fixed", {"pa"}},
+                   {"family", {{"by", "/initial/a"}, {"to", 0.6}, {"count", 5}}}});
   } else if (path == "/v1/work-precision" || path == "/v1/stability") {
     add(first.id, {{"problem", first.id}, {"schemes", Json::array({scheme(first)})}, {"budget_seconds", 1}});
   }
@@ -127,8 +135,11 @@ Json computed(const Operation& operation, const Cards& cards) {
                               : path == "/v1/ensemble"       ? "EnsembleRequest"
                               : path == "/v1/work-precision" ? "WorkPrecisionRequest"
                               : path == "/v1/problems"       ? "DescribeRequest"
+                              : path == "/v1/periodic"       ? "PeriodicRequest"
                                                              : "StabilityRequest";
-  const Json answer = simulates ? reference("SimulateAnswer") : Json{{"type", "object"}};
+  const Json answer = simulates                ? reference("SimulateAnswer")
+                      : path == "/v1/periodic" ? reference("PeriodicAnswer")
+                                               : Json{{"type", "object"}};
   Json content{{"application/json", {{"schema", answer}}}};
   if (simulates) {
     for (const Form& form : forms()) {
@@ -184,6 +195,7 @@ std::string write_openapi(const Cards& cards, const Caps& caps) {
                   {"license", {{"name", "MIT"}, {"identifier", "MIT"}}}}},
                 {"paths", Json::object()},
                 {"components", {{"schemas", schemas(cards, caps)}, {"responses", refusals()}}}};
+  document["components"]["schemas"].update(periodic_schemas());
   for (const Operation& operation : operations()) {
     const bool posts = operation.method == "POST";
     Json one{{"operationId", operation_id(operation)}, {"summary", operation.title}};

@@ -11,6 +11,7 @@
 #include "server/encode/problem_document.hpp"
 #include "server/ensemble.hpp"
 #include "server/openapi.hpp"
+#include "server/periodic.hpp"
 #include "server/problems.hpp"
 #include "server/shared/log.hpp"
 #include "server/simulate.hpp"
@@ -27,6 +28,7 @@ constexpr ComputedRoute computed_routes[] = {{"/v1/simulate", simulate},
                                              {"/v1/work-precision", measure_work_precision},
                                              {"/v1/stability", measure_stability},
                                              {"/v1/ensemble", run_ensemble_request},
+                                             {"/v1/periodic", close_orbit_request},
                                              {"/v1/problems", describe_scene}};
 
 // The first block doubles: a little more than its numbers, and what of them is on its way as text.

@@ -33,25 +33,6 @@ std::optional<std::size_t> fixed_step(const SchemeCard& scheme) {
   return std::nullopt;
 }
 
-void read_limits(const Json& root, const FieldPath& top, const Caps& caps, Limits& limits) {
-  limits.seconds = std::min(limits.seconds, caps.seconds);
-  limits.steps = std::min(limits.steps, caps.steps);
-  limits.samples = std::min(limits.samples, caps.samples);
-  const Json* json = find(root, "limits");
-  const FieldPath path = top.at("limits");
-  if (json == nullptr || !read_object(*json, path, {"seconds", "steps", "samples"}, "limits")) return;
-  if (const Json* seconds = find(*json, "seconds")) {
-    const auto value = read_number(*seconds, path.at("seconds"), {0, caps.seconds, true, false});
-    limits.seconds = value.value_or(limits.seconds);
-  }
-  if (const Json* steps = find(*json, "steps")) {
-    limits.steps = read_integer(*steps, path.at("steps"), 1, caps.steps).value_or(limits.steps);
-  }
-  if (const Json* samples = find(*json, "samples")) {
-    limits.samples = read_integer(*samples, path.at("samples"), 2, caps.samples).value_or(limits.samples);
-  }
-}
-
 // Where the time of the end stands: `until` may be that time alone.
 bool is_bare(const Json* until) { return until && (until->is_number() || until->is_string()); }
 FieldPath end_path(const Json& root, const FieldPath& top) {
@@ -225,6 +206,25 @@ bool fault_free(const FieldPath& top, std::initializer_list<const char*> pointer
 }
 
 }  // namespace
+
+void read_limits(const Json& root, const FieldPath& top, const Caps& caps, Limits& limits) {
+  limits.seconds = std::min(limits.seconds, caps.seconds);
+  limits.steps = std::min(limits.steps, caps.steps);
+  limits.samples = std::min(limits.samples, caps.samples);
+  const Json* json = find(root, "limits");
+  const FieldPath path = top.at("limits");
+  if (json == nullptr || !read_object(*json, path, {"seconds", "steps", "samples"}, "limits")) return;
+  if (const Json* seconds = find(*json, "seconds")) {
+    const auto value = read_number(*seconds, path.at("seconds"), {0, caps.seconds, true, false});
+    limits.seconds = value.value_or(limits.seconds);
+  }
+  if (const Json* steps = find(*json, "steps")) {
+    limits.steps = read_integer(*steps, path.at("steps"), 1, caps.steps).value_or(limits.steps);
+  }
+  if (const Json* samples = find(*json, "samples")) {
+    limits.samples = read_integer(*samples, path.at("samples"), 2, caps.samples).value_or(limits.samples);
+  }
+}
 
 void refuse_steps(const Json& root, const FieldPath& top, std::string_view reason) {
   const Json* until = find(root, "until");

@@ -7,6 +7,9 @@
 
 namespace least::server {
 
+/// Reads `limits`, of which none is beyond what a client may ask for.
+void read_limits(const Json& root, const FieldPath& top, const Caps& caps, Limits& limits);
+
 /// A fault where `until` is a number of steps, which there is no sense in, for the reason given.
 void refuse_steps(const Json& root, const FieldPath& top, std::string_view reason);
 

@@ -65,7 +65,7 @@ class ByReader {
     if (!json.is_string())
       return path.fault("must be a JSON pointer to a number of initial, or to a parameter", json, allowed());
     const auto& typed = json.get_ref<const std::string&>();
-    const std::string pointer = in_one_way(typed);
+    const std::string pointer = pointer_in_one_way(typed);
     const auto found = std::ranges::find(candidates_, pointer, &Candidate::pointer);
     if (found == candidates_.end()) {
       Names pointers;
@@ -85,18 +85,6 @@ class ByReader {
   bool is_momentum(std::size_t variable) const {
     const auto capacity = static_cast<std::size_t>(text_->capacity);
     return variable >= capacity && variable < 2 * capacity;
-  }
-
-  // `/problem/parameters/m` as `/problem/m`, `/problem/m/2` as `/problem/m[3]`.
-  static std::string in_one_way(std::string pointer) {
-    constexpr std::string_view long_way = "/problem/parameters/";
-    if (pointer.starts_with(long_way)) pointer.replace(0, long_way.size(), "/problem/");
-    const std::size_t last = pointer.rfind('/');
-    const std::string index = last == std::string::npos ? "" : pointer.substr(last + 1);
-    const bool is_index =
-        !index.empty() && index.size() < 6 && std::ranges::all_of(index, [](char c) { return c >= '0' && c <= '9'; });
-    if (!is_index || std::ranges::count(pointer, '/') != 3) return pointer;
-    return fmt::format("{}[{}]", pointer.substr(0, last), std::stoll(index) + 1);
   }
 
   std::string why_not(const std::string& pointer) const {
@@ -143,6 +131,17 @@ void take_whole_start(const Scene& scene, SensitivitiesAsked& asked) {
 }
 
 }  // namespace
+
+std::string pointer_in_one_way(std::string pointer) {
+  constexpr std::string_view long_way = "/problem/parameters/";
+  if (pointer.starts_with(long_way)) pointer.replace(0, long_way.size(), "/problem/");
+  const std::size_t last = pointer.rfind('/');
+  const std::string index = last == std::string::npos ? "" : pointer.substr(last + 1);
+  const bool is_index =
+      !index.empty() && index.size() < 6 && std::ranges::all_of(index, [](char c) { return c >= '0' && c <= '9'; });
+  if (!is_index || std::ranges::count(pointer, '/') != 3) return pointer;
+  return fmt::format("{}[{}]", pointer.substr(0, last), std::stoll(index) + 1);
+}
 
 void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard& scheme, SimulateRequest& decoded) {
   const Json* json = find(root, "sensitivities");

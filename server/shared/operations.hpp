@@ -17,6 +17,7 @@ inline std::span<const Operation> operations() {
       {"POST", "/v1/work-precision", "what accuracy costs with each scheme, measured"},
       {"POST", "/v1/stability", "the largest stable step of schemes on a scene"},
       {"POST", "/v1/ensemble", "many runs of one scene: statistics, final states, sections"},
+      {"POST", "/v1/periodic", "a closed orbit near a guess: its multipliers, its family, its manifolds"},
       {"POST", "/v1/problems", "the card of a scene given as text: its form, what it keeps, the schemes that apply"},
       {"GET", "/v1/catalogue", "every problem and every scheme, with all their parameters"},
       {"GET", "/v1/problems", "problems by id"},

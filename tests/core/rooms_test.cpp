@@ -22,7 +22,8 @@ const std::map<std::string, Names>& rooms() {
     const Names run = beside(base, {"core/exact", "core/problems", "core/schemes", "core/text"});
     const Names reference = beside(run, {"core/run"}), study = beside(reference, {"core/reference"});
     const Names catalogue = beside(study, {"core/study", "core/ensemble"}),
-                variations = beside(catalogue, {"core/catalogue"}), core = beside(variations, {"core/variations"});
+                variations = beside(catalogue, {"core/catalogue"}), periodic = beside(variations, {"core/variations"}),
+                core = beside(periodic, {"core/periodic"});
     return std::map<std::string, Names>{
         {"core/number", {}},
         {"core/tape", {"core/number"}},
@@ -37,6 +38,7 @@ const std::map<std::string, Names>& rooms() {
         {"core/ensemble", study},
         {"core/catalogue", catalogue},
         {"core/variations", variations},
+        {"core/periodic", periodic},
         {"server/shared", core},
         {"server/http", {"server/shared"}},  // the transport knows nothing of simulations: see below
         {"server/decode", beside(core, {"server/shared"})},

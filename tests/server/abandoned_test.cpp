@@ -55,6 +55,7 @@ constexpr const char* automatic =
     R"({"problem":"kepler","scheme":{"id":"auto","accuracy":1e-13},"until":{"t":4000},"limits":{"seconds":20}})";
 constexpr const char* work_precision =
     R"({"problem":"kepler","until":{"t":400},"schemes":"all","error":"max","budget_seconds":20})";
+constexpr const char* closed_orbit = R"({"problem":"kepler","period":1e9,"limits":{"seconds":20}})";
 std::string stability() {
   constexpr const char* slow = R"({"id":"galerkin_4","composition":"kahan_li_8"})";
   std::string schemes = slow;
@@ -82,6 +83,8 @@ INSTANTIATE_TEST_SUITE_P(All, AbandonedWhile,
                                          LongRequest{"automatic", post("/v1/simulate", automatic)},
                                          LongRequest{"work_precision", post("/v1/work-precision", work_precision)},
                                          LongRequest{"lines", post("/v1/work-precision", work_precision, as_lines)},
+                                         LongRequest{"closed_orbit", post("/v1/periodic", closed_orbit)},
+                                         LongRequest{"members", post("/v1/periodic", closed_orbit, as_lines)},
                                          LongRequest{"stability", post("/v1/stability", stability())}),
                          [](const auto& row) { return std::string(row.param.name); });
 

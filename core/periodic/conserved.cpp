@@ -1,0 +1,218 @@
+#include "core/periodic/conserved.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/tape/derivative.hpp"
+
+namespace least::periodic {
+namespace {
+
+constexpr std::size_t most_quadratic = 24;  // components of which products are looked at
+
+/// Pairs of components whose product a monomial is; `none` in the place of the first: the second alone.
+constexpr std::size_t none = static_cast<std::size_t>(-1);
+std::vector<std::pair<std::size_t, std::size_t>> monomials(std::size_t size) {
+  std::vector<std::pair<std::size_t, std::size_t>> all;
+  all.reserve(size + size * (size + 1) / 2);
+  for (std::size_t i = 0; i < size; ++i) all.emplace_back(none, i);
+  if (size > most_quadratic) return all;
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t j = i; j < size; ++j) all.emplace_back(i, j);
+  return all;
+}
+
+/// What one of them adds to a gradient at y.
+void add_slope(const std::pair<std::size_t, std::size_t>& monomial, double coefficient, std::span<const double> y,
+               std::vector<double>& gradient) {
+  const auto [i, j] = monomial;
+  if (i == none) {
+    gradient[j] += coefficient;
+  } else {
+    gradient[i] += coefficient * y[j];
+    gradient[j] += coefficient * y[i];
+  }
+}
+
+/// Lengths of columns; 1 of those that have none.
+std::vector<double> sizes_of(const Matrix& columns) {
+  std::vector<double> sizes(columns.columns);
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    sizes[k] = length(columns.column(k));
+    if (!(sizes[k] > 0) || !std::isfinite(sizes[k])) sizes[k] = 1;
+  }
+  return sizes;
+}
+
+Matrix divided(Matrix columns, const std::vector<double>& by) {
+  for (std::size_t i = 0; i < columns.rows; ++i)
+    for (std::size_t k = 0; k < columns.columns; ++k) columns(i, k) /= by[k];
+  return columns;
+}
+
+bool all_finite(std::span<const double> x) {
+  return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
+Conserved::Conserved(const Motion& motion, const Scene& scene, std::span<const double> x,
+                     std::span<const double> extents, double t, double dt)
+    : motion_(motion), center_(x.begin(), x.end()), extents_(extents.begin(), extents.end()) {
+  if (!motion.equations().form->invariants.empty()) read_declared(scene, t);
+  find(t, dt);
+  gradient_sizes_ = sizes_of(raw_gradients(x, t));
+  symmetry_sizes_ = sizes_of(raw_symmetries(x, t));
+}
+
+Matrix Conserved::gradients(std::span<const double> x, double t) const {
+  return divided(raw_gradients(x, t), gradient_sizes_);
+}
+Matrix Conserved::symmetries(std::span<const double> x, double t) const {
+  return divided(raw_symmetries(x, t), symmetry_sizes_);
+}
+
+/// The form's tape numbers its variables in its own way: written anew for components, with parameters as numbers.
+void Conserved::read_declared(const Scene& scene, double t) {
+  const variations::ParametricScene& equations = motion_.equations();
+  const text::Form& form = *equations.form;
+  const text::Numbering& numbers = form.numbers;
+  const auto n = static_cast<int>(equations.coordinates), size = static_cast<int>(equations.components);
+  tape::Tape tape;
+  tape::Substitution rewrite(form.tape, tape, [&](int i) {
+    if (i >= numbers.parameter) return Symbol(scene.parameters[static_cast<std::size_t>(i - numbers.parameter)]);
+    int place = n == 0 || i < numbers.momentum ? i : n + i - numbers.momentum;
+    if (n > 0 && i == numbers.action) place = 2 * n;
+    return place < size ? Symbol::variable(tape, static_cast<std::size_t>(place)) : Symbol(0);
+  });
+  std::vector<int> all(equations.components);
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<tape::Index> values, slopes;
+  values.reserve(form.invariants.size());
+  slopes.reserve(form.invariants.size() * all.size());
+  for (const Symbol& invariant : form.invariants) {
+    const Symbol value = rewrite(invariant);
+    values.push_back(value.on(tape));
+    for (const Symbol& slope : tape::gradient(tape, value, all)) slopes.push_back(slope.on(tape));
+  }
+  declared_names_ = form.invariant_names;
+  declared_ = tape::Formula(tape, values);
+  declared_gradients_ = tape::Formula(tape, slopes);
+
+  constexpr int looks = 8;
+  constexpr double nothing = 1e-9;
+  kept_.assign(values.size(), true);
+  Spread spread;
+  for (int look = 0; look < looks; ++look) {
+    const std::vector<double> x = point(spread), rate = motion_.rates(x, t);
+    std::vector<double> gradients(slopes.size());
+    declared_gradients_.evaluate(x.data(), t, gradients.data());
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      double sum = 0, sizes = 0;
+      for (std::size_t i = 0; i < rate.size(); ++i) {
+        const double part = gradients[k * rate.size() + i] * rate[i];
+        sum += part;
+        sizes += std::abs(part);
+      }
+      if (std::abs(sum) > nothing * sizes) kept_[k] = false;
+    }
+  }
+}
+
+std::vector<double> Conserved::scaled(std::span<const double> x) const {
+  std::vector<double> y(x.size());
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = (x[i] - center_[i]) / extents_[i];
+  return y;
+}
+
+std::vector<double> Conserved::point(Spread& spread) const {
+  std::vector<double> x = center_;
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += extents_[i] * spread();
+  return x;
+}
+
+/// Σ c ∇m · ẋ = 0 at more places than there are coefficients c.
+void Conserved::find(double t, double dt) {
+  const std::size_t size = motion_.size();
+  const auto all = monomials(size);
+  const std::size_t wanted = 2 * all.size() + 4;
+  Matrix rows(wanted, all.size());
+  Spread spread;
+  std::size_t row = 0;
+  for (std::size_t tried = 0; row < wanted && tried < 4 * wanted; ++tried) {
+    const std::vector<double> x = point(spread), y = scaled(x);
+    std::vector<double> rate = motion_.rates(x, t + dt * spread());
+    for (std::size_t i = 0; i < size; ++i) rate[i] /= extents_[i];
+    const double pace = length(rate);
+    if (!all_finite(rate) || !(pace > 0)) continue;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      std::vector<double> gradient(size);
+      add_slope(all[k], 1, y, gradient);
+      rows(row, k) = dot(gradient, rate) / pace;
+    }
+    ++row;
+  }
+  if (row < wanted) return;
+  constexpr double nothing = 1e-9;
+  const Matrix null = orthogonal_to(transposed(rows), nothing);
+  found_.reserve(null.columns);
+  for (std::size_t k = 0; k < null.columns; ++k) found_.push_back(null.column(k));
+}
+
+Matrix Conserved::raw_gradients(std::span<const double> x, double t) const {
+  const std::size_t size = motion_.size();
+  Matrix columns(size, 0);
+  const auto in_units = [&](std::span<const double> gradient) {
+    std::vector<double> made(size);
+    for (std::size_t i = 0; i < size; ++i) made[i] = gradient[i] * extents_[i];
+    return made;
+  };
+  if (motion_.keeps_energy()) columns.add_column(in_units(motion_.energy_gradient(x, t)));
+  if (!declared_names_.empty()) {
+    std::vector<double> slopes(declared_gradients_.outputs());
+    declared_gradients_.evaluate(x.data(), t, slopes.data());
+    for (std::size_t k = 0; k < declared_names_.size(); ++k)
+      if (kept_[k]) columns.add_column(in_units(std::span(slopes).subspan(k * size, size)));
+  }
+  const auto all = monomials(size);
+  const std::vector<double> y = scaled(x);
+  for (const auto& coefficients : found_) {
+    std::vector<double> gradient(size);
+    for (std::size_t k = 0; k < all.size(); ++k) add_slope(all[k], coefficients[k], y, gradient);
+    columns.add_column(gradient);
+  }
+  return columns;
+}
+
+Matrix Conserved::raw_symmetries(std::span<const double> x, double t) const {
+  const std::size_t size = motion_.size(), n = motion_.coordinates();
+  Matrix columns(size, 0);
+  if (motion_.autonomous()) {
+    std::vector<double> rate = motion_.rates(x, t);
+    for (std::size_t i = 0; i < size; ++i) rate[i] /= extents_[i];
+    columns.add_column(rate);
+  }
+  if (!motion_.symplectic()) return columns;
+  const Matrix of = raw_gradients(x, t);
+  for (std::size_t k = 0; k < of.columns; ++k) {  // q̇ = ∂I/∂p, ṗ = −∂I/∂q; of H it is ẋ once more
+    std::vector<double> way(size);
+    for (std::size_t i = 0; i < n; ++i) {
+      way[i] = of(n + i, k) / (extents_[n + i] * extents_[i]);
+      way[n + i] = -of(i, k) / (extents_[i] * extents_[n + i]);
+    }
+    columns.add_column(way);
+  }
+  return columns;
+}
+
+std::vector<std::pair<std::string, double>> Conserved::declared(std::span<const double> x, double t) const {
+  std::vector<double> values(declared_names_.size());
+  if (!values.empty()) declared_.evaluate(x.data(), t, values.data());
+  std::vector<std::pair<std::string, double>> all;
+  all.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) all.emplace_back(declared_names_[i], values[i]);
+  return all;
+}
+
+}  // namespace least::periodic

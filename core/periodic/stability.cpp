@@ -1,0 +1,214 @@
+#include "core/periodic/stability.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace least::periodic {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double dependent = 1e-7;  // columns of which a part is smaller depend on the others
+constexpr double at_one = 1e-7;     // a multiplier so near to the unit circle does not tell on which side it is
+
+/// Eigenvalues of the product of blocks, the last first, each of them well conditioned however large the product is: of
+/// the matrix that has them in a circle they are the m-th roots, of which one sector has each once. Source: Bojanczyk,
+/// Golub, Van Dooren, Proc. SPIE 1770, 31 (1992), whose cyclic matrix it is.
+std::vector<Complex> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
+  const std::size_t count = blocks.size(), n = blocks[0].rows;
+  if (count == 1 || n == 0) return eigenvalues(blocks[0]);
+  Matrix circle(count * n, count * n);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b) circle((i + 1) % count * n + a, i * n + b) = blocks[i](a, b);
+  std::vector<Complex> roots = eigenvalues(circle);
+  // The sector begins in the middle of the largest gap between their angles, taken modulo its width.
+  const double width = 2 * std::numbers::pi / double(count);
+  std::vector<double> angles;
+  angles.reserve(roots.size());
+  for (const Complex& root : roots) angles.push_back(std::fmod(std::arg(root) + 4 * std::numbers::pi, width));
+  std::ranges::sort(angles);
+  double begin = (angles.back() + angles.front() + width) / 2, gap = angles.front() + width - angles.back();
+  for (std::size_t i = 1; i < angles.size(); ++i) {
+    if (angles[i] - angles[i - 1] <= gap) continue;
+    gap = angles[i] - angles[i - 1];
+    begin = (angles[i] + angles[i - 1]) / 2;
+  }
+  std::vector<Complex> found;
+  found.reserve(n);
+  for (const Complex& root : roots) {
+    const double angle = std::fmod(std::arg(root) - begin + 6 * std::numbers::pi, 2 * std::numbers::pi);
+    if (angle >= width) continue;
+    Complex power = std::pow(root, double(count));
+    if (std::abs(power.imag()) < 1e-9 * std::abs(power)) power = power.real();
+    found.push_back(power);
+  }
+  return found;
+}
+
+/// Of segments, in units of the extents; of contact scenes along the hyperplanes δs = p·δq.
+Matrix block_of(const Motion& motion, const Setting& setting, const std::vector<double>& from, const Matrix& slopes) {
+  const std::size_t n = motion.coordinates(), all = motion.size();
+  const std::size_t size = motion.equations().acting ? 2 * n : all;
+  Matrix made(size, size);
+  for (std::size_t a = 0; a < size; ++a)
+    for (std::size_t b = 0; b < size; ++b) {
+      const double through_s = size < all && b < n ? slopes(a, 2 * n) * from[n + b] : 0;
+      made(a, b) = (slopes(a, b) + through_s) * setting.extents[b] / setting.extents[a];
+    }
+  return made;
+}
+
+/// Gradients along the hyperplanes.
+Matrix gradients_in(const Motion& motion, const Setting& setting, const std::vector<double>& at, Matrix all) {
+  const std::size_t n = motion.coordinates();
+  if (!motion.equations().acting) return all;
+  Matrix made(2 * n, all.columns);
+  for (std::size_t k = 0; k < all.columns; ++k)
+    for (std::size_t i = 0; i < 2 * n; ++i)
+      made(i, k) = all(i, k) + (i < n ? all(2 * n, k) * at[n + i] * setting.extents[i] / setting.extents[2 * n] : 0);
+  return made;
+}
+
+/// ẋ lies in them where H is 0.
+Matrix symmetries_in(const Motion& motion, const std::vector<double>& at, double t, Matrix all) {
+  const std::size_t n = motion.coordinates();
+  if (!motion.equations().acting) return all;
+  const std::vector<double> rates = motion.rates(at, t);
+  double h = -rates[2 * n], size = std::abs(rates[2 * n]);
+  for (std::size_t i = 0; i < n; ++i) {
+    h += at[n + i] * rates[i];
+    size += std::abs(at[n + i] * rates[i]);
+  }
+  Matrix made(2 * n, std::abs(h) <= at_one * size ? all.columns : 0);
+  for (std::size_t k = 0; k < made.columns; ++k)
+    for (std::size_t i = 0; i < 2 * n; ++i) made(i, k) = all(i, k);
+  return made;
+}
+
+MultiplierKind kind_of(const Complex& value) {
+  const double modulus = std::abs(value);
+  if (std::abs(value - 1.0) <= at_one) return MultiplierKind::unit;
+  if (std::abs(value.imag()) > 1e-9 * modulus)
+    return std::abs(modulus - 1) <= at_one ? MultiplierKind::elliptic : MultiplierKind::complex;
+  return value.real() > 0 ? MultiplierKind::hyperbolic : MultiplierKind::inverse_hyperbolic;
+}
+
+/// The largest |λμ/product − 1| of pairs, each of the nearest two of those that are left, the largest first.
+double pairing_defect(std::vector<Complex> all, double product) {
+  std::ranges::sort(all, std::greater(), [](const Complex& value) { return std::abs(value); });
+  double most = 0;
+  while (all.size() > 1) {
+    const Complex one = all.front();
+    all.erase(all.begin());
+    const auto defect = [&](const Complex& other) { return std::abs(one * other / product - 1.0); };
+    const auto partner = std::ranges::min_element(all, {}, defect);
+    most = std::max(most, defect(*partner));
+    all.erase(partner);
+  }
+  return most;
+}
+
+/// e^{−∫∂H/∂s dt} by Gauss's rule of five points over parts of the period.
+double product_of_pairs(Motion& motion, const Setting& setting, const Trial& trial, Effort& effort) {
+  if (motion.symplectic()) return 1;
+  constexpr std::array<double, 5> places{-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
+                                         0.9061798459386640};
+  constexpr std::array<double, 5> weights{0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
+                                          0.4786286704993665, 0.2369268850561891};
+  constexpr std::size_t parts = 64;
+  double integral = 0;
+  const std::size_t count = trial.nodes.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double from = setting.start() + trial.at[i] * trial.period;
+    const double span = ((i + 1 < count ? trial.at[i + 1] : 1) - trial.at[i]) * trial.period, part = span / parts;
+    std::vector<double> times;
+    times.reserve(parts * places.size());
+    for (std::size_t k = 0; k < parts; ++k)
+      for (const double place : places) times.push_back(from + part * (double(k) + (1 + place) / 2));
+    std::string reason;
+    const auto states = motion.path(trial.nodes[i], from, times, effort, reason);
+    if (states.size() < times.size()) return std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t k = 0; k < times.size(); ++k)
+      integral += part / 2 * weights[k % places.size()] * motion.action_slope(states[k], times[k]);
+  }
+  return std::exp(-integral);
+}
+
+std::optional<bool> verdict(const Stability& found) {
+  bool tells = true;
+  for (std::size_t i = found.trivial(); i < found.multipliers.size(); ++i) {
+    const auto& [value, kind] = found.multipliers[i];
+    const double modulus = std::abs(value);
+    if (modulus > 1 + at_one) return false;
+    const bool on_circle = modulus >= 1 - at_one;
+    // Of mechanics that keeps areas, pairs on the circle stay there; what dissipates has to be within.
+    if (on_circle && (found.pair_product != 1 || kind != MultiplierKind::elliptic)) tells = false;
+  }
+  return tells ? std::optional(true) : std::nullopt;
+}
+
+}  // namespace
+
+Stability stability_of(const Shooting& shooting, Motion& motion, const Setting& setting, const Trial& trial,
+                       const Look& look, Effort& effort) {
+  const std::size_t count = trial.nodes.size();
+  const Conserved& conserved = shooting.conserved();
+  std::vector<Matrix> kept, ways, inner;
+  kept.reserve(count);
+  ways.reserve(count);
+  inner.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::vector<double>& at = trial.nodes[i];
+    const double t = setting.start() + trial.at[i] * trial.period;
+    kept.push_back(gradients_in(motion, setting, at, conserved.gradients(at, t)));
+    ways.push_back(symmetries_in(motion, at, t, conserved.symmetries(at, t)));
+  }
+  // Gradients of what is kept are the left, symmetries the right eigenvectors to 1; of symmetries only those count for
+  // the space in which all that is kept stays the same that lie in it.
+  const Matrix span = span_of(kept[0], dependent);
+  Matrix in_level = ways[0].columns > 0 ? ways[0] : Matrix(kept[0].rows, 0);
+  Matrix mixing = in_level.columns > 0 ? Matrix::identity(in_level.columns) : Matrix();
+  if (in_level.columns > 0 && span.columns > 0)
+    mixing = orthogonal_to(transposed(transposed(span) * ways[0]), dependent, 1);
+  if (in_level.columns > 0) in_level = span_of(ways[0] * mixing, dependent, 1);
+
+  Stability found;
+  found.by_invariants = span.columns;
+  found.by_time = motion.autonomous() && in_level.columns > 0 ? 1 : 0;
+  found.by_symmetries = in_level.columns - found.by_time;
+  for (std::size_t i = 0; i < count; ++i) {
+    Matrix out = kept[i];
+    if (mixing.rows > 0) {
+      const Matrix moves = ways[i] * mixing;
+      for (std::size_t k = 0; k < moves.columns; ++k) out.add_column(moves.column(k));
+    }
+    inner.push_back(complement_of(out, found.trivial()));
+  }
+  std::vector<Matrix> blocks;
+  blocks.reserve(count);
+  for (std::size_t i = 0; i < count; ++i)
+    blocks.push_back(transposed(inner[(i + 1) % count]) *
+                     (block_of(motion, setting, trial.nodes[i], look.segments[i].by_start) * inner[i]));
+  found.multipliers.assign(found.trivial(), Multiplier{1.0, MultiplierKind::unit});
+  std::vector<Complex> others = eigenvalues_of_product(blocks);
+  std::ranges::sort(others, [](const Complex& a, const Complex& b) {
+    return std::pair(-std::abs(a), -a.imag()) < std::pair(-std::abs(b), -b.imag());
+  });
+  for (const Complex& value : others) found.multipliers.push_back({value, kind_of(value)});
+
+  const bool pairs = motion.coordinates() > 0 && !motion.equations().forced;
+  if (pairs) {
+    std::vector<Complex> all;
+    all.reserve(found.multipliers.size());
+    for (const Multiplier& one : found.multipliers) all.push_back(one.value);
+    found.pair_product = product_of_pairs(motion, setting, trial, effort);
+    found.pairing_defect = pairing_defect(std::move(all), found.pair_product);
+  }
+  found.stable = verdict(found);
+  return found;
+}
+
+}  // namespace least::periodic

@@ -1,0 +1,11 @@
+// Schemas of POST /v1/periodic.
+#pragma once
+
+#include "server/decode/json_parse.hpp"
+
+namespace least::server {
+
+/// PeriodicRequest and PeriodicAnswer by name.
+Json periodic_schemas();
+
+}  // namespace least::server

@@ -1,0 +1,200 @@
+// Families of closed orbits over HTTP, and where they bend and branch.
+#include <gtest/gtest.h>
+
+#include <sstream>
+#include <string>
+
+#include "tests/server/orbits.hpp"
+
+namespace least::server::test {
+namespace {
+
+class PeriodicFamilies : public AskingForOrbits {
+ protected:
+  static const Json* told(const Json& family, const char* bifurcation) {
+    const auto found = std::ranges::find_if(family, [&](const Json& one) { return one["bifurcation"] == bifurcation; });
+    return found == family.end() ? nullptr : &*found;
+  }
+  static std::complex<double> first_other(const Json& member, std::size_t trivial) {
+    return others(member, trivial)[0];
+  }
+};
+
+// T = 4K(sin(A/2)), dT/dA = 2cos(A/2) K′(k).
+TEST_F(PeriodicFamilies, OfAPendulumHasThePeriodsOfEllipticIntegrals) {
+  const Json request{{"problem", pendulum()},
+                     {"initial", {{"a", .5}}},
+                     {"period", 6.4},
+                     {"fixed", {"pa"}},
+                     {"family", {{"by", "/initial/a"}, {"to", 3}, {"count", 15}}}};
+  const Json made = orbit(request);
+  ASSERT_GT(made["family"].size(), 8U) << made;
+  EXPECT_EQ(made["family_end"], "");
+  EXPECT_EQ(made["family"].back()["value"], 3);
+  for (const Json& member : made["family"]) {
+    const double amplitude = member["value"], k = std::sin(amplitude / 2);
+    const double first = std::comp_ellint_1(k), second = std::comp_ellint_2(k);
+    const double slope = 2 * std::cos(amplitude / 2) * (second / (k * (1 - k * k)) - first / k);
+    EXPECT_NEAR(member["period"], 4 * first, 1e-11);
+    EXPECT_NEAR(member["period_slope"], slope, 1e-9 * std::max(1.0, slope)) << amplitude;
+    EXPECT_EQ(member["initial"]["pa"], 0);
+    EXPECT_NEAR(member["energy"], -std::cos(amplitude), 1e-13);
+  }
+}
+
+// Beyond the energy 1 the pendulum turns over, and no orbit of the family is there.
+TEST_F(PeriodicFamilies, EndBeforeASingularity) {
+  const Json request{{"problem", pendulum()},
+                     {"initial", {{"a", .5}}},
+                     {"period", 6.4},
+                     {"family", {{"by", "energy"}, {"to", 1.5}, {"count", 40}}}};
+  const Json made = orbit(request);
+  EXPECT_NE(made["family_end"], "");
+  for (const Json& member : made["family"]) {
+    EXPECT_LT(member["value"], 1);
+    EXPECT_EQ(member["value"], member["energy"]);
+    const double k = std::sqrt((1 + member["energy"].get<double>()) / 2);
+    EXPECT_NEAR(member["period"].get<double>() / (4 * std::comp_ellint_1(k)), 1, 1e-7);  // at the edge
+  }
+}
+
+// In the double well of Duffing, driven: up to f = .2656 every period is like the last, from there on every second one.
+TEST_F(PeriodicFamilies, OfDuffingDoublesItsPeriodWhereRunsDo) {
+  Json problem = custom(R"~({"variables": ["x", "v"], "parameters": {"f": 0.2},
+      "equations": {"x": "v", "v": "x - x^3 - 0.3*v + f*cos(1.2*t)"}})~");
+  const double period = 2 * pi / 1.2;
+  const Json made = orbit({{"problem", problem},
+                           {"initial", {{"x", 1}}},
+                           {"period", period},
+                           {"family", {{"by", "/problem/f"}, {"to", .3}, {"count", 10}}}});
+  const Json* const found = told(made["family"], "period_doubling");
+  ASSERT_TRUE(found) << made;
+  EXPECT_NEAR(first_other(*found, 0).real(), -1, 1e-7);
+  EXPECT_NEAR(others(*found, 0)[1].real(), -std::exp(-.3 * period), 1e-7);
+  for (const Json& member : made["family"])
+    if (!member["stable"].is_null()) {
+      EXPECT_EQ(member["stable"], member["value"] < (*found)["value"]);
+    }
+  const double at = (*found)["value"];
+  for (const double f : {at - .003, at + .003}) {
+    problem["parameters"]["f"] = f;
+    const Json settled = after(problem, (*found)["initial"], 150 * period);
+    Json start = settled;
+    start["t"] = 0;
+    const double apart = distance(after(problem, start, period), start, {"x", "v"});
+    EXPECT_EQ(apart > 1e-2, f > at) << f << " " << apart;
+  }
+}
+
+// At its folds a family turns back: the answer to one force may be three orbits.
+TEST_F(PeriodicFamilies, GoAroundFolds) {
+  const Json problem = custom(R"~({"variables": ["x", "v"], "parameters": {"f": 0.2},
+      "equations": {"x": "v", "v": "x - x^3 - 0.2*v + f*cos(t)"}})~");
+  const Json made = orbit({{"problem", problem},
+                           {"initial", {{"x", 1}}},
+                           {"period", 2 * pi},
+                           {"family", {{"by", "/problem/f"}, {"to", .5}, {"count", 40}}}});
+  std::vector<double> folds;
+  for (const Json& member : made["family"])
+    if (member["bifurcation"] == "fold") {
+      folds.push_back(member["value"]);
+      const auto all = others(member, 0);
+      EXPECT_LT(std::min(std::abs(all[0] - 1.0), std::abs(all[1] - 1.0)), 1e-6);
+    }
+  ASSERT_GE(folds.size(), 2U);
+  EXPECT_NEAR(folds[0], .25860746, 1e-7);
+  EXPECT_NEAR(folds[1], .12826935, 1e-7);
+}
+
+// The period of a drive goes with its frequency.
+TEST_F(PeriodicFamilies, ByTheFrequencyOfADriveFollowItsPeriod) {
+  const Json problem = custom(R"~({"variables": ["x", "v"], "parameters": {"w": 0.6},
+      "equations": {"x": "v", "v": "-x - 0.2*v + cos(w*t)"}})~");
+  const Json made = orbit(
+      {{"problem", problem}, {"period", "2*pi/0.6"}, {"family", {{"by", "/problem/w"}, {"to", 2}, {"count", 40}}}});
+  ASSERT_EQ(made["family_end"], "") << made;
+  for (const Json& member : made["family"]) {
+    const double w = member["value"], stiff = 1 - w * w, size = stiff * stiff + .04 * w * w;
+    EXPECT_NEAR(member["period"], 2 * pi / w, 1e-13);
+    EXPECT_NEAR(member["initial"]["x"], stiff / size, 1e-12);  // the answer of a linear oscillator, at t = 0
+    EXPECT_NEAR(member["initial"]["v"], .2 * w * w / size, 1e-12);
+    EXPECT_NEAR(member["period_slope"], -2 * pi / (w * w), 1e-12);
+  }
+}
+
+// Of the loops of Hénon and Heiles, which turn unstable at .892 of the energy of escape, 1/6.
+// Brack, Foundations of Physics 31, 209 (2001): .8922.
+TEST_F(PeriodicFamilies, OfHenonAndHeilesLosesItsStabilityWhereItIsPublished) {
+  const Json problem = custom(R"~({"variables": ["x", "y"],
+      "lagrangian": "(vx^2+vy^2)/2 - (x^2+y^2)/2 - x^2*y + y^3/3"})~");
+  const Json made = orbit({{"problem", problem},
+                           {"initial", {{"x", 0}, {"y", .1}, {"px", .3}, {"py", 0}}},
+                           {"period", 6.3},
+                           {"fixed", {"x"}},
+                           {"family", {{"by", "energy"}, {"to", .16}, {"count", 12}}}});
+  const Json* const found = told(made["family"], "period_doubling");
+  ASSERT_TRUE(found) << made;
+  EXPECT_NEAR((*found)["value"].get<double>() * 6, .8922, 4e-4);
+  for (const Json& member : made["family"]) {
+    const auto all = others(member, 2);
+    EXPECT_NEAR(std::abs(all[0] * all[1] - 1.0), 0, 1e-10);
+    if (&member == found) continue;
+    const bool before = member["value"] < (*found)["value"];
+    EXPECT_EQ(member["multipliers"][2]["kind"], before ? "elliptic" : "inverse_hyperbolic");
+    EXPECT_EQ(member["stable"], before);
+  }
+}
+
+// Of conservative scenes, where an orbit is one of many, the period stays where a parameter moves.
+TEST_F(PeriodicFamilies, ByAParameterOfAConservativeSceneKeepThePeriod) {
+  const Json problem = custom(R"~({"variables": ["a"], "parameters": {"g": 1}, "lagrangian": "va^2/2 + g*cos(a)"})~");
+  const Json made = orbit({{"problem", problem},
+                           {"initial", {{"a", 1}}},
+                           {"period", 6.7},
+                           {"symmetric", true},
+                           {"family", {{"by", "/problem/g"}, {"to", 1.5}, {"count", 6}}}});
+  ASSERT_EQ(made["family_end"], "") << made;
+  for (const Json& member : made["family"]) {
+    EXPECT_NEAR(member["period"], made["period"].get<double>(), 1e-13);
+    const double k = std::sin(member["initial"]["a"].get<double>() / 2);
+    EXPECT_NEAR(4 * std::comp_ellint_1(k) / std::sqrt(member["value"].get<double>()), member["period"], 1e-11);
+  }
+}
+
+TEST_F(PeriodicFamilies, OfOrbitsThatAreAloneSaySo) {
+  const Json made = orbit({{"problem", "van_der_pol"}, {"period", 6.6}, {"family", {{"by", "/initial/x"}, {"to", 3}}}});
+  EXPECT_EQ(made["status"], "closed");
+  EXPECT_NE(made["family_end"].get<std::string>().find("alone"), std::string::npos) << made["family_end"];
+}
+
+// The lines are the members of the whole answer, which comes with the last.
+TEST_F(PeriodicFamilies, LeaveInLines) {
+  const Json request{{"problem", "van_der_pol"},
+                     {"period", 6.6},
+                     {"family", {{"by", "/problem/epsilon"}, {"to", 3}, {"count", 5}}},
+                     {"manifolds", {{"count", 1}}}};
+  const Json whole = orbit(request);
+  const Reply made = reply(request, "/v1/periodic", "application/x-ndjson");
+  ASSERT_EQ(made.status, 200);
+  std::istringstream text(made.body);
+  std::vector<Json> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(Json::parse(line));
+  ASSERT_EQ(lines.size(), whole["family"].size() + 2);
+  EXPECT_EQ(lines.front()["kind"], "head");
+  EXPECT_EQ(lines.front()["problem"]["epsilon"], 1);
+  for (std::size_t i = 0; i < whole["family"].size(); ++i) {
+    Json line = lines[i + 1];
+    EXPECT_EQ(line["kind"], "member");
+    line.erase("kind");
+    EXPECT_EQ(line, whole["family"][i]);
+  }
+  Json end = lines.back(), rest = whole;
+  EXPECT_EQ(end["kind"], "end");
+  for (Json* one : {&end, &rest})
+    for (const char* member : {"kind", "cost", "family"}) one->erase(member);
+  EXPECT_EQ(end, rest);
+  EXPECT_EQ(end["manifolds"]["unstable"]["reason"], "no multiplier is real and on that side of the unit circle");
+}
+
+}  // namespace
+}  // namespace least::server::test

@@ -1,0 +1,119 @@
+// Closed orbits that there are not, or that nobody can ask for.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+
+#include "tests/server/orbits.hpp"
+
+namespace least::server::test {
+namespace {
+
+class PeriodicFaults : public AskingForOrbits {
+ protected:
+  static std::string reason(const Json& request) {
+    const Json made = orbit(request);
+    EXPECT_EQ(made["status"], "not_closed") << made;
+    EXPECT_TRUE(made["stable"].is_null());
+    EXPECT_TRUE(made["multipliers"].empty());
+    EXPECT_TRUE(made.contains("initial") && made.contains("period"));
+    return made["reason"];
+  }
+  static void expect_reason(const Json& request, const char* part) {
+    const std::string found = reason(request);
+    EXPECT_NE(found.find(part), std::string::npos) << found;
+  }
+  static void expect_fault(Json request, const std::string& pointer, const char* part) {
+    const Json fault = fault_of(request, "/v1/periodic");
+    EXPECT_EQ(fault["pointer"], pointer) << request << fault;
+    EXPECT_NE(fault["detail"].get<std::string>().find(part), std::string::npos) << fault;
+  }
+};
+
+TEST_F(PeriodicFaults, AreAnswersWithAReasonWhereNothingCloses) {
+  expect_reason({{"problem", pendulum()}, {"initial", {{"a", 0}}}, {"period", 6.3}}, "equilibrium");
+  const Json blows_up = custom(R"~({"variables": ["x"], "equations": {"x": "x^2"}})~");
+  expect_reason({{"problem", blows_up}, {"initial", {{"x", 1}}}, {"period", 6}}, "beyond t = 0.99999");
+  const Json falls = custom(R"~({"variables": ["x"], "potential": "x"})~");
+  const Json made = orbit({{"problem", falls}, {"initial", {{"x", 1}}}, {"period", 2}});
+  EXPECT_EQ(made["status"], "not_closed");
+  EXPECT_GT(made["closure"], 1e-3);  // how near it came
+  EXPECT_EQ(made["reason"], "Newton's method comes nearer only in a time that goes to 0");
+  const Json damped = custom(R"~({"variables": ["x"], "potential": "x^2/2", "damping": 0.1})~");
+  expect_reason({{"problem", damped}, {"initial", {{"x", 1}}}, {"period", 6.3}}, "has led to an equilibrium");
+}
+
+TEST_F(PeriodicFaults, AreFaultsWithAPlace) {
+  const Json good{{"problem", pendulum()}, {"initial", {{"a", 1}}}, {"period", 6.5}};
+  const auto with = [&](const char* key, Json value) {
+    Json request = good;
+    request[key] = std::move(value);
+    return request;
+  };
+  expect_fault(with("period", 0), "/period", "greater than 0");
+  expect_fault(with("period", -1), "/period", "greater than 0");
+  expect_fault(with("period", "x"), "/period", "");
+  expect_fault(with("fixed", {"b"}), "/fixed/0", "");
+  expect_fault(with("fixed", {"s"}), "/fixed/0", "");
+  expect_fault(with("until", 3), "/until", "");
+  expect_fault(with("scheme", "leapfrog"), "/scheme", "");
+  expect_fault(with("scheme", {{"id", "taylor"}, {"step", 1}}), "/scheme/step", "");
+  expect_fault(with("symmetric", 1), "/symmetric", "true or false");
+  expect_fault(with("family", {{"by", "/initial/b"}, {"to", 1}}), "/family/by", "");
+  expect_fault(with("family", {{"by", "/scheme/tolerance"}, {"to", 1}}), "/family/by", "");
+  expect_fault(with("family", {{"by", "energy"}}), "/family/to", "required");
+  expect_fault(with("family", {{"by", "energy"}, {"to", 1}, {"count", 1}}), "/family/count", "");
+  expect_fault(with("family", {{"by", "period"}, {"to", -1}}), "/family/to", "greater than 0");
+  expect_fault(with("manifolds", {{"count", 1000}}), "/manifolds/count", "");
+  expect_fault(with("manifolds", {{"until", 0}}), "/manifolds/until", "greater than 0");
+  Json none = good;
+  none.erase("period");
+  expect_fault(none, "/period", "required");
+}
+
+TEST_F(PeriodicFaults, KnowTheScene) {
+  const Json driven = custom(R"~({"variables": ["x"], "potential": "x^2/2 - x*cos(2*t)"})~");
+  const Json request{{"problem", driven}, {"initial", {{"x", 1}}}, {"period", 3}};
+  expect_fault(request, "/period", "do not repeat");
+  Json right = request;
+  right["period"] = "2*pi";  // twice that of the drive
+  EXPECT_EQ(reply(right, "/v1/periodic").status, 200);
+  right["symmetric"] = true;
+  expect_fault(right, "/symmetric", "driven");
+  right["symmetric"] = false;
+  right["family"] = {{"by", "period"}, {"to", 1}};
+  expect_fault(right, "/family/by", "that of the drive");
+  expect_fault({{"problem", pendulum()}, {"initial", {{"a", 1}, {"va", .1}}}, {"period", 6.5}, {"symmetric", true}},
+               "/symmetric", "no crossing at right angles");
+  expect_fault({{"problem", "van_der_pol"}, {"period", 6.5}, {"family", {{"by", "energy"}, {"to", 1}}}}, "/family/by",
+               "no energy");
+  expect_fault({{"problem", pendulum()},
+                {"initial", {{"a", 1}}},
+                {"period", 6.5},
+                {"fixed", {"a"}},
+                {"family", {{"by", "/initial/a"}, {"to", 2}}}},
+               "/family/by", "fixed");
+  const Json chain = custom(R"~({"variables": ["x[40]"], "potential": "sum(i=1..39, (x[i+1]-x[i])^2/2)"})~");
+  expect_fault({{"problem", chain}, {"period", 6}}, "/problem", "too many");
+}
+
+TEST_F(PeriodicFaults, LimitsHold) {
+  const Json problem = custom(R"~({"variables": ["x[6]", "y[6]"], "lagrangian":
+      "sum(i=1..6, (vx[i]^2+vy[i]^2)/2 + sum(j=i+1..6, 1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2)))"})~");
+  Json request{{"problem", problem},
+               {"initial", {{"x", {1, 2, 3, 4, 5, 6}}, {"vy", {1, -1, 1, -1, 1, -1}}}},
+               {"period", 500},
+               {"limits", {{"seconds", 0.2}}}};
+  const auto from = std::chrono::steady_clock::now();
+  Json made = orbit(request);
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - from;
+  EXPECT_EQ(made["status"], "not_closed");
+  EXPECT_EQ(made["stop"]["reason"], "deadline") << made;
+  EXPECT_LT(taken.count(), 5);
+  request["limits"] = {{"steps", 10}};
+  made = orbit(request);
+  EXPECT_EQ(made["stop"]["reason"], "step_limit") << made;
+}
+
+}  // namespace
+}  // namespace least::server::test

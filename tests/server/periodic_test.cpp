@@ -14,7 +14,9 @@ class Periodic : public AskingForOrbits {};
 TEST_F(Periodic, OfVanDerPolHasThePublishedPeriod) {
   const double truth[][3] = {{1, 6.5, 6.66328685932313}, {10, 18, 19.0783695669390}, {100, 160, 162.837071092370}};
   for (const auto& [epsilon, guess, period] : truth) {
-    const Json made = orbit({{"problem", {{"id", "van_der_pol"}, {"epsilon", epsilon}}}, {"period", guess}});
+    const Json made = orbit({{"problem", {{"id", "van_der_pol"}, {"epsilon", epsilon}}},
+                             {"initial", {{"x", 2}, {"v", 0}, {"slope", 5}}},
+                             {"period", guess}});
     ASSERT_EQ(made["status"], "closed") << made;
     EXPECT_NEAR(made["period"], period, 1e-13 * period);
     EXPECT_EQ(made["trivial_by"], Json::parse(R"({"time":1,"invariants":0,"symmetries":0})"));

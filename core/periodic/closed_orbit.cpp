@@ -9,6 +9,7 @@
 #include "core/catalogue/catalogue.hpp"
 #include "core/periodic/orbits.hpp"
 #include "core/run/messages.hpp"
+#include "core/text/scene.hpp"
 #include "core/variations/start.hpp"
 
 namespace least::periodic {
@@ -82,67 +83,6 @@ std::optional<PeriodLaw> period_law(const Question& question) {
   if (fits(question.period / ratio)) return PeriodLaw::inverse;
   if (fits(question.period * ratio)) return PeriodLaw::proportional;
   return std::nullopt;
-}
-
-/// Half an orbit between two crossings at right angles: what is reversed is 0 at both.
-bool close_half(Motion& motion, const Setting& setting, const std::vector<bool>& minus, Trial& trial, Effort& effort,
-                int& iterations, std::string& reason) {
-  constexpr double longest = 0.3, round_off = 1e-13;
-  constexpr int most_halves = 8;
-  const std::size_t n = motion.size();
-  const auto seen_from = [&](const Trial& at) {
-    return motion.follow(at.nodes[0], setting.start(), at.period / 2, effort, reason);
-  };
-  const auto missing = [&](const Reached& reached) {
-    std::vector<double> values;
-    values.reserve(n);
-    for (std::size_t i = 0; i < n; ++i)
-      if (minus[i]) values.push_back(reached.state[i] / setting.extents[i]);
-    return values;
-  };
-  auto seen = seen_from(trial);
-  if (!seen) return false;
-  for (iterations = 0; iterations < most_iterations; ++iterations) {
-    std::vector<double> right = missing(*seen);
-    const double size = length(right);
-    if (size <= round_off) return true;
-    const auto ends = motion.rates(seen->state, setting.start() + trial.period / 2);
-    Matrix rows(0, n + 1);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!minus[i]) continue;
-      for (std::size_t j = 0; j < n; ++j)
-        rows.a.push_back(minus[j] || setting.fixed[j] ? 0
-                                                      : seen->by_start(i, j) * setting.extents[j] / setting.extents[i]);
-      rows.a.push_back(ends[i] / 2 * setting.guess_period / setting.extents[i]);
-      ++rows.rows;
-    }
-    for (double& part : right) part = -part;
-    constexpr double least_pivot = 1e-11;
-    const std::vector<double> change = decompose(rows, right, least_pivot).solution;
-    double most = 0;
-    for (const double part : change) most = std::max(most, std::abs(part));
-    if (!std::isfinite(most)) break;
-    std::optional<Reached> better;
-    Trial tried;
-    double share = most > longest ? longest / most : 1;
-    for (int half = 0; half < most_halves && !better; ++half, share /= 2) {
-      tried = trial;
-      for (std::size_t j = 0; j < n; ++j) tried.nodes[0][j] += share * change[j] * setting.extents[j];
-      tried.period += share * change[n] * setting.guess_period;
-      if (!(tried.period > 0)) continue;
-      better = seen_from(tried);
-      if (effort.over()) return false;
-      if (better && !(length(missing(*better)) < size)) better.reset();
-    }
-    if (!better) {
-      if (size <= Shooting::close_enough) return true;
-      break;
-    }
-    trial = std::move(tried);
-    seen = std::move(better);
-  }
-  reason = "no second crossing at right angles was found";
-  return false;
 }
 
 class Closing {
@@ -230,10 +170,23 @@ class Closing {
   std::optional<Trial> try_from(Motion& motion, Trial trial) {
     std::string reason;
     if (!shooting_->refine(trial, reason)) return fails(reason);
-    const auto made = shooting_->correct(trial, {}, most_iterations);
-    answer_.iterations += made.iterations;
-    if (made.look.segments.empty()) return fails(made.reason);
-    return judge(motion, made);
+    auto closed = judge(motion, shooting_->correct(trial, {}, most_iterations));
+    if (closed || !rests_ || !motion.keeps_energy()) return closed;
+    // An equilibrium is closed after every time; it is not where the energy stays that of the guess.
+    const auto energy = [&](const Trial& of) { return motion.energy(of.nodes[0], setting_.start()); };
+    const auto slopes = [&](const Trial& of) {
+      std::vector<double> gradient = motion.energy_gradient(of.nodes[0], setting_.start());
+      for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] *= setting_.extents[i];
+      gradient.resize(Shooting::unknowns(of));
+      return gradient;
+    };
+    const double wanted = energy(trial), unit = length(slopes(trial));
+    const auto keep_energy = [&](const Trial& of) {
+      FurtherRow row{slopes(of), (energy(of) - wanted) / unit};
+      for (double& slope : row.coefficients) slope /= unit;
+      return row;
+    };
+    return judge(motion, shooting_->correct(trial, keep_energy, most_iterations));
   }
   std::nullopt_t fails(const std::string& reason) {
     if (answer_.reason.empty()) answer_.reason = reason;
@@ -249,23 +202,27 @@ class Closing {
 
   std::optional<Trial> judge(Motion& motion, const Shooting::Corrected& made) {
     constexpr double vanished = 1e-6;
+    answer_.iterations += made.iterations;
+    rests_ = false;
+    if (made.look.segments.empty()) return fails(made.reason);
     std::string reason;
     std::vector<double> extents = extents_of(motion, made.trial, setting_.start(), effort_, reason);
     if (extents.empty()) return fails(reason);
     double shrunk = 0;
     for (std::size_t i = 0; i < extents.size(); ++i) shrunk = std::max(shrunk, extents[i] / setting_.extents[i]);
-    const bool rests = shrunk < vanished || at_rest(extents, made.trial.nodes[0]);
+    rests_ = shrunk < vanished || at_rest(extents, made.trial.nodes[0]);
     make_units(extents);
     double closure = 0;
     for (std::size_t row = 0; row < made.look.defects.size(); ++row) {
       const std::size_t i = row % extents.size();
       closure = std::max(closure, std::abs(made.look.defects[row]) * setting_.extents[i] / extents[i]);
     }
-    if (!(closure >= answer_.orbit.closure)) {  // the nearest of all that were tried
+    answer_.closed = made.closed && !rests_ && closure <= Shooting::close_enough;
+    if (answer_.closed || !(closure >= answer_.orbit.closure)) {  // the nearest of all that were tried
       answer_.orbit = orbit_of(*shooting_, setting_, made.trial, made.look, effort_);
       answer_.orbit.closure = closure;
     }
-    if (rests) {
+    if (rests_) {
       double pace = 0;
       const std::vector<double> rates = motion.rates(made.trial.nodes[0], setting_.start());
       for (std::size_t i = 0; i < rates.size(); ++i)
@@ -275,7 +232,6 @@ class Closing {
       answer_.orbit.stability = {};
       return std::nullopt;
     }
-    answer_.closed = made.closed && closure <= Shooting::close_enough;
     if (answer_.closed) return made.trial;
     answer_.reason = !made.reason.empty() ? made.reason
                                           : "Newton's method comes no nearer than " + messages::number(closure) +
@@ -288,6 +244,7 @@ class Closing {
   Answer& answer_;
   Setting setting_;
   std::optional<Shooting> shooting_;
+  bool rests_ = false;  ///< what was found last is an equilibrium
 };
 
 }  // namespace
@@ -296,6 +253,15 @@ std::optional<Objection> objection(const Question& question) {
   const Scene& scene = *question.scene;
   const FamilyAsked* const family = question.family ? &*question.family : nullptr;
   const bool by_parameter = family && family->by == FamilyAsked::By::parameter;
+  const auto too_many = [](std::size_t components) {
+    return Objection{"/problem",
+                     "the motion has " + std::to_string(components) + " variables: too many for an orbit to be closed",
+                     "at most " + std::to_string(most_components)};
+  };
+  if (const text::TextScene* text = scene.mechanics->text()) {  // before its equations are derived
+    const std::size_t count = text->form->coordinates * (text->form->kind == text::FormKind::flow ? 1 : 2);
+    if (count > most_components) return too_many(count);
+  }
   Motion::Equations equations;
   try {
     auto made = equations_of(scene, by_parameter ? std::optional(family->index) : std::nullopt);
@@ -304,12 +270,7 @@ std::optional<Objection> objection(const Question& question) {
   } catch (const tape::TooManyOperations&) {
     return Objection{"/problem", "the equations of its derivatives are too long", {}};
   }
-  if (equations->components > most_components)
-    return Objection{"/problem",
-                     "the motion has " + std::to_string(equations->components) +
-                         " variables: too many for an orbit to "
-                         "be closed",
-                     "at most " + std::to_string(most_components)};
+  if (equations->components > most_components) return too_many(equations->components);
   const auto moves = [&](std::size_t variable) {
     return std::ranges::find(equations->variables, variable) != equations->variables.end();
   };

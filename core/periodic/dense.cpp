@@ -129,21 +129,32 @@ Matrix span_of(const Matrix& columns, double threshold, double size) {
   return plain(made.q.leftCols(made.rank));
 }
 
+/// From the diagonal blocks of the real Schur form, of one and of two rows.
 std::vector<std::complex<double>> eigenvalues(const Matrix& square) {
-  if (square.rows == 0) return {};
-  const Eigen::EigenSolver<Dense> solver(dense(square), false);
-  const auto& values = solver.eigenvalues();
-  return {values.begin(), values.end()};
+  const std::size_t n = square.rows;
+  std::vector<std::complex<double>> values(n);
+  if (n == 0) return values;
+  const Eigen::RealSchur<Dense> schur(dense(square), false);
+  const auto t = [&](std::size_t i, std::size_t j) { return schur.matrixT()(index(i), index(j)); };
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i + 1 == n || t(i + 1, i) == 0) {
+      values[i] = t(i, i);
+      continue;
+    }
+    const double half = (t(i, i) - t(i + 1, i + 1)) / 2, inner = half * half + t(i, i + 1) * t(i + 1, i);
+    const std::complex<double> root = std::sqrt(std::complex<double>(inner));
+    values[i] = t(i + 1, i + 1) + half + root;
+    values[i + 1] = t(i + 1, i + 1) + half - root;
+    ++i;
+  }
+  return values;
 }
 
+/// What A − λ maps to nothing: it is orthogonal to all rows.
 std::vector<double> eigenvector(const Matrix& square, double value) {
-  const Eigen::EigenSolver<Dense> solver(dense(square), true);
-  Eigen::Index nearest = 0;
-  for (Eigen::Index i = 1; i < solver.eigenvalues().size(); ++i)
-    if (std::abs(solver.eigenvalues()[i] - value) < std::abs(solver.eigenvalues()[nearest] - value)) nearest = i;
-  Eigen::VectorXd vector = solver.eigenvectors().col(nearest).real();
-  vector.normalize();
-  return {vector.begin(), vector.end()};
+  Matrix rows = transposed(square);
+  for (std::size_t i = 0; i < rows.rows; ++i) rows(i, i) -= value;
+  return complement_of(rows, rows.rows - 1).column(0);
 }
 
 }  // namespace least::periodic

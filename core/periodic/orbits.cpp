@@ -114,6 +114,66 @@ std::optional<std::vector<bool>> reversed_components(const Rates& rates, std::sp
   return std::nullopt;
 }
 
+bool close_half(Motion& motion, const Setting& setting, const std::vector<bool>& minus, Trial& trial, Effort& effort,
+                int& iterations, std::string& reason) {
+  constexpr double longest = 0.3, round_off = 1e-13;
+  constexpr int most_halves = 8, most_rounds = 60;
+  const std::size_t n = motion.size();
+  const auto seen_from = [&](const Trial& at) {
+    return motion.follow(at.nodes[0], setting.start(), at.period / 2, effort, reason);
+  };
+  const auto missing = [&](const Reached& reached) {
+    std::vector<double> values;
+    values.reserve(n);
+    for (std::size_t i = 0; i < n; ++i)
+      if (minus[i]) values.push_back(reached.state[i] / setting.extents[i]);
+    return values;
+  };
+  auto seen = seen_from(trial);
+  if (!seen) return false;
+  for (iterations = 0; iterations < most_rounds; ++iterations) {
+    std::vector<double> right = missing(*seen);
+    const double size = length(right);
+    if (size <= round_off) return true;
+    const auto ends = motion.rates(seen->state, setting.start() + trial.period / 2);
+    Matrix rows(0, n + 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!minus[i]) continue;
+      for (std::size_t j = 0; j < n; ++j)
+        rows.a.push_back(minus[j] || setting.fixed[j] ? 0
+                                                      : seen->by_start(i, j) * setting.extents[j] / setting.extents[i]);
+      rows.a.push_back(ends[i] / 2 * setting.guess_period / setting.extents[i]);
+      ++rows.rows;
+    }
+    for (double& part : right) part = -part;
+    constexpr double least_pivot = 1e-11;
+    const std::vector<double> change = decompose(rows, right, least_pivot).solution;
+    double most = 0;
+    for (const double part : change) most = std::max(most, std::abs(part));
+    if (!std::isfinite(most)) break;
+    std::optional<Reached> better;
+    Trial tried;
+    double share = most > longest ? longest / most : 1;
+    for (int half = 0; half < most_halves && !better; ++half, share /= 2) {
+      tried = trial;
+      for (std::size_t j = 0; j < n; ++j) tried.nodes[0][j] += share * change[j] * setting.extents[j];
+      tried.period += share * change[n] * setting.guess_period;
+      if (!(tried.period > 0)) continue;
+      better = seen_from(tried);
+      if (effort.over()) return false;
+      if (better && !(length(missing(*better)) < size)) better.reset();
+    }
+    if (!better) {
+      if (size <= Shooting::close_enough) return true;
+      break;
+    }
+    trial = std::move(tried);
+    seen = std::move(better);
+  }
+  reason = "no second crossing at right angles was found";
+  return false;
+}
+
 double nearest_return(Motion& motion, const Setting& setting, const Trial& guess, Effort& effort) {
   constexpr double by_far = 0.5;
   constexpr std::size_t looks = 512;

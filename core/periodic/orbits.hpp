@@ -29,6 +29,11 @@ bool repeats(const Rates& a, const Rates& b, std::span<const double> x, double t
 std::optional<std::vector<bool>> reversed_components(const Rates& rates, std::span<const double> x, double t,
                                                      std::size_t coordinates);
 
+/// Half an orbit between two crossings at right angles: what is reversed is 0 at both. `trial`: the guess, which
+/// becomes it. False: there is none, for the reason.
+bool close_half(Motion& motion, const Setting& setting, const std::vector<bool>& minus, Trial& trial, Effort& effort,
+                int& iterations, std::string& reason);
+
 /// An orbit, with its multipliers where it is closed.
 Orbit orbit_of(Shooting& shooting, const Setting& setting, const Trial& trial, const Look& look, Effort& effort);
 

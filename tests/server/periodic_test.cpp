@@ -120,6 +120,17 @@ TEST_F(Periodic, OfAPendulumThatTurnsOverClosesAWholeTurnLater) {
   EXPECT_EQ(made["initial"]["pa"], 3);
 }
 
+// A small swing of two pendulums, from a guess out of phase by a tenth: every equilibrium is closed after any time, and
+// the energy of the guess keeps away from it.
+TEST_F(Periodic, OfASmallSwingDoesNotComeToRest) {
+  const Json problem = custom(R"~({"variables": ["a", "b"],
+      "lagrangian": "va^2 + vb^2/2 + va*vb*cos(a-b) + 2*cos(a) + cos(b)"})~");
+  const Json made = orbit({{"problem", problem}, {"initial", {{"a", .01}, {"b", -.013}}}, {"period", 3.1}});
+  ASSERT_EQ(made["status"], "closed") << made["reason"];
+  EXPECT_NEAR(made["period"], 2 * pi / std::sqrt(2 + std::sqrt(2)), 1e-3);  // that of the linear motion
+  EXPECT_GT(made["invariant"]["energy"].get<double>(), -3 + 1e-5);
+}
+
 // (q, p) of contact scenes: pairs have the product e^{−∫α dt}, and of what is nonlinear in s e^{−∫∂H/∂s dt}, along the
 // contact hyperplanes.
 TEST_F(Periodic, OfDrivenContactScenesHasPairs) {

@@ -1,7 +1,16 @@
 // The closed orbit near a run: its period, its multipliers and its family are true, and it is drawn over the runs.
 import assert from "node:assert/strict";
+import { test } from "node:test";
+import { circlePicture } from "../../web/drawing/circle.js";
 import { all, becomes, drawn, frames, pageTest, plane, settled, statuses } from "./browser.mjs";
 import { fieldAt } from "./made.mjs";
+
+test("multipliers about the unit circle: a number and its inverse on both sides of it, none beyond 2", () => {
+  const { curves } = circlePicture([1, 285, 1 / 285, -3, 1e12].map((re) => ({ re, im: 0 })).concat({ re: 0, im: -1 }), "--ink", ["", ""]);
+  const [one, far, near, behind, most, below] = curves.map(({ x: [x], y: [y] }) => [x, y]);
+  assert.deepEqual([one, below], [[1, 0], [0, -1]]);
+  assert.ok(Math.abs(far[0] + near[0] - 2) < 1e-12 && far[0] > 1.8 && behind[0] < -1 && most[0] < 2 && most[0] > far[0]);
+});
 
 const said = (page) => page.textContent("#closed-status");
 async function close(page, pattern) {
@@ -32,7 +41,7 @@ pageTest("a pendulum's orbit: its period, its family, and a click that runs one 
   assert.ok(q > 1.4 && q < 2.1 && Math.abs(until - swing(q)) < 1e-8, `from ${q} until ${until}, not ${swing(q)}`);
   assert.ok(await page.isVisible("#multipliers table"), "what was found stays");
   assert.deepEqual(await statuses(page), ["completed", "completed"]);
-  await fieldAt(page, "/initial/q").fill("0.5");
+  await fieldAt(page, "/initial/q").fill("1.2");
   await fieldAt(page, "/initial/q").press("Enter");
   await settled(page);
   await frames(page);

@@ -10,6 +10,8 @@ const parts = {
   "the workbench": { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis", open: ".curl summary" },
   "a presentation of a scene": { hash: "#problem=pendulum&until.t=20&present" },
   "a portrait": { hash: "#problem=pendulum&starts.of=q,p&starts.at=0,1,0,2&view.field=true", ready: "#start-list li" },
+  "points with tangents": { hash: "#lesson=clock", ready: "#lesson[aria-busy=false]" },
+  "multipliers about the unit circle": { hash: "#lesson=arenstorf", ready: "#lesson[aria-busy=false]" },
   "many runs, with a key": { hash: "#lesson=islands", ready: "#lesson .hues" },
   "a scene as text, with a fault": { hash: "#problem=custom&problem.variables=q&problem.potential=k*q^2", ready: "#spot-formula mark", expected: /422/ },
 };
@@ -22,6 +24,22 @@ for (const [name, { open, ...part }] of Object.entries(parts)) {
     assert.deepEqual(await axeViolations(page, ["color-contrast"]), [], "in the dark");
   });
 }
+
+const measured = { hash: "#problem=pendulum&initial.q=1&until.t=20&closed.by=energy&closed.to=0.5&closed.count=6", reducedMotion: "reduce" };
+pageTest("axe finds nothing wrong: derivatives, a parameter over a range, a closed orbit; all fit a telephone", measured, async (page) => {
+  for (const study of ["tangent", "sweep", "closed"]) {
+    await page.click(`#measure-${study}`);
+    await page.locator(`#${study} figure:not([hidden])`).first().waitFor();
+    await page.locator(`#measure-${study}:not(:text-is("Stop"))`).waitFor();
+  }
+  assert.deepEqual(await axeViolations(page), []);
+  await page.emulateMedia({ colorScheme: "dark" });
+  await frames(page);
+  assert.deepEqual(await axeViolations(page, ["color-contrast"]), [], "in the dark");
+  await page.setViewportSize({ width: 360, height: 740 });
+  await frames(page);
+  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 360);
+});
 
 /** Walks with the Tab key until `there(element)` holds of what has the focus. */
 async function tabTo(page, selector) {

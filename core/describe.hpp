@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -94,6 +95,10 @@ struct PresetCard {
   double span = 0;                                  ///< default length of a run; 0: the problem's own
 };
 
+/// Whether a Hamiltonian given as text is one for lifted_splitting, and whether what is linear in its momenta moves the
+/// coordinates in a way that can be followed exactly.
+enum class Lifted : std::uint8_t { no, yes, exactly };
+
 struct ProblemCard {
   std::string id{}, title{}, summary{}, formula{};  ///< formula: MathML
   std::vector<VariableCard> variables{};
@@ -104,6 +109,8 @@ struct ProblemCard {
   std::vector<QuantityCard> invariants{};  ///< conserved by the exact motion, besides the energy
   std::vector<QuantityCard> quantities{};  ///< not conserved
   std::vector<std::string> references{};
+  Lifted lift = Lifted::no;
+  std::string lift_objection{};  ///< why not, of a general Hamiltonian
   // Derived from the mechanics:
   bool keeps_energy = false;                  ///< the exact motion conserves the energy
   bool keeps_form = false;                    ///< it keeps the symplectic or the contact form

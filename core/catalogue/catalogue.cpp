@@ -71,7 +71,7 @@ Request default_request(std::string_view problem, std::string_view scheme) {
 namespace {
 
 /// In words, which mechanics a problem offers to schemes.
-std::string offers(const ProblemTraits& traits) {
+std::string offers(const ProblemTraits& traits, const std::string& objection) {
   std::string words = (traits.conservative || (traits.forced && traits.potential)) && !traits.configuration_metric
                           ? "a separable Hamiltonian (a potential and a constant kinetic metric)"
                       : traits.linear_contact       ? "a contact Hamiltonian linear in s (a potential and a damping)"
@@ -82,6 +82,7 @@ std::string offers(const ProblemTraits& traits) {
                       : traits.split_flow           ? "a vector field that is a sum of exact flows"
                                                     : "";
   if (traits.forced) words += " with forces beside it";
+  if (!objection.empty()) words += " " + objection;
   words += words.empty() ? "equations of motion" : ", equations of motion";
   if (traits.autonomous) words += " that do not depend on time";
   return words;
@@ -94,8 +95,10 @@ ProblemCard complete_card(ProblemCard card, const ProblemTraits& traits, std::ve
   card.keeps_form = (traits.potential || traits.general) && !traits.forced;
   for (const auto& column : columns_of(traits, card)) card.columns.push_back(column.card);
   card.diagnostics = diagnostic_cards(traits);
-  card.offers = offers(traits);
+  card.offers = offers(traits, card.lift_objection);
   card.schemes = std::move(schemes);
+  if (card.lift == Lifted::no)
+    std::erase_if(card.schemes, [](std::size_t i) { return scheme_cards()[i].id == LiftedSplitting::id; });
   return card;
 }
 

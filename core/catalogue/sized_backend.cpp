@@ -80,6 +80,9 @@ std::unique_ptr<Integrator> bind_pair(const Binding& to) {
 std::unique_ptr<Integrator> bind_contact_leapfrog(const Binding& to) {
   return to.equal_steps(SizedContactLeapfrog(to.scene, to.scheme<ContactLeapfrog>()));
 }
+std::unique_ptr<Integrator> bind_lifted(const Binding& to) {
+  return to.equal_steps(SizedLifted(to.scene, to.scheme<LiftedSplitting>()));
+}
 std::unique_ptr<Integrator> bind_series(const Binding& to) {
   return to.own_clock(
       SizedSeries{to.scheme<Taylor>(), taylor::program_of(to.scene.equations, to.scene.rates, to.scene.rates.size())});
@@ -100,6 +103,7 @@ bool on_separable(const SizedScene& scene) {
 }
 /// Of order 3 with exact kicks alone: a symmetric error in each would not cancel.
 bool with_exact_kicks(const SizedScene& scene) { return on_separable(scene) && (!scene.forced || scene.forces.linear); }
+bool with_lift(const SizedScene& scene) { return scene.lift != nullptr; }
 bool on_damped(const SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
 bool on_few_forced(const SizedScene& scene) {
   return scene.forced && scene.coordinates <= static_cast<std::size_t>(text::compiled_coordinates);
@@ -120,6 +124,7 @@ constexpr std::array sized_schemes{SizedScheme{"explicit_euler", on_all, bind_st
                                    SizedScheme{"variational_midpoint", on_few_forced, bind_rule<VariationalMidpoint>},
                                    SizedScheme{"galerkin_4", on_few_forced, bind_rule<Galerkin4>},
                                    SizedScheme{"contact_leapfrog", on_damped, bind_contact_leapfrog},
+                                   SizedScheme{"lifted_splitting", with_lift, bind_lifted},
                                    SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
                                    SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},
                                    SizedScheme{"bulirsch_stoer", on_all, bind_pair<BulirschStoer>},

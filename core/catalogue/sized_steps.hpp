@@ -10,6 +10,7 @@
 #include "core/catalogue/sized_table.hpp"
 #include "core/run/equal_steps.hpp"
 #include "core/schemes/contact_leapfrog.hpp"
+#include "core/schemes/lifted_splitting.hpp"
 #include "core/schemes/runge_kutta.hpp"
 #include "core/schemes/splitting.hpp"
 
@@ -165,6 +166,27 @@ class SizedRungeKutta {
   ExplicitTableau<Stages> tableau_;
   std::vector<double> slope_, sum_, y_;
   Work work_;
+};
+
+/// Of a general Hamiltonian that has a lift.
+class SizedLifted {
+ public:
+  SizedLifted(const text::SizedScene& scene, const LiftedSplitting& scheme)
+      : scene_(&scene), map_(scene.lift, scheme.composition, scheme.lift), slope_(scene.coordinates + 1) {}
+
+  void begin(StateView x) { map_.begin(x.numbers, x.t, slope_.data()); }
+  /// A step that fails leaves neither the state nor the stepper as they were.
+  StepStatus step(double* x, double t, double h) noexcept {
+    const std::size_t n = scene_->coordinates;
+    return map_.step({x, x + n, scene_->acting ? x + 2 * n : nullptr, slope_.data()}, t, h);
+  }
+  const Work& work() const { return map_.work(); }
+  double flips_from() const { return std::numeric_limits<double>::infinity(); }
+
+ private:
+  const text::SizedScene* scene_;
+  LiftedMap<double> map_;
+  std::vector<double> slope_;  ///< ∇V and V at the state
 };
 
 template <class Stepper>

@@ -15,6 +15,7 @@
 #include "core/schemes/general_herglotz.hpp"
 #include "core/schemes/hamiltonian_gauss.hpp"
 #include "core/schemes/jacobi_maupertuis.hpp"
+#include "core/schemes/lifted_splitting.hpp"
 #include "core/schemes/odeint.hpp"
 #include "core/schemes/runge_kutta.hpp"
 #include "core/schemes/splitting.hpp"
@@ -27,7 +28,7 @@ namespace least {
 using SchemeList =
     std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
                Galerkin4, JacobiMaupertuis, EnergyMomentum, TimeTransformed, AdaptiveVerlet, ContactSymplecticEuler,
-               ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss, Taylor,
-               DormandPrince5, Fehlberg78, BulirschStoer>;
+               ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss,
+               LiftedSplitting, Taylor, DormandPrince5, Fehlberg78, BulirschStoer>;
 
 }  // namespace least

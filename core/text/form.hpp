@@ -44,6 +44,8 @@ struct Numbering {
   }
 };
 
+class Lift;  // core/text/lift.hpp
+
 /// Shared, and never changed once it is shared.
 struct Form {
   FormKind kind = FormKind::separable;

@@ -9,6 +9,7 @@
 #include "core/text/expansion.hpp"
 #include "core/text/folding.hpp"
 #include "core/text/formula_markup.hpp"
+#include "core/text/lift.hpp"
 #include "core/text/scenes.hpp"
 #include "core/text/sized_scene.hpp"
 
@@ -103,6 +104,10 @@ ProblemCard TextScene::described() const {
                                             .range = anywhere});
   card.span = default_span;
   for (const auto& name : form->invariant_names) card.invariants.push_back({name, name, "kept, as the text says"});
+  if (form->kind == FormKind::hamiltonian && !form->forced) {
+    card.lift_objection = Lift::objection(*form, definition.variables);
+    if (card.lift_objection.empty()) card.lift = Lift::is_linear(*form) ? Lifted::exactly : Lifted::yes;
+  }
   if (known) describe_as_known(card);
   return card;
 }

@@ -7,6 +7,7 @@
 
 #include "core/tape/elimination.hpp"
 #include "core/text/folding.hpp"
+#include "core/text/lift.hpp"
 
 namespace least::text {
 Formulas::Formulas(const Form& form, std::span<const double> parameters)
@@ -36,6 +37,7 @@ Formulas::Formulas(const Form& form, std::span<const double> parameters)
     all.push_back(action_variable);
     hamiltonian = fold.formula(form.hamiltonian);
     slopes = fold.formula_of(fold.gradient(fold(form.hamiltonian), all));
+    lift = Lift::of(form, parameters);
   } else {
     potential = fold.formula(form.potential);
     gradient = fold.formula_of(fold.gradient(fold(form.potential), places));

@@ -29,6 +29,7 @@ struct Formulas {
   tape::Formula hamiltonian, slopes;  ///< of (q, p, s): H; H_q, H_p, H_s
   tape::Formula momenta;              ///< of (q, v, s): ∂L/∂v, then ∂²L/∂v² row by row
   tape::Formula lagrangian;           ///< of (q, v, s): L, L_q, L_s
+  std::shared_ptr<const Lift> lift;   ///< of a general Hamiltonian that has one
   tape::Formula all_of_lagrangian;    ///< of (q, v, s): L, L_q, L_v, L_s
   std::array<double, compiled_coordinates> inverse_mass{};
   /// The constant metric g and its inverse, where g is not diagonal: their first `coordinates` rows and columns.
@@ -184,6 +185,7 @@ struct GeneralScene {
 
 /// Any H(q, p, s, t)
 struct HamiltonianScene : GeneralScene {
+  const std::shared_ptr<const Lift>& lift() const { return formulas->lift; }
   template <class T, class S>
   T hamiltonian(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
     T h;

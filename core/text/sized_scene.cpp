@@ -5,6 +5,7 @@
 
 #include "core/number/linear.hpp"
 #include "core/tape/derivative.hpp"
+#include "core/text/lift.hpp"
 
 namespace least::text {
 
@@ -76,6 +77,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     }
     if (acting) all[2 * n] = work - h;
     hamiltonian = formula({h, slopes[2 * n]});
+    lift = Lift::of(form, parameters);
   } else {
     const Symbol v = fold(form.potential), alpha = fold(form.damping);
     const std::vector<Symbol> slopes = tape::gradient(equations, v, places);

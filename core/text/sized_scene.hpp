@@ -36,8 +36,9 @@ class SizedScene {
   std::vector<tape::Index> rates;  ///< their places
   tape::Formula rate, motion;      ///< of the components, and of those that move: ẋ
   tape::Formula potential, gradient, damping;
-  tape::Formula hamiltonian;  ///< of a general one: H, and H_s
-  tape::Formula invariants;   ///< most_invariants; those that the scene has not are 0
+  tape::Formula hamiltonian;         ///< of a general one: H, and H_s
+  std::shared_ptr<const Lift> lift;  ///< of a general Hamiltonian that has one
+  tape::Formula invariants;          ///< most_invariants; those that the scene has not are 0
 
   /// What is known of the forces F(q, p, t); of all but their values beside a constant metric only.
   struct Forces {

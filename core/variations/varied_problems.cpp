@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/tape/derivative.hpp"
+#include "core/text/lift.hpp"
 
 namespace least::variations {
 namespace {
@@ -92,6 +93,7 @@ VariedFormulas::VariedFormulas(const text::Form& form, std::span<const double> p
     const Symbol h = fold(form.hamiltonian);
     hamiltonian = fold.formula({h});
     slopes = fold.formula(fold.gradient(h, places));
+    lift = text::Lift::of(form, parameters, moved);
     return;
   }
   const Symbol v = fold(form.potential), friction = fold(form.damping);

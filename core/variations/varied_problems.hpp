@@ -29,7 +29,8 @@ struct VariedFormulas {
   bool reads_action;
   Slope parameter = 0;
   tape::Formula potential, gradient, damping, metric, rates;
-  tape::Formula hamiltonian, slopes;  ///< of (q, p, s): H; H_q, H_p, H_s
+  tape::Formula hamiltonian, slopes;       ///< of (q, p, s): H; H_q, H_p, H_s
+  std::shared_ptr<const text::Lift> lift;  ///< of a general Hamiltonian that has one
   std::vector<Slope> inverse_mass;
   bool full_mass = false;
   std::vector<Slope> mass_matrix, inverse_mass_matrix;  ///< where it is not diagonal, row by row
@@ -161,6 +162,7 @@ struct VariedHamiltonian {
 
   std::size_t coordinates() const { return formulas->coordinates; }
   bool reads_action() const { return formulas->reads_action; }
+  const std::shared_ptr<const text::Lift>& lift() const { return formulas->lift; }
   template <class T, class S>
   T hamiltonian(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
     T h;

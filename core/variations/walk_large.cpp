@@ -6,8 +6,8 @@ namespace {
 constexpr int most = 64;
 
 /// As scenes of any size have them (core/catalogue/sized_backend.cpp).
-using Explicit =
-    std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, SymplecticEuler, Leapfrog, Ruth3, ContactLeapfrog>;
+using Explicit = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, SymplecticEuler, Leapfrog, Ruth3,
+                            ContactLeapfrog, LiftedSplitting>;
 
 template <class V>
 std::optional<Walked> walk_among_explicit(const Walk* on, std::string_view id,

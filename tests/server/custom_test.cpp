@@ -323,7 +323,7 @@ TEST_F(CustomHttp, ALagrangianThatIsNotQuadraticIsIterated) {
 // Each of the texts that the page offers runs as it stands.
 TEST_F(CustomHttp, TheTextsOfThePageRun) {
   const Json scenes = Json::parse(std::ifstream(LEAST_SOURCE_DIR "/web/scenes.json"));
-  ASSERT_EQ(scenes.size(), 13U);
+  ASSERT_EQ(scenes.size(), 15U);
   for (const Json& scene : scenes) {
     Json request;
     for (const char* key : {"problem", "initial", "scheme", "until"}) request[key] = scene.at(key);

@@ -1,0 +1,96 @@
+// Scenes with terms linear in the momenta, or not linear in s: what lifted_splitting is for.
+#pragma once
+
+#include "tests/support/texts.hpp"
+
+namespace lifted {
+
+using namespace texts;
+inline constexpr auto lagrangian = Definition::Kind::lagrangian, hamiltonian = Definition::Kind::hamiltonian;
+
+struct Scene {
+  const char* name;
+  Definition definition;
+  std::vector<double> start;  ///< q, p, and s where the motion reads it
+  bool exact = false;         ///< the lifted motion is linear
+};
+
+/// The restricted problem of three bodies in the frame that turns with two, of masses 1 − mu and mu.
+inline Definition restricted_three_bodies() {
+  return of(hamiltonian, {"x", "y"}, {{"mu", 0.012277471}},
+            "(px^2 + py^2)/2 + y*px - x*py - (1-mu)/sqrt((x+mu)^2 + y^2) - mu/sqrt((x-1+mu)^2 + y^2)");
+}
+/// A charge in the field of a magnetic dipole m along z, by its vector potential.
+inline Definition charge_in_a_dipole() {
+  return of(lagrangian, {"x", "y", "z"}, {{"m", 1}}, "(vx^2 + vy^2 + vz^2)/2 + m*(x*vy - y*vx)/(x^2 + y^2 + z^2)^1.5");
+}
+/// And in a uniform one, b along z, with a potential in the plane.
+inline Definition charge_in_a_uniform_field() {
+  return of(hamiltonian, {"x", "y"}, {{"b", 2}, {"e", 0.1}}, "((px + b*y/2)^2 + (py - b*x/2)^2)/2 - e*x + x^4/20");
+}
+inline Definition foucaults_pendulum() {
+  return of(lagrangian, {"x", "y"}, {{"omega", 0.3}, {"w", 1}},
+            "(vx^2 + vy^2)/2 + omega*(x*vy - y*vx) - w^2*(x^2 + y^2)/2 + (x^2 + y^2)^2/24");
+}
+/// Friction that is neither linear in s nor the same everywhere.
+inline Definition contact_prototype() {
+  return of(hamiltonian, {"q"}, {}, "p^2/2 + 1 - cos(q) + 0.3*p*s*sin(q) + 0.2*s + 0.1*s^2*cos(q)");
+}
+/// Masses that are not diagonal, a field that turns and damps, a drive.
+inline Definition driven() {
+  return of(hamiltonian, {"x", "y"}, {{"c", 0.2}},
+            "px^2/2 + py^2 + px*py/3 + (x^2 + y^2)/2 + 0.3*(y*px - x*py)*cos(t) + c*s*(1 + x^2/5) - 0.1*x*sin(2*t)");
+}
+/// A frame that turns and is shaken: linear, but not with constant coefficients.
+inline Definition shaken_frame() {
+  return of(hamiltonian, {"x", "y"}, {{"omega", 0.5}},
+            "(px^2 + py^2)/2 + omega*(y*px - x*py) + 0.4*px*cos(2*t) + x^4/4 + y^2/2");
+}
+/// Van der Pol's oscillator as ẋ = X alone: nothing is split.
+inline Definition van_der_pol() {
+  return of(hamiltonian, {"x", "v"}, {{"epsilon", 1}}, "px*v + pv*(epsilon*(1 - x^2)*v - x)");
+}
+
+inline std::vector<Scene> scenes() {
+  return {{"restricted_three_bodies", restricted_three_bodies(), {0.5, 0, 0, 1.2}, true},
+          {"charge_in_a_dipole", charge_in_a_dipole(), {1, 0, 0.1, 0.1, 1.2, 0.2}},
+          {"charge_in_a_uniform_field", charge_in_a_uniform_field(), {1, 0.3, 0.2, 0.5}, true},
+          {"foucaults_pendulum", foucaults_pendulum(), {1, 0, 0, 0.2}, true},
+          {"contact_prototype", contact_prototype(), {1, 0.5, 0.2}},
+          {"driven", driven(), {0.8, -0.3, 0.2, 0.4, 0.1}},
+          {"shaken_frame", shaken_frame(), {0.8, -0.3, 0.2, 0.4}},
+          {"van_der_pol", van_der_pol(), {1, 0.2, 0.3, 0.2}}};
+}
+
+/// Steps of one length of a scene from its start to the time `end`.
+inline Request request_of(const Scene& scene, const std::shared_ptr<const Mechanics>& mechanics, double step,
+                          double end, const char* scheme = "lifted_splitting") {
+  Request request = typed_as(runs::defaults("damped_oscillator", scheme), mechanics);
+  begin_at(request, scene.start);
+  request.end = end;
+  if (schemes()[request.scheme].find("step")) runs::set(request, "step", step);
+  runs::only_final(request);
+  return request;
+}
+inline Request composed(Request request, const char* composition, const char* lift = "automatic") {
+  runs::set(request, "composition", composition);
+  runs::set(request, "lift", lift);
+  return request;
+}
+/// The components of a final state that the motion has.
+inline std::vector<double> end_of(const Request& request) {
+  const auto outcome = runs::go(request).outcome;
+  if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail);
+  std::vector<double> all;
+  const auto& variables = runs::card(request).variables;
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    if (!variables[i].hidden) all.push_back(outcome.final[i]);
+  return all;
+}
+inline double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = a.size() == b.size() ? 0 : INFINITY;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+}  // namespace lifted

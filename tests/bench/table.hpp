@@ -52,6 +52,9 @@ void drift();
 /// Prints what each accuracy costs on some scenes, by our fastest scheme and by those of other libraries.
 void digits();
 
+/// Prints what frames that turn and magnetic fields cost, by explicit maps that keep the form and by others.
+void lifts();
+
 /// Prints how often runs are wrong without a word, and right with one.
 void warnings();
 

@@ -1,0 +1,123 @@
+// Table of RESULTS.md: frames that turn and magnetic fields, by the explicit maps of lifted_splitting, by the implicit
+// ones that keep as much, and by those that keep nothing. Printed before the benchmarks.
+#include "tests/support/lifted.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/bench/orbits.hpp"
+#include "tests/bench/table.hpp"
+
+namespace {
+
+using namespace least;
+using namespace bench;
+
+constexpr double far = 100;  // what is so many times as dear as the cheapest is left out
+constexpr const char *frames = "lifted_splitting", *implicit = "contact_gauss", *series = "taylor";
+
+/// Of which column a contestant is; empty: of none.
+std::string_view column_of(const Contestant& contestant) {
+  for (const std::string_view id : {frames, implicit, series})
+    if (contestant.name.starts_with("`" + std::string(id))) return id;
+  return contestant.owner == Owner::peer ? "measure" : "";
+}
+
+std::string cell(const std::map<std::string_view, const Entrant*>& best, std::string_view column) {
+  const auto found = best.find(column);
+  if (found == best.end()) return "–";
+  char text[32];
+  std::snprintf(text, sizeof text, found->second->us < 100 ? "%.1f" : "%.0f", found->second->us);
+  return text;
+}
+
+void rows(const char* title, const lifted::Scene& of, double end) {
+  if (!is_wanted(title)) return;
+  const Progress told(title);
+  const auto mechanics = texts::mechanics_of(of.definition);
+  Request scene = lifted::request_of(of, mechanics, 0.01, end);
+  if (least::Scene& start = runs::scene(scene); mechanics->text()->takes_velocities())
+    mechanics->text()->velocities_to_momenta(start.parameters, 0, start.initial);
+  const TrueOrbit orbit(scene);
+  std::vector<Ladder> ladders;
+  for (const SchemeConfig& choice : catalogue_candidates(*mechanics, {})) {
+    const SchemeCard& card = schemes()[choice.scheme];
+    const bool measure = card.own_clock && card.id != series;
+    if (card.structure == "none" && !card.own_clock) continue;
+    ladders.push_back({ours(orbit, choice)});
+    if (measure) ladders.back().contestant.owner = Owner::peer;
+  }
+  std::size_t above = 0;
+  while (above < accuracies.size() && accuracies[above] >= 3 * orbit.floor) ++above;
+  if (above == 0) std::printf("| %s | below the floor, %.0e | – | – | – | – | – | – |\n", title, orbit.floor);
+  if (above == 0) return;
+  descend(ladders, above, far);
+  for (std::size_t i = 0; i < above; ++i) {
+    std::vector<Entrant> all = entrants(ladders, i);
+    race(all, 9);
+    std::map<std::string_view, const Entrant*> best;
+    for (const Entrant& entrant : all)
+      if (const auto column = column_of(*entrant.contestant); !column.empty()) best.try_emplace(column, &entrant);
+    char choice[160] = "–", ratio[32] = "–";
+    if (best.contains(frames)) {
+      const Entrant& ours = *best[frames];
+      std::snprintf(choice, sizeof choice, "%s, h = %.3g", ours.contestant->name.substr(18).c_str(), ours.value);
+      if (best.contains(series)) std::snprintf(ratio, sizeof ratio, "%.2f", ours.us / best[series]->us);
+    }
+    std::printf("| %s | %.0e | %s | %s | %s | %s | %s | %s |\n", title, accuracies[i],
+                choice + (choice[0] == ',' ? 2 : 0), cell(best, frames).c_str(), cell(best, implicit).c_str(),
+                cell(best, series).c_str(), cell(best, "measure").c_str(), ratio);
+  }
+}
+
+/// Nanoseconds of a step, the least of five runs.
+double step_of(const lifted::Scene& of, const char* scheme) {
+  constexpr std::int64_t steps = 100'000;
+  Request request = lifted::request_of(of, texts::mechanics_of(of.definition), 0.001, 1, scheme);
+  if (std::string_view(scheme) == implicit) runs::set(request, "stages", 1);
+  request.until_steps = true;
+  request.steps = steps;
+  request.limits = {1e9, 1'000'000'000, 1'000'000};
+  double seconds = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 5; ++k) seconds = std::min(seconds, runs::go(request).outcome.cost.seconds);
+  return 1e9 * seconds / static_cast<double>(steps);
+}
+
+}  // namespace
+
+void bench::lifts() {
+  bench::heading("Frames that turn, and magnetic fields");
+  std::printf(
+      "Microseconds of a run whose largest error at 64 times along it is at most so much, of scenes as text: by the\n"
+      "fastest composition of `lifted_splitting`, of `contact_gauss`, which keeps as much, of `taylor`, and of the\n"
+      "measures. The goal is at most three times what `taylor` needs at 1e-6.\n\n"
+      "| scene | error | `lifted_splitting` | µs | `contact_gauss` | `taylor` | measures | over `taylor` |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  const double turn = 2 * std::acos(-1.0);
+  using namespace lifted;
+  rows("restricted three bodies, 20 turns", {"", restricted_three_bodies(), {0.5, 0, 0, 1.2}}, 20 * turn);
+  rows("Arenstorf's orbit, half a period",
+       {"", restricted_three_bodies(), {0.994, 0, 0, 0.994 - 2.00158510637908252240}}, 17.0652165601579625588 / 2);
+  rows("charge in a dipole, t = 50", {"", charge_in_a_dipole(), {1, 0, 0, 0, 0.1, 0.05}}, 50);
+  rows("charge in a uniform field, t = 100", {"", charge_in_a_uniform_field(), {1, 0.3, 0.2, 0.5}}, 100);
+  rows("Foucault's pendulum, t = 100", {"", foucaults_pendulum(), {1, 0, 0, 0.2}}, 100);
+  rows("friction not linear in s, t = 20", {"", contact_prototype(), {1, 0.5, 0.2}}, 20);
+
+  std::printf(
+      "\nA step in nanoseconds, of order 2 but for `runge_kutta_4`:\n\n| scene | scheme | ns |\n|---|---|---|\n");
+  const lifted::Scene still{"",
+                            of(hamiltonian, {"x", "y"}, {{"mu", 0.012277471}},
+                               "(px^2 + py^2)/2 - (1-mu)/sqrt((x+mu)^2 + y^2) - mu/sqrt((x-1+mu)^2 + y^2)"),
+                            {0.5, 0, 0, 1.2}},
+      turning{"", restricted_three_bodies(), {0.5, 0, 0, 1.2}}, dipole{"", charge_in_a_dipole(), {1, 0, 0, 0, 1, 0.6}};
+  std::printf("| two centres at rest | `leapfrog` | %.0f |\n", step_of(still, "leapfrog"));
+  std::printf("| two centres at rest | `runge_kutta_4` | %.0f |\n", step_of(still, "runge_kutta_4"));
+  for (const char* scheme : {frames, implicit, "runge_kutta_4"}) {
+    std::printf("| two centres, turning | `%s` | %.0f |\n", scheme, step_of(turning, scheme));
+    std::printf("| charge in a dipole | `%s` | %.0f |\n", scheme, step_of(dipole, scheme));
+  }
+}

@@ -6,6 +6,7 @@
 
 #include "core/catalogue/compiled.hpp"
 #include "core/run/suggestions.hpp"
+#include "core/schemes/text_list.hpp"
 
 namespace least {
 namespace {
@@ -22,15 +23,16 @@ SchemeCard complete_card() {
     };
   return card;
 }
-template <class... Scheme>
-std::vector<SchemeCard> complete_cards(std::tuple<Scheme...>*) {
-  return {complete_card<Scheme>()...};
+template <class... Scheme, class... More>
+std::vector<SchemeCard> complete_cards(std::tuple<Scheme...>*, std::tuple<More...>*) {
+  return {complete_card<Scheme>()..., complete_card<More>()...};
 }
 
 }  // namespace
 
 std::span<const SchemeCard> scheme_cards() {
-  static const std::vector<SchemeCard> cards = complete_cards(static_cast<SchemeList*>(nullptr));
+  static const std::vector<SchemeCard> cards =
+      complete_cards(static_cast<SchemeList*>(nullptr), static_cast<TextSchemeList*>(nullptr));
   return cards;
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/catalogue/planetary_mechanics.hpp"
 #include "core/catalogue/sized_mechanics.hpp"
 #include "core/text/sized_scene.hpp"
 
@@ -42,7 +43,7 @@ Made of_any_size(text::TextScene scene) {
           "1 to " + std::to_string(text::compiled_coordinates) + " of those"},
          false}};
   try {
-    return sized_mechanics(std::move(scene));
+    return with_kepler_splitting(sized_mechanics(std::move(scene)));
   } catch (const tape::TooManyOperations&) {
     return too_many_operations(text::SizedScene::most_equations);
   }
@@ -67,7 +68,7 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   }
   if (form == text_forms().end()) throw std::runtime_error("this build leaves out scenes of the form " + wanted);
   try {
-    return form->make(std::move(scene));
+    return with_kepler_splitting(form->make(std::move(scene)));
   } catch (const tape::TooManyOperations&) {
     return too_many_operations(tape::most_of_equations);
   }

@@ -12,7 +12,7 @@ namespace least {
 /// Positions in the list of schemes.
 std::vector<std::size_t> schemes_of(const text::SizedScene& scene);
 
-class SizedBackend final : public RunBackend {
+class SizedBackend : public RunBackend {
  public:
   explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene)
       : traits_(traits_of(*scene)),
@@ -39,9 +39,10 @@ class SizedBackend final : public RunBackend {
   bool has_closed_form(StateView) const override { return false; }
   double energy_after(StateView, double) const override { return unknown; }
 
- private:
+ protected:
   const text::SizedScene& scene() const { return table_.scene(); }
 
+ private:
   ProblemTraits traits_, motion_traits_;
   SizedTable table_, motion_;
 };

@@ -196,7 +196,10 @@ class SizedSteps final : public EqualSteps {
       : EqualSteps(table, x, grid), stepper_(std::move(stepper)), left_stepper_(stepper_), trial_(stepper_) {
     stepper_.begin(x);
   }
-  std::string unsupported_reason() const override { return {}; }
+  std::string unsupported_reason() const override {
+    if constexpr (requires { stepper_.unsupported_reason(); }) return stepper_.unsupported_reason();
+    return {};
+  }
 
  private:
   BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, double* rows) override {

@@ -13,6 +13,7 @@
 #include "core/problems/damped_oscillator.hpp"
 #include "core/problems/harmonic_oscillator.hpp"
 #include "core/schemes/list.hpp"
+#include "core/schemes/text_list.hpp"
 
 namespace least {
 namespace {
@@ -107,7 +108,21 @@ template <class... Scheme>
 constexpr std::array<Entry, sizeof...(Scheme)> entries(std::tuple<Scheme...>*) {
   return {Entry{&step_map<Scheme>, &flip<Scheme>, step_setting<Scheme>(), steps_in_time<Scheme>}...};
 }
-constexpr auto scheme_entries = entries(static_cast<SchemeList*>(nullptr));
+/// Of schemes that are found in the text of a scene nothing is known on a line.
+template <class... Scheme>
+constexpr std::array<Entry, sizeof...(Scheme)> entries_without_bounds(std::tuple<Scheme...>*) {
+  return {Entry{[](std::span<const double>, double, double) {
+                  return StepMap{2, 1};
+                },
+                [](std::span<const double>) { return infinite; }, step_setting<Scheme>(), false}...};
+}
+constexpr auto scheme_entries = [] {
+  constexpr auto known = entries(static_cast<SchemeList*>(nullptr));
+  constexpr auto more = entries_without_bounds(static_cast<TextSchemeList*>(nullptr));
+  std::array<Entry, known.size() + more.size()> all{};
+  std::ranges::copy(more, std::ranges::copy(known, all.begin()).out);
+  return all;
+}();
 
 /// Where along a line in (z, a) steps are stable.
 class Line {

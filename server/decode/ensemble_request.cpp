@@ -355,7 +355,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
     request.scheme = *scheme.index;
     request.settings = read_settings(*asked, top.at("scheme"), *scheme_card, scene.get(), preset);
     if (card) {
-      check_pair(cards, *card, *scheme.index, scheme.path);
+      check_pair(cards, *scene, *scheme.index, scheme.path);
       check_scheme(cards, *card, *scheme.index, scheme.path);
       check_settings(*scheme_card, *card, request.settings, top.at("scheme"));
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/catalogue/planetary_mechanics.hpp"
 #include "core/catalogue/start_beside.hpp"
 #include "core/run/suggestions.hpp"
 #include "core/text/scene.hpp"
@@ -276,13 +277,18 @@ std::vector<double> read_settings(const Json& json, const FieldPath& path, const
   return settings;
 }
 
-void check_pair(const Cards& cards, const ProblemCard& problem, std::size_t scheme, const FieldPath& path) {
-  if (std::find(problem.schemes.begin(), problem.schemes.end(), scheme) != problem.schemes.end()) return;
+void check_pair(const Cards& cards, const Scene& scene, std::size_t scheme, const FieldPath& path) {
+  const ProblemCard& problem = scene.card();
   const SchemeCard& card = cards.schemes[scheme];
+  std::string why = objection_to_scheme(scene, card.id);  // which may depend on the parameters
+  if (why.empty() && std::find(problem.schemes.begin(), problem.schemes.end(), scheme) != problem.schemes.end()) return;
+  if (!why.empty()) why.insert(0, ": ");
   Names fitting;
-  for (const auto index : problem.schemes) fitting.push_back(cards.schemes[index].id);
-  path.fault(fmt::format("{} cannot run {}: it needs {}, and {} offers {}", card.id, problem.id, card.needs, problem.id,
-                         problem.offers),
+  fitting.reserve(problem.schemes.size());
+  for (const auto index : problem.schemes)
+    if (index != scheme) fitting.push_back(cards.schemes[index].id);
+  path.fault(fmt::format("{} cannot run {}: it needs {}, and {} offers {}{}", card.id, problem.id, card.needs,
+                         problem.id, problem.offers, why),
              Json(card.id), listed(fitting));
 }
 

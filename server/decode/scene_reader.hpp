@@ -49,7 +49,7 @@ std::vector<double> read_settings(const Json& json, const FieldPath& path, const
                                   const PresetCard* preset);
 
 /// Whether the scheme can run the problem; `path` is that of the scheme's name.
-void check_pair(const Cards& cards, const ProblemCard& problem, std::size_t scheme, const FieldPath& path);
+void check_pair(const Cards& cards, const Scene& scene, std::size_t scheme, const FieldPath& path);
 
 /// Settings that were read without a fault, for a pair that fits, and do not go together; `path` is the scheme's.
 void check_settings(const SchemeCard& card, const ProblemCard& problem, const std::vector<double>& settings,

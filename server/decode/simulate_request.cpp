@@ -44,7 +44,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   } else if (scheme_card) {
     request.settings = read_settings(*json, top.at("scheme"), *scheme_card, scene.get(), preset);
     if (problem_card) {
-      check_pair(cards, *problem_card, *scheme.index, scheme.path);
+      check_pair(cards, *scene, *scheme.index, scheme.path);
       check_settings(*scheme_card, *problem_card, request.settings, top.at("scheme"));
     }
   }

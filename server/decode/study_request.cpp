@@ -53,7 +53,7 @@ void read_choice(const Json& json, const FieldPath& path, const Cards& cards, St
   const SchemeCard& card = cards.schemes[*scheme.index];
   study.schemes.push_back({*scheme.index, read_settings(json, path, card, study.scene.scene.get(), study.preset)});
   if (study.problem == nullptr) return;
-  check_pair(cards, *study.problem, *scheme.index, scheme.path);
+  check_pair(cards, *study.scene.scene, *scheme.index, scheme.path);
   check_settings(card, *study.problem, study.schemes.back().settings, path);
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/run/suggestions.hpp"
+#include "core/schemes/alternation.hpp"
 #include "core/study/study.hpp"
 
 namespace torture {
@@ -355,7 +356,9 @@ EnergyError energy_of(const EnergyRow& row) {
   request.scheme = find_scheme(row.scheme).value();
   request.settings = runs::defaults("kepler", row.scheme).settings;
   runs::set(request, schemes()[request.scheme].own_clock ? "tolerance" : "step", row.step);
-  if (!row.composition.empty()) runs::set(request, "composition", row.composition);
+  const bool turns = std::ranges::find(alternations::named, row.composition, &alternations::Named::name) !=
+                     std::ranges::end(alternations::named);
+  if (!row.composition.empty()) runs::set(request, turns ? "splitting" : "composition", row.composition);
   request.end = test.end;
   runs::ask(request, "energy");
   const Solution outcome = runs::go(request).outcome;

@@ -44,7 +44,7 @@ std::optional<double> agreement_of_reference(const Published& test);
 
 /// The energy of the outer solar system over 200,000 days, by a scheme with a step of so many days.
 struct EnergyRow {
-  std::string scheme, composition;
+  std::string scheme, composition;  ///< or splitting
   double step;
   double most;  ///< the largest error of the energy, relative to the energy, is less
 };

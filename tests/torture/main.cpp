@@ -37,7 +37,8 @@ int main() {
       "(Hairer, Lubich, Wanner 2006, I.2.4), by every\nscheme that takes a scene of 18 coordinates: the largest error "
       "of "
       "the energy and that at the end, relative to the\nenergy. The tests assert what stands in the column \"less "
-      "than\".\n\n| scheme | composition | step in days, or tolerance | largest | less than | at the end | force "
+      "than\".\n\n| scheme | composition or splitting | step in days, or tolerance | largest | less than | at the end "
+      "| force "
       "evaluations | s |\n|---|---|---|---|---|---|---|---|\n");
   for (const torture::EnergyRow& row : torture::energy_rows()) {
     const auto found = torture::energy_of(row);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/exact/kepler_flow.hpp"
+#include "core/number/vector.hpp"
 #include "core/schemes/splitting.hpp"
 
 namespace least {
@@ -12,19 +13,9 @@ namespace {
 
 using text::Planetary;
 
+/// From one place to another.
 template <class T>
-double plain_of(const T& x) {
-  if constexpr (std::is_same_v<T, double>) return x;
-  if constexpr (!std::is_same_v<T, double>) return x.value;
-}
-bool is_number(double x) { return std::abs(x) < std::numeric_limits<double>::infinity(); }
-
-template <class T>
-T product(const std::array<T, 3>& a, const std::array<T, 3>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class T>
-std::array<T, 3> between(const std::array<T, 3>& from, const std::array<T, 3>& to) {
+std::array<T, 3> way(const std::array<T, 3>& from, const std::array<T, 3>& to) {
   return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
 }
 template <class T>
@@ -35,7 +26,7 @@ void add_to(std::array<T, 3>& sum, const T& c, const std::array<T, 3>& a) {
 template <class T>
 T pull_over_distance(double k, const std::array<T, 3>& d) {
   using least::sqrt;
-  const T square = product(d, d);
+  const T square = dot(d, d);
   return k / (square * sqrt(square));
 }
 
@@ -43,9 +34,8 @@ T pull_over_distance(double k, const std::array<T, 3>& d) {
 
 Turns::Turns(const KeplerSplitting& scheme) : jumps_with_drifts(scheme.turns() == nullptr) {
   if (const Alternation<double>* turns = scheme.turns()) {
-    kick.push_back(0);
-    for (int i = 0; i < turns->stages; ++i) kick.push_back(turns->kick[static_cast<std::size_t>(i)]);
-    kick.push_back(0);
+    kick.assign(static_cast<std::size_t>(turns->stages) + 2, 0);
+    std::copy_n(turns->kick.begin(), turns->stages, kick.begin() + 1);
     drift.assign(turns->drift.begin(), turns->drift.begin() + turns->stages + 1);
   } else {
     const Leapfrog leapfrog{scheme.step, scheme.composition};
@@ -102,8 +92,8 @@ void PlanetaryStepper<T>::set_order(const T* x) {
   far.reserve(bodies_.size());
   const Vector centre = read(x, scene_->bodies.front());
   for (std::size_t i = first_; i < bodies_.size(); ++i) {
-    const Vector d = between(centre, read(x, scene_->bodies[i]));
-    far.emplace_back(jacobi_ ? plain_of(product(d, d)) : 0, i);
+    const Vector d = way(centre, read(x, scene_->bodies[i]));
+    far.emplace_back(jacobi_ ? plain_number(dot(d, d)) : 0, i);
   }
   std::ranges::stable_sort(far, {}, &std::pair<double, std::size_t>::first);
   double inside = first_ == 1 ? scene_->bodies.front().mass : 0;
@@ -152,7 +142,7 @@ void PlanetaryStepper<T>::begin(const T* x, double t) {
     if (!jacobi_)
       for (std::size_t i = 1; i < bodies_.size(); ++i) {
         Body& body = bodies_[i];
-        body.q.high = between(all.at, body.at);
+        body.q.high = way(all.at, body.at);
         const Vector p = read(x + size_, scene_->bodies[body.of]);
         for (std::size_t k = 0; k < 3; ++k) body.v.high[k] = p[k] / body.mass - speed[k];
       }
@@ -197,7 +187,7 @@ void PlanetaryStepper<T>::look(double t) noexcept {
   for (Body& body : bodies_) body.force = {};
   for (const Planetary::Pair& pair : scene_->pairs) {
     Body &a = bodies_[slot_[pair.a]], &b = bodies_[slot_[pair.b]];
-    const Vector d = between(a.at, b.at);
+    const Vector d = way(a.at, b.at);
     const T w = pull_over_distance(pair.strength, d);
     add_to(a.force, w, d);
     add_to(b.force, T(-w), d);
@@ -222,7 +212,7 @@ void PlanetaryStepper<T>::look(double t) noexcept {
   if (jacobi_)  // what the centre does to them, less what it does along their orbits
     for (std::size_t i = 2; i < bodies_.size(); ++i) {
       Body& body = bodies_[i];
-      const Vector d = between(body.at, all.at);
+      const Vector d = way(body.at, all.at);
       const T w = pull_over_distance(scene_->bodies[body.of].strength, d);
       add_to(body.force, w, d);
       add_to(all.force, T(-w), d);
@@ -244,13 +234,14 @@ void PlanetaryStepper<T>::look(double t) noexcept {
 
 template <class T>
 bool PlanetaryStepper<T>::drift(double h) noexcept {
+  ++work_.forces;  // it takes as long as one
   bool good = true;
   if (first_ == 1) bodies_.front().q.add(T(h), bodies_.front().v.high);
   for (std::size_t i = first_; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     const Vector q = body.q.high, v = body.v.high;
-    const auto c = two_body::kepler_change(product(q, q), product(q, v), product(v, v), body.mu, h);
-    good = good && is_number(plain_of(c.f) + plain_of(c.g) + plain_of(c.df) + plain_of(c.dg));
+    const auto c = two_body::kepler_change(dot(q, q), dot(q, v), dot(v, v), body.mu, h);
+    good = good && std::isfinite(plain_number(c.f) + plain_number(c.g) + plain_number(c.df) + plain_number(c.dg));
     body.q.add(c.f, q, c.g, v);
     body.v.add(c.df, q, c.dg, v);
   }

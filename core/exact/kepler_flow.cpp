@@ -36,9 +36,14 @@ T stumpff(const T& x) {
 template <class T>
 Universal<T> universal(const T& beta, const T& s) {
   using least::abs;
+  constexpr int most_halvings = 16;  // beyond, what grows as an exponential overflows
   T part = s, x = beta * s * s;
   int halvings = 0;
-  for (; !(abs(x) < T(1)) && halvings < 600; ++halvings) {
+  for (; !(abs(x) < T(1)); ++halvings) {
+    if (halvings == most_halvings) {
+      const T none(std::numeric_limits<double>::quiet_NaN());
+      return {none, none, none, none};
+    }
     part = 0.5 * part;
     x = 0.25 * x;
   }

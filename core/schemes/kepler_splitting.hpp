@@ -6,6 +6,7 @@
 // Symplectic, time-reversible; linear and angular momentum are kept. The error of a step of ε = B/A is O(εh³) without a
 // composition; SABA and ABA leave O(ε²h³) and less. It assumes that kicks resolve the passages of a body through its
 // nearest place (10 to 20 a turn at a small eccentricity) and encounters of two that revolve, and cannot check it.
+// A motion along Kepler's orbits counts as an evaluation of the forces, as it takes as long as one.
 // Which scenes it runs is found from their text: core/text/planetary.hpp. The map:
 // core/catalogue/planetary_stepper.hpp. Look-alike: leapfrog with heliocentric coordinates, whose drifts are straight.
 // Sources: Wisdom & Holman, Astron. J. 102, 1528 (1991); Duncan, Levison & Lee, Astron. J. 116, 2067 (1998); Laskar &

@@ -32,6 +32,7 @@ class Finder {
       return Symbol::variable(tape_, static_cast<std::size_t>(i));
     });
     potential_ = fold(form.potential);
+    masses_.reserve(n_);
     for (const Symbol& m : form.mass) {
       const Symbol mass = fold(m);
       masses_.push_back(mass.is_constant() ? mass.constant() : std::numeric_limits<double>::quiet_NaN());
@@ -164,6 +165,7 @@ class Finder {
       stands[i].erase(std::unique(stands[i].begin(), stands[i].end()), stands[i].end());
       groups[stands[i]].push_back(i);
     }
+    in_order.reserve(groups.size());
     for (const auto& group : groups) in_order.push_back(group.second);
     std::ranges::sort(in_order);
     for (const auto& group : in_order) {
@@ -208,6 +210,7 @@ class Finder {
       if (axes != (plane ? 3 : 7)) return false;
       pairs[*pair] += term.strength;
     }
+    found_.pairs.reserve(pairs.size());
     for (const auto& [pair, strength] : pairs) found_.pairs.push_back({pair.first, pair.second, strength});
     return true;
   }
@@ -260,6 +263,7 @@ class Finder {
     std::vector<int> variables(n_);
     std::iota(variables.begin(), variables.end(), 0);
     std::vector<Index> places;
+    places.reserve(n_);
     for (const Symbol& slope : tape::gradient(tape_, sum, variables)) places.push_back(slope.on(tape_));
     found_.rest = tape::Formula(tape_, places);
   }

@@ -128,6 +128,23 @@ TEST(FullMass, SchemesHaveTheirOrders) {
     }
 }
 
+// Its setting is a step of a fictitious time.
+TEST(FullMass, TimeTransformedHasItsOrders) {
+  for (const auto& definition : {coupled(), coupled_by_velocities()})
+    for (const auto& [composition, order] : {std::pair("none", 2), std::pair("suzuki_4", 4)}) {
+      const auto at = [&, composition = composition](double sigma) {
+        Request request = request_of(definition, "time_transformed", coupled_start, 4);
+        runs::set(request, "composition", composition);
+        runs::set(request, "sigma", sigma);
+        const auto x = final_of(request);
+        double most = 0;
+        for (std::size_t i = 0; i < 4; ++i) most = std::max(most, std::abs(x[i] - truth(4, 0)[i]));
+        return most;
+      };
+      EXPECT_NEAR(std::log2(at(0.1) / at(0.05)), order, 0.3) << composition;
+    }
+}
+
 TEST(FullMass, SchemesOfDampedScenesHaveTheirOrders) {
   const Choice rows[] = {{"contact_symplectic_euler", "", "", 1},
                          {"contact_leapfrog", "composition", "none", 2},

@@ -57,15 +57,15 @@ TEST(PlanetaryText, AFixedCentreIsFoundHoweverItIsWritten) {
     EXPECT_FALSE(found.about_body);
     EXPECT_EQ(found.rest.outputs(), 0U);
   }
-  const auto elsewhere = bodies_in(
-      of(typed_l, {"x", "y", "z"}, {{"a", 0.1}}, "(vx^2+vy^2+vz^2)/2 + 2/sqrt((x-3)^2 + (y+a)^2 + z^2) - cos(x)*t"));
+  const auto elsewhere = bodies_in(of(typed_l, {"x", "y", "z"}, {{"a", 0.1}},
+                                      "(vx^2+vy^2+vz^2)/2 + 2/sqrt((x-3)^2 + (y+a)^2 + z^2) - 3*(cos(x)*t)"));
   EXPECT_EQ(elsewhere.centre, (std::array<double, 3>{3, -0.1, 0}));
   EXPECT_EQ(elsewhere.bodies[0].strength, 2);
   ASSERT_EQ(elsewhere.rest.outputs(), 3U);
   const double at[] = {0.5, 1, 1};
   double slopes[3];
   elsewhere.rest.evaluate(at, 2.0, slopes);
-  EXPECT_NEAR(slopes[0], -std::sin(0.5) * 2, 1e-15);
+  EXPECT_NEAR(slopes[0], -std::sin(0.5) * 6, 1e-15);
   EXPECT_EQ(slopes[1], 0);
 }
 
@@ -92,6 +92,7 @@ TEST(PlanetaryText, TheHeavyBodyIsTheCentre) {
   // Two bodies: their coordinates stand in the same term, and masses tell them apart.
   const auto two = bodies_in(
       with_masses(of(typed_v, {"a", "b", "c", "d"}, {}, "-1/sqrt((a-b)^2+(c-d)^2)"), {{"b", "2"}, {"c", "2"}}));
+  ASSERT_EQ(two.bodies.size(), 2U);
   EXPECT_EQ(two.bodies[0].mass, 2);
   EXPECT_EQ(two.bodies[0].coordinates[1], 2U) << "b and c are one body";
 }
@@ -110,6 +111,8 @@ TEST(PlanetaryText, WhatIsNoneIsRefusedByName) {
   says(v({"x", "y"}, "-1/(x^2+y^2)"), "no term −k/r");
   says(v({"x", "y"}, "-(1+t)/sqrt(x^2+y^2)"), "no term −k/r");
   says(v({"x"}, "-1/sqrt(x^2)"), "no term −k/r");
+  says(v({"x", "y", "u", "v"}, "-1/sqrt((x-u)^2+(y-v)^2 + x*u)"), "no term −k/r");
+  says(v({"x", "y", "u", "v"}, "-1/sqrt((x+u)^2+(y-v)^2)"), "no term −k/r");
   says(v({"x", "y", "z"}, "-1/sqrt(x^2+y^2) + z^2"), "z stands in no term");
   says(v({"x", "y"}, "-1/sqrt(x^2+y^2) - 1/sqrt((x-1)^2+y^2)"), "several terms");
   says(v({"x", "y", "u", "v"}, "-1/sqrt(x^2+y^2) - 1/sqrt((u-1)^2+v^2)"), "not the same");

@@ -32,7 +32,9 @@ TEST_P(AsCompiled, HasTheSameSchemes) {
     std::erase_if(compiled, [&](std::size_t i) {
       return std::ranges::find(mechanics->card().schemes, i) == mechanics->card().schemes.end();
     });
-  EXPECT_EQ(ids(mechanics->card().schemes), ids(compiled));
+  auto own = mechanics->card().schemes;
+  std::erase(own, find_scheme("kepler_splitting").value());  // it is found in texts alone
+  EXPECT_EQ(ids(own), ids(compiled));
 }
 
 TEST_P(AsCompiled, LeadsToTheSameStates) {

@@ -1,8 +1,12 @@
 // The catalogue in the language that is spoken: what has no text in it stays as the service says it.
 import { known } from "../language/texts.js";
 
-/** Parameters or variables with what is said of each, under the service's own words: many cards say the same. */
-const documented = (cards) => cards?.map((card) => ({ ...card, doc: known(`doc.${card.doc}`) ?? card.doc }));
+/** What is said of a parameter or a variable, under the service's own words: many cards say the same. */
+function said(doc) {
+  const [, of] = /^momentum of (.+)$/.exec(doc) ?? [];
+  return known(`doc.${doc}`) ?? (of && known("doc.momentum of {x}")?.replace("{x}", of)) ?? doc;
+}
+const documented = (cards) => cards?.map((card) => ({ ...card, doc: said(card.doc) }));
 
 /** Cards of a `kind`, with the texts of theirs by name, and of their presets, in the place of the service's. */
 const spoken = (kind, cards, names) => cards.map((card) => {

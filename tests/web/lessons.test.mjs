@@ -123,6 +123,23 @@ pageTest("the control answers while it is dragged, with fewer points, one reques
     assert.equal((await said(page)).runs[0].problem.damping, value, "the newest wins");
   });
 
+pageTest("while one run is moved the others are not run again", { ...calm, hash: "#lesson=relaxation" }, async (page) => {
+  const asked = [];
+  page.on("request", (request) => request.url().endsWith("/v1/simulate") && asked.push(request.postDataJSON()));
+  const before = await times(page);
+  await page.locator("#control input[type=range]").evaluate((track) => {
+    track.value = String(Number(track.value) + 50);
+    track.dispatchEvent(new Event("input", { bubbles: true }));
+    track.dispatchEvent(new Event("change", { bubbles: true }));
+  });
+  await becomes(() => times(page), (now) => now > before);
+  await page.waitForSelector(ready);
+  const moved = Number(await page.inputValue("#control input[type=text]"));
+  assert.ok(asked.length >= 1 && asked.every(({ problem }) => problem.epsilon === moved), JSON.stringify(asked.map(({ problem }) => problem)));
+  const { runs } = await said(page);
+  assert.deepEqual(runs.map(({ problem }) => problem.epsilon), [moved, 10, 100, 1000]);
+});
+
 pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready, hash: "#lesson=pendulum" }, async (page) => {
   const body = () => page.locator("#figures canvas.body").evaluate((canvas) => canvas.toDataURL());
   const time = async () => Number((await page.textContent("#lesson .player output")).replace("t = ", ""));

@@ -12,7 +12,7 @@ import { Figures } from "./figures.js";
 import { fill } from "./legend.js";
 import { lessons } from "./lessons.js";
 import { Portrait } from "./portrait.js";
-import { answersTo, coarse, controlled, measureOf, requestOf } from "./requests.js";
+import { answersTo, coarse, controlled, measureOf, remembering, requestOf } from "./requests.js";
 import { Study } from "./study.js";
 import { paceOf } from "./views.js";
 
@@ -25,7 +25,8 @@ export class Lesson {
   #runs = [];
   #control = null;
   #study = null;
-  #live = new Live(({ lesson, requests }, signal) => answersTo(lesson, requests, simulate, signal),
+  #simulate = remembering(simulate);
+  #live = new Live(({ lesson, requests }, signal) => answersTo(lesson, requests, this.#simulate, signal),
                    (answers, asked) => this.#show(answers, asked));
   #figures = new Figures(find("#figures"), (t) => this.#player.playing || this.#figures.at(t ?? this.#player.time, t !== null));
   #player = new Player(find(".player"), (t) => this.#figures.at(t));

@@ -69,7 +69,7 @@ export const lessons = [
     scene: { problem: { id: "kepler" }, initial: { x: 0.4, y: 0, px: 0, py: 2 }, until: { t: 50 * tau } },
     runs: [h("leapfrog", 0.15, { composition: "suzuki_4" }), h("runge_kutta_4", 0.12)],
     views: [{ ...fifty, run: 0 }, { ...fifty, run: 1 }, drift], one: fifty,
-    layout: "pair", curve: true, control: steps(0.05, 0.2), tells: [["semi_major_axis", "diagnostics.orbit.semi_major_axis"]],
+    layout: "pair", curve: true, points: 2000, control: steps(0.05, 0.2), tells: [["semi_major_axis", "diagnostics.orbit.semi_major_axis"]],
   },
   {
     id: "spiral",

@@ -106,7 +106,7 @@ class Finder {
       found_.centre = centre;
       found_.bodies.push_back(body);
     }
-    if (const std::string why = objection_to_missing(seen); !why.empty()) return why;
+    if (std::string why = objection_to_missing(seen); !why.empty()) return why;
     return take_pairs() ? std::string() : between_no_bodies;
   }
 
@@ -134,7 +134,7 @@ class Finder {
     }
     std::vector<bool> seen(n_);
     for (std::size_t i = 0; i < n_; ++i) seen[i] = !stands[i].empty();
-    if (const std::string why = objection_to_missing(seen); !why.empty()) return why;
+    if (std::string why = objection_to_missing(seen); !why.empty()) return why;
     if (known.size() == 1) {
       take_two(attractions_.front());
     } else if (!take_same(stands, dimension, root)) {

@@ -7,13 +7,13 @@
 namespace least::server {
 namespace {
 
-const Json number{{"type", "number"}}, text{{"type", "string"}}, count{{"type", "integer"}}, flag{{"type", "boolean"}},
-    object{{"type", "object"}};
+const Json a_number{{"type", "number"}}, a_text{{"type", "string"}}, a_count{{"type", "integer"}},
+    a_flag{{"type", "boolean"}}, an_object{{"type", "object"}};
 
 Json maybe(const char* type) { return {{"type", {type, "null"}}}; }
 
 Json asked() {
-  const Json ways = described(text, "/problem/mu or /initial/x, or period, or energy", "");
+  const Json ways = described(a_text, "/problem/mu or /initial/x, or period, or energy", "");
   const Json family =
       object_of({{"by", ways}, {"to", quantity()}, {"count", count_in(2, periodic::most_members)}}, {"by", "to"});
   const Json manifolds = object_of(
@@ -21,12 +21,12 @@ Json asked() {
        {"until", described(quantity(), "how long their trajectories are; by default a period", "time")}});
   return object_of(
       {{"problem", reference("Problem")},
-       {"initial", described(object, "the guess", "")},
+       {"initial", described(an_object, "the guess", "")},
        {"period",
         described(quantity(), "about; of a driven scene that of the drive, or a multiple, which stays", "time")},
-       {"fixed", described(list_of(text), "variables that keep the value of the guess", "")},
+       {"fixed", described(list_of(a_text), "variables that keep the value of the guess", "")},
        {"symmetric",
-        described(flag,
+        described(a_flag,
                   "half an orbit between two crossings at right angles: the variables that are 0 in the guess and "
                   "change their sign where time is reversed are 0 again after half the period",
                   "")},
@@ -38,9 +38,9 @@ Json asked() {
 }
 
 Json multipliers() {
-  return list_of(object_of({{"re", number},
-                            {"im", number},
-                            {"modulus", number},
+  return list_of(object_of({{"re", a_number},
+                            {"im", a_number},
+                            {"modulus", a_number},
                             {"kind", {{"type", "string"}, {"enum", periodic::multiplier_kinds}}}}));
 }
 
@@ -50,40 +50,40 @@ Json answered() {
     if (!name.empty()) names.push_back(name);
   const Json member{{"type", "object"},
                     {"properties",
-                     {{"value", number},
-                      {"initial", object},
-                      {"period", number},
+                     {{"value", a_number},
+                      {"initial", an_object},
+                      {"period", a_number},
                       {"period_slope", described(maybe("number"), "dT/dvalue along the family", "")},
                       {"energy", maybe("number")},
-                      {"closure", number},
+                      {"closure", a_number},
                       {"multipliers", multipliers()},
                       {"stable", maybe("boolean")},
                       {"bifurcation", {{"enum", names}}}}}};
   const Json properties{
-      {"version", text},
+      {"version", a_text},
       {"status", {{"enum", {"closed", "not_closed"}}}},
-      {"reason", described(text, "why it is not closed", "")},
-      {"stop", described(object, "the limit that ended the search: reason", "")},
-      {"initial", described(object, "a start on the orbit, or on the nearest to one", "")},
-      {"guess", described(object, "initial and period as they were asked for", "")},
-      {"period", number},
+      {"reason", described(a_text, "why it is not closed", "")},
+      {"stop", described(an_object, "the limit that ended the search: reason", "")},
+      {"initial", described(an_object, "a start on the orbit, or on the nearest to one", "")},
+      {"guess", described(an_object, "initial and period as they were asked for", "")},
+      {"period", a_number},
       {"closure", described(maybe("number"), "how far it does not close, as a part of its extent", "")},
-      {"segments", described(count, "between nodes of multiple shooting", "")},
-      {"iterations", count},
-      {"invariant", described(object, "energy, and what a scene as text declares", "")},
-      {"rows", described(list_of(text), "the variables that rows and columns of the monodromy are of", "")},
+      {"segments", described(a_count, "between nodes of multiple shooting", "")},
+      {"iterations", a_count},
+      {"invariant", described(an_object, "energy, and what a scene as text declares", "")},
+      {"rows", described(list_of(a_text), "the variables that rows and columns of the monodromy are of", "")},
       {"monodromy", list_of(list_of(maybe("number")))},
       {"multipliers", described(multipliers(), "of contact scenes those of (q, p); first the trivial ones", "")},
-      {"trivial", described(count, "unit multipliers that are explained, and left out of stable", "")},
-      {"trivial_by", described(object, "time, invariants, symmetries: how many are explained by each", "")},
+      {"trivial", described(a_count, "unit multipliers that are explained, and left out of stable", "")},
+      {"trivial_by", described(an_object, "time, invariants, symmetries: how many are explained by each", "")},
       {"stable", described(maybe("boolean"), "null: the multipliers do not tell", "")},
       {"pair_product", described(maybe("number"), "of two multipliers: 1, of contact scenes e^{−∫∂H/∂s dt}", "")},
       {"pairing_defect", described(maybe("number"), "the largest departure from it, as a part of it", "")},
       {"family", list_of(member)},
-      {"family_end", described(text, "why the family ends; empty: it has come to `to`", "")},
+      {"family_end", described(a_text, "why the family ends; empty: it has come to `to`", "")},
       {"manifolds",
-       described(object, "unstable and stable, each with multiplier and trajectories: side, t, variables", "")},
-      {"cost", object}};
+       described(an_object, "unstable and stable, each with multiplier and trajectories: side, t, variables", "")},
+      {"cost", an_object}};
   return {{"type", "object"},
           {"properties", properties},
           {"required", {"version", "status", "problem", "initial", "period", "closure", "iterations", "multipliers"}}};

@@ -199,7 +199,7 @@ TEST(LiftedSplitting, IsOfUpToSixtyFourCoordinates) {
   const auto mechanics = mechanics_of(most.definition);
   const auto truth = end_of(request_of(most, mechanics, 0, 1, "taylor"));
   EXPECT_LT(distance(truth, end_of(composed(request_of(most, mechanics, 0.05, 1), "kahan_li_6"))), 1e-7);
-  const ProblemCard& card = mechanics_of(beyond.definition)->card();
+  const ProblemCard card = mechanics_of(beyond.definition)->card();
   EXPECT_FALSE(runs::fits(card, find_scheme("lifted_splitting").value()));
   EXPECT_NE(card.offers.find("more coordinates than the 64"), card.offers.npos) << card.offers;
 }

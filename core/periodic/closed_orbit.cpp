@@ -170,23 +170,7 @@ class Closing {
   std::optional<Trial> try_from(Motion& motion, Trial trial) {
     std::string reason;
     if (!shooting_->refine(trial, reason)) return fails(reason);
-    auto closed = judge(motion, shooting_->correct(trial, {}, most_iterations));
-    if (closed || !rests_ || !motion.keeps_energy()) return closed;
-    // An equilibrium is closed after every time; it is not where the energy stays that of the guess.
-    const auto energy = [&](const Trial& of) { return motion.energy(of.nodes[0], setting_.start()); };
-    const auto slopes = [&](const Trial& of) {
-      std::vector<double> gradient = motion.energy_gradient(of.nodes[0], setting_.start());
-      for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] *= setting_.extents[i];
-      gradient.resize(Shooting::unknowns(of));
-      return gradient;
-    };
-    const double wanted = energy(trial), unit = length(slopes(trial));
-    const auto keep_energy = [&](const Trial& of) {
-      FurtherRow row{slopes(of), (energy(of) - wanted) / unit};
-      for (double& slope : row.coefficients) slope /= unit;
-      return row;
-    };
-    return judge(motion, shooting_->correct(trial, keep_energy, most_iterations));
+    return judge(motion, shooting_->correct(trial, {}, most_iterations));
   }
   std::nullopt_t fails(const std::string& reason) {
     if (answer_.reason.empty()) answer_.reason = reason;
@@ -203,26 +187,25 @@ class Closing {
   std::optional<Trial> judge(Motion& motion, const Shooting::Corrected& made) {
     constexpr double vanished = 1e-6;
     answer_.iterations += made.iterations;
-    rests_ = false;
     if (made.look.segments.empty()) return fails(made.reason);
     std::string reason;
     std::vector<double> extents = extents_of(motion, made.trial, setting_.start(), effort_, reason);
     if (extents.empty()) return fails(reason);
     double shrunk = 0;
     for (std::size_t i = 0; i < extents.size(); ++i) shrunk = std::max(shrunk, extents[i] / setting_.extents[i]);
-    rests_ = shrunk < vanished || at_rest(extents, made.trial.nodes[0]);
+    const bool rests = shrunk < vanished || at_rest(extents, made.trial.nodes[0]);
     make_units(extents);
     double closure = 0;
     for (std::size_t row = 0; row < made.look.defects.size(); ++row) {
       const std::size_t i = row % extents.size();
       closure = std::max(closure, std::abs(made.look.defects[row]) * setting_.extents[i] / extents[i]);
     }
-    answer_.closed = made.closed && !rests_ && closure <= Shooting::close_enough;
+    answer_.closed = made.closed && !rests && closure <= Shooting::close_enough;
     if (answer_.closed || !(closure >= answer_.orbit.closure)) {  // the nearest of all that were tried
       answer_.orbit = orbit_of(*shooting_, setting_, made.trial, made.look, effort_);
       answer_.orbit.closure = closure;
     }
-    if (rests_) {
+    if (rests) {
       double pace = 0;
       const std::vector<double> rates = motion.rates(made.trial.nodes[0], setting_.start());
       for (std::size_t i = 0; i < rates.size(); ++i)
@@ -244,7 +227,6 @@ class Closing {
   Answer& answer_;
   Setting setting_;
   std::optional<Shooting> shooting_;
-  bool rests_ = false;  ///< what was found last is an equilibrium
 };
 
 }  // namespace

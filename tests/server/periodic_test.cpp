@@ -120,8 +120,7 @@ TEST_F(Periodic, OfAPendulumThatTurnsOverClosesAWholeTurnLater) {
   EXPECT_EQ(made["initial"]["pa"], 3);
 }
 
-// A small swing of two pendulums, from a guess out of phase by a tenth: every equilibrium is closed after any time, and
-// the energy of the guess keeps away from it.
+// Of two pendulums, from a guess out of phase by a tenth, however near the equilibrium, which is closed after any time.
 TEST_F(Periodic, OfASmallSwingDoesNotComeToRest) {
   const Json problem = custom(R"~({"variables": ["a", "b"],
       "lagrangian": "va^2 + vb^2/2 + va*vb*cos(a-b) + 2*cos(a) + cos(b)"})~");

@@ -203,7 +203,7 @@ Shooting::Equations Shooting::equations(const Trial& trial, const Look& look, co
 }
 
 Shooting::Corrected Shooting::correct(Trial trial, const std::function<FurtherRow(const Trial&)>& further,
-                                      int most_iterations) {
+                                      int iterations_allowed) {
   constexpr double round_off = 2e-14, longest = 0.3, slow = 0.3;
   constexpr int most_halves = 8;
   Corrected best;
@@ -224,7 +224,7 @@ Shooting::Corrected Shooting::correct(Trial trial, const std::function<FurtherRo
       best.closed = seen->closure <= close_enough && missing <= close_enough;
     }
     best.iterations = iteration;
-    if ((best.closed && (least <= round_off || !still_nearer)) || iteration == most_iterations) break;
+    if ((best.closed && (least <= round_off || !still_nearer)) || iteration == iterations_allowed) break;
 
     const Equations made = equations(trial, *seen, row ? &*row : nullptr);
     std::vector<double> change = decompose(made.rows, made.right, no_pivot).solution;

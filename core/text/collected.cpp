@@ -22,16 +22,16 @@ struct PowerOf {
   Index of;
   double power;
 };
-struct Monomial {
+struct Summand {
   double coefficient = 1;
   std::vector<PowerOf> factors;  ///< by the places of their nodes, none of them twice
 
-  bool is_like(const Monomial& other) const {
+  bool is_like(const Summand& other) const {
     return std::ranges::equal(factors, other.factors,
                               [](const PowerOf& a, const PowerOf& b) { return a.of == b.of && a.power == b.power; });
   }
 };
-using Monomials = std::vector<Monomial>;  ///< in the order in which they first appeared
+using Summands = std::vector<Summand>;  ///< in the order in which they first appeared
 
 /// Beyond these, in terms of one sum and in products of terms of all, a sum stays a factor.
 constexpr std::size_t most_terms = 24, most_products = 2000, longest_text = 2000;
@@ -57,16 +57,16 @@ class Collector {
   }
 
  private:
-  const Monomials& at(Index place) const {
+  const Summands& at(Index place) const {
     return terms_[static_cast<std::size_t>(std::ranges::lower_bound(places_, place) - places_.begin())];
   }
-  static Monomials as_factor(Index place, double power = 1) { return {{1, {{place, power}}}}; }
+  static Summands as_factor(Index place, double power = 1) { return {{1, {{place, power}}}}; }
 
-  Monomials collect(Index place) {
+  Summands collect(Index place) {
     const Node& node = tape_[place];
     switch (node.op) {
       case Op::constant:
-        return node.value == 0 ? Monomials{} : Monomials{{node.value, {}}};
+        return node.value == 0 ? Summands{} : Summands{{node.value, {}}};
       case Op::add:
         return sum(place, at(node.a), at(node.b), 1);
       case Op::subtract:
@@ -86,14 +86,14 @@ class Collector {
   }
 
   bool is_number(Index place) const { return tape_[place].op == Op::constant; }
-  Monomials as_part(Index place) const { return expands_ || at(place).size() <= 1 ? at(place) : as_factor(place); }
-  Monomials sum(Index place, const Monomials& a, const Monomials& b, double sign) {
-    Monomials all = a;
-    for (const Monomial& term : b) add(all, term, sign);
+  Summands as_part(Index place) const { return expands_ || at(place).size() <= 1 ? at(place) : as_factor(place); }
+  Summands sum(Index place, const Summands& a, const Summands& b, double sign) {
+    Summands all = a;
+    for (const Summand& term : b) add(all, term, sign);
     return all.size() <= most_terms ? all : as_factor(place);
   }
-  static void add(Monomials& all, const Monomial& term, double sign) {
-    const auto like = std::ranges::find_if(all, [&](const Monomial& one) { return one.is_like(term); });
+  static void add(Summands& all, const Summand& term, double sign) {
+    const auto like = std::ranges::find_if(all, [&](const Summand& one) { return one.is_like(term); });
     if (like == all.end()) {
       all.push_back(term);
       all.back().coefficient *= sign;
@@ -102,16 +102,16 @@ class Collector {
     like->coefficient += sign * term.coefficient;
     if (like->coefficient == 0) all.erase(like);
   }
-  Monomials product(Index place, const Monomials& a, const Monomials& b) {
+  Summands product(Index place, const Summands& a, const Summands& b) {
     products_ += a.size() * b.size();
     if (products_ > most_products) return as_factor(place);
-    Monomials all;
-    for (const Monomial& left : a)
-      for (const Monomial& right : b) add(all, product_of(left, right), 1);
+    Summands all;
+    for (const Summand& left : a)
+      for (const Summand& right : b) add(all, product_of(left, right), 1);
     return all.size() <= most_terms ? all : as_factor(place);
   }
-  static Monomial product_of(const Monomial& a, const Monomial& b) {
-    Monomial made{a.coefficient * b.coefficient, a.factors};
+  static Summand product_of(const Summand& a, const Summand& b) {
+    Summand made{a.coefficient * b.coefficient, a.factors};
     for (const PowerOf& factor : b.factors) {
       const auto place = std::ranges::lower_bound(made.factors, factor.of, {}, &PowerOf::of);
       if (place == made.factors.end() || place->of != factor.of)
@@ -124,21 +124,21 @@ class Collector {
     return made;
   }
   /// Of one term with a whole power all its factors take it; anything else is raised as a whole.
-  Monomials to_the(Index base, double power) {
-    const Monomials& of = at(base);
+  Summands to_the(Index base, double power) {
+    const Summands& of = at(base);
     if (of.size() != 1) return as_factor(base, power);
-    const Monomial& term = of.front();
+    const Summand& term = of.front();
     const bool whole = power == std::floor(power), alone = term.factors.size() == 1 && term.factors[0].power == 1;
     if (!whole && !(alone && term.coefficient == 1)) return as_factor(base, power);
-    Monomial made{std::pow(term.coefficient, power), term.factors};
+    Summand made{std::pow(term.coefficient, power), term.factors};
     for (PowerOf& factor : made.factors) factor.power *= power;
-    return std::isfinite(made.coefficient) ? Monomials{std::move(made)} : as_factor(base, power);
+    return std::isfinite(made.coefficient) ? Summands{std::move(made)} : as_factor(base, power);
   }
 
-  std::string text_of(const Monomials& terms) {
+  std::string text_of(const Summands& terms) {
     if (terms.empty()) return "0";
     std::string text;
-    for (const Monomial& term : terms) {
+    for (const Summand& term : terms) {
       const bool negative = term.coefficient < 0;
       text.append(text.empty() ? (negative ? "-" : "") : negative ? " - " : " + ").append(text_of(term));
       if (text.size() > longest_text) too_long_ = true;
@@ -147,7 +147,7 @@ class Collector {
     return text;
   }
   /// Without its sign: `2*x^3*sin(y)/(a*r^3)`.
-  std::string text_of(const Monomial& term) {
+  std::string text_of(const Summand& term) {
     auto [above, below] = fraction_of(std::abs(term.coefficient));
     std::size_t divisors = below.empty() ? 0 : 1;
     for (const PowerOf& factor : in_order(term)) {
@@ -161,7 +161,7 @@ class Collector {
     return above.append("/").append(divisors > 1 ? "(" + below + ")" : below);
   }
   /// Parameters, which have the largest numbers, first; functions and sums last.
-  std::vector<PowerOf> in_order(const Monomial& term) const {
+  std::vector<PowerOf> in_order(const Summand& term) const {
     const auto number = [&](const PowerOf& factor) {
       return tape_[factor.of].op == Op::variable ? -tape_[factor.of].value : 0.5;
     };
@@ -195,7 +195,7 @@ class Collector {
     return power == 1 ? text : text + "^" + digits_of(power);
   }
   bool is_itself(Index place) const {
-    const Monomials& terms = at(place);
+    const Summands& terms = at(place);
     return terms.size() == 1 && terms[0].coefficient == 1 && terms[0].factors.size() == 1 &&
            terms[0].factors[0].of == place && terms[0].factors[0].power == 1;
   }
@@ -253,7 +253,7 @@ class Collector {
   const std::function<std::string(int)>& name_;
   bool expands_;
   std::vector<Index> places_;
-  std::vector<Monomials> terms_;
+  std::vector<Summands> terms_;
   std::size_t products_ = 0, depth_ = 0;
   bool too_long_ = false;
 };

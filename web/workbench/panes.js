@@ -1,5 +1,6 @@
 // The panes of the workbench: up to six runs, each with a name, which stays, and a scheme.
 import { names } from "../service/link.js";
+import { custom } from "../service/text.js";
 import { equalWork } from "../service/work.js";
 import { Pane } from "./pane.js";
 
@@ -22,7 +23,7 @@ export class Panes {
 
   /** How many there are at least. */
   get #least() {
-    return this.#problem.form ? 1 : 2;
+    return this.#problem.id === custom ? 1 : 2;
   }
 
   get list() {

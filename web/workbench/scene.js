@@ -44,7 +44,7 @@ export class Scene {
     build(forms.events, [happenings], "/events", experiment.events);
     forms.problem.parentElement.hidden = problem.parameters.length === 0;
     this.offerAxes(experiment.axes ?? {});
-    find("#formula").replaceChildren(...(definition ? [] : formulaOf(problem.formula)));
+    find("#formula").replaceChildren(...(definition ? [] : formulaOf(problem.formula, Boolean(problem.form))));
     find("#summary").replaceChildren(...prose(known(`problem.${problem.id}.summary`) ?? problem.summary));
     find("#references ul").replaceChildren(...problem.references.map((textContent) => element("li", { textContent })));
   }

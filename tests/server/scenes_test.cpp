@@ -179,7 +179,7 @@ TEST_F(Scenes, BringTheirEvents) {
 
 TEST_F(Scenes, AreDifferentiatedAndRunBackward) {
   NEEDS_SCENE("restricted_three_body");
-  const Json run = answer({{"problem", {{"id", "restricted_three_body"}, {"preset", "halo"}}},
+  const Json run = answer({{"problem", "restricted_three_body"},
                            {"scheme", "taylor"},
                            {"until", {{"t", -1}}},
                            {"record", {{"every", 0}}},

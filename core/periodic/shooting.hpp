@@ -79,7 +79,7 @@ class Shooting {
   };
   /// Newton's method from a trial; `further`: another row of a trial, or none. Where it does not close it keeps its
   /// best.
-  Corrected correct(Trial trial, const std::function<FurtherRow(const Trial&)>& further, int most_iterations);
+  Corrected correct(Trial trial, const std::function<FurtherRow(const Trial&)>& further, int iterations_allowed);
   /// What changes of the unknowns keep an orbit closed: the part of `wish` that is one of them.
   std::vector<double> along_family(const Trial& trial, const Look& look, std::vector<double> wish);
 

@@ -47,6 +47,14 @@ export const claims = {
     const minutes = ((slopes[4] / period(2)) * 86400 * (Math.PI / 180)) / 60;
     assert.ok(minutes > 7.5 && minutes < 8.5, `for a degree more, a day: ${minutes}`);
   },
+  frame([lift, rungeKutta]) {
+    const drifts = ({ trajectory: { energy } }) => energy.map((e) => Math.abs(e / energy[0] - 1)), radius = ({ trajectory: { r } }) => r.at(-1);
+    assert.ok(Math.max(...drifts(lift)) < 6e-4 && drifts(rungeKutta).at(-1) > 0.1, `${Math.max(...drifts(lift))}, ${drifts(rungeKutta).at(-1)}`);
+    assert.ok(Math.abs(radius(lift) - 0.312) < 0.02 && radius(rungeKutta) < 0.26, `${radius(lift)}, ${radius(rungeKutta)}`);
+    const { t, energy } = rungeKutta.trajectory, pace = (from, to) => (energy[to] - energy[from]) / (t[to] - t[from]), n = energy.length - 1, third = Math.floor(n / 3);
+    assert.ok(pace(0, third) < 0 && pace(n - third, n) < 3 * pace(0, third), "one way, and faster the lower it is");
+    assert.ok(rungeKutta.cost.force_evaluations > 3.9 * lift.cost.force_evaluations);
+  },
   arenstorf([once, near, other, orbit]) {
     const { initial, final, sensitivities } = once, names = ["x", "y", "px", "py"], matrix = sensitivities.final;
     assert.ok(names.every((name) => Math.abs(final[name] - initial[name]) < 1e-9), "it closes");

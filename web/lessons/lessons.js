@@ -231,6 +231,13 @@ export const lessons = [
     tells: [["largest_multiplier", growth]],
   },
   {
+    id: "frame",
+    scene: { problem: { id: "restricted_three_body", mu: 0.012277471 }, initial: { x: 0.3, y: 0, z: 0, px: 0, py: 1.78, pz: 0 }, until: { t: 13950 },
+             columns: [{ name: "r", expression: "sqrt((x + mu)^2 + y^2)" }] },
+    runs: [h("lifted_splitting", 0.03), h("runge_kutta_4", 0.03)],
+    views: [{ x: "t", y: "r", labels: ["t", "distance"], thin: true }, drift], points: 2000, control: steps(0.025, 0.035),
+  },
+  {
     id: "galaxy",
     portrait: { problem: { id: "henon_heiles" }, until: { t: 1500 }, scheme: { id: "leapfrog", step: 0.1, composition: "suzuki_4" },
                 section: { expression: "x", direction: "up" }, columns: ["y", "py"], keep: ["section"], surface: { energy: 1 / 12, starts: 10 } },

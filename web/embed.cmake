@@ -1,7 +1,6 @@
 # cmake -DLIST=… -DOUTPUT=… -DHEADER=… -DTYPE=… -DFUNCTION=… -P embed.cmake: writes the files of LIST (lines of
 # path=file) as a C++ source that defines FUNCTION, of TYPEs {path, type, body}, which HEADER declares. String literals
-# of hexadecimal escapes hold any byte and compile fastest. Comments that have lines of their own, a sixth of what would
-# be sent, become empty lines: so lines keep their numbers.
+# of hexadecimal escapes hold any byte and compile fastest.
 
 set(type_html "text/html; charset=utf-8")
 set(type_js "text/javascript; charset=utf-8")
@@ -27,21 +26,6 @@ foreach(line IN LISTS lines)
                           "or let `./dev build` do it.")
     endif()
     message(FATAL_ERROR "${file} is missing.")
-  endif()
-  if(file MATCHES "\\.(js|css)$" AND NOT file MATCHES "/node_modules/")
-    file(READ "${file}" text)
-    string(PREPEND text "\n")
-    string(REGEX REPLACE "\n *//[^\n]*" "\n" text "${text}")
-    # A block of lines, from the last of them to the first.
-    set(before "")
-    while(NOT text STREQUAL before)
-      set(before "${text}")
-      string(REGEX REPLACE "\n */\\*[^\n]*\n *\\*([^\n]*)" "\n\n/**\\1" text "${text}")
-    endwhile()
-    string(REGEX REPLACE "\n */\\*[^\n]*\\*/ *\n" "\n\n" text "${text}")
-    string(SUBSTRING "${text}" 1 -1 text)
-    file(WRITE "${OUTPUT}.part" "${text}")
-    set(file "${OUTPUT}.part")
   endif()
   file(READ "${file}" bytes HEX)
   file(SIZE "${file}" size)

@@ -97,7 +97,6 @@ void PlanetaryStepper<T>::set_order(const T* x) {
   }
   std::ranges::stable_sort(far, {}, &std::pair<double, std::size_t>::first);
   double inside = first_ == 1 ? scene_->bodies.front().mass : 0;
-  std::vector<double> pulls(bodies_.size());  // of each body by those already in order
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i] = {};
     body.of = i < first_ ? 0 : far[i - first_].second;
@@ -118,9 +117,9 @@ void PlanetaryStepper<T>::set_order(const T* x) {
 }
 
 template <class T>
-void PlanetaryStepper<T>::begin(const T* x, double t) {
+void PlanetaryStepper<T>::begin(const T* x, double t, const T* order_from) {
   work_ = {};
-  set_order(x);
+  set_order(order_from ? order_from : x);
   Vector place{}, speed{};  // of the centre of mass of those before
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];

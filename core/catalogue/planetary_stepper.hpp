@@ -36,8 +36,9 @@ class PlanetaryStepper {
   /// `size`: the coordinates of the scene.
   PlanetaryStepper(std::shared_ptr<const text::Planetary> scene, const KeplerSplitting& scheme, std::size_t size);
 
-  /// x: the coordinates of the scene, then their momenta, at the time t.
-  void begin(const T* x, double t);
+  /// x: the coordinates of the scene, then their momenta, at the time t. Bodies are ordered by their distances there,
+  /// or in `order_from`, another such state: steps of one run have one order, that of its start.
+  void begin(const T* x, double t, const T* order_from = nullptr);
   /// From the state at t to that at t + h, which is written to x.
   StepStatus step(T* x, double t, double h) noexcept;
   const Work& work() const { return work_; }

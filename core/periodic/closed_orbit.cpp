@@ -96,9 +96,9 @@ class Closing {
     setting_.scene = question_.scene;
     setting_.tolerance = question_.settings[0];
     setting_.guess_period = question_.period;
-    const Trial guess{
-        {components_of(*std::get<Motion::Equations>(equations_of(scene, {})), scene)}, {0}, question_.period, 0};
-    Motion motion(std::get<Motion::Equations>(equations_of(scene, {})), {}, setting_.tolerance);
+    const auto equations = std::get<Motion::Equations>(equations_of(scene, {}));
+    const Trial guess{{components_of(*equations, scene)}, {0}, question_.period, 0};
+    Motion motion(equations, {}, setting_.tolerance);
     setting_.law = motion.autonomous() ? PeriodLaw::free : PeriodLaw::kept;
     setting_.extents = extents_of(motion, guess, scene.start, effort_, answer_.reason);
     fill(motion, guess);
@@ -246,13 +246,15 @@ std::optional<Objection> objection(const Question& question) {
   }
   Motion::Equations equations;
   try {
-    auto made = equations_of(scene, by_parameter ? std::optional(family->index) : std::nullopt);
+    const std::optional<std::size_t> varied = by_parameter ? std::optional(family->index) : std::nullopt;
+    auto made = equations_of(scene, varied);
     if (auto* why = std::get_if<std::string>(&made)) return Objection{"/problem", std::move(*why), {}};
     equations = std::get<Motion::Equations>(std::move(made));
+    if (equations->components > most_components) return too_many(equations->components);
+    [[maybe_unused]] const Motion followed(equations, varied, question.settings[0]);
   } catch (const tape::TooManyOperations&) {
     return Objection{"/problem", "the equations of its derivatives are too long", {}};
   }
-  if (equations->components > most_components) return too_many(equations->components);
   const auto moves = [&](std::size_t variable) {
     return std::ranges::find(equations->variables, variable) != equations->variables.end();
   };

@@ -200,10 +200,7 @@ class Family {
     }
     return "it has as many members as were asked for, and goes on";
   }
-  std::string over() const {
-    return effort_.out_of_steps() ? "the steps that the request has were taken"
-                                  : "the time that the request has was over";
-  }
+  std::string over() const { return effort_.why(); }
 
   /// Whether the family ends in an equilibrium, or its period grows beyond all bounds.
   std::string vanishes(const Step& step) {

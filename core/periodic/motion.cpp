@@ -70,8 +70,7 @@ std::vector<double> Motion::energy_gradient(std::span<const double> x, double t)
 bool Motion::go_to(variations::VariedMotion& motion, double end, Effort& effort, std::string& reason) const {
   while (end > std::max(motion.reach(), motion.time())) {
     if (!effort.go()) {
-      reason = effort.out_of_steps() ? "the steps that the request has were taken"
-                                     : "the time that the request has was over";
+      reason = effort.why();
       return false;
     }
     if (!motion.advance(end)) break;
@@ -92,7 +91,7 @@ std::optional<Reached> Motion::follow(std::span<const double> x, double t, doubl
       if (part.first + d < n) beginning.first[d * n + part.first + d] = 1;
     part.motion.start(x, beginning, t);
     if (!effort.go() || !go_to(part.motion, t + dt, effort, reason)) {
-      if (reason.empty()) reason = "the time that the request has was over";
+      if (reason.empty()) reason = effort.why();
       return std::nullopt;
     }
     const std::vector<double> slopes = part.motion.derivatives().first;

@@ -32,6 +32,10 @@ class Effort {
   }
   bool over() const { return over_; }
   bool out_of_steps() const { return out_of_steps_; }
+  /// What is over, in words.
+  const char* why() const {
+    return out_of_steps_ ? "the steps that the request has were taken" : "the time that the request has was over";
+  }
   std::int64_t steps() const { return steps_; }
 
  private:

@@ -14,7 +14,7 @@ SchemeCard LiftedSplitting::card() {
           .recommended = "kahan_li_6",
           .good_for =
               "rotating frames (exact), magnetic fields, Foucault's pendulum, friction that is not linear in s: "
-              "explicit where the part linear in the momenta is, at a fraction of what contact_gauss costs",
+              "explicit where the part linear in the momenta is; a linear one costs a fraction of contact_gauss",
           .fails_when =
               "forces call for short steps (ωh ≥ 2); a vector potential is large against the momentum, so that large "
               "parts cancel; with the lift extrapolation a step back does not return",

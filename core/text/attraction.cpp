@@ -131,6 +131,7 @@ std::optional<Attraction> Attraction::of(const tape::Tape& tape, const Monomial&
   constexpr int none = Quadratic::no_variable;
   const int first = *variables.begin();
   const double scale = u->at(first, first), small = 1e-13;
+  constexpr double round_off = 8 * std::numeric_limits<double>::epsilon();  // more is a softened attraction
   if (!(scale > 0)) return std::nullopt;
   const auto is = [&](double x, double y) { return std::abs(x - y) <= small * scale; };
   Attraction made;
@@ -161,7 +162,7 @@ std::optional<Attraction> Attraction::of(const tape::Tape& tape, const Monomial&
   }
   const bool mixed = made.is_fixed() && made.centre.size() != made.axes.size();
   const std::size_t dimension = made.axes.size();
-  if (mixed || dimension < 2 || dimension > 3 || !(std::abs(rest) <= small * size) || !std::isfinite(made.strength))
+  if (mixed || dimension < 2 || dimension > 3 || !(std::abs(rest) <= round_off * size) || !std::isfinite(made.strength))
     return std::nullopt;
   return made;
 }

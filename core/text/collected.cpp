@@ -186,7 +186,7 @@ class Collector {
   std::string text_of(Index place, double power) {
     const Node& node = tape_[place];
     const bool named = node.op == Op::variable || node.op == Op::time;
-    const bool called = name_of(node.op) || node.op == Op::select;
+    const bool called = function_name(node.op) || node.op == Op::select;
     std::string text = node.op == Op::time       ? "t"
                        : node.op == Op::variable ? name_(static_cast<int>(node.value))
                                                  : text_of_node(place);
@@ -211,41 +211,13 @@ class Collector {
       text = text_of(at(place));
       std::string plain = print(tape_, Recorder::at(whole_, place), name_);
       if (plain.size() < text.size() && plain != "…") text = std::move(plain);
-    } else if (const auto function = name_of(node.op)) {
+    } else if (const auto function = function_name(node.op)) {
       text.append(*function).append("(").append(text_of(at(node.a))).append(")");
     } else {  // a choice, a power of two that vary, or a sum of too many terms
       text = print(tape_, Recorder::at(whole_, place), name_);
     }
     --depth_;
     return text;
-  }
-  static std::optional<std::string_view> name_of(Op op) {
-    switch (op) {
-      case Op::exp:
-        return "exp";
-      case Op::log:
-        return "log";
-      case Op::sin:
-        return "sin";
-      case Op::cos:
-        return "cos";
-      case Op::tan:
-        return "tan";
-      case Op::sinh:
-        return "sinh";
-      case Op::cosh:
-        return "cosh";
-      case Op::tanh:
-        return "tanh";
-      case Op::atan:
-        return "atan";
-      case Op::asin:
-        return "asin";
-      case Op::acos:
-        return "acos";
-      default:
-        return std::nullopt;
-    }
   }
 
   const tape::Tape& tape_;

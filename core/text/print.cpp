@@ -42,35 +42,6 @@ std::string in(const Piece& x, int tighter) { return x.binds < tighter ? joined(
 bool negative(const Piece& x) { return x.binds == 3; }
 Piece without_sign(const Piece& x) { return negative(x) ? Piece{x.text.substr(1), 3} : x; }
 
-const char* function(Op op) {
-  switch (op) {
-    case Op::sqrt:
-      return "sqrt";
-    case Op::exp:
-      return "exp";
-    case Op::log:
-      return "log";
-    case Op::sin:
-      return "sin";
-    case Op::cos:
-      return "cos";
-    case Op::tan:
-      return "tan";
-    case Op::sinh:
-      return "sinh";
-    case Op::cosh:
-      return "cosh";
-    case Op::tanh:
-      return "tanh";
-    case Op::atan:
-      return "atan";
-    case Op::asin:
-      return "asin";
-    default:
-      return "acos";
-  }
-}
-
 /// Brackets within brackets, of which a text has more than it was read from: one for each minus in an exponent.
 std::size_t nesting(std::string_view text) {
   std::size_t open = 0, most = 0;
@@ -119,11 +90,42 @@ Piece of_node(const tape::Tape& tape, Index place, Part&& part, const std::funct
       if (is_absolute(tape, node)) return {joined({"abs(", part(node.c).text, ")"})};
       return {joined({"if(", part(node.a).text, " < 0, ", part(node.b).text, ", ", part(node.c).text, ")"})};
     default:
-      return {joined({function(node.op), "(", part(node.a).text, ")"})};
+      return {joined({*function_name(node.op), "(", part(node.a).text, ")"})};
   }
 }
 
 }  // namespace
+
+std::optional<std::string_view> function_name(Op op) {
+  switch (op) {
+    case Op::sqrt:
+      return "sqrt";
+    case Op::exp:
+      return "exp";
+    case Op::log:
+      return "log";
+    case Op::sin:
+      return "sin";
+    case Op::cos:
+      return "cos";
+    case Op::tan:
+      return "tan";
+    case Op::sinh:
+      return "sinh";
+    case Op::cosh:
+      return "cosh";
+    case Op::tanh:
+      return "tanh";
+    case Op::atan:
+      return "atan";
+    case Op::asin:
+      return "asin";
+    case Op::acos:
+      return "acos";
+    default:
+      return std::nullopt;
+  }
+}
 
 std::string print(const tape::Tape& tape, const Symbol& y, const std::function<std::string(int)>& name) {
   if (y.is_constant()) return number(y.constant());

@@ -6,6 +6,7 @@
 #include <array>
 #include <memory>
 
+#include "core/catalogue/backward.hpp"
 #include "core/ensemble/ensemble.hpp"
 #include "core/ensemble/member_columns.hpp"
 #include "core/run/acts.hpp"
@@ -267,7 +268,7 @@ void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& r
 
 void read_events(const Json& root, const FieldPath& top, Request& request) {
   const Json* json = find(root, "events");
-  if (json == nullptr) json = own_events(*request.scene->mechanics);
+  if (json == nullptr) json = own_events(*forward_of(*request.scene).mechanics);
   const FieldPath path = top.at("events");
   if (json == nullptr) return;
   if (!json->is_array()) return path.fault("must be a list of events", *json, std::string(event_shape));

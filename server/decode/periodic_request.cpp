@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/decode/plan_reader.hpp"
+#include "server/decode/scene_files.hpp"
 #include "server/decode/scene_reader.hpp"
 #include "server/decode/sensitivities_reader.hpp"
 
@@ -121,6 +122,7 @@ Result<Question, Faults> decode_periodic(ParsedJson body, const Cards& cards, co
   scene->mechanics = problem;
   const PresetCard* preset = read_scene(root, top, *scene);
   check_start(*scene, top);
+  refuse_own_events(*problem, top.at("problem"));
   question.scene = scene;
   const ProblemCard& card = scene->card();
   if (const Json* fixed = find(root, "fixed")) {

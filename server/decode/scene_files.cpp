@@ -11,6 +11,9 @@
 namespace least::server {
 namespace {
 
+// The name of a list without the number of an element.
+std::string_view list_of(std::string_view name) { return name.substr(0, name.find('[')); }
+
 std::string text_at(const Json& object, std::string_view key) {
   const Json* const json = find(object, key);
   return json ? json->get<std::string>() : std::string();
@@ -82,7 +85,7 @@ class FileReader {
   }
 
   void describe(std::string_view of, std::string& symbol, std::string& unit, std::string& doc) const {
-    const Json about = object_at(object_at(file_, "about"), of.substr(0, of.find('[')));
+    const Json about = object_at(object_at(file_, "about"), list_of(of));
     if (auto text = text_at(about, "unit"); !text.empty()) unit = std::move(text);
     if (auto text = text_at(about, "doc"); !text.empty()) doc = std::move(text);
     const std::string shown = text_at(about, "symbol");
@@ -109,6 +112,11 @@ class FileReader {
     card.parameters = typed.parameters;
     for (ParameterCard& parameter : card.parameters)
       describe(parameter.name, parameter.symbol, parameter.unit, parameter.doc);
+    Names known;
+    for (const auto& variable : card.variables) known.push_back(list_of(variable.name));
+    for (const auto& parameter : card.parameters) known.push_back(list_of(parameter.name));
+    read_object(object_at(file_, "about"), top().at("about"), known, "what there is to be told of " + card.id);
+    check();
     return card;
   }
 
@@ -134,7 +142,13 @@ class FileReader {
 
 }  // namespace
 
-TextProblem read_scene_file(std::string_view path, std::string_view body) { return FileReader(path, body).problem(); }
+TextProblem read_scene_file(std::string_view path, std::string_view body) {
+  try {
+    return FileReader(path, body).problem();
+  } catch (const nlohmann::json::exception& fault) {  // a number where a text should stand
+    throw std::logic_error("core/scenes" + std::string(path) + ": " + fault.what());
+  }
+}
 
 const std::vector<TextProblem>& text_problems() {
   static const std::vector<TextProblem> all = [] {

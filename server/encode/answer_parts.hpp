@@ -44,4 +44,15 @@ inline std::string_view status_of(const Solution& outcome) {
   return outcome.stop.reason == ReturnCode::completed ? "completed" : "stopped";
 }
 
+/// An object on a line of NDJSON: its kind, then what `write_members` writes.
+template <class WriteMembers>
+std::string object_line(std::string_view kind, WriteMembers write_members) {
+  std::string text;
+  JsonWriter json(text);
+  json.open('{').key("kind").text(kind);
+  write_members(json);
+  json.close('}');
+  return text += '\n';
+}
+
 }  // namespace least::server

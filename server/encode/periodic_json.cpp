@@ -21,7 +21,7 @@ void write_initial(JsonWriter& json, const Scene& scene) {
   json.close('}');
 }
 
-// The members that say what was asked for; sent back, they give the same answer.
+// How it was asked for: family and manifolds are told by what was found of them.
 void write_question(JsonWriter& json, const Question& question) {
   const auto& variables = question.scene->card().variables;
   json.key("fixed").open('[');
@@ -136,16 +136,6 @@ void write_manifolds(const periodic::Answer& found, std::string& out) {
       write_piece(found.orbit, manifold, piece, first, out);
 }
 
-template <class WriteMembers>
-std::string orbit_line(std::string_view kind, WriteMembers write_members) {
-  std::string text;
-  JsonWriter json(text);
-  json.open('{').key("kind").text(kind);
-  write_members(json);
-  json.close('}');
-  return text += '\n';
-}
-
 }  // namespace
 
 bool encode_orbit(const Question& question, const periodic::Answer& found, std::size_t piece, std::string& out) {
@@ -176,7 +166,7 @@ bool encode_orbit(const Question& question, const periodic::Answer& found, std::
 }
 
 std::string orbit_head_line(const Question& question) {
-  return orbit_line("head", [&](JsonWriter& json) {
+  return object_line("head", [&](JsonWriter& json) {
     json.key("version").text(version);
     write_scene(json, *question.scene);
     json.key("period").number(question.period);
@@ -185,11 +175,11 @@ std::string orbit_head_line(const Question& question) {
 }
 
 std::string orbit_member_line(const Member& member) {
-  return orbit_line("member", [&](JsonWriter& json) { write_member(json, member); });
+  return object_line("member", [&](JsonWriter& json) { write_member(json, member); });
 }
 
 std::string orbit_end_line(const Question& question, const periodic::Answer& found) {
-  return orbit_line("end", [&](JsonWriter& json) {
+  return object_line("end", [&](JsonWriter& json) {
     write_found(json, question, found);
     if (found.manifolds.empty()) return;
     json.key("manifolds").open('{');

@@ -124,21 +124,10 @@ void write_cbor(const FinishedRun& run, std::size_t piece, std::string& out) {
   write_piece(run, piece, out, Notation::cbor);
 }
 
-// An object on a line.
-template <class WriteMembers>
-std::string run_line(std::string_view kind, WriteMembers write_members) {
-  std::string text;
-  JsonWriter json(text);
-  json.open('{').key("kind").text(kind);
-  write_members(json);
-  json.close('}');
-  return text += '\n';
-}
-
 }  // namespace
 
 std::string run_head_line(const PlannedRun& run) {
-  return run_line("head", [&](JsonWriter& json) {
+  return object_line("head", [&](JsonWriter& json) {
     json.key("version").text(version);
     write_echo(json, run);
     if (run.choice) write_choice(json.key("choice"), *run.choice);
@@ -165,7 +154,7 @@ void write_rows(JsonWriter& json, const std::vector<const ColumnCard*>& cards, s
 }  // namespace
 
 std::string run_samples_line(const PlannedRun& run, std::span<const double> rows) {
-  return run_line("samples", [&](JsonWriter& json) {
+  return object_line("samples", [&](JsonWriter& json) {
     json.key("trajectory").open('{');
     write_rows(json, cards_of(run.request, run.request.columns), rows);
     json.close('}');
@@ -173,7 +162,7 @@ std::string run_samples_line(const PlannedRun& run, std::span<const double> rows
 }
 
 std::string run_points_line(const PlannedRun& run, std::span<const double> rows, std::int64_t before) {
-  return run_line("section", [&](JsonWriter& json) {
+  return object_line("section", [&](JsonWriter& json) {
     const auto cards = cards_of(run.request, run.request.section_columns());
     json.key("section").open('{').key("crossing").open('[');
     for (std::size_t i = 0; i < rows.size() / cards.size(); ++i) json.integer(before + std::int64_t(i));
@@ -184,13 +173,13 @@ std::string run_points_line(const PlannedRun& run, std::span<const double> rows,
 }
 
 std::string run_progress_line(double t, std::int64_t steps) {
-  return run_line("progress", [&](JsonWriter& json) { json.key("t").number(t).key("steps").integer(steps); });
+  return object_line("progress", [&](JsonWriter& json) { json.key("t").number(t).key("steps").integer(steps); });
 }
 
 std::string run_end_line(const PlannedRun& run, const Solution& outcome, const variations::Sensitivities* slopes) {
   std::optional<FoundSensitivities> found;
   if (run.sensitivities && slopes) found.emplace(FoundSensitivities{*run.sensitivities, *slopes});
-  return run_line("end", [&](JsonWriter& json) {
+  return object_line("end", [&](JsonWriter& json) {
     write_status(json, outcome);
     write_findings(json, run, outcome, found);
   });

@@ -45,23 +45,9 @@ const std::vector<double> in_space_start{0,    1, -3.9, 0,     0.1,    0.2,   0,
 
 Request request_of(std::shared_ptr<const Mechanics> mechanics, const std::vector<double>& start, double step,
                    double end, std::string_view scheme = "kepler_splitting") {
-  Request request = typed_as(runs::defaults("kepler", "runge_kutta_4"), std::move(mechanics));
-  request.scheme = find_scheme(scheme).value();
-  request.settings.clear();
-  for (const auto& setting : schemes()[request.scheme].parameters) request.settings.push_back(setting.value);
-  begin_at(request, start);
+  Request request = request_by(scheme, std::move(mechanics), start, end);
   if (scheme == "kepler_splitting") runs::set(request, "step", step);
-  request.end = end;
-  runs::only_final(request);
   return request;
-}
-std::vector<double> final_of(const Request& request) {
-  const auto outcome = runs::go(request).outcome;
-  EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << outcome.stop.detail;
-  std::vector<double> shown;
-  for (std::size_t i = 0; i < runs::card(request).variables.size(); ++i)
-    if (!runs::card(request).variables[i].hidden) shown.push_back(outcome.final[i]);
-  return shown;
 }
 /// Of places; momenta of light bodies would not be seen.
 double distance(const std::vector<double>& a, const std::vector<double>& b) {

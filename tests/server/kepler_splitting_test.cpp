@@ -181,5 +181,33 @@ TEST_F(KeplerSplittingHttp, IsStudiedAndVaried) {
   EXPECT_EQ(made["scheme"]["id"], "kepler_splitting") << "of all that keep the structure";
 }
 
+// Two light bodies that pass each other: the map whose derivative is told has the order of the run, that of its start.
+TEST_F(KeplerSplittingHttp, OfBodiesThatPassEachOther) {
+  const auto request = [](const std::string& more, const Json& scheme) {
+    Json problem = custom(R"~({"variables": ["x[3]", "y[3]"], "parameters": {"m": [1, 1e-3, 1e-3]},
+                               "masses": {"x": "m", "y": "m"}})~");
+    problem["potential"] = "-sum(i=1..3, j=i+1..3, m[i]*m[j]/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2))" + more;
+    Json all{{"problem", problem},
+             {"initial", {{"x", {0, 1, -1.4}}, {"vy", {0, 1, -0.55}}}},
+             {"until", 30},
+             {"scheme", scheme},
+             {"record", {{"every", 0}}},
+             {"diagnostics", {"lyapunov"}}};
+    all["scheme"]["id"] = "kepler_splitting";
+    all["scheme"]["step"] = 0.05;
+    return all;
+  };
+  for (const char* coordinates : {"jacobi", "heliocentric"}) {
+    const Json made = answer(request("", {{"coordinates", coordinates}}));
+    EXPECT_EQ(made["diagnostics"]["lyapunov"]["derivative"], "scheme") << coordinates;
+  }
+  // Jumps and kicks make one part of weak forces only where these are between the bodies.
+  const char* further = "+0.001*x[2]^2";
+  const Json refused = answer(request(further, {{"coordinates", "heliocentric"}, {"splitting", "aba_864"}}));
+  EXPECT_NE(refused["stop"]["detail"].get<std::string>().find("jacobi keeps it"), std::string::npos) << refused["stop"];
+  EXPECT_EQ(answer(request(further, {{"coordinates", "jacobi"}, {"splitting", "aba_864"}}))["status"], "completed");
+  EXPECT_EQ(answer(request(further, {{"coordinates", "heliocentric"}}))["status"], "completed");
+}
+
 }  // namespace
 }  // namespace least::server::test

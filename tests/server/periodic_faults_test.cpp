@@ -110,9 +110,19 @@ TEST_F(PeriodicFaults, LimitsHold) {
   EXPECT_EQ(made["status"], "not_closed");
   EXPECT_EQ(made["stop"]["reason"], "deadline") << made;
   EXPECT_LT(taken.count(), 15);
-  request["limits"] = {{"steps", 10}};
-  made = orbit(request);
-  EXPECT_EQ(made["stop"]["reason"], "step_limit") << made;
+  for (const int steps : {1, 10, 20, 40}) {
+    request["limits"] = {{"steps", steps}};
+    made = orbit(request);
+    EXPECT_EQ(made["stop"]["reason"], "step_limit") << made;
+    EXPECT_EQ(made["reason"], "the steps that the request has were taken") << steps;
+  }
+}
+
+// Each pair costs many operations, and derivatives of all of them more than any tape takes.
+TEST_F(PeriodicFaults, EquationsTooLongAreRefused) {
+  const Json problem = custom(R"~({"variables": ["x[32]"], "potential":
+      "sum(i=1..32, j=i+1..32, (1+sin(x[i]-x[j])^2)*exp(-(x[i]-x[j])^2)*sqrt(2+cos(x[i]*x[j])))"})~");
+  expect_fault({{"problem", problem}, {"period", 3}}, "/problem", "too");
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ TEST_F(Periodic, OfKeplerIsAnEllipseOfAnyGuess) {
   EXPECT_EQ(made["stable"], true);
 }
 
-// Once around and 2π farther; T = 4K(1/k)/(k·…) of a pendulum that turns over: 2K(k)k with k² = 2/(1 + E).
+// Once around and 2π farther; T = 2k K(k), k² = 2/(1 + E), of a pendulum that turns over.
 TEST_F(Periodic, OfAPendulumThatTurnsOverClosesAWholeTurnLater) {
   const Json made =
       orbit({{"problem", pendulum()}, {"initial", {{"a", 0}, {"va", 3}}}, {"period", 2.5}, {"fixed", {"a", "pa"}}});

@@ -28,6 +28,12 @@ class Scenes : public Asking {
     if (!preset.is_null()) problem["preset"] = preset["name"];
     return problem;
   }
+  /// Of the preset that a problem names, or of the card.
+  static Json until_of(const Json& card, const Json& problem) {
+    for (const Json& preset : card["presets"])
+      if (preset["name"] == problem.value("preset", "")) return preset["until"];
+    return card["until"];
+  }
   /// Without a preset, and with each.
   static std::vector<Json> problems_of(const Json& card) {
     std::vector<Json> all{named(card["id"])};
@@ -72,8 +78,7 @@ TEST_F(Scenes, KeepWhatTheirCardsSay) {
         if (one == "energy" || one == "momenta") request["diagnostics"].push_back(one);
       const Json run = answer(request);
       EXPECT_EQ(run["status"], "completed") << problem;
-      EXPECT_EQ(run["until"],
-                card["id"] == problem["id"] && !problem.contains("preset") ? card["until"] : run["until"]);
+      EXPECT_EQ(run["until"], until_of(card, problem)) << problem;
       for (const Json& invariant : card["invariants"]) {
         const std::string name = invariant["name"];
         const bool acts = !run["events"].empty();
@@ -166,6 +171,10 @@ TEST_F(Scenes, BringTheirEvents) {
   const Json run = answer(fall);
   EXPECT_EQ(run["acts"][0]["name"], "bounce");
   EXPECT_GT(run["final"]["x"], 0);
+  Json back = fall;
+  back["until"] = -5;
+  EXPECT_GT(answer(back)["final"]["x"], 0);
+  EXPECT_EQ(fault_of({{"problem", "bouncing_ball"}, {"period", 2}}, "/v1/periodic")["pointer"], "/problem");
   Json through = fall;
   through["events"] = Json::array();
   EXPECT_LT(answer(through)["final"]["x"], -10);
@@ -230,6 +239,8 @@ TEST(SceneFiles, SayWhatIsWrong) {
   EXPECT_NE(fault("{" + well + R"(, "initial": {"y": 1}})").find("/initial/y"), std::string::npos);
   EXPECT_NE(fault("{" + well + R"(, "presets": [{"name": "a", "initial": {"z": 1}}]})").find("/initial/z"),
             std::string::npos);
+  EXPECT_NE(fault("{" + well + R"(, "about": {"z": {"doc": "no such"}}})").find("/about/z"), std::string::npos);
+  EXPECT_NE(fault("{" + well + R"(, "until": "20"})").find("core/scenes/wrong.json: "), std::string::npos);
   EXPECT_EQ(fault("{" + well + "}"), "");
 }
 

@@ -12,9 +12,7 @@
 namespace least::server::test {
 namespace {
 
-class SchemeSensitivities : public Asking {
- protected:
-};
+class SchemeSensitivities : public Asking {};
 
 // One step of leapfrog from (x, p): p½ = p − hkx/2, x₁ = x + hp½, p₁ = p½ − hkx₁/2, and its derivatives.
 TEST_F(SchemeSensitivities, OfALeapfrogStepAreThoseOfItsFormula) {

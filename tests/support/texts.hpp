@@ -113,4 +113,27 @@ inline void begin_at(Request& request, std::span<const double> start) {
   for (std::size_t i = 0, next = 0; i < variables.size() && next < start.size(); ++i)
     if (!variables[i].hidden) initial[i] = start[next++];
 }
+
+/// By a scheme with the settings of its card, to `end`; only the final state is kept.
+inline Request request_by(std::string_view scheme, std::shared_ptr<const Mechanics> mechanics,
+                          std::span<const double> start, double end) {
+  Request request = typed_as(runs::defaults("kepler", "runge_kutta_4"), std::move(mechanics));
+  request.scheme = find_scheme(scheme).value();
+  request.settings.clear();
+  for (const auto& setting : schemes()[request.scheme].parameters) request.settings.push_back(setting.value);
+  begin_at(request, start);
+  request.end = end;
+  runs::only_final(request);
+  return request;
+}
+/// The variables that are shown, at the end of a run. Throws where it does not come so far.
+inline std::vector<double> final_of(const Request& request) {
+  const auto outcome = runs::go(request).outcome;
+  if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail);
+  std::vector<double> shown;
+  for (std::size_t i = 0; i < runs::card(request).variables.size(); ++i)
+    if (!runs::card(request).variables[i].hidden) shown.push_back(outcome.final[i]);
+  return shown;
+}
+
 }  // namespace texts

@@ -32,22 +32,7 @@ Definition chain() {
 
 Request request_of(const Definition& definition, std::string_view scheme, const std::vector<double>& start,
                    double end) {
-  Request request = typed_as(runs::defaults("kepler", "runge_kutta_4"), mechanics_of(definition));
-  request.scheme = find_scheme(scheme).value();
-  request.settings.clear();
-  for (const auto& setting : schemes()[request.scheme].parameters) request.settings.push_back(setting.value);
-  begin_at(request, start);
-  request.end = end;
-  runs::only_final(request);
-  return request;
-}
-std::vector<double> final_of(const Request& request) {
-  const auto outcome = runs::go(request).outcome;
-  EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << outcome.stop.detail;
-  std::vector<double> shown;
-  for (std::size_t i = 0; i < runs::card(request).variables.size(); ++i)
-    if (!runs::card(request).variables[i].hidden) shown.push_back(outcome.final[i]);
-  return shown;
+  return request_by(scheme, mechanics_of(definition), start, end);
 }
 
 /// x, y, px, py of the coupled oscillators from (1, 0.3; 0.2, −0.5), each of their modes damped by α: q̈ + αq̇ + ω²q = 0.

@@ -1,6 +1,7 @@
 // The closed orbit near a run: its period, its multipliers and its family are true, and it is drawn over the runs.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { periodOf } from "../../web/studies/section.js";
 import { circlePicture } from "../../web/drawing/circle.js";
 import { all, becomes, drawn, frames, pageTest, plane, settled, statuses } from "./browser.mjs";
 import { fieldAt } from "./made.mjs";
@@ -21,6 +22,15 @@ async function close(page, pattern) {
 const rows = (page) => page.locator("#multipliers tbody tr").evaluateAll((found) => found.map((row) => [...row.cells].map((cell) => cell.textContent)));
 const mean = (a, b) => (Math.abs(a - b) < 1e-15 ? a : mean((a + b) / 2, Math.sqrt(a * b)));
 const swing = (angle) => (2 * Math.PI) / mean(1, Math.cos(angle / 2)); // the period of a pendulum
+
+test("the period of a drive is that of the frequency that is set, else that of the card", () => {
+  const drive = (name) => ({ parameters: [{ name: "alpha", default: 3 }, { name, default: 2 }] });
+  for (const name of ["w", "omega", "frequency"]) {
+    assert.equal(periodOf(drive(name)), Math.PI);
+    assert.equal(periodOf(drive(name), { [name]: 4 }), Math.PI / 2);
+  }
+  assert.equal(periodOf({ parameters: [] }), 2 * Math.PI);
+});
 
 const pendulum = "#problem=pendulum&initial.q=1&until.t=20&closed.by=q&closed.to=2.5&closed.fixed=p&closed.count=12";
 pageTest("a pendulum's orbit: its period, its family, and a click that runs one of it", { hash: pendulum }, async (page, context) => {

@@ -1,9 +1,11 @@
 // The lessons: each runs, and what it claims is true of the data that the page shows.
 import assert from "node:assert/strict";
+import { test } from "node:test";
 import { mkdirSync, readFileSync } from "node:fs";
 import { all, becomes, drawn, frames, origin, pageTest } from "./browser.mjs";
 import { claims } from "./claims.mjs";
 import { lessons } from "../../web/lessons/lessons.js";
+import { remembering } from "../../web/lessons/requests.js";
 
 const en = JSON.parse(readFileSync(new URL("../../web/language/en.json", import.meta.url)));
 const ready = "#lesson[aria-busy=false]";
@@ -122,6 +124,16 @@ pageTest("the control answers while it is dragged, with fewer points, one reques
     const value = Number(await page.inputValue("#control input[type=text]"));
     assert.equal((await said(page)).runs[0].problem.damping, value, "the newest wins");
   });
+
+test("answers of the runs that stay are kept however long another is moved", async () => {
+  let asked = 0;
+  const ask = remembering(async () => ({ outcome: {}, asked: ++asked }));
+  for (let k = 0; k < 30; k++) {
+    for (let still = 0; still < 5; still++) await ask({ still, record: { samples: 10 } });
+    await ask({ moved: k, record: { samples: 10 } });
+  }
+  assert.equal(asked, 5 + 30);
+});
 
 pageTest("while one run is moved the others are not run again", { ...calm, hash: "#lesson=relaxation" }, async (page) => {
   const asked = [];

@@ -21,7 +21,7 @@ pageTest("a ball of a lesson bounces in the workbench, and under another link", 
     const rests = (e) => Math.SQRT2 * (1 + e) / (1 - e), stop = () => pane(page, "A").locator(".messages .stop").textContent();
     assert.match(await stop(), new RegExp(`accumulating events.*singular at t = ${rests(0.5).toPrecision(5)}`));
     await enter(page, "/events/more", "floor = x down {vx = -0.8*vx} most 3");
-    assert.deepEqual(await statuses(page), ["completed"], "three bounces, then it ends");
+    assert.deepEqual(await statuses(page), ["completed", "completed"], "three bounces, then it ends");
     assert.match(await pane(page, "A").locator(".messages .events").textContent(), /^3 floor/);
     const other = await context.newPage();
     await other.goto(page.url());
@@ -54,15 +54,12 @@ pageTest("the way back of a lesson stands beside the way forth in the workbench"
     assert.ok((await drawn(page, plane("A"), "--ink")).count < ink - 200, "it was drawn over the way forth");
   });
 
-pageTest("a run backward in time: its picture, its energy, and its clock from the start on", { hash: "#problem=kepler&until.t=-20", reducedMotion: "reduce" }, async (page) => {
+pageTest("the clock of a run backward in time goes from its start, and the run goes on from its end", { hash: "#problem=kepler&until.t=-20", reducedMotion: "reduce" }, async (page) => {
   assert.deepEqual(await statuses(page), ["completed", "completed"]);
   assert.match(await page.textContent("#motion .player output"), /t = −20/);
   await page.locator("#motion .time input").fill("250");
   assert.match(await page.textContent("#motion .player output"), /t = −5/);
-  const times = await page.locator("#motion .player output").textContent();
-  assert.match(times, /t = −5/, "its clock goes from the start");
   const { final } = await (await fetch(`${origin}/v1/simulate`, { method: "POST", body: JSON.stringify({ problem: "kepler", scheme: { id: "leapfrog", step: 0.01 }, until: { t: -20 } }) })).json();
-  assert.ok(final.t === -20);
   await page.click("#continue");
   await settled(page);
   assert.equal(Number(await fieldAt(page, "/initial/x").inputValue()), final.x);

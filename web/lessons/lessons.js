@@ -26,22 +26,9 @@ const orbit = { x: "x", y: "y", sun: true };
 const ellipse = ["true_orbit", (w) => [Math.cos(w) - 0.6, 0.8 * Math.sin(w)], [0, tau]];
 const fifty = { ...orbit, exact: [ellipse], thin: true }; // revolutions
 
-// The outer solar system: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, I.2.4; au, days, masses of the sun.
-const outer = {
-  problem: { id: "custom", title: "outer_planets", variables: ["x[6]", "y[6]", "z[6]"],
-             parameters: { G: 2.95912208286e-4, m: [1.00000597682, 0.000954786104043, 0.000285583733151, 0.0000437273164546,
-                                                    0.0000517759138449, 7.692307692e-9] },
-             definitions: { "d(i,j)": "sqrt((x[i]-x[j])^2 + (y[i]-y[j])^2 + (z[i]-z[j])^2)" },
-             potential: "-G*sum(i=1..6, j=i+1..6, m[i]*m[j]/d(i,j))", masses: { x: "m", y: "m", z: "m" } },
-  initial: { x: [0, -3.5023653, 9.0755314, 8.310142, 11.4707666, -15.5387357], y: [0, -3.8169847, -3.0458353, -16.2901086, -25.7294829, -25.2225594],
-             z: [0, -1.5507963, -1.6483708, -7.2521278, -10.8169456, -3.1902382], vx: [0, 0.00565429, 0.00168318, 0.00354178, 0.0028893, 0.00276725],
-             vy: [0, -0.0041249, 0.00483525, 0.00137102, 0.00114527, -0.00170702], vz: [0, -0.00190589, 0.00192462, 0.00055029, 0.00039677, -0.00136504] },
-  until: { t: 200000 },
-};
-
 // The chain of Fermi, Pasta, Ulam and Tsingou: 32 masses between walls, begun in the lowest of its modes.
 const chain = Array.from({ length: 32 }, (_, i) => `q[${i + 1}]`);
-const mode = (k) => ({ name: `mode${k}`, expression: `(sum(i=1..n, p[i]*sin(i*${k}*pi/33))^2 + 4*sin(${k}*pi/66)^2*sum(i=1..n, q[i]*sin(i*${k}*pi/33))^2)/33` });
+const mode = (k) => ({ name: `mode${k}`, expression: `(sum(i=1..32, p[i]*sin(i*${k}*pi/33))^2 + 4*sin(${k}*pi/66)^2*sum(i=1..32, q[i]*sin(i*${k}*pi/33))^2)/33` });
 
 // A pendulum's period comes back at the first event: by what it changes, in the order of `by`.
 const period = { name: "period", expression: "p", direction: "down" };
@@ -116,21 +103,25 @@ export const lessons = [
   },
   {
     id: "planets",
-    scene: outer, runs: [h("leapfrog", 100), h("runge_kutta_4", 400)], points: 2000,
+    scene: { problem: { id: "outer_solar_system" }, until: { t: 200000 } }, runs: [h("leapfrog", 100), h("runge_kutta_4", 400)], points: 2000,
     views: [{ x: "x[*]", y: "y[*]", box: { x: [-40, 50], y: [-34, 50] }, thin: true, run: 0, labels: [["in_au", { axis: "x" }], ["in_au", { axis: "y" }]] },
             { x: "x[*]", y: "y[*]", box: { x: [-40, 50], y: [-34, 50] }, thin: true, run: 1, labels: [["in_au", { axis: "x" }], ["in_au", { axis: "y" }]] }, drift],
     layout: "pair", control: steps(20, 200), tells: [["h_at_end", "trajectory.energy.last"]],
   },
   {
     id: "chain",
-    scene: { problem: { id: "custom", title: "chain", variables: ["q[n]"], parameters: { n: 32, alpha: 0.25 },
-                        definitions: { "at(i)": "if(i == 0 or i > n, 0, q[i])", "d(i)": "at(i+1) - at(i)" },
-                        potential: "sum(i=0..n, d(i)^2/2 + alpha*d(i)^3/3)", alpha: 0.25 },
-             initial: { q: chain.map((_, i) => Math.sin((Math.PI * (i + 1)) / 33)) }, until: { t: 11000 }, columns: [1, 2, 3, 4].map(mode) },
+    scene: { problem: { id: "fermi_pasta_ulam", alpha: 0.25 }, until: { t: 11000 }, columns: [1, 2, 3, 4].map(mode) },
     runs: [{ ...h("leapfrog", 0.4), name: ["leapfrog_of", { h: 0.4 }] }], points: 800,
     views: [{ x: "t", several: [1, 2, 3, 4].map((k) => [`mode${k}`, ["mode", { k }]]), labels: ["t", "mode_energy"] },
             { body: chain.map((name, i) => ({ at: [String(i / 10), name], linked: i ? [i - 1] : [] })) }],
     control: { sets: "problem.alpha", label: "nonlinearity", low: 0, high: 0.3 }, tells: [],
+  },
+  {
+    id: "frame",
+    scene: { problem: { id: "restricted_three_body", mu: 0.012277471 }, initial: { x: 0.3, y: 0, z: 0, px: 0, py: 1.78, pz: 0 }, until: { t: 13950 },
+             columns: [{ name: "r", expression: "sqrt((x + mu)^2 + y^2)" }] },
+    runs: [h("lifted_splitting", 0.03), h("runge_kutta_4", 0.03)],
+    views: [{ x: "t", y: "r", labels: ["t", "distance"], thin: true }, drift], points: 2000, control: steps(0.025, 0.035),
   },
   {
     id: "damped", group: "friction",
@@ -170,8 +161,7 @@ export const lessons = [
   },
   {
     id: "bounce",
-    scene: { problem: { id: "custom", title: "ball", variables: ["x"], parameters: { g: 1, e: 0.8 }, potential: "g*x" },
-             initial: { x: 1, vx: 0 }, until: { t: 40 }, scheme: { id: "leapfrog", step: 0.05 },
+    scene: { problem: { id: "bouncing_ball" }, until: { t: 40 }, scheme: { id: "leapfrog", step: 0.05 },
              events: [{ name: "floor", expression: "x", direction: "down", set: { vx: "-e*vx" } }] },
     runs: [{ name: "e = 0.5", problem: { e: 0.5 } }, { name: "e = 0.7", problem: { e: 0.7 } }, { name: ["your", { letter: "e" }], problem: { e: 0.8 } }],
     views: [{ x: "t", y: "x", labels: ["t", "height"] }, { x: "x", y: "px", labels: ["height", "velocity"] }],
@@ -229,13 +219,6 @@ export const lessons = [
               exact: [["as_multiplied", (t, _, [once, near, , orbit]) => offset(near, orbit) * growth(once.outcome) ** (t / round)]] }],
     layout: "pair", control: { starts: (by, i) => beside([0, by, -by, 0][i]), usual: 1e-7, label: "how_near", low: 1e-9, high: 1e-4, log: true },
     tells: [["largest_multiplier", growth]],
-  },
-  {
-    id: "frame",
-    scene: { problem: { id: "restricted_three_body", mu: 0.012277471 }, initial: { x: 0.3, y: 0, z: 0, px: 0, py: 1.78, pz: 0 }, until: { t: 13950 },
-             columns: [{ name: "r", expression: "sqrt((x + mu)^2 + y^2)" }] },
-    runs: [h("lifted_splitting", 0.03), h("runge_kutta_4", 0.03)],
-    views: [{ x: "t", y: "r", labels: ["t", "distance"], thin: true }, drift], points: 2000, control: steps(0.025, 0.035),
   },
   {
     id: "galaxy",

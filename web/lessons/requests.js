@@ -34,12 +34,13 @@ export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? 
 
 /**
  * `ask(request, signal)` for a lesson whose control moves some of its runs: of the others the answers stay, where they have as many
- * samples. The last dozen are kept.
+ * samples. A dozen are kept, those that were used last.
  */
 export function remembering(ask) {
   const kept = new Map(); // by request without its record: {size, answer}
   return async ({ record, ...request }, signal) => {
     const key = JSON.stringify(request), size = record.samples ?? record.curve, before = kept.get(key);
+    if (before) kept.delete(key), kept.set(key, before);
     if (before?.size >= size) return before.answer;
     const answer = await ask({ ...request, record }, signal);
     if (answer.outcome) kept.delete(key), kept.set(key, { size, answer });

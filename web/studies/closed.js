@@ -127,7 +127,7 @@ export class Closed {
 
   /** About the period: that of a drive, else when the run itself comes back, and where it does, if that is not at its start. */
   async #guess(scene, scheme, signal) {
-    if (!isAutonomous(this.#problem)) return { period: periodOf(this.#problem) };
+    if (!isAutonomous(this.#problem)) return { period: periodOf(this.#problem, scene.problem) };
     const names = startsOf(this.#problem).filter((name) => name !== "s");
     const { outcome, faults } = await api.simulate({ ...scene, scheme, record: { samples: along }, columns: ["t", ...names], diagnostics: [] }, signal);
     if (faults) return { faults };

@@ -7,8 +7,11 @@ import { Crossings } from "../drawing/crossings.js";
 
 const find = (selector) => document.querySelector(`#crossings ${selector}`);
 
-/** The period of what drives a scene, as far as a parameter says so. */
-export const periodOf = ({ parameters }) => (2 * Math.PI) / (parameters.find(({ name, default: usual }) => /^(omega|frequency)$/i.test(name) && usual > 0)?.default ?? 1);
+/** The period of what drives a scene, as far as a parameter says so, which may be `set`. */
+export function periodOf({ parameters }, set = {}) {
+  const frequencies = parameters.filter(({ name }) => /^(omega|w|frequency)$/i.test(name)).map(({ name, default: usual }) => set[name] ?? usual);
+  return (2 * Math.PI) / (frequencies.find((one) => one > 0) ?? 1);
+}
 
 /**
  * What is asked for at first. Of a motion in a plane by itself its portrait: a clock so fast that its points lie on curves. Of one
@@ -93,7 +96,8 @@ export class Section {
     });
     if (faults) return { faults };
     const stopped = Object.entries(ended.stopped).map(([reason, some]) => text("section.stopped", { n: some, why: words(reason) }));
-    const notes = [...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
+    const cut = ended.stop ? [text("ended.early", { why: words(ended.stop.reason) })] : [];
+    const notes = [...cut, ...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
     return { said: [text("section.done", { points, n: ended.completed, scheme: words(scheme.id) }), ...notes].join(" ") };
   }
 

@@ -85,9 +85,10 @@ export class Sweep {
     });
     if (faults) return { faults };
     const stopped = Object.entries(ended.stopped).map(([reason, some]) => text("section.stopped", { n: some, why: words(reason) }));
-    const notes = [...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
+    const cut = ended.stop ? [text("ended.early", { why: words(ended.stop.reason) })] : [];
+    const notes = [...cut, ...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
     const said = text("section.done", { points, n: ended.completed, scheme: words(scheme.id) }) + (points && show !== "crossings" ? this.#peak() : "");
-    return { said: notes.length ? `${said} ${notes.join("; ")}.` : said };
+    return { said: [said, ...notes].join(" ") };
   }
 
   /** Adds points of members, to be seen in the next frame; how many there are of them. */

@@ -44,6 +44,7 @@ export class Bench {
     this.#panes = new Panes(schemes, (t) => this.#results.point(t), () => this.request());
     this.#runs = new Runs(this.#scene, this.#panes, this.#starts, schemes, (told) => this.#show(told));
     this.#studies = new Studies(schemes, () => this.#studied(), (values, section) => this.request(this.#scene.begin(values, section)), (trajectory) => {
+      if (trajectory === this.#closed) return;
       this.#closed = trajectory;
       this.#redraw();
     });

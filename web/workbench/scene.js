@@ -67,11 +67,6 @@ export class Scene {
     return eventsOf(typed(forms.events));
   }
 
-  /** Whether each run goes back from its end to its start. */
-  get back() {
-    return Boolean(values(forms.until).back);
-  }
-
   offerAxes(chosen = { ...this.#chosen, log: this.log }) {
     const kinds = [...kindsOf(this.problem).keys()].map((id) => ({ id, title: text("axes.of_all", { name: id.slice(0, -1) }) }));
     const stated = statedColumns(this.problem).map(({ name, expression }) => ({ id: name, title: expression }));

@@ -145,10 +145,12 @@ export const frames = (page) =>
   page.evaluate(async () => {
     for (let i = 0; i < 2; i++) await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
   });
-/** Until `value()` is something that `good` likes, within the time of the test. */
+/** Until `value()` is something that `good` likes; after a minute, which is what a slow machine may take, a fault that says what it is instead. */
 export async function becomes(value, good) {
-  for (;;) {
-    if (good(await value())) return;
+  for (const late = Date.now() + 60_000;;) {
+    const now = await value();
+    if (good(now)) return;
+    if (Date.now() > late) assert.fail(`after a minute it still is ${JSON.stringify(now)}; wanted: ${good}`);
     await new Promise((resolve) => setTimeout(resolve, 20));
   }
 }

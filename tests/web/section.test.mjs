@@ -84,6 +84,6 @@ pageTest("a section fills as blocks come", { hash: "#problem=henon_heiles&until.
   await becomes(() => page.textContent("#section-status"), (text) => text === "2 points…");
   const first = (await coloured(page)).count;
   await page.evaluate(() => window.goOn());
-  await becomes(() => page.textContent("#section-status"), (text) => text === "4 points of 2 runs with leapfrog. 1 stopped (singular)");
+  await becomes(() => page.textContent("#section-status"), (text) => text === "4 points of 2 runs with leapfrog. 1 stopped (singular).");
   assert.ok((await coloured(page)).count > first && first > 0);
 });

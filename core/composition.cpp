@@ -4,7 +4,11 @@
 
 #include <cmath>
 
-namespace least::compositions {
+namespace least {
+
+template const Weights<double>& Weights<double>::of(const Composition& composition);
+
+namespace compositions {
 namespace {
 
 /// The words in X₁, X₃, X₅, X₇ and X₉ of degree 9 at most, each after the one that it prolongs; the first is empty.
@@ -84,4 +88,5 @@ int order_of(std::span<const double> weights, int base) {
   return wrong - 1;
 }
 
-}  // namespace least::compositions
+}  // namespace compositions
+}  // namespace least

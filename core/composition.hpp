@@ -166,24 +166,7 @@ struct Weights {
   std::span<const S> middles() const { return {middle.data(), static_cast<std::size_t>(stages)}; }
 
   /// Of a named one the text is read once per number.
-  static const Weights& of(const Composition& composition) {
-    if (!composition.weights().empty())
-      return composition.kept<Weights>([&] {
-        const auto list = composition.weights();
-        return Weights(static_cast<int>(list.size()), [&](std::size_t i) { return S(list[i]); });
-      });
-    static const auto table = [] {
-      std::array<Weights, compositions::names.size()> all;
-      for (std::size_t c = 0; c < all.size(); ++c) {
-        const auto half = compositions::halves[c];
-        const std::size_t last = 2 * half.size() - 2;
-        all[c] =
-            Weights(static_cast<int>(last + 1), [&](std::size_t i) { return parse<S>(half[std::min(i, last - i)]); });
-      }
-      return all;
-    }();
-    return table[static_cast<std::size_t>(composition)];
-  }
+  static const Weights& of(const Composition& composition);
 
  private:
   template <class Weight>
@@ -197,6 +180,29 @@ struct Weights {
     end[static_cast<std::size_t>(stages) - 1] = S(1);
   }
 };
+
+template <class S>
+const Weights<S>& Weights<S>::of(const Composition& composition) {
+  if (!composition.weights().empty())
+    return composition.kept<Weights>([&] {
+      const auto list = composition.weights();
+      return Weights(static_cast<int>(list.size()), [&](std::size_t i) { return S(list[i]); });
+    });
+  static const auto table = [] {
+    std::array<Weights, compositions::names.size()> all;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      const auto half = compositions::halves[c];
+      const std::size_t last = 2 * half.size() - 2;
+      all[c] =
+          Weights(static_cast<int>(last + 1), [&](std::size_t i) { return parse<S>(half[std::min(i, last - i)]); });
+    }
+    return all;
+  }();
+  return table[static_cast<std::size_t>(composition)];
+}
+#ifndef LEAST_LANE_BYTES  // a unit of lanes has everything itself
+extern template const Weights<double>& Weights<double>::of(const Composition& composition);
+#endif
 
 /// The size of the largest negative weight; 0 where there is none.
 inline double largest_negative_weight(const Composition& composition) {

@@ -104,4 +104,8 @@ ProblemCard complete_card(ProblemCard card, const ProblemTraits& traits, std::ve
   return card;
 }
 
+std::vector<Column> all_columns(const ProblemTraits& traits, const ProblemCard& card) {
+  return columns_of(traits, card);
+}
+
 }  // namespace least

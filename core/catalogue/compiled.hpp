@@ -101,6 +101,8 @@ StepTangents tangents_of(const P& problem, const Request& request) {
 
 /// A description with what follows from the mechanics; `schemes`: positions in the list of those that fit.
 ProblemCard complete_card(ProblemCard card, const ProblemTraits& traits, std::vector<std::size_t> schemes);
+/// columns_of, compiled once.
+std::vector<Column> all_columns(const ProblemTraits& traits, const ProblemCard& card);
 
 template <class P>
 std::vector<std::size_t> fitting_schemes() {
@@ -209,7 +211,7 @@ class ProblemMechanics : public Mechanics {
   explicit ProblemMechanics(ProblemCard described)
       : card_(complete_card(std::move(described), ProblemEntries<P, Full>::known, fitting_schemes<P>())),
         kinds_(kinds_of(card_)),
-        columns_(columns_of(ProblemEntries<P, Full>::known, card_)) {}
+        columns_(all_columns(ProblemEntries<P, Full>::known, card_)) {}
 
   const ProblemCard& card() const override { return card_; }
   std::string_view key() const override { return card_.id; }

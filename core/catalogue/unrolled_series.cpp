@@ -21,32 +21,32 @@
 namespace least::tape {
 namespace {
 
-/// Parameters for which programs are met: as they are by default, where a zero leaves terms out and a whole exponent is
-/// products; with numbers like any other in the place of all.
-enum class Met { defaults, numbers };
+/// Parameters for which series are unrolled: the defaults, where a zero leaves terms out and a whole exponent is
+/// products; or numbers like any other in the place of all.
+enum class ParameterValues { defaults, general };
 
-template <template <class> class P, Met met>
+template <template <class> class P, ParameterValues values>
 constexpr P<double> problem_of() {
   P<double> problem;
   const auto change = [](auto& value) {
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, double>)
-      if (met == Met::numbers) value = 1.0625 * value + (value == 0 ? 0.0625 : 0);
+      if (values == ParameterValues::general) value = 1.0625 * value + (value == 0 ? 0.0625 : 0);
   };
   std::apply([&](const auto&... field) { (change(problem.*field.member), ...); }, About<P>::fields);
   return problem;
 }
-template <template <class> class P, Met met, bool full>
+template <template <class> class P, ParameterValues values, bool full>
 constexpr Program program_of() {
   using Plain = StateOf<P<double>>;
   Tape tape;
   const auto rates =
-      taylor::write_equations<std::conditional_t<full, FullStateOf<P<double>>, Plain>>(problem_of<P, met>(), tape);
+      taylor::write_equations<std::conditional_t<full, FullStateOf<P<double>>, Plain>>(problem_of<P, values>(), tape);
   return lowered(tape, rates, Plain::size);
 }
-template <template <class> class P, Met met, bool full>
-constexpr Measured met_so = measured(program_of<P, met, full>());
-template <template <class> class P, Met met, bool full>
-constexpr auto structure = shrunk<met_so<P, met, full>>();
+template <template <class> class P, ParameterValues values, bool full>
+constexpr Measured size_of_structure = measured(program_of<P, values, full>());
+template <template <class> class P, ParameterValues values, bool full>
+constexpr auto structure = shrunk<size_of_structure<P, values, full>>();
 
 template <const auto& S>
 LEAST_FOURS void expand(const Program& program, const Workspace& of) {
@@ -77,8 +77,9 @@ constexpr bool alike = std::ranges::equal(A.structure, B.structure);
 /// All that differ of a problem.
 template <template <class> class P>
 std::vector<UnrolledSeries> all_of() {
-  constexpr auto &a = structure<P, Met::defaults, false>, &b = structure<P, Met::defaults, true>;
-  constexpr auto &c = structure<P, Met::numbers, false>, &d = structure<P, Met::numbers, true>;
+  constexpr auto &a = structure<P, ParameterValues::defaults, false>,
+                 &b = structure<P, ParameterValues::defaults, true>;
+  constexpr auto &c = structure<P, ParameterValues::general, false>, &d = structure<P, ParameterValues::general, true>;
   std::vector<UnrolledSeries> all{unrolled<a>()};
   if constexpr (!alike<a, b>) all.push_back(unrolled<b>());
   if constexpr (!alike<a, c>) {

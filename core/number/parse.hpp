@@ -2,7 +2,6 @@
 #pragma once
 
 #include <charconv>
-#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -16,7 +15,7 @@ T parse(std::string_view text) {
     std::from_chars(text.data(), text.data() + text.size(), value);
     return value;
   } else {
-    return T(std::string(text));
+    return T(text);
   }
 }
 

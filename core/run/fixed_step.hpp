@@ -79,7 +79,8 @@ class FixedStepIntegrator final : public EqualSteps {
     return guard.exceeded() ? BlockResult{BlockEnd::too_fast} : BlockResult{};
   }
 
-  static StepStatus move(Stepper& stepper, RunState& state, double h) {
+  /// Not in line: three ways of taking a single step are one step's code.
+  [[gnu::noinline]] static StepStatus move(Stepper& stepper, RunState& state, double h) {
     auto x = state_from<X>(state);
     const StepStatus status = stepper.step(x, h);
     write_numbers(x, state.numbers.data());

@@ -60,27 +60,9 @@ struct Alternation {
   std::span<const S> middles() const { return {middle.data(), static_cast<std::size_t>(stages)}; }
 
   /// That of a composition.
-  static const Alternation& of(const Composition& composition) {
-    if (!composition.weights().empty()) {
-      const auto& weights = Weights<S>::of(composition);  // kept as well, so before
-      return composition.kept<Alternation>([&] { return Alternation(weights); });
-    }
-    static const auto table = [] {
-      std::array<Alternation, compositions::names.size()> all;
-      for (std::size_t c = 0; c < all.size(); ++c) all[c] = Alternation(Weights<S>::of(static_cast<Composition>(c)));
-      return all;
-    }();
-    return table[static_cast<std::size_t>(composition)];
-  }
+  static const Alternation& of(const Composition& composition);
   /// The i-th of `alternations::named`.
-  static const Alternation& named(std::size_t i) {
-    static const auto table = [] {
-      std::array<Alternation, alternations::named.size()> all;
-      for (std::size_t c = 0; c < all.size(); ++c) all[c] = Alternation(alternations::named[c]);
-      return all;
-    }();
-    return table[i];
-  }
+  static const Alternation& named(std::size_t i);
 
   Alternation() = default;
 
@@ -103,5 +85,32 @@ struct Alternation {
     }
   }
 };
+
+template <class S>
+const Alternation<S>& Alternation<S>::of(const Composition& composition) {
+  if (!composition.weights().empty()) {
+    const auto& weights = Weights<S>::of(composition);  // kept as well, so before
+    return composition.kept<Alternation>([&] { return Alternation(weights); });
+  }
+  static const auto table = [] {
+    std::array<Alternation, compositions::names.size()> all;
+    for (std::size_t c = 0; c < all.size(); ++c) all[c] = Alternation(Weights<S>::of(static_cast<Composition>(c)));
+    return all;
+  }();
+  return table[static_cast<std::size_t>(composition)];
+}
+template <class S>
+const Alternation<S>& Alternation<S>::named(std::size_t i) {
+  static const auto table = [] {
+    std::array<Alternation, alternations::named.size()> all;
+    for (std::size_t c = 0; c < all.size(); ++c) all[c] = Alternation(alternations::named[c]);
+    return all;
+  }();
+  return table[i];
+}
+#ifndef LEAST_LANE_BYTES  // a unit of lanes has everything itself
+extern template const Alternation<double>& Alternation<double>::of(const Composition& composition);
+extern template const Alternation<double>& Alternation<double>::named(std::size_t i);
+#endif
 
 }  // namespace least

@@ -180,9 +180,41 @@ struct Recorder {
       }
     return {};
   }
+
+  // What operators write, in a constant expression.
+  static constexpr Symbol add(const Symbol& a, const Symbol& b);
+  static constexpr Symbol subtract(const Symbol& a, const Symbol& b);
+  static constexpr Symbol multiply(const Symbol& a, const Symbol& b);
+  static constexpr Symbol divide(const Symbol& a, const Symbol& b);
+  static constexpr Symbol power_of(const Symbol& x, double exponent);
 };
 
+/// The same when the program runs: compiled once, where every problem would compile its own.
+namespace recording {
+Symbol add(const Symbol& a, const Symbol& b);
+Symbol subtract(const Symbol& a, const Symbol& b);
+Symbol multiply(const Symbol& a, const Symbol& b);
+Symbol divide(const Symbol& a, const Symbol& b);
+Symbol power_of(const Symbol& x, double exponent);
+}  // namespace recording
+
 constexpr Symbol operator+(const Symbol& a, const Symbol& b) {
+  return std::is_constant_evaluated() ? Recorder::add(a, b) : recording::add(a, b);
+}
+constexpr Symbol operator-(const Symbol& a, const Symbol& b) {
+  return std::is_constant_evaluated() ? Recorder::subtract(a, b) : recording::subtract(a, b);
+}
+constexpr Symbol operator*(const Symbol& a, const Symbol& b) {
+  return std::is_constant_evaluated() ? Recorder::multiply(a, b) : recording::multiply(a, b);
+}
+constexpr Symbol operator/(const Symbol& a, const Symbol& b) {
+  return std::is_constant_evaluated() ? Recorder::divide(a, b) : recording::divide(a, b);
+}
+constexpr Symbol pow(const Symbol& x, double exponent) {
+  return std::is_constant_evaluated() ? Recorder::power_of(x, exponent) : recording::power_of(x, exponent);
+}
+
+constexpr Symbol Recorder::add(const Symbol& a, const Symbol& b) {
   if (a.is_constant() && b.is_constant())
     return Recorder::constant(a.constant() + b.constant(), a.constant_ + b.constant_);
   if (a.is_constant() && a.constant() == 0) return b;
@@ -192,7 +224,7 @@ constexpr Symbol operator+(const Symbol& a, const Symbol& b) {
   return Recorder::binary(tape::Op::add, a, b);
 }
 
-constexpr Symbol operator-(const Symbol& a, const Symbol& b) {
+constexpr Symbol Recorder::subtract(const Symbol& a, const Symbol& b) {
   if (a.is_constant() && b.is_constant())
     return Recorder::constant(a.constant() - b.constant(), a.constant_ - b.constant_);
   if (a.is_constant() && a.constant() == 0) return -b;
@@ -203,7 +235,7 @@ constexpr Symbol operator-(const Symbol& a, const Symbol& b) {
   return Recorder::binary(tape::Op::subtract, a, b);
 }
 
-constexpr Symbol operator*(const Symbol& a, const Symbol& b) {
+constexpr Symbol Recorder::multiply(const Symbol& a, const Symbol& b) {
   if (a.is_constant() && b.is_constant())
     return Recorder::constant(a.constant() * b.constant(), a.constant_ * b.constant_);
   if (b.is_constant()) return b * a;
@@ -230,7 +262,7 @@ constexpr Symbol operator*(const Symbol& a, const Symbol& b) {
   return Recorder::binary(tape::Op::multiply, a, b);
 }
 
-constexpr Symbol operator/(const Symbol& a, const Symbol& b) {
+constexpr Symbol Recorder::divide(const Symbol& a, const Symbol& b) {
   if (a.is_constant() && b.is_constant())
     return Recorder::constant(a.constant() / b.constant(), a.constant_ / b.constant_);
   if (b.is_constant()) return a * (Symbol(1) / b);
@@ -249,7 +281,7 @@ constexpr Symbol sqrt(const Symbol& x) {
                          : Recorder::unary(tape::Op::sqrt, x);
 }
 
-constexpr Symbol pow(const Symbol& x, double exponent) {
+constexpr Symbol Recorder::power_of(const Symbol& x, double exponent) {
   if (x.is_constant()) {
     const double plain = std::pow(x.constant(), exponent);
     return std::is_constant_evaluated() ? Symbol(plain) : Recorder::constant(plain, power(x.constant_, exponent));

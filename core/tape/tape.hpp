@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 namespace least::tape {
@@ -79,7 +80,7 @@ class Tape {
   constexpr Tape() : places_(64, none) { nodes_.reserve(32); }
 
   /// The place of the node, which is written where it does not stand yet.
-  constexpr Index write(Node node);
+  constexpr Index write(const Node& node) { return std::is_constant_evaluated() ? insert(node) : insert_at_run(node); }
   /// From now on no more nodes than so many are written.
   constexpr void bound(Index most) { most_ = most; }
 
@@ -87,6 +88,9 @@ class Tape {
   constexpr Index size() const { return static_cast<Index>(nodes_.size()); }
 
  private:
+  constexpr Index insert(Node node);
+  /// The same, compiled once: every problem's equations are written when the program runs.
+  Index insert_at_run(const Node& node);
   constexpr std::size_t place_of(const Node& node) const;
   constexpr bool is_linear(const Node& node) const;
 
@@ -121,7 +125,7 @@ constexpr bool Tape::is_linear(const Node& node) const {
   }
 }
 
-constexpr Index Tape::write(Node node) {
+constexpr Index Tape::insert(Node node) {
   std::size_t place = place_of(node);
   if (places_[place] != none) return places_[place];
   if (size() >= most_) throw TooManyOperations();

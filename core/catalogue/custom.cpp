@@ -37,9 +37,7 @@ Made of_any_size(text::TextScene scene) {
   if (!text::SizedScene::has(*scene.form))
     return std::vector<text::DefinitionFault>{
         {"/variables",
-         {0,
-          "are more than a kinetic energy that depends on the place, a Lagrangian not quadratic in the velocities or "
-          "a term quadratic in s goes with",
+         {0, "are more than a Lagrangian not quadratic in the velocities or a term quadratic in s goes with",
           "1 to " + std::to_string(text::compiled_coordinates) + " of those"},
          false}};
   try {

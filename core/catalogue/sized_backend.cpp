@@ -5,11 +5,15 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "core/catalogue/sized_forced.hpp"
+#include "core/catalogue/sized_implicit.hpp"
 #include "core/catalogue/sized_steps.hpp"
 #include "core/catalogue/sized_taylor.hpp"
 #include "core/from_values.hpp"
 #include "core/run/control_stepper.hpp"
 #include "core/run/self_timed.hpp"
+#include "core/schemes/contact_galerkin_4.hpp"
+#include "core/schemes/contact_gauss.hpp"
+#include "core/schemes/contact_midpoint.hpp"
 #include "core/schemes/galerkin_4.hpp"
 #include "core/schemes/variational_midpoint.hpp"
 #include "core/tape/steep.hpp"
@@ -88,11 +92,25 @@ std::unique_ptr<Integrator> bind_series(const Binding& to) {
       SizedSeries{to.scheme<Taylor>(), taylor::program_of(to.scene.equations, to.scene.rates, to.scene.rates.size())});
 }
 
-template <class Scheme>
+/// Where the middle of a step says all of it.
+bool is_flat(const text::SizedScene& scene) {
+  const bool flat = scene.kind == text::FormKind::separable || scene.kind == text::FormKind::contact_linear;
+  return flat && !scene.forced;
+}
+
+/// Of a path of polynomials and a rule of quadrature.
+template <class Scheme, SizedVariational::Path path>
 std::unique_ptr<Integrator> bind_rule(const Binding& to) {
-  const bool midpoint = std::is_same_v<Scheme, VariationalMidpoint>;
-  return to.equal_steps(
-      ForcedRule(to.scene, midpoint ? ForcedRule::midpoint : ForcedRule::simpson, to.scheme<Scheme>().composition));
+  const Scheme scheme = to.scheme<Scheme>();
+  Composition composition = Composition::none;
+  if constexpr (requires { scheme.composition; }) composition = scheme.composition;
+  const bool is_straight = path == SizedVariational::Path::straight;
+  if (is_flat(to.scene)) return to.equal_steps(SizedVariational(to.scene, path, composition, scheme.step));
+  return to.equal_steps(StageRule(to.scene, is_straight ? StageRule::midpoint : StageRule::simpson, composition));
+}
+std::unique_ptr<Integrator> bind_gauss(const Binding& to) {
+  const int stages = to.scheme<ContactGauss>().stages;
+  return to.equal_steps(StageRule(to.scene, StageRule::gauss(stages), Composition::none));
 }
 
 using text::SizedScene;
@@ -105,9 +123,16 @@ bool on_separable(const SizedScene& scene) {
 bool with_exact_kicks(const SizedScene& scene) { return on_separable(scene) && (!scene.forced || scene.forces.linear); }
 bool with_lift(const SizedScene& scene) { return scene.lift != nullptr; }
 bool on_damped(const SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
-bool on_few_forced(const SizedScene& scene) {
-  return scene.forced && scene.coordinates <= static_cast<std::size_t>(text::compiled_coordinates);
+/// Forced ones, and those whose metric depends on the place, where a step's matrix is not too large.
+bool with_path(const SizedScene& scene) {
+  if (is_flat(scene)) return scene.kind == text::FormKind::separable;
+  return (scene.forced || scene.kind == text::FormKind::metric) && scene.coordinates <= SizedScene::most_full;
 }
+bool without_action(const SizedScene& scene) {
+  return scene.kind == text::FormKind::hamiltonian && !scene.acting && !scene.forced &&
+         scene.coordinates <= SizedScene::most_full;
+}
+constexpr auto straight = SizedVariational::Path::straight, parabola = SizedVariational::Path::parabola;
 
 /// A scheme that runs on scenes of any size, and on which of them.
 struct SizedScheme {
@@ -115,20 +140,24 @@ struct SizedScheme {
   bool (*fits)(const SizedScene& scene);
   std::unique_ptr<Integrator> (*bind)(const Binding& to);
 };
-constexpr std::array sized_schemes{SizedScheme{"explicit_euler", on_all, bind_stages<ExplicitEuler>},
-                                   SizedScheme{"explicit_midpoint", on_all, bind_stages<ExplicitMidpoint>},
-                                   SizedScheme{"runge_kutta_4", on_all, bind_stages<RungeKutta4>},
-                                   SizedScheme{"symplectic_euler", on_separable, bind_kicks<SymplecticEuler>},
-                                   SizedScheme{"leapfrog", on_separable, bind_kicks<Leapfrog>},
-                                   SizedScheme{"ruth_3", with_exact_kicks, bind_kicks<Ruth3>},
-                                   SizedScheme{"variational_midpoint", on_few_forced, bind_rule<VariationalMidpoint>},
-                                   SizedScheme{"galerkin_4", on_few_forced, bind_rule<Galerkin4>},
-                                   SizedScheme{"contact_leapfrog", on_damped, bind_contact_leapfrog},
-                                   SizedScheme{"lifted_splitting", with_lift, bind_lifted},
-                                   SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
-                                   SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},
-                                   SizedScheme{"bulirsch_stoer", on_all, bind_pair<BulirschStoer>},
-                                   SizedScheme{"taylor", on_all, bind_series}};
+constexpr std::array sized_schemes{
+    SizedScheme{"explicit_euler", on_all, bind_stages<ExplicitEuler>},
+    SizedScheme{"explicit_midpoint", on_all, bind_stages<ExplicitMidpoint>},
+    SizedScheme{"runge_kutta_4", on_all, bind_stages<RungeKutta4>},
+    SizedScheme{"symplectic_euler", on_separable, bind_kicks<SymplecticEuler>},
+    SizedScheme{"leapfrog", on_separable, bind_kicks<Leapfrog>},
+    SizedScheme{"ruth_3", with_exact_kicks, bind_kicks<Ruth3>},
+    SizedScheme{"variational_midpoint", with_path, bind_rule<VariationalMidpoint, straight>},
+    SizedScheme{"galerkin_4", with_path, bind_rule<Galerkin4, parabola>},
+    SizedScheme{"contact_leapfrog", on_damped, bind_contact_leapfrog},
+    SizedScheme{"contact_variational_midpoint", on_damped, bind_rule<ContactVariationalMidpoint, straight>},
+    SizedScheme{"contact_galerkin_4", on_damped, bind_rule<ContactGalerkin4, parabola>},
+    SizedScheme{"contact_gauss", without_action, bind_gauss},
+    SizedScheme{"lifted_splitting", with_lift, bind_lifted},
+    SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
+    SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},
+    SizedScheme{"bulirsch_stoer", on_all, bind_pair<BulirschStoer>},
+    SizedScheme{"taylor", on_all, bind_series}};
 
 }  // namespace
 

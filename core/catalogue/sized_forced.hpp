@@ -86,8 +86,9 @@ std::vector<ForcedKickDrift::Piece> pieces_of(const Scheme& scheme) {
 }
 
 /// The discrete Lagrange–d'Alembert principle of a path of polynomials and a rule of quadrature, for any regular H,
-/// with F beside −H_q: as a pair of Runge–Kutta methods, one for q and one for p. Of few coordinates.
-class ForcedRule {
+/// with F beside −H_q: as a pair of Runge–Kutta methods, one for q and one for p. Collocation at Gauss' nodes is such a
+/// pair, too, and of an H without s the map of core/schemes/hamiltonian_gauss.hpp. Of few coordinates.
+class StageRule {
  public:
   static constexpr std::size_t most_stages = 3;
   struct Rule {
@@ -98,8 +99,9 @@ class ForcedRule {
   };
   static const Rule midpoint;  ///< of straight paths: the implicit midpoint rule
   static const Rule simpson;   ///< of parabolas: Lobatto's pair IIIA–IIIB, with velocities that are linear in time
+  static Rule gauss(int stages);
 
-  ForcedRule(const text::SizedScene& scene, const Rule& rule, const Composition& composition);
+  StageRule(const text::SizedScene& scene, const Rule& rule, const Composition& composition);
 
   void begin(StateView) { work_ = {}; }
   StepStatus step(double* x, double t, double h) noexcept;
@@ -107,16 +109,16 @@ class ForcedRule {
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
 
  private:
-  static constexpr std::size_t most = most_stages * 2 * std::size_t(text::compiled_coordinates);
+  using Newton = SimplifiedNewton<double, most_stages * 2 * text::SizedScene::most_full>;
 
   StepStatus stage(double* x, double t, double h);
   /// (1 − h A ⊗ J)⁻¹ with J at the point y.
   void prepare(const double* y, double t, double h);
-  const auto& part(std::size_t i) const { return i < width_ / 2 ? rule_->of_places : rule_->of_momenta; }
-  bool is_bent(std::size_t i) const { return rule_->parabolas && i >= width_ / 2; }
+  const auto& part(std::size_t i) const { return i < width_ / 2 ? rule_.of_places : rule_.of_momenta; }
+  bool is_bent(std::size_t i) const { return rule_.parabolas && i >= width_ / 2; }
 
   const text::SizedScene* scene_;
-  const Rule* rule_;
+  Rule rule_;
   Composition composition_;  ///< keeps the weights
   const Weights<double>* weights_;
   std::size_t width_;                 ///< of q and p
@@ -124,7 +126,7 @@ class ForcedRule {
   std::vector<double> z_;             ///< stages less the start
   std::array<double, 2> weighs_{};    ///< what brings places and momenta to one unit
   std::vector<Slope> along_, moved_;  ///< a point and the rates there, with their changes in a direction
-  SimplifiedNewton<double, most> newton_;
+  std::shared_ptr<Newton> newton_;    ///< shared by copies: it keeps nothing from one step to the next
   Work work_;
 };
 

@@ -57,7 +57,11 @@ class SizedMechanics final : public Mechanics {
     traits_ = traits_of(*sized);
     card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
     if (!text_.form->is_compiled() && !sized->forced)
-      card_.offers += ", with more coordinates than schemes that solve equations or transform the time take";
+      card_.offers += sized->coordinates > text::SizedScene::most_full && !traits_.potential
+                          ? ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
+                                " for which schemes solve equations whose matrix is full"
+                          : ", with more coordinates than schemes that transform the time, keep the energy by the "
+                            "length of their steps or split a contact Hamiltonian take";
     if (sized->forced && traits_.potential && !sized->forces.linear)
       card_.offers += ", and the forces not linear in the momenta";
     if (sized->forced && traits_.potential && !sized->forces.solvable())

@@ -233,10 +233,14 @@ class SizedSteps final : public EqualSteps {
   void take_stepper_back() override { stepper_ = left_stepper_; }
   Work stepper_work() const override { return stepper_.work(); }
   bool starts_at_singularity() const override { return false; }
-  double energy_of_step(StateView, double) const override { return unknown; }
+  double energy_of_step([[maybe_unused]] StateView from, [[maybe_unused]] double h) const override {
+    if constexpr (requires { trial_.step_energy(from, h); }) return trial_.step_energy(from, h);
+    return unknown;
+  }
   DampingLimits damping_limits() const override {
     DampingLimits limits;
     limits.flips = stepper_.flips_from();
+    if constexpr (requires { stepper_.stiff_from(); }) limits.stiff = stepper_.stiff_from();
     return limits;
   }
 

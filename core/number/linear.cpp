@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/number/dense_factors.hpp"
 #include "core/number/quad.hpp"
 
 namespace least {
@@ -118,6 +119,26 @@ void detail::invert(std::size_t n, double* a) {
   if (!is_large(n)) return invert_in_place(n, a);
   const auto size = static_cast<Eigen::Index>(n);
   Eigen::Map<Large>(a, size, size) = large_factors(n, a).inverse();
+}
+
+struct DenseFactors::Eigens {
+  Large matrix;
+  Eigen::PartialPivLU<Large> lu;
+  Eigen::VectorXd solution;
+};
+DenseFactors::DenseFactors(std::size_t n) : of_(std::make_unique<Eigens>()) {
+  const auto size = static_cast<Eigen::Index>(n);
+  of_->matrix.resize(size, size);
+  of_->lu = Eigen::PartialPivLU<Large>(size);
+  of_->solution.resize(size);
+}
+DenseFactors::~DenseFactors() = default;
+double* DenseFactors::entries() { return of_->matrix.data(); }
+void DenseFactors::factor() { of_->lu.compute(of_->matrix); }
+void DenseFactors::solve(double* b) {
+  Eigen::Map<Eigen::VectorXd> x(b, of_->solution.size());
+  of_->solution = of_->lu.solve(x);
+  x = of_->solution;
 }
 
 double detail::determinant_by_lu(std::size_t n, double* a) {

@@ -262,7 +262,8 @@ class Reader : TextReader {
       if (form_->kind != FormKind::separable || timed) return false;
       const auto metric = lagrangian ? std::optional(second) : inverse(second);
       if (!metric) return false;
-      if (lagrangian && given_.is_forced()) {  // whose mechanics is stated with momenta
+      const bool by_momenta = given_.is_forced() || n() > static_cast<std::size_t>(compiled_coordinates);
+      if (lagrangian && by_momenta) {  // what knows its size when it runs takes the mechanics stated with momenta
         const auto raised = inverse(second);
         if (!raised) return false;
         form_->hamiltonian = legendre(*raised, std::vector<Symbol>(n(), Symbol(0)), form_->potential);

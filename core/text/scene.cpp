@@ -248,10 +248,10 @@ std::optional<TextScene::Objection> TextScene::objection_to_large_start(std::spa
     scene.forces.values.evaluate(state.data(), t, forces.data());
     if (!std::ranges::all_of(forces, [](double force) { return std::isfinite(force); }))
       return Objection{definition.forces.empty() ? "/dissipation" : "/forces", not_finite_at(t, state)};
-    if (form->kind == FormKind::metric)
-      if (const std::string why = objection_to_masses(parameters, t, on_tape(state)); !why.empty())
-        return Objection{whole, why};
   }
+  if (form->kind == FormKind::metric)
+    if (const std::string why = objection_to_masses(parameters, t, on_tape(state)); !why.empty())
+      return Objection{whole, why};
   for (std::size_t i = 0; i < rates.size(); ++i)
     if (!std::isfinite(rates[i]))
       return Objection{scene.flow ? "/equations/" + definition.variables[i] : whole, not_finite_at(t, state)};

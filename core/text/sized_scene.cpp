@@ -17,7 +17,7 @@ bool SizedScene::has(const Form& form) {
     case FormKind::flow:
       return true;
     case FormKind::metric:
-      return form.forced && form.coordinates <= static_cast<std::size_t>(compiled_coordinates);
+      return !form.is_compiled();
     default:
       return false;
   }
@@ -98,6 +98,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     if (acting) all[2 * n] = Symbol(0.5) * twice_kinetic - v - alpha * variable(2 * n);
     potential = formula({v});
     gradient = formula(slopes);
+    for (const Symbol& slope : slopes) slopes_.push_back(slope.on(equations));
     damping = formula({alpha});
   }
   if (forced) {
@@ -187,6 +188,13 @@ void SizedScene::set_mass(const std::vector<Symbol>& mass, const std::vector<dou
   inverse_matrix_.resize(n * n);
   for (std::size_t i = 0; i < n; ++i)  // drifts are symplectic where it is symmetric to the last bit
     for (std::size_t j = 0; j < n; ++j) inverse_matrix_[i * n + j] = 0.5 * (inverse[i * n + j] + inverse[j * n + i]);
+}
+
+const tape::SparseJacobian& SizedScene::curvature() const {
+  std::call_once(curvature_->made, [&] {
+    curvature_->of = std::make_unique<const tape::SparseJacobian>(equations, slopes_, coordinates);
+  });
+  return *curvature_->of;
 }
 
 void SizedScene::velocity(const double* p, double* v) const {

@@ -4,10 +4,13 @@
 // Variables on the tapes have the same numbers.
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
 #include "core/tape/formula.hpp"
+#include "core/tape/sparse_jacobian.hpp"
 #include "core/text/form.hpp"
 
 namespace least::text {
@@ -21,8 +24,11 @@ class SizedScene {
   /// Coordinates up to which equations for momenta are solved where forces read those of other coordinates.
   static constexpr std::size_t most_coupled = 64;
 
-  /// Whether there is one of a form: its kinetic metric is constant, or it is a general Hamiltonian or a flow; or it is
-  /// forced and of few coordinates.
+  /// Coordinates up to which schemes solve equations whose matrix is taken for a full one.
+  static constexpr std::size_t most_full = 24;
+
+  /// Whether there is one of a form: its kinetic metric is constant, it is a general Hamiltonian or a flow, or it has
+  /// no class that is compiled for it and is stated with momenta.
   static bool has(const Form& form);
   /// Of such a form. Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.
   SizedScene(const Form& form, std::span<const double> parameters);
@@ -56,6 +62,10 @@ class SizedScene {
   void velocity(const double* p, double* v) const;
   bool has_full_mass() const { return !inverse_matrix_.empty(); }
   std::span<const double> inverse_mass() const { return inverse_mass_; }
+  std::span<const double> inverse_mass_matrix() const { return inverse_matrix_; }
+
+  /// V″(q, t) where there is a potential; made when it is first asked for.
+  const tape::SparseJacobian& curvature() const;
 
  private:
   void set_forces(const std::vector<Symbol>& all);
@@ -63,6 +73,13 @@ class SizedScene {
 
   std::vector<double> inverse_mass_;    ///< of each coordinate
   std::vector<double> inverse_matrix_;  ///< where the metric is not diagonal: g⁻¹, row by row
+
+  struct Curvature {
+    std::once_flag made;
+    std::unique_ptr<const tape::SparseJacobian> of;
+  };
+  std::vector<tape::Index> slopes_;  ///< ∇V
+  std::shared_ptr<Curvature> curvature_ = std::make_shared<Curvature>();
 };
 
 }  // namespace least::text

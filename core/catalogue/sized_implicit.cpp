@@ -1,0 +1,265 @@
+#include "core/catalogue/sized_implicit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/number/linear.hpp"
+#include "core/schemes/damping_pole.hpp"
+
+namespace least {
+namespace {
+
+/// M + β V″ has entries where V″ has, and where M has.
+SparsityPattern pattern_of(const text::SizedScene& scene) {
+  SparsityPattern pattern = scene.curvature().pattern();
+  for (std::uint32_t i = 0; i < pattern.size(); ++i) {
+    if (!scene.has_full_mass()) {
+      if (std::ranges::find(pattern[i], i) == pattern[i].end()) pattern[i].push_back(i);
+      continue;
+    }
+    pattern[i].resize(pattern.size());
+    for (std::uint32_t j = 0; j < pattern.size(); ++j) pattern[i][j] = j;
+  }
+  return pattern;
+}
+
+}  // namespace
+
+PlaceSolver::PlaceSolver(const text::SizedScene& scene)
+    : place(scene.coordinates),
+      slope(scene.coordinates),
+      scene_(&scene),
+      update_(scene.coordinates),
+      system_(pattern_of(scene)) {
+  if (scene.has_full_mass()) {
+    mass_.assign(scene.inverse_mass_matrix().begin(), scene.inverse_mass_matrix().end());
+    detail::invert(scene.coordinates, mass_.data());
+  } else {
+    for (const double w : scene.inverse_mass()) mass_.push_back(1 / w);
+  }
+}
+
+void PlaceSolver::prepare(double beta, double t, Work& work) {
+  const std::size_t n = place.size();
+  const auto& curvature = scene_->curvature();
+  system_.clear();
+  if (scene_->has_full_mass()) {
+    for (std::size_t i = 0; i < n * n; ++i) system_.add(i / n, i % n, mass_[i]);
+  } else {
+    for (std::size_t i = 0; i < n; ++i) system_.add(i, i, mass_[i]);
+  }
+  curvature.evaluate(scene_->gradient, place.data(), t, [&](std::size_t row, std::size_t column, double value) {
+    system_.add(row, column, beta * value);
+  });
+  system_.factor();
+  work.forces += static_cast<std::int64_t>(curvature.directions());
+}
+
+/// Simplified Newton iteration: one matrix for a few rounds, made anew where they contract badly. Ends where an update
+/// is lost in the rounding of the place.
+StepStatus PlaceSolver::solve(const double* start, double beta, double t, Work& work) {
+  constexpr int most_rounds = 60, patience = 5;
+  const std::size_t n = place.size();
+  std::copy_n(start, n, place.begin());
+  double before = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < most_rounds; ++round) {
+    if (round == 0) prepare(beta, t, work);
+    scene_->gradient.evaluate(place.data(), t, slope.data());
+    ++work.forces;
+    ++work.iterations;
+    for (std::size_t i = 0; i < n; ++i) update_[i] = beta * slope[i];
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!scene_->has_full_mass()) {
+        update_[i] += mass_[i] * (place[i] - start[i]);
+        continue;
+      }
+      for (std::size_t j = 0; j < n; ++j) update_[i] += mass_[i * n + j] * (place[j] - start[j]);
+    }
+    system_.solve(update_.data());
+    double changed = 0, size = std::numeric_limits<double>::min();
+    for (std::size_t i = 0; i < n; ++i) {
+      changed += std::abs(update_[i]);
+      size += std::abs(place[i]);
+    }
+    if (!(changed < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
+    const double small = 2 * std::numeric_limits<double>::epsilon() * size;
+    // The slope is that of the place, and the update is less than is known of either.
+    if (changed <= small || (changed >= 0.5 * before && changed <= 1e3 * small)) return StepStatus::ok;
+    for (std::size_t i = 0; i < n; ++i) place[i] -= update_[i];
+    if (round % patience == patience - 1 && changed > 1e-2 * before) prepare(beta, t, work);
+    before = changed;
+  }
+  return StepStatus::solver_failed;
+}
+
+SizedVariational::SizedVariational(const text::SizedScene& scene, Path path, const Composition& composition,
+                                   double step)
+    : scene_(&scene),
+      path_(path),
+      composition_(composition),
+      weights_(&Weights<double>::of(composition_)),
+      step_(step),
+      slope_(scene.coordinates),
+      momentum_(scene.coordinates),
+      guess_(scene.coordinates),
+      velocity_(scene.coordinates),
+      solver_(std::make_shared<PlaceSolver>(scene)) {}
+
+void SizedVariational::begin(StateView x) {
+  work_ = {};
+  if (path_ == Path::straight) return;
+  scene_->gradient.evaluate(x.numbers, x.t, slope_.data());
+  ++work_.forces;
+}
+
+StepStatus SizedVariational::step(double* x, double t, double h) noexcept {
+  double gone = 0, energy = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
+    const double part = weights_->gamma[i] * h, at = t + gone * h;
+    const StepStatus status = path_ == Path::straight ? midpoint(x, at, part) : simpson(x, at, part);
+    if (status != StepStatus::ok) return status;
+    energy += weights_->gamma[i] * energy_;
+    gone = weights_->end[i];
+  }
+  energy_ = energy;
+  return StepStatus::ok;
+}
+
+double SizedVariational::step_energy(StateView from, double h) {
+  std::vector<double> x(from.numbers, from.numbers + scene_->components);
+  begin(from);
+  asks_energy_ = true;
+  const StepStatus status = step(x.data(), from.t, h);
+  asks_energy_ = false;
+  return status == StepStatus::ok && std::isfinite(energy_) ? energy_ : unknown;
+}
+
+/// With f = (h/2) α at the middle: y = q₀ + (h/2) v, M v = (1 − f) p₀ − (h/2) ∇V(y).
+StepStatus SizedVariational::midpoint(double* x, double t, double h) {
+  const std::size_t n = slope_.size();
+  double* const p = x + n;
+  const double half = h / 2, middle = t + half, loss = half * damping(middle), end = 1 + loss;
+  if (!(end > least_denominator)) return StepStatus::singular;
+  for (std::size_t i = 0; i < n; ++i) momentum_[i] = (1 - loss) * p[i];
+  scene_->velocity(momentum_.data(), velocity_.data());
+  for (std::size_t i = 0; i < n; ++i) guess_[i] = x[i] + half * velocity_[i];
+  if (const auto status = solver_->solve(guess_.data(), half * half, middle, work_); status != StepStatus::ok)
+    return status;
+  const std::vector<double>& slope = solver_->slope;
+  for (std::size_t i = 0; i < n; ++i) {
+    p[i] = (momentum_[i] - h * slope[i]) / end;
+    momentum_[i] -= half * slope[i];
+  }
+  scene_->velocity(momentum_.data(), velocity_.data());
+  for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
+  if (!scene_->acting && !asks_energy_) return StepStatus::ok;
+  const double twice = twice_kinetic(momentum_.data(), velocity_.data()), v = potential(solver_->place.data(), middle);
+  energy_ = 0.5 * twice + v;
+  if (!scene_->acting) return StepStatus::ok;
+  double& s = x[2 * n];
+  const double before = s;
+  s = ((1 - loss) * s + h * (0.5 * twice - v)) / end;
+  energy_ += damping(middle) * 0.5 * (before + s);
+  return StepStatus::ok;
+}
+
+/// The stationary path of core/schemes/contact_galerkin_4.hpp, whose two equations are linear in u and w but for ∇V(b):
+/// with c_j the parts that the stages of the Runge–Kutta scheme have in what follows from them, λ = 1 − Σ c_j h α_j and
+/// F = −∇V,
+///   16 (c₁ + c₄) M u − (4c₁ + 12c₄) M w = −(c₂ + c₃) h F_b
+///   (12c₁ + 4c₄) M u − (3c₁ − c₂ − c₃ + 3c₄) M w = λ p₀ + c₁ h F₀
+StepStatus SizedVariational::simpson(double* x, double t, double h) {
+  const std::size_t n = slope_.size();
+  double* const p = x + n;
+  const double half = h / 2, first = damping(t), middle = damping(t + half), last = damping(t + h);
+  const double a = half * middle, d = h * last;
+  const double c1 = (1 - 2 * a + 2 * a * a - a * a * d) / 6, c2 = (2 - 2 * a + a * d) / 6, c3 = (2 - d) / 6,
+               c4 = 1 / 6.0, c = c2 + c3;
+  const double factor = 1 - h * (c1 * first + c * middle + c4 * last);
+  if (!(std::abs(factor) > least_denominator)) return StepStatus::singular;
+  const double of_u = 12 * c1 + 4 * c4, of_w = 3 * c1 - c + 3 * c4, ratio = (4 * c1 + 12 * c4) / of_w,
+               whole = ratio * of_u - 16 * (c1 + c4);
+  // u = (ratio M⁻¹(λp₀ + c₁hF₀) + c h M⁻¹F_b)/whole
+  for (std::size_t i = 0; i < n; ++i) momentum_[i] = factor * p[i] - (c1 * h) * slope_[i];
+  scene_->velocity(momentum_.data(), velocity_.data());
+  for (std::size_t i = 0; i < n; ++i) guess_[i] = x[i] + h * (ratio / whole) * velocity_[i];
+  if (const auto status = solver_->solve(guess_.data(), h * h * c / whole, t + half, work_); status != StepStatus::ok)
+    return status;
+  const std::vector<double>& bent = solver_->slope;
+  const bool asked = asks_energy_ || scene_->acting;
+  double twice[3] = {}, v[3] = {};
+  if (asked) {
+    v[0] = potential(x, t);
+    v[1] = potential(solver_->place.data(), t + half);
+  }
+  // Momenta M u and M w, in the place of what they are made of.
+  for (std::size_t i = 0; i < n; ++i) {
+    const double known = momentum_[i], u = (ratio * known - c * h * bent[i]) / whole, w = (of_u * u - known) / of_w;
+    momentum_[i] = w;
+    guess_[i] = u;
+    p[i] = factor * p[i] - h * (c1 * slope_[i] + c * bent[i]);
+  }
+  scene_->velocity(momentum_.data(), velocity_.data());
+  for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
+  scene_->gradient.evaluate(x, t + h, slope_.data());
+  ++work_.forces;
+  for (std::size_t i = 0; i < n; ++i) p[i] = p[i] - (h * c4) * slope_[i];
+  if (!asked) return StepStatus::ok;
+
+  v[2] = potential(x, t + h);
+  std::vector<double>& at = solver_->place;  // of no more use
+  for (std::size_t k = 0; k < 3; ++k) {
+    constexpr double u_part[] = {4, 0, -4}, w_part[] = {-1, 1, 3};
+    for (std::size_t i = 0; i < n; ++i) at[i] = u_part[k] * guess_[i] + w_part[k] * momentum_[i];
+    scene_->velocity(at.data(), velocity_.data());
+    twice[k] = twice_kinetic(at.data(), velocity_.data());
+  }
+  if (!scene_->acting) {
+    energy_ = ((0.5 * twice[0] + v[0]) + 4 * (0.5 * twice[1] + v[1]) + (0.5 * twice[2] + v[2])) / 6;
+    return StepStatus::ok;
+  }
+  double& s = x[2 * n];
+  const auto lagrangian = [&](std::size_t node, double loss, double action) {
+    return 0.5 * twice[node] - v[node] - loss * action;
+  };
+  const double k1 = lagrangian(0, first, s), k2 = lagrangian(1, middle, s + half * k1),
+               k3 = lagrangian(1, middle, s + half * k2), k4 = lagrangian(2, last, s + h * k3);
+  energy_ = ((twice[0] - k1) + 2 * (twice[1] - k2) + 2 * (twice[1] - k3) + (twice[2] - k4)) / 6;
+  s = s + h * (k1 + 2 * k2 + 2 * k3 + k4) / 6;
+  return StepStatus::ok;
+}
+
+double SizedVariational::damping(double t) const {
+  if (!scene_->acting) return 0;
+  double alpha;
+  const double* const none = nullptr;
+  scene_->damping.evaluate(none, t, &alpha);
+  return alpha;
+}
+
+double SizedVariational::potential(const double* q, double t) const {
+  double v;
+  scene_->potential.evaluate(q, t, &v);
+  return v;
+}
+
+double SizedVariational::twice_kinetic(const double* p, const double* v) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < slope_.size(); ++i) sum += p[i] * v[i];
+  return sum;
+}
+
+std::string SizedVariational::unsupported_reason() const {
+  if (!scene_->acting || path_ == Path::parabola || !scene_->constant_damping) return {};
+  return unsupported_by_pole(composition_, damping(0) * step_);
+}
+double SizedVariational::flips_from() const {
+  const bool turns = scene_->acting && path_ == Path::straight;
+  return turns ? least::flips_from(composition_) : std::numeric_limits<double>::infinity();
+}
+double SizedVariational::stiff_from() const {
+  const bool grows = scene_->acting && path_ == Path::parabola;
+  return grows ? 2 : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace least

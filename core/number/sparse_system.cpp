@@ -1,0 +1,137 @@
+#include "core/number/sparse_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace least {
+namespace {
+
+/// Of each row those that it shares an entry with, on either side of the diagonal.
+SparsityPattern neighbours_of(const SparsityPattern& pattern) {
+  SparsityPattern all(pattern.size());
+  for (std::uint32_t i = 0; i < pattern.size(); ++i)
+    for (const std::uint32_t j : pattern[i])
+      if (j != i) {
+        all[i].push_back(j);  // NOLINT(performance-inefficient-vector-operation)
+        all[j].push_back(i);
+      }
+  for (auto& some : all) {
+    std::ranges::sort(some);
+    some.erase(std::ranges::unique(some).begin(), some.end());
+  }
+  return all;
+}
+
+/// Every row's place: breadth first from one end of the graph, neighbours of few first.
+std::vector<std::uint32_t> renumbering(const SparsityPattern& neighbours) {
+  const std::size_t n = neighbours.size();
+  constexpr auto unknown_place = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> place(n), order, by_degree(n);
+  std::iota(by_degree.begin(), by_degree.end(), 0);
+  const auto degree = [&](std::uint32_t i) { return neighbours[i].size(); };
+  std::ranges::stable_sort(by_degree, {}, degree);
+  order.reserve(n);
+  const auto visit = [&](std::uint32_t from) {
+    place[from] = static_cast<std::uint32_t>(order.size());
+    order.push_back(from);
+    for (std::size_t head = place[from]; head < order.size(); ++head) {
+      const std::size_t first = order.size();
+      for (const std::uint32_t j : neighbours[order[head]])
+        if (place[j] == unknown_place) {
+          place[j] = static_cast<std::uint32_t>(order.size());
+          order.push_back(j);
+        }
+      std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(first), order.end(),
+                       [&](std::uint32_t a, std::uint32_t b) { return degree(a) < degree(b); });
+      for (std::size_t k = first; k < order.size(); ++k) place[order[k]] = static_cast<std::uint32_t>(k);
+    }
+  };
+  std::ranges::fill(place, unknown_place);
+  for (const std::uint32_t start : by_degree) {
+    if (place[start] != unknown_place) continue;
+    const std::size_t first = order.size();
+    visit(start);
+    const std::uint32_t end = order.back();  // the far end of the graph is the better one to begin at
+    for (std::size_t k = first; k < order.size(); ++k) place[order[k]] = unknown_place;
+    order.resize(first);
+    visit(end);
+  }
+  return place;
+}
+
+std::size_t bandwidth_of(const SparsityPattern& pattern, const std::vector<std::uint32_t>& place) {
+  std::size_t band = 0;
+  for (std::size_t i = 0; i < pattern.size(); ++i)
+    for (const std::uint32_t j : pattern[i])
+      band = std::max<std::size_t>(band, place[i] > place[j] ? place[i] - place[j] : place[j] - place[i]);
+  return band;
+}
+
+}  // namespace
+
+SparseSystem::SparseSystem(const SparsityPattern& pattern) {
+  place_ = renumbering(neighbours_of(pattern));
+  band_ = bandwidth_of(pattern, place_);
+  const std::size_t n = size();
+  // Elimination in a narrow band is no dearer than Eigen's blocks of the whole matrix.
+  if (n <= 16 || 8 * band_ < n) {
+    entries_.resize(n * width());
+    pivots_.resize(n);
+  } else {
+    dense_ = std::make_unique<DenseFactors>(n);
+  }
+  renumbered_.resize(n);
+}
+
+void SparseSystem::clear() {
+  std::ranges::fill(entries_, 0.0);
+  if (dense_) std::fill_n(dense_->entries(), size() * size(), 0.0);
+}
+
+void SparseSystem::add(std::size_t i, std::size_t j, double value) {
+  if (dense_) {
+    dense_->entries()[i * size() + j] += value;
+  } else {
+    row(place_[i])[place_[j]] += value;
+  }
+}
+
+void SparseSystem::factor() {
+  if (dense_) return dense_->factor();
+  const std::size_t n = size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t below = std::min(n, k + band_ + 1), right = std::min(n, k + 2 * band_ + 1);
+    std::size_t pivot = k;
+    for (std::size_t i = k + 1; i < below; ++i)
+      if (std::abs(row(i)[k]) > std::abs(row(pivot)[k])) pivot = i;
+    pivots_[k] = static_cast<std::uint32_t>(pivot);
+    double* const of = row(k);
+    if (pivot != k) std::swap_ranges(of + k, of + right, row(pivot) + k);
+    for (std::size_t i = k + 1; i < below; ++i) {
+      double* const r = row(i);
+      if (r[k] == 0) continue;
+      const double part = r[k] /= of[k];
+      for (std::size_t j = k + 1; j < right; ++j) r[j] -= part * of[j];
+    }
+  }
+}
+
+void SparseSystem::solve(double* b) {
+  if (dense_) return dense_->solve(b);
+  const std::size_t n = size();
+  double* const x = renumbered_.data();
+  for (std::size_t i = 0; i < n; ++i) x[place_[i]] = b[i];
+  for (std::size_t k = 0; k < n; ++k) {
+    std::swap(x[k], x[pivots_[k]]);
+    for (std::size_t i = k + 1; i < std::min(n, k + band_ + 1); ++i) x[i] -= row(i)[k] * x[k];
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    const double* const of = row(k);
+    for (std::size_t j = k + 1; j < std::min(n, k + 2 * band_ + 1); ++j) x[k] -= of[j] * x[j];
+    x[k] /= of[k];
+  }
+  for (std::size_t i = 0; i < n; ++i) b[i] = x[place_[i]];
+}
+
+}  // namespace least

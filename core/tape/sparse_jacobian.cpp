@@ -1,0 +1,78 @@
+#include "core/tape/sparse_jacobian.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "core/tape/tape.hpp"
+
+namespace least::tape {
+namespace {
+
+/// Sets of small numbers, one row of bits each.
+class BitRows {
+ public:
+  BitRows(std::size_t rows, std::size_t width) : words_((width + 63) / 64), bits_(rows * words_) {}
+
+  void insert(std::size_t row, std::size_t i) { bits_[row * words_ + i / 64] |= std::uint64_t(1) << (i % 64); }
+  void unite(std::size_t row, const BitRows& from, std::size_t other) {
+    for (std::size_t w = 0; w < words_; ++w) bits_[row * words_ + w] |= from.bits_[other * words_ + w];
+  }
+  std::vector<std::uint32_t> members(std::size_t row) const {
+    std::vector<std::uint32_t> all;
+    for (std::size_t w = 0; w < words_; ++w)
+      for (std::uint64_t left = bits_[row * words_ + w]; left != 0; left &= left - 1)
+        all.push_back(static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(left)));
+    return all;
+  }
+
+ private:
+  std::size_t words_;
+  std::vector<std::uint64_t> bits_;
+};
+
+}  // namespace
+
+SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs, std::size_t variables)
+    : variables_(variables) {
+  const auto at = [](Index i) { return static_cast<std::size_t>(i); };
+  Index last = none;
+  for (const Index output : outputs) last = std::max(last, output);
+  BitRows reads(at(last + 1), variables);
+  for (Index i = 0; i <= last; ++i) {
+    const Node& node = tape[i];
+    if (node.op == Op::variable && node.value < static_cast<double>(variables))
+      reads.insert(at(i), static_cast<std::size_t>(node.value));
+    for (const Index part : {node.a, node.b, node.c})
+      if (part != none) reads.unite(at(i), reads, at(part));
+  }
+  BitRows rows(outputs.size(), variables);
+  SparsityPattern readers(variables);
+  pattern_.reserve(outputs.size());
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    rows.unite(i, reads, at(outputs[i]));
+    pattern_.push_back(rows.members(i));
+    for (const std::uint32_t j : pattern_[i]) readers[j].push_back(static_cast<std::uint32_t>(i));
+  }
+  // Every variable goes with the first that it shares no row with.
+  constexpr auto unplaced = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> direction(variables, unplaced), taken;
+  for (std::uint32_t j = 0; j < variables; ++j) {
+    if (readers[j].empty()) continue;
+    BitRows beside(1, variables);
+    for (const std::uint32_t row : readers[j]) beside.unite(0, rows, row);
+    taken.assign(columns_.size() + 1, 0);
+    for (const std::uint32_t other : beside.members(0))
+      if (direction[other] != unplaced) taken[direction[other]] = 1;
+    const auto free = static_cast<std::uint32_t>(std::ranges::find(taken, 0U) - taken.begin());
+    if (free == columns_.size()) columns_.emplace_back();
+    direction[j] = free;
+    columns_[free].variables.push_back(j);
+    for (const std::uint32_t row : readers[j]) columns_[free].entries.emplace_back(row, j);
+  }
+}
+
+void SparseJacobian::differentiate(const Formula& formula, const Directions* x, double t, Directions* out) {
+  formula.evaluate(x, Directions(t), out);
+}
+
+}  // namespace least::tape

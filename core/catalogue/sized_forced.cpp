@@ -21,8 +21,14 @@ ForcedKick::ForcedKick(const text::SizedScene& scene)
 StepStatus ForcedKick::kick(double* x, const double* slope, double t, double h, Work& work) {
   if (scene_->forces.linear) {
     exact(x, slope, t, h);
-  } else if (const StepStatus status = midpoint(x, slope, t, h, work); status != StepStatus::ok) {
-    return status;
+  } else {
+    StepStatus status = midpoint(x, slope, t, h, work);
+    if (scene_->forces.can_rest() && !scene_->has_full_mass()) {
+      bool slides = status == StepStatus::ok;  // every momentum on its side of 0
+      for (std::size_t i = 0; i < n_ && slides; ++i) slides = x[n_ + i] * (x[n_ + i] + change_[i]) > 0;
+      if (!slides) status = through_rest(x, slope, t, h, work);
+    }
+    if (status != StepStatus::ok) return status;
   }
   for (std::size_t i = 0; i < n_; ++i) x[n_ + i] = x[n_ + i] + change_[i];
   x[2 * n_] = x[2 * n_] + work_;
@@ -120,6 +126,60 @@ StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, 
     return StepStatus::ok;
   }
   return StepStatus::solver_failed;
+}
+
+StepStatus ForcedKick::through_rest(const double* x, const double* slope, double t, double h, Work& work) {
+  constexpr int most_rounds = 50;
+  constexpr double beside = std::numeric_limits<double>::min();  // of 0
+  const double *const p = x + n_, *const jacobian = looked_.data() + n_;
+  side_.resize(n_);
+  for (auto* const rates : {&above_, &below_}) {
+    middle_.assign(n_, rates == &above_ ? beside : -beside);
+    look(x, middle_.data(), t);
+    rates->resize(n_);
+    for (std::size_t i = 0; i < n_; ++i) (*rates)[i] = looked_[i] - slope[i];
+  }
+  const auto holds = [&](std::size_t i) { return above_[i] <= 0 && below_[i] >= 0; };
+  for (std::size_t i = 0; i < n_; ++i) {
+    side_[i] = p[i] > 0 ? 1 : p[i] < 0 ? -1 : holds(i) ? 0 : h * above_[i] > 0 ? 1 : -1;
+    middle_[i] = p[i];
+  }
+  bool solved = false;
+  for (int round = 0; round < most_rounds && !solved; ++round) {
+    for (std::size_t i = 0; i < n_; ++i) velocity_[i] = side_[i] * std::max(side_[i] * middle_[i], beside);
+    look(x, velocity_.data(), t);
+    ++work.forces;
+    ++work.iterations;
+    double changed = 0, size = std::numeric_limits<double>::min();
+    for (std::size_t i = 0; i < n_; ++i) {
+      change_[i] = side_[i] == 0 ? 0 : h * (looked_[i] - slope[i]);
+      const bool inside = side_[i] * middle_[i] > beside;
+      const double update = (middle_[i] - p[i] - 0.5 * change_[i]) / (inside ? 1 - 0.5 * h * jacobian[i] : 1);
+      middle_[i] -= update;
+      changed += std::abs(update);
+      size += std::abs(p[i]) + std::abs(change_[i]);
+    }
+    solved = changed <= 8 * std::numeric_limits<double>::epsilon() * size;
+  }
+  if (!solved) return StepStatus::solver_failed;
+  work_ = 0;
+  for (std::size_t i = 0; i < n_; ++i) {
+    // F has its share of a change, and works along the mean momentum.
+    const auto part = [&](double change, double mean, double time) {
+      work_ += (change + time * slope[i]) * (scene_->inverse_mass()[i] * mean);
+    };
+    if (side_[i] == 0) continue;
+    if (side_[i] * (p[i] + change_[i]) > 0) {
+      part(change_[i], p[i] + 0.5 * change_[i], h);
+      continue;
+    }
+    const double until = h * (p[i] / -change_[i]), left = h - until;
+    const double beyond = holds(i) ? 0 : left * (side_[i] > 0 ? below_[i] : above_[i]);
+    part(-p[i], 0.5 * p[i], until);
+    part(beyond, 0.5 * beyond, left);
+    change_[i] = beyond - p[i];
+  }
+  return StepStatus::ok;
 }
 
 const MatrixPhi& ForcedKick::phi_of(double h) {

@@ -18,7 +18,9 @@
 namespace least {
 
 /// Of H = K(p) + V(q, t) the kick over a time h at a fixed place and time, ṗ = −∇V + F(q, p, t): exact where F is
-/// linear in p, else the implicit midpoint rule in p alone, which is symmetric.
+/// linear in p, else the implicit midpoint rule in p alone, which is symmetric. Where a force jumps with the momentum
+/// that it acts on, as dry friction does, this is solved for on its own side of 0; where it comes to 0 and the forces
+/// on either side lead back to it, it stays there until they no longer do (Filippov's solution).
 class ForcedKick {
  public:
   explicit ForcedKick(const text::SizedScene& scene);
@@ -31,6 +33,8 @@ class ForcedKick {
   void look(const double* x, const double* p, double t);
   void exact(const double* x, const double* slope, double t, double h);
   StepStatus midpoint(const double* x, const double* slope, double t, double h, Work& work);
+  /// Of momenta that come to 0, or rest there.
+  StepStatus through_rest(const double* x, const double* slope, double t, double h, Work& work);
   const MatrixPhi& phi_of(double h);
 
   const text::SizedScene* scene_;
@@ -41,7 +45,9 @@ class ForcedKick {
   std::vector<double> change_;  ///< of p
   std::vector<double> middle_;  ///< the mean of p over the kick, or its midpoint
   std::vector<double> velocity_, matrix_;
-  double work_ = 0;  ///< of the kick
+  std::vector<double> above_, below_;  ///< ṗ on either side of 0
+  std::vector<double> side_;           ///< of 0, 1 or −1; 0 of what rests
+  double work_ = 0;                    ///< of the kick
 
   /// Of matrices of numbers, by the length of kicks; steppers that are copied share them.
   struct Known {

@@ -48,6 +48,13 @@ Truth truth_of_flow(const Mechanics& flow, const Scene& scene, const std::vector
   return truth;
 }
 
+std::string force_jumps(bool can_rest) {
+  return std::string(
+             "a force jumps with the velocity, as dry friction does; where something comes to rest under it, ") +
+         (can_rest ? "leapfrog, symplectic_euler and compositions of them go on, other schemes do not"
+                   : "no scheme goes on, as it jumps with the velocities of others");
+}
+
 class SizedMechanics final : public Mechanics {
  public:
   explicit SizedMechanics(text::TextScene scene) : text_(std::move(scene)), key_(text_.definition.key()) {
@@ -67,6 +74,12 @@ class SizedMechanics final : public Mechanics {
     if (sized->forced && traits_.potential && !sized->forces.solvable())
       card_.offers += ", and the forces coupling more than " + std::to_string(text::SizedScene::most_coupled) +
                       " momenta, too many to solve for in a kick";
+    if (sized->forces.jumps)
+      card_.summary +=
+          sized->forces.can_rest()
+              ? " A force jumps with the velocity: leapfrog, symplectic_euler and compositions of them know "
+                "what it holds at rest, no other scheme does."
+              : " A force jumps with velocities of others: no scheme knows what it holds at rest.";
     if (sized->forces.friction > 0)
       card_.summary +=
           " Its force is friction −c p: as damping it keeps the contact form, and schemes for that do better.";
@@ -80,7 +93,11 @@ class SizedMechanics final : public Mechanics {
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
-    return least::run(SizedBackend(scene_of(request.scene->parameters)), request, columns_, sink, cancelled);
+    const auto sized = scene_of(request.scene->parameters);
+    Solution solution = least::run(SizedBackend(sized), request, columns_, sink, cancelled);
+    if (sized->forces.jumps && solution.stop.reason != ReturnCode::completed)
+      solution.warnings.push_back({"force_jumps", force_jumps(sized->forces.can_rest())});
+    return solution;
   }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {

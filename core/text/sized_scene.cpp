@@ -152,12 +152,24 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
       return node.op == tape::Op::select && (depends(Symbol::at(equations, node.a)) & by_momenta) != 0;
     });
   };
+  // It jumps where the two sides of a switch are not the same at rest, as those of |v| are.
+  const auto jumps_at_rest = [&](const Symbol& y) {
+    if (y.is_constant()) return false;
+    return std::ranges::any_of(tape::parts_of(equations, y.place()), [&](tape::Index i) {
+      const tape::Node node = equations[i];
+      if (node.op != tape::Op::select || (depends(Symbol::at(equations, node.a)) & by_momenta) == 0) return false;
+      const Symbol below = at_rest(Symbol::at(equations, node.b)), above = at_rest(Symbol::at(equations, node.c));
+      if (below.is_constant() && above.is_constant()) return below.constant() != above.constant();
+      return below.is_constant() || above.is_constant() || below.place() != above.place();
+    });
+  };
   std::vector<int> momenta(n);
   std::iota(momenta.begin(), momenta.end(), static_cast<int>(n));
   std::vector<Symbol> full = all, diagonal = all;
   bool rests = true;  // no force where nothing moves
   for (std::size_t i = 0; i < n; ++i) {
     forces.linear = forces.linear && !switches_with_momenta(all[i]);
+    forces.jumps = forces.jumps || jumps_at_rest(all[i]);
     const std::vector<Symbol> row = tape::gradient(equations, all[i], momenta);
     for (std::size_t j = 0; j < n; ++j) {
       const tape::Dependence of = depends(row[j]);

@@ -51,10 +51,13 @@ class SizedScene {
     bool linear = true;    ///< in p
     bool diagonal = true;  ///< F_i reads p_i alone of all momenta
     bool constant = true;  ///< ∂F/∂p is of numbers
+    bool jumps = false;    ///< at rest, as dry friction does
     double friction = 0;   ///< c where F is −c p, which damping says as well; else 0
     tape::Formula values;  ///< F
     tape::Formula jacobian;  ///< F and ∂F/∂p: where it is diagonal that by each p_i, else row by row; of too many none
     bool solvable() const { return jacobian.outputs() > 0; }
+    /// Whether kicks know what such forces hold at rest.
+    bool can_rest() const { return jumps && diagonal && solvable(); }
   };
   Forces forces;
 

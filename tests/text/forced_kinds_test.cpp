@@ -1,6 +1,7 @@
 // Forces that are not friction of one coordinate: magnetic, following, dry.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/forced.hpp"
@@ -65,6 +66,53 @@ TEST(ForcedKinds, DryFrictionTakesTheSameAtEverySpeed) {
     EXPECT_NEAR(last.work, -0.5 * last.state[0], 1e-12) << scheme;
     EXPECT_NEAR(last.state[0], 3.75, 1e-12) << scheme;
   }
+}
+
+// Where it comes to rest friction holds it, as long as what pulls is weaker: kicks know that, other schemes say so.
+TEST(ForcedKinds, DryFrictionHoldsWhatIsAtRest) {
+  const auto sliding = mechanics_of(with(of(typed_v, {"x"}, {{"c", 0.5}}, "0*x"), {{"x", "-c*sign(vx)"}}));
+  EXPECT_NE(sliding->card().summary.find("jumps with the velocity"), std::string::npos);
+  for (const char* scheme : {"leapfrog", "symplectic_euler"}) {
+    Request request = asked(sliding, scheme, {0, 2}, 10);
+    runs::set(request, "step", 0.3);  // no step ends where it comes to rest, at t = 4
+    const End last = run(request);
+    EXPECT_EQ(last.state[1], 0) << scheme;
+    EXPECT_NEAR(last.state[0], 4, scheme[0] == 'l' ? 0.02 : 0.4) << scheme;
+    EXPECT_LT(last.balance, 1e-12) << scheme;
+  }
+  const auto stopped = runs::go(asked(sliding, "variational_midpoint", {0, 2}, 10)).outcome;
+  ASSERT_EQ(stopped.warnings.size(), 1U);
+  EXPECT_EQ(stopped.warnings[0].code, "force_jumps");
+  EXPECT_NEAR(stopped.t, 4, 0.02);
+  const auto drag = mechanics_of(with(of(typed_v, {"x"}, {{"c", 0.5}}, "x^2/2"), {{"x", "-c*vx*abs(vx)"}}));
+  EXPECT_EQ(drag->card().summary.find("jumps with the velocity"), std::string::npos) << "|v| does not";
+}
+
+// A block that a spring pulls along, its other end at a constant speed u: it stays where it is until the spring
+// outweighs friction, at t₁ = c/(ku), then x = u(t − t₁) − (u/ω) sin ω(t − t₁), at rest for a moment once a turn.
+TEST(ForcedKinds, WhatIsHeldStartsWhenThePullOutweighsFriction) {
+  const double k = 4, u = 0.3, c = 0.9, omega = 2, first = c / (k * u);
+  const auto pulled =
+      mechanics_of(with(of(typed_v, {"x"}, {{"k", k}, {"u", u}, {"c", c}}, "k*(x - u*t)^2/2"), {{"x", "-c*sign(vx)"}}));
+  const auto error = [&](double step) {
+    double most = 0;
+    for (const double since : {-0.1, 1.0, 2.5, 5.0}) {
+      Request request = asked(pulled, "leapfrog", {0, 0}, first + since);
+      runs::set(request, "step", step);
+      const double x = since < 0 ? 0 : u * since - u / omega * std::sin(omega * since);
+      const End last = run(request);
+      most = std::max(most, std::abs(last.state[0] - x));
+      if (since < 0) {
+        EXPECT_EQ(last.state[0], 0);
+        EXPECT_EQ(last.state[1], 0);
+      }
+    }
+    return most;
+  };
+  const double coarse = error(0.02), fine = error(0.005);
+  EXPECT_LT(coarse, 2e-3);
+  EXPECT_LT(fine, coarse / 3) << coarse;
+  EXPECT_GT(fine, 1e-9);
 }
 
 }  // namespace

@@ -52,6 +52,9 @@ void drift();
 /// Prints what each accuracy costs on some scenes, by our fastest scheme and by those of other libraries.
 void digits();
 
+/// Prints what each accuracy costs on the scenes of the catalogue that are data.
+void scenes();
+
 /// Prints what frames that turn and magnetic fields cost, by explicit maps that keep the form and by others.
 void lifts();
 

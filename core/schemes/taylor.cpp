@@ -151,18 +151,28 @@ std::size_t bytes_of(const Program& program, int order) {
 
 /// Where an argument of a steep power or a branch value is asked for, the program is read: only then every value stands
 /// at every order.
-tape::Series series_of(Program program, double tolerance, int order) {
+tape::Series series_of(Program program, double tolerance, int order, bool all_values = false) {
   const int chosen = order > 0 ? order : cheapest_order(program, tolerance);
-  const bool unroll = program.branches.empty() && std::ranges::count(program.steep, tape::SteepArgument::Kind::power,
-                                                                     &tape::SteepArgument::kind) == 0;
+  const bool unroll =
+      !all_values && program.branches.empty() &&
+      std::ranges::count(program.steep, tape::SteepArgument::Kind::power, &tape::SteepArgument::kind) == 0;
   return {std::move(program), chosen, unroll};
 }
 
 }  // namespace
 
 Expansion::Expansion(Program program, double tolerance, int order)
-    : held_(HeldByThread::take(bytes_of(program, order))),
-      series_(series_of(std::move(program), tolerance, order)),
+    : Expansion{HeldByThread::take(bytes_of(program, order)), series_of(std::move(program), tolerance, order),
+                tolerance} {}
+
+Expansion Expansion::of_all_values(Program program, double tolerance, int order) {
+  Held held = HeldByThread::take(bytes_of(program, order));
+  return {std::move(held), series_of(std::move(program), tolerance, order, true), tolerance};
+}
+
+Expansion::Expansion(Held held, tape::Series series, double tolerance)
+    : held_(std::move(held)),
+      series_(std::move(series)),
       tolerance_(tolerance),
       inverse_root_(std::pow(tolerance, -1.0 / series_.order())),
       variables_(series_.program().variables),

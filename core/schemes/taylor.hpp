@@ -42,6 +42,8 @@ class Expansion {
 
   /// Order 0: the one that promises the cheapest steps per unit of time.
   Expansion(tape::Program program, double tolerance, int order);
+  /// One whose series is read, so that all its values are known at every order.
+  static Expansion of_all_values(tape::Program program, double tolerance, int order);
 
   /// At the state y at the time t; nothing is done where it is there already.
   void move(const double* y, double t);
@@ -63,9 +65,12 @@ class Expansion {
   void limit(double rate);
   int order() const { return series_.order(); }
   const tape::Program& program() const { return series_.program(); }
+  const tape::Series& series() const { return series_; }
 
  private:
   static constexpr std::size_t places = 4;  ///< of a step at which it is held against the equations
+
+  Expansion(Held held, tape::Series series, double tolerance);
 
   double largest(int k) const;  ///< of an order that is finite
   double size(int k) const;     ///< of an order, a sum: finite where all of it is

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 #include "core/tape/derivative.hpp"
+#include "core/variations/start.hpp"
 
 namespace least::variations {
 namespace {
@@ -25,20 +26,31 @@ bool switches(const ParametricScene& scene) {
 
 VariedMotion::VariedMotion(const ParametricScene& scene, std::span<const Direction> directions,
                            std::span<const std::pair<std::size_t, std::size_t>> pairs, double tolerance, int order)
-    : size_(scene.components), pairs_(pairs.begin(), pairs.end()), numbers_(size_) {
-  const auto block = [&](bool shares) {
-    Block made{numbers_, {}};
-    numbers_ += size_;
-    if (shares) made.share = numbers_++;
-    return made;
-  };
-  for (const Direction& direction : directions) directions_.push_back(block(direction.has_value()));
-  for (std::size_t k = 0; k < pairs_.size(); ++k) seconds_.push_back(block(true));
-  expansion_.emplace(program_of(scene, directions), tolerance, order);
-  if (switches(scene)) prepare_switches(scene, directions);
+    : size_(scene.components),
+      tolerance_(tolerance),
+      by_(directions.begin(), directions.end()),
+      pairs_(pairs.begin(), pairs.end()),
+      parameters_(scene.parameters),
+      first_{by_.size(), tape::Tangents::lanes_of(by_.size()), std::vector<int>(by_.size())},
+      second_{pairs_.size(), tape::Tangents::lanes_of(pairs_.size()), std::vector<int>(pairs_.size())} {
+  constexpr std::size_t most_numbers = 1 << 23;  // more at once do not stay near, nor are they needed
+  for (const Direction& direction : by_)
+    if (direction && std::ranges::find(varied_, *direction) == varied_.end()) varied_.push_back(*direction);
+  tape::Program program = program_of(scene);
+  if (by_.empty()) {
+    expansion_.emplace(std::move(program), tolerance, order);
+  } else {
+    expansion_.emplace(taylor::Expansion::of_all_values(std::move(program), tolerance, order));
+    const tape::Program& known = expansion_->program();
+    const std::size_t numbers = tape::Tangents::numbers(known, expansion_->order(), by_.size(), pairs_.size());
+    if (numbers > most_numbers && by_.size() + pairs_.size() > 1) throw tape::TooManyOperations();
+    held_.add(numbers * sizeof(double));
+    tangents_.emplace(known, expansion_->order(), by_.size(), pairs_);
+  }
+  if (switches(scene)) prepare_switches(scene);
 }
 
-void VariedMotion::prepare_switches(const ParametricScene& scene, std::span<const Direction> directions) {
+void VariedMotion::prepare_switches(const ParametricScene& scene) {
   tape::Tape tape = scene.tape;  // constants are written
   std::vector<tape::Index> places, conditions;
   for (const Symbol& rate : scene.rates) places.push_back(rate.on(tape));
@@ -49,114 +61,104 @@ void VariedMotion::prepare_switches(const ParametricScene& scene, std::span<cons
   conditions.erase(std::unique(conditions.begin(), conditions.end()), conditions.end());
   places.insert(places.end(), conditions.begin(), conditions.end());
   sides_.emplace(tape, places);
-  parameters_ = scene.parameters;
-  by_.assign(directions.begin(), directions.end());
 }
 
-tape::Program VariedMotion::program_of(const ParametricScene& scene, std::span<const Direction> directions) {
-  // Derived where parameters are variables, then written with numbers in their place.
-  const std::size_t first = size_ + scene.parameters.size();
-  tape::Tape tape = scene.tape;
-  tape.bound(2 * tape::most_of_equations);
-  const auto variable = [&](std::size_t number) { return Symbol::variable(tape, first + number); };
-  std::vector<int> all(first);
-  std::iota(all.begin(), all.end(), 0);
-  const auto along = [&](const std::vector<Symbol>& slopes, std::size_t d) {
-    Symbol sum;
-    for (std::size_t j = 0; j < size_; ++j) sum += slopes[j] * variable(directions_[d].first + j);
-    if (directions[d]) sum += slopes[size_ + *directions[d]] * variable(*directions_[d].share);
-    return sum;
-  };
-  std::vector<Symbol> rates(numbers_);
-  for (std::size_t i = 0; i < size_; ++i) {
-    const Symbol rate = scene.rates[i].is_constant() ? scene.rates[i] : Symbol::at(tape, scene.rates[i].place());
-    rates[i] = rate;
-    const std::vector<Symbol> slopes = tape::gradient(tape, rate, all);
-    std::vector<std::vector<Symbol>> second(directions_.size());
-    for (std::size_t d = 0; d < directions_.size(); ++d) {
-      rates[directions_[d].first + i] = along(slopes, d);
-      const bool paired = std::ranges::any_of(pairs_, [&](const auto& pair) { return pair.first == d; });
-      if (paired) second[d] = tape::gradient(tape, rates[directions_[d].first + i], all);
-    }
-    for (std::size_t k = 0; k < pairs_.size(); ++k) {
-      const auto [d, e] = pairs_[k];
-      Symbol sum = variable(*seconds_[k].share) * along(second[d], e);
-      for (std::size_t j = 0; j < size_; ++j) sum += slopes[j] * variable(seconds_[k].first + j);
-      rates[seconds_[k].first + i] = sum;
-    }
-  }
-  tape::Tape folded;
-  folded.bound(tape::most_of_equations);
-  tape::Substitution fold(tape, folded, [&](int i) {
-    const auto number = static_cast<std::size_t>(i);
-    if (number < size_) return Symbol::variable(folded, number);
-    if (number < first) return Symbol(scene.parameters[number - size_]);
-    return Symbol::variable(folded, number - first);
-  });
+/// Of the motion, with numbers in the place of parameters but for those that are varied, which are variables that rest.
+tape::Program VariedMotion::program_of(const ParametricScene& scene) {
+  tape::Tape tape;
+  tape.bound(tape::most_of_equations);
+  std::vector<Symbol> x, rates(size_);
+  for (std::size_t i = 0; i < size_; ++i) x.push_back(Symbol::variable(tape, i));
+  for (const double parameter : parameters_) x.emplace_back(parameter);
+  for (std::size_t k = 0; k < varied_.size(); ++k) x[size_ + varied_[k]] = Symbol::variable(tape, size_ + k);
+  formula_of(scene, scene.rates).evaluate(x.data(), Symbol::time(tape), rates.data());
+  rates.resize(size_ + varied_.size());
   std::vector<tape::Index> places;
   places.reserve(rates.size());
-  for (const Symbol& rate : rates) places.push_back(fold(rate).on(folded));
-  return taylor::program_of(folded, places, places.size());
+  for (const Symbol& rate : rates) places.push_back(rate.on(tape));
+  return taylor::program_of(tape, places, size_);
+}
+
+void VariedMotion::put(Level& level, const std::vector<double>& derivatives) {
+  for (auto* numbers : {&level.u, &level.low, &level.seen, &level.low_seen})
+    numbers->assign(y_.size() * level.lanes, 0);
+  std::ranges::fill(level.exponents, 0);
+  for (std::size_t d = 0; d < level.count; ++d)
+    for (std::size_t i = 0; i < size_; ++i) level.u[i * level.lanes + d] = derivatives[d * size_ + i];
+}
+
+void VariedMotion::take(const Level& level, std::vector<double>& derivatives) const {
+  derivatives.reserve(level.count * size_);
+  for (std::size_t d = 0; d < level.count; ++d)
+    for (std::size_t i = 0; i < size_; ++i)
+      derivatives.push_back(std::ldexp(level.seen[i * level.lanes + d], level.exponents[d]));
 }
 
 void VariedMotion::start(std::span<const double> x, const Derivatives& derivatives, double t) {
   t_ = t;
   longest_ = 0;
-  y_.assign(numbers_, 0);
-  low_.assign(numbers_, 0);
-  std::ranges::copy(x, y_.begin());
-  const auto put = [&](std::vector<Block>& blocks, const std::vector<double>& from) {
-    for (std::size_t k = 0; k < blocks.size(); ++k) {
-      std::copy_n(from.data() + k * size_, size_, y_.data() + blocks[k].first);
-      if (blocks[k].share) y_[*blocks[k].share] = 1;
-      blocks[k].exponent = 0;
-    }
-  };
-  put(directions_, derivatives.first);
-  put(seconds_, derivatives.second);
+  y_.assign(x.begin(), x.end());
+  for (const std::size_t parameter : varied_) y_.push_back(parameters_[parameter]);
+  low_.assign(y_.size(), 0);
+  put(first_, derivatives.first);
+  put(second_, derivatives.second);
+  for (std::size_t d = 0; d < by_.size(); ++d)
+    for (std::size_t k = 0; k < varied_.size(); ++k)
+      if (by_[d] == varied_[k]) first_.u[(size_ + k) * first_.lanes + d] = 1;
   settle_scales();
-  seen_ = y_;
   plan();
 }
 
-/// What is followed of a block is 2^`by` times as large from now on.
-void VariedMotion::rescale(Block& block, int by) {
-  for (std::size_t i = block.first; i < block.first + size_; ++i) {
-    y_[i] = std::ldexp(y_[i], by);
-    low_[i] = std::ldexp(low_[i], by);
+/// Derivatives to about the size that decides on steps, with what drives them: `beside` of each.
+void VariedMotion::settle(Level& level, std::span<const double> beside) {
+  const int wanted = std::ilogb(std::max(1.0, largest_of(std::span(y_).first(size_))));
+  for (std::size_t d = 0; d < level.count; ++d) {
+    double size = beside.empty() ? 0 : std::abs(beside[d]);
+    for (std::size_t at = d; at < level.u.size(); at += level.lanes)
+      if (!(std::abs(level.u[at]) <= size)) size = std::abs(level.u[at]);
+    const int by = size > 0 && std::isfinite(size) ? wanted - std::ilogb(size) : 0;
+    if (by == 0) continue;
+    level.exponents[d] -= by;
+    for (std::size_t at = d; at < level.u.size(); at += level.lanes) {
+      level.u[at] = std::ldexp(level.u[at], by);
+      level.low[at] = std::ldexp(level.low[at], by);
+    }
   }
-  block.exponent -= by;
 }
 
-/// Derivatives to about the size that decides on steps, with what drives them.
 void VariedMotion::settle_scales() {
-  const int wanted = std::ilogb(std::max(1.0, largest_of(std::span(y_).first(size_))));
-  const auto missing = [&](const Block& block) {
-    double size = largest_of(std::span(y_).subspan(block.first, size_));
-    if (block.share) size = std::max(size, std::abs(y_[*block.share]));
-    return size > 0 && std::isfinite(size) ? wanted - std::ilogb(size) : 0;
+  settle(first_, {});
+  const auto share = [&](std::size_t k) {
+    const auto [d, e] = pairs_[k];
+    return std::ldexp(1, first_.exponents[d] + first_.exponents[e] - second_.exponents[k]);
   };
-  for (std::size_t d = 0; d < directions_.size(); ++d) {
-    const int by = missing(directions_[d]);
-    if (by == 0) continue;
-    rescale(directions_[d], by);
-    if (directions_[d].share) y_[*directions_[d].share] = std::ldexp(y_[*directions_[d].share], by);
-    for (std::size_t k = 0; k < pairs_.size(); ++k)
-      for (const std::size_t of : {pairs_[k].first, pairs_[k].second})
-        if (of == d) y_[*seconds_[k].share] = std::ldexp(y_[*seconds_[k].share], -by);
-  }
-  for (Block& second : seconds_) {
-    const int by = missing(second);
-    if (by == 0) continue;
-    rescale(second, by);
-    y_[*second.share] = std::ldexp(y_[*second.share], by);
-  }
+  shares_.resize(pairs_.size());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) shares_[k] = share(k);
+  settle(second_, shares_);
+  for (std::size_t k = 0; k < pairs_.size(); ++k) shares_[k] = share(k);
+  seen_ = y_;
+  for (Level* level : {&first_, &second_}) level->seen = level->u;
 }
 
 void VariedMotion::plan() {
   expansion_->move(y_.data(), t_);
-  reach_ = t_ + expansion_->step();
+  double step = expansion_->step();
+  if (tangents_) {
+    tangents_->expand(expansion_->series(), first_.u, second_.u, shares_);
+    step = std::min(step, derivatives_step());
+  }
+  reach_ = t_ + step;
   if (!(reach_ - t_ > 1e-13 * std::max(std::abs(t_), longest_))) reach_ = t_;  // of a motion that ends
+}
+
+/// How far the series of derivatives are as good as those of the motion, by their last two terms.
+double VariedMotion::derivatives_step() {
+  double step = std::numeric_limits<double>::infinity();
+  const double term = taylor::Expansion::allowed * tolerance_ * std::max(1.0, largest_of(std::span(y_).first(size_)));
+  const int told = tangents_->told();
+  for (int k = std::max(1, told - 1); k <= told; ++k)
+    if (const double last = tangents_->largest(k); last > 0) step = std::min(step, std::pow(term / last, 1.0 / k));
+  return told > 0 ? step : 0;
 }
 
 template <class T>
@@ -174,37 +176,36 @@ std::vector<double> VariedMotion::with_parameters(const std::vector<double>& y) 
 
 /// What a step to `to`, which is seen, has made of the derivatives, where it has ended shortly behind a switch.
 void VariedMotion::cross_switch(double to) {
-  const std::vector<double> before = sides(with_parameters(y_), t_), after = sides(with_parameters(seen_), to);
+  const std::vector<double> values = with_parameters(seen_);
+  const std::vector<double> before = sides(with_parameters(y_), t_), after = sides(values, to);
   std::size_t changed = size_;
   while (changed < after.size() && (before[changed] < 0) == (after[changed] < 0)) ++changed;
   if (changed == after.size()) return;
   // f₋ is that of the side that was left, from two looks a little back along the step.
-  const std::vector<double> end = seen_, rest = low_seen_;
+  const auto rates_at = [&](double t) {
+    std::vector<double> y = y_, low = low_;
+    expansion_->evaluate(t - t_, low.data(), y.data());
+    return sides(with_parameters(y), t);
+  };
   const double little = 1e-6 * (to - t_);
-  look(to - little);
-  const std::vector<double> near = sides(with_parameters(seen_), to - little);
-  look(to - 2 * little);
-  const std::vector<double> far = sides(with_parameters(seen_), to - 2 * little);
-  seen_ = end;
-  low_seen_ = rest;
-  std::vector<double> jump(size_), rates(size_);
+  const std::vector<double> near = rates_at(to - little), far = rates_at(to - 2 * little);
+  std::vector<double> jump(size_), rates(size_), u(size_);
   for (std::size_t i = 0; i < size_; ++i) {
     rates[i] = 2 * near[i] - far[i];
     jump[i] = rates[i] - after[i];
   }
-  const std::vector<double> values = with_parameters(end);
-  const auto slope_along = [&](std::span<const double> u, const Direction& direction, double share, double dt) {
+  const auto slope_along = [&](std::span<const double> slope, const Direction& direction, double share, double dt) {
     std::vector<Slope> x(values.begin(), values.end());
-    for (std::size_t i = 0; i < size_; ++i) x[i].slope[0] = u[i];
+    for (std::size_t i = 0; i < size_; ++i) x[i].slope[0] = slope[i];
     if (direction) x[size_ + *direction].slope[0] = share;
     return sides(x, Slope{to, {dt}})[changed].slope[0];
   };
   const double pace = slope_along(rates, {}, 0, 1);
-  for (std::size_t d = 0; d < directions_.size(); ++d) {
-    const Block& block = directions_[d];
-    double* const u = seen_.data() + block.first;
-    const double later = -slope_along(std::span(u, size_), by_[d], block.share ? seen_[*block.share] : 0, 0) / pace;
-    for (std::size_t i = 0; i < size_; ++i) u[i] += jump[i] * later;
+  for (std::size_t d = 0; d < by_.size(); ++d) {
+    double* const lane = first_.seen.data() + d;
+    for (std::size_t i = 0; i < size_; ++i) u[i] = lane[i * first_.lanes];
+    const double later = -slope_along(u, by_[d], std::ldexp(1, -first_.exponents[d]), 0) / pace;
+    for (std::size_t i = 0; i < size_; ++i) lane[i * first_.lanes] += jump[i] * later;
   }
 }
 
@@ -213,7 +214,12 @@ bool VariedMotion::look(double t) {
   seen_ = y_;
   low_seen_ = low_;
   expansion_->evaluate(t - t_, low_seen_.data(), seen_.data());
-  return std::ranges::all_of(seen_, [](double component) { return std::isfinite(component); });
+  const auto finite = [](double component) { return std::isfinite(component); };
+  if (!std::ranges::all_of(seen_, finite)) return false;
+  if (!tangents_) return true;
+  for (Level* level : {&first_, &second_}) level->low_seen = level->low;
+  tangents_->evaluate(t - t_, first_.seen, first_.low_seen, second_.seen, second_.low_seen);
+  return std::ranges::all_of(first_.seen, finite) && std::ranges::all_of(second_.seen, finite);
 }
 
 bool VariedMotion::advance(double end) {
@@ -223,10 +229,13 @@ bool VariedMotion::advance(double end) {
     if (sides_) cross_switch(to);
     y_ = seen_;
     low_ = low_seen_;
+    for (Level* level : {&first_, &second_}) {
+      level->u = level->seen;
+      level->low = level->low_seen;
+    }
     longest_ = std::max(longest_, to - t_);
     t_ = to;
     settle_scales();
-    seen_ = y_;
     plan();
     return true;
   }
@@ -235,12 +244,8 @@ bool VariedMotion::advance(double end) {
 
 Derivatives VariedMotion::derivatives() const {
   Derivatives all;
-  const auto take = [&](const std::vector<Block>& blocks, std::vector<double>& to) {
-    for (const Block& block : blocks)
-      for (std::size_t i = 0; i < size_; ++i) to.push_back(std::ldexp(seen_[block.first + i], block.exponent));
-  };
-  take(directions_, all.first);
-  take(seconds_, all.second);
+  take(first_, all.first);
+  take(second_, all.second);
   return all;
 }
 

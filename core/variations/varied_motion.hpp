@@ -1,9 +1,9 @@
-// A motion with its first and second derivatives in directions of its start and its parameters, by one Taylor series:
-// u̇ = f_x u + f_θ w along a direction (u, w), and v̇ = f_x v + z (f_x u + f_θ w)_x u′ + … along a pair of them, of which
-// the symmetric part is followed once. w and z are numbers that do not change: with them the equations are homogeneous
-// in each direction, so that derivatives are rescaled by powers of two from step to step and have as many digits as the
-// motion, however far they grow. Where the equations switch sides, at a zero of g, rates may jump from f₋ to f₊: there
-// u becomes u + (f₋ − f₊) ∂t/∂θ, ∂t/∂θ = −(g_x u + g_θ w)/(g_x f₋ + g_t); second derivatives are not taken over a jump.
+// A motion with its first and second derivatives in directions of its start and its parameters, along its Taylor series
+// (core/tape/tangents.hpp). They are homogeneous in each direction, of which parameters are a part, so that derivatives
+// are rescaled by powers of two from step to step and have as many digits as the motion, however far they grow. Where
+// the equations switch sides, at a zero of g, rates may jump from f₋ to f₊: there u becomes u + (f₋ − f₊) ∂t/∂θ,
+// ∂t/∂θ = −(g_x u + g_θ w)/(g_x f₋ + g_t), w being the change of the parameter; second derivatives are not taken over a
+// jump.
 // Sources: Barrio, SIAM J. Sci. Comput. 27, 1929 (2006); Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth
 // Mechanical Systems, 2004, chapter 7.
 #pragma once
@@ -16,6 +16,7 @@
 
 #include "core/schemes/taylor.hpp"
 #include "core/tape/formula.hpp"
+#include "core/tape/tangents.hpp"
 #include "core/variations/parametric.hpp"
 
 namespace least::variations {
@@ -52,16 +53,21 @@ class VariedMotion {
   Derivatives derivatives() const;
 
  private:
-  struct Block {
-    std::size_t first;                 ///< of its numbers in the list of all
-    std::optional<std::size_t> share;  ///< where w or z stands
-    int exponent = 0;                  ///< of two: by what it has been divided
+  /// The first derivatives, direction by direction, or the second ones, pair by pair: of all variables, lane by lane.
+  struct Level {
+    std::size_t count, lanes;
+    std::vector<int> exponents;      ///< of two: by what they have been divided
+    std::vector<double> u{}, low{};  ///< at the last step, and what rounding has kept from them
+    std::vector<double> seen{}, low_seen{};
   };
-  tape::Program program_of(const ParametricScene& scene, std::span<const Direction> directions);
-  void rescale(Block& block, int by);
+  tape::Program program_of(const ParametricScene& scene);
+  void put(Level& level, const std::vector<double>& derivatives);
+  void take(const Level& level, std::vector<double>& derivatives) const;
   void settle_scales();
+  void settle(Level& level, std::span<const double> beside);
   void plan();
-  void prepare_switches(const ParametricScene& scene, std::span<const Direction> directions);
+  double derivatives_step();
+  void prepare_switches(const ParametricScene& scene);
   void cross_switch(double to);
   /// The rates of the motion, and then what changes its sign at switches.
   template <class T>
@@ -69,16 +75,20 @@ class VariedMotion {
   std::vector<double> with_parameters(const std::vector<double>& y) const;
 
   std::size_t size_;
-  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
-  std::vector<Block> directions_, seconds_;
-  std::size_t numbers_ = 0;
+  double tolerance_;
+  std::vector<Direction> by_;
+  std::vector<std::size_t> varied_;  ///< parameters that are variables of the series, after the state
+  std::vector<tape::Tangents::Pair> pairs_;
+  Held held_ = HeldByThread::take(0);
   std::optional<taylor::Expansion> expansion_;
+  std::optional<tape::Tangents> tangents_;
   std::optional<tape::Formula> sides_;  ///< where the equations switch
   std::vector<double> parameters_;
-  std::vector<Direction> by_;
   double t_ = 0, reach_ = 0, longest_ = 0;
-  std::vector<double> y_, seen_;        ///< all numbers, at the last step and where it was looked
+  std::vector<double> y_, seen_;        ///< the state, at the last step and where it was looked, and what is varied
   std::vector<double> low_, low_seen_;  ///< what rounding has kept from them
+  Level first_, second_;
+  std::vector<double> shares_;  ///< what products of first derivatives count in those of a pair
 };
 
 }  // namespace least::variations

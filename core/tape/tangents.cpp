@@ -45,10 +45,10 @@ struct Kinds {
   }
 };
 
-/// Σ cⱼ tⱼ over j < n, of G fours of each of B sums: they do not wait for each other. t goes on by `on`.
+/// Σ cⱼ tⱼ over j < n, of G fours from f on of each of B sums: they do not wait for each other. t goes on by `on`.
 template <std::size_t B, std::size_t G>
 [[gnu::always_inline]] inline void sum_terms(const double* const* c, const Four* const* t, std::size_t on,
-                                             std::size_t n, Four* const* to) {
+                                             std::size_t f, std::size_t n, Four* const* to) {
   Four sums[B][G];  // NOLINT: vectors
 #pragma GCC unroll 4
   for (std::size_t b = 0; b < B; ++b)
@@ -58,11 +58,11 @@ template <std::size_t B, std::size_t G>
 #pragma GCC unroll 4
     for (std::size_t b = 0; b < B; ++b)
 #pragma GCC unroll 2
-      for (std::size_t g = 0; g < G; ++g) sums[b][g].lane += c[b][j] * t[b][j * on + g].lane;
+      for (std::size_t g = 0; g < G; ++g) sums[b][g].lane += c[b][j] * t[b][j * on + f + g].lane;
 #pragma GCC unroll 4
   for (std::size_t b = 0; b < B; ++b)
 #pragma GCC unroll 2
-    for (std::size_t g = 0; g < G; ++g) to[b][g].lane = sums[b][g].lane;
+    for (std::size_t g = 0; g < G; ++g) to[b][f + g].lane = sums[b][g].lane;
 }
 
 }  // namespace
@@ -122,12 +122,11 @@ class Tangents::Pass {
     Index mirrors = 0;
     for (Sum& sum : of_.sums_) {
       Index& mirror = of_.mirror_[at(sum.y)];
-      if (mirror == none) {
-        mirror = mirrors++;
-        of_.mirrors_.resize(std::max(of_.mirrors_.size(), at(mirrors) * orders));
-        double* const to = of_.mirrors_.data() + at(mirror) * orders;
-        for (std::size_t k = 0; k < orders; ++k) to[orders - 1 - k] = value(sum.y, k);
-      }
+      if (mirror != none) continue;
+      mirror = mirrors++;
+      of_.mirrors_.resize(std::max(of_.mirrors_.size(), at(mirrors) * orders));
+      double* const to = of_.mirrors_.data() + at(mirror) * orders;
+      for (std::size_t k = 0; k < orders; ++k) to[orders - 1 - k] = value(sum.y, k);
     }
     of_.weights_.resize(of_.sums_.size() * orders);
     of_.found_.resize(std::max(of_.found_.size(), of_.sums_.size() * fours_));
@@ -245,24 +244,20 @@ class Tangents::Pass {
     for (std::size_t i = 0; i < waiting; ++i) find<1>(c + i, t + i, to + i);
   }
   template <std::size_t B>
-  [[gnu::always_inline]] inline void find(const double* const* c, const Four** t, Four** to) {
-    const auto on = [&](std::size_t fours) LEAST_INLINE {
-      for (std::size_t b = 0; b < B; ++b) t[b] += fours, to[b] += fours;
-    };
+  [[gnu::always_inline]] inline void find(const double* const* c, const Four* const* t, Four* const* to) {
     std::size_t f = 0;
-    for (; f + 2 <= fours_; f += 2, on(2)) sum_terms<B, 2>(c, t, fours_, k_, to);
-    if (f < fours_) sum_terms<B, 1>(c, t, fours_, k_, to);
+    for (; f + 2 <= fours_; f += 2) sum_terms<B, 2>(c, t, fours_, f, k_, to);
+    if (f < fours_) sum_terms<B, 1>(c, t, fours_, f, k_, to);
   }
 
   [[gnu::always_inline]] inline void advance(const Planned& planned) {
     const Step& s = p_.steps[planned.step];
     Four* const out = level_.at(slot(s.out), k_);
-    const Term *const terms = of_.terms_.data() + planned.terms, *const terms_end =
-                                                                     of_.terms_.data() + planned.terms_end;
+    const std::span terms = std::span(of_.terms_).subspan(planned.terms, planned.terms_end - planned.terms);
     for (std::size_t f = 0; f < fours_; ++f) {
       Four sum{};
-      for (const Term* term = terms; term != terms_end; ++term)
-        if (k_ < term->reach) sum.lane += term->factor * level_.at(term->x, k_)[f].lane;
+      for (const Term& term : terms)
+        if (k_ < term.reach) sum.lane += term.factor * level_.at(term.x, k_)[f].lane;
       if (k_ > 0)
         for (std::size_t i = planned.sums; i < planned.sums_end; ++i)
           sum.lane += of_.sums_[i].factor * of_.found_[i * fours_ + f].lane;

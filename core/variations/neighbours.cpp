@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace least::variations {
 namespace {
@@ -28,18 +29,43 @@ Neighbours::Neighbours(const Request& request, const SensitivitiesAsked& asked, 
   request_.probe = true;
 }
 
-std::optional<std::vector<double>> Neighbours::differences(const KeepGoing& keep_going) const {
+std::optional<std::vector<double>> Neighbours::differences(std::span<const double> found,
+                                                           const KeepGoing& keep_going) const {
+  double largest = 0;
+  for (const double slope : found) largest = std::max(largest, std::abs(slope));
   std::vector<double> all;
   for (const Quantity& by : asked_.by) {
-    if (by.kind == Quantity::Kind::time || !keep_going()) return std::nullopt;
-    const auto slopes = difference(by, keep_going);
-    all.insert(all.end(), slopes.begin(), slopes.end());
+    if (by.kind == Quantity::Kind::time) return std::nullopt;
+    const auto slopes = nearest(by, found.subspan(all.size(), found.size() / asked_.by.size()), largest, keep_going);
+    if (!slopes) return std::nullopt;
+    all.insert(all.end(), slopes->begin(), slopes->end());
   }
   return all;
 }
 
-std::vector<double> Neighbours::difference(const Quantity& quantity, const KeepGoing& keep_going) const {
-  const double length = 1e-4 * std::max(0.1, std::abs(start_.value(quantity)));
+/// Of changes that become smaller as long as that brings differences nearer to what was found: close to a centre of
+/// force a motion is another one after a small change, and differences of a larger one say nothing of a derivative.
+std::optional<std::vector<double>> Neighbours::nearest(const Quantity& by, std::span<const double> found,
+                                                       double largest, const KeepGoing& keep_going) const {
+  constexpr double close = 1e-9, smaller = 0.125;
+  constexpr int rounds = 7;
+  std::vector<double> best;
+  double least = std::numeric_limits<double>::infinity();
+  double length = 1e-4 * std::max(0.1, std::abs(start_.value(by)));
+  for (int round = 0; round < rounds && !(least <= close * largest); ++round, length *= smaller) {
+    if (!keep_going()) return std::nullopt;
+    std::vector<double> slopes = difference(by, length, keep_going);
+    double most = 0;
+    for (std::size_t i = 0; i < slopes.size(); ++i)
+      if (const double d = std::abs(slopes[i] - found[i]); !(d <= most)) most = d;
+    if (!best.empty() && !std::isnan(least) && !(most < least)) break;
+    best = std::move(slopes);
+    least = most;
+  }
+  return best;
+}
+
+std::vector<double> Neighbours::difference(const Quantity& quantity, double length, const KeepGoing& keep_going) const {
   const auto at = [&](double by) { return moved(quantity, by, keep_going); };
   const auto far_up = at(2 * length), up = at(length), down = at(-length), far_down = at(-2 * length);
   std::vector<double> slopes(up.size());

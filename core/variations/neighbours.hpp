@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/variations/start.hpp"
@@ -13,12 +14,15 @@ class Neighbours {
   /// Of a request; `asked` and `start` outlive it.
   Neighbours(const Request& request, const SensitivitiesAsked& asked, const Start& start);
 
-  /// Central differences of the fourth order of the final state by all quantities, direction by direction; not a number
-  /// where a run does not come to its end. Nothing where there was no time for them, or one is by the time.
-  std::optional<std::vector<double>> differences(const KeepGoing& keep_going) const;
+  /// Central differences of the fourth order of the final state by all quantities, direction by direction, of changes
+  /// that are small enough to tell the derivatives `found`, which they are to confirm; not a number where a run does
+  /// not come to its end. Nothing where there was no time for them, or one is by the time.
+  std::optional<std::vector<double>> differences(std::span<const double> found, const KeepGoing& keep_going) const;
 
  private:
-  std::vector<double> difference(const Quantity& quantity, const KeepGoing& keep_going) const;
+  std::optional<std::vector<double>> nearest(const Quantity& by, std::span<const double> found, double largest,
+                                             const KeepGoing& keep_going) const;
+  std::vector<double> difference(const Quantity& quantity, double length, const KeepGoing& keep_going) const;
   std::vector<double> moved(const Quantity& quantity, double by, const KeepGoing& keep_going) const;
 
   Request request_;

@@ -47,7 +47,7 @@ Sensitivities sensitivities_of_scheme(const Request& request, const Sensitivitie
   if (asked.whole_start) found.structure = structure_of(equations, start.state(), end, found.final);
 
   const Neighbours neighbours(request, asked, start);
-  if (const auto others = neighbours.differences(keep_going))
+  if (const auto others = neighbours.differences(all.back(), keep_going))
     found.uncertainty = disagreement({found.final}, {in_rows(equations, *others)});
   return found;
 }

@@ -332,7 +332,8 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   found.final = std::move(found.samples.back());
   found.samples.pop_back();
   if (switches(equations)) {  // what is made of their jumps is held against runs
-    if (const auto others = Neighbours(closely(request, outcome), asked, question.start).differences(keep_going)) {
+    const Neighbours neighbours(closely(request, outcome), asked, question.start);
+    if (const auto others = neighbours.differences(all.slopes.back(), keep_going)) {
       const double doubt = disagreement({found.final}, {in_rows(equations, *others)});
       if (!(doubt <= found.uncertainty)) found.uncertainty = doubt;
     } else {

@@ -172,6 +172,21 @@ TEST_F(SchemeSensitivities, OfTheMotionGoOverJumps) {
   EXPECT_TRUE(says(only_fault(ask(port(), post("/v1/simulate", request.dump()))), "switch sides"));
 }
 
+// Close to the centre an orbit is another one after a change of 1e-5 of its momentum: what differences make of that
+// says how far they are good, not the derivatives.
+TEST_F(SchemeSensitivities, AreSureOfThemselvesOnNearlyRadialOrbits) {
+  for (const char* scheme : {"leapfrog", "runge_kutta_4"}) {
+    const Json found = answer({{"problem", "kepler"},
+                               {"initial", {{"x", 1}, {"y", 0}, {"px", 0}, {"py", 0.1}}},
+                               {"scheme", {{"id", scheme}, {"step", 1e-4}}},
+                               {"until", 1.3},
+                               {"record", {{"every", 0}}},
+                               {"sensitivities", {{"by", "initial"}}}})["sensitivities"];
+    EXPECT_LT(found["uncertainty"], 1e-6) << scheme;
+    EXPECT_GT(found["uncertainty"], 0) << scheme;
+  }
+}
+
 TEST_F(SchemeSensitivities, AreRefusedByName) {
   Json request{{"problem", "kepler"}, {"scheme", "dormand_prince_5"}, {"until", 1}};
   const auto refused = [&](const Json& asked, const std::string& pointer, std::string_view words) {

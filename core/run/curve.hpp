@@ -17,11 +17,16 @@ class CurveThinner {
 
   explicit CurveThinner(std::size_t count) : count_(count), most_(std::min<std::size_t>(32 * count, 1'000'000)) {}
 
-  /// Into how many parts the way to the next row is to be divided, which is `chord` long.
-  std::size_t parts(double chord) const {
-    if (!thinned_) return count_;
-    if (resolution_ == 0) return 1;
-    return static_cast<std::size_t>(std::clamp(std::ceil(2 * chord / resolution_), 1.0, double(count_)));
+  /// Into how many parts the way to the next row is to be divided, which is `chord` long and of which a part `share` of
+  /// the run's time is over then (unknown where nobody knows how long it will be). Once there are rows enough for a run
+  /// that ends here, the curve is taken to be as long as its way so far says: a run of many steps need not be thinned
+  /// again and again.
+  std::size_t parts(double chord, double share) const {
+    if (!thinned_) {
+      const double whole = (length_ + chord) / share;
+      return arcs_.size() >= most_ / 4 && whole > 0 ? pieces(double(most_) * chord / whole) : count_;
+    }
+    return resolution_ == 0 ? 1 : pieces(2 * chord / resolution_);
   }
   /// True: the row before this one is not needed any more, and this one takes its place.
   bool add(double chord) {
@@ -69,6 +74,10 @@ class CurveThinner {
   }
 
  private:
+  std::size_t pieces(double wanted) const {
+    return static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, double(count_)));
+  }
+
   std::size_t count_, most_;
   double resolution_ = 0, length_ = 0;
   bool thinned_ = false;

@@ -80,7 +80,8 @@ bool Run::draw(double t) {
   RunState x = state_.x;
   if (t != x.t && integrator_->state_at(state_, t, x) != StepStatus::ok) return true;  // what comes next tells of it
   const StepInfo step = last_step();
-  const std::size_t parts = std::max<std::size_t>(writer_.parts(x, step), integrator_->parts());
+  const double share = std::isfinite(planned_end_) ? (t - scene_.start) / (planned_end_ - scene_.start) : unknown;
+  const std::size_t parts = std::max<std::size_t>(writer_.parts(x, step, share), integrator_->parts());
   const double from = drawn_;
   for (std::size_t k = 1; k <= parts; ++k) {
     RunState y = x;

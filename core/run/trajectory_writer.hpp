@@ -83,8 +83,9 @@ class TrajectoryWriter {
     return rows_.size() + columns_.size() <= rows_.capacity() || flush() ? Written::yes : Written::refused;
   }
 
-  /// Into how many parts the way to x has to be divided, where rows lie along a curve.
-  std::size_t parts(StateView x, const StepInfo& step) {
+  /// Into how many parts the way to x has to be divided, where rows lie along a curve; there a part `share` of the
+  /// run's time is over.
+  std::size_t parts(StateView x, const StepInfo& step, double share) {
     double square = 0;
     measure(x);
     if (!rows_.empty())
@@ -92,7 +93,7 @@ class TrajectoryWriter {
         const double d = value(columns_[i], x, step) - rows_.end()[row_place(i)];
         if (std::isfinite(d)) square += d * d;
       }
-    return curve_->parts(std::sqrt(square));
+    return curve_->parts(std::sqrt(square), share);
   }
 
   /// Hands over what is written so far, unless it waits for the end. False: the sink takes no more.

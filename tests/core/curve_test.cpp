@@ -169,6 +169,27 @@ TEST(Curve, OfALongRunIsEven) {
   EXPECT_NEAR(rows[50][0] - rows[0][0], 1000, 60);
 }
 
+// A run of ten thousand steps whose length is known is not looked at closer at first than it can be held in the end.
+TEST(CurveThinner, LooksNoCloserThanTheWholeNeeds) {
+  CurveThinner known(100), unknown_end(100);
+  const auto rows = [](CurveThinner& thinner, bool told) {
+    std::size_t seen = 0;
+    for (int step = 1; step <= 10000; ++step)
+      for (std::size_t k = 0, parts = thinner.parts(1, told ? step / 1e4 : unknown); k < parts; ++k, ++seen) {
+        thinner.add(1 / double(parts));
+        if (thinner.full()) thinner.thin();
+      }
+    EXPECT_EQ(thinner.choose().size(), 100U);
+    return seen;
+  };
+  EXPECT_LE(rows(known, true), 15000U);
+  EXPECT_GE(rows(unknown_end, false), 30000U);
+  // One that ends early has rows enough all the same.
+  CurveThinner early(100);
+  for (std::size_t k = 0, parts = early.parts(1, 1e-6); k < parts; ++k) early.add(1 / double(parts));
+  EXPECT_EQ(early.choose().size(), 100U);
+}
+
 TEST(CurveThinner, HoldsNoMoreThanItSays) {
   CurveThinner thinner(10);
   std::size_t rows = 0, most = 0;

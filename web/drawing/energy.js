@@ -30,6 +30,7 @@ function errors(run, relative) {
 export class EnergyPlot {
   #container;
   #plot = null;
+  #shape = ""; // of what it can show without being made anew
   #resized = new ResizeObserver(() => this.#plot?.setSize(this.#size()));
 
   constructor(container) {
@@ -44,11 +45,11 @@ export class EnergyPlot {
 
   /** Shows the "error" of the energy, its "value", or that there is "none"; says what it shows: `{title, what, note}`. */
   show(kind, runs) {
-    if (this.#plot) this.#resized.unobserve(this.#plot.root.querySelector(".u-legend"));
-    this.#plot?.destroy();
-    this.#plot = null;
     this.#container.hidden = kind === "none";
-    if (kind === "none") return { title: text("energy"), what: "", note: text("energy.none") };
+    if (kind === "none") {
+      this.#clear();
+      return { title: text("energy"), what: "", note: text("energy.none") };
+    }
     const seen = runs.filter((run) => run.trajectory.energy.some(known));
     if (kind === "value") return { title: text("energy.value"), what: text("energy.changes"), note: this.#showValues(seen) };
     const relative = seen.length > 0 && seen.every((run) => startOf(run) !== 0);
@@ -63,15 +64,28 @@ export class EnergyPlot {
   #showErrors(runs, relative) {
     const tables = runs.map((run) => errors(run, relative));
     const exact = runs.filter((_, i) => !tables[i][1].some(known));
-    if (exact.length === runs.length) return runs.length ? text("energy.exact") : "";
+    if (exact.length === runs.length) {
+      this.#clear();
+      return runs.length ? text("energy.exact") : "";
+    }
     this.#plotTables(runs, tables, logarithmic);
     return exact.length ? text("energy.exact.of", { runs: exact.map((run) => run.title).join(text("and")) }) : "";
   }
 
+  #clear() {
+    if (this.#plot) this.#resized.unobserve(this.#plot.root.querySelector(".u-legend"));
+    this.#plot?.destroy();
+    this.#plot = null;
+  }
+
   #plotTables(runs, tables, scale) {
-    if (!runs.length) return;
+    if (!runs.length) return this.#clear();
     const ascending = tables.map((table) => (table[0].at(-1) < table[0][0] ? table.map((column) => column.toReversed()) : table));
     const data = ascending.length > 1 ? uPlot.join(ascending) : ascending[0];
+    const shape = JSON.stringify([scale.distr, runs.map(({ title, colour }) => [title, colour])]);
+    if (this.#plot && shape === this.#shape) return this.#plot.setData(data);
+    this.#clear();
+    this.#shape = shape;
     this.#plot = new uPlot(this.#options(runs, scale), data, this.#container);
     this.#resized.observe(this.#plot.root.querySelector(".u-legend"));
   }

@@ -1,6 +1,7 @@
 // What a picture is made of, on a canvas: its frame with ticks, curves, marks.
 import { format, multiples, powerOfTen, roundStep, tickLabel } from "../forms/numbers.js";
 import { indexAt, valueAt } from "./mapping.js";
+import { Straight } from "./straight.js";
 
 const there = (v) => v !== null;
 // What lies far outside is pulled to where clipping still sees the right direction: a canvas cannot draw at 1e300.
@@ -78,14 +79,15 @@ export function inside(pen, frame, draw) {
 }
 
 /**
- * The lines of a curve from sample to sample, where `wanted(i)` says so of the line that ends at i. What moves by less than
- * a part of a pixel is passed over; of a series (x ascends), what falls in one column of pixels is the bar from its least
- * to its largest: no peak is lost, however many samples there are. Short paths are stroked much faster than one long path.
+ * The lines of a curve from sample to sample, where `wanted(i)` says so of the line that ends at i. What lies on a straight line
+ * is passed over; of a series (x ascends), what falls in one column of pixels is the bar from its least to its largest: no peak
+ * is lost, however many samples there are. Short paths are stroked much faster than one long path.
  */
 export function stroke(pen, map, { x, y, series = false }, style, width, { wanted, from = 1, to = x.length } = {}) {
   pen.strokeStyle = style;
   pen.lineWidth = width;
-  let drawing = false, length = 0, left = 0, top = 0, low = 0, high = 0, last = 0;
+  const straight = new Straight();
+  let drawing = false, length = 0, left = 0, top = 0, low = 0, high = 0, last = 0, along = 0;
   const line = (a, b) => {
     pen.lineTo(a, b);
     if (++length < 500) return;
@@ -94,12 +96,12 @@ export function stroke(pen, map, { x, y, series = false }, style, width, { wante
     pen.moveTo(a, b);
     length = 0;
   };
-  const settle = () => { // what is left of the column of pixels
-    if (low < high) {
+  const settle = () => { // what is left of the column of pixels, or of the straight line
+    if (series && low < high) {
       line(left, low);
       line(left, high);
     }
-    line(left, last);
+    line(series ? left : along, last);
   };
   pen.beginPath();
   for (let i = Math.max(from, 1); i < to; i++) {
@@ -109,21 +111,29 @@ export function stroke(pen, map, { x, y, series = false }, style, width, { wante
       continue;
     }
     if (!drawing) {
-      left = far(map.x(x[i - 1]));
+      left = along = far(map.x(x[i - 1]));
       low = high = last = top = far(map.y(y[i - 1]));
+      straight.from(left, top);
       pen.moveTo(left, top);
       drawing = true;
     }
     const a = far(map.x(x[i])), b = far(map.y(y[i]));
-    if (series ? a - left < 0.5 && a >= left : Math.abs(a - left) < 0.6 && Math.abs(b - top) < 0.6) {
-      last = b;
-      if (series) [low, high] = [Math.min(low, b), Math.max(high, b)];
-      continue;
+    if (!series) {
+      if (straight.turns(a, b)) {
+        line(along, last);
+        straight.from(along, last);
+        straight.turns(a, b);
+      }
+    } else if (a - left >= 0.5 || a < left) {
+      settle();
+      line(a, b);
+      left = a;
+      low = high = b;
+    } else {
+      [low, high] = [Math.min(low, b), Math.max(high, b)];
     }
-    if (series) settle();
-    line(a, b);
-    left = a;
-    low = high = last = top = b;
+    along = a;
+    last = b;
   }
   if (drawing) settle();
   pen.stroke();

@@ -13,7 +13,7 @@ import { samples } from "./scene.js";
 const find = (selector) => document.querySelector(selector);
 const values = 1e6; // of what is drawn of a run, at most: many bodies have fewer points each
 const beside = 2000; // points of a start beside the scene's own
-const coarse = 800; // points of a run while a hand moves a slider
+const coarse = 500; // points of a run while a hand moves a slider
 const patience = 300; // ms after which a run is seen while it goes on
 
 /** What came of a run that was stopped by hand. */

@@ -116,7 +116,7 @@ function fail(error) {
 }
 
 try {
-  const [catalogue] = await Promise.all([api.catalogue(), ready]);
+  const catalogue = await api.catalogue(ready);
   fill(document);
   offer(find("#language"), first);
   lesson = new Lesson(catalogue, openLesson);

@@ -28,15 +28,15 @@ pageTest("ends of many runs: coloured by where, and a click runs the start", wel
   const box = await page.locator(canvas).boundingBox();
   await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.2 * box.height);
   await settled(page);
-  const member = Number(await page.inputValue("#start")), [i, j] = [Math.floor(member / 64), member % 64];
+  const member = Number(await page.inputValue("#basins .member input")), [i, j] = [Math.floor(member / 64), member % 64];
   const start = async (name) => Number(await fieldAt(page, `/initial/${name}`).inputValue());
   assert.ok(Math.abs((await start("q")) - (-2 + (4 * i) / 63)) < 1e-12 && Math.abs((await start("p")) - (-3 + (6 * j) / 63)) < 1e-12);
   assert.ok(j > 45 && Math.abs(i - 31) < 4, `what lies above is fast: row ${j}, column ${i}`);
   assert.ok(await page.isVisible(canvas), "the picture stays beside the run");
   const [above, below] = [await colourAt(page, 0.55, 0.1), await colourAt(page, 0.55, 0.8)];
   assert.ok(isColoured(above) && isColoured(below) && String(above) !== String(below), `${above}; ${below}`);
-  await page.fill("#start", "0");
-  await page.click("#run-start");
+  await page.fill("#basins .member input", "0");
+  await page.click("#basins .member button");
   await settled(page);
   assert.deepEqual([await start("q"), await start("p")], [-2, -3], "by keys as well");
   const other = await context.newPage();
@@ -71,7 +71,7 @@ pageTest("ends appear as blocks come", { hash: "#problem=pendulum&until.t=5&basi
   await becomes(() => colourAt(page, 0.35, 0.65), isColoured);
   assert.ok(!isColoured(await colourAt(page, 0.8, 0.65)), "the others are to come");
   await page.evaluate(() => window.goOn());
-  await becomes(() => said(page), (text) => /^3 runs with .*\. p at the end from −?-?3, red, to 3, violet\. 1 stopped \(singular\), grey\.$/.test(text));
+  await becomes(() => said(page), (text) => /^3 runs with .*\. p at the end from −?-?3, red, to 3, violet\. 1 stopped \(singular\)\.$/.test(text));
   await becomes(() => colourAt(page, 0.8, 0.65), isColoured);
   const grey = await colourAt(page, 0.8, 0.25);
   assert.ok(!isColoured(grey) && grey[0] > 100 && grey[0] < 160, `${grey}: one that stopped`);

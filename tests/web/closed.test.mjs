@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { periodOf } from "../../web/studies/section.js";
 import { circlePicture } from "../../web/drawing/circle.js";
-import { all, becomes, drawn, frames, pageTest, plane, settled, statuses } from "./browser.mjs";
+import { all, becomes, drawn, frames, origin, pageTest, plane, settled, statuses } from "./browser.mjs";
 import { fieldAt } from "./made.mjs";
 
 test("multipliers about the unit circle: a number and its inverse on both sides of it, none beyond 2", () => {
@@ -89,6 +89,30 @@ pageTest("Arenstorf's orbit of the lesson closes in the workbench, and no neighb
   await close(page, /losed/);
   assert.match(await said(page), /period 17\.065217\. It is not stable\. 2 multipliers/);
   assert.deepEqual((await rows(page)).map(([kind, modulus]) => [kind, modulus]).toSorted(([, a], [, b]) => b - a)[0], ["hyperbolic", "285.4"]);
+});
+
+pageTest("what leaves a halo and what comes to it is drawn with it, over the pictures in space", { hash: "#problem=restricted_three_body&closed.manifolds=true&A=taylor&B=taylor" }, async (page) => {
+  const asked = [], runs = [];
+  page.on("request", (request) => {
+    if (request.url().endsWith("periodic")) asked.push(request.postDataJSON());
+    if (request.url().endsWith("simulate")) runs.push(request.postDataJSON());
+  });
+  const count = async (colour) => (await drawn(page, plane("A"), colour)).count, before = [await count("--run-d"), await count("--run-c")];
+  await page.click("#close-orbit");
+  await becomes(() => said(page), (text) => /not stable.*Violet: what leaves it\. Green: what comes to it\.$/.test(text));
+  const { manifolds, period, initial } = asked[1], answer = await (await fetch(`${origin}/v1/periodic`, { method: "POST", body: JSON.stringify(asked[1]) })).json();
+  const [, modulus] = /hyperbolic(\S+)/.exec(await page.textContent("#multipliers tbody")), grown = period * Math.log(2e6) / Math.log(Math.max(...answer.multipliers.map((one) => one.modulus)));
+  assert.ok(modulus && Math.abs(manifolds.until - grown) < 1e-6 * grown, "as long as they take to be seen");
+  const begun = (t) => runs.filter(({ scheme, until }) => scheme === "taylor" && Math.sign(until.t - (initial.t ?? 0)) === t).length;
+  assert.deepEqual([manifolds.count, begun(1), begun(-1)], [8, 17, 16], "one round, and two from each place either way");
+  const after = [await count("--run-d"), await count("--run-c")];
+  assert.ok(after.every((n, i) => n > before[i] + 80), `both are seen: ${before} pixels, then ${after}`);
+  assert.ok((await drawn(page, plane("A"), "--ink")).count > 100, "and the orbit");
+});
+
+pageTest("what no real multiplier leaves is said to have no manifolds", { hash: "#problem=pendulum&initial.q=1&until.t=20&closed.manifolds=true" }, async (page) => {
+  await close(page, /Nothing leaves it and nothing comes to it/);
+  assert.ok((await drawn(page, plane("A"), "--run-d")).count < 5);
 });
 
 pageTest("what does not close says why, what is refused is told at its pointer", { hash: "#problem=damped_oscillator&closed.period=6", expected: /status of 422/ }, async (page) => {

@@ -80,16 +80,16 @@ for (const [name, part] of Object.entries(benches)) {
   });
 }
 
-pageTest("studies are German, while they go on and at their end", { ...calm, hash: "#problem=harmonic_oscillator&until.t=20&A.step=0.25" }, async (page) => {
+pageTest("studies are German, while they go on and at their end", { ...calm, hash: "#problem=harmonic_oscillator&until.t=20&A.step=0.05&sweep.until=20&sweep.after=10" }, async (page) => {
   await page.selectOption("#budget", "3");
-  for (const study of ["section", "basins", "stability", "precision"]) {
+  for (const study of ["section", "basins", "tangent", "sweep", "closed", "stability", "precision"]) {
     await page.click(`#measure-${study}`);
     await assertGerman(page, study);
     await becomes(() => page.textContent(`#measure-${study}`), (said) => said !== "Anhalten");
     await assertGerman(page, `${study} at its end`);
   }
   assert.match(await page.textContent("#section-status"), /^[\d\u202f]+ Punkte von 40 Läufen mit Leapfrog\./);
-  assert.match(await pane(page, "A").locator("figcaption .title").textContent(), /h = 0,25$/);
+  assert.match(await pane(page, "A").locator("figcaption .title").textContent(), /h = 0,05$/);
   await page.click("#measure-precision");
   await page.click("#measure-precision");
   assert.equal(await page.textContent("#precision-status"), "Angehalten.");

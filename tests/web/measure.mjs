@@ -73,7 +73,7 @@ try {
   await many.goto(`${origin}/#problem=henon_heiles&until.t=20`);
   await many.waitForSelector("#results[aria-busy=false]");
   const crossings = await many.evaluate(async () => {
-    const { Crossings } = await import("./drawing/crossings.js"), n = 1e4, found = [], figure = document.querySelector("#crossings figure");
+    const { Crossings } = await import("./drawing/crossings.js"), n = 1e4, found = [], figure = document.querySelector("#section figure");
     figure.hidden = false;
     figure.replaceChildren(Object.assign(document.createElement("canvas"), { className: "plane" }));
     const canvas = figure.firstChild, crossings = new Crossings(canvas);

@@ -177,7 +177,7 @@ pageTest("behind a portrait lie level curves of H and where it rests, by choice"
   assert.ok(!(await page.isVisible("#field")), "no plane tells all of what is driven");
 });
 
-const many = async (page, name) => page.inputValue(`#crossings [data-name=${name}]`);
+const many = async (page, name) => page.inputValue(`#section [data-name=${name}]`);
 pageTest("many runs begin as a portrait, as a strobe where a clock drives, as a section where there is more", pendulum, async (page) => {
   assert.deepEqual([await many(page, "where"), Number(await many(page, "period"))], ["", 0.075], "points close enough to be curves");
   await page.click("#measure-section");

@@ -4,7 +4,7 @@ import { becomes, origin, pageTest, seen, settled } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
 
 /** Coloured pixels of the picture: how many, the box around them, and one of them, all in fractions of the canvas. */
-const coloured = (page) => seen(page, "#crossings canvas.plane", (canvas) => {
+const coloured = (page) => seen(page, "#section canvas.plane", (canvas) => {
   const { width, height } = canvas, pen = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }), found = [], hues = new Set();
   pen.drawImage(canvas, 0, 0);
   const { data } = pen.getImageData(0, 0, width, height);
@@ -29,35 +29,35 @@ pageTest("a section of many runs: points by member, and a click runs the member"
   const { section } = await (await fetch(`${origin}/v1/ensemble`, { method: "POST", body: JSON.stringify(asked) })).json();
   const picture = await coloured(page);
   assert.ok(picture.count > 1000 && picture.hues > 30, `${picture.count} pixels in ${picture.hues} colours`);
-  await page.locator("#crossings canvas.plane").scrollIntoViewIfNeeded();
-  const box = await page.locator("#crossings canvas.plane").boundingBox();
+  await page.locator("#section canvas.plane").scrollIntoViewIfNeeded();
+  const box = await page.locator("#section canvas.plane").boundingBox();
   await page.mouse.click(box.x + picture.one[0] * box.width, box.y + picture.one[1] * box.height);
   await settled(page);
-  const member = Number(await page.inputValue("#member")), start = Number(await fieldAt(page, "/initial/y").inputValue());
+  const member = Number(await page.inputValue("#section .member input")), start = Number(await fieldAt(page, "/initial/y").inputValue());
   assert.ok(Math.abs(start - (-0.1 + (0.4 * member) / 39)) < 1e-12, "the start of that member");
   const part = (values, v) => (v - Math.min(...values)) / (Math.max(...values) - Math.min(...values));
   const at = [part(picture.x, picture.one[0]), 1 - part(picture.y, picture.one[1])];
   const distances = section.member.map((m, i) => (m === member
     ? Math.hypot(part(section.y, section.y[i]) - at[0], part(section.py, section.py[i]) - at[1]) : Infinity));
   assert.ok(Math.min(...distances) < 0.02, `it has a point there: ${Math.min(...distances)}`);
-  assert.ok(await page.isVisible("#crossings canvas"), "the section stays beside the run");
-  await page.fill("#member", "39");
-  await page.click("#run-member");
+  assert.ok(await page.isVisible("#section canvas"), "the section stays beside the run");
+  await page.fill("#section .member input", "39");
+  await page.click("#section .member button");
   await settled(page);
   assert.ok(Math.abs(Number(await fieldAt(page, "/initial/y").inputValue()) - 0.3) < 1e-12, "by keys as well");
   await enter(page, "/initial/px", "0.2");
-  assert.ok(!(await page.isVisible("#crossings canvas")), "another scene has other crossings");
+  assert.ok(!(await page.isVisible("#section canvas")), "another scene has other crossings");
 
-  await page.locator("#crossings [data-name=count]").fill("4");
-  await page.locator("#crossings [data-name=where]").fill("zz");
-  await page.locator("#crossings [data-name=where]").press("Tab");
+  await page.locator("#section [data-name=count]").fill("4");
+  await page.locator("#section [data-name=where]").fill("zz");
+  await page.locator("#section [data-name=where]").press("Tab");
   assert.match(page.url(), /section\.where=zz&section\.count=4/);
   await page.click("#measure-section");
   await becomes(said, (text) => /zz/.test(text));
   const other = await context.newPage();
   await other.goto(page.url());
   await settled(other);
-  assert.equal(await other.inputValue("#crossings [data-name=count]"), "4");
+  assert.equal(await other.inputValue("#section [data-name=count]"), "4");
 });
 
 const blocks = [0, 1].map((k) => ({ kind: "block", section: { member: [k, k], crossing: [0, 1], t: [0, 1], y: [k, k + 0.5], py: [0, 1] } }));

@@ -1,6 +1,7 @@
 // A picture of curves on a canvas, sharp on any display. Above it lies a second canvas for what moves: the heads of the
 // runs at a time, and the cross-hair.
-import { format, listed } from "../forms/numbers.js";
+import { listed } from "../language/texts.js";
+import { format } from "../forms/numbers.js";
 import { mapping } from "./mapping.js";
 import { follow } from "./pointer.js";
 import { axes, clippings, head, inside, roomFor, trace } from "./strokes.js";

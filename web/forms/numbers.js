@@ -1,8 +1,6 @@
 // Numbers for people, in the language that is spoken.
 import { spelled } from "../language/texts.js";
 
-export { count, listed, spelled, typed } from "../language/texts.js";
-
 const superscript = (n) => String(n).replace(/[-\d]/g, (c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c]));
 
 /** `n` as 10ⁿ. */

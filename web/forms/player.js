@@ -1,7 +1,7 @@
 // The clock of a picture: play, pause, speed, and a slider for the time. It tells `moved(t)` what to show, null for all.
 import { element } from "./forms.js";
-import { text } from "../language/texts.js";
-import { format, spelled } from "./numbers.js";
+import { spelled, text } from "../language/texts.js";
+import { format } from "./numbers.js";
 
 const whole = 20; // seconds that all of a run takes at speed 1
 const still = matchMedia("(prefers-reduced-motion: reduce)");

@@ -1,6 +1,6 @@
 // A slider with its number.
+import { spelled, typed as read } from "../language/texts.js";
 import { element } from "./forms.js";
-import { spelled, typed as read } from "./numbers.js";
 import { scaleOf, tidy } from "./ranges.js";
 
 /**

@@ -1,8 +1,8 @@
 // The runs of a lesson in words and numbers, the work beside each.
-import { named, text } from "../language/texts.js";
+import { count, named, text } from "../language/texts.js";
 import { colourOf } from "../catalogue/card.js";
 import { element } from "../forms/forms.js";
-import { count, format } from "../forms/numbers.js";
+import { format } from "../forms/numbers.js";
 import { told } from "./requests.js";
 
 /**

@@ -1,10 +1,11 @@
 // What the page says to the service, and nothing else. Addresses are relative: the page may be served under any path.
 import { text } from "../language/texts.js";
 
-/** The catalogue: `{version, problems, schemes}`. */
-export async function catalogue() {
-  const response = await fetch("v1/catalogue", { headers: { Accept: "application/json" } });
-  if (!response.ok) throw new Error(text("answer.status", { status: String(response.status) }));
+/** The catalogue: `{version, problems, schemes}`; what is wrong with it is said once the texts are there, which `ready` tells. */
+export async function catalogue(ready) {
+  const response = await fetch("v1/catalogue", { headers: { Accept: "application/json" } }).catch(() => null);
+  await ready;
+  if (!response?.ok) throw new Error(response ? text("answer.status", { status: String(response.status) }) : text("answer.silent"));
   return response.json();
 }
 

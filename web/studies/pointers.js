@@ -1,5 +1,6 @@
-// The numbers of a request that a study varies: the starts and the parameters of a scene, by their names and JSON pointers.
-import { motion } from "../catalogue/card.js";
+// The numbers of a request that a study varies, the starts and the parameters of a scene, by their names and JSON pointers; the
+// columns that it shows.
+import { axes, motion } from "../catalogue/card.js";
 
 const listed = /^(.+)\[(\d+)\]$/; // an entry of a list of parameters, counted from 1
 
@@ -9,6 +10,9 @@ export const numbersOf = ({ parameters }) =>
 
 /** The variables that a run may start from. */
 export const startsOf = (problem) => motion(problem).map(({ name }) => name);
+
+/** The columns that many runs may have in a picture, as each of them is by itself. */
+export const columnsOf = (problem) => axes(problem).map(({ id }) => id).filter((id) => id !== "error_of_energy" && id !== "mode");
 
 /** Where a start or a parameter stands in a request. */
 export function pointerTo(problem, name) {

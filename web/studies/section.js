@@ -1,11 +1,12 @@
 // Where many runs cross a plane, or where a clock finds them: points that come block by block, in a colour for each member.
 import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
-import { build, values, words } from "../forms/forms.js";
-import { axes, isAutonomous, motion, spanOf } from "../catalogue/card.js";
+import { rounded } from "../service/work.js";
+import { words } from "../forms/forms.js";
+import { isAutonomous, motion, spanOf } from "../catalogue/card.js";
 import { Crossings } from "../drawing/crossings.js";
-
-const find = (selector) => document.querySelector(`#crossings ${selector}`);
+import { broken, Members, notesOf, Study } from "./part.js";
+import { columnsOf } from "./pointers.js";
 
 /** The period of what drives a scene, as far as a parameter says so, which may be `set`. */
 export function periodOf({ parameters }, set = {}) {
@@ -18,11 +19,11 @@ export function periodOf({ parameters }, set = {}) {
  * that is driven, the strobe in the rhythm of the drive; of one with more variables, the plane where the first is zero.
  */
 function cardsOf(problem) {
-  const names = motion(problem).map(({ name }) => name), shown = axes(problem).map(({ id }) => id).filter((id) => id !== "error_of_energy" && id !== "mode");
+  const names = motion(problem).map(({ name }) => name), shown = columnsOf(problem);
   const half = Math.floor(names.length / 2), wide = names.length > 3, alone = !wide && isAutonomous(problem);
   const angle = (name) => (shown.includes(`${name}_wrapped`) ? `${name}_wrapped` : name);
   const vary = names[1], usual = problem.variables.find(({ name }) => name === vary).default ?? 0;
-  const size = (alone ? 2.5 : 0.2) * Math.max(1, Math.abs(usual)), rounded = (value) => Number(value.toPrecision(3));
+  const size = (alone ? 2.5 : 0.2) * Math.max(1, Math.abs(usual));
   return [
     { name: "where", label: text("section.where"), type: "text", default: wide ? names[0] : "", hint: text("none"), doc: text("section.where.doc") },
     { name: "direction", label: text("section.direction"), type: "choice", choices: ["up", "down", "both"], default: "up" },
@@ -43,33 +44,21 @@ export function schemeOf(problem, schemes, cards) {
   return schemes.find(fits) ?? keeps.map(({ id }) => ({ id })).find(fits) ?? schemes[0];
 }
 
-export class Section {
-  #crossings = new Crossings(find("canvas"), (member) => this.#run(member));
+export class Section extends Study {
+  #members = new Members(this, (member) => this.#run(member));
+  #crossings = new Crossings(this.find("canvas"), (member) => this.#members.pick(member));
   #picked; // ({name: value}): the start of a member
-  #problem = null;
   #asked = null;
 
   constructor(picked) {
+    super("section", cardsOf);
     this.#picked = picked;
-    find("#run-member").addEventListener("click", () => this.#run(Number(find("#member").value)));
-    this.clear();
-  }
-
-  /** The form for a problem, with `wanted` values as a link holds them. */
-  offer(problem, wanted) {
-    this.#problem = problem;
-    build(find(".fields"), cardsOf(problem), "/crossings", wanted);
-    this.clear();
-  }
-
-  /** What is set, of `changed` values only. */
-  chosen(changed = false) {
-    return values(find(".fields"), changed);
   }
 
   clear() {
     this.#crossings.start(0);
-    find("figure").hidden = find("#one").hidden = true;
+    this.#members.offer(0);
+    this.find("figure").hidden = true;
   }
 
   /**
@@ -77,28 +66,24 @@ export class Section {
    * points there are. `{faults}` or `{said}`.
    */
   async measure({ scene, schemes }, cards, signal, told) {
-    const scheme = schemeOf(this.#problem, schemes, cards);
+    const scheme = schemeOf(this.problem, schemes, cards);
     const { where, direction, period, vary, from, to, count: n, x, y } = this.chosen();
     const section = period ? { period, phase: 0 } : { expression: where ?? "", direction };
     this.clear();
     this.#asked = { vary, from, to, n };
     this.#crossings.start(n, x, y);
-    find("#member").max = n - 1;
-    let points = 0, ended = { completed: 0, stopped: {}, warnings: [{ detail: text("study.broken") }] };
+    let points = 0, end = broken();
     const request = { ...scene, scheme, section, columns: [...new Set([x, y])], keep: ["section"],
                       members: { vary: { [`/initial/${vary}`]: { grid: [from, to, n] } } } };
     const { faults } = await api.ensemble(request, signal, (line) => {
-      if (line.kind === "end") ended = line;
+      if (line.kind === "end") end = line;
       if (line.kind !== "block") return;
-      find("figure").hidden = find("#one").hidden = line.section.member.length + points === 0;
       points = this.#crossings.add(line);
+      this.find("figure").hidden = points === 0;
+      this.#members.offer(points ? n : 0);
       told(text("section.so_far", { n: points }));
     });
-    if (faults) return { faults };
-    const stopped = Object.entries(ended.stopped).map(([reason, some]) => text("section.stopped", { n: some, why: words(reason) }));
-    const cut = ended.stop ? [text("ended.early", { why: words(ended.stop.reason) })] : [];
-    const notes = [...cut, ...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
-    return { said: [text("section.done", { points, n: ended.completed, scheme: words(scheme.id) }), ...notes].join(" ") };
+    return faults ? { faults } : { said: [text("section.done", { points, n: end.completed, scheme: words(scheme.id) }), ...notesOf(end)].join(" ") };
   }
 
   draw() {
@@ -107,8 +92,6 @@ export class Section {
 
   #run(member) {
     const { vary, from, to, n } = this.#asked;
-    if (!(member >= 0 && member < n)) return;
-    find("#member").value = String(member);
     this.#picked({ [vary]: n > 1 ? from + ((to - from) * member) / (n - 1) : from });
   }
 }

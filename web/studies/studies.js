@@ -27,15 +27,15 @@ export class Studies {
 
   /**
    * `ask()` gives `{scene: {problem, initial, until}, events, schemes}` as the forms stand; `picked(values, section)`: a member is
-   * to be run, which differs in these values of its "initial", its "problem" or its "until"; `closed(trajectory)`: an orbit is to be
-   * drawn over the runs, null: none.
+   * to be run, which differs in these values of its "initial", its "problem" or its "until"; `over([{trajectory, colour, dash}])`
+   * is to be drawn over the runs.
    */
-  constructor(schemes, ask, picked, closed) {
+  constructor(schemes, ask, picked, over) {
     const run = (values, section = "initial") => {
       picked(values, section);
       this.#scene = JSON.stringify(this.#ask().scene); // what was found stays
     };
-    this.#others = { section: new Section(run), basins: new Basins(run), tangent: new Tangent(), sweep: new Sweep(run), closed: new Closed(run, closed) };
+    this.#others = { section: new Section(run), basins: new Basins(run), tangent: new Tangent(), sweep: new Sweep(run), closed: new Closed(run, over) };
     this.#schemes = schemes;
     this.#ask = ask;
     find("#measure-precision").addEventListener("click", () => this.#start("precision", () => this.#measure()));

@@ -2,26 +2,24 @@
 // diagram), how far it swings (a resonance curve), or where it ends.
 import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
-import { build, values, words } from "../forms/forms.js";
+import { rounded } from "../service/work.js";
+import { words } from "../forms/forms.js";
 import { format } from "../forms/numbers.js";
-import { axes, motion, spanOf } from "../catalogue/card.js";
+import { motion, spanOf } from "../catalogue/card.js";
 import { paint } from "../drawing/crossings.js";
 import { extent } from "../drawing/mapping.js";
 import { Plane } from "../drawing/plane.js";
-import { partOf } from "./part.js";
-import { numbersOf, pointerTo } from "./pointers.js";
+import { broken, notesOf, patience, Study } from "./part.js";
+import { columnsOf, numbersOf, pointerTo } from "./pointers.js";
 import { schemeOf } from "./section.js";
-
-const patience = 60; // seconds that the service may take
 
 /** What is drawn of a column. */
 const named = (show, name) => (show === "amplitude" ? text("sweep.amplitude_of", { name }) : name);
-const rounded = (value) => Number(value.toPrecision(3));
 
 function cardsOf(problem) {
   const names = motion(problem).map(({ name }) => name), parameters = numbersOf(problem), [vary] = parameters;
   const usual = problem.parameters.find(({ name }) => name === vary)?.default ?? 1, size = Math.abs(usual) || 1, span = spanOf(problem);
-  const shown = axes(problem).map(({ id }) => id).filter((id) => !["error_of_energy", "mode", "t"].includes(id));
+  const shown = columnsOf(problem).filter((name) => name !== "t");
   const shows = { crossings: text("sweep.crossings"), amplitude: text("sweep.amplitude"), end: text("sweep.end") };
   return [
     { name: "vary", label: text("sweep.vary"), type: "choice", choices: parameters, default: vary },
@@ -36,33 +34,22 @@ function cardsOf(problem) {
   ];
 }
 
-export class Sweep {
-  #find = partOf("sweep");
-  #plane = new Plane(this.#find("canvas"));
+export class Sweep extends Study {
+  #plane = new Plane(this.find("canvas"));
   #picked; // ({name: value}, "problem"): a value that is to be run
-  #problem = null;
   #asked = null;
   #blocks = []; // {member, x, y}: of an amplitude or an end one point for each run
   #due = 0;
 
   constructor(picked) {
+    super("sweep", cardsOf);
     this.#picked = picked;
-  }
-
-  offer(problem, wanted) {
-    this.#problem = problem;
-    build(this.#find(".fields"), cardsOf(problem), "/sweep", wanted);
-    this.clear();
-  }
-
-  chosen(changed = false) {
-    return values(this.#find(".fields"), changed);
   }
 
   clear() {
     this.#blocks = [];
     this.#asked = null;
-    this.#find("figure").hidden = true;
+    this.find("figure").hidden = true;
     this.draw();
   }
 
@@ -70,13 +57,13 @@ export class Sweep {
   async measure({ scene, schemes }, cards, signal, told) {
     const asked = this.chosen(), { vary, from, to, count: n, show, y, where, direction, period, until, after } = asked;
     if (!vary) return { faults: [{ detail: text("sweep.nothing") }] };
-    const scheme = schemeOf(this.#problem, schemes, cards);
+    const scheme = schemeOf(this.problem, schemes, cards);
     this.clear();
     const mine = (this.#asked = asked);
-    let points = 0, ended = { completed: 0, stopped: {}, warnings: [{ detail: text("study.broken") }] };
+    let points = 0, ended = broken();
     const section = period ? { period, phase: 0 } : { expression: where ?? "", direction: show === "amplitude" ? "both" : direction };
     const request = { ...scene, scheme, until: { t: until }, ...(show === "end" ? {} : { section }), columns: [y], limits: { seconds: patience },
-                      keep: [show === "end" ? "final" : "section"], members: { vary: { [pointerTo(this.#problem, vary)]: { grid: [from, to, n] } } } };
+                      keep: [show === "end" ? "final" : "section"], members: { vary: { [pointerTo(this.problem, vary)]: { grid: [from, to, n] } } } };
     const { faults } = await api.ensemble(request, signal, (line) => {
       if (line.kind === "end") ended = line;
       if (line.kind !== "block" || this.#asked !== mine) return;
@@ -84,11 +71,8 @@ export class Sweep {
       told(text("section.so_far", { n: points }));
     });
     if (faults) return { faults };
-    const stopped = Object.entries(ended.stopped).map(([reason, some]) => text("section.stopped", { n: some, why: words(reason) }));
-    const cut = ended.stop ? [text("ended.early", { why: words(ended.stop.reason) })] : [];
-    const notes = [...cut, ...stopped, ...ended.warnings.map(({ detail, code }) => detail || code)];
     const said = text("section.done", { points, n: ended.completed, scheme: words(scheme.id) }) + (points && show !== "crossings" ? this.#peak() : "");
-    return { said: [said, ...notes].join(" ") };
+    return { said: [said, ...notesOf(ended)].join(" ") };
   }
 
   /** Adds points of members, to be seen in the next frame; how many there are of them. */
@@ -111,7 +95,7 @@ export class Sweep {
   draw() {
     this.#due = 0;
     const full = this.#blocks.filter(({ member }) => member.length);
-    this.#find("figure").hidden = !full.length;
+    this.find("figure").hidden = !full.length;
     if (!full.length) return this.#plane.show(null);
     const { vary, from, to, count: n, show, y } = this.#asked, ends = full.map((block) => extent(block.y));
     const view = { x: [Math.min(from, to), Math.max(from, to)], y: [Math.min(...ends.map(([low]) => low)), Math.max(...ends.map(([, high]) => high))], free: true };
@@ -119,7 +103,7 @@ export class Sweep {
     const pick = (left, top) => this.#run(this.#plane.map.at(left, top).x);
     const curve = { x: full.flatMap((block) => block.x), y: full.flatMap((block) => block.y), colour: "--run-b", title: "", unmarked: true };
     if (show !== "crossings") return this.#plane.show({ curves: [curve], view, labels, pick });
-    const ink = getComputedStyle(this.#find("canvas")).getPropertyValue("--run-b").trim().slice(1), [r, g, b] = ink.match(/../g).map((two) => parseInt(two, 16));
+    const ink = getComputedStyle(this.find("canvas")).getPropertyValue("--run-b").trim().slice(1), [r, g, b] = ink.match(/../g).map((two) => parseInt(two, 16));
     const colours = new Uint32Array(n).fill(0xff000000 | (b << 16) | (g << 8) | r);
     this.#plane.show({ curves: [], view, labels, backdrop: paint(full, colours), pick });
   }

@@ -2,12 +2,13 @@
 // which are run, beside what the derivatives predict of them.
 import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
-import { build, element, values } from "../forms/forms.js";
+import { rounded } from "../service/work.js";
+import { element } from "../forms/forms.js";
 import { format } from "../forms/numbers.js";
 import { motion, title } from "../catalogue/card.js";
 import { commonView, curveOf, extent } from "../drawing/mapping.js";
 import { Plane } from "../drawing/plane.js";
-import { partOf, tableOf } from "./part.js";
+import { Study, tableOf } from "./part.js";
 import { numbersOf, pointerTo, startsOf, valueOf, withValue } from "./pointers.js";
 
 const most = 64; // numbers to differentiate by, and rows that are shown
@@ -38,30 +39,22 @@ const sides = (n) => Array.from({ length: n }, (_, i) => i - Math.floor(n / 2)).
 function shiftFor({ trajectory, sensitivities: { rows, samples } }, at, { x, y, count }) {
   const seen = [x, y].filter((name) => name !== "t"), size = Math.hypot(...seen.map((name) => extent(trajectory[name]).reduce((low, high) => high - low)));
   const moved = Math.max(...samples.map((one) => Math.hypot(...seen.map((name) => one[rows.indexOf(name)][at]))));
-  return Number(((fan * (size || 1)) / (moved || 1) / Math.ceil(count / 2)).toPrecision(1));
+  return rounded((fan * (size || 1)) / (moved || 1) / Math.ceil(count / 2), 1);
 }
 
 const apart = (a, b, rows) => Math.hypot(...rows.map((name) => a[name] - b[name]));
 
-export class Tangent {
-  #find = partOf("tangent", element("div", { id: "derivatives" }));
-  #plane = new Plane(this.#find("canvas"));
-  #problem = null;
+export class Tangent extends Study {
+  #plane = new Plane(this.find("canvas"));
 
-  offer(problem, wanted) {
-    this.#problem = problem;
-    build(this.#find(".fields"), cardsOf(problem), "/tangent", wanted);
-    this.clear();
-  }
-
-  chosen(changed = false) {
-    return values(this.#find(".fields"), changed);
+  constructor() {
+    super("tangent", cardsOf, element("div", { id: "derivatives" }));
   }
 
   clear() {
     this.#plane.show(null);
-    this.#find("figure").hidden = true;
-    this.#find("#derivatives").replaceChildren();
+    this.find("figure").hidden = true;
+    this.find("#derivatives").replaceChildren();
   }
 
   draw() {
@@ -70,14 +63,14 @@ export class Tangent {
 
   /** Differentiates the end of a `scene`, with its `events`, under the first of `schemes`: `{faults}` or `{said}`. */
   async measure({ scene, events, schemes: [scheme] }, cards, signal, told) {
-    const asked = this.chosen(), names = namesOf(this.#problem), card = cards.find(({ id }) => id === scheme.id);
+    const asked = this.chosen(), names = namesOf(this.problem), card = cards.find(({ id }) => id === scheme.id);
     this.clear();
     told(text("tangent.running"));
     const own = card?.own_clock || asked.of === "motion", span = Math.abs((scene.until.t ?? 0) - (scene.initial.t ?? 0));
     const every = Math.max(1, Math.ceil(span / scheme.step / along)); // the map of a scheme is known at its steps alone
     const request = { ...scene, scheme, ...(events.length ? { events } : {}), diagnostics: [], columns: [...new Set(["t", asked.x, asked.y])],
                       record: own || !Number.isFinite(every) ? { samples: along } : { every } };
-    const sensitivities = { by: names.map((name) => pointerTo(this.#problem, name)), at: "samples", ...(asked.of === "usual" ? {} : { of: asked.of }) };
+    const sensitivities = { by: names.map((name) => pointerTo(this.problem, name)), at: "samples", ...(asked.of === "usual" ? {} : { of: asked.of }) };
     const { outcome, faults } = await api.simulate({ ...request, sensitivities }, signal);
     if (faults) return { faults };
     this.#tabulate(outcome, names);
@@ -91,9 +84,9 @@ export class Tangent {
 
   /** Runs the neighbours: `[{by, outcome}]`, `by` being how far each begins from the run. */
   async #neighbours(request, outcome, { vary, shift, count }, signal) {
-    const from = valueOf(this.#problem, outcome, vary), found = [];
+    const from = valueOf(this.problem, outcome, vary), found = [];
     for (const by of sides(Math.min(count, 12)).map((k) => k * shift)) {
-      const { outcome: run, faults } = await api.simulate(withValue(this.#problem, request, vary, from + by), signal);
+      const { outcome: run, faults } = await api.simulate(withValue(this.problem, request, vary, from + by), signal);
       if (faults) return { faults };
       found.push({ by, outcome: run });
     }
@@ -116,10 +109,10 @@ export class Tangent {
       return [curve, ...(end.x[0] === null ? [] : [end])];
     });
     const free = x === "t" || y === "t";
-    this.#find("figure").hidden = false;
+    this.find("figure").hidden = false;
     this.#plane.show({ curves: [...runs, ...told], view: commonView(runs, free ? ["x", "y"] : [], free), labels: [x, y] });
-    const from = valueOf(this.#problem, base, vary), ends = [neighbours[0].by, neighbours.at(-1).by].map((by) => format(from + by, 6));
-    this.#find("figcaption").textContent = text("tangent.legend", { name: vary, from: ends[0], to: ends[1] });
+    const from = valueOf(this.problem, base, vary), ends = [neighbours[0].by, neighbours.at(-1).by].map((by) => format(from + by, 6));
+    this.find("figcaption").textContent = text("tangent.legend", { name: vary, from: ends[0], to: ends[1] });
     if (neighbours.some(({ outcome }) => outcome.stop) || base.stop) return ` ${text("tangent.stopped")}`;
     const { rows } = sensitivities, matrix = sensitivities.final;
     const { by, outcome } = neighbours.reduce((far, one) => (Math.abs(one.by) > Math.abs(far.by) ? one : far));
@@ -133,7 +126,7 @@ export class Tangent {
     const cells = (derivatives) => used.map((j) => format(derivatives[j], 3));
     const times = events.slice(0, 12).map(({ name, t }, i) => (
       [text("tangent.event", { name, i: events.slice(0, i + 1).filter((other) => other.name === name).length }), ...cells(t)]));
-    this.#find("#derivatives").replaceChildren(tableOf(text("tangent.table"), [text("tangent.corner"), ...used.map((j) => names[j])],
+    this.find("#derivatives").replaceChildren(tableOf(text("tangent.table"), [text("tangent.corner"), ...used.map((j) => names[j])],
       [...rows.slice(0, most).map((name, i) => [name, ...cells(final[i])]), ...times]));
   }
 }

@@ -28,7 +28,7 @@ export class Bench {
   #results = new Results();
   #starts = new Starts((done) => this.#portray(done), () => this.#redraw());
   #background = new Background(() => this.#redraw());
-  #closed = null; // the trajectory of a closed orbit
+  #over = []; // what a study draws over the runs
   #frame = 0;
   #panes;
   #runs;
@@ -43,9 +43,9 @@ export class Bench {
     this.#went = went;
     this.#panes = new Panes(schemes, (t) => this.#results.point(t), () => this.request());
     this.#runs = new Runs(this.#scene, this.#panes, this.#starts, schemes, (told) => this.#show(told));
-    this.#studies = new Studies(schemes, () => this.#studied(), (values, section) => this.request(this.#scene.begin(values, section)), (trajectory) => {
-      if (trajectory === this.#closed) return;
-      this.#closed = trajectory;
+    this.#studies = new Studies(schemes, () => this.#studied(), (values, section) => this.request(this.#scene.begin(values, section)), (over) => {
+      if (!over.length && !this.#over.length) return;
+      this.#over = over;
       this.#redraw();
     });
     new FileButtons(() => ({ planes: this.#results.planes(this.#panes.list), title: this.#scene.problem.title,
@@ -212,7 +212,7 @@ export class Bench {
       else this.#follow();
     };
     this.#results.show(this.#scene, this.#panes.list, this.#runs.list, {
-      grab, move: (i, place, done) => this.#starts.move(i, place, done), backdrop: this.#background.field?.draw, closed: this.#closed,
+      grab, move: (i, place, done) => this.#starts.move(i, place, done), backdrop: this.#background.field?.draw, over: this.#over,
       pick: (place) => this.#starts.add(place), unpick: () => this.#starts.takeBack() });
     this.#background.ask(this.#scene.problem, this.#runs.sceneOf(this.#experiment()), this.#startAxes, this.#results.extent);
   }

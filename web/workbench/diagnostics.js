@@ -1,7 +1,7 @@
 // The diagnostics and the cost of the runs as a table, one column per run.
-import { text } from "../language/texts.js";
+import { count, listed, text } from "../language/texts.js";
 import { element, symbol, words } from "../forms/forms.js";
-import { count, format, listed } from "../forms/numbers.js";
+import { format } from "../forms/numbers.js";
 import { energyKind } from "../catalogue/card.js";
 
 const degrees = (radians) => (radians === null ? "" : ` (${format((radians * 180) / Math.PI, 2)}°)`);

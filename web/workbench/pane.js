@@ -1,10 +1,10 @@
 // One run of the comparison: its scheme and the form for it, its request, its picture and what went wrong.
-import { known, text } from "../language/texts.js";
+import { count, known, text } from "../language/texts.js";
 import { follow } from "../service/api.js";
 import { names } from "../service/link.js";
 import { workSetting } from "../service/work.js";
 import { build, choose, clearFaults, element, faultText, prose, showFault, values, words } from "../forms/forms.js";
-import { count, format } from "../forms/numbers.js";
+import { format } from "../forms/numbers.js";
 import { colourOf, fineness, presetOf, schemeCards, schemePresets, title, usualScheme } from "../catalogue/card.js";
 import { Plane } from "../drawing/plane.js";
 import { programs } from "./programs.js";

@@ -9,6 +9,8 @@ import { boxOf, inSpace } from "../drawing/space.js";
 const column = (trajectory, name) => (name === "error_of_energy" ? trajectory.energy && errorOfEnergy(trajectory) : trajectory[name]);
 const times = ({ outcome }) => (outcome?.events ?? []).map(({ t }) => t);
 
+const above = { title: "", events: [], exact: true };
+
 /** The ends of curves as those of one. */
 const boxOfAll = (curves) => ({ x: curves.flatMap(({ x }) => extent(x)), y: curves.flatMap(({ y }) => extent(y)) });
 
@@ -29,8 +31,8 @@ function chainsOf({ trajectory, colour, title }, names) {
 
 /**
  * Pictures in the plane. The start of a run is dragged by `hands.grab({name: value…}, done)`, one of a portrait by `hands.move(i,
- * [x, y], done)`; `hands.pick([x, y])` hears of a click, `hands.unpick()` that it became a double one; `hands.backdrop` lies behind; the trajectory
- * `hands.closed`, a closed orbit, above all.
+ * [x, y], done)`; `hands.pick([x, y])` hears of a click, `hands.unpick()` that it became a double one; `hands.backdrop` lies behind; `hands.over`,
+ * `[{trajectory, colour, dash}]`, above all.
  */
 export function inPlane({ axes, log, labels, problem }, runs, hands) {
   const kinds = kindsOf(problem), bodies = bodiesOf(axes, kinds), starts = bodies.length > 1 ? null : startsOf(axes, log, problem);
@@ -52,16 +54,16 @@ export function inPlane({ axes, log, labels, problem }, runs, hands) {
   const whole = ["x", "y"].filter((axis, i) => axes[i] === "t" || log.includes(axis));
   const centred = bodyOf(problem) === "planet" && !log && axes.every((name) => ["x", "y"].includes(name)) && axes[0] !== axes[1];
   const view = commonView(boxesOf(runs, curves, portraits), whole, !plain);
+  const over = chain ? [] : hands.over.flatMap(({ trajectory, ...look }) => bodies.flatMap((pair) => curvesOf(trajectory, pair, log, { ...look, ...above })));
   return (some, plane) => { // of one run each body has its colour, of several each run
     const drawn = some.flatMap((run) => curves.get(run)).map((curve) => (some.length > 1 ? curve : { ...curve, colour: curve.body ?? curve.colour }));
     const beside = some.flatMap((run) => portraits.get(run));
-    const closed = hands.closed && !chain ? bodies.flatMap((pair) => curvesOf(hands.closed, pair, log, { colour: "--ink", title: "", events: [], exact: true, dash: [9, 4] })) : [];
     const pick = starts ? (left, top) => {
       const { x, y } = plane.map.at(left, top);
       hands.pick([x, y]);
     } : undefined;
     const backdrop = hands.backdrop ?? (centred ? sun : undefined);
-    return drawn.length ? { curves: [...drawn, ...beside, ...closed], view, labels, log, pick, unpick: hands.unpick, backdrop } : null;
+    return drawn.length ? { curves: [...drawn, ...beside, ...over], view, labels, log, pick, unpick: hands.unpick, backdrop } : null;
   };
 }
 
@@ -74,8 +76,8 @@ function boxesOf(runs, curves, portraits) {
   });
 }
 
-/** Pictures in space, turned by `angles`, which `turn` changes. */
-export function inBox({ axes, labels, problem }, runs, angles, turn) {
+/** Pictures in space, turned by `angles`, which `turn` changes, `over` as in the plane. */
+export function inBox({ axes, labels, problem }, runs, angles, turn, over) {
   const bodies = bodiesOf(axes, kindsOf(problem));
   const of = (run, names, i) => {
     const columns = run.trajectory ? names.map((name) => column(run.trajectory, name)) : [];
@@ -87,6 +89,7 @@ export function inBox({ axes, labels, problem }, runs, angles, turn) {
   const box = boxOf(axes, [...seen.values()].flat(), isEqual(axes, problem));
   return (some) => {
     const drawn = some.flatMap((run) => seen.get(run)).map((one) => (some.length > 1 ? one : { ...one, colour: one.body }));
-    return drawn.length ? { ...inSpace(axes, drawn, angles, { box, labels }), turn } : null;
+    const beside = over.flatMap((one) => bodies.flatMap((names, i) => of(one, names, i))).map((one) => ({ ...one, ...above }));
+    return drawn.length ? { ...inSpace(axes, [...drawn, ...beside], angles, { box, labels }), turn } : null;
   };
 }

@@ -32,7 +32,7 @@ export class Results {
       this.#again();
     };
     this.#panes = panes;
-    const pictures = scene.axes.length > 2 ? inBox(scene, runs, this.#angles, turn) : inPlane(scene, runs, hands);
+    const pictures = scene.axes.length > 2 ? inBox(scene, runs, this.#angles, turn, hands.over) : inPlane(scene, runs, hands);
     panes.forEach((pane, i) => pane.show(pictures(runs.slice(i, i + 1), pane.plane)));
     this.#together.show(pictures(runs, this.#together));
     this.#again = () => this.show(scene, panes, given, hands);

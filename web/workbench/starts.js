@@ -1,10 +1,9 @@
 // The starts of a portrait: beside the start of the scene others that a hand sets into its picture, each run with every scheme
 // that is shown. They stand in a list as well, for keys to add, move and remove them.
-import { text } from "../language/texts.js";
+import { text, typed as read } from "../language/texts.js";
 import { simulate } from "../service/api.js";
 import { Live } from "../service/live.js";
 import { element } from "../forms/forms.js";
-import { typed as read } from "../forms/numbers.js";
 
 const find = (selector) => document.querySelector(selector);
 const most = 40, atOnce = 2; // starts; requests under way

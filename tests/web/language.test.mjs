@@ -160,3 +160,18 @@ pageTest("the language is changed on the page, keeps all that is set, and stays 
     assert.equal(await spokenIn(opened), "de");
     assert.deepEqual(await all(opened, "#language option", "lang"), ["en", "de"]);
   });
+
+const down = (answer) => async (context) => {
+  await context.route("**/v1/catalogue", answer);
+  await context.route("**/language/en.json", async (route) => {
+    await new Promise((resolve) => setTimeout(resolve, 400)); // the texts come later than the bad news
+    return route.fallback();
+  });
+};
+for (const [how, answer, said] of [["refuses", (route) => route.fulfill({ status: 503, body: "" }), en["answer.status"].replace("{status}", "503")],
+                                   ["is silent", (route) => route.abort(), en["answer.silent"]]]) {
+  pageTest(`a service that ${how} at first is said in a sentence, though the texts come later`,
+    { prepare: down(answer), hash: "#lesson=orbit", ready: "main > .wrong[role=alert]:not(#notice)", expected: /./ }, async (page) => {
+      assert.equal(await page.textContent("main > .wrong[role=alert]:not(#notice)"), `${en.failed} ${said}`);
+    });
+}

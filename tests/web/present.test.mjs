@@ -123,3 +123,14 @@ test("in a frame: of an origin that is allowed the page, of others what to do", 
   await holding(`${origin}/`); // of a service that was not told of the course
   assert.match(await frame.locator("p").textContent(), /--allow-frame/);
 });
+
+pageTest("the plot of the energy is told in letters as large as all others, and its numbers keep apart", { hash: "#problem=pendulum", reducedMotion: "reduce", viewport: { width: 1920, height: 1080 } }, async (page) => {
+  const room = () => page.locator("#energy .u-over").evaluate((over) => [parseFloat(over.style.left), parseFloat(getComputedStyle(over).fontSize)]);
+  const [before, small] = await room();
+  await page.click("#present-bench");
+  await becomes(room, ([left]) => left > 1.4 * before);
+  const [left, size] = await room();
+  assert.ok(Math.abs(left / size - before / small) < 0.1, `${before} for letters of ${small}, then ${left} for ${size}`);
+  await page.click("#present-bench");
+  await becomes(room, ([back]) => back === before);
+});

@@ -2,7 +2,7 @@
 // shape is met on its own and what the page asks for is seen.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { all, assertDrawn, drawn, number, pane, plane, settled, stepOf } from "./browser.mjs";
+import { all, assertDrawn, drawn, number, pageTest, pane, plane, settled, stepOf } from "./browser.mjs";
 import { enter, fieldAt, madeUp, row, scene, variable } from "./made.mjs";
 import { commonView } from "../../web/drawing/mapping.js";
 
@@ -246,4 +246,9 @@ const narrow = { viewport: { width: 390, height: 844 }, hash: "#problem=damped&p
 sceneTest("at the width of a telephone the choices fit as well", narrow, async (page) => {
   assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390);
   assert.ok(await page.locator("#preset").isVisible() && (await page.locator("#axes [name=x]").isVisible()));
+});
+
+pageTest("a step of a millionth is seen whole in its field, and is no change", { hash: "#problem=argon" }, async (page) => {
+  assert.deepEqual([await stepOf(page, "A").inputValue(), await stepOf(page, "B").inputValue()], ["2e-6", "1e-6"]);
+  assert.equal(new URL(page.url()).hash, "#problem=argon&A=leapfrog&B=leapfrog");
 });

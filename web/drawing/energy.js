@@ -31,6 +31,7 @@ export class EnergyPlot {
   #container;
   #plot = null;
   #shape = ""; // of what it can show without being made anew
+  #again = () => {};
   #resized = new ResizeObserver(() => this.#plot?.setSize(this.#size()));
 
   constructor(container) {
@@ -38,13 +39,20 @@ export class EnergyPlot {
     this.#resized.observe(container);
   }
 
-  /** Draws again, for new colours. */
+  /** Draws again, for new colours or letters of another size. */
   draw() {
-    this.#plot?.redraw(false, true);
+    if (this.#plot && this.#letters !== this.#plot.letters) this.#again();
+    else this.#plot?.redraw(false, true);
+  }
+
+  /** The height of the letters. */
+  get #letters() {
+    return Math.round(0.82 * parseFloat(getComputedStyle(this.#container).fontSize));
   }
 
   /** Shows the "error" of the energy, its "value", or that there is "none"; says what it shows: `{title, what, note}`. */
   show(kind, runs) {
+    this.#again = () => this.show(kind, runs);
     this.#container.hidden = kind === "none";
     if (kind === "none") {
       this.#clear();
@@ -82,11 +90,11 @@ export class EnergyPlot {
     if (!runs.length) return this.#clear();
     const ascending = tables.map((table) => (table[0].at(-1) < table[0][0] ? table.map((column) => column.toReversed()) : table));
     const data = ascending.length > 1 ? uPlot.join(ascending) : ascending[0];
-    const shape = JSON.stringify([scale.distr, runs.map(({ title, colour }) => [title, colour])]);
+    const shape = JSON.stringify([scale.distr, this.#letters, runs.map(({ title, colour }) => [title, colour])]);
     if (this.#plot && shape === this.#shape) return this.#plot.setData(data);
     this.#clear();
     this.#shape = shape;
-    this.#plot = new uPlot(this.#options(runs, scale), data, this.#container);
+    this.#plot = Object.assign(new uPlot(this.#options(runs, scale), data, this.#container), { letters: this.#letters });
     this.#resized.observe(this.#plot.root.querySelector(".u-legend"));
   }
 
@@ -98,7 +106,7 @@ export class EnergyPlot {
   #options(runs, { distr, splits, values, widths }) {
     const style = getComputedStyle(this.#container);
     const ink = (name) => () => style.getPropertyValue(name).trim();
-    const font = `13px ${style.fontFamily}`;
+    const letters = this.#letters, font = `${letters}px ${style.fontFamily}`;
     const axis = { stroke: ink("--soft-ink"), grid: { stroke: ink("--grid"), width: 1 }, font,
                    ticks: { stroke: ink("--grid"), width: 1 } };
     const value = (_, v) => format(v);
@@ -106,8 +114,8 @@ export class EnergyPlot {
       ...this.#size(),
       scales: { x: { time: false }, y: { distr } },
       axes: [
-        { ...axis, values: (_, marks) => marks.map((v) => tickLabel(v, marks[1] - marks[0])), label: "t", labelFont: `italic 16px ${style.fontFamily}`, labelSize: 22, size: 34 },
-        { ...axis, size: 58, splits: (_, __, low, high) => splits(low, high), filter: (_, marks) => marks,
+        { ...axis, values: (_, marks) => marks.map((v) => tickLabel(v, marks[1] - marks[0])), label: "t", labelFont: `italic ${letters + 3}px ${style.fontFamily}`, labelSize: 1.7 * letters, size: 2.5 * letters },
+        { ...axis, size: 4.5 * letters, splits: ({ height }, _, low, high) => splits(low, high, Math.max(2, Math.min(8, Math.floor(height / letters / 2) - 2))), filter: (_, marks) => marks,
           values: (_, marks) => values(marks) },
       ],
       series: [
@@ -124,5 +132,5 @@ export class EnergyPlot {
 // The axes of the energy, with the widths of the runs' lines. Two good runs of H itself are one line to the eye: the
 // first is drawn broad, to be seen beneath the second.
 const logarithmic = { distr: 3, splits: decades, widths: [1.4, 1.4], values: decadeLabels };
-const plain = { distr: 1, splits: (low, high) => multiples(low, high, roundStep(low, high, 7)), widths: [6, 2],
+const plain = { distr: 1, splits: (low, high, many) => multiples(low, high, roundStep(low, high, many)), widths: [6, 2],
                 values: (marks) => marks.map((v) => tickLabel(v, marks[1] - marks[0])) };

@@ -34,9 +34,15 @@ export function build(container, cards, pointer, values = {}) {
   container.replaceChildren(...cards.map((card) => field(card, `${pointer}/${card.name}`, values[card.name])));
 }
 
+/** A number as it stands in a field: 2e-6, of which 0.000002 would show the zeros. */
+const brief = (value) => {
+  const plain = String(value ?? ""), power = typeof value === "number" ? value.toExponential() : plain;
+  return plain.length > 7 && power.length < plain.length ? power : plain;
+};
+
 function field(card, pointer, value = card.default) {
   const input = control(card, value);
-  Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number", usual: String(card.default ?? "") });
+  Object.assign(input.dataset, { pointer, name: card.name, kind: card.type ?? "number", usual: brief(card.default) });
   if (card.nullable) input.dataset.nullable = card.word ?? "";
   if (card.optional) input.dataset.optional = "";
   const unit = card.unit && card.unit !== "1" ? text("field.unit", { unit: card.unit.replace(/[a-z]+/gi, words) }) : "";
@@ -80,9 +86,9 @@ function control(card, value) {
     for (const option of select.options) option.selected = chosen.includes(option.value);
     return select;
   }
-  return element("input", { type: "text", inputMode: card.type === "text" ? "text" : "decimal", spellcheck: false, value: value ?? "",
+  return element("input", { type: "text", inputMode: card.type === "text" ? "text" : "decimal", spellcheck: false, value: brief(value),
                             placeholder: card.hint ?? (card.nullable ? card.word ?? text("field.off")
-                              : String(card.default ?? text(card.optional ? "field.auto" : "field.off"))) });
+                              : brief(card.default ?? text(card.optional ? "field.auto" : "field.off"))) });
 }
 
 function range(card) {

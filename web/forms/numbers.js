@@ -39,10 +39,10 @@ export function tickLabel(x, step) {
   return spelled(x.toFixed(Math.max(decimals, 0)));
 }
 
-/** Powers of ten in [low, high], at most about eight of them. */
-export function decades(low, high) {
+/** Powers of ten in [low, high], at most about so `many` of them. */
+export function decades(low, high, many = 8) {
   const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
-  return multiples(first, last, Math.max(1, Math.ceil((last - first) / 8))).map((n) => 10 ** n);
+  return multiples(first, last, Math.max(1, Math.ceil((last - first) / many))).map((n) => 10 ** n);
 }
 
 /** Their labels. */

@@ -74,7 +74,31 @@ struct WriteValue {
   void operator()(const std::vector<Report>& x) const { write_reports(json, x); }
 };
 
-// What a scene as text was given as.
+}  // namespace
+
+void write_pictures(JsonWriter& json, const text::Pictures& pictures) {
+  const auto place = [&](const std::vector<std::string>& entries) {
+    json.open('[');
+    for (const auto& entry : entries) json.text(entry);
+    json.close(']');
+  };
+  if (!pictures.views.empty()) {
+    json.key("views").open('[');
+    for (const auto& view : pictures.views) place(view);
+    json.close(']');
+  }
+  if (pictures.bodies.empty()) return;
+  json.key("bodies").open('[');
+  for (const auto& body : pictures.bodies) {
+    json.open('{').key("at");
+    place(body.at);
+    json.key("linked").open('[');
+    for (const int other : body.linked) other == text::Pictures::pivot ? json.text("pivot") : json.integer(other);
+    json.close(']').key("kind").text(text::Pictures::kinds[body.kind]).close('}');
+  }
+  json.close(']');
+}
+
 void write_definition(JsonWriter& json, const text::Definition& written) {
   const text::Definition& given = written.typed ? written.typed->scene : written;
   const auto named = [&](std::string_view key, const text::Definition::Named& texts) {
@@ -106,31 +130,6 @@ void write_definition(JsonWriter& json, const text::Definition& written) {
   if (!written.typed) return;
   if (!written.typed->note.empty()) json.key("note").text(written.typed->note);
   write_pictures(json, written.typed->pictures);
-}
-
-}  // namespace
-
-void write_pictures(JsonWriter& json, const text::Pictures& pictures) {
-  const auto place = [&](const std::vector<std::string>& entries) {
-    json.open('[');
-    for (const auto& entry : entries) json.text(entry);
-    json.close(']');
-  };
-  if (!pictures.views.empty()) {
-    json.key("views").open('[');
-    for (const auto& view : pictures.views) place(view);
-    json.close(']');
-  }
-  if (pictures.bodies.empty()) return;
-  json.key("bodies").open('[');
-  for (const auto& body : pictures.bodies) {
-    json.open('{').key("at");
-    place(body.at);
-    json.key("linked").open('[');
-    for (const int other : body.linked) other == text::Pictures::pivot ? json.text("pivot") : json.integer(other);
-    json.close(']').key("kind").text(text::Pictures::kinds[body.kind]).close('}');
-  }
-  json.close(']');
 }
 
 void write_scene(JsonWriter& json, const Scene& run) {

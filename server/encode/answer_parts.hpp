@@ -13,6 +13,8 @@ namespace least::server {
 void write_echo(JsonWriter& json, const PlannedRun& run, bool beside_findings = false);
 /// The members problem and initial.
 void write_scene(JsonWriter& json, const Scene& scene);
+/// The members of a scene as text, but its id, as it was given.
+void write_definition(JsonWriter& json, const text::Definition& written);
 /// The members views and bodies of a scene as text, those that it states.
 void write_pictures(JsonWriter& json, const text::Pictures& pictures);
 /// A scheme as a request spells it.

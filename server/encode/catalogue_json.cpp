@@ -134,8 +134,8 @@ void write_language(JsonWriter& json) {
   json.close('}').close('}');
 }
 
-// What was found in a scene as text; of one of the catalogue its equations are told where they are asked for alone, by
-// POST /v1/problems: of many bodies they are long.
+// What was found in a scene as text; of one of the catalogue also that text, as a request gives it, while its equations
+// are told where they are asked for alone, by POST /v1/problems: of many bodies they are long.
 void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equations) {
   const text::Form& form = *scene.form;
   json.key("form").open('{').key("kind").text(text::form_names[static_cast<std::size_t>(form.kind)]);
@@ -149,7 +149,10 @@ void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equati
     if (const std::string note = scene.note_on_equations(); !note.empty()) json.key("equations_note").text(note);
   }
   if (scene.definition.typed) write_pictures(json, scene.definition.typed->pictures);
-  if (!scene.known) write_language(json);
+  if (!scene.known) return write_language(json);
+  json.key("text").open('{').key("id").text("custom");
+  write_definition(json, scene.definition);
+  json.close('}');
 }
 
 void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<const SchemeCard> schemes,

@@ -323,7 +323,7 @@ TEST_F(CustomHttp, ALagrangianThatIsNotQuadraticIsIterated) {
 // Each of the texts that the page offers runs as it stands.
 TEST_F(CustomHttp, TheTextsOfThePageRun) {
   const Json scenes = Json::parse(std::ifstream(LEAST_SOURCE_DIR "/web/scenes.json"));
-  ASSERT_EQ(scenes.size(), 15U);
+  ASSERT_EQ(scenes.size(), 9U);
   for (const Json& scene : scenes) {
     Json request;
     for (const char* key : {"problem", "initial", "scheme", "until"}) request[key] = scene.at(key);
@@ -334,12 +334,6 @@ TEST_F(CustomHttp, TheTextsOfThePageRun) {
     for (const auto& [name, kept] : answer["diagnostics"]["momenta"].items())
       EXPECT_LT(kept["max_abs_error"], 1e-4) << scene["name"] << " " << name;
     EXPECT_FALSE(scene.at("reference").get<std::string>().empty());
-    if (scene["name"] != "figure_eight") continue;
-    for (const auto& [name, start] : answer["initial"].items()) {  // closes after one period
-      if (name != "t") {
-        EXPECT_NEAR(answer["final"][name], start.get<double>(), 1e-9) << name;
-      }
-    }
   }
 }
 

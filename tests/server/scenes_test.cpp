@@ -134,6 +134,19 @@ TEST_F(Scenes, EchoARequestThatGivesTheSameRun) {
   }
 }
 
+// Who wants to change more of a scene than its parameters begins with the text that its card holds.
+TEST_F(Scenes, SayTheTextThatTheyAre) {
+  for (const Json& card : cards()) {
+    const Json text = card["text"], scheme = card["schemes"].front();
+    ASSERT_EQ(text.value("id", ""), "custom") << card["id"];
+    const Json run = answer({{"problem", card["id"]}, {"scheme", scheme}, {"until", {{"steps", 7}}}});
+    const Json same =
+        answer({{"problem", text}, {"initial", run["initial"]}, {"scheme", run["scheme"]}, {"until", run["until"]}});
+    EXPECT_EQ(same["final"], run["final"]) << card["id"] << same;
+    EXPECT_EQ(text.value("views", Json()), card.value("views", Json())) << card["id"];
+  }
+}
+
 TEST_F(Scenes, StartInVelocitiesBesideTheDefault) {
   NEEDS_SCENE("figure_eight");
   const Json request{{"problem", {{"id", "figure_eight"}, {"m", {1, 2, 3}}}},

@@ -3,17 +3,15 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { drawn, pageTest, pane, plane, settled, statuses } from "./browser.mjs";
-import { fieldAt } from "./made.mjs";
+import { fieldAt, typedScene } from "./made.mjs";
 import { arrangementOf, bodiesOf, drawnOf, kindsOf } from "../../web/catalogue/kinds.js";
 import { columns } from "../../web/catalogue/card.js";
 import { definitionOf, linked, overrides, startIn, textsOf, unlinked } from "../../web/service/text.js";
 import { toHash } from "../../web/service/link.js";
 
-const scenes = JSON.parse(readFileSync(new URL("../../web/scenes.json", import.meta.url)));
-const hashOf = (title, more = {}) => {
-  const { problem, initial, until, scheme } = scenes.find((scene) => scene.title === title);
-  return toHash({ problem: linked({ ...problem, id: "custom" }), initial, until, A: scheme, ...more });
-};
+const hashOf = ({ problem, ...scene }) => toHash({ problem: linked(problem), ...scene });
+const three = { ...typedScene("figure_eight"), A: { id: "taylor" } }, { x: across, y: up } = three.initial;
+const chain = { ...typedScene("toda"), initial: { q: [1, 0.5, -0.5, -1, 0.25, -0.25], p: [0.5, 0, 0, -0.5, 0, 0] }, A: { id: "leapfrog", step: 0.05 } };
 const card = (names, more = {}) => ({ form: {}, variables: names.map((name) => ({ name })), invariants: [], columns: [], ...more });
 const many = (letter, n) => Array.from({ length: n }, (_, i) => `${letter}[${i + 1}]`);
 
@@ -39,11 +37,10 @@ test("of very many variables only what is drawn is asked for", () => {
   assert.equal(columns(crowd, null, drawnOf(["index", "q*"], kindsOf(crowd))).length, 102);
 });
 
-const eight = { hash: hashOf("Three bodies on a figure eight"), reducedMotion: "reduce" };
+const eight = { hash: hashOf(three), reducedMotion: "reduce" };
 pageTest("three bodies are drawn in one picture, each in its colour, where it is at a time", eight, async (page) => {
   const boxes = await Promise.all(["A", "B", "C"].map((colour) => drawn(page, plane("A"), colour)));
   assert.ok(boxes.every(({ count }) => count > 30), `${boxes.map(({ count }) => count)}`); // the starts, where the curves cover each other
-  const { initial } = scenes.find(({ name }) => name === "figure_eight");
   assert.ok(!/axes/.test(page.url()), "this is the default");
   await page.locator("#motion .time input").fill("0");
   const at = async (colour) => {
@@ -51,11 +48,11 @@ pageTest("three bodies are drawn in one picture, each in its colour, where it is
     return [(left + right) / 2, (top + bottom) / 2];
   };
   const [first, second, third] = [await at("A"), await at("B"), await at("C")];
-  const scale = (second[0] - third[0]) / initial.x2;
+  const scale = (second[0] - third[0]) / across[1];
   assert.ok(scale > 50, `equal scales of ${scale} pixels`);
   const near = (place, x, y) => assert.ok(Math.hypot(place[0] - third[0] - scale * x, place[1] - third[1] + scale * y) < 6, `${place} is (${x}, ${y})`);
-  near(first, initial.x1, initial.y1);
-  near(second, initial.x2, initial.y2);
+  near(first, across[0], up[0]);
+  near(second, across[1], up[1]);
 });
 
 pageTest("a body's start is dragged alone", eight, async (page) => {
@@ -67,14 +64,14 @@ pageTest("a body's start is dragged alone", eight, async (page) => {
   await page.mouse.move(x + (left + right) / 2 + 20, y + (top + bottom) / 2 - 20);
   await page.mouse.up();
   await settled(page);
-  const value = async (name) => Number(await fieldAt(page, `/initial/${name}`).inputValue()), { initial } = scenes.find(({ name }) => name === "figure_eight");
-  assert.ok((await value("x2")) > initial.x2 + 0.02 && (await value("y2")) > initial.y2 + 0.02, `${width} × ${height}`);
-  for (const name of ["x1", "y1", "x3", "y3"]) assert.equal(await value(name), initial[name], name);
+  const value = async (name) => Number(await fieldAt(page, `/initial/${name}`).inputValue());
+  assert.ok((await value("x[2]")) > across[1] + 0.02 && (await value("y[2]")) > up[1] + 0.02, `${width} × ${height}`);
+  for (const i of [1, 3]) assert.deepEqual([await value(`x[${i}]`), await value(`y[${i}]`)], [across[i - 1], up[i - 1]], `body ${i}`);
 });
 
-pageTest("a chain is drawn over its index, and moves", { hash: hashOf("Toda chain of six particles"), reducedMotion: "reduce" }, async (page) => {
+pageTest("a chain is drawn over its index, and moves", { hash: hashOf(chain), reducedMotion: "reduce" }, async (page) => {
   assert.deepEqual([await page.inputValue("#axes [name=x]"), await page.inputValue("#axes [name=y]")], ["index", "q*"]);
-  const over = ".pane[data-run=A] canvas.over", { initial } = scenes.find(({ name }) => name === "toda_6");
+  const over = ".pane[data-run=A] canvas.over";
   await page.locator("#motion .time input").fill("0");
   const whole = await drawn(page, over, "A"), { clientWidth } = await page.locator(over).evaluate((canvas) => ({ clientWidth: canvas.clientWidth }));
   const places = [];
@@ -84,7 +81,7 @@ pageTest("a chain is drawn over its index, and moves", { hash: hashOf("Toda chai
     places.push(-(top + bottom) / 2);
   }
   const rank = (values) => values.map((v) => values.filter((w) => w < v).length);
-  assert.deepEqual(rank(places), rank([1, 2, 3, 4, 5, 6].map((i) => initial[`q${i}`])), `${places}`);
+  assert.deepEqual(rank(places), rank([1, 2, 3, 4, 5, 6].map((i) => chain.initial.q[i - 1])), `${places}`);
   await page.locator("#motion .time input").fill("300");
   assert.notDeepEqual(await drawn(page, over, "A"), whole);
   await page.locator("#motion .time input").fill("1000");
@@ -107,7 +104,7 @@ pageTest("bodies with a z are drawn in space", { hash: pair, reducedMotion: "red
   assert.equal(await page.inputValue("#axes [name=z]"), "");
 });
 
-pageTest("the spherical pendulum hangs in space", { hash: hashOf("Spherical pendulum"), reducedMotion: "reduce" }, async (page) => {
+pageTest("the spherical pendulum hangs in space", { hash: hashOf(typedScene("spherical_pendulum")), reducedMotion: "reduce" }, async (page) => {
   const look = () => page.locator("#bodies").evaluate((canvas) => canvas.toDataURL());
   const before = await look();
   await page.locator("#motion .time input").fill("300");

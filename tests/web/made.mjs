@@ -1,5 +1,12 @@
 // Scenes and schemes made up for a test, and answered here: what the tests of such shapes share.
+import { readFileSync } from "node:fs";
 import { all, catalogue, pageTest, settled } from "./browser.mjs";
+
+/** A scene of core/scenes as a request has it, typed: `{problem, initial, until}`. */
+export function typedScene(id) {
+  const { title, scene: given, initial, until } = JSON.parse(readFileSync(new URL(`../../core/scenes/${id}.json`, import.meta.url)));
+  return { problem: { id: "custom", title, ...given }, initial, until: { t: until } };
+}
 
 export const variable = (name, value, more = {}) => ({ name, symbol: name, doc: "", unit: "1", default: value, ...more });
 export const scene = (id, more) => ({

@@ -2,8 +2,9 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { all, assertDrawn, drawn, number, options, origin, pageTest, pane, plane, settled, statuses } from "./browser.mjs";
+import { all, assertDrawn, catalogue, drawn, number, options, origin, pageTest, pane, plane, settled, statuses } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
+import { examplesOf } from "../../web/catalogue/examples.js";
 import { definitionOf, entries, linked, placeOf, textsOf, unlinked } from "../../web/service/text.js";
 
 const scenes = JSON.parse(readFileSync(new URL("../../web/scenes.json", import.meta.url)));
@@ -201,8 +202,20 @@ pageTest("examples begin with what runs; a start in velocities is one in momenta
   assert.equal(await fieldAt(page, "/initial/pphi").inputValue(), "2", "p = r² · vphi");
 });
 
+pageTest("a problem of the catalogue that is a text is an example, too", { hash: "#problem=custom" }, async (page) => {
+  await page.selectOption("#example", "Three bodies on a figure eight");
+  await page.waitForSelector("#initial [data-name='x[3]']");
+  await settled(page);
+  assert.match(await text(page, "formula").inputValue(), /^-sum\(i=1\.\.3/);
+  assert.equal(await page.locator("#example option:checked").textContent(), "Three bodies on a figure eight");
+  assert.match(await page.textContent("#example-note"), /^Three equal masses.*Chenciner/);
+  assert.deepEqual([await fieldAt(page, "/initial/x[2]").inputValue(), await fieldAt(page, "/until/t").inputValue()], ["1", "6.3259139829"]);
+  const named = examplesOf(catalogue.problems).map(({ name }) => name);
+  assert.ok(named.length > 10 && !named.includes("bouncing_ball") && !named.some((name) => scenes.some((one) => one.name === name)), "each stands once");
+});
+
 test("every example can be read", options, async () => {
-  for (const { title, problem } of scenes) {
+  for (const { title, problem } of [...scenes, ...examplesOf(catalogue.problems)]) {
     const response = await fetch(`${origin}/v1/problems`, { method: "POST", body: JSON.stringify({ problem }) });
     assert.equal(response.status, 200, `${title}: ${await response.text()}`);
   }

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { all, becomes, drawn, frames, pageTest, plane, settled } from "./browser.mjs";
+import { typedScene } from "./made.mjs";
 import { definitionOf, linked, placeOf, textsOf, unlinked } from "../../web/service/text.js";
 import { fitting } from "../../web/drawing/stated.js";
 import { indexAt, valueAt } from "../../web/drawing/mapping.js";
@@ -94,11 +95,10 @@ pageTest("what is wrong with views and bodies stands at their fields", { ...swin
   assert.equal(await page.isVisible("#bodies"), false, "none are stated any more");
 });
 
-for (const name of ["rigid_pendulum", "driven_pendulum", "fermi_pasta_ulam_tsingou", "figure_eight", "restricted_three_bodies", "spherical_pendulum"]) {
-  const { problem, initial } = scenes.find((scene) => scene.name === name);
+for (const name of ["rigid_pendulum", "driven_pendulum", "fermi_pasta_ulam_tsingou", "restricted_three_body", "spherical_pendulum"]) {
+  const { problem, initial } = scenes.find((scene) => scene.name === name) ?? typedScene(name);
   const start = Object.entries(initial).map(([key, value]) => `&initial.${key}=${value}`).join("");
   pageTest(`the example ${name} is seen in motion`, { hash: hashOf(problem, `${start}&until.t=5`), reducedMotion: "reduce" }, async (page) => {
     assert.ok((await drawn(page, "#bodies", "A")).count + (await drawn(page, "#bodies", "B")).count > 60);
-    if (name === "spherical_pendulum") assert.notEqual(await page.inputValue("#axes [name=z]"), "", "in space");
   });
 }

@@ -1,7 +1,6 @@
 // Scenes that people know by sight, as bodies: what a state looks like. One canvas holds those of all runs.
 import { bars, energyOf } from "./bars.js";
 import { extent, valueAt } from "./mapping.js";
-import { projection } from "./space.js";
 import { drawStated, fitting } from "./stated.js";
 
 const bob = (pen, x, y, r) => {
@@ -45,17 +44,6 @@ const drawings = {
     rod(pen, ...points);
     pen.fillRect(end - 0.12, y - 0.15, 0.24, 0.3);
   },
-  spherical_pendulum(pen, { theta, phi }) {
-    const seen = projection({ around: 0, up: 0.35 }), out = 0.85 * Math.sin(theta);
-    const [x, y] = seen(out * Math.cos(phi), out * Math.sin(phi), -0.85 * Math.cos(theta));
-    const circle = Array.from({ length: 49 }, (_, i) => [0.85 * Math.cos((i / 24) * Math.PI), 0.85 * Math.sin((i / 24) * Math.PI)]);
-    pen.lineWidth = 0.008; // the sphere
-    rod(pen, ...circle);
-    rod(pen, ...circle.map(([a, b]) => seen(a, b, 0)));
-    pen.lineWidth = 0.03;
-    rod(pen, [0, 0], [x, y]);
-    bob(pen, x, y, 0.09);
-  },
   planet(pen, { x, y }, { place }) {
     bob(pen, ...place(x, y), 0.09);
   },
@@ -72,10 +60,8 @@ const drawings = {
   },
 };
 
-const bodyNamed = (names) => (names.startsWith("theta,phi,ptheta,pphi") ? "spherical_pendulum" : undefined);
-
-/** Which drawing a problem has: one of the catalogue by its id, one of a text by the names of its coordinates. */
-export const bodyOf = ({ id, form, variables }) => (form ? bodyNamed(variables.map(({ name }) => name).join()) : {
+/** Which drawing a problem has: texts state their bodies. */
+export const bodyOf = ({ id }) => ({
   pendulum: "pendulum", damped_pendulum: "pendulum", double_pendulum: "double_pendulum", harmonic_oscillator: "spring",
   damped_oscillator: "spring", driven_oscillator: "spring", modulated_oscillator: "spring", generic_oscillator: "spring",
   spin_orbit: "moon", kepler: "planet", kepler_3d: "planet", damped_kepler: "planet", perturbed_kepler: "planet",

@@ -45,6 +45,7 @@ function heading(kind, coordinates) {
 export class Editor {
   #typed; // (card, definition) of a text that was read after it was typed
   #start;
+  #others;
   #parts = new Map(); // by key: {node, input, name, spot}
   #examples = null;
   #flight = null;
@@ -55,9 +56,10 @@ export class Editor {
 
   /**
    * `typed(card, definition)`: a text was read, null where it cannot be; `stirred()`: a key; `picked(example)`; `start()`:
-   * the start as it stands.
+   * the start as it stands; `others`: examples beside its own.
    */
-  constructor({ typed, stirred, picked, start }) {
+  constructor({ typed, stirred, picked, start, others }) {
+    this.#others = others;
     this.#typed = typed;
     this.#start = start;
     find(".fields").append(...fields.flatMap((field) => [this.#field(field), ...(field.key === "formula" ? [find("#found")] : [])]));
@@ -95,7 +97,7 @@ export class Editor {
 
   async examples() {
     if (this.#examples) return this.#examples;
-    this.#examples = (await api.scenes()).map(spoken);
+    this.#examples = [...(await api.scenes()).map(spoken), ...this.#others];
     const titles = this.#examples.map(({ title, name }, i) => ({ id: String(i), title: title ?? words(name) }));
     choose(find("#example"), [{ id: "", title: text("own.begin") }, ...titles], "");
     return this.#examples;

@@ -4,6 +4,7 @@ import { text } from "../language/texts.js";
 import { toHash } from "../service/link.js";
 import { custom, definitionOf, kept, linked, unlinked } from "../service/text.js";
 import { choose } from "../forms/forms.js";
+import { examplesOf } from "../catalogue/examples.js";
 import { drawnOf, kindsOf, startsOf } from "../catalogue/kinds.js";
 import { Editor } from "../own/editor.js";
 import { Studies } from "../studies/studies.js";
@@ -21,8 +22,7 @@ export class Bench {
   #catalogue;
   #went; // (hash) of a change
   #scene = new Scene();
-  #editor = new Editor({ typed: (card, definition) => this.#typed(card, definition), stirred: () => this.#pending || this.#dim(true),
-                   picked: (example) => example && this.#pick(example), start: () => this.#start });
+  #editor;
   #pending = null; // an experiment whose text is not read yet
   #typing = false; // the last change was one of the text
   #results = new Results();
@@ -38,7 +38,9 @@ export class Bench {
   #again = 0;
 
   constructor(catalogue, went) {
-    const { schemes } = catalogue;
+    const { problems, schemes } = catalogue;
+    this.#editor = new Editor({ typed: (card, definition) => this.#typed(card, definition), stirred: () => this.#pending || this.#dim(true),
+                                picked: (example) => example && this.#pick(example), start: () => this.#start, others: examplesOf(problems) });
     this.#catalogue = catalogue;
     this.#went = went;
     this.#panes = new Panes(schemes, (t) => this.#results.point(t), () => this.request());
@@ -87,7 +89,7 @@ export class Bench {
     this.#runs.stop();
     this.#wait(experiment);
     if (!texts) {
-      const [first = { problem: { variables: ["q"], lagrangian: "(v^2 - q^2)/2" } }] = await this.#editor.examples();
+      const [first] = await this.#editor.examples();
       return this.#pending === experiment && this.#pick(first, quietly);
     }
     const { problem } = definitionOf(texts), card = await this.#editor.open(problem);

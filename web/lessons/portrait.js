@@ -58,9 +58,10 @@ export class Portrait {
   async run(asked) {
     this.stop();
     const mine = (this.#underWay = new AbortController()), requests = each(asked);
-    let begun = false, cut = "";
-    try {
-      for (const [i, request] of requests.entries()) {
+    let begun = false, cut = "", wrong = "";
+    const follow = async (first) => { // two at a time
+      for (let i = first; i < requests.length && !wrong; i += 2) {
+        const request = requests[i];
         const { faults = [] } = await ensemble(request, mine.signal, (line) => {
           if (line.stop) cut = text("ended.early", { why: words(line.stop.reason) });
           if (line.kind !== "block") return;
@@ -70,9 +71,12 @@ export class Portrait {
           if (this.#ends) this.#ends.add(line, request.columns[0]);
           else this.#crossings.add(line);
         });
-        this.#said.textContent = faults.map(faultText)[0] ?? cut;
-        if (faults.length) break;
+        wrong ||= faults.map(faultText)[0] ?? "";
+        this.#said.textContent = wrong || cut;
       }
+    };
+    try {
+      await Promise.all([follow(0), follow(1)]);
     } catch (error) {
       if (!mine.signal.aborted) throw error;
     }

@@ -78,12 +78,12 @@ namespace {
 // made once, by one of several.
 enum class By { all, computed, text, entry };
 
-struct Further {
+struct FurtherStatus {
   const char* status;
   By by;
   const char* why;
 };
-constexpr Further further[] = {
+constexpr FurtherStatus further[] = {
     {"304", By::text, "what If-None-Match names is what there is"},
     {"400", By::all, "no JSON, or no well-formed request"},
     {"403", By::all, "a Host or an Origin that is not allowed"},

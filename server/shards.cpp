@@ -149,9 +149,9 @@ bool may_be_replaced(const std::string& path) {
 // A file that is there under its own name once all of it is written. Until then it is hidden, so that what a power cut
 // leaves of it is not among `part.*`, and named after whoever writes it: processes of several containers have one
 // number.
-class Draft {
+class PartialFile {
  public:
-  explicit Draft(std::string path) : path_(std::move(path)) {
+  explicit PartialFile(std::string path) : path_(std::move(path)) {
     std::array<char, 256> host{};
     ::gethostname(host.data(), host.size() - 1);
     const std::filesystem::path whole(path_);
@@ -159,12 +159,12 @@ class Draft {
     name_ = (whole.parent_path() / hidden).string();
     file_ = std::fopen(name_.c_str(), "wb");
   }
-  ~Draft() {
+  ~PartialFile() {
     if (file_) std::fclose(file_);
     if (!kept_) std::remove(name_.c_str());
   }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
+  PartialFile(const PartialFile&) = delete;
+  PartialFile& operator=(const PartialFile&) = delete;
 
   bool write(std::string_view text) { return file_ && std::fwrite(text.data(), 1, text.size(), file_) == text.size(); }
   bool keep() {
@@ -304,7 +304,7 @@ Answer write_part(const Context& context, const HttpRequest& request, const std:
   if (!may_be_replaced(output))
     return refused("--output", output + " is there and is no part of an ensemble: it would be lost",
                    "another name, or that of a part", request.id);
-  Draft draft(output);
+  PartialFile draft(output);
   boost::crc_32_type sum;
   bool written = true;
   const auto write = [&](const std::string& text) {

@@ -220,8 +220,8 @@ class SizedSteps final : public EqualSteps {
     return guard.exceeded() ? BlockResult{BlockEnd::too_fast} : BlockResult{};
   }
   StepStatus last_step(RunState& x, double h) override { return stepper_.step(x.numbers.data(), x.t, h); }
-  StepStatus trial_step(Stands stands, RunState& x, double h) const override {
-    trial_ = stands == Stands::here ? stepper_ : left_stepper_;
+  StepStatus trial_step(StepperAt stands, RunState& x, double h) const override {
+    trial_ = stands == StepperAt::here ? stepper_ : left_stepper_;
     return trial_.step(x.numbers.data(), x.t, h);
   }
   StepStatus bound_step(RunState& x, double h) const override {

@@ -47,8 +47,8 @@ class GroupOfClocks {
 
 /// A problem's own clock under another name.
 template <class P>
-struct ByItself : P {
-  explicit ByItself(const P& problem) : P(problem) {}
+struct UnsharedClock : P {
+  explicit UnsharedClock(const P& problem) : P(problem) {}
 };
 /// Whether it costs more to make an entry than to look it up. A step of a scene that reads s may end early for some
 /// members, and what others need of it would not be there.
@@ -62,7 +62,8 @@ class PhaseClock<Entry, P<double>, double> {
   template <class Make>
   PhaseClock(const P<double>& problem, double start, double step, std::span<const double> nodes, Make&& make)
       : made_(GroupOfClocks::join([&] {
-          return std::make_unique<Made>(Own(ByItself(problem), start, step, nodes, make), start, step, nodes.size());
+          return std::make_unique<Made>(Own(UnsharedClock(problem), start, step, nodes, make), start, step,
+                                        nodes.size());
         })) {}
 
   void begin(double t, double h) noexcept {
@@ -74,7 +75,7 @@ class PhaseClock<Entry, P<double>, double> {
   }
 
  private:
-  using Own = PhaseClock<Entry, ByItself<P<double>>, double>;
+  using Own = PhaseClock<Entry, UnsharedClock<P<double>>, double>;
   /// Of the latest steps; behind them of one that is none of theirs, as it is shorter.
   static constexpr std::uint64_t rows = 256;
   static_assert(rows >= GroupOfClocks::stretch + 1);

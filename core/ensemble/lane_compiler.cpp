@@ -149,7 +149,7 @@ class LaneCompiler {
     spread_.clear();
     next_ = source_.end;
     count_uses(begin, end);
-    Ends ends;
+    RegisterEnds ends;
     const bool step = &part == &made_.step_;
     if (step) collect_ends(part, ends);
     for (Place i = begin; i < end; ++i) {
@@ -256,8 +256,8 @@ class LaneCompiler {
   }
 
   /// At its end a step leaves the state and what is kept where the next one looks for them.
-  using Ends = std::vector<LaneRegisters::End>;
-  void collect_ends(CompiledLanes::Part& part, Ends& ends) {
+  using RegisterEnds = std::vector<LaneRegisters::End>;
+  void collect_ends(CompiledLanes::Part& part, RegisterEnds& ends) {
     for (std::size_t k = 0; source_.steps && k < source_.outputs.size(); ++k)
       add_end(source_.outputs[k], static_cast<Register>(k), ends);
     for (const auto& [from, to] : source_.kept) {
@@ -272,7 +272,7 @@ class LaneCompiler {
       }
     }
   }
-  void add_end(Place value, Register where, Ends& ends) {
+  void add_end(Place value, Register where, RegisterEnds& ends) {
     value = same(value);
     if (in_lanes(value) && place_[at(value)] == where) return;
     if (in_lanes(value) &&
@@ -290,7 +290,7 @@ class LaneCompiler {
     wide_.push_back({LaneCode::spread, next_, shared(i)});
     return next_++;
   }
-  void allocate(CompiledLanes::Part& part, Ends& ends, bool step) {
+  void allocate(CompiledLanes::Part& part, RegisterEnds& ends, bool step) {
     std::vector<Place> alive;
     for (auto& [value, where] : ends)
       if (value < source_.end) value = at_end(value);

@@ -70,7 +70,7 @@ class GroupRun {
       note(before_);
       steps_->keep();
       const Group<Lanes> earlier = earlier_;
-      Seen seen;
+      StepObservations seen;
       const double t = t_;
       advance(until, seen);
       if (faultless(seen)) {
@@ -165,7 +165,7 @@ class GroupRun {
       for (std::size_t lane = 0; lane < lane_count; ++lane)
         if (alive_[j][lane]) f(j, lane);
   }
-  bool faultless(const Seen& seen) {
+  bool faultless(const StepObservations& seen) {
     LaneMask wrong{};
     for (std::size_t j = 0; j < packs; ++j)
       for (const auto& fault : steps_->after(j, seen, task_.step, false)) wrong = wrong | (fault.where & alive_[j]);
@@ -175,7 +175,7 @@ class GroupRun {
   /// One step, from which members that fail are brought back.
   void step_alone(double h, double t) {
     note(before_);
-    Seen seen;
+    StepObservations seen;
     steps_->advance(t_, task_.start_time, task_.step, n_, 1, h, seen);
     ++made_;
     for (std::size_t j = 0; j < packs; ++j) {
@@ -228,7 +228,7 @@ class GroupRun {
     for (; n_ < until && anyone(); ++n_) step_alone(task_.step, grid_time(n_ + 1));
   }
   /// Steps up to the one with this number, in all of which passages of a level are noted.
-  void advance(std::int64_t until, Seen& seen) {
+  void advance(std::int64_t until, StepObservations& seen) {
     const auto take_steps = [&](std::int64_t from, std::int64_t to) {
       steps_->advance(t_, task_.start_time, task_.step, from, to - from, task_.step, seen);
     };
@@ -253,7 +253,7 @@ class GroupRun {
     const double part = t - t_;
     if (part > 0) {
       steps_->keep();
-      Seen seen;
+      StepObservations seen;
       steps_->advance(t_, task_.start_time, task_.step, n_, 1, part, seen);
       steps_->take_back();
     }

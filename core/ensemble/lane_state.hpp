@@ -31,7 +31,7 @@ class BoundPath final : public LanePath {
   BoundPath(GroupSteps& steps, const std::vector<Lanes>& start, double t) : steps_(steps), start_(start), t_(t) {}
   bool at(double t, double* state) const override {
     Lanes* const x = std::copy_n(start_.data(), steps_.size(), steps_.state(0)) - steps_.size();
-    Seen seen;
+    StepObservations seen;
     steps_.advance(t_, t_, 0, 0, 1, t - t_, seen);
     steps_.take_back();
     bool good = all(seen.well[0]);

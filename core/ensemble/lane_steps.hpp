@@ -46,10 +46,10 @@ template <class T>
 using Group = std::array<T, packs>;
 
 /// What is seen of the steps of a block, by pack.
-struct Seen {
+struct StepObservations {
   Group<LaneMask> well, inside, slow;  ///< slow: ω² was below its limit for sure
   Group<Lanes> lowest{};               ///< s
-  Seen() {
+  StepObservations() {
     well.fill(LaneMask::everywhere());
     slow = inside = well;
   }
@@ -92,7 +92,7 @@ class GroupSteps {
 
   /// `count` steps of the length h from the n-th on, on the grid t₀ + n·step; t is the time of the states.
   virtual void advance(double t, double start, double step, std::int64_t n, std::int64_t count, double h,
-                       Seen& seen) = 0;
+                       StepObservations& seen) = 0;
   virtual void keep() = 0;
   virtual void take_back() = 0;
   /// What belongs to the state of a lane of another group, which made as many steps, and is kept here.
@@ -106,7 +106,7 @@ class GroupSteps {
     return faults;
   }
   /// What went wrong with the pack. Of a single step exactly; of more, what may have gone wrong.
-  virtual LaneFaults after(std::size_t j, const Seen& seen, [[maybe_unused]] double step, bool) {
+  virtual LaneFaults after(std::size_t j, const StepObservations& seen, [[maybe_unused]] double step, bool) {
     LaneFaults faults;
     faults.add(!seen.well[j], ReturnCode::singular);
     faults.add(!finite(state(j), size_), ReturnCode::not_finite);
@@ -166,7 +166,7 @@ class ProblemSteps : public GroupSteps {
     }
     return faults;
   }
-  LaneFaults after(std::size_t j, const Seen& seen, [[maybe_unused]] double step,
+  LaneFaults after(std::size_t j, const StepObservations& seen, [[maybe_unused]] double step,
                    [[maybe_unused]] bool exactly) override {
     using enum ReturnCode;
     LaneFaults faults;
@@ -252,7 +252,7 @@ class BoundGroup final : public ProblemSteps<P, X> {
   }
 
   [[gnu::noinline, gnu::flatten]] void advance(double t, double start, double step, std::int64_t n, std::int64_t count,
-                                               double h, Seen& seen) override {
+                                               double h, StepObservations& seen) override {
     using Steps = ProblemSteps<P, X>;
     const std::size_t used = this->used();
     [[maybe_unused]] P problem = this->problem(0);

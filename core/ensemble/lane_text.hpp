@@ -212,17 +212,17 @@ class ProgramRun {
   }
 
   /// What a step finds of the one before it, as long as the state is the same.
-  struct Kept {
+  struct StepCache {
     std::vector<T> lanes;
     std::vector<double> shared;
   };
-  void keep(Kept& kept) {
+  void keep(StepCache& kept) {
     kept.lanes.clear();
     kept.shared.clear();
     for (const auto place : program_.kept) kept.lanes.insert(kept.lanes.end(), at(place), at(place) + Width);
     for (const auto place : program_.kept_shared) kept.shared.push_back(shared_[place]);
   }
-  void take_back(const Kept& kept) {
+  void take_back(const StepCache& kept) {
     std::size_t k = 0;
     for (const auto place : program_.kept) std::copy_n(kept.lanes.data() + Width * k++, Width, at(place));
     for (k = 0; k < kept.shared.size(); ++k) shared_[program_.kept_shared[k]] = kept.shared[k];
@@ -251,7 +251,8 @@ class ProgramSteps final : public GroupSteps {
     run_.start(task.start_time, task.step);
   }
 
-  void advance(double, double start, double step, std::int64_t n, std::int64_t count, double h, Seen& seen) override {
+  void advance(double, double start, double step, std::int64_t n, std::int64_t count, double h,
+               StepObservations& seen) override {
     load();
     run_.set_step(h);
     for (std::int64_t end = n + count; n < end; ++n) {
@@ -289,7 +290,7 @@ class ProgramSteps final : public GroupSteps {
 
   const LaneProgram& program_;
   ProgramRun<Lanes, packs> run_;
-  ProgramRun<Lanes, packs>::Kept kept_;
+  ProgramRun<Lanes, packs>::StepCache kept_;
   std::vector<Lanes> x_;
   std::int64_t steps_ = 0, kept_steps_ = 0;
 };

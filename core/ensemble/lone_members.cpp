@@ -173,18 +173,18 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
       std::min(request.limits.steps, steps_of_all / few / weight_of_force(*request.scene->mechanics));
   request.limits.seconds = std::numeric_limits<double>::infinity();  // how fast a machine is changes no answer
 
-  struct Said {
+  struct WarningCount {
     std::string_view code;
     std::int64_t member, count;
   };
-  std::vector<Said> all;
+  std::vector<WarningCount> all;
   for (std::int64_t k = 0; k < few; ++k) {
     const std::int64_t member = plan.first + (few > 1 ? k * (members - 1) / (few - 1) : 0);
     request.scene = member_scene(plan, member);
     if (cannot_begin(*request.scene)) continue;
     Samples none;
     for (const Warning& warning : request.scene->mechanics->run(request, none, cancelled).warnings) {
-      const auto known = std::ranges::find(all, warning.code, &Said::code);
+      const auto known = std::ranges::find(all, warning.code, &WarningCount::code);
       if (known != all.end())
         ++known->count;
       else

@@ -239,10 +239,10 @@ LEAST_INLINE Lanes::Register within_one(const Lanes::Register& a) {
 }
 /// What is left of a number, to 2e-20, when the nearest half turns are taken off. The first of the two parts of π has
 /// 31 bits: its products with up to a million half turns are exact.
-struct Rest {
+struct ReducedAngle {
   static constexpr double most = 3e6, whole = 0x1.8p52;
   Lanes turns, r, square;
-  LEAST_INLINE explicit Rest(const Lanes& a) : turns(a * (1 / 3.141592653589793) + whole) {
+  LEAST_INLINE explicit ReducedAngle(const Lanes& a) : turns(a * (1 / 3.141592653589793) + whole) {
     constexpr double first = 0x1.921fb544p+1, rest = 0x1.0b4611a626331p-33;
     const Lanes n = turns - whole;
     r = (a - n * first) - n * rest;
@@ -274,23 +274,23 @@ struct Rest {
     return Lanes(LEAST_PAIR(flip(x.low, turns.low), flip(x.high, turns.high)));
   }
 };
-LEAST_INLINE LaneMask turns_little(const Lanes& a) { return abs(a) < Lanes(Rest::most); }
+LEAST_INLINE LaneMask turns_little(const Lanes& a) { return abs(a) < Lanes(ReducedAngle::most); }
 }  // namespace detail
 LEAST_INLINE Lanes sin(const Lanes& a) {
   const LaneMask little = detail::turns_little(a);
-  const detail::Rest rest(a);
+  const detail::ReducedAngle rest(a);
   const Lanes value = rest.turned(rest.sine());
   return all(little) ? value : select(little, value, detail::called_sincos(a).first);
 }
 LEAST_INLINE Lanes cos(const Lanes& a) {
   const LaneMask little = detail::turns_little(a);
-  const detail::Rest rest(a);
+  const detail::ReducedAngle rest(a);
   const Lanes value = rest.turned(rest.cosine());
   return all(little) ? value : select(little, value, detail::called_sincos(a).second);
 }
 LEAST_INLINE std::pair<Lanes, Lanes> sincos(const Lanes& a) {
   const LaneMask little = detail::turns_little(a);
-  const detail::Rest rest(a);
+  const detail::ReducedAngle rest(a);
   Lanes sine = rest.turned(rest.sine()), cosine = rest.turned(rest.cosine());
   if (!all(little)) {
     const auto [s, c] = detail::called_sincos(a);

@@ -58,7 +58,7 @@ StepStatus EqualSteps::state_at(const IntegrationState& state, double t, RunStat
   if (ahead ? covered_by_series(state.n, t) : along_series_ && state.n <= series_steps_) return from_series(x, t);
   x = ahead ? state.x : left_;
   const double part = t - x.t;
-  const StepStatus status = part > 0 ? trial_step(ahead ? Stands::here : Stands::left, x, part) : StepStatus::ok;
+  const StepStatus status = part > 0 ? trial_step(ahead ? StepperAt::here : StepperAt::left, x, part) : StepStatus::ok;
   x.t = t;
   return status;
 }
@@ -175,14 +175,15 @@ BlockResult EqualSteps::replay(IntegrationState& state, std::int64_t count, Step
   return {};
 }
 
-void EqualSteps::keep(Kept& kept, const IntegrationState& state, const StepGuard& guard,
+void EqualSteps::keep(Snapshot& kept, const IntegrationState& state, const StepGuard& guard,
                       const DiagnosticSet* diagnostics) {
   keep_stepper();
   kept.state = state;
   kept.guard = guard;
   if (diagnostics) kept.signs = diagnostics->signs();
 }
-void EqualSteps::take_back(const Kept& kept, IntegrationState& state, StepGuard& guard, DiagnosticSet* diagnostics) {
+void EqualSteps::take_back(const Snapshot& kept, IntegrationState& state, StepGuard& guard,
+                           DiagnosticSet* diagnostics) {
   take_stepper_back();
   state = kept.state;
   guard = *kept.guard;

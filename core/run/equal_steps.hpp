@@ -39,7 +39,7 @@ class EqualSteps : public Integrator {
     double flips = never, stiff = never;
   };
   /// Where a stepper stands: at the state, or at left_.
-  enum class Stands : std::uint8_t { here, left };
+  enum class StepperAt : std::uint8_t { here, left };
   EqualSteps(const ProblemTable& problem, const RunState& x, const Grid& grid)
       : problem_(problem), grid_(grid), left_(x) {}
 
@@ -48,7 +48,7 @@ class EqualSteps : public Integrator {
   virtual BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, double* rows) = 0;
   /// One of another length: by the stepper itself, or by a copy of it.
   virtual StepStatus last_step(RunState& x, double h) = 0;
-  virtual StepStatus trial_step(Stands stands, RunState& x, double h) const = 0;
+  virtual StepStatus trial_step(StepperAt stands, RunState& x, double h) const = 0;
   /// The same by a stepper bound at x.
   virtual StepStatus bound_step(RunState& x, double h) const = 0;
   virtual void bind_stepper(StateView x) = 0;
@@ -69,7 +69,7 @@ class EqualSteps : public Integrator {
   static constexpr std::int64_t most_rows = 512;
 
   /// What a block changes.
-  struct Kept {
+  struct Snapshot {
     IntegrationState state;
     std::optional<StepGuard> guard;
     SignsSeen signs;
@@ -81,8 +81,8 @@ class EqualSteps : public Integrator {
   BlockResult replay(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);
   /// `count` steps; where diagnostics see them and all went well, the signs there are looked at.
   BlockResult seen_block(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);
-  void keep(Kept& kept, const IntegrationState& state, const StepGuard& guard, const DiagnosticSet* diagnostics);
-  void take_back(const Kept& kept, IntegrationState& state, StepGuard& guard, DiagnosticSet* diagnostics);
+  void keep(Snapshot& kept, const IntegrationState& state, const StepGuard& guard, const DiagnosticSet* diagnostics);
+  void take_back(const Snapshot& kept, IntegrationState& state, StepGuard& guard, DiagnosticSet* diagnostics);
   /// A step that was taken back has cost what it cost.
   void count_tried(const Work& tried);
 
@@ -104,7 +104,7 @@ class EqualSteps : public Integrator {
   std::int64_t series_steps_ = 0;
   Work before_;                     ///< of steppers that were put aside
   std::unique_ptr<double[]> rows_;  ///< room for most_rows; none before diagnostics see a block
-  Kept block_kept_, step_kept_;
+  Snapshot block_kept_, step_kept_;
 };
 
 }  // namespace least

@@ -95,8 +95,8 @@ class FixedStepIntegrator final : public EqualSteps {
     }
     return status;
   }
-  StepStatus trial_step(Stands stands, RunState& x, double h) const override {
-    auto stepper = stands == Stands::here ? stepper_ : left_stepper_;
+  StepStatus trial_step(StepperAt stands, RunState& x, double h) const override {
+    auto stepper = stands == StepperAt::here ? stepper_ : left_stepper_;
     return move(stepper, x, h);
   }
   StepStatus bound_step(RunState& x, double h) const override {

@@ -41,7 +41,7 @@ class ContactLeapfrogStepper {
       if (x.t == S(0)) return regular_step(x, h);
     clock_.begin(x.t, h);
     X y = x;
-    Seen seen = seen_;
+    ForceAtPosition seen = seen_;
     StatusOf<T> status = StepStatus::ok;
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
       const S part = weights_->gamma[i] * h, t = x.t + weights_->end[i] * h;
@@ -69,7 +69,7 @@ class ContactLeapfrogStepper {
       std::remove_cvref_t<decltype(std::declval<S>() * action_slope(std::declval<const P&>(), std::declval<const T&>(),
                                                                     std::declval<const F&>()))>;
   /// What the stepper keeps of the state: ∇V and, where s is carried, V at its q; α at its time.
-  struct Seen {
+  struct ForceAtPosition {
     Vec<n, T> slope{};
     T potential{};
     A damping{};
@@ -89,7 +89,7 @@ class ContactLeapfrogStepper {
     if constexpr (LinearContact<P>) end.damping = damping(problem_, end.phase);
     return end;
   }
-  void look(Seen& seen, const Vec<n, T>& q, const F& f) {
+  void look(ForceAtPosition& seen, const Vec<n, T>& q, const F& f) {
     seen.slope = gradient(problem_, q, f);
     if constexpr (X::acting) seen.potential = problem_.potential(q, f);
     ++work_.forces;
@@ -107,14 +107,14 @@ class ContactLeapfrogStepper {
   }
   static constexpr double unusable = std::numeric_limits<double>::quiet_NaN();
 
-  StatusOf<T> stage(X& y, Seen& seen, StatusOf<T> status, const S& h, std::size_t i, const S& t) {
+  StatusOf<T> stage(X& y, ForceAtPosition& seen, StatusOf<T> status, const S& h, std::size_t i, const S& t) {
     if constexpr (LinearContact<P>) {
       return linear(y, seen, status, h, i, t);
     } else {
       return quadratic(y, seen, status, h, t);
     }
   }
-  StatusOf<T> linear(X& y, Seen& seen, StatusOf<T> status, const S& h, std::size_t i,
+  StatusOf<T> linear(X& y, ForceAtPosition& seen, StatusOf<T> status, const S& h, std::size_t i,
                      const S& t) requires LinearContact<P> {
     const auto [f, next] = clock_.at(i, t, [&](const auto& time) { return end_of(time); });
     Factors c;
@@ -136,7 +136,8 @@ class ContactLeapfrogStepper {
     return status;
   }
 
-  StatusOf<T> quadratic(X& y, Seen& seen, StatusOf<T> status, const S& h, const S& t) requires QuadraticContact<P> {
+  StatusOf<T> quadratic(X& y, ForceAtPosition& seen, StatusOf<T> status, const S& h,
+                        const S& t) requires QuadraticContact<P> {
     using least::sqrt;
     const auto gamma = problem_.action_curvature();
     const T s = y.action.s, before = 1 - (h / 2) * (gamma * s);
@@ -157,7 +158,7 @@ class ContactLeapfrogStepper {
 
   /// The first step of a scene whose damping is 2/t: the weight t² of its Lagrangian is integrated over the step.
   StatusOf<T> regular_step(X& x, const S& h) {
-    const Seen start = seen_;
+    const ForceAtPosition start = seen_;
     Vec<n, T> v;
     for (std::size_t k = 0; k < n; ++k) v[k] = -(h / 6) * start.slope[k];
     drift(x, v, h);
@@ -182,7 +183,7 @@ class ContactLeapfrogStepper {
   P problem_;
   const Weights<S>* weights_;
   PhaseClock<End, P, S> clock_;
-  Seen seen_;
+  ForceAtPosition seen_;
   S prepared_ = S(unusable);  ///< the step that factors_ are for
   std::array<Factors, ConstantDamping<P> ? compositions::most_stages : 1> factors_{};
   Work work_;

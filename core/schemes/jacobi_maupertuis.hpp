@@ -43,7 +43,7 @@ class JacobiMaupertuisStepper {
   std::int64_t fallback_steps() const { return rescues_; }
 
  private:
-  using Site = Station<P, T>;
+  using Site = StepEnd<P, T>;
   using Scalar = typename Underlying<T>::type;
 
   T kinetic(const Site& x) const { return 0.5 * dot(x.p, velocity(problem_, x.q, x.p)); }

@@ -34,7 +34,7 @@ bool settled(const Dual<T, K>& change, const Dual<T, K>& x, const Dual<T, K>& to
 
 /// Where a step begins and ends: a state, what is known of the mechanics there, and the time taken so far.
 template <Conservative P, class T>
-struct Station {
+struct StepEnd {
   Vec<P::dof, T> q{}, p{};
   Slopes<P, T> here{};
   T elapsed{};
@@ -51,7 +51,7 @@ class JacobiMaupertuisStep {
       : problem_(problem), quadrature_(quadrature), energy_(energy) {}
 
   /// Moves q^σ by δ, and everything else with it. A station that a step failed from is spoilt.
-  StepStatus step(Station<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
+  StepStatus step(StepEnd<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
     if constexpr (n == 1) {
       return quadrature_step(x, delta, work);
     } else {
@@ -60,7 +60,7 @@ class JacobiMaupertuisStep {
   }
 
   /// Replaces p_σ by the root of H(q, p) = E₀ nearest to it; false where there is none.
-  bool energy_root(Station<P, T>& x, std::size_t sigma) const {
+  bool energy_root(StepEnd<P, T>& x, std::size_t sigma) const {
     using least::sqrt;
     const auto v = x.here.raise(problem_, x.p);
     Vec<P::dof, T> unit{};
@@ -83,7 +83,7 @@ class JacobiMaupertuisStep {
     LagrangianTerms<P, T> mean{};
   };
   /// `force` is taken at the left end, or at the middle: `mean` comes from the same points.
-  Trial trial(const Station<P, T>& x, const Vec<P::dof, T>& end, const LagrangianTerms<P, T>& mean,
+  Trial trial(const StepEnd<P, T>& x, const Vec<P::dof, T>& end, const LagrangianTerms<P, T>& mean,
               const Slopes<P, T>& at, double sign) const {
     using least::sqrt;
     Trial t;
@@ -100,7 +100,7 @@ class JacobiMaupertuisStep {
     for (std::size_t i = 0; i < n; ++i) t.residual[i] = t.lowered[i] / t.h - 0.5 * t.h * t.force[i] - x.p[i];
     return t;
   }
-  Trial trial(const Station<P, T>& x, const Vec<P::dof, T>& end, double sign, Work& work) const {
+  Trial trial(const StepEnd<P, T>& x, const Vec<P::dof, T>& end, double sign, Work& work) const {
     ++work.forces;
     if (quadrature_ == Quadrature::trapezoid)
       return trial(x, end, LagrangianTerms<P, T>(x.here, LagrangianTerms<P, T>(problem_, end)), x.here, sign);
@@ -113,7 +113,7 @@ class JacobiMaupertuisStep {
     return m;
   }
 
-  StepStatus solve(Station<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
+  StepStatus solve(StepEnd<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
     using least::abs;
     constexpr int unknowns = P::dof - 1;
     const auto place = [sigma](std::size_t k) { return k < sigma ? k : k + 1; };  // of the k-th unknown
@@ -181,7 +181,7 @@ class JacobiMaupertuisStep {
   }
 
   /// The momentum at the end that was found.
-  StepStatus arrive(Station<P, T>& x, const Vec<P::dof, T>& end, const T& a, double sign, Work& work) const {
+  StepStatus arrive(StepEnd<P, T>& x, const Vec<P::dof, T>& end, const T& a, double sign, Work& work) const {
     const Slopes<P, T> there(problem_, end);
     ++work.forces;
     Trial last;
@@ -203,7 +203,7 @@ class JacobiMaupertuisStep {
   }
 
   /// One degree of freedom: the way is known, the time is ∫√(g/2(E₀ − V)) dq by Gauss's rule of three points.
-  StepStatus quadrature_step(Station<P, T>& x, const T& delta, Work& work) const {
+  StepStatus quadrature_step(StepEnd<P, T>& x, const T& delta, Work& work) const {
     using least::sqrt;
     const T node = sqrt(T(15)) / 10;
     const bool forward = x.p[0] > T(0);
@@ -243,7 +243,7 @@ class JacobiMaupertuisStep {
 
 /// E_d of a variational step of length h from x to y.
 template <Conservative P, class T>
-T step_energy(const P& problem, Quadrature quadrature, const Station<P, T>& x, const Station<P, T>& y, const T& h) {
+T step_energy(const P& problem, Quadrature quadrature, const StepEnd<P, T>& x, const StepEnd<P, T>& y, const T& h) {
   // The momentum ḡv at the middle from those at the ends, which loses no digits where (q₁ − q₀)/h would.
   Vec<P::dof, T> middle = x.q, rate, carried;
   for (std::size_t i = 0; i < rate.size(); ++i) {
@@ -265,11 +265,11 @@ T step_energy(const P& problem, Quadrature quadrature, const Station<P, T>& x, c
 /// Jacobi–Maupertuis principle goes on in time. By the secant method from h₀ and 1.02 h₀; empty where it finds none
 /// within [h₀/4, 4h₀].
 template <Conservative P, class T>
-std::optional<T> paper_exit_step(const P& problem, Quadrature quadrature, const Station<P, T>& x, const T& energy,
+std::optional<T> paper_exit_step(const P& problem, Quadrature quadrature, const StepEnd<P, T>& x, const T& energy,
                                  const T& h0, Work& work) {
   using least::abs;
   const auto excess = [&](const T& h, bool& solved) {
-    Station<P, T> y = x;
+    StepEnd<P, T> y = x;
     solved = solved && variational_step(problem, quadrature, y.q, y.p, y.here, h, work) == StepStatus::ok;
     return T(step_energy(problem, quadrature, x, y, h) - energy);
   };

@@ -15,9 +15,9 @@ namespace {
 
 /// What a run comes to, by halves of its span: looks at every state as it comes, a row being t, the variables and,
 /// where one is kept, the energy.
-class Excursions final : public RowSink {
+class RangesByHalf final : public RowSink {
  public:
-  Excursions(std::size_t variables, bool energy, double middle)
+  RangesByHalf(std::size_t variables, bool energy, double middle)
       : variables_(variables), energy_(energy), middle_(middle) {}
 
   bool append(std::span<const double> rows) override {
@@ -84,7 +84,7 @@ class LongRun {
 
  private:
   struct Tried {
-    Excursions seen;
+    RangesByHalf seen;
     Solution outcome;
     double middle;
   };

@@ -90,7 +90,7 @@ struct Reader {
                           by.older.data(),        by.sums.data(), by.ends.data()};
         if (k == 1)
           for (const Step& s : p.linear) rules.advance(s, s, known, {}, row);
-        const Gain* gain = by.gains.data();
+        const StepFactors* gain = by.gains.data();
         for (const Step& s : p.steps) rules.advance(s, s, known, *gain++, row);
       }
       double* const next = row + stride;

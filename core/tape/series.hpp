@@ -40,12 +40,12 @@ struct Workspace {
 struct UnrolledSeries;
 
 /// What the new terms of a step are multiplied with: follows from order 0.
-struct Gain {
+struct StepFactors {
   double inverse = 0, a = 0, b = 0;
 };
 /// Order 0 of the two factors of a product, with its own factor; and what its sums are multiplied with, twice that of a
 /// square.
-struct Ends {
+struct ProductEnds {
   double a, b, sums;
 };
 
@@ -56,8 +56,8 @@ class Series {
   /// Scratch of a program that is read: of its steps, of its products, of its values, of its lanes without the terms of
   /// the last order and with them; and where factors stand.
   struct Reading {
-    std::vector<Gain> gains;
-    std::vector<Ends> ends;
+    std::vector<StepFactors> gains;
+    std::vector<ProductEnds> ends;
     std::vector<double> half;
     std::vector<Four> older_slots, slots;
     std::vector<double> older, sums;

@@ -80,7 +80,7 @@ template <std::size_t Groups>
 }
 /// Of a lane that has two slots; of a square, which has one, half of it.
 inline double sum_of(const double* slots, bool square) { return square ? slots[0] : slots[0] + slots[1]; }
-inline Ends ends_of(const Program::Product& term, double factor, const double* row) {
+inline ProductEnds ends_of(const Program::Product& term, double factor, const double* row) {
   return {factor * row[term.a], factor * row[term.b], term.a == term.b ? 2 * factor : factor};
 }
 
@@ -94,7 +94,7 @@ struct Known {
   const double* last;  ///< order k − 1
   const double* older;  ///< sums of lanes without these terms
   const double* sums;   ///< with them
-  const Ends* ends;
+  const ProductEnds* ends;
 };
 
 /// Powers of distances are halves.
@@ -171,7 +171,7 @@ struct Rules {
   }
 
   /// What the terms of order 0 are multiplied with in every order.
-  [[gnu::always_inline]] static inline Gain gain_of(const Step& s, const Step& n, const double* row) {
+  [[gnu::always_inline]] static inline StepFactors gain_of(const Step& s, const Step& n, const double* row) {
     switch (s.rule) {
       case Rule::quotient:
       case Rule::linear_quotient: {
@@ -200,7 +200,7 @@ struct Rules {
 
   /// Order k of a step. From one order to the next the way leads through the terms that are new: they are multiplied
   /// once and come last.
-  [[gnu::always_inline]] inline void advance(const Step& s, const Step& n, const Known& of, const Gain& gain,
+  [[gnu::always_inline]] inline void advance(const Step& s, const Step& n, const Known& of, const StepFactors& gain,
                                              double* row) const {
     double out = 0;
     const double *half = of.half, *last = of.last, part = of.part;
@@ -208,7 +208,7 @@ struct Rules {
       case Rule::sum: {  // what is known early comes first; of the factors of a product it is the second that is late
         const auto* products = structure.products + s.first_product;
         const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
-        const Ends* const end = of.ends + s.first_product;
+        const ProductEnds* const end = of.ends + s.first_product;
         each(s.products, [&](std::size_t i) LEAST_INLINE {
           const double known = end[i].sums * of.sums[products[i].lane];
           out = i > 0 ? out + known : known;

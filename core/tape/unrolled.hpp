@@ -132,8 +132,8 @@ class Unrolled {
       begin(p, rules, row);
     }
     each<variables>([&](auto i) LEAST_INLINE { of.rows[first + i] = row[first + i]; });
-    std::array<Gain, steps> gains;
-    std::array<Ends, S.products.size()> ends;
+    std::array<StepFactors, steps> gains;
+    std::array<ProductEnds, S.products.size()> ends;
     each<steps>([&](auto i) LEAST_INLINE { gains[i] = Rules<true>::gain_of(S.steps[i], p.steps[i], row.data()); });
     each<S.products.size()>([&](auto i) LEAST_INLINE {
       const Program::Product& term = S.products[i];

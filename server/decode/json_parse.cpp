@@ -160,11 +160,11 @@ class Builder final : public nlohmann::json_sax<Json> {
   std::size_t values_ = 0, bytes_ = 0, looks_ = 0;
 };
 
-struct Foreign {
+struct ForeignWord {
   std::string_view word, why;
 };
 // What other languages write, and where a text of theirs ends to be JSON.
-constexpr Foreign foreign[] = {
+constexpr ForeignWord foreign[] = {
     {"NaN", "NaN is not JSON, whose numbers are finite"},
     {"nan", "nan is not JSON, whose numbers are finite"},
     {"Infinity", "Infinity is not JSON, whose numbers are finite"},

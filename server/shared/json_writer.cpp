@@ -108,7 +108,7 @@ void append_cbor(std::string& out, double x) {
 
 void append_string(std::string& out, std::string_view text, bool ascii) { append_string(out, text, {}, ascii); }
 
-void append_string(std::string& out, std::string_view text, Around around, bool ascii) {
+void append_string(std::string& out, std::string_view text, Separators around, bool ascii) {
   constexpr std::size_t short_text = 64;
   if (text.size() <= short_text) {  // in one piece, as most are
     char piece[short_text + 4];

@@ -23,10 +23,10 @@ void append_number(std::string& out, std::int64_t n, bool comma = false);
 /// Appends a quoted string. `ascii` escapes everything beyond ASCII too (for header fields).
 void append_string(std::string& out, std::string_view text, bool ascii = false);
 /// What stands before and after it.
-struct Around {
+struct Separators {
   bool comma = false, colon = false;
 };
-void append_string(std::string& out, std::string_view text, Around around, bool ascii);
+void append_string(std::string& out, std::string_view text, Separators around, bool ascii);
 
 /// The head of an item of CBOR (RFC 8949, 3): its major type and its number.
 void append_cbor_head(std::string& out, unsigned major, std::uint64_t number);

@@ -29,7 +29,7 @@ const State<3> tilted{0, {0.3, -0.5, 0.2}, {1.2, 1.1, -0.6}, {}};        ///< of
 const State<2> inward{0, {-0.42, -0.4826}, {0.5151833, 1.5423963}, {}};  ///< near the paper's orbit
 
 template <class P>
-Station<P, double> station(const P& problem, const Vec<P::dof>& q, const Vec<P::dof>& p) {
+StepEnd<P, double> station(const P& problem, const Vec<P::dof>& q, const Vec<P::dof>& p) {
   return {q, p, Slopes<P, double>(problem, q), 0};
 }
 
@@ -60,7 +60,7 @@ struct Secant {
 };
 /// (−D₁A_d)_σ − p_σ of a step that was taken: what the equation left out is off by.
 template <class P>
-double left_out(const P& problem, Quadrature rule, const Station<P, double>& from, const Station<P, double>& to,
+double left_out(const P& problem, Quadrature rule, const StepEnd<P, double>& from, const StepEnd<P, double>& to,
                 std::size_t sigma) {
   const Secant<P> step(problem, rule, from.q, to.q, to.elapsed);
   const auto here = rule == Quadrature::midpoint ? Slopes<P, double>(problem, step.middle) : from.here;
@@ -177,7 +177,7 @@ double defect_of_steps(const P& problem, State<P::dof> x) {
         if (std::abs(v[sigma]) < 0.5 * std::sqrt(dot(v, v))) continue;
         const double found = defect_without(problem, x, sigma, [&](const P& m, auto& y) {
           using D = typename std::remove_cvref_t<decltype(y)>::Number;
-          Station<P, D> s{y.q, y.p, Slopes<P, D>(m, y.q), D(0)};
+          StepEnd<P, D> s{y.q, y.p, Slopes<P, D>(m, y.q), D(0)};
           Work work;
           const double delta = std::copysign(0.02, v[sigma]);
           const StepStatus status = JacobiMaupertuisStep<P, D>(m, rule, D(level)).step(s, sigma, D(delta), 1, work);

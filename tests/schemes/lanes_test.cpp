@@ -20,11 +20,11 @@ using Scenes = std::array<P<double>, toy::width>;
 template <template <class> class P>
 using Starts = std::array<FullStateOf<P<double>>, toy::width>;
 
-using Said = std::array<StepStatus, toy::width>;
+using Statuses = std::array<StepStatus, toy::width>;
 
 /// What each lane says of itself in the end.
 template <template <class> class P, class Scheme>
-Said said(const Scheme& scheme, const Scenes<P>& scenes, const Starts<P>& starts, int steps) {
+Statuses said(const Scheme& scheme, const Scenes<P>& scenes, const Starts<P>& starts, int steps) {
   return laws::expect_lone_runs<Scheme, P>(scheme, scenes, starts, scheme.step, steps).of;
 }
 /// Every scheme that fits moves the lanes as lone runs, and none fails.
@@ -32,7 +32,7 @@ template <template <class> class P>
 void expect_all_go_on(const Scenes<P>& scenes, const Starts<P>& starts, double h, int steps) {
   laws::for_each_scheme<P, laws::LaneSchemes>([&](auto scheme) {
     scheme.step = h;
-    EXPECT_EQ(said<P>(scheme, scenes, starts, steps), Said{}) << laws::label(scheme);
+    EXPECT_EQ(said<P>(scheme, scenes, starts, steps), Statuses{}) << laws::label(scheme);
   });
 }
 /// The schemes that can fail.
@@ -62,9 +62,9 @@ TEST(Lanes, SplittingIsChosenForEach) {  // αh on both sides of ½, and below 0
 TEST(Lanes, FlowOfTheActionIsChosenForEach) {  // by its series, cos, cosh; γR < 0 with a pole within the step
   const FullStateOf<CosmologicalOscillator<>> x{0, {0.1}, {0.2}, {0.3}};
   const ContactSplitting scheme{0.2};
-  EXPECT_EQ(said<CosmologicalOscillator>(scheme, {{{1, 1}, {2, -8}, {3, 50}, {0.1, 0}}}, {x, x, x, x}, 2), Said{});
+  EXPECT_EQ(said<CosmologicalOscillator>(scheme, {{{1, 1}, {2, -8}, {3, 50}, {0.1, 0}}}, {x, x, x, x}, 2), Statuses{});
   EXPECT_EQ(said<CosmologicalOscillator>(scheme, {{{1, 1}, {1, -800}, {1, 40}, {1, 0}}}, {x, x, x, x}, 3),
-            (Said{StepStatus::ok, StepStatus::singular, StepStatus::ok, StepStatus::ok}));
+            (Statuses{StepStatus::ok, StepStatus::singular, StepStatus::ok, StepStatus::ok}));
 }
 
 TEST(Lanes, PowerOfAStarIsOfEach) {  // on both sides of the zero
@@ -92,9 +92,9 @@ template <template <class> class P>
 void expect_third_fails(const Scenes<P>& scenes, const Starts<P>& starts) {
   laws::for_each_scheme<P, MayFail>([&](auto scheme) {
     scheme.step = 0.05;
-    const Said all = said<P>(scheme, scenes, starts, 60);
+    const Statuses all = said<P>(scheme, scenes, starts, 60);
     if (scheme.composition == Composition::none) {
-      EXPECT_EQ(all, (Said{StepStatus::ok, StepStatus::ok, StepStatus::singular, StepStatus::ok}))
+      EXPECT_EQ(all, (Statuses{StepStatus::ok, StepStatus::ok, StepStatus::singular, StepStatus::ok}))
           << laws::label(scheme);
     }
   });
@@ -112,9 +112,9 @@ TEST(Lanes, OneThatFailsFailsAlone) {  // s below the repelling point −√(2R/
 
 TEST(Lanes, APoleOfTheDampingFailsOneAlone) {  // αh = −2.5
   const FullStateOf<DampedOscillator<>> x{0, {1}, {0.3}, {0.1}};
-  const Said all =
+  const Statuses all =
       said<DampedOscillator>(ContactLeapfrog{0.1}, {{{1, 0.1}, {1, -25}, {2, 3}, {1, -19}}}, {x, x, x, x}, 5);
-  EXPECT_EQ(all, (Said{StepStatus::ok, StepStatus::singular, StepStatus::ok, StepStatus::ok}));
+  EXPECT_EQ(all, (Statuses{StepStatus::ok, StepStatus::singular, StepStatus::ok, StepStatus::ok}));
 }
 
 /// What a stepper keeps of the state is the state's: a shorter step after one that failed is that of a new stepper.

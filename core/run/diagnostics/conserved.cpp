@@ -44,7 +44,7 @@ class Energy final : public Diagnostic {
   }
   void see(const ProblemTable& problem, const StateRows& states) override {
     std::array<EnergyTerms, at_once> terms;
-    Seen seen = seen_;  // which may stay in registers
+    EnergyRecord seen = seen_;  // which may stay in registers
     const bool kinetic = problem.traits.potential;
     for (std::size_t from = 0; from < states.count; from += at_once) {
       const StateRows part = states.part(from, at_once);
@@ -74,7 +74,7 @@ class Energy final : public Diagnostic {
   }
 
  private:
-  struct Seen {
+  struct EnergyRecord {
     DriftExtremes energy;
     LinearTrend trend;
     double start_time = 0, largest = 0;  ///< largest: of the kinetic energy, or of the size of the energy itself
@@ -86,7 +86,7 @@ class Energy final : public Diagnostic {
     }
   };
 
-  Seen seen_;
+  EnergyRecord seen_;
 };
 
 class Momenta final : public Diagnostic {

@@ -1,6 +1,8 @@
 // The steps of a large formula in batches: of one operation each, on values that stand one after the other. A batch
-// waits for nothing of itself, so that its loop runs on the wide registers of the machine. Every value is computed by
-// the same operation from the same operands as one after the other: to the last bit the same.
+// waits for nothing of itself, so that its loop runs on the wide registers of the machine. Batches that follow one
+// another on values of the same length run tile by tile, so that what passes between them stays near the processor; a
+// sum of many terms is one step, and sums run beside each other. Every value is computed by the same operations from
+// the same operands as one after the other: to the last bit the same.
 #pragma once
 
 #include <cstdint>
@@ -22,24 +24,47 @@ class Batches {
 
  private:
   using Place = std::uint32_t;
-  /// Where a batch reads the values of one of its operands.
+  static constexpr std::size_t tile = 128;   ///< values of a batch that are computed at a time
+  static constexpr std::size_t abreast = 8;  ///< sums that run beside each other
+  static constexpr Place zero = 0;           ///< a place that holds 0
+  /// Where a batch reads the values of one of its operands, or writes its own.
   struct Operand {
-    bool scattered = false;  ///< at places_[at], places_[at + 1] …, else one after the other from `at`
+    enum class Kind : std::uint8_t {
+      in_order,   ///< one after the other from `at`
+      scattered,  ///< at places_[at], places_[at + 1] …
+      in_tile     ///< in the tile number `at`, of which the next tile of the same batches takes the place
+    };
+    Kind kind = Kind::in_order;
     std::uint32_t at = 0;
   };
   struct Batch {
     Code code;
-    std::uint32_t count;
-    Place out = 0;
-    Operand a{}, b{}, c{};
+    Operand out{}, a{}, b{}, c{};
     std::uint32_t value = 0;  ///< the first of its numbers in values_, where the operation has one
+  };
+  /// Batches that run together, tile by tile; or sums, so many times `abreast` of them.
+  struct Stage {
+    bool sums = false;
+    std::uint32_t first = 0, number = 0;
+    std::uint32_t count = 0;  ///< of the values of each batch
+  };
+  /// Of sums of at most so many terms. In places_, from `at`, where each begins, then each one's first term, and so on;
+  /// in signs_, from `sign`, 1 or −1 for each term. Short ones end with −0 · 0, which changes nothing.
+  struct Sums {
+    Place out = 0;
+    std::uint32_t length = 0, at = 0, sign = 0;
   };
   class Scheduler;
 
+  void add_up(const Sums& sums, double* r) const noexcept;
+
+  std::vector<Stage> stages_;
   std::vector<Batch> batches_;
+  std::vector<Sums> sums_;
   std::vector<Place> places_, ends_;
-  std::vector<double> values_;
-  std::size_t room_ = 0;  ///< values that stand at once
+  std::vector<double> values_, signs_;
+  std::size_t room_ = 0;   ///< values that stand at once
+  std::size_t tiles_ = 0;  ///< that stand at once
 };
 
 }  // namespace least::tape

@@ -153,4 +153,37 @@ TEST(TapeOfText, BatchesAreTheirParts) {
   }
 }
 
+// Sums of many terms run beside each other, of products that run tile by tile; what they give is to the last bit what
+// one operation after the other gives, of whatever length and signs, also where a sum goes on after it was asked for.
+TEST(TapeOfText, LongSumsAreTheirTermsOneAfterTheOther) {
+  constexpr std::size_t n = 45;
+  tape::Tape tape;
+  tape.bound(1 << 20);
+  std::vector<double> at;
+  std::vector<Symbol> x, sum(n, Symbol(0));
+  std::vector<tape::Index> all;
+  for (std::size_t i = 0; i < n; ++i) {
+    at.push_back(std::sin(static_cast<double>(7 * i)));
+    x.push_back(Symbol::variable(tape, i));
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n - i % 5; ++j) {
+      const Symbol apart = x[i] - x[j], weighed = apart / (apart * apart + 0.3);
+      sum[i] = (i + j) % 3 == 0 ? weighed + sum[i] : sum[i] - weighed;
+      sum[j] = sum[j] + weighed;
+      if (i == 4 && j % 10 == 0) all.push_back(sum[j].on(tape));
+    }
+  for (const Symbol& whole : sum) all.push_back(whole.on(tape));
+  const tape::Formula formula(tape, all);
+  ASSERT_TRUE(formula.in_batches());
+  std::vector<double> together(all.size());
+  formula.evaluate(at.data(), 0.0, together.data());
+  using Slope = Dual<double, 1>;  // in which nothing is batched
+  const std::vector<Slope> same(at.begin(), at.end());
+  std::vector<Slope> alone(all.size());
+  formula.evaluate(same.data(), Slope(0), alone.data());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(together[i]), std::bit_cast<std::uint64_t>(alone[i].value)) << i;
+}
+
 }  // namespace

@@ -1,0 +1,388 @@
+// How the steps of a formula become batches.
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <numeric>
+
+#include "core/tape/batches.hpp"
+
+namespace least::tape {
+
+namespace {
+
+constexpr std::size_t few_steps = 200;  // below, one after the other is as fast
+constexpr std::size_t few_alike = 5;    // in a batch, on average
+// Scenes of few coordinates have many formulas, and every request has its own: what batches hold of them, ten bytes an
+// operation, is dearer than the time that they save.
+constexpr std::ptrdiff_t few_variables = 17;
+constexpr std::size_t few_terms = 8;    // of a sum that is a step of its own
+constexpr std::size_t few_values = 64;  // of a part of a batch
+
+bool has_number(Code code) {
+  switch (code) {
+    case Code::constant:
+    case Code::add_constant:
+    case Code::from_constant:
+    case Code::scale:
+    case Code::over:
+    case Code::power:
+      return true;
+    default:
+      return false;
+  }
+}
+bool adds(Code code) { return code == Code::add || code == Code::subtract; }
+
+}  // namespace
+
+/// Orders steps by how many must come before them, finds which batches go together, gives what is read later a range of
+/// places, and frees it after its last reader.
+class Batches::Scheduler {
+ public:
+  Scheduler(std::span<const Operation> steps, std::span<const Index> ends)
+      : steps_(steps), ends_(ends), sum_of_(steps.size(), none), absorbed_(steps.size()), at_(steps.size()) {
+    find_sums();
+    group();
+  }
+
+  bool worthwhile() const { return steps_.size() >= few_alike * groups_.size(); }
+
+  void schedule(Batches& made) {
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      order(groups_[g]);
+      for (std::size_t k = 0; k < groups_[g].size(); ++k) at_[at(groups_[g][k])] = k;
+    }
+    find_last_readers();
+    place_.resize(groups_.size());
+    tiles_of_.resize(groups_.size());
+    made.places_.push_back(zero);
+    room_ = 1;  // of the zero
+    for (std::size_t first = 0; first < groups_.size();) {
+      std::size_t end = first + 1;
+      if (is_sums(first)) {
+        write_sums(made, first);
+      } else {
+        const std::size_t count = extend(first, end);
+        write_together(made, first, end, count);
+      }
+      for (std::size_t g = first; g < end; ++g)
+        for (const std::size_t ended : ending_[g])
+          if (ended < first || is_kept(ended, end)) release(place_[ended], size_of(ended));
+      first = end;
+    }
+    for (const Index end : ends_) made.ends_.push_back(place_of(end));
+    made.room_ = room_;
+    made.tiles_ = tiles_;
+  }
+
+ private:
+  struct Sum {
+    Index head = none;
+    std::vector<Index> terms;
+    std::vector<double> signs;
+  };
+  using Part = Index Operation::*;
+  static constexpr Part parts[] = {&Operation::a, &Operation::b, &Operation::c};
+  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+  template <class F>
+  void for_each_part(Index i, F&& f) const {
+    if (sum_of_[at(i)] != none) {
+      const Sum& sum = sums_[at(sum_of_[at(i)])];
+      f(sum.head);
+      for (const Index term : sum.terms) f(term);
+      return;
+    }
+    const Operation& step = steps_[at(i)];
+    if (step.code == Code::variable) return;
+    for (const Part part : parts)
+      if (step.*part != none) f(step.*part);
+  }
+
+  /// Sums and differences of which each but the last is read by the next alone: the terms are added to where they begin
+  /// in the order in which they stand.
+  void find_sums() {
+    std::vector<int> readers(steps_.size(), 0);
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      for_each_part(static_cast<Index>(i), [&](Index part) { ++readers[at(part)]; });
+    for (const Index end : ends_) readers[at(end)] += 2;
+    for (std::size_t i = steps_.size(); i-- > 0;) {
+      if (!adds(steps_[i].code) || absorbed_[i]) continue;
+      const auto is_link = [&](Index part) { return adds(steps_[at(part)].code) && readers[at(part)] == 1; };
+      Sum sum;
+      std::vector<Index> links;
+      for (auto link = static_cast<Index>(i); link != none;) {
+        const Operation& step = steps_[at(link)];
+        const bool other_way = step.code == Code::add && !is_link(step.a) && is_link(step.b);
+        sum.head = other_way ? step.b : step.a;
+        sum.terms.push_back(other_way ? step.a : step.b);
+        sum.signs.push_back(step.code == Code::add ? 1 : -1);
+        links.push_back(link);
+        link = is_link(sum.head) ? sum.head : none;
+      }
+      if (sum.terms.size() < few_terms) continue;
+      std::ranges::reverse(sum.terms);
+      std::ranges::reverse(sum.signs);
+      for (const Index link : links) absorbed_[at(link)] = link != static_cast<Index>(i);
+      sum_of_[i] = static_cast<Index>(sums_.size());
+      sums_.push_back(std::move(sum));
+    }
+  }
+
+  void group() {
+    std::vector<int> depth(steps_.size(), 0);
+    constexpr int of_sums = -1;
+    std::map<std::pair<int, int>, std::size_t> known;
+    const auto key = [&](std::size_t i) {
+      return std::pair(depth[i], sum_of_[i] != none ? of_sums : static_cast<int>(steps_[i].code));
+    };
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      if (absorbed_[i]) continue;
+      for_each_part(static_cast<Index>(i), [&](Index part) { depth[i] = std::max(depth[i], depth[at(part)] + 1); });
+      ++known[key(i)];
+    }
+    std::size_t count = 0;
+    for (auto& [_, number] : known) number = count++;
+    groups_.resize(count);
+    group_of_.resize(steps_.size());
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      if (absorbed_[i]) continue;
+      group_of_[i] = known[key(i)];
+      groups_[group_of_[i]].push_back(static_cast<Index>(i));
+    }
+  }
+
+  std::size_t size_of(std::size_t g) const { return groups_[g].size(); }
+  Code code_of(std::size_t g) const { return steps_[at(groups_[g][0])].code; }
+  bool is_sums(std::size_t g) const { return sum_of_[at(groups_[g][0])] != none; }
+
+  /// Which batch reads each last, and which have their last reader where.
+  void find_last_readers() {
+    last_.resize(groups_.size());
+    std::iota(last_.begin(), last_.end(), 0);
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      if (!absorbed_[i])
+        for_each_part(static_cast<Index>(i), [&](Index part) {
+          std::size_t& reader = last_[group_of_[at(part)]];
+          reader = std::max(reader, group_of_[i]);
+        });
+    for (const Index end : ends_) last_[group_of_[at(end)]] = never;
+    ending_.resize(groups_.size());
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      if (last_[g] != never) ending_[last_[g]].push_back(g);
+  }
+
+  bool reads(std::size_t g, Part part) const { return steps_[at(groups_[g][0])].*part != none; }
+  /// What the operand of a step is, as a number that grows by one where values stand one after the other.
+  std::size_t source(Index i, Part part) const {
+    const Index from = steps_[at(i)].*part;
+    if (steps_[at(i)].code == Code::variable) return at(from);
+    return (group_of_[at(from)] << 32) + at_[at(from)];
+  }
+  bool in_order(std::span<const Index> some, Part part) const {
+    for (std::size_t k = 1; k < some.size(); ++k)
+      if (source(some[k], part) != source(some[k - 1], part) + 1) return false;
+    return true;
+  }
+
+  std::size_t scattered(const std::vector<Index>& group) const {
+    std::size_t count = 0;
+    for (const Part part : {&Operation::a, &Operation::b, &Operation::c})
+      for (std::size_t k = 1; k < group.size() && steps_[at(group[0])].*part != none; ++k)
+        if (source(group[k], part) != source(group[k - 1], part) + 1) ++count;
+    return count;
+  }
+
+  /// The order in which most operands stand one after the other: as written, or by the place of one operand. Of sums
+  /// the longest first, so that those beside each other are of a length.
+  void order(std::vector<Index>& group) const {
+    if (sum_of_[at(group[0])] != none) {
+      std::ranges::stable_sort(group, std::greater{}, [&](Index i) { return sums_[at(sum_of_[at(i)])].terms.size(); });
+      return;
+    }
+    std::vector<Index> best = group;
+    std::size_t fewest = scattered(group);
+    for (const Part part : {&Operation::a, &Operation::b}) {
+      if (fewest == 0 || steps_[at(group[0])].*part == none) break;
+      std::vector<Index> sorted = group;
+      std::ranges::stable_sort(sorted, {}, [&](Index i) { return source(i, part); });
+      if (const std::size_t count = scattered(sorted); count < fewest) {
+        fewest = count;
+        best = std::move(sorted);
+      }
+    }
+    group = std::move(best);
+  }
+
+  /// How far the batches from `first` on go together: `end` is moved behind the last. The length of their parts.
+  std::size_t extend(std::size_t first, std::size_t& end) const {
+    std::size_t count = size_of(first);
+    const auto begins = [&](Code code) {
+      return code == Code::constant || code == Code::time || code == Code::variable;
+    };
+    if (begins(code_of(first))) return count;
+    while (end < groups_.size() && !is_sums(end) && !begins(code_of(end))) {
+      const std::size_t part = std::gcd(count, size_of(end));
+      if (part < few_values && (part != count || part != size_of(end))) break;
+      std::size_t g = part == count ? end : first;
+      while (g <= end && is_aligned(g, first, end, part)) ++g;
+      if (g <= end) break;
+      count = part;
+      ++end;
+    }
+    return count;
+  }
+  /// Whether every part of so many values of a batch reads, of those between the two, parts like itself.
+  bool is_aligned(std::size_t g, std::size_t first, std::size_t last, std::size_t count) const {
+    for (const Part part : parts) {
+      if (!reads(g, part)) continue;
+      for (std::size_t begin = 0; begin < size_of(g); begin += count) {
+        const std::span some(groups_[g].data() + begin, count);
+        const auto from = [&](Index i) { return steps_[at(i)].*part; };
+        const bool inside = std::ranges::any_of(some, [&](Index i) {
+          const std::size_t other = group_of_[at(from(i))];
+          return other >= first && other <= last;
+        });
+        if (inside && !(at_[at(from(some[0]))] % count == 0 && in_order(some, part))) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Whether what a batch gives is read beyond those that it goes together with, which end there.
+  bool is_kept(std::size_t g, std::size_t end) const { return last_[g] == never || last_[g] >= end; }
+
+  void write_together(Batches& made, std::size_t first, std::size_t end, std::size_t count) {
+    Stage stage{false, static_cast<std::uint32_t>(made.batches_.size()), 0, static_cast<std::uint32_t>(count)};
+    std::vector<std::uint32_t> free_tiles;
+    std::uint32_t tiles = 0;
+    for (std::size_t g = first; g < end; ++g) {
+      const auto parts_of_it = static_cast<std::uint32_t>(size_of(g) / count);
+      const bool kept = is_kept(g, end);
+      if (kept) place_[g] = take(static_cast<Place>(size_of(g)));
+      tiles_of_[g].clear();
+      for (std::uint32_t k = 0; k < parts_of_it; ++k) {
+        const std::span some(groups_[g].data() + k * count, count);
+        Batch batch{.code = code_of(g)};
+        batch.value = static_cast<std::uint32_t>(made.values_.size());
+        if (has_number(batch.code))
+          for (const Index i : some) made.values_.push_back(steps_[at(i)].value);
+        Operand* const operands[] = {&batch.a, &batch.b, &batch.c};
+        for (std::size_t p = 0; p < std::size(parts); ++p)
+          if (reads(g, parts[p])) *operands[p] = operand(made, some, parts[p], first, end);
+        if (kept) {
+          batch.out = {Operand::Kind::in_order, place_[g] + static_cast<Place>(k * count)};
+        } else {
+          if (free_tiles.empty()) free_tiles.push_back(tiles++);
+          batch.out = {Operand::Kind::in_tile, free_tiles.back()};
+          tiles_of_[g].push_back(free_tiles.back());
+          free_tiles.pop_back();
+        }
+        made.batches_.push_back(batch);
+        ++stage.number;
+      }
+      for (const std::size_t ended : ending_[g])
+        if (ended >= first && ended < g)
+          free_tiles.insert(free_tiles.end(), tiles_of_[ended].begin(), tiles_of_[ended].end());
+    }
+    tiles_ = std::max<std::size_t>(tiles_, tiles);
+    made.stages_.push_back(stage);
+  }
+
+  Operand operand(Batches& made, std::span<const Index> some, Part part, std::size_t first, std::size_t end) const {
+    const bool of_scene = steps_[at(some[0])].code == Code::variable;
+    const Index from = steps_[at(some[0])].*part;
+    if (of_scene && in_order(some, part)) return {Operand::Kind::in_order, static_cast<Place>(from)};
+    if (!of_scene) {
+      const std::size_t g = group_of_[at(from)];
+      if (g >= first && g < end && !is_kept(g, end))
+        return {Operand::Kind::in_tile, tiles_of_[g][at_[at(from)] / some.size()]};
+      if (in_order(some, part)) return {Operand::Kind::in_order, place_of(from)};
+    }
+    const Operand where{Operand::Kind::scattered, static_cast<std::uint32_t>(made.places_.size())};
+    for (const Index i : some)
+      made.places_.push_back(of_scene ? static_cast<Place>(steps_[at(i)].*part) : place_of(steps_[at(i)].*part));
+    return where;
+  }
+
+  void write_sums(Batches& made, std::size_t g) {
+    const auto& group = groups_[g];
+    const auto blocks = static_cast<Place>((group.size() + abreast - 1) / abreast);
+    place_[g] = take(blocks * static_cast<Place>(abreast));
+    made.stages_.push_back({true, static_cast<std::uint32_t>(made.sums_.size()), blocks, 0});
+    for (std::size_t begin = 0; begin < group.size(); begin += abreast) {
+      const auto sum = [&](std::size_t o) {
+        return begin + o < group.size() ? &sums_[at(sum_of_[at(group[begin + o])])] : nullptr;
+      };
+      Sums block{place_[g] + static_cast<Place>(begin), static_cast<std::uint32_t>(sum(0)->terms.size()),
+                 static_cast<std::uint32_t>(made.places_.size()), static_cast<std::uint32_t>(made.signs_.size())};
+      for (std::size_t o = 0; o < abreast; ++o) made.places_.push_back(sum(o) ? place_of(sum(o)->head) : zero);
+      for (std::size_t k = 0; k < block.length; ++k)
+        for (std::size_t o = 0; o < abreast; ++o) {
+          const bool there = sum(o) && k < sum(o)->terms.size();
+          made.places_.push_back(there ? place_of(sum(o)->terms[k]) : zero);
+          made.signs_.push_back(there ? sum(o)->signs[k] : -1);
+        }
+      made.sums_.push_back(block);
+    }
+  }
+
+  Place place_of(Index i) const { return place_[group_of_[at(i)]] + static_cast<Place>(at_[at(i)]); }
+
+  /// The first free range that is long enough.
+  Place take(Place count) {
+    for (auto range = free_.begin(); range != free_.end(); ++range) {
+      if (range->second < count) continue;
+      const auto [from, length] = *range;
+      free_.erase(range);
+      if (length > count) free_[from + count] = length - count;
+      return from;
+    }
+    const Place from = static_cast<Place>(room_);
+    room_ += count;
+    return from;
+  }
+  void release(Place from, std::size_t size) {
+    auto count = static_cast<Place>(size);
+    auto next = free_.lower_bound(from);
+    if (next != free_.end() && next->first == from + count) {
+      count += next->second;
+      next = free_.erase(next);
+    }
+    if (next != free_.begin()) {
+      const auto before = std::prev(next);
+      if (before->first + before->second == from) {
+        before->second += count;
+        return;
+      }
+    }
+    free_[from] = count;
+  }
+
+  static constexpr std::size_t never = static_cast<std::size_t>(-1);
+  std::span<const Operation> steps_;
+  std::span<const Index> ends_;
+  std::vector<Sum> sums_;
+  std::vector<Index> sum_of_;               ///< of each step
+  std::vector<bool> absorbed_;              ///< by a sum
+  std::vector<std::vector<Index>> groups_;  ///< steps, in the order of evaluation
+  std::vector<std::size_t> group_of_, at_;  ///< of each step, and where it stands in it
+  std::vector<std::size_t> last_;           ///< of each group
+  std::vector<std::vector<std::size_t>> ending_;
+  std::vector<Place> place_;                          ///< of what is kept, by group
+  std::vector<std::vector<std::uint32_t>> tiles_of_;  ///< of what is not: of each of its parts
+  std::map<Place, Place> free_;                       ///< from, how many
+  std::size_t room_ = 0, tiles_ = 0;
+};
+
+std::shared_ptr<const Batches> Batches::of(std::span<const Operation> steps, std::span<const Index> ends) {
+  const auto variables = std::ranges::count(steps, Code::variable, &Operation::code);
+  if (steps.size() < few_steps || variables <= few_variables) return nullptr;
+  Scheduler scheduler(steps, ends);
+  if (!scheduler.worthwhile()) return nullptr;
+  const auto made = std::make_shared<Batches>();
+  scheduler.schedule(*made);
+  return made;
+}
+
+}  // namespace least::tape

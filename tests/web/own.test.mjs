@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { all, assertDrawn, catalogue, drawn, number, options, origin, pageTest, pane, plane, settled, statuses } from "./browser.mjs";
+import { all, assertDrawn, catalogue, drawn, number, options, origin, pageTest, pane, plane, settled, statuses, stepOf } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
 import { examplesOf } from "../../web/catalogue/examples.js";
 import { definitionOf, entries, linked, placeOf, textsOf, unlinked } from "../../web/service/text.js";
@@ -210,6 +210,12 @@ pageTest("a problem of the catalogue that is a text is an example, too", { hash:
   assert.equal(await page.locator("#example option:checked").textContent(), "Three bodies on a figure eight");
   assert.match(await page.textContent("#example-note"), /^Three equal masses.*Chenciner/);
   assert.deepEqual([await fieldAt(page, "/initial/x[2]").inputValue(), await fieldAt(page, "/until/t").inputValue()], ["1", "6.3259139829"]);
+  assert.equal(await stepOf(page, "A").inputValue(), "0.01", "as the catalogue suggests it");
+  await page.selectOption("#example", "Toda lattice"); // without parameters
+  await page.waitForSelector("#initial [data-name='q[6]']");
+  await settled(page);
+  assert.equal(await page.locator("#example option:checked").textContent(), "Toda lattice");
+  assert.equal(await stepOf(page, "A").inputValue(), "0.02");
   const named = examplesOf(catalogue.problems).map(({ name }) => name);
   assert.ok(named.length > 10 && !named.includes("bouncing_ball") && !named.some((name) => scenes.some((one) => one.name === name)), "each stands once");
 });

@@ -3,7 +3,10 @@ import { motion } from "./card.js";
 
 const beside = ["bouncing_ball"]; // moves by events, which are no part of its text
 
-/** `[{name, title, note, reference, problem, initial, until}]`. */
+const usual = ["leapfrog", "contact_leapfrog", "lifted_splitting", "variational_midpoint", "runge_kutta_4"];
+
+/** `[{name, title, note, reference, problem, initial, scheme, until}]`, the step as the problem suggests it. */
 export const examplesOf = (problems) => problems.filter(({ id, text }) => text && !beside.includes(id)).map((card) => ({
   name: card.id, title: card.title, note: card.summary, reference: card.references.join("; "), until: card.until,
-  problem: { ...card.text, title: card.title }, initial: Object.fromEntries(motion(card).map(({ name, default: usual }) => [name, usual])) }));
+  scheme: { id: usual.find((id) => card.schemes.includes(id)), step: card.suggested.step },
+  problem: { ...card.text, title: card.title }, initial: Object.fromEntries(motion(card).map(({ name, default: begin }) => [name, begin])) }));

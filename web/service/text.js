@@ -87,7 +87,8 @@ export function textsOf(problem, brief = false) {
   const lines = (list) => Object.entries(list).map(([name, value]) => `${name}${brief ? "=" : " = "}${spelled(value)}`).join(brief ? "," : "\n");
   const text = (key) => (key === "variables" ? problem[key].join(brief ? "," : ", ")
     : lists.includes(key) ? lines(problem[key]) : data.includes(key) ? written(problem[key], brief) : String(problem[key]));
-  return { kind, ...Object.fromEntries(keys.filter((key) => key in problem).map((key) => [key === kind ? "formula" : key, text(key)])) };
+  const texts = keys.filter((key) => key in problem).map((key) => [key === kind ? "formula" : key, text(key)]);
+  return { kind, ...Object.fromEntries(texts.filter(([, said]) => said !== "")) };
 }
 
 /** A problem of a request as the section of a link, and back; parameters stand flat in both. */

@@ -202,6 +202,21 @@ pageTest("examples begin with what runs; a start in velocities is one in momenta
   assert.equal(await fieldAt(page, "/initial/pphi").inputValue(), "2", "p = r² · vphi");
 });
 
+const central = "#problem=custom&problem.variables=x,y&problem.lagrangian=(vx^2%2Bvy^2)/2%2B1/sqrt(x^2%2By^2)";
+pageTest("a coordinate that is singular at 0 starts at 1; a start that is refused is told at its field", { hash: central, expected: /status of 422/ }, async (page) => {
+  assert.deepEqual(await Promise.all(["x", "y"].map((name) => fieldAt(page, `/initial/${name}`).inputValue())), ["1", "0"]);
+  assert.deepEqual(await statuses(page), ["completed"]);
+  assert.ok(!/initial/.test(page.url()), "which is no choice of the reader's");
+  await enter(page, "/initial/x", "0");
+  assert.equal(await fieldAt(page, "/initial/x").getAttribute("aria-invalid"), "true");
+  assert.match(await page.locator("#initial .fault").textContent(), /not finite at the start/);
+  await page.focus("#go");
+  await pane(page, "A").locator(".messages button").click();
+  assert.equal(await page.evaluate(() => document.activeElement.dataset.pointer), "/initial/x", "and is led to");
+  await enter(page, "/initial/x", "2");
+  assert.deepEqual(await statuses(page), ["completed"]);
+});
+
 pageTest("a problem of the catalogue that is a text is an example, too", { hash: "#problem=custom" }, async (page) => {
   await page.selectOption("#example", "Three bodies on a figure eight");
   await page.waitForSelector("#initial [data-name='x[3]']");

@@ -147,7 +147,11 @@ export class Pane {
   /** An entry of the list of faults that leads to the field, where there is one. */
   #fault(fault, containers) {
     const [, own] = /^\/(columns|events)\/\d+/.exec(fault.pointer ?? "") ?? [];
-    const input = showFault(containers, own ? { ...fault, pointer: `/${own}/more` } : fault);
+    // A text that could be read is refused for the start.
+    const start = /^\/problem\/(lagrangian|hamiltonian|potential|equations)\b/.test(fault.pointer ?? "") &&
+      containers.map((form) => form.querySelector("[data-pointer^='/initial/']")).find(Boolean);
+    const at = own ? `/${own}/more` : start ? start.dataset.pointer : fault.pointer;
+    const input = showFault(containers, { ...fault, pointer: at });
     if (!input) return note("fault", `${fault.pointer ? `${fault.pointer}: ` : ""}${faultText(fault)}`);
     const lead = element("button", { type: "button", textContent: words(input.dataset.name) });
     lead.addEventListener("click", () => input.focus());

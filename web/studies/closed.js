@@ -142,13 +142,13 @@ export class Closed extends Study {
   async #draw(start, { initial, period, multipliers }, wanted, signal, told) {
     const own = this.problem.columns.filter((name) => name.endsWith("_wrapped")), over = [];
     const columns = ["t", ...startsOf(this.problem), ...own, ...statedColumns(this.problem)];
-    const run = async (from, t, look) => {
-      const { outcome } = await api.simulate({ ...start, initial: from, scheme: "taylor", until: { t }, record: { curve: along }, columns, diagnostics: [] }, signal);
-      if (!outcome) return;
-      over.unshift({ trajectory: outcome.trajectory, ...look }); // the orbit above all
+    const draw = async (runs, curve, look) => { // the orbit, which comes first, above all
+      const answers = await Promise.all(runs.map(([from, t]) => (
+        api.simulate({ ...start, initial: from, scheme: "taylor", until: { t }, record: { curve }, columns, diagnostics: [] }, signal))));
+      over.unshift(...answers.flatMap(({ outcome }) => (outcome ? [{ trajectory: outcome.trajectory, ...look }] : [])));
       this.#drawn([...over]);
     };
-    await run(initial, (initial.t ?? 0) + period, { colour: "--ink", dash: [9, 4] });
+    await draw([[initial, (initial.t ?? 0) + period]], along, { colour: "--ink", dash: [9, 4] });
     if (!wanted) return [];
     told(text("closed.leaving"));
     const until = reachOf({ period, multipliers });
@@ -159,10 +159,8 @@ export class Closed extends Study {
     const notes = [];
     for (const [kind, colour] of [["unstable", "--run-d"], ["stable", "--run-c"]]) {
       const { trajectories, reason } = found[kind];
-      for (const { side: _, ...columns } of trajectories) {
-        const first = Object.fromEntries(Object.entries(columns).map(([name, values]) => [name, values[0]]));
-        await run(first, columns.t.at(-1), { colour, thin: true });
-      }
+      const first = (states) => Object.fromEntries(Object.entries(states).map(([name, values]) => [name, values[0]]));
+      await draw(trajectories.map(({ side: _, ...states }) => [first(states), states.t.at(-1)]), along / 4, { colour, thin: true });
       notes.push(trajectories.length ? text(`closed.${kind}_one`) : text(`closed.no_${kind}_one`, { why: reason ?? "" }));
     }
     return notes;

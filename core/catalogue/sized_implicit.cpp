@@ -231,14 +231,13 @@ StepStatus SizedVariational::simpson(double* x, double t, double h) {
 
 double SizedVariational::damping(double t) const {
   if (!scene_->acting) return 0;
-  double alpha;
-  const double* const none = nullptr;
-  scene_->damping.evaluate(none, t, &alpha);
+  double alpha = 0;
+  scene_->damping.evaluate(slope_.data(), t, &alpha);  // of time alone
   return alpha;
 }
 
 double SizedVariational::potential(const double* q, double t) const {
-  double v;
+  double v = 0;
   scene_->potential.evaluate(q, t, &v);
   return v;
 }

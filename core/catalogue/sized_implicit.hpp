@@ -48,8 +48,8 @@ class SizedVariational {
   /// A step that fails leaves neither the state nor the stepper as they were.
   StepStatus step(double* x, double t, double h) noexcept;
   const Work& work() const { return work_; }
-  /// E_d of a step of length h from x; not a number where there is none.
-  double step_energy(StateView x, double h);
+  /// E_d of a step of length h from a state; not a number where there is none.
+  double step_energy(StateView from, double h);
   std::string unsupported_reason() const;
   double flips_from() const;
   double stiff_from() const;

@@ -18,7 +18,7 @@ SparsityPattern neighbours_of(const SparsityPattern& pattern) {
       }
   for (auto& some : all) {
     std::ranges::sort(some);
-    some.erase(std::ranges::unique(some).begin(), some.end());
+    some.erase(std::unique(some.begin(), some.end()), some.end());
   }
   return all;
 }

@@ -28,8 +28,8 @@ class SparseSystem {
 
   /// Makes every entry 0.
   void clear();
-  /// Adds to an entry of the pattern.
-  void add(std::size_t row, std::size_t column, double value);
+  /// Adds to the entry of row i and column j, which is one of the pattern.
+  void add(std::size_t i, std::size_t j, double value);
   /// Puts the factors in the place of the entries. Allocates nothing where the matrix is banded.
   void factor();
   /// x in the place of b, by the factors; not finite where the matrix has no inverse.

@@ -48,9 +48,10 @@ class Batches::Scheduler {
   bool worthwhile() const { return steps_.size() >= few_alike * groups_.size(); }
 
   void schedule(Batches& made) {
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      order(groups_[g]);
-      for (std::size_t k = 0; k < groups_[g].size(); ++k) at_[at(groups_[g][k])] = k;
+    for (std::vector<Index>& alike : groups_) {
+      order(alike);
+      std::size_t place = 0;
+      for (const Index i : alike) at_[at(i)] = place++;
     }
     find_last_readers();
     place_.resize(groups_.size());

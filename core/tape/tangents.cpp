@@ -128,6 +128,10 @@ class Tangents::Pass {
       double* const to = of_.mirrors_.data() + at(mirror) * orders;
       for (std::size_t k = 0; k < orders; ++k) to[orders - 1 - k] = value(sum.y, k);
     }
+    for (Sum& sum : of_.sums_) {
+      sum.series = of_.mirrors_.data() + at(of_.mirror_[at(sum.y)]) * orders + (orders - 1);
+      sum.tangents = level_.at(sum.x, 0);
+    }
     of_.weights_.resize(of_.sums_.size() * orders);
     of_.found_.resize(std::max(of_.found_.size(), of_.sums_.size() * fours_));
   }
@@ -137,7 +141,7 @@ class Tangents::Pass {
   }
   /// factor Σ (a + b j/k) x′ⱼ y_{k−j} over j < k
   void add_sum(Index x, Index y, double factor, double a = 1, double b = 0) {
-    if (moves(x) && reach(y) > 1) of_.sums_.push_back({slot(x), y, reach(x), reach(y), factor, a, b});
+    if (moves(x) && reach(y) > 1) of_.sums_.push_back({slot(x), y, reach(x), reach(y), factor, a, b, nullptr, nullptr});
   }
   /// factor (x y)′
   void add_product(Index x, Index y, double factor) {
@@ -200,8 +204,7 @@ class Tangents::Pass {
         add(s.w, s.c * value(s.a));
         add_sum(s.w, s.a, s.c);
         break;
-      case Rule::linear_power:
-      case Rule::linear_integral:
+      default:
         break;
     }
   }
@@ -209,26 +212,23 @@ class Tangents::Pass {
   /// Of all sums, those over many terms by four.
   [[gnu::always_inline]] inline void find_sums() {
     constexpr std::size_t most = 4;
-    const std::size_t orders = of_.order_;
-    const double inverse = inverses[k_];
     const double* c[most];
     const Four* t[most];
     Four* to[most];
     std::size_t waiting = 0;
     for (std::size_t i = 0; i < of_.sums_.size(); ++i) {
       const Sum& sum = of_.sums_[i];
-      c[waiting] = of_.mirrors_.data() + at(of_.mirror_[at(sum.y)]) * orders + (orders - 1 - k_);
-      t[waiting] = level_.at(sum.x, 0);
+      c[waiting] = sum.series - k_;
+      t[waiting] = sum.tangents;
       to[waiting] = of_.found_.data() + i * fours_;
-      const bool whole = sum.x_reach > k_ && sum.y_reach > k_;
       if (sum.a != 1 || sum.b != 0) {
-        double* const weighted = of_.weights_.data() + i * orders;
-        const double* const plain = c[waiting];
-        const double step = sum.b * inverse;
-        for (std::size_t j = 0; j < k_; ++j) weighted[j] = (sum.a + step * static_cast<double>(j)) * plain[j];
+        double* const __restrict weighted = of_.weights_.data() + i * of_.order_;
+        const double* const __restrict plain = c[waiting];
+        const double first = sum.a, step = sum.b * inverses[k_];
+        for (int j = 0; j < static_cast<int>(k_); ++j) weighted[j] = (first + step * j) * plain[j];
         c[waiting] = weighted;
       }
-      if (!whole) {
+      if (sum.x_reach <= k_ || sum.y_reach <= k_) {
         const std::size_t begin = k_ < sum.y_reach ? 0 : k_ + 1 - sum.y_reach, end = std::min(k_, sum.x_reach);
         for (std::size_t f = 0; f < fours_; ++f) {
           to[waiting][f].lane = Four{}.lane;

@@ -61,6 +61,8 @@ class Tangents {
     Index x, y;
     std::size_t x_reach, y_reach;
     double factor, a, b;
+    const double* series;  ///< y₀, before which stand y₁, y₂ …
+    const Four* tangents;  ///< x′₀
   };
   /// A step, with what its derivatives are made of, from one place to another; lasts: beyond order 0.
   struct Planned {

@@ -120,10 +120,10 @@ Answer answer_whole(const SharedTask& task, const HttpRequest& question, const F
   if (form.add_fields) form.add_fields(run, answer);
   note_run(answer, run, ended.outcome);
   const auto kept = std::make_shared<const Ended>(std::move(ended));
-  answer.pieces = [task, rows = std::move(rows), kept, &form, next = std::size_t{0}](std::string& out) mutable {
-    const FinishedRun whole = finished(*task, *kept, *rows);
-    form.write(whole, next, out);
-    return ++next < form.pieces(whole);
+  const auto whole = std::make_shared<const FinishedRun>(finished(*task, *kept, *rows));
+  answer.pieces = [task, rows = std::move(rows), kept, whole, &form, next = std::size_t{0}](std::string& out) mutable {
+    form.write(*whole, next, out);
+    return ++next < form.pieces(*whole);
   };
   return answer;
 }

@@ -10,14 +10,14 @@
 
 namespace least {
 
-TangentLength::TangentLength(const RunBackend& backend, const RunState& x, double end)
+TangentLength::TangentLength(const RunBackend& backend, const RunState& x, double end, const KeepGoing& keep_going)
     : backend_(backend),
       flow_(backend.motion().traits.flow),
       size_(backend.motion().traits.components),
       n_(flow_ ? size_ : backend.motion().traits.dof),
       extent_(size_, 0.0) {
   if (!flow_) by_velocities_ = has_kinetic_matrix(x);
-  measure(x, end);
+  measure(x, end, keep_going);
   first_ = direction(x);
   const double length = (*this)(x, first_.data());
   for (double& component : first_) component /= length;
@@ -73,7 +73,7 @@ StateNumbers TangentLength::as_measured(StateView x, const double* u) const {
   return seen;
 }
 
-void TangentLength::measure(RunState x, double end) {
+void TangentLength::measure(RunState x, double end, const KeepGoing& keep_going) {
   constexpr int steps = 128;
   constexpr double tolerance = 1e-5;
   double most = 0;
@@ -94,7 +94,7 @@ void TangentLength::measure(RunState x, double end) {
     }
     return true;
   };
-  for (int step = 0; see() && step < steps && x.t < end; ++step)
+  for (int step = 0; see() && step < steps && x.t < end && keep_going(); ++step)
     if (stepper.step(x) != StepStatus::ok) break;
   for (std::size_t i = 0; i < size_; ++i) {
     const double range = low ? (*high)[i] - (*low)[i] : 0, grain = 1e-12 * largest[i];

@@ -12,8 +12,8 @@ namespace least {
 
 class TangentLength {
  public:
-  /// Of the motion from x until `end`, or as far as a few steps go.
-  TangentLength(const RunBackend& backend, const RunState& x, double end);
+  /// Of the motion from x until `end`, or as far as a few steps go, while it may.
+  TangentLength(const RunBackend& backend, const RunState& x, double end, const KeepGoing& keep_going);
 
   double operator()(StateView x, const double* u) const;
   /// A tangent of length 1 at the start, in which no component that the scene has is left out, and none is as large as
@@ -25,7 +25,7 @@ class TangentLength {
   std::vector<double> inverse_masses(StateView x) const;
   bool has_kinetic_matrix(const RunState& x) const;
   StateNumbers as_measured(StateView x, const double* u) const;
-  void measure(RunState x, double end);
+  void measure(RunState x, double end, const KeepGoing& keep_going);
   void share(std::size_t begin, std::size_t end, const StateNumbers& largest);
   StateNumbers direction(StateView x) const;
 

@@ -174,6 +174,14 @@ void place_within(const SteepStep& step, double part, double* y) {
   if (step.complete) step.complete(step.problem, step.start.t + time, y);
 }
 
+/// An argument at a part of the step, along straight lines from look to look.
+double between(const SteepLooks& looks, double part) {
+  const double place = part * (steep_looks - 1);
+  const std::size_t k = std::min(static_cast<std::size_t>(place), steep_looks - 2);
+  const double beyond = place - static_cast<double>(k);
+  return looks[k] + beyond * (looks[k + 1] - looks[k]);
+}
+
 }  // namespace
 
 SteepForces::SteepForces(const Tape& tape, std::span<const Index> rates)
@@ -217,8 +225,10 @@ double SteepForces::resolved_part(const SteepStep& step, double tolerance, std::
   return part < h && start + less * part > start ? less * part : h;
 }
 
-/// Along the cubic polynomials.
+/// Along the cubic polynomials. A look takes all arguments, and each of them asks for some of its own: of thousands only
+/// the first ones get theirs, and what lies between looks counts as straight for the others.
 double SteepForces::resolved_length(const SteepStep& step) const {
+  constexpr std::size_t most_operations = 1 << 20;  // of such looks in a step: about a millisecond
   const double start = step.start.t, h = step.end.t - start;
   auto& [values, looks, within, last_rate] = scratch(steep_.size(), std::max(variables_, step.components));
   const auto observe = [&, &numbers = values, &y = within](double time) {
@@ -230,10 +240,13 @@ double SteepForces::resolved_length(const SteepStep& step) const {
     for (std::size_t i = 0; i < steep_.size(); ++i) looks[i][k] = values[i];
   }
   double length = h;
+  std::size_t closer = most_operations / std::max<std::size_t>(arguments_.operations(), 1);  // looks that are left
   for (std::size_t i = 0; i < steep_.size(); ++i) {
     const auto [least, most] = std::minmax_element(looks[i].begin(), looks[i].end());
     if (steep_[i].calm(looks[i].front(), *most - *least)) continue;
-    const auto value = [&, &numbers = values](double time) {
+    const auto value = [&, &numbers = values, &known = looks[i]](double time) {
+      if (closer == 0) return between(known, time / h);
+      --closer;
       observe(time);
       return numbers[i];
     };
@@ -266,19 +279,23 @@ double SteepForces::until_switch(const SteepStep& step, double tolerance) const 
     observe(static_cast<double>(k) / (steep_looks - 1));
     for (std::size_t i = 0; i < count; ++i) looks[i][k] = values[i];
   }
-  double first = 1;
+  // Of all choices at once, between the first two looks at which any of them differs: as many looks for many as for one.
+  const auto changed = [&](std::size_t i, std::size_t k) { return (looks[i][k - 1] < 0) != (looks[i][k] < 0); };
+  std::size_t change = steep_looks;
   for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t k = 1; k < steep_looks; ++k) {
-      double low = static_cast<double>(k - 1) / (steep_looks - 1), high = static_cast<double>(k) / (steep_looks - 1);
-      if (low >= first) break;
-      if ((looks[i][k - 1] < 0) == (looks[i][k] < 0)) continue;
-      for (int n = 0; n < halvings; ++n) {
-        const double middle = 0.5 * (low + high);
-        observe(middle);
-        ((values[i] < 0) == (looks[i][k - 1] < 0) ? low : high) = middle;
-      }
-      first = std::min(first, high);
-    }
+    for (std::size_t k = 1; k < change; ++k)
+      if (changed(i, k)) change = k;
+  if (change == steep_looks) return h;
+  double low = static_cast<double>(change - 1) / (steep_looks - 1);
+  double first = static_cast<double>(change) / (steep_looks - 1);
+  for (int n = 0; n < halvings; ++n) {
+    const double middle = 0.5 * (low + first);
+    observe(middle);
+    bool any = false;
+    for (std::size_t i = 0; i < count && !any; ++i)
+      any = changed(i, change) && (values[i] < 0) != (looks[i][change - 1] < 0);
+    (any ? first : low) = middle;
+  }
   if (!(first < 1)) return h;
   return first * h > hop ? first * h - 0.5 * hop : first * h + 0.5 * hop;
 }

@@ -289,8 +289,11 @@ class Reader : TextReader {
       }
     for (std::size_t k = 0; k < n; ++k) {
       if (!(m[0] > 0 ? m[k * n + k] > 0 : m[k * n + k] < 0)) return true;
-      for (std::size_t i = k + 1; i < n; ++i)
-        for (std::size_t j = k + 1; j < n; ++j) m[i * n + j] -= m[i * n + k] * m[k * n + j] / m[k * n + k];
+      for (std::size_t i = k + 1; i < n; ++i) {
+        const double factor = m[i * n + k] / m[k * n + k];
+        if (factor == 0) continue;  // of a thousand masses alone nearly all
+        for (std::size_t j = k + 1; j < n; ++j) m[i * n + j] -= factor * m[k * n + j];
+      }
     }
     return false;
   }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/run/outcome.hpp"
 #include "core/run/request.hpp"
@@ -32,6 +33,8 @@ struct PlannedRun {
   const variations::SensitivitiesAsked* sensitivities = nullptr;  ///< where they are asked for
 };
 
+std::vector<const ColumnCard*> cards_of(const Request& request, const std::vector<std::size_t>& columns);
+
 /// What was asked for and found of what the run depends on.
 struct FoundSensitivities {
   const variations::SensitivitiesAsked& asked;
@@ -44,10 +47,14 @@ struct FinishedRun : PlannedRun {
   const KeptRows& samples;
   const KeptRows* points;                     ///< of the section, where there is one
   std::optional<FoundSensitivities> found{};  ///< where they are asked for
+  /// Of the samples and of the section: looked up once, for an answer of a thousand columns has as many pieces.
+  std::vector<const ColumnCard*> columns, point_columns;
 
   FinishedRun(const PlannedRun& planned, const Solution& ended, const KeptRows& rows,
               const KeptRows* of_section = nullptr, const variations::Sensitivities* slopes = nullptr)
       : PlannedRun(planned), outcome(ended), samples(rows), points(of_section) {
+    columns = cards_of(request, request.columns);
+    if (points) point_columns = cards_of(request, request.section_columns());
     if (sensitivities && slopes) found.emplace(FoundSensitivities{*sensitivities, *slopes});
   }
 };

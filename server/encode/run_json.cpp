@@ -30,19 +30,14 @@ void write_status(JsonWriter& json, const Solution& outcome) {
 // each column.
 struct Table {
   const KeptRows& rows;
-  std::vector<const ColumnCard*> cards;
+  const std::vector<const ColumnCard*>& cards;
 
   std::size_t slices() const { return std::max<std::size_t>(rows.slices(), 1); }
   std::size_t pieces() const { return cards.size() * slices(); }
 };
 
-std::vector<const ColumnCard*> cards_of(const Request& request, const std::vector<std::size_t>& columns) {
-  std::vector<const ColumnCard*> cards;
-  for (const std::size_t place : columns) cards.push_back(&request.column(place));
-  return cards;
-}
-Table samples_of(const FinishedRun& run) { return {run.samples, cards_of(run.request, run.request.columns)}; }
-Table points_of(const FinishedRun& run) { return {*run.points, cards_of(run.request, run.request.section_columns())}; }
+Table samples_of(const FinishedRun& run) { return {run.samples, run.columns}; }
+Table points_of(const FinishedRun& run) { return {*run.points, run.point_columns}; }
 
 // `first`: of the first column, whether nothing stands before it.
 void write_column(const Table& table, std::size_t piece, bool first, std::string& out, Notation notation) {
@@ -125,6 +120,13 @@ void write_cbor(const FinishedRun& run, std::size_t piece, std::string& out) {
 }
 
 }  // namespace
+
+std::vector<const ColumnCard*> cards_of(const Request& request, const std::vector<std::size_t>& columns) {
+  std::vector<const ColumnCard*> cards;
+  cards.reserve(columns.size());
+  for (const std::size_t place : columns) cards.push_back(&request.column(place));
+  return cards;
+}
 
 std::string run_head_line(const PlannedRun& run) {
   return object_line("head", [&](JsonWriter& json) {

@@ -79,7 +79,7 @@ class Lyapunov final : public Diagnostic {
 
   void begin() {
     if (backend_.motion().starts_series(before_)) return;
-    length_.emplace(backend_, before_, tangents_.end);
+    length_.emplace(backend_, before_, tangents_.end, keep_going_);
     u_ = length_->first();
     for (std::size_t i = 0; i < size_ && i < tangents_.level.size(); ++i) level_ += tangents_.level[i] * u_[i];
     begun_ = sampled_ = before_.t;

@@ -225,8 +225,8 @@ double SteepForces::resolved_part(const SteepStep& step, double tolerance, std::
   return part < h && start + less * part > start ? less * part : h;
 }
 
-/// Along the cubic polynomials. A look takes all arguments, and each of them asks for some of its own: of thousands only
-/// the first ones get theirs, and what lies between looks counts as straight for the others.
+/// Along the cubic polynomials. A look takes all arguments, and each of them asks for some of its own: of thousands
+/// only the first ones get theirs, and what lies between looks counts as straight for the others.
 double SteepForces::resolved_length(const SteepStep& step) const {
   constexpr std::size_t most_operations = 1 << 20;  // of such looks in a step: about a millisecond
   const double start = step.start.t, h = step.end.t - start;
@@ -279,7 +279,8 @@ double SteepForces::until_switch(const SteepStep& step, double tolerance) const 
     observe(static_cast<double>(k) / (steep_looks - 1));
     for (std::size_t i = 0; i < count; ++i) looks[i][k] = values[i];
   }
-  // Of all choices at once, between the first two looks at which any of them differs: as many looks for many as for one.
+  // Of all choices at once, between the first two looks at which any of them differs: as many looks for many as for
+  // one.
   const auto changed = [&](std::size_t i, std::size_t k) { return (looks[i][k - 1] < 0) != (looks[i][k] < 0); };
   std::size_t change = steep_looks;
   for (std::size_t i = 0; i < count; ++i)

@@ -29,7 +29,7 @@ Request orbit(const Case& c, double step) {
 
 // Every scene at its default start, span and step, under the scheme its kind calls for and with the
 // composition kahan_li_6 on top.
-void scenes() {
+void every_scene() {
   std::printf("| id | system | scheme | step | force evaluations | error | with kahan_li_6 | error |\n");
   std::printf("|---|---|---|---|---|---|---|---|\n");
   for (const ProblemCard& problem : runs::problem_cards()) {
@@ -91,5 +91,5 @@ void bench::choice() {
   std::printf(
       "At its default start, span and step: the largest error along the run, against a closed form or a run in quad\n"
       "precision, as max |Δ| / max(1, |state|). A chaotic scene's states mean nothing after a while.\n\n");
-  scenes();
+  every_scene();
 }

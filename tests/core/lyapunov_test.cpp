@@ -72,7 +72,7 @@ double growth_of_a_difference(Request request, double end, double distance) {
   request.end = runs::scene(request).start + end;
   request.diagnostics = {};
   const CompiledBackend<Orbit, StateOf<Orbit>> orbit{Orbit()};
-  const TangentLength length(orbit, run_state(state_of(runs::scene(request).initial, 0)), end);
+  const TangentLength length(orbit, run_state(state_of(runs::scene(request).initial, 0)), end, [] { return true; });
   std::vector<double> ends[2];
   for (const double side : {-0.5, 0.5}) {
     Request displaced = request;

@@ -1,5 +1,6 @@
 // The problems of the catalogue that are files of core/scenes.
 #include <cmath>
+#include <complex>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -121,6 +122,40 @@ TEST_F(Scenes, ClosedOrbitsClose) {
       }
     }
   }
+}
+
+// z = x + iy with z″ = −2iΩ′z′ − (g/l) z, Ω′ = Ω sin φ: two circular motions of w² = g/l + Ω′² in a frame that turns
+// back.
+TEST_F(Scenes, TurnThePlaneOfFoucaultsPendulum) {
+  NEEDS_SCENE("foucault");
+  for (const char* preset : {"", "paris", "equator"}) {
+    Json problem{{"id", "foucault"}};
+    if (*preset) problem["preset"] = preset;
+    for (const Json& scheme :
+         {Json{{"id", "taylor"}}, Json{{"id", "lifted_splitting"}, {"composition", "kahan_li_8"}}}) {
+      const Json run = answer({{"problem", problem}, {"scheme", scheme}, {"until", {{"t", 300}}}});
+      const Json& set = run["problem"];
+      const double turn = set["omega"].get<double>() * std::sin(set["lat"].get<double>());
+      const double w = std::sqrt(set["g"].get<double>() / set["l"].get<double>() + turn * turn), t = 300;
+      const std::complex<double> i(0, 1),
+          z = 3.0 * std::exp(-i * turn * t) * (std::cos(w * t) + i * turn / w * std::sin(w * t));
+      EXPECT_NEAR(run["final"]["x"], z.real(), 1e-7) << preset << scheme;
+      EXPECT_NEAR(run["final"]["y"], z.imag(), 1e-7) << preset << scheme;
+    }
+  }
+}
+
+// Where the friction is weak, cycles are circles about r with a/2 + 3 b r²/8 + 5 c r⁴/16 = 0: 1, which repels, and 2.
+TEST_F(Scenes, SwingLienardsOscillatorOntoItsOuterCycle) {
+  NEEDS_SCENE("lienard");
+  const auto radius_from = [](double x) {
+    const Json run =
+        answer({{"problem", {{"id", "lienard"}, {"preset", "weak"}}}, {"initial", {{"x", x}}}, {"scheme", "taylor"}});
+    return std::hypot(run["final"]["x"].get<double>(), run["final"]["y"].get<double>());
+  };
+  EXPECT_NEAR(radius_from(1.3), 2, 0.02);
+  EXPECT_NEAR(radius_from(2.4), 2, 0.02);
+  EXPECT_LT(radius_from(0.9), 0.2);
 }
 
 TEST_F(Scenes, EchoARequestThatGivesTheSameRun) {

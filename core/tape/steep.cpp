@@ -281,7 +281,9 @@ double SteepForces::until_switch(const SteepStep& step, double tolerance) const 
   }
   // Of all choices at once, between the first two looks at which any of them differs: as many looks for many as for
   // one.
-  const auto changed = [&](std::size_t i, std::size_t k) { return (looks[i][k - 1] < 0) != (looks[i][k] < 0); };
+  const auto changed = [&seen = looks](std::size_t i, std::size_t k) {
+    return (seen[i][k - 1] < 0) != (seen[i][k] < 0);
+  };
   std::size_t change = steep_looks;
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 1; k < change; ++k)

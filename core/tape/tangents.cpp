@@ -54,11 +54,12 @@ template <std::size_t B, std::size_t G>
   for (std::size_t b = 0; b < B; ++b)
 #pragma GCC unroll 2
     for (std::size_t g = 0; g < G; ++g) sums[b][g].lane = Four{}.lane;
-  for (std::size_t j = 0; j < n; ++j)
+  for (std::size_t j = 0; j < n; ++j) {
 #pragma GCC unroll 4
     for (std::size_t b = 0; b < B; ++b)
 #pragma GCC unroll 2
       for (std::size_t g = 0; g < G; ++g) sums[b][g].lane += c[b][j] * t[b][j * on + f + g].lane;
+  }
 #pragma GCC unroll 4
   for (std::size_t b = 0; b < B; ++b)
 #pragma GCC unroll 2
@@ -305,11 +306,11 @@ class Tangents::Pass {
     if (!moves(x) || !moves(y)) return;
     const std::size_t end = std::min(k_ + 1, reach(x));
     for (std::size_t j = k_ < reach(y) ? 0 : k_ + 1 - reach(y); j < end; ++j) {
-      const double weight = alpha + static_cast<double>(j) * beta;
+      const double of_order = alpha + static_cast<double>(j) * beta;
       const double *const a = first_->row(slot(x), j), *const b = first_->row(slot(y), k_ - j);
       for (std::size_t i = 0; i < of_.pairs_.size(); ++i) {
         const auto [d, e] = of_.pairs_[i];
-        out[i] += shares_[i] * weight * (a[d] * b[e] + a[e] * b[d]);
+        out[i] += shares_[i] * of_order * (a[d] * b[e] + a[e] * b[d]);
       }
     }
   }

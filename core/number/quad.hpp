@@ -48,7 +48,6 @@ class Quad {
   constexpr Quad& operator*=(const Quad& b) { return *this = *this * b; }
   constexpr Quad& operator/=(const Quad& b) { return *this = *this / b; }
   friend constexpr bool operator==(const Quad& a, const Quad& b) { return a.bits_ == b.bits_; }
-  friend constexpr bool operator!=(const Quad& a, const Quad& b) { return a.bits_ != b.bits_; }
   friend constexpr bool operator<(const Quad& a, const Quad& b) { return a.bits_ < b.bits_; }
   friend constexpr bool operator>(const Quad& a, const Quad& b) { return a.bits_ > b.bits_; }
   friend constexpr bool operator<=(const Quad& a, const Quad& b) { return a.bits_ <= b.bits_; }

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/schemes/taylor.hpp"
+#include "core/schemes/expansion.hpp"
 #include "core/tape/formula.hpp"
 #include "core/tape/tangents.hpp"
 #include "core/variations/parametric.hpp"

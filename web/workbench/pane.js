@@ -46,8 +46,7 @@ export class Pane {
     this.#problem = problem;
     this.#schemes = schemes.filter((scheme) => problem.schemes.includes(scheme.id));
     const named = (id) => this.#schemes.find((s) => s.id === id);
-    const usual = [usualScheme(problem), "leapfrog", "contact_leapfrog", "lifted_splitting"].map(named).find(Boolean) ??
-                  this.#schemes.find((s) => s.structure !== "none") ?? named("runge_kutta_4");
+    const usual = named(usualScheme(problem)) ?? this.#schemes.find((s) => s.structure !== "none") ?? named("runge_kutta_4");
     const { id = usual?.id } = chosen;
     const fits = named(id) !== undefined;
     choose(this.#part.scheme, this.#schemes, fits ? id : usual?.id);

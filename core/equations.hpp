@@ -39,7 +39,7 @@ constexpr Vec<P::dof, T> gradient(const P& m, const Vec<P::dof, T>& q) { return 
 template <Potential P, class T>
 constexpr Vec<P::dof, T> velocity(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& p) {
   if constexpr (ConfigurationMetric<P>) {
-    return solve_definite(m.metric(q), p);
+    return solve_definite(m.metric(q), p, coordinates_of(m));
   } else if constexpr (HasInverseMass<P>) {
     if constexpr (MayHaveFullMass<P>)
       if (m.has_full_mass()) return m.times_inverse_mass(p);
@@ -116,7 +116,9 @@ constexpr typename X::Number energy(const P& m, const X& x) {
 template <Potential P, class T, class F>
 constexpr Vec<P::dof, T> lagrangian_force(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& v, const F& f) {
   Vec<P::dof, T> force;
-  if constexpr (ConfigurationMetric<P>) {
+  if constexpr (HasLagrangianForces<P>) {
+    force = m.forces()(q, v);
+  } else if constexpr (ConfigurationMetric<P>) {
     const auto x = seed<P::dof, T>(q);
     Vec<P::dof, Dual<T, P::dof>> w;
     for (std::size_t i = 0; i < w.size(); ++i) w[i] = v[i];

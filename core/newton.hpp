@@ -1,7 +1,9 @@
 // Implicit steps: Newton's method with the Jacobian from dual numbers.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "core/number/linear.hpp"
@@ -19,6 +21,37 @@ T grain_of(const std::array<T, N>& q, const S& h) {
   return size / abs(h);
 }
 
+/// Which of N unknowns a system has: all of them.
+struct AllUnknowns {};
+/// Or those in these places: a class of problem with room for more coordinates than a scene has leaves the unknowns of
+/// the others as they are.
+template <int N>
+struct SomeUnknowns {
+  std::array<std::uint8_t, std::size_t(N)> place{};
+  std::size_t count = 0;
+
+  static constexpr SomeUnknowns all() {
+    SomeUnknowns every;
+    for (; every.count < std::size_t(N); ++every.count) every.place[every.count] = std::uint8_t(every.count);
+    return every;
+  }
+};
+
+/// Of N unknowns in blocks of `Width`, each of which begins with one for every coordinate that P has room for.
+template <int N, int Width, class P>
+constexpr auto unknowns_of([[maybe_unused]] const P& problem) {
+  if constexpr (requires { problem.coordinates(); }) {
+    SomeUnknowns<N> some;
+    for (std::size_t i = 0; i < std::size_t(N); ++i) {
+      const std::size_t k = i % std::size_t(Width);
+      if (k < problem.coordinates() || k >= std::size_t(P::dof)) some.place[some.count++] = std::uint8_t(i);
+    }
+    return some;
+  } else {
+    return AllUnknowns{};
+  }
+}
+
 namespace detail {
 template <class T>
 inline constexpr bool carries_slopes = false;
@@ -27,7 +60,7 @@ inline constexpr bool carries_slopes<Dual<T, K>> = true;
 
 /// One round of Newton's method: by how much x is off.
 template <int N, class T, class F>
-requires(!carries_slopes<T>) Vec<N, T> newton_update(const Vec<N, T>& x, F&& residual) {
+requires(!carries_slopes<T>) Vec<N, T> newton_update(const Vec<N, T>& x, AllUnknowns, F&& residual) {
   Vec<N, Dual<T, N>> u;
   for (int i = 0; i < N; ++i) u[std::size_t(i)] = Dual<T, N>::variable(x[std::size_t(i)], i);
   const auto r = residual(u);
@@ -39,31 +72,58 @@ requires(!carries_slopes<T>) Vec<N, T> newton_update(const Vec<N, T>& x, F&& res
   }
   return LinearSolver<T>::solve(jacobian, right);
 }
-/// The same in numbers that carry slopes, with a Jacobian of their values alone, a column at a time: a Jacobian that
-/// carries slopes as well is several times as much code.
-template <int N, class T, int K, class F>
-Vec<N, Dual<T, K>> newton_update(const Vec<N, Dual<T, K>>& x, F&& residual) {
-  using D = Dual<T, K>;
-  Mat<N, T> jacobian;
-  Vec<N, D> wrong, update;
-  for (std::size_t j = 0; j < N; ++j) {
-    Vec<N, Dual<D, 1>> u;
-    for (std::size_t i = 0; i < N; ++i) u[i] = Dual<D, 1>(x[i]);
-    u[j].slope[0] = D(1);
+/// The same of some unknowns, with a Jacobian of a few columns at a time. In numbers that carry slopes it is that of
+/// their values alone: a Jacobian that carries slopes as well is several times as much code.
+template <int N, class T, class F>
+Vec<N, T> newton_update(const Vec<N, T>& x, const SomeUnknowns<N>& some, F&& residual) {
+  using Plain = typename Underlying<T>::type;
+  static constexpr int columns = carries_slopes<T> ? 1 : N < 4 ? N : 4;
+  using D = Dual<T, columns>;
+  const auto plain = [](const auto& number) {
+    if constexpr (carries_slopes<T>) {
+      return number.value;
+    } else {
+      return number;
+    }
+  };
+  const std::size_t count = some.count;
+  std::array<Plain, std::size_t(N) * std::size_t(N)> jacobian, spoilt;  // NOLINT: written before they are read
+  Vec<N, T> wrong{}, update{};
+  for (std::size_t first = 0; first < count; first += columns) {
+    Vec<N, D> u;
+    for (std::size_t i = 0; i < std::size_t(N); ++i) u[i] = D(x[i]);
+    const std::size_t here = std::min<std::size_t>(columns, count - first);
+    for (std::size_t j = 0; j < here; ++j) u[some.place[first + j]].slope[j] = T(1);
     const auto r = residual(u);
-    for (std::size_t i = 0; i < N; ++i) {
-      jacobian[i][j] = r[i].slope[0].value;
-      wrong[i] = r[i].value;
+    for (std::size_t i = 0; i < count; ++i) {
+      const D& equation = r[some.place[i]];
+      for (std::size_t j = 0; j < here; ++j) jacobian[i * count + first + j] = plain(equation.slope[j]);
+      wrong[i] = equation.value;
     }
   }
-  for (std::size_t k = 0; k <= K; ++k) {
-    const auto part = [k](auto& number) -> auto& { return k < K ? number.slope[k] : number.value; };
-    Vec<N, T> right;
-    for (std::size_t i = 0; i < N; ++i) right[i] = part(wrong[i]);
-    const Vec<N, T> solution = LinearSolver<T>::solve(jacobian, right);
-    for (std::size_t i = 0; i < N; ++i) part(update[i]) = solution[i];
+  const auto solve = [&](auto part) {
+    Vec<N, Plain> right{}, solution{};
+    for (std::size_t i = 0; i < count; ++i) right[i] = part(wrong[i]);
+    if (count == 1) {
+      solution[0] = right[0] / jacobian[0];
+    } else {
+      std::copy_n(jacobian.begin(), count * count, spoilt.begin());
+      solve_by_lu(count, spoilt.data(), right.data(), solution.data());
+    }
+    for (std::size_t i = 0; i < count; ++i) part(update[some.place[i]]) = solution[i];
+  };
+  if constexpr (carries_slopes<T>) {
+    for (std::size_t k = 0; k < wrong[0].slope.size(); ++k)
+      solve([k](auto& number) -> auto& { return number.slope[k]; });
+    solve([](auto& number) -> auto& { return number.value; });
+  } else {
+    solve([](auto& number) -> auto& { return number; });
   }
   return update;
+}
+template <int N, class T, class F>
+requires(carries_slopes<T>) Vec<N, T> newton_update(const Vec<N, T>& x, AllUnknowns, F&& residual) {
+  return newton_update<N>(x, SomeUnknowns<N>::all(), residual);
 }
 }  // namespace detail
 
@@ -71,8 +131,9 @@ Vec<N, Dual<T, K>> newton_update(const Vec<N, Dual<T, K>>& x, F&& residual) {
 /// a solution's components and `grain` the size below which an update means nothing (see `grain_of`). Ends when the
 /// update is below ε^¾·scale + grain, where the next one would be below round-off; derivatives that ride along converge
 /// a round later. `evaluations`: force evaluations per residual. On failure x is not a solution.
-template <int N, class T, class F>
-StepStatus newton(Vec<N, T>& x, const T& scale, const T& grain, F&& residual, int evaluations, Work& work) {
+template <int N, class T, class F, class Unknowns>
+StepStatus newton(Vec<N, T>& x, const Unknowns& unknowns, const T& scale, const T& grain, F&& residual, int evaluations,
+                  Work& work) {
   using least::abs;
   using least::any;
   using least::select;
@@ -84,7 +145,7 @@ StepStatus newton(Vec<N, T>& x, const T& scale, const T& grain, F&& residual, in
   for (int k = 0; k < most_iterations; ++k) {
     work.forces += evaluations;
     ++work.iterations;
-    const Vec<N, T> update = detail::newton_update<N>(x, residual);
+    const Vec<N, T> update = detail::newton_update<N>(x, unknowns, residual);
     T size = abs(update[0]);
     for (std::size_t i = 1; i < N; ++i) size = size + abs(update[i]);
     for (std::size_t i = 0; i < N; ++i) x[i] = select(active, x[i] - update[i], x[i]);

@@ -12,6 +12,7 @@
 //                         known when it runs: whether it is, g⁻¹p and g v
 //   metric(q)             g(q), symmetric and positive definite, where it depends on the configuration
 //   gradient(q, t)        ∇V by hand, where that pays (a law checks it against the potential)
+//   forces()              where g depends on q: ∂L/∂q as a function of q and v, where that is at hand
 //   exact(x0, t)          the solution, where there is a closed form (scalar numbers only); `exact_applies(x0)` says
 //                         for which starts, where it does not hold for all
 //   invariants(q, p, t)   what the exact motion conserves besides energy
@@ -68,6 +69,11 @@ concept Potential = requires(const P& m, const Vec<P::dof>& q) {
 template <class P>
 concept ConfigurationMetric = Potential<P> && requires(const P& m, const Vec<P::dof>& q) {
   { m.metric(q) } -> std::same_as<Mat<P::dof>>;
+};
+/// ∂L/∂q at fixed v as a function of its own, forces()(q, v), that outlives the problem's copies.
+template <class P>
+concept HasLagrangianForces = ConfigurationMetric<P> && requires(const P& m, const Vec<P::dof>& q) {
+  { m.forces()(q, q) } -> std::same_as<Vec<P::dof>>;
 };
 /// α does not change in time, so what follows from it is computed once a run.
 template <class P>
@@ -223,6 +229,16 @@ struct StateFor<P, T, S, Full> {
   using type = Point<P::dim, T, S>;
 };
 }  // namespace detail
+
+/// How many coordinates a scene has, where its class may have room for more.
+template <class P>
+constexpr std::size_t coordinates_of([[maybe_unused]] const P& m) {
+  if constexpr (requires { m.coordinates(); }) {
+    return m.coordinates();
+  } else {
+    return std::size_t(P::dof);
+  }
+}
 
 /// Whether a scene has the i-th component of its states: others rest, where there is room for more than it has.
 template <class P>

@@ -2,6 +2,7 @@
 // linear.cpp alone sees, dual numbers differentiate it, lanes take it lane by lane. Of any size up to the largest.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "core/number/dual.hpp"
@@ -31,21 +32,23 @@ constexpr void fits_the_largest_system() {
 
 }  // namespace detail
 
-/// solve(A, b): x with A x = b, rows of A first. A singular A gives numbers that are not finite, never an error. A
-/// number that is no scalar specialises it.
+/// solve(A, b, n): x with A x = b of the first n equations and unknowns, rows of A first; the others are 0. A singular
+/// A gives numbers that are not finite, never an error. A number that is no scalar specialises it.
 template <class T>
 struct LinearSolver {
   template <std::size_t N>
-  static std::array<T, N> solve(const std::array<std::array<T, N>, N>& a, const std::array<T, N>& b) {
-    if constexpr (N == 1) {
-      return {b[0] / a[0][0]};
-    } else {
-      detail::fits_the_largest_system<N>();
-      auto lu = a;
-      std::array<T, N> x;
-      detail::solve_by_lu(N, lu[0].data(), b.data(), x.data());
+  static std::array<T, N> solve(const std::array<std::array<T, N>, N>& a, const std::array<T, N>& b,
+                                std::size_t count = N) {
+    std::array<T, N> x{};
+    if (N == 1 || count == 1) {
+      x[0] = b[0] / a[0][0];
       return x;
     }
+    detail::fits_the_largest_system<N>();
+    std::array<T, N * N> lu;  // NOLINT: what is read is written before
+    for (std::size_t i = 0; i < count; ++i) std::copy_n(a[i].begin(), count, lu.begin() + std::ptrdiff_t(i * count));
+    detail::solve_by_lu(count, lu.data(), b.data(), x.data());
+    return x;
   }
 };
 
@@ -54,14 +57,15 @@ template <class T, int K>
 struct LinearSolver<Dual<T, K>> {
   using D = Dual<T, K>;
   template <std::size_t N>
-  static std::array<D, N> solve(const std::array<std::array<D, N>, N>& a, const std::array<D, N>& b) {
+  static std::array<D, N> solve(const std::array<std::array<D, N>, N>& a, const std::array<D, N>& b,
+                                std::size_t count = N) {
     std::array<std::array<T, N>, N> value;
     std::array<T, N> right;
     for (std::size_t i = 0; i < N; ++i) {
       right[i] = b[i].value;
       for (std::size_t j = 0; j < N; ++j) value[i][j] = a[i][j].value;
     }
-    const auto x0 = LinearSolver<T>::solve(value, right);
+    const auto x0 = LinearSolver<T>::solve(value, right, count);
     std::array<D, N> x;
     for (std::size_t i = 0; i < N; ++i) x[i].value = x0[i];
     for (std::size_t k = 0; k < K; ++k) {
@@ -69,7 +73,7 @@ struct LinearSolver<Dual<T, K>> {
         right[i] = b[i].slope[k];
         for (std::size_t j = 0; j < N; ++j) right[i] = right[i] - a[i][j].slope[k] * x0[j];
       }
-      const auto x1 = LinearSolver<T>::solve(value, right);
+      const auto x1 = LinearSolver<T>::solve(value, right, count);
       for (std::size_t i = 0; i < N; ++i) x[i].slope[k] = x1[i];
     }
     return x;

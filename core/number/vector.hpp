@@ -32,17 +32,19 @@ constexpr T dot(const std::array<T, N>& a, const std::array<T, N>& b) {
   return sum;
 }
 
-/// Solves g x = b for a symmetric positive definite g by elimination: no pivots, so no branch for any number.
+/// Solves g x = b for a symmetric positive definite g by elimination: no pivots, so no branch for any number. Only of
+/// the first `count` rows and columns; the rest of x is that of b.
 template <std::size_t N, class T>
-constexpr std::array<T, N> solve_definite(std::array<std::array<T, N>, N> g, std::array<T, N> b) {
-  for (std::size_t k = 0; k < N; ++k)
-    for (std::size_t i = k + 1; i < N; ++i) {
+constexpr std::array<T, N> solve_definite(std::array<std::array<T, N>, N> g, std::array<T, N> b,
+                                          std::size_t count = N) {
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t i = k + 1; i < count; ++i) {
       const T f = g[i][k] / g[k][k];
-      for (std::size_t j = k + 1; j < N; ++j) g[i][j] = g[i][j] - f * g[k][j];
+      for (std::size_t j = k + 1; j < count; ++j) g[i][j] = g[i][j] - f * g[k][j];
       b[i] = b[i] - f * b[k];
     }
-  for (std::size_t i = N; i-- > 0;) {
-    for (std::size_t j = i + 1; j < N; ++j) b[i] = b[i] - g[i][j] * b[j];
+  for (std::size_t i = count; i-- > 0;) {
+    for (std::size_t j = i + 1; j < count; ++j) b[i] = b[i] - g[i][j] * b[j];
     b[i] = b[i] / g[i][i];
   }
   return b;

@@ -87,7 +87,8 @@ class ContactGalerkin4Stepper {
       z[n + i] = mean[i];
       scale = scale + abs(v[i]) + abs(mean[i]);
     }
-    return newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, nodes, work_);
+    return newton<2 * P::dof>(z, unknowns_of<2 * P::dof, P::dof>(problem_), scale, grain_of(x.q, h), residual, nodes,
+                              work_);
   }
 
   /// With L linear in s the middle is met once, else twice.

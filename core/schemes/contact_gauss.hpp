@@ -166,7 +166,9 @@ class ContactGaussStepper {
     grain = grain_of(x.p, h) + grain_of(x.q, h);
     if constexpr (QuadraticContact<P>) grain = grain + grain_of(Vec<1, T>{x.action.s}, h);
     work_.forces += 1;
-    if (const StepStatus status = newton<int(M * width)>(z, scale, grain, residual, M, work_); status != StepStatus::ok)
+    if (const StepStatus status = newton<int(M * width)>(z, unknowns_of<int(M * width), int(width)>(problem_), scale,
+                                                         grain, residual, M, work_);
+        status != StepStatus::ok)
       return status;
 
     const auto at = stages<M, T>(x, h, f, z);

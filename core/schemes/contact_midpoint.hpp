@@ -82,7 +82,9 @@ class ContactMidpointStepper {
     ++work_.forces;
     T grain = grain_of(x.q, h);
     if constexpr (QuadraticContact<P>) grain = grain + grain_of(Vec<1, T>{x.action.s}, h);
-    if (const StepStatus status = newton<unknowns>(z, scale, grain, residual, 1, work_); status != StepStatus::ok)
+    if (const StepStatus status =
+            newton<unknowns>(z, unknowns_of<unknowns, unknowns>(problem_), scale, grain, residual, 1, work_);
+        status != StepStatus::ok)
       return status;
 
     const auto m = at(z);

@@ -100,7 +100,7 @@ class ContactSymplecticEulerStepper {
     }
     v = velocity(problem_, x.q, p);
     for (const T& c : v) scale = scale + abs(c);
-    return newton<P::dof>(v, scale, grain_of(x.q, h), residual, 1, work_);
+    return newton<P::dof>(v, unknowns_of<P::dof, P::dof>(problem_), scale, grain_of(x.q, h), residual, 1, work_);
   }
 
   P problem_;

@@ -48,7 +48,7 @@ struct LagrangianTerms {
   /// g⁻¹ p
   Vec<n, T> raise(const P& problem, const Vec<n, T>& p) const {
     if constexpr (ConfigurationMetric<P>) {
-      return solve_definite(metric, p);
+      return solve_definite(metric, p, coordinates_of(problem));
     } else {
       return velocity(problem, p, p);
     }
@@ -132,7 +132,8 @@ StepStatus variational_step(const P& problem, Quadrature quadrature, Vec<P::dof,
       for (std::size_t i = 0; i < n; ++i) r[i] = (left[i] + right[i]) * 0.5 - half * f[i] - p[i];
       return r;
     };
-    if (const StepStatus status = newton<n>(v, scale, grain_of(q, h), residual, 1, work); status != StepStatus::ok)
+    if (const StepStatus status = newton<n>(v, unknowns_of<n, n>(problem), scale, grain_of(q, h), residual, 1, work);
+        status != StepStatus::ok)
       return status;
     const auto f = here.force(v);
     for (std::size_t i = 0; i < n; ++i) kicked[i] = p[i] + half * f[i];

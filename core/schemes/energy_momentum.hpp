@@ -76,27 +76,31 @@ class EnergyMomentumStepper {
     z[n] = T(1);
     const T scale = guess(x, z);
     const T grain = grain_of(x.q, T(step_));
+    T excess(0), size(0);  // of the discrete energy, and its terms
+    const auto residual = [&](const auto& trial) {
+      const auto at = middle(x, trial);
+      auto r = trial;
+      for (std::size_t i = 0; i < n; ++i) r[i] = at.pi[i] - 0.5 * at.h * at.force[i] - x.p[i];
+      r[n] = at.energy - level_;
+      excess = r[n].value;
+      size = at.size.value;
+      return r;
+    };
+    const auto asked = unknowns_of<unknowns, unknowns>(problem_);
+    bool slopes_lag = detail::carries_slopes<T>;  // by a round
     for (int k = 0; k < most_iterations; ++k) {
-      const auto at = middle(x, seed<unknowns, T>(z));
-      Mat<unknowns, T> jacobian;
-      Vec<unknowns, T> right;
-      for (std::size_t i = 0; i < n; ++i) {
-        const auto r = at.pi[i] - 0.5 * at.h * at.force[i] - x.p[i];
-        jacobian[i] = r.slope;
-        right[i] = r.value;
-      }
-      jacobian[n] = at.energy.slope;
-      right[n] = at.energy.value - level_;
       ++work_.forces;
       ++work_.iterations;
-      const auto update = LinearSolver<T>::solve(jacobian, right);
+      const auto update = detail::newton_update<unknowns>(z, asked, residual);
       T change(0);
       for (std::size_t i = 0; i < n; ++i) change = change + abs(update[i]);
       for (std::size_t i = 0; i < unknowns; ++i) z[i] = z[i] - update[i];
       if (!(z[n] > T(0) && z[n] < T(64 * most))) return false;  // also where it is no number
       // An energy that is right to its last digits says no more about h.
-      const bool kept = abs(right[n]) <= 4 * Precision<T>::epsilon * (at.size.value + abs(level_));
-      if (change <= small * scale + grain && (kept || abs(update[n]) <= small * z[n])) return arrive(x, z);
+      const bool kept = abs(excess) <= 4 * Precision<T>::epsilon * (size + abs(level_));
+      if (!(change <= small * scale + grain && (kept || abs(update[n]) <= small * z[n]))) continue;
+      if (!slopes_lag) return arrive(x, z);
+      slopes_lag = false;
     }
     return false;
   }

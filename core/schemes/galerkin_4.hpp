@@ -85,7 +85,8 @@ class Galerkin4Stepper {
       z[n + i] = mean[i];
       scale = scale + abs(v[i]) + abs(mean[i]);
     }
-    return newton<2 * P::dof>(z, scale, grain_of(x.q, h), residual, 3, work_);
+    return newton<2 * P::dof>(z, unknowns_of<2 * P::dof, P::dof>(problem_), scale, grain_of(x.q, h), residual, 3,
+                              work_);
   }
 
   /// Momenta g v and forces L_q at the three nodes, in the number U of the unknowns.

@@ -148,7 +148,7 @@ class JacobiMaupertuisStep {
       if (k == most_iterations) return StepStatus::solver_failed;
       Vec<unknowns, T> right;
       for (std::size_t i = 0; i < unknowns; ++i) right[i] = here.residual[place(i)];
-      auto update = LinearSolver<T>::solve(jacobian, right);
+      auto update = LinearSolver<T>::solve(jacobian, right, coordinates_of(problem_) - 1);
       ++work.iterations;
       bool small = true, precise = true;  // what is not a number never is
       for (std::size_t i = 0; i < unknowns; ++i) {

@@ -196,7 +196,8 @@ class TransformedMidpoint {
     u = velocity(time_.problem, x.q, p);
     for (T& c : u) c = c / begin.gap;
     for (const T& c : u) scale = scale + abs(c);
-    if (const StepStatus status = newton<n>(u, scale, grain_of(x.q, sigma), residual, 1, work);
+    if (const StepStatus status =
+            newton<n>(u, unknowns_of<n, n>(time_.problem), scale, grain_of(x.q, sigma), residual, 1, work);
         status != StepStatus::ok)
       return status;
 

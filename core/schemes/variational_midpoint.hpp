@@ -50,7 +50,9 @@ class MidpointStepper {
     for (const T& c : v) scale = scale + abs(c);
 
     ++work_.forces;
-    if (const StepStatus status = newton<n>(v, scale, grain_of(x.q, h), residual, 1, work_); status != StepStatus::ok)
+    if (const StepStatus status =
+            newton<n>(v, unknowns_of<n, n>(problem_), scale, grain_of(x.q, h), residual, 1, work_);
+        status != StepStatus::ok)
       return status;
     const auto force = lagrangian_force(problem_, at(v), v, middle);
     ++work_.forces;

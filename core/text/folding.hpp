@@ -27,6 +27,8 @@ class Folding {
     for (const Symbol& y : all) folded.push_back(substitution_(y));
     return folded;
   }
+  /// The i-th variable, as one that was folded.
+  Symbol variable(int i) { return Symbol::variable(tape_, static_cast<std::size_t>(i)); }
   /// The number that y is with these parameters; NaN where it is none.
   double number(const Symbol& y) {
     const Symbol folded = substitution_(y);

@@ -10,6 +10,22 @@
 #include "core/text/lift.hpp"
 
 namespace least::text {
+namespace {
+
+/// ½ vᵀg(q)v − V(q), with velocities in the places of momenta.
+Symbol lagrangian_of(const Form& form, Folding& fold) {
+  Symbol l = -fold(form.potential);
+  const std::size_t n = form.coordinates;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) {
+      const Symbol g = fold(form.metric[i * n + j]);
+      l = l + 0.5 * (g * fold.variable(first_momentum + int(i))) * fold.variable(first_momentum + int(j));
+    }
+  return l;
+}
+
+}  // namespace
+
 Formulas::Formulas(const Form& form, std::span<const double> parameters)
     : coordinates(form.coordinates), reads_action(form.reads_action) {
   Folding fold(form, parameters);
@@ -43,6 +59,7 @@ Formulas::Formulas(const Form& form, std::span<const double> parameters)
     gradient = fold.formula_of(fold.gradient(fold(form.potential), places));
     damping = fold.formula(form.damping);
     metric = fold.formula(form.metric);
+    if (form.kind == FormKind::metric) force = fold.formula_of(fold.gradient(lagrangian_of(form, fold), places));
     inverse_mass.fill(1);
     for (std::size_t i = 0; i < form.mass.size(); ++i) inverse_mass[i] = 1 / fold.number(form.mass[i]);
     if (form.full_mass) set_full_mass(fold.numbers(form.hessian), !form.momenta.empty());

@@ -26,6 +26,7 @@ struct Formulas {
   std::size_t coordinates = 0;
   bool reads_action = false;
   tape::Formula potential, gradient, damping, metric, rates, invariants;
+  tape::Formula force;                ///< of (q, v), where the metric depends on q: ∂L/∂q
   tape::Formula hamiltonian, slopes;  ///< of (q, p, s): H; H_q, H_p, H_s
   tape::Formula momenta;              ///< of (q, v, s): ∂L/∂v, then ∂²L/∂v² row by row
   tape::Formula lagrangian;           ///< of (q, v, s): L, L_q, L_s
@@ -155,6 +156,19 @@ struct MetricScene : Mechanical<N> {
       for (std::size_t j = 0; j < n; ++j) g[i][j] = entries[i * n + j];
     return g;
   }
+  /// ∂L/∂q. Its scene outlives it.
+  struct Forces {
+    const Formulas* formulas = nullptr;
+    template <class T>
+    Vec<N, T> operator()(const Vec<N, T>& q, const Vec<N, T>& v) const {
+      std::array<T, std::size_t(action_variable)> x{};
+      for (std::size_t i = 0; i < N; ++i) x[i] = q[i], x[first_momentum + i] = v[i];
+      Vec<N, T> force{};
+      formulas->force.evaluate(x.data(), 0.0, force.data());
+      return force;
+    }
+  };
+  Forces forces() const { return {this->formulas.get()}; }
 };
 
 /// Both halves of a state and s, as the tapes of forms count them.

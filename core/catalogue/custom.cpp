@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/catalogue/planetary_mechanics.hpp"
+#include "core/catalogue/found_schemes.hpp"
 #include "core/catalogue/sized_mechanics.hpp"
 #include "core/text/sized_scene.hpp"
 
@@ -41,7 +41,7 @@ Made of_any_size(text::TextScene scene) {
           "1 to " + std::to_string(text::compiled_coordinates) + " of those"},
          false}};
   try {
-    return with_kepler_splitting(sized_mechanics(std::move(scene)));
+    return with_found_schemes(sized_mechanics(std::move(scene)));
   } catch (const tape::TooManyOperations&) {
     return too_many_operations(text::SizedScene::most_equations);
   }
@@ -66,7 +66,7 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   }
   if (form == text_forms().end()) throw std::runtime_error("this build leaves out scenes of the form " + wanted);
   try {
-    return with_kepler_splitting(form->make(std::move(scene)));
+    return with_found_schemes(form->make(std::move(scene)));
   } catch (const tape::TooManyOperations&) {
     return too_many_operations(tape::most_of_equations);
   }

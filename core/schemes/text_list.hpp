@@ -4,10 +4,11 @@
 
 #include <tuple>
 
+#include "core/schemes/boris.hpp"
 #include "core/schemes/kepler_splitting.hpp"
 
 namespace least {
 
-using TextSchemeList = std::tuple<KeplerSplitting>;
+using TextSchemeList = std::tuple<KeplerSplitting, Boris>;
 
 }  // namespace least

@@ -23,7 +23,7 @@ bool SizedScene::has(const Form& form) {
   }
 }
 
-SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
+SizedScene::SizedScene(const Form& form, std::span<const double> parameters, bool resting_action)
     : kind(form.kind),
       coordinates(form.coordinates),
       flow(form.kind == FormKind::flow),
@@ -119,6 +119,10 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     all.push_back(power);
     components = moving + 1;
     set_forces(force);
+  }
+  if (resting_action) {
+    all.emplace_back(0);
+    moving = components = moving + 1;
   }
   for (const Symbol& y : all) rates.push_back(y.on(equations));
   rate = tape::Formula(equations, rates);

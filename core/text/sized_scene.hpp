@@ -31,7 +31,8 @@ class SizedScene {
   /// no class that is compiled for it and is stated with momenta.
   static bool has(const Form& form);
   /// Of such a form. Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.
-  SizedScene(const Form& form, std::span<const double> parameters);
+  /// `resting_action`: its states have a place for an s that the motion does not read, after all others; it rests at 0.
+  SizedScene(const Form& form, std::span<const double> parameters, bool resting_action = false);
 
   FormKind kind;
   std::size_t coordinates, components;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/catalogue/planetary_mechanics.hpp"
+#include "core/catalogue/found_schemes.hpp"
 #include "core/catalogue/start_beside.hpp"
 #include "core/run/suggestions.hpp"
 #include "core/text/scene.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/catalogue/planetary_mechanics.hpp"
+#include "core/catalogue/found_schemes.hpp"
 #include "tests/support/texts.hpp"
 
 namespace planetary_texts {

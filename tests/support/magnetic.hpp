@@ -1,0 +1,68 @@
+// Charges in magnetic fields, as text.
+#pragma once
+
+#include "tests/support/texts.hpp"
+
+namespace magnetic {
+
+using namespace texts;
+inline constexpr auto lagrangian = Definition::Kind::lagrangian, hamiltonian = Definition::Kind::hamiltonian;
+
+struct Scene {
+  const char* name;
+  Definition definition;
+  std::vector<double> start;  ///< q, p
+  double step;                ///< at which order 2 is seen
+};
+
+/// A dipole and a uniform field along its axis.
+inline Definition bottle() {
+  return of(lagrangian, {"x", "y", "z"}, {{"M", 1}, {"B", 1}},
+            "(vx^2 + vy^2 + vz^2)/2 + (x*vy - y*vx)*(M/(x^2+y^2+z^2)^1.5 + B/2)");
+}
+/// A field that changes along x, masses of two kinds and a potential, as a Hamiltonian that was multiplied out.
+inline Definition plane() {
+  return of(hamiltonian, {"x", "y"}, {{"m", 2}, {"b", 1.5}},
+            "px^2/(2*m) + py^2/(2*(m+1)) - py*(b*x + x^3/5)/(m+1) + (b*x + x^3/5)^2/(2*(m+1)) + x^2/3 + cos(y)");
+}
+/// Three charges of different masses in space: nine coordinates, for which no class is compiled.
+inline Definition three() {
+  Definition d = of(lagrangian, {}, {{"b", 0.8}}, "");
+  const char* masses[] = {"1", "2", "1.5"};
+  for (const std::string axis : {"x", "y", "z"})
+    for (const std::string i : {"1", "2", "3"}) d.variables.push_back(axis + i);
+  for (int k = 0; k < 3; ++k) {
+    const std::string i = std::to_string(k + 1), m = masses[k];
+    d.formula += std::string(k ? " + " : "") + m + "*(vx" + i + "^2 + vy" + i + "^2 + vz" + i + "^2)/2 + b*(1 + z" + i +
+                 "^2/4)*(x" + i + "*vy" + i + " - y" + i + "*vx" + i + ") + x" + i + "*vz" + i + "/3";
+  }
+  d.formula +=
+      " - 1/sqrt((x1-x2)^2+(y1-y2)^2+(z1-z2)^2) - 1/sqrt((x1-x3)^2+(y1-y3)^2+(z1-z3)^2)"
+      " - 1/sqrt((x2-x3)^2+(y2-y3)^2+(z2-z3)^2)";
+  return d;
+}
+/// A frame that turns, and a drive.
+inline Definition driven_frame() {
+  return of(hamiltonian, {"x", "y"}, {{"omega", 0.7}},
+            "(px^2 + py^2)/2 + omega*(y*px - x*py) + x^4/4 + y^2/2 + 0.3*x*cos(2*t)");
+}
+
+inline std::vector<Scene> scenes() {
+  return {{"bottle", bottle(), {1.5, 0, 0.1, 0, 1.2, 0.2}, 0.1},
+          {"plane", plane(), {0.5, 0.2, 0.6, 0.1}, 0.1},
+          {"three", three(), {0, 2, -1, 0, 0.3, 2, 0, 0.1, 0.2, 0.2, 0.5, -0.3, 0, 1, 0.4, 0.1, 0, 0.2}, 0.05},
+          {"driven_frame", driven_frame(), {0.8, -0.3, 0.2, 0.4}, 0.1}};
+}
+
+inline Request request_of(const Scene& scene, std::string_view scheme, double step, double end) {
+  Request request = request_by(scheme, mechanics_of(scene.definition), scene.start, end);
+  if (schemes()[request.scheme].find("step")) runs::set(request, "step", step);
+  return request;
+}
+inline double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = a.size() == b.size() ? 0 : INFINITY;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::fmax(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+}  // namespace magnetic

@@ -33,8 +33,11 @@ const openings = {
   lorenz: { until: 40 }, // both wings
   lane_emden: { x: "t", y: "q" }, spin_orbit: { x: "t", y: "p" }, cosmological_oscillator: { x: "q", y: "s" },
 };
-/** The scheme that a problem begins with, where one of those that keep its structure step by step fits it. */
-export const usualScheme = ({ id, schemes }) => [openings[id]?.scheme, "leapfrog", "contact_leapfrog", "lifted_splitting"].find((one) => schemes.includes(one));
+/** The scheme that a problem begins with, where one of those that keep its structure step by step fits it; of equations given as text nobody sees that. */
+export const usualScheme = ({ id, schemes, columns }) => [
+  openings[id]?.scheme, "leapfrog", "contact_leapfrog",
+  columns.includes("energy") ? "lifted_splitting" : !schemes.includes("contact_splitting") && "runge_kutta_4",
+].find((one) => schemes.includes(one));
 export const spanOf = ({ id, until }, preset) => preset?.until?.t ?? openings[id]?.until ?? until.t;
 export const usualAxes = ({ id }, [first, second], z = "") => ({ x: first, y: second, z: "", ...(z ? {} : openings[id]) });
 

@@ -14,7 +14,8 @@ namespace least {
 namespace {
 
 std::span<const FoundScheme> found_schemes() {
-  static const std::array all{kepler_splitting_in_text(), boris_in_text(), lifted_splitting_in_equations()};
+  static const std::array all{kepler_splitting_in_text(), boris_in_text(), harmonic_splitting_in_text(),
+                              lifted_splitting_in_equations()};
   return all;
 }
 

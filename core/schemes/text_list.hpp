@@ -5,10 +5,11 @@
 #include <tuple>
 
 #include "core/schemes/boris.hpp"
+#include "core/schemes/harmonic_splitting.hpp"
 #include "core/schemes/kepler_splitting.hpp"
 
 namespace least {
 
-using TextSchemeList = std::tuple<KeplerSplitting, Boris>;
+using TextSchemeList = std::tuple<KeplerSplitting, Boris, HarmonicSplitting>;
 
 }  // namespace least

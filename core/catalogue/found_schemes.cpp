@@ -1,3 +1,5 @@
+#include "core/catalogue/found_schemes.hpp"
+
 #include <algorithm>
 #include <array>
 #include <mutex>
@@ -5,7 +7,6 @@
 #include <vector>
 
 #include "core/catalogue/catalogue.hpp"
-#include "core/catalogue/found_schemes.hpp"
 #include "core/run/columns.hpp"
 #include "core/run/request.hpp"
 #include "core/run/run.hpp"
@@ -14,8 +15,8 @@ namespace least {
 namespace {
 
 std::span<const FoundScheme> found_schemes() {
-  static const std::array all{kepler_splitting_in_text(), boris_in_text(), harmonic_splitting_in_text(),
-                              lifted_splitting_in_equations()};
+  static const std::array all{kepler_splitting_in_text(), boris_in_text(), adaptive_boris_in_text(),
+                              harmonic_splitting_in_text(), lifted_splitting_in_equations()};
   return all;
 }
 

@@ -29,6 +29,7 @@ struct FoundScheme {
 // All of them.
 FoundScheme kepler_splitting_in_text();
 FoundScheme boris_in_text();
+FoundScheme adaptive_boris_in_text();
 FoundScheme harmonic_splitting_in_text();
 FoundScheme lifted_splitting_in_equations();
 

@@ -23,6 +23,8 @@ class BorisStepper {
   /// From the state at t to that at t + h, which is written to x.
   StepStatus step(T* x, double t, double h) noexcept;
   const Work& work() const { return work_; }
+  /// √m v of each coordinate, at the state.
+  const std::vector<T>& velocities() const { return w_; }
 
  private:
   void drift(T* x, double h) noexcept;

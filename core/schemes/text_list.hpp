@@ -4,12 +4,13 @@
 
 #include <tuple>
 
+#include "core/schemes/adaptive_boris.hpp"
 #include "core/schemes/boris.hpp"
 #include "core/schemes/harmonic_splitting.hpp"
 #include "core/schemes/kepler_splitting.hpp"
 
 namespace least {
 
-using TextSchemeList = std::tuple<KeplerSplitting, Boris, HarmonicSplitting>;
+using TextSchemeList = std::tuple<KeplerSplitting, Boris, AdaptiveBoris, HarmonicSplitting>;
 
 }  // namespace least

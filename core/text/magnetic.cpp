@@ -37,7 +37,7 @@ class MagneticField {
   MagneticField(const MagneticField&) = delete;
   MagneticField& operator=(const MagneticField&) = delete;
 
-  std::variant<Magnetic, NotMagnetic> found() {
+  std::variant<Magnetic, NotMagnetic> found(Pace pace) {
     if (std::string why = find_masses(); !why.empty()) return NotMagnetic{std::move(why)};
     if (std::string why = find_shift(); !why.empty()) return NotMagnetic{std::move(why)};
     if (std::string why = find_groups(); !why.empty()) return NotMagnetic{std::move(why)};
@@ -55,6 +55,7 @@ class MagneticField {
       fields.push_back(turn(a, b));
     }
     made_.fields = formula(fields);
+    if (pace == Pace::yes) made_.paced = paced(slopes, fields);
     std::vector<Symbol> shift;
     for (std::size_t i = 0; i < n_; ++i) shift.push_back(Symbol(made_.inverse_root[i]) * shift_[i]);
     made_.shift = formula(shift);
@@ -154,6 +155,24 @@ class MagneticField {
     }
     return {};
   }
+  tape::Formula paced(const std::vector<Symbol>& slopes, const std::vector<Symbol>& fields) {
+    Symbol forces = 0, turns = 0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      const std::vector<Symbol> row = tape::gradient(tape_, slopes[i], places());
+      for (std::size_t j = 0; j <= i; ++j) {  // it is symmetric
+        if (is_nothing(row[j])) continue;
+        const double both = j < i ? 2 : 1, weight = made_.inverse_root[i] * made_.inverse_root[j];
+        forces = forces + Symbol(both * weight * weight) * (row[j] * row[j]);
+      }
+    }
+    for (std::size_t i = fields.size() - made_.turns; i < fields.size(); ++i) turns = turns + fields[i] * fields[i];
+    const Symbol fourth = forces + turns * turns;
+    std::vector<Symbol> all{sqrt(sqrt(fourth))};
+    const std::vector<Symbol> changes = tape::gradient(tape_, fourth, places());
+    for (std::size_t i = 0; i < n_; ++i)
+      all.push_back(is_nothing(changes[i]) ? Symbol(0) : Symbol(0.25 * made_.inverse_root[i]) * changes[i] / fourth);
+    return formula(all);
+  }
   /// Ω_ij
   Symbol turn(std::size_t i, std::size_t j) {
     const Symbol field = slopes_of_shift_[j][i] - slopes_of_shift_[i][j];
@@ -174,14 +193,15 @@ class MagneticField {
 }  // namespace
 
 std::variant<Magnetic, NotMagnetic> magnetic(const Form& form, std::span<const double> parameters,
-                                             std::span<const std::string> names) {
+                                             std::span<const std::string> names, Pace pace) {
   if (form.kind != FormKind::hamiltonian) return NotMagnetic{"H has no terms that are linear in the momenta"};
   if (form.forced) return NotMagnetic{"forces stand beside it"};
+  if (pace == Pace::yes && !form.autonomous) return NotMagnetic{"H depends on time"};
   if (form.reads_action) return NotMagnetic{"the motion depends on s"};
   if (form.coordinates > Magnetic::most_coordinates)
     return NotMagnetic{"it has more than " + std::to_string(Magnetic::most_coordinates) + " coordinates"};
   try {
-    return MagneticField(form, parameters, names).found();
+    return MagneticField(form, parameters, names).found(pace);
   } catch (const tape::TooManyOperations&) {
     return NotMagnetic{"its derivatives take too many operations"};
   }

@@ -31,7 +31,12 @@ struct Magnetic {
   tape::Formula fields;
   bool kicks = false;   ///< V is not a constant
   tape::Formula shift;  ///< a/√m, of q
+  /// Where that was asked for, of q: U with U⁴ = ‖M^{−½} V″ M^{−½}‖² + Ω⁴, the fastest that forces and fields change
+  /// anything, then ∇U/(U√m) of every coordinate. No outputs: it was not.
+  tape::Formula paced;
 };
+/// Whether `paced` is asked for, which takes derivatives up to the third.
+enum class Pace : std::uint8_t { no, yes };
 
 /// Why a scene is none, in words.
 struct NotMagnetic {
@@ -40,6 +45,6 @@ struct NotMagnetic {
 
 /// Of a form with these parameters; `names`: of its coordinates.
 std::variant<Magnetic, NotMagnetic> magnetic(const Form& form, std::span<const double> parameters,
-                                             std::span<const std::string> names);
+                                             std::span<const std::string> names, Pace pace = Pace::no);
 
 }  // namespace least::text

@@ -18,12 +18,14 @@ using namespace least;
 using namespace bench;
 
 constexpr double far = 100;  // what is so many times as dear as the cheapest is left out
-constexpr const char *frames = "lifted_splitting", *turns = "boris", *implicit = "contact_gauss", *series = "taylor";
+constexpr const char *frames = "lifted_splitting", *turns = "boris", *paced = "adaptive_boris",
+                     *implicit = "contact_gauss", *series = "taylor";
 
 /// Of which column a contestant is; empty: of none.
 std::string_view column_of(const Contestant& contestant) {
   for (const std::string_view id : {frames, turns, implicit, series})
     if (contestant.name.starts_with("`" + std::string(id))) return id;
+  if (contestant.name.starts_with("`" + std::string(paced))) return turns;
   return contestant.owner == Owner::peer ? "measure" : "";
 }
 
@@ -32,6 +34,26 @@ std::string cell(const std::map<std::string_view, const Entrant*>& best, std::st
   if (found == best.end()) return "–";
   char text[32];
   std::snprintf(text, sizeof text, found->second->us < 100 ? "%.1f" : "%.0f", found->second->us);
+  return text;
+}
+
+/// The scheme, as far as the column does not say it, and its step.
+std::string choice_of(const std::map<std::string_view, const Entrant*>& best, std::string_view column) {
+  const auto found = best.find(column);
+  if (found == best.end()) return "–";
+  std::string name = found->second->contestant->name;  // `id` and what is set
+  if (name.starts_with("`" + std::string(column))) {
+    name.erase(0, column.size() + 2);
+    name.erase(0, name.find_first_not_of(", "));
+  }
+  char text[32];
+  std::snprintf(text, sizeof text, "%sh = %.3g", name.empty() ? "" : ", ", found->second->value);
+  return name + text;
+}
+std::string ratio(const std::map<std::string_view, const Entrant*>& best, std::string_view column) {
+  if (!best.contains(column) || !best.contains(series)) return "–";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", best.at(column)->us / best.at(series)->us);
   return text;
 }
 
@@ -46,7 +68,7 @@ void rows(const char* title, const lifted::Scene& of, double end) {
   std::vector<Ladder> ladders;
   for (const SchemeConfig& choice : catalogue_candidates(*mechanics, {})) {
     const SchemeCard& card = schemes()[choice.scheme];
-    const bool measure = card.own_clock && card.id != series;
+    const bool measure = card.own_clock && card.id != series && card.id != paced;
     if (card.structure == "none" && !card.own_clock && card.id != turns) continue;
     ladders.push_back({ours(orbit, choice)});
     if (measure) ladders.back().contestant.owner = Owner::peer;
@@ -62,22 +84,10 @@ void rows(const char* title, const lifted::Scene& of, double end) {
     std::map<std::string_view, const Entrant*> best;
     for (const Entrant& entrant : all)
       if (const auto column = column_of(*entrant.contestant); !column.empty()) best.try_emplace(column, &entrant);
-    char choice[160] = "–";
-    std::string ratios[2];
-    for (const char* id : {frames, turns}) {
-      char ratio[32] = "–";
-      if (best.contains(id) && best.contains(series))
-        std::snprintf(ratio, sizeof ratio, "%.2f", best[id]->us / best[series]->us);
-      ratios[id == turns] = ratio;
-    }
-    if (best.contains(frames)) {
-      const Entrant& ours = *best[frames];
-      std::snprintf(choice, sizeof choice, "%s, h = %.3g", ours.contestant->name.substr(18).c_str(), ours.value);
-    }
-    std::printf("| %s | %.0e | %s | %s | %s | %s | %s | %s | %s | %s |\n", title, accuracies[i],
-                choice + (choice[0] == ',' ? 2 : 0), cell(best, frames).c_str(), cell(best, turns).c_str(),
-                cell(best, implicit).c_str(), cell(best, series).c_str(), cell(best, "measure").c_str(),
-                ratios[0].c_str(), ratios[1].c_str());
+    std::printf("| %s | %.0e | %s | %s | %s | %s | %s | %s | %s | %s | %s |\n", title, accuracies[i],
+                choice_of(best, frames).c_str(), cell(best, frames).c_str(), choice_of(best, turns).c_str(),
+                cell(best, turns).c_str(), cell(best, implicit).c_str(), cell(best, series).c_str(),
+                cell(best, "measure").c_str(), ratio(best, frames).c_str(), ratio(best, turns).c_str());
   }
 }
 
@@ -100,12 +110,12 @@ void bench::lifts() {
   bench::heading("Frames that turn, and magnetic fields");
   std::printf(
       "Microseconds of a run whose largest error at 64 times along it is at most so much, of scenes as text: by the\n"
-      "fastest composition of `lifted_splitting`, of `boris`, which keeps the volume alone, of `contact_gauss`, which\n"
-      "keeps as much as the first, of `taylor`, and of the measures. The goal is at most three times what `taylor`\n"
-      "needs at 1e-6.\n\n"
-      "| scene | error | `lifted_splitting` | µs | `boris` | `contact_gauss` | `taylor` | measures | lifted over "
+      "fastest composition of `lifted_splitting`, of `boris` or `adaptive_boris`, which keep the volume alone, of\n"
+      "`contact_gauss`, which keeps as much as the first, of `taylor`, and of the measures. The goal is at most three\n"
+      "times what `taylor` needs at 1e-6.\n\n"
+      "| scene | error | `lifted_splitting` | µs | `boris` | µs | `contact_gauss` | `taylor` | measures | lifted over "
       "`taylor` | boris over `taylor` |\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n");
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
   const double turn = 2 * std::acos(-1.0);
   using namespace lifted;
   rows("restricted three bodies, 20 turns", {"", restricted_three_bodies(), {0.5, 0, 0, 1.2}}, 20 * turn);

@@ -34,7 +34,7 @@ TEST_P(AsCompiled, HasTheSameSchemes) {
     });
   auto own = mechanics->card().schemes;
   for (const char* id :
-       {"kepler_splitting", "boris", "harmonic_splitting"})  // they are found in texts alone
+       {"kepler_splitting", "boris", "adaptive_boris", "harmonic_splitting"})  // they are found in texts alone
     std::erase(own, find_scheme(id).value());
   if (GetParam().definition.kind == Definition::Kind::equations)  // as is this of equations
     std::erase(own, find_scheme("lifted_splitting").value());

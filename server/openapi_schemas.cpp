@@ -64,7 +64,8 @@ Json events_asked() {
   events["maxItems"] = most_events;
   return described(std::move(events),
                    "zeros of expressions along the run, however many within a step; where they turn faster than "
-                   "closer looks can follow, the answer warns: events_unresolved",
+                   "closer looks can follow, the answer warns: events_unresolved. Of those that vanish in the instant "
+                   "in which one acts each acts on what the one before has left",
                    "");
 }
 
@@ -122,7 +123,8 @@ Json answer_schema() {
            object,
            "of scheme auto: reason, met (null where it cannot be told), estimated_error (null where errors at the end "
            "mean nothing, as in long chaos, or could not be measured), alternatives. Their seconds were measured: like "
-           "those of cost, they differ from one answer to the same request to the next",
+           "those of cost, they differ from one answer to the same request to the next. Where an event acts runs are "
+           "looked at up to there, and the answer warns: judged_before_acts",
            "")},
       {"events", described(list, "what was found along the run: t, kind, and what goes with it", "")},
       {"events_asked", described(list, "the member events of the request", "")},

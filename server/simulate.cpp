@@ -65,6 +65,10 @@ class Task {
     } else {
       outcome = scene.mechanics->run(request, receiver, cancelled);
     }
+    if (advice_ && advice_->before_act) {
+      const auto& [event, t] = *advice_->before_act;
+      outcome.warnings.push_back({"judged_before_acts", messages::judged_before_acts(event, t)});
+    }
     turn(scene, outcome);
     constexpr std::string_view code = "reference_not_finished";
     if (advice_ && !advice_->referenced &&

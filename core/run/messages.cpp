@@ -98,6 +98,14 @@ std::string beyond_singularity(double t) {
       t);
 }
 
+std::string judged_before_acts(std::string_view event, double t) {
+  return fmt::format(
+      "the scheme was chosen by runs up to t = {:.6g}, where {} acts for the first time: what it does to the motion, "
+      "and "
+      "errors beyond, were not looked at",
+      t, event);
+}
+
 std::string estimate_blind(double error, double t, double tolerance) {
   return fmt::format(
       "at t = {:.4g} it is off by {:.2g}, by control runs of Dormand–Prince 5(4) that agree: far more than steps "

@@ -36,6 +36,8 @@ std::string sensitive_end(double t, double rate);
 std::string uncertain(double uncertainty);
 std::string beyond_singularity(double t);
 /// Of a run whose steps were allowed `tolerance`.
+/// Of a scheme that was chosen: the event that acts, and when it first did.
+std::string judged_before_acts(std::string_view event, double t);
 std::string estimate_blind(double error, double t, double tolerance);
 std::string departs(double error, double t, double reached);
 /// What `count` of `few` members of an ensemble say, this one first.

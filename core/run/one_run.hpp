@@ -86,8 +86,11 @@ class Run {
   bool report() {
     return writer_.hand_over() && section_writer_.hand_over() && sink_.progress(std::min(state_.x.t, end_), state_.n);
   }
-  /// An event that acts has ended it here: it goes on from what that made of the state. False: the run is over.
+  /// An event that acts has ended it here: it goes on from what that made of the state, and then those that vanish in
+  /// the same instant, each of what the one before has left. False: the run is over.
   bool start_anew();
+  /// One of them acts. False: nothing can go on from there.
+  bool act(std::size_t which);
   Work work() const {
     const Work here = integrator_->work();
     return {put_aside_.forces + here.forces, put_aside_.iterations + here.iterations};
@@ -122,13 +125,20 @@ class Run {
   void locate_sections() {
     if (diagnostics_.watches_sections()) least::locate_sections(problem_, *integrator_, state_, events_);
   }
-  /// Events between two states of the last step, or of the next one, up to the first that ends the run.
+  /// Events between two states of the last step, or of the next one, up to the first that ends the run. What vanishes
+  /// in the same instant as one that acts follows after that.
   void locate_watched(const RunState& from, const RunState& to) {
+    bool acts = false;
     for (const auto& [zero, x] : watched_zeros(problem_, *integrator_, state_, watch_, from, to)) {
+      if (acts) {
+        ended_->also.push_back(zero.which);
+        continue;
+      }
       add_event(zero, x);
       if (!watch_.ends(zero.which)) continue;
-      ended_.emplace(x, zero.which);
+      ended_.emplace(EndAtEvent{x, zero.which, {}});
       end_ = x.t;
+      acts = request_.events[zero.which].act != nullptr;
     }
   }
   void add_event(const Zero& zero, const RunState& x) {
@@ -142,7 +152,7 @@ class Run {
     integrator_->step_back(state_);
     std::erase_if(outcome_.events, [&](const Report& event) { return Watch::time(event) > state_.x.t; });
     std::erase_if(passed_, [&](const Passage& point) { return point.x.t > state_.x.t; });
-    if (!ended_ || !(ended_->first.t > state_.x.t)) return;
+    if (!ended_ || !(ended_->x.t > state_.x.t)) return;
     ended_.reset();
     end_ = planned_end_;
   }
@@ -261,7 +271,12 @@ class Run {
   };
   std::vector<Passage> passed_;  ///< through the plane of the section, within the last step
   Snapshots snapshots_;
-  std::optional<std::pair<RunState, std::size_t>> ended_;  ///< at an event: the state there, and what vanishes
+  struct EndAtEvent {
+    RunState x;
+    std::size_t which;              ///< what vanishes
+    std::vector<std::size_t> also;  ///< and what else does in the instant in which it acts
+  };
+  std::optional<EndAtEvent> ended_;
 };
 
 }  // namespace least

@@ -46,7 +46,8 @@ bool Run::save_rest(const RunState& x, const StepInfo& step) {
 }
 
 void Run::finish_at_event() {
-  const auto [x, which] = *ended_;
+  const RunState x = ended_->x;
+  const std::size_t which = ended_->which;
   if (draw(x.t)) save_rest(x, last_step());
   look_within(*integrator_, state_, x.t, diagnostics_);
   if (x.t > state_.x.t) ++state_.n;
@@ -56,28 +57,25 @@ void Run::finish_at_event() {
 }
 
 bool Run::start_anew() {
-  if (!going() || !ended_ || !request_.events[ended_->second].act) return false;
-  const std::size_t which = ended_->second;
-  const std::string& name = watch_.name(which);
-  const Acts::Effect effect = acts_.act(which, state_.x);
-  if (effect == Acts::Effect::not_finite) return stop(ReturnCode::not_finite, messages::act_not_finite(name));
-  if (!outcome_.events.empty() && Watch::time(outcome_.events.back()) == state_.x.t)
-    outcome_.extend_event(Watch::after(card_, shown_variables(request_, problem_.traits, state_.x)));
-  acted_ = true;  // what the run says of itself is said of its parts
-  evidence_ = Evidence(problem_.traits, fixed_ ? std::optional(grid_.steps - state_.n) : std::nullopt, false);
-  evidence_.start(problem_, state_.x);
-  if (effect == Acts::Effect::completes || request_.events[which].stop) {
-    outcome_.event = name;
-    outcome_.event_count = acts_.count(which);
+  if (!going() || !ended_ || !request_.events[ended_->which].act) return false;
+  const EndAtEvent at = *std::exchange(ended_, std::nullopt);
+  Watch::Signs acted = Watch::Signs{1} << at.which;
+  if (!act(at.which)) return false;
+  for (const std::size_t which : at.also) {
+    add_event({at.x.t, which}, request_.is_plane(which) ? at.x : state_.x);
+    if (!watch_.ends(which)) continue;
+    acted |= Watch::Signs{1} << which;
+    if (request_.events[which].act && !act(which)) return false;
+    if (!request_.events[which].act && outcome_.event.empty()) outcome_.event = watch_.name(which);
+  }
+  if (!outcome_.event.empty()) {
     diagnostics_.end(state_.x);
     return false;
   }
-  if (effect == Acts::Effect::piles_up)
-    return stop(ReturnCode::accumulating_events, messages::accumulates(name, acts_.limit()), acts_.limit());
-  ended_.reset();
   if (fixed_) {
     grid_ = Grid(request_, nominal_step(), state_.x.t, state_.n);
     last_step_ = grid_.steps;
+    if (request_.until_steps) schedule_.move_end(state_.x.t, grid_.end);
     planned_end_ = grid_.end;
   }
   end_ = planned_end_;
@@ -86,11 +84,30 @@ bool Run::start_anew() {
   if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
   method_ = integrator_->method();
   began_ = state_.x.t;
-  watch_.begin_anew(began_, which);
+  watch_.begin_anew(began_, acted);
   diagnostics_.begin_anew(state_.x);
   if (!(state_.x.t < end_)) return false;
   const BlockResult result = integrator_->check_start(state_.x, guard_);
   return result || fail(result);
+}
+
+bool Run::act(std::size_t which) {
+  const std::string& name = watch_.name(which);
+  const Acts::Effect effect = acts_.act(which, state_.x);
+  if (effect == Acts::Effect::not_finite) return stop(ReturnCode::not_finite, messages::act_not_finite(name));
+  if (!outcome_.events.empty() && Watch::time(outcome_.events.back()) == state_.x.t)
+    outcome_.extend_event(Watch::after(card_, shown_variables(request_, problem_.traits, state_.x)));
+  acted_ = true;  // what the run says of itself is said of its parts
+  evidence_ = Evidence(problem_.traits, fixed_ ? std::optional(grid_.steps - state_.n) : std::nullopt, false);
+  evidence_.start(problem_, state_.x);
+  const bool over = effect == Acts::Effect::completes || request_.events[which].stop;
+  if (over && outcome_.event.empty()) {
+    outcome_.event = name;
+    outcome_.event_count = acts_.count(which);
+  }
+  if (effect == Acts::Effect::piles_up)
+    return stop(ReturnCode::accumulating_events, messages::accumulates(name, acts_.limit()), acts_.limit());
+  return true;
 }
 
 bool Run::fail(const BlockResult& result) {

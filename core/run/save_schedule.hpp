@@ -84,6 +84,11 @@ class SaveSchedule {
     return start_ + (end_ - start_) * (static_cast<double>(index_) / static_cast<double>(count() - 1));
   }
   void next() { ++index_; }
+  /// At the time `now` it is found that the end is another one: samples that are left come sooner or later with it.
+  void move_end(double now, double end) {
+    if (end_ > now) start_ = now + (start_ - now) * ((end - now) / (end_ - now));
+    end_ = end;
+  }
 
  private:
   std::int64_t count() const {

@@ -229,9 +229,16 @@ std::optional<double> horizon(const Request& scene, const Conditioning& known, d
   return start + (end - start) * eighths / Conditioning::parts;
 }
 
-}  // namespace
+/// The event that ended the first run, where it is one that acts.
+std::optional<Advice::Act> act_that_ended(const Request& scene, const Pilot& pilot) {
+  const auto& names = scene.watched.list;
+  for (std::size_t i = 0; i < std::min(scene.events.size(), names.size()); ++i)
+    if (scene.events[i].act && names[i].card.name == pilot.event) return Advice::Act{pilot.event, pilot.end};
+  return std::nullopt;
+}
 
-Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled) {
+Advice advise_up_to_acts(const Request& scene, const Wish& wish, std::optional<Advice::Act>& act,
+                         const std::atomic<bool>& cancelled) {
   constexpr double share = 0.5;   // of the time: the rest is for the run
   constexpr double pilots = 0.5;  // of that, at most
   constexpr double fine = 1e-6;   // far below what a motion is, far above round-off
@@ -256,6 +263,7 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
   }
   const Pilot pilot =
       Pilot::run(posed, suggested_candidates(*scene.scene, {}), accuracy, pilots * deadline.left(), cancelled);
+  act = act_that_ended(scene, pilot);
   if (!pilot.event.empty()) {
     if (!(pilot.end > start)) return unmeasured(posed, pilot, all, fmt::format("{} ends the run at once", pilot.event));
     posed.end = pilot.end;  // beyond, the motion may be another, or none
@@ -297,6 +305,15 @@ Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& c
     advice.known = !timed;
     advice.alternatives.clear();
   }
+  return advice;
+}
+
+}  // namespace
+
+Advice advise(const Request& scene, const Wish& wish, const std::atomic<bool>& cancelled) {
+  std::optional<Advice::Act> act;
+  Advice advice = advise_up_to_acts(scene, wish, act, cancelled);
+  advice.before_act = std::move(act);
   return advice;
 }
 

@@ -113,6 +113,12 @@ struct Advice {
   /// part of the span only.
   bool known = true;
   bool referenced = true;  ///< errors were measured against a reference solution
+  /// An event that acts: the motion was looked at up to there, and the run goes beyond.
+  struct Act {
+    std::string event;
+    double t = 0;
+  };
+  std::optional<Act> before_act{};
 };
 
 /// The cheapest measured run that grants the wish, by force evaluations. Of a motion that is chaotic for so long that

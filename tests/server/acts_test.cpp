@@ -152,6 +152,55 @@ TEST_F(EventsThatAct, KicksAndSwitches) {
   EXPECT_EQ(made["acts"][0]["keeps"], "none");
 }
 
+// Into the corner of a box: both walls are met in one instant, and both act, whatever the scheme and in whichever order
+// they stand; one that only looks on is told of, too.
+TEST_F(EventsThatAct, InOneInstantAllOfThemAct) {
+  const auto wall = [](const std::string& x) {
+    return Json{{"name", "wall_" + x}, {"expression", x}, {"direction", "down"}, {"set", {{"v" + x, "-v" + x}}}};
+  };
+  const Json looks_on{{"name", "corner"}, {"expression", "x+y"}, {"direction", "down"}};
+  Json request = Json::parse(R"({"problem":{"id":"custom","variables":["x","y"],"potential":"0"},
+    "initial":{"x":1,"y":1,"vx":-1,"vy":-1},"until":3,"record":{"every":0}})");
+  for (const char* scheme : {"taylor", "leapfrog", "runge_kutta_4", "dormand_prince_5"})
+    for (const Json& events : {Json{wall("x"), wall("y"), looks_on}, Json{looks_on, wall("y"), wall("x")}}) {
+      request["scheme"] = scheme;
+      request["events"] = events;
+      const Json made = answer(request);
+      EXPECT_EQ(made["status"], "completed") << scheme;
+      ASSERT_EQ(made["events"].size(), 3U) << scheme << made["events"];
+      for (const Json& event : made["events"]) EXPECT_NEAR(event["t"], 1, 1e-14) << scheme;
+      EXPECT_EQ(made["acts"].size(), 2U) << scheme << made["acts"];
+      for (const char* name : {"x", "y"}) EXPECT_NEAR(made["final"][name], 2, 1e-12) << scheme;
+      for (const char* name : {"px", "py"}) EXPECT_NEAR(made["final"][name], 1, 1e-14) << scheme;
+    }
+  // Each reads what the one before has left; one that ends the run does so after what has acted.
+  request["events"] = {wall("x"), wall("y"), {{"name", "over"}, {"expression", "t-1"}, {"stop", true}}};
+  request["events"][1]["set"] = {{"vy", "-vy+vx"}};
+  const Json made = answer(request);
+  EXPECT_EQ(made["end"]["event"], "over") << made["events"];
+  EXPECT_NEAR(made["final"]["px"], 1, 1e-14);
+  EXPECT_NEAR(made["final"]["py"], 2, 1e-14);
+}
+
+// The step in which an event acts is cut short, and with it a run that counts its steps: samples come to the new end.
+TEST_F(EventsThatAct, SamplesOfARunByStepsAreAsManyAsWereAskedFor) {
+  Json request = ball(1);
+  request["scheme"] = {{"id", "leapfrog"}, {"step", 0.07}};
+  request["until"] = {{"steps", 100}};
+  request["record"] = {{"samples", 21}};
+  const Json made = answer(request);
+  ASSERT_GE(made["events"].size(), 2U);
+  const Json& t = made["trajectory"]["t"];
+  ASSERT_EQ(t.size(), 21U) << t;
+  EXPECT_EQ(t[0], 0);
+  EXPECT_EQ(t[20], made["final"]["t"]);
+  EXPECT_LT(made["final"]["t"], 100 * 0.07 - 1e-3);
+  for (std::size_t k = 1; k < t.size(); ++k) {
+    EXPECT_LT(t[k - 1], t[k]) << t;
+    EXPECT_NEAR(t[k].get<double>() - t[k - 1].get<double>(), 0.35, 0.02) << "nearly evenly";
+  }
+}
+
 TEST_F(EventsThatAct, AreEchoedAndChosenFor) {
   Json request = ball(0.5);
   request["until"] = 3;
@@ -169,6 +218,17 @@ TEST_F(EventsThatAct, AreEchoedAndChosenFor) {
   EXPECT_EQ(chosen["status"], "completed");
   EXPECT_NEAR(chosen["final"]["x"], made["final"]["x"], 1e-5);
   EXPECT_EQ(chosen["events"].size(), made["events"].size());
+  // Errors were measured up to the first bounce, and the run says so; one that ends before it has nothing to say.
+  const auto says = [](const Json& run) {
+    std::string said;
+    for (const Json& warning : run["warnings"])
+      if (warning["code"] == "judged_before_acts") said = warning["detail"];
+    return said;
+  };
+  EXPECT_NE(says(chosen).find("t = 1.41421, where floor acts"), std::string::npos) << chosen["warnings"];
+  EXPECT_EQ(says(made), "");
+  request["until"] = 1;
+  EXPECT_EQ(says(answer(request)), "");
 }
 
 TEST_F(EventsThatAct, SayWhatIsWrong) {

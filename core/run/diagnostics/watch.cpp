@@ -148,12 +148,12 @@ bool Watch::may_vanish(const double* left, double from, const double* right, dou
 std::vector<Zero> Watch::locate(const double* left, double from, const double* right, double to,
                                 const ObserveAt& observe_at, int pieces) {
   std::vector<double> middle(measures_.reads.size());
-  if (!acted_ || !(from < soon_ && soon_ < to) || !observe_at(soon_, middle.data()))
+  if (acted_ == 0 || !(from < soon_ && soon_ < to) || !observe_at(soon_, middle.data()))
     return search(left, from, right, to, observe_at, pieces);
   // A step may be so long that the way to the next zero is as nothing beside it: that of a ball before it bounces for
   // the thousandth time, whose parabola a series follows to the end of the run.
   std::vector<Zero> zeros = search(left, from, middle.data(), soon_, observe_at, pieces);
-  if (!zeros.empty() && ends(zeros.back().which)) return zeros;
+  if (std::ranges::any_of(zeros, [&](const Zero& zero) { return ends(zero.which); })) return zeros;
   const std::vector<Zero> later = search(middle.data(), soon_, right, to, observe_at, pieces);
   zeros.insert(zeros.end(), later.begin(), later.end());
   return zeros;
@@ -164,6 +164,7 @@ std::vector<Zero> Watch::search(const double* left, double from, const double* r
   // A run that has been unresolved so often is to end soon.
   constexpr int much = 1 << 13, little = 64;
   constexpr std::int64_t patience = 4;
+  constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
   const ObserveAt observe = with_ends(left, from, right, to, observe_at, measures_.reads.size());
   ZeroSearch zero_search(measures_, observe, unresolved_.steps < patience ? much : little);
   zero_search.find(from, to, pieces);
@@ -205,8 +206,8 @@ std::vector<Zero> Watch::search(const double* left, double from, const double* r
                            ? place_of_change(value, a, b)
                            : a + root([&](double part) { return value(part < b - a ? a + part : b); }, 0, b - a);
       // Towards a pole values grow, and interpolation between them may leave the step. A gap, as in q^2/q, is none.
-      constexpr double near = 1e-9, rounding = 4 * std::numeric_limits<double>::epsilon();
-      if (i == acted_ && t - start_ <= near * (to - from) + rounding * std::abs(start_)) continue;
+      constexpr double near = 1e-9;
+      if ((acted_ >> i & 1) && t - start_ <= near * (to - from) + rounding * std::abs(start_)) continue;
       if (a <= t && t <= b && !(std::abs(value(t)) > std::max(std::abs(before), std::abs(after))))
         zeros.push_back({t, i});
     }
@@ -215,7 +216,10 @@ std::vector<Zero> Watch::search(const double* left, double from, const double* r
   unresolved_.which |= unresolved;
   std::ranges::stable_sort(zeros, {}, &Zero::t);
   const auto end = std::ranges::find_if(zeros, [&](const Zero& zero) { return ends(zero.which); });
-  if (end != zeros.end()) zeros.erase(end + 1, zeros.end());
+  if (end != zeros.end()) {
+    const double instant = end->t + rounding * std::max(std::abs(end->t), to - from);
+    zeros.erase(std::find_if(end, zeros.end(), [&](const Zero& zero) { return zero.t > instant; }), zeros.end());
+  }
   return zeros;
 }
 

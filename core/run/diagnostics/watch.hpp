@@ -64,8 +64,8 @@ class Watch {
                   int pieces) const;
 
   /// The zeros after the state that was observed at `from` up to the one at `to`, in the order of their times and up to
-  /// the first that ends the run. A start that lies on a zero is none; neither is a pole, where the sign changes too.
-  /// `pieces`: into how many the way is divided at first.
+  /// the first that ends the run, with all that round-off does not tell from its instant. A start that lies on a zero
+  /// is none; neither is a pole, where the sign changes too. `pieces`: into how many the way is divided at first.
   std::vector<Zero> locate(const double* left, double from, const double* right, double to, const ObserveAt& observe_at,
                            int pieces);
   /// Whether anything may end the run.
@@ -79,9 +79,9 @@ class Watch {
   void turn_to(const Unresolved& unresolved) { unresolved_ = unresolved; }
   /// Whether the run ends at a zero of this one, or begins anew.
   bool ends(std::size_t which) const { return (halting_ >> which & 1) != 0; }
-  /// The run has begun anew at the time t, from what a zero of this one made of it: what vanishes right there vanishes
+  /// The run has begun anew at the time t, from what zeros of these made of it: what vanishes right there vanishes
   /// because of that.
-  void begin_anew(double t, std::size_t which) {
+  void begin_anew(double t, Signs which) {
     soon_ = t + 4 * (t - start_);
     start_ = t;
     acted_ = which;
@@ -108,11 +108,11 @@ class Watch {
 
   const Measures& measures_;
   double start_;
-  std::optional<std::size_t> acted_;  ///< the run began there by what a zero of this one did
-  double soon_ = 0;                   ///< after an act: by then the next one comes, if it takes as long as the last
-  Signs up_ = 0, down_ = 0;           ///< which are looked for where they rise, and where they fall
-  Signs halting_ = 0;                 ///< which end the run
-  std::vector<std::size_t> read_;     ///< which variables
+  Signs acted_ = 0;                ///< the run began there by what zeros of these did
+  double soon_ = 0;                ///< after an act: by then the next one comes, if it takes as long as the last
+  Signs up_ = 0, down_ = 0;        ///< which are looked for where they rise, and where they fall
+  Signs halting_ = 0;              ///< which end the run
+  std::vector<std::size_t> read_;  ///< which variables
   Unresolved unresolved_;
 };
 

@@ -59,7 +59,7 @@ struct Computed {
 // The whole of it; `take` adds the blocks in their order, false ends it.
 Computed compute(const EnsemblePlan& plan, const Context& context, const std::function<bool()>& gone, Places& places,
                  const std::function<bool(Computed&, Block&)>& take) {
-  constexpr double beyond = 0.1;  // the limit, in seconds: for what some members say against themselves
+  constexpr double beyond = 0.05;  // the limit, in seconds: for what some members say against themselves
   Computed result{{}, {}, Held(&context.memory)};
   const auto start = std::chrono::steady_clock::now();
   const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };

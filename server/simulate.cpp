@@ -28,6 +28,16 @@ struct Ended {
   std::optional<variations::Sensitivities> sensitivities;  // where they are asked for
 
   const variations::Sensitivities* slopes() const { return sensitivities ? &*sensitivities : nullptr; }
+  std::size_t numbers_of_slopes() const {
+    return sensitivities ? sensitivities->samples.size() * sensitivities->final.size() : 0;
+  }
+  // The text of all of them at once is held, or they are left out.
+  void hold_text_of_slopes() {
+    constexpr std::size_t copies = 2;  // what is written, and what is on its way
+    if (!sensitivities || sensitivities->held.grow_by(copies * numbers_of_slopes() * (longest_number + 1))) return;
+    sensitivities->samples = {};
+    sensitivities->reason = "there is no room for the text of those at samples: other forms are written piece by piece";
+  }
 };
 
 // A run that is to be, or was, and how it was chosen where the client did not say. Stays where it is.
@@ -115,7 +125,7 @@ Answer answer_whole(const SharedTask& task, const HttpRequest& question, const F
   const FinishedRun run = finished(*task, ended, *rows);
   Answer answer;
   const auto numbers = [](const KeptRows& kept) { return kept.rows() * kept.columns(); };
-  if (numbers(rows->samples) + numbers(rows->points) <= large) {
+  if (numbers(rows->samples) + numbers(rows->points) + ended.numbers_of_slopes() <= large) {
     answer = whole_answer(form, run);
     note_run(answer, run, ended.outcome);
     return answer;
@@ -170,6 +180,7 @@ Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admi
       ended = {};
       ended.outcome.stop = {ReturnCode::memory, shortage.what(), forward_of(*planned.request.scene).start, 0, {}};
     }
+    ended.hold_text_of_slopes();
     Answer told;
     note_run(told, planned, ended.outcome);
     *notes = std::move(*told.notes);
@@ -210,7 +221,8 @@ std::optional<Faults> faults_of_choice(const Task& task) {
   json.open('{');
   write_echo(json, task.planned());
   json.close('}');
-  auto again = decode(std::move(*parse_json(echo)), task.context().cards, task.context().caps);
+  auto again = decode(std::move(*parse_json(echo)), task.context().cards, task.context().caps,
+                      forward_of(*task.planned().request.scene).mechanics);
   if (again) return std::nullopt;
   if (!again.error().within("/scheme")) return again.error();
   Faults faults;
@@ -226,7 +238,7 @@ Result<SharedTask, Answer> choose(const Context& context, const HttpRequest& req
   Advice advice;
   ReturnCode end;
   {
-    constexpr double margin = 0.1;  // the core takes half of it by itself; what it cannot interrupt is cut off
+    constexpr double margin = 0.05;  // the core takes half of it by itself; what it cannot interrupt is cut off
     const CancellationWatch watch(context.cancelled, request.gone, limit / 2 + margin);
     advice = advise(asked.run, *asked.wish, watch.cancelled());
     end = end_of(watch);

@@ -67,16 +67,16 @@ StepTangents tangents_of(const P& problem, const Request& request) {
   const Full start = start_of<Full>(problem, request.scene->initial, request.scene->start);
   with_scheme<P>(request, [&]<class Scheme>(const Scheme& scheme) {
     if constexpr (ExtendsTo<Scheme, P>) {
-      tangents.extended = [&problem, scheme, start](const RunState& x, TangentMap& map) {
-        const auto step = extended_step_tangent(scheme, problem, start, full_state_from<P>(x));
+      tangents.extended = [&problem, scheme, start](const RunState& x, const KeepGoing& keep_going, TangentMap& map) {
+        const auto step = extended_step_tangent(scheme, problem, start, full_state_from<P>(x), keep_going);
         if (step) map = tangent_map(step->start, step->tangent);
         map.extended = true;
         return step.has_value();
       };
     } else if constexpr (!AdaptsSteps<Scheme>) {
-      tangents.plain = [&problem, scheme, start](const RunState& x, TangentMap& map) {
+      tangents.plain = [&problem, scheme, start](const RunState& x, const KeepGoing& keep_going, TangentMap& map) {
         const Full from = full_state_from<P>(x);
-        const auto tangent = step_tangent(scheme, problem, start, from);
+        const auto tangent = step_tangent(scheme, problem, start, from, keep_going);
         if (tangent) map = tangent_map(from, *tangent);
         return tangent.has_value();
       };

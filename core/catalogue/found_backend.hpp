@@ -95,7 +95,7 @@ class FoundBackend final : public SizedBackend {
       }
       return true;
     };
-    tangents.plain = [along, step, this](const RunState& x, TangentMap& map) {
+    tangents.plain = [along, step, this](const RunState& x, const KeepGoing& keep_going, TangentMap& map) {
       const std::size_t size = x.size();
       map = {found_->scene.room, x, x, std::vector<double>(size * size)};
       map.to.t = x.t + step;
@@ -104,7 +104,7 @@ class FoundBackend final : public SizedBackend {
         StateNumbers u(size);
         u[j] = map.m[j * size + j] = 1;
         if (!has_component(j)) continue;
-        if (!along(x, u, y)) return false;
+        if (!keep_going() || !along(x, u, y)) return false;
         for (std::size_t i = 0; i < size; ++i) {
           map.to[i] = y[i].value;
           map.m[i * size + j] = y[i].slope[0];

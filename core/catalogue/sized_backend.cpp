@@ -88,8 +88,7 @@ std::unique_ptr<Integrator> bind_lifted(const Binding& to) {
   return to.equal_steps(SizedLifted(to.scene, to.scheme<LiftedSplitting>()));
 }
 std::unique_ptr<Integrator> bind_series(const Binding& to) {
-  return to.own_clock(
-      SizedSeries{to.scheme<Taylor>(), taylor::program_of(to.scene.equations, to.scene.rates, to.scene.rates.size())});
+  return to.own_clock(SizedSeries{to.scheme<Taylor>(), to.scene.series()});
 }
 
 /// Where the middle of a step says all of it.

@@ -102,8 +102,11 @@ class SizedMechanics final : public Mechanics {
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {
     const auto sized = scene_of(scene.parameters);
-    const auto program =
-        taylor::program_of(sized->equations, std::span(sized->rates).first(sized->moving), sized->moving);
+    const bool all_move = sized->moving == sized->rates.size();
+    const auto own = [&] {
+      return taylor::program_of(sized->equations, std::span(sized->rates).first(sized->moving), sized->moving);
+    };
+    const tape::Program program = all_move ? sized->series() : own();
     Scales scales = scales_of_motion(program, scene.initial.data(), scene.start, sized->moving, traits_.dof);
     if (!std::isfinite(scales.time)) scales.time = 0;
     scales.damped = traits_.linear_contact;

@@ -15,7 +15,10 @@
 namespace least::periodic {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr int most_iterations = 60;
+Objection too_long() { return {"/problem", "the equations of its derivatives are too long", {}}; }
 
 Rates rates_of(const Motion::Equations& equations) {
   return
@@ -87,8 +90,8 @@ std::optional<PeriodLaw> period_law(const Question& question) {
 
 class Closing {
  public:
-  Closing(const Question& question, Effort& effort, Answer& answer)
-      : question_(question), effort_(effort), answer_(answer) {}
+  Closing(const Question& question, std::shared_ptr<Motion> motion, Effort& effort, Answer& answer)
+      : question_(question), motion_(std::move(motion)), effort_(effort), answer_(answer) {}
 
   /// The closed orbit; nothing where none was found, for the reason that the answer has.
   std::optional<Trial> go() {
@@ -96,9 +99,8 @@ class Closing {
     setting_.scene = question_.scene;
     setting_.tolerance = question_.settings[0];
     setting_.guess_period = question_.period;
-    const auto equations = std::get<Motion::Equations>(equations_of(scene, {}));
-    const Trial guess{{components_of(*equations, scene)}, {0}, question_.period, 0};
-    Motion motion(equations, {}, setting_.tolerance);
+    Motion& motion = *motion_;
+    const Trial guess{{components_of(motion.equations(), scene)}, {0}, question_.period, 0};
     setting_.law = motion.autonomous() ? PeriodLaw::free : PeriodLaw::kept;
     setting_.extents = extents_of(motion, guess, scene.start, effort_, answer_.reason);
     fill(motion, guess);
@@ -108,7 +110,7 @@ class Closing {
       return std::nullopt;
     }
     make_units(setting_.extents);
-    shooting_.emplace(setting_, effort_);
+    shooting_.emplace(setting_, motion_, effort_);
     return improve(motion, guess);
   }
 
@@ -223,6 +225,7 @@ class Closing {
   }
 
   const Question& question_;
+  std::shared_ptr<Motion> motion_;
   Effort& effort_;
   Answer& answer_;
   Setting setting_;
@@ -230,6 +233,25 @@ class Closing {
 };
 
 }  // namespace
+
+std::variant<Motions, Objection> motions_of(const Question& question) {
+  const auto began = Clock::now();
+  const Scene& scene = *question.scene;
+  Motions made;
+  const auto motion = [&](std::optional<std::size_t> varied) {
+    const auto equations = std::get<Motion::Equations>(equations_of(scene, varied));
+    return std::make_shared<Motion>(equations, varied, question.settings[0]);
+  };
+  try {
+    made.by_start = motion({});
+    if (question.family && question.family->by == FamilyAsked::By::parameter)
+      made.by_parameter = motion(question.family->index);
+  } catch (const tape::TooManyOperations&) {
+    return too_long();
+  }
+  made.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  return made;
+}
 
 std::optional<Objection> objection(const Question& question) {
   const Scene& scene = *question.scene;
@@ -251,9 +273,8 @@ std::optional<Objection> objection(const Question& question) {
     if (auto* why = std::get_if<std::string>(&made)) return Objection{"/problem", std::move(*why), {}};
     equations = std::get<Motion::Equations>(std::move(made));
     if (equations->components > most_components) return too_many(equations->components);
-    [[maybe_unused]] const Motion followed(equations, varied, question.settings[0]);
   } catch (const tape::TooManyOperations&) {
-    return Objection{"/problem", "the equations of its derivatives are too long", {}};
+    return too_long();
   }
   const auto moves = [&](std::size_t variable) {
     return std::ranges::find(equations->variables, variable) != equations->variables.end();
@@ -293,14 +314,13 @@ std::optional<Objection> objection(const Question& question) {
   return std::nullopt;
 }
 
-Answer close_orbit(const Question& question, const std::atomic<bool>& cancelled,
+Answer close_orbit(const Question& question, const Motions& motions, const std::atomic<bool>& cancelled,
                    const std::function<bool(const Member&)>& take) {
-  using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
-  const std::chrono::duration<double> limit(question.limits.seconds);
+  const std::chrono::duration<double> limit(question.limits.seconds - motions.seconds);
   Effort effort([&] { return !cancelled && Clock::now() - began < limit; }, question.limits.steps);
   Answer answer;
-  Closing closing(question, effort, answer);
+  Closing closing(question, motions.by_start, effort, answer);
   if (const auto closed = closing.go()) {
     if (question.family) {
       Setting setting = closing.setting();
@@ -314,7 +334,8 @@ Answer close_orbit(const Question& question, const std::atomic<bool>& cancelled,
         const bool of_one_energy = closing.shooting().prepare(*closed).keeps_energy();
         if (of_one_energy && question.fixed.empty()) setting.law = PeriodLaw::kept;
       }
-      answer.family_end = follow_family(question, std::move(setting), *closed, effort, [&](Member&& member) {
+      const auto& motion = motions.by_parameter ? motions.by_parameter : motions.by_start;
+      answer.family_end = follow_family(question, std::move(setting), motion, *closed, effort, [&](Member&& member) {
         if (take) return take(member);
         const std::size_t n = member.orbit.rows.size();
         answer.held.add(sizeof(Member) + (n * n + 8 * n) * sizeof(double) + member.orbit.scene->initial.size() * 8);
@@ -324,7 +345,7 @@ Answer close_orbit(const Question& question, const std::atomic<bool>& cancelled,
     }
     if (question.manifolds && !effort.over()) {
       answer.held.add(bytes_of_manifolds(question, closed->nodes[0].size()));
-      answer.manifolds = manifolds_of(question, closing.setting(), *closed, effort);
+      answer.manifolds = manifolds_of(question, closing.setting(), *motions.by_start, *closed, effort);
     }
   }
   if (effort.over())
@@ -332,7 +353,7 @@ Answer close_orbit(const Question& question, const std::atomic<bool>& cancelled,
                  : cancelled           ? ReturnCode::cancelled
                                        : ReturnCode::deadline;
   answer.steps = effort.steps();
-  answer.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  answer.seconds = motions.seconds + std::chrono::duration<double>(Clock::now() - began).count();
   return answer;
 }
 

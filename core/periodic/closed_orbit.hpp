@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/memory_budget.hpp"
@@ -20,6 +21,8 @@
 #include "core/status.hpp"
 
 namespace least::periodic {
+
+class Motion;
 
 /// A curve of closed orbits, along which this number moves.
 struct FamilyAsked {
@@ -60,6 +63,15 @@ struct Objection {
 /// What can be seen before anything is computed: a scene without derivatives, a drive that does not repeat, variables
 /// that the motion does not have.
 std::optional<Objection> objection(const Question& question);
+
+/// The motion with its derivatives, made once for all that a question asks of it.
+struct Motions {
+  std::shared_ptr<Motion> by_start;
+  std::shared_ptr<Motion> by_parameter;  ///< along which a family moves, too; null: none does
+  double seconds = 0;                    ///< that it took to make them
+};
+/// Where there is an objection, their equations are too long. Throws MemoryShortage.
+std::variant<Motions, Objection> motions_of(const Question& question);
 
 enum class MultiplierKind : std::uint8_t { unit, elliptic, hyperbolic, inverse_hyperbolic, complex };
 inline constexpr std::string_view multiplier_kinds[] = {"unit", "elliptic", "hyperbolic", "inverse_hyperbolic",
@@ -130,8 +142,9 @@ struct Answer {
   Held held = HeldByThread::take(0);
 };
 
-/// Each member is given to `take`, which says whether it wants more; without it they are kept. Throws MemoryShortage.
-Answer close_orbit(const Question& question, const std::atomic<bool>& cancelled,
+/// `motions`: of the question, that nobody else moves; what they took counts in its seconds. Each member is given to
+/// `take`, which says whether it wants more; without it they are kept. Throws MemoryShortage.
+Answer close_orbit(const Question& question, const Motions& motions, const std::atomic<bool>& cancelled,
                    const std::function<bool(const Member&)>& take = {});
 
 }  // namespace least::periodic

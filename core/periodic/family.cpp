@@ -28,12 +28,13 @@ struct Step {
 
 class Family {
  public:
-  Family(const Question& question, Setting setting, Effort& effort, const std::function<bool(Member&&)>& take)
+  Family(const Question& question, Setting setting, std::shared_ptr<Motion> motion, Effort& effort,
+         const std::function<bool(Member&&)>& take)
       : asked_(*question.family),
         setting_(std::move(setting)),
         effort_(effort),
         take_(take),
-        shooting_(setting_, effort_) {}
+        shooting_(setting_, std::move(motion), effort_) {}
 
   std::string go(const Trial& first) {
     Trial trial = first;
@@ -288,9 +289,9 @@ class Family {
 
 }  // namespace
 
-std::string follow_family(const Question& question, Setting setting, const Trial& first, Effort& effort,
-                          const std::function<bool(Member&&)>& take) {
-  return Family(question, std::move(setting), effort, take).go(first);
+std::string follow_family(const Question& question, Setting setting, std::shared_ptr<Motion> motion, const Trial& first,
+                          Effort& effort, const std::function<bool(Member&&)>& take) {
+  return Family(question, std::move(setting), std::move(motion), effort, take).go(first);
 }
 
 }  // namespace least::periodic

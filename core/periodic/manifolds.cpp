@@ -134,10 +134,9 @@ std::size_t bytes_of_manifolds(const Question& question, std::size_t components)
   return static_cast<std::size_t>(states) * ((components + 1) * sizeof(double) + sizeof(std::vector<double>));
 }
 
-std::vector<Manifold> manifolds_of(const Question& question, const Setting& setting, const Trial& closed,
-                                   Effort& effort) {
+std::vector<Manifold> manifolds_of(const Question& question, const Setting& setting, Motion& forward,
+                                   const Trial& closed, Effort& effort) {
   std::vector<Manifold> both;
-  Motion forward(std::get<Motion::Equations>(equations_of(*setting.scene, {})), {}, setting.tolerance);
   both.push_back(Growing(question, setting, forward, setting.start(), effort).of(closed));
   Manifold& stable = both.emplace_back();
   stable.stable = true;

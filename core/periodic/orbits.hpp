@@ -41,16 +41,17 @@ Orbit orbit_of(Shooting& shooting, const Setting& setting, const Trial& trial, c
 /// itself where it is about as good. The start is that of the guess.
 double nearest_return(Motion& motion, const Setting& setting, const Trial& guess, Effort& effort);
 
-/// A family from its first orbit on; `take` says of each member whether more are wanted. Why it ends.
-std::string follow_family(const Question& question, Setting setting, const Trial& first, Effort& effort,
-                          const std::function<bool(Member&&)>& take);
+/// A family from its first orbit on; `motion`: for the value that it begins with; `take` says of each member whether
+/// more are wanted. Why it ends.
+std::string follow_family(const Question& question, Setting setting, std::shared_ptr<Motion> motion, const Trial& first,
+                          Effort& effort, const std::function<bool(Member&&)>& take);
 
 /// How many states a trajectory of a manifold keeps, and all that they hold.
 std::int64_t samples_of_a_curve(const Question& question, std::size_t components);
 std::size_t bytes_of_manifolds(const Question& question, std::size_t components);
 
 /// The unstable and the stable manifold of a closed orbit.
-std::vector<Manifold> manifolds_of(const Question& question, const Setting& setting, const Trial& closed,
-                                   Effort& effort);
+std::vector<Manifold> manifolds_of(const Question& question, const Setting& setting, Motion& forward,
+                                   const Trial& closed, Effort& effort);
 
 }  // namespace least::periodic

@@ -52,16 +52,14 @@ Trial moved(const Trial& trial, const Setting& setting, std::span<const double> 
   return made;
 }
 
-Shooting::Shooting(const Setting& setting, Effort& effort) : setting_(setting), effort_(effort) {
-  value_ = setting.guess_value;
-  motion_.emplace(equations_with(setting, value_), setting.varied, setting.tolerance);
-}
+Shooting::Shooting(const Setting& setting, std::shared_ptr<Motion> motion, Effort& effort)
+    : setting_(setting), effort_(effort), motion_(std::move(motion)), value_(setting.guess_value) {}
 
 Motion& Shooting::prepare(const Trial& trial) {
   if (trial.value != value_) {
     conserved_.reset();
     value_ = trial.value;
-    motion_.emplace(equations_with(setting_, value_), setting_.varied, setting_.tolerance);
+    motion_ = std::make_shared<Motion>(equations_with(setting_, value_), setting_.varied, setting_.tolerance);
   }
   if (!conserved_) {
     Scene scene = *setting_.scene;

@@ -59,8 +59,9 @@ struct FurtherRow {
 
 class Shooting {
  public:
-  /// `setting` and `effort` outlive it. Throws what Motion throws.
-  Shooting(const Setting& setting, Effort& effort);
+  /// `setting` and `effort` outlive it. `motion`: for the value that the setting begins with. What follows throws what
+  /// Motion throws.
+  Shooting(const Setting& setting, std::shared_ptr<Motion> motion, Effort& effort);
 
   /// Unknowns are the changes of all nodes, one after the other, of the period and of the value, in their units.
   static std::size_t unknowns(const Trial& trial) { return trial.nodes.size() * trial.nodes[0].size() + 2; }
@@ -99,7 +100,7 @@ class Shooting {
 
   const Setting& setting_;
   Effort& effort_;
-  std::optional<Motion> motion_;
+  std::shared_ptr<Motion> motion_;
   double value_ = 0;
   std::optional<Conserved> conserved_;
 };

@@ -18,6 +18,15 @@ RunState after_series(const ProblemTable& problem, const RunState& start, double
   return problem.starts_series(start) && end > until ? problem.series_state(until) : start;
 }
 
+/// How many steps of differences pass between two looks at the clock: of small scenes some, of those whose equations
+/// are long one.
+std::size_t steps_between_looks(const RunBackend& backend) {
+  constexpr tape::Index small = 512;  // operations, of which a step takes microseconds
+  tape::Tape tape;
+  backend.write_equations(tape);
+  return tape.size() > small ? 1 : 64;
+}
+
 class GrowthOfDifferences {
   static constexpr std::size_t parts = Conditioning::parts;
 
@@ -50,6 +59,9 @@ class GrowthOfDifferences {
  private:
   /// In steps, so that the answer does not depend on the machine.
   static constexpr std::size_t patience = 200'000, patience_of_series = 50'000;
+  /// How many variables a motion and its derivatives have at most whose equations are short enough for a series. Where
+  /// there are more nothing is known, and no room is made for it.
+  static constexpr std::size_t most_numbers = tape::most_of_equations;
 
   /// In all directions, one after the other. Where the motion ends early, again up to shortly before that.
   void follow(const RunState& start, double end, double tolerance) {
@@ -60,12 +72,13 @@ class GrowthOfDifferences {
   }
   /// By series, in all directions at once.
   void follow_series(const RunState& start, double end) {
-    begin(end, false, false);
-    tape::Tape tape;
-    const auto rates = backend_.write_equations(tape);
     std::vector<std::size_t> directions;
     for (std::size_t i = 0; i < size_; ++i)
       if (backend_.has_component(i)) directions.push_back(i);
+    if (size_ * (1 + directions.size()) > most_numbers) return know_nothing(end);
+    begin(end, false, false);
+    tape::Tape tape;
+    const auto rates = backend_.write_equations(tape);
     tangents_.assign(directions.size() * size_, 0);
     for (std::size_t d = 0; d < directions.size(); ++d) tangents_[d * size_ + directions[d]] = 1;
     try {
@@ -91,6 +104,14 @@ class GrowthOfDifferences {
     derivatives_.assign(parts * size_ * size_, 0);
     at_end_.assign(size_ * size_, 0);
   }
+  void know_nothing(double end) {
+    found_ = {};
+    found_.variables = size_;
+    found_.reached = end;
+    found_.so_far.fill(1);
+    found_.relative_so_far.fill(1);
+    found_.complete = false;
+  }
   /// What is known only when the sizes of all components are.
   void conclude() {
     std::vector<RunState> states;
@@ -99,7 +120,7 @@ class GrowthOfDifferences {
       states.push_back(mark.x);
     }
     for (const auto& mark : scaled_landmarks_.list()) found_.relative_pace.push_back(mark.x.t);
-    if (!states.empty()) settle_still_components(problem_, states, sizes_);
+    if (!states.empty()) settle_still_components(problem_, states, sizes_, keep_going_);
     found_.sizes = sizes_.divisors();
     const auto growth = [&](const double* derivatives) {
       double most = 1;
@@ -130,7 +151,7 @@ class GrowthOfDifferences {
     for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {
       if (!motion.advance()) return ends(motion.time(), motion.left_domain());
       seen();
-      found_.complete = step < patience && (step % 64 != 0 || keep_going_());
+      found_.complete = step < patience && (step % between_looks_ != 0 || keep_going_());
     }
     found_.growth = std::max(found_.growth, motion.growth());
     return true;
@@ -175,7 +196,7 @@ class GrowthOfDifferences {
       }
       most = std::numeric_limits<double>::infinity();
       longest = std::max(longest, h);
-      found_.complete = step < patience_of_series && (step % 16 != 0 || keep_going_());
+      found_.complete = step < patience_of_series && keep_going_();
     }
     found_.growth = std::max(found_.growth, absolute);
     return true;
@@ -228,6 +249,7 @@ class GrowthOfDifferences {
   const ProblemTable& problem_;
   const std::size_t size_ = problem_.traits.components;
   const KeepGoing& keep_going_;
+  const std::size_t between_looks_ = steps_between_looks(backend_);
   std::span<const std::size_t> kinds_;
   double from_;
   Landmarks landmarks_{48}, scaled_landmarks_{48};
@@ -248,9 +270,10 @@ std::vector<PaceMark> pace_of(const RunBackend& backend, const RunState& start, 
   Landmarks landmarks{64};
   landmarks.start(first);
   Differences motion(backend, first, 0, end, 1e-9);
+  const std::size_t between_looks = steps_between_looks(backend);
   for (std::size_t step = 1; motion.time() < end && motion.advance(); ++step) {
     landmarks.see(motion.state());
-    if (step % 64 == 0 && !keep_going()) break;
+    if (step % between_looks == 0 && !keep_going()) break;
   }
   for (const auto& [x, speed] : landmarks.list()) marks.push_back({x.t, speed});
   return marks;

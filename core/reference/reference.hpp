@@ -212,7 +212,7 @@ Truth true_states(const P& problem, const StateOf<P>& x0, const std::vector<doub
   }
   std::vector<RunState> seen{run_state(x0)};
   for (const auto& x : reference.states) seen.push_back(run_state(x));
-  settle_still_components(ProblemEntries<P, StateOf<P>>(problem), seen, sizes);
+  settle_still_components(ProblemEntries<P, StateOf<P>>(problem), seen, sizes, keep_going);
   truth.sizes = sizes.divisors();
   for (std::size_t i = 0; i < StateOf<P>::size; ++i)
     truth.relative_uncertainty = std::max(truth.relative_uncertainty, reference.doubts[i] / truth.sizes[i]);

@@ -53,7 +53,7 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
     if (!finite || both < std::min(at_once, ahead.size())) break;
   }
   truth.complete = truth.states.size() == times.size();
-  settle_still_components(backend.motion(), seen, sizes);
+  settle_still_components(backend.motion(), seen, sizes, keep_going);
   truth.sizes = sizes.divisors();
   for (std::size_t i = 0; i < size; ++i)
     truth.relative_uncertainty = std::max(truth.relative_uncertainty, doubts[i] / truth.sizes[i]);

@@ -18,7 +18,8 @@ using tape::Index;
 using tape::Node;
 using tape::Op;
 
-constexpr double first_step = 0.1;  ///< at most; of those after it each is at most twice the one before
+constexpr std::size_t long_equations = 256;  ///< operations, beyond which there are looks at the clock within a step
+constexpr double first_step = 0.1;           ///< at most; of those after it each is at most twice the one before
 
 std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
 
@@ -143,18 +144,22 @@ void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
   least_size_ = size > 0 && size < 1 ? size : 1;
 }
 
-LEAST_FUSED void TrueMotion::expand() {
+/// False: keep_going() has said so.
+LEAST_FUSED bool TrueMotion::expand(const std::function<bool()>& keep_going) {
+  const bool looks = made_.size() > long_equations;
   for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x_[v];
   for (Index i = 0; i < tape_.size() && !begun_; ++i) begin(i);
   begun_ = true;
   if (time_ != tape::none) row(time_)[1] = unit_;
   for (std::size_t k = 0; k < order_; ++k) {
+    if (looks && !keep_going()) return false;
     if (k > 0)
       for (const Index i : made_) extend(i, k);
     for (std::size_t v = 0; v < variables_.size(); ++v)
       row(variables_[v])[k + 1] = scaled(unit_, row(rates_[v])[k] * inverses_[k + 1]);
     for (const auto& [i, slope] : given_) row(slope)[k + 1] = static_cast<double>(k + 1) * row(i)[k + 1];
   }
+  return true;
 }
 
 double TrueMotion::largest(std::size_t k) const {
@@ -204,8 +209,7 @@ bool TrueMotion::settle(const std::function<bool()>& keep_going) {
   constexpr int most_tries = 60;
   for (int i = 0; i < most_tries; ++i) {
     length_ = 0;
-    if (!keep_going()) return false;
-    expand();
+    if (!keep_going() || !expand(keep_going)) return false;
     const std::size_t used = finite_orders();
     if (used == 0) {  // the first rates are too large for the unit, or no numbers
       if (!std::isfinite(largest(1)) && unit_ < 1e-250) break;
@@ -285,17 +289,25 @@ bool TrueMotion::until_steep() {
 
 /// The step that the series allows, shortened until it solves the equations; order 0 is left at its end. One that is as
 /// long as it may be, because hardly anything happens, and one in which steep functions move are looked at on their
-/// way.
-void TrueMotion::shorten() {
+/// way. False, and no step: keep_going() has said so.
+bool TrueMotion::shorten(const std::function<bool()>& keep_going) {
   constexpr int parts = 8;
+  const bool looks = made_.size() > long_equations;
   const bool steep = until_steep(), idle = steep || length_ * unit_ >= 0.99 * longest_;
   for (int tries = 0; tries < 60; ++tries) {
     bool good = true;
-    for (int part = idle ? 1 : parts; part <= parts && good; ++part) good = solves(length_ * part / parts);
-    if (good) return;
+    for (int part = idle ? 1 : parts; part <= parts && good; ++part) {
+      if (looks && !keep_going()) {
+        length_ = 0;
+        return false;
+      }
+      good = solves(length_ * part / parts);
+    }
+    if (good) return true;
     length_ *= 0.5;
   }
   solves(length_);
+  return true;
 }
 
 LEAST_FUSED DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& h) const {
@@ -311,16 +323,12 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
   constexpr double tiny = 1e-9;
   constexpr int patience = 1000;
   if (t_ == DoubleDouble(t)) return x_;
-  if (length_ == 0) {
-    if (!settle(keep_going)) return {};
-    shorten();
-  }
+  if (length_ == 0 && !(settle(keep_going) && shorten(keep_going))) return {};
   while ((DoubleDouble(t) - t_).high() > length_ * unit_) {
     x_ = ahead_;
     t_ = t_ + DoubleDouble(length_ * unit_);
     longest_ = 2 * length_ * unit_;
-    if (!settle(keep_going)) return {};
-    shorten();
+    if (!settle(keep_going) || !shorten(keep_going)) return {};
     if (!(length_ * unit_ > shortest * std::abs(t_.high()))) return {};
     short_ = length_ * unit_ < tiny * (t_.high() - start_) ? short_ + 1 : 0;
     if (short_ > patience) return {};

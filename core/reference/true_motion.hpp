@@ -26,7 +26,8 @@ class TrueMotion {
 
   void start(std::vector<DoubleDouble> x, double t);
   /// The state at t, which is no earlier than any time asked for before. Empty where keep_going() says so, which is
-  /// asked at each step, or where the motion does not go on.
+  /// asked at each step, and of long equations within it, or where the motion does not go on. Once it has said so
+  /// nothing is known of the motion any more until it is started again.
   std::span<const DoubleDouble> at(double t, const std::function<bool()>& keep_going);
   /// Whether it ended where the equations have no series, as |q|³ at q = 0: others may go on.
   bool lost() const { return lost_; }
@@ -42,14 +43,14 @@ class TrueMotion {
   void begin(tape::Index i);
   const DoubleDouble* divisor_of(tape::Index i) const;
   void extend(tape::Index i, std::size_t k);
-  void expand();
+  bool expand(const std::function<bool()>& keep_going);
   double largest(std::size_t k) const;
   std::size_t finite_orders() const;
   double length(std::size_t used) const;
   bool settle(const std::function<bool()>& keep_going);
   bool solves(double h);
   bool until_steep();
-  void shorten();
+  bool shorten(const std::function<bool()>& keep_going);
   DoubleDouble within(tape::Index variable, const DoubleDouble& h) const;
 
   tape::Tape tape_;

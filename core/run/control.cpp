@@ -45,12 +45,12 @@ ControlRun control_run(const RunBackend& backend, RunState x, std::span<const Ru
 }  // namespace
 
 std::vector<double> divisors_along(const RunBackend& backend, const RunState& x, std::vector<RunState> states,
-                                   Norm norm, std::span<const std::size_t> kinds) {
+                                   Norm norm, std::span<const std::size_t> kinds, const KeepGoing& keep_going) {
   if (norm == Norm::absolute) return {};
   states.insert(states.begin(), x);
   ComponentSizes sizes(kinds, x.size());
   for (const auto& state : states) sizes.see(state);
-  settle_still_components(backend.motion(), states, sizes);
+  settle_still_components(backend.motion(), states, sizes, keep_going);
   return sizes.divisors();
 }
 
@@ -64,7 +64,7 @@ Departure departure(const RunBackend& backend, RunState x, std::span<const RunSt
   for (std::size_t i = 0; i < x.size(); ++i) size = std::max(size, std::abs(x[i]));
   if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
   auto motion = control_run(backend, x, states, tolerance, most_forces, keep_going);
-  const std::vector<double> sizes = divisors_along(backend, x, motion.states, norm, kinds);
+  const std::vector<double> sizes = divisors_along(backend, x, motion.states, norm, kinds, keep_going);
   Departure found;
   const auto hold = [&](std::size_t count, const std::vector<RunState>& truth) {
     found = {};

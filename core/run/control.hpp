@@ -27,7 +27,7 @@ struct Departure {
 
 /// What errors along a motion are divided by, of ComponentSizes; nothing in the absolute norm.
 std::vector<double> divisors_along(const RunBackend& backend, const RunState& x, std::vector<RunState> states,
-                                   Norm norm, std::span<const std::size_t> kinds);
+                                   Norm norm, std::span<const std::size_t> kinds, const KeepGoing& keep_going);
 
 /// `large`: the error from which closer controls have to agree. `most_forces`: of the first; each closer one has four
 /// times as many. `kinds`: of the variables, kinds_of the card.

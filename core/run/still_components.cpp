@@ -4,11 +4,15 @@
 #include <cmath>
 #include <vector>
 
+#include "core/memory_budget.hpp"
+
 namespace least {
 
-void settle_still_components(const ProblemTable& problem, std::span<const RunState> states, ComponentSizes& sizes) {
+void settle_still_components(const ProblemTable& problem, std::span<const RunState> states, ComponentSizes& sizes,
+                             const std::function<bool()>& keep_going) {
   constexpr double rounding = 0x1p-45;
   const std::size_t size = problem.traits.components;
+  const Held held = HeldByThread::take(size * size * sizeof(double));
   StateNumbers rates(size);
   std::vector<double> slopes(size * size);  // of the rate i by the component j, column by column
   std::vector<double> changes(size, 0), most_rate(size, 1 / (states.back().t - states.front().t));  // by kind
@@ -16,14 +20,17 @@ void settle_still_components(const ProblemTable& problem, std::span<const RunSta
     if (std::isfinite(x)) most = std::max(most, x);
   };
   for (const RunState* x : {&states.front(), &states[states.size() / 2], &states.back()}) {
+    StateNumbers direction(size, 0.0);
     for (std::size_t j = 0; j < size; ++j) {
-      StateNumbers direction(size, 0.0);
+      if (j % 16 == 15 && !keep_going()) return;
+      if (j > 0) direction[j - 1] = 0;
       direction[j] = 1;
       problem.rates(*x, direction.data(), 0, rates.data(), &slopes[j * size]);
     }
     for (std::size_t i = 0; i < size; ++i)
       for (std::size_t j = 0; j < size; ++j) {
         const double slope = slopes[j * size + i];
+        if (slope == 0) continue;  // of a thousand components nearly all
         raise(changes[sizes.kind(i)], std::abs(slope) * sizes.largest(j));
         raise(most_rate[sizes.kind(i)], std::sqrt(std::abs(slope * slopes[i * size + j])));  // i = j: its own
       }

@@ -19,11 +19,12 @@ struct Tangent {
 
 /// The tangent of a map of states, `step(y)` in dual numbers, at x. It is taken along one direction at a time: numbers
 /// with a slope for each direction are several times as much code for every scheme of every problem. Empty where a step
-/// fails.
+/// fails, or keep_going(), asked before each of them, says no.
 template <class X, class Step>
-std::optional<Tangent<X>> tangent_of(const X& x, Step&& step) {
+std::optional<Tangent<X>> tangent_of(const X& x, const StepTangents::KeepGoing& keep_going, Step&& step) {
   Tangent<X> tangent;
   for (std::size_t j = 0; j < X::size; ++j) {
+    if (!keep_going()) return std::nullopt;
     auto y = convert<Slope, double>(x);
     y[j] = Slope::variable(x[j], 0);
     if (step(y) != StepStatus::ok) return std::nullopt;
@@ -109,16 +110,18 @@ std::optional<StepChange<X>> step_change(const Scheme& scheme, const P& problem,
   return found;
 }
 
-/// The same along all directions.
+/// The same along all directions, as the first of the steps of a run. Empty also where keep_going(), asked before each
+/// of them, says no.
 template <class Scheme, class P, class X>
 std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const X& start, const X& x,
-                                       const ActiveMethod& before = {}) {
+                                       const StepTangents::KeepGoing& keep_going) {
   Tangent<X> tangent;
   for (std::size_t j = 0; j < X::size; ++j) {
     Vec<int(X::size)> u{};
     u[j] = tangent.m[j][j] = 1;
     if (!has_component(problem, j)) continue;
-    const auto found = step_change(scheme, problem, start, x, before, u, 0, 0);
+    if (!keep_going()) return std::nullopt;
+    const auto found = step_change(scheme, problem, start, x, {}, u, 0, 0);
     if (!found) return std::nullopt;
     tangent.image = found->image;
     for (std::size_t i = 0; i < X::size; ++i) tangent.m[i][j] = found->change[i];
@@ -129,9 +132,8 @@ std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, c
 /// The tangent of a step on the extended space from p_t = −H, of steps that are contact maps there and not of the state
 /// alone.
 template <class Scheme, class P, class X>
-requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tangent(const Scheme& scheme,
-                                                                                     const P& problem, const X& start,
-                                                                                     const X& x) {
+requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tangent(
+    const Scheme& scheme, const P& problem, const X& start, const X& x, const StepTangents::KeepGoing& keep_going) {
   Extended<P> z;
   constexpr std::size_t n = P::dof;
   for (std::size_t i = 0; i < n; ++i) {
@@ -141,7 +143,7 @@ requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tan
   z.q[n] = x.t;
   z.p[n] = -energy(problem, x);
   z.action = x.action;
-  const auto tangent = tangent_of(z, [&](auto& y) {
+  const auto tangent = tangent_of(z, keep_going, [&](auto& y) {
     using D = typename std::remove_cvref_t<decltype(y)>::Number;
     return scheme.step_extended(problem, y, D(energy_level(scheme, problem, start)));
   });

@@ -5,10 +5,35 @@
 #include <optional>
 #include <span>
 
+#include "core/memory_budget.hpp"
 #include "core/number/linear.hpp"
 #include "core/run/control_stepper.hpp"
 
 namespace least {
+namespace {
+
+/// A larger full matrix takes longer to decompose than anybody waits for a look at the clock.
+constexpr std::size_t largest_full_matrix = 512;
+
+bool is_diagonal(std::size_t n, const std::vector<double>& matrix) {
+  for (std::size_t i = 0; i < matrix.size(); ++i)
+    if (matrix[i] != 0 && i % (n + 1) != 0) return false;
+  return true;
+}
+
+/// Whether a matrix is known to have an inverse.
+bool has_inverse(std::size_t n, std::vector<double> matrix) {
+  if (is_diagonal(n, matrix)) {
+    for (std::size_t i = 0; i < n; ++i)
+      if (const double entry = matrix[i * (n + 1)]; entry == 0 || !std::isfinite(entry)) return false;
+    return true;
+  }
+  if (n > largest_full_matrix) return false;
+  const double determinant = detail::determinant_by_lu(n, matrix.data());
+  return std::isfinite(determinant) && determinant != 0;
+}
+
+}  // namespace
 
 TangentLength::TangentLength(const RunBackend& backend, const RunState& x, double end, const KeepGoing& keep_going)
     : backend_(backend),
@@ -16,9 +41,9 @@ TangentLength::TangentLength(const RunBackend& backend, const RunState& x, doubl
       size_(backend.motion().traits.components),
       n_(flow_ ? size_ : backend.motion().traits.dof),
       extent_(size_, 0.0) {
-  if (!flow_) by_velocities_ = has_kinetic_matrix(x);
+  if (!flow_) by_velocities_ = has_kinetic_matrix(x, keep_going);
   measure(x, end, keep_going);
-  first_ = direction(x);
+  first_ = direction(x, keep_going);
   const double length = (*this)(x, first_.data());
   for (double& component : first_) component /= length;
 }
@@ -37,10 +62,11 @@ StateNumbers TangentLength::velocity_slopes(StateView x, const double* u) const 
   return slopes;
 }
 
-/// ∂q̇/∂p row by row, with units in the place of coordinates that the scene has not.
-std::vector<double> TangentLength::inverse_masses(StateView x) const {
+/// ∂q̇/∂p row by row, with units in the place of coordinates that the scene has not. Empty where there is no time.
+std::vector<double> TangentLength::inverse_masses(StateView x, const KeepGoing& keep_going) const {
   std::vector<double> inverse(n_ * n_);
   for (std::size_t j = 0; j < n_; ++j) {
+    if (j % 16 == 15 && !keep_going()) return {};
     StateNumbers u(size_, 0.0);
     u[n_ + j] = 1;
     const auto column = velocity_slopes(x, u.data());
@@ -51,19 +77,19 @@ std::vector<double> TangentLength::inverse_masses(StateView x) const {
 }
 
 /// Whether H is quadratic in p, or a Lagrangian says what velocities are.
-bool TangentLength::has_kinetic_matrix(const RunState& x) const {
+bool TangentLength::has_kinetic_matrix(const RunState& x, const KeepGoing& keep_going) const {
   if (!backend_.motion().traits.general || backend_.found() > 0) return true;
+  const Held held = HeldByThread::take(3 * n_ * n_ * sizeof(double));
   RunState other = x;
   for (std::size_t i = 0; i < n_; ++i) other[n_ + i] = 1 + 2 * x[n_ + i];
-  auto here = inverse_masses(x);
-  const auto there = inverse_masses(other);
+  const auto here = inverse_masses(x, keep_going), there = inverse_masses(other, keep_going);
+  if (here.size() != there.size() || here.empty()) return false;
   double change = 0, most = 0;
   for (std::size_t i = 0; i < here.size(); ++i) {
     change = std::max(change, std::abs(here[i] - there[i]));
     most = std::max(most, std::abs(here[i]));
   }
-  const double determinant = detail::determinant_by_lu(n_, here.data());
-  return change <= 1e-9 * most && std::isfinite(determinant) && determinant != 0;
+  return change <= 1e-9 * most && has_inverse(n_, here);
 }
 
 /// A state or a tangent as the norm reads it: with velocities in the place of momenta.
@@ -129,7 +155,7 @@ void TangentLength::share(std::size_t begin, std::size_t end, const StateNumbers
   }
 }
 
-StateNumbers TangentLength::direction(StateView x) const {
+StateNumbers TangentLength::direction(StateView x, const KeepGoing& keep_going) const {
   StateNumbers u(size_, 0.0);
   double count = 0;
   for (std::size_t i = 0; i < size_; ++i)
@@ -140,9 +166,11 @@ StateNumbers TangentLength::direction(StateView x) const {
   StateNumbers wanted(n_), momenta(n_);
   const StateNumbers moved = velocity_slopes(x, at_rest.data());
   for (std::size_t i = 0; i < n_; ++i) wanted[i] = u[n_ + i] - moved[i];
-  auto masses = inverse_masses(x);
-  bool diagonal = true;
-  for (std::size_t i = 0; i < masses.size(); ++i) diagonal = diagonal && (masses[i] == 0 || i % (n_ + 1) == 0);
+  const Held held = HeldByThread::take(n_ * n_ * sizeof(double));
+  auto masses = inverse_masses(x, keep_going);
+  if (masses.empty()) return u;
+  const bool diagonal = is_diagonal(n_, masses);
+  if (!diagonal && n_ > largest_full_matrix) return u;
   for (std::size_t i = 0; i < n_ && diagonal; ++i) momenta[i] = wanted[i] / masses[i * (n_ + 1)];
   if (!diagonal) detail::solve_by_lu(n_, masses.data(), wanted.data(), momenta.data());
   if (std::ranges::all_of(momenta, [](double p) { return std::isfinite(p); }))

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/run/backend.hpp"
+#include "core/run/mechanics.hpp"
 
 namespace least {
 
@@ -22,12 +23,12 @@ class TangentLength {
 
  private:
   StateNumbers velocity_slopes(StateView x, const double* u) const;
-  std::vector<double> inverse_masses(StateView x) const;
-  bool has_kinetic_matrix(const RunState& x) const;
+  std::vector<double> inverse_masses(StateView x, const KeepGoing& keep_going) const;
+  bool has_kinetic_matrix(const RunState& x, const KeepGoing& keep_going) const;
   StateNumbers as_measured(StateView x, const double* u) const;
   void measure(RunState x, double end, const KeepGoing& keep_going);
   void share(std::size_t begin, std::size_t end, const StateNumbers& largest);
-  StateNumbers direction(StateView x) const;
+  StateNumbers direction(StateView x, const KeepGoing& keep_going) const;
 
   const RunBackend& backend_;
   bool flow_;

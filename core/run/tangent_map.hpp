@@ -43,10 +43,12 @@ struct StepTangents {
   std::function<bool(const RunState& x, const ActiveMethod& before, const StateNumbers& u, double dt, double level,
                      ChangeOfStep& to)>
       along;
+  /// Asked before each direction; false gives up, as a step that fails does.
+  using KeepGoing = std::function<bool()>;
   /// Along all directions, at equal times and levels.
-  std::function<bool(const RunState& x, TangentMap& map)> plain;
+  std::function<bool(const RunState& x, const KeepGoing& keep_going, TangentMap& map)> plain;
   /// The same on the extended space, for schemes whose steps are contact maps there.
-  std::function<bool(const RunState& x, TangentMap& map)> extended;
+  std::function<bool(const RunState& x, const KeepGoing& keep_going, TangentMap& map)> extended;
   std::vector<double> level;  ///< the derivatives of the energy level of the run by its start
   double end = std::numeric_limits<double>::infinity();  ///< of the run, where it is known beforehand
 };

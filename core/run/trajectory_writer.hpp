@@ -51,7 +51,7 @@ class TrajectoryWriter {
       curve_.emplace(static_cast<std::size_t>(curve));
       held_.add(2 * sizeof(double) * curve_->most());
     }
-    rows_.reserve(columns_.size() * block);
+    rows_.reserve(columns_.size() * rows_of_block());
   }
 
   enum class Written { yes, not_finite, refused };
@@ -169,7 +169,7 @@ class TrajectoryWriter {
   }
   bool flush() {
     bool accepted = true;
-    const std::size_t piece = block * columns_.size();
+    const std::size_t piece = rows_of_block() * columns_.size();
     for (std::span<const double> rest(rows_); accepted && !rest.empty();
          rest = rest.subspan(std::min(piece, rest.size())))
       accepted = sink_.append(rest.first(std::min(piece, rest.size())));
@@ -191,7 +191,11 @@ class TrajectoryWriter {
     for (std::size_t k = 0; k < truth.states.size() && !told; ++k) error(k) = unknown;
   }
 
-  static constexpr std::size_t block = 512;
+  /// Of thousands of columns fewer, or they would be megabytes.
+  std::size_t rows_of_block() const {
+    constexpr std::size_t most = 512, least = 16, numbers = 1 << 16;
+    return std::clamp(numbers / std::max<std::size_t>(columns_.size(), 1), least, most);
+  }
 
   const ProblemTable& problem_;
   const Request& request_;

@@ -94,8 +94,8 @@ std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
   const Scene& scene = *run.request.scene;
   const RunState start = run.backend.motion().start(scene.initial, scene.start);
   const auto states = run.evidence.states();
-  const auto sizes =
-      divisors_along(run.backend, start, {states.begin(), states.end()}, run.request.norm, kinds_of(scene.card()));
+  const auto sizes = divisors_along(run.backend, start, {states.begin(), states.end()}, run.request.norm,
+                                    kinds_of(scene.card()), run.keep_going);
   return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, allowed, run.keep_going);
 }
 

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
+#include "core/memory_budget.hpp"
 #include "core/tape/derivative.hpp"
+#include "core/text/symbol_matrix.hpp"
 #include "core/text/text_reader.hpp"
 
 namespace least::text {
 namespace {
 
 using tape::Dependence;
-
-bool is_zero(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
 
 /// Parameters are numbers of a scene: nothing depends on them.
 constexpr Dependence on_places = 1, on_momenta = 2, on_action = 4;
@@ -80,10 +80,11 @@ class Reader : TextReader {
     const Symbol rest = at_rest(*text);
     std::vector<Symbol> slope = tape::gradient(tape, *text, moving());
     Matrix second;
+    hold_matrices(1);
     for (std::size_t i = 0; i < n(); ++i) {
       second.push_back(tape::gradient(tape, slope[i], moving()));
-      if (!lagrangian && std::ranges::all_of(second[i], is_zero)) return general(*text);
-      if (std::ranges::all_of(second[i], is_zero)) {
+      if (!lagrangian && std::ranges::all_of(second[i], is_nothing)) return general(*text);
+      if (std::ranges::all_of(second[i], is_nothing)) {
         return fault(pointer,
                      std::string("is not regular: it is not quadratic in ")
                          .append(velocity_name(given_.variables[i]))
@@ -91,23 +92,22 @@ class Reader : TextReader {
                      "a kinetic energy of every velocity");
       }
     }
-    if (lagrangian) {
-      form_->momenta = slope;
-      for (const auto& row : second) form_->hessian.insert(form_->hessian.end(), row.begin(), row.end());
-    }
+    if (lagrangian) form_->momenta = slope;
+    if (lagrangian && form_->is_compiled()) keep_hessian(second);
     Dependence of_second = 0, of_linear = 0;
     std::vector<Symbol> linear;
     for (std::size_t i = 0; i < n(); ++i) {
       linear.push_back(at_rest(slope[i]));
-      if (!is_zero(linear[i])) of_linear |= Dependence(1) | depends_(linear[i]);
+      if (!is_nothing(linear[i])) of_linear |= Dependence(1) | depends_(linear[i]);
       for (const Symbol& entry : second[i]) of_second |= depends_(entry);
     }
     const Symbol by_action = tape::gradient(tape, *text, std::array{numbers().action})[0];
-    const Dependence of_action = is_zero(by_action) ? 0 : depends_(by_action);
+    const Dependence of_action = is_nothing(by_action) ? 0 : depends_(by_action);
     if (!lagrangian) form_->hamiltonian = *text;
     if ((of_second & on_momenta) != 0) {
       if (!lagrangian) return general(*text);
       form_->lagrangian = *text;
+      keep_hessian(second);
       return settle(FormKind::lagrangian);
     }
     const Symbol potential = lagrangian ? -rest : rest;
@@ -116,6 +116,7 @@ class Reader : TextReader {
     if (natural && take_action(lagrangian ? -by_action : by_action, potential) && take_metric(second, lagrangian))
       return;
     if (lagrangian) {
+      keep_hessian(second);
       const auto raised = inverse(second);
       if (!raised) return fault(pointer, "is not regular: its second derivative by the velocities has no inverse");
       form_->hamiltonian = legendre(*raised, linear, potential);
@@ -167,7 +168,7 @@ class Reader : TextReader {
                                      : FormKind::separable);
   }
 
-  using Matrix = std::vector<std::vector<Symbol>>;
+  using Matrix = SymbolMatrix;
 
   const Numbering& numbers() const { return form_->numbers; }
   std::vector<int> moving() const {
@@ -190,18 +191,18 @@ class Reader : TextReader {
     auto& tape = form_->tape;
     form_->potential = without_action(potential);
     const Symbol curvature = tape::gradient(tape, slope, std::array{numbers().action})[0];
-    if (is_zero(slope)) {
+    if (is_nothing(slope)) {
       form_->kind = FormKind::separable;
       return true;
     }
-    if (is_zero(curvature)) {
+    if (is_nothing(curvature)) {
       form_->kind = FormKind::contact_linear;
       form_->damping = slope;
       return true;
     }
     constexpr Dependence changing = on_places | on_momenta | on_action | tape::on_time;
     const bool depends = (depends_(form_->potential) & tape::on_time) != 0;
-    if ((depends_(curvature) & changing) != 0 || !is_zero(without_action(slope)) || depends) return false;
+    if ((depends_(curvature) & changing) != 0 || !is_nothing(without_action(slope)) || depends) return false;
     form_->kind = FormKind::contact_quadratic;
     form_->action_curvature = curvature;
     take_offset();
@@ -242,19 +243,19 @@ class Reader : TextReader {
     bool diagonal = true, constant = true;
     for (std::size_t i = 0; i < n(); ++i)
       for (std::size_t j = 0; j < n(); ++j) {
-        diagonal = diagonal && (i == j || is_zero(second[i][j]));
+        diagonal = diagonal && (i == j || is_nothing(second[i][j]));
         constant = constant && (depends_(second[i][j]) & on_places) == 0;
       }
     if (is_indefinite(second)) return false;
     if (diagonal && constant) {
       for (std::size_t i = 0; i < n(); ++i) form_->mass.push_back(lagrangian ? second[i][i] : Symbol(1) / second[i][i]);
-      if (!form_->is_compiled()) form_->hessian.clear();  // the masses say all of it
       settle(form_->kind);
       return true;
     }
+    if (lagrangian) keep_hessian(second);
     // Of a metric the elimination takes no pivots but those of the diagonal.
     for (std::size_t i = 0; i < n(); ++i)
-      if (is_zero(second[i][i])) return false;
+      if (is_nothing(second[i][i])) return false;
     if (constant) {
       form_->full_mass = true;
     } else {
@@ -268,59 +269,27 @@ class Reader : TextReader {
         if (!raised) return false;
         form_->hamiltonian = legendre(*raised, std::vector<Symbol>(n(), Symbol(0)), form_->potential);
       }
+      hold_matrices(1);
       for (const auto& row : *metric) form_->metric.insert(form_->metric.end(), row.begin(), row.end());
     }
-    if (!lagrangian)
-      for (const auto& row : second) form_->hessian.insert(form_->hessian.end(), row.begin(), row.end());
+    if (!lagrangian) keep_hessian(second);
     settle(constant ? form_->kind : FormKind::metric);
     return true;
   }
 
-  /// Numbers, and not all of one sign by any change of coordinates: K of both signs is as regular as any, but nothing
-  /// that schemes take for granted of a natural form. All negative, it is one that was typed with a wrong sign; what
-  /// depends on parameters or the place is told where these are known.
-  static bool is_indefinite(const Matrix& second) {
-    const std::size_t n = second.size();
-    std::vector<double> m;
-    for (const auto& row : second)
-      for (const Symbol& entry : row) {
-        if (!entry.is_constant()) return false;
-        m.push_back(entry.constant());
-      }
-    for (std::size_t k = 0; k < n; ++k) {
-      if (!(m[0] > 0 ? m[k * n + k] > 0 : m[k * n + k] < 0)) return true;
-      for (std::size_t i = k + 1; i < n; ++i) {
-        const double factor = m[i * n + k] / m[k * n + k];
-        if (factor == 0) continue;  // of a thousand masses alone nearly all
-        for (std::size_t j = k + 1; j < n; ++j) m[i * n + j] -= factor * m[k * n + j];
-      }
-    }
-    return false;
+  /// So many more matrices of symbols, of which those of a thousand coordinates are large. Throws MemoryShortage.
+  void hold_matrices(std::size_t count) { matrices_.add(count * n() * n() * sizeof(Symbol)); }
+  std::optional<Matrix> inverse(const Matrix& second) {
+    hold_matrices(2);
+    return inverse_of(second);
+  }
+  void keep_hessian(const Matrix& second) {
+    if (!form_->hessian.empty()) return;
+    hold_matrices(1);
+    form_->hessian.reserve(n() * n());
+    for (const auto& row : second) form_->hessian.insert(form_->hessian.end(), row.begin(), row.end());
   }
 
-  /// By elimination; rows change places where a pivot is zero whatever the values. Nothing where there is no other.
-  std::optional<Matrix> inverse(Matrix a) {
-    Matrix b(n(), std::vector<Symbol>(n(), Symbol(0)));
-    for (std::size_t i = 0; i < n(); ++i) b[i][i] = 1;
-    for (std::size_t k = 0; k < n(); ++k) {
-      std::size_t row = k;
-      while (row < n() && is_zero(a[row][k])) ++row;
-      if (row == n()) return std::nullopt;
-      std::swap(a[k], a[row]);
-      std::swap(b[k], b[row]);
-      for (std::size_t i = 0; i < n(); ++i) {
-        if (i == k || is_zero(a[i][k])) continue;
-        const Symbol f = a[i][k] / a[k][k];
-        for (std::size_t j = 0; j < n(); ++j) {
-          if (j > k) a[i][j] = a[i][j] - f * a[k][j];
-          b[i][j] = b[i][j] - f * b[k][j];
-        }
-      }
-    }
-    for (std::size_t i = 0; i < n(); ++i)
-      for (std::size_t j = 0; j < n(); ++j) b[i][j] = b[i][j] / a[i][i];
-    return b;
-  }
   /// H of L = ½ vᵀg v + a·v − V.
   Symbol legendre(const Matrix& raised, const std::vector<Symbol>& linear, const Symbol& potential) {
     std::vector<Symbol> kinetic;
@@ -328,7 +297,8 @@ class Reader : TextReader {
       kinetic.push_back(variable(numbers().momentum + static_cast<int>(i)) - linear[i]);
     Symbol twice = 0;
     for (std::size_t i = 0; i < n(); ++i)
-      for (std::size_t j = 0; j < n(); ++j) twice = twice + kinetic[i] * raised[i][j] * kinetic[j];
+      for (std::size_t j = 0; j < n(); ++j)
+        if (!is_nothing(raised[i][j])) twice = twice + kinetic[i] * raised[i][j] * kinetic[j];
     return Symbol(0.5) * twice + potential;
   }
 
@@ -377,6 +347,7 @@ class Reader : TextReader {
     }
   }
 
+  Held matrices_ = HeldByThread::take(0);  ///< while the text is read
   tape::Dependences depends_{form_->tape, [this](int i) -> Dependence {
                                if (i >= numbers().parameter) return 0;
                                if (flow() || i < numbers().momentum) return on_places;

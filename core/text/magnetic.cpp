@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/tape/derivative.hpp"
+#include "core/text/symbol_matrix.hpp"
 
 namespace least::text {
 namespace {
@@ -15,8 +16,6 @@ namespace {
 constexpr tape::Dependence reads_q = 1, reads_p = 2;
 
 constexpr tape::Index most_of_field = 1 << 17;
-
-bool is_nothing(const Symbol& y) { return y.is_constant() && y.constant() == 0; }
 
 /// H on a tape of its own. Its variables: coordinates from 0, then momenta.
 class MagneticField {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/memory_budget.hpp"
 #include "core/number/linear.hpp"
 #include "core/tape/derivative.hpp"
 #include "core/text/lift.hpp"
@@ -211,6 +212,15 @@ const tape::SparseJacobian& SizedScene::curvature() const {
     curvature_->of = std::make_unique<const tape::SparseJacobian>(equations, slopes_, coordinates);
   });
   return *curvature_->of;
+}
+
+const tape::Program& SizedScene::series() const {
+  constexpr std::size_t bytes_of_operation = 320;  // meanwhile
+  std::call_once(series_->made, [&] {
+    const Held held = HeldByThread::take(bytes_of_operation * static_cast<std::size_t>(equations.size()));
+    series_->of.emplace(equations, rates, rates.size());
+  });
+  return *series_->of;
 }
 
 void SizedScene::velocity(const double* p, double* v) const {

@@ -6,10 +6,12 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/tape/formula.hpp"
+#include "core/tape/program.hpp"
 #include "core/tape/sparse_jacobian.hpp"
 #include "core/text/form.hpp"
 
@@ -70,6 +72,8 @@ class SizedScene {
 
   /// V″(q, t) where there is a potential; made when it is first asked for.
   const tape::SparseJacobian& curvature() const;
+  /// What series of all components are made of; made when it is first asked for. Throws MemoryShortage.
+  const tape::Program& series() const;
 
  private:
   void set_forces(const std::vector<Symbol>& all);
@@ -84,6 +88,11 @@ class SizedScene {
   };
   std::vector<tape::Index> slopes_;  ///< ∇V
   std::shared_ptr<Curvature> curvature_ = std::make_shared<Curvature>();
+  struct SeriesProgram {
+    std::once_flag made;
+    std::optional<const tape::Program> of;
+  };
+  std::shared_ptr<SeriesProgram> series_ = std::make_shared<SeriesProgram>();
 };
 
 }  // namespace least::text

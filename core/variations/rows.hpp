@@ -9,6 +9,12 @@
 
 namespace least::variations {
 
+/// What derivatives at so many times hold, each of them a list of so many numbers.
+constexpr std::size_t bytes_of_lists(std::size_t times, std::size_t numbers) {
+  constexpr std::size_t list = sizeof(std::vector<double>) + 48;  // itself, its time, more as all grow, and its block
+  return times * (numbers * sizeof(double) + list);
+}
+
 /// Component by component, of the variables as they are called, from derivatives direction by direction.
 Slopes in_rows(const ParametricScene& equations, const std::vector<double>& by_direction);
 

@@ -26,9 +26,10 @@ struct Event {
 
 /// The motion with some of its directions.
 struct Followed {
-  std::vector<std::vector<double>> states, slopes;  ///< at samples, and at last at the end; direction by direction
-  std::vector<std::vector<double>> time_slopes;     ///< of each event that was asked for, by direction
-  std::vector<double> second;                       ///< the second ones, at the end: pair by pair
+  std::vector<double> state;                     ///< at the end
+  std::vector<std::vector<double>> slopes;       ///< at samples, and at last at the end; direction by direction
+  std::vector<std::vector<double>> time_slopes;  ///< of each event that was asked for, by direction
+  std::vector<double> second;                    ///< the second ones, at the end: pair by pair
   int order = 0;
 };
 
@@ -108,7 +109,7 @@ class Follower {
 
   bool look(double t) {
     if (!reach(t)) return false;
-    made_.states.emplace_back(motion_.state().begin(), motion_.state().end());
+    made_.state.assign(motion_.state().begin(), motion_.state().end());
     Derivatives now = motion_.derivatives();
     made_.slopes.push_back(std::move(now.first));
     made_.second = std::move(now.second);
@@ -154,9 +155,15 @@ std::variant<Followed, std::string> follow(const Question& question, const Chose
   return Follower(question, chosen, tolerance, order).go();
 }
 
-void append_each(const std::vector<std::vector<double>>& from, std::vector<std::vector<double>>& to) {
-  to.resize(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) to[i].insert(to[i].end(), from[i].begin(), from[i].end());
+void append_each(std::vector<std::vector<double>>&& from, std::vector<std::vector<double>>& to) {
+  if (to.empty()) {
+    to = std::move(from);
+    return;
+  }
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    to[i].insert(to[i].end(), from[i].begin(), from[i].end());
+    from[i] = {};
+  }
 }
 
 /// All of them, in as few parts as are short enough.
@@ -171,9 +178,9 @@ std::variant<Followed, std::string> follow_all(const Question& question, double 
       if (auto* why = std::get_if<std::string>(&part)) return std::move(*why);
       auto& made = std::get<Followed>(part);
       all.order = made.order;
-      all.states = std::move(made.states);
-      append_each(made.slopes, all.slopes);
-      append_each(made.time_slopes, all.time_slopes);
+      all.state = std::move(made.state);
+      append_each(std::move(made.slopes), all.slopes);
+      append_each(std::move(made.time_slopes), all.time_slopes);
       first += count;
     } catch (const tape::TooManyOperations&) {
       if (count == 1) return "the equations of their derivatives are too long";
@@ -299,8 +306,8 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   }
   Sensitivities found;
   for (const std::size_t place : equations.variables) found.rows.push_back(scene.card().variables[place].name);
-  const std::size_t numbers = (times.size() + 1) * asked.by.size() * equations.components;
-  found.held.add(2 * numbers * sizeof(double));
+  const std::size_t bytes = bytes_of_lists(times.size() + 1, asked.by.size() * equations.components);
+  found.held.add(bytes);
   if (std::ranges::find(outcome.warnings, "events_truncated", &Warning::code) != outcome.warnings.end()) {
     found.reason = "there were more events than limits.samples has room for";
     return found;
@@ -313,8 +320,12 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   auto& all = std::get<Followed>(followed);
   constexpr int higher = 3;
   const int control_order = std::min(all.order + higher, tape::Series::most_orders);
-  const auto control = follow_all(question, tolerance / 2, control_order);
-  if (const auto* other = std::get_if<Followed>(&control)) found.uncertainty = disagreement(all.slopes, other->slopes);
+  {
+    Held of_control = HeldByThread::take(bytes);
+    const auto control = follow_all(question, tolerance / 2, control_order);
+    if (const auto* other = std::get_if<Followed>(&control))
+      found.uncertainty = disagreement(all.slopes, other->slopes);
+  }
 
   auto time_slopes = all.time_slopes.begin();
   for (const Event& event : events) {
@@ -322,26 +333,29 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
     if (!event.asked) continue;
     told = std::move(*time_slopes++);
     if (event.ends) {  // what the run ends with is the state at a time that changes, too
-      const std::vector<double> rates = slopes_of_events.rates(event.t, all.states.back());
+      const std::vector<double> rates = slopes_of_events.rates(event.t, all.state);
       for (std::size_t d = 0; d < told.size(); ++d)
         for (std::size_t i = 0; i < rates.size(); ++i) all.slopes.back()[d * rates.size() + i] += rates[i] * told[d];
     }
     for (double& slope : told) slope *= equations.sign_of_time();
   }
-  for (const auto& slopes : all.slopes) found.samples.push_back(in_rows(equations, slopes));
+  const std::vector<double> at_end = all.slopes.back();
+  for (auto& slopes : all.slopes) {
+    found.samples.push_back(in_rows(equations, slopes));
+    slopes = {};
+  }
   found.final = std::move(found.samples.back());
   found.samples.pop_back();
   if (switches(equations)) {  // what is made of their jumps is held against runs
     const Neighbours neighbours(closely(request, outcome), asked, question.start);
-    if (const auto others = neighbours.differences(all.slopes.back(), keep_going)) {
+    if (const auto others = neighbours.differences(at_end, keep_going)) {
       const double doubt = disagreement({found.final}, {in_rows(equations, *others)});
       if (!(doubt <= found.uncertainty)) found.uncertainty = doubt;
     } else {
       found.uncertainty = unknown;
     }
   }
-  if (asked.whole_start)
-    found.structure = structure_of(equations, question.start.state(), all.states.back(), found.final);
+  if (asked.whole_start) found.structure = structure_of(equations, question.start.state(), all.state, found.final);
   if (asked.order == 2 && outcome.event.empty()) add_second(question, tolerance, control_order, found);
   return found;
 }

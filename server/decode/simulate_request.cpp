@@ -10,7 +10,8 @@
 
 namespace least::server {
 
-Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps) {
+Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps,
+                                       const std::shared_ptr<const Mechanics>& known) {
   Faults faults = std::move(body.faults);
   const Json& root = body.tree;
   const FieldPath top{"", &faults};
@@ -25,7 +26,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   const Json* const json = find(root, "scheme");
   Names ids = names_of(cards.schemes);
   ids.push_back(auto_card().id);
-  const auto problem = read_problem(root, top, cards);
+  const auto problem = known ? known : read_problem(root, top, cards);
   const NamedEntry scheme = read_entry(json, top.at("scheme"), "scheme", ids);
   const auto scene = std::make_shared<Scene>();
   scene->mechanics = problem;

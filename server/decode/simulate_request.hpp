@@ -32,7 +32,8 @@ struct SimulateRequest {
 };
 
 /// Reads a request of POST /v1/simulate. Every value of the result lies within its card's range and the pair fits; what
-/// was left out has its default. Otherwise: all that is wrong.
-Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps);
+/// was left out has its default. Otherwise: all that is wrong. `known`: the problem, where it has been read before.
+Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps,
+                                       const std::shared_ptr<const Mechanics>& known = nullptr);
 
 }  // namespace least::server

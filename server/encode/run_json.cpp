@@ -8,16 +8,13 @@
 namespace least::server {
 namespace {
 
-// The members after the trajectory; all forms but CSV end with them.
-void write_findings(JsonWriter& json, const PlannedRun& run, const Solution& outcome,
-                    const std::optional<FoundSensitivities>& found) {
+// The members after the trajectory, up to the sensitivities; all forms but CSV end with them, these and the warnings.
+void write_findings(JsonWriter& json, const PlannedRun& run, const Solution& outcome) {
   write_final(json.key("final"), run, outcome);
   write_reports(json.key("diagnostics"), outcome.diagnostics);
   write_cost(json.key("cost"), outcome.cost);
   write_events(json.key("events"), outcome.events);
   if (!outcome.acts.empty()) write_events(json.key("acts"), outcome.acts);
-  if (found) write_sensitivities(json.key("sensitivities"), *found);
-  write_warnings(json.key("warnings"), outcome.warnings);
 }
 
 void write_status(JsonWriter& json, const Solution& outcome) {
@@ -89,27 +86,54 @@ void write_section(const FinishedRun& run, std::size_t piece, std::string& out, 
   if (piece == points.slices()) json.close(']');
 }
 
+// Sensitivities at samples stand between a piece that opens their list and the last one, some of them in each.
+std::size_t samples_in_a_piece(const FinishedRun& run) {
+  constexpr std::size_t numbers = 8192;
+  return std::max<std::size_t>(numbers / std::max<std::size_t>(run.found->found.final.size(), 1), 1);
+}
+std::size_t pieces_of_slopes(const FinishedRun& run) {
+  if (!run.found || !run.found->asked.at_samples) return 0;
+  const std::size_t count = samples_in_a_piece(run);
+  return 1 + (run.found->found.samples.size() + count - 1) / count;
+}
+
 // The trajectory stands between a piece with all before it and one with all after it.
-std::size_t pieces_of(const FinishedRun& run) { return 2 + samples_of(run).pieces() + pieces_of_section(run); }
+std::size_t pieces_of(const FinishedRun& run) {
+  return 2 + samples_of(run).pieces() + pieces_of_section(run) + pieces_of_slopes(run);
+}
+
+// Of those after the trajectory and the section.
+void write_after(const FinishedRun& run, std::size_t piece, std::string& out, Notation notation) {
+  const std::size_t last = pieces_of_slopes(run), count = last > 0 ? samples_in_a_piece(run) : 0;
+  JsonWriter json(out, notation, piece == 1 && last > 1);
+  if (piece == 0) {
+    json.close('}');
+    write_findings(json, run, run.outcome);
+    if (last > 0) return begin_sensitivities(json.key("sensitivities"), *run.found);
+  }
+  if (piece < last) {
+    const std::size_t from = (piece - 1) * count;
+    return write_samples(json, *run.found, from, std::min(from + count, run.found->found.samples.size()));
+  }
+  if (last > 0) end_sensitivities(json, *run.found);
+  if (last == 0 && run.found) write_sensitivities(json.key("sensitivities"), *run.found);
+  write_warnings(json.key("warnings"), run.outcome.warnings);
+  json.close('}');
+  if (notation == Notation::json) out += '\n';
+}
 
 void write_piece(const FinishedRun& run, std::size_t piece, std::string& out, Notation notation) {
   const Table samples = samples_of(run);
-  const std::size_t section = 1 + samples.pieces(), last = section + pieces_of_section(run);
+  const std::size_t section = 1 + samples.pieces(), after = section + pieces_of_section(run);
   if (piece > 0 && piece < section) return write_column(samples, piece - 1, true, out, notation);
-  if (piece >= section && piece < last) return write_section(run, piece - section, out, notation);
+  if (piece >= section && piece < after) return write_section(run, piece - section, out, notation);
+  if (piece > 0) return write_after(run, piece - after, out, notation);
   JsonWriter json(out, notation);
-  if (piece == 0) {
-    json.open('{').key("version").text(version);
-    write_status(json, run.outcome);
-    write_echo(json, run, true);
-    if (run.choice) write_choice(json.key("choice"), *run.choice);
-    json.key("trajectory").open('{');
-  } else {
-    json.close('}');
-    write_findings(json, run, run.outcome, run.found);
-    json.close('}');
-    if (notation == Notation::json) out += '\n';
-  }
+  json.open('{').key("version").text(version);
+  write_status(json, run.outcome);
+  write_echo(json, run, true);
+  if (run.choice) write_choice(json.key("choice"), *run.choice);
+  json.key("trajectory").open('{');
 }
 
 void write_json(const FinishedRun& run, std::size_t piece, std::string& out) {
@@ -179,11 +203,11 @@ std::string run_progress_line(double t, std::int64_t steps) {
 }
 
 std::string run_end_line(const PlannedRun& run, const Solution& outcome, const variations::Sensitivities* slopes) {
-  std::optional<FoundSensitivities> found;
-  if (run.sensitivities && slopes) found.emplace(FoundSensitivities{*run.sensitivities, *slopes});
   return object_line("end", [&](JsonWriter& json) {
     write_status(json, outcome);
-    write_findings(json, run, outcome, found);
+    write_findings(json, run, outcome);
+    if (run.sensitivities && slopes) write_sensitivities(json.key("sensitivities"), {*run.sensitivities, *slopes});
+    write_warnings(json.key("warnings"), outcome.warnings);
   });
 }
 

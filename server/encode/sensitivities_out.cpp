@@ -46,7 +46,10 @@ void write_sensitivities_asked(JsonWriter& json, const SensitivitiesAsked& asked
   json.close('}');
 }
 
-void write_sensitivities(JsonWriter& json, const FoundSensitivities& of, bool with_samples) {
+namespace {
+
+// What stands before the samples.
+void write_beginning(JsonWriter& json, const FoundSensitivities& of) {
   const variations::Sensitivities& found = of.found;
   const std::size_t rows = found.rows.size();
   write_texts(json.open('{').key("by"), of.asked.names);
@@ -60,11 +63,11 @@ void write_sensitivities(JsonWriter& json, const FoundSensitivities& of, bool wi
     write_slopes(json.close(']').key("final"), found.second, rows);
     json.close('}');
   }
-  if (of.asked.at_samples && with_samples) {
-    json.key("samples").open('[');
-    for (const auto& slopes : found.samples) write_slopes(json, slopes, rows);
-    json.close(']');
-  }
+}
+
+// What stands after them.
+void write_ending(JsonWriter& json, const FoundSensitivities& of) {
+  const variations::Sensitivities& found = of.found;
   json.key("events").open('[');
   for (const auto& [name, slopes] : found.events) {
     json.open('{').key("name").text(name).key("t").open('[');
@@ -79,6 +82,32 @@ void write_sensitivities(JsonWriter& json, const FoundSensitivities& of, bool wi
   json.key("uncertainty").number(found.uncertainty);
   if (!found.reason.empty()) json.key("reason").text(found.reason);
   json.close('}');
+}
+
+}  // namespace
+
+void begin_sensitivities(JsonWriter& json, const FoundSensitivities& found) {
+  write_beginning(json, found);
+  json.key("samples").open('[');
+}
+
+void write_samples(JsonWriter& json, const FoundSensitivities& of, std::size_t from, std::size_t to) {
+  for (std::size_t k = from; k < to; ++k) write_slopes(json, of.found.samples[k], of.found.rows.size());
+}
+
+void end_sensitivities(JsonWriter& json, const FoundSensitivities& found) {
+  json.close(']');
+  write_ending(json, found);
+}
+
+void write_sensitivities(JsonWriter& json, const FoundSensitivities& found, bool with_samples) {
+  if (!found.asked.at_samples || !with_samples) {
+    write_beginning(json, found);
+    return write_ending(json, found);
+  }
+  begin_sensitivities(json, found);
+  write_samples(json, found, 0, found.found.samples.size());
+  end_sensitivities(json, found);
 }
 
 }  // namespace least::server

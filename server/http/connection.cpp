@@ -17,7 +17,7 @@ using Awaits = RequestReader::Awaits;
 
 constexpr auto on_its_way = 250ms;  // what a client has just begun to send, or is to, may take so long
 constexpr auto last_word = 1s;      // how long the end waits for the rest of a request, or for a client to hang up
-constexpr auto farewell = 400ms;    // what is left of answers has so long to leave, once runs are cancelled
+constexpr auto farewell = 300ms;    // what is left of answers has so long to leave, once runs are cancelled
 constexpr auto first_probe = 50ms;
 constexpr std::string_view every_answer = "HTTP/1.1 ";  // begins so, in reply to HTTP/1.0 as well
 constexpr std::string_view go_ahead = "HTTP/1.1 100 Continue\r\n\r\n";

@@ -21,6 +21,7 @@
 #include "server/http/cancellation.hpp"
 #include "server/http/event_loop.hpp"
 #include "server/http/forwarded.hpp"
+#include "server/http/heap_trim.hpp"
 #include "server/http/http_date.hpp"
 #include "server/http/workers.hpp"
 #include "server/shared/log.hpp"
@@ -30,18 +31,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-unsigned cores() { return std::max(std::thread::hardware_concurrency(), 1u); }
-
 Access access_of(const HttpSettings& settings) {
   Access access{settings.allow_hosts, settings.allow_origins, settings.allow_frames};
   access.hosts.insert(access.hosts.end(), {"localhost", "127.0.0.1", "[::1]", settings.host});
   if (settings.host.find(':') != std::string::npos) access.hosts.push_back('[' + settings.host + ']');
   return access;
-}
-
-std::uint64_t random_bits() {
-  std::random_device device;
-  return std::uint64_t{device()} << 32 | device();
 }
 
 }  // namespace
@@ -83,6 +77,7 @@ class HttpServer::Impl final : private Handler {
         loop_.run([this] {
           admission_.look();
           CancellationWatch::look_at_all();
+          heaps_.look(lifecycle_.memory);
         });
       }
       const std::lock_guard lock(mutex_);
@@ -130,7 +125,9 @@ class HttpServer::Impl final : private Handler {
   }
 
  private:
-  unsigned places() const { return settings_.threads > 0 ? settings_.threads : cores(); }
+  unsigned places() const {
+    return std::max(settings_.threads > 0 ? settings_.threads : std::thread::hardware_concurrency(), 1u);
+  }
 
   // ---- what the loop says
 
@@ -361,7 +358,7 @@ class HttpServer::Impl final : private Handler {
 
   const HttpSettings settings_;
   const ErrorAnswer error_;
-  const std::uint32_t origin_ = static_cast<std::uint32_t>(random_bits());
+  const std::uint32_t origin_ = std::random_device{}();
   std::atomic<std::uint64_t> count_{0};
   std::atomic<int> exchanges_{0};
   Lifecycle lifecycle_;
@@ -374,6 +371,7 @@ class HttpServer::Impl final : private Handler {
   std::condition_variable ended_;
   bool running_ = false, hurries_ = false;
   AnswerWriter writer_{workers_, admission_};
+  HeapTrim heaps_{workers_};
   Workers workers_;  // last: its tasks use the others
 };
 

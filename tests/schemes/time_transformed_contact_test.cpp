@@ -170,7 +170,7 @@ Form form(const P& problem, const X& x, const TimeTransformed& scheme, double of
   z.p[n] = off - energy(problem, x);
   z.action = x.action;
   const double level = level_of(problem, x);
-  const auto tangent = tangent_of(z, [&](auto& y) {
+  const auto tangent = tangent_of(z, [] { return true; }, [&](auto& y) {
     using D = typename std::remove_cvref_t<decltype(y)>::Number;
     return scheme.step_extended(problem, y, D(level));
   });

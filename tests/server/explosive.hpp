@@ -1,5 +1,6 @@
 // Scenes as text that are short, and of which more follows than of others: nested squares, towers of exponentials,
-// products of sums, each as a potential, a Lagrangian, a Hamiltonian and as equations.
+// products of sums, each as a potential, a Lagrangian, a Hamiltonian and as equations; and those of many variables,
+// whose tangents have as many numbers as variables squared.
 #pragma once
 
 #include <algorithm>
@@ -144,12 +145,42 @@ class ExplosiveTexts {
   std::minstd_rand random_{7};
 };
 
+// Scenes of many variables, by sums over them.
+inline std::vector<Explosive> wide_scenes() {
+  struct Shape {
+    const char *name, *variables, *mechanics;
+  };
+  constexpr Shape shapes[] = {
+      {"pairs of exponentials", R"~("q[50]")~", R"~("potential":"sum(i=1..50,j=1..50,exp(-(q[i]-q[j])^2-.01*q[i]))")~"},
+      {"products of coordinates", R"~("q[45]")~", R"~("hamiltonian":
+         "sum(i=1..45,p[i]^2/2)+sum(i=1..45,j=1..45,exp(.1*q[i]*q[j]-.1))")~"},
+      {"rates of exponentials", R"~("q[50]")~", R"~("equations":{"q[i]":"sum(j=1..50,exp(-(q[i]-q[j])^2)-1)"})~"},
+      {"pairs of kinks", R"~("q[50]")~", R"~("potential":"sum(i=1..50,j=i+1..50,abs(q[i]-q[j]-.01*i))")~"},
+      {"a chain", R"~("q[1024]")~", R"~("potential":"sum(i=1..1023,exp(q[i]-q[i+1]))+q[1]^2")~"},
+      {"a chain of a Lagrangian", R"~("q[1024]")~", R"~("lagrangian":
+         "sum(i=1..1024,v[i]^2/2)-sum(i=1..1023,exp(q[i]-q[i+1]))")~"},
+      {"a damped chain", R"~("q[1024]")~",
+       R"~("damping":0.1,"potential":"sum(i=1..1023,(q[i+1]-q[i])^2/2)+sum(i=1..1024,sin(q[i]))")~"},
+      {"a ring of equations", R"~("q[2048]")~", R"~("equations":{"q[i]":"1-exp(q[i]-q[mod(i,2048)+1])"})~"},
+      {"masses that move", R"~("q[8]")~",
+       R"~("lagrangian":"sum(i=1..8,v[i]^2*(1+.1*q[i]^2)/2))~"
+       R"~(+.01*sum(i=1..8,j=1..8,v[i]*v[j]*cos(q[i]-q[j]))-sum(i=1..8,q[i]^2)")~"},
+      {"bodies", R"~("x[40]","q[40]")~", R"~("potential":
+         "sum(i=1..40,j=i+1..40,-1/sqrt((x[i]-x[j]+i-j)^2+(q[i]-q[j])^2+.1))")~"}};
+  std::vector<Explosive> made;
+  for (const Shape& shape : shapes)
+    made.push_back({shape.name, std::string(R"("problem":{"id":"custom","variables":[)") + shape.variables + "]," +
+                                    shape.mechanics + "}"});
+  return made;
+}
+
 struct Question {
   std::string path, body;
 };
 
-// Every way to ask for something that is derived from a scene.
-inline std::vector<Question> questions(const Explosive& scene, const std::string& seconds) {
+// Every way to ask for something that is derived from a scene; `first`: one of its variables.
+inline std::vector<Question> questions(const Explosive& scene, const std::string& seconds,
+                                       const std::string& first = "a") {
   const std::string begin = "{" + scene.problem, until = R"(,"until":{"t":1})",
                     limits = R"(,"limits":{"seconds":)" + seconds + "}}";
   const auto run = [&](const std::string& scheme) {
@@ -161,10 +192,23 @@ inline std::vector<Question> questions(const Explosive& scene, const std::string
           {"/v1/work-precision", begin + until + R"(,"schemes":"all","budget_seconds":)" + seconds + "}"},
           {"/v1/stability", begin + R"(,"schemes":["runge_kutta_4","taylor"],"budget_seconds":)" + seconds + "}"},
           {"/v1/ensemble", begin + R"(,"scheme":"runge_kutta_4","members":{"count":100,"vary":
-              {"/initial/a":{"uniform":[-0.1,0.1]}}})" +
-                               until + limits},
+              {"/initial/)" + first +
+                               R"(":{"uniform":[-0.1,0.1]}}})" + until + limits},
           {"/v1/problems", begin + "}"},
-          run(R"("taylor","diagnostics":["lyapunov"])")};
+          run(R"("taylor","diagnostics":["lyapunov"])"),
+          run(R"("taylor","diagnostics":["error"])"),
+          run(R"("taylor","sensitivities":{"by":["/initial/)" + first + R"("]})"),
+          run(R"("runge_kutta_4","sensitivities":{"by":["/initial/)" + first + R"("],"order":2})"),
+          {"/v1/periodic", begin + R"(,"period":6,"initial":{")" + first + R"(":0.1})" + limits}};
+}
+
+// Of schemes whose steps have derivatives: the form that they keep is measured by those of some of them.
+inline std::vector<Question> questions_of_structure(const Explosive& scene, const std::string& seconds) {
+  std::vector<Question> all;
+  for (const char* scheme : {"variational_midpoint", "galerkin_4", "contact_gauss", "energy_momentum"})
+    all.push_back({"/v1/simulate", "{" + scene.problem + R"(,"until":{"t":1},"diagnostics":["structure"],"scheme":")" +
+                                       scheme + R"(","limits":{"seconds":)" + seconds + "}}"});
+  return all;
 }
 
 }  // namespace least::server::test

@@ -44,6 +44,15 @@ std::vector<Worst> worst_requests() {
       "columns":["t","q","error"]})");
   on("/v1/simulate", {in_json, in_lines}, "{" + oscillator + R"(,"until":{"steps":4000000},"record":{"every":0},
       "events":[{"name":"zero","expression":"q","direction":"both","stop":false}]})");
+  on("/v1/simulate", {in_json, in_lines, in_cbor, in_csv},
+     R"({"problem":"kepler","scheme":"taylor","until":{"t":1000},"record":{"samples":100000},"columns":["t"],
+         "sensitivities":{"by":"initial","at":"samples"}})");
+  for (const Explosive& scene : wide_scenes()) {
+    if (scene.name.find("chain") == scene.name.npos) continue;  // of a thousand coordinates
+    const std::string begin = "{" + scene.problem + R"(,"limits":{"seconds":0.5},"until":{"t":1},"scheme":)";
+    on("/v1/simulate", {in_json}, begin + R"({"id":"auto","accuracy":1e-6}})");
+    on("/v1/simulate", {in_json}, begin + R"("runge_kutta_4","diagnostics":["lyapunov","error"]})");
+  }
   for (const Explosive& scene : ExplosiveTexts::all()) {
     if (scene.name != "sines potential" && scene.name != "towers equations") continue;
     const std::string start = R"(,"limits":{"seconds":1},"until":{"t":1})";
@@ -97,7 +106,6 @@ TEST(Ledger, HoldsWhatEveryEndpointMakes) {
     const std::string what = request.path + ' ' + request.form + ' ' + request.body.substr(0, 300);
     EXPECT_LE(peak, memory + beyond) << what;
     for (const int status : statuses) EXPECT_TRUE(status == 200 || status == 503 || status == 422) << status << what;
-    EXPECT_GT(std::ranges::count(statuses, 503), -1);
     if (peak > before + 1)
       std::printf("%s %s: %.1f MiB at most, %ld of 8 answered\n", request.path.c_str(), request.form.c_str(), peak,
                   static_cast<long>(std::ranges::count(statuses, 200)));

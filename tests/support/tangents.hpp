@@ -10,7 +10,8 @@ namespace least {
 
 template <class Scheme, class P, class X>
 std::optional<Tangent<X>> tangent_map(const Scheme& scheme, const P& problem, const X& x, double h) {
-  return tangent_of(x, [&](auto& y) {
+  const auto always = [] { return true; };
+  return tangent_of(x, always, [&](auto& y) {
     auto stepper = scheme.bind(problem, y);
     const StepStatus status = stepper.step(y, h);
     y.t = x.t + h;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/run/diagnostics/rows.hpp"
 
@@ -9,15 +10,15 @@ namespace least {
 namespace {
 
 /// Calls f with the maps of steps from no more than 32 of the states before the end, on the extended space where it is
-/// there that the scheme's steps are contact maps.
+/// there that the scheme's steps are contact maps: with as many of them as there is time for.
 template <class F>
-void for_each_map(const RunEnd& end, F&& f) {
+void for_each_map(const RunEnd& end, const KeepGoing& keep_going, F&& f) {
   const auto& states = end.states;
   const StepTangents tangents = end.backend.tangents(end.request);
   TangentMap map;
   for (std::size_t i = 0; i < states.size() && states[i].t < end.x.t; i += 1 + states.size() / 32) {
-    if (tangents.plain && tangents.plain(states[i], map)) f(map);
-    if (tangents.extended && tangents.extended(states[i], map)) f(map);
+    if (tangents.plain && tangents.plain(states[i], keep_going, map)) f(map);
+    if (tangents.extended && tangents.extended(states[i], keep_going, map)) f(map);
   }
 }
 
@@ -26,10 +27,12 @@ void for_each_map(const RunEnd& end, F&& f) {
 /// that keeps the form of a scene keeps that which the scene has.
 class Structure final : public Diagnostic {
  public:
+  explicit Structure(KeepGoing keep_going) : keep_going_(std::move(keep_going)) {}
+
   Report report(const RunEnd& end) override {
     const bool acts = end.problem.reads_action();
     double most = unknown, factor = unknown;
-    for_each_map(end, [&](const TangentMap& map) {
+    for_each_map(end, keep_going_, [&](const TangentMap& map) {
       if (!acts) {  // if there is an s, it rests and takes no part
         most = std::fmax(most, symplectic_defect(map));
         return;
@@ -44,6 +47,9 @@ class Structure final : public Diagnostic {
     insert(report, 0, words("kind", kept && acts ? "contact" : kept && general ? "symplectic" : own));
     return report;
   }
+
+ private:
+  KeepGoing keep_going_;
 };
 
 /// max_defect: of det DΦ = λⁿ⁺¹ (λⁿ⁺² on the extended space), which every contact map keeps. invariant_residual: of the
@@ -52,10 +58,12 @@ class Structure final : public Diagnostic {
 /// why.
 class Volume final : public Diagnostic {
  public:
+  explicit Volume(KeepGoing keep_going) : keep_going_(std::move(keep_going)) {}
+
   Report report(const RunEnd& end) override {
     double most = unknown, residual = unknown;
     const std::string_view why = objection(end);
-    for_each_map(end, [&](const TangentMap& map) {
+    for_each_map(end, keep_going_, [&](const TangentMap& map) {
       const auto n = static_cast<int>(map.dof), dof = static_cast<int>(end.problem.traits.dof);
       const double factor = contact_defect(map).factor;
       most = std::fmax(most, std::abs(determinant(map) - std::pow(factor, n + 1)));
@@ -95,15 +103,17 @@ class Volume final : public Diagnostic {
                          std::abs(energy.action_slope * x[2 * problem.traits.dof]);
     return !(std::abs(energy.total) > 1e-9 * terms);
   }
+
+  KeepGoing keep_going_;
 };
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> structure_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
-  return std::make_unique<Structure>();
+std::unique_ptr<Diagnostic> structure_diagnostic(const RunBackend&, const Request&, const KeepGoing& keep_going) {
+  return std::make_unique<Structure>(keep_going);
 }
-std::unique_ptr<Diagnostic> volume_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
-  return std::make_unique<Volume>();
+std::unique_ptr<Diagnostic> volume_diagnostic(const RunBackend&, const Request&, const KeepGoing& keep_going) {
+  return std::make_unique<Volume>(keep_going);
 }
 
 }  // namespace least

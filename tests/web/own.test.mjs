@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { all, assertDrawn, catalogue, drawn, number, options, origin, pageTest, pane, plane, settled, statuses, stepOf } from "./browser.mjs";
+import { all, assertDrawn, becomes, catalogue, drawn, number, options, origin, pageTest, pane, plane, settled, statuses, stepOf } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
 import { examplesOf } from "../../web/catalogue/examples.js";
 import { definitionOf, entries, linked, placeOf, textsOf, unlinked } from "../../web/service/text.js";
@@ -212,7 +212,12 @@ pageTest("a coordinate that is singular at 0 starts at 1; a start that is refuse
   assert.match(await page.locator("#initial .fault").textContent(), /not finite at the start/);
   await page.focus("#go");
   await pane(page, "A").locator(".messages button").click();
-  assert.equal(await page.evaluate(() => document.activeElement.dataset.pointer), "/initial/x", "and is led to");
+  const focused = () => page.evaluate(() => document.activeElement.dataset.pointer);
+  assert.equal(await focused(), "/initial/x", "and is led to");
+  await page.focus("#go");
+  await page.click("#go");
+  await settled(page);
+  await becomes(focused, (pointer) => pointer === "/initial/x");
   await enter(page, "/initial/x", "2");
   assert.deepEqual(await statuses(page), ["completed"]);
 });

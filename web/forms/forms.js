@@ -147,4 +147,11 @@ export function showFault(containers, fault) {
   return null;
 }
 
+/** Leads to a field that is refused, unless a hand is on another. */
+export function leadTo(input) {
+  if (document.activeElement?.matches("input, textarea, select")) return;
+  input.closest("details:not([open])")?.setAttribute("open", "");
+  input.focus();
+}
+
 export const faultText = ({ detail, allowed }) => (allowed ? text("field.allowed", { detail, allowed }) : detail);

@@ -3,7 +3,7 @@ import { count, known, text } from "../language/texts.js";
 import { follow } from "../service/api.js";
 import { names } from "../service/link.js";
 import { workSetting } from "../service/work.js";
-import { build, choose, clearFaults, element, faultText, prose, showFault, values, words } from "../forms/forms.js";
+import { build, choose, clearFaults, element, faultText, leadTo, prose, showFault, values, words } from "../forms/forms.js";
 import { format } from "../forms/numbers.js";
 import { colourOf, fineness, presetOf, schemeCards, schemePresets, title, usualScheme } from "../catalogue/card.js";
 import { Plane } from "../drawing/plane.js";
@@ -154,6 +154,7 @@ export class Pane {
     if (!input) return note("fault", `${fault.pointer ? `${fault.pointer}: ` : ""}${faultText(fault)}`);
     const lead = element("button", { type: "button", textContent: words(input.dataset.name) });
     lead.addEventListener("click", () => input.focus());
+    if (at.startsWith("/initial/")) leadTo(input);
     return element("li", { className: "fault" }, lead, ` ${faultText(fault)}`);
   }
 

@@ -30,7 +30,7 @@ function cardsOf(problem) {
     { name: "where", label: text("section.where"), type: "text", default: names[Math.floor(names.filter((name) => name !== "s").length / 2)] ?? names[0], hint: text("none"), doc: text("section.where.doc") },
     { name: "direction", label: text("section.direction"), type: "choice", choices: ["up", "down", "both"], default: "down" },
     { name: "period", label: text("section.period"), default: null, nullable: true, doc: text("section.period.doc") },
-    { name: "until", label: text("scene.until"), default: 4 * span }, { name: "after", label: text("sweep.after"), default: 3 * span, doc: text("sweep.after.doc") },
+    { name: "until", label: text("scene.until"), default: rounded(4 * span) }, { name: "after", label: text("sweep.after"), default: rounded(3 * span), doc: text("sweep.after.doc") },
   ];
 }
 

@@ -64,18 +64,26 @@ function edges(names, box, seen) {
   });
   return (pen, map, colour, frame) => {
     const within = (v, low, high, air) => Math.max(low + air, Math.min(high - air, v));
-    const say = (said, x, y) => pen.fillText(said, within(map.x(x), frame.left, frame.left + frame.width, 5 * said.length + 6),
-                                             within(map.y(y), frame.top, frame.top + frame.height, 20));
-    for (const { name, low: [a, b], high: [c, d], from, to } of arms) {
-      const short = Math.hypot(map.x(c) - map.x(a), map.y(d) - map.y(b)) < 90; // no room for more than its end
+    const said = [], width = 4, height = 16; // half of a letter's, and a line's
+    const covers = (one) => (other) => Math.abs(one.x - other.x) < width * (one.what.length + other.what.length) && Math.abs(one.y - other.y) < height;
+    const say = (what, x, y, wanted = true) => {
+      const one = { what, x: within(map.x(x), frame.left, frame.left + frame.width, 5 * what.length + 6), y: within(map.y(y), frame.top, frame.top + frame.height, 20) };
+      if (!wanted && said.some(covers(one))) return;
+      said.push(one);
+      pen.fillText(what, one.x, one.y);
+    };
+    const long = arms.filter(({ low: [a, b], high: [c, d] }) => Math.hypot(map.x(c) - map.x(a), map.y(d) - map.y(b)) >= 90); // others have room for an end alone
+    pen.textAlign = "center";
+    for (const arm of arms) {
+      const { name, low: [a, b], high: [c, d], to } = arm, short = !long.includes(arm);
       stroke(pen, map, { x: [a, c], y: [b, d] }, colour("--axis"), 1);
       pen.fillStyle = colour("--soft-ink");
-      pen.textAlign = "center";
-      if (!short) say(format(from, 3), 0.84 * a + 0.16 * c, 0.84 * b + 0.16 * d);
       say(short ? `${name} = ${format(to, 3)}` : format(to, 3), c, d);
       pen.fillStyle = colour("--ink");
       if (!short) say(name, (a + c) / 2, (b + d) / 2);
     }
+    pen.fillStyle = colour("--soft-ink"); // the low ends lie near one corner: of those that cover each other the first is told
+    for (const { low: [a, b], high: [c, d], from } of long) say(format(from, 3), 0.84 * a + 0.16 * c, 0.84 * b + 0.16 * d, false);
   };
 }
 

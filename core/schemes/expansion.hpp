@@ -53,7 +53,9 @@ class Expansion {
   double largest(int k) const;  ///< of an order that is finite
   double size(int k) const;     ///< of an order, a sum: finite where all of it is
   double largest_carried(int k) const;
-  double until_switch(double h) const;
+  bool leave_border(const double* y);
+  double until_switch(double h);
+  double behind_switch(tape::Index value, bool before, double h, double longest);
   template <std::size_t Pairs>
   double series_step() const;
   /// A step h, shorter where a coefficient of an order k in `from` ≥ k ≥ `to` exceeds `most` ρ^(`from` + 1 − k).

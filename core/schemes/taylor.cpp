@@ -197,6 +197,7 @@ void Expansion::move(const double* y, double t) {
   if (t == t_ && std::equal(y, y + variables_, series_.coefficients(0))) return;
   series_.expand(y, t);
   t_ = t;
+  if (!program().switches.empty() && leave_border(y)) series_.expand(y, t);
   used_ = series_.order();
   double last = size(used_);
   if (!std::isfinite(last) && !program().steep.empty()) {  // one that overflows may be in a divisor

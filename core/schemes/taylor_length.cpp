@@ -94,6 +94,7 @@ double Expansion::carried_step() const {
 
 double Expansion::step(double most) {
   double h = used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
+  if (!program().switches.empty()) h = until_switch(h);
   h = std::min(h, most);
   const bool hides = guarded_ && until_hidden(h);
   if (hides || (reads_time_ && may_hide_what_comes(h, most)))
@@ -272,11 +273,57 @@ double Expansion::series_step() const {
     const double ahead = -series_.coefficient(pole, 0) / series_.coefficient(pole, 1);
     if (ahead > 0) h = std::min(h, 0.5 * ahead);
   }
-  return series_.program().switches.empty() ? h : until_switch(h);
+  return h;
+}
+
+/// Where a motion begins on the border at which a formula changes, its state is of one side, whichever it goes to.
+/// Where that is the other one, the series becomes that of a state beside it, there, as near as rounding allows.
+/// Whether it has to be begun anew at y, because from there the motion goes back: it stays on the border.
+bool Expansion::leave_border(const double* y) {
+  constexpr double near = 4 * std::numeric_limits<double>::epsilon(), next_to_0 = 1e-300, longer = 16, longest = 1e3;
+  const auto heading = [&](Index value) {
+    int k = 1;
+    while (k < series_.order() && series_.coefficient(value, k) == 0) ++k;
+    return k < series_.order() ? series_.coefficient(value, k) : 0;
+  };
+  for (const Index value : program().switches) {
+    if (series_.coefficient(value, 0) != 0 || !(heading(value) < 0)) continue;
+    double* const beside = way_.data();
+    double h = std::numeric_limits<double>::min();
+    do {
+      for (std::size_t i = 0; i < variables_; ++i) {
+        const double rate = series_.coefficients(1)[i], bend = series_.order() > 1 ? series_.coefficients(2)[i] : 0;
+        const double reach = near * std::abs(y[i]) + next_to_0;
+        beside[i] = y[i] + std::clamp((bend * h + rate) * h, -reach, reach);
+      }
+      (void)series_.defined(beside, t_);
+      h *= longer;
+    } while (h < longest && !(series_.value(value) < 0));
+    if (!(series_.value(value) < 0)) continue;  // the time alone leads over it
+    std::copy_n(beside, variables_, slopes_.data());
+    series_.expand(slopes_.data(), t_);
+    if (heading(value) > 0) return true;
+  }
+  return false;
+}
+
+/// From h on the first of ever longer steps, of which `longest` is the last, at whose end a value has left its side as
+/// rounded, too. Where a motion begins at rest on the border, or slowly beside it, the state stays the same for longer
+/// than the times can be told apart; until it changes, the formulas of either side lead to the same numbers.
+double Expansion::behind_switch(Index value, bool before, double h, double longest) {
+  double *const state = way_.data(), *const low = slopes_.data(), *const rest = low + variables_;
+  std::fill_n(low, variables_, 0.0);
+  while (h < longest) {
+    evaluate(h, series_.coefficients(0), low, state, rest);
+    (void)series_.defined(state, t_ + h);
+    if ((series_.value(value) < 0) != before) return h;
+    h *= 2;
+  }
+  return longest;
 }
 
 /// Up to h, or to shortly behind the first time at which a formula changes.
-double Expansion::until_switch(double h) const {
+double Expansion::until_switch(double h) {
   constexpr std::size_t parts = 8;
   double end = h;
   for (const Index value : series_.program().switches) {
@@ -308,7 +355,7 @@ double Expansion::until_switch(double h) const {
         time = low < next && next < high ? next : 0.5 * (low + high);
       }
       const double beyond = 4 * std::numeric_limits<double>::epsilon();
-      end = std::min(end, high * (1 + beyond) + beyond * std::abs(t_));
+      end = behind_switch(value, before, std::min(end, high * (1 + beyond) + beyond * std::abs(t_)), end);
       break;
     }
   }

@@ -66,6 +66,34 @@ TEST(Choices, SpringsMayHaveTwoSides) {
   EXPECT_NEAR(last_of(request, "leapfrog", 10 * period), 1, 1e-3);
 }
 
+// Where a motion begins on the border, at rest or not, its state says nothing yet of the side that it goes to.
+TEST(Choices, MayBeginOnTheBorder) {
+  constexpr auto V = Definition::Kind::potential;
+  constexpr std::int64_t few = 100, enough = 40'000;
+  const auto final_of = [](const char* text, double v, const char* scheme, std::int64_t most_steps) {
+    Request request = from(of(V, {"x"}, {}, text), {1, v});
+    request.limits.steps = most_steps;
+    return last_of(request, scheme, 1);
+  };
+  for (const char* text : {"if(x < 1, x^2, 4*x^2 - 3)/2", "if(x >= 1, 4*x^2 - 3, x^2)/2"}) {
+    for (const double v : {0.0, -0.5}) {
+      const double there = std::cos(1) + v * std::sin(1);
+      EXPECT_NEAR(final_of(text, v, "taylor", few), there, 1e-12) << text << " from " << v;
+      for (const char* scheme : {"dormand_prince_5", "bulirsch_stoer"})
+        EXPECT_NEAR(final_of(text, v, scheme, enough), there, 1e-5) << text << " from " << v << " by " << scheme;
+    }
+  }
+  const auto from_zero = [](double v, const char* text) {
+    Request request = from(of(V, {"x"}, {}, text), {0, v});
+    request.limits.steps = few;
+    return last_of(request, "taylor", 1);
+  };
+  EXPECT_NEAR(from_zero(0, "if(x < 0, x, 2*x)"), -0.5, 1e-15);
+  EXPECT_NEAR(from_zero(-1, "if(x < 0, -x, x)"), -0.5, 1e-15);
+  // From (1, 1) the angle is taken from y/x on one side and from x/y on the other.
+  EXPECT_NEAR(final_of("atan2(x, 1)^2/2", 0, "taylor", few), final_of("atan(x)^2/2", 0, "taylor", few), 1e-12);
+}
+
 TEST(Choices, OfTheStateStandBesideThoseOfIndices) {
   text::TypedScene typed;
   typed.scene = of(Definition::Kind::potential, {"x[3]"}, {},

@@ -6,7 +6,8 @@
 // symplectic. Angular momentum is kept. ρ is state: a step depends on where the run began. Monitors:
 //   arclength  √(1 + 2(E₀ − V)/ε): steps of equal length of the graph (t, q(t)), E₀ being the level of the run's start
 //              and ε the energy that makes lengths of times
-//   frequency  the largest local frequency, or √|g⁻¹V″|, Frobenius' norm, where the problem has no estimate
+//   frequency  the largest local frequency, or √|g⁻¹V″|, Frobenius' norm, where the problem has no estimate; where it
+//              is 0 at the start, as in a uniform field, there is nothing to follow, and steps are of equal length
 // It needs a potential that does not depend on time, and assumes that U varies little within a step: ρ − U alternates
 // in sign and does not decay; |ρ₁ − ρ| > U/2 is singular. Look-alike: a step chosen from the state before each step is
 // not reversible. Source: Huang & Leimkuhler, SIAM J. Sci. Comput. 18, 239 (1997); Leimkuhler & Reich, Simulating
@@ -55,7 +56,9 @@ class AdaptiveVerletStepper {
         per_unit_(2 / unit),
         half_(T(0.5 * step)),
         slope_(gradient(problem, x.q)) {
-    scale_ = 1.0 / this->monitor(x.q);
+    using least::select;
+    const T start = this->monitor(x.q);
+    scale_ = select(start <= T(0), T(-1), 1.0 / start);
     ++work_.forces;
   }
 
@@ -65,7 +68,9 @@ class AdaptiveVerletStepper {
     T dt = half_ / density_;
     kick(y, dt, slope_);
     drift(y, dt);
-    const T density = 2.0 * (scale_ * monitor(y.q)) - density_, after = half_ / density;
+    using least::select;
+    const T rate = select(scale_ < T(0), T(1), scale_ * monitor(y.q));
+    const T density = 2.0 * rate - density_, after = half_ / density;
     drift(y, after);
     const auto slope = gradient(problem_, y.q);
     work_.forces += 2;  // the monitor looked at q½
@@ -102,7 +107,7 @@ class AdaptiveVerletStepper {
   T energy_;                   ///< E₀
   double per_unit_;            ///< 2/ε
   T half_;                     ///< h/2
-  T scale_{}, density_ = 1.0;  ///< 1/U(q₀) unscaled, ρ
+  T scale_{}, density_ = 1.0;  ///< 1/U(q₀) unscaled, or −1 where U(q₀) is 0; ρ
   Vec<P::dof, T> slope_;       ///< ∇V at the state's q
   Work work_;
 };

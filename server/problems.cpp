@@ -1,5 +1,7 @@
 #include "server/problems.hpp"
 
+#include "core/catalogue/start_beside.hpp"
+#include "core/text/scene.hpp"
 #include "server/decode/scene_reader.hpp"
 #include "server/encode/catalogue_json.hpp"
 #include "server/encode/problem_document.hpp"
@@ -20,7 +22,11 @@ Prepared describe_scene(const Context& context, const HttpRequest& request) {
     if (scene.mechanics && body->tree.contains("initial")) check_start(scene, top);
   }
   if (!faults.empty()) return problem_document(faults, request.id);
-  return Answer{200, "application/json", describe_problem(*scene.mechanics) + '\n', {}};
+  const text::TextScene* const text = scene.mechanics->text();
+  const bool asks_for_start = text && !text->known && !body->tree.contains("initial");
+  const auto start = asks_for_start ? regular_start(scene) : std::nullopt;
+  return Answer{
+      200, "application/json", describe_problem(*scene.mechanics, asks_for_start ? &start : nullptr) + '\n', {}};
 }
 
 }  // namespace least::server

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/run/request.hpp"
 #include "core/text/scene.hpp"
@@ -25,6 +26,14 @@ double moved(double x, double share) { return x + share * (x != 0 ? std::abs(x) 
 
 bool is_regular(const Scene& scene) {
   return !scene.mechanics->text()->objection_to_start(scene.parameters, scene.start, scene.initial);
+}
+
+/// At so many starts a scene is looked at: each look writes its formulas down anew, so that those of many bodies get
+/// few.
+std::size_t looks_at(const Scene& scene) {
+  constexpr std::size_t most_operations = 60'000;  // together: about a tenth of a second
+  const auto operations = static_cast<std::size_t>(scene.mechanics->text()->form->tape.size());
+  return std::max<std::size_t>(most_operations / (operations + 1), 2);
 }
 
 /// A short run with few errors; nothing where it fails.
@@ -100,11 +109,10 @@ bool has_limit(const Scene& scene, const std::vector<std::size_t>& coordinates, 
 std::optional<std::vector<double>> start_beside(const Scene& scene) {
   const std::size_t n = scene.mechanics->text()->form->coordinates;
   std::vector<std::vector<std::size_t>> choices;  // one coordinate, or all where several poles meet
-  std::vector<std::size_t> all;
-  for (std::size_t i = 0; i < n; ++i) {
-    choices.push_back({i});
-    all.push_back(i);
-  }
+  std::vector<std::size_t> all(n);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const std::size_t alone = std::min(n, looks_at(scene) / 2);
+  for (std::size_t i = 0; i < alone; ++i) choices.push_back({i});
   if (n > 1) choices.push_back(all);
   for (const double share : {next_to_rest, very_close})
     for (const auto& coordinates : choices)
@@ -115,7 +123,8 @@ std::optional<std::vector<double>> start_beside(const Scene& scene) {
 std::string advice_on_start(const Scene& scene) {
   constexpr double visible = 1e-3;
   const text::TextScene& text = *scene.mechanics->text();
-  for (std::size_t i = 0; i < text.form->coordinates; ++i) {
+  const std::size_t looks = std::min(text.form->coordinates, looks_at(scene));
+  for (std::size_t i = 0; i < looks; ++i) {
     const Scene other = beside(scene, {i}, visible);
     if (is_regular(other))
       return fmt::format("beside it, at {} = {:.6g}, it is regular: start there, with what the motion has there",
@@ -128,6 +137,24 @@ std::string advice_on_start(const Scene& scene) {
         "a little later, at t = {:.6g}, it is regular: start there, with the first terms of the series of the solution",
         later.start);
   return {};
+}
+
+std::optional<std::vector<double>> regular_start(const Scene& scene) {
+  constexpr std::size_t most_alone = 4;
+  const text::TextScene& text = *scene.mechanics->text();
+  const std::size_t n = text.form->coordinates, looks = looks_at(scene);
+  const auto found = [&](auto&& place) {
+    Scene other = scene;
+    std::fill(other.initial.begin(), other.initial.end(), 0.0);
+    for (std::size_t i = 0; i < n; ++i) other.initial[i] = place(i);
+    const std::vector<double> start(other.initial.begin(), other.initial.begin() + static_cast<std::ptrdiff_t>(n));
+    if (text.takes_velocities()) text.velocities_to_momenta(scene.parameters, scene.start, other.initial);
+    return is_regular(other) ? std::optional(start) : std::nullopt;
+  };
+  auto start = found([](std::size_t) { return 0.0; });
+  for (std::size_t one = 0; !start && one < std::min({n, most_alone, looks}); ++one)
+    start = found([one](std::size_t i) { return i == one ? 1.0 : 0.0; });
+  return start ? start : found([](std::size_t i) { return static_cast<double>(i + 1); });
 }
 
 }  // namespace least

@@ -17,6 +17,10 @@ namespace least {
 /// limit there.
 std::optional<std::vector<double>> start_beside(const Scene& scene);
 
+/// Of a scene as text the coordinates, of a flow the variables, from which at rest a motion can begin: all 0, else one
+/// of the first at 1, else 1, 2, 3 … . Empty where it cannot from there either.
+std::optional<std::vector<double>> regular_start(const Scene& scene);
+
 /// What to do about such a start where there is none, as a sentence; empty where nothing near by is any better.
 std::string advice_on_start(const Scene& scene);
 

@@ -155,8 +155,17 @@ void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equati
   json.close('}');
 }
 
+// What is not 0 of it; null where a motion cannot begin at any start that was looked at.
+void write_start(JsonWriter& json, const ProblemCard& card, const PossibleStart& start) {
+  if (!start) return (void)json.null();
+  json.open('{');
+  for (std::size_t i = 0; i < start->size(); ++i)
+    if ((*start)[i] != 0) json.key(card.variables[i].name).number((*start)[i]);
+  json.close('}');
+}
+
 void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<const SchemeCard> schemes,
-                        bool with_equations) {
+                        bool with_equations, const PossibleStart* start = nullptr) {
   const ProblemCard& card = problem.card();
   json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
   json.key("formula").text(card.formula);
@@ -185,6 +194,7 @@ void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<co
   json.text(auto_card().id).close(']').key("offers").text(card.offers);
   write_texts(json.key("references"), card.references);
   if (const text::TextScene* text = problem.text()) write_form(json, *text, with_equations);
+  if (start) write_start(json.key("start"), card, *start);
   json.close('}');
 }
 
@@ -235,10 +245,10 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
 
 }  // namespace
 
-std::string describe_problem(const Mechanics& problem) {
+std::string describe_problem(const Mechanics& problem, const PossibleStart* start) {
   std::string text;
   JsonWriter json(text);
-  write_problem_card(json, problem, problem.schemes(), true);
+  write_problem_card(json, problem, problem.schemes(), true, start);
   return text;
 }
 

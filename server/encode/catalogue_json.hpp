@@ -2,8 +2,10 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/shared/cards.hpp"
 
@@ -17,7 +19,11 @@ struct CatalogueText {
 
 CatalogueText describe(const Cards& cards);
 
-/// The card of one problem; of a scene as text with its form and its equations.
-std::string describe_problem(const Mechanics& problem);
+/// Of the coordinates of a scene as text, where a motion can begin at rest.
+using PossibleStart = std::optional<std::vector<double>>;
+
+/// The card of one problem; of a scene as text with its form and its equations, and with `start`, where that is no null
+/// pointer.
+std::string describe_problem(const Mechanics& problem, const PossibleStart* start = nullptr);
 
 }  // namespace least::server

@@ -39,6 +39,21 @@ TEST_F(CustomHttp, ACardSaysWhatWasFound) {
   EXPECT_EQ(std::find(schemes.begin(), schemes.end(), "leapfrog"), schemes.end());
 }
 
+// Where no start is asked about, the card says what of one must not be 0, so that a client finds one by one request.
+TEST_F(CustomHttp, ACardSaysWhereAMotionCanBegin) {
+  const auto start = [&](const char* potential) {
+    return card_of(port(), R"~({"id":"custom","variables":["x","y"],"potential":")~" + std::string(potential) + "\"}")
+        .at("start");
+  };
+  EXPECT_EQ(start("x^2 + y^2"), Json::object());
+  EXPECT_EQ(start("-1/sqrt(x^2 + y^2)"), Json::parse(R"({"x":1})"));
+  EXPECT_EQ(start("-1/x - 1/y"), Json::parse(R"({"x":1,"y":2})"));
+  EXPECT_EQ(start("sqrt(-1 - x^2)"), Json());
+  const std::string asked = R"~({"problem":{"id":"custom","variables":["x"],"potential":"x^2"},"initial":{"x":1}})~";
+  EXPECT_FALSE(Json::parse(ask(port(), post("/v1/problems", asked)).body).contains("start"));
+  EXPECT_FALSE(card_of(port(), R"("kepler")").contains("start"));
+}
+
 TEST_F(CustomHttp, FormsAreFoundNotDeclared) {
   const struct {
     const char *problem, *kind;
@@ -169,7 +184,7 @@ TEST_F(CustomHttp, ARegularStartIsAskedFor) {
   ASSERT_EQ(run.value("status", ""), "completed") << run;
   EXPECT_NEAR(run["final"]["r"], 1, 1e-9);
   EXPECT_NEAR(run["final"]["phi"], 1, 1e-9);
-  EXPECT_EQ(only_fault(polar(R"({"r":1,"vphi":1,"pr":0})"))["pointer"], "/initial/vphi");
+  EXPECT_EQ(only_fault(polar(R"({"r":1,"vphi":1,"pphi":0})"))["pointer"], "/initial/vphi");
 }
 
 // A motion through the pole of a sphere starts beside it, and says so.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 
 #include "core/text/scene.hpp"
@@ -134,6 +135,41 @@ TEST(StartAtThePole, IsRefusedWhereTheMotionHasNoLimit) {
     const std::string said = advice_on_start(scene);
     EXPECT_TRUE(*advice == '\0' ? said.empty() : said.find(advice) != std::string::npos) << said;
   }
+}
+
+// Where a scene that says no start can begin.
+TEST(RegularStart, IsAtZeroOrWithOneCoordinateApartOrAll) {
+  const struct {
+    Definition definition;
+    std::vector<double> start;  // empty: there is none
+  } rows[] = {
+      {of(Definition::Kind::potential, {"x", "y"}, {}, "x^2 + y^2"), {0, 0}},
+      {of(typed_l, {"x", "y"}, {}, "(vx^2 + vy^2)/2 + 1/sqrt(x^2 + y^2)"), {1, 0}},
+      {of(typed_l, {"phi", "r"}, {}, "(vr^2 + r^2*vphi^2)/2 + 1/r"), {0, 1}},
+      {of(typed_h, {"x", "y", "z"}, {}, "(px^2 + py^2 + pz^2)/2 - 1/sqrt((x - y)^2) - 1/z"), {1, 2, 3}},
+      {flow({"x", "v"}, {}, {{"x", "v"}, {"v", "-1/x"}}), {1, 0}},
+      {of(Definition::Kind::potential, {"x"}, {}, "sqrt(-1 - x^2)"), {}},
+  };
+  for (const auto& [definition, start] : rows)
+    EXPECT_EQ(regular_start(scene_of(definition, {})).value_or(std::vector<double>{}), start) << definition.formula;
+}
+
+// Forty bodies at one place: each look at another start writes 780 attractions down anew, for 120 coordinates.
+TEST(RegularStart, OfManyBodiesFewStartsAreLookedAt) {
+  constexpr double enough = 1.5;  // seconds; all of them took 4.4
+  text::TypedScene typed;
+  typed.scene = of(Definition::Kind::potential, {"x[40]", "y[40]", "z[40]"}, {},
+                   "-sum(i=1..40, j=i+1..40, 1/sqrt((x[i]-x[j])^2 + (y[i]-y[j])^2 + (z[i]-z[j])^2))");
+  auto made = custom_mechanics(typed);
+  ASSERT_TRUE(std::holds_alternative<std::shared_ptr<const Mechanics>>(made));
+  const auto mechanics = std::get<std::shared_ptr<const Mechanics>>(made);
+  const Scene scene{mechanics, {}, std::vector<double>(mechanics->card().variables.size(), 0.0), 0};
+  const auto from = std::chrono::steady_clock::now();
+  EXPECT_FALSE(start_beside(scene));
+  EXPECT_EQ(advice_on_start(scene), "");
+  ASSERT_TRUE(regular_start(scene));
+  EXPECT_EQ(regular_start(scene)->back(), 120) << "all apart";
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count(), enough);
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ export class Editor {
       const from = doubled.length ? { faults: doubled } : await api.describe(problem, start, mine.signal);
       // What can be read, but not from this start, is shown; another start may do.
       const { outcome: card = null } = from.faults && start && !doubled.length ? await api.describe(problem, undefined, mine.signal) : from;
-      const begun = card && !start ? await regular(card, problem, mine.signal) : card;
+      const begun = card && !start ? regular(card) : card;
       if (mine.signal.aborted) return null;
       this.#mark(texts, from.faults ?? [], card);
       if (card) this.#tell(card);
@@ -238,17 +238,8 @@ export class Editor {
   }
 }
 
-/** A card as it is, or where its motion is singular at 0 with a coordinate that starts at 1, else all of them apart. */
-async function regular(card, problem, signal) {
-  const given = problem.variables.map((name) => name.replace(/\[.*/, "")), names = card.variables.map(({ name }) => name).filter((name) => given.includes(name.replace(/\[.*/, "")));
-  const fits = async (start) => !(await api.describe(problem, start, signal)).faults;
-  if (await fits({ [names[0]]: 0 })) return card;
-  const tries = [...names.slice(0, 4).map((name) => ({ [name]: 1 })), Object.fromEntries(names.map((name, i) => [name, i + 1]))];
-  for (const start of tries) {
-    if (await fits(start)) return { ...card, variables: card.variables.map((one) => ({ ...one, default: start[one.name] ?? one.default })) };
-  }
-  return card;
-}
+/** A card as it is, or where its motion is singular at 0 with the coordinates that the service says it can begin at. */
+const regular = (card) => (card.start ? { ...card, variables: card.variables.map((one) => ({ ...one, default: card.start[one.name] ?? one.default })) } : card);
 
 /** The text about a place, the place marked: a button that leads there. */
 function lead(input, { from, to }) {

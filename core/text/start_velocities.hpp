@@ -1,4 +1,4 @@
-// The velocities of a start that is given in momenta.
+// Starts that are given in momenta, or in momenta of some coordinates and velocities of the others.
 #pragma once
 
 #include <span>
@@ -13,5 +13,12 @@ namespace least::text {
 /// momenta. Not finite where there is no such v.
 std::vector<double> velocities_of(const TextScene& scene, std::span<const double> parameters, double t,
                                   const std::vector<double>& state);
+
+/// All momenta of a start of which the coordinates in `places` have momenta and the others have velocities. `state`
+/// holds the variables of the card with velocities in the place of momenta, which they become; those at `places` are
+/// where the search begins. Whether velocities were found that these momenta have.
+bool make_momenta_of_start(const TextScene& scene, std::span<const double> parameters, double t,
+                           const std::vector<std::size_t>& places, const std::vector<double>& momenta,
+                           std::vector<double>& state);
 
 }  // namespace least::text

@@ -110,7 +110,8 @@ std::vector<std::string> velocity_names(const text::TextScene& scene) {
   return names;
 }
 
-// A start in velocities: where no momentum is given, all of them follow from velocities.
+// A start in velocities, or in momenta of some coordinates and velocities of the others: the momenta that are not given
+// follow from velocities.
 void read_velocities(const Json& initial, const FieldPath& start, const text::TextScene& text,
                      const std::vector<std::string>& names, Scene& scene) {
   const bool rests = !text.known;  // what is missing; else it is as in the default start, in momenta
@@ -118,26 +119,29 @@ void read_velocities(const Json& initial, const FieldPath& start, const text::Te
   if (!rests && std::ranges::none_of(names, [&](const auto& name) { return find(initial, name) != nullptr; })) return;
   std::vector<double> state = scene.initial;
   const auto moving = state.begin() + text.capacity;
+  const std::vector<double> said(moving,
+                                 moving + static_cast<std::ptrdiff_t>(names.size()));  // momenta, where they are
   if (rests)
     std::fill(moving, moving + text.capacity, 0.0);
   else
     std::ranges::copy(text::velocities_of(text, scene.parameters, scene.start, state), moving);
-  const bool momenta = std::ranges::any_of(text.definition.variables, [&](const auto& variable) {
-    return find(initial, text::momentum_name(variable)) != nullptr;
-  });
-  bool given = !momenta;
+  std::vector<std::size_t> in_momenta;
   for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string momentum = text::momentum_name(text.definition.variables[i]);
+    if (find(initial, momentum) != nullptr) in_momenta.push_back(i);
     const Json* json = find(initial, names[i]);
     if (json == nullptr) continue;
-    given = true;
-    const auto& momentum = text::momentum_name(text.definition.variables[i]);
-    if (momenta && !start.faults->within(start.at(names[i]).pointer))
-      start.at(names[i]).fault("and momenta exclude each other", *json, "velocities or momenta, as " + momentum);
+    if (!in_momenta.empty() && in_momenta.back() == i && !start.faults->within(start.at(names[i]).pointer))
+      start.at(names[i]).fault("and " + momentum + " exclude each other", *json, "one of them");
     if (const auto value = read_number(*json, start.at(names[i]), anywhere))
       moving[static_cast<std::ptrdiff_t>(i)] = *value;
   }
-  if (!given) return;
-  text.velocities_to_momenta(scene.parameters, scene.start, state);
+  if (in_momenta.size() == names.size() || start.faults->within(start.pointer)) return;
+  std::vector<double> momenta(in_momenta.size());
+  std::ranges::transform(in_momenta, momenta.begin(), [&](std::size_t i) { return said[i]; });
+  if (!text::make_momenta_of_start(text, scene.parameters, scene.start, in_momenta, momenta, state))
+    return start.lacks("no velocities were found that these momenta have beside the other velocities",
+                       "velocities, or momenta, of all coordinates");
   scene.initial = std::move(state);
 }
 

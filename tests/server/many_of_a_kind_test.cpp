@@ -121,12 +121,38 @@ TEST_F(Many, WhatIsMissingIsAtRest) {
   EXPECT_EQ(turning["initial"]["py"], 1);
   EXPECT_NEAR(turning["final"]["x"].get<double>(), std::cos(0.5) + 0.5 * std::sin(0.5), 1e-10) << "straight ahead";
   request["initial"] = {{"x", 1}, {"px", 0}};
-  EXPECT_EQ(run(request)["initial"]["py"], 0) << "who says momenta means momenta";
+  EXPECT_EQ(run(request)["initial"]["py"], 1) << "y is at rest, whatever is said of x";
+  request["initial"] = {{"x", 1}, {"px", 0}, {"py", 0}};
+  EXPECT_EQ(run(request)["initial"]["py"], 0);
   request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"0*x","masses":{"x":3}},
     "initial":{"vx":2},"until":{"t":1},"scheme":"leapfrog"})~");
   const Json free = run(request);
   EXPECT_EQ(free["initial"]["px"], 6);
   EXPECT_NEAR(free["final"]["x"].get<double>(), 2, 1e-13);
+}
+
+// Of each coordinate the velocity or the momentum. Here p = (2 va + vb cos(a−b), vb + va cos(a−b)).
+TEST_F(Many, CoordinatesInVelocitiesStandBesideOthersInMomenta) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["a","b"],
+    "lagrangian":"va^2 + vb^2/2 + va*vb*cos(a-b) + 2*cos(a) + cos(b)"},
+    "initial":{"a":1,"b":0.5,"pa":0.7,"vb":0.4},"until":{"t":0.1},"scheme":"taylor"})~");
+  const double c = std::cos(0.5), va = (0.7 - 0.4 * c) / 2;
+  Json start = run(request)["initial"];
+  EXPECT_EQ(start["pa"], 0.7);
+  EXPECT_NEAR(start["pb"].get<double>(), 0.4 + va * c, 1e-15);
+  request["initial"] = {{"a", 1}, {"b", 0.5}, {"pa", 0.7}};
+  EXPECT_NEAR(run(request)["initial"]["pb"].get<double>(), 0.7 / 2 * c, 1e-15) << "what is missing is at rest";
+  request["initial"] = {{"a", 1}, {"vb", 0.4}, {"pb", 0.4}};
+  const Json fault = faults(request).at(0);
+  EXPECT_EQ(fault["pointer"], "/initial/vb");
+  EXPECT_NE(fault["detail"].get<std::string>().find("pb exclude each other"), std::string::npos) << fault;
+  // Momenta of a hundred coordinates, velocities of a hundred others: what one has does not change another's.
+  request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[100]","y[100]"],
+    "lagrangian":"sum(i=1..100, (2*vx[i]^2 + vy[i]^2 - x[i]^2)/2)"},"until":{"t":0.1},"scheme":"taylor"})~");
+  request["initial"] = {{"px", Json(std::vector<double>(100, 0.5))}, {"vy", Json(std::vector<double>(100, 3))}};
+  start = run(request)["initial"];
+  EXPECT_EQ(start["px[100]"], 0.5);
+  EXPECT_EQ(start["py[100]"], 3);
 }
 
 TEST_F(Many, AStartInEquilibriumIsToldWhereNothingMoves) {

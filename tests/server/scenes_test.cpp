@@ -197,7 +197,9 @@ TEST_F(Scenes, StartInVelocitiesBesideTheDefault) {
   EXPECT_NEAR(run["initial"]["py[3]"], plain["initial"]["py[3]"], 1e-15);
   EXPECT_NEAR(run["initial"]["px[1]"], plain["initial"]["px[1]"], 1e-15);
   Json both = request;
-  both["initial"]["py[1]"] = 0;
+  both["initial"]["py[1]"] = 0.25;  // of each coordinate the one or the other
+  EXPECT_EQ(answer(both)["initial"]["py[1]"], 0.25);
+  both["initial"]["px[2]"] = 0;
   EXPECT_EQ(fault_of(both)["pointer"], "/initial/vx[2]");
 }
 

@@ -222,7 +222,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
        {{"oneOf",
          {described(quantity(), "the same as t", "time"),
           object_of({{"t", described(quantity(), "absolute; before the start a run goes backward", "time")}}, {"t"}),
-          object_of({{"steps", count_in(1, most)}}, {"steps"})}}}},
+          object_of({{"steps", {{"type", {"integer", "string"}}, {"minimum", 1}, {"maximum", most}}}}, {"steps"})}}}},
       {"Record",
        {{"oneOf",
          {object_of({{"every", described(count_in(0, most), "each so many steps; 0: no trajectory", "")}}, {"every"}),

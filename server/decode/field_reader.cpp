@@ -19,6 +19,12 @@ std::string beyond(double x, const Range& range) {
   return fmt::format("must be {} {}", range.high_open ? "less than" : "at most", shortest(range.high));
 }
 
+// A number, or a text of constants.
+std::optional<double> number_of(const Json& json) {
+  if (json.is_string()) return text::constant_of(json.get_ref<const std::string&>());
+  return json.is_number() ? std::optional(json.get<double>()) : std::nullopt;
+}
+
 constexpr std::string_view weights_shape = "{\"weights\": [w1, …, wn]}, symmetric, of sum 1";
 
 // {"weights": [w₁, …]}, beside which an answer says their order.
@@ -73,25 +79,24 @@ bool read_object(const Json& json, const FieldPath& path, const Names& known, st
 }
 
 std::optional<double> read_number(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
-  const auto constant = json.is_string() ? text::constant_of(json.get_ref<const std::string&>()) : std::nullopt;
-  if (!json.is_number() && !constant) {
+  const auto x = number_of(json);
+  if (!x) {
     path.fault(fmt::format("must be a number{}", other), json, interval(range).append(other));
-    return std::nullopt;
+  } else if (!std::isfinite(*x) || !range.contains(*x)) {
+    path.fault(beyond(*x, range).append(other), json, interval(range).append(other));
+  } else {
+    return x;
   }
-  const auto x = constant ? *constant : json.get<double>();
-  if (!std::isfinite(x) || !range.contains(x)) {
-    path.fault(beyond(x, range).append(other), json, interval(range).append(other));
-    return std::nullopt;
-  }
-  return x;
+  return std::nullopt;
 }
 
 std::optional<double> read_whole(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
-  if (json.is_number() && json.get<double>() == std::floor(json.get<double>())) {
+  const auto x = number_of(json);
+  if (x && *x == std::floor(*x)) {
     // What is no double is beyond every range of counts; rounded, it might not be.
     const bool exact = !json.is_number_unsigned() || json.get<std::uint64_t>() <= std::uint64_t{greatest_count};
     if (exact) return read_number(json, path, range, other);
-    path.fault(beyond(json.get<double>() * 2, range).append(other), json, interval(range).append(other));
+    path.fault(beyond(*x * 2, range).append(other), json, interval(range).append(other));
     return std::nullopt;
   }
   path.fault(fmt::format("must be a whole number{}", other), json, interval(range).append(other));

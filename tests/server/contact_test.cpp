@@ -241,7 +241,7 @@ TEST_F(ContactHttp, SettingsOfTheContactSchemes) {
   const auto refused = [&](const Json& scheme) {
     return fault(port(), {{"problem", "damped_oscillator"}, {"scheme", scheme}});
   };
-  for (const Json& stages : {Json(0), Json(4), Json(1.5), Json("2"), Json(nullptr)}) {
+  for (const Json& stages : {Json(0), Json(4), Json(1.5), Json("two"), Json(nullptr)}) {
     const Json found = refused({{"id", "contact_gauss"}, {"stages", stages}});
     EXPECT_EQ(found["pointer"], "/scheme/stages") << stages;
     EXPECT_EQ(found["allowed"], "[1, 3]") << stages;

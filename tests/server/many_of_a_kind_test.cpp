@@ -155,6 +155,22 @@ TEST_F(Many, CoordinatesInVelocitiesStandBesideOthersInMomenta) {
   EXPECT_EQ(start["py[100]"], 3);
 }
 
+TEST_F(Many, CountsAreTextsOfConstantsToo) {
+  Json request = chain();
+  request["until"] = {{"steps", "2*2^2"}};
+  request.erase("record");
+  const Json answer = run(request);
+  EXPECT_EQ(answer["until"]["steps"], 8);
+  EXPECT_EQ(answer["cost"]["steps"], 8);
+  request["scheme"] = {{"id", "taylor"}, {"order", "4*5"}};
+  request["until"] = 1;
+  EXPECT_EQ(run(request)["scheme"]["order"], 20);
+  for (const char* none : {"5/2", "1/0", "n", "1e300"}) {
+    request["until"] = {{"steps", none}};
+    EXPECT_EQ(faults(request).at(0)["pointer"], "/until/steps") << none;
+  }
+}
+
 TEST_F(Many, AStartInEquilibriumIsToldWhereNothingMoves) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"x^2/2"},
     "until":{"t":1},"scheme":"leapfrog"})~");

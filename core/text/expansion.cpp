@@ -41,11 +41,14 @@ class Expander {
     wrong_ = {std::move(fault), definition_};
     return false;
   }
+  bool too_long(std::size_t position) {
+    return refuse(
+        position, "takes too many operations when it is written out",
+        std::to_string(most_summed) + " with all sums written out, in " + std::to_string(most_written) + " characters");
+  }
   /// `whole`: no character of it stands in the text at hand.
   bool append(std::string_view piece, std::size_t position, bool whole) {
-    if (made_.text_.size() + piece.size() > most_written)
-      return refuse(position, "takes too many operations when it is written out",
-                    std::to_string(most_operations) + " a scene");
+    if (made_.text_.size() + piece.size() > most_written) return too_long(position);
     auto& parts = made_.parts_;
     const std::size_t at = made_.text_.size();
     const bool goes_on = !parts.empty() && !parts.back().whole && !whole && parts.back().definition == definition_ &&
@@ -167,17 +170,18 @@ class Expander {
     if (!range || end == to)
       return refuse(from, "is no range of an index, followed by what is summed",
                     adds ? "sum(i=1..n, …)" : "prod(i=1..n, …)");
+    const std::string_view letter = text.substr(name_from, name_to - name_from);
+    if (value_of(letter, indices))
+      return refuse(name_from, std::string(letter) + " is an index already", "a name for each index");
     const auto first = index(text, equals + 1, dots, indices);
     if (!first) return false;
     const auto last = index(text, dots + 2, end, indices);
     if (!last) return false;
     const bool more = is_range(text, end + 1, to);
-    indices.emplace_back(text.substr(name_from, name_to - name_from), 0);
+    indices.emplace_back(letter, 0);
     for (std::int64_t i = *first; i <= *last; ++i) {
       indices.back().second = i;
-      if (++steps_ > most_written)
-        return refuse(position, "takes too many operations when it is written out",
-                      std::to_string(most_operations) + " a scene");
+      if (++steps_ > most_written) return too_long(position);
       if (more) {
         if (!terms(text, position, end + 1, to, adds, indices, any)) return false;
         continue;

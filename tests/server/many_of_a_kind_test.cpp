@@ -171,6 +171,16 @@ TEST_F(Many, CountsAreTextsOfConstantsToo) {
   }
 }
 
+TEST_F(Many, AnIndexOfASumHasAName) {
+  Json request = chain();
+  for (const char* twice : {"sum(i=1..n, i=1..n, x[i])", "sum(i=1..n, x[i]*prod(i=1..2, x[i]))"}) {
+    request["problem"]["potential"] = twice;
+    const Json fault = faults(request).at(0);
+    EXPECT_EQ(fault["pointer"], "/problem/potential") << twice;
+    EXPECT_EQ(fault["detail"], "i is an index already") << twice;
+  }
+}
+
 TEST_F(Many, AStartInEquilibriumIsToldWhereNothingMoves) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"x^2/2"},
     "until":{"t":1},"scheme":"leapfrog"})~");

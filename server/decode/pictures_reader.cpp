@@ -33,7 +33,7 @@ std::vector<std::string> read_place(const Json& json, const FieldPath& path) {
   return place;
 }
 
-std::vector<int> read_links(const Json& json, const FieldPath& path, std::size_t self, std::size_t bodies) {
+std::vector<int> read_links(const Json& json, const FieldPath& path, std::size_t bodies) {
   std::vector<int> links;
   const std::string allowed =
       fmt::format("numbers of bodies, 0 to {}, and \"pivot\"; {} at most", bodies - 1, most_links);
@@ -46,9 +46,7 @@ std::vector<int> read_links(const Json& json, const FieldPath& path, std::size_t
       links.push_back(Pictures::pivot);
     } else if (!json[i].is_number_unsigned() || json[i].get<std::uint64_t>() >= bodies) {
       path.at(i).fault(json[i].is_number() ? "there is no such body" : "is no body", json[i], allowed);
-    } else if (json[i].get<std::uint64_t>() == self) {
-      path.at(i).fault("is the body itself", json[i], "another body");
-    } else {
+    } else {  // a link to the body itself is nothing to be seen
       links.push_back(json[i].get<int>());
     }
   }
@@ -112,7 +110,7 @@ Pictures read_pictures(const Json& problem, const FieldPath& path) {
       here.at("at").lacks("is required", std::string(of_place));
     if (!body.at.empty() && body.at.size() != pictures.bodies.front().at.size() && !pictures.bodies.front().at.empty())
       here.at("at").fault("is not of as many coordinates as the first body's", all[i]["at"], std::string(of_place));
-    if (const Json* links = find(all[i], "linked")) body.linked = read_links(*links, here.at("linked"), i, all.size());
+    if (const Json* links = find(all[i], "linked")) body.linked = read_links(*links, here.at("linked"), all.size());
     if (const Json* kind = find(all[i], "kind"))
       if (const auto index =
               read_name(*kind, here.at("kind"), Names(Pictures::kinds.begin(), Pictures::kinds.end()), "kind"))

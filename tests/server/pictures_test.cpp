@@ -41,6 +41,13 @@ TEST_F(Pictures, StandInTheCardAndInTheEchoWithTheirDefaults) {
   EXPECT_EQ(run_of(port(), echo)["problem"], echo) << "sent back, it is the same";
 }
 
+// As the contract writes them: one body, linked to body 0, itself, and to the pivot.
+TEST_F(Pictures, MayLinkABodyToItself) {
+  Json problem = pendulum();
+  problem["bodies"] = Json::parse(R"~([{"at":["theta","t"],"linked":[0,"pivot"],"kind":"bob"}])~");
+  EXPECT_EQ(run_of(port(), problem)["problem"]["bodies"], problem["bodies"]);
+}
+
 TEST_F(Pictures, ChangeNothingThatMoves) {
   Json plain = pendulum();
   for (const char* key : {"views", "bodies", "note"}) plain.erase(key);
@@ -82,7 +89,6 @@ TEST_F(Pictures, FaultsNameTheirPlace) {
        "bob, planet, sun"},
       {"bodies", R"~([{"at":["theta","t"],"linked":[1]}])~", "/problem/bodies/0/linked/0", "no such body", "0 to 0"},
       {"bodies", R"~([{"at":["theta","t"],"linked":[-1]}])~", "/problem/bodies/0/linked/0", "no such body", "pivot"},
-      {"bodies", R"~([{"at":["theta","t"],"linked":[0]}])~", "/problem/bodies/0/linked/0", "body itself", ""},
       {"bodies", R"~([{"at":["theta","t"],"linked":"pivot"}])~", "/problem/bodies/0/linked", "must be a list", ""},
       {"bodies", R"~([{"at":["theta","t"],"weight":1}])~", "/problem/bodies/0/weight", "", "kind"},
       {"bodies", R"~([{"at":["theta","t"]},{"at":["theta","t","l"]}])~", "/problem/bodies/1/at", "as many", ""},

@@ -24,10 +24,10 @@ Wish read_wish(const Json& json, const FieldPath& path, const Caps& caps) {
   constexpr std::string_view shape = "{\"id\": \"auto\", \"accuracy\": …}, {\"id\": \"auto\", \"seconds\": …}";
   Wish wish;
   if (json.is_object()) read_object(json, path, {"id", "accuracy", "seconds", "keep"}, "auto");
-  if ((asked(json, "accuracy") == nullptr) == (asked(json, "seconds") == nullptr)) {
-    path.lacks("auto must hold either accuracy or seconds", std::string(shape));
-  }
-  wish.accuracy = read_asked(json, path, "accuracy", auto_card().parameters[0].range);
+  const ParameterCard& accuracy = auto_card().parameters[0];
+  const bool says_accuracy = asked(json, "accuracy") != nullptr, says_seconds = asked(json, "seconds") != nullptr;
+  if (says_accuracy && says_seconds) path.lacks("auto must hold either accuracy or seconds", std::string(shape));
+  wish.accuracy = says_accuracy || says_seconds ? read_asked(json, path, "accuracy", accuracy.range) : accuracy.value;
   wish.seconds = read_asked(json, path, "seconds", {0, caps.seconds, true});
   if (const Json* keep = find(json, "keep")) {
     for (const auto kept : read_names(*keep, path.at("keep"), Names(keep_names.begin(), keep_names.end()), "name")) {

@@ -13,10 +13,11 @@ const SchemeCard& auto_card() {
     all.title = "Auto: the cheapest that will do";
     all.summary =
         "Measures the schemes on this very scene, picks the one that meets an accuracy with the fewest force "
-        "evaluations, or is the most accurate within a time, and says why. Takes either accuracy or seconds.";
+        "evaluations, or is the most accurate within a time, and says why. Takes either accuracy or seconds; where "
+        "neither is said, the default accuracy.";
     all.structure = "none";
     all.parameters = {
-        {"accuracy", "ε", "1", "largest error along the span", Kind::number, absent, {0, 1, true}, {}, {}, true},
+        {"accuracy", "ε", "1", "largest error along the span", Kind::number, 1e-6, {0, 1, true}, {}, {}, true},
         {"seconds",
          "",
          "s",

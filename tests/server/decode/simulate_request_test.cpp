@@ -225,8 +225,12 @@ TEST(Decode, AutoIsAWishInPlaceOfAScheme) {
   EXPECT_EQ(faults.list().size(), 8u);
   EXPECT_EQ(fault_at(faults, "/scheme/seconds").allowed, "(0, 60]");
   EXPECT_TRUE(contains(fault_at(faults, "/until/steps").detail, "auto chooses the step"));
-  EXPECT_TRUE(bad(with("\"auto\"")).at("/scheme"));
-  EXPECT_TRUE(bad(with(R"({"id":"auto","keep":["energy"]})")).at("/scheme"));
+  for (const char* neither : {R"("auto")", R"({"id":"auto","keep":["energy"]})", R"({"id":"auto","accuracy":null})"}) {
+    order = ordered(with(neither));  // a bare id is complete, as of every scheme
+    ASSERT_TRUE(order.wish) << neither;
+    EXPECT_EQ(order.wish->accuracy, auto_card().parameters[0].value) << neither;
+    EXPECT_TRUE(std::isnan(order.wish->seconds)) << neither;
+  }
   EXPECT_TRUE(bad(with(R"({"id":"auto","accuracy":1e-6,"keep":"energy"})")).at("/scheme/keep"));
   EXPECT_TRUE(bad(with(R"({"id":"auto","accuracy":1e-6})", R"(,"until":{"t":-1})")).at("/until/t"));
   EXPECT_TRUE(contains(fault_at(bad(with("\"atuo\"")), "/scheme").detail, "did you mean \"auto\"?"));

@@ -54,7 +54,7 @@ TEST(Catalogue, SaysAllThatAFormNeeds) {
   EXPECT_EQ(automatic, Json::parse(catalogue.schemes.at("auto")));
   EXPECT_EQ(automatic["order"], nullptr);
   EXPECT_EQ(automatic["parameters"][0]["name"], "accuracy");
-  EXPECT_EQ(automatic["parameters"][0]["default"], nullptr);
+  EXPECT_EQ(automatic["parameters"][0]["default"], 1e-6);
   EXPECT_EQ(automatic["parameters"][2]["type"], "list");
   EXPECT_EQ(automatic["parameters"][2]["choices"], Json::parse(R"(["energy","structure","momenta"])"));
   EXPECT_EQ(swing["suggested"], Json::parse(R"({"step":0.1,"critical":0.5})"));

@@ -122,8 +122,9 @@ Json answer_schema() {
        described(
            object,
            "of scheme auto: reason, met (null where it cannot be told), estimated_error (null where errors at the end "
-           "mean nothing, as in long chaos, or could not be measured), alternatives. Their seconds were measured: like "
-           "those of cost, they differ from one answer to the same request to the next. Where an event acts runs are "
+           "mean nothing, as in long chaos, or could not be measured), alternatives; where seconds were wished for, "
+           "these have theirs, which differ from one answer to the same request to the next. Where an event acts runs "
+           "are "
            "looked at up to there, and the answer warns: judged_before_acts",
            "")},
       {"events", described(list, "what was found along the run: t, kind, and what goes with it", "")},

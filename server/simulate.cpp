@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -50,7 +51,8 @@ class Task {
         sensitivities_(std::move(asked.sensitivities)),
         advice_(std::move(advice)),
         seconds_(seconds) {
-    if (advice_) choice_.emplace(AdviceWithCards{*advice_, context.cards.schemes});
+    if (advice_)
+      choice_.emplace(AdviceWithCards{*advice_, context.cards.schemes, asked.wish && !std::isnan(asked.wish->seconds)});
   }
   Task(const Task&) = delete;
   Task& operator=(const Task&) = delete;

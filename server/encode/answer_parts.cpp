@@ -212,7 +212,8 @@ void write_choice(JsonWriter& json, const AdviceWithCards& choice) {
     json.open('{');
     write_scheme(json.key("scheme"), choice.schemes[other.scheme.scheme], other.scheme.settings);
     json.key("force_evaluations").integer(other.force_evaluations).key("estimated_error").number(other.estimated_error);
-    json.key("seconds").number(other.seconds).close('}');
+    if (choice.timed) json.key("seconds").number(other.seconds);
+    json.close('}');
   }
   json.close(']').close('}');
 }

@@ -17,11 +17,13 @@
 
 namespace least::server {
 
-/// How the scheme of a run was chosen, with the cards of all schemes. The seconds of its alternatives were measured:
-/// like `cost`, they are not among the bytes that the same request gives again.
+/// How the scheme of a run was chosen, with the cards of all schemes.
 struct AdviceWithCards {
   const Advice& advice;
   std::span<const SchemeCard> schemes;
+  /// It was wished for by seconds, so that those of its alternatives are told. They were measured, and else would
+  /// differ between answers to the same request.
+  bool timed = false;
 };
 
 /// What is known of a run before it begins, and echoed.

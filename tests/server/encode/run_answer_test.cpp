@@ -92,7 +92,11 @@ TEST(EncodeJson, SaysHowASchemeWasChosen) {
   const Json choice = Json::parse(encode_json(run).body)["choice"];
   EXPECT_EQ(choice.dump(), R"({"reason":"the \"cheapest\"","met":true,"estimated_error":1e-07,"alternatives":[)"
                            R"({"scheme":{"id":"runge_kutta_4","step":0.25},"force_evaluations":500,)"
-                           R"("estimated_error":null,"seconds":0.001}]})");
+                           R"("estimated_error":null}]})");
+  const AdviceWithCards timed{advice, test::cards().schemes, true};
+  run.choice = &timed;
+  EXPECT_EQ(Json::parse(encode_json(run).body)["choice"]["alternatives"][0]["seconds"], 0.001);
+  run.choice = &chosen;
   advice.known = false;
   EXPECT_TRUE(Json::parse(encode_json(run).body)["choice"]["met"].is_null());
   advice.known = true;

@@ -254,14 +254,17 @@ std::shared_ptr<const Act> read_act(const Json& event, const FieldPath& path, co
 void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& request) {
   if (std::ranges::none_of(request.events, [](const EventAsked& event) { return event.act != nullptr; })) return;
   constexpr std::array<std::string_view, 5> none{"error", "lyapunov", "decay", "orbit", "cycle"};
-  const auto& cards = request.scene->card().diagnostics;
-  for (const std::size_t asked : request.diagnostics)
-    if (std::ranges::find(none, cards[asked].name) != none.end() && root.contains("diagnostics"))
-      top.at("diagnostics")
-          .fault(std::string(cards[asked].name) + " knows no events that act", root["diagnostics"], "energy, momenta");
-  for (const std::size_t column : request.columns)
-    if (request.column(column).name == error_column)
-      top.at("columns").fault("error knows no events that act", root["columns"], "other columns");
+  const auto refuse = [&](const char* key, auto&& is_none, const char* allowed) {
+    const Json* names = find(root, key);
+    for (std::size_t i = 0; names && i < names->size(); ++i)
+      if (const Json& name = (*names)[i]; name.is_string() && is_none(name.get_ref<const std::string&>()))
+        top.at(key).at(i).fault(name.get<std::string>() + " knows no events that act", name, allowed);
+  };
+  refuse(
+      "diagnostics", [&](const std::string& name) { return std::ranges::find(none, name) != none.end(); },
+      "energy, momenta");
+  refuse(
+      "columns", [](const std::string& name) { return name == error_column; }, "other columns");
 }
 
 }  // namespace

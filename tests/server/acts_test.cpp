@@ -249,8 +249,11 @@ TEST_F(EventsThatAct, SayWhatIsWrong) {
   request["events"][0]["most"] = 3;
   EXPECT_EQ(answer(request, "/v1/simulate", 422)["errors"][0]["pointer"], "/events/0/most");
   request = ball(1);
-  request["diagnostics"] = {"error"};
-  EXPECT_EQ(answer(request, "/v1/simulate", 422)["errors"][0]["pointer"], "/diagnostics");
+  request["diagnostics"] = {"energy", "error"};
+  EXPECT_EQ(answer(request, "/v1/simulate", 422)["errors"][0]["pointer"], "/diagnostics/1");
+  request.erase("diagnostics");
+  request["columns"] = {"t", "x", "error"};
+  EXPECT_EQ(answer(request, "/v1/simulate", 422)["errors"][0]["pointer"], "/columns/2");
   request = ball(1);
   request["events"][0]["set"] = {{"vx", "1/x"}};
   const Json made = answer(request);

@@ -62,6 +62,23 @@ void warn_of(const Options& options) {
   for (const std::string& warning : options.warnings) LogLine(spdlog::level::warn, "environment").with("why", warning);
 }
 
+void tell_of_start(const Service& service, const Options& options) {
+  const auto whole = [](auto number) { return static_cast<std::int64_t>(number); };
+  const Caps& caps = options.settings.caps;
+  LogLine start(spdlog::level::info, "start");
+  start.with("url", service.url());
+  if (service.metrics_port() > 0) start.with("metrics_port", std::int64_t{service.metrics_port()});
+  start.with("version", std::string(version))
+      .with("pid", whole(::getpid()))
+      .with("threads", whole(service.places()))
+      .with("memory", whole(service.max_memory()))
+      .with("queue", whole(options.settings.queue))
+      .with("connections", whole(options.settings.connections))
+      .with("max_seconds", caps.seconds)
+      .with("max_steps", whole(caps.steps))
+      .with("max_samples", whole(caps.samples));
+}
+
 // Signals are blocked before any thread starts and waited for here, so that none interrupts a run.
 int serve(const Options& options) {
   sigset_t ends;
@@ -86,19 +103,7 @@ int serve(const Options& options) {
   }
   // The log first: who reads of the address finds it there.
   warn_of(options);
-  const auto whole = [](auto number) { return static_cast<std::int64_t>(number); };
-  const Caps& caps = options.settings.caps;
-  LogLine(spdlog::level::info, "start")
-      .with("url", service.url())
-      .with("version", std::string(version))
-      .with("pid", whole(::getpid()))
-      .with("threads", whole(service.places()))
-      .with("memory", whole(service.max_memory()))
-      .with("queue", whole(options.settings.queue))
-      .with("connections", whole(options.settings.connections))
-      .with("max_seconds", caps.seconds)
-      .with("max_steps", whole(caps.steps))
-      .with("max_samples", whole(caps.samples));
+  tell_of_start(service, options);
   print(fmt::format("listening on {}\n", service.url()), 0);
   const timespec second{1, 0}, glance{0, 20'000'000};
   int signal = -1;

@@ -7,6 +7,7 @@
 #include "core/catalogue/compiled.hpp"
 #include "core/catalogue/custom.hpp"
 #include "core/catalogue/sized_backend.hpp"
+#include "core/memory_budget.hpp"
 #include "core/reference/growth.hpp"
 #include "core/reference/series_truth.hpp"
 #include "core/run/run.hpp"
@@ -93,6 +94,9 @@ class SizedMechanics final : public Mechanics {
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
+    // States on their way: those that are kept along a run, and the rows that its diagnostics see together.
+    const std::size_t states = request.diagnostics.empty() ? 256 : 1024;
+    const Held held = HeldByThread::take(states * card_.variables.size() * sizeof(double));
     const auto sized = scene_of(request.scene->parameters);
     Solution solution = least::run(SizedBackend(sized), request, columns_, sink, cancelled);
     if (sized->forces.jumps && solution.stop.reason != ReturnCode::completed)

@@ -189,13 +189,14 @@ std::string TextScene::note_on_equations() const {
 std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
   Rates rates;
   write_rates(definition, *form, rates);
+  const bool velocities = in_velocities(*form);  // which looks at all masses
   const auto name = [&](int i) -> std::string {
     const Numbering& numbers = form->numbers;
     if (i >= numbers.parameter) return definition.parameters[static_cast<std::size_t>(i - numbers.parameter)].first;
     if (form->kind == FormKind::flow || i < numbers.momentum) return definition.variables[static_cast<std::size_t>(i)];
     if (i == numbers.action) return "s";
     const auto& coordinate = definition.variables[static_cast<std::size_t>(i - numbers.momentum)];
-    return in_velocities(*form) ? velocity_name(coordinate) : momentum_name(coordinate);
+    return velocities ? velocity_name(coordinate) : momentum_name(coordinate);
   };
   std::vector<std::pair<std::string, std::string>> texts;
   for (const auto& [of, rate] : rates.all) texts.emplace_back(of, print_collected(rates.tape, rate, name));

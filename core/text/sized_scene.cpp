@@ -84,14 +84,16 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters, boo
     const std::vector<Symbol> slopes = tape::gradient(equations, v, places);
     std::vector<double> second;
     if (form.full_mass)
-      for (const Symbol& entry : form.hessian) second.push_back(number(fold(entry)));
+      for (const Symbol& entry : form.hessian)
+        second.push_back(entry.is_constant() ? entry.constant() : number(fold(entry)));
     set_mass(folded(form.mass), second, !form.momenta.empty());
     Symbol twice_kinetic = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const Symbol p = variable(n + i);
       Symbol velocity = has_full_mass() ? Symbol(0) : Symbol(inverse_mass_[i]) * p;
       for (std::size_t j = 0; j < n && has_full_mass(); ++j)
-        velocity = velocity + Symbol(inverse_matrix_[i * n + j]) * variable(n + j);
+        if (const double share = inverse_matrix_[i * n + j]; share != 0)
+          velocity = velocity + Symbol(share) * variable(n + j);
       all[i] = velocity;
       all[n + i] = acting ? -slopes[i] - alpha * p : -slopes[i];
       if (acting) twice_kinetic = i == 0 ? p * velocity : twice_kinetic + p * velocity;

@@ -16,6 +16,8 @@
 namespace least::variations {
 namespace {
 
+constexpr const char* no_time = "the time that the request has was over before they were found";
+
 /// An event of a run.
 struct Event {
   std::string name;
@@ -94,7 +96,7 @@ class Follower {
   bool reach(double t) {
     while (t > std::max(motion_.reach(), motion_.time())) {
       if (!question_.keep_going()) {
-        why_ = "the time that the request has was over before they were found";
+        why_ = no_time;
         return false;
       }
       if (!motion_.advance(question_.end)) return ends();
@@ -171,6 +173,7 @@ std::variant<Followed, std::string> follow_all(const Question& question, double 
   Followed all;
   for (std::size_t first = 0, count = question.directions.size(); first < question.directions.size();) {
     count = std::min(count, question.directions.size() - first);
+    if (!question.keep_going()) return no_time;
     try {
       Chosen chosen;
       for (std::size_t d = first; d < first + count; ++d) chosen.directions.push_back(d);
@@ -207,6 +210,7 @@ std::variant<std::vector<double>, std::string> follow_pairs(
   }
   std::vector<double> second;
   for (const auto& [a, b] : pairs) {
+    if (!question.keep_going()) return no_time;
     try {
       auto one = of(a == b ? Chosen{{a}, {{0, 0}}} : Chosen{{a, b}, {{0, 1}}});
       if (auto* why = std::get_if<std::string>(&one)) return std::move(*why);

@@ -9,8 +9,8 @@
 #include <atomic>
 #include <cstddef>
 
-#include "core/memory_budget.hpp"
 #include "server/http/workers.hpp"
+#include "server/shared/memory_budget.hpp"
 
 namespace least::server {
 

@@ -170,10 +170,12 @@ Form form(const P& problem, const X& x, const TimeTransformed& scheme, double of
   z.p[n] = off - energy(problem, x);
   z.action = x.action;
   const double level = level_of(problem, x);
-  const auto tangent = tangent_of(z, [] { return true; }, [&](auto& y) {
-    using D = typename std::remove_cvref_t<decltype(y)>::Number;
-    return scheme.step_extended(problem, y, D(level));
-  });
+  const auto tangent = tangent_of(
+      z, [] { return true; },
+      [&](auto& y) {
+        using D = typename std::remove_cvref_t<decltype(y)>::Number;
+        return scheme.step_extended(problem, y, D(level));
+      });
   EXPECT_TRUE(tangent);
   if (!tangent) return {NAN, NAN, NAN};
   const auto [defect, factor] = contact_defect(z, *tangent);

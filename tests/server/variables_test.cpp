@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "server/decode/json_parse.hpp"
@@ -70,6 +71,13 @@ TEST(Log, TheFirstLineSaysWhatRuns) {
                            " queue=5 ", " connections=8192 ", " max_seconds=", " max_steps=", " max_samples="}) {
     EXPECT_NE(first.find(part), std::string::npos) << part << "\n" << first;
   }
+  EXPECT_EQ(first.find("metrics_port"), std::string::npos);
+  // A port that was picked is known from nowhere else.
+  const std::string apart = log_of({"--port", "0", "--metrics-port", "0"}, {});
+  constexpr std::string_view before = " metrics_port=";
+  const auto place = apart.find(before);
+  ASSERT_LT(place, apart.find('\n')) << apart;
+  EXPECT_GT(std::stoi(apart.substr(place + before.size())), 0) << apart;
 }
 
 TEST(Log, NamesTheClientBehindAProxyAndItsRequest) {

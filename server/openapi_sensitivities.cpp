@@ -25,7 +25,7 @@ Json sensitivities_asked() {
       {"of",
        one_of(variations::map_names,
               "motion: the true one from the start of the run, whichever scheme runs it; scheme: its own map, the "
-              "default of schemes of equal steps")},
+              "default of schemes of equal steps wherever that has the derivatives that are asked for")},
       {"at", one_of({"final", "samples"}, "at the end alone, or at every sample, too")},
       {"holds", one_of(variations::held_names,
                        "what stays where another number of the start changes; by default what the start says")}};

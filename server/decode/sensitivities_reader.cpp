@@ -153,20 +153,27 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   if (const Json* order = find(*json, "order"))
     asked.order = static_cast<int>(read_integer(*order, path.at("order"), 1, 2).value_or(1));
   const bool equal_steps = !scheme.own_clock && scheme.id != auto_card().id;
-  asked.of_scheme = equal_steps;
-  if (const Json* of = find(*json, "of")) {
+  const bool acts = std::ranges::any_of(request.events, [](const EventAsked& event) { return event.act != nullptr; });
+  const bool by_steps = request.record.mode == Record::Mode::every;
+  if (const Json* at = find(*json, "at"))
+    asked.at_samples = read_name(*at, path.at("at"), {"final", "samples"}, "place").value_or(0) == 1;
+  const Json* const named = find(*json, "by");
+  const bool moves_start_time =
+      named && named->is_array() && std::ranges::find(*named, Json("/initial/t")) != named->end();
+  // Of the scheme's map where that has the derivatives which are asked for, unless the request says of what.
+  asked.of_scheme = equal_steps && asked.order == 1 && !acts && !moves_start_time && (by_steps || !asked.at_samples);
+  const Json* const of = find(*json, "of");
+  if (of) {
     const Names names(variations::map_names.begin(), variations::map_names.end());
     asked.of_scheme = read_name(*of, path.at("of"), names, "map").value_or(0) == 1;
     if (asked.of_scheme && !equal_steps)
       path.at("of").fault(scheme.id + " sets its steps itself: of its own map there is no derivative", *of, "motion");
   }
-  if (const Json* at = find(*json, "at")) {
-    asked.at_samples = read_name(*at, path.at("at"), {"final", "samples"}, "place").value_or(0) == 1;
-    if (asked.at_samples && request.record.mode == Record::Mode::every && request.record.count == 0)
-      path.at("at").fault("there are no samples: record keeps none", *at, "final");
-    else if (asked.at_samples && asked.of_scheme && request.record.mode != Record::Mode::every)
-      path.at("at").fault("of the map of a scheme at whole steps alone", *at, "final, or record: {\"every\": …}");
-  }
+  if (asked.at_samples && by_steps && request.record.count == 0)
+    path.at("at").fault("there are no samples: record keeps none", (*json)["at"], "final");
+  else if (asked.at_samples && asked.of_scheme && !by_steps)
+    path.at("at").fault("of the map of a scheme at whole steps alone", (*json)["at"],
+                        "final, or record: {\"every\": …}");
 
   const Json* by = find(*json, "by");
   const FieldPath place = path.at("by");
@@ -189,7 +196,6 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   } else if (!whole) {
     place.fault("must be a list of JSON pointers, or \"initial\"", *by, std::string(shape_of_sensitivities));
   }
-  const bool acts = std::ranges::any_of(request.events, [](const EventAsked& event) { return event.act != nullptr; });
   if (acts && (asked.of_scheme || asked.order == 2))
     path.fault(
         asked.of_scheme ? "of the map of a scheme know no events that act" : "of second order know no events that act",
@@ -204,8 +210,9 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
     return path.fault("the equations of the derivatives of this scene are too long", *json);
   }
   if (asked.of_scheme) {
-    if (std::string why = variations::no_walk(scheme, *asked.equations->form); !why.empty())
-      return path.at("of").fault(std::move(why), find(*json, "of") ? (*json)["of"] : Json(), "motion");
+    std::string why = variations::no_walk(scheme, *asked.equations->form);
+    if (of && !why.empty()) return path.at("of").fault(std::move(why), *of, "motion");
+    asked.of_scheme = why.empty();
   }
   if (whole) take_whole_start(scene, asked);
   if (asked.order == 2) {

@@ -52,7 +52,7 @@ TEST_F(SchemeSensitivities, OfEveryPairAreDifferencesOfItsRuns) {
                    {"scheme", scheme.id},
                    {"until", {{"steps", 12}}},
                    {"record", {{"every", 0}}},
-                   {"sensitivities", {{"by", "initial"}}}};
+                   {"sensitivities", {{"by", "initial"}, {"of", "scheme"}}}};
       const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
       if (reply.status == 422) {
         EXPECT_TRUE(says(only_fault(reply), "there is no derivative")) << reply.body;
@@ -197,9 +197,9 @@ TEST_F(SchemeSensitivities, AreRefusedByName) {
   };
   refused({{"by", "initial"}, {"of", "scheme"}}, "/sensitivities/of", "sets its steps itself");
   request["scheme"] = "leapfrog";
-  refused({{"by", {"/initial/t"}}}, "/sensitivities/by/0", "moves the steps");
+  refused({{"by", {"/initial/t"}}, {"of", "scheme"}}, "/sensitivities/by/0", "moves the steps");
   request["record"] = {{"samples", 10}};
-  refused({{"by", "initial"}, {"at", "samples"}}, "/sensitivities/at", "whole steps");
+  refused({{"by", "initial"}, {"of", "scheme"}, {"at", "samples"}}, "/sensitivities/at", "whole steps");
 }
 
 }  // namespace

@@ -62,6 +62,7 @@ pageTest("of a fixed step the derivative is that of the scheme's own map, at its
   });
 
 pageTest("what is refused is told in the service's words, at its pointer", { hash: "#problem=van_der_pol&A=contact_splitting", expected: /status of 422/ }, async (page) => {
+  await page.selectOption("#tangent [data-name=of]", "scheme");
   await differentiate(page, /\//);
   assert.match(await said(page), /^\/sensitivities\/of: of the map of contact_splitting on this scene there is no derivative; allowed: motion$/);
   assert.match(await page.getAttribute("#tangent-status", "class"), /fault/);

@@ -1,5 +1,7 @@
 #include "core/schemes/flow_lift.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -32,8 +34,9 @@ template <class T>
 std::string FlowLift<T>::objection(const FlowParts& flow, const LiftedSplitting& scheme) {
   if (scheme.lift == LiftMethod::automatic) return {};
   if (!flow.lift)
-    return "of more variables than the " + std::to_string(text::Lift::most_coordinates) +
-           " that are solved for at once only the lift automatic goes on, part by part";
+    return fmt::format(
+        "of more variables than the {} that are solved for at once only the lift automatic goes on, part by part",
+        text::Lift::most_coordinates);
   if (scheme.lift == LiftMethod::exact && !flow.linear())
     return "the lift exact needs equations that are linear with constant coefficients";
   return {};

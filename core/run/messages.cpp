@@ -101,8 +101,7 @@ std::string beyond_singularity(double t) {
 std::string judged_before_acts(std::string_view event, double t) {
   return fmt::format(
       "the scheme was chosen by runs up to t = {:.6g}, where {} acts for the first time: what it does to the motion, "
-      "and "
-      "errors beyond, were not looked at",
+      "and errors beyond, were not looked at",
       t, event);
 }
 

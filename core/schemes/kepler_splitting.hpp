@@ -17,16 +17,9 @@
 #include <tuple>
 
 #include "core/scheme.hpp"
-#include "core/schemes/alternation.hpp"
+#include "core/schemes/turns.hpp"
 
 namespace least {
-
-enum class KeplerSplittingKind : std::uint8_t { strang, saba_2, saba_4, aba_864, aba_1064 };
-inline constexpr auto kepler_splitting_names = [] {
-  std::array<std::string_view, 1 + alternations::named.size()> all{"strang"};
-  std::ranges::transform(alternations::named, all.begin() + 1, &alternations::Named::name);
-  return all;
-}();
 
 enum class KeplerCoordinates : std::uint8_t { jacobi, heliocentric };
 inline constexpr std::array<std::string_view, 2> kepler_coordinate_names{"jacobi", "heliocentric"};
@@ -34,11 +27,11 @@ inline constexpr std::array<std::string_view, 2> kepler_coordinate_names{"jacobi
 struct KeplerSplitting {
   double step = 0.01;
   Composition composition = Composition::none;
-  KeplerSplittingKind splitting = KeplerSplittingKind::strang;
+  SplittingTurns splitting = SplittingTurns::strang;
   KeplerCoordinates coordinates = KeplerCoordinates::jacobi;
   static constexpr std::tuple fields{
       step_field<KeplerSplitting>(), composition_field<KeplerSplitting>(),
-      Field<KeplerSplitting, KeplerSplittingKind>{
+      Field<KeplerSplitting, SplittingTurns>{
           "splitting",
           "",
           "",
@@ -46,7 +39,7 @@ struct KeplerSplitting {
           "are weak, with long steps and without a composition",
           &KeplerSplitting::splitting,
           {0, 0},
-          kepler_splitting_names},
+          turns_names},
       Field<KeplerSplitting, KeplerCoordinates>{
           "coordinates",
           "",
@@ -61,7 +54,7 @@ struct KeplerSplitting {
     return {.id = "kepler_splitting",
             .title = "Kepler splitting (Wisdom–Holman)",
             .summary = "Exact motion along Kepler's orbits, and kicks by what else there is.",
-            .orders = orders(),
+            .orders = orders_of_turns(),
             .symmetric = true,
             .structure = "symplectic",
             .good_for =
@@ -76,22 +69,9 @@ struct KeplerSplitting {
                            "Laskar, Robutel, Celest. Mech. Dyn. Astron. 80, 39 (2001)",
                            "Blanes, Casas, Farrés, Laskar, Makazaga, Murua, Appl. Numer. Math. 68, 58 (2013)"}};
   }
-  std::vector<Conflict> conflicts(const ProblemCard&) const {
-    if (splitting == KeplerSplittingKind::strang || composition == Composition::none) return {};
-    return {{"composition", "goes with the splitting strang: the others have their own order", "none"}};
-  }
+  std::vector<Conflict> conflicts(const ProblemCard&) const { return conflicts_of_turns(splitting, composition); }
   /// Of the splitting: none for strang.
-  const Alternation<double>* turns() const {
-    if (splitting == KeplerSplittingKind::strang) return nullptr;
-    return &Alternation<double>::named(static_cast<std::size_t>(splitting) - 1);
-  }
-
- private:
-  static std::vector<std::pair<std::string, int>> orders() {
-    auto all = orders_from(2);
-    for (const auto& named : alternations::named) all.emplace_back(named.name, named.order);
-    return all;
-  }
+  const Alternation<double>* turns() const { return alternation_of(splitting); }
 };
 
 }  // namespace least

@@ -124,7 +124,7 @@ TEST_P(HarmonicSplittingOf, ComesBackByTheStepsItCameBy) {
       std::get<text::Harmonic>(text::harmonic(*mechanics->text()->form, parameters)));
   for (const HarmonicSplitting& scheme :
        {HarmonicSplitting{0.1, Composition::none}, HarmonicSplitting{0.1, Composition::kahan_li_6},
-        HarmonicSplitting{0.1, Composition::none, HarmonicSplittingKind::aba_864}}) {
+        HarmonicSplitting{0.1, Composition::none, SplittingTurns::aba_864}}) {
     std::vector<double> x = GetParam().start;
     HarmonicStepper<double> stepper(scene, scheme, definition.variables.size());
     stepper.begin(x.data(), 0.3);

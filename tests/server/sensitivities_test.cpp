@@ -350,25 +350,6 @@ TEST_F(Sensitivities, OfListsAreNamedFromZeroOrByTheirElements) {
   EXPECT_NEAR(found["final"][2][2], std::cos(2 * w), 1e-11);
 }
 
-TEST_F(Sensitivities, AreOfTheMotionWhereTheMapOfTheSchemeHasNone) {
-  const Json plain{{"problem", "harmonic_oscillator"}, {"scheme", "leapfrog"}, {"until", 1}};
-  const auto of = [&](const Json& asked, const Json& more = Json::object()) {
-    Json request = plain;
-    request.update(more);
-    request["sensitivities"] = asked;
-    return answer(request)["sensitivities"]["of"];
-  };
-  EXPECT_EQ(of({{"by", "initial"}}), "scheme");
-  EXPECT_EQ(of({{"by", "initial"}, {"at", "samples"}}, {{"record", {{"every", 10}}}}), "scheme");
-  EXPECT_EQ(of({{"by", "initial"}, {"at", "samples"}}, {{"record", {{"samples", 5}}}}), "motion");
-  EXPECT_EQ(of({{"by", "initial"}, {"order", 2}}), "motion");
-  EXPECT_EQ(of({{"by", {"/initial/t"}}}), "motion");
-  const Json kick{{"name", "kick"}, {"expression", "q - 0.9"}, {"set", {{"p", "0.9*p"}}}};
-  EXPECT_EQ(of({{"by", "initial"}}, {{"events", {kick}}}), "motion");
-  const Json forced = custom(R"~({"variables":["x"],"potential":"x^2/2","forces":{"x":"-vx^3"}})~");
-  EXPECT_EQ(of({{"by", "initial"}}, {{"problem", forced}}), "motion");
-}
-
 TEST_F(Sensitivities, RefuseWhatTheyCannotSay) {
   Json request{{"problem", "kepler"}, {"scheme", "taylor"}, {"until", 1}};
   const auto refused = [&](const Json& asked, const std::string& pointer, std::string_view words) {

@@ -12,6 +12,7 @@
 
 #include "core/catalogue/sized_backend.hpp"
 #include "core/catalogue/sized_steps.hpp"
+#include "core/catalogue/sized_tangents.hpp"
 #include "core/from_values.hpp"
 #include "core/run/request.hpp"
 #include "core/text/scene.hpp"
@@ -66,54 +67,10 @@ class FoundBackend final : public SizedBackend {
   bool has_component(std::size_t i) const override { return found_->scene.has_component(i); }
 
   StepTangents tangents(const Request& request) const override {
-    StepTangents tangents;
     const Scheme scheme = scheme_of(request);
-    if (!found_->objection(scheme).empty()) return tangents;
-    if (!request.until_steps) tangents.end = request.end;
-    const std::vector<Slope> began(request.scene->initial.begin(), request.scene->initial.end());
-    const auto along = [found = found_, scheme, began](const RunState& x, const StateNumbers& u,
-                                                       std::vector<Slope>& y) {
-      y.resize(x.size());
-      for (std::size_t i = 0; i < x.size(); ++i) y[i] = Slope(x[i], {u[i]});
-      auto stepper = found->template stepper<Slope>(scheme);
-      if constexpr (requires { stepper.begin(y.data(), x.t, began.data()); }) {
-        stepper.begin(y.data(), x.t, began.data());
-      } else {
-        stepper.begin(y.data(), x.t);
-      }
-      return stepper.step(y.data(), x.t, scheme.step) == StepStatus::ok;
-    };
-    const double step = scheme.step;
-    tangents.along = [along, step](const RunState& x, const ActiveMethod&, const StateNumbers& u, double, double,
-                                   ChangeOfStep& to) {
-      std::vector<Slope> y;
-      if (!along(x, u, y)) return false;
-      to = {{x.t + step, StateNumbers(x.size())}, StateNumbers(x.size())};
-      for (std::size_t i = 0; i < y.size(); ++i) {
-        to.to[i] = y[i].value;
-        to.change[i] = y[i].slope[0];
-      }
-      return true;
-    };
-    tangents.plain = [along, step, this](const RunState& x, const KeepGoing& keep_going, TangentMap& map) {
-      const std::size_t size = x.size();
-      map = {found_->scene.room, x, x, std::vector<double>(size * size)};
-      map.to.t = x.t + step;
-      std::vector<Slope> y;
-      for (std::size_t j = 0; j < size; ++j) {
-        StateNumbers u(size);
-        u[j] = map.m[j * size + j] = 1;
-        if (!has_component(j)) continue;
-        if (!keep_going() || !along(x, u, y)) return false;
-        for (std::size_t i = 0; i < size; ++i) {
-          map.to[i] = y[i].value;
-          map.m[i * size + j] = y[i].slope[0];
-        }
-      }
-      return true;
-    };
-    tangents.level.assign(table().traits.components, 0);
-    return tangents;
+    if (!found_->objection(scheme).empty()) return {};
+    const TangentSpace space{found_->scene.room, table().traits.components};
+    return tangents_by(request, space, scheme.step, found_->template stepper<Slope>(scheme));
   }
 
  private:
@@ -123,8 +80,8 @@ class FoundBackend final : public SizedBackend {
     Steps(const F& found, const Scheme& scheme) : why_(found.objection(scheme)) {
       if (why_.empty()) stepper_.emplace(found.template stepper<double>(scheme));
     }
-    void begin(StateView x) {
-      if (stepper_) stepper_->begin(x.numbers, x.t);
+    void begin(const double* x, double t) {
+      if (stepper_) stepper_->begin(x, t);
     }
     StepStatus step(double* x, double t, double h) noexcept {
       return stepper_ ? stepper_->step(x, t, h) : StepStatus::singular;

@@ -6,7 +6,9 @@
 #include "core/catalogue/catalogue.hpp"
 #include "core/catalogue/sized_forced.hpp"
 #include "core/catalogue/sized_implicit.hpp"
+#include "core/catalogue/sized_stages.hpp"
 #include "core/catalogue/sized_steps.hpp"
+#include "core/catalogue/sized_tangents.hpp"
 #include "core/catalogue/sized_taylor.hpp"
 #include "core/from_values.hpp"
 #include "core/run/control_stepper.hpp"
@@ -68,27 +70,67 @@ struct Binding {
   }
 };
 
-template <class Scheme>
-std::unique_ptr<Integrator> bind_kicks(const Binding& to) {
-  if (to.scene.forced) return to.equal_steps(ForcedKickDrift(to.scene, pieces_of(to.scheme<Scheme>())));
-  return to.equal_steps(SizedKickDrift<Scheme>(to.scene, to.scheme<Scheme>()));
+TangentSpace space_of(const text::SizedScene& scene) { return {scene.flow ? 0 : scene.coordinates, scene.components}; }
+
+/// Of explicit schemes the stepper in numbers T of states with so many components, as `make<T>(scene, scheme, count)`.
+struct Kicks {
+  template <class T, class Scheme>
+  static auto make(const text::SizedScene& scene, const Scheme& scheme, std::size_t) {
+    return SizedKickDrift<Scheme, T>(scene, scheme);
+  }
+};
+struct Stages {
+  template <class T, class Scheme>
+  static auto make(const text::SizedScene& scene, const Scheme&, std::size_t count) {
+    return by<T>(scene, Scheme::tableau, count);
+  }
+
+ private:
+  template <class T, int N>
+  static SizedRungeKutta<N, T> by(const text::SizedScene& scene, const ExplicitTableau<N>& tableau, std::size_t count) {
+    return {scene, tableau, count};
+  }
+};
+struct DampedKicks {
+  template <class T>
+  static auto make(const text::SizedScene& scene, const ContactLeapfrog& scheme, std::size_t count) {
+    return SizedContactLeapfrog<T>(scene, scheme, count);
+  }
+};
+struct Lifts {
+  template <class T>
+  static auto make(const text::SizedScene& scene, const LiftedSplitting& scheme, std::size_t) {
+    return SizedLifted<T>(scene, scheme);
+  }
+};
+
+template <class Scheme, class By>
+std::unique_ptr<Integrator> bind_explicit(const Binding& to) {
+  if constexpr (std::is_same_v<By, Kicks>)
+    if (to.scene.forced) return to.equal_steps(ForcedKickDrift(to.scene, pieces_of(to.scheme<Scheme>())));
+  return to.equal_steps(By::template make<double>(to.scene, to.scheme<Scheme>(), to.x.size()));
 }
-template <class Scheme>
-std::unique_ptr<Integrator> bind_stages(const Binding& to) {
-  return to.equal_steps(SizedRungeKutta(to.scene, Scheme::tableau));
+template <class Scheme, class By>
+StepTangents tangents_explicit(const text::SizedScene& scene, const Request& request) {
+  if (std::is_same_v<By, Kicks> && scene.forced) return {};
+  const auto scheme = from_values<Scheme>(Scheme::fields, request.settings);
+  return tangents_by(request, space_of(scene), scheme.step, By::template make<Slope>(scene, scheme, scene.components));
 }
 template <class Scheme>
 std::unique_ptr<Integrator> bind_pair(const Binding& to) {
   return to.own_clock(SizedPair{to.scheme<Scheme>().compiled_as()});
 }
-std::unique_ptr<Integrator> bind_contact_leapfrog(const Binding& to) {
-  return to.equal_steps(SizedContactLeapfrog(to.scene, to.scheme<ContactLeapfrog>()));
-}
-std::unique_ptr<Integrator> bind_lifted(const Binding& to) {
-  return to.equal_steps(SizedLifted(to.scene, to.scheme<LiftedSplitting>()));
-}
 std::unique_ptr<Integrator> bind_series(const Binding& to) {
-  return to.own_clock(SizedSeries{to.scheme<Taylor>(), to.scene.series()});
+  return to.own_clock(SizedSeries{to.scheme<Taylor>(), to.scene.series(to.x.size() == to.scene.components)});
+}
+
+template <class Scheme>
+Composition composition_of(const Scheme& scheme) {
+  if constexpr (requires { scheme.composition; }) return scheme.composition;
+  return Composition::none;
+}
+const StageRule& rule_of(SizedPath path) {
+  return path == SizedPath::straight ? StageRule::midpoint : StageRule::simpson;
 }
 
 /// Where the middle of a step says all of it.
@@ -98,18 +140,31 @@ bool is_flat(const text::SizedScene& scene) {
 }
 
 /// Of a path of polynomials and a rule of quadrature.
-template <class Scheme, SizedVariational::Path path>
+template <class Scheme, SizedPath path>
 std::unique_ptr<Integrator> bind_rule(const Binding& to) {
   const Scheme scheme = to.scheme<Scheme>();
-  Composition composition = Composition::none;
-  if constexpr (requires { scheme.composition; }) composition = scheme.composition;
-  const bool is_straight = path == SizedVariational::Path::straight;
-  if (is_flat(to.scene)) return to.equal_steps(SizedVariational(to.scene, path, composition, scheme.step));
-  return to.equal_steps(StageRule(to.scene, is_straight ? StageRule::midpoint : StageRule::simpson, composition));
+  if (is_flat(to.scene))
+    return to.equal_steps(SizedVariational<double>(to.scene, path, composition_of(scheme), scheme.step, to.x.size()));
+  return to.equal_steps(SizedStages<double>(to.scene, rule_of(path), composition_of(scheme)));
+}
+template <class Scheme, SizedPath path>
+StepTangents tangents_rule(const text::SizedScene& scene, const Request& request) {
+  if (scene.forced) return {};
+  const auto scheme = from_values<Scheme>(Scheme::fields, request.settings);
+  if (is_flat(scene))
+    return tangents_by(request, space_of(scene), scheme.step,
+                       SizedVariational<Slope>(scene, path, composition_of(scheme), scheme.step, scene.components));
+  return tangents_by(request, space_of(scene), scheme.step,
+                     SizedStages<Slope>(scene, rule_of(path), composition_of(scheme)));
 }
 std::unique_ptr<Integrator> bind_gauss(const Binding& to) {
-  const int stages = to.scheme<ContactGauss>().stages;
-  return to.equal_steps(StageRule(to.scene, StageRule::gauss(stages), Composition::none));
+  const auto scheme = to.scheme<ContactGauss>();
+  return to.equal_steps(SizedStages<double>(to.scene, StageRule::gauss(scheme.stages), Composition::none));
+}
+StepTangents tangents_gauss(const text::SizedScene& scene, const Request& request) {
+  const auto scheme = from_values<ContactGauss>(ContactGauss::fields, request.settings);
+  return tangents_by(request, space_of(scene), scheme.step,
+                     SizedStages<Slope>(scene, StageRule::gauss(scheme.stages), Composition::none));
 }
 
 using text::SizedScene;
@@ -127,52 +182,66 @@ bool with_path(const SizedScene& scene) {
   if (is_flat(scene)) return scene.kind == text::FormKind::separable;
   return (scene.forced || scene.kind == text::FormKind::metric) && scene.coordinates <= SizedScene::most_full;
 }
-bool without_action(const SizedScene& scene) {
-  return scene.kind == text::FormKind::hamiltonian && !scene.acting && !scene.forced &&
-         scene.coordinates <= SizedScene::most_full;
+bool on_hamiltonian(const SizedScene& scene) {
+  return scene.kind == text::FormKind::hamiltonian && !scene.forced && scene.coordinates <= SizedScene::most_full;
 }
-constexpr auto straight = SizedVariational::Path::straight, parabola = SizedVariational::Path::parabola;
+constexpr auto straight = SizedPath::straight, parabola = SizedPath::parabola;
 
-/// A scheme that runs on scenes of any size, and on which of them.
+/// A scheme that runs on scenes of any size, and on which of them. `tangents`: of its steps; null: there are none.
 struct SizedScheme {
   std::string_view id;
   bool (*fits)(const SizedScene& scene);
   std::unique_ptr<Integrator> (*bind)(const Binding& to);
+  StepTangents (*tangents)(const SizedScene& scene, const Request& request) = nullptr;
 };
+template <class Scheme, class By>
+constexpr SizedScheme explicit_scheme(std::string_view id, bool (*fits)(const SizedScene& scene)) {
+  return {id, fits, bind_explicit<Scheme, By>, tangents_explicit<Scheme, By>};
+}
 constexpr std::array sized_schemes{
-    SizedScheme{"explicit_euler", on_all, bind_stages<ExplicitEuler>},
-    SizedScheme{"explicit_midpoint", on_all, bind_stages<ExplicitMidpoint>},
-    SizedScheme{"runge_kutta_4", on_all, bind_stages<RungeKutta4>},
-    SizedScheme{"symplectic_euler", on_separable, bind_kicks<SymplecticEuler>},
-    SizedScheme{"leapfrog", on_separable, bind_kicks<Leapfrog>},
-    SizedScheme{"ruth_3", with_exact_kicks, bind_kicks<Ruth3>},
-    SizedScheme{"variational_midpoint", with_path, bind_rule<VariationalMidpoint, straight>},
-    SizedScheme{"galerkin_4", with_path, bind_rule<Galerkin4, parabola>},
-    SizedScheme{"contact_leapfrog", on_damped, bind_contact_leapfrog},
-    SizedScheme{"contact_variational_midpoint", on_damped, bind_rule<ContactVariationalMidpoint, straight>},
-    SizedScheme{"contact_galerkin_4", on_damped, bind_rule<ContactGalerkin4, parabola>},
-    SizedScheme{"contact_gauss", without_action, bind_gauss},
-    SizedScheme{"lifted_splitting", with_lift, bind_lifted},
+    explicit_scheme<ExplicitEuler, Stages>("explicit_euler", on_all),
+    explicit_scheme<ExplicitMidpoint, Stages>("explicit_midpoint", on_all),
+    explicit_scheme<RungeKutta4, Stages>("runge_kutta_4", on_all),
+    explicit_scheme<SymplecticEuler, Kicks>("symplectic_euler", on_separable),
+    explicit_scheme<Leapfrog, Kicks>("leapfrog", on_separable),
+    explicit_scheme<Ruth3, Kicks>("ruth_3", with_exact_kicks),
+    SizedScheme{"variational_midpoint", with_path, bind_rule<VariationalMidpoint, straight>,
+                tangents_rule<VariationalMidpoint, straight>},
+    SizedScheme{"galerkin_4", with_path, bind_rule<Galerkin4, parabola>, tangents_rule<Galerkin4, parabola>},
+    explicit_scheme<ContactLeapfrog, DampedKicks>("contact_leapfrog", on_damped),
+    SizedScheme{"contact_variational_midpoint", on_damped, bind_rule<ContactVariationalMidpoint, straight>,
+                tangents_rule<ContactVariationalMidpoint, straight>},
+    SizedScheme{"contact_galerkin_4", on_damped, bind_rule<ContactGalerkin4, parabola>,
+                tangents_rule<ContactGalerkin4, parabola>},
+    SizedScheme{"contact_gauss", on_hamiltonian, bind_gauss, tangents_gauss},
+    explicit_scheme<LiftedSplitting, Lifts>("lifted_splitting", with_lift),
     SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
     SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},
     SizedScheme{"bulirsch_stoer", on_all, bind_pair<BulirschStoer>},
     SizedScheme{"taylor", on_all, bind_series}};
 
+const SizedScheme* sized_scheme(std::size_t position) {
+  const auto known = std::ranges::find(sized_schemes, schemes()[position].id, &SizedScheme::id);
+  return known == sized_schemes.end() ? nullptr : &*known;
+}
+
 }  // namespace
 
 std::vector<std::size_t> schemes_of(const text::SizedScene& scene) {
   std::vector<std::size_t> fitting;
-  for (std::size_t i = 0; i < schemes().size(); ++i) {
-    const auto known = std::ranges::find(sized_schemes, schemes()[i].id, &SizedScheme::id);
-    if (known != sized_schemes.end() && known->fits(scene)) fitting.push_back(i);
-  }
+  for (std::size_t i = 0; i < schemes().size(); ++i)
+    if (const SizedScheme* known = sized_scheme(i); known && known->fits(scene)) fitting.push_back(i);
   return fitting;
 }
 
 std::unique_ptr<Integrator> SizedBackend::bind(const Request& request, const RunState& x, const Grid& grid,
                                                double end) const {
-  const auto known = std::ranges::find(sized_schemes, schemes()[request.scheme].id, &SizedScheme::id);
-  return known->bind({*this, scene(), request, x, grid, end});
+  return sized_scheme(request.scheme)->bind({*this, scene(), request, x, grid, end});
+}
+
+StepTangents SizedBackend::tangents(const Request& request) const {
+  const SizedScheme* known = sized_scheme(request.scheme);
+  return known && known->tangents ? known->tangents(scene(), request) : StepTangents();
 }
 
 std::vector<tape::Index> SizedBackend::write_equations(tape::Tape& tape) const {
@@ -184,6 +253,15 @@ std::shared_ptr<const tape::SteepForces> SizedBackend::steep_forces() const {
   auto found =
       std::make_shared<const tape::SteepForces>(scene().equations, std::span(scene().rates).first(scene().moving));
   return found->empty() ? nullptr : found;
+}
+
+double SizedBackend::energy_after(StateView x, double t) const {
+  if (!traits_.contact) return unknown;
+  constexpr double tolerance = 1e-15;
+  constexpr int order = 20;
+  RunState at{x.t, StateNumbers(x.numbers, x.numbers + scene().components)};
+  SizedTaylorStepper flow(std::make_shared<taylor::Expansion>(scene().series(true), tolerance, order));
+  return flow.reach(at, t) == StepStatus::ok ? table_.energy_of(at) : unknown;
 }
 
 void SizedBackend::velocity(StateView x, double* v) const {

@@ -14,8 +14,9 @@ std::vector<std::size_t> schemes_of(const text::SizedScene& scene);
 
 class SizedBackend : public RunBackend {
  public:
-  explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene)
-      : traits_(traits_of(*scene)),
+  /// `all`: states of the run carry what can be asked for beyond what moves, as s where the motion does not read it.
+  explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true)
+      : traits_(traits_of(*scene, all)),
         motion_traits_(traits_of(*scene, false)),
         table_(scene, traits_),
         motion_(std::move(scene), motion_traits_) {}
@@ -24,7 +25,8 @@ class SizedBackend : public RunBackend {
   const ProblemTable& motion() const override { return motion_; }
   std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid& grid,
                                    double end) const override;
-  StepTangents tangents(const Request&) const override { return {}; }
+  /// Of schemes of equal steps but those with forces.
+  StepTangents tangents(const Request& request) const override;
   std::vector<tape::Index> write_equations(tape::Tape& tape) const override;
   std::size_t found() const override { return 0; }
   void values_of(StateView x, double* values) const override { std::copy_n(x.numbers, traits_.moving, values); }
@@ -37,7 +39,7 @@ class SizedBackend : public RunBackend {
   void velocity_slopes(StateView x, const double* u, double* slopes) const override;
   bool has_component(std::size_t i) const override { return i < traits_.moving; }
   bool has_closed_form(StateView) const override { return false; }
-  double energy_after(StateView, double) const override { return unknown; }
+  double energy_after(StateView x, double t) const override;
 
  protected:
   const text::SizedScene& scene() const { return table_.scene(); }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/schemes/contact_gauss.hpp"
-
 namespace least {
 
 ForcedKick::ForcedKick(const text::SizedScene& scene)
@@ -201,9 +199,9 @@ ForcedKickDrift::ForcedKickDrift(const text::SizedScene& scene, std::vector<Piec
       slope_(scene.coordinates),
       velocity_(scene.coordinates) {}
 
-void ForcedKickDrift::begin(StateView x) {
+void ForcedKickDrift::begin(const double* x, double t) {
   work_ = {};
-  look(x.numbers, x.t);
+  look(x, t);
 }
 
 StepStatus ForcedKickDrift::step(double* x, double t, double h) noexcept {
@@ -236,136 +234,6 @@ std::vector<ForcedKickDrift::Piece> pieces_of(const Leapfrog& scheme) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(weights.stages); ++i)
     all.push_back({weights.gamma[i] / 2, weights.gamma[i], weights.gamma[i] / 2});
   return all;
-}
-
-const StageRule::Rule StageRule::midpoint{1, {{{0.5}}}, {{{0.5}}}, {1}, {0.5}};
-const StageRule::Rule StageRule::simpson{3,
-                                         {{{0, 0, 0}, {5 / 24.0, 1 / 3.0, -1 / 24.0}, {1 / 6.0, 2 / 3.0, 1 / 6.0}}},
-                                         {{{1 / 6.0, -1 / 6.0, 0}, {1 / 6.0, 1 / 3.0, 0}, {1 / 6.0, 5 / 6.0, 0}}},
-                                         {1 / 6.0, 2 / 3.0, 1 / 6.0},
-                                         {0, 0.5, 1},
-                                         true};
-
-namespace {
-
-template <int M>
-StageRule::Rule gauss_rule() {
-  const auto& known = GaussRule<M, double>::get();
-  StageRule::Rule rule{M, {}, {}, {}, {}};
-  for (std::size_t i = 0; i < M; ++i) {
-    rule.weight[i] = known.weight[i];
-    rule.node[i] = known.node[i];
-    for (std::size_t j = 0; j < M; ++j) rule.of_places[i][j] = rule.of_momenta[i][j] = known.a[i][j];
-  }
-  return rule;
-}
-
-/// v₀ − 2v_m + v₁ = 0 of the velocities along a parabola.
-constexpr std::array second_difference{1.0, -2.0, 1.0};
-/// Of Lobatto's three equations for a momentum, residuals or rows of the Jacobian, the principle says two combinations;
-/// the third is that of the velocities, which follows from the three where the metric is constant.
-void take_bend(double& first, double& middle, double& last, double of_velocities) {
-  const double start = first;
-  first = (start + 2 * middle) / 3;
-  last -= start;
-  middle = of_velocities;
-}
-
-}  // namespace
-
-StageRule::Rule StageRule::gauss(int stages) {
-  return stages == 1 ? gauss_rule<1>() : stages == 2 ? gauss_rule<2>() : gauss_rule<3>();
-}
-
-StageRule::StageRule(const text::SizedScene& scene, const Rule& rule, const Composition& composition)
-    : scene_(&scene),
-      rule_(rule),
-      composition_(composition),
-      weights_(&Weights<double>::of(composition_)),
-      width_(scene.moving),
-      at_(scene.components),
-      rates_(rule.stages * scene.components),
-      z_(rule.stages * scene.moving),
-      along_(scene.components),
-      moved_(scene.components),
-      newton_(std::make_shared<Newton>()) {}
-
-StepStatus StageRule::step(double* x, double t, double h) noexcept {
-  double gone = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
-    const double gamma = weights_->gamma[i];
-    if (const StepStatus status = stage(x, t + gone * h, gamma * h); status != StepStatus::ok) return status;
-    gone += gamma;
-  }
-  return StepStatus::ok;
-}
-
-StepStatus StageRule::stage(double* x, double t, double h) {
-  const std::size_t stages = rule_.stages, all = stages * width_, row = scene_->components;
-  std::fill(z_.begin(), z_.end(), 0.0);
-  const auto look = [&](const double* z) {
-    for (std::size_t j = 0; j < stages; ++j) {
-      for (std::size_t i = 0; i < width_; ++i) at_[i] = x[i] + z[j * width_ + i];
-      scene_->rate.evaluate(at_.data(), t + rule_.node[j] * h, &rates_[j * row]);
-    }
-    work_.forces += static_cast<std::int64_t>(stages);
-  };
-  const auto residual = [&](const double* z, double* wrong) {
-    look(z);
-    for (std::size_t a = 0; a < stages; ++a)
-      for (std::size_t i = 0; i < width_; ++i) {
-        double sum = z[a * width_ + i];
-        for (std::size_t b = 0; b < stages; ++b) sum -= h * part(i)[a][b] * rates_[b * row + i];
-        wrong[a * width_ + i] = sum;
-      }
-    for (std::size_t i = 0; i < width_; ++i) {
-      if (!is_bent(i)) continue;
-      double bent = 0;
-      for (std::size_t b = 0; b < stages; ++b) bent += second_difference[b] * rates_[b * row + i - width_ / 2];
-      take_bend(wrong[i], wrong[width_ + i], wrong[2 * width_ + i], bent);
-    }
-  };
-  bool first = true;  // at the start of the step, later at the mean of its stages
-  const auto prepare_at = [&](const double* z) {
-    std::copy_n(x, width_, at_.begin());
-    for (std::size_t i = 0; i < width_ && !first; ++i)
-      for (std::size_t j = 0; j < stages; ++j) at_[i] += z[j * width_ + i] / static_cast<double>(stages);
-    prepare(at_.data(), first ? t : t + 0.5 * h, h);
-    first = false;
-  };
-  const auto weight = [&](std::size_t a) { return weighs_[a % width_ < width_ / 2 ? 0 : 1]; };
-  constexpr double size = 2;  // of two kinds, each weighed to 1
-  if (const auto status = newton_->solve(all, z_.data(), size, weight, residual, prepare_at, work_);
-      status != StepStatus::ok)
-    return status;
-  look(z_.data());
-  for (std::size_t j = 0; j < stages; ++j)
-    for (std::size_t i = 0; i < row; ++i) x[i] = x[i] + (h * rule_.weight[j]) * rates_[j * row + i];
-  return StepStatus::ok;
-}
-
-void StageRule::prepare(const double* y, double t, double h) {
-  const std::size_t stages = rule_.stages, all = stages * width_;
-  std::array<double, 2> sizes{};
-  for (std::size_t k = 0; k < width_; ++k) {
-    for (std::size_t i = 0; i < width_; ++i) along_[i] = Slope(y[i]);
-    along_[k].slope[0] = 1;
-    scene_->motion.evaluate(along_.data(), Slope(t), moved_.data());
-    for (std::size_t i = 0; i < width_; ++i) {
-      const double slope = moved_[i].slope[0];
-      if (k == 0) sizes[i < width_ / 2 ? 0 : 1] += std::abs(y[i]) + std::abs(h * moved_[i].value);
-      for (std::size_t b = 0; b < stages; ++b) {
-        const auto entry = [&](std::size_t a) -> double& {
-          return newton_->matrix[(a * width_ + i) * all + b * width_ + k];
-        };
-        for (std::size_t a = 0; a < stages; ++a) entry(a) = (a == b && i == k ? 1 : 0) - h * part(i)[a][b] * slope;
-        if (is_bent(i)) take_bend(entry(0), entry(1), entry(2), second_difference[b] * moved_[i - width_ / 2].slope[0]);
-      }
-    }
-  }
-  for (std::size_t kind = 0; kind < 2; ++kind) weighs_[kind] = sizes[kind] > 0 ? 1 / sizes[kind] : 1;
-  newton_->invert(all);
-  work_.forces += static_cast<std::int64_t>(width_);
 }
 
 }  // namespace least

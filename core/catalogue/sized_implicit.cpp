@@ -1,6 +1,7 @@
 #include "core/catalogue/sized_implicit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/number/linear.hpp"
@@ -26,11 +27,12 @@ SparsityPattern pattern_of(const text::SizedScene& scene) {
 }  // namespace
 
 PlaceSolver::PlaceSolver(const text::SizedScene& scene)
-    : place(scene.coordinates),
-      slope(scene.coordinates),
-      scene_(&scene),
+    : scene_(&scene),
       update_(scene.coordinates),
-      system_(pattern_of(scene)) {
+      system_(pattern_of(scene)),
+      start_(scene.coordinates),
+      place_(scene.coordinates),
+      slope_(scene.coordinates) {
   if (scene.has_full_mass()) {
     mass_.assign(scene.inverse_mass_matrix().begin(), scene.inverse_mass_matrix().end());
     detail::invert(scene.coordinates, mass_.data());
@@ -39,7 +41,7 @@ PlaceSolver::PlaceSolver(const text::SizedScene& scene)
   }
 }
 
-void PlaceSolver::prepare(double beta, double t, Work& work) {
+void PlaceSolver::prepare(const std::vector<double>& place, double beta, double t, Work& work) {
   const std::size_t n = place.size();
   const auto& curvature = scene_->curvature();
   system_.clear();
@@ -55,26 +57,29 @@ void PlaceSolver::prepare(double beta, double t, Work& work) {
   work.forces += static_cast<std::int64_t>(curvature.directions());
 }
 
+double PlaceSolver::times_mass(std::size_t i, const double* x, const double* start) const {
+  if (!scene_->has_full_mass()) return mass_[i] * (x[i] - start[i]);
+  const std::size_t n = update_.size();
+  double sum = 0;
+  for (std::size_t j = 0; j < n; ++j) sum += mass_[i * n + j] * (x[j] - start[j]);
+  return sum;
+}
+
 /// Simplified Newton iteration: one matrix for a few rounds, made anew where they contract badly. Ends where an update
 /// is lost in the rounding of the place.
-StepStatus PlaceSolver::solve(const double* start, double beta, double t, Work& work) {
+StepStatus PlaceSolver::solve(const double* start, double beta, double t, std::vector<double>& place,
+                              std::vector<double>& slope, Work& work) {
   constexpr int most_rounds = 60, patience = 5;
   const std::size_t n = place.size();
   std::copy_n(start, n, place.begin());
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < most_rounds; ++round) {
-    if (round == 0) prepare(beta, t, work);
+    if (round == 0) prepare(place, beta, t, work);
     scene_->gradient.evaluate(place.data(), t, slope.data());
     ++work.forces;
     ++work.iterations;
     for (std::size_t i = 0; i < n; ++i) update_[i] = beta * slope[i];
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!scene_->has_full_mass()) {
-        update_[i] += mass_[i] * (place[i] - start[i]);
-        continue;
-      }
-      for (std::size_t j = 0; j < n; ++j) update_[i] += mass_[i * n + j] * (place[j] - start[j]);
-    }
+    for (std::size_t i = 0; i < n; ++i) update_[i] += times_mass(i, place.data(), start);
     system_.solve(update_.data());
     double changed = 0, size = std::numeric_limits<double>::min();
     for (std::size_t i = 0; i < n; ++i) {
@@ -86,16 +91,33 @@ StepStatus PlaceSolver::solve(const double* start, double beta, double t, Work& 
     // The slope is that of the place, and the update is less than is known of either.
     if (changed <= small || (changed >= 0.5 * before && changed <= 1e3 * small)) return StepStatus::ok;
     for (std::size_t i = 0; i < n; ++i) place[i] -= update_[i];
-    if (round % patience == patience - 1 && changed > 1e-2 * before) prepare(beta, t, work);
+    if (round % patience == patience - 1 && changed > 1e-2 * before) prepare(place, beta, t, work);
     before = changed;
   }
   return StepStatus::solver_failed;
 }
 
-SizedVariational::SizedVariational(const text::SizedScene& scene, Path path, const Composition& composition,
-                                   double step)
+StepStatus PlaceSolver::solve(const Slope* start, double beta, double t, std::vector<Slope>& place,
+                              std::vector<Slope>& slope, Work& work) {
+  const std::size_t n = place.size();
+  for (std::size_t i = 0; i < n; ++i) start_[i] = start[i].value;
+  if (const auto status = solve(start_.data(), beta, t, place_, slope_, work); status != StepStatus::ok) return status;
+  prepare(place_, beta, t, work);
+  std::vector<double> change(n), none(n);
+  for (std::size_t i = 0; i < n; ++i) change[i] = start[i].slope[0];
+  for (std::size_t i = 0; i < n; ++i) update_[i] = times_mass(i, change.data(), none.data());
+  system_.solve(update_.data());
+  for (std::size_t i = 0; i < n; ++i) place[i] = Slope(place_[i], {update_[i]});
+  scene_->gradient.evaluate(place.data(), t, slope.data());
+  return StepStatus::ok;
+}
+
+template <class T>
+SizedVariational<T>::SizedVariational(const text::SizedScene& scene, SizedPath path, const Composition& composition,
+                                      double step, std::size_t components)
     : scene_(&scene),
       path_(path),
+      acts_(scene.acting && components == scene.components),
       composition_(composition),
       weights_(&Weights<double>::of(composition_)),
       step_(step),
@@ -103,63 +125,70 @@ SizedVariational::SizedVariational(const text::SizedScene& scene, Path path, con
       momentum_(scene.coordinates),
       guess_(scene.coordinates),
       velocity_(scene.coordinates),
+      middle_(scene.coordinates),
+      bent_(scene.coordinates),
       solver_(std::make_shared<PlaceSolver>(scene)) {}
 
-void SizedVariational::begin(StateView x) {
+template <class T>
+void SizedVariational<T>::begin(const T* x, double t) {
   work_ = {};
-  if (path_ == Path::straight) return;
-  scene_->gradient.evaluate(x.numbers, x.t, slope_.data());
+  if (path_ == SizedPath::straight) return;
+  scene_->gradient.evaluate(x, t, slope_.data());
   ++work_.forces;
 }
 
-StepStatus SizedVariational::step(double* x, double t, double h) noexcept {
-  double gone = 0, energy = 0;
+template <class T>
+StepStatus SizedVariational<T>::step(T* x, double t, double h) noexcept {
+  double gone = 0;
+  T energy(0);
   for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
     const double part = weights_->gamma[i] * h, at = t + gone * h;
-    const StepStatus status = path_ == Path::straight ? midpoint(x, at, part) : simpson(x, at, part);
+    const StepStatus status = path_ == SizedPath::straight ? midpoint(x, at, part) : simpson(x, at, part);
     if (status != StepStatus::ok) return status;
-    energy += weights_->gamma[i] * energy_;
+    energy = energy + weights_->gamma[i] * energy_;
     gone = weights_->end[i];
   }
   energy_ = energy;
   return StepStatus::ok;
 }
 
-double SizedVariational::step_energy(StateView from, double h) {
-  std::vector<double> x(from.numbers, from.numbers + scene_->components);
-  begin(from);
+template <class T>
+double SizedVariational<T>::step_energy(StateView from, double h) {
+  std::vector<T> x(from.numbers, from.numbers + 2 * slope_.size() + (acts_ ? 1 : 0));
+  begin(x.data(), from.t);
   asks_energy_ = true;
   const StepStatus status = step(x.data(), from.t, h);
   asks_energy_ = false;
-  return status == StepStatus::ok && std::isfinite(energy_) ? energy_ : unknown;
+  return status == StepStatus::ok && std::isfinite(plain_number(energy_)) ? plain_number(energy_) : unknown;
 }
 
 /// With f = (h/2) α at the middle: y = q₀ + (h/2) v, M v = (1 − f) p₀ − (h/2) ∇V(y).
-StepStatus SizedVariational::midpoint(double* x, double t, double h) {
+template <class T>
+StepStatus SizedVariational<T>::midpoint(T* x, double t, double h) {
   const std::size_t n = slope_.size();
-  double* const p = x + n;
+  T* const p = x + n;
   const double half = h / 2, middle = t + half, loss = half * damping(middle), end = 1 + loss;
   if (!(end > least_denominator)) return StepStatus::singular;
   for (std::size_t i = 0; i < n; ++i) momentum_[i] = (1 - loss) * p[i];
   scene_->velocity(momentum_.data(), velocity_.data());
   for (std::size_t i = 0; i < n; ++i) guess_[i] = x[i] + half * velocity_[i];
-  if (const auto status = solver_->solve(guess_.data(), half * half, middle, work_); status != StepStatus::ok)
+  if (const auto status = solver_->solve(guess_.data(), half * half, middle, middle_, bent_, work_);
+      status != StepStatus::ok)
     return status;
-  const std::vector<double>& slope = solver_->slope;
   for (std::size_t i = 0; i < n; ++i) {
-    p[i] = (momentum_[i] - h * slope[i]) / end;
-    momentum_[i] -= half * slope[i];
+    p[i] = (momentum_[i] - h * bent_[i]) / end;
+    momentum_[i] = momentum_[i] - half * bent_[i];
   }
   scene_->velocity(momentum_.data(), velocity_.data());
   for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
-  if (!scene_->acting && !asks_energy_) return StepStatus::ok;
-  const double twice = twice_kinetic(momentum_.data(), velocity_.data()), v = potential(solver_->place.data(), middle);
+  if (!acts_ && !asks_energy_) return StepStatus::ok;
+  const T twice = twice_kinetic(momentum_.data(), velocity_.data()), v = potential(middle_.data(), middle);
   energy_ = 0.5 * twice + v;
-  if (!scene_->acting) return StepStatus::ok;
-  double& s = x[2 * n];
-  const double before = s;
+  if (!acts_) return StepStatus::ok;
+  T& s = x[2 * n];
+  const T before = s;
   s = ((1 - loss) * s + h * (0.5 * twice - v)) / end;
-  energy_ += damping(middle) * 0.5 * (before + s);
+  energy_ = energy_ + damping(middle) * 0.5 * (before + s);
   return StepStatus::ok;
 }
 
@@ -168,9 +197,10 @@ StepStatus SizedVariational::midpoint(double* x, double t, double h) {
 /// F = −∇V,
 ///   16 (c₁ + c₄) M u − (4c₁ + 12c₄) M w = −(c₂ + c₃) h F_b
 ///   (12c₁ + 4c₄) M u − (3c₁ − c₂ − c₃ + 3c₄) M w = λ p₀ + c₁ h F₀
-StepStatus SizedVariational::simpson(double* x, double t, double h) {
+template <class T>
+StepStatus SizedVariational<T>::simpson(T* x, double t, double h) {
   const std::size_t n = slope_.size();
-  double* const p = x + n;
+  T* const p = x + n;
   const double half = h / 2, first = damping(t), middle = damping(t + half), last = damping(t + h);
   const double a = half * middle, d = h * last;
   const double c1 = (1 - 2 * a + 2 * a * a - a * a * d) / 6, c2 = (2 - 2 * a + a * d) / 6, c3 = (2 - d) / 6,
@@ -183,21 +213,21 @@ StepStatus SizedVariational::simpson(double* x, double t, double h) {
   for (std::size_t i = 0; i < n; ++i) momentum_[i] = factor * p[i] - (c1 * h) * slope_[i];
   scene_->velocity(momentum_.data(), velocity_.data());
   for (std::size_t i = 0; i < n; ++i) guess_[i] = x[i] + h * (ratio / whole) * velocity_[i];
-  if (const auto status = solver_->solve(guess_.data(), h * h * c / whole, t + half, work_); status != StepStatus::ok)
+  if (const auto status = solver_->solve(guess_.data(), h * h * c / whole, t + half, middle_, bent_, work_);
+      status != StepStatus::ok)
     return status;
-  const std::vector<double>& bent = solver_->slope;
-  const bool asked = asks_energy_ || scene_->acting;
-  double twice[3] = {}, v[3] = {};
+  const bool asked = asks_energy_ || acts_;
+  std::array<T, 3> twice{}, v{};
   if (asked) {
     v[0] = potential(x, t);
-    v[1] = potential(solver_->place.data(), t + half);
+    v[1] = potential(middle_.data(), t + half);
   }
   // Momenta M u and M w, in the place of what they are made of.
   for (std::size_t i = 0; i < n; ++i) {
-    const double known = momentum_[i], u = (ratio * known - c * h * bent[i]) / whole, w = (of_u * u - known) / of_w;
+    const T known = momentum_[i], u = (ratio * known - c * h * bent_[i]) / whole, w = (of_u * u - known) / of_w;
     momentum_[i] = w;
     guess_[i] = u;
-    p[i] = factor * p[i] - h * (c1 * slope_[i] + c * bent[i]);
+    p[i] = factor * p[i] - h * (c1 * slope_[i] + c * bent_[i]);
   }
   scene_->velocity(momentum_.data(), velocity_.data());
   for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
@@ -207,58 +237,68 @@ StepStatus SizedVariational::simpson(double* x, double t, double h) {
   if (!asked) return StepStatus::ok;
 
   v[2] = potential(x, t + h);
-  std::vector<double>& at = solver_->place;  // of no more use
+  std::vector<T>& at = middle_;  // of no more use
   for (std::size_t k = 0; k < 3; ++k) {
     constexpr double u_part[] = {4, 0, -4}, w_part[] = {-1, 1, 3};
     for (std::size_t i = 0; i < n; ++i) at[i] = u_part[k] * guess_[i] + w_part[k] * momentum_[i];
     scene_->velocity(at.data(), velocity_.data());
     twice[k] = twice_kinetic(at.data(), velocity_.data());
   }
-  if (!scene_->acting) {
+  if (!acts_) {
     energy_ = ((0.5 * twice[0] + v[0]) + 4 * (0.5 * twice[1] + v[1]) + (0.5 * twice[2] + v[2])) / 6;
     return StepStatus::ok;
   }
-  double& s = x[2 * n];
-  const auto lagrangian = [&](std::size_t node, double loss, double action) {
+  T& s = x[2 * n];
+  const auto lagrangian = [&](std::size_t node, double loss, const T& action) {
     return 0.5 * twice[node] - v[node] - loss * action;
   };
-  const double k1 = lagrangian(0, first, s), k2 = lagrangian(1, middle, s + half * k1),
-               k3 = lagrangian(1, middle, s + half * k2), k4 = lagrangian(2, last, s + h * k3);
+  const T k1 = lagrangian(0, first, s), k2 = lagrangian(1, middle, s + half * k1),
+          k3 = lagrangian(1, middle, s + half * k2), k4 = lagrangian(2, last, s + h * k3);
   energy_ = ((twice[0] - k1) + 2 * (twice[1] - k2) + 2 * (twice[1] - k3) + (twice[2] - k4)) / 6;
   s = s + h * (k1 + 2 * k2 + 2 * k3 + k4) / 6;
   return StepStatus::ok;
 }
 
-double SizedVariational::damping(double t) const {
+template <class T>
+double SizedVariational<T>::damping(double t) const {
   if (!scene_->acting) return 0;
   double alpha = 0;
-  scene_->damping.evaluate(slope_.data(), t, &alpha);  // of time alone
+  const double* const none = nullptr;
+  scene_->damping.evaluate(none, t, &alpha);
   return alpha;
 }
 
-double SizedVariational::potential(const double* q, double t) const {
-  double v = 0;
+template <class T>
+T SizedVariational<T>::potential(const T* q, double t) const {
+  T v(0);
   scene_->potential.evaluate(q, t, &v);
   return v;
 }
 
-double SizedVariational::twice_kinetic(const double* p, const double* v) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < slope_.size(); ++i) sum += p[i] * v[i];
+template <class T>
+T SizedVariational<T>::twice_kinetic(const T* p, const T* v) const {
+  T sum(0);
+  for (std::size_t i = 0; i < slope_.size(); ++i) sum = sum + p[i] * v[i];
   return sum;
 }
 
-std::string SizedVariational::unsupported_reason() const {
-  if (!scene_->acting || path_ == Path::parabola || !scene_->constant_damping) return {};
+template <class T>
+std::string SizedVariational<T>::unsupported_reason() const {
+  if (!scene_->acting || path_ == SizedPath::parabola || !scene_->constant_damping) return {};
   return unsupported_by_pole(composition_, damping(0) * step_);
 }
-double SizedVariational::flips_from() const {
-  const bool turns = scene_->acting && path_ == Path::straight;
+template <class T>
+double SizedVariational<T>::flips_from() const {
+  const bool turns = scene_->acting && path_ == SizedPath::straight;
   return turns ? least::flips_from(composition_) : std::numeric_limits<double>::infinity();
 }
-double SizedVariational::stiff_from() const {
-  const bool grows = scene_->acting && path_ == Path::parabola;
+template <class T>
+double SizedVariational<T>::stiff_from() const {
+  const bool grows = scene_->acting && path_ == SizedPath::parabola;
   return grows ? 2 : std::numeric_limits<double>::infinity();
 }
+
+template class SizedVariational<double>;
+template class SizedVariational<Slope>;
 
 }  // namespace least

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/number/sparse_system.hpp"
+#include "core/problem_traits.hpp"
 #include "core/run/run_state.hpp"
 #include "core/scheme.hpp"
 #include "core/text/sized_scene.hpp"
@@ -24,29 +25,38 @@ class PlaceSolver {
  public:
   explicit PlaceSolver(const text::SizedScene& scene);
 
-  /// From the guess y = y₀; leaves ∇V there in `slope`.
-  StepStatus solve(const double* start, double beta, double t, Work& work);
-
-  std::vector<double> place, slope;
+  /// From the guess y = y₀; leaves y in `place` and ∇V there in `slope`.
+  StepStatus solve(const double* start, double beta, double t, std::vector<double>& place, std::vector<double>& slope,
+                   Work& work);
+  /// With the derivatives of the solution: (M + β V″) y′ = M y₀′.
+  StepStatus solve(const Slope* start, double beta, double t, std::vector<Slope>& place, std::vector<Slope>& slope,
+                   Work& work);
 
  private:
-  void prepare(double beta, double t, Work& work);
+  void prepare(const std::vector<double>& place, double beta, double t, Work& work);
+  /// What M makes of x, from its start; the i-th entry.
+  double times_mass(std::size_t i, const double* x, const double* start) const;
 
   const text::SizedScene* scene_;
-  std::vector<double> mass_;    ///< of each coordinate, or row by row
-  std::vector<double> update_;  ///< of the place, in a round
-  SparseSystem system_;         ///< M + β V″
+  std::vector<double> mass_;                   ///< of each coordinate, or row by row
+  std::vector<double> update_;                 ///< of the place, in a round
+  SparseSystem system_;                        ///< M + β V″
+  std::vector<double> start_, place_, slope_;  ///< values of what has slopes
 };
 
+enum class SizedPath : std::uint8_t { straight, parabola };
+
+/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+template <class T>
 class SizedVariational {
  public:
-  enum class Path : std::uint8_t { straight, parabola };
+  /// `components`: of the states, with s or, of a damped scene, without it.
+  SizedVariational(const text::SizedScene& scene, SizedPath path, const Composition& composition, double step,
+                   std::size_t components);
 
-  SizedVariational(const text::SizedScene& scene, Path path, const Composition& composition, double step);
-
-  void begin(StateView x);
+  void begin(const T* x, double t);
   /// A step that fails leaves neither the state nor the stepper as they were.
-  StepStatus step(double* x, double t, double h) noexcept;
+  StepStatus step(T* x, double t, double h) noexcept;
   const Work& work() const { return work_; }
   /// E_d of a step of length h from a state; not a number where there is none.
   double step_energy(StateView from, double h);
@@ -55,24 +65,29 @@ class SizedVariational {
   double stiff_from() const;
 
  private:
-  StepStatus midpoint(double* x, double t, double h);
-  StepStatus simpson(double* x, double t, double h);
+  StepStatus midpoint(T* x, double t, double h);
+  StepStatus simpson(T* x, double t, double h);
   double damping(double t) const;
-  double potential(const double* q, double t) const;
-  double twice_kinetic(const double* p, const double* v) const;
+  T potential(const T* q, double t) const;
+  T twice_kinetic(const T* p, const T* v) const;
 
   const text::SizedScene* scene_;
-  Path path_;
+  SizedPath path_;
+  bool acts_;                ///< states have s
   Composition composition_;  ///< keeps the weights
   const Weights<double>* weights_;
   double step_;
-  std::vector<double> slope_;     ///< ∇V at the state's q, of parabolas
-  std::vector<double> momentum_;  ///< of which velocities are made
-  std::vector<double> guess_, velocity_;
+  std::vector<T> slope_;     ///< ∇V at the state's q, of parabolas
+  std::vector<T> momentum_;  ///< of which velocities are made
+  std::vector<T> guess_, velocity_;
+  std::vector<T> middle_, bent_;         ///< the place in the middle of the step, and ∇V there
   std::shared_ptr<PlaceSolver> solver_;  ///< shared by copies: it keeps nothing from one step to the next
   bool asks_energy_ = false;
-  double energy_ = 0;  ///< E_d of the last stage, if that is asked for
+  T energy_{};  ///< E_d of the last stage, if that is asked for
   Work work_;
 };
+
+extern template class SizedVariational<double>;
+extern template class SizedVariational<Slope>;
 
 }  // namespace least

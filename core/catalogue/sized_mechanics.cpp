@@ -98,7 +98,8 @@ class SizedMechanics final : public Mechanics {
     const std::size_t states = request.diagnostics.empty() ? 256 : 1024;
     const Held held = HeldByThread::take(states * card_.variables.size() * sizeof(double));
     const auto sized = scene_of(request.scene->parameters);
-    Solution solution = least::run(SizedBackend(sized), request, columns_, sink, cancelled);
+    const bool all = sized->forced || asks_for_full_state(card_, request);
+    Solution solution = least::run(SizedBackend(sized, all), request, columns_, sink, cancelled);
     if (sized->forces.jumps && solution.stop.reason != ReturnCode::completed)
       solution.warnings.push_back({"force_jumps", force_jumps(sized->forces.can_rest())});
     return solution;
@@ -110,7 +111,7 @@ class SizedMechanics final : public Mechanics {
     const auto own = [&] {
       return taylor::program_of(sized->equations, std::span(sized->rates).first(sized->moving), sized->moving);
     };
-    const tape::Program program = all_move ? sized->series() : own();
+    const tape::Program program = all_move ? sized->series(true) : own();
     Scales scales = scales_of_motion(program, scene.initial.data(), scene.start, sized->moving, traits_.dof);
     if (!std::isfinite(scales.time)) scales.time = 0;
     scales.damped = traits_.linear_contact;

@@ -1,7 +1,7 @@
 // Steps of equal length of scenes whose size is known when they run, by explicit schemes: the maps of
 // core/schemes/splitting.hpp, core/schemes/contact_leapfrog.hpp and core/schemes/runge_kutta.hpp, operation by
 // operation, on components that stand one after the other. A stepper is bound to a state by `begin`; nothing is
-// allocated once it has been made.
+// allocated once it has been made. T is the number that steps are taken in: dual numbers give their tangents.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace least {
 
 /// Kicks and drifts in the order of a scheme's sequence.
-template <class Scheme>
+template <class Scheme, class T = double>
 class SizedKickDrift {
  public:
   SizedKickDrift(const text::SizedScene& scene, const Scheme& scheme)
@@ -27,11 +27,11 @@ class SizedKickDrift {
         slope_(scene.coordinates),
         velocity_(scene.coordinates) {}
 
-  void begin(StateView x) {
+  void begin(const T* x, double t) {
     work_ = {};
-    force(x.numbers, x.t);
+    force(x, t);
   }
-  StepStatus step(double* x, double t, double h) noexcept {
+  StepStatus step(T* x, double t, double h) noexcept {
     kick(x, h * sequence_->kick[0]);
     for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_->drifts); ++i) {
       drift(x, h * sequence_->drift[i]);
@@ -44,16 +44,16 @@ class SizedKickDrift {
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
 
  private:
-  void force(const double* q, double t) {
+  void force(const T* q, double t) {
     scene_->gradient.evaluate(q, t, slope_.data());
     ++work_.forces;
   }
-  void kick(double* x, double h) const {
-    double* const p = x + scene_->coordinates;
+  void kick(T* x, double h) const {
+    T* const p = x + scene_->coordinates;
     for (std::size_t i = 0; i < slope_.size(); ++i) p[i] = p[i] - h * slope_[i];
   }
-  void drift(double* x, double h) {
-    const double* const p = x + scene_->coordinates;
+  void drift(T* x, double h) {
+    const T* const p = x + scene_->coordinates;
     if (!scene_->has_full_mass()) {
       const auto w = scene_->inverse_mass();
       for (std::size_t i = 0; i < w.size(); ++i) x[i] = x[i] + (h * w[i]) * p[i];
@@ -66,29 +66,31 @@ class SizedKickDrift {
   const text::SizedScene* scene_;
   Scheme scheme_;  ///< keeps the sequence
   const Sequence<double>* sequence_;
-  std::vector<double> slope_;  ///< ∇V at the state's q
-  std::vector<double> velocity_;
+  std::vector<T> slope_;  ///< ∇V at the state's q
+  std::vector<T> velocity_;
   Work work_;
 };
 
 /// Of H = K + V + α(t)s.
+template <class T = double>
 class SizedContactLeapfrog {
  public:
-  SizedContactLeapfrog(const text::SizedScene& scene, const ContactLeapfrog& scheme)
+  SizedContactLeapfrog(const text::SizedScene& scene, const ContactLeapfrog& scheme, std::size_t components)
       : scene_(&scene),
+        acts_(components == scene.components),
         composition_(scheme.composition),
         weights_(&Weights<double>::of(composition_)),
         slope_(scene.coordinates),
         v_(scene.coordinates),
         velocity_(scene.coordinates) {}
 
-  void begin(StateView x) {
+  void begin(const T* x, double t) {
     work_ = {};
-    look(x.numbers, x.t);
-    damping_ = damping(x.t);
+    look(x, t);
+    damping_ = damping(t);
   }
   /// A step that fails leaves neither the state nor the stepper as they were.
-  StepStatus step(double* x, double t, double h) noexcept {
+  StepStatus step(T* x, double t, double h) noexcept {
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i)
       if (!stage(x, weights_->gamma[i] * h, t + weights_->end[i] * h)) return StepStatus::singular;
     return StepStatus::ok;
@@ -103,54 +105,61 @@ class SizedContactLeapfrog {
     scene_->damping.evaluate(none, t, &alpha);
     return alpha;
   }
-  void look(const double* q, double t) {
+  void look(const T* q, double t) {
     scene_->gradient.evaluate(q, t, slope_.data());
-    scene_->potential.evaluate(q, t, &potential_);
+    if (acts_) scene_->potential.evaluate(q, t, &potential_);
     ++work_.forces;
   }
-  bool stage(double* x, double h, double end) {
+  bool stage(T* x, double h, double end) {
     const std::size_t n = slope_.size();
-    double *const p = x + n, &s = x[2 * n];
+    T* const p = x + n;
     const double next = damping(end), before = 1 - (h / 2) * damping_, under = 1 + (h / 2) * next;
     if (!(under > least_denominator)) return false;
-    const double after = 1 / under, potential = potential_;
+    const double after = 1 / under;
+    const T potential = potential_;
     for (std::size_t i = 0; i < n; ++i) v_[i] = before * p[i] - (h * 0.5) * slope_[i];
     scene_->velocity(v_.data(), velocity_.data());
-    double work = v_[0] * velocity_[0];
+    T work = v_[0] * velocity_[0];
     for (std::size_t i = 1; i < n; ++i) work = work + v_[i] * velocity_[i];
     for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
     look(x, end);
     for (std::size_t i = 0; i < n; ++i) p[i] = (v_[i] - (h * 0.5) * slope_[i]) * after;
-    s = (before * s + h * (0.5 * (work - (potential + potential_)))) * after;
     damping_ = next;
+    if (acts_) x[2 * n] = (before * x[2 * n] + h * (0.5 * (work - (potential + potential_)))) * after;
     return true;
   }
 
   const text::SizedScene* scene_;
+  bool acts_;                ///< states have s
   Composition composition_;  ///< keeps the weights
   const Weights<double>* weights_;
-  std::vector<double> slope_;  ///< ∇V at the state's q
-  std::vector<double> v_, velocity_;
-  double potential_ = 0, damping_ = 0;  ///< V at the state's q, α at its time
+  std::vector<T> slope_;  ///< ∇V at the state's q
+  std::vector<T> v_, velocity_;
+  T potential_{};       ///< V at the state's q
+  double damping_ = 0;  ///< α at its time
   Work work_;
 };
 
 /// Stages whose increments depend on the one before alone, weighted at the end.
-template <int Stages>
+template <int Stages, class T = double>
 class SizedRungeKutta {
  public:
-  SizedRungeKutta(const text::SizedScene& scene, const ExplicitTableau<Stages>& tableau)
-      : scene_(&scene), tableau_(tableau), slope_(scene.components), sum_(slope_), y_(slope_) {}
+  SizedRungeKutta(const text::SizedScene& scene, const ExplicitTableau<Stages>& tableau, std::size_t components)
+      : rate_(components == scene.components ? &scene.rate : &scene.motion),
+        tableau_(tableau),
+        slope_(components),
+        sum_(slope_),
+        y_(slope_) {}
 
-  void begin(StateView) { work_ = {}; }
-  StepStatus step(double* x, double t, double h) noexcept {
+  void begin(const T*, double) { work_ = {}; }
+  StepStatus step(T* x, double t, double h) noexcept {
     const std::size_t size = slope_.size();
-    scene_->rate.evaluate(x, t, slope_.data());
+    rate_->evaluate(x, t, slope_.data());
     for (std::size_t k = 0; k < size; ++k) sum_[k] = tableau_.weight[0] * slope_[k];
     for (int i = 1; i < Stages; ++i) {
       const double part = h * tableau_.node[i];
       for (std::size_t k = 0; k < size; ++k) y_[k] = x[k] + part * slope_[k];
-      scene_->rate.evaluate(y_.data(), t + part, slope_.data());
+      rate_->evaluate(y_.data(), t + part, slope_.data());
       for (std::size_t k = 0; k < size; ++k) sum_[k] = sum_[k] + tableau_.weight[i] * slope_[k];
     }
     const double whole = h / tableau_.divisor;
@@ -162,21 +171,22 @@ class SizedRungeKutta {
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
 
  private:
-  const text::SizedScene* scene_;
+  const tape::Formula* rate_;
   ExplicitTableau<Stages> tableau_;
-  std::vector<double> slope_, sum_, y_;
+  std::vector<T> slope_, sum_, y_;
   Work work_;
 };
 
 /// Of a general Hamiltonian that has a lift.
+template <class T = double>
 class SizedLifted {
  public:
   SizedLifted(const text::SizedScene& scene, const LiftedSplitting& scheme)
       : scene_(&scene), map_(scene.lift, scheme.composition, scheme.lift), slope_(scene.coordinates + 1) {}
 
-  void begin(StateView x) { map_.begin(x.numbers, x.t, slope_.data()); }
+  void begin(const T* x, double t) { map_.begin(x, t, slope_.data()); }
   /// A step that fails leaves neither the state nor the stepper as they were.
-  StepStatus step(double* x, double t, double h) noexcept {
+  StepStatus step(T* x, double t, double h) noexcept {
     const std::size_t n = scene_->coordinates;
     return map_.step({x, x + n, scene_->acting ? x + 2 * n : nullptr, slope_.data()}, t, h);
   }
@@ -185,8 +195,8 @@ class SizedLifted {
 
  private:
   const text::SizedScene* scene_;
-  LiftedMap<double> map_;
-  std::vector<double> slope_;  ///< ∇V and V at the state
+  LiftedMap<T> map_;
+  std::vector<T> slope_;  ///< ∇V and V at the state
 };
 
 template <class Stepper>
@@ -194,7 +204,7 @@ class SizedSteps final : public EqualSteps {
  public:
   SizedSteps(const ProblemTable& table, Stepper stepper, const RunState& x, const Grid& grid)
       : EqualSteps(table, x, grid), stepper_(std::move(stepper)), left_stepper_(stepper_), trial_(stepper_) {
-    stepper_.begin(x);
+    stepper_.begin(x.numbers.data(), x.t);
   }
   std::string unsupported_reason() const override {
     if constexpr (requires { stepper_.unsupported_reason(); }) return stepper_.unsupported_reason();
@@ -225,10 +235,10 @@ class SizedSteps final : public EqualSteps {
     return trial_.step(x.numbers.data(), x.t, h);
   }
   StepStatus bound_step(RunState& x, double h) const override {
-    trial_.begin(x);
+    trial_.begin(x.numbers.data(), x.t);
     return trial_.step(x.numbers.data(), x.t, h);
   }
-  void bind_stepper(StateView x) override { stepper_.begin(x); }
+  void bind_stepper(StateView x) override { stepper_.begin(x.numbers, x.t); }
   void keep_stepper() override { left_stepper_ = stepper_; }
   void take_stepper_back() override { stepper_ = left_stepper_; }
   Work stepper_work() const override { return stepper_.work(); }

@@ -9,8 +9,8 @@ ProblemTraits traits_of(const text::SizedScene& scene, bool all) {
   traits.moving = scene.moving;
   traits.forced = scene.forced && all;
   traits.dof = scene.flow ? 0 : scene.coordinates;
-  traits.acting = scene.acting;
-  traits.full = true;
+  traits.acting = scene.acting && (all || scene.components == scene.moving);
+  traits.full = traits.components == scene.components;
   traits.flow = scene.flow;
   traits.general = scene.kind == FormKind::hamiltonian || scene.kind == FormKind::metric;
   traits.potential = !traits.flow && !traits.general;
@@ -27,7 +27,7 @@ ProblemTraits traits_of(const text::SizedScene& scene, bool all) {
 
 RunState SizedTable::start(const std::vector<double>& variables, double t) const {
   RunState x{t, StateNumbers(traits.components)};  // forces have done no work yet
-  std::copy_n(variables.begin(), scene_->moving, x.numbers.begin());
+  std::copy_n(variables.begin(), traits.components - (traits.forced ? 1 : 0), x.numbers.begin());
   return x;
 }
 
@@ -60,10 +60,10 @@ EnergyTerms SizedTable::energy_terms(StateView x) const {
   if (traits.potential) {
     terms.kinetic = kinetic(x);
     scene_->potential.evaluate(x.numbers, x.t, &terms.potential);
-    terms.total = terms.kinetic + terms.potential;
-    if (traits.contact) {
+    if (!traits.contact) terms.total = terms.kinetic + terms.potential;
+    if (traits.contact && traits.acting) {
       terms.action_slope = damping(x.t);
-      terms.total += terms.action_slope * x[2 * traits.dof];
+      terms.total = terms.kinetic + terms.potential + terms.action_slope * x[2 * traits.dof];
     }
   } else if (traits.general) {
     double all[2];

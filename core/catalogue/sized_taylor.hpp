@@ -1,5 +1,5 @@
 // taylor on a scene whose size is known when it runs: the stepper of core/schemes/taylor.hpp on components that stand
-// one after the other. All of them are the motion.
+// one after the other.
 #pragma once
 
 #include <limits>

@@ -35,7 +35,8 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters, boo
       autonomous(form.autonomous),
       keeps_energy(form.keeps_energy) {
   const std::size_t n = coordinates;
-  moving = components = flow ? n : 2 * n + (acting ? 1 : 0);
+  components = flow ? n : 2 * n + (acting ? 1 : 0);
+  moving = kind == FormKind::contact_linear ? 2 * n : components;
   equations.bound(most_equations);
   const auto variable = [&](std::size_t i) { return Symbol::variable(equations, i); };
   const Numbering& numbers = form.numbers;
@@ -129,7 +130,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters, boo
   }
   for (const Symbol& y : all) rates.push_back(y.on(equations));
   rate = tape::Formula(equations, rates);
-  motion = forced ? tape::Formula(equations, std::span(rates).first(moving)) : rate;
+  motion = components > moving ? tape::Formula(equations, std::span(rates).first(moving)) : rate;
   all = folded(form.invariants);
   all.resize(most_invariants);
   invariants = formula(all);
@@ -216,27 +217,15 @@ const tape::SparseJacobian& SizedScene::curvature() const {
   return *curvature_->of;
 }
 
-const tape::Program& SizedScene::series() const {
+const tape::Program& SizedScene::series(bool all) const {
   constexpr std::size_t bytes_of_operation = 320;  // meanwhile
-  std::call_once(series_->made, [&] {
+  const std::size_t count = all ? components : moving;
+  SeriesProgram& known = *(count == components ? series_ : motion_series_);
+  std::call_once(known.made, [&] {
     const Held held = HeldByThread::take(bytes_of_operation * static_cast<std::size_t>(equations.size()));
-    series_->of.emplace(equations, rates, rates.size());
+    known.of.emplace(equations, std::span(rates).first(count), count);
   });
-  return *series_->of;
-}
-
-void SizedScene::velocity(const double* p, double* v) const {
-  const std::size_t n = coordinates;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!has_full_mass()) {
-      v[i] = inverse_mass_[i] * p[i];
-      continue;
-    }
-    const double* const row = &inverse_matrix_[i * n];
-    double sum = row[0] * p[0];
-    for (std::size_t j = 1; j < n; ++j) sum = sum + row[j] * p[j];
-    v[i] = sum;
-  }
+  return *known.of;
 }
 
 }  // namespace least::text

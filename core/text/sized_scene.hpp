@@ -65,15 +65,29 @@ class SizedScene {
   Forces forces;
 
   /// v = g⁻¹p of a constant metric, to n numbers.
-  void velocity(const double* p, double* v) const;
+  template <class T>
+  void velocity(const T* p, T* v) const {
+    const std::size_t n = coordinates;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!has_full_mass()) {
+        v[i] = inverse_mass_[i] * p[i];
+        continue;
+      }
+      const double* const row = &inverse_matrix_[i * n];
+      T sum = row[0] * p[0];
+      for (std::size_t j = 1; j < n; ++j) sum = sum + row[j] * p[j];
+      v[i] = sum;
+    }
+  }
   bool has_full_mass() const { return !inverse_matrix_.empty(); }
   std::span<const double> inverse_mass() const { return inverse_mass_; }
   std::span<const double> inverse_mass_matrix() const { return inverse_matrix_; }
 
   /// V″(q, t) where there is a potential; made when it is first asked for.
   const tape::SparseJacobian& curvature() const;
-  /// What series of all components are made of; made when it is first asked for. Throws MemoryShortage.
-  const tape::Program& series() const;
+  /// What series of all components are made of, or of those that move; made when it is first asked for. Throws
+  /// MemoryShortage.
+  const tape::Program& series(bool all) const;
 
  private:
   void set_forces(const std::vector<Symbol>& all);
@@ -92,7 +106,8 @@ class SizedScene {
     std::once_flag made;
     std::optional<const tape::Program> of;
   };
-  std::shared_ptr<SeriesProgram> series_ = std::make_shared<SeriesProgram>();
+  std::shared_ptr<SeriesProgram> series_ = std::make_shared<SeriesProgram>(),
+                                 motion_series_ = std::make_shared<SeriesProgram>();
 };
 
 }  // namespace least::text

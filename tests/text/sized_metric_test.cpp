@@ -117,7 +117,21 @@ TEST(SizedMetric, WhatHasAFullMatrixIsOfSomeCoordinatesOnly) {
   EXPECT_NE(beads(25)->card().offers.find("more coordinates than the 24"), std::string::npos);
   EXPECT_TRUE(offers(turning(24, ""), "contact_gauss"));
   EXPECT_FALSE(offers(turning(25, ""), "contact_gauss"));
-  EXPECT_FALSE(offers(turning(9, " + s/9"), "contact_gauss")) << "of s this knows nothing";
+  EXPECT_FALSE(offers(turning(25, " + s/9"), "contact_gauss"));
+}
+
+TEST(SizedMetric, GaussKeepsTheContactFormOfManyCoordinates) {
+  const auto mechanics = turning(9, " + s*p[1]/9");
+  Request request = stepped("contact_gauss", mechanics, std::vector<double>(9, 0.7), 1, 0.1);
+  runs::ask(request, "structure");
+  const auto reports = runs::go(request).outcome.diagnostics;
+  EXPECT_LT(runs::number(reports, "structure/max_defect"), 1e-13);
+  EXPECT_GT(std::abs(runs::number(reports, "structure/factor") - 1), 1e-5) << "s takes part";
+  const auto truth = final_of(request_by("taylor", mechanics, std::vector<double>(9, 0.7), 1));
+  const auto off = [&](double step) {
+    return distance(final_of(stepped("contact_gauss", mechanics, std::vector<double>(9, 0.7), 1, step)), truth);
+  };
+  EXPECT_NEAR(std::log2(off(0.2) / off(0.1)), 4, 0.3);
 }
 
 }  // namespace

@@ -64,6 +64,43 @@ TEST_P(AsOfFew, MovesAsTheClassThatIsCompiled) {
     }
   }
 }
+
+/// What diagnostics say that are made of the tangents of steps, of those that the scene has.
+std::vector<double> tangents_in(Request request) {
+  std::vector<std::string> asked;
+  for (const char* path : {"structure/max_defect", "structure/factor", "lyapunov/exponent", "lyapunov/megno"}) {
+    const std::string name(path, std::string_view(path).find('/'));
+    if (std::ranges::count(runs::card(request).diagnostics, name, &DiagnosticCard::name) == 0) continue;
+    if (asked.empty() || !asked.back().starts_with(name)) runs::ask(request, name);
+    asked.emplace_back(path);
+  }
+  const auto reports = runs::go(request).outcome.diagnostics;
+  std::vector<double> all;
+  for (const std::string& path : asked) all.push_back(runs::number(reports, path));
+  return all;
+}
+TEST_P(AsOfFew, TangentsOfStepsAreThoseOfTheClass) {
+  const auto compiled = mechanics_of(GetParam().definition), any = sized_of(GetParam().definition);
+  for (const auto index : any->card().schemes) {
+    const std::string& id = schemes()[index].id;
+    Request catalogued = runs::defaults(GetParam().id, id);
+    if (schemes()[index].own_clock) continue;
+    catalogued.end = catalogued.scene->start + std::min(2.0, catalogued.end - catalogued.scene->start);
+    const auto few = tangents_in(typed_as(catalogued, compiled)), many = tangents_in(typed_as(catalogued, any));
+    ASSERT_EQ(few.size(), many.size());
+    const bool keeps = schemes()[index].structure != "none" && many.size() == 4;
+    if (keeps) {
+      EXPECT_LT(many[0], 1e-12) << id;
+    }
+    for (std::size_t i = keeps ? 1 : 0; i < few.size(); ++i) {
+      ASSERT_EQ(std::isnan(few[i]), std::isnan(many[i])) << id << " " << i;
+      if (!std::isnan(few[i])) {
+        EXPECT_NEAR(few[i], many[i], 1e-6 * std::abs(few[i]) + 1e-12) << id << " " << i;
+      }
+    }
+  }
+}
+
 std::vector<Typed> of_any_size() {
   std::vector<Typed> some = all();
   std::erase_if(some, [](const Typed& typed) {

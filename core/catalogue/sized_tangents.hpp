@@ -1,0 +1,78 @@
+// Tangents of steps of equal length on components that stand one after the other, by a stepper that takes them in dual
+// numbers.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/number/dual.hpp"
+#include "core/run/request.hpp"
+#include "core/run/tangent_map.hpp"
+
+namespace least {
+
+/// The space of which tangents are.
+struct TangentSpace {
+  std::size_t dof = 0;         ///< of a flow 0
+  std::size_t components = 0;  ///< of the full state: of q, p, and s where there is one
+};
+
+/// `stepper`: with begin(x, t) and step(x, t, h) on numbers with a slope; where its steps depend on where their run
+/// began, begin(x, t, start). States of a run may have fewer components than the space: the others are 0.
+template <class Stepper>
+StepTangents tangents_by(const Request& request, const TangentSpace& space, double step, Stepper stepper) {
+  struct Walk {
+    Stepper stepper;
+    std::vector<Slope> start, state;
+
+    bool along(const RunState& x, const StateNumbers& u, double h) {
+      for (std::size_t i = 0; i < state.size(); ++i)
+        state[i] = Slope(i < x.size() ? x[i] : 0, {i < u.size() ? u[i] : 0});
+      if constexpr (requires { stepper.begin(state.data(), x.t, start.data()); }) {
+        stepper.begin(state.data(), x.t, start.data());
+      } else {
+        stepper.begin(state.data(), x.t);
+      }
+      return stepper.step(state.data(), x.t, h) == StepStatus::ok;
+    }
+  };
+  const auto& initial = request.scene->initial;
+  const auto walk = std::make_shared<Walk>(Walk{std::move(stepper), {initial.begin(), initial.end()}, {}});
+  walk->start.resize(space.components);
+  walk->state.resize(space.components);
+  StepTangents tangents;
+  if (!request.until_steps) tangents.end = request.end;
+  tangents.along = [walk, step](const RunState& x, const ActiveMethod&, const StateNumbers& u, double, double,
+                                ChangeOfStep& to) {
+    if (!walk->along(x, u, step)) return false;
+    const std::size_t size = walk->state.size();
+    to = {{x.t + step, StateNumbers(size)}, StateNumbers(size)};
+    for (std::size_t i = 0; i < size; ++i) {
+      to.to[i] = walk->state[i].value;
+      to.change[i] = walk->state[i].slope[0];
+    }
+    return true;
+  };
+  tangents.plain = [walk, step, space](const RunState& x, const StepTangents::KeepGoing& keep_going, TangentMap& map) {
+    const std::size_t size = space.components;
+    map = {space.dof, {x.t, StateNumbers(size)}, {x.t + step, StateNumbers(size)}, std::vector<double>(size * size)};
+    for (std::size_t i = 0; i < std::min(size, x.size()); ++i) map.from[i] = x[i];
+    for (std::size_t j = 0; j < size; ++j) {
+      StateNumbers u(size);
+      u[j] = 1;
+      if (!keep_going() || !walk->along(x, u, step)) return false;
+      for (std::size_t i = 0; i < size; ++i) {
+        map.to[i] = walk->state[i].value;
+        map.m[i * size + j] = walk->state[i].slope[0];
+      }
+    }
+    return true;
+  };
+  tangents.level.assign(space.components, 0);
+  return tangents;
+}
+
+}  // namespace least

@@ -1,11 +1,35 @@
 // Measures the page in a browser: `./dev measure`. It prints numbers beside the most that is wanted, and "over" where they are:
 // times are those of this machine. What can be judged anywhere, weight and counts, the tests assert.
 import { browserPath, start } from "./served.mjs";
+import { lessons } from "../../web/lessons/lessons.js";
 
 if (!browserPath) throw new Error("measuring the page needs a browser: install chromium or set LEAST_BROWSER");
 const tell = (what, value, most, digits = 0) =>
   console.log(`${what.padEnd(66)} ${value.toFixed(digits).padStart(8)}   at most ${String(most).padStart(4)}${value > most ? "   over" : ""}`);
 const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
+
+/** When the first picture stands after an address was opened: drawn, in the frame after the page says so. */
+async function pictured(page, address) {
+  await page.addInitScript(() => document.addEventListener("seen", () => requestAnimationFrame(() => (
+    setTimeout(() => (document.documentElement.dataset.at ??= performance.now()))))));
+  await page.goto(address);
+  await page.waitForSelector("html[data-at]");
+  return Number(await page.getAttribute("html", "data-at"));
+}
+
+/** From moves of the control of a lesson by hand to the pictures; none where there is nothing to move. */
+const moved = (page) => page.evaluate(async () => {
+  const lesson = document.querySelector("#lesson"), track = lesson.querySelector("#control input[type=range]"), found = [];
+  for (let i = 0; track && i < 9; i++) {
+    const drawn = new Promise((resolve) => document.addEventListener("shown", resolve, { once: true })), from = performance.now();
+    track.value = Number(track.value) + (i % 2 ? -5 : 5);
+    track.dispatchEvent(new Event("input", { bubbles: true }));
+    await drawn;
+    await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+    found.push(performance.now() - from);
+  }
+  return found;
+});
 
 const { origin, browser, stop } = await start(["--enable-precise-memory-info", "--js-flags=--expose-gc"]);
 try {
@@ -13,17 +37,30 @@ try {
   let bytes = 0;
   for (let i = 0; i < 5; i++) { // each with an empty cache
     const context = await browser.newContext({ viewport: { width: 1280, height: 720 } }), page = await context.newPage();
-    await page.addInitScript(() => document.addEventListener("shown", () => (document.documentElement.dataset.at ??= performance.now())));
-    await page.goto(origin);
-    await page.waitForSelector("html[data-at]");
-    opened.push(Number(await page.getAttribute("html", "data-at")));
+    opened.push(await pictured(page, origin));
     const own = /\.(js|css|html|svg)$|language\/\w+\.json$|\/$/;
     bytes = await page.evaluate((source) => [...performance.getEntriesByType("navigation"), ...performance.getEntriesByType("resource")]
       .filter(({ name }) => new RegExp(source).test(new URL(name).pathname)).reduce((sum, entry) => sum + entry.encodedBodySize, 0), own.source);
     await context.close();
   }
   tell("the page, compressed, kB", bytes / 1000, 150, 1);
-  tell("the first lesson's picture after its address, ms, median of 5", median(opened), 1000);
+  tell("the first lesson's picture after its address, ms, median of 5", median(opened), 600);
+
+  for (const { id } of lessons) {
+    const times = [];
+    let answers = [], whole = 0;
+    for (let i = 0; i < 3; i++) {
+      const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: "reduce" }), page = await context.newPage();
+      times.push(await pictured(page, `${origin}/#lesson=${id}`));
+      await page.waitForSelector("#lesson[aria-busy=false]");
+      whole = await page.evaluate(() => performance.now());
+      if (i === 2) answers = await moved(page);
+      await context.close();
+    }
+    tell(`lesson ${id}: its picture after its address, ms, median of 3`, median(times), 600);
+    if (whole > 2 * median(times)) console.log(`  … which grows until ${whole.toFixed()} ms`);
+    if (answers.length) tell(`lesson ${id}: from a move of its slider to its pictures, ms, median of 9`, median(answers), 100);
+  }
 
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, reducedMotion: "reduce" });
   await page.goto(`${origin}/#lesson=spiral`);

@@ -15,6 +15,9 @@ export function hues(n, bright) {
   });
 }
 
+/** How bright the colours of members are on the paper, light or dark. */
+export const brightness = () => (matchMedia("(prefers-color-scheme: dark)").matches ? 0.64 : 0.5);
+
 /** Paints blocks `{member, x, y}` of points into the frame of a picture: in memory. */
 export function paint(blocks, colours) {
   return (pen, map, _, frame) => {
@@ -70,9 +73,9 @@ export class Crossings {
       const ends = full.map((block) => extent(block[axis]));
       return [Math.min(...ends.map(([low]) => low)), Math.max(...ends.map(([, high]) => high))];
     };
-    const { n, labels } = this.#asked, dark = matchMedia("(prefers-color-scheme: dark)").matches;
+    const { n, labels } = this.#asked;
     this.#plane.show({ curves: [], view: { x: box("x"), y: box("y"), free: true }, labels,
-                       backdrop: paint(full, hues(n, dark ? 0.64 : 0.5)), pick: (left, top) => this.#take(left, top) });
+                       backdrop: paint(full, hues(n, brightness())), pick: (left, top) => this.#take(left, top) });
   }
 
   /** The member of the point nearest to a place. */

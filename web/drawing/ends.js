@@ -1,5 +1,5 @@
 // A picture of where many runs end: a pixel for each start, coloured by its end, block by block as they come.
-import { hues } from "./crossings.js";
+import { brightness, hues } from "./crossings.js";
 import { Plane } from "./plane.js";
 
 const shades = 256, stopped = 0xff808080; // opaque grey, as a canvas holds it in memory
@@ -16,6 +16,7 @@ export class Ends {
   #last; // of each member, NaN: not known
   #state; // 0: to come, 1: completed, 2: stopped
   completed = 0;
+  known = 0; // of all how many have come, stopped ones too
 
   constructor(n) {
     this.n = n;
@@ -31,6 +32,7 @@ export class Ends {
       this.#last[member] = final[column][k] ?? NaN;
     });
     this.completed += final.index.length;
+    this.known += members;
   }
 
   get values() {
@@ -47,9 +49,9 @@ export class Ends {
     return [low, high];
   }
 
-  /** The picture in memory, the highest row first: transparent where nothing is known. */
-  paint(colours) {
-    const { n } = this, pixels = new Uint32Array(n * n), [low, high] = this.range, scale = high > low ? (shades - 1) / (high - low) : 0;
+  /** The picture in memory, the highest row first, colours over a range of ends: transparent where nothing is known. */
+  paint(colours, [low, high]) {
+    const { n } = this, pixels = new Uint32Array(n * n), scale = high > low ? (shades - 1) / (high - low) : 0;
     for (let member = 0; member < n * n; member++) {
       const state = this.#state[member], at = (n - 1 - (member % n)) * n + Math.floor(member / n), v = this.#last[member];
       if (state) pixels[at] = state === 1 && !Number.isNaN(v) ? colours[Math.round((v - low) * scale)] : stopped;
@@ -58,11 +60,24 @@ export class Ends {
   }
 }
 
+/** Where the pixels of a rectangle of starts end, across and up: each lies about its start. */
+function edges({ left, right, low, high, side: n }) {
+  const half = (from, to) => (n > 1 ? (to - from) / (n - 1) / 2 : 0.5);
+  return [[left, right], [low, high]].map(([from, to]) => [from - half(from, to), to + half(from, to)]);
+}
+
+function imageOf(pixels, n) {
+  const made = new OffscreenCanvas(n, n);
+  made.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), n, n), 0, 0);
+  return made;
+}
+
 /** The picture of the ends on a canvas; `taken(member)` hears which pixel a hand clicks. */
 export class EndsPicture {
   #plane;
   #taken;
   #asked = null;
+  #below = null; // {asked, ends}: those that are seen until finer ones cover them
   #due = 0;
   ends = null;
 
@@ -71,8 +86,9 @@ export class EndsPicture {
     this.#taken = taken;
   }
 
-  /** Awaits `side` × `side` runs from `left` to `right` in x and `low` to `high` in y; nothing: forgets all. */
-  start(asked = null) {
+  /** Awaits `side` × `side` runs from `left` to `right` in x and `low` to `high` in y, `over` those so far; nothing: forgets all. */
+  start(asked = null, over = false) {
+    this.#below = over && this.ends ? { asked: this.#asked, ends: this.ends } : null;
     this.#asked = asked;
     this.ends = asked && new Ends(asked.side);
     this.draw();
@@ -81,21 +97,26 @@ export class EndsPicture {
   /** Adds what a line of the service brings of that column, to be seen in the next frame. */
   add(line, column) {
     this.ends.add(line, column);
+    if (this.ends.known >= this.ends.n ** 2) this.#below = null;
     this.#due ||= requestAnimationFrame(() => this.draw());
   }
 
   draw() {
     this.#due = 0;
     if (!this.ends) return this.#plane.show(null);
-    const { x, y, left, right, low, high, side: n, labels = [x, y] } = this.#asked;
-    const half = (from, to) => (n > 1 ? (to - from) / (n - 1) / 2 : 0.5); // a pixel lies about its start
-    const across = [left - half(left, right), right + half(left, right)], up = [low - half(low, high), high + half(low, high)];
-    const dark = matchMedia("(prefers-color-scheme: dark)").matches, pixels = this.ends.paint(hues(shades, dark ? 0.64 : 0.5));
-    const made = new OffscreenCanvas(n, n);
-    made.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), n, n), 0, 0);
+    const { x, y, left, right, low, high, side: n, labels = [x, y] } = this.#asked, [across, up] = edges(this.#asked);
+    const colours = hues(shades, brightness());
+    const layers = [...(this.#below ? [this.#below] : []), { asked: this.#asked, ends: this.ends }], ranges = layers.map(({ ends }) => ends.range);
+    const range = [Math.min(...ranges.map(([least]) => least)), Math.max(...ranges.map(([, most]) => most))];
+    const painted = layers.map(({ asked, ends }) => ({ edges: edges(asked), image: imageOf(ends.paint(colours, range), ends.n) }));
     const backdrop = (pen, map) => {
       pen.imageSmoothingEnabled = false;
-      pen.drawImage(made, map.x(across[0]), map.y(up[1]), map.x(across[1]) - map.x(across[0]), map.y(up[0]) - map.y(up[1]));
+      pen.beginPath();
+      pen.rect(map.x(across[0]), map.y(up[1]), map.x(across[1]) - map.x(across[0]), map.y(up[0]) - map.y(up[1]));
+      pen.clip(); // pixels of a coarse picture are wider
+      for (const { edges: [[from, to], [bottom, top]], image } of painted) {
+        pen.drawImage(image, map.x(from), map.y(top), map.x(to) - map.x(from), map.y(bottom) - map.y(top));
+      }
     };
     const at = (v, from, to) => Math.round(((v - from) / (to - from)) * (n - 1));
     const pick = (there, below) => {

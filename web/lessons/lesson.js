@@ -25,9 +25,11 @@ export class Lesson {
   #runs = [];
   #control = null;
   #study = null;
+  #moves = false; // whether what was measured last was asked for by a hand on the control
   #simulate = remembering(simulate);
   #live = new Live(({ lesson, requests }, signal) => answersTo(lesson, requests, this.#simulate, signal),
                    (answers, asked) => this.#show(answers, asked));
+  #measuring = new Live(({ study, asked, moves }, signal) => study.run(asked, signal, () => this.#seen(), moves), () => this.#shown());
   #figures = new Figures(find("#figures"), (t) => this.#player.playing || this.#figures.at(t ?? this.#player.time, t !== null));
   #player = new Player(find(".player"), (t) => this.#figures.at(t));
 
@@ -66,7 +68,7 @@ export class Lesson {
 
   close() {
     this.#live.stop();
-    this.#study?.stop();
+    this.#measuring.stop();
     this.#player.rest();
   }
 
@@ -117,7 +119,7 @@ export class Lesson {
     find("#legend").replaceChildren();
     this.#runs = [];
     this.#player.rest();
-    this.#study?.stop();
+    this.#measuring.stop();
     this.#figures.build(this.#lesson, runs.map((_, i) => this.#titleOf(i)));
     const figures = find("#figures");
     this.#study = study ? new Study(figures, this.#catalogue.schemes)
@@ -171,7 +173,9 @@ export class Lesson {
     if (study) {
       const asked = measureOf(this.#lesson, this.#state);
       find("#to-bench").href = benchLink(study.requests(asked));
-      return void study.run(asked).then((newest) => newest !== false && study === this.#study && this.#shown());
+      const moves = samples === coarse, follows = moves && this.#moves;
+      this.#moves = moves;
+      return this.#measuring.ask({ study, asked, moves }, !follows);
     }
     const requests = this.#lesson.runs.map((_, i) => requestOf(this.#lesson, i, this.#state, samples));
     this.#live.ask({ requests, first: !this.#runs.length, lesson: this.#lesson }, urgent);
@@ -200,8 +204,14 @@ export class Lesson {
     this.#shown();
   }
 
+  /** Says that the lesson has a picture; one that measures has more to come. */
+  #seen() {
+    document.dispatchEvent(new CustomEvent("seen", { detail: { lesson: this.#lesson.id } }));
+  }
+
   #shown() {
-    this.#busy(this.#live.waiting);
+    this.#seen();
+    this.#busy(this.#live.waiting || this.#measuring.waiting);
     this.#fit();
     document.dispatchEvent(new CustomEvent("shown", { detail: { lesson: this.#lesson.id, runs: this.#runs.map(({ outcome }) => outcome),
                                                                 study: this.#study?.outcome } }));

@@ -3,7 +3,7 @@ import { named, text } from "../language/texts.js";
 import { ensemble } from "../service/api.js";
 import { element, faultText, words } from "../forms/forms.js";
 import { format } from "../forms/numbers.js";
-import { Crossings, hues } from "../drawing/crossings.js";
+import { brightness, Crossings, hues } from "../drawing/crossings.js";
 import { EndsPicture, rectangleOf } from "../drawing/ends.js";
 
 /**
@@ -24,6 +24,17 @@ function each({ surface, ...request }) {
     ...request, initial: { x: 0, y, px: Math.sqrt(2 * (energy - height(y)) - py * py), py }, members: { count: 1 } }));
 }
 
+/** Less of the same, for a picture at once: an eighth of the span; of ends, starts among those of the whole, some eighty a side. */
+function coarsened({ until, keep, members, ...request }) {
+  if (!keep.includes("final")) return { ...request, keep, ...(members ? { members } : {}), until: { t: until.t / 8 } };
+  const fewer = (n) => {
+    for (let k = Math.floor(n / 64); k > 1; k--) if ((n - 1) % k === 0) return (n - 1) / k + 1;
+    return n;
+  };
+  const grids = Object.entries(members.vary).map(([name, { grid: [from, to, n] }]) => [name, { grid: [from, to, fewer(n)] }]);
+  return { ...request, keep, until, members: { vary: Object.fromEntries(grids) } };
+}
+
 export class Portrait {
   #crossings; // or null: of the ends
   #ends;
@@ -31,7 +42,6 @@ export class Portrait {
   #key = element("p", { className: "note key" });
   #names; // of the colours
   #labels;
-  #underWay = null;
   outcome = null; // the points: `{member, x, y}`, or `{ends}`
 
   constructor(figures, { labels, key }, ends) {
@@ -48,48 +58,50 @@ export class Portrait {
   #tell() {
     const [first, last] = this.#names, [low, high] = this.#ends?.ends?.range ?? [];
     const ends = this.#ends ? (Number.isFinite(low) ? [`${first} ${format(low)}`, format(high)] : ["", ""]) : [first, last];
-    const colours = hues(24, 0.5), css = [...colours].map((c) => `rgb(${c & 255} ${(c >> 8) & 255} ${(c >> 16) & 255})`);
+    const colours = hues(24, brightness()), css = [...colours].map((c) => `rgb(${c & 255} ${(c >> 8) & 255} ${(c >> 16) & 255})`);
     const scale = element("span", { className: "hues" });
     scale.style.background = `linear-gradient(to right, ${css.join(", ")})`;
     this.#key.replaceChildren(...(ends[0] ? [ends[0], scale, ends[1]] : []));
   }
 
-  /** Runs all members; resolves at the end, or when it was stopped: to whether it is still the newest. */
-  async run(asked) {
-    this.stop();
-    const mine = (this.#underWay = new AbortController()), requests = each(asked);
-    let begun = false, cut = "", wrong = "";
+  /**
+   * Runs all members; rejects when it was stopped. `seen()` hears when each request has brought some of its points. Of ends a coarse
+   * picture comes first, over which the fine one appears; while a hand `moves`, what is coarse is all.
+   */
+  async run(asked, signal, seen, moves = false) {
+    if (this.#ends || moves) await this.#follow(coarsened(asked), signal, seen);
+    if (!moves) await this.#follow(asked, signal, this.#ends ? null : seen);
+    const all = (name) => this.#crossings.blocks.flatMap((block) => block[name]);
+    this.outcome = this.#ends ? { ends: [...(this.#ends.ends?.values ?? [])] } : { member: all("member"), x: all("x"), y: all("y") };
+  }
+
+  /** Runs the members of what is asked, which are drawn as they come; over what is seen already where nobody is to hear of it. */
+  async #follow(asked, signal, seen) {
+    const requests = each(asked), begun = new Set();
+    let cut = "", wrong = "";
     const follow = async (first) => { // two at a time
       for (let i = first; i < requests.length && !wrong; i += 2) {
         const request = requests[i];
-        const { faults = [] } = await ensemble(request, mine.signal, (line) => {
+        const { faults = [] } = await ensemble(request, signal, (line) => {
           if (line.stop) cut = text("ended.early", { why: words(line.stop.reason) });
           if (line.kind !== "block") return;
-          if (!begun) this.#begin(asked, requests.length); // until then the last picture stays
-          begun = true;
+          if (!begun.size) this.#begin(asked, requests.length, !seen); // until then the last picture stays
           if (requests.length > 1) line.section.member.fill(i);
           if (this.#ends) this.#ends.add(line, request.columns[0]);
           else this.#crossings.add(line);
+          if (begun.size < begun.add(i).size && begun.size === requests.length) seen?.();
         });
         wrong ||= faults.map(faultText)[0] ?? "";
         this.#said.textContent = wrong || cut;
       }
     };
-    try {
-      await Promise.all([follow(0), follow(1)]);
-    } catch (error) {
-      if (!mine.signal.aborted) throw error;
-    }
-    if (mine !== this.#underWay) return false;
+    await Promise.all([follow(0), follow(1)]);
     this.#tell();
-    const all = (name) => this.#crossings.blocks.flatMap((block) => block[name]);
-    this.outcome = this.#ends ? { ends: [...(this.#ends.ends?.values ?? [])] } : { member: all("member"), x: all("x"), y: all("y") };
-    return true;
   }
 
-  #begin(request, several) {
+  #begin(request, several, over) {
     const { columns: [x, y], members } = request;
-    if (this.#ends) this.#ends.start({ ...rectangleOf(request), labels: this.#labels });
+    if (this.#ends) this.#ends.start({ ...rectangleOf(request), labels: this.#labels }, over);
     else this.#crossings.start(members ? Object.values(members.vary)[0].grid[2] : several, x, y, this.#labels);
   }
 
@@ -99,11 +111,8 @@ export class Portrait {
     return [{ problem, initial, until, scheme, ...(this.#ends ? { basins: rectangleOf(request) } : {}) }];
   }
 
-  stop() {
-    this.#underWay?.abort();
-  }
-
   draw() {
+    this.#tell();
     (this.#ends ?? this.#crossings).draw();
   }
 }

@@ -9,7 +9,6 @@ export class Study {
   #schemes;
   #plot;
   #said = element("p", { className: "note" });
-  #underWay = null;
   outcome = null; // the curves: `[{title, points}]`
 
   constructor(figures, schemes) {
@@ -19,15 +18,16 @@ export class Study {
     this.#plot = new PrecisionPlot(container);
   }
 
-  /** Measures; resolves at the end, or when it was stopped. */
-  async run(request) {
-    this.stop();
-    const mine = (this.#underWay = new AbortController());
-    let head = null;
+  /** Measures; rejects when it was stopped. `seen()` hears when every scheme has a stretch of its curve. */
+  async run(request, signal, seen) {
+    let head = null, drawn = false;
     const take = (line) => {
       if (line.point) {
         this.#plot.add(line.curve, { ...line.point, setting: line.setting });
         this.outcome[line.curve].points.push(line.point);
+        if (drawn || this.outcome.some(({ points }) => points.length < 2)) return;
+        drawn = true;
+        seen();
       } else if (!head) {
         head = line;
         this.outcome = line.schemes.map(({ step: _, sigma: __, ...scheme }) => (
@@ -35,22 +35,13 @@ export class Study {
         this.#plot.start(this.outcome.map((curve) => curve.title), line.floor);
       }
     };
-    try {
-      const { faults = [] } = await workPrecision(request, mine.signal, take);
-      this.#said.textContent = faults.map(faultText)[0] ?? "";
-    } catch (error) {
-      if (!mine.signal.aborted) throw error;
-    }
-    return mine === this.#underWay;
+    const { faults = [] } = await workPrecision(request, signal, take);
+    this.#said.textContent = faults.map(faultText)[0] ?? "";
   }
 
   /** The runs that a workbench begins with. */
   requests({ schemes, ...scene }) {
     return schemes.map((scheme) => ({ ...scene, scheme }));
-  }
-
-  stop() {
-    this.#underWay?.abort();
   }
 
   draw() {

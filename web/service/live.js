@@ -14,8 +14,8 @@ export class Live {
 
   /** Asks, after what is in flight, unless a newer question comes before that; `urgent` drops what is in flight. */
   ask(question, urgent = false) {
-    this.#next = question;
     if (urgent) this.stop();
+    this.#next = question;
     if (!this.#flight) this.#fly();
   }
 
@@ -24,8 +24,9 @@ export class Live {
     return this.#next !== null;
   }
 
-  /** Drops what is in flight. */
+  /** Drops what is in flight, and what waits for that. */
   stop() {
+    this.#next = null;
     this.#flight?.abort();
     this.#flight = null;
   }

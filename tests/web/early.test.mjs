@@ -116,3 +116,46 @@ pageTest("while a hand moves the drive the picture is coarse, one request at a t
   const { study: { ends } } = await page.evaluate(() => window.said);
   assert.equal(ends.length, 512 * 512);
 });
+
+let late = null; // lets the run that is held back go on
+const slow = async (opened) => {
+  const on = new Promise((resolve) => (late = resolve));
+  await opened.addInitScript(() => document.addEventListener("seen", () => (window.early = (window.early ?? 0) + 1)));
+  await opened.route("**/v1/simulate", async (route) => {
+    if (route.request().postDataJSON().problem.epsilon === 1000) await on;
+    return route.fallback();
+  });
+};
+pageTest("runs that come first are seen while a long one is under way", { hash: "#lesson=relaxation", ready: "#legend tbody:nth-of-type(3)", reducedMotion: "reduce", prepare: slow }, async (page) => {
+  const counts = async () => {
+    const found = [];
+    for (const [i, run] of ["A", "B", "C", "D"].entries()) found.push((await drawn(page, `#figures figure:nth-child(${i + 1}) canvas.plane`, run)).count);
+    return found;
+  };
+  assert.ok((await early(page)) >= 1 && (await busy(page)) === "true" && !(await ended(page)));
+  const first = await counts();
+  assert.ok(first.slice(0, 3).every((count) => count > 100) && first[3] === 0, `${first}`);
+  late();
+  await becomes(() => busy(page), (now) => now === "false");
+  assert.ok((await counts()).every((count) => count > 100));
+  claims.relaxation((await page.evaluate(() => window.said)).runs);
+});
+
+pageTest("while a hand moves the step of a long way its first part is run, and in the end all of it", { hash: "#lesson=frame", ready: "#lesson[aria-busy=false]", reducedMotion: "reduce" }, async (page) => {
+  const asked = [];
+  page.on("request", (request) => request.url().endsWith("/v1/simulate") && asked.push(request.postDataJSON().until.t));
+  const track = page.locator("#control input[type=range]");
+  const move = (type) => track.evaluate((slider, [by, kind]) => {
+    slider.value = String(Number(slider.value) + by);
+    slider.dispatchEvent(new Event(kind, { bubbles: true }));
+  }, [type === "input" ? -40 : 0, type]);
+  await move("input");
+  await becomes(() => busy(page), (now) => now === "false");
+  assert.deepEqual(asked, [1395, 1395]);
+  assert.equal(await page.textContent("#lesson .player output"), "t = 13950");
+  const part = await drawn(page, "#figures figure:nth-child(1) canvas.plane", "A"), { width } = await page.locator("#figures canvas.plane").first().evaluate((canvas) => ({ width: canvas.width }));
+  assert.ok(part.count > 100 && part.right < 0.4 * width, `a tenth of the way, of the same picture: to ${part.right} of ${width}`);
+  await move("change");
+  await becomes(() => busy(page), (now) => now === "false");
+  assert.deepEqual(asked.slice(2), [13950, 13950]);
+});

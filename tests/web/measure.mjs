@@ -17,12 +17,13 @@ async function pictured(page, address) {
   return Number(await page.getAttribute("html", "data-at"));
 }
 
-/** From moves of the control of a lesson by hand to the pictures; none where there is nothing to move. */
+/** From moves of the control of a lesson by hand, each to a place of its own, to the pictures; none where there is nothing to move. */
 const moved = (page) => page.evaluate(async () => {
   const lesson = document.querySelector("#lesson"), track = lesson.querySelector("#control input[type=range]"), found = [];
+  const way = Number(track?.value) > 500 ? -7 : 7;
   for (let i = 0; track && i < 9; i++) {
     const drawn = new Promise((resolve) => document.addEventListener("shown", resolve, { once: true })), from = performance.now();
-    track.value = Number(track.value) + (i % 2 ? -5 : 5);
+    track.value = Number(track.value) + way;
     track.dispatchEvent(new Event("input", { bubbles: true }));
     await drawn;
     await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));

@@ -68,7 +68,7 @@ export class Figures {
     plane.show(picture);
     plane.canvas.setAttribute("aria-label", picture
       ? text("picture.over", { x: picture.labels[0], y: picture.labels[1], what: picture.curves.map((curve) => curve.title).join(", ") }) : text("picture.none"));
-    caption.textContent = run ? text("lesson.of_run", { title: run.title, count: run.outcome.cost.force_evaluations }) : "";
+    if (run) caption.textContent = text("lesson.of_run", { title: run.title, count: run.outcome.cost.force_evaluations });
   }
 
   #turn(right, down) {

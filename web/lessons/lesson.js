@@ -27,7 +27,7 @@ export class Lesson {
   #study = null;
   #moves = false; // whether what was measured last was asked for by a hand on the control
   #simulate = remembering(simulate);
-  #live = new Live(({ lesson, requests }, signal) => answersTo(lesson, requests, this.#simulate, signal),
+  #live = new Live((asked, signal) => answersTo(asked.lesson, asked.requests, this.#simulate, signal, (answers) => this.#grow(answers, asked, signal)),
                    (answers, asked) => this.#show(answers, asked));
   #measuring = new Live(({ study, asked, moves }, signal) => study.run(asked, signal, () => this.#seen(), moves), () => this.#shown());
   #figures = new Figures(find("#figures"), (t) => this.#player.playing || this.#figures.at(t ?? this.#player.time, t !== null));
@@ -178,10 +178,32 @@ export class Lesson {
       return this.#measuring.ask({ study, asked, moves }, !follows);
     }
     const requests = this.#lesson.runs.map((_, i) => requestOf(this.#lesson, i, this.#state, samples));
-    this.#live.ask({ requests, first: !this.#runs.length, lesson: this.#lesson }, urgent);
+    const brief = samples === coarse && this.#lesson.brief;
+    this.#live.ask({ requests, first: !this.#runs.length, lesson: this.#lesson, brief }, urgent);
   }
 
-  #show(answers, { requests, first, lesson }) {
+  /** The runs that come first, where there is no picture yet. */
+  #grow(answers, asked, signal) {
+    if (signal.aborted || asked.lesson !== this.#lesson || this.#runs.length || answers.some(({ faults }) => faults)) return;
+    this.#draw(answers, asked);
+    this.#seen();
+  }
+
+  #draw(answers, { requests, lesson, brief }) {
+    const runs = answers.map(({ outcome }, i) => ({
+      title: this.#titleOf(i), colour: colourOf(i), outcome, trajectory: outcome.trajectory, scheme: outcome.scheme,
+      parameters: outcome.problem, request: requests[i],
+    }));
+    const symbol = (name) => this.#problem?.variables.find((card) => card.name === name)?.symbol || name;
+    this.#figures.show(lesson, runs, symbol);
+    fill(find("#legend"), runs, lesson);
+    const times = runs.flatMap(({ outcome, trajectory: { t } }) => [t[0], t.at(-1)].map((v) => v / paceOf(outcome, lesson.pace)));
+    if (!brief && !lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times), lesson.pace && text("player.periods"));
+    return runs;
+  }
+
+  #show(answers, asked) {
+    const { requests, first, lesson } = asked;
     if (lesson !== this.#lesson) return;
     const refused = answers.flatMap(({ faults = [] }) => faults);
     find(".wrong").textContent = refused.map(faultText)[0] ?? "";
@@ -189,15 +211,7 @@ export class Lesson {
       if (refused.some(({ lost }) => lost)) setTimeout(() => lesson === this.#lesson && this.#ask(true), 2000);
       return this.#busy(false); // the last good picture stays
     }
-    this.#runs = answers.map(({ outcome }, i) => ({
-      title: this.#titleOf(i), colour: colourOf(i), outcome, trajectory: outcome.trajectory, scheme: outcome.scheme,
-      parameters: outcome.problem, request: requests[i],
-    }));
-    const symbol = (name) => this.#problem?.variables.find((card) => card.name === name)?.symbol || name;
-    this.#figures.show(lesson, this.#runs, symbol);
-    fill(find("#legend"), this.#runs, lesson);
-    const times = this.#runs.flatMap(({ outcome, trajectory: { t } }) => [t[0], t.at(-1)].map((v) => v / paceOf(outcome, lesson.pace)));
-    if (!lesson.views.every(({ bins }) => bins)) this.#player.span(Math.min(...times), Math.max(...times), lesson.pace && text("player.periods"));
+    this.#runs = this.#draw(answers, asked);
     if (first) this.#player.begin();
     const [{ x, y }] = lesson.views, forth = requests.filter((_, i) => lesson.runs[i].back === undefined);
     find("#to-bench").href = benchLink(forth, x?.endsWith("_wrapped") ? { x, y } : {}, forth.length < requests.length);

@@ -8,6 +8,7 @@
 //                 `sun`: at the origin; `body`: the thing itself, by the name of a drawing or as bodies with their links;
 //                 `several`: columns over x with their titles, in the place of y; `x[*]` over `y[*]`: all of a kind; `runs`: some of
 //                 them; `places` that stand still; `points`: one for each run, with a tangent; `multipliers` about the unit circle
+//   grows, brief  its runs are shown as they come, the first ones first; while a hand moves, one part of so many of the span is run
 //   apart, layout each run in a picture of its own; how pictures stand: a "pair" above one, all in a "row"
 //   one           the view of a presentation, where it is not the first
 //   pace          "cycle": the runs play each at the pace of its own period, and x may be `periods`
@@ -111,8 +112,8 @@ export const lessons = [
   {
     id: "chain",
     scene: { problem: { id: "fermi_pasta_ulam", alpha: 0.25 }, until: { t: 11000 }, columns: [1, 2, 3, 4].map(mode) },
-    runs: [{ ...h("leapfrog", 0.4), name: ["leapfrog_of", { h: 0.4 }] }], points: 800,
-    views: [{ x: "t", several: [1, 2, 3, 4].map((k) => [`mode${k}`, ["mode", { k }]]), labels: ["t", "mode_energy"] },
+    runs: [{ ...h("leapfrog", 0.4), name: ["leapfrog_of", { h: 0.4 }] }], points: 800, brief: 3,
+    views: [{ x: "t", box: { x: [0, 11000] }, several: [1, 2, 3, 4].map((k) => [`mode${k}`, ["mode", { k }]]), labels: ["t", "mode_energy"] },
             { body: chain.map((name, i) => ({ at: [String(i / 10), name], linked: i ? [i - 1] : [] })) }],
     control: { sets: "problem.alpha", label: "nonlinearity", low: 0, high: 0.3 }, tells: [],
   },
@@ -120,8 +121,8 @@ export const lessons = [
     id: "frame",
     scene: { problem: { id: "restricted_three_body", mu: 0.012277471 }, initial: { x: 0.3, y: 0, z: 0, px: 0, py: 1.78, pz: 0 }, until: { t: 13950 },
              columns: [{ name: "r", expression: "sqrt((x + mu)^2 + y^2)" }] },
-    runs: [h("lifted_splitting", 0.03), h("runge_kutta_4", 0.03)],
-    views: [{ x: "t", y: "r", labels: ["t", "distance"], thin: true }, drift], points: 2000, control: steps(0.025, 0.035),
+    runs: [h("lifted_splitting", 0.03), h("runge_kutta_4", 0.03)], grows: true, brief: 10,
+    views: [{ x: "t", y: "r", box: { x: [0, 13950] }, labels: ["t", "distance"], thin: true }, { ...drift, box: { x: [0, 13950] } }], points: 2000, control: steps(0.025, 0.035),
   },
   {
     id: "damped", group: "friction",
@@ -182,7 +183,7 @@ export const lessons = [
   {
     id: "relaxation",
     scene: { problem: { id: "van_der_pol" }, initial: { x: 2, v: 0 }, scheme: { id: "dormand_prince_5", tolerance: 1e-6 } },
-    apart: true, pace: "cycle", one: { x: "periods", y: "x" },
+    apart: true, grows: true, pace: "cycle", one: { x: "periods", y: "x" },
     runs: [{ name: "ε = 1", problem: { epsilon: 1 }, until: { t: 14 } }, { name: "ε = 10", problem: { epsilon: 10 }, until: { t: 40 } },
            { name: "ε = 100", problem: { epsilon: 100 }, until: { t: 330 } },
            { name: "ε = 1000", problem: { epsilon: 1000 }, until: { t: 3300 }, ...h("runge_kutta_4", 0.0005) }],

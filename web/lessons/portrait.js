@@ -24,9 +24,13 @@ function each({ surface, ...request }) {
     ...request, initial: { x: 0, y, px: Math.sqrt(2 * (energy - height(y)) - py * py), py }, members: { count: 1 } }));
 }
 
-/** Less of the same, for a picture at once: an eighth of the span; of ends, starts among those of the whole, some eighty a side. */
-function coarsened({ until, keep, members, ...request }) {
-  if (!keep.includes("final")) return { ...request, keep, ...(members ? { members } : {}), until: { t: until.t / 8 } };
+/**
+ * Less of the same, for a picture at once: an eighth of the span, half the starts on a surface; of ends, starts among those of the
+ * whole, some eighty a side.
+ */
+function coarsened({ until, keep, members, surface, ...request }) {
+  if (surface) return { ...request, keep, until: { t: until.t / 8 }, surface: { ...surface, starts: surface.starts / 2 } };
+  if (!keep.includes("final")) return { ...request, keep, members, until: { t: until.t / 8 } };
   const fewer = (n) => {
     for (let k = Math.floor(n / 64); k > 1; k--) if ((n - 1) % k === 0) return (n - 1) / k + 1;
     return n;

@@ -16,6 +16,7 @@ export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? 
   const { problem, initial, until, scheme } = { ...lesson.scene, ...run };
   const request = { problem: entitled({ ...lesson.scene.problem, ...problem }), initial: { ...lesson.scene.initial, ...initial },
                     scheme: { ...scheme }, until: { ...until } };
+  if (samples === coarse && lesson.brief) request.until.t /= lesson.brief;
   if (steps) request.scheme[workSetting(scheme)] = steps[i];
   if (control.starts) request.initial = { ...request.initial, ...control.starts(set ?? control.usual, i) };
   else if (set !== undefined && control.sets !== "steps" && (control.run ?? i) === i) {
@@ -49,14 +50,21 @@ export function remembering(ask) {
   };
 }
 
-/** Asks for all runs, `ask(request, signal)`; one that is to go back from the end of another, its `back`, waits for that. */
-export function answersTo(lesson, requests, ask, signal) {
+/**
+ * Asks for all runs, `ask(request, signal)`; one that is to go back from the end of another, its `back`, waits for that. Of a lesson
+ * that `grows`, `came(answers)` hears of the first ones while others are still to come.
+ */
+export function answersTo(lesson, requests, ask, signal, came) {
   const answers = [];
   for (const [i, request] of requests.entries()) {
     const { back } = lesson.runs[i];
     answers.push(back === undefined ? ask(request, signal) : answers[back].then((there) => (
       there.outcome ? ask({ ...request, initial: there.outcome.final, until: { t: there.outcome.initial.t } }, signal) : there)));
   }
+  const grow = async () => {
+    for (let i = 1; i < answers.length; i++) came(await Promise.all(answers.slice(0, i)));
+  };
+  if (lesson.grows) grow().catch(() => {}); // which the whole tells as well
   return Promise.all(answers);
 }
 

@@ -137,7 +137,7 @@ struct SchemeCard {
   std::string id{}, title{}, summary{};
   std::vector<std::pair<std::string, int>> orders{};  ///< by choice or number, as a composition; or one without a name
   bool implicit = false, symmetric = false;
-  std::string structure{};                  ///< symplectic | contact | none
+  std::string structure{};                  ///< symplectic | contact | volume | none
   bool keeps_momenta = false;               ///< of symmetries, whatever its structure; with a structure it always does
   std::vector<ParameterCard> parameters{};  ///< filled in from the description
   std::string recommended{};                ///< the recommended composition, or empty

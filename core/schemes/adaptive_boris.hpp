@@ -34,7 +34,7 @@ struct AdaptiveBoris {
                 "step at the start of the run.",
             .orders = orders_from(2),
             .symmetric = true,
-            .structure = "none",
+            .structure = "volume",
             .recommended = "kahan_li_8",
             .good_for =
                 "close passages in a frame that turns, as on Arenstorf's orbits; charges that come near to a dipole "

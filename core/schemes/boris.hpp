@@ -31,7 +31,7 @@ struct Boris {
             "places and velocities is kept.",
         .orders = orders_from(2),
         .symmetric = true,
-        .structure = "none",
+        .structure = "volume",
         .recommended = "kahan_li_6",
         .good_for =
             "charges in magnetic fields, frames that turn: the cheapest explicit steps there, which keep the "

@@ -36,7 +36,7 @@ std::vector<SchemeConfig> with_each(const std::vector<SchemeConfig>& choices, st
 }
 
 bool keeps(const SchemeCard& scheme, const ProblemCard& problem, const Keep& keep) {
-  const bool form = scheme.structure != "none" && problem.keeps_form;
+  const bool form = (scheme.structure == "symplectic" || scheme.structure == "contact") && problem.keeps_form;
   if (keep.structure && !form) return false;
   if (keep.energy && !form && !(scheme.symmetric && problem.keeps_energy)) return false;
   return !keep.momenta || form || (scheme.keeps_momenta && problem.keeps_form);

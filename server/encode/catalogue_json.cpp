@@ -216,7 +216,9 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
   json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
   write_order(json.key("order"), card);
   json.key("implicit").boolean(card.implicit).key("symmetric").boolean(card.symmetric);
-  json.key("structure").text(card.structure);
+  const bool keeps_volume = card.structure == "volume";  // which is no form
+  json.key("structure").text(keeps_volume ? "none" : card.structure);
+  json.key("keeps_volume").boolean(keeps_volume);
   json.key("parameters").open('[');
   write_parameter_cards(json, card.parameters);
   if (&card == &auto_card()) write_keep_card(json);

@@ -166,7 +166,7 @@ void rows(const char* title, const Request& scene, const Goals& goals = {}) {
     const SchemeCard& card = schemes()[choice.scheme];
     if (card.id == "bulirsch_stoer")
       all.push_back({ours(orbit, choice)});
-    else if (card.id == "taylor" || card.structure != "none")
+    else if (card.id == "taylor" || card.structure == "symplectic" || card.structure == "contact")
       our.push_back({ours(orbit, choice)});
   }
   for (const Peer& peer : peers(orbit.scene)) all.push_back({theirs(orbit, peer)});

@@ -69,7 +69,7 @@ void rows(const char* title, const lifted::Scene& of, double end) {
   for (const SchemeConfig& choice : catalogue_candidates(*mechanics, {})) {
     const SchemeCard& card = schemes()[choice.scheme];
     const bool measure = card.own_clock && card.id != series && card.id != paced;
-    if (card.structure == "none" && !card.own_clock && card.id != turns) continue;
+    if (card.structure == "none" && !card.own_clock) continue;
     ladders.push_back({ours(orbit, choice)});
     if (measure) ladders.back().contestant.owner = Owner::peer;
   }

@@ -37,11 +37,10 @@ void rows(const std::shared_ptr<const Mechanics>& mechanics) {
   std::vector<Ladder> ladders;
   for (const SchemeConfig& choice : catalogue_candidates(*orbit.scene.scene->mechanics, {})) {
     const SchemeCard& scheme = schemes()[choice.scheme];
-    if (scheme.structure == "none" && !scheme.own_clock) continue;
+    const bool form = scheme.structure == "symplectic" || scheme.structure == "contact";
+    if (!form && !scheme.own_clock) continue;
     ladders.push_back({ours(orbit, choice)});
-    ladders.back().contestant.owner = scheme.structure != "none" ? Owner::structure
-                                      : scheme.id == "taylor"    ? Owner::taylor
-                                                                 : Owner::peer;
+    ladders.back().contestant.owner = form ? Owner::structure : scheme.id == "taylor" ? Owner::taylor : Owner::peer;
   }
   std::size_t above = 0;
   while (above < accuracies.size() && accuracies[above] >= 3 * orbit.floor) ++above;

@@ -51,6 +51,8 @@ TEST_F(AdaptiveBorisHttp, TheOrbitCloses) {
 TEST_F(AdaptiveBorisHttp, StandsInEveryListGoesBackwardAndMeetsEvents) {
   const Json scheme = Json::parse(ask(port(), get("/v1/schemes/adaptive_boris")).body);
   EXPECT_EQ(scheme["own_clock"], true);
+  EXPECT_EQ(scheme["structure"], "none");
+  EXPECT_EQ(scheme["keeps_volume"], true);
   EXPECT_NE(Json::parse(ask(port(), get("/v1/openapi.json")).body).dump().find("\"adaptive_boris\""),
             std::string::npos);
   EXPECT_NE(std::string(fault_of(arenstorf())["detail"]).find("H depends on time"), std::string::npos)

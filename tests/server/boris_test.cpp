@@ -47,6 +47,7 @@ TEST_F(BorisHttp, RunsAndSaysWhatItKeeps) {
 TEST_F(BorisHttp, StandsInEveryListAndIsRefusedByName) {
   const Json scheme = Json::parse(ask(port(), get("/v1/schemes/boris")).body);
   EXPECT_EQ(scheme["structure"], "none");
+  EXPECT_EQ(scheme["keeps_volume"], true);
   EXPECT_EQ(scheme["symmetric"], true);
   EXPECT_NE(scheme["summary"].get<std::string>().find("volume"), std::string::npos);
   const Json schema = Json::parse(ask(port(), get("/v1/openapi.json")).body);

@@ -205,13 +205,13 @@ function counted(events) {
 }
 
 /** The order is the highest that a choice stands for, as a composition, or a number, as of stages. */
-function traits({ id, order, implicit, symmetric, structure, parameters }, scheme, { diagnostics }) {
+function traits({ id, order, implicit, symmetric, structure, keeps_volume: volume, parameters }, scheme, { diagnostics }) {
   if (id === "auto") return text("trait.chosen");
   const byChoice = order !== null && typeof order === "object";
   const said = byChoice ? parameters.filter(({ type }) => type === "choice" || type === "integer")
     .map(({ name }) => order[scheme[name]] ?? scheme[name]?.order).filter(Number.isFinite) : [];
   const p = byChoice ? (said.length ? Math.max(...said) : Object.values(order)[0]) : order;
   return [p === null ? "adaptive" : "order", implicit ? "implicit" : "explicit", symmetric ? "symmetric" : "not_symmetric",
-          ...(!diagnostics.includes("structure") && structure !== "none" ? [] : [`keeps_${structure}`])]
+          ...(!diagnostics.includes("structure") && structure !== "none" ? [] : [`keeps_${volume ? "volume" : structure}`])]
     .map((trait) => text(`trait.${trait}`, { p })).join(" · ");
 }

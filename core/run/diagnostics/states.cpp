@@ -42,7 +42,8 @@ class Structure final : public Diagnostic {
       if (std::isnan(factor)) factor = lambda;
     });
     Report report = numbers("structure", {{"max_defect", most}, {"factor", factor}});
-    const std::string_view own = end.problem.traits.forced ? "none" : std::string_view(end.scheme.structure);
+    const std::string_view scheme = end.scheme.structure;  // the volume alone is no form
+    const std::string_view own = end.problem.traits.forced || scheme == "volume" ? "none" : scheme;
     const bool kept = own != "none", general = end.problem.traits.general;
     insert(report, 0, words("kind", kept && acts ? "contact" : kept && general ? "symplectic" : own));
     return report;

@@ -9,7 +9,7 @@ const parts = {
   "a presentation": { hash: "#lesson=downhill", ready: "#lesson[aria-busy=false]", open: "#present" },
   "the workbench": { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis", open: ".curl summary" },
   "a presentation of a scene": { hash: "#problem=pendulum&until.t=20&present" },
-  "a portrait": { hash: "#problem=pendulum&starts.of=q,p&starts.at=0,1,0,2&view.field=true", ready: "#start-list li" },
+  "a portrait": { hash: "#problem=pendulum&starts.of=q,p&starts.at=0,1,0,2&view.field=both", ready: "#start-list li" },
   "points with tangents": { hash: "#lesson=clock", ready: "#lesson[aria-busy=false]" },
   "multipliers about the unit circle": { hash: "#lesson=arenstorf", ready: "#lesson[aria-busy=false]" },
   "many runs, with a key": { hash: "#lesson=islands", ready: "#lesson .hues" },

@@ -121,7 +121,10 @@ export const claims = {
     assert.ok([one, ten, hundred, thousand].every(({ amplitude }) => Math.abs(amplitude - 2) < 0.02));
     assert.ok(one.period < 7 && ten.period < 20 && Math.abs(thousand.period / hundred.period / 10 - 1) < 0.02);
   },
-  capture: (runs) => assert.ok(runs.every(({ trajectory: { p } }) => Math.abs(p.slice(-1000).reduce((a, b) => a + b) / 1000 - 1) < 0.02)),
+  capture(runs) {
+    assert.deepEqual(runs.map(({ trajectory: { p } }) => Math.sign(p[0] - 1)), [1, 1, -1], "two are fast, one is slow");
+    assert.ok(runs.every(({ trajectory: { p } }) => Math.abs(p.slice(-1000).reduce((a, b) => a + b) / 1000 - 1) < 0.02));
+  },
   cosmos([first, second, euler]) {
     const off = ({ trajectory: { q, p, s } }) => largest(q.map((_, i) => Math.hypot(q[i], p[i], s[i]) - Math.SQRT2));
     assert.ok(off(first) < 1e-3 && off(second) < 1e-3 && off(euler) > 0.05);

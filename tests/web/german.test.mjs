@@ -68,7 +68,7 @@ const benches = {
   "the workbench": { hash: "#problem=kepler&until.t=20&B=jacobi_maupertuis" },
   "a scene with friction": { hash: "#problem=damped_oscillator&until.t=20&A=contact_splitting" },
   "six runs in space": { hash: "#problem=kepler_3d&until.t=5&C=taylor&D=contact_gauss&E=energy_momentum&F=runge_kutta_4&view.together=true" },
-  "a portrait": { hash: "#problem=pendulum&until.t=20&starts.of=q,p&starts.at=0,1,0,2&view.field=true" },
+  "a portrait": { hash: "#problem=pendulum&until.t=20&starts.of=q,p&starts.at=0,1,0,2&view.field=both" },
   "a scene with heat": { hash: "#problem=generic_oscillator&until.t=10" },
   "a cycle": { hash: "#problem=van_der_pol&until.t=20" },
   "a star": { hash: "#problem=lane_emden&preset=plummer&until.t=3" },

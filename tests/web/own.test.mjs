@@ -43,6 +43,11 @@ pageTest("it shows what was read of a text, and the link carries the text", own,
   assert.equal(await page.locator("#as-read math mfrac").count(), 2);
   assert.match(await page.textContent("#as-read"), /γ/);
   assert.match(await page.textContent("#equations"), /dq\/dt = p.*dp\/dt = .*gamma\*p/s);
+  await page.click("#derived summary");
+  await until(() => page.locator("#equations li math").count().then((n) => n >= 3), true); // q, p and s, each in its lines
+  assert.deepEqual(await page.locator("#equations li").evaluateAll((items) => items.map((item) => item.textContent.replace(/[\u2062\s]/g, ""))),
+                   ["q˙=p", "p˙=−q3+q−γp", "s˙=0.5p2−0.25(q2−1)2−γs"]);
+  assert.ok((await page.locator("#equations msup").count()) >= 3, "powers are typeset");
   await enter(page, "/problem/gamma", "0.2");
   const other = await context.newPage();
   await other.goto(page.url());
@@ -196,6 +201,15 @@ pageTest("examples begin with what runs; a start in velocities is one in momenta
     assert.ok((await drawn(page, plane("A"), "A")).count > 100, title);
     assert.deepEqual(await all(page, "#parameters [data-name]", "dataset.name"), Object.keys(problem.parameters ?? {}));
   }
+  await page.selectOption("#example", { label: "Duffing's oscillator" });
+  await until(() => page.url().includes("Duffing"), true);
+  await page.selectOption("#example", { label: "Blank: a free particle" });
+  await until(() => text(page, "formula").inputValue(), "vx^2/2");
+  await page.waitForSelector("#initial [data-name=px]");
+  await settled(page);
+  assert.deepEqual(await statuses(page), ["completed"]);
+  assert.deepEqual([await text(page, "title").inputValue(), await text(page, "note").inputValue(), await page.textContent("#example-note")], ["", "", ""]);
+  assert.doesNotMatch(page.url(), /Duffing|title|note/, "what was there before has left nothing");
   await page.evaluate((scene) => (location.hash = scene),
                       "#problem=custom&problem.variables=r,phi&problem.lagrangian=(vr^2%2Br^2*vphi^2)/2%2B1/r&initial.r=2&initial.vphi=0.5");
   await page.waitForSelector("#initial [data-name=pphi]");

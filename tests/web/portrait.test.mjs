@@ -2,7 +2,7 @@
 // scene begins with.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { all, becomes, drawn, frames, pageTest, pane, plane, settled } from "./browser.mjs";
+import { all, becomes, drawn, frames, pageTest, pane, plane, seen, settled } from "./browser.mjs";
 import { enter, fieldAt } from "./made.mjs";
 import { levelCurve, levelsOf, restsOf } from "../../web/drawing/field.js";
 
@@ -22,11 +22,23 @@ test("level curves lie where the function has the level", () => {
 });
 
 test("a pendulum rests below, and on top as a saddle", () => {
-  const rests = restsOf(grid((_, p) => p), grid((q) => -Math.sin(q)), n).map(({ x, y, saddle }) => [on(-4, 4, x), on(-2, 2, y), saddle]);
+  const rests = restsOf(grid((_, p) => p), grid((q) => -Math.sin(q)), n).map(({ x, y, kind }) => [on(-4, 4, x), on(-2, 2, y), kind]);
   assert.equal(rests.length, 3);
-  for (const [q, saddle] of [[-Math.PI, true], [0, false], [Math.PI, true]]) {
-    assert.ok(rests.some(([x, y, kind]) => Math.abs(x - q) < 0.01 && Math.abs(y) < 1e-9 && kind === saddle), `${q} among ${rests.join("; ")}`);
+  for (const [q, wanted] of [[-Math.PI, "saddle"], [0, "centre"], [Math.PI, "saddle"]]) {
+    assert.ok(rests.some(([x, y, kind]) => Math.abs(x - q) < 0.01 && Math.abs(y) < 1e-9 && kind === wanted), `${q} among ${rests.join("; ")}`);
   }
+});
+
+test("what a rest is, is told by the velocity about it, whatever the sizes of the grid's cells", () => {
+  const cell = { across: 8 / (n - 1), up: 4 / (n - 1) };
+  const kind = (a, b, c, d) => restsOf(grid((x, y) => a * (x - 0.1) + b * (y - 0.03)), grid((x, y) => c * (x - 0.1) + d * (y - 0.03)), n, cell).map((rest) => rest.kind).join();
+  assert.equal(kind(0, 1, -1, 0), "centre");
+  assert.equal(kind(0, 1, 1, 0), "saddle");
+  assert.equal(kind(0, 1, -1, -0.1), "focus_in");
+  assert.equal(kind(0, 1, -1, 0.1), "focus_out");
+  assert.equal(kind(0, 1, -1, -1.9), "focus_in", "nearly a node");
+  assert.equal(kind(0, 1, -1, -2.1), "node_in");
+  assert.equal(kind(0, 1, -1, 2.1), "node_out");
 });
 
 // ---- starts
@@ -159,22 +171,55 @@ pageTest("an angle that turns over does not cross the picture", rotation, async 
 const behind = { hash: "#problem=pendulum&axes.x=q_wrapped&initial.q=3&A=leapfrog&B=leapfrog", reducedMotion: "reduce" };
 pageTest("behind a portrait lie level curves of H and where it rests, by choice", behind, async (page) => {
   const before = (await drawn(page, plane("A"), "--axis")).count, labels = await drawn(page, plane("A"), "--ink");
-  const [question] = await Promise.all([page.waitForRequest("**/v1/ensemble"), page.check("#field")]);
+  const [question] = await Promise.all([page.waitForRequest("**/v1/ensemble"), page.selectOption("#field", "levels")]);
   const { scheme, columns, members: { vary } } = question.postDataJSON();
   assert.deepEqual([scheme.id, columns, Object.keys(vary)], ["explicit_euler", ["q", "p", "energy"], ["/initial/q", "/initial/p"]]);
   await becomes(async () => (await drawn(page, plane("A"), "--axis")).count, (count) => count > before + 150);
   assert.ok((await drawn(page, plane("A"), "--ink")).right > labels.right + 50, "the mark of the saddle on the right");
-  assert.match(page.url(), /view\.field=true/);
+  assert.match(page.url(), /view\.field=levels/);
+  assert.equal(await page.textContent("#rests"), "Equilibria: (−3.14; 0) saddle, (0; 0) centre, (3.14; 0) saddle.");
   await page.reload();
   await settled(page);
-  assert.ok(await page.isChecked("#field"));
+  assert.equal(await page.inputValue("#field"), "levels");
   await becomes(async () => (await drawn(page, plane("A"), "--axis")).count, (count) => count > before + 150);
-  await page.uncheck("#field");
+  await page.selectOption("#field", "");
   await frames(page);
   await becomes(async () => (await drawn(page, plane("A"), "--axis")).count, (count) => count < before + 50);
   await page.selectOption("#problem", "driven_oscillator");
   await settled(page);
   assert.ok(!(await page.isVisible("#field")), "no plane tells all of what is driven");
+});
+
+const flow = { hash: "#problem=van_der_pol&until.t=20&axes.x=x&axes.y=v&view.field=true", reducedMotion: "reduce", expected: /status of 422/ };
+pageTest("behind any flow in the plane lie its vector field and level curves of a formula, which is refused in words", flow, async (page) => {
+  assert.equal(await page.inputValue("#field"), "levels", "what older links say");
+  await becomes(() => page.textContent("#rests"), (said) => said === "Equilibria: (0; 0) unstable focus.");
+  const inked = () => seen(page, plane("A"), (canvas) => { // how many pixels are not paper
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+    return data.reduce((count, alpha, i) => count + (i % 4 === 3 && alpha > 40 ? 1 : 0), 0);
+  });
+  const none = await inked();
+  await page.fill("#level", "x^2 + v^2");
+  await page.press("#level", "Enter");
+  await becomes(inked, (count) => count > none + 3000);
+  const levels = await inked();
+  assert.match(page.url(), /view\.field=levels&view\.level=x%5E2\+%2B\+v%5E2/);
+  await page.selectOption("#field", "both");
+  await becomes(inked, (count) => count > levels + 2000);
+  const both = await inked();
+  await page.reload();
+  await settled(page);
+  assert.deepEqual([await page.inputValue("#field"), await page.inputValue("#level")], ["both", "x^2 + v^2"]);
+  await page.fill("#level", "x^2 + w");
+  await page.press("#level", "Enter");
+  await becomes(() => page.textContent("#level-fault"), (said) => /"?w"?/.test(said));
+  assert.equal(await page.getAttribute("#level", "aria-invalid"), "true");
+  await page.selectOption("#field", "arrows");
+  await becomes(() => page.textContent("#level-fault"), (said) => said === "");
+  assert.ok(!(await page.isVisible("#level")));
+  await becomes(inked, (count) => count > none + 2000 && count < both - 2000);
 });
 
 const many = async (page, name) => page.inputValue(`#section [data-name=${name}]`);
@@ -197,7 +242,7 @@ pageTest("a scene as text has portraits as well", { hash: "#problem=custom&probl
   assert.deepEqual(await starts(page), [[1.2, 0.25]]);
   await frames(page);
   const look = () => page.locator(plane("A")).evaluate((canvas) => canvas.toDataURL()), before = await look();
-  await page.check("#field");
+  await page.selectOption("#field", "levels");
   await becomes(look, (now) => now !== before);
   await enter(page, "/problem/k", "0.5");
   await known(page);

@@ -1,5 +1,6 @@
 // What lies behind the curves of a portrait: the level curves of a function, and where a motion rests. Both are made of values
 // on a grid of n × n places, the member at column i and row j being i·n + j, as an ensemble over two grids answers.
+import { text } from "../language/texts.js";
 
 /** Pieces `[[x, y], [x, y]]` of the curve on which `values` are `level`, in units of the grid. */
 export function levelCurve(values, n, level) {
@@ -25,23 +26,35 @@ export function levelsOf(values, count) {
   return sorted.length ? Array.from({ length: count }, (_, k) => sorted[Math.floor(((k + 0.5) / count) * sorted.length)]) : [];
 }
 
-/** Where the velocity (`u`, `v`) is zero, `[{x, y, saddle}]` in units of the grid: within a cell it is taken to be bilinear. */
-export function restsOf(u, v, n) {
+/** What a rest is by the slopes of the velocity about it, their sum `trace` and their `determinant`; where a level is `kept` nothing spirals. */
+function kindOf(trace, determinant, kept) {
+  if (determinant < 0) return "saddle";
+  const turn = trace / (2 * Math.sqrt(determinant)); // within −1 and 1 it goes round
+  if (kept || Math.abs(turn) < 0.003) return "centre";
+  return `${Math.abs(turn) < 1 ? "focus" : "node"}_${turn < 0 ? "in" : "out"}`;
+}
+
+/**
+ * Where the velocity (`u`, `v`) is zero, `[{x, y, kind}]` in units of the grid, whose cells are `across` wide and `up` high: within a
+ * cell it is taken to be bilinear.
+ */
+export function restsOf(u, v, n, { across = 1, up = 1, kept = false } = {}) {
   const found = [];
   for (let i = 0; i + 1 < n; i++) {
     for (let j = 0; j + 1 < n; j++) {
       const corners = [i * n + j, (i + 1) * n + j, i * n + j + 1, (i + 1) * n + j + 1], cell = [u, v].map((w) => corners.map((k) => w[k]));
       if (cell.some((values) => !(Math.min(...values) <= 0 && Math.max(...values) >= 0))) continue;
       const [[a, b, c, d], [e, f, g, h]] = cell;
-      let [x, y, slope] = [0.5, 0.5, 0];
+      let [x, y, slope, trace] = [0.5, 0.5, 0, 0];
       for (let k = 0; k < 12; k++) { // Newton's method
         const [p, q] = [[a, b, c, d], [e, f, g, h]].map(([o, r, s, t]) => o + (r - o) * x + (s - o) * y + (o - r - s + t) * x * y);
         const [px, qx] = [b - a + (a - b - c + d) * y, f - e + (e - f - g + h) * y], [py, qy] = [c - a + (a - b - c + d) * x, g - e + (e - f - g + h) * x];
         slope = px * qy - py * qx;
+        trace = px / across + qy / up;
         [x, y] = [x - (p * qy - q * py) / slope, y - (q * px - p * qx) / slope];
       }
       if (!(Math.abs(x - 0.5) < 0.51 && Math.abs(y - 0.5) < 0.51)) continue;
-      if (!found.some((other) => Math.hypot(other.x - i - x, other.y - j - y) < 0.5)) found.push({ x: i + x, y: j + y, saddle: slope < 0 });
+      if (!found.some((other) => Math.hypot(other.x - i - x, other.y - j - y) < 0.5)) found.push({ x: i + x, y: j + y, kind: kindOf(trace, slope / (across * up), kept) });
     }
   }
   return found;
@@ -73,15 +86,56 @@ function levelAt(values, n, { x, y }) {
   return (1 - a) * ((1 - b) * at(0, 0) + b * at(0, 1)) + a * ((1 - b) * at(1, 0) + b * at(1, 1));
 }
 
+/** Arrows of the velocity on every eighth place of the grid, all of one length: where to, not how fast. */
+function drawArrows(pen, map, n, u, v, at) {
+  const every = 8, long = 7, barb = 0.45;
+  pen.beginPath();
+  for (let i = every / 2; i < n; i += every) {
+    for (let j = every / 2; j < n; j += every) {
+      const [x, y] = at(i, j), [to, rise] = [u[i * n + j], v[i * n + j]], left = map.x(x), top = map.y(y);
+      const [a, b] = [(map.x(x + 1) - left) * to, (map.y(y + 1) - top) * rise], size = Math.hypot(a, b);
+      if (!(size > 0)) continue;
+      const [c, d] = [(long * a) / size, (long * b) / size];
+      pen.moveTo(left - c, top - d);
+      pen.lineTo(left + c, top + d);
+      for (const side of [-1, 1]) {
+        pen.moveTo(left + c, top + d);
+        pen.lineTo(left + c - barb * (c + side * d), top + d - barb * (d - side * c));
+      }
+    }
+  }
+  pen.stroke();
+}
+
+/** The mark of a rest: a cross of a saddle, a disc of what comes to rest, a ring of what leaves it, a ring with a dot of a centre. */
+function markRest(pen, [left, top], kind) {
+  pen.beginPath();
+  if (kind === "saddle") for (const side of [-1, 1]) {
+    pen.moveTo(left - 5, top - 5 * side);
+    pen.lineTo(left + 5, top + 5 * side);
+  }
+  else pen.arc(left, top, kind.endsWith("_in") ? 4 : 5, 0, 2 * Math.PI);
+  if (kind.endsWith("_in")) pen.fill();
+  else pen.stroke();
+  if (kind !== "centre") return;
+  pen.beginPath();
+  pen.arc(left, top, 1.5, 0, 2 * Math.PI);
+  pen.fill();
+}
+
+const few = 9; // rests whose names have room
+
 /**
- * The backdrop of a field `{x: [low, high], y: [low, high], n, level?, u, v}`: curves of the `level`, those through saddles broad,
- * and a cross at each saddle, a disc at any other rest.
+ * The backdrop of a field `{x: [low, high], y: [low, high], n, level?, u, v, arrows, kept, parts}`: curves of the `level`, where
+ * it `parts` motions those through saddles broad, the velocities as `arrows`, and every rest with its mark and the name of its kind.
  */
-export function fieldPicture({ x: [left, right], y: [low, high], n, level, u, v }) {
+export function fieldPicture({ x: [left, right], y: [low, high], n, level, u, v, arrows, kept, parts }) {
   const across = (i) => left + ((right - left) * i) / (n - 1), up = (j) => low + ((high - low) * j) / (n - 1);
-  const rests = restsOf(u, v, n).map((rest) => ({ ...rest, at: [across(rest.x), up(rest.y)] }));
+  const cell = { across: (right - left) / (n - 1), up: (high - low) / (n - 1), kept };
+  const whole = (value, size) => (Math.abs(value) < 1e-4 * size ? 0 : value); // of round-off
+  const rests = restsOf(u, v, n, cell).map((rest) => ({ ...rest, at: [whole(across(rest.x), cell.across), whole(up(rest.y), cell.up)] }));
   const usual = level ? levelsOf(level, 14).map((value) => levelCurve(level, n, value)) : [];
-  const separating = level ? rests.filter(({ saddle }) => saddle).map((rest) => levelCurve(level, n, levelAt(level, n, rest))) : [];
+  const separating = level && parts ? rests.filter(({ kind }) => kind === "saddle").map((rest) => levelCurve(level, n, levelAt(level, n, rest))) : [];
   const draw = (pen, map, colour) => {
     const line = (pieces, width) => {
       pen.beginPath();
@@ -95,19 +149,18 @@ export function fieldPicture({ x: [left, right], y: [low, high], n, level, u, v 
     };
     usual.forEach((pieces) => line(pieces, 0.7));
     separating.forEach((pieces) => line(pieces, 2));
-    for (const { at: [a, b], saddle } of rests) {
-      const [c, d] = [map.x(a), map.y(b)];
-      pen.beginPath();
-      if (saddle) for (const side of [-1, 1]) {
-        pen.moveTo(c - 5, d - 5 * side);
-        pen.lineTo(c + 5, d + 5 * side);
-      }
-      else pen.arc(c, d, 3.5, 0, 2 * Math.PI);
-      pen.strokeStyle = pen.fillStyle = colour("--ink");
-      pen.lineWidth = 2;
-      if (saddle) pen.stroke();
-      else pen.fill();
+    pen.strokeStyle = colour("--soft-ink");
+    pen.lineWidth = 1;
+    if (arrows) drawArrows(pen, map, n, u, v, (i, j) => [across(i), up(j)]);
+    pen.strokeStyle = pen.fillStyle = colour("--ink");
+    pen.lineWidth = 2;
+    pen.textAlign = "left";
+    pen.textBaseline = "bottom";
+    for (const { at: [a, b], kind } of rests) {
+      const place = [map.x(a), map.y(b)];
+      markRest(pen, place, kind);
+      if (rests.length <= few) pen.fillText(text(`rest.${kind}`), place[0] + 7, place[1] - 4);
     }
   };
-  return { rests: rests.map(({ at, saddle }) => ({ at, saddle })), draw };
+  return { rests: rests.map(({ at, kind }) => ({ at, kind })), draw };
 }

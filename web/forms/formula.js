@@ -42,12 +42,20 @@ function copy(node) {
 const terms = (row) => [...row.childNodes].flatMap((part) =>
   (part.localName === "mrow" && !["(", "|"].includes(part.firstChild?.textContent) ? terms(part) : [part]));
 
+const parsed = (text) => new DOMParser().parseFromString(text, "application/xml").querySelector("math");
+
 /** A formula in as many lines as its equations, for none to be cut off; one that was `typed` breaks between all its terms. */
 export function formulaOf(text, typed = false) {
-  const math = new DOMParser().parseFromString(text, "application/xml").querySelector("math");
-  if (!math) return [];
+  const math = parsed(text);
+  return math ? inLines(typed ? terms(math) : math.childNodes, typed) : [];
+}
+
+/** Equations of a table, each in as many lines as it needs. */
+export const equationsOf = (text) => [...(parsed(text)?.querySelectorAll("mtr") ?? [])].map((row) => inLines([...row.childNodes].flatMap(terms), true));
+
+function inLines(parts, typed) {
   const lines = [[]];
-  for (const part of typed ? terms(math) : math.childNodes) {
+  for (const part of parts) {
     const said = part.textContent, long = lines.at(-1).reduce((n, { textContent }) => n + textContent.length, 0) > (typed ? 14 : 10);
     const sum = part.localName === "mo" && ["+", "−"].includes(said) && long;
     if (sum) lines.push([]);

@@ -3,12 +3,13 @@ import { known, text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { definitionOf, entries, kinds, placeOf, startIn, startValue, textsOf } from "../service/text.js";
 import { choose, element, faultText, words } from "../forms/forms.js";
-import { formulaOf } from "../forms/formula.js";
+import { equationsOf, formulaOf } from "../forms/formula.js";
 
 const find = (selector) => document.querySelector(`#own ${selector}`);
 const pause = 300; // ms without a key before the text is read
 
 const mechanics = kinds.filter((kind) => kind !== "equations");
+const most = 24, action = "s_"; // equations that are typeset; the name of s among them
 const none = text("none");
 const fields = [
   { key: "variables", hint: "x, y" },
@@ -51,6 +52,7 @@ export class Editor {
   #flight = null;
   #timer = 0;
   #faulty = false;
+  #derived = null; // {rates, parameters} of equations that are still to be typeset
   #said = ""; // the texts and faults that are shown
   #formulas = {}; // by kind, while another kind is tried
 
@@ -73,6 +75,7 @@ export class Editor {
       this.#timer = setTimeout(() => this.#read(), pause);
     });
     document.querySelector("#own").addEventListener("change", ({ target }) => target.closest(".typed") && this.#timer && this.#read());
+    find("#derived").addEventListener("toggle", () => this.#typeset());
     find("#example").addEventListener("change", async ({ target }) => picked((await this.examples())[target.value]));
   }
 
@@ -97,9 +100,9 @@ export class Editor {
 
   async examples() {
     if (this.#examples) return this.#examples;
-    this.#examples = [...(await api.scenes()).map(spoken), ...this.#others];
+    this.#examples = [...(await api.scenes()).map(spoken), ...this.#others, blank];
     const titles = this.#examples.map(({ title, name }, i) => ({ id: String(i), title: title ?? words(name) }));
-    choose(find("#example"), [{ id: "", title: text("own.begin") }, ...titles], "");
+    choose(find("#example"), [{ id: "", title: text("own.begin") }, titles.at(-1), ...titles.slice(0, -1)], "");
     return this.#examples;
   }
 
@@ -188,7 +191,7 @@ export class Editor {
       const begun = card && !start ? regular(card) : card;
       if (mine.signal.aborted) return null;
       this.#mark(texts, from.faults ?? [], card);
-      if (card) this.#tell(card);
+      if (card) this.#tell(card, problem);
       return { card: begun, problem };
     } catch (error) {
       if (!mine.signal.aborted) throw error;
@@ -224,7 +227,7 @@ export class Editor {
     find("#unplaced").replaceChildren(...elsewhere);
   }
 
-  #tell({ formula, form, equations = {}, equations_note: note = "", schemes }) {
+  #tell({ formula, form, equations = {}, equations_note: note = "", schemes }, { parameters = {} }) {
     const traits = [known(`own.form.${form.kind}`) ?? words(form.kind), form.autonomous ? "" : text("own.timed"),
                     form.kind === "flow" ? "" : text(form.keeps_energy ? "own.keeps" : "own.loses"),
                     text("own.schemes", { n: schemes.length })].filter(Boolean).join("; ");
@@ -235,8 +238,31 @@ export class Editor {
       element("li", {}, element("code", { textContent: `${spelled ? name : `d${name}/dt`} = ${rate}` }))));
     find("#equations-note").textContent = note;
     find("#derived").hidden = rates.length === 0 || form.kind === "flow";
+    this.#derived = spelled || find("#derived").hidden || rates.length > most ? null : { rates, parameters };
+    this.#typeset();
+  }
+
+  /** Who looks at the derived equations sees them as formulas, which the service makes of them as of any that are typed. */
+  async #typeset() {
+    const derived = this.#derived;
+    if (!derived || !find("#derived").open) return;
+    this.#derived = null;
+    const plain = (name) => name.replace(/\[(\d+)\]/g, "$1").replace(/\bs\b/g, action); // s is no variable of equations, x[1] none of its own
+    const equations = Object.fromEntries(derived.rates.map(([name, rate]) => [plain(name), plain(rate)]));
+    const parameters = Object.entries(derived.parameters).flatMap(([name, value]) => (
+      Array.isArray(value) ? value.map((one, i) => [`${name}${i + 1}`, one]) : [[name, value]]));
+    const { outcome } = await api.describe({ id: "custom", variables: Object.keys(equations), equations, parameters: Object.fromEntries(parameters) }, undefined, new AbortController().signal);
+    const rows = outcome ? equationsOf(outcome.formula) : [], items = [...find("#equations").children];
+    if (this.#derived || rows.length !== items.length || !items.every((item, i) => item.textContent.endsWith(` = ${derived.rates[i][1]}`))) return; // of another text
+    for (const [i, row] of rows.entries()) {
+      for (const letter of row.flatMap((line) => [...line.querySelectorAll("mi")])) if (letter.textContent === action) letter.textContent = "s";
+      items[i].replaceChildren(...row);
+    }
   }
 }
+
+/** What a scene of one's own begins with that is no example: the least that runs. */
+const blank = { title: text("own.blank"), problem: { variables: ["x"], lagrangian: "vx^2/2" }, initial: { x: 0, px: 1 }, until: { t: 10 }, axes: { x: "t", y: "x" } };
 
 /** A card as it is, or where its motion is singular at 0 with the coordinates that the service says it can begin at. */
 const regular = (card) => (card.start ? { ...card, variables: card.variables.map((one) => ({ ...one, default: card.start[one.name] ?? one.default })) } : card);

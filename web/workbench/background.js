@@ -1,12 +1,17 @@
-// What lies behind a portrait where that is chosen: level curves of H and where the motion rests. One step of Euler's method,
-// which leads along the velocity itself, from every place of a grid tells both.
+// What lies behind a portrait where that is chosen: level curves of H or of a formula, the vector field, and where the motion rests.
+// One step of Euler's method, which leads along the velocity itself, from every place of a grid tells all of them.
+import { text } from "../language/texts.js";
 import { ensemble } from "../service/api.js";
 import { Live } from "../service/live.js";
+import { faultText } from "../forms/forms.js";
+import { format } from "../forms/numbers.js";
 import { energyKind, isAutonomous, motion } from "../catalogue/card.js";
 import { fieldPicture } from "../drawing/field.js";
 
+const find = (selector) => document.querySelector(selector);
 const side = 121, step = 1e-6;
-const box = document.querySelector("#field");
+const field = find("#field"), level = find("#level");
+const height = "behind"; // the name of a formula's column
 
 /** Whether the plane of two variables tells all of a motion. */
 const isPlanar = (problem, axes) => Boolean(axes) && isAutonomous(problem) && motion(problem).length === 2 &&
@@ -15,10 +20,7 @@ const isPlanar = (problem, axes) => Boolean(axes) && isAutonomous(problem) && mo
 export class Background {
   #key = "";
   #field = null;
-  #live = new Live((asked, signal) => this.#answer(asked, signal), (field) => {
-    this.#field = field;
-    this.#came();
-  });
+  #live = new Live((asked, signal) => this.#answer(asked, signal), (answer) => this.#take(answer));
   #came;
 
   /** `came()`: there is another picture. */
@@ -26,43 +28,60 @@ export class Background {
     this.#came = came;
   }
 
+  /** What stands in a link, `{field: "levels" | "arrows" | "both", level: a formula}`, and back. */
   get chosen() {
-    return box.checked;
+    return { ...(field.value ? { field: field.value } : {}), ...(this.#formula ? { level: this.#formula } : {}) };
   }
-  set chosen(on) {
-    box.checked = on;
+  set chosen({ field: asked = "", level: formula = "" }) {
+    field.value = asked === "true" ? "levels" : asked; // as older links say it
+    if (field.selectedIndex < 0) field.value = "";
+    level.value = formula;
+  }
+  get #formula() {
+    return level.value.trim();
   }
 
-  /** The picture, and where the motion rests, `[{at, saddle}]`; null where there is none. */
+  /** The picture, and where the motion rests, `[{at, kind}]`; null where there is none. */
   get field() {
     return this.#field;
   }
 
   /** Asks for what lies behind the plane of `axes` between `low` and `high`, `{x, y}`; without a `plane` for nothing. */
   ask(problem, scene, axes, plane) {
-    box.parentElement.hidden = !isPlanar(problem, axes);
-    const wanted = box.checked && plane && isPlanar(problem, axes), { low, high } = plane ?? {};
-    const key = wanted ? JSON.stringify([scene, axes, low, high]) : "";
+    const kept = energyKind(problem) === "error", levels = ["levels", "both"].includes(field.value), arrows = ["arrows", "both"].includes(field.value);
+    field.parentElement.hidden = !isPlanar(problem, axes);
+    level.parentElement.hidden = !isPlanar(problem, axes) || !levels;
+    level.placeholder = kept ? "H" : text("starts.level.formula");
+    const wanted = field.value && plane && isPlanar(problem, axes), { low, high } = plane ?? {};
+    const of = !levels ? [] : this.#formula ? [{ name: height, expression: this.#formula }] : kept ? ["energy"] : [];
+    const key = wanted ? JSON.stringify([scene, axes, low, high, of, arrows]) : "";
     if (key === this.#key) return;
     this.#key = key;
     this.#live.stop();
-    if (!wanted) {
-      this.#field = null;
-      return this.#came();
-    }
-    const grid = (axis) => ({ grid: [low[axis], high[axis], side] }), energy = energyKind(problem) === "error" ? ["energy"] : [];
-    this.#live.ask({ axes, low, high, request: { ...scene, scheme: { id: "explicit_euler", step }, until: { steps: 1 },
-      columns: [...axes, ...energy], keep: ["final"], members: { vary: { [`/initial/${axes[0]}`]: grid("x"), [`/initial/${axes[1]}`]: grid("y") } } } }, true);
+    if (!wanted) return this.#take({ field: null });
+    const grid = (axis) => ({ grid: [low[axis], high[axis], side] });
+    this.#live.ask({ axes, low, high, arrows, kept, request: { ...scene, scheme: { id: "explicit_euler", step }, until: { steps: 1 },
+      columns: [...axes, ...of], keep: ["final"], members: { vary: { [`/initial/${axes[0]}`]: grid("x"), [`/initial/${axes[1]}`]: grid("y") } } } }, true);
   }
 
-  async #answer({ axes, low, high, request }, signal) {
-    const columns = request.columns.map(() => Array(side * side).fill(NaN));
+  async #answer({ axes, low, high, arrows, kept, request }, signal) {
+    const names = request.columns.map((column) => column.name ?? column), columns = names.map(() => Array(side * side).fill(NaN));
     const { faults } = await ensemble(request, signal, ({ kind, final }) => {
-      if (kind === "block") final.index.forEach((member, k) => request.columns.forEach((name, c) => (columns[c][member] = final[name][k] ?? NaN)));
+      if (kind === "block") final.index.forEach((member, k) => names.forEach((name, c) => (columns[c][member] = final[name][k] ?? NaN)));
     });
-    if (faults) return null;
-    const [x, y, level] = columns, at = (axis, k) => low[axis] + ((high[axis] - low[axis]) * k) / (side - 1);
+    if (faults) return { field: null, faults };
+    const [x, y, heights] = columns, at = (axis, k) => low[axis] + ((high[axis] - low[axis]) * k) / (side - 1);
     const u = x.map((v, member) => v - at("x", Math.floor(member / side))), v = y.map((w, member) => w - at("y", member % side));
-    return fieldPicture({ x: [low.x, high.x], y: [low.y, high.y], n: side, level, u, v });
+    return { axes, field: fieldPicture({ x: [low.x, high.x], y: [low.y, high.y], n: side, level: heights, u, v, arrows, kept, parts: names.includes("energy") }) };
+  }
+
+  /** Shows a picture, says where it rests, or what was refused. */
+  #take({ field: made, faults = [] }) {
+    this.#field = made;
+    find("#level-fault").textContent = faults.map(faultText)[0] ?? "";
+    level.setAttribute("aria-invalid", String(faults.length > 0));
+    const places = (made?.rests ?? []).map(({ at, kind }) => `(${at.map((v) => format(v, 3)).join("; ")}) ${text(`rest.${kind}`)}`);
+    find("#rests").textContent = places.length ? text("starts.rests", { places: places.join(", ") }) : "";
+    this.#came();
   }
 }

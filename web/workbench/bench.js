@@ -76,7 +76,7 @@ export class Bench {
     this.#panes.load({ ...problem, suggested: { ...problem.suggested, ...this.#scene.preset?.suggested } }, experiment);
     this.#studies.offer(problem, experiment);
     this.#together(experiment.view?.together === "true");
-    this.#background.chosen = experiment.view?.field === "true";
+    this.#background.chosen = experiment.view ?? {};
     this.#starts.load(experiment.starts);
     this.#offerStarts();
     this.request(quietly);
@@ -149,7 +149,7 @@ export class Bench {
 
   /** The experiment as the forms stand; `changed`: without what has its default. */
   #experiment(changed = false) {
-    const view = { ...(find("#together").checked ? { together: true } : {}), ...(this.#background.chosen ? { field: true } : {}) };
+    const view = { ...(find("#together").checked ? { together: true } : {}), ...this.#background.chosen };
     return { ...this.#scene.values(changed), view, starts: this.#starts.linked, ...this.#studies.chosen(changed), ...this.#panes.chosen(changed) };
   }
 
@@ -276,7 +276,7 @@ export class Bench {
       if (this.#runs.outcomes && drawnOf(this.#scene.axes, kindsOf(this.#scene.problem)).every(there)) this.#showPlanes();
       else this.request();
     });
-    find("#field").addEventListener("change", () => {
+    for (const choice of ["#field", "#level"]) find(choice).addEventListener("change", () => {
       this.#went(toHash(this.#experiment(true)), false);
       this.#redraw();
     });

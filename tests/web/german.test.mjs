@@ -58,6 +58,15 @@ pageTest("every lesson is German, and fits", lesson, async (page) => {
     await becomes(() => page.evaluate(() => window.said?.lesson), (shown) => shown === id);
     await assertGerman(page, id);
     if (["portrait", "chain", "islands", "digits", "bounce"].includes(id)) await assertFits(page, id);
+    await page.setViewportSize({ width: 1280, height: 720 });
+    await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve))));
+    const high = await page.locator(".all").evaluate((all) => {
+      all.open = false;
+      const found = document.documentElement.scrollHeight;
+      all.open = true;
+      return found;
+    });
+    assert.ok(high <= 720 || high > 745, `${id} scrolls by ${high - 720} pixels, for nothing`);
     await page.setViewportSize({ width: 1024, height: 768 });
     const low = Math.max(0, ...await page.locator("#control input").evaluateAll((found) => found.map((node) => node.getBoundingClientRect().bottom)));
     assert.ok(low <= 768, `what is moved by hand in ${id} stands in the first screen, down to ${low}`);

@@ -30,6 +30,8 @@ pageTest("every lesson runs, its claim is true, and its picture is in sight on e
       if (!study) assert.ok(await seen(page, `--run-${colour}`), `${lesson.id}: run ${colour} is drawn`);
     }
     await assertInSight(page, lesson.id, "#figures :is(canvas.plane, .precision)");
+    const high = await page.evaluate(() => document.documentElement.scrollHeight); // at 1280 × 720
+    assert.ok(high <= 720 || high > 760, `${lesson.id} scrolls by ${high - 720} pixels, for nothing`);
     if (folder) await presented(page, lesson.id);
   }
   assert.equal(lessons.length, Object.keys(claims).length);

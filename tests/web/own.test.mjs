@@ -293,7 +293,7 @@ pageTest("of a formula only what is known gets into the page, and a text never e
   { ...own, prepare: answering }, async (page) => {
     const inside = await page.locator("#found *").evaluateAll((found) =>
       found.map((node) => [node.localName, ...node.getAttributeNames()].join(" ")));
-    const known = /^(math display|mi|mo|mtext|div( id| role| aria-label| data-text-label| tabindex)+|p id( role aria-live)?|details id|summary data-text|ul id|li|code)$/;
+    const known = /^(math display|mi|mo|mtext|div( id| role| aria-label| data-text-label| tabindex)+|p id( role aria-live)?|details id|summary data-text|ul id tabindex|li|code)$/;
     assert.ok(inside.includes("mi") && inside.every((node) => known.test(node)), inside.join(", "));
     assert.match(await page.textContent("#equations"), /<img src=x>/, "as text");
     await text(page, "title").fill("it's '''quoted'''\"\\");

@@ -9,9 +9,11 @@ const made = (name) => document.createElementNS("http://www.w3.org/1998/Math/Mat
 const greek = new Map(("alpha α,beta β,gamma γ,delta δ,epsilon ε,zeta ζ,eta η,theta θ,kappa κ,lambda λ,mu μ,nu ν,xi ξ,rho ρ," +
   "sigma σ,tau τ,phi φ,chi χ,psi ψ,omega ω,Gamma Γ,Delta Δ,Theta Θ,Lambda Λ,Phi Φ,Psi Ψ,Omega Ω").split(",").map((pair) => pair.split(" ")));
 
-/** A name that is typed, as it is written: `gamma` γ, `q1` with an index, `px` and `vtheta` with their coordinate for one. */
+/** A name that is typed, as it is written: `gamma` γ, `q1` with an index, `px`, `vtheta` and `ptheta1` with their coordinate for one. */
 function written(name) {
   if (greek.has(name)) return [greek.get(name)];
+  const [, of, angle, digits] = /^([pv])([A-Za-z]+?)_?(\d+)$/.exec(name) ?? [];
+  if (greek.has(angle)) return [of, greek.get(angle) + digits];
   const [, letter = name, index] = /^([A-Za-z]+?)_?(\d+)$/.exec(name) ?? /^([pv])([A-Za-z])$/.exec(name) ??
     (greek.has(name.slice(1)) ? /^([pv])(.+)$/.exec(name) : null) ?? [];
   return [letter, ...(index ? [index] : [])].map((part) => greek.get(part) ?? part);

@@ -94,8 +94,13 @@ export class Lesson {
     this.#study?.draw();
   }
 
-  /** In a presentation the words beside the picture are as large as there is room for all of them. */
+  /**
+   * The pictures leave room for what the words above them take beyond a line each. In a presentation the words beside the picture are
+   * as large as there is room for all of them.
+   */
   #fit() {
+    const beyond = (node) => node.offsetHeight - parseFloat(getComputedStyle(node).lineHeight);
+    find("#figures").style.setProperty("--more-words", `${Math.max(0, beyond(find("#claim"))) + Math.max(0, beyond(find("#look")))}px`);
     const beside = find(".beside"), present = document.documentElement.classList.contains("present");
     beside.style.zoom = "";
     const cut = () => beside.scrollHeight > beside.clientHeight + 1;
@@ -117,6 +122,7 @@ export class Lesson {
     find("#look").replaceChildren(...prose(text(`lesson.${id}.look`)));
     find("#see").replaceChildren(...prose(text(`lesson.${id}.see`)));
     find("#legend").replaceChildren();
+    this.#fit();
     this.#runs = [];
     this.#player.rest();
     this.#measuring.stop();

@@ -24,6 +24,7 @@ const steps = (low, high) => ({ sets: "steps", label: "step_h", low, high, log: 
 const drift = { x: "t", y: "error_of_energy", log: "y" };
 const tau = 2 * Math.PI;
 const orbit = { x: "x", y: "y", sun: true };
+const orbits = { x: "x[*]", y: "y[*]", box: { x: [-40, 50], y: [-34, 50] }, thin: true, labels: [["in_au", { axis: "x" }], ["in_au", { axis: "y" }]] };
 const ellipse = ["true_orbit", (w) => [Math.cos(w) - 0.6, 0.8 * Math.sin(w)], [0, tau]];
 const fifty = { ...orbit, exact: [ellipse], thin: true }; // revolutions
 
@@ -105,8 +106,7 @@ export const lessons = [
   {
     id: "planets",
     scene: { problem: { id: "outer_solar_system" }, until: { t: 200000 } }, runs: [h("leapfrog", 100), h("runge_kutta_4", 400)], points: 2000,
-    views: [{ x: "x[*]", y: "y[*]", box: { x: [-40, 50], y: [-34, 50] }, thin: true, run: 0, labels: [["in_au", { axis: "x" }], ["in_au", { axis: "y" }]] },
-            { x: "x[*]", y: "y[*]", box: { x: [-40, 50], y: [-34, 50] }, thin: true, run: 1, labels: [["in_au", { axis: "x" }], ["in_au", { axis: "y" }]] }, drift],
+    views: [{ ...orbits, run: 0 }, { ...orbits, run: 1 }, drift], one: orbits,
     layout: "pair", control: steps(20, 200), tells: [["h_at_end", "trajectory.energy.last"]],
   },
   {

@@ -61,7 +61,8 @@ export class Bench {
     if (id === custom) return this.#open(experiment, quietly);
     this.#editor.close();
     this.#wait(null);
-    return this.#begin(problems.find((problem) => problem.id === id) ?? problems[0], experiment, quietly);
+    const called = (wanted) => problems.find((problem) => problem.id === wanted);
+    return this.#begin(called(id) ?? called("kepler") ?? problems[0], experiment, quietly);
   }
 
   #choose(id) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -99,8 +100,9 @@ class Collector {
       all.back().coefficient *= sign;
       return;
     }
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::abs(like->coefficient);
     like->coefficient += sign * term.coefficient;
-    if (like->coefficient == 0) all.erase(like);
+    if (std::abs(like->coefficient) <= rounding) all.erase(like);  // thirds of cubes, say, cancel but for that
   }
   Summands product(Index place, const Summands& a, const Summands& b) {
     products_ += a.size() * b.size();

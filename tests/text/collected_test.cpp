@@ -41,6 +41,7 @@ TEST(Collected, PutsTermsTogether) {
       {"(0.5*x^2 - 0.5)*(2*x)", "x^3 - x"},
       {"x*y - y*x + x", "x"},
       {"x - x*1", "0"},
+      {"y + x/10 + x/5 - 3*x/10", "y"},  // 5.6e-17 of x, by round-off
       {"2*x/(4*x^2)", "0.5/x"},
       {"k*x/sqrt(x^2 + y^2)/sqrt(x^2 + y^2)", "k*x/(x^2 + y^2)"},
       {"-(x + y)*1 + 3*y", "-x + 2*y"},

@@ -13,8 +13,8 @@ export function slider(label, range, value, moved) {
   const number = element("input", { type: "text", inputMode: "decimal", spellcheck: false });
   const node = element("div", { className: "slider" },
                        element("label", { className: "field" }, element("span", { className: "name", textContent: label }), number), track);
-  const set = (to) => {
-    number.value = String(to);
+  const set = (to, shown = String(Number(to.toPrecision(6)))) => { // of 1/12 as many digits as there is room for
+    number.value = shown;
     track.value = scale.of(to);
     track.setAttribute("aria-valuetext", spelled(to));
   };
@@ -28,7 +28,7 @@ export function slider(label, range, value, moved) {
   number.addEventListener("change", () => {
     const typed = read(number.value);
     if (number.value.trim() === "" || !Number.isFinite(typed)) return set(value);
-    set((value = typed));
+    set((value = typed), String(typed));
     moved(typed, true);
   });
   set(value);

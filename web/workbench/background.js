@@ -79,6 +79,7 @@ export class Background {
   #take({ field: made, faults = [] }) {
     this.#field = made;
     find("#level-fault").textContent = faults.map(faultText)[0] ?? "";
+    find("#level-fault").classList.toggle("fault", faults.length > 0);
     level.setAttribute("aria-invalid", String(faults.length > 0));
     const places = (made?.rests ?? []).map(({ at, kind }) => `(${at.map((v) => format(v, 3)).join("; ")}) ${text(`rest.${kind}`)}`);
     find("#rests").textContent = places.length ? text("starts.rests", { places: places.join(", ") }) : "";

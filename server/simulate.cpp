@@ -210,7 +210,7 @@ Answer no_choice(const Context& context, const HttpRequest& request, const Simul
                       asked.run.limits.seconds));
     }
   } else {
-    top.at("scheme").lacks(advice.reason);
+    top.at("scheme").lacks(advice.reason.text());
   }
   return problem_document(faults, request.id);
 }
@@ -229,7 +229,7 @@ std::optional<Faults> faults_of_choice(const Task& task) {
   if (!again.error().within("/scheme")) return again.error();
   Faults faults;
   FieldPath{"/scheme", &faults}.lacks("no scheme was found that follows this motion to its end; of those measured, " +
-                                      task.planned().choice->advice.reason);
+                                      task.planned().choice->advice.reason.text());
   return faults;
 }
 
@@ -243,6 +243,7 @@ Result<SharedTask, Answer> choose(const Context& context, const HttpRequest& req
     constexpr double margin = 0.05;  // the core takes half of it by itself; what it cannot interrupt is cut off
     const CancellationWatch watch(context.cancelled, request.gone, limit / 2 + margin);
     advice = advise(asked.run, *asked.wish, watch.cancelled());
+    if (goes_backward(*asked.run.scene)) advice.reason.turn_times();
     end = end_of(watch);
   }
   if (!advice.choice) return no_choice(context, request, asked, advice, end);

@@ -1,7 +1,6 @@
 #include "core/catalogue/backward.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -34,25 +33,6 @@ std::optional<text::TextScene> recorded_text(const Scene& scene) {
   auto text = text::TextScene::of(std::move(definition), std::move(form));
   text.known = scene.card();
   return text;
-}
-
-/// Times as core/run/messages.cpp writes them, "t = 1.5", with the other sign.
-std::string with_turned_times(const std::string& words) {
-  static constexpr std::string_view mark = "t = ";
-  std::string turned;
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t found = words.find(mark, at);
-    const std::size_t number = found == std::string::npos ? words.size() : found + mark.size();
-    turned.append(words, at, number - at);
-    at = number;
-    if (at == words.size() || (found > 0 && std::isalnum(static_cast<unsigned char>(words[found - 1])) != 0)) continue;
-    if (words[at] == '-') {
-      ++at;
-    } else if (words[at] != '0' || (at + 1 < words.size() && words[at + 1] == '.')) {
-      turned += '-';
-    }
-  }
-  return turned;
 }
 
 /// Times, rates by time and variables of a report, and of all its parts.
@@ -131,12 +111,12 @@ void turn(const Scene& scene, Solution& outcome) {
   outcome.t = opposite(outcome.t);
   outcome.stop.t = opposite(outcome.stop.t);
   if (outcome.stop.singular_at) outcome.stop.singular_at = opposite(*outcome.stop.singular_at);
-  outcome.stop.detail = with_turned_times(outcome.stop.detail);
+  outcome.stop.detail.turn_times();
   for (std::size_t i = 0; i < outcome.final.size(); ++i)
     if (text.turns(i)) outcome.final[i] = opposite(outcome.final[i]);
   for (Report& event : outcome.events) turn(scene, event);
   for (Report& diagnostic : outcome.diagnostics) turn(scene, diagnostic);
-  for (Warning& warning : outcome.warnings) warning.detail = with_turned_times(warning.detail);
+  for (Warning& warning : outcome.warnings) warning.detail.turn_times();
 }
 
 }  // namespace least

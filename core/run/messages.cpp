@@ -25,26 +25,25 @@ std::string near_bound(double ratio, double careful, double bound) {
 
 std::string column(std::string_view name) { return fmt::format("the column {} is not finite here", name); }
 
-std::string left_domain(double t) {
-  return fmt::format("the motion leaves its domain: what must stay positive reaches zero at t = {}", t);
+Message left_domain(double t) {
+  return "the motion leaves its domain: what must stay positive reaches zero at " + Message::time(t);
 }
 
-std::string blow_up(double t) { return fmt::format("the action reaches infinity at t = {}", t); }
+Message blow_up(double t) { return "the action reaches infinity at " + Message::time(t); }
 
 std::string stiff(double ratio) {
   return fmt::format(
       "the fastest rate of damping times the step is {:.3g}: above 0.5 expect large errors, above 1 nonsense", ratio);
 }
 
-std::string damping_sign(double limit, double damping_step, double t) {
-  return fmt::format(
-      "αh ≥ {:.3g} at t = {:.6g}, it is {:.3g}: a step turns the momentum over, the motion only damps it", limit, t,
-      damping_step);
+Message damping_sign(double limit, double damping_step, double t) {
+  return fmt::format("αh ≥ {:.3g} at ", limit) + Message::time(t, 6) +
+         fmt::format(", it is {:.3g}: a step turns the momentum over, the motion only damps it", damping_step);
 }
 
-std::string stiff_damping(double limit, double damping_step, double t) {
-  return fmt::format("αh > {:.3g} at t = {:.6g}, it is {:.3g}: a step of this scheme does not resolve the damping",
-                     limit, t, damping_step);
+Message stiff_damping(double limit, double damping_step, double t) {
+  return fmt::format("αh > {:.3g} at ", limit) + Message::time(t, 6) +
+         fmt::format(", it is {:.3g}: a step of this scheme does not resolve the damping", damping_step);
 }
 
 std::string undamped_action(double damping_step) {
@@ -67,8 +66,8 @@ std::string grows_by_energy(double before, double now) {
                      before, now);
 }
 
-std::string error(double most, double t) {
-  return fmt::format("at t = {:.4g} it is off by {:.2g} from the true motion", t, most);
+Message error(double most, double t) {
+  return "at " + Message::time(t, 4) + fmt::format(" it is off by {:.2g} from the true motion", most);
 }
 
 std::string no_tangent() {
@@ -76,41 +75,36 @@ std::string no_tangent() {
                      tape::most_of_equations);
 }
 
-std::string sensitive_end(double t) {
-  return fmt::format(
-      "from t = {:.4g} on control runs of Dormand–Prince 5(4) at tolerances of 1e-10 and 1e-12 part from it and from "
-      "each other: no state beyond is sure",
-      t);
+Message sensitive_end(double t) {
+  return "from " + Message::time(t, 4) +
+         " on control runs of Dormand–Prince 5(4) at tolerances of 1e-10 and 1e-12 part from it and from each other: "
+         "no state beyond is sure";
 }
 
-std::string sensitive_end(double t, double rate) {
-  return fmt::format(
-      "small differences grow by a factor of 10 in {:.3g} of time: from about t = {:.4g} on no digit of the state "
-      "means "
-      "anything, averages may",
-      std::log(10) / rate, t);
+Message sensitive_end(double t, double rate) {
+  return fmt::format("small differences grow by a factor of 10 in {:.3g} of time: from about ", std::log(10) / rate) +
+         Message::time(t, 4) + " on no digit of the state means anything, averages may";
 }
 
-std::string beyond_singularity(double t) {
-  return fmt::format(
-      "control runs of Dormand–Prince 5(4) come to a standstill at t = {:.7g}, where this one went on: the motion is "
-      "singular there, or as good as that",
-      t);
+Message beyond_singularity(double t) {
+  return "control runs of Dormand–Prince 5(4) come to a standstill at " + Message::time(t, 7) +
+         ", where this one went on: the motion is singular there, or as good as that";
 }
 
-std::string judged_before_acts(std::string_view event, double t) {
-  return fmt::format(
-      "the scheme was chosen by runs up to t = {:.6g}, where {} acts for the first time: what it does to the motion, "
-      "and errors beyond, were not looked at",
-      t, event);
+Message judged_before_acts(std::string_view event, double t) {
+  return "the scheme was chosen by runs up to " + Message::time(t, 6) +
+         fmt::format(
+             ", where {} acts for the first time: what it does to the motion, and errors beyond, were not "
+             "looked at",
+             event);
 }
 
-std::string estimate_blind(double error, double t, double tolerance) {
-  return fmt::format(
-      "at t = {:.4g} it is off by {:.2g}, by control runs of Dormand–Prince 5(4) that agree: far more than steps "
-      "within "
-      "{:.2g} should come to",
-      t, error, tolerance);
+Message estimate_blind(double error, double t, double tolerance) {
+  return "at " + Message::time(t, 4) +
+         fmt::format(
+             " it is off by {:.2g}, by control runs of Dormand–Prince 5(4) that agree: far more than steps "
+             "within {:.2g} should come to",
+             error, tolerance);
 }
 
 std::string uncertain(double uncertainty) {
@@ -118,11 +112,10 @@ std::string uncertain(double uncertainty) {
                      uncertainty);
 }
 
-std::string departs(double error, double t, double reached) {
-  return fmt::format(
-      "at t = {:.4g} it is off by {:.2g}, by a control run of Dormand–Prince 5(4) that went as far as t = "
-      "{:.4g}",
-      t, error, reached);
+Message departs(double error, double t, double reached) {
+  return "at " + Message::time(t, 4) +
+         fmt::format(" it is off by {:.2g}, by a control run of Dormand–Prince 5(4) that went as far as ", error) +
+         Message::time(reached, 4);
 }
 
 std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member) {
@@ -151,11 +144,12 @@ std::string energy_jump(double before, double now) {
 
 std::string number(double x) { return fmt::format("{}", x); }
 
-std::string unresolved(const std::vector<std::string_view>& names, double t) {
+Message unresolved(const std::vector<std::string_view>& names, double t) {
   return fmt::format(
-      "{} {} faster than closer looks at the run can follow, or {} zero but for round-off, first in the step to t = "
-      "{:.6g}: zeros may be missing",
-      fmt::join(names, ", "), names.size() > 1 ? "change" : "changes", names.size() > 1 ? "are" : "is", t);
+             "{} {} faster than closer looks at the run can follow, or {} zero but for round-off, first in the "
+             "step to ",
+             fmt::join(names, ", "), names.size() > 1 ? "change" : "changes", names.size() > 1 ? "are" : "is") +
+         Message::time(t, 6) + ": zeros may be missing";
 }
 
 std::string unresolved_members(std::string_view plane, std::int64_t count, std::int64_t first) {
@@ -207,8 +201,8 @@ std::string act_not_finite(std::string_view event) {
   return fmt::format("what {} sets is no finite number here", event);
 }
 
-std::string accumulates(std::string_view event, double limit) {
-  return fmt::format("{} follows on itself ever faster: infinitely often before t = {:.9g}", event, limit);
+Message accumulates(std::string_view event, double limit) {
+  return fmt::format("{} follows on itself ever faster: infinitely often before ", event) + Message::time(limit, 9);
 }
 
 }  // namespace least::messages

@@ -98,13 +98,13 @@ class Run {
 
   bool going() const { return outcome_.stop.reason == ReturnCode::completed; }
   bool arrived() const { return ended_ || state_.n == last_step_ || !(state_.x.t < loop_end_); }
-  bool stop(ReturnCode reason, std::string detail, double singular_at = unknown) {
+  bool stop(ReturnCode reason, Message detail, double singular_at = unknown) {
     if (!fixed_ && state_.x.t > end_) step_back();
     if (going()) outcome_.stop = {reason, std::move(detail), state_.x.t, state_.n, {}};
     if (std::isfinite(singular_at)) outcome_.stop.singular_at = singular_at;
     return false;
   }
-  void warn(std::string_view code, std::string detail) { outcome_.warnings.push_back({code, std::move(detail)}); }
+  void warn(std::string_view code, Message detail) { outcome_.warnings.push_back({code, std::move(detail)}); }
   bool keep_going() { return budget_.look() == ReturnCode::completed; }
   bool within_budget(std::int64_t steps) {
     const ReturnCode reason = budget_.passed(steps);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/memory_budget.hpp"
+#include "core/run/message.hpp"
 #include "core/status.hpp"
 
 namespace least {
@@ -56,7 +57,7 @@ class Samples final : public RowSink {
 
 struct Termination {
   ReturnCode reason = ReturnCode::completed;
-  std::string detail;
+  Message detail;
   double t = 0;           ///< last good time
   std::int64_t step = 0;  ///< last good step
   std::optional<double> singular_at;
@@ -64,7 +65,7 @@ struct Termination {
 
 struct Warning {
   std::string_view code;
-  std::string detail;
+  Message detail;
 };
 
 struct Cost {

@@ -10,7 +10,7 @@ namespace least {
 
 struct StopReason {
   ReturnCode reason;
-  std::string detail;
+  Message detail;
   double singular_at = unknown;
 };
 

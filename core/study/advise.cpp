@@ -22,9 +22,9 @@ std::string measured_by(const ErrorStudy& subject) {
   return fmt::format("against the {}", subject.truth().how);
 }
 
-std::string measured_up_to(const ErrorStudy& subject) {
+Message measured_up_to(const ErrorStudy& subject) {
   if (!subject.ends_early()) return {};
-  return fmt::format("; measured up to t = {:.6g}, shortly before the motion ends", subject.end());
+  return "; measured up to " + Message::time(subject.end(), 6) + ", shortly before the motion ends";
 }
 
 std::string growth_of(const Conditioning& known) {
@@ -94,7 +94,7 @@ Advice unmeasured(const Request& scene, const Pilot& pilot, const std::vector<Sc
   if (allowed && pilot.completed)
     advice.reason += fmt::format(", as it came to its end in {:.2g} s", pilot.seconds);
   else if (allowed)
-    advice.reason += fmt::format(", which came to t = {:.6g} in {:.2g} s", pilot.end, pilot.seconds);
+    advice.reason += ", which came to " + Message::time(pilot.end, 6) + fmt::format(" in {:.2g} s", pilot.seconds);
   return advice;
 }
 
@@ -295,11 +295,12 @@ Advice advise_up_to_acts(const Request& scene, const Wish& wish, std::optional<A
   advice = timed ? best_within(contest, posed, pilot, all, until ? seconds : wish.seconds)
                  : cheapest(contest, posed, pilot, all, accuracy);
   if (!pilot.event.empty() && advice.referenced)
-    advice.reason += fmt::format("; measured up to t = {:.6g}, where {} ends the run", posed.end, pilot.event);
+    advice.reason +=
+        "; measured up to " + Message::time(posed.end, 6) + fmt::format(", where {} ends the run", pilot.event);
   if (until && advice.choice) {
     advice.reason =
-        fmt::format("errors at the end mean nothing, as differences of the start grow {}; up to t = {:.4g}, {}",
-                    growth_of(*known), *until, advice.reason);
+        fmt::format("errors at the end mean nothing, as differences of the start grow {}; up to ", growth_of(*known)) +
+        Message::time(measured.end, 4) + ", " + advice.reason;
     advice.estimated_error = unknown;
     advice.met = timed;
     advice.known = !timed;

@@ -63,7 +63,7 @@ struct Study {
   double end = 0;        ///< time up to which errors are measured: earlier than asked for where the motion ends before
   std::vector<StudyCurve> curves;           ///< in the order of the plan's schemes
   std::vector<ParetoPoint> pareto;          ///< from few force evaluations to many
-  std::vector<std::string> left_out;        ///< what, and why
+  std::vector<Message> left_out;            ///< what, and why
   ReturnCode stop = ReturnCode::completed;  ///< else why there is no reference
 };
 
@@ -104,7 +104,7 @@ struct Alternative {
 
 struct Advice {
   std::optional<SchemeConfig> choice;  ///< empty where no scheme fits the wish's `keep`, or none completes
-  std::string reason;                  ///< in words: why this one; or what the best is, and why there is nothing better
+  Message reason;                      ///< in words: why this one; or what the best is, and why there is nothing better
   /// Against the reference, or at half the step; NaN where errors at the end mean nothing, and others were measured.
   double estimated_error = std::numeric_limits<double>::quiet_NaN();
   bool met = false;

@@ -166,7 +166,7 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
   study.uncertainty = subject.truth().uncertainty_in(plan.scene.norm);
   study.floor = subject.floor();
   if (subject.ends_early())
-    study.left_out.push_back(fmt::format("times after t = {:.6g}, where the motion nears its end", subject.end()));
+    study.left_out.push_back("times after " + Message::time(subject.end(), 6) + ", where the motion nears its end");
   if (plan.begun) plan.begun(study);
 
   std::vector<Ladder> ladders;

@@ -205,7 +205,7 @@ void write_norm(JsonWriter& json, const Request& request) {
 
 void write_choice(JsonWriter& json, const AdviceWithCards& choice) {
   const Advice& advice = choice.advice;
-  json.open('{').key("reason").text(advice.reason).key("met");
+  json.open('{').key("reason").text(advice.reason.text()).key("met");
   advice.known ? json.boolean(advice.met) : json.null();
   json.key("estimated_error").number(advice.estimated_error).key("alternatives").open('[');
   for (const Alternative& other : advice.alternatives) {
@@ -246,7 +246,7 @@ void write_echo(JsonWriter& json, const PlannedRun& run, bool beside_findings) {
 }
 
 void write_stop(JsonWriter& json, const Termination& stop) {
-  json.open('{').key("reason").text(name(stop.reason)).key("detail").text(stop.detail);
+  json.open('{').key("reason").text(name(stop.reason)).key("detail").text(stop.detail.text());
   json.key("t").number(stop.t).key("step").integer(stop.step).key("singular_at");
   stop.singular_at ? json.number(*stop.singular_at) : json.null();
   json.close('}');
@@ -294,7 +294,7 @@ void write_cost(JsonWriter& json, const Cost& cost) {
 void write_warnings(JsonWriter& json, const std::vector<Warning>& warnings) {
   json.open('[');
   for (const Warning& warning : warnings) {
-    json.open('{').key("code").text(warning.code).key("detail").text(warning.detail).close('}');
+    json.open('{').key("code").text(warning.code).key("detail").text(warning.detail.text()).close('}');
   }
   json.close(']');
 }

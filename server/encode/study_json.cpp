@@ -1,5 +1,6 @@
 #include "server/encode/study_json.hpp"
 
+#include "core/catalogue/backward.hpp"
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/answer_parts.hpp"
 
@@ -66,9 +67,12 @@ void write_pareto(JsonWriter& json, const PlanWithCards& planned, const least::S
   json.close(']');
 }
 
-void write_left_out(JsonWriter& json, const std::vector<std::string>& left_out) {
+void write_left_out(JsonWriter& json, const Scene& scene, const std::vector<Message>& left_out) {
   json.open('[');
-  for (const std::string& what : left_out) json.text(what);
+  for (Message what : left_out) {
+    if (goes_backward(scene)) what.turn_times();
+    json.text(what.text());
+  }
   json.close(']');
 }
 
@@ -87,17 +91,17 @@ void write_study_echo(JsonWriter& json, const PlanWithCards& planned) {
   json.key("budget_seconds").number(plan.budget_seconds);
 }
 
-void write_truth(JsonWriter& json, const least::Study& study) {
+void write_truth(JsonWriter& json, const PlanWithCards& planned, const least::Study& study) {
   json.key("reference").open('{').key("how").text(study.how).key("uncertainty").number(study.uncertainty).close('}');
   json.key("floor").number(study.floor).key("growth").number(study.growth).key("chaotic").boolean(study.chaotic);
-  json.key("end").number(study.end);
+  json.key("end").number(sign_of(*planned.plan.scene.scene, "t") * study.end);
 }
 
 void write_findings(JsonWriter& json, const PlanWithCards& planned, const least::Study& study, ReturnCode end,
                     bool points) {
   write_curves(json.key("curves"), planned, study, points);
   write_pareto(json.key("pareto"), planned, study);
-  write_left_out(json.key("left_out"), study.left_out);
+  write_left_out(json.key("left_out"), *planned.plan.scene.scene, study.left_out);
   write_status(json, end == ReturnCode::completed ? study.stop : end);
 }
 
@@ -117,7 +121,7 @@ std::string line(WriteMembers write_members) {
 std::string encode_study(const PlanWithCards& planned, const least::Study& study, ReturnCode end) {
   return line([&](JsonWriter& json) {
     write_study_echo(json, planned);
-    write_truth(json, study);
+    write_truth(json, planned, study);
     write_findings(json, planned, study, end, true);
   });
 }
@@ -125,7 +129,7 @@ std::string encode_study(const PlanWithCards& planned, const least::Study& study
 std::string encode_study_head(const PlanWithCards& planned, const least::Study& study) {
   return line([&](JsonWriter& json) {
     write_study_echo(json, planned);
-    write_truth(json, study);
+    write_truth(json, planned, study);
     json.key("schemes").open('[');
     for (const SchemeConfig& choice : planned.plan.schemes) write(json, planned.cards, choice);
     json.close(']');
@@ -162,11 +166,11 @@ std::string encode_stability(const StabilityFindings& findings, ReturnCode end) 
       json.close('}');
     }
     json.close(']');
-    std::vector<std::string> left_out;
+    std::vector<Message> left_out;
     for (std::size_t i = limits.size(); i < schemes.size(); ++i) {
       left_out.push_back(name(cards.schemes[schemes[i].scheme], schemes[i]) + ": no time was left");
     }
-    write_left_out(json.key("left_out"), left_out);
+    write_left_out(json.key("left_out"), *scene.scene, left_out);
     write_status(json, end);
   });
 }

@@ -20,14 +20,14 @@ using least::tape::Tangents;
 using least::tape::Tape;
 
 constexpr int order = 12;
-constexpr std::size_t variables = 3, moving = 2;  // x, y, and a parameter c
+constexpr std::size_t all_variables = 3, moving = 2;  // x, y, and a parameter c
 constexpr double later = 0.1;
-using Start = std::array<double, variables>;
+using Start = std::array<double, all_variables>;
 
 /// Of ẋ = f(x, y, c, t), ẏ = xy − x/2 the state after a while, and its derivatives by x, y, c and by pairs of them.
 struct Ended {
   std::array<double, moving> state{};
-  std::array<std::array<double, variables>, moving> first{};
+  std::array<std::array<double, all_variables>, moving> first{};
   std::array<std::vector<double>, moving> second{};
 };
 
@@ -37,30 +37,30 @@ class Motion {
   explicit Motion(F f) {
     Tape tape;
     const Symbol x = Symbol::variable(tape, 0), y = Symbol::variable(tape, 1), c = Symbol::variable(tape, 2);
-    const std::array<Symbol, variables> rates{f(x, y, c, Symbol::time(tape)), x * y - 0.5 * x, 0.0};
+    const std::array<Symbol, all_variables> rates{f(x, y, c, Symbol::time(tape)), x * y - 0.5 * x, 0.0};
     std::vector<Index> places;
     for (const Symbol& rate : rates) places.push_back(rate.on(tape));
     program_ = Program(tape, places, moving);
-    for (std::size_t a = 0; a < variables; ++a)
-      for (std::size_t b = a; b < variables; ++b) pairs_.emplace_back(a, b);
+    for (std::size_t a = 0; a < all_variables; ++a)
+      for (std::size_t b = a; b < all_variables; ++b) pairs_.emplace_back(a, b);
   }
 
   /// `scale`: what derivatives by each are followed as, the scales of pairs being 1.
   Ended from(const Start& start, double scale = 1) const {
     Series series(program_, order, false);
     series.expand(start.data(), 0.2);
-    Tangents tangents(program_, order, variables, pairs_);
-    constexpr std::size_t lanes = Tangents::lanes_of(variables);
+    Tangents tangents(program_, order, all_variables, pairs_);
+    constexpr std::size_t lanes = Tangents::lanes_of(all_variables);
     const std::size_t pair_lanes = Tangents::lanes_of(pairs_.size());
-    std::vector<double> first(variables * lanes), second(variables * pair_lanes);
-    for (std::size_t i = 0; i < variables; ++i) first[i * lanes + i] = scale;
+    std::vector<double> first(all_variables * lanes), second(all_variables * pair_lanes);
+    for (std::size_t i = 0; i < all_variables; ++i) first[i * lanes + i] = scale;
     tangents.expand(series, first, second, std::vector<double>(pair_lanes, 1 / (scale * scale)));
     std::vector<double> low(first.size()), low_second(second.size());
     tangents.evaluate(later, first, low, second, low_second);
     Ended ended;
     for (std::size_t i = 0; i < moving; ++i) {
       for (int k = order; k >= 0; --k) ended.state[i] = ended.state[i] * later + series.coefficients(k)[i];
-      for (std::size_t d = 0; d < variables; ++d) ended.first[i][d] = first[i * lanes + d] / scale;
+      for (std::size_t d = 0; d < all_variables; ++d) ended.first[i][d] = first[i * lanes + d] / scale;
       for (std::size_t p = 0; p < pairs_.size(); ++p) ended.second[i].push_back(second[i * pair_lanes + p]);
     }
     return ended;
@@ -84,7 +84,7 @@ void holds(const char* what, F f) {
     there[d] += by;
     return motion.from(there);
   };
-  for (std::size_t d = 0; d < variables; ++d) {
+  for (std::size_t d = 0; d < all_variables; ++d) {
     const Ended up = moved(d, step), down = moved(d, -step), far_up = moved(d, 2 * step),
                 far_down = moved(d, -2 * step);
     const auto slope = [&](auto number) {

@@ -176,8 +176,8 @@ TEST(Ensemble, WarnsOfWhatItsMembersWarnOf) {
   plan.members.count = plan.last = 5;
   const auto some_of_them = warnings_of_few(plan, never);
   ASSERT_FALSE(some_of_them.empty());
-  EXPECT_NE(some_of_them.back().detail.find(" of 5 members that were run alone, too; "), std::string::npos);
-  EXPECT_EQ(some_of_them.back().detail.find("said by 5 of 5"), std::string::npos) << some_of_them.back().detail;
+  EXPECT_NE(some_of_them.back().detail.text().find(" of 5 members that were run alone, too; "), std::string::npos);
+  EXPECT_EQ(some_of_them.back().detail.text().find("said by 5 of 5"), std::string::npos) << some_of_them.back().detail;
 
   // However long they are.
   plan.request.until_steps = true;

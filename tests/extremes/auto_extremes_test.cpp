@@ -44,7 +44,7 @@ struct Chosen {
 Chosen by_auto(Request request, double accuracy) {
   const double begun = steady_seconds();
   Advice advice = advise(request, {accuracy, 0, {}}, never_cancelled);
-  if (!advice.choice) throw std::runtime_error("no choice: " + advice.reason);
+  if (!advice.choice) throw std::runtime_error("no choice: " + advice.reason.text());
   request.scheme = advice.choice->scheme;
   request.settings = advice.choice->settings;
   request.limits.seconds -= steady_seconds() - begun;
@@ -183,7 +183,7 @@ TEST(AutoTime, ComesBackWithARun) {
     ASSERT_EQ(chosen.outcome.stop.reason, ReturnCode::completed)
         << hard.name << " at " << chosen.outcome.t << ": " << chosen.advice.reason;
     if (std::string_view(hard.name) != "van der Pol") {
-      EXPECT_EQ(chosen.advice.reason.find("stiff"), std::string::npos) << chosen.advice.reason;
+      EXPECT_EQ(chosen.advice.reason.text().find("stiff"), std::string::npos) << chosen.advice.reason;
     }
     Request fine = request;
     fine.scheme = find_scheme("taylor").value();
@@ -230,7 +230,7 @@ TEST(AutoEvents, MeasuresUpToTheOneThatEndsTheRun) {
     time += 1.5 / parts / std::sqrt(0.49 - x * x - 2 * x * x * x / 3);
   }
   EXPECT_NEAR(chosen.outcome.t, time, 1e-5) << chosen.advice.reason;
-  EXPECT_NE(chosen.advice.reason.find("end ends the run"), std::string::npos) << chosen.advice.reason;
+  EXPECT_NE(chosen.advice.reason.text().find("end ends the run"), std::string::npos) << chosen.advice.reason;
   // Without it the motion ends before the span does, and no error is known over the whole of it.
   const Chosen all = by_auto(free, 1e-6);
   EXPECT_FALSE(all.advice.known) << all.advice.reason;
@@ -270,7 +270,7 @@ TEST(AutoEvents, AKinkIsNoEnd) {
     if (chosen.advice.known && chosen.advice.met) {
       EXPECT_NEAR(final_of(request, chosen.outcome, "x"), bounced(f, a, end), 2e-4 * a) << chosen.advice.reason;
     }
-    EXPECT_EQ(chosen.advice.reason.find("ends"), std::string::npos) << chosen.advice.reason;
+    EXPECT_EQ(chosen.advice.reason.text().find("ends"), std::string::npos) << chosen.advice.reason;
   }
 }
 

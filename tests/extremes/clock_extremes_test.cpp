@@ -193,7 +193,7 @@ TEST(ClockCollision, OfAdaptiveStepsEndsWhereItHappens) {
         ASSERT_EQ(result.outcome.stop.reason, ReturnCode::singular) << what;
         EXPECT_NEAR(result.outcome.t, when, when * std::max(10 * tolerance, 1e-10)) << what;
         EXPECT_NEAR(result.outcome.stop.singular_at.value_or(0), when, 1e-4 * when) << what;
-        EXPECT_NE(result.outcome.stop.detail.find("tolerance"), std::string::npos) << result.outcome.stop.detail;
+        EXPECT_NE(result.outcome.stop.detail.text().find("tolerance"), std::string::npos) << result.outcome.stop.detail;
         EXPECT_EQ(reason(until(request, when - 0.1)), ReturnCode::completed) << what;
       }
 }

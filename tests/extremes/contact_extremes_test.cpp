@@ -60,7 +60,7 @@ TEST(DampingSign, OfTheFirstOrderSchemeIsWarnedOfFromOneOn) {
     EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << alpha;
     EXPECT_EQ(warned(result, "damping_sign"), alpha >= 10) << alpha;
     if (alpha >= 10) {
-      EXPECT_TRUE(result.outcome.warnings.back().detail.starts_with("αh ≥ 1 at")) << alpha;
+      EXPECT_TRUE(result.outcome.warnings.back().detail.text().starts_with("αh ≥ 1 at")) << alpha;
     }
     for (std::size_t i = 1; i < result.rows.size(); ++i)
       EXPECT_NEAR(value(request, result.rows[i], "p"), (1 - alpha * h) * value(request, result.rows[i - 1], "p"), 1e-12)
@@ -90,7 +90,7 @@ TEST(DampingSign, OfADampingThatVariesIsFoundOnTheWay) {
     request.end = 0.6;
     const auto result = go(request);
     ASSERT_TRUE(warned(result, "damping_sign")) << id;
-    const std::string& detail = result.outcome.warnings.back().detail;
+    const std::string detail = result.outcome.warnings.back().detail.text();
     EXPECT_NEAR(std::stod(detail.substr(detail.find("t = ") + 4)), 0.5, 0.02) << detail;
     EXPECT_FALSE(warned(go(set(request, {{"alpha", 0.99 * alpha}})), "damping_sign")) << id;
   }
@@ -193,7 +193,7 @@ TEST(Pole, OfANegativeWeightIsRefusedWithItsBound) {
       EXPECT_EQ(refused.outcome.stop.step, 0);
       EXPECT_TRUE(refused.rows.empty());
       EXPECT_EQ(refused.outcome.final[0], beyond.scene->initial[0]);
-      const std::string& detail = refused.outcome.stop.detail;
+      const std::string detail = refused.outcome.stop.detail.text();
       const auto number = detail.rfind("αh = ");
       ASSERT_NE(number, std::string::npos) << detail;
       EXPECT_NEAR(std::stod(detail.substr(number + std::string("αh = ").size())), alpha * bound, 1e-3) << detail;
@@ -208,7 +208,7 @@ TEST(Pole, OfDrivingIsRefusedAndSplittingGrowsAsTheMotionDoes) {
       EXPECT_EQ(refused.outcome.stop.reason, ReturnCode::singular) << scheme << ' ' << alpha;
       EXPECT_EQ(refused.outcome.stop.step, 0);
       EXPECT_TRUE(refused.rows.empty());
-      EXPECT_NE(refused.outcome.stop.detail.find("αh = −2"), std::string::npos) << refused.outcome.stop.detail;
+      EXPECT_NE(refused.outcome.stop.detail.text().find("αh = −2"), std::string::npos) << refused.outcome.stop.detail;
     }
     Request near = damped(scheme, 0.1, -19.9);
     near.steps = 3;

@@ -21,8 +21,9 @@ Request controlled(Request request) {
 double named_time(const runs::Result& result) {
   for (const Warning& warning : result.outcome.warnings)
     if (warning.code == "sensitive_end") {
-      const auto place = warning.detail.find("t = ");
-      return std::stod(warning.detail.substr(place + 4));
+      const std::string detail = warning.detail.text();
+      const auto place = detail.find("t = ");
+      return std::stod(detail.substr(place + 4));
     }
   return null;
 }

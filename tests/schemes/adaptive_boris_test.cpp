@@ -175,8 +175,9 @@ TEST(AdaptiveBoris, SaysWhereThereIsNothingToFollow) {
                     of(hamiltonian, {"x", "y"}, {}, "((px + x^2*y^2)^2 + (py - x^2*y^2)^2)/2 + x^4 + y^4"),
                     {0, 0, 1, 0.5},
                     0.1};
-  EXPECT_NE(runs::go(request_of(still, "adaptive_boris", 0.1, 1)).outcome.stop.detail.find("nothing at the start"),
-            std::string::npos);
+  EXPECT_NE(
+      runs::go(request_of(still, "adaptive_boris", 0.1, 1)).outcome.stop.detail.text().find("nothing at the start"),
+      std::string::npos);
   const auto driven = mechanics_of(driven_frame());
   EXPECT_FALSE(runs::fits(driven->card(), find_scheme("adaptive_boris").value())) << "V depends on time";
 }

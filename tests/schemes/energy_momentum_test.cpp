@@ -145,8 +145,8 @@ TEST(EnergyMomentum, SaysHowManyStepsItFoundNoLengthFor) {
   ASSERT_EQ(outcome.stop.reason, ReturnCode::completed) << outcome.stop.detail;
   const auto found = std::ranges::find(outcome.warnings, "steps_in_time", &Warning::code);
   ASSERT_NE(found, outcome.warnings.end());
-  EXPECT_GT(std::stoi(found->detail), 100);
-  EXPECT_NE(found->detail.find("keeps the discrete energy"), std::string::npos) << found->detail;
+  EXPECT_GT(std::stoi(found->detail.text()), 100);
+  EXPECT_NE(found->detail.text().find("keeps the discrete energy"), std::string::npos) << found->detail;
   request.scene = runs::defaults("henon_heiles", "energy_momentum").scene;
   for (const Warning& warning : runs::go(request).outcome.warnings) EXPECT_NE(warning.code, "steps_in_time");
 }

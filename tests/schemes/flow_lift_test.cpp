@@ -251,7 +251,7 @@ TEST(FlowLift, SaysWhatItDoesNotTake) {
   const auto stop_of = [](const Flow& of, const char* lift) {
     Request request = request_of(of, "lifted_splitting", 0.01, 1);
     runs::set(request, "lift", lift);
-    return runs::go(request).outcome.stop.detail;
+    return runs::go(request).outcome.stop.detail.text();
   };
   EXPECT_NE(stop_of(lorenz(), "exact").find("linear with constant coefficients"), std::string::npos)
       << stop_of(lorenz(), "exact");

@@ -360,7 +360,7 @@ TEST(JacobiMaupertuis, StepsThatCannotBeTakenAreTakenInTime) {
   EXPECT_EQ(run.rows.back()[0], 0);
   ASSERT_GE(run.outcome.warnings.size(), 1U);
   EXPECT_EQ(run.outcome.warnings.back().code, "steps_in_time");
-  EXPECT_EQ(run.outcome.warnings.back().detail.substr(0, 4), "124 ");
+  EXPECT_EQ(run.outcome.warnings.back().detail.text().substr(0, 4), "124 ");
 }
 
 // ---- settings

@@ -274,7 +274,7 @@ Request asked(std::string_view problem, double sigma) {
 std::string detail_of(const Request& request, ReturnCode reason) {
   const auto outcome = runs::go(request).outcome;
   EXPECT_EQ(outcome.stop.reason, reason) << outcome.stop.detail;
-  return outcome.stop.detail;
+  return outcome.stop.detail.text();
 }
 const auto has = [](const std::string& text, std::string_view words) { return text.find(words) != std::string::npos; };
 

@@ -196,6 +196,21 @@ TEST_F(Backward, WarnsInItsOwnTime) {
   EXPECT_NE(warned["warnings"].dump().find("t = -0."), std::string::npos) << warned["warnings"];
 }
 
+// So is how far the runs went by which a scheme was chosen, and those of a study.
+TEST_F(Backward, IsLookedAtInItsOwnTime) {
+  Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"equations", {{"x", "-x^2"}}}}},
+                  {"initial", {{"x", 1}}},
+                  {"until", -3}};
+  Json chosen = request;
+  chosen["scheme"] = {{"id", "auto"}, {"accuracy", 1e-6}};
+  const std::string reason = answer(chosen)["choice"]["reason"];
+  EXPECT_NE(reason.find("measured up to t = -0.995"), std::string::npos) << reason;
+  request["schemes"] = {"runge_kutta_4"};
+  const Json study = answer(request, "/v1/work-precision");
+  EXPECT_NEAR(study["end"], -0.995, 1e-3);
+  EXPECT_EQ(study["left_out"][0], "times after t = -0.995, where the motion nears its end");
+}
+
 TEST_F(Backward, IsRefusedByName) {
   const auto fault = [](const Json& request, const char* path = "/v1/simulate") {
     return answer(request, path, 422)["errors"][0];

@@ -154,8 +154,8 @@ TEST(Advice, GivesReasonsAndAlternatives) {
   const Request kepler = scene("kepler");
   const Advice advice = advise(kepler, {1e-6, 0, {}}, never);
   EXPECT_EQ(id(*advice.choice), "time_transformed");
-  EXPECT_NE(advice.reason.find("against the closed form"), std::string::npos) << advice.reason;
-  EXPECT_NE(advice.reason.find(name(advice.alternatives.at(0).scheme)), std::string::npos) << advice.reason;
+  EXPECT_NE(advice.reason.text().find("against the closed form"), std::string::npos) << advice.reason;
+  EXPECT_NE(advice.reason.text().find(name(advice.alternatives.at(0).scheme)), std::string::npos) << advice.reason;
   std::int64_t last = 0;
   for (const Alternative& other : advice.alternatives) {
     EXPECT_GE(other.force_evaluations, last);
@@ -220,11 +220,11 @@ TEST(Advice, SaysWhatKeepsItFromTheAccuracy) {
   const Advice rounded = advise(scene("henon_heiles", 20), {1e-17, 0, {}}, never);
   EXPECT_FALSE(rounded.met);
   EXPECT_LT(rounded.estimated_error, 1e-13);
-  EXPECT_NE(rounded.reason.find("nothing reaches"), std::string::npos) << rounded.reason;
+  EXPECT_NE(rounded.reason.text().find("nothing reaches"), std::string::npos) << rounded.reason;
   Request chaos = scene("lorenz", 35);
   const Advice conditioned = advise(chaos, {1e-9, 0, {}}, never);
   EXPECT_FALSE(conditioned.met);
-  EXPECT_NE(conditioned.reason.find("exponentially"), std::string::npos) << conditioned.reason;
+  EXPECT_NE(conditioned.reason.text().find("exponentially"), std::string::npos) << conditioned.reason;
   std::atomic<bool> gone{true};
   EXPECT_FALSE(advise(chaos, {1e-3, 0, {}}, gone).choice);
   // A motion that is stiff: what is stable is accurate.
@@ -246,7 +246,7 @@ TEST(Advice, IsRightForAsLongAsAChaoticMotionCanBeKnown) {
     EXPECT_LT(knowable.run(*advice.choice, 20, 10'000'000).error, 1e-6) << advice.reason;
     EXPECT_EQ(advice.met, std::isnan(wish.accuracy));
     EXPECT_TRUE(std::isnan(advice.estimated_error)) << "nothing can be known of the end";
-    EXPECT_NE(advice.reason.find("exponentially; up to t = "), std::string::npos) << advice.reason;
+    EXPECT_NE(advice.reason.text().find("exponentially; up to t = "), std::string::npos) << advice.reason;
     EXPECT_TRUE(advice.alternatives.empty());
   }
 }

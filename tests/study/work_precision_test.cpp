@@ -204,8 +204,8 @@ TEST(WorkPrecision, KeepsItsBudgetAndSaysWhatIsMissing) {
   const Study study = work_precision(p, watch, never);
   EXPECT_LE(clock.now(), 0.11);
   ASSERT_EQ(study.left_out.size(), 3u);
-  EXPECT_NE(study.left_out[0].find("explicit_euler: step from"), std::string::npos) << study.left_out[0];
-  EXPECT_NE(study.left_out[0].find("budget"), std::string::npos);
+  EXPECT_NE(study.left_out[0].text().find("explicit_euler: step from"), std::string::npos) << study.left_out[0].text();
+  EXPECT_NE(study.left_out[0].text().find("budget"), std::string::npos);
   std::atomic<bool> gone{true};
   EXPECT_TRUE(work_precision(p, watch, gone).curves[1].points.empty());
 }
@@ -214,7 +214,7 @@ TEST(WorkPrecision, MeasuresUpToWhereTheMotionEnds) {
   const Study study = work_precision(plan("lane_emden", {{"contact_leapfrog", "kahan_li_6"}}), watch, never);
   EXPECT_NEAR(study.end, 6.86, 0.04);
   ASSERT_FALSE(study.left_out.empty());
-  EXPECT_NE(study.left_out[0].find("after t = 6.8"), std::string::npos) << study.left_out[0];
+  EXPECT_NE(study.left_out[0].text().find("after t = 6.8"), std::string::npos) << study.left_out[0].text();
   EXPECT_LT(study.curves[0].points.back().error, 1e-11);
 }
 

@@ -45,7 +45,7 @@ struct End {
 inline End run(Request request) {
   runs::ask(request, "energy");
   const auto outcome = runs::go(request).outcome;
-  if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail);
+  if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail.text());
   const auto& said = outcome.diagnostics;
   return {outcome.final, runs::number(said, "energy/work"), runs::number(said, "energy/max_abs_error"),
           runs::number(said, "energy/final"), runs::number(said, "energy/initial")};

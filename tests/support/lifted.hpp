@@ -80,7 +80,7 @@ inline Request composed(Request request, const char* composition, const char* li
 /// The components of a final state that the motion has.
 inline std::vector<double> end_of(const Request& request) {
   const auto outcome = runs::go(request).outcome;
-  if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail);
+  if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail.text());
   std::vector<double> all;
   const auto& variables = runs::card(request).variables;
   for (std::size_t i = 0; i < variables.size(); ++i)

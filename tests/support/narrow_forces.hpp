@@ -188,7 +188,7 @@ inline Count sample(Family family, int count, unsigned seed, std::string_view sc
     found.silent += wrong && !warned && outcome.stop.reason == ReturnCode::completed;
     found.alarmed += !wrong && warned;
     if (wrong && found.first_wrong.empty())
-      found.first_wrong = one.text() + ": " + std::to_string(error) + outcome.stop.detail;
+      found.first_wrong = one.text() + ": " + std::to_string(error) + outcome.stop.detail.text();
   }
   return found;
 }

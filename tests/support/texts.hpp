@@ -129,7 +129,7 @@ inline Request request_by(std::string_view scheme, std::shared_ptr<const Mechani
 /// The variables that are shown, at the end of a run. Throws where it does not come so far.
 inline std::vector<double> final_of(const Request& request) {
   const auto outcome = runs::go(request).outcome;
-  if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail);
+  if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail.text());
   std::vector<double> shown;
   for (std::size_t i = 0; i < runs::card(request).variables.size(); ++i)
     if (!runs::card(request).variables[i].hidden) shown.push_back(outcome.final[i]);

@@ -16,8 +16,8 @@ constexpr double forgetful = 0.1;  // what the latest run counts in a mean
 
 }  // namespace
 
-Admission::Admission(unsigned places, unsigned queue, Metrics* metrics)
-    : places_(places), queue_(queue), metrics_(metrics), free_(places) {
+Admission::Admission(unsigned places, unsigned queue, Metrics* metrics, std::function<Clock::time_point()> now)
+    : places_(places), queue_(queue), metrics_(metrics), now_(std::move(now)), free_(places) {
   ends_.reserve(places);
 }
 
@@ -45,7 +45,7 @@ Admission::Pass Admission::admitted(Client& client, AccountPtr account, bool bes
   used_.splice(used_.end(), free_, free_.begin());
   Place& place = used_.back();
   place = Place{&client, std::move(account), ++last_, !beside, beside};
-  place.since = Clock::now();
+  place.since = now_();
   place.self = std::prev(used_.end());
   ++running_, ++client.running;
   if (beside) ++besides_;
@@ -74,13 +74,13 @@ std::optional<Admission::Pass> Admission::enter(const AccountPtr& account) {
   const std::lock_guard lock(mutex_);
   if (closed_ || running_ >= places_ || waiting_ > 0) return std::nullopt;
   Client& client = client_of(account->address());
-  introduce(*account, client, Clock::now());
+  introduce(*account, client, now_());
   if (metrics_) metrics_->waited(0);
   return admitted(client, account);
 }
 
 void Admission::wait(const AccountPtr& account, std::chrono::milliseconds most, std::function<bool()> gone, Turn turn) {
-  const auto now = Clock::now();
+  const auto now = now_();
   Waiters calls, newcomer;
   newcomer.push_back({account, 0, now, now + most, std::move(gone), std::move(turn)});
   Turns its_turn{nullptr};
@@ -113,7 +113,7 @@ void Admission::line_up(Client& client, Waiters& newcomer, Turns& its_turn) noex
 }
 
 void Admission::look() {
-  const auto now = Clock::now();
+  const auto now = now_();
   Waiters calls;
   {
     const std::lock_guard lock(mutex_);
@@ -165,7 +165,7 @@ int Admission::retry_after(const AccountPtr& account) const {
   const std::lock_guard lock(mutex_);
   const auto client = account ? clients_.find(account->address()) : clients_.end();
   const double wait =
-      expected_wait(client == clients_.end() ? nullptr : &client->second, account ? account->rank_ : 0, Clock::now());
+      expected_wait(client == clients_.end() ? nullptr : &client->second, account ? account->rank_ : 0, now_());
   return static_cast<int>(std::clamp(std::ceil(wait), 1.0, most));
 }
 
@@ -174,7 +174,7 @@ double Admission::seconds_of(const Place& place, Clock::time_point now) {
 }
 
 void Admission::leave(Place& place) noexcept {
-  const auto now = Clock::now();
+  const auto now = now_();
   Waiters calls;
   {
     const std::lock_guard lock(mutex_);
@@ -211,7 +211,7 @@ bool Admission::park(Ticket ticket) {
     Place* const place = ticket.place;
     const auto same = [&](const Place& used) { return &used == place && used.number == ticket.number; };
     if (std::none_of(used_.begin(), used_.end(), same) || place->parked) return false;
-    place->held += Clock::now() - place->since;
+    place->held += now_() - place->since;
     place->parked = true;
     free_.splice(free_.end(), one);
     --running_, --place->client->running;
@@ -225,7 +225,7 @@ bool Admission::park(Ticket ticket) {
 bool Admission::resume(Ticket ticket, const std::function<bool()>& gone) {
   std::promise<void> come;
   auto came = come.get_future();
-  const auto now = Clock::now();
+  const auto now = now_();
   Waiters calls, itself;
   itself.push_back({nullptr, -std::numeric_limits<double>::infinity(), now, Clock::time_point::max(), gone,
                     [&come](const std::optional<Pass>&) { come.set_value(); }, ticket.place});
@@ -248,7 +248,7 @@ bool Admission::resume(Ticket ticket, const std::function<bool()>& gone) {
 void Admission::readmit(Place& place) noexcept {
   free_.pop_front();
   place.parked = false;
-  place.since = Clock::now();
+  place.since = now_();
   --parked_, --place.client->parked;
   ++running_, ++place.client->running;
 }
@@ -278,7 +278,7 @@ void Admission::admit_waiting(Waiters& calls) noexcept {
       readmit(*waiter.resumes);
       continue;
     }
-    if (metrics_) metrics_->waited(std::chrono::duration<double>(Clock::now() - waiter.from).count());
+    if (metrics_) metrics_->waited(std::chrono::duration<double>(now_() - waiter.from).count());
     waiter.pass.emplace(admitted(client, waiter.account));
   }
 }
@@ -330,7 +330,7 @@ void Admission::introduce(Account& account, const Client& client, Clock::time_po
 
 void Admission::charge(Account& account, double seconds) const {
   const std::lock_guard lock(mutex_);
-  add(account, seconds, Clock::now());
+  add(account, seconds, now_());
 }
 
 void Admission::add(Account& account, double seconds, Clock::time_point now) const {

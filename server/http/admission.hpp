@@ -53,8 +53,10 @@ class Admission {
   /// So long a request waits for its turn: longer than most runs take, shorter than what clients and proxies wait for.
   static constexpr std::chrono::seconds patience{10};
 
-  /// `places` runs at once, `queue` more that wait. What happens is counted in `metrics`, where there are any.
-  Admission(unsigned places, unsigned queue, Metrics* metrics = nullptr);
+  /// `places` runs at once, `queue` more that wait. What happens is counted in `metrics`, where there are any. `now`
+  /// tells the time, and may not throw.
+  Admission(unsigned places, unsigned queue, Metrics* metrics = nullptr,
+            std::function<Clock::time_point()> now = Clock::now);
 
   /// Names a run that has a place.
   struct Ticket {
@@ -188,7 +190,8 @@ class Admission {
   mutable std::mutex mutex_;
   const unsigned places_, queue_;
   Metrics* const metrics_;
-  const Clock::time_point epoch_ = Clock::now();
+  const std::function<Clock::time_point()> now_;
+  const Clock::time_point epoch_ = now_();
   unsigned running_ = 0, waiting_ = 0, parked_ = 0;
   unsigned resuming_ = 0;                               // of those who wait: they have begun
   unsigned besides_ = 0;                                // of those who run: they give way to whoever waits

@@ -27,12 +27,13 @@ struct SceneWithRoom {
     with_room.coordinates = room;
     if (scene.form->kind == text::FormKind::flow) with_room.rates.resize(room);  // the others rest
     if (scene.form->full_mass) {
-      with_room.hessian.assign(room * room, Symbol(0));
-      for (std::size_t i = 0; i < room; ++i)
-        for (std::size_t j = 0; j < room; ++j) {
-          const bool own = i < known && j < known;
-          with_room.hessian[i * room + j] = own ? scene.form->hessian[i * known + j] : Symbol(i == j ? 1 : 0);
-        }
+      with_room.hessian = text::SymbolMatrix(room);
+      for (std::size_t i = 0; i < room; ++i) {
+        if (i < known)
+          with_room.hessian.row(i) = scene.form->hessian.row(i);
+        else
+          with_room.hessian.row(i).push_back({i, Symbol(1)});
+      }
     }
     // A class of general Hamiltonians has a place for s, whether the motion reads it or not.
     const bool resting_action =

@@ -63,8 +63,11 @@ class Recording {
                                                  : FormKind::separable;
       form_->potential = problem_.potential(x.q, now);
       if constexpr (ConfigurationMetric<Plain>) {
-        for (const auto& row : problem_.metric(x.q))
-          for (const Symbol& entry : row) form_->metric.push_back(entry);
+        const auto metric = problem_.metric(x.q);
+        form_->metric = text::SymbolMatrix(Plain::dof);
+        for (std::size_t i = 0; i < Plain::dof; ++i)
+          for (std::size_t j = 0; j < Plain::dof; ++j)
+            if (!text::is_nothing(metric[i][j])) form_->metric.row(i).push_back({j, metric[i][j]});
       } else {
         form_->mass.assign(Plain::dof, Symbol(1));
         if constexpr (HasInverseMass<Plain>) {

@@ -177,9 +177,10 @@ bool on_separable(const SizedScene& scene) {
 bool with_exact_kicks(const SizedScene& scene) { return on_separable(scene) && (!scene.forced || scene.forces.linear); }
 bool with_lift(const SizedScene& scene) { return scene.lift != nullptr; }
 bool on_damped(const SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
+bool on_damped_path(const SizedScene& scene) { return on_damped(scene) && scene.solves_for_places(); }
 /// Forced ones, and those whose metric depends on the place, where a step's matrix is not too large.
 bool with_path(const SizedScene& scene) {
-  if (is_flat(scene)) return scene.kind == text::FormKind::separable;
+  if (is_flat(scene)) return scene.kind == text::FormKind::separable && scene.solves_for_places();
   return (scene.forced || scene.kind == text::FormKind::metric) && scene.coordinates <= SizedScene::most_full;
 }
 bool on_hamiltonian(const SizedScene& scene) {
@@ -209,9 +210,9 @@ constexpr std::array sized_schemes{
                 tangents_rule<VariationalMidpoint, straight>},
     SizedScheme{"galerkin_4", with_path, bind_rule<Galerkin4, parabola>, tangents_rule<Galerkin4, parabola>},
     explicit_scheme<ContactLeapfrog, DampedKicks>("contact_leapfrog", on_damped),
-    SizedScheme{"contact_variational_midpoint", on_damped, bind_rule<ContactVariationalMidpoint, straight>,
+    SizedScheme{"contact_variational_midpoint", on_damped_path, bind_rule<ContactVariationalMidpoint, straight>,
                 tangents_rule<ContactVariationalMidpoint, straight>},
-    SizedScheme{"contact_galerkin_4", on_damped, bind_rule<ContactGalerkin4, parabola>,
+    SizedScheme{"contact_galerkin_4", on_damped_path, bind_rule<ContactGalerkin4, parabola>,
                 tangents_rule<ContactGalerkin4, parabola>},
     SizedScheme{"contact_gauss", on_hamiltonian, bind_gauss, tangents_gauss},
     explicit_scheme<LiftedSplitting, Lifts>("lifted_splitting", with_lift),

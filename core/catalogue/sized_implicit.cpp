@@ -34,8 +34,11 @@ PlaceSolver::PlaceSolver(const text::SizedScene& scene)
       place_(scene.coordinates),
       slope_(scene.coordinates) {
   if (scene.has_full_mass()) {
-    mass_.assign(scene.inverse_mass_matrix().begin(), scene.inverse_mass_matrix().end());
-    detail::invert(scene.coordinates, mass_.data());
+    const std::size_t n = scene.coordinates;
+    mass_.resize(n * n);
+    for (std::size_t i = 0; i < n; ++i)
+      for (const auto& [j, share] : scene.inverse_mass_matrix()[i]) mass_[i * n + j] = share;
+    detail::invert(n, mass_.data());
   } else {
     for (const double w : scene.inverse_mass()) mass_.push_back(1 / w);
   }

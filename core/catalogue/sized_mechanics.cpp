@@ -70,6 +70,10 @@ class SizedMechanics final : public Mechanics {
                                 " for which schemes solve equations whose matrix is full"
                           : ", with more coordinates than schemes that transform the time, keep the energy by the "
                             "length of their steps or split a contact Hamiltonian take";
+    if (!sized->solves_for_places())
+      card_.offers += ", with masses that couple more coordinates than the " +
+                      std::to_string(text::SizedScene::most_with_full_mass) +
+                      " for which schemes solve for the next place";
     if (sized->forced && traits_.potential && !sized->forces.linear)
       card_.offers += ", and the forces not linear in the momenta";
     if (sized->forced && traits_.potential && !sized->forces.solvable())

@@ -15,43 +15,14 @@ bool varies(const Tape& tape, Index i) {
 
 bool is_zero(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
 
-}  // namespace
-
-std::vector<Index> parts_of(const Tape& tape, Index whole) {
-  thread_local std::vector<bool> seen;  // none of them between calls: what is looked at is not all of a large tape
-  if (seen.size() < nth(tape.size())) seen.resize(nth(tape.size()), false);
-  std::vector<Index> parts{whole};
-  seen[nth(whole)] = true;
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    const Node& node = tape[parts[k]];
-    for (const Index part : {node.a, node.b, node.c})
-      if (part != none && !seen[nth(part)]) {
-        seen[nth(part)] = true;
-        parts.push_back(part);
-      }
-  }
-  for (const Index part : parts) seen[nth(part)] = false;
-  std::ranges::sort(parts);
-  return parts;
+std::vector<Index> parts_of(const Tape& tape, const Symbol& y) {
+  return y.is_constant() ? std::vector<Index>() : parts_of(tape, y.place());
 }
 
-Dependence Dependences::operator()(const Symbol& y) {
-  if (y.is_constant()) return 0;
-  for (Index i = static_cast<Index>(of_.size()); i <= y.place(); ++i) {
-    const Node& node = tape_[i];
-    Dependence of = node.op == Op::time ? on_time : 0;
-    if (node.op == Op::variable) of = kind_(static_cast<int>(node.value));
-    for (const Index part : {node.a, node.b, node.c})
-      if (part != none) of |= of_[nth(part)];
-    of_.push_back(of);
-  }
-  return of_[nth(y.place())];
-}
-
-std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables) {
-  std::vector<Symbol> slopes(variables.size());
-  if (y.is_constant()) return slopes;
-  const std::vector<Index> parts = parts_of(tape, y.place());
+/// Calls `see(number, slope)` for every variable that y, with these parts, is made of.
+template <class See>
+void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, const See& see) {
+  if (y.is_constant()) return;
   std::vector<Symbol> adjoint(parts.size());
   adjoint.back() = 1;
   const auto number = [&](Index i) {
@@ -70,8 +41,7 @@ std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> v
       case Op::time:
         break;
       case Op::variable:
-        for (std::size_t k = 0; k < variables.size(); ++k)
-          if (static_cast<double>(variables[k]) == node.value) slopes[k] = down;
+        see(static_cast<int>(node.value), down);
         break;
       case Op::add:
         add(node.a, down);
@@ -144,6 +114,61 @@ std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> v
       }
     }
   }
+}
+
+}  // namespace
+
+std::vector<Index> parts_of(const Tape& tape, Index whole) {
+  thread_local std::vector<bool> seen;  // none of them between calls: what is looked at is not all of a large tape
+  if (seen.size() < nth(tape.size())) seen.resize(nth(tape.size()), false);
+  std::vector<Index> parts{whole};
+  seen[nth(whole)] = true;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const Node& node = tape[parts[k]];
+    for (const Index part : {node.a, node.b, node.c})
+      if (part != none && !seen[nth(part)]) {
+        seen[nth(part)] = true;
+        parts.push_back(part);
+      }
+  }
+  for (const Index part : parts) seen[nth(part)] = false;
+  std::ranges::sort(parts);
+  return parts;
+}
+
+Dependence Dependences::operator()(const Symbol& y) {
+  if (y.is_constant()) return 0;
+  for (Index i = static_cast<Index>(of_.size()); i <= y.place(); ++i) {
+    const Node& node = tape_[i];
+    Dependence of = node.op == Op::time ? on_time : 0;
+    if (node.op == Op::variable) of = kind_(static_cast<int>(node.value));
+    for (const Index part : {node.a, node.b, node.c})
+      if (part != none) of |= of_[nth(part)];
+    of_.push_back(of);
+  }
+  return of_[nth(y.place())];
+}
+
+std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables) {
+  std::vector<Symbol> slopes(variables.size());
+  walk_back(tape, y, parts_of(tape, y), [&](int number, const Symbol& slope) {
+    for (std::size_t k = 0; k < variables.size(); ++k)
+      if (variables[k] == number) slopes[k] = slope;
+  });
+  return slopes;
+}
+
+std::vector<std::pair<std::size_t, Symbol>> slopes_of(Tape& tape, const Symbol& y, int first, std::size_t count,
+                                                      std::size_t& left) {
+  std::vector<std::pair<std::size_t, Symbol>> slopes;
+  const std::vector<Index> parts = parts_of(tape, y);
+  if (parts.size() > left) throw TooManyOperations();
+  left -= parts.size();
+  walk_back(tape, y, parts, [&](int number, const Symbol& slope) {
+    const auto place = static_cast<std::size_t>(number - first);
+    if (number >= first && place < count && !is_zero(slope)) slopes.emplace_back(place, slope);
+  });
+  std::ranges::sort(slopes, {}, &std::pair<std::size_t, Symbol>::first);
   return slopes;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/tape/symbol.hpp"
@@ -34,6 +35,12 @@ class Dependences {
 
 /// ∂y/∂x of the variables with these numbers; what is zero whatever their values is the constant 0.
 std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables);
+
+/// The same of `count` variables, the first of which has the number `first`: those that are not zero whatever the
+/// values, each with its place among them, in their order. `left`: operations that may be looked at, less those that
+/// were; throws TooManyOperations.
+std::vector<std::pair<std::size_t, Symbol>> slopes_of(Tape& tape, const Symbol& y, int first, std::size_t count,
+                                                      std::size_t& left);
 
 /// y as it stands on `from`, written on `to` with other symbols in the place of its variables; of time it is the same.
 class Substitution {

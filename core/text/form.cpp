@@ -79,12 +79,19 @@ class Reader : TextReader {
     auto& tape = form_->tape;
     const Symbol rest = at_rest(*text);
     std::vector<Symbol> slope = tape::gradient(tape, *text, moving());
-    Matrix second;
-    hold_matrices(1);
+    Matrix second(n());
+    std::size_t left = most_looked_at;
     for (std::size_t i = 0; i < n(); ++i) {
-      second.push_back(tape::gradient(tape, slope[i], moving()));
-      if (!lagrangian && std::ranges::all_of(second[i], is_nothing)) return general(*text);
-      if (std::ranges::all_of(second[i], is_nothing)) {
+      try {
+        for (const auto& [j, entry] : tape::slopes_of(tape, slope[i], numbers().momentum, n(), left))
+          second.row(i).push_back({j, entry});
+      } catch (const tape::TooManyOperations&) {
+        if (lagrangian) throw;
+        return general(*text);
+      }
+      hold(second.row(i).size());
+      if (!lagrangian && second.row(i).empty()) return general(*text);
+      if (second.row(i).empty()) {
         return fault(pointer,
                      std::string("is not regular: it is not quadratic in ")
                          .append(velocity_name(given_.variables[i]))
@@ -99,7 +106,7 @@ class Reader : TextReader {
     for (std::size_t i = 0; i < n(); ++i) {
       linear.push_back(at_rest(slope[i]));
       if (!is_nothing(linear[i])) of_linear |= Dependence(1) | depends_(linear[i]);
-      for (const Symbol& entry : second[i]) of_second |= depends_(entry);
+      for (const auto& entry : second.row(i)) of_second |= depends_(entry.value);
     }
     const Symbol by_action = tape::gradient(tape, *text, std::array{numbers().action})[0];
     const Dependence of_action = is_nothing(by_action) ? 0 : depends_(by_action);
@@ -117,7 +124,7 @@ class Reader : TextReader {
       return;
     if (lagrangian) {
       keep_hessian(second);
-      const auto raised = inverse(second);
+      const auto raised = inverse_of(second);
       if (!raised) return fault(pointer, "is not regular: its second derivative by the velocities has no inverse");
       form_->hamiltonian = legendre(*raised, linear, potential);
     }
@@ -240,54 +247,49 @@ class Reader : TextReader {
   /// The metric from ∂²L/∂v² or ∂²H/∂p². False where the form that was found has none of this kind: one that changes
   /// with the place goes with V(q) alone.
   bool take_metric(const Matrix& second, bool lagrangian) {
-    bool diagonal = true, constant = true;
+    bool constant = true;
     for (std::size_t i = 0; i < n(); ++i)
-      for (std::size_t j = 0; j < n(); ++j) {
-        diagonal = diagonal && (i == j || is_nothing(second[i][j]));
-        constant = constant && (depends_(second[i][j]) & on_places) == 0;
-      }
+      for (const auto& entry : second.row(i)) constant = constant && (depends_(entry.value) & on_places) == 0;
     if (is_indefinite(second)) return false;
-    if (diagonal && constant) {
-      for (std::size_t i = 0; i < n(); ++i) form_->mass.push_back(lagrangian ? second[i][i] : Symbol(1) / second[i][i]);
+    if (constant && second.is_diagonal()) {
+      for (std::size_t i = 0; i < n(); ++i) {
+        const Symbol entry = second.at(i, i);
+        form_->mass.push_back(lagrangian ? entry : Symbol(1) / entry);
+      }
       settle(form_->kind);
       return true;
     }
     if (lagrangian) keep_hessian(second);
     // Of a metric the elimination takes no pivots but those of the diagonal.
     for (std::size_t i = 0; i < n(); ++i)
-      if (is_nothing(second[i][i])) return false;
+      if (is_nothing(second.at(i, i))) return false;
     if (constant) {
       form_->full_mass = true;
     } else {
       const bool timed = (depends_(form_->potential) & tape::on_time) != 0;
       if (form_->kind != FormKind::separable || timed) return false;
-      const auto metric = lagrangian ? std::optional(second) : inverse(second);
+      auto metric = lagrangian ? std::optional(second) : inverse_of(second);
       if (!metric) return false;
       const bool by_momenta = given_.is_forced() || n() > static_cast<std::size_t>(compiled_coordinates);
       if (lagrangian && by_momenta) {  // what knows its size when it runs takes the mechanics stated with momenta
-        const auto raised = inverse(second);
+        const auto raised = inverse_of(second);
         if (!raised) return false;
         form_->hamiltonian = legendre(*raised, std::vector<Symbol>(n(), Symbol(0)), form_->potential);
       }
-      hold_matrices(1);
-      for (const auto& row : *metric) form_->metric.insert(form_->metric.end(), row.begin(), row.end());
+      hold(metric->entries());
+      form_->metric = std::move(*metric);
     }
     if (!lagrangian) keep_hessian(second);
     settle(constant ? form_->kind : FormKind::metric);
     return true;
   }
 
-  /// So many more matrices of symbols, of which those of a thousand coordinates are large. Throws MemoryShortage.
-  void hold_matrices(std::size_t count) { matrices_.add(count * n() * n() * sizeof(Symbol)); }
-  std::optional<Matrix> inverse(const Matrix& second) {
-    hold_matrices(2);
-    return inverse_of(second);
-  }
+  /// So many more entries of matrices. Throws MemoryShortage.
+  void hold(std::size_t entries) { matrices_.add(entries * sizeof(Matrix::Entry)); }
   void keep_hessian(const Matrix& second) {
     if (!form_->hessian.empty()) return;
-    hold_matrices(1);
-    form_->hessian.reserve(n() * n());
-    for (const auto& row : second) form_->hessian.insert(form_->hessian.end(), row.begin(), row.end());
+    hold(second.entries());
+    form_->hessian = second;
   }
 
   /// H of L = ½ vᵀg v + a·v − V.
@@ -297,8 +299,7 @@ class Reader : TextReader {
       kinetic.push_back(variable(numbers().momentum + static_cast<int>(i)) - linear[i]);
     Symbol twice = 0;
     for (std::size_t i = 0; i < n(); ++i)
-      for (std::size_t j = 0; j < n(); ++j)
-        if (!is_nothing(raised[i][j])) twice = twice + kinetic[i] * raised[i][j] * kinetic[j];
+      for (const auto& [j, entry] : raised.row(i)) twice = twice + kinetic[i] * entry * kinetic[j];
     return Symbol(0.5) * twice + potential;
   }
 
@@ -318,7 +319,8 @@ class Reader : TextReader {
     } else {
       see(form_->potential);
       see(form_->damping);
-      for (const Symbol& entry : form_->metric) see(entry);
+      for (std::size_t i = 0; i < form_->metric.size(); ++i)
+        for (const auto& entry : form_->metric.row(i)) see(entry.value);
     }
     form_->autonomous = (all & tape::on_time) == 0;
     form_->constant_damping = kind == FormKind::contact_linear && (depends_(form_->damping) & tape::on_time) == 0;

@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "core/text/definition.hpp"
+#include "core/text/symbol_matrix.hpp"
 
 namespace least::text {
 
@@ -25,6 +26,9 @@ enum class FormKind : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 7> form_names{
     "separable", "metric", "contact_linear", "contact_quadratic", "lagrangian", "hamiltonian", "flow"};
+
+/// Operations that derivatives of many values may go through together: some hundredths of a second.
+inline constexpr std::size_t most_looked_at = std::size_t(1) << 19;
 
 /// Numbers of the variables on a form's tape: coordinates (of a flow all variables) from 0, then momenta or velocities,
 /// s, and the parameters. Forms that are compiled leave room for all coordinates that their class may have.
@@ -66,13 +70,13 @@ struct Form {
   tape::Tape tape;
   // By kind; what is left out is zero.
   Symbol potential, damping, action_curvature, offset, hamiltonian, lagrangian;
-  bool full_mass = false;       ///< of separable and contact: the metric is constant and not diagonal; see hessian
-  std::vector<Symbol> mass;     ///< of those with a diagonal metric: each depends on parameters alone
-  std::vector<Symbol> metric;   ///< row by row
+  bool full_mass = false;    ///< of separable and contact: the metric is constant and not diagonal; see hessian
+  std::vector<Symbol> mass;  ///< of those with a diagonal metric: each depends on parameters alone
+  SymbolMatrix metric;
   std::vector<Symbol> rates;    ///< of a flow
   std::vector<Symbol> momenta;  ///< where a Lagrangian or a potential is given, as functions of q, v, s, t; else empty
-  std::vector<Symbol> hessian;  ///< ∂²L/∂v² of a Lagrangian, ∂²H/∂p² where that is a metric's inverse that is not
-                                ///< diagonal, row by row; else empty
+  SymbolMatrix hessian;  ///< ∂²L/∂v² of a Lagrangian, ∂²H/∂p² where that is a metric's inverse that is not
+                         ///< diagonal; else empty
   // Of a forced scene, of every coordinate:
   std::vector<Symbol> forces;      ///< of q, t and what stands in the text: v, or p where there are no `momenta`
   std::vector<Symbol> friction;    ///< −∂D/∂v, of q, v, t

@@ -104,7 +104,8 @@ class Oscillators {
   void set_masses(const Form& form) {
     inverse_mass_.assign(n_ * n_, 0);
     if (form.full_mass) {
-      for (std::size_t i = 0; i < n_ * n_; ++i) inverse_mass_[i] = number(fold_(form.hessian[i]));
+      for (std::size_t i = 0; i < n_; ++i)
+        for (const auto& [j, entry] : form.hessian.row(i)) inverse_mass_[i * n_ + j] = number(fold_(entry));
       if (!form.momenta.empty()) detail::invert(n_, inverse_mass_.data());
       for (std::size_t i = 0; i < n_; ++i)
         for (std::size_t j = 0; j < i; ++j) inverse_mass_[j * n_ + i] = inverse_mass_[i * n_ + j];

@@ -12,8 +12,11 @@ namespace {
 
 /// The inverse of a full constant metric is given, or short enough to be said.
 bool says_inverse(const Form& form) {
-  const bool numbers = std::ranges::all_of(form.hessian, [](const Symbol& entry) { return entry.is_constant(); });
-  return form.momenta.empty() || form.coordinates <= 2 || numbers;
+  if (form.momenta.empty() || form.coordinates <= 2) return true;
+  for (std::size_t i = 0; i < form.hessian.size(); ++i)
+    for (const auto& entry : form.hessian.row(i))
+      if (!entry.value.is_constant()) return false;
+  return true;
 }
 /// Its equations are said with velocities: with momenta they would need an inverse, or an iteration.
 bool in_velocities(const Form& form) {
@@ -55,7 +58,7 @@ void write_accelerations(const Definition& given, const Form& form, Rates& rates
     places.push_back(static_cast<int>(i));
     v.push_back(Symbol::variable(tape, form.numbers.momentum + i));
   }
-  for (const Symbol& entry : form.metric) g.push_back(copy(entry));
+  for (const Symbol& entry : form.metric.written_out()) g.push_back(copy(entry));
   std::vector<std::vector<Symbol>> slope;  // ∂_k g_ij
   slope.reserve(g.size());
   for (const Symbol& entry : g) slope.push_back(tape::gradient(tape, entry, places));
@@ -90,22 +93,25 @@ void write_accelerations(const Definition& given, const Form& form, Rates& rates
 /// g⁻¹p of a full constant metric g of a Lagrangian, whose inverse can be said.
 std::vector<Symbol> full_velocities(const Form& form, Rates& rates, tape::Substitution& copy) {
   const std::size_t n = form.coordinates;
-  std::vector<Symbol> p, g;
+  std::vector<Symbol> p;
   p.reserve(n);
-  g.reserve(form.hessian.size());
   for (std::size_t i = 0; i < n; ++i) p.push_back(Symbol::variable(rates.tape, form.numbers.momentum + i));
-  for (const Symbol& entry : form.hessian) g.push_back(copy(entry));
   if (n == 2) {
+    std::vector<Symbol> g;
+    for (const Symbol& entry : form.hessian.written_out()) g.push_back(copy(entry));
     const Symbol determinant = g[0] * g[3] - g[1] * g[2];
     return {(g[3] * p[0] - g[1] * p[1]) / determinant, (g[0] * p[1] - g[2] * p[0]) / determinant};
   }
-  std::vector<double> inverse;
-  inverse.reserve(g.size());
-  for (const Symbol& entry : g) inverse.push_back(entry.constant());
-  detail::invert(n, inverse.data());
-  std::vector<Symbol> v(n, Symbol(0));
+  std::vector<double> numbers;
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) v[i] = v[i] + Symbol(inverse[i * n + j]) * p[j];
+    for (const auto& entry : form.hessian.row(i)) numbers.push_back(entry.value.constant());
+  BlockMatrix inverse(form.hessian, numbers);
+  inverse.invert();
+  std::vector<Symbol> v(n, Symbol(0));
+  for (const BlockMatrix::Block& block : inverse.blocks())
+    for (std::size_t i = 0; i < block.of.size(); ++i)
+      for (std::size_t j = 0; j < block.of.size(); ++j)
+        v[block.of[i]] = v[block.of[i]] + Symbol(block.numbers[i * block.of.size() + j]) * p[block.of[j]];
   return v;
 }
 
@@ -139,11 +145,11 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
   } else if (in_velocities(form)) {
     const auto velocity = [&](std::size_t i) { return same(momenta[i]); };
     const bool natural = form.kind != FormKind::lagrangian;
-    const std::vector<Symbol>& g = form.full_mass ? form.hessian : form.metric;
+    const SymbolMatrix& g = form.full_mass ? form.hessian : form.metric;
     Symbol lagrangian = natural ? -copy(form.potential) - of_action : copy(form.lagrangian);
     for (std::size_t i = 0; i < n && natural; ++i)
-      for (std::size_t j = 0; j < n; ++j)
-        lagrangian = lagrangian + Symbol(0.5) * (velocity(i) * copy(g[i * n + j]) * velocity(j));
+      for (const auto& [j, entry] : g.row(i))
+        lagrangian = lagrangian + Symbol(0.5) * (velocity(i) * copy(entry) * velocity(j));
     const Symbol by_s = tape::gradient(tape, lagrangian, std::array{form.numbers.action})[0];
     const auto p = tape::gradient(tape, lagrangian, momenta), force = tape::gradient(tape, lagrangian, places);
     for (std::size_t i = 0; i < n; ++i) rates.all.emplace_back(momentum_name(names[i]), p[i]);
@@ -199,7 +205,12 @@ std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
     return velocities ? velocity_name(coordinate) : momentum_name(coordinate);
   };
   std::vector<std::pair<std::string, std::string>> texts;
-  for (const auto& [of, rate] : rates.all) texts.emplace_back(of, print_collected(rates.tape, rate, name));
+  std::size_t left = most_looked_at;
+  for (const auto& [of, rate] : rates.all) {
+    const std::size_t parts = rate.is_constant() ? 0 : tape::parts_of(rates.tape, rate.place()).size();
+    texts.emplace_back(of, parts > left ? "…" : print_collected(rates.tape, rate, name));
+    left -= std::min(parts, left);
+  }
   return texts;
 }
 

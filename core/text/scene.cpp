@@ -23,28 +23,12 @@ std::string number_text(double x) {
   return {digits.data(), std::to_chars(digits.begin(), digits.end(), x).ptr};
 }
 
-/// By Cholesky's elimination: every pivot is positive.
-bool is_positive_definite(std::size_t n, std::vector<double> matrix) {
-  for (std::size_t k = 0; k < n; ++k) {
-    if (!(matrix[k * n + k] > 0)) return false;
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = matrix[i * n + k] / matrix[k * n + k];
-      if (factor == 0) continue;  // of a thousand masses nearly all
-      for (std::size_t j = k + 1; j < n; ++j) matrix[i * n + j] -= factor * matrix[k * n + j];
-    }
-  }
-  return true;
-}
-
-double determinant_of(std::size_t n, std::vector<double> matrix) {
-  double product = 1;
-  bool diagonal = true;
-  for (std::size_t i = 0; i < matrix.size(); ++i) {
-    const bool on_it = i % (n + 1) == 0;
-    diagonal = diagonal && (on_it || matrix[i] == 0);
-    if (on_it) product *= matrix[i];
-  }
-  return diagonal ? product : detail::determinant_by_lu(n, matrix.data());
+/// The entries of a matrix, row by row.
+std::vector<Symbol> entries_of(const SymbolMatrix& matrix) {
+  std::vector<Symbol> all;
+  for (std::size_t i = 0; i < matrix.size(); ++i)
+    for (const auto& entry : matrix.row(i)) all.push_back(entry.value);
+  return all;
 }
 
 /// Two of the kinds that are compiled for two.
@@ -181,9 +165,20 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
     if (typed) return Objection{"/masses/" + name, "is not positive"};
     return Objection{whole, "is not regular: with these parameters the mass of " + name + " is not positive"};
   }
-  if (form->full_mass && !is_positive_definite(form->coordinates, fold.numbers(form->hessian)))
-    return Objection{whole, "has a mass that is not positive with these parameters: " + second_derivative() +
-                                " is not positive definite"};
+  const auto too_many = [&] {
+    const bool flow = form->kind == FormKind::flow;
+    return Objection{typed  ? "/potential"
+                     : flow ? "/equations"
+                            : whole,
+                     "takes too many operations with these parameters"};
+  };
+  try {
+    if (form->full_mass && !is_positive_definite(form->hessian, fold.numbers(entries_of(form->hessian))))
+      return Objection{whole, "has a mass that is not positive with these parameters: " + second_derivative() +
+                                  " is not positive definite"};
+  } catch (const tape::TooManyOperations&) {
+    return too_many();
+  }
   const auto number = [&](const Symbol& y) {
     const Symbol folded = fold(y);
     return !folded.is_constant() || std::isfinite(folded.constant());
@@ -195,11 +190,7 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
     try {
       const SizedScene scene(*form, parameters);
     } catch (const tape::TooManyOperations&) {
-      const bool flow = form->kind == FormKind::flow;
-      return Objection{typed  ? "/potential"
-                       : flow ? "/equations"
-                              : whole,
-                       "takes too many operations with these parameters"};
+      return too_many();
     }
   }
   return std::nullopt;
@@ -286,36 +277,38 @@ std::string TextScene::second_derivative() const {
 }
 
 std::string TextScene::objection_to_masses(std::span<const double> parameters, double t,
-                                           const std::vector<double>& x) const {
+                                           const std::vector<double>& x) const try {
   const std::size_t n = form->coordinates;
   Folding fold(*form, parameters);
-  const tape::Formula hessian = fold.formula(form->hessian);
-  std::vector<double> matrix(n * n);
-  hessian.evaluate(x.data(), t, matrix.data());
+  const tape::Formula hessian = fold.formula(entries_of(form->hessian));
+  std::vector<double> numbers(hessian.outputs());
+  hessian.evaluate(x.data(), t, numbers.data());
   double volume = 1;  // of rows as long as these at right angles
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0, next = 0; i < n; ++i) {
     double row = 0;
-    for (std::size_t j = 0; j < n; ++j) row += matrix[i * n + j] * matrix[i * n + j];
+    for (std::size_t j = 0; j < form->hessian.row(i).size(); ++j, ++next) row += numbers[next] * numbers[next];
     volume *= std::sqrt(row);
   }
-  const double determinant = determinant_of(n, matrix);
+  const double determinant = BlockMatrix(form->hessian, numbers).determinant();
   // Velocities that were found from momenta may miss the place where it vanishes by a little.
   double nearby = 0;
   for (const double aside : {-1e-6, 1e-6}) {
     if (form->kind != FormKind::lagrangian) break;
-    std::vector<double> y = x, there(n * n);
+    std::vector<double> y = x, there(numbers.size());
     const auto momentum = static_cast<std::size_t>(form->numbers.momentum);
     for (std::size_t i = momentum; i < momentum + n; ++i) y[i] += aside * (1 + std::abs(y[i]));
     hessian.evaluate(y.data(), t, there.data());
-    const double here = std::abs(detail::determinant_by_lu(n, there.data()));
+    const double here = std::abs(BlockMatrix(form->hessian, there).determinant());
     if (std::isfinite(here)) nearby = std::max(nearby, here);
   }
   constexpr double rounding = 1e-14, vanishing = 1e-10;
   if (!(std::isfinite(determinant) && std::abs(determinant) > std::max(rounding * volume, vanishing * nearby)))
     return "is not regular at the start: " + second_derivative() + " has no inverse there";
-  if (form->kind == FormKind::metric && !is_positive_definite(n, matrix))
+  if (form->kind == FormKind::metric && !is_positive_definite(form->hessian, numbers))
     return "has a mass that is not positive at the start: " + second_derivative() + " is not positive definite there";
   return {};
+} catch (const tape::TooManyOperations&) {
+  return "couples too many coordinates: looking at " + second_derivative() + " takes too many operations";
 }
 
 }  // namespace least::text

@@ -17,8 +17,8 @@ Symbol lagrangian_of(const Form& form, Folding& fold) {
   Symbol l = -fold(form.potential);
   const std::size_t n = form.coordinates;
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) {
-      const Symbol g = fold(form.metric[i * n + j]);
+    for (const auto& [j, entry] : form.metric.row(i)) {
+      const Symbol g = fold(entry);
       l = l + 0.5 * (g * fold.variable(first_momentum + int(i))) * fold.variable(first_momentum + int(j));
     }
   return l;
@@ -37,7 +37,8 @@ Formulas::Formulas(const Form& form, std::span<const double> parameters)
     rates = fold.formula(form.rates);
   } else if (form.kind == FormKind::lagrangian) {
     std::vector<Symbol> of_velocities = form.momenta;
-    of_velocities.insert(of_velocities.end(), form.hessian.begin(), form.hessian.end());
+    const std::vector<Symbol> hessian = form.hessian.written_out();
+    of_velocities.insert(of_velocities.end(), hessian.begin(), hessian.end());
     momenta = fold.formula(of_velocities);
     all.push_back(action_variable);
     const Symbol l = fold(form.lagrangian);
@@ -58,11 +59,11 @@ Formulas::Formulas(const Form& form, std::span<const double> parameters)
     potential = fold.formula(form.potential);
     gradient = fold.formula_of(fold.gradient(fold(form.potential), places));
     damping = fold.formula(form.damping);
-    metric = fold.formula(form.metric);
+    metric = fold.formula(form.metric.written_out());
     if (form.kind == FormKind::metric) force = fold.formula_of(fold.gradient(lagrangian_of(form, fold), places));
     inverse_mass.fill(1);
     for (std::size_t i = 0; i < form.mass.size(); ++i) inverse_mass[i] = 1 / fold.number(form.mass[i]);
-    if (form.full_mass) set_full_mass(fold.numbers(form.hessian), !form.momenta.empty());
+    if (form.full_mass) set_full_mass(fold.numbers(form.hessian.written_out()), !form.momenta.empty());
     if (form.constant_damping) alpha = fold.number(form.damping);
     gamma = fold.number(form.action_curvature);
     offset = fold.number(form.offset);

@@ -1,10 +1,10 @@
 #include "core/text/sized_scene.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 #include "core/memory_budget.hpp"
-#include "core/number/linear.hpp"
 #include "core/tape/derivative.hpp"
 #include "core/text/lift.hpp"
 
@@ -84,17 +84,15 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters, boo
     const Symbol v = fold(form.potential), alpha = fold(form.damping);
     const std::vector<Symbol> slopes = tape::gradient(equations, v, places);
     std::vector<double> second;
-    if (form.full_mass)
-      for (const Symbol& entry : form.hessian)
-        second.push_back(entry.is_constant() ? entry.constant() : number(fold(entry)));
-    set_mass(folded(form.mass), second, !form.momenta.empty());
+    for (std::size_t i = 0; i < n && form.full_mass; ++i)
+      for (const auto& entry : form.hessian.row(i)) second.push_back(number(fold(entry.value)));
+    set_mass(folded(form.mass), form.hessian, second, !form.momenta.empty());
     Symbol twice_kinetic = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const Symbol p = variable(n + i);
       Symbol velocity = has_full_mass() ? Symbol(0) : Symbol(inverse_mass_[i]) * p;
-      for (std::size_t j = 0; j < n && has_full_mass(); ++j)
-        if (const double share = inverse_matrix_[i * n + j]; share != 0)
-          velocity = velocity + Symbol(share) * variable(n + j);
+      if (has_full_mass())
+        for (const auto& [j, share] : inverse_matrix_[i]) velocity = velocity + Symbol(share) * variable(n + j);
       all[i] = velocity;
       all[n + i] = acting ? -slopes[i] - alpha * p : -slopes[i];
       if (acting) twice_kinetic = i == 0 ? p * velocity : twice_kinetic + p * velocity;
@@ -153,40 +151,41 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
     const auto k = static_cast<std::size_t>(i);
     return k < n ? Symbol::variable(equations, k) : Symbol(0);
   });
-  // As dry friction, −sign(v): its slopes are 0, and it is not linear.
-  const auto switches_with_momenta = [&](const Symbol& y) {
-    return !y.is_constant() && std::ranges::any_of(tape::parts_of(equations, y.place()), [&](tape::Index i) {
-      const tape::Node& node = equations[i];
-      return node.op == tape::Op::select && (depends(Symbol::at(equations, node.a)) & by_momenta) != 0;
-    });
+  // A force may jump where the two sides of a switch are not the same at rest, as those of |v| are.
+  const auto jumps_at_rest = [&](const tape::Node& node) {
+    const Symbol below = at_rest(Symbol::at(equations, node.b)), above = at_rest(Symbol::at(equations, node.c));
+    if (below.is_constant() && above.is_constant()) return below.constant() != above.constant();
+    return below.is_constant() || above.is_constant() || below.place() != above.place();
   };
-  // It jumps where the two sides of a switch are not the same at rest, as those of |v| are.
-  const auto jumps_at_rest = [&](const Symbol& y) {
-    if (y.is_constant()) return false;
-    return std::ranges::any_of(tape::parts_of(equations, y.place()), [&](tape::Index i) {
-      const tape::Node node = equations[i];
-      if (node.op != tape::Op::select || (depends(Symbol::at(equations, node.a)) & by_momenta) == 0) return false;
-      const Symbol below = at_rest(Symbol::at(equations, node.b)), above = at_rest(Symbol::at(equations, node.c));
-      if (below.is_constant() && above.is_constant()) return below.constant() != above.constant();
-      return below.is_constant() || above.is_constant() || below.place() != above.place();
-    });
-  };
-  std::vector<int> momenta(n);
-  std::iota(momenta.begin(), momenta.end(), static_cast<int>(n));
+  // All that switches with momenta is a part of forces. As dry friction, −sign(v): its slopes are 0, and it is not
+  // linear.
+  for (tape::Index i = 0, written = equations.size(); i < written; ++i) {
+    const tape::Node node = equations[i];
+    if (node.op != tape::Op::select || (depends(Symbol::at(equations, node.a)) & by_momenta) == 0) continue;
+    forces.linear = false;
+    forces.jumps = forces.jumps || jumps_at_rest(node);
+  }
   std::vector<Symbol> full = all, diagonal = all;
   bool rests = true;  // no force where nothing moves
+  std::size_t left = most_looked_at;
   for (std::size_t i = 0; i < n; ++i) {
-    forces.linear = forces.linear && !switches_with_momenta(all[i]);
-    forces.jumps = forces.jumps || jumps_at_rest(all[i]);
-    const std::vector<Symbol> row = tape::gradient(equations, all[i], momenta);
-    for (std::size_t j = 0; j < n; ++j) {
-      const tape::Dependence of = depends(row[j]);
-      forces.diagonal = forces.diagonal && (i == j || is_zero(row[j]));
+    std::vector<std::pair<std::size_t, Symbol>> row;
+    try {
+      row = tape::slopes_of(equations, all[i], static_cast<int>(n), n, left);
+    } catch (const tape::TooManyOperations&) {  // too much is coupled to be solved for
+      forces.linear = forces.diagonal = forces.constant = false;
+      return;
+    }
+    if (n <= most_coupled) full.resize(full.size() + n, Symbol(0));
+    diagonal.emplace_back(0);
+    for (const auto& [j, slope] : row) {
+      const tape::Dependence of = depends(slope);
+      forces.diagonal = forces.diagonal && i == j;
       forces.linear = forces.linear && (of & by_momenta) == 0;
       forces.constant = forces.constant && of == 0;
+      if (i == j) diagonal.back() = slope;
+      if (n <= most_coupled) full[full.size() - n + j] = slope;
     }
-    diagonal.push_back(row[i]);
-    if (n <= most_coupled) full.insert(full.end(), row.begin(), row.end());
     rests = rests && is_zero(at_rest(all[i]));
   }
   if (forces.diagonal || n <= most_coupled) forces.jacobian = formula(forces.diagonal ? diagonal : full);
@@ -197,17 +196,37 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
     forces.friction = std::max(0.0, -diagonal[n].constant());
 }
 
-void SizedScene::set_mass(const std::vector<Symbol>& mass, const std::vector<double>& second, bool of_velocities) {
+void SizedScene::set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian,
+                          const std::vector<double>& second, bool of_velocities) {
   const std::size_t n = coordinates;
   inverse_mass_.assign(n, 1);
   for (std::size_t i = 0; i < mass.size(); ++i)
     inverse_mass_[i] = mass[i].is_constant() ? 1 / mass[i].constant() : std::numeric_limits<double>::quiet_NaN();
   if (second.empty()) return;
-  std::vector<double> inverse = second;
-  if (of_velocities) detail::invert(n, inverse.data());
-  inverse_matrix_.resize(n * n);
-  for (std::size_t i = 0; i < n; ++i)  // drifts are symplectic where it is symmetric to the last bit
-    for (std::size_t j = 0; j < n; ++j) inverse_matrix_[i * n + j] = 0.5 * (inverse[i * n + j] + inverse[j * n + i]);
+  // Drifts are symplectic where it is symmetric to the last bit.
+  inverse_matrix_.resize(n);
+  if (of_velocities) {
+    BlockMatrix inverse(hessian, second);
+    inverse.invert();
+    for (const BlockMatrix::Block& block : inverse.blocks()) {
+      const std::size_t size = block.of.size();
+      for (std::size_t i = 0; i < size; ++i)
+        for (std::size_t j = 0; j < size; ++j) {
+          const double share = 0.5 * (block.numbers[i * size + j] + block.numbers[j * size + i]);
+          if (share != 0) inverse_matrix_[block.of[i]].emplace_back(block.of[j], share);
+        }
+    }
+    return;
+  }
+  std::size_t next = 0;
+  std::vector<std::map<std::size_t, double>> rows(n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (const auto& entry : hessian.row(i)) {
+      const double half = 0.5 * second[next++];
+      rows[i][entry.column] += half;
+      rows[entry.column][i] += half;
+    }
+  for (std::size_t i = 0; i < n; ++i) inverse_matrix_[i].assign(rows[i].begin(), rows[i].end());
 }
 
 const tape::SparseJacobian& SizedScene::curvature() const {

@@ -29,6 +29,9 @@ class SizedScene {
   /// Coordinates up to which schemes solve equations whose matrix is taken for a full one.
   static constexpr std::size_t most_full = 24;
 
+  /// The same where the matrix has a row for each coordinate, and is made anew once in a few rounds.
+  static constexpr std::size_t most_with_full_mass = 256;
+
   /// Whether there is one of a form: its kinetic metric is constant, it is a general Hamiltonian or a flow, or it has
   /// no class that is compiled for it and is stated with momenta.
   static bool has(const Form& form);
@@ -73,15 +76,18 @@ class SizedScene {
         v[i] = inverse_mass_[i] * p[i];
         continue;
       }
-      const double* const row = &inverse_matrix_[i * n];
-      T sum = row[0] * p[0];
-      for (std::size_t j = 1; j < n; ++j) sum = sum + row[j] * p[j];
+      T sum(0);
+      for (const auto& [j, share] : inverse_matrix_[i]) sum = sum + share * p[j];
       v[i] = sum;
     }
   }
   bool has_full_mass() const { return !inverse_matrix_.empty(); }
+  /// Whether steps that solve for places find M + β V″ small enough, which is full where M is.
+  bool solves_for_places() const { return !has_full_mass() || coordinates <= most_with_full_mass; }
   std::span<const double> inverse_mass() const { return inverse_mass_; }
-  std::span<const double> inverse_mass_matrix() const { return inverse_matrix_; }
+  /// Of each row the columns that are not zero, and what stands there.
+  using SparseRow = std::vector<std::pair<std::size_t, double>>;
+  const std::vector<SparseRow>& inverse_mass_matrix() const { return inverse_matrix_; }
 
   /// V″(q, t) where there is a potential; made when it is first asked for.
   const tape::SparseJacobian& curvature() const;
@@ -91,10 +97,12 @@ class SizedScene {
 
  private:
   void set_forces(const std::vector<Symbol>& all);
-  void set_mass(const std::vector<Symbol>& mass, const std::vector<double>& second, bool of_velocities);
+  /// `second`: the numbers of the entries of ∂²L/∂v² or ∂²H/∂p² where the metric is not diagonal.
+  void set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian, const std::vector<double>& second,
+                bool of_velocities);
 
-  std::vector<double> inverse_mass_;    ///< of each coordinate
-  std::vector<double> inverse_matrix_;  ///< where the metric is not diagonal: g⁻¹, row by row
+  std::vector<double> inverse_mass_;       ///< of each coordinate
+  std::vector<SparseRow> inverse_matrix_;  ///< where the metric is not diagonal: g⁻¹
 
   struct Curvature {
     std::once_flag made;

@@ -1,54 +1,257 @@
 #include "core/text/symbol_matrix.hpp"
 
-#include <cstddef>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "core/number/linear.hpp"
+
 namespace least::text {
+namespace {
+
+using Entry = SymbolMatrix::Entry;
+using Row = SymbolMatrix::Row;
+
+/// Multiplications of numbers in an elimination, and of symbols: some hundredths of a second.
+constexpr std::size_t most_products = std::size_t(1) << 26, most_of_symbols = std::size_t(1) << 20;
+
+/// Throws where there are too many of them.
+class Count {
+ public:
+  explicit Count(std::size_t most) : left_(most) {}
+  void take(std::size_t operations) {
+    if (operations > left_) throw tape::TooManyOperations();
+    left_ -= operations;
+  }
+
+ private:
+  std::size_t left_;
+};
+
+const Symbol* find(const Row& row, std::size_t column) {
+  const auto found = std::ranges::lower_bound(row, column, {}, &Entry::column);
+  return found != row.end() && found->column == column ? &found->value : nullptr;
+}
+
+/// a − f b, of b the entries from `begin` on.
+Row combined(const Row& a, const Symbol& f, const Row& b, Row::const_iterator begin) {
+  Row made;
+  made.reserve(a.size() + static_cast<std::size_t>(b.end() - begin));
+  auto x = a.begin();
+  for (auto y = begin; y != b.end(); ++y) {
+    while (x != a.end() && x->column < y->column) made.push_back(*x++);
+    const bool both = x != a.end() && x->column == y->column;
+    const Symbol value = (both ? x++->value : Symbol(0)) - f * y->value;
+    if (!is_nothing(value)) made.push_back({y->column, value});
+  }
+  made.insert(made.end(), x, a.end());
+  return made;
+}
+
+/// Two matrices that change together: rows of `a` become those of the unit matrix, times a number.
+class Elimination {
+ public:
+  explicit Elimination(SymbolMatrix a) : a_(std::move(a)), b_(a_.size()), rows_(a_.size()) {
+    held_.add(sizeof(Entry) * (a_.entries() + a_.size()));
+    for (std::size_t i = 0; i < a_.size(); ++i) {
+      b_.row(i).push_back({i, Symbol(1)});
+      for (const Entry& entry : a_.row(i)) rows_[entry.column].push_back(i);
+    }
+  }
+
+  std::optional<SymbolMatrix> inverse() {
+    const std::size_t n = a_.size();
+    for (std::size_t k = 0; k < n; ++k)
+      if (!eliminate(k)) return std::nullopt;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Symbol pivot = a_.at(i, i);
+      for (Entry& entry : b_.row(i)) entry.value = entry.value / pivot;
+    }
+    return std::move(b_);
+  }
+
+ private:
+  bool eliminate(std::size_t k) {
+    auto& rows = rows_[k];  // which may have an entry in this column
+    std::ranges::sort(rows);
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    const auto has = [&](std::size_t i) { return find(a_.row(i), k) != nullptr; };
+    const auto pivot = std::ranges::find_if(rows, [&](std::size_t i) { return i >= k && has(i); });
+    if (pivot == rows.end()) return false;
+    if (*pivot != k) exchange(k, *pivot);
+    const Row& from = a_.row(k);
+    const auto after = std::ranges::upper_bound(from, k, {}, &Entry::column);
+    const Symbol divisor = *find(from, k);
+    for (const std::size_t i : std::vector(rows)) {
+      const Symbol* const entry = i == k ? nullptr : find(a_.row(i), k);
+      if (!entry) continue;
+      const Symbol f = *entry / divisor;
+      count_.take(static_cast<std::size_t>(from.end() - after) + b_.row(k).size());
+      Row& row = a_.row(i);
+      std::erase_if(row, [k](const Entry& of) { return of.column == k; });
+      for (auto of = after; of != from.end(); ++of) rows_[of->column].push_back(i);
+      replace(row, combined(row, f, from, after));
+      replace(b_.row(i), combined(b_.row(i), f, b_.row(k), b_.row(k).begin()));
+    }
+    return true;
+  }
+  void exchange(std::size_t k, std::size_t other) {
+    std::swap(a_.row(k), a_.row(other));
+    std::swap(b_.row(k), b_.row(other));
+    for (const std::size_t i : {k, other})
+      for (const Entry& entry : a_.row(i)) rows_[entry.column].push_back(i);
+  }
+  void replace(Row& row, Row with) {
+    held_.add(with.size() * sizeof(Entry));
+    held_.shrink_by(row.size() * sizeof(Entry));
+    row = std::move(with);
+  }
+
+  SymbolMatrix a_, b_;
+  std::vector<std::vector<std::size_t>> rows_;
+  Count count_{most_of_symbols};
+  Held held_ = HeldByThread::take(0);
+};
+
+/// Of every row the first one that it hangs together with.
+std::vector<std::size_t> firsts_of(const SymbolMatrix& matrix) {
+  std::vector<std::size_t> first(matrix.size());
+  std::iota(first.begin(), first.end(), std::size_t{0});
+  const auto root = [&](std::size_t i) {
+    while (first[i] != i) i = first[i] = first[first[i]];
+    return i;
+  };
+  for (std::size_t i = 0; i < matrix.size(); ++i)
+    for (const Entry& entry : matrix.row(i)) {
+      const std::size_t a = root(i), b = root(entry.column);
+      first[std::max(a, b)] = std::min(a, b);
+    }
+  for (std::size_t i = 0; i < first.size(); ++i) first[i] = root(i);
+  return first;
+}
+
+/// The sign of all pivots of a symmetric matrix, 0 where they have not the same: A = L D Lᵀ, of which row i of L begins
+/// where that of A does.
+int sign_of_pivots(const SymbolMatrix& matrix, std::span<const double> numbers) {
+  const std::size_t n = matrix.size();
+  Count count(most_products);
+  Held held = HeldByThread::take(0);
+  std::vector<std::size_t> begin(n), start(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    begin[i] = matrix.row(i).empty() ? i : std::min(i, matrix.row(i).front().column);
+    start[i + 1] = start[i] + i - begin[i];
+  }
+  held.add(start[n] * sizeof(double));
+  std::vector<double> lower(start[n], 0), pivots(n, 0);
+  std::size_t next = 0;
+  int sign = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    double* const row = lower.data() + start[i];  // from column begin[i] on
+    for (const Entry& entry : matrix.row(i)) {
+      const double value = numbers[next++];
+      if (entry.column < i) row[entry.column - begin[i]] = value;
+      if (entry.column == i) pivots[i] = value;
+    }
+    for (std::size_t j = begin[i]; j < i; ++j) {  // first what is L D
+      const double* const other = lower.data() + start[j];
+      const std::size_t from = std::max(begin[i], begin[j]);
+      count.take(j - std::min(from, j));
+      for (std::size_t k = from; k < j; ++k) row[j - begin[i]] -= row[k - begin[i]] * other[k - begin[j]];
+    }
+    for (std::size_t k = begin[i]; k < i; ++k) {
+      const double l = row[k - begin[i]] / pivots[k];
+      pivots[i] -= row[k - begin[i]] * l;
+      row[k - begin[i]] = l;
+    }
+    const int here = pivots[i] > 0 ? 1 : pivots[i] < 0 ? -1 : 0;
+    if (sign == 0) sign = here;
+    if (here == 0 || here != sign) return 0;
+  }
+  return sign;
+}
+
+}  // namespace
 
 bool is_nothing(const Symbol& x) { return x.is_constant() && x.constant() == 0; }
 
-bool is_indefinite(const SymbolMatrix& second) {
-  const std::size_t n = second.size();
-  std::vector<double> m;
-  for (const auto& row : second)
-    for (const Symbol& entry : row) {
-      if (!entry.is_constant()) return false;
-      m.push_back(entry.constant());
-    }
-  for (std::size_t k = 0; k < n; ++k) {
-    if (!(m[0] > 0 ? m[k * n + k] > 0 : m[k * n + k] < 0)) return true;
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = m[i * n + k] / m[k * n + k];
-      if (factor == 0) continue;  // of a thousand masses alone nearly all
-      for (std::size_t j = k + 1; j < n; ++j) m[i * n + j] -= factor * m[k * n + j];
-    }
-  }
-  return false;
+std::size_t SymbolMatrix::entries() const {
+  return std::accumulate(rows_.begin(), rows_.end(), std::size_t{0},
+                         [](std::size_t sum, const Row& row) { return sum + row.size(); });
 }
 
-std::optional<SymbolMatrix> inverse_of(SymbolMatrix a) {
-  const std::size_t n = a.size();
-  SymbolMatrix b(n, std::vector<Symbol>(n, Symbol(0)));
-  for (std::size_t i = 0; i < n; ++i) b[i][i] = 1;
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t pivot = k;
-    while (pivot < n && is_nothing(a[pivot][k])) ++pivot;
-    if (pivot == n) return std::nullopt;
-    std::swap(a[k], a[pivot]);
-    std::swap(b[k], b[pivot]);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i == k || is_nothing(a[i][k])) continue;
-      const Symbol f = a[i][k] / a[k][k];
-      for (std::size_t j = 0; j < n; ++j) {
-        if (j > k && !is_nothing(a[k][j])) a[i][j] = a[i][j] - f * a[k][j];
-        if (!is_nothing(b[k][j])) b[i][j] = b[i][j] - f * b[k][j];
-      }
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j)
-      if (!is_nothing(b[i][j])) b[i][j] = b[i][j] / a[i][i];
-  return b;
+Symbol SymbolMatrix::at(std::size_t i, std::size_t j) const {
+  const Symbol* const found = find(rows_[i], j);
+  return found ? *found : Symbol(0);
 }
+
+bool SymbolMatrix::is_diagonal() const {
+  for (std::size_t i = 0; i < size(); ++i)
+    for (const Entry& entry : rows_[i])
+      if (entry.column != i) return false;
+  return true;
+}
+
+std::vector<Symbol> SymbolMatrix::written_out() const {
+  std::vector<Symbol> all(size() * size(), Symbol(0));
+  for (std::size_t i = 0; i < size(); ++i)
+    for (const Entry& entry : rows_[i]) all[i * size() + entry.column] = entry.value;
+  return all;
+}
+
+BlockMatrix::BlockMatrix(const SymbolMatrix& matrix, std::span<const double> numbers) {
+  const std::size_t n = matrix.size();
+  const std::vector<std::size_t> first = firsts_of(matrix);
+  std::vector<std::size_t> block(n), place(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (first[i] == i) {
+      block[i] = blocks_.size();
+      blocks_.emplace_back();
+    }
+    auto& of = blocks_[block[i] = block[first[i]]].of;
+    place[i] = of.size();
+    of.push_back(i);
+  }
+  std::size_t all = 0;
+  for (const Block& one : blocks_) all += one.of.size() * one.of.size();
+  if (all > most_numbers) throw tape::TooManyOperations();
+  for (Block& one : blocks_) one.numbers.assign(one.of.size() * one.of.size(), 0);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Entry& entry : matrix.row(i)) {
+      Block& one = blocks_[block[i]];
+      one.numbers[place[i] * one.of.size() + place[entry.column]] = numbers[next++];
+    }
+}
+
+void BlockMatrix::invert() {
+  for (Block& block : blocks_) detail::invert(block.of.size(), block.numbers.data());
+}
+
+double BlockMatrix::determinant() const {
+  double product = 1;
+  for (const Block& block : blocks_) {
+    std::vector<double> numbers = block.numbers;
+    const std::size_t n = block.of.size();
+    product *= n == 1 ? numbers[0] : detail::determinant_by_lu(n, numbers.data());
+  }
+  return product;
+}
+
+bool is_positive_definite(const SymbolMatrix& matrix, std::span<const double> numbers) {
+  return sign_of_pivots(matrix, numbers) > 0;
+}
+
+bool is_indefinite(const SymbolMatrix& second) {
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < second.size(); ++i)
+    for (const Entry& entry : second.row(i)) {
+      if (!entry.value.is_constant()) return false;
+      numbers.push_back(entry.value.constant());
+    }
+  return sign_of_pivots(second, numbers) == 0;
+}
+
+std::optional<SymbolMatrix> inverse_of(SymbolMatrix a) { return Elimination(std::move(a)).inverse(); }
 
 }  // namespace least::text

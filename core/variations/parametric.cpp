@@ -71,7 +71,8 @@ class Writer {
     const bool inverse_known = form_.full_mass && form_.momenta.empty();
     if (!form_.metric.empty() || form_.full_mass) {
       std::vector<Symbol> matrix;
-      for (const Symbol& entry : form_.metric.empty() ? form_.hessian : form_.metric) matrix.push_back(rewrite_(entry));
+      const text::SymbolMatrix& given = form_.metric.empty() ? form_.hessian : form_.metric;
+      for (const Symbol& entry : given.written_out()) matrix.push_back(rewrite_(entry));
       if (inverse_known) {
         const std::vector<Symbol> p = velocity;
         for (std::size_t i = 0; i < n; ++i) {

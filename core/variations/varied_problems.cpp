@@ -100,7 +100,7 @@ VariedFormulas::VariedFormulas(const text::Form& form, std::span<const double> p
   potential = fold.formula({v});
   gradient = fold.formula(fold.gradient(v, places));
   damping = fold.formula({friction});
-  metric = fold.formula(fold(form.metric));
+  metric = fold.formula(fold(form.metric.written_out()));
   inverse_mass.assign(std::max(room, n), Slope(1));
   const std::vector<Slope> masses = numbers(fold(form.mass));
   for (std::size_t i = 0; i < masses.size(); ++i) inverse_mass[i] = Slope(1) / masses[i];
@@ -109,7 +109,7 @@ VariedFormulas::VariedFormulas(const text::Form& form, std::span<const double> p
   offset = numbers({fold(form.offset)})[0];
   if (!form.full_mass) return;
   full_mass = true;
-  const std::vector<Slope> given = numbers(fold(form.hessian));
+  const std::vector<Slope> given = numbers(fold(form.hessian.written_out()));
   const std::vector<Slope> inverse = inverse_of(given, n);
   mass_matrix = form.momenta.empty() ? inverse : given;
   inverse_mass_matrix = form.momenta.empty() ? given : inverse;

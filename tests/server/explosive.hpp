@@ -159,6 +159,16 @@ inline std::vector<Explosive> wide_scenes() {
       {"a chain", R"~("q[1024]")~", R"~("potential":"sum(i=1..1023,exp(q[i]-q[i+1]))+q[1]^2")~"},
       {"a chain of a Lagrangian", R"~("q[1024]")~", R"~("lagrangian":
          "sum(i=1..1024,v[i]^2/2)-sum(i=1..1023,exp(q[i]-q[i+1]))")~"},
+      {"a chain of coupled momenta", R"~("q[1024]")~", R"~("hamiltonian":
+         "sum(i=1..1023,p[i]*p[i+1]+(q[i+1]-q[i])^4/4)+sum(i=1..1024,p[i]^2)")~"},
+      {"a chain of masses that move", R"~("q[1024]")~", R"~("lagrangian":
+         "sum(i=1..1024,v[i]^2/2*(1+.1*q[i]^2))-sum(i=1..1023,exp(q[i]-q[i+1]))")~"},
+      {"all velocities coupled", R"~("q[1024]")~", R"~("lagrangian":
+         "sum(i=1..1024,v[i]^2/2)+.0001*sum(i=1..1024,v[i])^2-sum(i=1..1023,exp(q[i]-q[i+1]))")~"},
+      {"all momenta coupled at a place", R"~("q[1024]")~", R"~("hamiltonian":
+         "(1+q[1]^2)*sum(i=1..1024,p[i])^2/2+sum(i=1..1023,exp(q[i]-q[i+1]))")~"},
+      {"velocities coupled in a field", R"~("q[1024]")~", R"~("lagrangian":
+         "sum(i=1..1024,v[i]^2/2)+sum(i=1..1023,.1*v[i]*v[i+1]+v[i]*q[i+1])")~"},
       {"a damped chain", R"~("q[1024]")~",
        R"~("damping":0.1,"potential":"sum(i=1..1023,(q[i+1]-q[i])^2/2)+sum(i=1..1024,sin(q[i]))")~"},
       {"a ring of equations", R"~("q[2048]")~", R"~("equations":{"q[i]":"1-exp(q[i]-q[mod(i,2048)+1])"})~"},

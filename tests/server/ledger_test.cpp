@@ -113,6 +113,24 @@ TEST(Ledger, HoldsWhatEveryEndpointMakes) {
   }
 }
 
+// What a scene of a thousand coordinates makes grows with what it says, not with their square: eight at once have room.
+TEST(Ledger, HasRoomForLargeScenes) {
+  Process service({"serve", "--port", "0", "--threads", "8", "--log-level", "warning", "--max-memory", "100M"});
+  const int port = port_in(service.line());
+  for (const Explosive& scene : wide_scenes()) {
+    if (scene.name != "a chain of coupled momenta" && scene.name != "a chain of masses that move") continue;
+    const std::string start = R"(,"limits":{"seconds":0.5},"until":{"t":1},"record":{"every":0},"scheme":)";
+    const Worst request{"/v1/simulate", in_json, "{" + scene.problem + start + R"("runge_kutta_4"})"};
+    std::vector<int> statuses(8);
+    {
+      std::vector<std::jthread> clients;
+      for (int& status : statuses) clients.emplace_back([&] { status = status_of(port, request); });
+    }
+    EXPECT_EQ(std::ranges::count(statuses, 200), 8) << scene.name;
+  }
+  EXPECT_LE(peak_mebibytes(service), 160);
+}
+
 #endif
 
 }  // namespace

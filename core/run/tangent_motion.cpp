@@ -20,17 +20,14 @@ tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const ta
                                         std::size_t directions) {
   const std::size_t size = rates.size();
   equations.bound(tape::most_of_equations);
-  std::vector<int> variables(size);
-  for (std::size_t j = 0; j < size; ++j) variables[j] = static_cast<int>(j);
+  std::size_t left = std::size_t(1) << 19;  // operations to go through: some hundredths of a second
   std::vector<tape::Index> all(rates.begin(), rates.end());
   all.resize(size * (1 + directions));
   for (std::size_t i = 0; i < size; ++i) {
-    const auto slopes = tape::gradient(equations, Symbol::at(equations, rates[i]), variables);
+    const auto slopes = tape::slopes_of(equations, Symbol::at(equations, rates[i]), 0, size, left);
     for (std::size_t d = 0; d < directions; ++d) {
       Symbol rate;
-      for (std::size_t j = 0; j < size; ++j)
-        if (!(slopes[j].is_constant() && slopes[j].constant() == 0))  // of a thousand variables nearly all
-          rate += slopes[j] * Symbol::variable(equations, (1 + d) * size + j);
+      for (const auto& [j, slope] : slopes) rate += slope * Symbol::variable(equations, (1 + d) * size + j);
       all[(1 + d) * size + i] = rate.on(equations);
     }
   }

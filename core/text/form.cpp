@@ -245,8 +245,8 @@ class Reader : TextReader {
   }
 
   /// The metric from ∂²L/∂v² or ∂²H/∂p². False where the form that was found has none of this kind: one that changes
-  /// with the place goes with V(q) alone.
-  bool take_metric(const Matrix& second, bool lagrangian) {
+  /// with the place goes with V(q) alone; and where it takes too many operations to be found, and H is known.
+  bool take_metric(const Matrix& second, bool lagrangian) try {
     bool constant = true;
     for (std::size_t i = 0; i < n(); ++i)
       for (const auto& entry : second.row(i)) constant = constant && (depends_(entry.value) & on_places) == 0;
@@ -282,6 +282,10 @@ class Reader : TextReader {
     if (!lagrangian) keep_hessian(second);
     settle(constant ? form_->kind : FormKind::metric);
     return true;
+  } catch (const tape::TooManyOperations&) {
+    if (lagrangian) throw;
+    form_->full_mass = false;
+    return false;
   }
 
   /// So many more entries of matrices. Throws MemoryShortage.

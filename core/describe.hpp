@@ -95,8 +95,8 @@ struct PresetCard {
   double span = 0;                                  ///< default length of a run; 0: the problem's own
 };
 
-/// Whether a Hamiltonian given as text is one for lifted_splitting, and whether what is linear in its momenta moves the
-/// coordinates in a way that can be followed exactly.
+/// Whether a Hamiltonian given as text, or equations are for lifted_splitting, and whether what is linear in the
+/// momenta moves the coordinates in a way that can be followed exactly.
 enum class Lifted : std::uint8_t { no, yes, exactly };
 
 struct ProblemCard {
@@ -145,6 +145,8 @@ struct SchemeCard {
   bool own_clock = false;  ///< its steps are not steps of time, or of any length; derived
   /// What speaks against these settings on this problem; derived, may be null.
   std::vector<Conflict> (*conflicts)(std::span<const double> settings, const ProblemCard& problem) = nullptr;
+  /// Whether it takes a problem that is of a type which fits it; derived, null: every one.
+  bool (*takes)(const ProblemCard& problem) = nullptr;
   std::string good_for{}, fails_when{}, needs{};
   std::vector<std::string> references{};
 

@@ -96,12 +96,17 @@ constexpr auto plain(const X& x) {
 }
 
 /// Takes a tangent direction that has become very long or short to length 1: only its direction means something.
+/// `count`: its components.
+template <class X>
+void normalise(X& x, std::size_t count) {
+  double size = 0;
+  for (std::size_t i = 0; i < count; ++i) size = std::max(size, std::abs(x[i].slope[0]));
+  if (size > 1e50 || (size > 0 && size < 1e-50))
+    for (std::size_t i = 0; i < count; ++i) x[i].slope[0] /= size;
+}
 template <Sloped X>
 void normalise(X& x) {
-  double size = 0;
-  for (std::size_t i = 0; i < X::size; ++i) size = std::max(size, std::abs(x[i].slope[0]));
-  if (size > 1e50 || (size > 0 && size < 1e-50))
-    for (std::size_t i = 0; i < X::size; ++i) x[i].slope[0] /= size;
+  normalise(x, X::size);
 }
 
 /// The state that a list of the card's variables describes. A slope that is not a number is the flow's own.

@@ -1,29 +1,13 @@
 // adaptive_boris on scenes as text.
+#include <mutex>
 #include <utility>
 
-#include "core/catalogue/found_backend.hpp"
-#include "core/catalogue/found_schemes.hpp"
+#include "core/catalogue/found_steps.hpp"
 #include "core/run/self_timed.hpp"
 #include "core/schemes/adaptive_boris_stepper.hpp"
 
 namespace least {
 namespace {
-
-/// What is known of a scene with these parameters.
-struct PacedScene {
-  PacedScene(const text::TextScene& text, std::span<const double> parameters) : scene(text, parameters) {
-    auto found = text::magnetic(*text.form, parameters, text.definition.variables, text::Pace::yes);
-    if (auto* none = std::get_if<text::NotMagnetic>(&found)) {
-      why = std::move(none->why);
-    } else {
-      field = std::make_shared<const text::Magnetic>(std::get<text::Magnetic>(std::move(found)));
-    }
-  }
-
-  SceneWithRoom scene;
-  std::shared_ptr<const text::Magnetic> field;  ///< null: it has none
-  std::string why;                              ///< of that
-};
 
 /// A problem as schemes see it here: what a run asks of it.
 struct PacedProblem {
@@ -33,8 +17,10 @@ struct PacedProblem {
 /// The stepper on states of a run. A run says of its steps how long they took.
 class PacedSteps {
  public:
-  PacedSteps(const PacedScene& scene, const AdaptiveBoris& scheme, const RunState& x) {
-    if (scene.field) stepper_.emplace(scene.field, scheme, scene.scene.room, x.numbers.data());
+  /// `charges`: null where there are none.
+  PacedSteps(const std::shared_ptr<const text::Magnetic>& charges, const AdaptiveBoris& scheme, const RunState& x,
+             std::size_t room) {
+    if (charges) stepper_.emplace(charges, scheme, room, x.numbers.data());
   }
   StepStatus step(RunState& x) noexcept {
     if (!stepper_ || !stepper_->has_pace()) return StepStatus::singular;
@@ -63,49 +49,72 @@ class PacedSteps {
 /// The scheme, bound to a scene.
 struct PacedScheme {
   AdaptiveBoris chosen;
-  std::shared_ptr<const PacedScene> scene;
+  std::shared_ptr<const text::Magnetic> charges;
+  std::string why;  ///< there are none
+  std::size_t room;
   bool starts;  ///< the start of the run has a pace
 
   static constexpr bool own_clock = true, remembers = true, asks_no_level = true;
-  PacedSteps bind(const PacedProblem&, const RunState& x, double) const { return {*scene, chosen, x}; }
+  PacedSteps bind(const PacedProblem&, const RunState& x, double) const { return {charges, chosen, x, room}; }
   std::string unsupported_reason(const PacedProblem&, double) const {
-    if (!scene->why.empty())
-      return AdaptiveBoris::card().id + " does not run this scene with these parameters: " + scene->why;
+    if (!why.empty()) return AdaptiveBoris::card().id + " does not run this scene with these parameters: " + why;
     if (!starts) return "nothing at the start says how fast the motion is: neither a force nor a field changes there";
     return {};
   }
 };
 
-class PacedBackend final : public SizedBackend {
- public:
-  explicit PacedBackend(std::shared_ptr<const PacedScene> scene)
-      : SizedBackend(scene->scene.sized), scene_(std::move(scene)) {}
+using Charges = std::variant<text::Magnetic, text::NotMagnetic>;
 
-  std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid&, double end) const override {
+Charges charges_in(const text::Form& form, std::span<const double> parameters, std::span<const std::string> names) {
+  if (!form.autonomous && form.kind == text::FormKind::hamiltonian) return text::NotMagnetic{"H depends on time"};
+  return text::magnetic(form, parameters, names);
+}
+
+class PacedCharges final : public FoundOrNot<text::Magnetic> {
+ public:
+  PacedCharges(const text::TextScene& scene, std::span<const double> parameters)
+      : FoundOrNot(charges_in(*scene.form, parameters, scene.definition.variables)),
+        form_(scene.form),
+        names_(scene.definition.variables),
+        parameters_(parameters.begin(), parameters.end()) {}
+
+  std::unique_ptr<Integrator> bind(const RunBackend& problem, const Request& request, const RunState& x, const Grid&,
+                                   double end) const override {
     const auto chosen = from_values<AdaptiveBoris>(AdaptiveBoris::fields, request.settings);
-    const PacedScheme scheme{chosen, scene_, PacedSteps(*scene_, chosen, x).has_pace()};
-    return std::make_unique<SelfTimedIntegrator<PacedProblem, PacedScheme, RunState>>(*this, PacedProblem{this}, scheme,
-                                                                                      x, end);
+    std::call_once(paced_once_, [&] { look_for_pace(); });
+    const std::size_t room = problem.table().traits.dof;
+    const bool starts = PacedSteps(paced_, chosen, x, room).has_pace();
+    return std::make_unique<SelfTimedIntegrator<PacedProblem, PacedScheme, RunState>>(
+        problem, PacedProblem{&problem}, PacedScheme{chosen, paced_, why_, room, starts}, x, end);
   }
-  bool has_component(std::size_t i) const override { return scene_->scene.has_component(i); }
+  StepTangents tangents(const RunBackend&, const Request&) const override { return {}; }
 
  private:
-  std::shared_ptr<const PacedScene> scene_;
+  /// With how fast all changes, which takes derivatives up to the third: not before a run asks for it.
+  void look_for_pace() const {
+    why_ = objection();
+    if (!why_.empty()) return;
+    auto found = text::magnetic(*form_, parameters_, names_, text::Pace::yes);
+    if (auto* none = std::get_if<text::NotMagnetic>(&found))
+      why_ = std::move(none->why);
+    else
+      paced_ = std::make_shared<const text::Magnetic>(std::get<text::Magnetic>(std::move(found)));
+  }
+
+  std::shared_ptr<const text::Form> form_;
+  std::vector<std::string> names_;
+  std::vector<double> parameters_;
+  mutable std::once_flag paced_once_;
+  mutable std::shared_ptr<const text::Magnetic> paced_;
+  mutable std::string why_;
 };
 
 }  // namespace
 
-FoundScheme adaptive_boris_in_text() {
-  return {"adaptive_boris", [](const text::Form&) { return true; },
-          [](const text::TextScene& scene, std::span<const double> parameters) {
-            if (!scene.form->autonomous && scene.form->kind == text::FormKind::hamiltonian)
-              return std::string("H depends on time");
-            const auto found = text::magnetic(*scene.form, parameters, scene.definition.variables);
-            const auto* none = std::get_if<text::NotMagnetic>(&found);
-            return none ? none->why : std::string();
-          },
-          [](const text::TextScene& scene, std::span<const double> parameters) -> std::shared_ptr<const RunBackend> {
-            return std::make_shared<const PacedBackend>(std::make_shared<const PacedScene>(scene, parameters));
+FoundScheme adaptive_boris_found() {
+  return {"adaptive_boris", concerns_texts,
+          [](const text::TextScene& scene, std::span<const double> parameters) -> std::shared_ptr<const Found> {
+            return std::make_shared<const PacedCharges>(scene, parameters);
           }};
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <optional>
 
 #include "core/catalogue/custom.hpp"
 #include "core/catalogue/recorded.hpp"
@@ -20,19 +19,6 @@ double opposite(double x) { return 0 - x; }
 const VariableCard* find_variable(const ProblemCard& card, std::string_view name) {
   const auto found = std::ranges::find(card.variables, name, &VariableCard::name);
   return found == card.variables.end() ? nullptr : &*found;
-}
-
-/// A problem of the catalogue as a text nobody wrote: its form is all that there is.
-std::optional<text::TextScene> recorded_text(const Scene& scene) {
-  auto form = recorded_backward(scene);
-  if (!form) return std::nullopt;
-  text::Definition definition;
-  definition.kind = text::Definition::Kind::equations;
-  definition.title = "backward:" + scene.key();
-  for (std::size_t i = 0; i < form->coordinates; ++i) definition.variables.push_back(scene.card().variables[i].name);
-  auto text = text::TextScene::of(std::move(definition), std::move(form));
-  text.known = scene.card();
-  return text;
 }
 
 /// Times, rates by time and variables of a report, and of all its parts.
@@ -54,9 +40,11 @@ std::variant<Scene, std::string> backward(const Scene& scene) {
     if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return faults->front().fault.detail;
     text = std::get<text::TextScene>(std::move(read));
   } else {
-    auto recorded = recorded_text(scene);
+    auto recorded = recorded_text(scene.card(), scene.parameters, true);
     if (!recorded) return "this problem runs forward in time alone";
     text = std::move(*recorded);
+    text.definition.title = "backward:" + scene.key();
+    text.known = scene.card();
   }
   text.forward = std::make_shared<const Scene>(scene);
   const ProblemCard& known = scene.card();

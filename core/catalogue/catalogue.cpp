@@ -21,6 +21,7 @@ SchemeCard complete_card() {
     card.conflicts = [](std::span<const double> settings, const ProblemCard& problem) {
       return from_values<Scheme>(Scheme::fields, settings).conflicts(problem);
     };
+  if constexpr (requires(const ProblemCard& problem) { Scheme::takes(problem); }) card.takes = &Scheme::takes;
   return card;
 }
 template <class... Scheme, class... More>
@@ -99,8 +100,10 @@ ProblemCard complete_card(ProblemCard card, const ProblemTraits& traits, std::ve
   card.diagnostics = diagnostic_cards(traits);
   card.offers = offers(traits, card.lift_objection);
   card.schemes = std::move(schemes);
-  if (card.lift == Lifted::no)
-    std::erase_if(card.schemes, [](std::size_t i) { return scheme_cards()[i].id == LiftedSplitting::id; });
+  std::erase_if(card.schemes, [&card](std::size_t i) {
+    const SchemeCard& scheme = scheme_cards()[i];
+    return scheme.takes && !scheme.takes(card);
+  });
   return card;
 }
 

@@ -218,11 +218,13 @@ class ProblemMechanics : public Mechanics {
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
+    return least::run(*backend(request), request, columns_, sink, cancelled);
+  }
+  std::unique_ptr<const RunBackend> backend(const Request& request) const override {
     const P problem = problem_of(request.scene->parameters);
     if constexpr (!std::is_same_v<State, Full>)
-      if (asks_for_full_state(card_, request))
-        return least::run(CompiledBackend<P, Full>(problem), request, columns_, sink, cancelled);
-    return least::run(CompiledBackend<P, State>(problem), request, columns_, sink, cancelled);
+      if (asks_for_full_state(card_, request)) return std::make_unique<const CompiledBackend<P, Full>>(problem);
+    return std::make_unique<const CompiledBackend<P, State>>(problem);
   }
   std::optional<RegularStart> regular_start([[maybe_unused]] std::span<const double> parameters,
                                             [[maybe_unused]] double t) const override {

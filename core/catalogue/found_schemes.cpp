@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/found_backend.hpp"
+#include "core/catalogue/recorded.hpp"
 #include "core/run/columns.hpp"
 #include "core/run/request.hpp"
 #include "core/run/run.hpp"
@@ -15,63 +18,83 @@ namespace least {
 namespace {
 
 std::span<const FoundScheme> found_schemes() {
-  static const std::array all{kepler_splitting_in_text(), boris_in_text(), adaptive_boris_in_text(),
-                              harmonic_splitting_in_text(), lifted_splitting_in_equations()};
+  static const std::array all{kepler_splitting_found(), boris_found(), adaptive_boris_found(),
+                              harmonic_splitting_found(), lifted_splitting_found()};
   return all;
 }
 
-/// By which a scene is described: those that are typed.
-std::vector<double> typed_parameters(const ProblemCard& card) {
+/// By which a scene is described: those that are typed, or the defaults of the catalogue.
+std::vector<double> described_parameters(const ProblemCard& card) {
   std::vector<double> parameters;
   parameters.reserve(card.parameters.size());
   for (const auto& parameter : card.parameters) parameters.push_back(parameter.value);
   return parameters;
 }
 
-/// One of them on one scene. The backend with the parameters that were asked for last is kept: a search asks for the
+/// What is looked at of mechanics with some parameters: its text, or what a problem of the catalogue comes to.
+class Readable {
+ public:
+  Readable(const Mechanics& mechanics, std::span<const double> parameters) : typed_(mechanics.text()) {
+    if (!typed_) recorded_ = recorded_text(mechanics.card(), parameters, false);
+  }
+  bool is_known_to(const FoundScheme& scheme) const { return text() && scheme.concerns(*text()->form, !typed_); }
+  const text::TextScene* text() const { return typed_ ? typed_ : recorded_ ? &*recorded_ : nullptr; }
+
+ private:
+  const text::TextScene* typed_;
+  std::optional<text::TextScene> recorded_;
+};
+
+/// One of them on one scene. What was found with the parameters that were asked for last is kept: a search asks for the
 /// same again and again.
 class FoundRuns {
  public:
-  FoundRuns(const FoundScheme& found, const Mechanics& made)
-      : found_(found), position_(*find_scheme(found.id)), text_(*made.text()), card_(made.card()) {}
+  FoundRuns(const FoundScheme& scheme, const Mechanics& made, std::vector<double> parameters,
+            std::shared_ptr<const Found> found)
+      : scheme_(scheme),
+        position_(*find_scheme(scheme.id)),
+        made_(made),
+        last_(std::move(parameters), std::move(found)) {}
   std::size_t position() const { return position_; }
+  std::unique_ptr<const RunBackend> backend(const Request& request) const {
+    return std::make_unique<const FoundBackend>(made_.backend(request), found_with(request.scene->parameters));
+  }
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const {
-    const auto backend = backend_with(request.scene->parameters);
-    std::call_once(columns_known_, [&] { columns_ = columns_of(backend->table().traits, card_); });
-    return least::run(*backend, request, columns_, sink, cancelled);
+    const auto problem = backend(request);
+    std::call_once(columns_known_, [&] { columns_ = columns_of(problem->table().traits, made_.card()); });
+    return least::run(*problem, request, columns_, sink, cancelled);
   }
 
  private:
-  std::shared_ptr<const RunBackend> backend_with(std::span<const double> parameters) const {
-    std::vector<double> values(parameters.begin(), parameters.end());
+  std::shared_ptr<const Found> found_with(const std::vector<double>& parameters) const {
     {
       const std::lock_guard lock(mutex_);
-      if (last_.second && last_.first == values) return last_.second;
+      if (last_.first == parameters) return last_.second;
     }
-    auto made = found_.backend(text_, parameters);
+    auto found = scheme_.look(*Readable(made_, parameters).text(), parameters);
     const std::lock_guard lock(mutex_);
-    last_ = {std::move(values), made};
-    return made;
+    last_ = {parameters, found};
+    return found;
   }
 
-  FoundScheme found_;
+  FoundScheme scheme_;
   std::size_t position_;
-  const text::TextScene& text_;
-  const ProblemCard& card_;
+  const Mechanics& made_;
   mutable std::once_flag columns_known_;
   mutable std::vector<Column> columns_;
   mutable std::mutex mutex_;
-  mutable std::pair<std::vector<double>, std::shared_ptr<const RunBackend>> last_;
+  mutable std::pair<std::vector<double>, std::shared_ptr<const Found>> last_;
 };
 
 class FoundMechanics final : public Mechanics {
  public:
-  FoundMechanics(std::shared_ptr<const Mechanics> made, std::span<const FoundScheme> found)
+  FoundMechanics(std::shared_ptr<const Mechanics> made, const std::vector<double>& parameters,
+                 const std::vector<std::pair<FoundScheme, std::shared_ptr<const Found>>>& all)
       : made_(std::move(made)), card_(made_->card()) {
-    for (const FoundScheme& one : found) {
-      runs_.push_back(std::make_unique<const FoundRuns>(one, *made_));
+    for (const auto& [scheme, found] : all) {
+      runs_.push_back(std::make_unique<const FoundRuns>(scheme, *made_, parameters, found));
       card_.schemes.push_back(runs_.back()->position());
-      if (one.describe) one.describe(*made_->text(), typed_parameters(card_), card_);
+      found->describe(card_);
     }
     std::ranges::sort(card_.schemes);
   }
@@ -80,9 +103,13 @@ class FoundMechanics final : public Mechanics {
   std::string_view key() const override { return made_->key(); }
   const text::TextScene* text() const override { return made_->text(); }
   std::span<const SchemeCard> schemes() const override { return made_->schemes(); }
+  std::unique_ptr<const RunBackend> backend(const Request& request) const override {
+    const FoundRuns* own = runs_by(request.scheme);
+    return own ? own->backend(request) : made_->backend(request);
+  }
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
-    const auto own = std::ranges::find(runs_, request.scheme, [](const auto& one) { return one->position(); });
-    return own == runs_.end() ? made_->run(request, sink, cancelled) : (*own)->run(request, sink, cancelled);
+    const FoundRuns* own = runs_by(request.scheme);
+    return own ? own->run(request, sink, cancelled) : made_->run(request, sink, cancelled);
   }
   std::optional<RegularStart> regular_start(std::span<const double> parameters, double t) const override {
     return made_->regular_start(parameters, t);
@@ -102,30 +129,48 @@ class FoundMechanics final : public Mechanics {
   }
 
  private:
+  /// Null: it is none of those that were found.
+  const FoundRuns* runs_by(std::size_t scheme) const {
+    const auto own = std::ranges::find(runs_, scheme, [](const auto& one) { return one->position(); });
+    return own == runs_.end() ? nullptr : own->get();
+  }
+
   std::shared_ptr<const Mechanics> made_;
   ProblemCard card_;
   std::vector<std::unique_ptr<const FoundRuns>> runs_;
 };
 
+/// Null: it is another kind of scheme or scene.
+std::shared_ptr<const Found> looked_for(const Scene& scene, std::string_view scheme) {
+  const auto known = std::ranges::find(found_schemes(), scheme, &FoundScheme::id);
+  if (known == found_schemes().end() || scene.parameters.size() != scene.card().parameters.size()) return nullptr;
+  const Readable readable(*scene.mechanics, scene.parameters);
+  return readable.is_known_to(*known) ? known->look(*readable.text(), scene.parameters) : nullptr;
+}
+
 }  // namespace
 
 std::shared_ptr<const Mechanics> with_found_schemes(std::shared_ptr<const Mechanics> made) {
-  const text::TextScene* text = made->text();
-  if (!text) return made;
-  const std::vector<double> parameters = typed_parameters(made->card());
-  std::vector<FoundScheme> fitting;
-  for (const FoundScheme& one : found_schemes())
-    if (one.concerns(*text->form) && one.objection(*text, parameters).empty()) fitting.push_back(one);
+  const std::vector<double> parameters = described_parameters(made->card());
+  const Readable readable(*made, parameters);
+  std::vector<std::pair<FoundScheme, std::shared_ptr<const Found>>> fitting;
+  for (const FoundScheme& scheme : found_schemes()) {
+    if (!readable.is_known_to(scheme)) continue;
+    if (auto found = scheme.look(*readable.text(), parameters); found->objection().empty())
+      fitting.emplace_back(scheme, std::move(found));
+  }
   if (fitting.empty()) return made;
-  return std::make_shared<const FoundMechanics>(std::move(made), fitting);
+  return std::make_shared<const FoundMechanics>(std::move(made), parameters, fitting);
+}
+
+std::shared_ptr<const Found> found_in(const Scene& scene, std::string_view scheme) {
+  const auto found = looked_for(scene, scheme);
+  return found && found->objection().empty() ? found : nullptr;
 }
 
 std::string objection_to_scheme(const Scene& scene, std::string_view scheme) {
-  const text::TextScene* text = scene.mechanics->text();
-  if (!text || scene.parameters.size() != scene.card().parameters.size()) return {};
-  const auto found = std::ranges::find(found_schemes(), scheme, &FoundScheme::id);
-  if (found == found_schemes().end() || !found->concerns(*text->form)) return {};
-  return found->objection(*text, scene.parameters);
+  const auto found = looked_for(scene, scheme);
+  return found ? found->objection() : std::string();
 }
 
 }  // namespace least

@@ -119,9 +119,16 @@ std::shared_ptr<text::Form> numbered() {
 }
 
 template <template <class> class P>
-std::shared_ptr<const text::Form> recorded(const Scene& scene) {
-  const auto problem = from_values<P<double>>(About<P>::fields, scene.parameters);
-  return Recording<P<double>, P<double>>(numbered<P<double>>(), problem, true).form(scene.card());
+std::shared_ptr<const text::Form> recorded(const ProblemCard& card, std::span<const double> parameters, bool backward) {
+  const auto problem = from_values<P<double>>(About<P>::fields, parameters);
+  return Recording<P<double>, P<double>>(numbered<P<double>>(), problem, backward).form(card);
+}
+std::shared_ptr<const text::Form> recorded(const ProblemCard& card, std::span<const double> parameters, bool backward) {
+#define LEAST_RECORDED(name, Class) \
+  if (card.id == #name) return recorded<problems::Class>(card, parameters, backward);
+  LEAST_FOR_EACH_PROBLEM(LEAST_RECORDED)
+#undef LEAST_RECORDED
+  return nullptr;
 }
 
 template <template <class> class P>
@@ -142,13 +149,14 @@ std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, con
 
 }  // namespace
 
-std::shared_ptr<const text::Form> recorded_backward(const Scene& scene) {
-  const std::string& id = scene.card().id;
-#define LEAST_RECORDED(name, Class) \
-  if (id == #name) return recorded<problems::Class>(scene);
-  LEAST_FOR_EACH_PROBLEM(LEAST_RECORDED)
-#undef LEAST_RECORDED
-  return nullptr;
+std::optional<text::TextScene> recorded_text(const ProblemCard& problem, std::span<const double> parameters,
+                                             bool backward) {
+  auto form = recorded(problem, parameters, backward);
+  if (!form) return std::nullopt;
+  text::Definition definition;
+  definition.kind = text::Definition::Kind::equations;
+  for (std::size_t i = 0; i < form->coordinates; ++i) definition.variables.push_back(problem.variables[i].name);
+  return text::TextScene::of(std::move(definition), std::move(form));
 }
 
 std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, const std::vector<bool>& varied,

@@ -2,16 +2,20 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "core/run/mechanics.hpp"
-#include "core/text/form.hpp"
+#include "core/text/scene.hpp"
 
 namespace least {
 
-/// What moves forward as the scene, a problem of the catalogue, moves backward (core/catalogue/backward.hpp): the form
-/// with the scene's parameters as numbers. Null where the scene is none of the catalogue.
-std::shared_ptr<const text::Form> recorded_backward(const Scene& scene);
+/// A problem of the catalogue as a text that nobody wrote, whose form is all that there is, with these parameters as
+/// numbers; none where it is none of the catalogue. `backward`: what moves forward as it moves backward
+/// (core/catalogue/backward.hpp).
+std::optional<text::TextScene> recorded_text(const ProblemCard& problem, std::span<const double> parameters,
+                                             bool backward);
 /// The form of such a scene with those parameters as variables of the tape that are `varied`, in the order of the card,
 /// and numbers; the others are those of the scene. `backward`: of what moves forward as it moves backward.
 std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, const std::vector<bool>& varied,

@@ -108,6 +108,9 @@ class SizedMechanics final : public Mechanics {
       solution.warnings.push_back({"force_jumps", force_jumps(sized->forces.can_rest())});
     return solution;
   }
+  std::unique_ptr<const RunBackend> backend(const Request& request) const override {
+    return std::make_unique<const SizedBackend>(scene_of(request.scene->parameters));
+  }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {
     const auto sized = scene_of(scene.parameters);

@@ -20,6 +20,7 @@
 namespace least {
 
 class Mechanics;
+class RunBackend;
 struct Request;
 namespace text {
 struct TextScene;
@@ -142,6 +143,9 @@ class Mechanics {
   /// Runs a checked request (every value within its card's range, the pair fits). Samples go to the sink as they come;
   /// `cancelled` is looked at between blocks of steps. Never throws for numerical reasons: every end is a status.
   virtual Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const = 0;
+
+  /// What a run of such a request asks of the problem. The mechanics and the request's scene outlive it.
+  virtual std::unique_ptr<const RunBackend> backend(const Request& request) const = 0;
 
   /// At the time t; empty where the card's own start stands for every time.
   virtual std::optional<RegularStart> regular_start(std::span<const double> parameters, double t) const = 0;

@@ -4,7 +4,7 @@ namespace least {
 
 SchemeCard LiftedSplitting::card() {
   return {
-      .id = std::string(id),
+      .id = "lifted_splitting",
       .title = "Lifted splitting",
       .summary =
           "A splitting of what is not separable: terms linear in the momenta, and any s, move the coordinates by "
@@ -23,7 +23,7 @@ SchemeCard LiftedSplitting::card() {
           "parts cancel; with the lift extrapolation a step back does not return",
       .needs =
           "a Hamiltonian given as text, of no simpler form, whose terms beyond the linear in the momenta are "
-          "quadratic with constant coefficients, or equations given as text",
+          "quadratic with constant coefficients, or equations alone",
       .references = {"Kevrekidis, arXiv 2605.09103 (2026)", "Strang, SIAM J. Numer. Anal. 5, 506 (1968)",
                      "Hairer, Lubich, Wanner 2006, VI.5"}};
 }

@@ -50,7 +50,6 @@ class LiftedStepper {
 };
 
 struct LiftedSplitting {
-  static constexpr std::string_view id = "lifted_splitting";
   double step = 0.01;
   Composition composition = Composition::none;
   LiftMethod lift = LiftMethod::automatic;
@@ -68,6 +67,7 @@ struct LiftedSplitting {
           {0, 0},
           lift_names}};
   static SchemeCard card();
+  static bool takes(const ProblemCard& problem) { return problem.lift != Lifted::no; }
   std::vector<Conflict> conflicts(const ProblemCard& problem) const;
   template <MayBeLifted P, class X>
   requires std::is_same_v<typename X::Time, double> &&

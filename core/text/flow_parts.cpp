@@ -13,11 +13,13 @@ constexpr tape::Index most_of_rates = 1 << 17;
 /// The rates on a tape of their own, with numbers in the place of parameters.
 class RatesInParts {
  public:
-  RatesInParts(const Form& form, std::span<const double> parameters) : n_(form.coordinates) {
+  RatesInParts(const Form& form, std::span<const double> parameters, std::optional<std::size_t> moved)
+      : n_(form.coordinates) {
     tape_.bound(most_of_rates);
     tape::Substitution fold(form.tape, tape_, [&](int i) {
-      if (i >= form.numbers.parameter) return Symbol(parameters[static_cast<std::size_t>(i - form.numbers.parameter)]);
-      return Symbol::variable(tape_, static_cast<std::size_t>(i));
+      if (i < form.numbers.parameter) return Symbol::variable(tape_, static_cast<std::size_t>(i));
+      const auto which = static_cast<std::size_t>(i - form.numbers.parameter);
+      return which == moved ? Symbol::variable(tape_, n_) : Symbol(parameters[which]);
     });
     for (const Symbol& rate : form.rates) {
       rates_.push_back(fold(rate));
@@ -49,7 +51,7 @@ class RatesInParts {
 
  private:
   std::vector<bool> variables_of(const Symbol& y) const {
-    std::vector<bool> all(n_, false);
+    std::vector<bool> all(n_ + 1, false);  // and a parameter
     if (y.is_constant()) return all;
     for (const tape::Index part : tape::parts_of(tape_, y.place()))
       if (tape_[part].op == tape::Op::variable) all[static_cast<std::size_t>(tape_[part].value)] = true;
@@ -91,7 +93,8 @@ Form with_momenta(const Form& flow) {
 
 }  // namespace
 
-std::variant<FlowParts, std::string> flow_parts(const Form& form, std::span<const double> parameters) {
+std::variant<FlowParts, std::string> flow_parts(const Form& form, std::span<const double> parameters,
+                                                std::optional<std::size_t> moved) {
   if (form.kind != FormKind::flow) return "it is not given by equations alone";
   if (form.coordinates > FlowParts::most_variables)
     return "it has more than " + std::to_string(FlowParts::most_variables) + " variables";
@@ -99,8 +102,8 @@ std::variant<FlowParts, std::string> flow_parts(const Form& form, std::span<cons
     FlowParts made;
     made.variables = form.coordinates;
     made.autonomous = form.autonomous;
-    made.parts = RatesInParts(form, parameters).parts();
-    if (form.coordinates <= Lift::most_coordinates) made.lift = Lift::of(with_momenta(form), parameters);
+    made.parts = RatesInParts(form, parameters, moved).parts();
+    if (form.coordinates <= Lift::most_coordinates) made.lift = Lift::of(with_momenta(form), parameters, moved);
     return made;
   } catch (const tape::TooManyOperations&) {
     return "its derivatives take too many operations";

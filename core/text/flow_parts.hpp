@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -34,7 +35,9 @@ struct FlowParts {
   bool linear() const { return lift && lift->linear; }
 };
 
-/// Of equations with these parameters, or why they have none, in words.
-std::variant<FlowParts, std::string> flow_parts(const Form& form, std::span<const double> parameters);
+/// Of equations with these parameters, or why they have none, in words. `moved`: a parameter that stays a variable, and
+/// stands after the others.
+std::variant<FlowParts, std::string> flow_parts(const Form& form, std::span<const double> parameters,
+                                                std::optional<std::size_t> moved = {});
 
 }  // namespace least::text

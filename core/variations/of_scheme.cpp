@@ -33,7 +33,7 @@ Sensitivities sensitivities_of_scheme(const Request& request, const Sensitivitie
     const std::vector<double> slope = start.slope(by);
     const auto moved = by.kind == Quantity::Kind::parameter ? std::optional(by.index) : std::nullopt;
     const Walk on{request, scheme, grid, start.state(), slope, looks, keep_going};
-    const Walked walked = walk(on, *equations.form, equations.parameters, moved);
+    const Walked walked = walk(on, equations, moved);
     if (!walked.reason.empty()) {
       found.reason = walked.reason;
       return found;

@@ -12,6 +12,7 @@
 
 #include "core/run/request.hpp"
 #include "core/run/save_schedule.hpp"
+#include "core/variations/sensitivities.hpp"
 #include "core/variations/varied_problems.hpp"
 
 namespace least::variations {
@@ -32,11 +33,31 @@ struct Walked {
   std::string reason;  ///< why it did not come to its end; empty: it did
 };
 
-/// Of a scene of this form; `moved`: the parameter that changes.
-Walked walk(const Walk& on, const text::Form& form, std::span<const double> parameters,
-            std::optional<std::size_t> moved);
-/// Why there is none for a scheme and a form; empty: there is.
-std::string no_walk(const SchemeCard& scheme, const text::Form& form);
+/// All steps of a walk, `step(t, h)` being one from the time t, with `look` where the state is wanted; why it did not
+/// come to its end, or nothing.
+template <class Look, class Step>
+std::string go_over(const Walk& on, Look&& look, Step&& step) {
+  constexpr std::int64_t between = 64;  // looks at the clock
+  auto next = on.looks.begin();
+  double t = on.grid.start;
+  for (std::int64_t n = on.grid.first;; ++n) {
+    for (; next != on.looks.end() && *next <= n; ++next) look();
+    if (n == on.grid.steps) break;
+    if (n % between == 0 && !on.keep_going()) return "the time that the request has was over before they were found";
+    if (step(t, on.grid.step) != StepStatus::ok) return "a step of the scheme could not be taken";
+    t = on.grid.time(n + 1);
+  }
+  if (on.grid.tail > 0 && step(t, on.grid.tail) != StepStatus::ok)
+    return "the last step of the scheme could not be taken";
+  look();
+  return {};
+}
+
+/// Of the scene whose equations these are; `moved`: the parameter that changes.
+Walked walk(const Walk& on, const ParametricScene& equations, std::optional<std::size_t> moved);
+/// Why there is none of a scheme that changes with these quantities; empty: there is.
+std::string no_walk(const Scene& scene, const SchemeCard& scheme, const ParametricScene& equations,
+                    const std::vector<Quantity>& by);
 
 /// Of one class of problem. No walk: whether there is one is the answer.
 using WalkOf = std::optional<Walked> (*)(const Walk* on, std::string_view scheme,

@@ -26,7 +26,6 @@ std::size_t place_of(std::size_t i, std::size_t coordinates) {
 
 template <class V, class Scheme>
 Walked walk_with(const Walk& on, const V& problem, const Scheme& scheme) {
-  constexpr std::int64_t between = 64;  // looks at the clock
   Walked made;
   const std::size_t size = on.start.size(), n = problem.coordinates();
   VariedState<V> y;
@@ -42,24 +41,10 @@ Walked walk_with(const Walk& on, const V& problem, const Scheme& scheme) {
     }
   };
   auto stepper = scheme.bind(problem, y);
-  auto next = on.looks.begin();
-  for (std::int64_t step = on.grid.first;; ++step) {
-    for (; next != on.looks.end() && *next <= step; ++next) look();
-    if (step == on.grid.steps) break;
-    if (step % between == 0 && !on.keep_going()) {
-      made.reason = "the time that the request has was over before they were found";
-      return made;
-    }
-    if (stepper.step(y, on.grid.step) != StepStatus::ok) {
-      made.reason = "a step of the scheme could not be taken";
-      return made;
-    }
-    y.t = on.grid.time(step + 1);
-  }
-  if (on.grid.tail > 0 && stepper.step(y, on.grid.tail) != StepStatus::ok)
-    made.reason = "the last step of the scheme could not be taken";
-  else
-    look();
+  made.reason = go_over(on, look, [&](double t, double h) {
+    y.t = t;
+    return stepper.step(y, h);
+  });
   return made;
 }
 

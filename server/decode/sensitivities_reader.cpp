@@ -210,7 +210,7 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
     return path.fault("the equations of the derivatives of this scene are too long", *json);
   }
   if (asked.of_scheme) {
-    std::string why = variations::no_walk(scheme, *asked.equations->form);
+    std::string why = variations::no_walk(scene, scheme, *asked.equations, asked.by);
     if (of && !why.empty()) return path.at("of").fault(std::move(why), *of, "motion");
     asked.of_scheme = why.empty();
   }

@@ -58,6 +58,9 @@ void scenes();
 /// Prints what frames that turn and magnetic fields cost, by explicit maps that keep the form and by others.
 void lifts();
 
+/// Prints what Wisdom and Holman's splitting costs on planets, against WHFast's numbers.
+void planets();
+
 /// Prints how often runs are wrong without a word, and right with one.
 void warnings();
 

@@ -25,7 +25,7 @@ const Ids separable = together(lagrangian, {"symplectic_euler", "leapfrog", "rut
 const Ids contact = together(anything, {"contact_symplectic_euler", "contact_leapfrog", "contact_variational_midpoint",
                                         "contact_galerkin_4", "contact_splitting", "contact_gauss"});
 const Ids damped = together(contact, {"time_transformed"});
-const Ids split = together(anything, {"contact_splitting"});
+const Ids split = together(anything, {"contact_splitting", "lifted_splitting"});
 
 const std::map<std::string, Ids> expected{
     {"harmonic_oscillator", separable},

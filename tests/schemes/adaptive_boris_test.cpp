@@ -28,9 +28,8 @@ std::vector<Scene> paced_scenes() {
 }
 std::shared_ptr<const text::Magnetic> paced(const Definition& definition) {
   const auto mechanics = mechanics_of(definition);
-  std::vector<double> parameters;
-  for (const auto& parameter : definition.parameters) parameters.push_back(parameter.second);
-  auto found = text::magnetic(*mechanics->text()->form, parameters, definition.variables, text::Pace::yes);
+  auto found =
+      text::magnetic(*mechanics->text()->form, parameters_of(definition), definition.variables, text::Pace::yes);
   return std::make_shared<const text::Magnetic>(std::get<text::Magnetic>(std::move(found)));
 }
 
@@ -137,13 +136,7 @@ TEST_P(AdaptiveBorisOf, KeepsTheVolume) {
 }
 
 TEST_P(AdaptiveBorisOf, IsTheSameHoweverItIsRecorded) {
-  Request last = request_of(scene(), "adaptive_boris", 0.05, 5.02), all = last, some = last;
-  all.record = {Record::Mode::every, 1, {}};
-  some.record = {Record::Mode::samples, 17, {}};
-  runs::ask(some, "energy");
-  const auto end = final_of(last);
-  EXPECT_EQ(end, final_of(all));
-  EXPECT_EQ(end, final_of(some));
+  expect_the_same_however_recorded(request_of(scene(), "adaptive_boris", 0.05, 5.02));
 }
 
 INSTANTIATE_TEST_SUITE_P(, AdaptiveBorisOf, testing::ValuesIn(paced_scenes()),
@@ -165,9 +158,7 @@ TEST(AdaptiveBoris, FollowsArenstorfsOrbit) {
 }
 
 TEST(AdaptiveBoris, KeepsTheSpeedWithoutAPotential) {
-  Request request = request_of(scenes().front(), "adaptive_boris", 0.2, 2000);
-  runs::ask(request, "energy");
-  EXPECT_LT(runs::number(runs::go(request).outcome.diagnostics, "energy/max_rel_error"), 1e-11);
+  EXPECT_LT(energy_error(request_of(scenes().front(), "adaptive_boris", 0.2, 2000)), 1e-11);
 }
 
 TEST(AdaptiveBoris, SaysWhereThereIsNothingToFollow) {

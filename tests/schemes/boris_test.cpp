@@ -18,9 +18,8 @@ constexpr std::pair<const char*, int> compositions_of[] = {{"none", 2},       {"
 
 text::Magnetic field_of(const Definition& definition) {
   const auto mechanics = mechanics_of(definition);
-  std::vector<double> parameters;
-  for (const auto& parameter : definition.parameters) parameters.push_back(parameter.second);
-  return std::get<text::Magnetic>(text::magnetic(*mechanics->text()->form, parameters, definition.variables));
+  return std::get<text::Magnetic>(
+      text::magnetic(*mechanics->text()->form, parameters_of(definition), definition.variables));
 }
 
 class BorisOf : public testing::TestWithParam<Scene> {
@@ -75,33 +74,17 @@ TEST_P(BorisOf, ComesBackByTheStepsItCameBy) {
   const std::size_t n = scene().definition.variables.size();
   const auto field = std::make_shared<const text::Magnetic>(field_of(scene().definition));
   for (const Composition::Name composition : {Composition::none, Composition::kahan_li_6}) {
-    std::vector<double> x = scene().start;
-    BorisStepper<double> stepper(field, {0.1, composition}, n);
-    stepper.begin(x.data(), 0.3);
-    for (int i = 0; i < 100; ++i) ASSERT_EQ(stepper.step(x.data(), 0.3 + 0.1 * i, 0.1), StepStatus::ok);
-    EXPECT_GT(distance(x, scene().start), 1e-2);
-    stepper.begin(x.data(), 10.3);
-    for (int i = 100; i > 0; --i) ASSERT_EQ(stepper.step(x.data(), 0.3 + 0.1 * i, -0.1), StepStatus::ok);
-    EXPECT_LT(distance(x, scene().start), scene().name == std::string("three") ? 1e-9 : 2e-12);
+    const auto went = there_and_back(BorisStepper<double>(field, {0.1, composition}, n), scene().start, 0.3, 0.1, 100);
+    EXPECT_GT(went.away, 1e-2);
+    EXPECT_LT(went.missed, scene().name == std::string("three") ? 1e-9 : 2e-12);
   }
 }
 
 TEST_P(BorisOf, IsTheSameHoweverItIsRecorded) {
-  Request last = request_of(scene(), "boris", 0.05, 5.02), all = last, some = last;
-  all.record = {Record::Mode::every, 1, {}};
-  some.record = {Record::Mode::samples, 17, {}};
-  runs::ask(some, "energy");
-  const auto end = final_of(last);
-  EXPECT_EQ(end, final_of(all));
-  EXPECT_EQ(end, final_of(some));
+  expect_the_same_however_recorded(request_of(scene(), "boris", 0.05, 5.02));
 }
 
 INSTANTIATE_TEST_SUITE_P(, BorisOf, testing::ValuesIn(scenes()), [](const auto& tested) { return tested.param.name; });
-
-double energy_error(Request request) {
-  runs::ask(request, "energy");
-  return runs::number(runs::go(request).outcome.diagnostics, "energy/max_rel_error");
-}
 
 // A magnetic field does no work: the speed is kept to round-off at any step, in whatever field.
 TEST(Boris, KeepsTheSpeedWithoutAPotential) {

@@ -6,11 +6,12 @@
 
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/catalogue/found_schemes.hpp"
 #include "core/number/linear.hpp"
-#include "tests/support/texts.hpp"
+#include "tests/support/steps_of_text.hpp"
 
 namespace flow_lift {
 namespace {
@@ -56,19 +57,12 @@ std::vector<Flow> flows() { return {lorenz(), van_der_pol(), lienard(), swings()
 
 text::FlowParts parts_of(const Definition& definition) {
   const auto mechanics = mechanics_of(definition);
-  std::vector<double> parameters;
-  for (const auto& parameter : definition.parameters) parameters.push_back(parameter.second);
-  return std::get<text::FlowParts>(text::flow_parts(*mechanics->text()->form, parameters));
+  return std::get<text::FlowParts>(text::flow_parts(*mechanics->text()->form, parameters_of(definition)));
 }
 Request request_of(const Flow& of, std::string_view scheme, double step, double end) {
   Request request = request_by(scheme, mechanics_of(of.definition), of.start, end);
   if (schemes()[request.scheme].find("step")) runs::set(request, "step", step);
   return request;
-}
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = a.size() == b.size() ? 0 : INFINITY;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::fmax(most, std::abs(a[i] - b[i]));
-  return most;
 }
 std::vector<double> after_step(const text::FlowParts& flow, const LiftedSplitting& scheme, std::vector<double> x,
                                std::vector<double>& derivative) {
@@ -139,14 +133,10 @@ TEST_P(FlowLiftOf, HasTheOrderOfTheComposition) {
 TEST_P(FlowLiftOf, ReturnsByTheStepsItCameBy) {
   const auto parts = std::make_shared<const text::FlowParts>(parts_of(tested().definition));
   for (const Composition::Name composition : {Composition::none, Composition::kahan_li_6}) {
-    std::vector<double> x = tested().start;
     constexpr double h = 0.02;
-    FlowLift<double> stepper(parts, LiftedSplitting{h, composition});
-    stepper.begin(x.data(), 0.3);
-    for (int i = 0; i < 20; ++i) ASSERT_EQ(stepper.step(x.data(), 0.3 + h * i, h), StepStatus::ok);
-    EXPECT_GT(distance(x, tested().start), 1e-2);
-    for (int i = 20; i > 0; --i) ASSERT_EQ(stepper.step(x.data(), 0.3 + h * i, -h), StepStatus::ok);
-    EXPECT_LT(distance(x, tested().start), 1e-11);
+    const auto went = there_and_back(FlowLift<double>(parts, {h, composition}), tested().start, 0.3, h, 20);
+    EXPECT_GT(went.away, 1e-2);
+    EXPECT_LT(went.missed, 1e-11);
   }
 }
 
@@ -170,12 +160,7 @@ TEST_P(FlowLiftOf, HasTheDerivativeOfItsOwnSteps) {
 }
 
 TEST_P(FlowLiftOf, IsTheSameHoweverItIsRecorded) {
-  Request last = request_of(tested(), "lifted_splitting", 0.01, 1.004), all = last, some = last;
-  all.record = {Record::Mode::every, 1, {}};
-  some.record = {Record::Mode::samples, 17, {}};
-  const auto end = final_of(last);
-  EXPECT_EQ(end, final_of(all));
-  EXPECT_EQ(end, final_of(some));
+  expect_the_same_however_recorded(request_of(tested(), "lifted_splitting", 0.01, 1.004));
 }
 
 TEST_P(FlowLiftOf, HasAsFewPartsAsItsRatesAllow) {
@@ -273,6 +258,77 @@ TEST(FlowLift, SaysWhatItDoesNotTake) {
   EXPECT_FALSE(runs::fits(mechanics->card(), find_scheme("lifted_splitting").value()));
   EXPECT_NE(objection_to_scheme({mechanics, {}, {}, 0}, "lifted_splitting").find("more than 256 variables"),
             std::string::npos);
+}
+
+// Problems of the catalogue say their rates once, and steps are made of these, with the parameters of the request.
+// Where the problem's own flows move a variable each, it is the same map as the splitting of those.
+TEST(FlowLiftOfTheCatalogue, IsTheSplittingOfTheFlowsOfAProblem) {
+  for (const auto& [id, parameter, value] : {std::tuple{"van_der_pol", "epsilon", 3.0}, {"lorenz", "rho", 20.0}})
+    for (const char* composition : {"none", "kahan_li_6"}) {
+      Request lifted = runs::defaults(id, "lifted_splitting"), split = runs::defaults(id, "contact_splitting");
+      for (Request* one : {&lifted, &split}) {
+        runs::set(*one, "step", 0.02);
+        runs::set(*one, "composition", composition);
+        runs::set(*one, parameter, value);
+        one->end = 2.011;
+        runs::only_final(*one);
+      }
+      const auto a = final_of(lifted), b = final_of(split);
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        if (std::isnan(b[i])) continue;  // the slope, which nobody asks for here
+        EXPECT_NEAR(a[i], b[i], 1e-11 * (1 + std::abs(b[i]))) << id << " " << composition;
+      }
+    }
+}
+
+TEST(FlowLiftOfTheCatalogue, HasTheOrderOfTheCompositionOnEveryFlow) {
+  int flows = 0;
+  for (const ProblemCard& card : runs::problem_cards()) {
+    if (!runs::fits(card, find_scheme("lifted_splitting").value())) continue;
+    ++flows;
+    EXPECT_EQ(card.lift, Lifted::yes) << card.id;
+    Request truth = runs::defaults(card.id, "taylor");
+    runs::set(truth, "tolerance", 1e-16);
+    truth.end = 0.5;
+    runs::only_final(truth);
+    const auto known = runs::go(truth).outcome.final;
+    for (const auto& [composition, order] : {std::pair{"none", 2}, {"suzuki_4", 4}}) {
+      const auto error = [&](double step) {
+        Request request = runs::defaults(card.id, "lifted_splitting");
+        runs::set(request, "step", step);
+        runs::set(request, "composition", composition);
+        request.end = truth.end;
+        runs::only_final(request);
+        const auto found = runs::go(request).outcome.final;
+        double most = 0;
+        for (std::size_t i = 0; i < found.size(); ++i)
+          if (!std::isnan(found[i]) && !std::isnan(known[i])) most = std::max(most, std::abs(found[i] - known[i]));
+        return most;
+      };
+      const double step = order == 2 ? 1.0 / 256 : 1.0 / 64;
+      EXPECT_GT(error(step / 2), 1e-12) << card.id << ": round-off";
+      EXPECT_NEAR(std::log2(error(step) / error(step / 2)), order, 0.35) << card.id << " " << composition;
+    }
+  }
+  if (flows == 0) GTEST_SKIP() << "no flow of the catalogue is built";
+}
+
+// The contact element of the plane of x and v, (S̄_q + p S̄_s)/(Q_q + p Q_s) of a step (x, v) ↦ (Q, S̄).
+TEST(FlowLiftOfTheCatalogue, TakesTheSlopeAlongByItsDerivative) {
+  Request request = runs::defaults("van_der_pol", "lifted_splitting");
+  runs::show_all(request);
+  runs::set(request, "step", 0.1);
+  runs::begin(request, "x", 1);
+  runs::begin(request, "v", 0.2);
+  runs::begin(request, "slope", 0.4);
+  request.end = 0.1;
+  const auto row = runs::go(request).rows.back();
+  std::vector<double> m;
+  const Flow typed{"typed", flow({"x", "v"}, {}, {{"x", "v"}, {"v", "(1 - x^2)*v - x"}}), {}, 2};
+  const auto image = after_step(parts_of(typed.definition), {0.1, Composition::none}, {1, 0.2}, m);
+  EXPECT_NEAR(row[1], image[0], 1e-15);
+  EXPECT_NEAR(row[2], image[1], 1e-15);
+  EXPECT_NEAR(row[3], (m[2] + 0.4 * m[3]) / (m[0] + 0.4 * m[1]), 1e-14);
 }
 
 }  // namespace

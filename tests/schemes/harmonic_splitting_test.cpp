@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/schemes/harmonic_stepper.hpp"
-#include "tests/support/texts.hpp"
+#include "tests/support/steps_of_text.hpp"
 
 namespace harmonic_splitting {
 namespace {
@@ -61,11 +61,6 @@ Request request_of(const Scene& scene, double step, double end, std::string_view
   if (schemes()[request.scheme].find("step")) runs::set(request, "step", step);
   return request;
 }
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = a.size() == b.size() ? 0 : INFINITY;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::fmax(most, std::abs(a[i] - b[i]));
-  return most;
-}
 double error_of(Request request, const Scene& scene, double e, std::string_view setting, std::string_view value) {
   Request truth = request_of(scene, 0, request.end, "taylor");
   for (Request* one : {&request, &truth}) runs::set(*one, "e", e);
@@ -117,33 +112,21 @@ TEST_P(HarmonicSplittingOf, KeepsTheForm) {
 
 TEST_P(HarmonicSplittingOf, ComesBackByTheStepsItCameBy) {
   const Definition& definition = GetParam().definition;
-  std::vector<double> parameters;
-  for (const auto& parameter : definition.parameters) parameters.push_back(parameter.second);
   const auto mechanics = mechanics_of(definition);
   const auto scene = std::make_shared<const text::Harmonic>(
-      std::get<text::Harmonic>(text::harmonic(*mechanics->text()->form, parameters)));
+      std::get<text::Harmonic>(text::harmonic(*mechanics->text()->form, parameters_of(definition))));
   for (const HarmonicSplitting& scheme :
        {HarmonicSplitting{0.1, Composition::none}, HarmonicSplitting{0.1, Composition::kahan_li_6},
         HarmonicSplitting{0.1, Composition::none, SplittingTurns::aba_864}}) {
-    std::vector<double> x = GetParam().start;
-    HarmonicStepper<double> stepper(scene, scheme, definition.variables.size());
-    stepper.begin(x.data(), 0.3);
-    for (int i = 0; i < 40; ++i) ASSERT_EQ(stepper.step(x.data(), 0.3 + 0.1 * i, 0.1), StepStatus::ok);
-    EXPECT_GT(distance(x, GetParam().start), 1e-2);
-    stepper.begin(x.data(), 4.3);
-    for (int i = 40; i > 0; --i) ASSERT_EQ(stepper.step(x.data(), 0.3 + 0.1 * i, -0.1), StepStatus::ok);
-    EXPECT_LT(distance(x, GetParam().start), 1e-11);
+    const auto went = there_and_back(HarmonicStepper<double>(scene, scheme, definition.variables.size()),
+                                     GetParam().start, 0.3, 0.1, 40);
+    EXPECT_GT(went.away, 1e-2);
+    EXPECT_LT(went.missed, 1e-11);
   }
 }
 
 TEST_P(HarmonicSplittingOf, IsTheSameHoweverItIsRecorded) {
-  Request last = request_of(GetParam(), 0.1, 3.14), all = last, some = last;
-  all.record = {Record::Mode::every, 1, {}};
-  some.record = {Record::Mode::samples, 17, {}};
-  runs::ask(some, "energy");
-  const auto end = final_of(last);
-  EXPECT_EQ(end, final_of(all));
-  EXPECT_EQ(end, final_of(some));
+  expect_the_same_however_recorded(request_of(GetParam(), 0.1, 3.14));
 }
 
 INSTANTIATE_TEST_SUITE_P(, HarmonicSplittingOf, testing::ValuesIn(scenes()),
@@ -179,20 +162,14 @@ TEST(HarmonicSplitting, GoesOverFastOscillators) {
   const Scene stiff{
       "stiff", of(typed_v, {"x", "y"}, {{"e", 0.1}}, "x^2/2 + 1e6*y^2/2 + e*x^2*y + e*x^4"), {1, 0, 0, 0.5}};
   Request request = request_of(stiff, 0.049, 200), truth = request_of(stiff, 0, 200, "taylor");
-  runs::ask(request, "energy");
-  EXPECT_LT(runs::number(runs::go(request).outcome.diagnostics, "energy/max_rel_error"), 5e-3);
-  request.diagnostics.clear();
+  EXPECT_LT(energy_error(request), 5e-3);
   EXPECT_NEAR(final_of(request)[0], final_of(truth)[0], 0.02);
   EXPECT_NE(runs::go(request_of(stiff, 0.05, 200, "leapfrog")).outcome.stop.reason, ReturnCode::completed);
 }
 
 // A long run of a chain: the energy swings and stays.
 TEST(HarmonicSplitting, KeepsTheEnergyOfAChain) {
-  const auto error = [&](double end) {
-    Request request = request_of(chain(), 0.4, end);
-    runs::ask(request, "energy");
-    return runs::number(runs::go(request).outcome.diagnostics, "energy/max_rel_error");
-  };
+  const auto error = [&](double end) { return energy_error(request_of(chain(), 0.4, end)); };
   EXPECT_LT(error(100'000), 2 * error(1000));
 }
 

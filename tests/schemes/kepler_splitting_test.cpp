@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "tests/support/texts.hpp"
+#include "tests/support/steps_of_text.hpp"
 
 namespace kepler_splitting {
 namespace {
@@ -185,13 +185,7 @@ TEST(KeplerSplitting, OfTwoBodiesIsExact) {
 }
 
 TEST(KeplerSplitting, IsTheSameHoweverItIsRecorded) {
-  Request last = request_of(in_space(), in_space_start, 0.3, 31), all = last, some = last;
-  all.record = {Record::Mode::every, 1, {}};
-  some.record = {Record::Mode::samples, 17, {}};
-  runs::ask(some, "energy");
-  const auto end = final_of(last);
-  EXPECT_EQ(end, final_of(all));
-  EXPECT_EQ(end, final_of(some));
+  expect_the_same_however_recorded(request_of(in_space(), in_space_start, 0.3, 31));
 }
 
 // A comet that is thrown past the star, and one that falls into it.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/run/backend.hpp"
 #include "server/shared/cards.hpp"
 
 namespace least::server::test {
@@ -15,6 +16,7 @@ class Described final : public Mechanics {
   std::string_view key() const override { return card_.id; }
   std::span<const SchemeCard> schemes() const override { return schemes_; }
   Solution run(const Request&, RowSink&, const std::atomic<bool>&) const override { return {}; }
+  std::unique_ptr<const RunBackend> backend(const Request&) const override { return nullptr; }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return {}; }
   Truth truth(const Scene&, const std::vector<double>&, const KeepGoing&) const override { return {}; }
   Conditioning conditioning(const Scene&, double, const KeepGoing&) const override { return {}; }

@@ -84,10 +84,14 @@ TEST_F(FlowLiftHttp, IsStudiedVariedAndRefusedByName) {
       << "the bits of a single run";
 
   Json derived = lorenz();
-  derived["sensitivities"] = {{"by", {"/problem/sigma"}}, {"of", "scheme"}};
-  EXPECT_NE(detail_of(derived).find("there is no derivative"), std::string::npos) << detail_of(derived);
-  derived["sensitivities"].erase("of");
-  EXPECT_EQ(answer(derived)["sensitivities"]["of"], "motion");
+  derived["until"] = 0.5;
+  derived["sensitivities"] = {{"by", {"/problem/sigma", "/initial/x"}}, {"of", "scheme"}};
+  for (const char* lift : {"automatic", "midpoint", "extrapolation"}) {
+    derived["scheme"]["lift"] = lift;
+    const Json found = answer(derived)["sensitivities"];
+    EXPECT_EQ(found["of"], "scheme");
+    EXPECT_LT(found["uncertainty"], 1e-8) << lift << found;
+  }
   Json diagnosed = lorenz();
   diagnosed["diagnostics"] = {"lyapunov", "error"};
   EXPECT_LT(answer(diagnosed)["diagnostics"]["error"]["max"], 1e-4);

@@ -120,6 +120,40 @@ TEST_F(SchemeSensitivities, OfScenesAsTextOfEveryForm) {
   }
 }
 
+// Of schemes whose steps are made of what is found in a scene: by its start.
+TEST_F(SchemeSensitivities, OfSchemesThatAreFoundInTexts) {
+  const struct {
+    const char *scene, *scheme;
+    bool symplectic;
+  } all[] = {{R"~({"variables":["x","y","z"],"parameters":{"c":1},
+                  "lagrangian":"(vx^2+vy^2+vz^2)/2 + (x*vy-y*vx)*(c/(x^2+y^2+z^2)^1.5 + 1/2)"})~",
+              "boris", false},
+             {R"~({"variables":["x","y"],"parameters":{"c":0.3},"potential":"x^2/2+y^2+x*y/3+c*x^2*y"})~",
+              "harmonic_splitting", true},
+             {R"~({"variables":["x","y"],"parameters":{"c":0.1},"potential":"-1/sqrt(x^2+y^2)+c*x^2"})~",
+              "kepler_splitting", true}};
+  for (const auto& [scene, scheme, symplectic] : all) {
+    SCOPED_TRACE(scheme);
+    Json request{{"problem", custom(scene)},
+                 {"initial", {{"x", 0.8}, {"y", 0.1}, {"px", 0.1}, {"py", 0.9}}},
+                 {"scheme", {{"id", scheme}, {"step", 0.05}}},
+                 {"until", {{"steps", 30}}},
+                 {"record", {{"every", 10}}},
+                 {"sensitivities", {{"by", "initial"}, {"of", "scheme"}, {"at", "samples"}}}};
+    const Json found = answer(request)["sensitivities"];
+    ASSERT_TRUE(found["final"].is_array()) << found;
+    EXPECT_LT(found["uncertainty"], 1e-8) << found;
+    EXPECT_EQ(found["samples"].size(), 4U);
+    if (symplectic) {
+      EXPECT_LT(found["structure"]["max_defect"], 1e-11) << found;
+    }
+    request["sensitivities"] = {{"by", {"/problem/c"}}, {"of", "scheme"}};
+    EXPECT_TRUE(says(fault_of(request), "no derivative by parameters"));
+    request["sensitivities"].erase("of");
+    EXPECT_EQ(answer(request)["sensitivities"]["of"], "motion");
+  }
+}
+
 // What the scheme's map depends on is not what the motion does, but in the limit of short steps.
 TEST_F(SchemeSensitivities, BecomeThoseOfTheMotion) {
   Json request{{"problem", "kepler"},

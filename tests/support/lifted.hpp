@@ -1,7 +1,7 @@
 // Scenes with terms linear in the momenta, or not linear in s: what lifted_splitting is for.
 #pragma once
 
-#include "tests/support/texts.hpp"
+#include "tests/support/steps_of_text.hpp"
 
 namespace lifted {
 
@@ -19,6 +19,12 @@ struct Scene {
 inline Definition restricted_three_bodies() {
   return of(hamiltonian, {"x", "y"}, {{"mu", 0.012277471}},
             "(px^2 + py^2)/2 + y*px - x*py - (1-mu)/sqrt((x+mu)^2 + y^2) - mu/sqrt((x-1+mu)^2 + y^2)");
+}
+/// The same in space, with masses of which Howell's table of halo orbits has a row.
+inline Definition restricted_three_bodies_in_space() {
+  return of(hamiltonian, {"x", "y", "z"}, {{"mu", 0.04}},
+            "(px^2 + py^2 + pz^2)/2 + y*px - x*py - (1-mu)/sqrt((x+mu)^2 + y^2 + z^2)"
+            " - mu/sqrt((x-1+mu)^2 + y^2 + z^2)");
 }
 /// A charge in the field of a magnetic dipole m along z, by its vector potential.
 inline Definition charge_in_a_dipole() {
@@ -86,11 +92,6 @@ inline std::vector<double> end_of(const Request& request) {
   for (std::size_t i = 0; i < variables.size(); ++i)
     if (!variables[i].hidden) all.push_back(outcome.final[i]);
   return all;
-}
-inline double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = a.size() == b.size() ? 0 : INFINITY;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
 }
 
 }  // namespace lifted

@@ -1,7 +1,7 @@
 // Charges in magnetic fields, as text.
 #pragma once
 
-#include "tests/support/texts.hpp"
+#include "tests/support/steps_of_text.hpp"
 
 namespace magnetic {
 
@@ -58,11 +58,6 @@ inline Request request_of(const Scene& scene, std::string_view scheme, double st
   Request request = request_by(scheme, mechanics_of(scene.definition), scene.start, end);
   if (schemes()[request.scheme].find("step")) runs::set(request, "step", step);
   return request;
-}
-inline double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = a.size() == b.size() ? 0 : INFINITY;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::fmax(most, std::abs(a[i] - b[i]));
-  return most;
 }
 
 }  // namespace magnetic

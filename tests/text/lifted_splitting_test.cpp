@@ -8,7 +8,10 @@
 #include <string_view>
 #include <utility>
 
+#include "core/catalogue/found_backend.hpp"
 #include "core/catalogue/sized_mechanics.hpp"
+#include "core/run/columns.hpp"
+#include "core/run/run.hpp"
 #include "core/schemes/list.hpp"
 #include "core/text/scenes.hpp"
 #include "tests/support/lifted.hpp"
@@ -106,6 +109,25 @@ TEST_P(OfScene, IsTheSameOfAnySize) {
     const auto few = composed(request_of(scene(), mechanics, 0.05, 2), "suzuki_4", lift),
                many = composed(request_of(scene(), any, 0.05, 2), "suzuki_4", lift);
     EXPECT_EQ(end_of(few), end_of(many)) << lift;
+  }
+}
+
+// As a problem of the catalogue has it that states such a Hamiltonian: steps are made of what is found there.
+TEST_P(OfScene, IsTheSameWhereItIsFound) {
+  for (const char* lift : {"automatic", "extrapolation"}) {
+    const Request request = composed(request_of(scene(), mechanics, 0.05, 2.01), "suzuki_4", lift);
+    const auto found = lifted_splitting_found().look(*mechanics->text(), request.scene->parameters);
+    ASSERT_EQ(found->objection(), "");
+    const FoundBackend problem(mechanics->backend(request), found);
+    Samples samples;
+    const std::atomic<bool> cancelled{false};
+    const auto columns = columns_of(problem.table().traits, mechanics->card());
+    std::vector<double> end = least::run(problem, request, columns, samples, cancelled).final;
+    const auto& variables = mechanics->card().variables;
+    std::vector<double> shown;
+    for (std::size_t i = 0; i < variables.size(); ++i)
+      if (!variables[i].hidden) shown.push_back(end[i]);
+    EXPECT_EQ(shown, end_of(request)) << lift;
   }
 }
 

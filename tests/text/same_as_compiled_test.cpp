@@ -36,8 +36,6 @@ TEST_P(AsCompiled, HasTheSameSchemes) {
   for (const char* id :
        {"kepler_splitting", "boris", "adaptive_boris", "harmonic_splitting"})  // they are found in texts alone
     std::erase(own, find_scheme(id).value());
-  if (GetParam().definition.kind == Definition::Kind::equations)  // as is this of equations
-    std::erase(own, find_scheme("lifted_splitting").value());
   EXPECT_EQ(ids(own), ids(compiled));
 }
 

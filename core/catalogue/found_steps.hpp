@@ -1,0 +1,222 @@
+// The steps of a scheme that is found in a scene: of equal length on components that stand one after the other, and
+// their derivatives by dual numbers.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/catalogue/found_schemes.hpp"
+#include "core/catalogue/sized_steps.hpp"
+#include "core/from_values.hpp"
+#include "core/run/request.hpp"
+
+namespace least {
+
+/// What was looked for, or the words why it is not there.
+template <class What>
+class FoundOrNot : public Found {
+ public:
+  template <class Why>
+  explicit FoundOrNot(std::variant<What, Why> looked) {
+    if (auto* none = std::get_if<Why>(&looked)) {
+      if constexpr (std::is_same_v<Why, std::string>) why_ = std::move(*none);
+      if constexpr (!std::is_same_v<Why, std::string>) why_ = std::move(none->why);
+    } else {
+      what_ = std::make_shared<const What>(std::get<What>(std::move(looked)));
+    }
+  }
+  std::string objection() const override { return why_; }
+
+ protected:
+  const std::shared_ptr<const What>& what() const { return what_; }  ///< null: it is not there
+
+ private:
+  std::shared_ptr<const What> what_;
+  std::string why_;
+};
+
+/// F says of a scheme
+///   F::Scheme, F::What         the scheme, and what it looks for
+///   look(scene, parameters)    a variant of that and why it is not there: a text, or a struct with `why`
+///   F::Stepper<T>              of (what, scheme, room), or of (what, scheme): a value with begin(x, t), step(x, t, h)
+///                              and work(), in double and in Slope; begin(x, t, start) where steps depend on where
+///                              their run began. `room`: the coordinates that a state has places for
+///   objection(what, scheme)    optional: in words, to settings of the scheme; empty: none
+///   describe(what, card)       optional: what the card of the scene says more
+///   vary(form, parameters, i)  optional: as `look`, with the i-th parameter as a variable after those of the state
+template <class F>
+class FoundSteps final : public FoundOrNot<typename F::What> {
+ public:
+  using Scheme = typename F::Scheme;
+
+  FoundSteps(const text::TextScene& scene, std::span<const double> parameters)
+      : FoundOrNot<typename F::What>(F::look(scene, parameters)) {}
+
+  void describe([[maybe_unused]] ProblemCard& card) const override {
+    if constexpr (requires { F::describe(*this->what(), card); }) F::describe(*this->what(), card);
+  }
+  std::unique_ptr<Integrator> bind(const RunBackend& problem, const Request& request, const RunState& x,
+                                   const Grid& grid, double) const override {
+    return std::make_unique<SizedSteps<Steps>>(problem.table(), Steps(*this, scheme_of(request), problem), x, grid);
+  }
+
+  StepTangents tangents(const RunBackend& problem, const Request& request) const override {
+    StepTangents tangents;
+    const Scheme scheme = scheme_of(request);
+    if (!objection_to(scheme).empty()) return tangents;
+    if (!request.until_steps) tangents.end = request.end;
+    const std::size_t size = problem.table().traits.components, room = problem.table().traits.dof;
+    const std::vector<Slope> began(request.scene->initial.begin(), request.scene->initial.end());
+    const auto along = [this, scheme, began, size, room](const RunState& x, const StateNumbers& u,
+                                                         std::vector<Slope>& y) {
+      y.resize(size);
+      for (std::size_t i = 0; i < size; ++i) y[i] = Slope(x[i], {u[i]});
+      auto stepper = stepper_of<Slope>(scheme, room);
+      if constexpr (requires { stepper.begin(y.data(), x.t, began.data()); }) {
+        stepper.begin(y.data(), x.t, began.data());
+      } else {
+        stepper.begin(y.data(), x.t);
+      }
+      return stepper.step(y.data(), x.t, scheme.step) == StepStatus::ok;
+    };
+    const double step = scheme.step;
+    tangents.along = [along, step, size](const RunState& x, const ActiveMethod&, const StateNumbers& u, double, double,
+                                         ChangeOfStep& to) {
+      std::vector<Slope> y;
+      if (!along(x, u, y)) return false;
+      to = {{x.t + step, StateNumbers(size)}, StateNumbers(size)};
+      for (std::size_t i = 0; i < size; ++i) {
+        to.to[i] = y[i].value;
+        to.change[i] = y[i].slope[0];
+      }
+      return true;
+    };
+    tangents.plain = [along, step, size, room, &problem](const RunState& from, const KeepGoing& keep_going,
+                                                         TangentMap& map) {
+      const RunState x{from.t, StateNumbers(from.numbers.data(), from.numbers.data() + size)};
+      map = {room, x, x, std::vector<double>(size * size)};
+      map.to.t = x.t + step;
+      std::vector<Slope> y;
+      for (std::size_t j = 0; j < size; ++j) {
+        StateNumbers u(size);
+        u[j] = map.m[j * size + j] = 1;
+        if (!problem.has_component(j)) continue;
+        if (!keep_going() || !along(x, u, y)) return false;
+        for (std::size_t i = 0; i < size; ++i) {
+          map.to[i] = y[i].value;
+          map.m[i * size + j] = y[i].slope[0];
+        }
+      }
+      return true;
+    };
+    tangents.level.assign(size, 0);
+    return tangents;
+  }
+
+  bool has_slopes(bool by_parameter) const override { return !by_parameter || varies; }
+  std::unique_ptr<SlopedSteps> with_slopes(const Request& request, std::size_t room,
+                                           const Found::Moved* moved) const override {
+    class Sloped final : public SlopedSteps {
+     public:
+      explicit Sloped(typename F::template Stepper<Slope> stepper) : stepper_(std::move(stepper)) {}
+      void begin(const Slope* x, double t) override { stepper_.begin(x, t); }
+      StepStatus step(Slope* x, double t, double h) override { return stepper_.step(x, t, h); }
+
+     private:
+      typename F::template Stepper<Slope> stepper_;
+    };
+    std::shared_ptr<const typename F::What> what = this->what();
+    if constexpr (varies)
+      if (moved)
+        what = std::make_shared<const typename F::What>(
+            std::get<typename F::What>(F::vary(moved->form, moved->parameters, moved->which)));
+    return std::make_unique<Sloped>(stepper_on<Slope>(what, scheme_of(request), room));
+  }
+
+ private:
+  /// The stepper as steps of equal length want it, on numbers or, where the run carries a tangent direction, on those
+  /// with a slope. With an objection it takes no step.
+  class Steps {
+   public:
+    Steps(const FoundSteps& found, const Scheme& scheme, const RunBackend& problem) : why_(found.objection_to(scheme)) {
+      if (!why_.empty()) return;
+      const ProblemTraits& traits = problem.table().traits;
+      if (traits.sloped) {
+        sloped_.emplace(found.template stepper_of<Slope>(scheme, traits.dof));
+        moved_.resize(traits.components);
+      } else {
+        plain_.emplace(found.template stepper_of<double>(scheme, traits.dof));
+      }
+    }
+    void begin(StateView x) {
+      if (plain_) plain_->begin(x.numbers, x.t);
+      if (!sloped_) return;
+      take(x.numbers);
+      sloped_->begin(moved_.data(), x.t);
+    }
+    StepStatus step(double* x, double t, double h) noexcept {
+      if (plain_) return plain_->step(x, t, h);
+      if (!sloped_) return StepStatus::singular;
+      take(x);
+      const StepStatus status = sloped_->step(moved_.data(), t, h);
+      normalise(moved_, moved_.size());
+      for (std::size_t i = 0; i < moved_.size(); ++i) {
+        x[i] = moved_[i].value;
+        x[moved_.size() + i] = moved_[i].slope[0];
+      }
+      return status;
+    }
+    Work work() const { return plain_ ? plain_->work() : sloped_ ? sloped_->work() : Work(); }
+    double flips_from() const { return std::numeric_limits<double>::infinity(); }
+    std::string unsupported_reason() const {
+      return why_.empty() ? why_ : Scheme::card().id + " does not run this scene with these parameters: " + why_;
+    }
+
+   private:
+    void take(const double* x) noexcept {
+      for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = {x[i], {x[moved_.size() + i]}};
+    }
+
+    std::optional<typename F::template Stepper<double>> plain_;
+    std::optional<typename F::template Stepper<Slope>> sloped_;
+    std::vector<Slope> moved_;
+    std::string why_;
+  };
+
+  static constexpr bool varies = requires(const text::Form& form, std::span<const double> parameters) {
+    F::vary(form, parameters, std::size_t(0));
+  };
+
+  static Scheme scheme_of(const Request& request) { return from_values<Scheme>(Scheme::fields, request.settings); }
+  std::string objection_to([[maybe_unused]] const Scheme& scheme) const {
+    if constexpr (requires { F::objection(*this->what(), scheme); })
+      if (this->what()) return F::objection(*this->what(), scheme);
+    return this->objection();
+  }
+  template <class T>
+  auto stepper_of(const Scheme& scheme, std::size_t room) const {
+    return stepper_on<T>(this->what(), scheme, room);
+  }
+  template <class T>
+  static auto stepper_on(const std::shared_ptr<const typename F::What>& what, const Scheme& scheme,
+                         [[maybe_unused]] std::size_t room) {
+    using Stepper = typename F::template Stepper<T>;
+    if constexpr (requires { Stepper(what, scheme, room); }) return Stepper(what, scheme, room);
+    if constexpr (!requires { Stepper(what, scheme, room); }) return Stepper(what, scheme);
+  }
+};
+
+/// A row of the list of such schemes.
+template <class F>
+std::shared_ptr<const Found> look_for(const text::TextScene& scene, std::span<const double> parameters) {
+  return std::make_shared<const FoundSteps<F>>(scene, parameters);
+}
+
+}  // namespace least

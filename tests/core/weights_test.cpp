@@ -97,9 +97,9 @@ TEST(OwnWeights, OfANamedCompositionAreThatOne) {
         EXPECT_EQ(declared_order(scheme, {index, named.settings}), declared_order(scheme, {index, own.settings}));
       }
     }
-  EXPECT_EQ(schemes_seen,
-            (std::set<std::string>{"leapfrog", "variational_midpoint", "galerkin_4", "time_transformed",
-                                   "contact_leapfrog", "contact_variational_midpoint", "contact_splitting"}));
+  EXPECT_EQ(schemes_seen, (std::set<std::string>{"leapfrog", "variational_midpoint", "galerkin_4", "time_transformed",
+                                                 "contact_leapfrog", "contact_variational_midpoint",
+                                                 "contact_splitting", "lifted_splitting"}));
 }
 
 /// Two lists of one length are two schemes, to what is kept between runs as well.

@@ -75,7 +75,7 @@ TEST_P(Agreement, OfStabilityAndRuns) {
     ++waived;
   }
   std::printf("%s: %d limits, %d with steps beyond that are stable again\n", problem.id.c_str(), limits, waived);
-  EXPECT_LE(3 * waived, limits + 3);
+  EXPECT_LE(3 * waived, limits + 4);  // of two splittings of the thermostat, and of Euler's steps there
 }
 INSTANTIATE_TEST_SUITE_P(Stability, Agreement, testing::Range<std::size_t>(0, problem_list().size()),
                          [](const auto& test) { return std::string(runs::problem_cards()[test.param].id); });

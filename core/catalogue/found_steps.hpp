@@ -14,6 +14,7 @@
 
 #include "core/catalogue/found_schemes.hpp"
 #include "core/catalogue/sized_steps.hpp"
+#include "core/catalogue/sized_tangents.hpp"
 #include "core/from_values.hpp"
 #include "core/run/request.hpp"
 
@@ -68,56 +69,10 @@ class FoundSteps final : public FoundOrNot<typename F::What> {
   }
 
   StepTangents tangents(const RunBackend& problem, const Request& request) const override {
-    StepTangents tangents;
     const Scheme scheme = scheme_of(request);
-    if (!objection_to(scheme).empty()) return tangents;
-    if (!request.until_steps) tangents.end = request.end;
-    const std::size_t size = problem.table().traits.components, room = problem.table().traits.dof;
-    const std::vector<Slope> began(request.scene->initial.begin(), request.scene->initial.end());
-    const auto along = [this, scheme, began, size, room](const RunState& x, const StateNumbers& u,
-                                                         std::vector<Slope>& y) {
-      y.resize(size);
-      for (std::size_t i = 0; i < size; ++i) y[i] = Slope(x[i], {u[i]});
-      auto stepper = stepper_of<Slope>(scheme, room);
-      if constexpr (requires { stepper.begin(y.data(), x.t, began.data()); }) {
-        stepper.begin(y.data(), x.t, began.data());
-      } else {
-        stepper.begin(y.data(), x.t);
-      }
-      return stepper.step(y.data(), x.t, scheme.step) == StepStatus::ok;
-    };
-    const double step = scheme.step;
-    tangents.along = [along, step, size](const RunState& x, const ActiveMethod&, const StateNumbers& u, double, double,
-                                         ChangeOfStep& to) {
-      std::vector<Slope> y;
-      if (!along(x, u, y)) return false;
-      to = {{x.t + step, StateNumbers(size)}, StateNumbers(size)};
-      for (std::size_t i = 0; i < size; ++i) {
-        to.to[i] = y[i].value;
-        to.change[i] = y[i].slope[0];
-      }
-      return true;
-    };
-    tangents.plain = [along, step, size, room, &problem](const RunState& from, const KeepGoing& keep_going,
-                                                         TangentMap& map) {
-      const RunState x{from.t, StateNumbers(from.numbers.data(), from.numbers.data() + size)};
-      map = {room, x, x, std::vector<double>(size * size)};
-      map.to.t = x.t + step;
-      std::vector<Slope> y;
-      for (std::size_t j = 0; j < size; ++j) {
-        StateNumbers u(size);
-        u[j] = map.m[j * size + j] = 1;
-        if (!problem.has_component(j)) continue;
-        if (!keep_going() || !along(x, u, y)) return false;
-        for (std::size_t i = 0; i < size; ++i) {
-          map.to[i] = y[i].value;
-          map.m[i * size + j] = y[i].slope[0];
-        }
-      }
-      return true;
-    };
-    tangents.level.assign(size, 0);
-    return tangents;
+    if (!objection_to(scheme).empty()) return {};
+    const ProblemTraits& traits = problem.table().traits;
+    return tangents_by(request, {traits.dof, traits.components}, scheme.step, stepper_of<Slope>(scheme, traits.dof));
   }
 
   bool has_slopes(bool by_parameter) const override { return !by_parameter || varies; }
@@ -155,11 +110,11 @@ class FoundSteps final : public FoundOrNot<typename F::What> {
         plain_.emplace(found.template stepper_of<double>(scheme, traits.dof));
       }
     }
-    void begin(StateView x) {
-      if (plain_) plain_->begin(x.numbers, x.t);
+    void begin(const double* x, double t) {
+      if (plain_) plain_->begin(x, t);
       if (!sloped_) return;
-      take(x.numbers);
-      sloped_->begin(moved_.data(), x.t);
+      take(x);
+      sloped_->begin(moved_.data(), t);
     }
     StepStatus step(double* x, double t, double h) noexcept {
       if (plain_) return plain_->step(x, t, h);

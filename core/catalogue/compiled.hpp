@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <tuple>
+#include <type_traits>
 
 #include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
@@ -218,13 +219,14 @@ class ProblemMechanics : public Mechanics {
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
-    return least::run(*backend(request), request, columns_, sink, cancelled);
+    return with_backend(request, [&]<class Backend>(std::type_identity<Backend>, const P& problem) {
+      return least::run(Backend(problem), request, columns_, sink, cancelled);
+    });
   }
   std::unique_ptr<const RunBackend> backend(const Request& request) const override {
-    const P problem = problem_of(request.scene->parameters);
-    if constexpr (!std::is_same_v<State, Full>)
-      if (asks_for_full_state(card_, request)) return std::make_unique<const CompiledBackend<P, Full>>(problem);
-    return std::make_unique<const CompiledBackend<P, State>>(problem);
+    return with_backend(request, []<class Backend>(std::type_identity<Backend>, const P& problem) {
+      return std::unique_ptr<const RunBackend>(std::make_unique<const Backend>(problem));
+    });
   }
   std::optional<RegularStart> regular_start([[maybe_unused]] std::span<const double> parameters,
                                             [[maybe_unused]] double t) const override {
@@ -262,6 +264,15 @@ class ProblemMechanics : public Mechanics {
   virtual P problem_of(std::span<const double> parameters) const = 0;
 
  private:
+  /// f with the type of a backend that carries what a request asks for, and the problem that it is made of.
+  template <class F>
+  auto with_backend(const Request& request, F&& f) const {
+    const P problem = problem_of(request.scene->parameters);
+    if constexpr (!std::is_same_v<State, Full>)
+      if (asks_for_full_state(card_, request)) return f(std::type_identity<CompiledBackend<P, Full>>(), problem);
+    return f(std::type_identity<CompiledBackend<P, State>>(), problem);
+  }
+
   ProblemCard card_;
   std::vector<std::size_t> kinds_;  ///< of the variables
   std::vector<Column> columns_;

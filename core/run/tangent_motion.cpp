@@ -20,7 +20,7 @@ tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const ta
                                         std::size_t directions) {
   const std::size_t size = rates.size();
   equations.bound(tape::most_of_equations);
-  std::size_t left = std::size_t(1) << 19;  // operations to go through: some hundredths of a second
+  std::size_t left = std::size_t(1) << 18;  // operations to go through: some hundredths of a second
   std::vector<tape::Index> all(rates.begin(), rates.end());
   all.resize(size * (1 + directions));
   for (std::size_t i = 0; i < size; ++i) {

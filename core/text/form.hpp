@@ -28,7 +28,7 @@ inline constexpr std::array<std::string_view, 7> form_names{
     "separable", "metric", "contact_linear", "contact_quadratic", "lagrangian", "hamiltonian", "flow"};
 
 /// Operations that derivatives of many values may go through together: some hundredths of a second.
-inline constexpr std::size_t most_looked_at = std::size_t(1) << 19;
+inline constexpr std::size_t most_looked_at = std::size_t(1) << 18;
 
 /// Numbers of the variables on a form's tape: coordinates (of a flow all variables) from 0, then momenta or velocities,
 /// s, and the parameters. Forms that are compiled leave room for all coordinates that their class may have.

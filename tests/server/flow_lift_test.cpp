@@ -90,7 +90,9 @@ TEST_F(FlowLiftHttp, IsStudiedVariedAndRefusedByName) {
     derived["scheme"]["lift"] = lift;
     const Json found = answer(derived)["sensitivities"];
     EXPECT_EQ(found["of"], "scheme");
+    ASSERT_TRUE(found["final"].is_array() && found["uncertainty"].is_number()) << lift << found;
     EXPECT_LT(found["uncertainty"], 1e-8) << lift << found;
+    EXPECT_NEAR(found["final"][0][0], -1.8984, 1e-3) << lift;
   }
   Json diagnosed = lorenz();
   diagnosed["diagnostics"] = {"lyapunov", "error"};

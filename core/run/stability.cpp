@@ -61,6 +61,11 @@ template <class Scheme>
 constexpr bool steps_in_time = !SelfTimed<Scheme> || requires(const Scheme& scheme) {
   scheme.in_time();
 };
+/// What takes steps of oscillators, damped or not. Of other schemes nothing is known on a line.
+template <class Scheme>
+constexpr bool moves_oscillators = FixedStepSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
+                                   SelfTimedSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
+                                   FixedStepSchemeFor<Scheme, problems::DampedOscillator<>>;
 
 /// The identity stands for a scheme that has no bound of its own: its steps are not of time.
 template <class Scheme>
@@ -69,7 +74,7 @@ StepMap step_map(std::span<const double> settings, double z, double a) {
   if constexpr (requires { scheme.step; }) scheme.step = 1;
   if constexpr (requires { scheme.in_time(); }) {
     scheme = scheme.in_time();
-  } else if constexpr (!steps_in_time<Scheme>) {
+  } else if constexpr (!steps_in_time<Scheme> || !moves_oscillators<Scheme>) {
     return {2, 1};
   }
   if constexpr (FixedStepSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
@@ -106,7 +111,8 @@ struct Entry {
 };
 template <class... Scheme>
 constexpr std::array<Entry, sizeof...(Scheme)> entries(std::tuple<Scheme...>*) {
-  return {Entry{&step_map<Scheme>, &flip<Scheme>, step_setting<Scheme>(), steps_in_time<Scheme>}...};
+  return {Entry{&step_map<Scheme>, &flip<Scheme>, step_setting<Scheme>(),
+                steps_in_time<Scheme> && moves_oscillators<Scheme>}...};
 }
 /// Of schemes that are found in the text of a scene nothing is known on a line.
 template <class... Scheme>

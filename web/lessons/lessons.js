@@ -112,7 +112,7 @@ export const lessons = [
   {
     id: "chain",
     scene: { problem: { id: "fermi_pasta_ulam", alpha: 0.25 }, until: { t: 11000 }, columns: [1, 2, 3, 4].map(mode) },
-    runs: [{ ...h("leapfrog", 0.4), name: ["leapfrog_of", { h: 0.4 }] }], points: 800, brief: 3,
+    runs: [{ ...h("leapfrog", 0.4), name: ["leapfrog_of", { h: 0.4 }] }], points: 800, brief: 4,
     views: [{ x: "t", box: { x: [0, 11000] }, several: [1, 2, 3, 4].map((k) => [`mode${k}`, ["mode", { k }]]), labels: ["t", "mode_energy"] },
             { body: chain.map((name, i) => ({ at: [String(i / 10), name], linked: i ? [i - 1] : [] })) }],
     control: { sets: "problem.alpha", label: "nonlinearity", low: 0, high: 0.3 }, tells: [],

@@ -31,8 +31,16 @@ inline bool asks_for_full_state(const ProblemCard& card, const Request& request)
          std::ranges::any_of(request.diagnostics, [&](std::size_t i) { return card.diagnostics[i].full_state; });
 }
 
+template <class Scheme, class List>
+inline constexpr bool is_among = false;
+template <class Scheme, class... Some>
+inline constexpr bool is_among<Scheme, std::tuple<Some...>> = (std::is_same_v<Scheme, Some> || ...);
+
+/// A scheme that is compiled for a problem, as it fits it; for classes of scenes as text those alone that have no steps
+/// for scenes of any size.
 template <class Scheme, class P>
-concept Fits = FixedStepSchemeFor<Scheme, P> || SelfTimedSchemeFor<Scheme, P>;
+concept Fits = (FixedStepSchemeFor<Scheme, P> ||
+                SelfTimedSchemeFor<Scheme, P>)&&!(Compact<P> && is_among<Scheme, SizedSchemeList>);
 
 /// Calls f with the scheme of a request, which fits.
 template <class P, class F, class... Scheme>
@@ -59,13 +67,13 @@ FullStateOf<P> full_state_from(const RunState& x) {
   return full;
 }
 
-/// Tangents of the steps of a run, whichever state it carries: they are of the full one.
+/// Tangents of the steps of a run from `start`, whichever state it carries: they are of the full one. The problem
+/// outlives them.
 template <class P>
-StepTangents tangents_of(const P& problem, const Request& request) {
+StepTangents tangents_of(const P& problem, const Request& request, const FullStateOf<P>& start) {
   using Full = FullStateOf<P>;
   StepTangents tangents;
   if (!request.until_steps) tangents.end = request.end;
-  const Full start = start_of<Full>(problem, request.scene->initial, request.scene->start);
   with_scheme<P>(request, [&]<class Scheme>(const Scheme& scheme) {
     if constexpr (ExtendsTo<Scheme, P>) {
       tangents.extended = [&problem, scheme, start](const RunState& x, const KeepGoing& keep_going, TangentMap& map) {
@@ -139,7 +147,10 @@ class CompiledBackend final : public RunBackend {
                                    double end) const override {
     return bind_scheme<P, X>(*this, problem(), request, x, grid, end);
   }
-  StepTangents tangents(const Request& request) const override { return tangents_of(problem(), request); }
+  StepTangents tangents(const Request& request) const override {
+    const Scene& scene = *request.scene;
+    return tangents_of(problem(), request, start_of<FullStateOf<P>>(problem(), scene.initial, scene.start));
+  }
 
   std::vector<tape::Index> write_equations(tape::Tape& tape) const override {
     const auto rates = taylor::write_equations<State>(problem(), tape);

@@ -12,18 +12,9 @@ namespace least {
 namespace {
 
 std::string class_of(const text::Form& form, int capacity) {
-  using text::FormKind;
-  std::string name;
-  if (form.kind == FormKind::contact_linear) {
-    name = !form.constant_damping ? "timed_damped" : form.autonomous ? "damped" : "driven";
-  } else if (form.kind == FormKind::separable) {
-    name = form.autonomous ? "separable" : "timed_separable";
-  } else if (form.kind == FormKind::contact_quadratic) {
-    name = "quadratic";
-  } else {
-    name = text::form_names[static_cast<std::size_t>(form.kind)];
-  }
-  return name + "_" + std::to_string(capacity);
+  const bool quadratic = form.kind == text::FormKind::contact_quadratic;
+  const std::string_view name = text::form_names[static_cast<std::size_t>(form.kind)];
+  return std::string(quadratic ? "quadratic" : name) + "_" + std::to_string(capacity);
 }
 
 using Made = std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>>;
@@ -57,7 +48,7 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
 }
 
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> mechanics_of(text::TextScene scene) {
-  if (!scene.form->is_compiled()) return of_any_size(std::move(scene));
+  if (!scene.form->has_class()) return of_any_size(std::move(scene));
   const std::string wanted = class_of(*scene.form, scene.capacity);
   auto form = std::ranges::find(text_forms(), wanted, &TextForm::name);
   if (form == text_forms().end() && scene.capacity < text::compiled_coordinates) {

@@ -1,22 +1,30 @@
-// What a run asks of a scene as text of any size, and which schemes there are for it: explicit ones of equal steps, and
-// all that go by error control.
+// What a run asks of a scene as text of any size, and which schemes there are for it: those that have steps for any
+// size, and, of few coordinates, those that are compiled for its class.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "core/catalogue/sized_table.hpp"
+#include "core/catalogue/text_class.hpp"
 
 namespace least {
 
 /// Positions in the list of schemes.
 std::vector<std::size_t> schemes_of(const text::SizedScene& scene);
 
+/// The class of a scene that has schemes of its own, with its parameters; null: it is asked for none of those.
+struct ClassOfScene {
+  const TextClass* schemes = nullptr;
+  TextClass::Formulas formulas;
+};
+
 class SizedBackend : public RunBackend {
  public:
   /// `all`: states of the run carry what can be asked for beyond what moves, as s where the motion does not read it.
-  explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true)
-      : traits_(traits_of(*scene, all)),
+  explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true, ClassOfScene by_class = {})
+      : by_class_(std::move(by_class)),
+        traits_(traits_of(*scene, all)),
         motion_traits_(traits_of(*scene, false)),
         table_(scene, traits_),
         motion_(std::move(scene), motion_traits_) {}
@@ -45,6 +53,9 @@ class SizedBackend : public RunBackend {
   const text::SizedScene& scene() const { return table_.scene(); }
 
  private:
+  bool is_of_class(std::size_t scheme) const { return by_class_.formulas && by_class_.schemes->has(scheme); }
+
+  ClassOfScene by_class_;
   ProblemTraits traits_, motion_traits_;
   SizedTable table_, motion_;
 };

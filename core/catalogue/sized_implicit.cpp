@@ -170,7 +170,7 @@ template <class T>
 StepStatus SizedVariational<T>::midpoint(T* x, double t, double h) {
   const std::size_t n = slope_.size();
   T* const p = x + n;
-  const double half = h / 2, middle = t + half, loss = half * damping(middle), end = 1 + loss;
+  const double half = h / 2, middle = t + half, loss = half * scene_->damping_at(middle), end = 1 + loss;
   if (!(end > least_denominator)) return StepStatus::singular;
   for (std::size_t i = 0; i < n; ++i) momentum_[i] = (1 - loss) * p[i];
   scene_->velocity(momentum_.data(), velocity_.data());
@@ -191,7 +191,7 @@ StepStatus SizedVariational<T>::midpoint(T* x, double t, double h) {
   T& s = x[2 * n];
   const T before = s;
   s = ((1 - loss) * s + h * (0.5 * twice - v)) / end;
-  energy_ = energy_ + damping(middle) * 0.5 * (before + s);
+  energy_ = energy_ + scene_->damping_at(middle) * 0.5 * (before + s);
   return StepStatus::ok;
 }
 
@@ -204,7 +204,8 @@ template <class T>
 StepStatus SizedVariational<T>::simpson(T* x, double t, double h) {
   const std::size_t n = slope_.size();
   T* const p = x + n;
-  const double half = h / 2, first = damping(t), middle = damping(t + half), last = damping(t + h);
+  const double half = h / 2, first = scene_->damping_at(t), middle = scene_->damping_at(t + half),
+               last = scene_->damping_at(t + h);
   const double a = half * middle, d = h * last;
   const double c1 = (1 - 2 * a + 2 * a * a - a * a * d) / 6, c2 = (2 - 2 * a + a * d) / 6, c3 = (2 - d) / 6,
                c4 = 1 / 6.0, c = c2 + c3;
@@ -263,15 +264,6 @@ StepStatus SizedVariational<T>::simpson(T* x, double t, double h) {
 }
 
 template <class T>
-double SizedVariational<T>::damping(double t) const {
-  if (!scene_->acting) return 0;
-  double alpha = 0;
-  const double* const none = nullptr;
-  scene_->damping.evaluate(none, t, &alpha);
-  return alpha;
-}
-
-template <class T>
 T SizedVariational<T>::potential(const T* q, double t) const {
   T v(0);
   scene_->potential.evaluate(q, t, &v);
@@ -288,7 +280,7 @@ T SizedVariational<T>::twice_kinetic(const T* p, const T* v) const {
 template <class T>
 std::string SizedVariational<T>::unsupported_reason() const {
   if (!scene_->acting || path_ == SizedPath::parabola || !scene_->constant_damping) return {};
-  return unsupported_by_pole(composition_, damping(0) * step_);
+  return unsupported_by_pole(composition_, scene_->damping_at(0) * step_);
 }
 template <class T>
 double SizedVariational<T>::flips_from() const {

@@ -67,7 +67,6 @@ class SizedVariational {
  private:
   StepStatus midpoint(T* x, double t, double h);
   StepStatus simpson(T* x, double t, double h);
-  double damping(double t) const;
   T potential(const T* q, double t) const;
   T twice_kinetic(const T* p, const T* v) const;
 

@@ -13,41 +13,38 @@
 #include "core/run/run.hpp"
 #include "core/run/scales.hpp"
 #include "core/schemes/held_program.hpp"
+#include "core/text/scenes.hpp"
 
 namespace least {
 namespace {
 
-/// The motion of a scene of few components as equations, for which there is a class: what has no series, as a force
-/// with |v|, has a reference there. Null where there are too many, or this build leaves the class out.
-std::shared_ptr<const Mechanics> compiled_flow(const text::SizedScene& scene) {
+/// Of a scene of few components whose motion has no series, as where a force has |v|: of the variables that it has.
+/// Empty where there are too many.
+Truth truth_of_few(const text::SizedScene& scene, const std::vector<double>& initial, double start,
+                   const std::vector<double>& times, const KeepGoing& keep_going, std::vector<std::size_t> kinds) {
   constexpr std::size_t room = text::compiled_variables;
-  const auto made = std::ranges::find(text_forms(), "flow_" + std::to_string(room), &TextForm::name);
-  if (scene.moving > room || made == text_forms().end()) return nullptr;
-  auto form = std::make_shared<text::Form>();
-  form->kind = text::FormKind::flow;
-  form->autonomous = scene.autonomous;
-  form->coordinates = scene.moving;
-  form->numbers = text::Numbering::of_flow(scene.moving);
-  form->tape = scene.equations;
-  text::Definition definition;
-  definition.kind = text::Definition::Kind::equations;
-  for (std::size_t i = 0; i < scene.moving; ++i) {
-    form->rates.push_back(Symbol::at(form->tape, scene.rates[i]));
-    definition.variables.push_back("x" + std::to_string(i));
-  }
-  return made->make({std::move(definition), std::move(form), static_cast<int>(room)});
-}
-
-/// Of the variables that a scene has.
-Truth truth_of_flow(const Mechanics& flow, const Scene& scene, const std::vector<double>& times,
-                    const KeepGoing& keep_going) {
-  Scene same{nullptr, {}, scene.initial, scene.start};
-  same.initial.resize(flow.card().variables.size());
-  Truth truth = flow.truth(same, times, keep_going);
-  for (auto& state : truth.states) state.resize(scene.initial.size());
-  truth.sizes.resize(scene.initial.size());
+  if (scene.moving > room) return {};
+  text::Form form;
+  form.kind = text::FormKind::flow;
+  form.autonomous = scene.autonomous;
+  form.coordinates = scene.moving;
+  form.numbers = text::Numbering::of_flow(scene.moving);
+  form.tape = scene.equations;
+  for (std::size_t i = 0; i < scene.moving; ++i) form.rates.push_back(Symbol::at(form.tape, scene.rates[i]));
+  text::FlowScene flow;
+  flow.formulas = std::make_shared<const text::Formulas>(form, std::span<const double>());
+  StateOf<text::FlowScene> x{};
+  x.t = start;
+  for (std::size_t i = 0; i < scene.moving; ++i) x[i] = initial[i];
+  kinds.resize(room);
+  Truth truth = true_states(flow, x, times, keep_going, kinds);
+  for (auto& state : truth.states) state.resize(initial.size());
+  truth.sizes.resize(initial.size());
   return truth;
 }
+
+/// What scenes of so many operations come to in memory, about.
+std::size_t bytes_of(tape::Index operations) { return 256 * static_cast<std::size_t>(operations); }
 
 std::string force_jumps(bool can_rest) {
   return std::string(
@@ -58,12 +55,17 @@ std::string force_jumps(bool can_rest) {
 
 class SizedMechanics final : public Mechanics {
  public:
-  explicit SizedMechanics(text::TextScene scene) : text_(std::move(scene)), key_(text_.definition.key()) {
+  explicit SizedMechanics(text::TextScene scene)
+      : text_(std::move(scene)), key_(text_.definition.key()), class_(text_class_of(*text_.form)) {
     std::vector<double> parameters;
     for (const auto& parameter : text_.definition.parameters) parameters.push_back(parameter.second);
+    const Held held = HeldByThread::take(bytes_of(text_.form->tape.size()));
     const auto sized = scene_of(parameters);
     traits_ = traits_of(*sized);
-    card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
+    std::vector<std::size_t> schemes = schemes_of(*sized);
+    if (class_) schemes.insert(schemes.end(), class_->schemes.begin(), class_->schemes.end());
+    std::ranges::sort(schemes);
+    card_ = complete_card(text_.described(), traits_, std::move(schemes));
     if (!text_.form->is_compiled() && !sized->forced)
       card_.offers += sized->coordinates > text::SizedScene::most_full && !traits_.potential
                           ? ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
@@ -100,26 +102,24 @@ class SizedMechanics final : public Mechanics {
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
     // States on their way: those that are kept along a run, and the rows that its diagnostics see together.
     const std::size_t states = request.diagnostics.empty() ? 256 : 1024;
-    const Held held = HeldByThread::take(states * card_.variables.size() * sizeof(double));
     const auto sized = scene_of(request.scene->parameters);
-    const bool all = sized->forced || asks_for_full_state(card_, request);
-    Solution solution = least::run(SizedBackend(sized, all), request, columns_, sink, cancelled);
+    const Held held =
+        HeldByThread::take(states * card_.variables.size() * sizeof(double) + bytes_of(sized->equations.size()));
+    Solution solution = least::run(*backend(request), request, columns_, sink, cancelled);
     if (sized->forces.jumps && solution.stop.reason != ReturnCode::completed)
       solution.warnings.push_back({"force_jumps", force_jumps(sized->forces.can_rest())});
     return solution;
   }
   std::unique_ptr<const RunBackend> backend(const Request& request) const override {
-    return std::make_unique<const SizedBackend>(scene_of(request.scene->parameters));
+    auto sized = scene_of(request.scene->parameters);
+    const bool all = sized->forced || asks_for_full_state(card_, request);
+    return std::make_unique<const SizedBackend>(std::move(sized), all, class_for(request));
   }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {
     const auto sized = scene_of(scene.parameters);
-    const bool all_move = sized->moving == sized->rates.size();
-    const auto own = [&] {
-      return taylor::program_of(sized->equations, std::span(sized->rates).first(sized->moving), sized->moving);
-    };
-    const tape::Program program = all_move ? sized->series(true) : own();
-    Scales scales = scales_of_motion(program, scene.initial.data(), scene.start, sized->moving, traits_.dof);
+    Scales scales =
+        scales_of_motion(sized->series(false), scene.initial.data(), scene.start, sized->moving, traits_.dof);
     if (!std::isfinite(scales.time)) scales.time = 0;
     scales.damped = traits_.linear_contact;
     return scales;
@@ -130,8 +130,8 @@ class SizedMechanics final : public Mechanics {
     Truth truth =
         truth_by_series(backend, backend.motion().start(scene.initial, scene.start), times, keep_going, kinds_);
     if (truth.complete || !truth.states.empty()) return truth;
-    const auto flow = compiled_flow(*sized);
-    return flow ? truth_of_flow(*flow, scene, times, keep_going) : truth;
+    const Truth other = truth_of_few(*sized, scene.initial, scene.start, times, keep_going, kinds_);
+    return other.states.empty() ? truth : other;
   }
   Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const override {
     const SizedBackend backend(scene_of(scene.parameters));
@@ -157,14 +157,26 @@ class SizedMechanics final : public Mechanics {
     return made;
   }
 
+  /// Its formulas with the parameters of a request, where that asks for a scheme of the class. The last ones are kept.
+  ClassOfScene class_for(const Request& request) const {
+    if (!class_ || !class_->has(request.scheme)) return {};
+    const auto& parameters = request.scene->parameters;
+    const std::lock_guard lock(mutex_);
+    if (!last_formulas_.second || last_formulas_.first != parameters)
+      last_formulas_ = {parameters, std::make_shared<const text::Formulas>(*text_.form, parameters)};
+    return {class_, last_formulas_.second};
+  }
+
   text::TextScene text_;
   std::string key_;
+  const TextClass* class_;
   ProblemTraits traits_;
   ProblemCard card_;
   std::vector<std::size_t> kinds_;  ///< of the variables
   std::vector<Column> columns_;
   mutable std::mutex mutex_;
   mutable std::pair<std::vector<double>, std::shared_ptr<const text::SizedScene>> last_;
+  mutable std::pair<std::vector<double>, TextClass::Formulas> last_formulas_;
 };
 
 }  // namespace

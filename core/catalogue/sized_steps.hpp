@@ -25,7 +25,14 @@ class SizedKickDrift {
         scheme_(scheme),
         sequence_(&scheme_.template sequence<double>()),
         slope_(scene.coordinates),
-        velocity_(scene.coordinates) {}
+        velocity_(scene.coordinates),
+        inverse_masses_(scene.inverse_mass().begin(), scene.inverse_mass().end()) {
+    const std::size_t n = scene.coordinates;
+    if (!scene.has_full_mass() || n > most_dense) return;
+    inverse_masses_.assign(n * n, 0.0);
+    for (std::size_t i = 0; i < n; ++i)
+      for (const auto& [j, share] : scene.inverse_mass_matrix()[i]) inverse_masses_[i * n + j] = share;
+  }
 
   void begin(const T* x, double t) {
     work_ = {};
@@ -53,21 +60,34 @@ class SizedKickDrift {
     for (std::size_t i = 0; i < slope_.size(); ++i) p[i] = p[i] - h * slope_[i];
   }
   void drift(T* x, double h) {
-    const T* const p = x + scene_->coordinates;
+    const std::size_t n = slope_.size();
+    const T* const p = x + n;
+    const double* row = inverse_masses_.data();
     if (!scene_->has_full_mass()) {
-      const auto w = scene_->inverse_mass();
-      for (std::size_t i = 0; i < w.size(); ++i) x[i] = x[i] + (h * w[i]) * p[i];
+      for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + (h * row[i]) * p[i];
       return;
     }
-    scene_->velocity(p, velocity_.data());
-    for (std::size_t i = 0; i < velocity_.size(); ++i) x[i] = x[i] + h * velocity_[i];
+    if (n > most_dense) {
+      scene_->velocity(p, velocity_.data());
+      for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
+      return;
+    }
+    for (std::size_t i = 0; i < n; ++i, row += n) {
+      T velocity = row[0] * p[0];
+      for (std::size_t j = 1; j < n; ++j) velocity = velocity + row[j] * p[j];
+      x[i] = x[i] + h * velocity;
+    }
   }
+
+  /// Coordinates up to which a metric that is not diagonal is gone through whole.
+  static constexpr std::size_t most_dense = 16;
 
   const text::SizedScene* scene_;
   Scheme scheme_;  ///< keeps the sequence
   const Sequence<double>* sequence_;
   std::vector<T> slope_;  ///< ∇V at the state's q
   std::vector<T> velocity_;
+  std::vector<double> inverse_masses_;  ///< of each coordinate, or the dense matrix row by row
   Work work_;
 };
 
@@ -87,7 +107,7 @@ class SizedContactLeapfrog {
   void begin(const T* x, double t) {
     work_ = {};
     look(x, t);
-    damping_ = damping(t);
+    damping_ = scene_->damping_at(t);
   }
   /// A step that fails leaves neither the state nor the stepper as they were.
   StepStatus step(T* x, double t, double h) noexcept {
@@ -99,12 +119,6 @@ class SizedContactLeapfrog {
   double flips_from() const { return least::flips_from(composition_); }
 
  private:
-  double damping(double t) const {
-    double alpha;
-    const double* const none = nullptr;
-    scene_->damping.evaluate(none, t, &alpha);
-    return alpha;
-  }
   void look(const T* q, double t) {
     scene_->gradient.evaluate(q, t, slope_.data());
     if (acts_) scene_->potential.evaluate(q, t, &potential_);
@@ -113,7 +127,7 @@ class SizedContactLeapfrog {
   bool stage(T* x, double h, double end) {
     const std::size_t n = slope_.size();
     T* const p = x + n;
-    const double next = damping(end), before = 1 - (h / 2) * damping_, under = 1 + (h / 2) * next;
+    const double next = scene_->damping_at(end), before = 1 - (h / 2) * damping_, under = 1 + (h / 2) * next;
     if (!(under > least_denominator)) return false;
     const double after = 1 / under;
     const T potential = potential_;

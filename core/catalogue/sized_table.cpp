@@ -84,10 +84,7 @@ double SizedTable::mechanical_energy(StateView x) const {
 
 double SizedTable::damping(double t) const {
   if (!traits.linear_contact) return unknown;
-  double alpha;
-  const double* const none = nullptr;
-  scene_->damping.evaluate(none, t, &alpha);
-  return alpha;
+  return scene_->damping_at(t);
 }
 
 void SizedTable::invariants(const StateRows& states, double* values) const {

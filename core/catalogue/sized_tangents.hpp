@@ -14,6 +14,9 @@
 
 namespace least {
 
+/// Components up to which all directions are followed at once: what is made of their matrix takes its cube.
+inline constexpr std::size_t most_mapped = 256;
+
 /// The space of which tangents are.
 struct TangentSpace {
   std::size_t dof = 0;         ///< of a flow 0
@@ -71,6 +74,7 @@ StepTangents tangents_by(const Request& request, const TangentSpace& space, doub
     }
     return true;
   };
+  if (space.components > most_mapped) tangents.plain = nullptr;
   tangents.level.assign(space.components, 0);
   return tangents;
 }

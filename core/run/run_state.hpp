@@ -153,4 +153,65 @@ RunState run_state(const X& x) {
   return state;
 }
 
+/// A class of problem may have room for more coordinates than a scene has. Where it is `compact`, states of a run have
+/// no place for those: they rest at 0, and stand in the problem's own type alone.
+template <class P>
+concept Compact = requires {
+  requires P::compact;
+};
+
+/// The state of the problem's own type that a run carries.
+template <class X, class P, class State>
+X typed_state([[maybe_unused]] const P& problem, const State& state) {
+  if constexpr (Compact<P>) {
+    const StateView view = state;
+    const std::size_t n = problem.coordinates();
+    X x{};
+    x.t = view.t;
+    for (std::size_t i = 0; i < n; ++i) {
+      x.q[i] = view[i];
+      x.p[i] = view[n + i];
+    }
+    if constexpr (X::acting) x.action.s = view[2 * n];
+    return x;
+  } else {
+    return state_from<X>(state);
+  }
+}
+/// How many numbers a run keeps of one.
+template <class X, class P>
+constexpr std::size_t numbers_of([[maybe_unused]] const P& problem) {
+  if constexpr (Compact<P>) return 2 * problem.coordinates() + (X::acting ? 1 : 0);
+  if constexpr (!Compact<P>) return numbers_in<X>;
+}
+template <class P, class X>
+void write_state([[maybe_unused]] const P& problem, const X& x, double* numbers) {
+  if constexpr (Compact<P>) {
+    const std::size_t n = problem.coordinates();
+    for (std::size_t i = 0; i < n; ++i) {
+      numbers[i] = x.q[i];
+      numbers[n + i] = x.p[i];
+    }
+    if constexpr (X::acting) numbers[2 * n] = x.action.s;
+  } else {
+    write_numbers(x, numbers);
+  }
+}
+template <class P, class X>
+void assign_state([[maybe_unused]] const P& problem, const X& x, RunState& state) {
+  if constexpr (Compact<P>) {
+    state.t = x.t;
+    state.numbers.resize(numbers_of<X>(problem));
+    write_state(problem, x, state.numbers.data());
+  } else {
+    assign_numbers(x, state);
+  }
+}
+template <class P, class X>
+RunState run_state_of(const P& problem, const X& x) {
+  RunState state;
+  assign_state(problem, x, state);
+  return state;
+}
+
 }  // namespace least

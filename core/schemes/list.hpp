@@ -31,4 +31,11 @@ using SchemeList =
                ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss,
                LiftedSplitting, Taylor, DormandPrince5, Fehlberg78, BulirschStoer>;
 
+/// Of these there are steps on scenes as text of any size (core/catalogue/sized_backend.cpp); of others there are those
+/// that are compiled for a class of scenes.
+using SizedSchemeList =
+    std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
+               Galerkin4, ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, LiftedSplitting, Taylor,
+               DormandPrince5, Fehlberg78, BulirschStoer>;
+
 }  // namespace least

@@ -156,7 +156,7 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
   study.growth = subject.conditioning().growth_in(plan.scene.norm, plan.at_end);
   study.chaotic = subject.conditioning().chaotic(plan.scene.norm);
   if (!subject.known()) {
-    study.left_out.push_back(fmt::format(
+    study.left_out.emplace_back(fmt::format(
         "everything: the reference solution was not finished within {} s, or is not finite", plan.budget_seconds));
     for (StudyCurve& curve : study.curves) curve.why = "there is no reference solution";
     study.stop = deadline.left() > 0 ? ReturnCode::not_finite : ReturnCode::deadline;
@@ -184,7 +184,7 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
     StudyCurve& curve = study.curves[i];
     ladders[i].close();
     if (!ladders[i].over())
-      study.left_out.push_back(
+      study.left_out.emplace_back(
           fmt::format("{}: {} from {:.3g} on, because {}", name(subject.card(curve.scheme), curve.scheme),
                       curve.setting, ladders[i].next(),
                       deadline.left() > 0 ? "the study was cancelled"

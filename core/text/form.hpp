@@ -61,10 +61,19 @@ struct Form {
   std::size_t coordinates = 0;    ///< of a flow: variables
   Numbering numbers;              ///< of the variables on the tape
 
-  /// Whether it has a class that is compiled for it. Forced scenes run by what knows their size when they run.
+  /// Whether it has few enough coordinates for what is compiled with room for eight (sixteen variables of a flow).
+  /// Forced scenes run by what knows their size when they run.
   bool is_compiled() const {
     return !forced &&
            coordinates <= static_cast<std::size_t>(kind == FormKind::flow ? compiled_variables : compiled_coordinates);
+  }
+
+  /// Whether its mechanics is that of a class, with room for coordinates that it has not. Others run by what knows
+  /// their size when they run, core/text/sized_scene.hpp, but for schemes that are compiled for classes alone.
+  bool has_class() const {
+    const bool of_class =
+        kind == FormKind::metric || kind == FormKind::contact_quadratic || kind == FormKind::lagrangian;
+    return is_compiled() && of_class;
   }
 
   tape::Tape tape;

@@ -31,21 +31,10 @@ std::vector<Symbol> entries_of(const SymbolMatrix& matrix) {
   return all;
 }
 
-/// Two of the kinds that are compiled for two.
+/// Two of the kind that is compiled for two.
 int capacity_of(const Form& form) {
-  if (!form.is_compiled()) return static_cast<int>(form.coordinates);
-  const int least = form.coordinates <= 2 ? 2 : compiled_coordinates;
-  switch (form.kind) {
-    case FormKind::flow:
-      return compiled_variables;
-    case FormKind::separable:
-    case FormKind::metric:
-      return form.autonomous ? least : compiled_coordinates;
-    case FormKind::contact_linear:
-      return form.autonomous || !form.constant_damping ? least : compiled_coordinates;
-    default:
-      return compiled_coordinates;
-  }
+  if (!form.has_class()) return static_cast<int>(form.coordinates);
+  return form.kind == FormKind::metric && form.coordinates <= 2 ? 2 : compiled_coordinates;
 }
 
 }  // namespace
@@ -86,7 +75,7 @@ ProblemCard TextScene::described() const {
     const bool acting = form->kind == FormKind::contact_linear || form->kind == FormKind::contact_quadratic ||
                         form->kind == FormKind::hamiltonian || form->kind == FormKind::lagrangian;
     const bool rests = !form->reads_action && form->kind != FormKind::contact_linear;
-    if (acting && (form->is_compiled() || !rests)) {
+    if (acting && (form->has_class() || !rests)) {
       add(rests ? "·s" : "s", rests ? "of no use here" : "action");
       card.variables.back().hidden = rests;
       card.variables.back().optional = !rests && !form->reads_action;
@@ -186,7 +175,7 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
   if (!number(form->damping)) return Objection{typed ? "/damping" : whole, "has a damping that is no finite number"};
   if (!number(form->action_curvature) || !number(form->offset))
     return Objection{typed ? "/action_curvature" : whole, "is no finite number"};
-  if (!form->is_compiled()) {
+  if (!form->has_class()) {
     try {
       const SizedScene scene(*form, parameters);
     } catch (const tape::TooManyOperations&) {

@@ -18,13 +18,13 @@ bool SizedScene::has(const Form& form) {
     case FormKind::flow:
       return true;
     case FormKind::metric:
-      return !form.is_compiled();
+      return !form.has_class();
     default:
       return false;
   }
 }
 
-SizedScene::SizedScene(const Form& form, std::span<const double> parameters, bool resting_action)
+SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     : kind(form.kind),
       coordinates(form.coordinates),
       flow(form.kind == FormKind::flow),
@@ -102,6 +102,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters, boo
     gradient = formula(slopes);
     for (const Symbol& slope : slopes) slopes_.push_back(slope.on(equations));
     damping = formula({alpha});
+    if (constant_damping) constant_alpha_ = number(alpha);
   }
   if (forced) {
     const std::vector<Symbol> v(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n));
@@ -121,10 +122,6 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters, boo
     all.push_back(power);
     components = moving + 1;
     set_forces(force);
-  }
-  if (resting_action) {
-    all.emplace_back(0);
-    moving = components = moving + 1;
   }
   for (const Symbol& y : all) rates.push_back(y.on(equations));
   rate = tape::Formula(equations, rates);

@@ -1,7 +1,7 @@
-// The mechanics of a scene as text of any size, which is known when it runs: what the classes of core/text/scenes.hpp
-// are for few coordinates. Components of a state stand one after the other: coordinates, momenta, and s where the scene
-// has it; of a flow its variables; of a forced scene at last the work of the forces, which the motion does not need.
-// Variables on the tapes have the same numbers.
+// The mechanics of a scene as text of any size, which is known when it runs. Components of a state stand one after the
+// other: coordinates, momenta, and s where the scene has it; of a flow its variables; of a forced scene at last the
+// work of the forces. What the motion does not need, as the s of a damped scene, comes last. Variables on the tapes
+// have the same numbers.
 #pragma once
 
 #include <memory>
@@ -32,12 +32,11 @@ class SizedScene {
   /// The same where the matrix has a row for each coordinate, and is made anew once in a few rounds.
   static constexpr std::size_t most_with_full_mass = 256;
 
-  /// Whether there is one of a form: its kinetic metric is constant, it is a general Hamiltonian or a flow, or it has
-  /// no class that is compiled for it and is stated with momenta.
+  /// Whether there is one of a form: its kinetic metric is constant, it is a general Hamiltonian or a flow, or its
+  /// metric depends on the place and it has no class.
   static bool has(const Form& form);
   /// Of such a form. Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.
-  /// `resting_action`: its states have a place for an s that the motion does not read, after all others; it rests at 0.
-  SizedScene(const Form& form, std::span<const double> parameters, bool resting_action = false);
+  SizedScene(const Form& form, std::span<const double> parameters);
 
   FormKind kind;
   std::size_t coordinates, components;
@@ -81,6 +80,14 @@ class SizedScene {
       v[i] = sum;
     }
   }
+  /// α(t) of a damped scene; 0 where there is none.
+  double damping_at(double t) const {
+    if (constant_damping || kind != FormKind::contact_linear) return constant_alpha_;
+    double alpha = 0;
+    const double* const none = nullptr;
+    damping.evaluate(none, t, &alpha);
+    return alpha;
+  }
   bool has_full_mass() const { return !inverse_matrix_.empty(); }
   /// Whether steps that solve for places find M + β V″ small enough, which is full where M is.
   bool solves_for_places() const { return !has_full_mass() || coordinates <= most_with_full_mass; }
@@ -101,6 +108,7 @@ class SizedScene {
   void set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian, const std::vector<double>& second,
                 bool of_velocities);
 
+  double constant_alpha_ = 0;              ///< where the damping is constant
   std::vector<double> inverse_mass_;       ///< of each coordinate
   std::vector<SparseRow> inverse_matrix_;  ///< where the metric is not diagonal: g⁻¹
 

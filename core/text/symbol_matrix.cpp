@@ -14,7 +14,7 @@ using Entry = SymbolMatrix::Entry;
 using Row = SymbolMatrix::Row;
 
 /// Multiplications of numbers in an elimination, and of symbols: some hundredths of a second.
-constexpr std::size_t most_products = std::size_t(1) << 26, most_of_symbols = std::size_t(1) << 20;
+constexpr std::size_t most_multiplications = std::size_t(1) << 26, most_of_symbols = std::size_t(1) << 20;
 
 /// Throws where there are too many of them.
 class Count {
@@ -135,7 +135,7 @@ std::vector<std::size_t> firsts_of(const SymbolMatrix& matrix) {
 /// where that of A does.
 int sign_of_pivots(const SymbolMatrix& matrix, std::span<const double> numbers) {
   const std::size_t n = matrix.size();
-  Count count(most_products);
+  Count count(most_multiplications);
   Held held = HeldByThread::take(0);
   std::vector<std::size_t> begin(n), start(n + 1, 0);
   for (std::size_t i = 0; i < n; ++i) {

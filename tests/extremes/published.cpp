@@ -276,7 +276,7 @@ void add_famous(std::vector<Published>& all) {
                  2000,
                  {1.706167732170483},
                  13,
-                 12});
+                 11});
 }
 
 }  // namespace

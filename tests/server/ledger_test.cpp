@@ -113,8 +113,8 @@ TEST(Ledger, HoldsWhatEveryEndpointMakes) {
   }
 }
 
-// What a scene of a thousand coordinates makes grows with what it says, not with their square: of eight at once at least
-// four have room, where one alone had none.
+// What a scene of a thousand coordinates makes grows with what it says, not with their square: of eight at once at
+// least four have room, where one alone had none.
 TEST(Ledger, HasRoomForLargeScenes) {
   Process service({"serve", "--port", "0", "--threads", "8", "--log-level", "warning", "--max-memory", "100M"});
   const int port = port_in(service.line());

@@ -6,6 +6,7 @@
 #include "core/schemes/list.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/scenes.hpp"
+#include "tests/support/steps_of_text.hpp"
 #include "tests/support/texts.hpp"
 
 namespace {
@@ -45,12 +46,6 @@ std::vector<double> end_of(const Request& request) {
   EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << outcome.stop.detail;
   return outcome.final;
 }
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
-}
-
 TEST(GeneralLagrangian, KeepsTheFormOfItsScene) {
   for (const General& general : generals()) {
     const auto mechanics = mechanics_of(general.definition);

@@ -74,6 +74,49 @@ TEST_P(AsCompiled, LeadsToTheSameStates) {
   EXPECT_GE(compared, 3);
 }
 
+/// What diagnostics say that are made of the tangents of steps, of those that the problem has.
+std::vector<double> tangents_in(Request request) {
+  std::vector<std::string> asked;
+  for (const char* path : {"structure/max_defect", "structure/factor", "lyapunov/exponent", "lyapunov/megno"}) {
+    const std::string name(path, std::string_view(path).find('/'));
+    if (std::ranges::count(runs::card(request).diagnostics, name, &DiagnosticCard::name) == 0) continue;
+    if (asked.empty() || !asked.back().starts_with(name)) runs::ask(request, name);
+    asked.emplace_back(path);
+  }
+  const auto reports = runs::go(request).outcome.diagnostics;
+  std::vector<double> all;
+  for (const std::string& path : asked) all.push_back(runs::number(reports, path));
+  return all;
+}
+TEST_P(AsCompiled, HasTheSameTangents) {
+  const auto mechanics = mechanics_of(GetParam().definition);
+  for (const auto index : mechanics->card().schemes) {
+    const std::string& id = schemes()[index].id;
+    if (!runs::fits(GetParam().id, id)) continue;
+    Request compiled = runs::defaults(GetParam().id, id);
+    compiled.end = compiled.scene->start + std::min(2.0, compiled.end - compiled.scene->start);
+    if (id == "adaptive_verlet") runs::set(compiled, "monitor", "arclength");
+    if (id == "jacobi_maupertuis" && runs::card(compiled).variables.size() == 2) continue;
+    Request typed = typed_as(compiled, mechanics);
+    compiled.diagnostics.clear();
+    const auto known = tangents_in(compiled), found = tangents_in(typed);
+    ASSERT_EQ(known.size(), found.size()) << id;
+    const bool keeps = schemes()[index].structure != "none" && known.size() == 4;
+    if (keeps) {
+      EXPECT_LT(found[0], 1e-12) << id;
+    }
+    // Of the motion, along which it is followed where the scheme has no tangents, the path is another one.
+    const bool own_clock = schemes()[index].own_clock, of_motion = own_clock && schemes()[index].structure == "none";
+    const double close = of_motion ? 1e-2 : own_clock ? 1e-4 : 1e-6;
+    for (std::size_t i = keeps ? 1 : 0; i < known.size(); ++i) {
+      ASSERT_EQ(std::isnan(known[i]), std::isnan(found[i])) << id << " " << i;
+      if (!std::isnan(known[i])) {
+        EXPECT_NEAR(found[i], known[i], close * std::abs(known[i]) + 1e-10) << id << " " << i;
+      }
+    }
+  }
+}
+
 // A run as text carries room for variables that it does not have: nothing is to weigh them.
 TEST(AsCompiledTangents, GrowAsThoseOfTheCompiledProblem) {
   const std::set<std::string_view> some{"kepler", "kepler_3d", "pendulum", "damped_oscillator", "van_der_pol"};

@@ -1,5 +1,4 @@
-// Scenes as text whose size is known when they run: the same motion as by the classes that are compiled for few
-// coordinates, and motions of many that are known.
+// Scenes as text of many coordinates: motions that are known.
 #include "tests/support/sized.hpp"
 
 #include <gtest/gtest.h>
@@ -17,116 +16,6 @@ namespace {
 
 using namespace texts;
 using std::numbers::pi;
-
-/// The definition as a scene of any size, however few coordinates it has.
-std::shared_ptr<const Mechanics> sized_of(const Definition& definition) {
-  auto scene = std::get<text::TextScene>(text::TextScene::read(definition));
-  scene.capacity = static_cast<int>(scene.form->coordinates);
-  return sized_mechanics(std::move(scene));
-}
-
-std::vector<double> shown(const Request& request, const std::vector<double>& state) {
-  std::vector<double> all;
-  const auto& variables = runs::card(request).variables;
-  for (std::size_t i = 0; i < variables.size(); ++i)
-    if (!variables[i].hidden && std::isfinite(state[i])) all.push_back(state[i]);
-  return all;
-}
-
-class AsOfFew : public testing::TestWithParam<Typed> {};
-
-// Explicit steps of equal length to the last bit; implicit ones to round-off, as these solve other equations for the
-// same step; those of a clock of their own to what they ask of themselves.
-TEST_P(AsOfFew, MovesAsTheClassThatIsCompiled) {
-  const auto compiled = mechanics_of(GetParam().definition), any = sized_of(GetParam().definition);
-  ASSERT_GE(any->card().schemes.size(), 7U);
-  for (const auto index : any->card().schemes) {
-    const std::string& id = schemes()[index].id;
-    ASSERT_TRUE(runs::fits(compiled->card(), index)) << id;
-    Request catalogued = runs::defaults(GetParam().id, id);
-    catalogued.end = catalogued.scene->start + std::min(5.0, catalogued.end - catalogued.scene->start);
-    runs::only_final(catalogued);
-    for (const bool composed : {false, true}) {
-      if (composed && !schemes()[index].find("composition")) continue;
-      if (composed) runs::set(catalogued, "composition", "suzuki_4");
-      const Request few = typed_as(catalogued, compiled), many = typed_as(catalogued, any);
-      const auto a = runs::go(few).outcome, b = runs::go(many).outcome;
-      ASSERT_EQ(a.stop.reason, b.stop.reason) << id << " " << b.stop.detail;
-      const auto x = shown(few, a.final), y = shown(many, b.final);
-      ASSERT_GE(y.size(), x.size()) << id;
-      const bool solves = schemes()[index].implicit;
-      const double close = schemes()[index].own_clock ? 1e-8 : solves ? 1e-11 : 0;
-      for (std::size_t i = 0; i < x.size(); ++i)
-        EXPECT_NEAR(x[i], y[i], close * std::max(1.0, std::abs(x[i]))) << id << " variable " << i;
-      if (!schemes()[index].own_clock && !solves) {
-        EXPECT_EQ(a.cost.force_evaluations, b.cost.force_evaluations) << id;
-      }
-    }
-  }
-}
-
-/// What diagnostics say that are made of the tangents of steps, of those that the scene has.
-std::vector<double> tangents_in(Request request) {
-  std::vector<std::string> asked;
-  for (const char* path : {"structure/max_defect", "structure/factor", "lyapunov/exponent", "lyapunov/megno"}) {
-    const std::string name(path, std::string_view(path).find('/'));
-    if (std::ranges::count(runs::card(request).diagnostics, name, &DiagnosticCard::name) == 0) continue;
-    if (asked.empty() || !asked.back().starts_with(name)) runs::ask(request, name);
-    asked.emplace_back(path);
-  }
-  const auto reports = runs::go(request).outcome.diagnostics;
-  std::vector<double> all;
-  for (const std::string& path : asked) all.push_back(runs::number(reports, path));
-  return all;
-}
-TEST_P(AsOfFew, TangentsOfStepsAreThoseOfTheClass) {
-  const auto compiled = mechanics_of(GetParam().definition), any = sized_of(GetParam().definition);
-  for (const auto index : any->card().schemes) {
-    const std::string& id = schemes()[index].id;
-    Request catalogued = runs::defaults(GetParam().id, id);
-    if (schemes()[index].own_clock) continue;
-    catalogued.end = catalogued.scene->start + std::min(2.0, catalogued.end - catalogued.scene->start);
-    const auto few = tangents_in(typed_as(catalogued, compiled)), many = tangents_in(typed_as(catalogued, any));
-    ASSERT_EQ(few.size(), many.size());
-    const bool keeps = schemes()[index].structure != "none" && many.size() == 4;
-    if (keeps) {
-      EXPECT_LT(many[0], 1e-12) << id;
-    }
-    for (std::size_t i = keeps ? 1 : 0; i < few.size(); ++i) {
-      ASSERT_EQ(std::isnan(few[i]), std::isnan(many[i])) << id << " " << i;
-      if (!std::isnan(few[i])) {
-        EXPECT_NEAR(few[i], many[i], 1e-6 * std::abs(few[i]) + 1e-12) << id << " " << i;
-      }
-    }
-  }
-}
-
-std::vector<Typed> of_any_size() {
-  std::vector<Typed> some = all();
-  std::erase_if(some, [](const Typed& typed) {
-    return !text::SizedScene::has(*std::get<text::TextScene>(text::TextScene::read(typed.definition)).form);
-  });
-  return some;
-}
-INSTANTIATE_TEST_SUITE_P(, AsOfFew, testing::ValuesIn(of_any_size()),
-                         [](const auto& tested) { return name_of(tested.param) + "_" + std::to_string(tested.index); });
-
-TEST(Sized, FormsOfManyCoordinatesAreMost) { EXPECT_GE(of_any_size().size(), 15U); }
-
-Definition full_mass() {
-  return of(Definition::Kind::lagrangian, {"x", "y"}, {{"m", 2}},
-            "m*vx^2/2 + vy^2/2 + vx*vy/3 - x^2/2 - y^2/2 - x*y^2");
-}
-TEST(Sized, KnowsConstantMetricsThatAreNotDiagonal) {
-  Request few = typed_as(runs::defaults("henon_heiles", "leapfrog"), mechanics_of(full_mass()));
-  Request many = typed_as(runs::defaults("henon_heiles", "leapfrog"), sized_of(full_mass()));
-  for (Request* request : {&few, &many}) {
-    begin_at(*request, std::array{0.1, 0.2, 0.3, -0.1});
-    runs::only_final(*request);
-    request->end = 10;
-  }
-  EXPECT_EQ(shown(few, runs::go(few).outcome.final), shown(many, runs::go(many).outcome.final));
-}
 
 /// n masses between springs and two walls: q_j = sin(jkπ/(n + 1)) cos ωt, ω = 2 sin(kπ/2(n + 1)); damped by αs with
 /// ω² − α²/4 and e^{−αt/2}.
@@ -208,6 +97,17 @@ TEST(Sized, DampedChainsKeepTheirLawOfDecay) {
   const auto reports = runs::go(request).outcome.diagnostics;
   EXPECT_LT(runs::number(reports, "decay/max_residual"), 1e-4);
   EXPECT_LT(chain.error(chain.request("taylor", 20)), 1e-11);
+}
+
+TEST(Sized, TheirStructureIsMeasuredUpToSoManyCoordinates) {
+  const auto defect = [](int n) {
+    Request request = Chain{n}.request("leapfrog", 0.02);
+    runs::set(request, "step", 0.01);
+    runs::ask(request, "structure");
+    return runs::number(runs::go(request).outcome.diagnostics, "structure/max_defect");
+  };
+  EXPECT_LT(defect(128), 1e-14);
+  EXPECT_TRUE(std::isnan(defect(129))) << "whose matrix takes its cube";
 }
 
 /// Seven stars in the plane: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.10.

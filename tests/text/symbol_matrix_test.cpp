@@ -37,7 +37,8 @@ Square two_blocks(std::size_t n) {
   Square made(n, std::vector<double>(n, 0));
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j <= i; ++j)
-      if (i == j || i == j + 2 || (i % 2 == j % 2 && random() % 2 == 0)) made[i][j] = made[j][i] = i == j ? double(n) : 0.5;
+      if (i == j || i == j + 2 || (i % 2 == j % 2 && random() % 2 == 0))
+        made[i][j] = made[j][i] = i == j ? double(n) : 0.5;
   return made;
 }
 

@@ -102,6 +102,7 @@ pageTest("studies are German, while they go on and at their end", { ...calm, has
   }
   assert.match(await page.textContent("#section-status"), /^[\d\u202f]+ Punkte von 40 Läufen mit Leapfrog\./);
   assert.match(await pane(page, "A").locator("figcaption .title").textContent(), /h = 0,05$/);
+  await page.selectOption("#budget", "60"); // it is not over before it is stopped
   await page.click("#measure-precision");
   await page.click("#measure-precision");
   assert.equal(await page.textContent("#precision-status"), "Angehalten.");

@@ -121,6 +121,7 @@ const forAll = { hash: "#problem=custom&problem.variables=q&problem.parameters=k
 pageTest("auto and the studies take it", forAll, async (page) => {
   assert.match(await pane(page, "B").locator(".messages .choice").textContent(), /force/);
   const scene = { id: "custom", variables: ["q"], potential: "k*q^2/2", parameters: { k: 1 }, k: 2 };
+  await page.selectOption("#budget", "60"); // it is not over before it is stopped
   for (const [path, button] of [["work-precision", "#measure-precision"], ["stability", "#measure-stability"]]) {
     const [study] = await Promise.all([page.waitForRequest(`**/v1/${path}`), page.click(button)]);
     assert.deepEqual(study.postDataJSON().problem, scene);

@@ -19,7 +19,7 @@ struct ClassOfScene {
   TextClass::Formulas formulas;
 };
 
-class SizedBackend : public RunBackend {
+class SizedBackend final : public RunBackend {
  public:
   /// `all`: states of the run carry what can be asked for beyond what moves, as s where the motion does not read it.
   explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true, ClassOfScene by_class = {})
@@ -49,10 +49,8 @@ class SizedBackend : public RunBackend {
   bool has_closed_form(StateView) const override { return false; }
   double energy_after(StateView x, double t) const override;
 
- protected:
-  const text::SizedScene& scene() const { return table_.scene(); }
-
  private:
+  const text::SizedScene& scene() const { return table_.scene(); }
   bool is_of_class(std::size_t scheme) const { return by_class_.formulas && by_class_.schemes->has(scheme); }
 
   ClassOfScene by_class_;

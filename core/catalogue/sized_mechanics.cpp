@@ -5,7 +5,6 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "core/catalogue/compiled.hpp"
-#include "core/catalogue/custom.hpp"
 #include "core/catalogue/sized_backend.hpp"
 #include "core/memory_budget.hpp"
 #include "core/reference/growth.hpp"

@@ -8,9 +8,6 @@
 #include <string>
 #include <variant>
 
-#include "core/catalogue/sized_mechanics.hpp"
-#include "core/text/sized_scene.hpp"
-
 namespace sized {
 namespace {
 

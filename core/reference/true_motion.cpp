@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <future>
-#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -147,8 +146,8 @@ void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
 /// False: keep_going() has said so.
 LEAST_FUSED bool TrueMotion::expand(const std::function<bool()>& keep_going) {
   const bool looks = made_.size() > long_equations;
+  if (!begun_) begin_at(x_, false);
   for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x_[v];
-  for (Index i = 0; i < tape_.size() && !begun_; ++i) begin(i);
   begun_ = true;
   if (time_ != tape::none) row(time_)[1] = unit_;
   for (std::size_t k = 0; k < order_; ++k) {
@@ -207,10 +206,15 @@ double TrueMotion::length(std::size_t used) const {
 /// The series at the state, in a unit that suits it. False where there is none, or keep_going() says so.
 bool TrueMotion::settle(const std::function<bool()>& keep_going) {
   constexpr int most_tries = 60;
+  bool bounded = steep_.empty();
   for (int i = 0; i < most_tries; ++i) {
     length_ = 0;
     if (!keep_going() || !expand(keep_going)) return false;
     const std::size_t used = finite_orders();
+    if (used < order_ && !bounded) {
+      begin_at(x_, bounded = true);
+      continue;
+    }
     if (used == 0) {  // the first rates are too large for the unit, or no numbers
       if (!std::isfinite(largest(1)) && unit_ < 1e-250) break;
       unit_ *= 0x1p-10;
@@ -248,19 +252,15 @@ LEAST_FUSED bool TrueMotion::solves(double h) {
     slopes_.push_back(slope);
     ahead_.push_back(value);
   }
-  const auto stand = [&](const std::vector<DoubleDouble>& x) {
-    for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x[v];
-  };
-  stand(ahead_);
   t_ = t_ + DoubleDouble(h * unit_);
-  for (Index i = 0; i < tape_.size(); ++i) begin(i);
+  begin_at(ahead_, false);
   const double scale = std::max(least_size_, largest(0));
   bool good = true;
   for (std::size_t v = 0; v < variables_.size() && good; ++v) {
     const DoubleDouble rate = scaled(unit_, row(rates_[v])[0]);
     good = std::abs((rate - slopes_[v]).high()) * h <= slack * tolerance_ * std::max(scale, std::abs(rate.high()) * h);
   }
-  stand(x_);
+  for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x_[v];
   t_ = t;
   return good;
 }

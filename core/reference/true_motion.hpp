@@ -41,6 +41,9 @@ class TrueMotion {
   DoubleDouble* row(tape::Index i) { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
   const DoubleDouble* row(tape::Index i) const { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
   void begin(tape::Index i);
+  void begin_all(double bound);
+  bool finite_rates() const;
+  void begin_at(const std::vector<DoubleDouble>& x, bool bounded);
   const DoubleDouble* divisor_of(tape::Index i) const;
   void extend(tape::Index i, std::size_t k);
   bool expand(const std::function<bool()>& keep_going);
@@ -66,6 +69,7 @@ class TrueMotion {
   Held held_{};  ///< for the rows
   std::vector<DoubleDouble> inverses_, reciprocals_, rows_, x_, asked_;
   std::vector<DoubleDouble> ahead_, slopes_;  ///< at the end of the step, and as its polynomials have it
+  double bound_ = 0;                          ///< of steep functions where their order 0 is made
   bool begun_ = false;                        ///< order 0 of all nodes is that at x_, or at `ahead_`
   DoubleDouble t_{};                          ///< where the series stands
   double unit_ = 1, length_ = 0;              ///< of time; of the step from there, in units; 0: there is no series yet

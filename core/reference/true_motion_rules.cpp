@@ -1,4 +1,9 @@
 // What operations make of series, order by order.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
 #include "core/reference/true_motion.hpp"
 #include "core/tape/wide.hpp"
 
@@ -47,11 +52,14 @@ void TrueMotion::begin(Index i) {
       break;
     default:
       out[0] = elementary(node.op, a[0]);
+      if (!(std::abs(out[0].high()) <= bound_) && tape::steepness(node.op))
+        out[0] = std::copysign(bound_, out[0].high());
   }
   if (node.op == Op::tan) row(helper)[0] = DoubleDouble(1) + out[0] * out[0];
-  if (node.op == Op::tanh) {  // 1 − tanh² would lose all its digits
-    const DoubleDouble slope = DoubleDouble(1) / elementary(Op::cosh, a[0]);
-    row(helper)[0] = slope * slope;
+  if (node.op == Op::tanh) {  // 1 − tanh² would lose all its digits, and cosh may overflow
+    const DoubleDouble decay = elementary(Op::exp, a[0].high() > 0 ? -a[0] : a[0]);
+    const DoubleDouble sech = 2.0 * decay / (DoubleDouble(1) + decay * decay);
+    row(helper)[0] = sech * sech;
   }
   if (node.op == Op::atan) row(helper)[0] = DoubleDouble(1) + a[0] * a[0];
   if (node.op == Op::asin || node.op == Op::acos) {
@@ -59,6 +67,34 @@ void TrueMotion::begin(Index i) {
     row(helper)[0] = elementary(Op::sqrt, row(helper + 1)[0]);
   }
   if (const DoubleDouble* const below = divisor_of(i)) reciprocals_[place_of(i)] = DoubleDouble(1) / *below;
+}
+
+/// Order 0 of all nodes; steep functions are held below the bound.
+LEAST_FUSED void TrueMotion::begin_all(double bound) {
+  bound_ = bound;
+  for (Index i = 0; i < tape_.size(); ++i) begin(i);
+}
+
+bool TrueMotion::finite_rates() const {
+  return std::ranges::all_of(rates_, [this](Index rate) { return std::isfinite(row(rate)[0].high()); });
+}
+
+/// Order 0 of all nodes at x. A steep function that overflows may stand in a divisor, as cosh² in v/cosh² u: where
+/// rates are no numbers, or on demand, it is held at a bound, if a higher bound gives the same rates.
+void TrueMotion::begin_at(const std::vector<DoubleDouble>& x, bool bounded) {
+  constexpr double bound = 1e50, higher = 1e60, same = 1e-30;
+  for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x[v];
+  begin_all(std::numeric_limits<double>::infinity());
+  if (steep_.empty() || !(bounded || !finite_rates())) return;
+  begin_all(higher);
+  std::vector<DoubleDouble> rates;
+  for (const Index rate : rates_) rates.push_back(row(rate)[0]);
+  begin_all(bound);
+  for (std::size_t v = 0; v < rates.size(); ++v) {
+    const DoubleDouble rate = row(rates_[v])[0];
+    if (!(std::abs((rate - rates[v]).high()) <= same * (1 + std::abs(rate.high()))))
+      return begin_all(std::numeric_limits<double>::infinity());
+  }
 }
 
 /// What every order of the node is divided by; none.

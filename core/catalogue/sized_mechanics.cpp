@@ -59,7 +59,7 @@ class SizedMechanics final : public Mechanics {
     std::vector<double> parameters;
     for (const auto& parameter : text_.definition.parameters) parameters.push_back(parameter.second);
     const Held held = HeldByThread::take(bytes_of(text_.form->tape.size()));
-    const auto sized = scene_of(parameters);
+    const auto sized = text_.sized(parameters);
     traits_ = traits_of(*sized);
     std::vector<std::size_t> schemes = schemes_of(*sized);
     if (class_) schemes.insert(schemes.end(), class_->schemes.begin(), class_->schemes.end());
@@ -101,7 +101,7 @@ class SizedMechanics final : public Mechanics {
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
     // States on their way: those that are kept along a run, and the rows that its diagnostics see together.
     const std::size_t states = request.diagnostics.empty() ? 256 : 1024;
-    const auto sized = scene_of(request.scene->parameters);
+    const auto sized = text_.sized(request.scene->parameters);
     const Held held =
         HeldByThread::take(states * card_.variables.size() * sizeof(double) + bytes_of(sized->equations.size()));
     Solution solution = least::run(*backend(request), request, columns_, sink, cancelled);
@@ -110,13 +110,13 @@ class SizedMechanics final : public Mechanics {
     return solution;
   }
   std::unique_ptr<const RunBackend> backend(const Request& request) const override {
-    auto sized = scene_of(request.scene->parameters);
+    auto sized = text_.sized(request.scene->parameters);
     const bool all = sized->forced || asks_for_full_state(card_, request);
     return std::make_unique<const SizedBackend>(std::move(sized), all, class_for(request));
   }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {
-    const auto sized = scene_of(scene.parameters);
+    const auto sized = text_.sized(scene.parameters);
     Scales scales =
         scales_of_motion(sized->series(false), scene.initial.data(), scene.start, sized->moving, traits_.dof);
     if (!std::isfinite(scales.time)) scales.time = 0;
@@ -124,7 +124,7 @@ class SizedMechanics final : public Mechanics {
     return scales;
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
-    const auto sized = scene_of(scene.parameters);
+    const auto sized = text_.sized(scene.parameters);
     const SizedBackend backend(sized);
     Truth truth =
         truth_by_series(backend, backend.motion().start(scene.initial, scene.start), times, keep_going, kinds_);
@@ -133,29 +133,16 @@ class SizedMechanics final : public Mechanics {
     return other.states.empty() ? truth : other;
   }
   Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const override {
-    const SizedBackend backend(scene_of(scene.parameters));
+    const SizedBackend backend(text_.sized(scene.parameters));
     return conditioning_of(backend, backend.motion().start(scene.initial, scene.start), end, keep_going, kinds_);
   }
   std::vector<PaceMark> pace(const Scene& scene, double end, const KeepGoing& keep_going) const override {
-    const SizedBackend backend(scene_of(scene.parameters));
+    const SizedBackend backend(text_.sized(scene.parameters));
     return pace_of(backend, backend.motion().start(scene.initial, scene.start), end, keep_going);
   }
   double blow_up_time(const Scene&, double, double, const KeepGoing&) const override { return unknown; }
 
  private:
-  /// With these parameters. The last one that was asked for is kept: a search asks for the same again and again.
-  std::shared_ptr<const text::SizedScene> scene_of(std::span<const double> parameters) const {
-    std::vector<double> values(parameters.begin(), parameters.end());
-    {
-      const std::lock_guard lock(mutex_);
-      if (last_.second && last_.first == values) return last_.second;
-    }
-    auto made = std::make_shared<const text::SizedScene>(*text_.form, parameters);
-    const std::lock_guard lock(mutex_);
-    last_ = {std::move(values), made};
-    return made;
-  }
-
   /// Its formulas with the parameters of a request, where that asks for a scheme of the class. The last ones are kept.
   ClassOfScene class_for(const Request& request) const {
     if (!class_ || !class_->has(request.scheme)) return {};
@@ -174,7 +161,6 @@ class SizedMechanics final : public Mechanics {
   std::vector<std::size_t> kinds_;  ///< of the variables
   std::vector<Column> columns_;
   mutable std::mutex mutex_;
-  mutable std::pair<std::vector<double>, std::shared_ptr<const text::SizedScene>> last_;
   mutable std::pair<std::vector<double>, TextClass::Formulas> last_formulas_;
 };
 

@@ -47,7 +47,11 @@ std::variant<TextScene, std::vector<DefinitionFault>> TextScene::read(Definition
 
 TextScene TextScene::of(Definition definition, std::shared_ptr<const Form> form) {
   const int capacity = capacity_of(*form);
-  return {std::move(definition), std::move(form), capacity};
+  return {std::move(definition), std::move(form), capacity, {}, {}, std::make_shared<SizedScenes>()};
+}
+
+std::shared_ptr<const SizedScene> TextScene::sized(std::span<const double> parameters) const {
+  return made->with(*form, parameters);
 }
 
 ProblemCard TextScene::described() const {
@@ -177,7 +181,7 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
     return Objection{typed ? "/action_curvature" : whole, "is no finite number"};
   if (!form->has_class()) {
     try {
-      const SizedScene scene(*form, parameters);
+      sized(parameters);
     } catch (const tape::TooManyOperations&) {
       return too_many();
     }
@@ -230,7 +234,8 @@ std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<cons
 
 std::optional<TextScene::Objection> TextScene::objection_to_large_start(std::span<const double> parameters, double t,
                                                                         const std::vector<double>& state) const {
-  const SizedScene scene(*form, parameters);
+  const std::shared_ptr<const SizedScene> made_scene = sized(parameters);
+  const SizedScene& scene = *made_scene;
   const char* whole = definition.kind == Definition::Kind::lagrangian    ? "/lagrangian"
                       : definition.kind == Definition::Kind::hamiltonian ? "/hamiltonian"
                                                                          : "/potential";

@@ -14,6 +14,9 @@ struct Scene;
 
 namespace least::text {
 
+class SizedScene;
+class SizedScenes;
+
 struct TextScene {
   Definition definition;
   std::shared_ptr<const Form> form;
@@ -22,6 +25,7 @@ struct TextScene {
   /// is a problem of the catalogue.
   std::shared_ptr<const Scene> forward{};
   std::optional<ProblemCard> known{};
+  std::shared_ptr<SizedScenes> made{};  ///< of the form, with parameters
 
   static std::variant<TextScene, std::vector<DefinitionFault>> read(Definition definition);
   static TextScene of(Definition definition, std::shared_ptr<const Form> form);
@@ -38,6 +42,8 @@ struct TextScene {
   bool turns(std::size_t i) const {
     return forward && form->kind != FormKind::flow && i >= static_cast<std::size_t>(capacity);
   }
+  /// With these parameters, of a form of which there is one (SizedScene::has). Throws tape::TooManyOperations.
+  std::shared_ptr<const SizedScene> sized(std::span<const double> parameters) const;
   bool takes_velocities() const { return !form->momenta.empty(); }
   /// Why no run can begin with these parameters: a mass that is not positive, a number that is not finite. Empty:
   /// nothing. `pointer`: which of the texts says so.

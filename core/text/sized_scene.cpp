@@ -1,6 +1,7 @@
 #include "core/text/sized_scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -242,6 +243,18 @@ const tape::Program& SizedScene::series(bool all) const {
     known.of.emplace(equations, std::span(rates).first(count), count);
   });
   return *known.of;
+}
+
+std::shared_ptr<const SizedScene> SizedScenes::with(const Form& form, std::span<const double> parameters) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto same = [](double a, double b) { return a == b && std::signbit(a) == std::signbit(b); };
+    if (last_ && std::ranges::equal(parameters_, parameters, same)) return last_;
+  }
+  auto made = std::make_shared<const SizedScene>(form, parameters);
+  const std::lock_guard lock(mutex_);
+  parameters_.assign(parameters.begin(), parameters.end());
+  return last_ = std::move(made);
 }
 
 }  // namespace least::text

@@ -21,7 +21,7 @@ namespace least::text {
 class SizedScene {
  public:
   /// Operations of its equations of motion, with their common parts written once.
-  static constexpr tape::Index most_equations = 1 << 17;
+  static constexpr tape::Index most_equations = 1 << 18;
 
   /// Coordinates up to which equations for momenta are solved where forces read those of other coordinates.
   static constexpr std::size_t most_coupled = 64;
@@ -124,6 +124,19 @@ class SizedScene {
   };
   std::shared_ptr<SeriesProgram> series_ = std::make_shared<SeriesProgram>(),
                                  motion_series_ = std::make_shared<SeriesProgram>();
+};
+
+/// Scenes made of one form. The last one is kept: who reads a scene asks for it several times, and a search again and
+/// again.
+class SizedScenes {
+ public:
+  /// Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.
+  std::shared_ptr<const SizedScene> with(const Form& form, std::span<const double> parameters);
+
+ private:
+  std::mutex mutex_;
+  std::vector<double> parameters_;
+  std::shared_ptr<const SizedScene> last_;
 };
 
 }  // namespace least::text

@@ -1,10 +1,13 @@
 // How the steps of a formula become batches.
 #include <algorithm>
-#include <functional>
+#include <array>
 #include <map>
 #include <numeric>
+#include <optional>
+#include <tuple>
 
 #include "core/tape/batches.hpp"
+#include "core/tape/long_sums.hpp"
 
 namespace least::tape {
 
@@ -15,8 +18,8 @@ constexpr std::size_t few_alike = 5;    // in a batch, on average
 // Scenes of few coordinates have many formulas, and every request has its own: what batches hold of them, ten bytes an
 // operation, is dearer than the time that they save.
 constexpr std::ptrdiff_t few_variables = 17;
-constexpr std::size_t few_terms = 8;    // of a sum that is a step of its own
 constexpr std::size_t few_values = 64;  // of a part of a batch
+constexpr std::size_t few_in_run = 4;   // values, on average: below, each is read from its own place
 
 bool has_number(Code code) {
   switch (code) {
@@ -31,7 +34,6 @@ bool has_number(Code code) {
       return false;
   }
 }
-bool adds(Code code) { return code == Code::add || code == Code::subtract; }
 
 }  // namespace
 
@@ -40,8 +42,7 @@ bool adds(Code code) { return code == Code::add || code == Code::subtract; }
 class Batches::Scheduler {
  public:
   Scheduler(std::span<const Operation> steps, std::span<const Index> ends)
-      : steps_(steps), ends_(ends), sum_of_(steps.size(), none), absorbed_(steps.size()), at_(steps.size()) {
-    find_sums();
+      : steps_(steps), ends_(ends), long_(steps, ends), at_(steps.size()) {
     group();
   }
 
@@ -77,57 +78,18 @@ class Batches::Scheduler {
   }
 
  private:
-  struct Sum {
-    Index head = none;
-    std::vector<Index> terms;
-    std::vector<double> signs;
-  };
   using Part = Index Operation::*;
   static constexpr Part parts[] = {&Operation::a, &Operation::b, &Operation::c};
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
   template <class F>
   void for_each_part(Index i, F&& f) const {
-    if (sum_of_[at(i)] != none) {
-      const Sum& sum = sums_[at(sum_of_[at(i)])];
-      f(sum.head);
-      for (const Index term : sum.terms) f(term);
+    if (const LongSums::Sum* const sum = long_.at(i)) {
+      f(sum->head);
+      for (const Index term : sum->terms) f(term);
       return;
     }
-    const Operation& step = steps_[at(i)];
-    if (step.code == Code::variable) return;
-    for (const Part part : parts)
-      if (step.*part != none) f(step.*part);
-  }
-
-  /// Sums and differences of which each but the last is read by the next alone: the terms are added to where they begin
-  /// in the order in which they stand.
-  void find_sums() {
-    std::vector<int> readers(steps_.size(), 0);
-    for (std::size_t i = 0; i < steps_.size(); ++i)
-      for_each_part(static_cast<Index>(i), [&](Index part) { ++readers[at(part)]; });
-    for (const Index end : ends_) readers[at(end)] += 2;
-    for (std::size_t i = steps_.size(); i-- > 0;) {
-      if (!adds(steps_[i].code) || absorbed_[i]) continue;
-      const auto is_link = [&](Index part) { return adds(steps_[at(part)].code) && readers[at(part)] == 1; };
-      Sum sum;
-      std::vector<Index> links;
-      for (auto link = static_cast<Index>(i); link != none;) {
-        const Operation& step = steps_[at(link)];
-        const bool other_way = step.code == Code::add && !is_link(step.a) && is_link(step.b);
-        sum.head = other_way ? step.b : step.a;
-        sum.terms.push_back(other_way ? step.a : step.b);
-        sum.signs.push_back(step.code == Code::add ? 1 : -1);
-        links.push_back(link);
-        link = is_link(sum.head) ? sum.head : none;
-      }
-      if (sum.terms.size() < few_terms) continue;
-      std::ranges::reverse(sum.terms);
-      std::ranges::reverse(sum.signs);
-      for (const Index link : links) absorbed_[at(link)] = link != static_cast<Index>(i);
-      sum_of_[i] = static_cast<Index>(sums_.size());
-      sums_.push_back(std::move(sum));
-    }
+    for_each_operand(steps_[at(i)], f);
   }
 
   void group() {
@@ -135,10 +97,10 @@ class Batches::Scheduler {
     constexpr int of_sums = -1;
     std::map<std::pair<int, int>, std::size_t> known;
     const auto key = [&](std::size_t i) {
-      return std::pair(depth[i], sum_of_[i] != none ? of_sums : static_cast<int>(steps_[i].code));
+      return std::pair(depth[i], long_.at(static_cast<Index>(i)) ? of_sums : static_cast<int>(steps_[i].code));
     };
     for (std::size_t i = 0; i < steps_.size(); ++i) {
-      if (absorbed_[i]) continue;
+      if (long_.absorbs(static_cast<Index>(i))) continue;
       for_each_part(static_cast<Index>(i), [&](Index part) { depth[i] = std::max(depth[i], depth[at(part)] + 1); });
       ++known[key(i)];
     }
@@ -147,7 +109,7 @@ class Batches::Scheduler {
     groups_.resize(count);
     group_of_.resize(steps_.size());
     for (std::size_t i = 0; i < steps_.size(); ++i) {
-      if (absorbed_[i]) continue;
+      if (long_.absorbs(static_cast<Index>(i))) continue;
       group_of_[i] = known[key(i)];
       groups_[group_of_[i]].push_back(static_cast<Index>(i));
     }
@@ -155,14 +117,14 @@ class Batches::Scheduler {
 
   std::size_t size_of(std::size_t g) const { return groups_[g].size(); }
   Code code_of(std::size_t g) const { return steps_[at(groups_[g][0])].code; }
-  bool is_sums(std::size_t g) const { return sum_of_[at(groups_[g][0])] != none; }
+  bool is_sums(std::size_t g) const { return long_.at(groups_[g][0]) != nullptr; }
 
   /// Which batch reads each last, and which have their last reader where.
   void find_last_readers() {
     last_.resize(groups_.size());
     std::iota(last_.begin(), last_.end(), 0);
     for (std::size_t i = 0; i < steps_.size(); ++i)
-      if (!absorbed_[i])
+      if (!long_.absorbs(static_cast<Index>(i)))
         for_each_part(static_cast<Index>(i), [&](Index part) {
           std::size_t& reader = last_[group_of_[at(part)]];
           reader = std::max(reader, group_of_[i]);
@@ -195,10 +157,15 @@ class Batches::Scheduler {
   }
 
   /// The order in which most operands stand one after the other: as written, or by the place of one operand. Of sums
-  /// the longest first, so that those beside each other are of a length.
+  /// the longest first, so that those beside each other are of a length; then by the place of the last term, so that
+  /// terms of those beside each other stand one after the other.
   void order(std::vector<Index>& group) const {
-    if (sum_of_[at(group[0])] != none) {
-      std::ranges::stable_sort(group, std::greater{}, [&](Index i) { return sums_[at(sum_of_[at(i)])].terms.size(); });
+    if (long_.at(group[0])) {
+      std::ranges::stable_sort(group, {}, [&](Index i) {
+        const std::vector<Index>& terms = long_.at(i)->terms;
+        const Index last = terms.back();
+        return std::tuple(-static_cast<std::ptrdiff_t>(terms.size()), group_of_[at(last)], at_[at(last)]);
+      });
       return;
     }
     std::vector<Index> best = group;
@@ -300,9 +267,36 @@ class Batches::Scheduler {
         return {Operand::Kind::in_tile, tiles_of_[g][at_[at(from)] / some.size()]};
       if (in_order(some, part)) return {Operand::Kind::in_order, place_of(from)};
     }
+    if (!of_scene)
+      if (const auto runs = in_runs(made, some, part)) return *runs;
     const Operand where{Operand::Kind::scattered, static_cast<std::uint32_t>(made.places_.size())};
     for (const Index i : some)
       made.places_.push_back(of_scene ? static_cast<Place>(steps_[at(i)].*part) : place_of(steps_[at(i)].*part));
+    return where;
+  }
+
+  /// The operand in runs, of which each tile begins one; nothing where these are short.
+  std::optional<Operand> in_runs(Batches& made, std::span<const Index> some, Part part) const {
+    std::vector<Run> runs;
+    std::vector<Place> first_of_tile;
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      const Place place = place_of(steps_[at(some[k])].*part);
+      if (k % tile == 0) {
+        first_of_tile.push_back(static_cast<Place>(made.runs_.size() + runs.size()));
+      } else {
+        Run& run = runs.back();
+        if (run.length == 1) run.moves = place != run.from;
+        if (place == run.from + (run.moves ? run.length : 0)) {
+          ++run.length;
+          continue;
+        }
+      }
+      runs.push_back({place, 1, false});
+    }
+    if (runs.size() * few_in_run > some.size()) return std::nullopt;
+    const Operand where{Operand::Kind::in_runs, static_cast<std::uint32_t>(made.places_.size())};
+    made.places_.insert(made.places_.end(), first_of_tile.begin(), first_of_tile.end());
+    made.runs_.insert(made.runs_.end(), runs.begin(), runs.end());
     return where;
   }
 
@@ -312,18 +306,26 @@ class Batches::Scheduler {
     place_[g] = take(blocks * static_cast<Place>(abreast));
     made.stages_.push_back({true, static_cast<std::uint32_t>(made.sums_.size()), blocks, 0});
     for (std::size_t begin = 0; begin < group.size(); begin += abreast) {
-      const auto sum = [&](std::size_t o) {
-        return begin + o < group.size() ? &sums_[at(sum_of_[at(group[begin + o])])] : nullptr;
-      };
-      Sums block{place_[g] + static_cast<Place>(begin), static_cast<std::uint32_t>(sum(0)->terms.size()),
-                 static_cast<std::uint32_t>(made.places_.size()), static_cast<std::uint32_t>(made.signs_.size())};
+      const auto sum = [&](std::size_t o) { return begin + o < group.size() ? long_.at(group[begin + o]) : nullptr; };
+      Sums block{.out = place_[g] + static_cast<Place>(begin),
+                 .first_span = static_cast<std::uint32_t>(made.spans_.size()),
+                 .at = static_cast<std::uint32_t>(made.places_.size()),
+                 .sign = static_cast<std::uint32_t>(made.signs_.size())};
       for (std::size_t o = 0; o < abreast; ++o) made.places_.push_back(sum(o) ? place_of(sum(o)->head) : zero);
-      for (std::size_t k = 0; k < block.length; ++k)
+      for (std::size_t k = 0; k < sum(0)->terms.size(); ++k) {
+        std::array<Place, abreast> terms;  // NOLINT: written before it is read
         for (std::size_t o = 0; o < abreast; ++o) {
           const bool there = sum(o) && k < sum(o)->terms.size();
-          made.places_.push_back(there ? place_of(sum(o)->terms[k]) : zero);
+          terms[o] = there ? place_of(sum(o)->terms[k]) : zero;
           made.signs_.push_back(there ? sum(o)->signs[k] : -1);
         }
+        const bool in_order =
+            std::ranges::adjacent_find(terms, [](Place one, Place next) { return next != one + 1; }) == terms.end();
+        if (k == 0 || made.spans_.back().in_order != in_order) made.spans_.push_back({0, in_order});
+        ++made.spans_.back().terms;
+        made.places_.insert(made.places_.end(), terms.begin(), in_order ? terms.begin() + 1 : terms.end());
+      }
+      block.spans = static_cast<std::uint32_t>(made.spans_.size()) - block.first_span;
       made.sums_.push_back(block);
     }
   }
@@ -363,9 +365,7 @@ class Batches::Scheduler {
   static constexpr std::size_t never = static_cast<std::size_t>(-1);
   std::span<const Operation> steps_;
   std::span<const Index> ends_;
-  std::vector<Sum> sums_;
-  std::vector<Index> sum_of_;               ///< of each step
-  std::vector<bool> absorbed_;              ///< by a sum
+  LongSums long_;
   std::vector<std::vector<Index>> groups_;  ///< steps, in the order of evaluation
   std::vector<std::size_t> group_of_, at_;  ///< of each step, and where it stands in it
   std::vector<std::size_t> last_;           ///< of each group

@@ -53,7 +53,7 @@ void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, con
         break;
       case Op::multiply:
         if (node.a == node.b) {
-          add(node.a, down * (Symbol(2) * part(node.a)));
+          add(node.a, down * Symbol(2) * part(node.a));  // twice `down` is one number for all squares of a sum
         } else {
           add(node.a, down * part(node.b));
           add(node.b, down * part(node.a));

@@ -34,6 +34,8 @@ class Expander {
   const Expansion::Wrong& wrong() const { return wrong_; }
 
  private:
+  static constexpr std::size_t most_terms = 150'000;
+
   bool refuse(std::size_t position, std::string detail, std::string allowed = {}) {
     return refuse(Fault{position, std::move(detail), std::move(allowed), {}});
   }
@@ -181,7 +183,7 @@ class Expander {
     indices.emplace_back(letter, 0);
     for (std::int64_t i = *first; i <= *last; ++i) {
       indices.back().second = i;
-      if (++steps_ > most_written) return too_long(position);
+      if (++terms_ > most_terms) return too_long(position);
       if (more) {
         if (!terms(text, position, end + 1, to, adds, indices, any)) return false;
         continue;
@@ -229,7 +231,8 @@ class Expander {
   Expansion::Wrong wrong_;
   std::optional<std::size_t> definition_{};  ///< whose text is at hand
   std::size_t known_ = std::string::npos;    ///< so many definitions are
-  std::size_t depth_ = 0, steps_ = 0;
+  std::size_t depth_ = 0;
+  std::size_t terms_ = 0;  ///< of sums that were looked at, also where a condition left nothing of them
 };
 
 std::variant<Expansion, Expansion::Wrong> Expansion::of(std::string_view text, const Vocabulary& vocabulary,

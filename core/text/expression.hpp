@@ -31,7 +31,7 @@ struct Fault {
 /// At most so many characters of a text, operations of a scene, and brackets within brackets.
 inline constexpr std::size_t most_characters = 10'000, most_operations = 4'000, most_nesting = 100;
 /// And of one whose sums were written out: characters, and operations.
-inline constexpr std::size_t most_written = 300'000, most_summed = 20'000;
+inline constexpr std::size_t most_written = 1'000'000, most_summed = 100'000;
 
 /// The functions that a text can call.
 std::span<const std::string_view> function_names();

@@ -116,11 +116,18 @@ class SizedMechanics final : public Mechanics {
   }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {
+    std::string key = scene.key();
+    {
+      const std::lock_guard lock(mutex_);
+      if (last_scales_.first == key) return last_scales_.second;
+    }
     const auto sized = text_.sized(scene.parameters);
     Scales scales =
         scales_of_motion(sized->series(false), scene.initial.data(), scene.start, sized->moving, traits_.dof);
     if (!std::isfinite(scales.time)) scales.time = 0;
     scales.damped = traits_.linear_contact;
+    const std::lock_guard lock(mutex_);
+    last_scales_ = {std::move(key), scales};
     return scales;
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
@@ -162,6 +169,7 @@ class SizedMechanics final : public Mechanics {
   std::vector<Column> columns_;
   mutable std::mutex mutex_;
   mutable std::pair<std::vector<double>, TextClass::Formulas> last_formulas_;
+  mutable std::pair<std::string, Scales> last_scales_;  ///< by the key of the scene; a search asks again and again
 };
 
 }  // namespace

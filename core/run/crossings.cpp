@@ -33,7 +33,7 @@ void look_within(const Integrator& integrator, const IntegrationState& state, do
 
 std::vector<std::pair<Zero, RunState>> watched_zeros(const ProblemTable& problem, const Integrator& integrator,
                                                      const IntegrationState& state, Watch& watch, const RunState& from,
-                                                     const RunState& to) {
+                                                     const RunState& to, const KeepGoing& keep_going) {
   if (watch.empty()) return {};
   const Measures& measures = watch.measures();
   const auto at = [&](double t, RunState& x) {
@@ -42,7 +42,7 @@ std::vector<std::pair<Zero, RunState>> watched_zeros(const ProblemTable& problem
   };
   const auto observe_at = [&](double t, double* observed) {
     RunState x;
-    if (!at(t, x)) return false;
+    if (!keep_going() || !at(t, x)) return false;
     std::ranges::copy(observe(problem, x, measures), observed);
     return true;
   };

@@ -17,10 +17,11 @@ void locate_sections(const ProblemTable& problem, const Integrator& integrator, 
 void look_within(const Integrator& integrator, const IntegrationState& state, double until, DiagnosticSet& diagnostics);
 
 /// The zeros of what the caller watches, with the states there, between two states of the last step or of the next one:
-/// in their order, up to the first that ends the run.
+/// in their order, up to the first that ends the run. Of a large scene one state within a step may take milliseconds,
+/// and a search asks for hundreds: once it is not to go on, it finds no more.
 std::vector<std::pair<Zero, RunState>> watched_zeros(const ProblemTable& problem, const Integrator& integrator,
                                                      const IntegrationState& state, Watch& watch, const RunState& from,
-                                                     const RunState& to);
+                                                     const RunState& to, const KeepGoing& keep_going);
 
 /// What the caller watches and the run reaches from above exactly where it ends: see Watch::reached.
 std::vector<std::size_t> reached_at_end(const ProblemTable& problem, const Integrator& integrator,

@@ -106,8 +106,8 @@ class Run {
   }
   void warn(std::string_view code, Message detail) { outcome_.warnings.push_back({code, std::move(detail)}); }
   bool keep_going() { return budget_.look() == ReturnCode::completed; }
-  bool within_budget(std::int64_t steps) {
-    const ReturnCode reason = budget_.passed(steps);
+  bool within_budget(std::int64_t steps) { return goes_on(budget_.passed(steps)); }
+  bool goes_on(ReturnCode reason) {
     if (reason == ReturnCode::deadline) return stop(reason, messages::deadline(request_.limits.seconds));
     return reason == ReturnCode::completed || stop(reason, "the run was cancelled");
   }
@@ -129,7 +129,11 @@ class Run {
   /// in the same instant as one that acts follows after that.
   void locate_watched(const RunState& from, const RunState& to) {
     bool acts = false;
-    for (const auto& [zero, x] : watched_zeros(problem_, *integrator_, state_, watch_, from, to)) {
+    const auto keep_going = [this] {
+      if (cut_short_ == ReturnCode::completed) cut_short_ = budget_.look();
+      return cut_short_ == ReturnCode::completed;
+    };
+    for (const auto& [zero, x] : watched_zeros(problem_, *integrator_, state_, watch_, from, to, keep_going)) {
       if (acts) {
         ended_->also.push_back(zero.which);
         continue;
@@ -140,6 +144,13 @@ class Run {
       end_ = x.t;
       acts = request_.events[zero.which].act != nullptr;
     }
+  }
+  /// Whether the last step was searched to its end. Else it is taken back, for what happened in it is not known, and
+  /// the run ends.
+  bool searched() {
+    if (cut_short_ == ReturnCode::completed) return true;
+    if (!fixed_) step_back();
+    return goes_on(cut_short_);
   }
   void add_event(const Zero& zero, const RunState& x) {
     if (request_.is_plane(zero.which)) return pass(x);
@@ -277,6 +288,7 @@ class Run {
     std::vector<std::size_t> also;  ///< and what else does in the instant in which it acts
   };
   std::optional<EndAtEvent> ended_;
+  ReturnCode cut_short_ = ReturnCode::completed;  ///< why the last step was not searched to its end
 };
 
 }  // namespace least

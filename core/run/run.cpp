@@ -40,6 +40,7 @@ bool Run::advance_block() {
   if (RunState x = state_.x;
       !fixed_ && x.t > end_ && !ended_ && !watch_.empty())  // beyond the end nothing was looked at
     if (integrator_->state_at(state_, end_, x) == StepStatus::ok) locate_watched(integrator_->left(), x);
+  if (!searched()) return false;
   if (!ended_) diagnostics_.resume(state_.x);
   if (state_.n > n && state_.x.t <= end_) {
     if (diagnostics_.keeps_states()) snapshots_.see(state_);

@@ -24,6 +24,7 @@ void Run::finish() {
     const bool crossed = diagnostics_.clear_crossed();
     if (crossed || integrator_->parts() > 1) locate_sections();
     if (crossed && fixed_) locate_watched(integrator_->left(), state_.x);
+    if (!searched()) return;
     if (!ended_) diagnostics_.resume(state_.x);
   }
   if (ended_) return finish_at_event();
@@ -147,6 +148,7 @@ bool Run::leave_domain(double outside_at) {
   RunState x = state_.x;
   if (!watch_.empty() && integrator_->state_at(state_, std::min(when, end_), x) == StepStatus::ok)
     locate_watched(state_.x, x);
+  if (!searched()) return false;
   const double until = std::min(when, end_);
   StepInfo partial = last_step();
   if (!fixed_) partial.step_size = until - state_.x.t;

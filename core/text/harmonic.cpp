@@ -8,6 +8,7 @@
 #include "core/number/linear.hpp"
 #include "core/number/modes.hpp"
 #include "core/tape/derivative.hpp"
+#include "core/tape/sparse_jacobian.hpp"
 
 namespace least::text {
 namespace {
@@ -124,13 +125,8 @@ class Oscillators {
     return value;
   }
 
-  /// V″ at the origin.
-  std::string find_stiffness() {
-    // Of many bodies the second derivative is large, and they are nowhere smooth at the origin.
-    const std::vector<double> origin(n_, 0.0);
-    std::vector<double> slopes(n_);
-    gradient().evaluate(origin.data(), 0.0, slopes.data());
-    if (!std::ranges::all_of(slopes, [](double slope) { return std::isfinite(slope); })) return no_quadratic_part;
+  /// V″ at the origin of a V that depends on time, written out, so that it is seen whether V″ does. False: it does.
+  bool find_lasting_stiffness() {
     std::vector<Symbol> second;
     for (const Symbol& slope : slopes_) {
       const std::vector<Symbol> row = tape::gradient(tape_, slope, places());
@@ -138,13 +134,35 @@ class Oscillators {
     }
     tape::Dependences depends(tape_, [](int) { return tape::Dependence(1); });
     tape::Substitution at_origin(tape_, tape_, [](int) { return Symbol(0); });
-    stiffness_.assign(n_ * n_, 0);
     for (std::size_t i = 0; i < n_ * n_; ++i) {
       const Symbol entry = at_origin(second[i]);
-      if ((depends(entry) & tape::on_time) != 0) return "the quadratic part of V depends on time";
+      if ((depends(entry) & tape::on_time) != 0) return false;
       stiffness_[i] = number(entry);
-      if (!std::isfinite(stiffness_[i])) return no_quadratic_part;
     }
+    return true;
+  }
+
+  /// V″ at the origin.
+  std::string find_stiffness() {
+    // Of many bodies the second derivative is large, and they are nowhere smooth at the origin.
+    const std::vector<double> origin(n_, 0.0);
+    std::vector<double> slopes(n_);
+    gradient().evaluate(origin.data(), 0.0, slopes.data());
+    if (!std::ranges::all_of(slopes, [](double slope) { return std::isfinite(slope); })) return no_quadratic_part;
+    stiffness_.assign(n_ * n_, 0);
+    tape::Dependences depends(tape_, [](int) { return tape::Dependence(1); });
+    const bool driven =
+        std::ranges::any_of(slopes_, [&](const Symbol& slope) { return (depends(slope) & tape::on_time) != 0; });
+    if (driven) {
+      if (!find_lasting_stiffness()) return "the quadratic part of V depends on time";
+    } else {
+      std::vector<tape::Index> nodes;
+      for (const Symbol& slope : slopes_) nodes.push_back(slope.on(tape_));
+      tape::SparseJacobian(tape_, nodes, n_)
+          .evaluate(gradient(), origin.data(), 0.0,
+                    [&](std::size_t i, std::size_t j, double entry) { stiffness_[i * n_ + j] = entry; });
+    }
+    if (!std::ranges::all_of(stiffness_, [](double k) { return std::isfinite(k); })) return no_quadratic_part;
     for (std::size_t i = 0; i < n_; ++i)
       for (std::size_t j = 0; j < i; ++j)
         stiffness_[i * n_ + j] = stiffness_[j * n_ + i] = 0.5 * (stiffness_[i * n_ + j] + stiffness_[j * n_ + i]);

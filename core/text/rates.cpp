@@ -205,9 +205,9 @@ std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
     return velocities ? velocity_name(coordinate) : momentum_name(coordinate);
   };
   std::vector<std::pair<std::string, std::string>> texts;
-  std::size_t left = most_looked_at;
+  std::size_t left = most_looked_at;  // once there is nothing left, none is gone through
   for (const auto& [of, rate] : rates.all) {
-    const std::size_t parts = rate.is_constant() ? 0 : tape::parts_of(rates.tape, rate.place()).size();
+    const std::size_t parts = rate.is_constant() ? 0 : left == 0 ? 1 : tape::parts_of(rates.tape, rate.place()).size();
     texts.emplace_back(of, parts > left ? "…" : print_collected(rates.tape, rate, name));
     left -= std::min(parts, left);
   }

@@ -223,7 +223,10 @@ bool VariedMotion::look(double t) {
 }
 
 bool VariedMotion::advance(double end) {
-  for (double to = std::min(reach_, end); to > t_; to = t_ + (to - t_) / 2) {
+  // Of neighbouring numbers the one in the middle rounds to one of the two: then there is none between.
+  double before = std::numeric_limits<double>::infinity();
+  for (double to = std::min(reach_, end); to > t_ && to < before; to = t_ + (to - t_) / 2) {
+    before = to;
     if (!look(to)) continue;
     if (!expansion_->defined(seen_.data(), to)) continue;
     if (sides_) cross_switch(to);

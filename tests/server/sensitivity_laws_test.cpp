@@ -7,6 +7,7 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "tests/server/fixture.hpp"
+#include "tests/support/runs.hpp"
 
 namespace least::server::test {
 namespace {
@@ -72,6 +73,17 @@ TEST_F(SensitivityLaws, SecondDerivativesAreDifferencesOfTheFirst) {
       }
     }
   }
+}
+
+// Second derivatives of a body that is too fast to be followed end where times can no longer be told apart: halving the
+// step, which once went on for good, comes to two neighbouring numbers.
+TEST_F(SensitivityLaws, AStepIsHalvedNoFurtherThanTimesCanTell) {
+  runs::problem_called("kepler");
+  const Json found = answer(Json::parse(R"({"problem":"kepler","until":{"t":1},"record":{"every":0},
+      "initial":{"x":1,"y":0,"px":0,"py":9007199254740992},"scheme":{"id":"runge_kutta_4","step":0.1},
+      "sensitivities":{"by":["/initial/px"],"of":"motion","order":2}})"))["sensitivities"];
+  EXPECT_TRUE(found["second"]["final"].is_null()) << found;
+  EXPECT_TRUE(found.contains("reason")) << found;
 }
 
 }  // namespace

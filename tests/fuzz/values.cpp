@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/ensemble.hpp"
+#include "server/periodic.hpp"
 #include "server/problems.hpp"
 #include "server/simulate.hpp"
 #include "server/study.hpp"
@@ -99,6 +100,37 @@ constexpr std::array bases{
         "initial":{"x":1},"schemes":["leapfrog","runge_kutta_4"],"budget_seconds":0.02})js"},
     Base{describe_scene, R"js({"problem":{"id":"custom","variables":["x"],"parameters":{"g":0.2},
         "potential":"x^4/4","masses":{"x":2},"damping":"g*t"},"initial":{"x":1}})js"},
+    Base{simulate, R"js({"problem":{"id":"kepler","mu":1},"initial":{"x":1,"y":0,"px":0,"py":1.1},
+        "scheme":{"id":"taylor","tolerance":1e-9},"until":{"t":2},"record":{"samples":4},
+        "sensitivities":{"by":["/initial/x","/problem/mu"],"at":"samples"}})js"},
+    Base{simulate, R"js({"problem":"kepler","initial":{"x":1,"y":0,"px":0,"py":1.1},"until":{"t":2},
+        "scheme":{"id":"runge_kutta_4","step":0.1},
+        "sensitivities":{"by":["/initial/x","/initial/px"],"of":"motion","order":2}})js"},
+    Base{simulate, R"js({"problem":"damped_oscillator","scheme":{"id":"contact_leapfrog","step":0.1},"until":{"t":2},
+        "sensitivities":{"by":"initial","of":"scheme"}})js"},
+    Base{simulate, R"js({"problem":"kepler","scheme":{"id":"leapfrog","step":0.1},"until":{"t":9},"record":{"every":0},
+        "columns":["x","px"],"section":{"expression":"y","direction":"up"}})js"},
+    Base{simulate, R"js({"problem":{"id":"custom","variables":["x"],"parameters":{"g":9.81,"k":0.8},
+        "potential":"g*x"},"initial":{"x":1},"scheme":{"id":"taylor","tolerance":1e-9},"until":{"t":3},
+        "events":[{"name":"floor","expression":"x","direction":"down","set":{"vx":"-k*vx"},"most":5}]})js"},
+    Base{simulate, R"js({"problem":{"id":"custom","variables":["x","y"],"parameters":{"c":0.1},
+        "potential":"x^2/2+y^2","forces":{"x":"-c*vx*abs(vx)"},"dissipation":"c*(vy-vx)^2/2"},
+        "initial":{"x":1,"vy":0.5},"scheme":{"id":"leapfrog","step":0.1},"until":{"t":3}})js"},
+    Base{simulate, R"js({"problem":{"id":"custom","variables":["x","y"],"parameters":{"b":2},
+        "hamiltonian":"(px^2+py^2)/2+b*(x*py-y*px)+b^2*(x^2+y^2)/2"},"initial":{"x":1,"py":0.5},
+        "scheme":{"id":"lifted_splitting","step":0.1,"composition":"kahan_li_6"},"until":{"t":5},
+        "diagnostics":["energy","structure"]})js"},
+    Base{close_orbit_request, R"js({"problem":{"id":"custom","variables":["a"],"parameters":{"g":1},
+        "potential":"-g*cos(a)"},"initial":{"a":0.5},"period":6.4,"fixed":["pa"],"symmetric":false,
+        "limits":{"seconds":0.02}})js"},
+    Base{close_orbit_request, R"js({"problem":{"id":"custom","variables":["a"],"potential":"-cos(a)"},
+        "initial":{"a":0.5},"period":6.4,"symmetric":true,"family":{"by":"/initial/a","to":2,"count":3},
+        "limits":{"seconds":0.02}})js"},
+    Base{close_orbit_request, R"js({"problem":{"id":"custom","variables":["x","y"],"potential":"x^2/2+y^2/2-x^2*y"},
+        "initial":{"y":0.3,"x":0.1},"period":6.3,"manifolds":{"count":2,"until":3},"limits":{"seconds":0.02}})js"},
+    Base{run_ensemble_request, R"js({"problem":"kepler","initial":{"x":1,"y":0,"px":0,"py":1},
+        "scheme":{"id":"leapfrog","step":0.1},"until":{"t":2},"record":{"samples":3},"keep":["trajectories"],
+        "members":{"vary":{"/problem/mu":{"values":[0.9,1,1.1]}}},"columns":["t","x","energy"]})js"},
 };
 
 // Bytes as choices; when they are over, the first of what can be chosen.
@@ -171,6 +203,9 @@ const std::vector<Names>& kinds_of_names() {
       {"statistics", "final", "section", "trajectories"},
       {"energy", "momenta", "structure", "orbit", "error", "decay", "lyapunov"},
       {"kepler", "damped_oscillator"},
+      {"motion", "scheme"},
+      {"/initial/x", "/initial/px", "/initial/t", "/problem/mu", "/initial/a", "period", "energy"},
+      {"lifted_splitting", "boris", "adaptive_boris", "harmonic_splitting", "kepler_splitting"},
       {"custom", "all", "auto", "jacobi_maupertuis", "time_transformed", "vx", "mu", "x[1]", "x[*]", "alpha", "aba_864",
        "0", ""},
       {"x^2", "1/x", "sqrt(x-1)", "exp(x^2)", "x*px+y*py", "abs(x)", "if(x < 1, x, 2-x)", "sin(1e9*x)", "t", "q-1",

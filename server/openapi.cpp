@@ -1,10 +1,15 @@
 #include "server/openapi.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 
 #include "core/catalogue/catalogue.hpp"
 #include "server/encode/run_answer.hpp"
+#include "server/http/connection.hpp"
+#include "server/http/workers.hpp"
 #include "server/openapi_periodic.hpp"
 #include "server/openapi_schemas.hpp"
 #include "server/shared/operations.hpp"
@@ -128,6 +133,19 @@ Json responses(const Operation& operation, Json answer) {
   return all;
 }
 
+// What becomes of a computation whose lines are read slower than they come.
+std::string rule_for_readers() {
+  const ConnectionBounds bounds;
+  const auto seconds = [](std::chrono::milliseconds time) { return std::chrono::duration<double>(time).count(); };
+  return fmt::format(
+      "Lines of application/x-ndjson leave as they are computed. While their client is behind, the computation holds "
+      "no "
+      "place: others have it, and it goes on when there is room again, within its limits.seconds. A client that takes "
+      "nothing for {:g} s, or for longer than {:g} s less than {:g} bytes a second, is let go. Where {} computations "
+      "wait for their clients, a further one that would ends with what it has: stopped, reason cancelled.",
+      seconds(bounds.stall), seconds(bounds.drip), bounds.rate, Workers::most_aside);
+}
+
 Json computed(const Operation& operation, const Cards& cards) {
   const std::string_view path = operation.path;
   const bool simulates = path == "/v1/simulate";
@@ -147,13 +165,16 @@ Json computed(const Operation& operation, const Cards& cards) {
     }
   }
   if (path == "/v1/ensemble") content["application/cbor"] = Json::object();
-  if (path != "/v1/stability" && path != "/v1/problems") content["application/x-ndjson"] = Json::object();
+  std::string description = "computed, also where a run stopped before its end";
+  if (path != "/v1/stability" && path != "/v1/problems") {
+    content["application/x-ndjson"] = Json::object();
+    description += ". " + rule_for_readers();
+  }
   return {
       {"requestBody",
        {{"required", true},
         {"content", {{"application/json", {{"schema", reference(request)}, {"examples", examples_of(path, cards)}}}}}}},
-      {"responses", responses(operation, {{"description", "computed, also where a run stopped before its end"},
-                                          {"content", std::move(content)}})}};
+      {"responses", responses(operation, {{"description", description}, {"content", std::move(content)}})}};
 }
 
 Json told(const Operation& operation, const Cards& cards) {

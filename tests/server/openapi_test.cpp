@@ -164,6 +164,21 @@ TEST_F(OpenApi, HoldsEveryEndpointAndNoOther) {
   }
 }
 
+// The rule stands wherever lines are offered, and is that by which the service goes.
+TEST_F(OpenApi, SaysWhatBecomesOfThoseWhoReadLinesSlowly) {
+  int offered = 0;
+  for (const auto& [path, operations] : document().at("paths").items()) {
+    if (!operations.contains("post")) continue;
+    const Json& answer = operations.at("post").at("responses").at("200");
+    const std::string said = answer.at("description");
+    const bool lines = answer.at("content").contains("application/x-ndjson");
+    offered += lines ? 1 : 0;
+    for (const char* part : {"holds no place", "nothing for 5 s", "less than 65536 bytes a second", "32 computations"})
+      EXPECT_EQ(said.find(part) != said.npos, lines) << path << ": " << part;
+  }
+  EXPECT_GE(offered, 4);
+}
+
 TEST_F(OpenApi, EveryExampleFitsItsSchemaAndIsAnswered) {
   std::size_t sent = 0;
   for (const auto& [path, methods] : document()["paths"].items()) {

@@ -175,6 +175,14 @@ inline std::vector<Explosive> wide_scenes() {
       {"masses that move", R"~("q[8]")~",
        R"~("lagrangian":"sum(i=1..8,v[i]^2*(1+.1*q[i]^2)/2))~"
        R"~(+.01*sum(i=1..8,j=1..8,v[i]*v[j]*cos(q[i]-q[j]))-sum(i=1..8,q[i]^2)")~"},
+      {"pairs that switch", R"~("q[24]")~",
+       R"~("potential":"sum(i=1..24,q[i]^2)+sum(i=1..24,j=1..24,)~"
+       R"~(if(q[i]<q[mod(i*j,24)+1],max(q[i],.1)^3,min(q[i],abs(q[mod(i+j,24)+1]))))")~"},
+      {"all coordinates multiplied", R"~("q[1024]")~", R"~("potential":
+         "prod(i=1..1024,1+.01*q[i]^2)*sum(i=1..1024,exp(.01*q[i]*q[mod(i,1024)+1]))")~"},
+      {"masses that all coordinates move", R"~("q[24]")~",
+       R"~("lagrangian":"sum(i=1..24,v[i]^2/2)+)~"
+       R"~(.001*sum(i=1..24,j=1..24,v[i]*v[mod(i*j,24)+1]*cos(q[i]*q[mod(i+j,24)+1]))")~"},
       {"bodies", R"~("x[40]","q[40]")~", R"~("potential":
          "sum(i=1..40,j=i+1..40,-1/sqrt((x[i]-x[j]+i-j)^2+(q[i]-q[j])^2+.1))")~"}};
   std::vector<Explosive> made;
@@ -209,6 +217,8 @@ inline std::vector<Question> questions(const Explosive& scene, const std::string
           run(R"("taylor","diagnostics":["error"])"),
           run(R"("taylor","sensitivities":{"by":["/initial/)" + first + R"("]})"),
           run(R"("runge_kutta_4","sensitivities":{"by":["/initial/)" + first + R"("],"order":2})"),
+          run(R"("taylor","record":{"every":0},"events":[{"name":"zero","expression":"sin()" + first + ")*" + first +
+              R"(","direction":"both","stop":false}])"),
           {"/v1/periodic", begin + R"(,"period":6,"initial":{")" + first + R"(":0.1})" + limits}};
 }
 

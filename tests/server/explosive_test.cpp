@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "tests/server/client.hpp"
 #include "tests/server/process.hpp"
@@ -54,20 +57,32 @@ TEST_F(ExplosiveScenes, KeepTheLimitOfTheirTime) {
 }
 
 // Of scenes of many variables all that is asked costs what was asked for and little more: no square of their number is
-// gone through without a look at the clock. What did took 3 to 12 processor seconds; .3 is the most on a quiet machine,
+// gone through without a look at the clock. What did took 3 to 37 processor seconds; .3 is the most on a quiet machine,
 // of which one that shares its cores may make half as much again.
 TEST_F(ExplosiveScenes, OfManyVariablesKeepIt) {
 #if defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "minutes there";
 #else
-  for (const Explosive& scene : wide_scenes())
-    for (const Question& question : questions(scene, "0.1", "q[1]")) {
+  // A quarter of all pairs of a scene and a question, and those that once took longest.
+  constexpr std::pair<std::string_view, std::string_view> worst[] = {{"pairs that switch", "events"},
+                                                                     {"all coordinates multiplied", "/v1/problems"},
+                                                                     {"masses that all coordinates move", "auto"}};
+  std::size_t turn = 0;
+  for (const Explosive& scene : wide_scenes()) {
+    const std::size_t first = turn++;
+    for (std::size_t i = 0; const Question& question : questions(scene, "0.1", "q[1]")) {
+      const bool is_worst = std::ranges::any_of(worst, [&](const auto& pair) {
+        return scene.name == pair.first &&
+               (question.path == pair.second || question.body.find(pair.second) != std::string::npos);
+      });
+      if ((first + i++) % 4 != 0 && !is_worst) continue;
       const double most = question.path == "/v1/ensemble" ? 1.2 : 0.8;  // on two threads
       const double before = service_.processor_seconds();
       const Reply reply = ask(port(), post(question.path, question.body));
       EXPECT_TRUE(answered(reply)) << reply.status << ' ' << scene.name << ' ' << question.path;
       EXPECT_LT(service_.processor_seconds() - before, most) << scene.name << ' ' << question.path << question.body;
     }
+  }
 #endif
 }
 

@@ -217,8 +217,8 @@ inline std::vector<Question> questions(const Explosive& scene, const std::string
           run(R"("taylor","diagnostics":["error"])"),
           run(R"("taylor","sensitivities":{"by":["/initial/)" + first + R"("]})"),
           run(R"("runge_kutta_4","sensitivities":{"by":["/initial/)" + first + R"("],"order":2})"),
-          run(R"("taylor","record":{"every":0},"events":[{"name":"zero","expression":"sin()" + first + ")*" + first +
-              R"(","direction":"both","stop":false}])"),
+          run(R"("taylor","record":{"every":0},"events":[{"name":"zero","expression":"sin()" + first +
+              R"~()","direction":"both","stop":false}])~"),
           {"/v1/periodic", begin + R"(,"period":6,"initial":{")" + first + R"(":0.1})" + limits}};
 }
 

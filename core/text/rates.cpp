@@ -6,6 +6,7 @@
 #include "core/tape/derivative.hpp"
 #include "core/text/collected.hpp"
 #include "core/text/scene.hpp"
+#include "core/text/sized_scene.hpp"
 
 namespace least::text {
 namespace {
@@ -194,6 +195,7 @@ std::string TextScene::note_on_equations() const {
 
 std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
   Rates rates;
+  rates.tape.bound(2 * SizedScene::most_equations);  // which hold without the energy, that these are derived from
   write_rates(definition, *form, rates);
   const bool velocities = in_velocities(*form);  // which looks at all masses
   const auto name = [&](int i) -> std::string {

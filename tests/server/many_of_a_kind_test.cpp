@@ -51,6 +51,22 @@ TEST_F(Many, AnswerByTheNamesOfElements) {
   EXPECT_LT(answer["diagnostics"]["energy"]["max_rel_error"], 1e-4);
 }
 
+// As many bodies as texts have room for: their card, and a run.
+TEST_F(Many, AHundredBodiesAreAnswered) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]","y[n]","z[n]"],"parameters":{"n":100},
+    "potential":"-sum(i=1..n, j=i+1..n, 1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2+(z[i]-z[j])^2+0.01))"}})~");
+  const Json card = run(request, "/v1/problems");
+  EXPECT_EQ(card["equations"].size(), 600U);
+  for (const char* axis : {"x", "y", "z"}) {
+    request["initial"][axis] = Json::array();
+    for (int i = 0; i < 100; ++i) request["initial"][axis].push_back(std::sin((7.3 + *axis) * i));
+  }
+  request.update(Json::parse(R"~({"until":0.01,"scheme":{"id":"leapfrog","step":0.001},"record":{"every":0}})~"));
+  const Json answer = run(request);
+  EXPECT_EQ(answer["status"], "completed");
+  EXPECT_LT(answer["diagnostics"]["energy"]["max_rel_error"], 1e-6);
+}
+
 // The echo is the request, as it was typed, and leads to the same bytes.
 TEST_F(Many, EchoWhatWasTyped) {
   Json first = run(chain());

@@ -138,11 +138,11 @@ std::string rule_for_readers() {
   const ConnectionBounds bounds;
   const auto seconds = [](std::chrono::milliseconds time) { return std::chrono::duration<double>(time).count(); };
   return fmt::format(
-      "Lines of application/x-ndjson leave as they are computed. While their client is behind, the computation holds "
-      "no "
-      "place: others have it, and it goes on when there is room again, within its limits.seconds. A client that takes "
-      "nothing for {:g} s, or for longer than {:g} s less than {:g} bytes a second, is let go. Where {} computations "
-      "wait for their clients, a further one that would ends with what it has: stopped, reason cancelled.",
+      "Lines of application/x-ndjson leave as they are computed. While their client is behind, the computation "
+      "holds no place: others have it, and it goes on when there is room again, within its limits.seconds. A "
+      "client that takes nothing for {:g} s, or for longer than {:g} s less than {:g} bytes a second, is let go. "
+      "Where {} computations wait for their clients, a further one that would ends with what it has: stopped, "
+      "reason cancelled.",
       seconds(bounds.stall), seconds(bounds.drip), bounds.rate, Workers::most_aside);
 }
 

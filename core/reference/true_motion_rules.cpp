@@ -79,13 +79,16 @@ bool TrueMotion::finite_rates() const {
   return std::ranges::all_of(rates_, [this](Index rate) { return std::isfinite(row(rate)[0].high()); });
 }
 
-/// Order 0 of all nodes at x. A steep function that overflows may stand in a divisor, as cosh² in v/cosh² u: where
-/// rates are no numbers, or on demand, it is held at a bound, if a higher bound gives the same rates.
+/// Makes order 0 of all nodes at x. A steep function that overflows may stand in a divisor, as cosh² in v/cosh² u.
+/// Where rates are no numbers, or where `bounded` asks for it, such functions are held at a bound, but only if a higher
+/// bound gives the same rates.
 void TrueMotion::begin_at(const std::vector<DoubleDouble>& x, bool bounded) {
   constexpr double bound = 1e50, higher = 1e60, same = 1e-30;
   for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x[v];
-  begin_all(std::numeric_limits<double>::infinity());
-  if (steep_.empty() || !(bounded || !finite_rates())) return;
+  if (!bounded) {
+    begin_all(std::numeric_limits<double>::infinity());
+    if (steep_.empty() || finite_rates()) return;
+  }
   begin_all(higher);
   std::vector<DoubleDouble> rates;
   for (const Index rate : rates_) rates.push_back(row(rate)[0]);

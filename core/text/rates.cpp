@@ -195,7 +195,8 @@ std::string TextScene::note_on_equations() const {
 
 std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
   Rates rates;
-  rates.tape.bound(2 * SizedScene::most_equations);  // which hold without the energy, that these are derived from
+  // The equations of a scene are bounded; the energy from which they are derived here stands on the same tape.
+  rates.tape.bound(2 * SizedScene::most_equations);
   write_rates(definition, *form, rates);
   const bool velocities = in_velocities(*form);  // which looks at all masses
   const auto name = [&](int i) -> std::string {

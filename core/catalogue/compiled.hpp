@@ -7,6 +7,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "core/catalogue/recorded.hpp"
 #include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
@@ -57,6 +58,12 @@ template <class P, class F>
 void with_scheme(const Request& request, F&& f) {
   with_scheme<P>(request, f, static_cast<SchemeList*>(nullptr));
 }
+
+/// A class of scenes as text (core/text/scenes.hpp).
+template <class P>
+concept SceneAsText = requires(const P& problem) {
+  problem.formulas;
+};
 
 /// The full state of which a run's state has the first components; what it does not carry is 0.
 template <class P>
@@ -148,8 +155,12 @@ class CompiledBackend final : public RunBackend {
     return bind_scheme<P, X>(*this, problem(), request, x, grid, end);
   }
   StepTangents tangents(const Request& request) const override {
-    const Scene& scene = *request.scene;
-    return tangents_of(problem(), request, start_of<FullStateOf<P>>(problem(), scene.initial, scene.start));
+    if constexpr (SceneAsText<P> || Flow<P>) {
+      const Scene& scene = *request.scene;
+      return tangents_of(problem(), request, start_of<FullStateOf<P>>(problem(), scene.initial, scene.start));
+    } else {
+      return recorded_tangents(request);
+    }
   }
 
   std::vector<tape::Index> write_equations(tape::Tape& tape) const override {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/number/linear.hpp"
+
 namespace least {
 
 ForcedKick::ForcedKick(const text::SizedScene& scene)

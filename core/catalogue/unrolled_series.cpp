@@ -46,7 +46,12 @@ constexpr Program program_of() {
 template <template <class> class P, ParameterValues values, bool full>
 constexpr Measured size_of_structure = measured(program_of<P, values, full>());
 template <template <class> class P, ParameterValues values, bool full>
-constexpr auto structure = shrunk<size_of_structure<P, values, full>>();
+constexpr auto program_structure = shrunk<size_of_structure<P, values, full>>();
+/// Of the full state or of what moves, which are one where the motion needs all: the compiler takes a quarter of a
+/// second for each.
+template <template <class> class P, ParameterValues values, bool full>
+constexpr auto& structure =
+    program_structure<P, values, full && !std::is_same_v<FullStateOf<P<double>>, StateOf<P<double>>>>;
 
 template <const auto& S>
 LEAST_FOURS void expand(const Program& program, const Workspace& of) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "core/run/tangent_map.hpp"
 #include "core/text/scene.hpp"
@@ -132,7 +133,41 @@ Acts::Effect Acts::act(std::size_t event, RunState& x) {
   std::shift_right(done.times.begin(), done.times.end(), 1);
   done.times[0] = x.t;
   if (done.count == act.most) return Effect::completes;
+  if (comes_to_rest(event, before, x)) return Effect::rests;
   return has_piled_up(event, x) ? Effect::piles_up : Effect::goes_on;
+}
+
+std::vector<double> Acts::rates_at(const RunState& x) const {
+  std::vector<double> rates(std::max(x.size(), backend_.table().traits.components));
+  backend_.table().rates(x, rates.data());
+  return rates;
+}
+
+double Acts::rate_of(std::size_t event, const RunState& x) const {
+  std::vector<Slope> changes(request_.watched.size());
+  const Moving<Slope> moves = along(x, rates_at(x).data(), 1);
+  request_.watched.evaluate(observed_by(backend_, *request_.scene, request_.watched, moves, false).data(), moves.t,
+                            changes.data());
+  return changes[event].slope[0];
+}
+
+bool Acts::comes_to_rest(std::size_t event, const RunState& before, const RunState& after) {
+  constexpr double nothing = 1e-9;
+  Done& done = done_[event];
+  const double arrived = rate_of(event, before), left = rate_of(event, after), last = std::exchange(done.rate, left);
+  const double size = std::fmax(std::abs(arrived), std::abs(last));
+  if (!(std::abs(left) <= nothing * size)) return false;
+  // What has no speed when it arrives, as a scheme may see it that makes one step of a short bounce, comes from the
+  // side to which the last act sent it.
+  double onward = request_.events[event].direction;
+  if (onward == 0) onward = std::abs(arrived) > nothing * size ? arrived : -last;
+  const double little = 1e-6 * (after.t - request_.scene->start);
+  RunState later = after;
+  const std::vector<double> rates = rates_at(after);
+  for (std::size_t i = 0; i < later.size(); ++i) later[i] += little * rates[i];
+  later.t += little;
+  limit_ = after.t;
+  return (rate_of(event, later) - left) * onward > 0;
 }
 
 /// Whether the last times lie as the powers of a ratio do, so near to their limit that the next ones are lost in what
@@ -163,13 +198,8 @@ bool Acts::is_hidden(std::size_t event, const RunState& after, double until_next
   });
   std::vector<interval::Enclosure> values(watched.size());
   watched.enclose(bounds.data(), after.t, values.data());
-  std::vector<double> rates(std::max(after.size(), backend_.table().traits.components));
-  backend_.table().rates(after, rates.data());
-  std::vector<Slope> changes(watched.size());
-  const Moving<Slope> moves = along(after, rates.data(), 1);
-  watched.evaluate(observed_by(backend_, scene, watched, moves, false).data(), moves.t, changes.data());
   // A parabola between two zeros comes as far as a fourth of their distance at the rate with which it leaves the first.
-  return std::abs(changes[event].slope[0]) * until_next / 4 < little * values[event].width();
+  return std::abs(rate_of(event, after)) * until_next / 4 < little * values[event].width();
 }
 
 double Acts::defect_of(std::size_t event, const RunState& before, const RunState& after) const {

@@ -42,7 +42,8 @@ class Acts {
     goes_on,
     completes,   ///< the event has acted as often as it may
     not_finite,  ///< there is no such state
-    piles_up     ///< the times between its acts shrink to nothing before `limit`
+    piles_up,    ///< the times between its acts shrink to nothing before `limit`
+    rests        ///< it leaves the motion at rest against where it happens, and would have to act again at once
   };
   /// x becomes what the event made of it.
   Effect act(std::size_t event, RunState& x);
@@ -55,9 +56,16 @@ class Acts {
   struct Done {
     std::int64_t count = 0;
     std::array<double, 4> times{};  ///< of the last acts, the latest first
+    double rate = unknown;          ///< of the expression right after the last act
     double defect = 0;
   };
   bool has_piled_up(std::size_t event, const RunState& after);
+  /// Whether the act has left the expression at rest, and the motion from there takes it on in the direction in which
+  /// it came: as a ball that keeps nothing of its speed lies on the floor.
+  bool comes_to_rest(std::size_t event, const RunState& before, const RunState& after);
+  /// ẋ, and the rate of the expression along the motion.
+  std::vector<double> rates_at(const RunState& x) const;
+  double rate_of(std::size_t event, const RunState& x) const;
   /// Whether round-off hides what the expression of an event does until it vanishes again, so long after this state.
   bool is_hidden(std::size_t event, const RunState& after, double until_next) const;
   double defect_of(std::size_t event, const RunState& before, const RunState& after) const;

@@ -204,5 +204,8 @@ std::string act_not_finite(std::string_view event) {
 Message accumulates(std::string_view event, double limit) {
   return fmt::format("{} follows on itself ever faster: infinitely often before ", event) + Message::time(limit, 9);
 }
+Message rests_against(std::string_view event) {
+  return fmt::format("{} leaves the motion at rest there, and would have to act again at once", event);
+}
 
 }  // namespace least::messages

@@ -68,5 +68,6 @@ std::string parameter_underflow();
 /// Of an event that sets variables.
 std::string act_not_finite(std::string_view event);
 Message accumulates(std::string_view event, double limit);
+Message rests_against(std::string_view event);
 
 }  // namespace least::messages

@@ -108,6 +108,8 @@ bool Run::act(std::size_t which) {
   }
   if (effect == Acts::Effect::piles_up)
     return stop(ReturnCode::accumulating_events, messages::accumulates(name, acts_.limit()), acts_.limit());
+  if (effect == Acts::Effect::rests)
+    return stop(ReturnCode::accumulating_events, messages::rests_against(name), acts_.limit());
   return true;
 }
 

@@ -47,6 +47,53 @@ TEST_F(EventsThatAct, NoBallFallsThroughTheFloor) {
       }
 }
 
+// A ball that keeps nothing of its speed lies on the floor: the first bounce is the last, and the run ends there. One
+// of symplectic_euler reaches the floor without speed once a bounce fits into a step.
+TEST_F(EventsThatAct, ABallAtRestOnTheFloorEndsTheRun) {
+  for (const char* scheme : {"taylor", "leapfrog", "runge_kutta_4", "dormand_prince_5", "galerkin_4"}) {
+    Json request = ball(0);
+    request["scheme"] = scheme;
+    const Json made = answer(request);
+    ASSERT_EQ(made["status"], "stopped") << scheme << made["final"];
+    EXPECT_EQ(made["stop"]["reason"], "accumulating_events") << scheme;
+    EXPECT_NEAR(made["stop"]["singular_at"], std::sqrt(2.0), 1e-6) << scheme;
+    EXPECT_NEAR(made["final"]["x"], 0, 1e-9) << scheme;
+    EXPECT_EQ(made["events"].size(), 1U) << scheme;
+  }
+  for (const double step : {0.01, 0.03, 0.05, 0.11})
+    for (const double kept : {0.0, 0.5, 0.8}) {
+      Json request = ball(kept);
+      request["scheme"] = {{"id", "symplectic_euler"}, {"step", step}};
+      const Json made = answer(request);
+      ASSERT_EQ(made["status"], "stopped") << request << made["final"];
+      EXPECT_EQ(made["stop"]["reason"], "accumulating_events") << request;
+      EXPECT_NEAR(made["final"]["x"], 0, 1e-9) << request;
+    }
+}
+
+// What an act stops at a ceiling falls down again, and what it slows down on the way goes on.
+TEST_F(EventsThatAct, WhatIsStoppedWhereItIsDrawnAwayGoesOn) {
+  Json thrown = ball(0);
+  thrown["until"] = 2;
+  thrown["initial"] = {{"x", 0}, {"vx", 1}};
+  thrown["events"][0]["expression"] = "x - 0.3";
+  thrown["events"][0]["direction"] = "up";
+  for (const char* direction : {"up", "both"}) {
+    thrown["events"][0]["direction"] = direction;
+    const Json made = answer(thrown);
+    EXPECT_EQ(made["status"], "completed") << made["stop"];
+    EXPECT_EQ(made["acts"][0]["count"], 1);
+    const double after = 2 - (1 - std::sqrt(0.4));  // at rest there after 1 − √(1 − 2·.3)
+    EXPECT_NEAR(made["final"]["x"], 0.3 - after * after / 2, 1e-9);
+  }
+  Json slowed = ball(0);
+  slowed["until"] = 2;
+  slowed["events"][0]["set"] = {{"vx", "0.01*vx"}};
+  const Json made = answer(slowed);
+  EXPECT_EQ(made["status"], "completed") << made["stop"];
+  EXPECT_LT(made["final"]["x"], 0);
+}
+
 // Bounces come after sqrt(2) (1 + 2 Σ rᵏ), infinitely many before sqrt(2) (1 + r)/(1 − r).
 TEST_F(EventsThatAct, ABallBouncesAsItIsKnownTo) {
   const double r = 0.8, fall = std::sqrt(2.0), limit = fall * (1 + r) / (1 - r);

@@ -17,7 +17,7 @@ class LaneCompiler {
         made_(made),
         same_(nodes_.size()),
         needed_(nodes_.size(), false),
-        rank_(nodes_.size(), Rank::of_step),
+        rank_(nodes_.size(), of_step),
         place_(nodes_.size(), nowhere) {}
 
   void compile() {
@@ -26,6 +26,7 @@ class LaneCompiler {
     rank();
     made_.rows_ = source_.rows;
     place_inputs();
+    write_constant();
     if (!source_.kept.empty()) write_part(0, source_.begin, made_.start_);
     write_part(source_.begin, source_.end, made_.step_);
     made_.registers_ = registers_.count();
@@ -39,13 +40,19 @@ class LaneCompiler {
   using Kind = Trace::Kind;
   using Register = std::uint32_t;
   static constexpr Register nowhere = LaneRegisters::nowhere;
-  /// On what a number depends: on the step alone, on the time, on the lane.
-  enum class Rank : std::uint8_t { of_step, of_time, of_lanes };
+  /// On what a number depends, as bits: on the time, and on constants that members have of their own. On neither it
+  /// depends on the step alone; what depends on the state has both.
+  using Rank = std::uint8_t;
+  static constexpr Rank of_step = 0, of_time = 1, of_members = 2, of_state = of_time | of_members;
 
   static std::size_t at(Place i) { return static_cast<std::size_t>(i); }
   const Node& node(Place i) const { return nodes_[at(i)]; }
   bool in_step(Place i) const { return i >= source_.begin; }
-  bool in_lanes(Place i) const { return rank_[at(i)] == Rank::of_lanes; }
+  bool in_lanes(Place i) const { return (rank_[at(i)] & of_members) != 0; }
+  /// An operation whose result stays the same from step to step while these are of one length.
+  bool is_constant(Place i) const {
+    return node(i).kind == Kind::operation && in_step(i) && (rank_[at(i)] & of_time) == 0;
+  }
   /// What the step finds of the one before it.
   bool is_kept(Place i) const { return node(i).kind == Kind::operation && !in_step(i); }
   static std::array<Place, 3> operands(const Node& n) {
@@ -103,14 +110,15 @@ class LaneCompiler {
       for (Place i = 0; i < source_.end; ++i) {
         const Node& n = node(i);
         Rank& rank = rank_[at(i)];
-        if (n.kind == Kind::time) rank = Rank::of_time;
-        if (n.kind == Kind::variable || (n.kind == Kind::constant && source_.own[at(n.a)])) rank = Rank::of_lanes;
+        if (n.kind == Kind::time) rank = of_time;
+        if (n.kind == Kind::variable) rank = of_state;
+        if (n.kind == Kind::constant && source_.own[at(n.a)]) rank = of_members;
         for (const Place part : operands(n))
-          if (part >= 0) rank = std::max(rank, rank_[at(same(part))]);
+          if (part >= 0) rank |= rank_[at(same(part))];
       }
       for (const auto& [from, to] : source_.kept) {
         Rank& rank = rank_[at(from)];
-        const Rank now = std::max({rank, rank_[at(same(to))], Rank::of_time});
+        const Rank now = rank | rank_[at(same(to))] | of_time;
         changed = changed || now != rank;
         rank = now;
       }
@@ -144,18 +152,57 @@ class LaneCompiler {
     registers_ = LaneRegisters(fixed);
   }
 
-  void write_part(Place begin, Place end, CompiledLanes::Part& part) {
+  /// What stays the same from step to step. Before all others: nothing that they write stands where it does.
+  void write_constant() {
+    clear(source_.begin, source_.end);
+    std::vector<Place> all;
+    for (Place i = source_.begin; i < source_.end; ++i) {
+      if (!needed_[at(i)] || same(i) != i || !is_constant(i)) continue;
+      if (!in_lanes(i)) {
+        write_shared(i, made_.step_, true);
+      } else if (!fused_[at(i)]) {
+        write_lanes(i);
+        all.push_back(i);
+      }
+    }
+    std::vector<bool> read(nodes_.size(), false);
+    for (Place i = source_.begin; i < source_.end; ++i)
+      if (needed_[at(i)] && same(i) == i && !is_constant(i))
+        for (const Place part : operands(node(i)))
+          if (part >= 0) read[at(same(part))] = true;
+    for (const Place output : source_.outputs) read[at(same(output))] = true;
+    if (source_.failed >= 0) read[at(same(source_.failed))] = true;
+    for (const auto& [from, to] : source_.kept) read[at(same(to))] = true;
+    std::erase_if(all, [&](Place i) { return !read[at(i)]; });
+    auto given = settled();
+    made_.step_.of_members = registers_.assign(wide_, {}, all, given);
+    for (const Place i : all) place_[at(i)] = given[at(i)];
+    registers_ = LaneRegisters(registers_.count());
+  }
+
+  void clear(Place begin, Place end) {
     wide_.clear();
     spread_.clear();
     next_ = source_.end;
     count_uses(begin, end);
+  }
+  /// Where values stand in lanes, as far as that is settled.
+  std::vector<Register> settled() const {
+    std::vector<Register> given(at(next_), nowhere);
+    for (Place i = 0; i < source_.end; ++i)
+      if (in_lanes(i)) given[at(i)] = place_[at(i)];
+    return given;
+  }
+
+  void write_part(Place begin, Place end, CompiledLanes::Part& part) {
+    clear(begin, end);
     RegisterEnds ends;
     const bool step = &part == &made_.step_;
     if (step) collect_ends(part, ends);
     for (Place i = begin; i < end; ++i) {
-      if (!needed_[at(i)] || same(i) != i || node(i).kind != Kind::operation) continue;
+      if (!needed_[at(i)] || same(i) != i || node(i).kind != Kind::operation || is_constant(i)) continue;
       if (!in_lanes(i)) {
-        write_shared(i, part, step);
+        write_shared(i, part, false);
       } else if (!fused_[at(i)]) {
         write_lanes(i);
       }
@@ -180,9 +227,12 @@ class LaneCompiler {
       if (n.code != LaneCode::add && n.code != LaneCode::subtract) continue;
       const Place a = same(n.a), b = same(n.b);
       if (!in_lanes(a) || !in_lanes(b)) continue;
-      if (can_fuse(b, begin)) {
+      const auto fits = [&](Place product) {
+        return can_fuse(product, begin) && is_constant(product) == is_constant(i);
+      };
+      if (fits(b)) {
         fused_[at(b)] = true;
-      } else if (n.code == LaneCode::add && can_fuse(a, begin)) {
+      } else if (n.code == LaneCode::add && fits(a)) {
         fused_[at(a)] = true;
       }
     }
@@ -247,11 +297,11 @@ class LaneCompiler {
     if (n.c >= 0) one.c = lanes(n.c);
     wide_.push_back(one);
   }
-  void write_shared(Place i, CompiledLanes::Part& part, bool step) {
+  void write_shared(Place i, CompiledLanes::Part& part, bool constant) {
     const Node& n = node(i);
     const auto of = [&](Place operand) { return operand < 0 ? Register(0) : place_[at(same(operand))]; };
     if (place_[at(i)] == nowhere) place_[at(i)] = shared_register();
-    auto& code = step && rank_[at(i)] == Rank::of_step ? part.of_step : part.of_time;
+    auto& code = constant ? part.of_step : part.of_time;
     code.push_back({n.code, place_[at(i)], of(n.a), of(n.b), of(n.c)});
   }
 
@@ -297,9 +347,7 @@ class LaneCompiler {
     if (step && source_.failed >= 0) alive.push_back(at_end(source_.failed));
     if (step && !source_.steps)
       for (const Place output : source_.outputs) alive.push_back(at_end(output));
-    std::vector<Register> given(at(next_), nowhere);
-    for (Place i = 0; i < source_.end; ++i)
-      if (in_lanes(i)) given[at(i)] = place_[at(i)];
+    auto given = settled();
     part.of_lanes = registers_.assign(wide_, ends, alive, given);
     if (!step) return;
     std::size_t next = 0;

@@ -35,8 +35,8 @@ class CompiledLanes {
   friend class LaneCompiler;
   using Code = std::vector<LaneInstruction>;
   struct Part {
-    Code of_step, of_time, of_lanes;
-    LanePart view() const { return {of_step, of_time, of_lanes}; }
+    Code of_step, of_members, of_time, of_lanes;
+    LanePart view() const { return {of_step, of_members, of_time, of_lanes}; }
   };
   std::vector<double> shared_;
   std::vector<std::size_t> own_;

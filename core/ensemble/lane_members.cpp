@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/ensemble/lane_plane.hpp"
-#include "core/ensemble/text_group.hpp"
+#include "core/ensemble/member_group.hpp"
 #include "core/run/diagnostics/watch.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/save_schedule.hpp"
@@ -16,6 +16,8 @@
 
 namespace least {
 namespace {
+
+constexpr std::size_t bytes_of_operation = 100;  ///< traced, then compiled
 
 /// A block on its way through lanes.
 class LaneBlock final : public LaneHost {
@@ -45,7 +47,7 @@ class LaneBlock final : public LaneHost {
     task_.settings = request_.settings;
     task_.parameters = request_.scene->parameters;
     task_.count = count;
-    task_.full = std::ranges::any_of(request_.columns, [&](std::size_t i) { return card_.columns[i].full_state; });
+    full_ = std::ranges::any_of(request_.columns, [&](std::size_t i) { return card_.columns[i].full_state; });
     task_.start_time = grid.start;
     task_.step = grid.step;
     task_.end = grid.end;
@@ -60,8 +62,8 @@ class LaneBlock final : public LaneHost {
         task_.watched = level->variable;
         task_.level = level->value;
       }
-      task_.full = task_.full || request_.watched.full_state();
-      left_.resize(std::max(card_.variables.size(), program_rows) + 1);
+      full_ = full_ || request_.watched.full_state();
+      left_.resize(card_.variables.size() + 1);
       right_ = between_ = left_;
     }
     task_.host = this;
@@ -78,21 +80,9 @@ class LaneBlock final : public LaneHost {
     block.harvest.trajectories.open(block.first, count, row_count(plan) * columns_.size(), block.held);
   }
 
-  bool run(std::span<const LaneUnit> units) {
+  bool run(const LaneUnit& unit) {
     if (!fits_ || task_.scheme == lane_schemes.size()) return false;
-    if (request_.scene->mechanics->text()) return run_text(units.front());
-    states_ = lane_units().back().mechanics(card_.id);
-    if (!states_.columns) return false;
-    std::vector<double> final(card_.variables.size() * task_.count);
-    task_.start = start_.data();
-    task_.final = final.data();
-    task_.ended = ended_.data();
-    const bool ran = std::ranges::any_of(units, [&](const LaneUnit& unit) {
-      const auto run = unit.mechanics(card_.id).run;
-      return run && run(task_);
-    });
-    if (ran) take_final();
-    return ran;
+    return request_.scene->mechanics->text() ? run_text(unit) : run_problem(unit);
   }
   void gather() {
     Harvest& harvest = block_.harvest;
@@ -141,21 +131,15 @@ class LaneBlock final : public LaneHost {
     std::ranges::copy(before, left_.begin());
     std::ranges::copy(after, right_.begin());
     if (!may_cross(m, t_before, t)) return;
-    member_ = m;
-    from_ = t_before;
-    to_ = t;
-    if (group_) return look(TextPath(*this, m));
-    const auto parameters = parameters_of(m);
-    states_.show({task_.scheme, request_.settings, parameters, t_before, before}, *this);
-  }
-  void look(const LanePath& path) override {
-    const auto state_at = [&](double t, double* state) { return path.at(t, state); };
-    Watch::Unresolved& unresolved = unresolved_[in_block(member_)];
+    const auto state_at = [&](double time, double* state) {
+      return group_->advance(m, t_before, time - t_before, left_.data(), state);
+    };
+    Watch::Unresolved& unresolved = unresolved_[in_block(m)];
     watch_.turn_to(unresolved);
-    for (const Zero& zero : watch_.locate(left_.data(), from_, right_.data(), to_, state_at, 1)) {
-      const double* state = zero.t > from_ ? right_.data() : left_.data();
-      if (zero.t > from_ && zero.t < to_ && path.at(zero.t, between_.data())) state = between_.data();
-      add_point(member_, zero.t, state);
+    for (const Zero& zero : watch_.locate(left_.data(), t_before, right_.data(), t, state_at, 1)) {
+      const double* state = zero.t > t_before ? right_.data() : left_.data();
+      if (zero.t > t_before && zero.t < t && state_at(zero.t, between_.data())) state = between_.data();
+      add_point(m, zero.t, state);
     }
     unresolved = watch_.unresolved();
   }
@@ -172,31 +156,57 @@ class LaneBlock final : public LaneHost {
     if (!(looks.t_last() == from)) watch_.look(looks, left_.data(), from);
     return watch_.look(looks, right_.data(), to) != 0;
   }
-  /// Of the step that at_step is told of.
-  class TextPath final : public LanePath {
-   public:
-    TextPath(const LaneBlock& block, std::size_t m) : block_(block), m_(m) {}
-    bool at(double t, double* state) const override {
-      return block_.group_->advance(m_, block_.from_, t - block_.from_, block_.left_.data(), state);
-    }
-
-   private:
-    const LaneBlock& block_;
-    std::size_t m_;
-  };
+  /// Members of a problem of the catalogue: by steps that are compiled for the unit, where they are and members share
+  /// all parameters; else by a program, in which those that vary are constants of each member's own.
+  bool run_problem(const LaneUnit& unit) {
+    const RunLanes compiled = varied_.empty() && !full_ ? unit.problem(card_.id) : nullptr;
+    return (compiled && run_compiled(compiled)) || run_as_program(unit);
+  }
+  bool run_compiled(RunLanes compiled) {
+    auto trace = trace_problem(request_, {}, task_.watches ? std::optional(task_.scheme) : std::nullopt, false);
+    if (!trace) return false;
+    const Held held = HeldByThread::take(bytes_of_operation * trace->trace.nodes().size());
+    MemberGroup group = group_of_all(std::move(*trace));
+    group.compile_values();
+    if (task_.watches) group.compile_steps();
+    std::vector<double> final(start_.size());
+    task_.start = start_.data();
+    task_.final = final.data();
+    task_.ended = ended_.data();
+    group_ = &group;
+    const bool ran = compiled(task_);
+    if (ran) take_final();
+    group_ = nullptr;
+    return ran;
+  }
+  bool run_as_program(const LaneUnit& unit) {
+    auto trace = trace_problem(request_, varied_, task_.scheme, full_);
+    if (!trace) return false;
+    const Held held = HeldByThread::take(bytes_of_operation * trace->trace.nodes().size());
+    MemberGroup group = group_of_all(std::move(*trace));
+    const std::size_t count = ended_.size();
+    for (std::size_t k = 0; k < varied_.size(); ++k)
+      group.set_parameter(k, std::span(values_).subspan(k * count, count));
+    run_group(unit, group);
+    return true;
+  }
+  MemberGroup group_of_all(StepTrace&& trace) const {
+    MemberGroup group(std::move(trace));
+    for (std::size_t m = 0; m < ended_.size(); ++m) group.add(m, {});
+    return group;
+  }
 
   /// Members whose steps are written down alike are run together. Where parameters vary each is written down, so that
   /// not too many are at once. False also where hardly two are alike: they are run one by one.
   bool run_text(const LaneUnit& unit) {
     constexpr std::size_t most_kept = 2'000'000, many = 64, alike = 4;  // kept: numbers and operations
     const text::TextScene& text = *request_.scene->mechanics->text();
-    std::vector<TextGroup> groups;
+    std::vector<MemberGroup> groups;
     std::size_t kept = 0, members = 0;
-    constexpr std::size_t bytes_of_operation = 100;  // traced, then compiled
     Held held = HeldByThread::take(0);
     const auto run_groups = [&] {
       if (groups.size() > many && members < alike * groups.size()) return false;
-      for (TextGroup& group : groups)
+      for (MemberGroup& group : groups)
         if (!gone()) run_group(unit, group);
       groups.clear();
       held = HeldByThread::take(0);
@@ -213,10 +223,11 @@ class LaneBlock final : public LaneHost {
         ended_[m] = static_cast<std::uint8_t>(ReturnCode::singular);
         continue;
       }
-      auto trace = trace_text(request_, parameters, task_.scheme, task_.full);
+      auto trace = trace_text(request_, parameters, task_.scheme, full_);
       if (!trace) return false;
-      auto constants = trace->trace.constants();
-      auto group = std::ranges::find_if(groups, [&](const TextGroup& one) { return one.has(*trace); });
+      std::vector<double> constants;
+      if (!varied_.empty()) constants = trace->trace.constants();
+      auto group = std::ranges::find_if(groups, [&](const MemberGroup& one) { return one.has(*trace); });
       if (group == groups.end()) {
         kept += trace->trace.nodes().size();
         held.add(bytes_of_operation * trace->trace.nodes().size());
@@ -229,18 +240,22 @@ class LaneBlock final : public LaneHost {
     }
     return run_groups();
   }
-  void run_group(const LaneUnit& unit, TextGroup& group) {
-    group.compile();
+  void run_group(const LaneUnit& unit, MemberGroup& group) {
+    group.compile_values();
     const std::size_t count = group.members().size(), rows = card_.variables.size();
-    std::vector<double> start(program_rows * count), final(program_rows * count), state(rows);
+    std::vector<double> start(rows * count), final(rows * count), state(rows);
     std::vector<std::uint8_t> ended(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t k = 0; k < rows; ++k)
+    for (std::size_t i = 0; i < count && !gone(); ++i) {
+      bool near = true;
+      for (const std::size_t k : group.rows()) {  // others are no part of the state, and may be no numbers
         state[k] = start[k * count + i] = start_[k * ended_.size() + group.members()[i]];
-      const bool near = std::ranges::all_of(state, [](double x) { return std::abs(x) < largest_component; });
-      if (near && !group.starts(i, task_.start_time, task_.steps > 0 ? task_.step : 0, state.data()))
-        ended[i] = static_cast<std::uint8_t>(ReturnCode::singular);
+        near = near && std::abs(state[k]) < largest_component;
+      }
+      const ReturnCode objection = group.objection_to_start(i, task_, state.data(), near);
+      if (objection != ReturnCode::completed) ended[i] = static_cast<std::uint8_t>(objection);
     }
+    if (gone()) return;
+    group.compile_steps();
     LaneTask whole = task_;
     task_.program = &group.step();
     task_.own = group.own();
@@ -260,7 +275,7 @@ class LaneBlock final : public LaneHost {
   }
 
   /// The place of a member of the task in the block.
-  std::size_t in_block(std::size_t m) const { return group_ ? group_->members()[m] : m; }
+  std::size_t in_block(std::size_t m) const { return group_->members()[m]; }
   void take_final() {
     std::vector<double> state(task_.variables), row;
     for (std::size_t m = 0; m < task_.count; ++m) {
@@ -295,17 +310,10 @@ class LaneBlock final : public LaneHost {
         (variation.parameter ? values_[row++ * count + m] : start_[variation.index * count + m]) = of[k];
       }
     }
-    task_.varied = varied_;
-    task_.values = values_.data();
   }
 
   void append_columns(std::size_t m, double t, const double* state, std::vector<double>& to) {
-    if (group_) {
-      group_->columns(m, t, state, needed_.data());
-    } else {
-      const auto parameters = parameters_of(m);
-      states_.columns({parameters, task_.full, t, state, request_.columns, needed_.data()});
-    }
+    group_->columns(m, t, state, needed_.data());
     own_values_.clear();
     for (std::size_t k = 0; k < varied_.size(); ++k) own_values_.push_back(values_[k * ended_.size() + in_block(m)]);
     to.resize(to.size() + columns_.size());
@@ -344,13 +352,11 @@ class LaneBlock final : public LaneHost {
   const ProblemCard& card_;
   Watch watch_;
   bool fits_ = true;        ///< lanes can find the section
-  std::size_t member_ = 0;  ///< that passes its level, between these times
-  double from_ = 0, to_ = 0;
+  bool full_ = false;       ///< s is carried where the scene has one
   std::size_t tables_ = 0;  ///< bytes of what is needed until the block is done, and of finals
   LaneTask task_;
-  LaneMechanics states_;
-  std::vector<double> left_, right_, between_;  ///< states about a crossing, as an expression reads them
-  const TextGroup* group_ = nullptr;            ///< of which the task's members are, where the scene was given as text
+  std::vector<double> left_, right_, between_;     ///< states about a crossing, as an expression reads them
+  MemberGroup* group_ = nullptr;                   ///< of which the task's members are
   std::vector<double> needed_, own_values_, row_;  ///< of a row: columns of the card, parameters that vary, the result
   std::vector<double> times_, start_, values_, finals_;
   std::vector<std::size_t> varied_;
@@ -368,13 +374,14 @@ class LaneBlock final : public LaneHost {
 
 void evaluate_in_lanes(const LaneProgram& program, const LanePoint& point, double* out) {
   static const auto evaluate = lane_units().back().programs().evaluate;
-  evaluate(program, point, out);
+  thread_local std::vector<double> room;
+  evaluate(program, point, room, out);
 }
 
 bool run_lane_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
-                      const std::atomic<bool>& cancelled, std::span<const LaneUnit> units) {
+                      const std::atomic<bool>& cancelled, const LaneUnit& unit) {
   LaneBlock lanes(plan, columns, block, cancelled);
-  if (!lanes.run(units)) {
+  if (!lanes.run(unit)) {
     block.harvest = {};
     return false;
   }

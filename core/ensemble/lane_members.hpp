@@ -13,18 +13,18 @@ namespace least {
 /// A unit of lanes, compiled for one instruction set.
 struct LaneUnit {
   std::string_view name;
-  std::size_t width = 0;                            ///< doubles in a register
-  LaneMechanics (*mechanics)(std::string_view id);  ///< of a problem; null pointers where it has none
-  LaneMechanics (*programs)();                      ///< of what is given as a program
+  std::size_t width = 0;                     ///< doubles in a register
+  RunLanes (*problem)(std::string_view id);  ///< of a problem of the catalogue; null: there is none
+  LanePrograms (*programs)();
 };
-/// Those that this machine can run, the widest first; the last can do whatever lanes can.
+/// Those that this machine can run, the widest first.
 std::span<const LaneUnit> lane_units();
 /// What a program makes of a point, with the same bits on every machine.
 void evaluate_in_lanes(const LaneProgram& program, const LanePoint& point, double* out);
 
-/// Runs the members of a block as run_lone_members does, in the first of the units that can. False: none can.
-/// `columns`: of the plan.
+/// Runs the members of a block as run_lone_members does, in a unit of lanes. False: they cannot. `columns`: of the
+/// plan.
 bool run_lane_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
-                      const std::atomic<bool>& cancelled, std::span<const LaneUnit> units = lane_units());
+                      const std::atomic<bool>& cancelled, const LaneUnit& unit = lane_units().front());
 
 }  // namespace least

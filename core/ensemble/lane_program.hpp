@@ -49,6 +49,9 @@ enum class LaneCode : std::uint8_t {
   select        ///< b where a is not 0, else c
 };
 
+/// What a program says of a step, as a number. Where several are true it is the first of them.
+enum class StepFailure : std::uint8_t { none, singular, left_domain, unstable };
+
 struct LaneInstruction {
   LaneCode code = LaneCode::copy;
   std::uint32_t out = 0, a = 0, b = 0, c = 0;
@@ -56,8 +59,9 @@ struct LaneInstruction {
 
 /// Instructions in the order in which they are run. Those of shared numbers know no others.
 struct LanePart {
-  std::span<const LaneInstruction> of_step;  ///< shared: what follows from the length of the step alone
-  std::span<const LaneInstruction> of_time;  ///< shared, for every step anew
+  std::span<const LaneInstruction> of_step;     ///< shared: what follows from the length of the step alone
+  std::span<const LaneInstruction> of_members;  ///< in lanes: what follows from that and from constants of one's own
+  std::span<const LaneInstruction> of_time;     ///< shared, for every step anew
   std::span<const LaneInstruction> of_lanes;
 };
 
@@ -74,7 +78,7 @@ struct LaneProgram {
   std::span<const std::uint32_t> kept_shared;  ///< registers of what a step finds of the one before it
   std::span<const std::uint32_t> kept;
   std::span<const std::uint32_t> outputs;  ///< of a program that makes no step: where its values stand
-  std::int32_t failed = -1;                ///< a register that is not 0 in lanes whose step failed; −1: none does
+  std::int32_t failed = -1;                ///< a register with the StepFailure of each lane; −1: no step fails
   std::int64_t forces_at_start = 0, forces_of_step = 0;
 };
 

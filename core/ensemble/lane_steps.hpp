@@ -3,16 +3,32 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 
-#include "core/ensemble/lane_square.hpp"
+#include "core/number/lanes.hpp"
 
 // The schemes see lanes only where they come first.
 #include "core/ensemble/lane_clock.hpp"
 #include "core/ensemble/lane_schemes.hpp"
+#include "core/ensemble/square.hpp"
 #include "core/problem_traits.hpp"
 
 namespace least {
+
+/// What stands for a limit when it is compared with such squares: its own, a little less, so that nothing above the
+/// limit is missed. What follows from it is to be looked at again.
+LEAST_INLINE Lanes screen_of(const Lanes& limit) {
+  constexpr double most = 1e300, room = 1 - 1e-9;
+  const Lanes square = limit * limit * Lanes(room);
+  return select((square > Lanes(most)) & (limit < Lanes(std::numeric_limits<double>::infinity())), Lanes(most), square);
+}
+/// Whether it is below the limit for sure: not where its square is, nor where numbers are too small to tell.
+LEAST_INLINE LaneMask is_below(const Square<Lanes>& a, const Lanes& limit, const Lanes& screen) {
+  if (a.plain) return a.value <= limit;
+  const Lanes least(1e-300);
+  return select(least > a.over, least, a.over) <= screen * a.under;
+}
 
 /// Of each lane whether it goes on.
 struct LaneStatuses {
@@ -35,10 +51,6 @@ template <>
 struct StatusFor<Lanes> {
   using type = LaneStatuses;
 };
-
-/// The narrowest unit does it all: parameters of each lane's own, and s wherever there is one. Wider ones share the
-/// parameters and what follows from them, and carry what the motion needs: that is fast, and half of the compilation.
-inline constexpr bool general = LEAST_LANE_BYTES == 16;
 
 inline constexpr std::size_t packs = 8 / lane_registers;
 inline constexpr std::size_t group_size = packs * lane_count;
@@ -136,32 +148,30 @@ LEAST_INLINE X state_of(const Lanes* x, double t) {
   return y;
 }
 
-/// That of a problem by whatever scheme.
+/// That of a problem by whatever scheme. All members share its parameters.
 template <class P, class X>
 class ProblemSteps : public GroupSteps {
  public:
-  explicit ProblemSteps(const Group<P>& problems) : problems_(problems) {}
+  explicit ProblemSteps(const P& problem) : problem_(problem) {}
 
   LaneFaults at_start(const LaneTask& task, std::size_t j) override {
     using enum ReturnCode;
-    const P& problem = problems_[j];
     const X x = state_of<X>(state(j), task.start_time);
     const bool moves = task.steps > 0;
     LaneFaults faults;
     faults.add(!finite(state(j), X::size), not_finite);
     if constexpr (HasDomain<P>)
-      if (problem.bounded()) faults.add(problem.inside(x.q) < Lanes(0), left_domain);
+      if (problem_.bounded()) faults.add(problem_.inside(x.q) < Lanes(0), left_domain);
     if constexpr (VectorField<P>) {
-      const X slope = derivative(problem, x);
+      const X slope = derivative(problem_, x);
       Lanes all[X::size];
       for (std::size_t i = 0; i < X::size; ++i) all[i] = slope[i];
       faults.add(!finite(all, X::size), singular);
     }
     if constexpr (QuadraticContact<P>)
-      if (moves) faults.add(pole(j, x.action.s, task.step), singular);
+      if (moves) faults.add(pole(x.action.s, task.step), singular);
     if constexpr (HasFrequency<P>) {
-      const Lanes turn(problem.frequency_squared(position(x)));
-      const LaneMask fast = limit_turns(task, j, turn);
+      const LaneMask fast = limit_turns(task, Lanes(problem_.frequency_squared(position(x))));
       if (moves) faults.add(fast, unstable_step);
     }
     return faults;
@@ -171,81 +181,62 @@ class ProblemSteps : public GroupSteps {
     using enum ReturnCode;
     LaneFaults faults;
     faults.add(!seen.well[j], singular);
-    if constexpr (QuadraticContact<P>) faults.add(pole(j, seen.lowest[j], step), singular);
+    if constexpr (QuadraticContact<P>) faults.add(pole(seen.lowest[j], step), singular);
     const LaneMask good = finite(state(j), X::size);
     if constexpr (HasDomain<P>)
-      if (problems_[j].bounded()) faults.add(!seen.inside[j] & good, left_domain);
+      if (problem_.bounded()) faults.add(!seen.inside[j] & good, left_domain);
     faults.add(!good, not_finite);
     if constexpr (watches_turns)
-      faults.add(exactly ? Lanes(problems_[j].frequency_squared(position(state_of<X>(state(j), 0)))) > limit_[j]
-                         : !seen.slow[j],
-                 unstable_step);
+      faults.add(
+          exactly ? Lanes(problem_.frequency_squared(position(state_of<X>(state(j), 0)))) > limit_ : !seen.slow[j],
+          unstable_step);
     return faults;
   }
 
  protected:
   static constexpr bool watches_turns = HasFrequency<P> && !ConstantFrequency<P>;
 
-  const P& problem(std::size_t j) const { return problems_[j]; }
-  /// What a step compares ω² with: for all packs the same where they share the parameters.
-  Lanes limit(std::size_t j) const { return limit_[j]; }
-  Lanes screen(std::size_t j) const { return screen_[j]; }
+  const P& problem() const { return problem_; }
+  /// What a step compares ω² with.
+  Lanes limit() const { return limit_; }
+  Lanes screen() const { return screen_; }
   LEAST_INLINE static LaneMask turns_slowly(const P& problem, const X& y, const Lanes& limit,
                                             const Lanes& screen) requires watches_turns {
-    std::array<LaneSquare, std::tuple_size_v<std::remove_cvref_t<decltype(position(y))>>> q;
+    std::array<Square<Lanes>, std::tuple_size_v<std::remove_cvref_t<decltype(position(y))>>> q;
     for (std::size_t i = 0; i < q.size(); ++i) q[i] = position(y)[i];
     return is_below(problem.frequency_squared(q), limit, screen);
   }
-  void take_limit(const ProblemSteps& other, std::size_t from_pack, std::size_t from, std::size_t pack,
-                  std::size_t lane) {
-    limit_[pack][lane] = other.limit_[from_pack][from];
-    screen_[pack][lane] = other.screen_[from_pack][from];
-  }
 
  private:
-  LaneMask pole(std::size_t j, const Lanes& s, double step) const requires QuadraticContact<P> {
-    return -(problems_[j].action_curvature() * s * step) > Lanes(2);
+  LaneMask pole(const Lanes& s, double step) const requires QuadraticContact<P> {
+    return -(problem_.action_curvature() * s * step) > Lanes(2);
   }
   /// Sets the limits, and says whose ω² is above.
-  LaneMask limit_turns(const LaneTask& task, std::size_t j, const Lanes& turn) requires HasFrequency<P> {
+  LaneMask limit_turns(const LaneTask& task, const Lanes& turn) requires HasFrequency<P> {
     const double square = task.step * task.step;
-    const auto damping_step = [&](std::size_t lane) {
-      if constexpr (ConstantDamping<P>) return std::max(lane_of(problems_[j].damping(), lane), 0.0) * task.step;
-      return 0.0;
-    };
-    LaneMask fast{};
-    for (std::size_t lane = 0; lane < lane_count; ++lane) {
-      const double alpha = damping_step(lane);
-      if constexpr (ConstantFrequency<P>) {
-        if (task.steps > 0 && task.host->is_too_fast(turn[lane] * square, alpha)) fast.set(lane, true);
-      } else {
-        limit_[j][lane] =
-            lane > 0 && alpha == damping_step(lane - 1) ? limit_[j][lane - 1] : task.host->turn_limit(alpha) / square;
-      }
+    double damping_step = 0;
+    if constexpr (ConstantDamping<P>) damping_step = std::max(problem_.damping(), 0.0) * task.step;
+    if constexpr (ConstantFrequency<P>) {
+      LaneMask fast{};
+      for (std::size_t lane = 0; lane < lane_count; ++lane)
+        fast.set(lane, task.steps > 0 && task.host->is_too_fast(turn[lane] * square, damping_step));
+      return fast;
     }
-    if constexpr (ConstantFrequency<P>) return fast;
-    screen_[j] = screen_of(limit_[j]);
-    return turn > limit_[j];
-  }
-  template <class R>
-  static double lane_of(const R& x, std::size_t lane) {
-    if constexpr (std::is_same_v<R, Lanes>) {
-      return x[lane];
-    } else {
-      return x;
-    }
+    limit_ = Lanes(task.host->turn_limit(damping_step) / square);
+    screen_ = screen_of(limit_);
+    return turn > limit_;
   }
 
-  Group<P> problems_;
-  Group<Lanes> limit_{}, screen_{};  ///< of ω²
+  P problem_;
+  Lanes limit_{}, screen_{};  ///< of ω²
 };
 
 /// By a scheme, which outlives it.
 template <class P, class X, class Scheme>
 class BoundGroup final : public ProblemSteps<P, X> {
  public:
-  BoundGroup(const Scheme& scheme, const Group<P>& problems, const Lanes* x, double t)
-      : ProblemSteps<P, X>(problems),
+  BoundGroup(const Scheme& scheme, const P& problem, const Lanes* x, double t)
+      : ProblemSteps<P, X>(problem),
         slots_(bind(scheme, x, t, std::make_index_sequence<packs>{})),
         kept_{kept(std::make_index_sequence<packs>{})} {
     this->show_states(slots_[0].x, X::size, sizeof(Slot) / sizeof(Lanes));
@@ -255,16 +246,11 @@ class BoundGroup final : public ProblemSteps<P, X> {
                                                double h, StepObservations& seen) override {
     using Steps = ProblemSteps<P, X>;
     const std::size_t used = this->used();
-    [[maybe_unused]] P problem = this->problem(0);
-    [[maybe_unused]] Lanes limit = this->limit(0), screen = this->screen(0);
+    [[maybe_unused]] const P problem = this->problem();
+    [[maybe_unused]] const Lanes limit = this->limit(), screen = this->screen();
     for (std::int64_t end = n + count; n < end;) {
       for (std::size_t j = 0; j < used; ++j) {
         Slot& slot = slots_[j];
-        if constexpr (general && (Steps::watches_turns || HasDomain<P>)) {
-          problem = this->problem(j);
-          limit = this->limit(j);
-          screen = this->screen(j);
-        }
         X y = state_of<X>(slot.x, t);
         const StatusOf<Lanes> status = slot.stepper.step(y, h);
         seen.well[j] = seen.well[j] & succeeded(status);
@@ -291,7 +277,6 @@ class BoundGroup final : public ProblemSteps<P, X> {
     auto& from_group = static_cast<BoundGroup&>(other);
     from_group.slots_[from_pack].stepper.each_kept([&](const Lanes& x) { kept[out++] = x[from]; });
     slots_[pack].stepper.each_kept([&](Lanes& x) { x[lane] = kept[in++]; });
-    this->take_limit(from_group, from_pack, from, pack, lane);
   }
   Work work() const override { return slots_[0].stepper.work(); }
 
@@ -304,14 +289,14 @@ class BoundGroup final : public ProblemSteps<P, X> {
   };
   template <std::size_t... J>
   Group<Slot> bind(const Scheme& scheme, const Lanes* x, double t, std::index_sequence<J...>) const {
-    return {Slot(bound(scheme, J, x, t), x + J * X::size)...};
+    return {Slot(bound(scheme, x + J * X::size, t), x + J * X::size)...};
   }
   template <std::size_t... J>
   Group<Stepper> kept(std::index_sequence<J...>) const {
     return {slots_[J].stepper...};
   }
-  [[gnu::noinline]] Stepper bound(const Scheme& scheme, std::size_t j, const Lanes* x, double t) const {
-    return scheme.bind(this->problem(j), state_of<X>(x + j * X::size, t));
+  [[gnu::noinline]] Stepper bound(const Scheme& scheme, const Lanes* x, double t) const {
+    return scheme.bind(this->problem(), state_of<X>(x, t));
   }
 
   Group<Slot> slots_;
@@ -320,19 +305,24 @@ class BoundGroup final : public ProblemSteps<P, X> {
 
 /// Of a scheme, and of the states of a group at the time t.
 template <class P>
-using BindGroup = std::unique_ptr<GroupSteps> (*)(const void* scheme, const Group<P>& problems, const Lanes* x,
-                                                  double t);
+using BindGroup = std::unique_ptr<GroupSteps> (*)(const void* scheme, const P& problem, const Lanes* x, double t);
 template <class P, class X, class Scheme>
-std::unique_ptr<GroupSteps> bind_group(const void* scheme, const Group<P>& problems, const Lanes* x, double t) {
-  return std::unique_ptr<GroupSteps>(new BoundGroup<P, X, Scheme>(*static_cast<const Scheme*>(scheme), problems, x, t));
+std::unique_ptr<GroupSteps> bind_group(const void* scheme, const P& problem, const Lanes* x, double t) {
+  return std::unique_ptr<GroupSteps>(new BoundGroup<P, X, Scheme>(*static_cast<const Scheme*>(scheme), problem, x, t));
 }
-/// f(a scheme, its BindGroup, the bytes of a group), where the scheme at that place of lane_schemes can run the
+
+/// The schemes whose steps are compiled for the lanes of every problem. Steps of all others are run as programs.
+template <class Scheme>
+inline constexpr bool compiled_in_lanes = std::is_same_v<Scheme, Leapfrog> || std::is_same_v<Scheme, ContactLeapfrog> ||
+                                          std::is_same_v<Scheme, ContactSplitting>;
+/// f(a scheme, its BindGroup, the bytes of a group), where the scheme at that place of lane_schemes is compiled for the
 /// problem.
 template <class P, class X, class F>
 void with_bound_scheme(std::size_t place, std::span<const double> settings, F&& f) {
   with_lane_scheme(place, settings, [&]<class Scheme>(const Scheme& scheme) {
-    if constexpr (requires { typename StepperOf<Scheme, P, X>; })
-      f(&scheme, BindGroup<P>(bind_group<P, X, Scheme>), sizeof(BoundGroup<P, X, Scheme>));
+    if constexpr (compiled_in_lanes<Scheme>)
+      if constexpr (requires { typename StepperOf<Scheme, P, X>; })
+        f(&scheme, BindGroup<P>(bind_group<P, X, Scheme>), sizeof(BoundGroup<P, X, Scheme>));
   });
 }
 

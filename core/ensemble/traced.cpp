@@ -6,11 +6,11 @@
 
 namespace least {
 
-// Room for all there may be, which costs nothing before it is written: a step that writes may not throw.
-Trace::Trace() {
+Trace::Trace() : nodes_{{Kind::time}, {Kind::step}} {}
+
+void Trace::make_room() {
   nodes_.reserve(most_nodes);
   constants_.reserve(most_nodes);
-  nodes_ = {{Kind::time}, {Kind::step}};
 }
 void Trace::close() {
   nodes_.shrink_to_fit();

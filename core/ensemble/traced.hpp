@@ -35,6 +35,8 @@ class Trace {
   const std::vector<double>& constants() const { return constants_; }
   Place size() const { return static_cast<Place>(nodes_.size()); }
   bool full() const { return nodes_.size() >= most_nodes; }
+  /// Room for all there may be, which costs nothing before it is written: from now on writing does not throw.
+  void make_room();
   /// Nothing more will be written.
   void close();
 
@@ -50,6 +52,8 @@ class Traced {
       : constant_(constant) {}  // NOLINT(google-explicit-constructor): a number like any other
   static Traced time(Trace& trace) { return {trace, 0}; }
   static Traced step(Trace& trace) { return {trace, 1}; }
+  /// A constant that is not folded: its value may be another one for each who runs what is written.
+  static Traced unfolded(Trace& trace, double value) { return {trace, trace.constant(value)}; }
   static Traced variable(Trace& trace, std::size_t i) {
     return {trace, trace.write({Trace::Kind::variable, {}, static_cast<Trace::Place>(i)})};
   }
@@ -64,6 +68,7 @@ class Traced {
   friend Traced operator*(const Traced& a, const Traced& b);
   friend Traced operator/(const Traced& a, const Traced& b);
   Traced operator-() const { return Traced(-1) * *this; }
+  Traced& operator+=(const Traced& x) { return *this = *this + x; }
 
   friend Traced sqrt(const Traced& x);
   friend Traced exp(const Traced& x);
@@ -81,6 +86,7 @@ class Traced {
   friend Traced abs(const Traced& x);
   friend Traced pow(const Traced& x, double exponent);
   friend Traced raise(const Traced& x, const Traced& exponent);
+  friend Traced pow(const Traced& x, const Traced& exponent) { return raise(x, exponent); }
   friend Traced phi1(const Traced& z);
 
   /// What it is compared with is not known yet, unless both are constants.

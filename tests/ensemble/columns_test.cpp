@@ -48,7 +48,7 @@ TEST(OwnColumns, AreThoseOfTheRunsOfTheMembers) {
   const Harvest alone = test::alone(plan);
   for (const LaneUnit& unit : lane_units()) {
     const auto lanes = test::in_lanes(plan, unit);
-    if (!lanes) continue;
+    ASSERT_TRUE(lanes) << unit.name;
     expect_same_numbers(lanes->final, test::in_lanes(plan, lane_units().back())->final);
     for (const Harvest& all : {*lanes, alone}) {
       ASSERT_EQ(all.final.size(), 6u * 5u);

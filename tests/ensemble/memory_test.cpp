@@ -31,7 +31,9 @@ double grows_by(F&& f) {
   return kibibytes("VmHWM:") - before;
 }
 
-// A row of three columns and its index are 32 bytes a member: of those that are kept a hundred blocks would show.
+// A row of three columns and its index are 32 bytes a member: of those that are kept a hundred blocks would show. What
+// blocks need while they are computed leaves holes between others, some mebibytes of them, however many blocks there
+// are.
 TEST(EnsembleMemory, DoesNotGrowWithTheMembers) {
   constexpr std::int64_t many = 120 * block_size;
   EnsemblePlan plan = test::ensemble_of("kepler", "leapfrog", 0.02);
@@ -42,7 +44,7 @@ TEST(EnsembleMemory, DoesNotGrowWithTheMembers) {
     EXPECT_EQ(test::harvest_of(plan, 2).ended[0], members);
   };
   const double few = grows_by([&] { run(24 * block_size); });  // as many blocks as may be ahead
-  EXPECT_LT(grows_by([&] { run(many); }), few + 1024);
+  EXPECT_LT(grows_by([&] { run(many); }), few + 4096);
   plan.final = true;
   EXPECT_GT(grows_by([&] { run(many); }), few + 8192) << "what the measure can see";
 }

@@ -52,12 +52,52 @@ inline void set_plane(least::EnsemblePlan& plan, const std::string& expression, 
   plan.request.events = {{direction, false}};
   plan.request.section = least::Section{true};
 }
+/// Starts about the card's own, up to a time that is no whole number of steps away.
+inline least::EnsemblePlan about_start(const std::string& problem, std::size_t scheme, std::int64_t count,
+                                       double steps) {
+  least::EnsemblePlan plan = ensemble_of(problem, least::schemes()[scheme].id, 1);
+  auto scene = std::make_shared<least::Scene>(*plan.request.scene);
+  if (problem == "lane_emden") scene->start = 2;
+  std::vector<least::Variation> vary;
+  for (std::size_t i = 0; i < scene->initial.size(); ++i) {
+    double& x = scene->initial[i];
+    if (std::isnan(x)) continue;
+    const double width = 0.02 * (1 + std::abs(x));
+    vary.push_back({false, i, least::Spread::uniform, {x - width, x + width}});
+  }
+  plan.request.end = scene->start + steps * setting(plan, "step");
+  plan.request.scene = std::move(scene);
+  set_members(plan, count, vary);
+  return plan;
+}
+/// All the compositions that the scheme has, by their position, with that of the recommended one among them.
+inline std::vector<double> compositions_of(const least::SchemeCard& scheme) {
+  if (!scheme.find("composition")) return {0};
+  return {0, 1, 4, 8};
+}
+
+/// f(plan of a pair, its name) for every pair that can run ensembles.
+template <class F>
+void for_each_pair(F&& f) {
+  for (const auto& problem : least::problem_list())
+    for (const auto index : problem->card().schemes) {
+      const least::SchemeCard& scheme = least::schemes()[index];
+      if (!least::ensemble_objection(scheme).empty()) continue;
+      if (scheme.id == "lifted_splitting") continue;  // its steps are found in the equations: members go one by one
+      for (const double composition : compositions_of(scheme)) {
+        least::EnsemblePlan plan = about_start(problem->card().id, index, 37, 60.4);
+        if (const auto at = scheme.find("composition")) plan.request.settings[*at] = composition;
+        f(plan, problem->card().id + " by " + scheme.id + ", " + std::to_string(composition));
+      }
+    }
+}
+
 /// The members of the plan as one block, by a unit of lanes; nothing where it cannot.
 inline std::optional<least::Harvest> in_lanes(const least::EnsemblePlan& plan, const least::LaneUnit& unit) {
   const std::atomic<bool> never{false};
   const least::MemberColumns columns(plan.request, plan.members.vary);
   least::Block block{0, plan.first, plan.last - plan.first, {}};
-  if (!least::run_lane_members(plan, columns, block, never, {&unit, 1})) return std::nullopt;
+  if (!least::run_lane_members(plan, columns, block, never, unit)) return std::nullopt;
   return block.harvest;
 }
 /// The same, each by a run of its own.

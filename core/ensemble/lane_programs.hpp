@@ -1,5 +1,5 @@
-// Members of a scene as text in lanes: programs (core/ensemble/lane_program.hpp), instruction by instruction, each for
-// the packs of a group. Only units of lanes include this header.
+// Members in lanes by programs (core/ensemble/lane_program.hpp), instruction by instruction, each for the packs of a
+// group. Only units of lanes include this header.
 #pragma once
 
 #include "core/ensemble/lane_run.hpp"
@@ -180,15 +180,17 @@ void execute(std::span<const LaneInstruction> code, T* registers, const double* 
   }
 }
 
-/// A program with its registers.
+/// A program with its registers: so many packs of the program's `registers` in lanes, and shared_count of shared ones.
 template <class T, std::size_t Width>
 class ProgramRun {
  public:
-  explicit ProgramRun(const LaneProgram& program)
-      : program_(program), registers_(program.registers * Width), shared_(2 + program.shared.size()) {
-    std::ranges::copy(program.shared, shared_.begin() + 2);
+  static std::size_t shared_count(const LaneProgram& program) { return 2 + program.shared.size(); }
+
+  ProgramRun(const LaneProgram& program, T* registers, double* shared)
+      : program_(program), registers_(registers), shared_(shared) {
+    std::ranges::copy(program.shared, shared_ + 2);
   }
-  T* at(std::size_t place) { return registers_.data() + place * Width; }
+  T* at(std::size_t place) { return registers_ + place * Width; }
 
   /// Of the state that stands in its registers, what a step finds of the one before it.
   void start(double t, double h) {
@@ -196,18 +198,21 @@ class ProgramRun {
     set_step(h);
     run(program_.start.of_step);
     run(program_.start.of_time);
-    execute<T, Width>(program_.start.of_lanes, registers_.data(), shared_.data());
+    execute<T, Width>(program_.start.of_lanes, registers_, shared_);
   }
   void set_step(double h) {
     if (h == shared_[1] && prepared_) return;
     shared_[1] = h;
     prepared_ = true;
     run(program_.step.of_step);
+    execute<T, Width>(program_.step.of_members, registers_, shared_);
   }
+  /// Constants of members have become others.
+  void forget_step() { prepared_ = false; }
   void step(double t) {
     shared_[0] = t;
     run(program_.step.of_time);
-    execute<T, Width>(program_.step.of_lanes, registers_.data(), shared_.data());
+    execute<T, Width>(program_.step.of_lanes, registers_, shared_);
     run(program_.after);
   }
 
@@ -229,19 +234,23 @@ class ProgramRun {
   }
 
  private:
-  void run(std::span<const LaneInstruction> code) { execute<double, 1>(code, shared_.data(), nullptr); }
+  void run(std::span<const LaneInstruction> code) { execute<double, 1>(code, shared_, nullptr); }
 
   const LaneProgram& program_;
-  std::vector<T> registers_;
-  std::vector<double> shared_;
+  T* registers_;
+  double* shared_;
   bool prepared_ = false;
 };
 
 class ProgramSteps final : public GroupSteps {
  public:
   ProgramSteps(const LaneTask& task, std::size_t first, const Lanes* x)
-      : program_(*task.program), run_(program_), x_(x, x + packs * program_rows) {
-    show_states(x_.data(), program_rows, program_rows);
+      : program_(*task.program),
+        registers_(program_.registers * packs),
+        shared_(ProgramRun<Lanes, packs>::shared_count(program_)),
+        run_(program_, registers_.data(), shared_.data()),
+        x_(x, x + packs * task.variables) {
+    show_states(x_.data(), task.variables, task.variables);
     for (std::size_t k = 0; k < program_.own; ++k)
       for (std::size_t j = 0; j < packs; ++j)
         for (std::size_t lane = 0; lane < lane_count; ++lane)
@@ -279,6 +288,23 @@ class ProgramSteps final : public GroupSteps {
     const auto take = [&](std::size_t place) { run_.at(place)[pack][lane] = run.at(place)[from_pack][from]; };
     for (std::size_t k = 0; k < program_.own; ++k) take(program_.rows.size() + k);
     for (const auto place : program_.kept) take(place);
+    run_.forget_step();
+  }
+  LaneFaults after(std::size_t j, const StepObservations& seen, double step, bool exactly) override {
+    using enum ReturnCode;
+    if (!exactly || program_.failed < 0) return GroupSteps::after(j, seen, step, exactly);
+    const Lanes failure = run_.at(static_cast<std::size_t>(program_.failed))[j];
+    const auto is = [&](StepFailure why) {
+      const Lanes code(static_cast<double>(why));
+      return (failure >= code) & (failure <= code);
+    };
+    const LaneMask good = finite(state(j), size());
+    LaneFaults faults;
+    faults.add(is(StepFailure::singular), singular);
+    faults.add(is(StepFailure::left_domain) & good, left_domain);
+    faults.add(!good, not_finite);
+    faults.add(is(StepFailure::unstable), unstable_step);
+    return faults;
   }
   Work work() const override { return {program_.forces_at_start + steps_ * program_.forces_of_step}; }
 
@@ -289,6 +315,8 @@ class ProgramSteps final : public GroupSteps {
   }
 
   const LaneProgram& program_;
+  std::vector<Lanes> registers_;
+  std::vector<double> shared_;
   ProgramRun<Lanes, packs> run_;
   ProgramRun<Lanes, packs>::StepCache kept_;
   std::vector<Lanes> x_;
@@ -306,13 +334,15 @@ class ProgramMaker final : public GroupMaker {
   const LaneTask& task_;
 };
 
-inline bool run_program(LaneTask& task) {
-  run_members(task, ProgramMaker(task), task.program->registers * packs * sizeof(Lanes), program_rows, true);
-  return true;
+inline void run_program(LaneTask& task) {
+  run_members(task, ProgramMaker(task), task.program->registers * packs * sizeof(Lanes), task.variables);
 }
 
-inline void evaluate_program(const LaneProgram& program, const LanePoint& point, double* out) {
-  ProgramRun<double, 1> run(program);
+inline void evaluate_program(const LaneProgram& program, const LanePoint& point, std::vector<double>& room,
+                             double* out) {
+  using Run = ProgramRun<double, 1>;
+  room.resize(std::max(room.size(), program.registers + Run::shared_count(program)));
+  Run run(program, room.data(), room.data() + program.registers);
   const std::size_t rows = program.rows.size();
   for (std::size_t k = 0; k < rows; ++k) *run.at(k) = point.values[program.rows[k]];
   for (std::size_t k = 0; k < program.own; ++k) *run.at(rows + k) = point.own[k];

@@ -31,6 +31,16 @@ EnsemblePlan members_of(const std::string& problem, const std::string& scheme, d
   return plan;
 }
 
+/// The same members, of which each has its own value of a parameter, after so many steps.
+EnsemblePlan swept_members_of(const EnsemblePlan& shared, std::int64_t steps) {
+  EnsemblePlan plan = shared;
+  const double value = plan.request.scene->parameters[0];
+  plan.members.vary.push_back(
+      {true, 0, Spread::uniform, {std::min(value, 1.01 * value), std::max(value, 1.01 * value)}});
+  plan.request.steps = steps;
+  return plan;
+}
+
 /// The same members of the same scene, typed.
 EnsemblePlan typed_members_of(const EnsemblePlan& compiled, std::string_view problem) {
   static const std::vector<texts::Typed> all = texts::all();
@@ -59,10 +69,10 @@ void in_lanes(benchmark::State& state, const EnsemblePlan& plan, const LaneUnit&
   const MemberColumns columns(plan.request, plan.members.vary);
   for (auto _ : state) {
     Block block{0, 0, members, {}};
-    if (!run_lane_members(plan, columns, block, never, {&unit, 1}) || block.harvest.ended[0] != members)
+    if (!run_lane_members(plan, columns, block, never, unit) || block.harvest.ended[0] != members)
       state.SkipWithError("the members did not complete");
   }
-  state.counters["units"] = static_cast<double>(members * steps_of_a_member);
+  state.counters["units"] = static_cast<double>(members * plan.request.steps);
 }
 void on_threads(benchmark::State& state, const EnsemblePlan& plan, unsigned threads) {
   for (auto _ : state) benchmark::DoNotOptimize(test::harvest_of(plan, threads).ended[0]);
@@ -95,6 +105,7 @@ const bool ensembles_registered = [] {
         Case{"henon_heiles", "leapfrog", 0.02, 0, 0}, Case{"damped_oscillator", "contact_leapfrog", 0.1, 0, 0},
         Case{"damped_pendulum", "contact_splitting", 0.1, 0, 0},
         Case{"perturbed_kepler", "contact_splitting", 0.02, 1 / 25.0, 1 / 13.0},
+        Case{"henon_heiles", "runge_kutta_4", 0.02, 0, 0}, Case{"lorenz", "runge_kutta_4", 0.01, 0, 0},
         Case{"spin_orbit", "contact_splitting", turn / 64, 1 / 20.0, 0}}) {
     const EnsemblePlan plan = members_of(problem, scheme, step);
     const std::string pair = problem + "/" + scheme;
@@ -107,6 +118,13 @@ const bool ensembles_registered = [] {
                      unit.width == 8   ? wide
                      : unit.width == 4 ? narrow
                                        : 0);
+      for (const std::int64_t steps : {steps_of_a_member, steps_of_a_member / 4}) {
+        const EnsemblePlan swept = swept_members_of(plan, steps);
+        const std::string row = "swept " + std::to_string(steps) + " " + name;
+        add_row(row, [swept, unit](benchmark::State& state) { in_lanes(state, swept, unit); });
+        bench::compare("… " + std::to_string(steps) + " steps with a parameter of each member's own, shared", row, name,
+                       steps == steps_of_a_member ? 2 : 0);
+      }
       if (problem == "kepler") add_peer(unit, step);
       if (problem != "kepler" && problem != "perturbed_kepler") continue;
       const EnsemblePlan typed = typed_members_of(plan, problem);

@@ -170,23 +170,15 @@ LEAST_INLINE Lanes abs(const Lanes& a) { return Lanes(LEAST_PAIR(detail::abs(a.l
 #if defined(__AVX512F__)
 #define LEAST_SLEEF(name, ulp) Sleef_cinz_##name##d8_##ulp##avx512fnofma
 LEAST_INLINE Lanes sqrt(const Lanes& a) { return LEAST_OF_EACH(_mm512_sqrt_pd); }
-LEAST_INLINE Lanes floor(const Lanes& a) { return LEAST_OF_EACH(_mm512_floor_pd); }
 #elif defined(__AVX2__)
 #define LEAST_SLEEF(name, ulp) Sleef_cinz_##name##d4_##ulp##avx
 LEAST_INLINE Lanes sqrt(const Lanes& a) { return LEAST_OF_EACH(_mm256_sqrt_pd); }
-LEAST_INLINE Lanes floor(const Lanes& a) { return LEAST_OF_EACH(_mm256_floor_pd); }
 #elif defined(__SSE2__)
 #define LEAST_SLEEF(name, ulp) Sleef_cinz_##name##d2_##ulp##sse2
 LEAST_INLINE Lanes sqrt(const Lanes& a) { return LEAST_OF_EACH(_mm_sqrt_pd); }
-LEAST_INLINE Lanes floor(const Lanes& a) {
-  return detail::each(a, [](double x) { return __builtin_floor(x); });
-}
 #else
 LEAST_INLINE Lanes sqrt(const Lanes& a) {
   return detail::each(a, [](double x) { return __builtin_sqrt(x); });
-}
-LEAST_INLINE Lanes floor(const Lanes& a) {
-  return detail::each(a, [](double x) { return __builtin_floor(x); });
 }
 #endif
 

@@ -98,7 +98,7 @@ class TapeTracer {
 
 MemberReader::MemberReader(const Scene& scene, std::span<const Variation> vary)
     : card_(scene.card()), text_(scene.mechanics->text()) {
-  const auto know = [&](std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); };
+  const auto know = [&](std::string_view name, const Symbol& meaning) { words_.add({name, meaning, {}}); };
   const auto column = [&](std::string_view name) {
     const auto found = std::ranges::find(card_.columns, name, &ColumnCard::name);
     if (found != card_.columns.end())
@@ -111,13 +111,11 @@ MemberReader::MemberReader(const Scene& scene, std::span<const Variation> vary)
   std::size_t next = card_.columns.size();
   for (const Variation& varied : vary)
     if (varied.parameter) know(card_.parameters[varied.index].name, Symbol::variable(tape_, next++));
-  const std::size_t known = words_.size();
   for (std::size_t i = 0; i < card_.parameters.size() && i < scene.parameters.size(); ++i) {
     const ParameterCard& parameter = card_.parameters[i];
     const bool number = parameter.kind == Kind::number || parameter.kind == Kind::integer;
-    const bool varies = std::any_of(words_.begin(), words_.begin() + static_cast<std::ptrdiff_t>(known),
-                                    [&](const text::Word& word) { return word.name == parameter.name; });
-    if (number && !varies && std::isfinite(scene.parameters[i])) know(parameter.name, scene.parameters[i]);
+    if (number && !words_.find(parameter.name) && std::isfinite(scene.parameters[i]))
+      know(parameter.name, scene.parameters[i]);
   }
 }
 
@@ -134,7 +132,7 @@ std::optional<text::Fault> MemberReader::read(std::string name, std::string text
 
 std::vector<std::string_view> MemberReader::names() const {
   std::vector<std::string_view> all;
-  for (const text::Word& word : words_) all.push_back(word.name);
+  for (const text::Word& word : words_.all()) all.push_back(word.name);
   return all;
 }
 

@@ -31,7 +31,7 @@ class MemberReader {
   const ProblemCard& card_;
   const text::TextScene* text_;  ///< the scene as it was typed; null where it was not
   tape::Tape tape_;              ///< variables: the columns of the card, then the parameters that vary
-  std::vector<text::Word> words_;
+  text::Words words_;
   std::vector<tape::Index> outputs_;
   Measures measures_;
 };

@@ -33,7 +33,7 @@ void Measures::enclose(const interval::RateEnclosure* observed, const interval::
 
 MeasureReader::MeasureReader(const Scene& scene, bool velocities)
     : card_(scene.card()), text_(scene.mechanics->text()) {
-  const auto know = [&](std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); };
+  const auto know = [&](std::string_view name, const Symbol& meaning) { words_.add({name, meaning, {}}); };
   const auto turned = [&](const Symbol& x, bool changes) { return changes ? -x : x; };
   const bool backward = text_ && text_->forward;
   for (std::size_t i = 0; i < card_.variables.size(); ++i)
@@ -80,7 +80,7 @@ std::optional<text::Fault> MeasureReader::read(std::string name, std::string tex
 
 std::vector<std::string_view> MeasureReader::names() const {
   std::vector<std::string_view> all;
-  for (const text::Word& word : words_) all.push_back(word.name);
+  for (const text::Word& word : words_.all()) all.push_back(word.name);
   return all;
 }
 

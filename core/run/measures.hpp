@@ -78,7 +78,7 @@ class MeasureReader {
   const text::TextScene* text_;  ///< the scene as it was typed; null where it was not
   tape::Tape tape_;
   std::vector<std::string> velocities_;  ///< their names
-  std::vector<text::Word> words_;
+  text::Words words_;
   std::vector<tape::Index> outputs_;
   Measures measures_;
 };

@@ -122,6 +122,11 @@ bool is_name(std::string_view word) {
   return !word.empty() && is_letter(word.front()) && std::all_of(word.begin(), word.end(), is_part);
 }
 
+const Word* Words::find(std::string_view name) const {
+  const auto found = by_name_.find(name);
+  return found != by_name_.end() ? &all_[found->second] : nullptr;
+}
+
 std::variant<Expression, Fault> Expression::parse(std::string text, std::size_t most) {
   Expression read;
   read.text_ = std::make_shared<const std::string>(std::move(text));
@@ -154,7 +159,7 @@ bool takes_condition(const Token& token, std::size_t i) {
 
 }  // namespace
 
-std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const Word> words, std::size_t most) const {
+std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, const Words& words, std::size_t most) const {
   std::vector<Value> stack;
   for (const Token& token : tokens_) {
     const tape::Index from = tape.size();
@@ -168,15 +173,15 @@ std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, std::span<const
     if (token.kind == TokenKind::number) {
       made.number = token.value;
     } else if (token.kind == TokenKind::name) {
-      const auto known = std::find_if(words.begin(), words.end(), [&](const Word& w) { return w.name == token.word; });
-      if (known != words.end() && known->refusal.empty()) {
+      const Word* const known = words.find(token.word);
+      if (known && known->refusal.empty()) {
         made.number = known->meaning;
-      } else if (known == words.end() && token.word == "pi") {
+      } else if (!known && token.word == "pi") {
         made.number = std::numbers::pi;
-      } else if (known != words.end()) {
-        return Fault{token.position, std::string(token.word) + " " + std::string(known->refusal), listed(words)};
+      } else if (known) {
+        return Fault{token.position, std::string(token.word) + " " + std::string(known->refusal), listed(words.all())};
       } else {
-        return Fault{token.position, "nobody knows the name " + std::string(token.word), listed(words),
+        return Fault{token.position, "nobody knows the name " + std::string(token.word), listed(words.all()),
                      std::string(token.word)};
       }
     } else if (token.kind == TokenKind::minus) {

@@ -6,6 +6,7 @@
 // Source: Pratt, Top down operator precedence, POPL 1973; Dijkstra, ALGOL 60 translation, 1961 (shunting yard).
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -13,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <variant>
 #include <vector>
 
@@ -70,6 +72,28 @@ struct Word {
   std::string_view refusal{};
 };
 
+/// Names that a text may use: of many one is found at once.
+class Words {
+ public:
+  Words() = default;
+  template <class List>
+  requires std::convertible_to<List, std::span<const Word>> Words(const List& all) {  // NOLINT: they are nothing else
+    for (const Word& word : all) add(word);
+  }
+
+  void add(const Word& word) {
+    by_name_.try_emplace(word.name, all_.size());
+    all_.push_back(word);
+  }
+  /// The first of this name; null where there is none.
+  const Word* find(std::string_view name) const;
+  std::span<const Word> all() const { return all_; }
+
+ private:
+  std::vector<Word> all_;
+  std::unordered_map<std::string_view, std::size_t> by_name_;  ///< the place of the first
+};
+
 /// A text that was read. It keeps the text.
 class Expression {
  public:
@@ -78,8 +102,7 @@ class Expression {
 
   /// Written on the tape, with the names as `words` has them. What is made of constants and is no finite number is
   /// refused, and what takes more than `most` operations of the tape.
-  std::variant<Symbol, Fault> record(tape::Tape& tape, std::span<const Word> words,
-                                     std::size_t most = most_operations) const;
+  std::variant<Symbol, Fault> record(tape::Tape& tape, const Words& words, std::size_t most = most_operations) const;
 
   /// Presentation MathML of the formula as typed, without <math>; a name is shown as `shown` says.
   std::string mathml(const std::function<std::string(std::string_view)>& shown) const;

@@ -135,13 +135,14 @@ class Reader : TextReader {
     const auto known = words(0, no_velocities, no_momenta, no_action);
     const auto potential = record("/potential", given_.formula, known);
     if (potential) form_->potential = *potential;
-    std::vector<Word> constants;
-    for (const Word& word : known) {
-      constants.push_back(word);
+    Words constants, of_time;
+    for (Word word : known.all()) {
       const bool parameter =
           std::ranges::any_of(given_.parameters, [&](const auto& p) { return p.first == word.name; });
-      if (!parameter && constants.back().refusal.empty())
-        constants.back().refusal = "changes; this has to be a number made of parameters";
+      if (!parameter && word.refusal.empty()) word.refusal = "changes; this has to be a number made of parameters";
+      constants.add(word);
+      if (word.name == "t") word.refusal = {};
+      of_time.add(word);
     }
     form_->mass.assign(n(), Symbol(1));
     for (const auto& [name, text] : given_.masses) {
@@ -158,9 +159,6 @@ class Reader : TextReader {
       fault("/damping", "and action_curvature exclude each other", "one of them");
     if (given_.offset && !given_.action_curvature)
       fault("/offset", "goes with action_curvature only", "{\"action_curvature\": γ, \"offset\": R}");
-    std::vector<Word> of_time = constants;
-    for (Word& word : of_time)
-      if (word.name == "t") word.refusal = {};
     if (given_.damping)
       if (const auto damping = record("/damping", *given_.damping, of_time))
         form_->damping = given_.backward ? -*damping : *damping;
@@ -341,7 +339,7 @@ class Reader : TextReader {
     for (const auto& invariant : given_.invariants) {
       const std::string& name = invariant.first;
       const std::string pointer = pointer_to("/invariants/", name);
-      const bool taken = std::ranges::any_of(known, [&](const Word& word) { return word.name == name; });
+      const bool taken = known.find(name) != nullptr;
       const bool column = name == "energy" || std::ranges::find(column_names(), name) != column_names().end();
       if (!is_name(name) || name.size() > longest_name || taken || column) {
         fault(pointer, "\"" + name.substr(0, 40) + "\" cannot be the name of an invariant",

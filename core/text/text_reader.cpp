@@ -62,32 +62,31 @@ void TextReader::check_names() {
   }
 }
 
-std::vector<Word> TextReader::words(char momentum, std::string_view no_velocity, std::string_view no_momentum,
-                                    std::string_view no_s) {
-  std::vector<Word> all;
+Words TextReader::words(char momentum, std::string_view no_velocity, std::string_view no_momentum,
+                        std::string_view no_s) {
+  Words all;
   names_.clear();
   names_.reserve(4 * n());
   auto& tape = form_->tape;
   const auto turned = [this](const Symbol& x) { return given_.backward ? -x : x; };
   for (std::size_t i = 0; i < n(); ++i) {
-    all.push_back({given_.variables[i], Symbol::variable(tape, i)});
+    all.add({given_.variables[i], Symbol::variable(tape, i)});
     if (flow()) continue;
     const Symbol moving = turned(Symbol::variable(tape, static_cast<std::size_t>(form_->numbers.momentum) + i));
-    all.push_back({names_.emplace_back(velocity_name(given_.variables[i])), moving,
-                   momentum == 'v' ? std::string_view() : no_velocity});
-    all.push_back({names_.emplace_back(momentum_name(given_.variables[i])), moving,
-                   momentum == 'p' ? std::string_view() : no_momentum});
+    all.add({names_.emplace_back(velocity_name(given_.variables[i])), moving,
+             momentum == 'v' ? std::string_view() : no_velocity});
+    all.add({names_.emplace_back(momentum_name(given_.variables[i])), moving,
+             momentum == 'p' ? std::string_view() : no_momentum});
   }
-  all.push_back({"t", turned(Symbol::time(tape))});
-  all.push_back({"s", turned(Symbol::variable(tape, static_cast<std::size_t>(form_->numbers.action))), no_s});
+  all.add({"t", turned(Symbol::time(tape))});
+  all.add({"s", turned(Symbol::variable(tape, static_cast<std::size_t>(form_->numbers.action))), no_s});
   for (std::size_t k = 0; k < given_.parameters.size(); ++k)
-    all.push_back(
+    all.add(
         {given_.parameters[k].first, Symbol::variable(tape, static_cast<std::size_t>(form_->numbers.parameter) + k)});
   return all;
 }
 
-std::optional<Symbol> TextReader::record(const std::string& pointer, const std::string& text,
-                                         std::span<const Word> known) {
+std::optional<Symbol> TextReader::record(const std::string& pointer, const std::string& text, const Words& known) {
   characters_ += text.size();
   const std::size_t most = given_.typed ? most_written : most_characters;
   if (characters_ > most) {

@@ -18,12 +18,11 @@ class TextReader {
   void check_names();
   /// What names stand for in a text. `momentum`: the letter of what is known beside the coordinates, `p`, `v` or none;
   /// the others are refused with the reason. Good until it is called again.
-  std::vector<Word> words(char momentum, std::string_view no_velocity, std::string_view no_momentum,
-                          std::string_view no_s);
+  Words words(char momentum, std::string_view no_velocity, std::string_view no_momentum, std::string_view no_s);
   /// The forces beside the mechanics, whose form is known: core/text/forces.cpp.
   void read_forces();
   /// Nothing where the text is wrong, which is then known.
-  std::optional<Symbol> record(const std::string& pointer, const std::string& text, std::span<const Word> known);
+  std::optional<Symbol> record(const std::string& pointer, const std::string& text, const Words& known);
 
   void fault(std::string pointer, std::string detail, std::string allowed = {}) {
     faults_.push_back({std::move(pointer), {0, std::move(detail), std::move(allowed), {}}, false});

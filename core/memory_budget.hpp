@@ -18,17 +18,24 @@ class MemoryBudget {
 
   /// False, and nothing taken, where it would be too much.
   bool take(std::size_t bytes) {
-    if (held_.fetch_add(bytes) + bytes <= most_) return true;
-    held_ -= bytes;
-    return false;
+    std::size_t held = held_;
+    do {
+      if (bytes > most_ || held > most_ - bytes) return false;
+    } while (!held_.compare_exchange_weak(held, held + bytes));
+    return true;
   }
   void give_back(std::size_t bytes) { held_ -= bytes; }
   std::size_t held() const { return held_; }
   std::size_t most() const { return most_; }
 
+  /// For those who wait for others to give back: whether this one is to give up, after so many seconds. One does at a
+  /// time, and then the others have another moment: what it gives back may be what they wait for.
+  bool gives_up(double waited);
+
  private:
   const std::size_t most_;
   std::atomic<std::size_t> held_{0};
+  std::atomic<double> gave_up_{-1e9};  ///< when somebody last did, by steady_seconds
 };
 
 /// The budget has no more room.
@@ -69,6 +76,10 @@ class Held {
   void add(std::size_t bytes) {
     if (!grow_by(bytes)) throw MemoryShortage();
   }
+  /// The same, where others may be about to give back: waits for that, for a moment, as long as its thread's
+  /// computation is to go on.
+  void add_soon(std::size_t bytes);
+  void shrink_to(std::size_t bytes) { shrink_by(bytes_ - std::min(bytes, bytes_)); }
   void shrink_by(std::size_t bytes) {
     bytes = std::min(bytes, bytes_);
     if (!budget_) return;
@@ -100,10 +111,17 @@ class HeldByThread {
   HeldByThread(const HeldByThread&) = delete;
   HeldByThread& operator=(const HeldByThread&) = delete;
 
-  /// So many bytes of the thread's budget; throws MemoryShortage.
+  /// The thread's budget; null: no bound.
+  static MemoryBudget* budget() { return current(); }
+  /// So many bytes of it; throws MemoryShortage.
   static Held take(std::size_t bytes) {
     Held held(current());
     held.add(bytes);
+    return held;
+  }
+  static Held take_soon(std::size_t bytes) {
+    Held held(current());
+    held.add_soon(bytes);
     return held;
   }
 

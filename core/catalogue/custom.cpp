@@ -6,6 +6,7 @@
 
 #include "core/catalogue/found_schemes.hpp"
 #include "core/catalogue/sized_mechanics.hpp"
+#include "core/memory_budget.hpp"
 #include "core/text/sized_scene.hpp"
 
 namespace least {
@@ -68,6 +69,8 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   auto read = text::WrittenOut::of(std::move(typed));
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
   const auto& written = std::get<text::WrittenOut>(read);
+  constexpr std::size_t bytes_of_character = 24;  // with where each comes from
+  const Held held = HeldByThread::take_soon(bytes_of_character * written.definition().characters());
   auto made = custom_mechanics(written.definition());
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&made))
     for (auto& fault : *faults) fault = written.as_typed(std::move(fault));

@@ -42,9 +42,6 @@ Truth truth_of_few(const text::SizedScene& scene, const std::vector<double>& ini
   return truth;
 }
 
-/// What scenes of so many operations come to in memory, about.
-std::size_t bytes_of(tape::Index operations) { return 256 * static_cast<std::size_t>(operations); }
-
 std::string force_jumps(bool can_rest) {
   return std::string(
              "a force jumps with the velocity, as dry friction does; where something comes to rest under it, ") +
@@ -58,7 +55,6 @@ class SizedMechanics final : public Mechanics {
       : text_(std::move(scene)), key_(text_.definition.key()), class_(text_class_of(*text_.form)) {
     std::vector<double> parameters;
     for (const auto& parameter : text_.definition.parameters) parameters.push_back(parameter.second);
-    const Held held = HeldByThread::take(bytes_of(text_.form->tape.size()));
     const auto sized = text_.sized(parameters);
     traits_ = traits_of(*sized);
     std::vector<std::size_t> schemes = schemes_of(*sized);
@@ -99,11 +95,13 @@ class SizedMechanics final : public Mechanics {
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
-    // States on their way: those that are kept along a run, and the rows that its diagnostics see together.
-    const std::size_t states = request.diagnostics.empty() ? 256 : 1024;
+    // States on their way: those between which steps lead, and of those that diagnostics see together half a mebibyte.
+    // What diagnostics follow beside the run takes as much as half a thousand.
+    const bool follows =
+        std::ranges::any_of(request.diagnostics, [&](std::size_t i) { return !card_.diagnostics[i].by_default; });
+    const std::size_t states = follows ? 512 : 32, rows = std::size_t(1) << 19;
     const auto sized = text_.sized(request.scene->parameters);
-    const Held held =
-        HeldByThread::take(states * card_.variables.size() * sizeof(double) + bytes_of(sized->equations.size()));
+    const Held held = HeldByThread::take_soon(states * card_.variables.size() * sizeof(double) + rows);
     Solution solution = least::run(*backend(request), request, columns_, sink, cancelled);
     if (sized->forces.jumps && solution.stop.reason != ReturnCode::completed)
       solution.warnings.push_back({"force_jumps", force_jumps(sized->forces.can_rest())});

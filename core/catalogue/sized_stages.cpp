@@ -188,7 +188,7 @@ void SizedStages<T>::prepare(const double* y, double t, double h) {
     if (is_lifted()) {
       rates(along_.data(), t, moved_.data());
     } else {
-      scene_->motion.evaluate(along_.data(), t, moved_.data());
+      scene_->motion().evaluate(along_.data(), t, moved_.data());
     }
     for (std::size_t i = 0; i < width_; ++i) {
       const double slope = moved_[i].slope[0];

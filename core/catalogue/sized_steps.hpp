@@ -159,7 +159,7 @@ template <int Stages, class T = double>
 class SizedRungeKutta {
  public:
   SizedRungeKutta(const text::SizedScene& scene, const ExplicitTableau<Stages>& tableau, std::size_t components)
-      : rate_(components == scene.components ? &scene.rate : &scene.motion),
+      : rate_(components == scene.components ? &scene.rate : &scene.motion()),
         tableau_(tableau),
         slope_(components),
         sum_(slope_),

@@ -50,7 +50,9 @@ class SizedTable final : public ProblemTable {
   RunState series_state(double) const override { return {}; }
 
  private:
-  const tape::Formula& rate() const { return traits.components == scene_->components ? scene_->rate : scene_->motion; }
+  const tape::Formula& rate() const {
+    return traits.components == scene_->components ? scene_->rate : scene_->motion();
+  }
   double kinetic(StateView x) const;
 
   std::shared_ptr<const text::SizedScene> scene_;

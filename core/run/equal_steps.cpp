@@ -4,13 +4,23 @@
 #include <cmath>
 
 namespace least {
+namespace {
+
+/// The most states of a block that diagnostics see, where states are large: half a mebibyte of them.
+std::int64_t most_rows_of(const ProblemTraits& traits) {
+  constexpr std::size_t numbers = 1 << 16;
+  return static_cast<std::int64_t>(std::max<std::size_t>(numbers / (1 + traits.numbers), 8));
+}
+
+}  // namespace
 
 BlockResult EqualSteps::advance(IntegrationState& state, StepTarget target, StepGuard& guard,
                                 DiagnosticSet* diagnostics) {
   std::int64_t count = std::min(target.n, grid_.step_before(target.t)) - state.n;
   if (count <= 0) return {};
   if (on_series(state.n)) return advance_on_series(state, count, diagnostics);
-  if (diagnostics) count = std::min(count, diagnostics->watches() ? watched_ : most_rows);
+  if (diagnostics)
+    count = std::min({count, diagnostics->watches() ? watched_ : most_rows, most_rows_of(problem_.traits)});
   if (keeps_last_step_) {  // where the last one begins is to be known
     if (count > 1)
       if (const BlockResult result = take_steps(state, count - 1, guard, diagnostics);
@@ -126,7 +136,9 @@ double EqualSteps::pole_ratio(StateView x) const {
 BlockResult EqualSteps::seen_block(IntegrationState& state, std::int64_t count, StepGuard& guard,
                                    DiagnosticSet* diagnostics) {
   if (!diagnostics) return block(state, count, guard, nullptr);
-  if (!rows_) rows_ = std::make_unique_for_overwrite<double[]>(std::size_t(most_rows) * (1 + problem_.traits.numbers));
+  if (!rows_)
+    rows_ = std::make_unique_for_overwrite<double[]>(
+        static_cast<std::size_t>(std::min(most_rows, most_rows_of(problem_.traits))) * (1 + problem_.traits.numbers));
   const BlockResult result = block(state, count, guard, rows_.get());
   if (result) diagnostics->see_signs(rows(count));
   return result;

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "core/memory_budget.hpp"
 #include "core/run/integrator.hpp"
 
 namespace least {
@@ -52,7 +53,9 @@ class Evidence {
     if (!keeps_) return;
     const auto later = states_.begin() + early_;
     for (std::ptrdiff_t i = 0; i < seen_; ++i) later[i] = later[2 * i + 1];
-    states_.resize(static_cast<std::size_t>(early_ + seen_));
+    const std::size_t left = static_cast<std::size_t>(early_ + seen_);
+    held_.shrink_by(held_.bytes() / states_.size() * (states_.size() - left));
+    states_.resize(left);
   }
   void finish(const ProblemTable& problem, const IntegrationState& state) {
     if (!started_) return;
@@ -89,7 +92,10 @@ class Evidence {
   }
 
   void keep(const RunState& x, std::size_t moving) {
-    if (keeps_) states_.push_back({x.t, StateNumbers(x.numbers.begin(), x.numbers.begin() + std::ptrdiff_t(moving))});
+    if (!keeps_) return;
+    constexpr std::size_t copies = 2;  // those of what they are held against stand beside them
+    held_.add(copies * moving * sizeof(double));
+    states_.push_back({x.t, StateNumbers(x.numbers.begin(), x.numbers.begin() + std::ptrdiff_t(moving))});
   }
 
   bool looks_;  ///< for an energy that is kept, for a damping that steps of equal length may not resolve, or to keep
@@ -97,6 +103,7 @@ class Evidence {
   std::int64_t stride_, begun_;  ///< at first, and never longer before that step
   std::int64_t seen_ = 0, early_ = 0;
   std::vector<RunState> states_;
+  Held held_ = HeldByThread::take(0);  ///< for the states
   double level_ = 0, damping_ = 0;
   Energy found_;
 };

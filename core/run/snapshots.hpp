@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/memory_budget.hpp"
 #include "core/run/integrator.hpp"
 
 namespace least {
@@ -14,10 +15,14 @@ class Snapshots {
  public:
   void see(const IntegrationState& state) {
     if (state.n % stride_ != 0) return;
+    constexpr std::size_t copies = 4;  // what they are held against, and the sizes there, stand beside them
+    const std::size_t bytes = copies * state.x.size() * sizeof(double);
+    held_.add(bytes);
     states_.push_back(state.x);
     if (states_.size() <= most) return;
     for (std::size_t i = 0; 2 * i < states_.size(); ++i) states_[i] = states_[2 * i];
     states_.resize((states_.size() + 1) / 2);
+    held_.shrink_to(states_.size() * bytes);
     stride_ *= 2;
   }
   /// The next step after the n-th to be seen.
@@ -28,6 +33,7 @@ class Snapshots {
   static constexpr std::size_t most = 256;
   std::int64_t stride_ = 1;
   std::vector<RunState> states_;
+  Held held_ = HeldByThread::take(0);  ///< for them
 };
 
 }  // namespace least

@@ -11,7 +11,7 @@ namespace least::taylor {
 /// A program made of a tape; what that takes meanwhile is held of the thread's budget.
 inline tape::Program program_of(const tape::Tape& tape, std::span<const tape::Index> rates, std::size_t most) {
   constexpr std::size_t bytes_of_operation = 320;
-  const Held held = HeldByThread::take(bytes_of_operation * static_cast<std::size_t>(tape.size()));
+  const Held held = HeldByThread::take_soon(bytes_of_operation * static_cast<std::size_t>(tape.size()));
   return {tape, rates, most};
 }
 

@@ -71,6 +71,12 @@ SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs,
   }
 }
 
+std::size_t SparseJacobian::bytes() const {
+  std::size_t entries = 0;
+  for (const Columns& columns : columns_) entries += columns.entries.size();
+  return entries * (sizeof(std::uint32_t) + sizeof(columns_.front().entries.front()));
+}
+
 void SparseJacobian::differentiate(const Formula& formula, const Directions* x, double t, Directions* out) {
   formula.evaluate(x, Directions(t), out);
 }

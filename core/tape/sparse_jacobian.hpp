@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/number/dual.hpp"
 #include "core/number/sparse_system.hpp"
 #include "core/tape/formula.hpp"
@@ -20,16 +21,20 @@ class SparseJacobian {
   SparseJacobian(const Tape& tape, std::span<const Index> outputs, std::size_t variables);
 
   const SparsityPattern& pattern() const { return pattern_; }
+  /// Of its entries, in memory.
+  std::size_t bytes() const;
   /// What one costs, in evaluations.
   std::size_t directions() const { return columns_.size(); }
 
   /// Calls take(row, column, ∂out_row/∂x_column) for every entry of the pattern; `formula` is that of the outputs.
+  /// Where it is not to go on (AskedByThread) it leaves the rest out.
   template <class Take>
   void evaluate(const Formula& formula, const double* x, double t, Take&& take) const {
     thread_local std::vector<Directions> along, moved;
     along.resize(variables_);
     moved.resize(pattern_.size());
     for (std::size_t first = 0; first < columns_.size(); first += at_once) {
+      if (first > 0 && !AskedByThread::goes_on()) return;
       const std::size_t count = std::min(at_once, columns_.size() - first);
       for (std::size_t j = 0; j < variables_; ++j) along[j] = Directions(x[j]);
       for (std::size_t k = 0; k < count; ++k)

@@ -31,6 +31,14 @@ std::span<const std::string_view> column_names() {
   return names;
 }
 
+std::size_t Definition::characters() const {
+  std::size_t count = formula.size();
+  for (const auto* text : {&damping, &action_curvature, &offset, &dissipation}) count += text->value_or("").size();
+  for (const Named* named : {&masses, &equations, &invariants, &forces})
+    for (const auto& [name, text] : *named) count += text.size();
+  return count;
+}
+
 std::string Definition::key() const {
   std::string key = "custom:" + std::to_string(static_cast<int>(kind));
   const auto append = [&](std::string_view part) { key.append(std::to_string(part.size())).append(":").append(part); };

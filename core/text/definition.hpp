@@ -48,6 +48,8 @@ struct Definition {
   std::shared_ptr<const Vocabulary> vocabulary{};
 
   bool is_forced() const { return !forces.empty() || dissipation; }
+  /// Of all of its texts.
+  std::size_t characters() const;
   /// The same for definitions of the same content and for no others.
   std::string key() const;
 };

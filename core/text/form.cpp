@@ -24,6 +24,9 @@ class Reader : TextReader {
     check_names();
     if (!faults().empty()) return faults();
     form_->tape.bound(static_cast<tape::Index>(8 * operations()));
+    // Its names and tokens, and what derivatives take on their way.
+    constexpr std::size_t bytes_of_character = 48;
+    Held meanwhile = HeldByThread::take_soon(bytes_of_character * given_.characters());
     try {
       read_invariants();
       given_.kind == Definition::Kind::equations ? read_flow() : read_mechanics();
@@ -32,6 +35,10 @@ class Reader : TextReader {
       fault("", "its derivatives take too many operations", std::to_string(operations()) + " in the texts");
     }
     if (!faults().empty()) return faults();
+    constexpr std::size_t bytes_of_operation = 64;
+    const std::size_t bytes = bytes_of_operation * static_cast<std::size_t>(form_->tape.size());
+    meanwhile.shrink_by(bytes);
+    form_->held.add_soon(bytes);
     return std::shared_ptr<const Form>(form_);
   }
 
@@ -287,7 +294,7 @@ class Reader : TextReader {
   }
 
   /// So many more entries of matrices. Throws MemoryShortage.
-  void hold(std::size_t entries) { matrices_.add(entries * sizeof(Matrix::Entry)); }
+  void hold(std::size_t entries) { matrices_.add_soon(entries * sizeof(Matrix::Entry)); }
   void keep_hessian(const Matrix& second) {
     if (!form_->hessian.empty()) return;
     hold(second.entries());

@@ -91,6 +91,7 @@ struct Form {
   std::vector<Symbol> friction;    ///< −∂D/∂v, of q, v, t
   std::vector<Symbol> invariants;  ///< of q, p, s, t; of a flow of its variables
   std::vector<std::string> invariant_names;
+  Held held = HeldByThread::take(0);  ///< for the tape
 };
 
 /// What the definition describes, or everything that is wrong with it.

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/memory_budget.hpp"
 #include "core/tape/formula.hpp"
 #include "core/text/expansion.hpp"
 #include "core/text/folding.hpp"
@@ -51,6 +52,8 @@ TextScene TextScene::of(Definition definition, std::shared_ptr<const Form> form)
 }
 
 std::shared_ptr<const SizedScene> TextScene::sized(std::span<const double> parameters) const {
+  if (!known) return made->with(*form, parameters);
+  const HeldByThread nobody(nullptr);  // a problem of the catalogue stays when a request is over
   return made->with(*form, parameters);
 }
 

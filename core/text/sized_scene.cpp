@@ -39,6 +39,9 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
   components = flow ? n : 2 * n + (acting ? 1 : 0);
   moving = kind == FormKind::contact_linear ? 2 * n : components;
   equations.bound(most_equations);
+  // Of its tape alone; what is made of that is held as soon as it is known how long it is.
+  constexpr std::size_t bytes_of_typed = 96, bytes_of_made = 128;
+  held_.add_soon(bytes_of_typed * static_cast<std::size_t>(form.tape.size()));
   const auto variable = [&](std::size_t i) { return Symbol::variable(equations, i); };
   const Numbering& numbers = form.numbers;
   tape::Substitution fold(form.tape, equations, [&](int i) {
@@ -56,6 +59,8 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     std::vector<tape::Index> places;
     places.reserve(all.size());
     for (const Symbol& y : all) places.push_back(y.on(equations));
+    const std::size_t made = bytes() + bytes_of_made * static_cast<std::size_t>(equations.size());
+    if (made > held_.bytes()) held_.add_soon(made - held_.bytes());
     return tape::Formula(equations, places);
   };
   const auto number = [](const Symbol& y) {
@@ -124,12 +129,22 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     components = moving + 1;
     set_forces(force);
   }
+  rate = formula(all);
   for (const Symbol& y : all) rates.push_back(y.on(equations));
-  rate = tape::Formula(equations, rates);
-  motion = components > moving ? tape::Formula(equations, std::span(rates).first(moving)) : rate;
+  if (components > moving) motion_ = tape::Formula(equations, std::span(rates).first(moving));
   all = folded(form.invariants);
   all.resize(most_invariants);
   invariants = formula(all);
+  held_.shrink_to(bytes());
+}
+
+std::size_t SizedScene::bytes() const {
+  constexpr std::size_t of_tape = 48, of_formula = 40;
+  std::size_t steps = 0;
+  for (const tape::Formula* made :
+       {&rate, &motion_, &potential, &gradient, &damping, &hamiltonian, &invariants, &forces.values, &forces.jacobian})
+    steps += made->operations();
+  return of_tape * static_cast<std::size_t>(equations.size()) + of_formula * steps;
 }
 
 void SizedScene::set_forces(const std::vector<Symbol>& all) {
@@ -229,18 +244,29 @@ void SizedScene::set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& h
 
 const tape::SparseJacobian& SizedScene::curvature() const {
   std::call_once(curvature_->made, [&] {
-    curvature_->of = std::make_unique<const tape::SparseJacobian>(equations, slopes_, coordinates);
+    const HeldByThread same(budget_);
+    // What each operation reads, a bit for each coordinate; then the entries.
+    Held held = HeldByThread::take_soon(static_cast<std::size_t>(equations.size()) * (coordinates / 8 + 1));
+    auto made = std::make_unique<const tape::SparseJacobian>(equations, slopes_, coordinates);
+    held.shrink_to(0);
+    held.add_soon(made->bytes());
+    curvature_->of = std::move(made);
+    curvature_->held = std::move(held);
   });
   return *curvature_->of;
 }
 
 const tape::Program& SizedScene::series(bool all) const {
-  constexpr std::size_t bytes_of_operation = 320;  // meanwhile
+  constexpr std::size_t bytes_of_operation = 104, meanwhile = 320;
   const std::size_t count = all ? components : moving;
   SeriesProgram& known = *(count == components ? series_ : motion_series_);
   std::call_once(known.made, [&] {
-    const Held held = HeldByThread::take(bytes_of_operation * static_cast<std::size_t>(equations.size()));
+    const HeldByThread same(budget_);
+    const auto size = static_cast<std::size_t>(equations.size());
+    Held held = HeldByThread::take_soon(meanwhile * size);
     known.of.emplace(equations, std::span(rates).first(count), count);
+    held.shrink_to(bytes_of_operation * size);
+    known.held = std::move(held);
   });
   return *known.of;
 }

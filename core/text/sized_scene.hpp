@@ -45,7 +45,7 @@ class SizedScene {
 
   tape::Tape equations;            ///< ẋ of all components
   std::vector<tape::Index> rates;  ///< their places
-  tape::Formula rate, motion;      ///< of the components, and of those that move: ẋ
+  tape::Formula rate;              ///< ẋ of the components
   tape::Formula potential, gradient, damping;
   tape::Formula hamiltonian;         ///< of a general one: H, and H_s
   std::shared_ptr<const Lift> lift;  ///< of a general Hamiltonian that has one
@@ -65,6 +65,9 @@ class SizedScene {
     bool can_rest() const { return jumps && diagonal && solvable(); }
   };
   Forces forces;
+
+  /// ẋ of the components that move.
+  const tape::Formula& motion() const { return components > moving ? motion_ : rate; }
 
   /// v = g⁻¹p of a constant metric, to n numbers.
   template <class T>
@@ -103,11 +106,16 @@ class SizedScene {
   const tape::Program& series(bool all) const;
 
  private:
+  /// What its tape and formulas come to in memory, about.
+  std::size_t bytes() const;
   void set_forces(const std::vector<Symbol>& all);
   /// `second`: the numbers of the entries of ∂²L/∂v² or ∂²H/∂p² where the metric is not diagonal.
   void set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian, const std::vector<double>& second,
                 bool of_velocities);
 
+  MemoryBudget* const budget_ = HeldByThread::budget();  ///< of whom it was made for, also for what is made later
+  Held held_ = HeldByThread::take(0);
+  tape::Formula motion_;                   ///< where not all components move
   double constant_alpha_ = 0;              ///< where the damping is constant
   std::vector<double> inverse_mass_;       ///< of each coordinate
   std::vector<SparseRow> inverse_matrix_;  ///< where the metric is not diagonal: g⁻¹
@@ -115,12 +123,14 @@ class SizedScene {
   struct Curvature {
     std::once_flag made;
     std::unique_ptr<const tape::SparseJacobian> of;
+    Held held{};
   };
   std::vector<tape::Index> slopes_;  ///< ∇V
   std::shared_ptr<Curvature> curvature_ = std::make_shared<Curvature>();
   struct SeriesProgram {
     std::once_flag made;
     std::optional<const tape::Program> of;
+    Held held{};
   };
   std::shared_ptr<SeriesProgram> series_ = std::make_shared<SeriesProgram>(),
                                  motion_series_ = std::make_shared<SeriesProgram>();

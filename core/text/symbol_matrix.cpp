@@ -53,7 +53,7 @@ Row combined(const Row& a, const Symbol& f, const Row& b, Row::const_iterator be
 class Elimination {
  public:
   explicit Elimination(SymbolMatrix a) : a_(std::move(a)), b_(a_.size()), rows_(a_.size()) {
-    held_.add(sizeof(Entry) * (a_.entries() + a_.size()));
+    held_.add_soon(sizeof(Entry) * (a_.entries() + a_.size()));
     for (std::size_t i = 0; i < a_.size(); ++i) {
       b_.row(i).push_back({i, Symbol(1)});
       for (const Entry& entry : a_.row(i)) rows_[entry.column].push_back(i);
@@ -103,7 +103,7 @@ class Elimination {
       for (const Entry& entry : a_.row(i)) rows_[entry.column].push_back(i);
   }
   void replace(Row& row, Row with) {
-    held_.add(with.size() * sizeof(Entry));
+    held_.add_soon(with.size() * sizeof(Entry));
     held_.shrink_by(row.size() * sizeof(Entry));
     row = std::move(with);
   }
@@ -142,7 +142,7 @@ int sign_of_pivots(const SymbolMatrix& matrix, std::span<const double> numbers) 
     begin[i] = matrix.row(i).empty() ? i : std::min(i, matrix.row(i).front().column);
     start[i + 1] = start[i] + i - begin[i];
   }
-  held.add(start[n] * sizeof(double));
+  held.add_soon(start[n] * sizeof(double));
   std::vector<double> lower(start[n], 0), pivots(n, 0);
   std::size_t next = 0;
   int sign = 0;

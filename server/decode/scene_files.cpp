@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/catalogue/custom.hpp"
+#include "core/memory_budget.hpp"
 #include "core/text/scene.hpp"
 #include "server/decode/custom_reader.hpp"
 #include "server/decode/scene_reader.hpp"
@@ -152,6 +153,7 @@ TextProblem read_scene_file(std::string_view path, std::string_view body) {
 
 const std::vector<TextProblem>& text_problems() {
   static const std::vector<TextProblem> all = [] {
+    const HeldByThread nobody(nullptr);  // they stay
     std::vector<TextProblem> made;
     for (const SceneFile& file : scene_files()) {
       try {

@@ -113,8 +113,9 @@ TEST(Ledger, HoldsWhatEveryEndpointMakes) {
   }
 }
 
-// What a scene of a thousand coordinates makes grows with what it says, not with their square: of eight at once at
-// least four have room, where one alone had none.
+// What a scene of a thousand coordinates makes grows with what it says, not with their square: some 11 MiB are held as
+// long as it runs, so that eight at once have room; who needs more while equations are derived waits for another who
+// does. Where the machine is so slow that the wait is too short, some may be told so.
 TEST(Ledger, HasRoomForLargeScenes) {
   Process service({"serve", "--port", "0", "--threads", "8", "--log-level", "warning", "--max-memory", "100M"});
   const int port = port_in(service.line());
@@ -127,7 +128,7 @@ TEST(Ledger, HasRoomForLargeScenes) {
       std::vector<std::jthread> clients;
       for (int& status : statuses) clients.emplace_back([&] { status = status_of(port, request); });
     }
-    EXPECT_GE(std::ranges::count(statuses, 200), 4) << scene.name;
+    EXPECT_GE(std::ranges::count(statuses, 200), 6) << scene.name;
     for (const int status : statuses) EXPECT_TRUE(status == 200 || status == 503) << status;
   }
   EXPECT_LE(peak_mebibytes(service), 160);

@@ -1,0 +1,86 @@
+// The memory that requests share: what is taken, and how those wait who find no room.
+#include "core/memory_budget.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <latch>
+#include <thread>
+#include <vector>
+
+#include "core/clock.hpp"
+#include "core/number/asked_by_thread.hpp"
+
+namespace least {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(MemoryBudget, IsNotInTheWayWhereSomebodyAsksForTooMuch) {
+  MemoryBudget budget(100);
+  std::atomic<bool> over{false};
+  std::jthread greedy([&] {
+    while (!over) EXPECT_FALSE(budget.take(101));
+  });
+  int failed = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    if (budget.take(60))
+      budget.give_back(60);
+    else
+      ++failed;
+  }
+  over = true;
+  EXPECT_EQ(failed, 0);
+}
+
+TEST(MemoryBudget, IsWaitedForUntilOthersGiveBack) {
+  MemoryBudget budget(100);
+  Held other(&budget), held(&budget);
+  other.add(80);
+  std::jthread later([&] {
+    std::this_thread::sleep_for(50ms);
+    other.shrink_to(20);
+  });
+  held.add_soon(60);
+  EXPECT_EQ(held.bytes(), 60U);
+}
+
+TEST(MemoryBudget, IsNotWaitedForInVain) {
+  MemoryBudget budget(100);
+  Held other(&budget), held(&budget);
+  other.add(80);
+  double from = steady_seconds();
+  EXPECT_THROW(held.add_soon(101), MemoryShortage);
+  EXPECT_LT(steady_seconds() - from, 0.2) << "there never is so much";
+  const AskedByThread asked([] { return false; });
+  from = steady_seconds();
+  EXPECT_THROW(held.add_soon(60), MemoryShortage);
+  EXPECT_LT(steady_seconds() - from, 0.2) << "nobody waits for it";
+}
+
+// Each holds what another waits for: one gives up, and all others have what they want one after the other.
+TEST(MemoryBudget, LetsOneGiveUpForAllOthers) {
+  MemoryBudget budget(100);
+  std::latch all_hold(4);
+  std::atomic<int> failed{0};
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < 4; ++i)
+      threads.emplace_back([&] {
+        Held held(&budget);
+        held.add(25);
+        all_hold.arrive_and_wait();
+        try {
+          held.add_soon(25);
+        } catch (const MemoryShortage&) {
+          ++failed;
+        }
+      });
+  }
+  EXPECT_EQ(failed, 1);
+  EXPECT_EQ(budget.held(), 0U);
+}
+
+}  // namespace
+}  // namespace least

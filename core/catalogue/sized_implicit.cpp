@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/number/linear.hpp"
 #include "core/schemes/damping_pole.hpp"
 
@@ -32,7 +33,8 @@ PlaceSolver::PlaceSolver(const text::SizedScene& scene)
       system_(pattern_of(scene)),
       start_(scene.coordinates),
       place_(scene.coordinates),
-      slope_(scene.coordinates) {
+      slope_(scene.coordinates),
+      held_(HeldByThread::take_soon(system_.bytes())) {
   if (scene.has_full_mass()) {
     const std::size_t n = scene.coordinates;
     mass_.resize(n * n);
@@ -44,7 +46,7 @@ PlaceSolver::PlaceSolver(const text::SizedScene& scene)
   }
 }
 
-void PlaceSolver::prepare(const std::vector<double>& place, double beta, double t, Work& work) {
+bool PlaceSolver::prepare(const std::vector<double>& place, double beta, double t, Work& work) {
   const std::size_t n = place.size();
   const auto& curvature = scene_->curvature();
   system_.clear();
@@ -56,8 +58,8 @@ void PlaceSolver::prepare(const std::vector<double>& place, double beta, double 
   curvature.evaluate(scene_->gradient, place.data(), t, [&](std::size_t row, std::size_t column, double value) {
     system_.add(row, column, beta * value);
   });
-  system_.factor();
   work.forces += static_cast<std::int64_t>(curvature.directions());
+  return AskedByThread::goes_on() && system_.factor();
 }
 
 double PlaceSolver::times_mass(std::size_t i, const double* x, const double* start) const {
@@ -77,7 +79,7 @@ StepStatus PlaceSolver::solve(const double* start, double beta, double t, std::v
   std::copy_n(start, n, place.begin());
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < most_rounds; ++round) {
-    if (round == 0) prepare(place, beta, t, work);
+    if (round == 0 && !prepare(place, beta, t, work)) return StepStatus::solver_failed;
     scene_->gradient.evaluate(place.data(), t, slope.data());
     ++work.forces;
     ++work.iterations;
@@ -94,7 +96,8 @@ StepStatus PlaceSolver::solve(const double* start, double beta, double t, std::v
     // The slope is that of the place, and the update is less than is known of either.
     if (changed <= small || (changed >= 0.5 * before && changed <= 1e3 * small)) return StepStatus::ok;
     for (std::size_t i = 0; i < n; ++i) place[i] -= update_[i];
-    if (round % patience == patience - 1 && changed > 1e-2 * before) prepare(place, beta, t, work);
+    if (round % patience == patience - 1 && changed > 1e-2 * before && !prepare(place, beta, t, work))
+      return StepStatus::solver_failed;
     before = changed;
   }
   return StepStatus::solver_failed;
@@ -105,7 +108,7 @@ StepStatus PlaceSolver::solve(const Slope* start, double beta, double t, std::ve
   const std::size_t n = place.size();
   for (std::size_t i = 0; i < n; ++i) start_[i] = start[i].value;
   if (const auto status = solve(start_.data(), beta, t, place_, slope_, work); status != StepStatus::ok) return status;
-  prepare(place_, beta, t, work);
+  if (!prepare(place_, beta, t, work)) return StepStatus::solver_failed;
   std::vector<double> change(n), none(n);
   for (std::size_t i = 0; i < n; ++i) change[i] = start[i].slope[0];
   for (std::size_t i = 0; i < n; ++i) update_[i] = times_mass(i, change.data(), none.data());

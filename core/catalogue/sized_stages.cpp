@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/schemes/contact_gauss.hpp"
 
 namespace least {
@@ -61,7 +62,8 @@ SizedStages<T>::SizedStages(const text::SizedScene& scene, const StageRule& rule
       middle_(row_),
       along_(row_),
       moved_(row_),
-      newton_(std::make_shared<Newton>()) {}
+      newton_(std::make_shared<Newton>()),
+      slow_(scene.equations.size() > 4096) {}
 
 template <class T>
 StepStatus SizedStages<T>::step(T* x, double t, double h) noexcept {
@@ -144,6 +146,10 @@ StepStatus SizedStages<T>::stage(T* x, double t, double h) {
     work_.forces += static_cast<std::int64_t>(stages);
   };
   const auto residual = [&](const T* z, T* wrong) {
+    if (slow_ && !AskedByThread::goes_on()) {  // no solution is found from there
+      std::fill_n(wrong, all, T(unknown));
+      return;
+    }
     look(z);
     for (std::size_t a = 0; a < stages; ++a)
       for (std::size_t i = 0; i < width_; ++i) {
@@ -182,7 +188,7 @@ template <class T>
 void SizedStages<T>::prepare(const double* y, double t, double h) {
   const std::size_t stages = rule_.stages, all = stages * width_;
   std::array<double, 4> sizes{};
-  for (std::size_t k = 0; k < width_; ++k) {
+  for (std::size_t k = 0; k < width_ && (!slow_ || AskedByThread::goes_on()); ++k) {
     for (std::size_t i = 0; i < row_; ++i) along_[i] = Slope(y[i]);
     along_[k].slope[0] = 1;
     if (is_lifted()) {

@@ -78,6 +78,7 @@ class SizedStages {
   std::array<double, 4> weighs_{};    ///< what brings each kind to one unit
   std::vector<Slope> along_, moved_;  ///< a point and the rates there, with their changes in a direction
   std::shared_ptr<Newton> newton_;    ///< shared by copies: it keeps nothing from one step to the next
+  bool slow_;                         ///< its rates take long: it asks now and then whether it is to go on
   Work work_;
 };
 

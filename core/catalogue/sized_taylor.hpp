@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/run/run_state.hpp"
 #include "core/schemes/taylor.hpp"
 
@@ -33,6 +34,8 @@ class SizedTaylorStepper {
     work_.forces += expansion_->order();
     double h = expansion_->step(most);
     if (!(h > 0)) return StepStatus::singular;
+    // Of a step that was not looked at to its end it is not known which formulas hold in it.
+    if (!expansion_->program().switches.empty() && !AskedByThread::goes_on()) return StepStatus::solver_failed;
     if (!(x.t + h < x.t + most)) h = most;
     for (;; h *= 0.5) {
       if (h < most && !(x.t + h > x.t)) return StepStatus::underflow;

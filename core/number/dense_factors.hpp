@@ -1,4 +1,4 @@
-// LU decompositions by Eigen of matrices whose size is known when they run, in place (core/number/linear.cpp).
+// LU decompositions of matrices whose size is known when they run, in place (core/number/linear.cpp).
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,8 @@ class DenseFactors {
 
   /// Row by row; spoilt by `factor`.
   double* entries();
-  void factor();
+  /// By blocks of columns, between which it asks whether it is to go on (AskedByThread); false: it is not.
+  bool factor();
   /// x with A x = b in the place of b; not finite where the matrix has no inverse.
   void solve(double* b);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/number/dense_factors.hpp"
 #include "core/number/quad.hpp"
 
@@ -122,23 +123,49 @@ void detail::invert(std::size_t n, double* a) {
 }
 
 struct DenseFactors::Eigens {
-  Large matrix;
-  Eigen::PartialPivLU<Large> lu;
-  Eigen::VectorXd solution;
+  Large matrix;  ///< in which L and U take the place of A
+  Eigen::VectorXi exchanged;
 };
 DenseFactors::DenseFactors(std::size_t n) : of_(std::make_unique<Eigens>()) {
   const auto size = static_cast<Eigen::Index>(n);
   of_->matrix.resize(size, size);
-  of_->lu = Eigen::PartialPivLU<Large>(size);
-  of_->solution.resize(size);
+  of_->exchanged.resize(size);
 }
 DenseFactors::~DenseFactors() = default;
 double* DenseFactors::entries() { return of_->matrix.data(); }
-void DenseFactors::factor() { of_->lu.compute(of_->matrix); }
+/// Gaussian elimination with pivots from each column, so many columns at a time: what follows them to the right changes
+/// by products of matrices. (Golub & Van Loan, Matrix Computations, 2013, 3.4.6.)
+bool DenseFactors::factor() {
+  constexpr Eigen::Index at_once = 48;
+  Large& a = of_->matrix;
+  const Eigen::Index n = a.rows();
+  for (Eigen::Index first = 0; first < n; first += at_once) {
+    if (!AskedByThread::goes_on()) return false;
+    const Eigen::Index count = std::min(at_once, n - first), right = n - first - count;
+    for (Eigen::Index k = first; k < first + count; ++k) {
+      Eigen::Index pivot = 0;
+      a.col(k).tail(n - k).cwiseAbs().maxCoeff(&pivot);
+      pivot += k;
+      of_->exchanged[k] = static_cast<int>(pivot);
+      if (pivot != k) a.row(k).swap(a.row(pivot));
+      const Eigen::Index left = first + count - k - 1;
+      for (Eigen::Index i = k + 1; i < n; ++i) {
+        const double part = a(i, k) /= a(k, k);
+        a.row(i).segment(k + 1, left) -= part * a.row(k).segment(k + 1, left);
+      }
+    }
+    if (right == 0) break;
+    auto beside = a.block(first, n - right, count, right);
+    a.block(first, first, count, count).triangularView<Eigen::UnitLower>().solveInPlace(beside);
+    a.bottomRightCorner(right, right).noalias() -= a.block(n - right, first, right, count) * beside;
+  }
+  return true;
+}
 void DenseFactors::solve(double* b) {
-  Eigen::Map<Eigen::VectorXd> x(b, of_->solution.size());
-  of_->solution = of_->lu.solve(x);
-  x = of_->solution;
+  Eigen::Map<Eigen::VectorXd> x(b, of_->matrix.rows());
+  for (Eigen::Index k = 0; k < x.size(); ++k) std::swap(x[k], x[of_->exchanged[k]]);
+  of_->matrix.triangularView<Eigen::UnitLower>().solveInPlace(x);
+  of_->matrix.triangularView<Eigen::Upper>().solveInPlace(x);
 }
 
 double detail::determinant_by_lu(std::size_t n, double* a) {

@@ -97,7 +97,7 @@ void SparseSystem::add(std::size_t i, std::size_t j, double value) {
   }
 }
 
-void SparseSystem::factor() {
+bool SparseSystem::factor() {
   if (dense_) return dense_->factor();
   const std::size_t n = size();
   for (std::size_t k = 0; k < n; ++k) {
@@ -115,6 +115,7 @@ void SparseSystem::factor() {
       for (std::size_t j = k + 1; j < right; ++j) r[j] -= part * of[j];
     }
   }
+  return true;
 }
 
 void SparseSystem::solve(double* b) {

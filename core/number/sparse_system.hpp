@@ -26,12 +26,16 @@ class SparseSystem {
   /// Entries on either side of the diagonal, after the renumbering.
   std::size_t bandwidth() const { return band_; }
 
+  /// Of its entries, in memory.
+  std::size_t bytes() const { return sizeof(double) * (dense_ ? size() * size() : entries_.size()); }
+
   /// Makes every entry 0.
   void clear();
   /// Adds to the entry of row i and column j, which is one of the pattern.
   void add(std::size_t i, std::size_t j, double value);
-  /// Puts the factors in the place of the entries. Allocates nothing where the matrix is banded.
-  void factor();
+  /// Puts the factors in the place of the entries. Allocates nothing where the matrix is banded. False: it is not to go
+  /// on (AskedByThread), which it asks where the matrix is large.
+  bool factor();
   /// x in the place of b, by the factors; not finite where the matrix has no inverse.
   void solve(double* b);
 

@@ -16,10 +16,10 @@ class Budget {
  public:
   /// `report` is called a few times a second; false ends the run as cancelled.
   Budget(double seconds, const std::atomic<bool>& cancelled, std::function<bool()> report)
-      : budget_(seconds), cancelled_(cancelled), report_(std::move(report)) {}
+      : end_(read_clock() + std::max(seconds, 0.0)), cancelled_(cancelled), report_(std::move(report)) {}
 
-  /// Begins to count; what came before was preparation, in which it is asked nothing. `weight`: how many times as long
-  /// as those of a small scene steps may take.
+  /// Begins to count the cost; what came before was preparation, which takes from the time and costs nothing. `weight`:
+  /// how many times as long as those of a small scene steps may take.
   void start(std::int64_t weight = 1) {
     block_ = std::max<std::int64_t>(first_block / weight, 1);
     start_ = read_clock();
@@ -47,25 +47,31 @@ class Budget {
       reported_ = now;
       if (!report_()) return ReturnCode::cancelled;
     }
-    return now > budget_ ? ReturnCode::deadline : ReturnCode::completed;
+    return start_ + now > end_ ? ReturnCode::deadline : ReturnCode::completed;
   }
 
+  /// For what a step computes: true until the deadline. The receiver is told nothing, which might throw.
+  std::function<bool()> in_time() const { return until(end_); }
   /// For what a run that is over is held against: true until shortly after the deadline.
   std::function<bool()> shortly() const {
     constexpr double beyond = 0.1;  // in seconds
-    return [this, until = std::max(budget_, 0.0) + beyond] {
-      return !cancelled_.load(std::memory_order_relaxed) && seconds() < until;
-    };
+    return until(end_ + beyond);
   }
   /// For what follows the run: true for half of the time that is left.
   std::function<bool()> half() {
-    return [this, until = 0.5 * (seconds() + budget_)] { return seconds() < until && look() == ReturnCode::completed; };
+    return
+        [this, until = 0.5 * (read_clock() + end_)] { return read_clock() < until && look() == ReturnCode::completed; };
   }
 
  private:
+  std::function<bool()> until(double end) const {
+    return [this, end] { return !cancelled_.load(std::memory_order_relaxed) && read_clock() < end; };
+  }
+
   static constexpr double between_reports = 0.2;  // in seconds
   static constexpr std::int64_t first_block = 16;
-  double start_ = 0, budget_, last_ = 0, reported_ = 0;
+  double start_ = 0, last_ = 0, reported_ = 0;
+  const double end_;
   std::int64_t block_ = first_block, unseen_ = 0;
   const std::atomic<bool>& cancelled_;
   const std::function<bool()> report_;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/run/acts.hpp"
 #include "core/run/budget.hpp"
 #include "core/run/crossings.hpp"
@@ -62,6 +63,7 @@ class Run {
         evidence_(problem_.traits, fixed_ ? std::optional(grid_.steps) : std::nullopt, request.control) {}
 
   Solution solve() {
+    const AskedByThread asked(budget_.in_time());
     state_.x = problem_.start(scene_.initial, scene_.start);
     integrator_ = backend_.bind(request_, state_.x, grid_, end_);
     method_ = integrator_->method();

@@ -114,6 +114,8 @@ bool Run::act(std::size_t which) {
 }
 
 bool Run::fail(const BlockResult& result) {
+  if (result.status == StepStatus::solver_failed)  // which it says of a step that was not to go on as well
+    if (const ReturnCode reason = budget_.look(); reason != ReturnCode::completed) return goes_on(reason);
   if (result.end == BlockEnd::left_domain) return leave_domain();
   if (result.end == BlockEnd::too_fast) return stop_as_unstable();
   const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/schemes/taylor.hpp"
 #include "core/tape/series_rules.hpp"
 
@@ -278,7 +279,8 @@ double Expansion::series_step() const {
 
 /// Where a motion begins on the border at which a formula changes, its state is of one side, whichever it goes to.
 /// Where that is the other one, the series becomes that of a state beside it, there, as near as rounding allows.
-/// Whether it has to be begun anew at y, because from there the motion goes back: it stays on the border.
+/// Whether it has to be begun anew at y, because from there the motion goes back: it stays on the border. Where a
+/// thousand formulas change at once this takes seconds: it asks whether it is to go on (AskedByThread).
 bool Expansion::leave_border(const double* y) {
   constexpr double near = 4 * std::numeric_limits<double>::epsilon(), next_to_0 = 1e-300, longer = 16, longest = 1e3;
   const auto heading = [&](Index value) {
@@ -288,6 +290,7 @@ bool Expansion::leave_border(const double* y) {
   };
   for (const Index value : program().switches) {
     if (series_.coefficient(value, 0) != 0 || !(heading(value) < 0)) continue;
+    if (!AskedByThread::goes_on()) return false;
     double* const beside = way_.data();
     double h = std::numeric_limits<double>::min();
     do {
@@ -330,6 +333,7 @@ double Expansion::until_switch(double h) {
     double most = 0;
     for (int k = used_ - 1; k > 0; --k) most = (most + std::abs(series_.coefficient(value, k))) * end;
     if (most < std::abs(series_.coefficient(value, 0))) continue;  // it stays on its side
+    if (!AskedByThread::goes_on()) break;
     const bool before = series_.coefficient(value, 0) < 0;
     std::array<double, parts> times, sums{};  // side by side, as each alone waits for itself
     for (std::size_t part = 0; part < parts; ++part) times[part] = end * static_cast<double>(part + 1) / parts;

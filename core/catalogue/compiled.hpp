@@ -7,7 +7,7 @@
 #include <tuple>
 #include <type_traits>
 
-#include "core/catalogue/recorded.hpp"
+#include "core/catalogue/recorded_tangents.hpp"
 #include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"

@@ -1,12 +1,8 @@
 #include "core/catalogue/recorded.hpp"
 
-#include "core/catalogue/custom.hpp"
-#include "core/catalogue/text_class.hpp"
 #include "core/from_values.hpp"
 #include "core/parameters.hpp"
 #include "core/problem.hpp"
-#include "core/run/backend.hpp"
-#include "core/run/request.hpp"
 #include "core/tape/symbol.hpp"
 #include "least_problems.hpp"
 
@@ -161,39 +157,6 @@ std::optional<text::TextScene> recorded_text(const ProblemCard& problem, std::sp
   definition.kind = text::Definition::Kind::equations;
   for (std::size_t i = 0; i < form->coordinates; ++i) definition.variables.push_back(problem.variables[i].name);
   return text::TextScene::of(std::move(definition), std::move(form));
-}
-
-StepTangents recorded_tangents(const Request& request) {
-  const Scene& scene = *request.scene;
-  auto text = recorded_text(scene.card(), scene.parameters, false);
-  const std::size_t n = text->form->coordinates, room = static_cast<std::size_t>(text->capacity);
-  const bool flow = text->form->kind == text::FormKind::flow;
-  auto made = mechanics_of(std::move(*text));
-  const auto mechanics = std::get<std::shared_ptr<const Mechanics>>(std::move(made));
-
-  // The start among the variables of a class that has room for more.
-  Scene recorded{mechanics, {}, std::vector<double>(mechanics->card().variables.size()), scene.start};
-  for (std::size_t i = 0; i < scene.initial.size() && i < (flow ? n : 2 * n + 1); ++i) {
-    const std::size_t place = flow || i < n ? i : i < 2 * n ? room + i - n : 2 * room;
-    if (place < recorded.initial.size()) recorded.initial[place] = scene.initial[i];
-  }
-  Request asked;
-  asked.scene = std::make_shared<const Scene>(std::move(recorded));
-  asked.scheme = request.scheme;
-  asked.settings = request.settings;
-  asked.until_steps = request.until_steps;
-  asked.end = request.end;
-  const std::shared_ptr<const RunBackend> backend = mechanics->backend(asked);
-  StepTangents tangents = backend->tangents(asked);
-  // What they refer to lives as long as they do.
-  const auto held = [backend](auto& call) {
-    if (call) call = [backend, call = std::move(call)](auto&&... of) { return call(of...); };
-  };
-  held(tangents.along);
-  held(tangents.plain);
-  held(tangents.extended);
-  if (!flow && n < room) return without_room(std::move(tangents), n, room, backend->table().traits.acting);
-  return tangents;
 }
 
 std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, const std::vector<bool>& varied,

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/run/mechanics.hpp"
-#include "core/run/tangent_map.hpp"
 #include "core/text/scene.hpp"
 
 namespace least {
@@ -21,8 +20,5 @@ std::optional<text::TextScene> recorded_text(const ProblemCard& problem, std::sp
 /// and numbers; the others are those of the scene. `backward`: of what moves forward as it moves backward.
 std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, const std::vector<bool>& varied,
                                                          bool backward);
-/// Tangents of the steps of a run of a problem of the catalogue, taken with the problem as it is recorded: schemes have
-/// steps in dual numbers for scenes as text, and for no problem of the catalogue.
-StepTangents recorded_tangents(const Request& request);
 
 }  // namespace least

@@ -7,14 +7,6 @@
 namespace least {
 namespace {
 
-/// Where the components of a scene with n coordinates stand among those of a state with room for more: q, p, and s.
-std::vector<std::size_t> places_in(std::size_t n, std::size_t room, bool acting) {
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < n; ++i) places.push_back(i);
-  for (std::size_t i = 0; i < n; ++i) places.push_back(room + i);
-  if (acting) places.push_back(2 * room);
-  return places;
-}
 /// On the extended space (q, t; p, p_t; s).
 std::vector<std::size_t> extended_places_in(std::size_t n, std::size_t room) {
   std::vector<std::size_t> places;
@@ -66,6 +58,24 @@ const TextClass* text_class_of(const text::Form& form) {
     if (found != text_classes().end() && form.coordinates <= static_cast<std::size_t>(room)) return &*found;
   }
   return nullptr;
+}
+
+std::vector<std::size_t> places_in(std::size_t n, std::size_t room, bool acting) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < n; ++i) places.push_back(i);
+  for (std::size_t i = 0; i < n; ++i) places.push_back(room + i);
+  if (acting) places.push_back(2 * room);
+  return places;
+}
+
+StepTangents keeping(std::shared_ptr<const void> owner, StepTangents tangents) {
+  const auto keep = [&owner](auto& call) {
+    if (call) call = [owner, call = std::move(call)](auto&&... of) { return call(std::forward<decltype(of)>(of)...); };
+  };
+  keep(tangents.along);
+  keep(tangents.plain);
+  keep(tangents.extended);
+  return tangents;
 }
 
 StepTangents without_room(StepTangents roomy, std::size_t n, std::size_t room, bool acting) {

@@ -34,6 +34,10 @@ const TextClass* text_class_of(const text::Form& form);
 /// Those of this build.
 std::span<const TextClass> text_classes();
 
+/// Where the components of a scene with n coordinates stand among those of a state with room for more: q, p, and s.
+std::vector<std::size_t> places_in(std::size_t n, std::size_t room, bool acting);
+/// The same tangents; what they refer to lives as long as they do.
+StepTangents keeping(std::shared_ptr<const void> owner, StepTangents tangents);
 /// Tangents of a problem with room for `room` coordinates as those of a scene that has n.
 StepTangents without_room(StepTangents roomy, std::size_t n, std::size_t room, bool acting);
 

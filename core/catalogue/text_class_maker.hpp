@@ -31,11 +31,7 @@ StepTangents tangents_of_class(const TextClass::Formulas& formulas, const Reques
   const StateView initial{request.scene->start, request.scene->initial.data()};
   StepTangents made = tangents_of(*problem, request, typed_state<Full>(*problem, initial));
   made = without_room(std::move(made), problem->coordinates(), P::dof, Full::acting);
-  if (made.along) made.along = [problem, along = std::move(made.along)](auto&&... of) { return along(of...); };
-  if (made.plain) made.plain = [problem, plain = std::move(made.plain)](auto&&... of) { return plain(of...); };
-  if (made.extended)
-    made.extended = [problem, extended = std::move(made.extended)](auto&&... of) { return extended(of...); };
-  return made;
+  return keeping(problem, std::move(made));
 }
 
 template <class P>

@@ -166,8 +166,9 @@ bool Acts::comes_to_rest(std::size_t event, const RunState& before, const RunSta
   const std::vector<double> rates = rates_at(after);
   for (std::size_t i = 0; i < later.size(); ++i) later[i] += little * rates[i];
   later.t += little;
+  if (!((rate_of(event, later) - left) * onward > 0)) return false;
   limit_ = after.t;
-  return (rate_of(event, later) - left) * onward > 0;
+  return true;
 }
 
 /// Whether the last times lie as the powers of a ratio do, so near to their limit that the next ones are lost in what

@@ -61,25 +61,27 @@ TEST(MemoryBudget, IsNotWaitedForInVain) {
 
 // Each holds what another waits for: one gives up, and all others have what they want one after the other.
 TEST(MemoryBudget, LetsOneGiveUpForAllOthers) {
-  MemoryBudget budget(100);
-  std::latch all_hold(4);
+  constexpr int many = 32;
+  MemoryBudget budget(10 * many);
+  std::latch all_hold(many);
   std::atomic<int> failed{0};
   {
     std::vector<std::jthread> threads;
-    for (int i = 0; i < 4; ++i)
+    for (int i = 0; i < many; ++i)
       threads.emplace_back([&] {
         Held held(&budget);
-        held.add(25);
+        held.add(10);
         all_hold.arrive_and_wait();
         try {
-          held.add_soon(25);
+          held.add_soon(10);
+          std::this_thread::sleep_for(10ms);  // in which others have waited for longer than they would
         } catch (const MemoryShortage&) {
           ++failed;
         }
       });
   }
   EXPECT_GE(failed, 1);
-  EXPECT_LE(failed, 2) << "a second one only where a thread does not run for a while";
+  EXPECT_LE(failed, many / 4) << "more than one only where threads do not run for a while";
   EXPECT_EQ(budget.held(), 0U);
 }
 

@@ -295,10 +295,11 @@ Json typed_problem() {
       "conditions in if(a < b and not c >= d, …, …). A name is a letter, then letters, digits, _: at most {} before "
       "an index. At most {} coordinates, {} where the kinetic energy depends on the place, the Lagrangian is not "
       "quadratic in the velocities or H is quadratic in s, {} variables of equations; {} characters as typed, {} "
-      "operations, {} with all sums written out. Numbers of `initial`, `until`, parameters and settings may be texts "
+      "operations, {} in the terms of long sums, {} with all others written out. Numbers of `initial`, `until`, "
+      "parameters and settings may be texts "
       "of constants, as \"2*pi/3\".",
       fmt::join(text::function_names(), " "), text::longest_name, text::most_coordinates, text::compiled_coordinates,
-      text::most_variables, text::most_characters, text::most_operations, text::most_summed);
+      text::most_variables, text::most_characters, text::most_operations, text::most_kept, text::most_summed);
   return schema;
 }
 

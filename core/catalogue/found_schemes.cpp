@@ -35,14 +35,23 @@ std::vector<double> described_parameters(const ProblemCard& card) {
 class Readable {
  public:
   Readable(const Mechanics& mechanics, std::span<const double> parameters) : typed_(mechanics.text()) {
-    if (!typed_) recorded_ = recorded_text(mechanics.card(), parameters, false);
+    if (!typed_) {
+      recorded_ = recorded_text(mechanics.card(), parameters, false);
+    } else if (typed_->form->tape.has_terms()) {
+      written_out_ = *typed_;
+      written_out_->form = text::with_sums_written_out(typed_->form);
+    }
   }
   bool is_known_to(const FoundScheme& scheme) const { return text() && scheme.concerns(*text()->form, !typed_); }
-  const text::TextScene* text() const { return typed_ ? typed_ : recorded_ ? &*recorded_ : nullptr; }
+  /// None of a scene whose sums are too long to be written out.
+  const text::TextScene* text() const {
+    if (written_out_) return written_out_->form ? &*written_out_ : nullptr;
+    return typed_ ? typed_ : recorded_ ? &*recorded_ : nullptr;
+  }
 
  private:
   const text::TextScene* typed_;
-  std::optional<text::TextScene> recorded_;
+  std::optional<text::TextScene> recorded_, written_out_;
 };
 
 /// One of them on one scene. What was found with the parameters that were asked for last is kept: a search asks for the

@@ -169,6 +169,8 @@ StepTangents tangents_gauss(const text::SizedScene& scene, const Request& reques
 
 using text::SizedScene;
 bool on_all(const SizedScene&) { return true; }
+/// Series are made of the operations of all terms of a sum.
+bool with_series(const SizedScene& scene) { return scene.plain().has_value(); }
 /// With forces that momenta can be solved for.
 bool on_separable(const SizedScene& scene) {
   return scene.kind == text::FormKind::separable && (!scene.forced || scene.forces.solvable());
@@ -219,7 +221,7 @@ constexpr std::array sized_schemes{
     SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
     SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},
     SizedScheme{"bulirsch_stoer", on_all, bind_pair<BulirschStoer>},
-    SizedScheme{"taylor", on_all, bind_series}};
+    SizedScheme{"taylor", with_series, bind_series}};
 
 const SizedScheme* sized_scheme(std::size_t position) {
   const auto known = std::ranges::find(sized_schemes, schemes()[position].id, &SizedScheme::id);
@@ -250,18 +252,21 @@ StepTangents SizedBackend::tangents(const Request& request) const {
 }
 
 std::vector<tape::Index> SizedBackend::write_equations(tape::Tape& tape) const {
-  tape = scene().equations;
-  return {scene().rates.begin(), scene().rates.begin() + static_cast<std::ptrdiff_t>(scene().moving)};
+  const auto plain = scene().plain();
+  tape = plain ? plain->tape : scene().equations;
+  const auto moving = (plain ? plain->rates : std::span<const tape::Index>(scene().rates)).first(scene().moving);
+  return {moving.begin(), moving.end()};
 }
 
 std::shared_ptr<const tape::SteepForces> SizedBackend::steep_forces() const {
-  auto found =
-      std::make_shared<const tape::SteepForces>(scene().equations, std::span(scene().rates).first(scene().moving));
+  const auto plain = scene().plain();
+  if (!plain) return nullptr;
+  auto found = std::make_shared<const tape::SteepForces>(plain->tape, plain->rates.first(scene().moving));
   return found->empty() ? nullptr : found;
 }
 
 double SizedBackend::energy_after(StateView x, double t) const {
-  if (!traits_.contact) return unknown;
+  if (!traits_.contact || !scene().plain()) return unknown;
   constexpr double tolerance = 1e-15;
   constexpr int order = 20;
   RunState at{x.t, StateNumbers(x.numbers, x.numbers + scene().components)};

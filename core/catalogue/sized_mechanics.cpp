@@ -71,6 +71,7 @@ class SizedMechanics final : public Mechanics {
       card_.offers += ", with masses that couple more coordinates than the " +
                       std::to_string(text::SizedScene::most_with_full_mass) +
                       " for which schemes solve for the next place";
+    if (!sized->plain()) card_.offers += ", with sums of more terms than series are made of";
     if (sized->forced && traits_.potential && !sized->forces.linear)
       card_.offers += ", and the forces not linear in the momenta";
     if (sized->forced && traits_.potential && !sized->forces.solvable())
@@ -120,8 +121,9 @@ class SizedMechanics final : public Mechanics {
       if (last_scales_.first == key) return last_scales_.second;
     }
     const auto sized = text_.sized(scene.parameters);
-    Scales scales =
-        scales_of_motion(sized->series(false), scene.initial.data(), scene.start, sized->moving, traits_.dof);
+    Scales scales;
+    if (sized->plain())
+      scales = scales_of_motion(sized->series(false), scene.initial.data(), scene.start, sized->moving, traits_.dof);
     if (!std::isfinite(scales.time)) scales.time = 0;
     scales.damped = traits_.linear_contact;
     const std::lock_guard lock(mutex_);

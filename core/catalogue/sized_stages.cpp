@@ -63,7 +63,7 @@ SizedStages<T>::SizedStages(const text::SizedScene& scene, const StageRule& rule
       along_(row_),
       moved_(row_),
       newton_(std::make_shared<Newton>()),
-      slow_(scene.equations.size() > 4096) {}
+      slow_(scene.equations.size() > 4096 || scene.equations.has_terms()) {}
 
 template <class T>
 StepStatus SizedStages<T>::step(T* x, double t, double h) noexcept {

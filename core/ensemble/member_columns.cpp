@@ -73,6 +73,8 @@ class TapeTracer {
         return acos(a());
       case Op::select:
         return select(a() < Traced(0), b(), at(node.c));
+      case Op::total:  // texts of columns are written out
+        break;
     }
     return unknown;
   }

@@ -24,7 +24,7 @@ std::size_t steps_between_looks(const RunBackend& backend) {
   constexpr tape::Index small = 512;  // operations, of which a step takes microseconds
   tape::Tape tape;
   backend.write_equations(tape);
-  return tape.size() > small ? 1 : 64;
+  return tape.size() > small || tape.has_terms() ? 1 : 64;
 }
 
 class GrowthOfDifferences {

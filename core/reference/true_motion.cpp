@@ -47,7 +47,7 @@ DoubleDouble inverse_of(std::size_t k) { return DoubleDouble(1) / DoubleDouble(s
 
 bool TrueMotion::covers(const tape::Tape& tape) {
   for (Index i = 0; i < tape.size(); ++i)
-    if (tape[i].op == Op::select || tape[i].op == Op::raise) return false;
+    if (tape[i].op == Op::select || tape[i].op == Op::raise || tape[i].op == Op::total) return false;
   return true;
 }
 

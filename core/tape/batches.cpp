@@ -4,18 +4,12 @@
 #include <array>
 #include <span>
 
-#include "core/number/math.hpp"
+#include "core/tape/tile.hpp"
 #include "core/tape/wide.hpp"
 
 namespace least::tape {
 
 namespace {
-
-/// out[k] = f(of every operand's k-th value), in a loop that the compiler makes wide.
-template <class F, class... Values>
-__attribute__((always_inline)) inline void each(F f, std::size_t count, double* __restrict out, Values... of) {
-  for (std::size_t k = 0; k < count; ++k) out[k] = f(of[k]...);
-}
 
 constexpr std::size_t at_once = 4;  // values of a run
 
@@ -74,87 +68,7 @@ LEAST_WIDE void Batches::evaluate(const double* x, double t, double* out) const 
     double* const o = batch.out.kind == Operand::Kind::in_tile ? tiles + tile * batch.out.at : r + batch.out.at + begin;
     const double* const a = operand(batch.a, first);
     const double* const v = values_.data() + batch.value + begin;
-    const auto unary = [&](auto f) __attribute__((always_inline)) { each(f, count, o, a); };
-    const auto binary = [&](auto f) __attribute__((always_inline)) { each(f, count, o, a, operand(batch.b, second)); };
-    const auto with = [&](auto f) __attribute__((always_inline)) { each(f, count, o, a, v); };
-    switch (batch.code) {
-      case Code::constant:
-        std::copy_n(v, count, o);
-        break;
-      case Code::variable:
-        std::copy_n(a, count, o);
-        break;
-      case Code::time:
-        std::fill_n(o, count, t);
-        break;
-      case Code::add:
-        binary([](double p, double q) { return p + q; });
-        break;
-      case Code::subtract:
-        binary([](double p, double q) { return p - q; });
-        break;
-      case Code::multiply:
-        binary([](double p, double q) { return p * q; });
-        break;
-      case Code::divide:
-        binary([](double p, double q) { return p / q; });
-        break;
-      case Code::add_constant:
-        with([](double p, double value) { return p + value; });
-        break;
-      case Code::from_constant:
-        with([](double p, double value) { return value - p; });
-        break;
-      case Code::scale:
-        with([](double p, double value) { return p * value; });
-        break;
-      case Code::over:
-        with([](double p, double value) { return value / p; });
-        break;
-      case Code::power:
-        with([](double p, double value) { return least::pow(p, value); });
-        break;
-      case Code::sqrt:
-        unary([](double p) { return least::sqrt(p); });
-        break;
-      case Code::exp:
-        unary([](double p) { return least::exp(p); });
-        break;
-      case Code::log:
-        unary([](double p) { return least::log(p); });
-        break;
-      case Code::sin:
-        unary([](double p) { return least::sin(p); });
-        break;
-      case Code::cos:
-        unary([](double p) { return least::cos(p); });
-        break;
-      case Code::tan:
-        unary([](double p) { return least::tan(p); });
-        break;
-      case Code::sinh:
-        unary([](double p) { return least::sinh(p); });
-        break;
-      case Code::cosh:
-        unary([](double p) { return least::cosh(p); });
-        break;
-      case Code::tanh:
-        unary([](double p) { return least::tanh(p); });
-        break;
-      case Code::atan:
-        unary([](double p) { return least::atan(p); });
-        break;
-      case Code::asin:
-        unary([](double p) { return least::asin(p); });
-        break;
-      case Code::acos:
-        unary([](double p) { return least::acos(p); });
-        break;
-      case Code::select:
-        each([](double p, double q, double s) { return p < 0 ? q : s; }, count, o, a, operand(batch.b, second),
-             operand(batch.c, third));
-        break;
-    }
+    compute_tile(batch.code, count, o, a, operand(batch.b, second), operand(batch.c, third), t, v);
   };
   for (const Stage& stage : stages_) {
     if (stage.sums)

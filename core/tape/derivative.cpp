@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "core/tape/terms.hpp"
+
 namespace least::tape {
 namespace {
-
-std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
 
 /// Whether a value is none that is known beforehand.
 bool varies(const Tape& tape, Index i) {
@@ -19,18 +19,55 @@ std::vector<Index> parts_of(const Tape& tape, const Symbol& y) {
   return y.is_constant() ? std::vector<Index>() : parts_of(tape, y.place());
 }
 
-/// Calls `see(number, slope)` for every variable that y, with these parts, is made of.
-template <class See>
-void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, const See& see) {
+/// Which nodes, by their places, depend on one of the variables that are asked for.
+template <class Asked>
+std::vector<bool> depending(const Tape& tape, const std::vector<Index>& parts, const Asked& asked) {
+  std::vector<bool> all(nth(parts.back() + 1), false);
+  for (const Index i : parts) {
+    const Node& node = tape[i];
+    bool depends = node.op == Op::variable && asked(static_cast<int>(node.value));
+    tape.for_each_operand(node, [&](Index part) { depends = depends || all[nth(part)]; });
+    all[nth(i)] = depends;
+  }
+  return all;
+}
+
+/// The adjoints of sums of the same terms, until all of them are known: where the first of the sums stands.
+struct Adjoints {
+  Index first = none;
+  std::vector<Symbol> of;
+};
+
+/// Calls `see(number, slope)` for every variable that y, with these parts, is made of; where terms are kept, for those
+/// at least that are `asked` for.
+template <class Asked, class See>
+void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, const Asked& asked, const See& see) {
   if (y.is_constant()) return;
   std::vector<Symbol> adjoint(parts.size());
   adjoint.back() = 1;
   const auto number = [&](Index i) {
     return static_cast<std::size_t>(std::ranges::lower_bound(parts, i) - parts.begin());
   };
+  std::map<Index, Adjoints> totals;
+  std::vector<bool> wanted;
+  if (tape.has_terms())
+    for (const Index i : parts)
+      if (tape[i].op == Op::total && totals.try_emplace(static_cast<Index>(tape[i].low), Adjoints{i, {}}).second)
+        totals[static_cast<Index>(tape[i].low)].of.resize(nth(tape.terms(tape[i]).sums));
+  if (!totals.empty()) wanted = depending(tape, parts, asked);
   for (std::size_t n = parts.size(); n-- > 0;) {
     const Index i = parts[n];
     const Symbol down = adjoint[n];
+    if (!totals.empty() && tape[i].op == Op::total) {
+      const auto terms = static_cast<Index>(tape[i].low);
+      Adjoints& known = totals[terms];
+      known.of[static_cast<std::size_t>(tape[i].value)] = down;
+      if (known.first != i || std::ranges::all_of(known.of, is_zero)) continue;
+      for (const auto& [operand, slope] :
+           slopes_of_terms(tape, terms, known.of, [&](Index k) { return wanted[nth(k)]; }))
+        adjoint[number(operand)] = adjoint[number(operand)] + slope;
+      continue;
+    }
     if (is_zero(down)) continue;
     const Node node = tape[i];  // what follows may move them
     const Symbol x = Symbol::at(tape, i);
@@ -39,6 +76,7 @@ void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, con
     switch (node.op) {
       case Op::constant:
       case Op::time:
+      case Op::total:
         break;
       case Op::variable:
         see(static_cast<int>(node.value), down);
@@ -124,12 +162,11 @@ std::vector<Index> parts_of(const Tape& tape, Index whole) {
   std::vector<Index> parts{whole};
   seen[nth(whole)] = true;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    const Node& node = tape[parts[k]];
-    for (const Index part : {node.a, node.b, node.c})
-      if (part != none && !seen[nth(part)]) {
-        seen[nth(part)] = true;
-        parts.push_back(part);
-      }
+    tape.for_each_operand(tape[parts[k]], [&](Index part) {
+      if (seen[nth(part)]) return;
+      seen[nth(part)] = true;
+      parts.push_back(part);
+    });
   }
   for (const Index part : parts) seen[nth(part)] = false;
   std::ranges::sort(parts);
@@ -142,8 +179,7 @@ Dependence Dependences::operator()(const Symbol& y) {
     const Node& node = tape_[i];
     Dependence of = node.op == Op::time ? on_time : 0;
     if (node.op == Op::variable) of = kind_(static_cast<int>(node.value));
-    for (const Index part : {node.a, node.b, node.c})
-      if (part != none) of |= of_[nth(part)];
+    tape_.for_each_operand(node, [&](Index part) { of |= of_[nth(part)]; });
     of_.push_back(of);
   }
   return of_[nth(y.place())];
@@ -151,7 +187,8 @@ Dependence Dependences::operator()(const Symbol& y) {
 
 std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables) {
   std::vector<Symbol> slopes(variables.size());
-  walk_back(tape, y, parts_of(tape, y), [&](int number, const Symbol& slope) {
+  const auto asked = [&](int number) { return std::ranges::find(variables, number) != variables.end(); };
+  walk_back(tape, y, parts_of(tape, y), asked, [&](int number, const Symbol& slope) {
     for (std::size_t k = 0; k < variables.size(); ++k)
       if (variables[k] == number) slopes[k] = slope;
   });
@@ -164,23 +201,21 @@ std::vector<std::pair<std::size_t, Symbol>> slopes_of(Tape& tape, const Symbol& 
   const std::vector<Index> parts = parts_of(tape, y);
   if (parts.size() > left) throw TooManyOperations();
   left -= parts.size();
-  walk_back(tape, y, parts, [&](int number, const Symbol& slope) {
-    const auto place = static_cast<std::size_t>(number - first);
-    if (number >= first && place < count && !is_zero(slope)) slopes.emplace_back(place, slope);
+  const auto asked = [&](int number) { return number >= first && static_cast<std::size_t>(number - first) < count; };
+  walk_back(tape, y, parts, asked, [&](int number, const Symbol& slope) {
+    if (asked(number) && !is_zero(slope)) slopes.emplace_back(static_cast<std::size_t>(number - first), slope);
   });
   std::ranges::sort(slopes, {}, &std::pair<std::size_t, Symbol>::first);
   return slopes;
 }
 
-Symbol Substitution::operator()(const Symbol& y) {
-  if (y.is_constant()) return y;
-  const Index last = y.place();
-  if (made_.size() <= nth(last)) {
+Symbol Substitution::at(Index place) {
+  if (made_.size() <= nth(place)) {
     made_.resize(nth(from_.size()));
     known_.resize(made_.size(), false);
   }
-  if (known_[nth(last)]) return made_[nth(last)];
-  for (const Index i : parts_of(from_, last)) {
+  if (known_[nth(place)]) return made_[nth(place)];
+  for (const Index i : parts_of(from_, place)) {
     if (known_[nth(i)]) continue;
     known_[nth(i)] = true;
     const Node node = from_[i];  // both tapes may be one
@@ -254,9 +289,72 @@ Symbol Substitution::operator()(const Symbol& y) {
       case Op::select:
         made = select(a() < Symbol(0), b(), made_[nth(node.c)]);
         break;
+      case Op::total:
+        made = total(node);
+        break;
     }
   }
-  return made_[nth(last)];
+  return made_[nth(place)];
+}
+
+Symbol Substitution::total(const Node& node) {
+  const auto number = static_cast<Index>(node.low), sum = static_cast<Index>(node.value);
+  if (totals_ == Totals::written_out) {
+    const auto [sums, is_new] = sums_.try_emplace(number, nth(from_.terms(number).sums), Symbol(0));
+    if (is_new) write_out(number, sums->second);
+    return sums->second[nth(sum)];
+  }
+  const auto [terms, is_new] = terms_.try_emplace(number, none);
+  if (is_new) terms->second = kept_terms(number);
+  return Symbol::total(to_, terms->second, sum);
+}
+
+Index Substitution::kept_terms(Index number) {
+  Terms terms = from_.terms(number);  // a copy: both tapes may be one
+  std::vector<Index> place(nth(terms.operands.back()) + 1);
+  for (const Index operand : terms.operands) place[nth(operand)] = made_[nth(operand)].on(to_);
+  for (Index& given : terms.given) given = place[nth(given)];
+  return to_.keep(std::move(terms));
+}
+
+void Substitution::write_out(Index number, std::vector<Symbol>& sums) {
+  const Terms& terms = from_.terms(number);
+  const Tape formula = tape_of(terms);
+  const std::size_t count = nth(terms.count);
+  for (std::size_t t = 0; t < count; ++t) {
+    Substitution one(formula, to_,
+                     [&](int k) { return made_[nth(terms.given[static_cast<std::size_t>(k) * count + t])]; });
+    for (std::size_t r = 0; r < terms.results.size(); ++r)
+      if (const Index sum = terms.into[r * count + t]; sum != none)
+        sums[nth(sum)] = sums[nth(sum)] + one.at(terms.results[r]);
+  }
+}
+
+std::size_t operations_written_out(const Tape& tape) {
+  std::size_t all = nth(tape.size());
+  std::vector<Index> seen;
+  for (Index i = 0; i < tape.size(); ++i) {
+    const auto number = static_cast<Index>(tape[i].low);
+    if (tape[i].op != Op::total || std::ranges::find(seen, number) != seen.end()) continue;
+    seen.push_back(number);
+    const Terms& terms = tape.terms(number);
+    all += nth(terms.count) * (terms.formula.size() + terms.results.size());
+  }
+  return all;
+}
+
+PlainTape written_out(const Tape& tape, std::span<const Index> roots, Index most) {
+  // Where terms share what they are made of, they take fewer operations than each by itself, but not many times fewer.
+  constexpr std::size_t shared = 2;
+  if (operations_written_out(tape) > shared * nth(most)) throw TooManyOperations();
+  PlainTape plain;
+  plain.tape.bound(most);
+  Substitution write(
+      tape, plain.tape, [&](int i) { return Symbol::variable(plain.tape, static_cast<std::size_t>(i)); },
+      Totals::written_out);
+  plain.roots.reserve(roots.size());
+  for (const Index root : roots) plain.roots.push_back(write.at(root).on(plain.tape));
+  return plain;
 }
 
 }  // namespace least::tape

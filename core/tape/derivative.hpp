@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -42,19 +43,44 @@ std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> v
 std::vector<std::pair<std::size_t, Symbol>> slopes_of(Tape& tape, const Symbol& y, int first, std::size_t count,
                                                       std::size_t& left);
 
+/// What becomes of terms that a tape keeps: they are kept, or their totals are written out, term by term.
+enum class Totals : std::uint8_t { kept, written_out };
+
 /// y as it stands on `from`, written on `to` with other symbols in the place of its variables; of time it is the same.
 class Substitution {
  public:
-  Substitution(const Tape& from, Tape& to, std::function<Symbol(int variable)> in_place_of)
-      : from_(from), to_(to), in_place_of_(std::move(in_place_of)) {}
-  Symbol operator()(const Symbol& y);
+  Substitution(const Tape& from, Tape& to, std::function<Symbol(int variable)> in_place_of,
+               Totals totals = Totals::kept)
+      : from_(from), to_(to), in_place_of_(std::move(in_place_of)), totals_(totals) {}
+  Symbol operator()(const Symbol& y) { return y.is_constant() ? y : at(y.place()); }
+  /// The same of what stands at a place.
+  Symbol at(Index place);
 
  private:
+  /// A sum of terms with their arguments substituted.
+  Symbol total(const Node& node);
+  Index kept_terms(Index number);
+  void write_out(Index number, std::vector<Symbol>& sums);
+
   const Tape& from_;
   Tape& to_;
   std::function<Symbol(int)> in_place_of_;
+  Totals totals_;
   std::vector<Symbol> made_;
   std::vector<bool> known_;
+  std::map<Index, Index> terms_;               ///< of terms on `from` those on `to`
+  std::map<Index, std::vector<Symbol>> sums_;  ///< the same, written out
 };
+
+/// A tape without terms, on which totals are written out, and where its roots stand.
+struct PlainTape {
+  Tape tape;
+  std::vector<Index> roots;
+};
+/// How many operations that takes at most.
+std::size_t operations_written_out(const Tape& tape);
+inline constexpr Index most_written_out = 1 << 18;
+/// Throws TooManyOperations where it takes more than `most`.
+PlainTape written_out(const Tape& tape, std::span<const Index> roots, Index most);
 
 }  // namespace least::tape

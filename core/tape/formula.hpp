@@ -16,6 +16,8 @@
 
 namespace least::tape {
 
+class TermSums;
+
 class Formula {
  public:
   Formula() = default;
@@ -38,10 +40,12 @@ class Formula {
   }
 
   std::size_t outputs() const { return outputs_.size(); }
-  std::size_t operations() const { return steps_.size(); }
+  /// With those of all terms.
+  std::size_t operations() const;
   bool in_batches() const { return batches_ != nullptr; }
 
  private:
+  friend TermSums;
   using Register = std::uint16_t;
   static constexpr std::size_t few = 64;
 
@@ -50,7 +54,7 @@ class Formula {
     Register out = 0, a = 0, b = 0, c = 0;
     double value = 0;
   };
-  class Compiler;
+  class Allocator;
 
   template <class T, class S>
   void run(const T* x, const S& t, T* r, T* out) const noexcept {
@@ -146,15 +150,26 @@ class Formula {
         case Code::select:
           r[s.out] = select(a < T(0), r[s.b], r[s.c]);
           break;
+        case Code::add_up:
+          add_up(*sums_[s.a], x, t, r, r + s.out);
+          break;
+        case Code::total:
+          break;
       }
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) out[i] = r[outputs_[i]];
   }
 
+  template <class T, class S>
+  static void add_up(const TermSums& sums, const T* x, const S& t, const T* r, T* out) noexcept;
+
   std::vector<Narrow> steps_;
   std::vector<Register> outputs_;
+  std::vector<std::shared_ptr<const TermSums>> sums_;
   std::size_t registers_ = 0;
   std::shared_ptr<const Batches> batches_;  ///< where there are many alike
 };
 
 }  // namespace least::tape
+
+#include "core/tape/term_sums.hpp"

@@ -368,6 +368,8 @@ class Lowering {
       case Op::asin:
       case Op::acos:
         return log_like(node.op, node.a);
+      case Op::total:  // written out before
+        throw TooManyOperations();
       case Op::raise:  // made exp(b log a) before
       case Op::select:
         break;

@@ -32,7 +32,9 @@ enum class Code : std::uint8_t {
   atan,
   asin,
   acos,
-  select  ///< b where a < 0, else c
+  select,  ///< b where a < 0, else c
+  add_up,  ///< all sums of the terms number `value`
+  total    ///< sum number `value` of those that a adds up
 };
 
 /// a, b and c are earlier operations by their number; of `variable`, a is which one.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 
 #include "core/tape/tape.hpp"
 
@@ -30,6 +31,20 @@ class BitRows {
   std::vector<std::uint64_t> bits_;
 };
 
+/// What each sum of the terms reads.
+BitRows reads_of_sums(const Terms& terms, const BitRows& reads, std::size_t variables) {
+  const auto at = [](Index i) { return static_cast<std::size_t>(i); };
+  BitRows sums(at(terms.sums), variables);
+  const std::size_t count = at(terms.count);
+  for (std::size_t t = 0; t < count; ++t) {
+    BitRows term(1, variables);
+    for (std::size_t k = 0; k < at(terms.arguments); ++k) term.unite(0, reads, at(terms.given[k * count + t]));
+    for (std::size_t r = 0; r < terms.results.size(); ++r)
+      if (const Index sum = terms.into[r * count + t]; sum != none) sums.unite(at(sum), term, 0);
+  }
+  return sums;
+}
+
 }  // namespace
 
 SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs, std::size_t variables)
@@ -38,8 +53,16 @@ SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs,
   Index last = none;
   for (const Index output : outputs) last = std::max(last, output);
   BitRows reads(at(last + 1), variables);
+  std::map<Index, BitRows> sums;  // of terms
   for (Index i = 0; i <= last; ++i) {
     const Node& node = tape[i];
+    if (node.op == Op::total) {
+      const auto number = static_cast<Index>(node.low);
+      auto known = sums.find(number);
+      if (known == sums.end()) known = sums.emplace(number, reads_of_sums(tape.terms(number), reads, variables)).first;
+      reads.unite(at(i), known->second, static_cast<std::size_t>(node.value));
+      continue;
+    }
     if (node.op == Op::variable && node.value < static_cast<double>(variables))
       reads.insert(at(i), static_cast<std::size_t>(node.value));
     for (const Index part : {node.a, node.b, node.c})

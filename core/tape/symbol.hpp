@@ -24,6 +24,12 @@ class Symbol {
     return {tape, tape.write({.op = tape::Op::variable, .value = static_cast<double>(i)})};
   }
 
+  /// A sum of terms that the tape keeps.
+  static Symbol total(tape::Tape& tape, tape::Index terms, tape::Index sum) {
+    return {tape,
+            tape.write({.op = tape::Op::total, .value = static_cast<double>(sum), .low = static_cast<double>(terms)})};
+  }
+
   /// What stands there.
   static constexpr Symbol at(tape::Tape& tape, tape::Index i) {
     return tape[i].op == tape::Op::constant ? Symbol(DoubleDouble(tape[i].value, tape[i].low)) : Symbol(tape, i);

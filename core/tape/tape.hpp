@@ -40,7 +40,8 @@ enum class Op : std::uint8_t {
   atan,
   asin,
   acos,
-  select  ///< b where a < 0, else c
+  select,  ///< b where a < 0, else c
+  total    ///< sum number `value` of the terms number `low` (Terms)
 };
 
 /// Operands lie before what is made of them.
@@ -66,6 +67,19 @@ struct Node {
   static constexpr std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 };
 
+/// Terms alike, as those of Σ m[i] m[j]/r(i, j): one formula of a few arguments, written once; of every term the places
+/// on the tape of its arguments, and the sums that its results are added to, in the order of the terms.
+struct Terms {
+  std::vector<Node> formula;   ///< a tape of its own; its variable number k is argument k
+  std::vector<Index> results;  ///< places in the formula
+  Index arguments = 0, count = 0, sums = 0;
+  std::vector<Index> given;     ///< by argument, then by term
+  std::vector<Index> into;      ///< by result, then by term: the number of a sum; none where it is in none
+  std::vector<Index> operands;  ///< every place that is given, once, in the order of the tape
+
+  bool operator==(const Terms& other) const;
+};
+
 /// What a tape throws that is full. Whoever derives something bounds what that may take, in operations and so in time
 /// and memory, and does without where it takes more.
 struct TooManyOperations : std::length_error {
@@ -87,6 +101,26 @@ class Tape {
   constexpr const Node& operator[](Index i) const { return nodes_[static_cast<std::size_t>(i)]; }
   constexpr Index size() const { return static_cast<Index>(nodes_.size()); }
 
+  /// Keeps terms whose arguments stand here, unless the same are kept already: their number.
+  Index keep(Terms terms);
+  constexpr const Terms& terms(Index number) const { return terms_[static_cast<std::size_t>(number)]; }
+  /// Those that a total is one of the sums of.
+  constexpr const Terms& terms(const Node& total) const { return terms(static_cast<Index>(total.low)); }
+  constexpr bool has_terms() const { return !terms_.empty(); }
+  /// What it takes in memory, about.
+  std::size_t bytes() const;
+
+  /// Calls f with the place of each operand of a node.
+  template <class F>
+  constexpr void for_each_operand(const Node& node, F&& f) const {
+    if (node.op == Op::total) {
+      for (const Index part : terms(node).operands) f(part);
+      return;
+    }
+    for (const Index part : {node.a, node.b, node.c})
+      if (part != none) f(part);
+  }
+
  private:
   constexpr Index insert(Node node);
   /// The same, compiled once: every problem's equations are written when the program runs.
@@ -97,6 +131,7 @@ class Tape {
   Index most_ = most_of_tape;
   std::vector<Node> nodes_;
   std::vector<Index> places_;  ///< a hash table of them, at most half full
+  std::vector<Terms> terms_;
 };
 
 /// Where it stands in the table, or the empty place for it.

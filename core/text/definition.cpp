@@ -3,6 +3,8 @@
 #include <array>
 #include <bit>
 
+#include "core/text/written_out.hpp"
+
 namespace least::text {
 namespace {
 
@@ -57,6 +59,13 @@ std::string Definition::key() const {
   for (const auto* text : {&damping, &action_curvature, &offset}) append(*text ? "=" + **text : "");
   append_all(equations);
   append_all(invariants);
+  if (sums) {  // texts have no more than the first terms of these, but follow from what was typed
+    append(typed->scene.formula);
+    append_all(typed->scene.equations);
+    append_all(typed->definitions);
+    for (const auto& [name, value] : typed->scene.parameters)
+      append(name), append(std::to_string(std::bit_cast<std::uint64_t>(value)));
+  }
   if (backward) append("backward");
   if (is_forced()) {
     append_all(forces);

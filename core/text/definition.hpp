@@ -21,6 +21,7 @@ inline constexpr std::size_t longest_name = 16, longest_parameter = 40;
 
 struct TypedScene;
 struct Vocabulary;
+struct KeptSums;
 
 /// A scene in which every coordinate, every parameter and every term has a name of its own.
 struct Definition {
@@ -46,6 +47,7 @@ struct Definition {
   // Of a scene that was written out (core/text/written_out.hpp): what its author typed, and the words of further texts.
   std::shared_ptr<const TypedScene> typed{};
   std::shared_ptr<const Vocabulary> vocabulary{};
+  std::shared_ptr<const KeptSums> sums{};  ///< that its texts speak of by their numbers; none: there are none
 
   bool is_forced() const { return !forces.empty() || dissipation; }
   /// Of all of its texts.

@@ -4,14 +4,17 @@
 #include <charconv>
 #include <iterator>
 #include <optional>
+#include <tuple>
 
 #include "core/text/brackets.hpp"
+#include "core/text/term_reader.hpp"
 
 namespace least::text {
 
 class Expander {
  public:
-  Expander(const Vocabulary& vocabulary, Expansion& made) : vocabulary_(vocabulary), made_(made) {}
+  Expander(const Vocabulary& vocabulary, Expansion& made, KeptSums* kept)
+      : vocabulary_(vocabulary), made_(made), kept_(kept) {}
 
   /// Writes out a part of the text at hand. False: something is wrong, see `wrong`.
   bool write(std::string_view text, std::size_t from, std::size_t to, Indices& indices) {
@@ -50,6 +53,10 @@ class Expander {
   }
   /// `whole`: no character of it stands in the text at hand.
   bool append(std::string_view piece, std::size_t position, bool whole) {
+    if (term_) {
+      term_->append(piece);
+      return term_->text().size() <= most_characters || too_long(position);
+    }
     if (made_.text_.size() + piece.size() > most_written) return too_long(position);
     auto& parts = made_.parts_;
     const std::size_t at = made_.text_.size();
@@ -84,7 +91,11 @@ class Expander {
     const auto& all = vocabulary_.definitions;
     const auto known = all.begin() + static_cast<std::ptrdiff_t>(std::min(known_, all.size()));
     const auto defined = std::find_if(all.begin(), known, [&](const auto& one) { return one.name == name; });
-    if (defined == known) return append(name, from, false);
+    if (defined == known) {
+      if (!term_ || sign == '(' || is_common(name)) return append(name, from, false);
+      term_->append_name(name);
+      return true;
+    }
     Indices arguments;
     if (!defined->indices.empty()) {
       if (sign != '(') return refuse(from, std::string(name) + " is a definition with indices", shape_of(*defined));
@@ -117,7 +128,11 @@ class Expander {
     }
     const auto at = index(text, from, to, indices);
     if (!at) return false;
-    if (*at >= 1 && *at <= list->second) return append(element_name(name, *at), position, true);
+    if (*at >= 1 && *at <= list->second) {
+      if (!term_) return append(element_name(name, *at), position, true);
+      term_->append_element(name, *at);
+      return true;
+    }
     std::string where;
     for (const auto& [letter, value] : indices)
       where += (where.empty() ? ", for " : ", ") + letter + " = " + std::to_string(value);
@@ -158,6 +173,8 @@ class Expander {
   bool series(std::string_view text, std::size_t position, std::size_t from, std::size_t to, bool adds,
               Indices& indices) {
     bool any = false;
+    if (adds && kept_ && !term_)
+      if (const auto kept = keep(text, position, from, to, indices)) return *kept;
     if (!append("(", position, true) || !terms(text, position, from, to, adds, indices, any)) return false;
     return any ? append(")", position, true) : append(adds ? "0)" : "1)", position, true);
   }
@@ -196,6 +213,76 @@ class Expander {
     indices.pop_back();
     return true;
   }
+  /// Whether a word means the same in all terms.
+  static bool is_common(std::string_view name) {
+    return name == "pi" || name == "and" || name == "or" || name == "not" ||
+           std::ranges::find(function_names(), name) != function_names().end();
+  }
+  /// Calls f(where a term begins, where it ends) for the indices of every term, as far as it returns true; a sum of
+  /// sums has the terms of these. False: a range is none.
+  template <class F>
+  bool each_term(std::string_view text, std::size_t from, std::size_t to, Indices& indices, const F& f) {
+    const std::size_t end = comma(text, from, to), equals = text.find('=', from), dots = text.find("..", from);
+    const std::size_t name_from = after_space(text, from, end);
+    std::size_t name_to = std::min(equals, end);
+    while (name_to > name_from && is_space(text[name_to - 1])) --name_to;
+    if (end == to || !is_range(text, from, to) || value_of(text.substr(name_from, name_to - name_from), indices))
+      return false;
+    const auto bound = [&](std::size_t first, std::size_t last) {
+      const auto read = read_index(text, first, last, vocabulary_, indices, made_.used_);
+      const auto* value = std::get_if<std::int64_t>(&read);
+      return value ? std::optional(*value) : std::nullopt;
+    };
+    const auto first = bound(equals + 1, dots), last = bound(dots + 2, end);
+    if (!first || !last) return false;
+    auto [begin, stop] = inner_sum(text, end + 1, to);
+    const bool more = begin != end + 1 || is_range(text, begin, stop);
+    indices.emplace_back(text.substr(name_from, name_to - name_from), 0);
+    bool good = true;
+    for (std::int64_t i = *first; i <= *last && good; ++i) {
+      indices.back().second = i;
+      good = more ? each_term(text, begin, stop, indices, f) : f(begin, stop);
+    }
+    indices.pop_back();
+    return good;
+  }
+  /// What is summed within a text that is nothing but a sum; else the text.
+  static std::pair<std::size_t, std::size_t> inner_sum(std::string_view text, std::size_t from, std::size_t to) {
+    const std::size_t begin = after_space(text, from, to);
+    const std::size_t word = end_of_word(text, begin, to), open = after_space(text, word, to);
+    if (text.substr(begin, word - begin) != "sum" || open == to || text[open] != '(') return {from, to};
+    const std::size_t close = closing(text, open, to);
+    return after_space(text, std::min(close + 1, to), to) == to && close < to ? std::pair(open + 1, close)
+                                                                              : std::pair(from, to);
+  }
+  /// A sum as one, if it has many terms of few shapes; what it returns, or nothing where it is to be written out.
+  std::optional<bool> keep(std::string_view text, std::size_t position, std::size_t from, std::size_t to,
+                           Indices& indices) {
+    std::size_t count = 0;
+    each_term(text, from, to, indices, [&](std::size_t, std::size_t) { return ++count <= most_terms; });
+    if (count < kept_->few_terms || count > most_terms) return std::nullopt;
+    TermReader term(kept_->not_in_them);
+    const auto before = std::tuple(depth_, definition_, known_, terms_);
+    std::optional<Indices> first;
+    std::pair<std::size_t, std::size_t> body;
+    term_ = &term;
+    const bool whole = each_term(text, from, to, indices, [&](std::size_t begin, std::size_t end) {
+      if (!first) first = indices, body = {begin, end};
+      return write(text, begin, end, indices) && term.finish();
+    });
+    term_ = nullptr;
+    std::tie(depth_, definition_, known_, terms_) = before;
+    if (!whole || !term.is_worthwhile()) return std::nullopt;  // written out, its faults are found where they are
+    terms_ += count;
+    if (terms_ > most_terms) return too_long(position);
+    const std::string number = ")#" + std::to_string(kept_->all.size()) + ")";
+    kept_->all.push_back(term.sum());
+    KeptSums* const sums = std::exchange(kept_, nullptr);  // of the first term sums are written out
+    const bool good =
+        append("((", position, true) && write(text, body.first, body.second, *first) && append(number, position, true);
+    kept_ = sums;
+    return good;
+  }
   static std::string shape_of(const Vocabulary::Defined& defined) {
     std::string shape = defined.name + "(";
     for (const auto& letter : defined.indices) shape += (&letter == &defined.indices.front() ? "" : ", ") + letter;
@@ -228,6 +315,8 @@ class Expander {
 
   const Vocabulary& vocabulary_;
   Expansion& made_;
+  KeptSums* kept_;              ///< null: all is written out
+  TermReader* term_ = nullptr;  ///< of the sum that is kept: what is written is one of its terms
   Expansion::Wrong wrong_;
   std::optional<std::size_t> definition_{};  ///< whose text is at hand
   std::size_t known_ = std::string::npos;    ///< so many definitions are
@@ -236,9 +325,9 @@ class Expander {
 };
 
 std::variant<Expansion, Expansion::Wrong> Expansion::of(std::string_view text, const Vocabulary& vocabulary,
-                                                        const Indices& indices) {
+                                                        const Indices& indices, KeptSums* kept) {
   Expansion made;
-  Expander expander(vocabulary, made);
+  Expander expander(vocabulary, made, kept);
   Indices own = indices;
   if (!expander.write(text, 0, text.size(), own)) return expander.wrong();
   return made;

@@ -18,6 +18,25 @@
 
 namespace least::text {
 
+/// A sum of many terms that is kept as one: of the terms that read alike but for what they speak of, their common text,
+/// in which `a[1]`, `a[2]` … stand for that.
+struct KeptSum {
+  struct Shape {
+    std::string text;
+    std::size_t arguments = 0, terms = 0;
+    std::vector<std::uint32_t> given{};  ///< by term, then by argument: the number of a name
+  };
+  std::vector<Shape> shapes{};
+  std::vector<std::string> names{};
+};
+
+/// Those of the texts of a scene. A text written out has the first term of each, and its number: `((x[1]-x[2])#0)`.
+struct KeptSums {
+  std::size_t few_terms = 256;  ///< fewer are written out: each by itself is as fast, by implicit schemes faster
+  std::vector<KeptSum> all{};
+  Names not_in_them{};  ///< lists and names, as of velocities, that the terms of no kept sum speak of
+};
+
 /// A text written out, and where its parts come from.
 class Expansion {
  public:
@@ -32,9 +51,10 @@ class Expansion {
     std::optional<std::size_t> definition{};
   };
 
-  /// `indices`: what has a value already. Takes no longer than most_written characters do.
+  /// `indices`: what has a value already. `kept`: gets sums of many terms; none: they are written out, too. Takes no
+  /// longer than most_written characters do.
   static std::variant<Expansion, Wrong> of(std::string_view text, const Vocabulary& vocabulary,
-                                           const Indices& indices = {});
+                                           const Indices& indices = {}, KeptSums* kept = nullptr);
 
   const std::string& text() const { return text_; }
   /// Where the character at a place of the text written out comes from.

@@ -7,6 +7,7 @@
 
 #include "core/text/characters.hpp"
 #include "core/text/functions.hpp"
+#include "core/text/kept_sum.hpp"
 #include "core/text/parser.hpp"
 
 namespace least::text {
@@ -127,10 +128,10 @@ const Word* Words::find(std::string_view name) const {
   return found != by_name_.end() ? &all_[found->second] : nullptr;
 }
 
-std::variant<Expression, Fault> Expression::parse(std::string text, std::size_t most) {
+std::variant<Expression, Fault> Expression::parse(std::string text, std::size_t most, std::size_t sums) {
   Expression read;
   read.text_ = std::make_shared<const std::string>(std::move(text));
-  if (auto fault = read_postfix(*read.text_, most, read.tokens_)) return std::move(*fault);
+  if (auto fault = read_postfix(*read.text_, most, sums, read.tokens_)) return std::move(*fault);
   return read;
 }
 
@@ -150,7 +151,9 @@ namespace {
 std::size_t parts_of(const Token& token) {
   if (token.kind == TokenKind::number || token.kind == TokenKind::name) return 0;
   if (token.kind == TokenKind::call) return token.arguments;
-  return token.kind == TokenKind::minus || token.kind == TokenKind::negation ? 1 : 2;
+  const bool of_one =
+      token.kind == TokenKind::minus || token.kind == TokenKind::negation || token.kind == TokenKind::kept_sum;
+  return of_one ? 1 : 2;
 }
 bool takes_condition(const Token& token, std::size_t i) {
   return (token.kind >= TokenKind::negation && token.kind <= TokenKind::disjunction) ||
@@ -159,7 +162,8 @@ bool takes_condition(const Token& token, std::size_t i) {
 
 }  // namespace
 
-std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, const Words& words, std::size_t most) const {
+std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, const Words& words, std::size_t most,
+                                               const KeptSums* sums, std::size_t* summed) const {
   std::vector<Value> stack;
   for (const Token& token : tokens_) {
     const tape::Index from = tape.size();
@@ -190,6 +194,10 @@ std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, const Words& wo
       made = {parts[0].number, true, !parts[0].negated};
     } else if (token.kind == TokenKind::call) {
       made.number = call(token, parts);
+    } else if (token.kind == TokenKind::kept_sum) {
+      auto sum = record_sum(sums->all[static_cast<std::size_t>(token.value)], tape, words, *summed);
+      if (auto* fault = std::get_if<Fault>(&sum)) return Fault{token.position, fault->detail, fault->allowed};
+      made.number = std::get<Symbol>(sum);
     } else if (token.kind >= TokenKind::less) {
       made = compare(token.kind, parts[0], parts[1]);
     } else {

@@ -32,8 +32,9 @@ struct Fault {
 
 /// At most so many characters of a text, operations of a scene, and brackets within brackets.
 inline constexpr std::size_t most_characters = 10'000, most_operations = 4'000, most_nesting = 100;
-/// And of one whose sums were written out: characters, and operations.
-inline constexpr std::size_t most_written = 1'000'000, most_summed = 100'000;
+/// And of one whose sums were written out: characters, and operations. Of sums that are kept as sums the operations of
+/// all terms.
+inline constexpr std::size_t most_written = 1'000'000, most_summed = 100'000, most_kept = 2'000'000;
 
 /// The functions that a text can call.
 std::span<const std::string_view> function_names();
@@ -55,7 +56,8 @@ struct Token {
     negation,     ///< not
     conjunction,  ///< and
     disjunction,  ///< or
-    call
+    call,
+    kept_sum  ///< number `value`, in the place of its first term
   };
   Kind kind = Kind::number;
   std::uint8_t function = 0;   ///< of a call: among function_names()
@@ -94,15 +96,19 @@ class Words {
   std::unordered_map<std::string_view, std::size_t> by_name_;  ///< the place of the first
 };
 
+struct KeptSums;
+
 /// A text that was read. It keeps the text.
 class Expression {
  public:
-  /// At most `most` characters.
-  static std::variant<Expression, Fault> parse(std::string text, std::size_t most = most_written);
+  /// At most `most` characters. `sums`: how many kept sums it may speak of.
+  static std::variant<Expression, Fault> parse(std::string text, std::size_t most = most_written, std::size_t sums = 0);
 
   /// Written on the tape, with the names as `words` has them. What is made of constants and is no finite number is
-  /// refused, and what takes more than `most` operations of the tape.
-  std::variant<Symbol, Fault> record(tape::Tape& tape, const Words& words, std::size_t most = most_operations) const;
+  /// refused, and what takes more than `most` operations of the tape. `sums`: those that it speaks of; `summed`: gets
+  /// the operations of their terms, of which there are most_kept at most.
+  std::variant<Symbol, Fault> record(tape::Tape& tape, const Words& words, std::size_t most = most_operations,
+                                     const KeptSums* sums = nullptr, std::size_t* summed = nullptr) const;
 
   /// Presentation MathML of the formula as typed, without <math>; a name is shown as `shown` says.
   std::string mathml(const std::function<std::string(std::string_view)>& shown) const;

@@ -36,8 +36,10 @@ class Reader : TextReader {
     }
     if (!faults().empty()) return faults();
     constexpr std::size_t bytes_of_operation = 64;
-    const std::size_t bytes = bytes_of_operation * static_cast<std::size_t>(form_->tape.size());
-    meanwhile.shrink_by(bytes);
+    const std::size_t bytes = form_->tape.has_terms()
+                                  ? form_->tape.bytes()
+                                  : bytes_of_operation * static_cast<std::size_t>(form_->tape.size());
+    meanwhile.shrink_by(std::min(bytes, meanwhile.bytes()));
     form_->held.add_soon(bytes);
     return std::shared_ptr<const Form>(form_);
   }

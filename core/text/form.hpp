@@ -94,6 +94,9 @@ struct Form {
   Held held = HeldByThread::take(0);  ///< for the tape
 };
 
+/// The same form on a tape that keeps no terms; null where that takes too many operations.
+std::shared_ptr<const Form> with_sums_written_out(std::shared_ptr<const Form> form);
+
 /// What the definition describes, or everything that is wrong with it.
 std::variant<std::shared_ptr<const Form>, std::vector<DefinitionFault>> form_of(const Definition& definition);
 

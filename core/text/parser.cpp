@@ -20,7 +20,7 @@ std::string listed_functions() {
 
 class Parser {
  public:
-  Parser(std::string_view text, std::size_t most) : text_(text), most_(most) {}
+  Parser(std::string_view text, std::size_t most, std::size_t sums) : text_(text), most_(most), sums_(sums) {}
 
   std::optional<Fault> read(std::vector<Token>& postfix) {
     if (text_.size() > most_)
@@ -161,6 +161,7 @@ class Parser {
     const char c = text_[at_];
     if (c == ')') return close(postfix);
     if (c == ',') return next_argument(postfix);
+    if (c == '#' && sums_ > 0) return kept_sum(postfix);
     const auto [kind, length] = sign();
     if (length == 0 && (c == '(' || c == '.' || is_digit(c) || is_letter(c)))
       return Fault{at_, "a product needs its sign", "* before this"};
@@ -176,6 +177,17 @@ class Parser {
     stack_.push_back({{.kind = kind, .position = here()}});
     at_ += length;
     expects_operand_ = true;
+    return std::nullopt;
+  }
+
+  /// The number of a kept sum, behind its first term.
+  std::optional<Fault> kept_sum(std::vector<Token>& postfix) {
+    std::size_t number = 0;
+    const char* from = text_.data() + at_ + 1;
+    const auto [end, error] = std::from_chars(from, text_.data() + text_.size(), number);
+    if (error != std::errc() || number >= sums_) return stranger();
+    postfix.push_back({.kind = TokenKind::kept_sum, .position = here(), .value = static_cast<double>(number)});
+    at_ += static_cast<std::size_t>(end - from) + 1;
     return std::nullopt;
   }
 
@@ -225,15 +237,16 @@ class Parser {
   }
 
   std::string_view text_;
-  std::size_t most_, at_ = 0, nesting_ = 0;
+  std::size_t most_, sums_, at_ = 0, nesting_ = 0;
   bool expects_operand_ = true;
   std::vector<Pending> stack_;
 };
 
 }  // namespace
 
-std::optional<Fault> read_postfix(std::string_view text, std::size_t most, std::vector<Token>& postfix) {
-  return Parser(text, most).read(postfix);
+std::optional<Fault> read_postfix(std::string_view text, std::size_t most, std::size_t sums,
+                                  std::vector<Token>& postfix) {
+  return Parser(text, most, sums).read(postfix);
 }
 
 }  // namespace least::text

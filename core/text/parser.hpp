@@ -10,6 +10,8 @@
 namespace least::text {
 
 /// The tokens of a text of at most so many characters, in postfix order, each a part of the text; or what is wrong.
-std::optional<Fault> read_postfix(std::string_view text, std::size_t most, std::vector<Token>& postfix);
+/// `sums`: how many kept sums it may speak of.
+std::optional<Fault> read_postfix(std::string_view text, std::size_t most, std::size_t sums,
+                                  std::vector<Token>& postfix);
 
 }  // namespace least::text

@@ -193,11 +193,21 @@ std::string TextScene::note_on_equations() const {
          "say, and are solved for at every step";
 }
 
+std::vector<std::pair<std::string, std::string>> TextScene::equations_in_short() const {
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const auto& name : definition.variables) texts.emplace_back(name, "…");
+  if (form->kind != FormKind::flow)
+    for (const auto& name : definition.variables) texts.emplace_back(momentum_name(name), "…");
+  return texts;
+}
+
 std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
+  const std::shared_ptr<const Form> plain = with_sums_written_out(form);
+  if (!plain) return equations_in_short();
   Rates rates;
   // The equations of a scene are bounded; the energy from which they are derived here stands on the same tape.
   rates.tape.bound(2 * SizedScene::most_equations);
-  write_rates(definition, *form, rates);
+  write_rates(definition, *plain, rates);
   const bool velocities = in_velocities(*form);  // which looks at all masses
   const auto name = [&](int i) -> std::string {
     const Numbering& numbers = form->numbers;

@@ -62,6 +62,8 @@ struct TextScene {
   std::string note_on_equations() const;
 
  private:
+  /// Of sums too long to be written out: the names alone.
+  std::vector<std::pair<std::string, std::string>> equations_in_short() const;
   /// The same of a scene that no class is compiled for.
   std::optional<Objection> objection_to_large_start(std::span<const double> parameters, double t,
                                                     const std::vector<double>& state) const;

@@ -139,11 +139,12 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
 }
 
 std::size_t SizedScene::bytes() const {
-  constexpr std::size_t of_tape = 48, of_formula = 40;
+  constexpr std::size_t of_tape = 48, of_formula = 40, copies_of_terms = 2;
   std::size_t steps = 0;
   for (const tape::Formula* made :
        {&rate, &motion_, &potential, &gradient, &damping, &hamiltonian, &invariants, &forces.values, &forces.jacobian})
     steps += made->operations();
+  if (equations.has_terms()) return (1 + copies_of_terms) * equations.bytes();
   return of_tape * static_cast<std::size_t>(equations.size()) + of_formula * steps;
 }
 
@@ -256,15 +257,35 @@ const tape::SparseJacobian& SizedScene::curvature() const {
   return *curvature_->of;
 }
 
+std::optional<SizedScene::Plain> SizedScene::plain() const {
+  if (!equations.has_terms()) return Plain{equations, rates};
+  constexpr std::size_t bytes_of_operation = 192;
+  std::call_once(written_out_->made, [&] {
+    const HeldByThread same(budget_);
+    try {
+      const auto most = static_cast<std::size_t>(tape::most_written_out);
+      Held held = HeldByThread::take_soon(bytes_of_operation * std::min(most, tape::operations_written_out(equations)));
+      written_out_->of.emplace(tape::written_out(equations, rates, tape::most_written_out));
+      held.shrink_to(written_out_->of->tape.bytes());
+      written_out_->held = std::move(held);
+    } catch (const tape::TooManyOperations&) {
+    }
+  });
+  if (!written_out_->of) return std::nullopt;
+  return Plain{written_out_->of->tape, written_out_->of->roots};
+}
+
 const tape::Program& SizedScene::series(bool all) const {
   constexpr std::size_t bytes_of_operation = 104, meanwhile = 320;
   const std::size_t count = all ? components : moving;
   SeriesProgram& known = *(count == components ? series_ : motion_series_);
   std::call_once(known.made, [&] {
     const HeldByThread same(budget_);
-    const auto size = static_cast<std::size_t>(equations.size());
+    const std::optional<Plain> from = plain();
+    if (!from) throw tape::TooManyOperations();
+    const auto size = static_cast<std::size_t>(from->tape.size());
     Held held = HeldByThread::take_soon(meanwhile * size);
-    known.of.emplace(equations, std::span(rates).first(count), count);
+    known.of.emplace(from->tape, from->rates.first(count), count);
     held.shrink_to(bytes_of_operation * size);
     known.held = std::move(held);
   });

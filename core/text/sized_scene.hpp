@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/tape/derivative.hpp"
 #include "core/tape/formula.hpp"
 #include "core/tape/program.hpp"
 #include "core/tape/sparse_jacobian.hpp"
@@ -99,10 +100,17 @@ class SizedScene {
   using SparseRow = std::vector<std::pair<std::size_t, double>>;
   const std::vector<SparseRow>& inverse_mass_matrix() const { return inverse_matrix_; }
 
+  /// The equations with all sums written out, for what goes through them operation by operation.
+  struct Plain {
+    const tape::Tape& tape;
+    std::span<const tape::Index> rates;
+  };
+  /// Nothing where that takes more than tape::most_written_out. Made when it is first asked for. Throws MemoryShortage.
+  std::optional<Plain> plain() const;
   /// V″(q, t) where there is a potential; made when it is first asked for.
   const tape::SparseJacobian& curvature() const;
   /// What series of all components are made of, or of those that move; made when it is first asked for. Throws
-  /// MemoryShortage.
+  /// MemoryShortage, and tape::TooManyOperations where there are no plain equations.
   const tape::Program& series(bool all) const;
 
  private:
@@ -125,6 +133,12 @@ class SizedScene {
     std::unique_ptr<const tape::SparseJacobian> of;
     Held held{};
   };
+  struct WrittenOut {
+    std::once_flag made;
+    std::optional<const tape::PlainTape> of;
+    Held held{};
+  };
+  std::shared_ptr<WrittenOut> written_out_ = std::make_shared<WrittenOut>();
   std::vector<tape::Index> slopes_;  ///< ∇V
   std::shared_ptr<Curvature> curvature_ = std::make_shared<Curvature>();
   struct SeriesProgram {

@@ -93,12 +93,13 @@ std::optional<Symbol> TextReader::record(const std::string& pointer, const std::
     fault(pointer, "the texts of the scene are too long together", std::to_string(most) + " characters");
     return std::nullopt;
   }
-  auto parsed = Expression::parse(text, most);
+  const std::size_t sums = given_.sums ? given_.sums->all.size() : 0;
+  auto parsed = Expression::parse(text, most, sums);
   if (auto* wrong = std::get_if<Fault>(&parsed)) {
     faults_.push_back({pointer, std::move(*wrong)});
     return std::nullopt;
   }
-  auto symbol = std::get<Expression>(parsed).record(form_->tape, known, operations());
+  auto symbol = std::get<Expression>(parsed).record(form_->tape, known, operations(), given_.sums.get(), &summed_);
   if (auto* wrong = std::get_if<Fault>(&symbol)) {
     faults_.push_back({pointer, std::move(*wrong)});
     return std::nullopt;

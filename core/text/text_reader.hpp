@@ -41,7 +41,7 @@ class TextReader {
  private:
   std::vector<DefinitionFault> faults_;
   std::vector<std::string> names_;
-  std::size_t characters_ = 0;
+  std::size_t characters_ = 0, summed_ = 0;
 };
 
 }  // namespace least::text

@@ -49,6 +49,7 @@ class SceneWriter {
     read_vocabulary();
     if (faults_.empty()) declare_variables();
     if (faults_.empty()) read_definitions();
+    if (faults_.empty()) choose_sums();
     if (faults_.empty()) write_texts();
     if (faults_.empty() && !used_.empty()) {
       vocabulary_.fixed = used_;
@@ -56,6 +57,7 @@ class SceneWriter {
     }
     if (!faults_.empty()) return std::move(faults_);
     Definition& made = out_.definition_;
+    if (!sums_.all.empty()) made.sums = std::make_shared<const KeptSums>(std::move(sums_));
     for (const auto& [name, value] : given().parameters)
       if (!vocabulary_.fixed.contains(name)) made.parameters.emplace_back(name, value);
     for (const auto& [name, values] : typed_->lists)
@@ -175,10 +177,32 @@ class SceneWriter {
     }
   }
 
+  /// Which sums are kept. Of what moves, second derivatives are taken coordinate by coordinate: sums that speak of it
+  /// are written out.
+  void choose_sums() {
+    if (given().kind == Definition::Kind::equations) {
+      // Each variable has sums of its own: those of a hundred would be long together.
+      constexpr std::size_t many_variables = 100, few_terms = 64;
+      if (out_.definition_.variables.size() >= many_variables) sums_.few_terms = few_terms;
+      return;
+    }
+    for (const std::string& typed : given().variables) {
+      const std::string name = typed.substr(0, typed.find('['));
+      sums_.not_in_them.insert({velocity_name(name), momentum_name(name)});
+    }
+    sums_.not_in_them.insert("s");
+  }
+  /// Those that are kept, in the texts of scenes that no class has room for.
+  KeptSums* sums() {
+    const bool flow = given().kind == Definition::Kind::equations;
+    const std::size_t few = static_cast<std::size_t>(flow ? compiled_variables : compiled_coordinates);
+    return out_.definition_.variables.size() > few ? &sums_ : nullptr;
+  }
+
   /// Nothing where the text is wrong, which is then known.
   std::string write_text(const std::string& pointer, const std::string& written_pointer, std::string_view text,
-                         const Indices& indices = {}) {
-    auto made = Expansion::of(text, vocabulary_, indices);
+                         const Indices& indices = {}, KeptSums* sums = nullptr) {
+    auto made = Expansion::of(text, vocabulary_, indices, sums);
     if (auto* wrong = std::get_if<Expansion::Wrong>(&made)) {
       faults_.push_back({wrong->definition ? pointer_of(*wrong->definition) : pointer, std::move(wrong->fault)});
       return {};
@@ -199,12 +223,13 @@ class SceneWriter {
     std::vector<std::string> variables = std::move(made.variables);
     made = {};
     made.variables = std::move(variables);
+    sums_.all.clear();
     made.kind = given().kind;
     made.title = given().title;
     if (given().kind != Definition::Kind::equations)
-      made.formula = write_text(mechanics(), mechanics(), given().formula);
+      made.formula = write_text(mechanics(), mechanics(), given().formula, {}, sums());
     made.masses = write_named("/masses/", given().masses);
-    made.equations = write_named("/equations/", given().equations);
+    made.equations = write_named("/equations/", given().equations, sums());
     for (const auto& [name, text] : given().invariants) {
       const std::string pointer = pointer_to("/invariants/", name);
       made.invariants.emplace_back(name, write_text(pointer, pointer, text));
@@ -220,12 +245,12 @@ class SceneWriter {
   }
 
   /// Texts of variables: `x` stands for all of a list, `x[i]` for each of them.
-  Definition::Named write_named(const std::string& key, const Definition::Named& typed) {
+  Definition::Named write_named(const std::string& key, const Definition::Named& typed, KeptSums* sums = nullptr) {
     Definition::Named made;
     for (const auto& [name, text] : typed) {
       const std::string pointer = pointer_to(key, name);
       const auto one = [&](const std::string& variable, std::string_view of, const Indices& indices) {
-        made.emplace_back(variable, write_text(pointer, pointer_to(key, variable), of, indices));
+        made.emplace_back(variable, write_text(pointer, pointer_to(key, variable), of, indices, sums));
       };
       const std::size_t open = name.find('[');
       const std::string list = name.substr(0, open);
@@ -256,6 +281,7 @@ class SceneWriter {
   std::shared_ptr<const TypedScene> typed_;
   Vocabulary vocabulary_;
   Names used_;
+  KeptSums sums_;
   std::vector<DefinitionFault> faults_;
   bool changed_ = false;  ///< something is written out
   WrittenOut out_;

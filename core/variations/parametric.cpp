@@ -126,7 +126,8 @@ std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_sce
   if (!forward.mechanics->text()) {
     form = recorded_in_parameters(forward, varied, goes_backward(scene));
   } else {
-    form = text->form;
+    form = text::with_sums_written_out(text->form);
+    if (!form) return "its sums have more terms than derivatives are taken of";
   }
   if (!form) return "this problem is none whose equations can be differentiated";
   if (form->kind == FormKind::lagrangian)

@@ -127,6 +127,7 @@ void write_language(JsonWriter& json) {
                                                         {"invariants", text::most_invariants},
                                                         {"characters", text::most_characters},
                                                         {"operations", text::most_operations},
+                                                        {"operations_of_long_sums", text::most_kept},
                                                         {"operations_with_sums_written_out", text::most_summed},
                                                         {"nesting", text::most_nesting}};
   json.key("limits").open('{');

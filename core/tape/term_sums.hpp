@@ -1,0 +1,119 @@
+// Sums of terms alike, made ready to be evaluated. In double they are computed operation by operation over many terms
+// at a time. Terms go in an order in which what they read, and what they are added to, mostly stands one after the
+// other: those of a double sum over i < j by j − i. Bits do not depend on the instruction set: what many terms add to
+// one sum is added up in eight parts, whatever the machine.
+#pragma once
+
+#include <functional>
+
+#include "core/tape/formula.hpp"
+#include "core/tape/fused_steps.hpp"
+
+namespace least::tape {
+
+class PreparedTerms;
+
+class TermSums {
+ public:
+  /// `registered`: of an operand that is neither a number nor a variable the register of the formula where it stands.
+  TermSums(const Tape& tape, const Terms& terms, const std::function<std::uint32_t(Index)>& registered);
+
+  /// All sums at the variables x; r: the registers of the formula that asks.
+  template <class T>
+  void evaluate(const T* x, const T* r, T* sums) const {
+    thread_local std::vector<T> arguments, values, registers;
+    arguments.resize(columns_.size());
+    values.resize(results_.size());
+    if (registers.size() < formula_.registers_) registers.resize(formula_.registers_);
+    std::fill_n(sums, count_of_sums_, T(0));
+    for (std::size_t term = 0; term < count_; ++term) {
+      for (std::size_t k = 0; k < columns_.size(); ++k) {
+        const Column& column = columns_[k];
+        arguments[k] = column.source == Source::number     ? T(numbers_[column.first + term])
+                       : column.source == Source::variable ? x[places_[column.first + term]]
+                                                           : r[places_[column.first + term]];
+      }
+      formula_.run(arguments.data(), 0.0, registers.data(), values.data());
+      for (std::size_t k = 0; k < results_.size(); ++k) {
+        const std::uint32_t into = places_[results_[k].first + term];
+        if (into == dropped) continue;
+        sums[into] = results_[k].negated ? sums[into] - values[k] : sums[into] + values[k];
+      }
+    }
+  }
+  void evaluate(const double* x, const double* r, double* sums) const noexcept;
+
+  /// Of all terms.
+  std::size_t operations() const { return count_ * steps_.size(); }
+
+ private:
+  static constexpr std::size_t tile = 256;  ///< terms that are computed at a time
+  static constexpr std::size_t parts = 8;   ///< in which terms of one sum are added up
+  static constexpr std::uint32_t dropped = static_cast<std::uint32_t>(-1);
+  static constexpr std::size_t few_in_segment = 4;  ///< on average: below, each value is read and added by itself
+
+  enum class Source : std::uint8_t { number, variable, formula };
+  /// An argument of all terms: in numbers_ or places_ from `first`. One that is not gathered is read in differences
+  /// alone.
+  struct Column {
+    Source source = Source::number;
+    std::uint32_t first = 0;
+    bool gathered = false;
+  };
+  /// What is added of all terms: an operand, to the sums in places_ from `first`.
+  struct Result {
+    std::uint32_t first = 0;
+    std::uint16_t operand = 0;
+    bool negated = false;
+  };
+  /// What a column is along a segment: places one after the other from a first one, or always the same.
+  struct Reach {
+    std::uint32_t from = 0;
+    bool moves = false;
+  };
+  /// Terms that are computed together, in so many segments.
+  struct Tile {
+    std::uint32_t first_segment = 0, segments = 0;
+  };
+  /// Operands are columns of arguments, then tiles.
+  struct Step {
+    Code code;
+    Fused fused = Fused::nothing;
+    bool difference = false;  ///< of two columns along segments
+    std::uint16_t out = 0, a = 0, b = 0, c = 0;
+    double value = 0;
+  };
+  class Order;
+
+  void set_columns(const Tape& tape, const Terms& terms, const PreparedTerms& prepared,
+                   const std::function<std::uint32_t(Index)>& registered);
+  void set_steps(const Tape& tape, std::span<const Index> results);
+  void set_segments();
+  std::size_t reaches() const { return columns_.size() + results_.size(); }
+
+  void gather(std::size_t k, const Tile& some, std::size_t begin, std::size_t count, const double* from,
+              double* to) const noexcept;
+  void subtract(const Step& step, const Tile& some, const double* x, const double* r, double* out) const noexcept;
+  void add(std::size_t k, const Tile& some, std::size_t begin, std::size_t count, const double* values,
+           double* sums) const noexcept;
+
+  std::size_t count_ = 0, count_of_sums_ = 0;
+  Formula formula_;  ///< of one term
+  std::vector<Column> columns_;
+  std::vector<Result> results_;
+  std::vector<double> numbers_;
+  std::vector<std::uint32_t> places_;
+  std::vector<Step> steps_;
+  std::size_t operands_ = 0;
+  bool in_segments_ = false;
+  std::vector<Tile> tiles_;
+  std::vector<std::uint16_t> lengths_;  ///< of segments
+  std::vector<Reach> reach_;            ///< by segment, of the columns and then of the results
+};
+
+template <class T, class S>
+void Formula::add_up(const TermSums& sums, const T* x, const S&, const T* r, T* out) noexcept {
+  sums.evaluate(x, r, out);
+}
+
+}  // namespace least::tape

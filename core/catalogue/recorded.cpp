@@ -3,6 +3,7 @@
 #include "core/from_values.hpp"
 #include "core/parameters.hpp"
 #include "core/problem.hpp"
+#include "core/schemes/taylor.hpp"
 #include "core/tape/symbol.hpp"
 #include "least_problems.hpp"
 
@@ -131,20 +132,57 @@ std::shared_ptr<const text::Form> recorded(const ProblemCard& card, std::span<co
   return nullptr;
 }
 
+/// The problem of a scene with variables in the place of some parameters, by their places on the card.
+template <template <class> class P, class Variable>
+P<Symbol> in_variables(const Scene& scene, const std::vector<bool>& varied, Variable&& variable) {
+  auto problem = parameters::in<Symbol>(from_values<P<double>>(About<P>::fields, scene.parameters));
+  parameters::for_each_number<P>([&](const Field<P<double>>& field) {
+    const auto& cards = scene.card().parameters;
+    const auto place =
+        static_cast<std::size_t>(std::ranges::find(cards, field.name, &ParameterCard::name) - cards.begin());
+    if (varied[place]) parameters::with_member(problem, field, [&](Symbol& member) { member = variable(place); });
+  });
+  return problem;
+}
+
 template <template <class> class P>
 std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, const std::vector<bool>& varied,
                                                          bool backward) {
   auto form = numbered<P<double>>();
-  auto problem = parameters::in<Symbol>(from_values<P<double>>(About<P>::fields, scene.parameters));
-  parameters::for_each_number<P>([&](const Field<P<double>>& field) {
-    const auto& cards = scene.card().parameters;
-    const auto place = std::ranges::find(cards, field.name, &ParameterCard::name) - cards.begin();
-    if (!varied[static_cast<std::size_t>(place)]) return;
-    parameters::with_member(problem, field, [&](Symbol& member) {
-      member = Symbol::variable(form->tape, static_cast<std::size_t>(form->numbers.parameter + place));
-    });
+  const auto problem = in_variables<P>(scene, varied, [&](std::size_t place) {
+    return Symbol::variable(form->tape, static_cast<std::size_t>(form->numbers.parameter) + place);
   });
   return Recording<P<double>, P<Symbol>>(std::move(form), problem, backward).form(scene.card());
+}
+
+template <template <class> class P>
+std::optional<tape::Program> recorded_equations(const Scene& scene, const std::vector<bool>& varied) {
+  using X = StateOf<P<double>>;
+  constexpr std::size_t size = X::size;
+  if constexpr (IteratesForRates<P<double>>) {
+    return std::nullopt;
+  } else {
+    tape::Tape tape;
+    std::vector<tape::Index> rates;
+    const auto write = [&](const auto& problem) {
+      typename X::template in<Symbol, Symbol> x;
+      for (std::size_t i = 0; i < size; ++i) x[i] = Symbol::variable(tape, i);
+      x.t = Symbol::time(tape);
+      const auto rate = derivative(problem, x);
+      for (std::size_t i = 0; i < size; ++i) rates.push_back(rate[i].on(tape));
+    };
+    const std::ptrdiff_t count = std::ranges::count(varied, true);
+    if (count == 0) {
+      write(from_values<P<double>>(About<P>::fields, scene.parameters));
+    } else {
+      write(in_variables<P>(scene, varied, [&](std::size_t place) {
+        const auto before = std::count(varied.begin(), varied.begin() + static_cast<std::ptrdiff_t>(place), true);
+        return Symbol::variable(tape, size + static_cast<std::size_t>(before));
+      }));
+      rates.insert(rates.end(), static_cast<std::size_t>(count), Symbol(0).on(tape));
+    }
+    return taylor::program_of(tape, rates, size);
+  }
 }
 
 }  // namespace
@@ -167,6 +205,15 @@ std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, con
   LEAST_FOR_EACH_PROBLEM(LEAST_RECORDED)
 #undef LEAST_RECORDED
   return nullptr;
+}
+
+std::optional<tape::Program> recorded_equations(const Scene& scene, const std::vector<bool>& varied) {
+  const std::string& id = scene.card().id;
+#define LEAST_RECORDED(name, Class) \
+  if (id == #name) return recorded_equations<problems::Class>(scene, varied);
+  LEAST_FOR_EACH_PROBLEM(LEAST_RECORDED)
+#undef LEAST_RECORDED
+  return std::nullopt;
 }
 
 }  // namespace least

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/run/mechanics.hpp"
+#include "core/tape/program.hpp"
 #include "core/text/scene.hpp"
 
 namespace least {
@@ -20,5 +21,9 @@ std::optional<text::TextScene> recorded_text(const ProblemCard& problem, std::sp
 /// and numbers; the others are those of the scene. `backward`: of what moves forward as it moves backward.
 std::shared_ptr<const text::Form> recorded_in_parameters(const Scene& scene, const std::vector<bool>& varied,
                                                          bool backward);
+/// The equations of motion of a scene of the catalogue, as the scheme `taylor` has them, with its parameters as numbers
+/// but for those that are `varied`, which are variables that rest, after those of the motion in the order of the card.
+/// None where velocities are found by iteration.
+std::optional<tape::Program> recorded_equations(const Scene& scene, const std::vector<bool>& varied);
 
 }  // namespace least

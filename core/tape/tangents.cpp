@@ -3,47 +3,39 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/tape/series_rules.hpp"
+#include "core/tape/tangent_rules.hpp"
 #include "core/tape/wide.hpp"
 
 namespace least::tape {
-namespace {
-
-constexpr std::size_t everything = Series::most_orders + 1;
-
-/// Which values depend on the variables, and which of these rest.
-struct Kinds {
-  std::vector<bool> moves;
-  std::vector<std::size_t> reach;
-
-  explicit Kinds(const Program& p) : moves(at(p.rows), false), reach(at(p.rows), everything) {
-    for (std::size_t i = 0; i < p.variables; ++i) {
-      moves[at(Program::first_variable) + i] = true;
-      if (i >= p.moving) reach[at(Program::first_variable) + i] = 1;
-    }
-    reach[at(p.time())] = 2;
-    for (const Step& s : p.linear) reach[at(s.out)] = 2;
-    for (const Step& s : p.steps) {
-      bool any = false;
-      std::size_t furthest = 1;
-      const auto see = [&](Index value) {
-        any = any || moves[at(value)];
-        furthest = std::max(furthest, reach[at(value)]);
-      };
-      for (Index i = 0; i < s.values; ++i) see(p.values[at(s.first_value + i)].value);
-      for (Index i = 0; i < s.products; ++i) {
-        see(p.products[at(s.first_product + i)].a);
-        see(p.products[at(s.first_product + i)].b);
-      }
-      const bool two = s.rule == Rule::quotient || s.rule == Rule::linear_quotient || s.rule == Rule::select;
-      if (s.rule != Rule::sum && s.a != none) see(s.a);
-      if (two) see(s.b);
-      if (s.rule == Rule::select || s.rule == Rule::linear_product) see(s.w);
-      moves[at(s.out)] = any;
-      reach[at(s.out)] = any && furthest == 1 ? 1 : everything;
-    }
+Kinds::Kinds(const Program& p) : moves(at(p.rows), false), reach(at(p.rows), everything) {
+  for (std::size_t i = 0; i < p.variables; ++i) {
+    moves[at(Program::first_variable) + i] = true;
+    if (i >= p.moving) reach[at(Program::first_variable) + i] = 1;
   }
-};
+  reach[at(p.time())] = 2;
+  for (const Step& s : p.linear) reach[at(s.out)] = 2;
+  for (const Step& s : p.steps) {
+    bool any = false;
+    std::size_t furthest = 1;
+    const auto see = [&](Index value) {
+      any = any || moves[at(value)];
+      furthest = std::max(furthest, reach[at(value)]);
+    };
+    for (Index i = 0; i < s.values; ++i) see(p.values[at(s.first_value + i)].value);
+    for (Index i = 0; i < s.products; ++i) {
+      see(p.products[at(s.first_product + i)].a);
+      see(p.products[at(s.first_product + i)].b);
+    }
+    const bool two = s.rule == Rule::quotient || s.rule == Rule::linear_quotient || s.rule == Rule::select;
+    if (s.rule != Rule::sum && s.a != none) see(s.a);
+    if (two) see(s.b);
+    if (s.rule == Rule::select || s.rule == Rule::linear_product) see(s.w);
+    moves[at(s.out)] = any;
+    reach[at(s.out)] = any && furthest == 1 ? 1 : everything;
+  }
+}
+
+namespace {
 
 /// Σ cⱼ tⱼ over j < n, of G fours from f on of each of B sums: they do not wait for each other. t goes on by `on`.
 template <std::size_t B, std::size_t G>
@@ -114,7 +106,7 @@ class Tangents::Pass {
       const Step& s = p_.steps[i];
       if (!moves(s.out)) continue;
       Planned planned{i, of_.terms_.size(), 0, of_.sums_.size(), 0, reach(s.out) > 1};
-      plan(s);
+      derive(p_, s, Taken{*this});
       planned.terms_end = of_.terms_.size();
       planned.sums_end = of_.sums_.size();
       of_.planned_.push_back(planned);
@@ -136,79 +128,18 @@ class Tangents::Pass {
     of_.weights_.resize(of_.sums_.size() * orders);
     of_.found_.resize(std::max(of_.found_.size(), of_.sums_.size() * fours_));
   }
-  /// factor x′ₖ
-  void add(Index x, double factor) {
-    if (moves(x)) of_.terms_.push_back({slot(x), reach(x), factor});
-  }
-  /// factor Σ (a + b j/k) x′ⱼ y_{k−j} over j < k
-  void add_sum(Index x, Index y, double factor, double a = 1, double b = 0) {
-    if (moves(x) && reach(y) > 1) of_.sums_.push_back({slot(x), y, reach(x), reach(y), factor, a, b, nullptr, nullptr});
-  }
-  /// factor (x y)′
-  void add_product(Index x, Index y, double factor) {
-    add(x, factor * value(y));
-    add(y, factor * value(x));
-    add_sum(x, y, factor);
-    add_sum(y, x, factor);
-  }
-  /// out′ₖ, from a recurrence in which it is the last that is not known.
-  void plan(const Step& s) {
-    switch (s.rule) {
-      case Rule::sum:
-        for (Index i = 0; i < s.values; ++i) {
-          const Program::Value& term = p_.values[at(s.first_value + i)];
-          add(term.value, term.factor);
-        }
-        for (Index i = 0; i < s.products; ++i) {
-          const Program::Product& term = p_.products[at(s.first_product + i)];
-          add_product(term.a, term.b, term.factor);
-        }
-        break;
-      case Rule::quotient:
-      case Rule::linear_quotient: {  // out b = c a
-        const double by = 1 / value(s.b);
-        add(s.a, s.c * by);
-        add(s.b, -by * value(s.out));
-        add_sum(s.b, s.out, -by);
-        add_sum(s.out, s.b, -by);
-        break;
-      }
-      case Rule::root: {  // out² = a
-        const double by = 1 / value(s.out);
-        add(s.a, 0.5 * by);
-        add_sum(s.out, s.out, -by);
-        break;
-      }
-      case Rule::power: {  // a ȯut = p ȧ out
-        const double by = 1 / value(s.a);
-        add(s.a, s.p * value(s.out) * by);
-        add_sum(s.a, s.out, by, -1, 1 + s.p);
-        add_sum(s.out, s.a, by, s.p, -1 - s.p);
-        break;
-      }
-      case Rule::integral:  // ȯut = c w ȧ
-        add(s.a, s.c * value(s.w));
-        add_sum(s.a, s.w, s.c, 0, 1);
-        add_sum(s.w, s.a, s.c, 1, -1);
-        break;
-      case Rule::log_like: {  // w ȯut = c ȧ
-        const double by = 1 / value(s.w);
-        add(s.a, s.c * by);
-        add_sum(s.w, s.out, -by, 1, -1);
-        add_sum(s.out, s.w, -by, 0, 1);
-        break;
-      }
-      case Rule::select:
-        add(value(s.w) < 0 ? s.a : s.b, 1);
-        break;
-      case Rule::linear_product:  // a is of the time alone
-        add(s.w, s.c * value(s.a));
-        add_sum(s.w, s.a, s.c);
-        break;
-      default:
-        break;
+  /// What the derivative of a step is made of, one after the other.
+  struct Taken {
+    Pass& pass;
+    double value(Index value) const { return pass.value(value); }
+    void add(Index x, double factor) {
+      if (pass.moves(x)) pass.of_.terms_.push_back({pass.slot(x), pass.reach(x), factor});
     }
-  }
+    void add_sum(Index x, Index y, double factor, double a, double b) {
+      if (pass.moves(x) && pass.reach(y) > 1)
+        pass.of_.sums_.push_back({pass.slot(x), y, pass.reach(x), pass.reach(y), factor, a, b, nullptr, nullptr});
+    }
+  };
 
   /// Of all sums, those over many terms by four.
   [[gnu::always_inline]] inline void find_sums() {

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "core/catalogue/backward.hpp"
 #include "core/catalogue/recorded.hpp"
+#include "core/schemes/held_program.hpp"
 #include "core/tape/derivative.hpp"
 #include "core/tape/elimination.hpp"
 #include "core/text/scene.hpp"
@@ -18,8 +20,12 @@ using text::FormKind;
 /// Writes a form as equations on a tape of their own.
 class Writer {
  public:
-  Writer(const text::Form& form, ParametricScene& made)
-      : form_(form), made_(made), rewrite_(form.tape, made.tape, [this](int i) { return variable_of_form(i); }) {}
+  /// `numbers`: of parameters, that stand in the place of those that are not varied.
+  Writer(const text::Form& form, std::span<const double> numbers, const std::vector<bool>& varied,
+         ParametricScene& made)
+      : form_(form), numbers_(numbers), varied_(varied), made_(made), rewrite_(form.tape, made.tape, [this](int i) {
+          return variable_of_form(i);
+        }) {}
 
   void write() {
     const std::size_t n = form_.coordinates;
@@ -57,7 +63,10 @@ class Writer {
   Symbol variable_of_form(int i) {
     const text::Numbering& numbers = form_.numbers;
     const auto from = [](int k) { return static_cast<std::size_t>(k); };
-    if (i >= numbers.parameter) return component(made_.components + from(i - numbers.parameter));
+    if (i >= numbers.parameter) {
+      const std::size_t which = from(i - numbers.parameter);
+      return varied_[which] ? component(made_.components + which) : Symbol(numbers_[which]);
+    }
     if (form_.kind == FormKind::flow || i < numbers.momentum) return component(from(i));
     return component(i == numbers.action ? 2 * made_.coordinates : made_.coordinates + from(i - numbers.momentum));
   }
@@ -112,9 +121,18 @@ class Writer {
   }
 
   const text::Form& form_;
+  std::span<const double> numbers_;
+  const std::vector<bool>& varied_;
   ParametricScene& made_;
   tape::Substitution rewrite_;
 };
+
+/// Of equations in which no parameter is varied.
+tape::Program program_of(ParametricScene& scene) {
+  std::vector<tape::Index> rates;
+  for (const Symbol& rate : scene.rates) rates.push_back(rate.on(scene.tape));
+  return taylor::program_of(scene.tape, rates, rates.size());
+}
 
 }  // namespace
 
@@ -133,7 +151,10 @@ std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_sce
   if (form->kind == FormKind::lagrangian)
     return "a Lagrangian that is not quadratic in the velocities has no derivatives yet";
   auto made = std::make_shared<ParametricScene>();
-  Writer(*form, *made).write();
+  made->parameters = scene.parameters;
+  if (const auto& cards = forward.card().parameters; made->parameters.size() != cards.size())
+    made->parameters = forward.parameters;
+  Writer(*form, made->parameters, varied, *made).write();
   const std::size_t n = made->coordinates;
   const std::size_t capacity = text ? static_cast<std::size_t>(text->capacity) : n;
   for (std::size_t i = 0; i < made->components; ++i) {
@@ -143,9 +164,20 @@ std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_sce
   }
   made->form = form;
   made->backward = goes_backward(scene);
-  made->parameters = scene.parameters;
-  if (const auto& cards = forward.card().parameters; made->parameters.size() != cards.size())
-    made->parameters = forward.parameters;
+  made->varied = varied;
+  constexpr std::size_t few = 24;  // components; derivatives of larger scenes are followed with their motion
+  if (!text && !made->backward) {
+    const auto equations = [&](const std::vector<bool>& by) {
+      auto program = recorded_equations(forward, by);
+      return program && program->moving == made->components ? std::move(program) : std::nullopt;
+    };
+    made->motion = equations(std::vector<bool>(varied.size(), false));
+    made->varied_motion = equations(varied);
+  } else if (const std::vector<bool> none(varied.size(), false); varied != none && made->components <= few) {
+    ParametricScene numbers;
+    Writer(*form, made->parameters, none, numbers).write();
+    made->motion = program_of(numbers);
+  }
   return std::shared_ptr<const ParametricScene>(std::move(made));
 }
 

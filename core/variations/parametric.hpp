@@ -4,11 +4,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "core/run/mechanics.hpp"
+#include "core/tape/program.hpp"
 #include "core/text/form.hpp"
 
 namespace least::variations {
@@ -29,6 +31,10 @@ struct ParametricScene {
   std::vector<std::size_t> variables;           ///< of the components: their places on the card
   std::vector<double> parameters;               ///< of the card, in its order
   std::vector<Symbol> rates;                    ///< ẋ of the components
+  /// Of a scene of the catalogue the same as the scheme `taylor` has it: with numbers for parameters, and with those
+  /// that are varied as variables that rest.
+  std::optional<tape::Program> motion, varied_motion;
+  std::vector<bool> varied;     ///< of the parameters
   Symbol energy;                ///< H, where it is mechanics whose H the components say; else the constant NaN
   Symbol action_slope;          ///< H_s of mechanics
   std::vector<Symbol> momenta;  ///< p where a start may be in velocities: functions that have them in the place of p

@@ -28,26 +28,43 @@ VariedMotion::VariedMotion(const ParametricScene& scene, std::span<const Directi
                            std::span<const std::pair<std::size_t, std::size_t>> pairs, double tolerance, int order)
     : size_(scene.components),
       tolerance_(tolerance),
+      order_(order),
       by_(directions.begin(), directions.end()),
       pairs_(pairs.begin(), pairs.end()),
       parameters_(scene.parameters),
       first_{by_.size(), tape::Tangents::lanes_of(by_.size()), std::vector<int>(by_.size())},
       second_{pairs_.size(), tape::Tangents::lanes_of(pairs_.size()), std::vector<int>(pairs_.size())} {
-  constexpr std::size_t most_numbers = 1 << 23;  // more at once do not stay near, nor are they needed
   for (const Direction& direction : by_)
     if (direction && std::ranges::find(varied_, *direction) == varied_.end()) varied_.push_back(*direction);
-  tape::Program program = program_of(scene);
+  std::ranges::sort(varied_);
+  tape::Program program = program_of(scene, varied_);
   if (by_.empty()) {
     expansion_.emplace(std::move(program), tolerance, order);
+  } else if (pairs_.empty() && StepsAhead::suit(program, by_.size())) {
+    varied_program_ = program;
+    held_.add(StepsAhead::numbers(program) * sizeof(double));
+    ahead_.emplace(program_of(scene, {}), std::move(program), tolerance, order);
   } else {
-    expansion_.emplace(taylor::Expansion::of_all_values(std::move(program), tolerance, order));
-    const tape::Program& known = expansion_->program();
-    const std::size_t numbers = tape::Tangents::numbers(known, expansion_->order(), by_.size(), pairs_.size());
-    if (numbers > most_numbers && by_.size() + pairs_.size() > 1) throw tape::TooManyOperations();
-    held_.add(numbers * sizeof(double));
-    tangents_.emplace(known, expansion_->order(), by_.size(), pairs_);
+    follow_directions(std::move(program));
   }
   if (switches(scene)) prepare_switches(scene);
+}
+
+/// All directions side by side, step by step.
+void VariedMotion::follow_directions(tape::Program program) {
+  constexpr std::size_t most_numbers = 1 << 23;  // more at once do not stay near, nor are they needed
+  expansion_.emplace(taylor::Expansion::of_all_values(std::move(program), tolerance_, order_));
+  const tape::Program& known = expansion_->program();
+  const std::size_t numbers = tape::Tangents::numbers(known, expansion_->order(), by_.size(), pairs_.size());
+  if (numbers > most_numbers && by_.size() + pairs_.size() > 1) throw tape::TooManyOperations();
+  held_.add(numbers * sizeof(double));
+  tangents_.emplace(known, expansion_->order(), by_.size(), pairs_);
+}
+
+/// Until the next start.
+void VariedMotion::follow_one_by_one() {
+  one_by_one_ = true;
+  if (!expansion_) follow_directions(*varied_program_);
 }
 
 void VariedMotion::prepare_switches(const ParametricScene& scene) {
@@ -63,16 +80,21 @@ void VariedMotion::prepare_switches(const ParametricScene& scene) {
   sides_.emplace(tape, places);
 }
 
-/// Of the motion, with numbers in the place of parameters but for those that are varied, which are variables that rest.
-tape::Program VariedMotion::program_of(const ParametricScene& scene) {
+/// Of the motion, with numbers in the place of parameters but for those that are varied, which are variables that rest,
+/// in their order.
+tape::Program VariedMotion::program_of(const ParametricScene& scene, const std::vector<std::size_t>& varied) const {
+  std::vector<bool> all(scene.varied.size(), false);
+  for (const std::size_t parameter : varied) all[parameter] = true;
+  if (scene.motion && varied.empty()) return *scene.motion;
+  if (scene.varied_motion && all == scene.varied) return *scene.varied_motion;
   tape::Tape tape;
   tape.bound(tape::most_of_equations);
   std::vector<Symbol> x, rates(size_);
   for (std::size_t i = 0; i < size_; ++i) x.push_back(Symbol::variable(tape, i));
   for (const double parameter : parameters_) x.emplace_back(parameter);
-  for (std::size_t k = 0; k < varied_.size(); ++k) x[size_ + varied_[k]] = Symbol::variable(tape, size_ + k);
+  for (std::size_t k = 0; k < varied.size(); ++k) x[size_ + varied[k]] = Symbol::variable(tape, size_ + k);
   formula_of(scene, scene.rates).evaluate(x.data(), Symbol::time(tape), rates.data());
-  rates.resize(size_ + varied_.size());
+  rates.resize(size_ + varied.size());
   std::vector<tape::Index> places;
   places.reserve(rates.size());
   for (const Symbol& rate : rates) places.push_back(rate.on(tape));
@@ -105,6 +127,8 @@ void VariedMotion::start(std::span<const double> x, const Derivatives& derivativ
   for (std::size_t d = 0; d < by_.size(); ++d)
     for (std::size_t k = 0; k < varied_.size(); ++k)
       if (by_[d] == varied_[k]) first_.u[(size_ + k) * first_.lanes + d] = 1;
+  if (ahead_) ahead_->begin();
+  one_by_one_ = false;
   settle_scales();
   plan();
 }
@@ -141,6 +165,10 @@ void VariedMotion::settle_scales() {
 }
 
 void VariedMotion::plan() {
+  if (ahead()) {
+    if (plan_ahead()) return;
+    follow_one_by_one();  // as near the end of a motion
+  }
   expansion_->move(y_.data(), t_);
   double step = expansion_->step();
   if (tangents_) {
@@ -149,6 +177,22 @@ void VariedMotion::plan() {
   }
   reach_ = t_ + step;
   if (!(reach_ - t_ > 1e-13 * std::max(std::abs(t_), longest_))) reach_ = t_;  // of a motion that ends
+}
+
+/// The next step of those that lie ready, or as much of it as is good for derivatives, too. False: it is not known.
+bool VariedMotion::plan_ahead() {
+  if (!ahead_->next(y_, low_, t_, 1e-13 * longest_)) return false;
+  const double term = taylor::Expansion::allowed * tolerance_ * std::max(1.0, largest_of(std::span(y_).first(size_)));
+  double step = ahead_->end() - t_;
+  const double whole = step;
+  const auto heed = [&](double largest, int k) {
+    if (k > 0 && largest * std::pow(whole, k) > term) step = std::min(step, std::pow(term / largest, 1.0 / k));
+    return std::isfinite(largest);
+  };
+  const auto [last, before] = ahead_->last_terms(first_.u, first_.lanes);
+  if (!heed(last, order()) || !heed(before, order() - 1)) return false;
+  reach_ = step < whole ? t_ + step : ahead_->end();
+  return reach_ - t_ > 1e-13 * std::max(std::abs(t_), longest_);
 }
 
 /// How far the series of derivatives are as good as those of the motion, by their last two terms.
@@ -210,19 +254,66 @@ void VariedMotion::cross_switch(double to) {
 }
 
 bool VariedMotion::look(double t) {
-  expansion_->move(y_.data(), t_);
+  motion().move(y_.data(), t_);
   seen_ = y_;
   low_seen_ = low_;
-  expansion_->evaluate(t - t_, low_seen_.data(), seen_.data());
+  motion().evaluate(t - t_, low_seen_.data(), seen_.data());
   const auto finite = [](double component) { return std::isfinite(component); };
   if (!std::ranges::all_of(seen_, finite)) return false;
+  if (ahead()) {
+    first_.seen = first_.u;
+    first_.low_seen = first_.low;
+    ahead_->change_in(t - t_, first_.seen, first_.low_seen, first_.lanes);
+    return std::ranges::all_of(first_.seen, finite);
+  }
   if (!tangents_) return true;
   for (Level* level : {&first_, &second_}) level->low_seen = level->low;
   tangents_->evaluate(t - t_, first_.seen, first_.low_seen, second_.seen, second_.low_seen);
   return std::ranges::all_of(first_.seen, finite) && std::ranges::all_of(second_.seen, finite);
 }
 
+/// What is seen becomes the motion, at the time `to`.
+void VariedMotion::step_to(double to) {
+  y_ = seen_;
+  low_ = low_seen_;
+  for (Level* level : {&first_, &second_}) {
+    level->u = level->seen;
+    level->low = level->low_seen;
+  }
+  longest_ = std::max(longest_, to - t_);
+  t_ = to;
+  settle_scales();
+  plan();
+}
+
+/// The step that lies ready, or a part of it. False: derivatives are no numbers there.
+bool VariedMotion::advance_ahead(double end) {
+  const double to = std::min(reach_, end);
+  if (!(to > t_)) return false;
+  if (to < ahead_->end()) {
+    if (!look(to)) return false;
+    ahead_->leave(to == reach_ ? 0.98 * (to - t_) / (ahead_->end() - t_) : 1);
+  } else {
+    first_.seen = first_.u;
+    first_.low_seen = first_.low;
+    ahead_->change(first_.seen, first_.low_seen, first_.lanes);
+    if (!std::ranges::all_of(first_.seen, [](double slope) { return std::isfinite(slope); })) return false;
+    std::ranges::copy(ahead_->state(), seen_.begin());
+    low_seen_ = low_;
+    std::ranges::copy(ahead_->low(), low_seen_.begin());
+    ahead_->take();
+  }
+  step_to(to);
+  return true;
+}
+
 bool VariedMotion::advance(double end) {
+  if (ahead()) {
+    if (!(end > t_)) return false;
+    if (advance_ahead(end)) return true;
+    follow_one_by_one();
+    plan();
+  }
   // Of neighbouring numbers the one in the middle rounds to one of the two: then there is none between.
   double before = std::numeric_limits<double>::infinity();
   for (double to = std::min(reach_, end); to > t_ && to < before; to = t_ + (to - t_) / 2) {
@@ -230,16 +321,7 @@ bool VariedMotion::advance(double end) {
     if (!look(to)) continue;
     if (!expansion_->defined(seen_.data(), to)) continue;
     if (sides_) cross_switch(to);
-    y_ = seen_;
-    low_ = low_seen_;
-    for (Level* level : {&first_, &second_}) {
-      level->u = level->seen;
-      level->low = level->low_seen;
-    }
-    longest_ = std::max(longest_, to - t_);
-    t_ = to;
-    settle_scales();
-    plan();
+    step_to(to);
     return true;
   }
   return false;

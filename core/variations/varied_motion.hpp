@@ -1,11 +1,11 @@
-// A motion with its first and second derivatives in directions of its start and its parameters, along its Taylor series
-// (core/tape/tangents.hpp). They are homogeneous in each direction, of which parameters are a part, so that derivatives
-// are rescaled by powers of two from step to step and have as many digits as the motion, however far they grow. Where
-// the equations switch sides, at a zero of g, rates may jump from f₋ to f₊: there u becomes u + (f₋ − f₊) ∂t/∂θ,
-// ∂t/∂θ = −(g_x u + g_θ w)/(g_x f₋ + g_t), w being the change of the parameter; second derivatives are not taken over a
-// jump.
-// Sources: Barrio, SIAM J. Sci. Comput. 27, 1929 (2006); Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth
-// Mechanical Systems, 2004, chapter 7.
+// A motion with its first and second derivatives in directions of its start and its parameters, along its Taylor
+// series: by steps that lie ready (core/variations/steps_ahead.hpp) where there are few variables and first derivatives
+// alone are asked for, and direction by direction (core/tape/tangents.hpp) else. They are homogeneous in each
+// direction, of which parameters are a part, so that derivatives are rescaled by powers of two from step to step and
+// have as many digits as the motion, however far they grow. Where the equations switch sides, at a zero of g, rates may
+// jump from f₋ to f₊: there u becomes u + (f₋ − f₊) ∂t/∂θ, ∂t/∂θ = −(g_x u + g_θ w)/(g_x f₋ + g_t), w being the change
+// of the parameter; second derivatives are not taken over a jump. Sources: Barrio, SIAM J. Sci. Comput. 27, 1929
+// (2006); Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, chapter 7.
 #pragma once
 
 #include <memory>
@@ -18,6 +18,7 @@
 #include "core/tape/formula.hpp"
 #include "core/tape/tangents.hpp"
 #include "core/variations/parametric.hpp"
+#include "core/variations/steps_ahead.hpp"
 
 namespace least::variations {
 
@@ -41,7 +42,7 @@ class VariedMotion {
 
   void start(std::span<const double> x, const Derivatives& derivatives, double t);
   double time() const { return t_; }
-  int order() const { return expansion_->order(); }
+  int order() const { return ahead_ ? ahead_->order() : expansion_->order(); }
   /// The time that the next step may go to; time() where the motion does not go on.
   double reach() const { return reach_; }
   /// What is seen becomes the motion at a time within the next step. False: it is not finite there.
@@ -60,12 +61,19 @@ class VariedMotion {
     std::vector<double> u{}, low{};  ///< at the last step, and what rounding has kept from them
     std::vector<double> seen{}, low_seen{};
   };
-  tape::Program program_of(const ParametricScene& scene);
+  tape::Program program_of(const ParametricScene& scene, const std::vector<std::size_t>& varied) const;
+  void follow_directions(tape::Program program);
+  void follow_one_by_one();
+  bool ahead() const { return ahead_ && !one_by_one_; }
+  taylor::Expansion& motion() { return ahead() ? ahead_->expansion() : *expansion_; }
   void put(Level& level, const std::vector<double>& derivatives);
   void take(const Level& level, std::vector<double>& derivatives) const;
   void settle_scales();
   void settle(Level& level, std::span<const double> beside);
   void plan();
+  bool plan_ahead();
+  bool advance_ahead(double end);
+  void step_to(double to);
   double derivatives_step();
   void prepare_switches(const ParametricScene& scene);
   void cross_switch(double to);
@@ -76,10 +84,14 @@ class VariedMotion {
 
   std::size_t size_;
   double tolerance_;
+  int order_;  ///< that was asked for
   std::vector<Direction> by_;
   std::vector<std::size_t> varied_;  ///< parameters that are variables of the series, after the state
   std::vector<tape::Tangents::Pair> pairs_;
   Held held_ = HeldByThread::take(0);
+  std::optional<StepsAhead> ahead_;  ///< where it suits; else, or from a place where it does not, the two that follow
+  bool one_by_one_ = false;
+  std::optional<tape::Program> varied_program_;  ///< for these, where there is something ahead
   std::optional<taylor::Expansion> expansion_;
   std::optional<tape::Tangents> tangents_;
   std::optional<tape::Formula> sides_;  ///< where the equations switch

@@ -96,8 +96,9 @@ void measurements() {
 }
 
 constexpr std::pair<std::string_view, void (*)()> tables[] = {
-    {"choice", bench::choice},     {"hybrid", bench::hybrid}, {"drag", bench::drag},       {"drift", bench::drift},
-    {"digits", bench::digits},     {"lifts", bench::lifts},   {"planets", bench::planets}, {"scenes", bench::scenes},
+    {"choice", bench::choice},     {"hybrid", bench::hybrid}, {"drag", bench::drag},
+    {"drift", bench::drift},       {"digits", bench::digits}, {"lifts", bench::lifts},
+    {"planets", bench::planets},   {"scenes", bench::scenes}, {"derivatives", bench::derivatives},
     {"warnings", bench::warnings}, {"auto", bench::advice},   {"ratios", measurements}};
 
 /// The value of an argument of ours, which is taken out of them; empty where there is none.

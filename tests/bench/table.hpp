@@ -61,6 +61,9 @@ void lifts();
 /// Prints what Wisdom and Holman's splitting costs on planets, against WHFast's numbers.
 void planets();
 
+/// Prints what derivatives of motions cost, in runs.
+void derivatives();
+
 /// Prints how often runs are wrong without a word, and right with one.
 void warnings();
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/tape/step_tangents.hpp"
 #include "core/tape/symbol.hpp"
 
 namespace {
@@ -16,6 +17,7 @@ using least::Symbol;
 using least::tape::Index;
 using least::tape::Program;
 using least::tape::Series;
+using least::tape::StepTangents;
 using least::tape::Tangents;
 using least::tape::Tape;
 
@@ -66,6 +68,7 @@ class Motion {
     return ended;
   }
   const std::vector<Tangents::Pair>& pairs() const { return pairs_; }
+  const Program& program() const { return program_; }
 
  private:
   Program program_;
@@ -105,11 +108,48 @@ void holds(const char* what, F f) {
   }
 }
 
+/// What steps side by side make of the same, from starts of their own, some of which are left out.
+template <class F>
+void holds_side_by_side(const char* what, F f) {
+  SCOPED_TRACE(what);
+  const Motion<F> motion(f);
+  if (!StepTangents::suits(motion.program())) return;
+  StepTangents tangents(motion.program(), order);
+  for (const std::size_t count : {StepTangents::steps, std::size_t{3}}) {
+    std::vector<double> starts, times(count, 0.2), lengths;
+    std::vector<Ended> alone;
+    for (std::size_t step = 0; step < count; ++step) {
+      const double by = 0.02 * static_cast<double>(step);
+      const Start start{0.4 + by, 0.7 - by, 0.6 + by / 2};
+      starts.insert(starts.end(), start.begin(), start.end());
+      lengths.push_back(later);
+      alone.push_back(motion.from(start));
+    }
+    tangents.expand(starts, times);
+    tangents.find_changes(lengths);
+    std::array<double, moving * all_variables> within;
+    for (std::size_t step = 0; step < count; ++step) {
+      tangents.change_in(later, step, within.data());
+      for (std::size_t i = 0; i < moving; ++i)
+        for (std::size_t c = 0; c < all_variables; ++c) {
+          const double change = tangents.change(step)[i * all_variables + c];
+          const double right = alone[step].first[i][c] - (i == c ? 1 : 0);
+          EXPECT_NEAR(change, right, 1e-13 * (1 + std::abs(right))) << step << ": " << i << " by " << c;
+          EXPECT_EQ(within[i * all_variables + c], change);
+        }
+    }
+  }
+}
+
 TEST(Tangents, OfEveryRuleAreDifferencesOfItsSeries) {
   using least::pow, least::sqrt, least::exp, least::log, least::sin, least::cos, least::tan, least::sinh, least::cosh;
   using least::tanh, least::atan, least::asin, least::acos, least::select;
   const auto with = [](const char* what, auto f) {
-    holds(what, [f](const Symbol& x, const Symbol& y, const Symbol& c, const Symbol&) { return f(c * x + y * y); });
+    const auto of_sum = [f](const Symbol& x, const Symbol& y, const Symbol& c, const Symbol&) {
+      return f(c * x + y * y);
+    };
+    holds(what, of_sum);
+    holds_side_by_side(what, of_sum);
   };
   with("a square", [](const Symbol& u) { return u * u; });
   with("a sum", [](const Symbol& u) { return 2.0 * u + 1.0; });
@@ -128,7 +168,10 @@ TEST(Tangents, OfEveryRuleAreDifferencesOfItsSeries) {
   with("asin", [](const Symbol& u) { return asin(0.5 * u); });
   with("acos", [](const Symbol& u) { return acos(0.5 * u); });
   with("a choice", [](const Symbol& u) { return select(u < Symbol(0.1), exp(u), u * u); });
-  const auto all = [](const char* what, auto f) { holds(what, f); };
+  const auto all = [](const char* what, auto f) {
+    holds(what, f);
+    holds_side_by_side(what, f);
+  };
   using S = const Symbol&;
   all("a product", [](S x, S y, S c, S) { return x * y * c; });
   all("a parameter alone", [](S, S, S c, S) { return sin(c) * c + 1.0 / c; });

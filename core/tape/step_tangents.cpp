@@ -1,0 +1,181 @@
+#include "core/tape/step_tangents.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/tape/step_passes.hpp"
+#include "core/tape/tangent_rules.hpp"
+#include "core/tape/wide.hpp"
+
+// Registers of each width there is are asked for; what is computed does not depend on them.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define LEAST_BY_FOUR [[gnu::target("avx2")]]
+#define LEAST_HAS_BY_FOUR __builtin_cpu_supports("avx2")
+#define LEAST_BY_EIGHT [[gnu::target("avx2,avx512f,avx512vl,avx512dq")]]
+#define LEAST_HAS_BY_EIGHT \
+  (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+#else
+#define LEAST_BY_FOUR
+#define LEAST_HAS_BY_FOUR false
+#define LEAST_BY_EIGHT
+#define LEAST_HAS_BY_EIGHT false
+#endif
+
+namespace least::tape {
+
+/// The terms and sums of the steps of a program, without their factors.
+struct StepTangents::Plan {
+  StepTangents& of;
+  bool moves(Index x) const { return x != none && of.slot_[tape::at(x)] != none; }
+  double value(Index) const { return 1; }
+  void add(Index x, double) const {
+    if (moves(x)) of.terms_.push_back({of.slot_[tape::at(x)], of.reach_[tape::at(x)], Side{}});
+  }
+  void add_sum(Index x, Index y, double, double a, double b) const {
+    const std::size_t reach = of.reach_[tape::at(y)];
+    if (moves(x) && reach > 1)
+      of.sums_.push_back({of.slot_[tape::at(x)], y, of.reach_[tape::at(x)], reach, a, b, Side{}});
+  }
+};
+/// Their factors where one step of the motion begins.
+struct StepTangents::Factors {
+  StepTangents& of;
+  std::size_t step;
+  Term* term;
+  Sum* sum;
+  bool moves(Index x) const { return x != none && of.slot_[tape::at(x)] != none; }
+  double value(Index x) const { return of.row_[tape::at(x)]; }
+  void add(Index x, double factor) {
+    if (moves(x)) term++->factor.lane[step] = factor;
+  }
+  void add_sum(Index x, Index y, double factor, double, double) {
+    if (moves(x) && of.reach_[tape::at(y)] > 1) sum++->factor.lane[step] = factor;
+  }
+};
+
+StepTangents::StepTangents(Program program, int order)
+    : program_(std::move(program)), order_(static_cast<std::size_t>(order)) {
+  const Kinds kinds(program_);
+  reach_ = kinds.reach;
+  slot_.assign(tape::at(program_.rows), none);
+  Index slots = 0;
+  for (std::size_t value = 0; value < slot_.size(); ++value)
+    if (kinds.moves[value]) slot_[value] = slots++;
+  for (const Step& s : program_.steps) {
+    if (slot_[tape::at(s.out)] == none) continue;
+    Planned planned{slot_[tape::at(s.out)], terms_.size(), 0, sums_.size(), 0, reach_[tape::at(s.out)] > 1};
+    derive(program_, s, Plan{*this});
+    planned.terms_end = terms_.size();
+    planned.sums_end = sums_.size();
+    planned_.push_back(planned);
+  }
+  rows_.resize(slot_.size() * (order_ + 1));
+  gains_.resize(program_.steps.size());
+  row_.resize(slot_.size());
+  const std::size_t columns = program_.variables, parts = (columns + most_columns - 1) / most_columns;
+  for (std::size_t part = 0; part < parts; ++part) {
+    Group& group = groups_.emplace_back();
+    group.first = part * columns / parts;
+    group.count = (part + 1) * columns / parts - group.first;
+    group.rows.resize(tape::at(slots) * (order_ + 1) * group.count);
+    group_.insert(group_.end(), group.count, part);
+  }
+  matrices_.resize(3 * steps * entries());
+  found_.resize(2 * most_columns * sums_.size());
+}
+
+std::size_t StepTangents::numbers(const Program& program, int order) {
+  return tape::at(program.rows) * (static_cast<std::size_t>(order) + 1) * (program.variables + 1) * steps;
+}
+
+const StepTangents::Side* StepTangents::series_of(std::size_t i, std::size_t c, std::size_t& stride) const {
+  const Group& group = groups_[group_[c]];
+  const std::size_t slot = tape::at(slot_[tape::at(Program::first_variable) + i]);
+  stride = group.count;
+  return group.rows.data() + slot * (order_ + 1) * stride + (c - group.first);
+}
+
+/// Order 0 of a step, and what follows from it.
+void StepTangents::begin(std::size_t step, const double* y, double t) {
+  double* const row = row_.data();
+  const Lists lists{program_.values.data(), program_.products.data()};
+  const Rules<false> rules{lists, lists};
+  std::copy_n(y, program_.variables, row + Program::first_variable);
+  row[program_.time()] = t;
+  for (const Step& s : program_.linear) rules.begin(s, s, row);
+  for (const Step& s : program_.steps) rules.begin(s, s, row);
+  for (std::size_t value = 0; value < row_.size(); ++value) rows_[value * (order_ + 1)].lane[step] = row[value];
+  Factors factors{*this, step, terms_.data(), sums_.data()};
+  for (std::size_t i = 0; i < program_.steps.size(); ++i) {
+    const Step& s = program_.steps[i];
+    double& gain = gains_[i].lane[step];
+    if (s.rule == Rule::quotient || s.rule == Rule::linear_quotient) gain = 1 / row[s.b];
+    if (s.rule == Rule::root) gain = 0.5 / row[s.out];
+    if (s.rule == Rule::power || s.rule == Rule::linear_power) gain = 1 / row[s.a];
+    if (s.rule == Rule::log_like) gain = 1 / row[s.w];
+    if (slot_[tape::at(s.out)] != none) derive(program_, s, factors);
+  }
+}
+
+template <std::size_t Wide>
+[[gnu::always_inline]] inline void StepTangents::expand_all() {
+  for (std::ptrdiff_t part = 0; part < parts<Wide>; ++part) {
+    Motion<Wide>(*this, part).go();
+    for (Group& group : groups_) {
+      if (group.count == 1) Columns<Wide, 1>(*this, group, part).go();
+      if (group.count == 2) Columns<Wide, 2>(*this, group, part).go();
+      if (group.count == 3) Columns<Wide, 3>(*this, group, part).go();
+      if (group.count == 4) Columns<Wide, 4>(*this, group, part).go();
+    }
+  }
+}
+void StepTangents::expand_by_two() { expand_all<2>(); }
+LEAST_BY_FOUR void StepTangents::expand_by_four() { expand_all<4>(); }
+LEAST_BY_EIGHT void StepTangents::expand_by_eight() { expand_all<8>(); }
+
+void StepTangents::expand(std::span<const double> y, std::span<const double> t) {
+  const std::size_t count = t.size();
+  for (std::size_t step = 0; step < steps; ++step) {
+    const std::size_t like = std::min(step, count - 1);
+    begin(step, y.data() + like * program_.variables, t[like]);
+  }
+  std::ranges::fill(rows_[tape::at(program_.time()) * (order_ + 1) + 1].lane, 1.0);
+  if (LEAST_HAS_BY_EIGHT) return expand_by_eight();
+  if (LEAST_HAS_BY_FOUR) return expand_by_four();
+  expand_by_two();
+}
+
+LEAST_WIDE void StepTangents::find_changes(std::span<const double> h) {
+  std::array<double, steps> length, sum;
+  for (std::size_t step = 0; step < steps; ++step) length[step] = h[std::min(step, h.size() - 1)];
+  std::size_t stride = 0, entry = 0;
+  for (std::size_t i = 0; i < program_.moving; ++i)
+    for (std::size_t c = 0; c < program_.variables; ++c, ++entry) {
+      const Side* const rows = series_of(i, c, stride);
+      sum.fill(0);
+      for (std::size_t k = order_; k > 0; --k)
+        for (std::size_t step = 0; step < steps; ++step)
+          sum[step] = (sum[step] + rows[k * stride].lane[step]) * length[step];
+      const double *const last = rows[order_ * stride].lane, *const before = rows[(order_ - 1) * stride].lane;
+      double* to = matrices_.data() + entry;
+      for (std::size_t step = 0; step < steps; ++step, to += 3 * entries()) {
+        to[0] = sum[step];
+        to[entries()] = last[step];
+        to[2 * entries()] = before[step];
+      }
+    }
+}
+
+void StepTangents::change_in(double h, std::size_t step, double* change) const {
+  std::size_t stride = 0;
+  for (std::size_t i = 0; i < program_.moving; ++i)
+    for (std::size_t c = 0; c < program_.variables; ++c) {
+      const Side* const rows = series_of(i, c, stride);
+      double sum = 0;
+      for (std::size_t k = order_; k > 0; --k) sum = (sum + rows[k * stride].lane[step]) * h;
+      *change++ = sum;
+    }
+}
+
+}  // namespace least::tape

@@ -1,0 +1,133 @@
+#include "core/variations/steps_ahead.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace least::variations {
+namespace {
+
+/// Terms of derivatives are larger than those of the motion by about their order, and it is dearer to leave steps that
+/// lie ready than to take somewhat shorter ones: of orbits and of the Lorenz equations none are left so.
+constexpr double closer = 1.0 / 1024;
+constexpr std::size_t most_steps = tape::StepTangents::steps;
+
+bool is_finite(std::span<const double> numbers) {
+  return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
+}
+
+}  // namespace
+
+bool StepsAhead::suit(const tape::Program& varied, std::size_t directions) {
+  // Followed direction by direction, reading the program costs as much as some six directions.
+  constexpr std::size_t always = 8, most_numbers = 1 << 19;
+  return tape::StepTangents::suits(varied) && varied.variables <= always + 2 * directions &&
+         numbers(varied) <= most_numbers;
+}
+
+std::size_t StepsAhead::numbers(const tape::Program& varied) {
+  constexpr int usual = 30;
+  return tape::StepTangents::numbers(varied, usual);
+}
+
+StepsAhead::StepsAhead(tape::Program motion, tape::Program varied, double tolerance, int order)
+    : expansion_(std::move(motion), closer * tolerance, order),
+      tangents_(std::move(varied), expansion_.order()),
+      size_(expansion_.program().variables),
+      columns_(tangents_.columns()) {
+  begins_.resize(most_steps * columns_);
+  for (auto* numbers : {&times_, &lengths_, &ends_}) numbers->resize(most_steps);
+  for (auto* numbers : {&states_, &lows_}) numbers->resize(most_steps * size_);
+}
+
+bool StepsAhead::next(std::span<const double> y, std::span<const double> low, double t, double least) {
+  return at_ < count_ || make(y, low, t, least);
+}
+
+bool StepsAhead::make(std::span<const double> y, std::span<const double> low, double t, double least) {
+  at_ = count_ = 0;
+  std::span<const double> from = y.first(size_), kept = low.first(size_);
+  const std::span rest = y.subspan(size_);
+  while (count_ < most_steps) {
+    expansion_.move(from.data(), t);
+    const double h = part_ * expansion_.step(), end = t + h;
+    if (!(end - t > std::max(least, 1e-13 * std::abs(t))) || !std::isfinite(end)) break;
+    const std::span state = std::span(states_).subspan(count_ * size_, size_),
+                    rounded = std::span(lows_).subspan(count_ * size_, size_);
+    expansion_.evaluate(end - t, from.data(), kept.data(), state.data(), rounded.data());
+    if (!is_finite(state) || !expansion_.defined(state.data(), end)) break;
+    double* const begin = begins_.data() + count_ * columns_;
+    std::ranges::copy(rest, std::ranges::copy(from, begin).out);
+    times_[count_] = t;
+    lengths_[count_] = end - t;
+    ends_[count_] = t = end;
+    from = state;
+    kept = rounded;
+    ++count_;
+  }
+  if (count_ == 0) return false;
+  tangents_.expand(std::span(begins_).first(count_ * columns_), std::span(times_).first(count_));
+  tangents_.find_changes(std::span(lengths_).first(count_));
+  part_ = std::min(1.0, 1.003 * part_);
+  return true;
+}
+
+void StepsAhead::leave(double shorter) {
+  at_ = count_ = 0;
+  part_ = std::max(0.1, part_ * shorter);
+}
+
+/// Σ m_{ic} u_{cd} over c
+void StepsAhead::multiply(const double* matrix, std::span<const double> u, std::size_t lanes) {
+  product_.resize(size_ * lanes);
+  for (std::size_t i = 0; i < size_; ++i, matrix += columns_)
+    for (std::size_t d = 0; d < lanes; d += 4) {
+      tape::Four sum{}, from;
+      for (std::size_t c = 0; c < columns_; ++c) {
+        std::memcpy(&from, u.data() + c * lanes + d, sizeof(from));
+        sum.lane += matrix[c] * from.lane;
+      }
+      std::memcpy(product_.data() + i * lanes + d, &sum, sizeof(sum));
+    }
+}
+
+double StepsAhead::largest() const {
+  double most = 0;
+  for (const double here : product_)
+    if (!(std::abs(here) <= most)) {
+      most = std::abs(here);
+      if (std::isnan(most)) break;
+    }
+  return most;
+}
+
+std::pair<double, double> StepsAhead::last_terms(std::span<const double> u, std::size_t lanes) {
+  multiply(tangents_.last_term(at_), u, lanes);
+  const double last = largest();
+  multiply(tangents_.term_before(at_), u, lanes);
+  return {last, largest()};
+}
+
+void StepsAhead::change(std::span<double> u, std::span<double> low, std::size_t lanes) {
+  multiply(tangents_.change(at_), u, lanes);
+  add(u, low);
+}
+
+void StepsAhead::change_in(double h, std::span<double> u, std::span<double> low, std::size_t lanes) {
+  matrix_.resize(size_ * columns_);
+  tangents_.change_in(h, at_, matrix_.data());
+  multiply(matrix_.data(), u, lanes);
+  add(u, low);
+}
+
+/// What was multiplied, to derivatives with what rounding has kept from them.
+void StepsAhead::add(std::span<double> u, std::span<double> low) {
+  for (std::size_t place = 0; place < product_.size(); ++place) {
+    const double start = u[place], change = product_[place] + low[place], to = start + change, back = to - start;
+    u[place] = to;
+    low[place] = (start - (to - back)) + (change - back);
+  }
+}
+
+}  // namespace least::variations

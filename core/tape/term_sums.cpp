@@ -47,34 +47,45 @@ namespace least::tape {
   }
 }
 
-[[gnu::always_inline]] inline void TermSums::add(std::size_t k, const Tile& some, std::size_t begin, std::size_t count,
-                                                 const double* values, double* sums) const noexcept {
-  const double sign = results_[k].negated ? -1 : 1;
-  if (!in_segments_) {
-    const std::uint32_t* const places = places_.data() + results_[k].first + begin;
-    for (std::size_t i = 0; i < count; ++i)
-      if (places[i] != dropped) sums[places[i]] += sign * values[i];
-    return;
-  }
-  for (std::uint32_t s = some.first_segment; s < some.first_segment + some.segments; values += lengths_[s++]) {
-    const Reach& reach = reach_[s * reaches() + columns_.size() + k];
-    if (reach.from == dropped) continue;
+/// All results of a segment before those of the next one: a sum that was just written is read again only when that has
+/// reached the memory next to the processor.
+[[gnu::always_inline]] inline void TermSums::add_segments(const Tile& some, const double* const* operand,
+                                                          double* sums) const noexcept {
+  std::size_t begin = 0;
+  for (std::uint32_t s = some.first_segment; s < some.first_segment + some.segments; begin += lengths_[s++]) {
+    const Reach* const reach = &reach_[s * reaches() + columns_.size()];
     const std::size_t length = lengths_[s];
-    double* __restrict const into = sums + reach.from;
-    if (reach.moves) {
-      for (std::size_t i = 0; i < length; ++i) into[i] += sign * values[i];
-      continue;
+    for (std::size_t k = 0; k < results_.size(); ++k) {
+      if (reach[k].from == dropped) continue;
+      const double sign = results_[k].negated ? -1 : 1;
+      const double* const values = operand[results_[k].operand] + begin;
+      double* __restrict const into = sums + reach[k].from;
+      if (reach[k].moves) {
+        for (std::size_t i = 0; i < length; ++i) into[i] += sign * values[i];
+        continue;
+      }
+      std::array<double, parts> sum{};
+      std::size_t i = 0;
+      for (; i + parts <= length; i += parts)
+        for (std::size_t part = 0; part < parts; ++part) sum[part] += values[i + part];
+      for (std::size_t part = 0; i < length; ++i, ++part) sum[part] += values[i];
+      *into += sign * (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])));
     }
-    std::array<double, parts> sum{};
-    std::size_t i = 0;
-    for (; i + parts <= length; i += parts)
-      for (std::size_t part = 0; part < parts; ++part) sum[part] += values[i + part];
-    for (std::size_t part = 0; i < length; ++i, ++part) sum[part] += values[i];
-    *into += sign * (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])));
   }
 }
 
-LEAST_WIDE void TermSums::evaluate(const double* x, const double* r, double* sums) const noexcept {
+[[gnu::always_inline]] inline void TermSums::add_each(std::size_t begin, std::size_t count,
+                                                      const double* const* operand, double* sums) const noexcept {
+  for (const Result& result : results_) {
+    const double sign = result.negated ? -1 : 1;
+    const double* const values = operand[result.operand];
+    const std::uint32_t* const places = places_.data() + result.first + begin;
+    for (std::size_t i = 0; i < count; ++i)
+      if (places[i] != dropped) sums[places[i]] += sign * values[i];
+  }
+}
+
+LEAST_WIDEST void TermSums::evaluate(const double* x, const double* r, double* sums) const noexcept {
   thread_local std::vector<double> room;
   thread_local std::vector<const double*> operand;
   if (room.size() < operands_ * tile) room.resize(operands_ * tile);
@@ -111,7 +122,10 @@ LEAST_WIDE void TermSums::evaluate(const double* x, const double* r, double* sum
         compute_tile(step.code, all, out, a, b, c, 0.0, SameForAll{value});
       }
     }
-    for (std::size_t k = 0; k < results_.size(); ++k) add(k, some, begin, all, operand[results_[k].operand], sums);
+    if (in_segments_)
+      add_segments(some, operand.data(), sums);
+    else
+      add_each(begin, all, operand.data(), sums);
     begin += all;
   }
 }

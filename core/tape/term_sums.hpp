@@ -94,8 +94,8 @@ class TermSums {
   void gather(std::size_t k, const Tile& some, std::size_t begin, std::size_t count, const double* from,
               double* to) const noexcept;
   void subtract(const Step& step, const Tile& some, const double* x, const double* r, double* out) const noexcept;
-  void add(std::size_t k, const Tile& some, std::size_t begin, std::size_t count, const double* values,
-           double* sums) const noexcept;
+  void add_segments(const Tile& some, const double* const* operand, double* sums) const noexcept;
+  void add_each(std::size_t begin, std::size_t count, const double* const* operand, double* sums) const noexcept;
 
   std::size_t count_ = 0, count_of_sums_ = 0;
   Formula formula_;  ///< of one term

@@ -5,9 +5,11 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define LEAST_WIDE __attribute__((target_clones("avx2", "default")))
+#define LEAST_WIDEST __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 /// Of much in double-double: all of it in one function.
 #define LEAST_FUSED __attribute__((target_clones("arch=x86-64-v3", "default"), flatten))
 #else
 #define LEAST_WIDE
+#define LEAST_WIDEST
 #define LEAST_FUSED
 #endif

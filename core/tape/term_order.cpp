@@ -18,19 +18,21 @@ class TermSums::Order {
     std::iota(terms_.begin(), terms_.end(), 0);
   }
 
-  /// By how far the first two places that they read lie apart, then by the first of them.
+  /// By how far the first two places that they read lie apart; those that are equally far stay in their order.
   void sort_by_distance() {
     if (columns_.size() < 2) return;
-    struct Key {
-      std::uint32_t apart, first, term;
+    const auto apart = [&](std::uint32_t term) {
+      return static_cast<std::int64_t>(columns_[1][term]) - static_cast<std::int64_t>(columns_[0][term]);
     };
-    std::vector<Key> keys(terms_.size());
-    for (std::uint32_t t = 0; t < keys.size(); ++t) keys[t] = {columns_[1][t] - columns_[0][t], columns_[0][t], t};
-    std::ranges::sort(keys, [](const Key& one, const Key& other) {
-      if (one.apart != other.apart) return one.apart < other.apart;
-      return one.first != other.first ? one.first < other.first : one.term < other.term;
-    });
-    std::ranges::transform(keys, terms_.begin(), &Key::term);
+    std::int64_t least = apart(0), most = least;
+    for (std::uint32_t t = 1; t < terms_.size(); ++t) {
+      least = std::min(least, apart(t));
+      most = std::max(most, apart(t));
+    }
+    std::vector<std::uint32_t> next(static_cast<std::size_t>(most - least) + 2, 0);  // where those of a distance begin
+    for (std::uint32_t t = 0; t < terms_.size(); ++t) ++next[static_cast<std::size_t>(apart(t) - least) + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    for (std::uint32_t t = 0; t < terms_.size(); ++t) terms_[next[static_cast<std::size_t>(apart(t) - least)]++] = t;
   }
   /// Calls f(first term, how many) of each segment: of a tile at most, in which each column moves or stays.
   template <class F>

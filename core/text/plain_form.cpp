@@ -6,6 +6,7 @@ namespace least::text {
 
 std::shared_ptr<const Form> with_sums_written_out(std::shared_ptr<const Form> form) try {
   if (!form->tape.has_terms()) return form;
+  if (tape::operations_written_out(form->tape) > static_cast<std::size_t>(tape::most_written_out)) return nullptr;
   auto made = std::make_shared<Form>();
   made->kind = form->kind;
   made->autonomous = form->autonomous;

@@ -23,7 +23,9 @@ void TermReader::append_argument(std::uint32_t name) {
   const auto known = std::ranges::find(given_, name);
   const auto place = known - given_.begin();
   if (known == given_.end()) given_.push_back(name);
-  text_ += element_name("a", place + 1);
+  text_ += "a[";
+  text_ += std::to_string(place + 1);
+  text_ += ']';
 }
 
 bool TermReader::finish() {

@@ -261,6 +261,8 @@ class Expander {
     std::size_t count = 0;
     each_term(text, from, to, indices, [&](std::size_t, std::size_t) { return ++count <= most_terms; });
     if (count < kept_->few_terms || count > most_terms) return std::nullopt;
+    constexpr std::size_t bytes_of_term = 32;
+    Held held = HeldByThread::take_soon(bytes_of_term * count);
     TermReader term(kept_->not_in_them);
     const auto before = std::tuple(depth_, definition_, known_, terms_);
     std::optional<Indices> first;
@@ -277,6 +279,8 @@ class Expander {
     if (terms_ > most_terms) return too_long(position);
     const std::string number = ")#" + std::to_string(kept_->all.size()) + ")";
     kept_->all.push_back(term.sum());
+    held.shrink_to(0);
+    kept_->held.add_soon(kept_->all.back().bytes());
     KeptSums* const sums = std::exchange(kept_, nullptr);  // of the first term sums are written out
     const bool good =
         append("((", position, true) && write(text, body.first, body.second, *first) && append(number, position, true);

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/memory_budget.hpp"
 #include "core/text/indices.hpp"
 
 namespace least::text {
@@ -28,6 +29,12 @@ struct KeptSum {
   };
   std::vector<Shape> shapes{};
   std::vector<std::string> names{};
+
+  std::size_t bytes() const {
+    std::size_t all = names.size() * sizeof(std::string);
+    for (const Shape& shape : shapes) all += shape.given.capacity() * sizeof(std::uint32_t);
+    return all;
+  }
 };
 
 /// Those of the texts of a scene. A text written out has the first term of each, and its number: `((x[1]-x[2])#0)`.
@@ -35,6 +42,12 @@ struct KeptSums {
   std::size_t few_terms = 256;  ///< fewer are written out: each by itself is as fast, by implicit schemes faster
   std::vector<KeptSum> all{};
   Names not_in_them{};  ///< lists and names, as of velocities, that the terms of no kept sum speak of
+  Held held = HeldByThread::take(0);
+
+  void clear() {
+    all.clear();
+    held.shrink_to(0);
+  }
 };
 
 /// A text written out, and where its parts come from.

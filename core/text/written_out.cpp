@@ -223,7 +223,7 @@ class SceneWriter {
     std::vector<std::string> variables = std::move(made.variables);
     made = {};
     made.variables = std::move(variables);
-    sums_.all.clear();
+    sums_.clear();
     made.kind = given().kind;
     made.title = given().title;
     if (given().kind != Definition::Kind::equations)

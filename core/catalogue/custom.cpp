@@ -1,15 +1,13 @@
 #include "core/catalogue/custom.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <mutex>
 #include <stdexcept>
 #include <string>
 
 #include "core/catalogue/found_schemes.hpp"
 #include "core/catalogue/sized_mechanics.hpp"
 #include "core/memory_budget.hpp"
-#include "core/number/asked_by_thread.hpp"
+#include "core/text/large_scene_turn.hpp"
 #include "core/text/sized_scene.hpp"
 
 namespace least {
@@ -67,35 +65,15 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   }
 }
 
-namespace {
-
-/// Of scenes with long sums one is derived at a time: what that takes on its way, beside what stays, would add up.
-class Turn {
- public:
-  explicit Turn(bool waits) : lock_(deriving(), std::defer_lock) {
-    constexpr auto look = std::chrono::milliseconds(20);
-    while (waits && !lock_.try_lock_for(look) && AskedByThread::goes_on()) {
-    }
-  }
-
- private:
-  static std::timed_mutex& deriving() {
-    static std::timed_mutex one;
-    return one;
-  }
-  std::unique_lock<std::timed_mutex> lock_;
-};
-
-}  // namespace
-
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
     text::TypedScene typed) {
+  const text::LargeSceneTurn turn;
   auto read = text::WrittenOut::of(std::move(typed));
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
   const auto& written = std::get<text::WrittenOut>(read);
   constexpr std::size_t bytes_of_character = 24;  // with where each comes from
+  if (constexpr std::size_t many = 10'000; written.definition().characters() > many) text::LargeSceneTurn::take();
   const Held held = HeldByThread::take_soon(bytes_of_character * written.definition().characters());
-  const Turn turn(written.definition().sums != nullptr);
   auto made = custom_mechanics(written.definition());
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&made))
     for (auto& fault : *faults) fault = written.as_typed(std::move(fault));

@@ -275,12 +275,14 @@ double SizedBackend::energy_after(StateView x, double t) const {
 }
 
 void SizedBackend::velocity(StateView x, double* v) const {
+  if (traits_.potential) return scene().velocity(x.numbers + traits_.dof, v);
   std::vector<double> rates(traits_.moving);
   motion_.rates(x, rates.data());
   std::copy_n(rates.begin(), traits_.dof, v);
 }
 
 void SizedBackend::velocity_slopes(StateView x, const double* u, double* slopes) const {
+  if (traits_.potential) return scene().velocity(u + traits_.dof, slopes);
   std::vector<double> rates(traits_.moving), changes(rates);
   motion_.rates(x, u, 0, rates.data(), changes.data());
   std::copy_n(changes.begin(), traits_.dof, slopes);

@@ -18,6 +18,7 @@ double largest_of(std::span<const double> x) {
 
 tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const tape::Index> rates,
                                         std::size_t directions) {
+  if (equations.has_terms()) throw tape::TooManyOperations();  // what can be written out has been
   const std::size_t size = rates.size();
   equations.bound(tape::most_of_equations);
   std::size_t left = std::size_t(1) << 18;  // operations to go through: some hundredths of a second

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/text/brackets.hpp"
+#include "core/text/large_scene_turn.hpp"
 #include "core/text/term_reader.hpp"
 
 namespace least::text {
@@ -107,6 +108,7 @@ class Expander {
   }
 
   bool write_number(std::int64_t value, std::size_t position) {
+    if (term_ && term_->append_number(value)) return true;
     const std::string digits = std::to_string(value);
     return append(value < 0 ? "(" + digits + ")" : digits, position, true);
   }
@@ -261,24 +263,29 @@ class Expander {
     std::size_t count = 0;
     each_term(text, from, to, indices, [&](std::size_t, std::size_t) { return ++count <= most_terms; });
     if (count < kept_->few_terms || count > most_terms) return std::nullopt;
+    LargeSceneTurn::take();
     constexpr std::size_t bytes_of_term = 32;
     Held held = HeldByThread::take_soon(bytes_of_term * count);
-    TermReader term(kept_->not_in_them);
-    const auto before = std::tuple(depth_, definition_, known_, terms_);
     std::optional<Indices> first;
     std::pair<std::size_t, std::size_t> body;
-    term_ = &term;
-    const bool whole = each_term(text, from, to, indices, [&](std::size_t begin, std::size_t end) {
-      if (!first) first = indices, body = {begin, end};
-      return write(text, begin, end, indices) && term.finish();
-    });
-    term_ = nullptr;
-    std::tie(depth_, definition_, known_, terms_) = before;
-    if (!whole || !term.is_worthwhile()) return std::nullopt;  // written out, its faults are found where they are
+    const auto read = [&](TermReader& term) {
+      const auto before = std::tuple(depth_, definition_, known_, terms_);
+      term_ = &term;
+      const bool whole = each_term(text, from, to, indices, [&](std::size_t begin, std::size_t end) {
+        if (!first) first = indices, body = {begin, end};
+        return write(text, begin, end, indices) && term.finish();
+      });
+      term_ = nullptr;
+      std::tie(depth_, definition_, known_, terms_) = before;
+      return whole && term.is_worthwhile();
+    };
+    TermReader differing(*kept_, true), alike(*kept_, false);
+    TermReader* const term = read(differing) ? &differing : read(alike) ? &alike : nullptr;
+    if (!term) return std::nullopt;  // written out, its faults are found where they are
     terms_ += count;
     if (terms_ > most_terms) return too_long(position);
     const std::string number = ")#" + std::to_string(kept_->all.size()) + ")";
-    kept_->all.push_back(term.sum());
+    kept_->all.push_back(term->sum());
     held.shrink_to(0);
     kept_->held.add_soon(kept_->all.back().bytes());
     KeptSums* const sums = std::exchange(kept_, nullptr);  // of the first term sums are written out

@@ -28,24 +28,41 @@ struct KeptSum {
     std::vector<std::uint32_t> given{};  ///< by term, then by argument: the number of a name
   };
   std::vector<Shape> shapes{};
-  std::vector<std::string> names{};
 
   std::size_t bytes() const {
-    std::size_t all = names.size() * sizeof(std::string);
+    std::size_t all = 0;
     for (const Shape& shape : shapes) all += shape.given.capacity() * sizeof(std::uint32_t);
     return all;
   }
 };
 
-/// Those of the texts of a scene. A text written out has the first term of each, and its number: `((x[1]-x[2])#0)`.
+/// What terms of sums speak of, by numbers: names, elements of lists, and what indices are as numbers.
+class SumNames {
+ public:
+  std::uint32_t number_of(std::string_view name) { return number_of(name, 0); }
+  std::uint32_t number_of(std::string_view list, std::size_t index);
+  std::uint32_t number_of(std::int64_t value);
+  /// By their numbers; a value as its digits.
+  const std::vector<std::string>& all() const { return all_; }
+
+ private:
+  std::vector<std::string> all_;
+  std::map<std::int64_t, std::uint32_t> values_;
+  std::map<std::string, std::vector<std::uint32_t>, std::less<>> elements_;  ///< one more; 0 where unknown
+};
+
+/// The kept sums of the texts of a scene. A text written out has the first term of each, and its number:
+/// `((x[1]-x[2])#0)`.
 struct KeptSums {
   std::size_t few_terms = 256;  ///< fewer are written out: each by itself is as fast, by implicit schemes faster
   std::vector<KeptSum> all{};
+  SumNames names{};
   Names not_in_them{};  ///< lists and names, as of velocities, that the terms of no kept sum speak of
   Held held = HeldByThread::take(0);
 
   void clear() {
     all.clear();
+    names = {};
     held.shrink_to(0);
   }
 };

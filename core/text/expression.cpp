@@ -195,7 +195,7 @@ std::variant<Symbol, Fault> Expression::record(tape::Tape& tape, const Words& wo
     } else if (token.kind == TokenKind::call) {
       made.number = call(token, parts);
     } else if (token.kind == TokenKind::kept_sum) {
-      auto sum = record_sum(sums->all[static_cast<std::size_t>(token.value)], tape, words, *summed);
+      auto sum = record_sum(*sums, static_cast<std::size_t>(token.value), tape, words, *summed);
       if (auto* fault = std::get_if<Fault>(&sum)) return Fault{token.position, fault->detail, fault->allowed};
       made.number = std::get<Symbol>(sum);
     } else if (token.kind >= TokenKind::less) {

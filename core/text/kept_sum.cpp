@@ -1,19 +1,27 @@
 #include "core/text/kept_sum.hpp"
 
+#include <charconv>
+
 namespace least::text {
 namespace {
 
-/// The places on the tape of what the names mean.
-std::variant<std::vector<tape::Index>, Fault> places_of(const std::vector<std::string>& names, tape::Tape& tape,
-                                                        const Words& words) {
-  std::vector<tape::Index> places;
-  places.reserve(names.size());
-  for (const std::string& name : names) {
-    const Word* const known = words.find(name);
-    if (!known) return Fault{0, "nobody knows the name " + name};
-    if (!known->refusal.empty()) return Fault{0, name + " " + std::string(known->refusal)};
-    places.push_back(known->meaning.on(tape));
-  }
+/// The places on the tape of what the names mean that a sum speaks of; none of the others.
+std::variant<std::vector<tape::Index>, Fault> places_of(const KeptSum& sum, const std::vector<std::string>& names,
+                                                        tape::Tape& tape, const Words& words) {
+  std::vector<tape::Index> places(names.size(), tape::none);
+  for (const KeptSum::Shape& shape : sum.shapes)
+    for (const std::uint32_t number : shape.given) {
+      if (places[number] != tape::none) continue;
+      const std::string& name = names[number];
+      if (double value = 0; std::from_chars(name.data(), name.data() + name.size(), value).ec == std::errc()) {
+        places[number] = Symbol(value).on(tape);  // what an index is
+        continue;
+      }
+      const Word* const known = words.find(name);
+      if (!known) return Fault{0, "nobody knows the name " + name};
+      if (!known->refusal.empty()) return Fault{0, name + " " + std::string(known->refusal)};
+      places[number] = known->meaning.on(tape);
+    }
   return places;
 }
 
@@ -31,8 +39,10 @@ std::variant<Symbol, Fault> formula_of(const KeptSum::Shape& shape, tape::Tape& 
 
 }  // namespace
 
-std::variant<Symbol, Fault> record_sum(const KeptSum& sum, tape::Tape& tape, const Words& words, std::size_t& summed) {
-  auto found = places_of(sum.names, tape, words);
+std::variant<Symbol, Fault> record_sum(const KeptSums& sums, std::size_t which, tape::Tape& tape, const Words& words,
+                                       std::size_t& summed) {
+  const KeptSum& sum = sums.all[which];
+  auto found = places_of(sum, sums.names.all(), tape, words);
   if (auto* fault = std::get_if<Fault>(&found)) return std::move(*fault);
   const auto& places = std::get<std::vector<tape::Index>>(found);
   Symbol whole = 0;

@@ -2,21 +2,40 @@
 
 #include <algorithm>
 
-namespace least::text {
+#include "core/text/characters.hpp"
 
-std::uint32_t TermReader::number_of(std::string_view list, std::size_t index) {
-  auto known = numbers_.find(list);
-  if (known == numbers_.end()) {
-    known = numbers_.emplace(list, std::vector<std::uint32_t>()).first;
-    speaks_of_foreign_ = speaks_of_foreign_ || foreign_.contains(list);
+namespace least::text {
+namespace {
+
+/// Whether an exponent in the text is anything but digits.
+bool has_exponents(std::string_view text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] != '^' && text.substr(at, 2) != "**") continue;
+    std::size_t next = at + (text[at] == '^' ? 1 : 2);
+    while (next < text.size() && is_space(text[next])) ++next;
+    if (next == text.size() || !is_digit(text[next])) return true;
   }
+  return false;
+}
+
+}  // namespace
+
+std::uint32_t SumNames::number_of(std::string_view list, std::size_t index) {
+  auto known = elements_.find(list);
+  if (known == elements_.end()) known = elements_.emplace(list, std::vector<std::uint32_t>()).first;
   if (known->second.size() <= index) known->second.resize(index + 1, 0);
   std::uint32_t& number = known->second[index];
   if (number == 0) {
-    sum_.names.push_back(index == 0 ? std::string(list) : element_name(list, static_cast<std::int64_t>(index)));
-    number = static_cast<std::uint32_t>(sum_.names.size());
+    all_.push_back(index == 0 ? std::string(list) : element_name(list, static_cast<std::int64_t>(index)));
+    number = static_cast<std::uint32_t>(all_.size());
   }
   return number - 1;
+}
+
+std::uint32_t SumNames::number_of(std::int64_t value) {
+  const auto [known, is_new] = values_.try_emplace(value, static_cast<std::uint32_t>(all_.size()));
+  if (is_new) all_.push_back(std::to_string(value));
+  return known->second;
 }
 
 void TermReader::append_argument(std::uint32_t name) {
@@ -28,8 +47,16 @@ void TermReader::append_argument(std::uint32_t name) {
   text_ += ']';
 }
 
+bool TermReader::append_number(std::int64_t value) {
+  if (!numbers_differ_) return false;
+  has_numbers_ = true;
+  append_argument(sums_.names.number_of(value));
+  return true;
+}
+
 bool TermReader::finish() {
   const auto [known, is_new] = shape_of_text_.try_emplace(text_, sum_.shapes.size());
+  if (is_new && has_numbers_ && has_exponents(text_)) return false;
   if (is_new) sum_.shapes.push_back({text_, given_.size()});
   KeptSum::Shape& shape = sum_.shapes[known->second];
   shape.given.insert(shape.given.end(), given_.begin(), given_.end());

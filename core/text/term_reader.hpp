@@ -1,7 +1,6 @@
 // Reads the terms of a sum one after the other and finds which of them read alike.
 #pragma once
 
-#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -14,17 +13,21 @@ namespace least::text {
 
 class TermReader {
  public:
-  /// `foreign`: names that no term may speak of.
-  explicit TermReader(const Names& foreign) : foreign_(foreign) {}
+  /// `numbers_differ`: terms may read alike but for what indices are as numbers; a power of such a number would be none
+  /// of a constant exponent.
+  TermReader(KeptSums& sums, bool numbers_differ) : sums_(sums), numbers_differ_(numbers_differ) {}
 
   // The term at hand, written piece by piece.
   const std::string& text() const { return text_; }
   void append(std::string_view piece) { text_ += piece; }
-  void append_name(std::string_view name) { append_argument(number_of(name, 0)); }
+  void append_name(std::string_view name) { append_element(name, 0); }
   void append_element(std::string_view list, std::int64_t index) {
-    append_argument(number_of(list, static_cast<std::size_t>(index)));
+    speaks_of_foreign_ = speaks_of_foreign_ || sums_.not_in_them.contains(list);
+    append_argument(sums_.names.number_of(list, static_cast<std::size_t>(index)));
   }
-  /// The term ends. False: there are too many that differ.
+  /// What an index is as a number. False: it is written as any number is.
+  bool append_number(std::int64_t value);
+  /// The term ends. False: there are too many that differ, or one has a power of what differs.
   bool finish();
 
   /// Whether it speaks of nothing foreign, and many terms read alike.
@@ -34,17 +37,16 @@ class TermReader {
  private:
   static constexpr std::size_t few_alike = 32, most_shapes = 64;
 
-  std::uint32_t number_of(std::string_view list, std::size_t index);
   void append_argument(std::uint32_t name);
 
-  const Names& foreign_;
+  KeptSums& sums_;
+  const bool numbers_differ_;
   KeptSum sum_;
-  bool speaks_of_foreign_ = false;
+  bool speaks_of_foreign_ = false, has_numbers_ = false;
   std::size_t terms_ = 0;
   std::string text_;
   std::vector<std::uint32_t> given_;  ///< of the term at hand
   std::unordered_map<std::string, std::size_t> shape_of_text_;
-  std::map<std::string, std::vector<std::uint32_t>, std::less<>> numbers_;  ///< of names: one more; 0 where unknown
 };
 
 }  // namespace least::text

@@ -156,6 +156,10 @@ inline std::vector<Explosive> wide_scenes() {
          "sum(i=1..45,p[i]^2/2)+sum(i=1..45,j=1..45,exp(.1*q[i]*q[j]-.1))")~"},
       {"rates of exponentials", R"~("q[50]")~", R"~("equations":{"q[i]":"sum(j=1..50,exp(-(q[i]-q[j])^2)-1)"})~"},
       {"pairs of kinks", R"~("q[50]")~", R"~("potential":"sum(i=1..50,j=i+1..50,abs(q[i]-q[j]-.01*i))")~"},
+      {"a cluster of bodies", R"~("q[500]","y[500]")~",
+       R"~("potential":"-sum(i=1..500,j=i+1..500,1/sqrt((q[i]-q[j]+i-j)^2+(y[i]-y[j])^2+.1))")~"},
+      {"a crowd of oscillators", R"~("q[350]")~",
+       R"~("equations":{"q[i]":"sum(j=1..350,sin(q[j]-q[i]+.01*i*j)*exp(-(q[i]-q[j])^2))"})~"},
       {"a chain", R"~("q[1024]")~", R"~("potential":"sum(i=1..1023,exp(q[i]-q[i+1]))+q[1]^2")~"},
       {"a chain of a Lagrangian", R"~("q[1024]")~", R"~("lagrangian":
          "sum(i=1..1024,v[i]^2/2)-sum(i=1..1023,exp(q[i]-q[i+1]))")~"},

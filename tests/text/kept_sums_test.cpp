@@ -54,6 +54,8 @@ std::vector<Row> rows() {
           std::move(masses),
           std::move(damped),
           std::move(flow),
+          {"numbers", plane(Kind::potential, "sum(i=1..n, j=i+1..n, cos(x[i]-x[j]+i-2*j)/(j-i+x[i]^2+y[j]^2))")},
+          {"powers", plane(Kind::potential, "sum(i=2..3, sum(j=1..n, k=1..n, (x[j]-y[k])^i/i))")},
           {"driven", plane(Kind::potential, "cos(t)*sum(i=1..n, j=1..n, if(i < j, abs(x[i]-y[j])^3, 0))")},
           {"lagrangian", plane(Kind::lagrangian,
                                "sum(i=1..n, m[i]*(vx[i]^2+vy[i]^2))/2 - "

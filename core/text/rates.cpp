@@ -188,6 +188,7 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
 }  // namespace
 
 std::string TextScene::note_on_equations() const {
+  if (!with_sums_written_out(form)) return "its sums are too long to be written out term by term";
   if (!in_velocities(*form) || solved_for_accelerations(*form)) return {};
   return "momenta, ∂L/∂v, and their rates, said with velocities: accelerations would need an inverse that is long to "
          "say, and are solved for at every step";

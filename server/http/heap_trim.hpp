@@ -21,8 +21,9 @@ class HeapTrim {
   /// To be called now and then, by one thread: where much less is held than lately, a worker trims the heaps. `memory`
   /// may be null: then nothing is known.
   void look(const MemoryBudget* memory) {
-    constexpr std::size_t worth_it = 16 << 20;
     if (!memory || at_work_) return;
+    constexpr std::size_t much = 16 << 20;
+    const std::size_t worth_it = std::min(much, memory->most() / 8);
     const std::size_t held = memory->held();
     most_ = std::max(most_, held);
     if (most_ - held < worth_it) return;

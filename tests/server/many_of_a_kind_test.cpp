@@ -67,6 +67,32 @@ TEST_F(Many, AHundredBodiesAreAnswered) {
   EXPECT_LT(answer["diagnostics"]["energy"]["max_rel_error"], 1e-6);
 }
 
+// More than can be written out: sums stay sums, in cards, runs and their echoes; what needs every term says so.
+TEST_F(Many, FiveHundredBodiesAreAnswered) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]","y[n]"],"parameters":{"n":500},
+    "potential":"-sum(i=1..n, j=i+1..n, 1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2+0.01))/n"}})~");
+  const Json card = run(request, "/v1/problems");
+  EXPECT_EQ(card["equations"]["px[500]"], "…");
+  EXPECT_EQ(card["equations_note"], "its sums are too long to be written out term by term");
+  for (const char* axis : {"x", "y"}) {
+    request["initial"][axis] = Json::array();
+    for (int i = 0; i < 500; ++i) request["initial"][axis].push_back(std::sin((7.3 + *axis) * i));
+  }
+  request.update(Json::parse(R"~({"until":0.04,"scheme":{"id":"leapfrog","step":0.01},"record":{"every":0},
+    "columns":["t","energy"]})~"));
+  Json first = run(request);
+  EXPECT_EQ(first["status"], "completed");
+  EXPECT_LT(first["diagnostics"]["energy"]["max_rel_error"], 1e-3);
+  Json again;
+  for (const char* key : {"problem", "initial", "until", "scheme", "record", "columns"}) again[key] = first[key];
+  EXPECT_EQ(run(again)["final"], first["final"]);
+  request["scheme"] = "taylor";
+  EXPECT_NE(faults(request)[0]["detail"].dump().find("sums of more terms than series are made of"), std::string::npos);
+  request["scheme"] = {{"id", "leapfrog"}, {"step", 0.01}};
+  request["sensitivities"] = {{"by", Json::array({"/initial/x/0"})}};
+  EXPECT_NE(faults(request)[0]["detail"].dump().find("more terms than derivatives"), std::string::npos);
+}
+
 // The echo is the request, as it was typed, and leads to the same bytes.
 TEST_F(Many, EchoWhatWasTyped) {
   Json first = run(chain());

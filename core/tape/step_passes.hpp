@@ -115,8 +115,8 @@ class StepTangents::Motion {
       case Rule::power:
       case Rule::linear_power:
         for (std::size_t j = s.rule == Rule::power ? 0 : k - 1; j < k; ++j) {
-          const double weight = s.p * static_cast<double>(k - j) - static_cast<double>(j);
-          sum.lane += (weight * at(s.out, j).lane) * at(s.a, k - j).lane;
+          const double share = s.p * static_cast<double>(k - j) - static_cast<double>(j);
+          sum.lane += (share * at(s.out, j).lane) * at(s.a, k - j).lane;
         }
         at(s.out, k).lane = sum.lane * (inverses[k] * gain.lane);
         break;

@@ -21,18 +21,18 @@ class TermSums::Order {
   /// By how far the first two places that they read lie apart; those that are equally far stay in their order.
   void sort_by_distance() {
     if (columns_.size() < 2) return;
-    const auto apart = [&](std::uint32_t term) {
+    const auto distance = [&](std::uint32_t term) {
       return static_cast<std::int64_t>(columns_[1][term]) - static_cast<std::int64_t>(columns_[0][term]);
     };
-    std::int64_t least = apart(0), most = least;
+    std::int64_t least = distance(0), most = least;
     for (std::uint32_t t = 1; t < terms_.size(); ++t) {
-      least = std::min(least, apart(t));
-      most = std::max(most, apart(t));
+      least = std::min(least, distance(t));
+      most = std::max(most, distance(t));
     }
     std::vector<std::uint32_t> next(static_cast<std::size_t>(most - least) + 2, 0);  // where those of a distance begin
-    for (std::uint32_t t = 0; t < terms_.size(); ++t) ++next[static_cast<std::size_t>(apart(t) - least) + 1];
+    for (std::uint32_t t = 0; t < terms_.size(); ++t) ++next[static_cast<std::size_t>(distance(t) - least) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
-    for (std::uint32_t t = 0; t < terms_.size(); ++t) terms_[next[static_cast<std::size_t>(apart(t) - least)]++] = t;
+    for (std::uint32_t t = 0; t < terms_.size(); ++t) terms_[next[static_cast<std::size_t>(distance(t) - least)]++] = t;
   }
   /// Calls f(first term, how many) of each segment: of a tile at most, in which each column moves or stays.
   template <class F>

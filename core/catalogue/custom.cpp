@@ -72,7 +72,7 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
   const auto& written = std::get<text::WrittenOut>(read);
   constexpr std::size_t bytes_of_character = 24;  // with where each comes from
-  if (constexpr std::size_t many = 10'000; written.definition().characters() > many) text::LargeSceneTurn::take();
+  if (written.definition().characters() > text::most_characters) text::LargeSceneTurn::take();
   const Held held = HeldByThread::take_soon(bytes_of_character * written.definition().characters());
   auto made = custom_mechanics(written.definition());
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&made))

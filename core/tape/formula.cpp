@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 
+#include "core/tape/long_sums.hpp"
 #include "core/tape/translation.hpp"
 
 namespace least::tape {
@@ -45,14 +46,10 @@ class Formula::Allocator {
   /// Calls f with each step that this one reads a register of.
   template <class F>
   void for_each_read(const Operation& step, F&& f) const {
-    if (step.code == Code::variable || step.code == Code::total) return;
-    if (step.code == Code::add_up) {
-      for (const Index operand : tape_.terms(static_cast<Index>(step.value)).operands)
-        if (from_.place[at(operand)] != none) f(from_.place[at(operand)]);
-      return;
-    }
-    for (const Index part : {step.a, step.b, step.c})
-      if (part != none) f(part);
+    if (step.code == Code::total) return;
+    if (step.code != Code::add_up) return for_each_operand(step, f);
+    for (const Index operand : tape_.terms(static_cast<Index>(step.value)).operands)
+      if (from_.place[at(operand)] != none) f(from_.place[at(operand)]);
   }
   void find_last_readers() {
     for (Index i = 0; i < size(); ++i) for_each_read(from_.steps[at(i)], [&](Index part) { last_[at(part)] = i; });

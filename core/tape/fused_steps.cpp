@@ -1,9 +1,8 @@
 #include "core/tape/fused_steps.hpp"
 
-#include <array>
-#include <optional>
 #include <utility>
 
+#include "core/tape/long_sums.hpp"
 #include "core/tape/terms.hpp"
 
 namespace least::tape {
@@ -12,10 +11,7 @@ namespace {
 class Fuser {
  public:
   explicit Fuser(const Translation& from) : from_(from), readers_(from.steps.size(), 0) {
-    for (const Operation& step : from.steps)
-      if (step.code != Code::variable)
-        for (const Index part : {step.a, step.b, step.c})
-          if (part != none) ++readers_[nth(part)];
+    for (const Operation& step : from.steps) for_each_operand(step, [&](Index part) { ++readers_[nth(part)]; });
     for (const Index end : from.ends) ++readers_[nth(end)];
     made_.reserve(from.steps.size());
     for (const Operation& step : from.steps) made_.push_back({step});

@@ -244,8 +244,7 @@ class Lowering {
     auto [base, c] = scaled(a);
     if (!(c > 0)) base = keep(a), c = 1;
     Step step{.rule = root ? Rule::root : Rule::power, .a = base, .p = p};
-    step.out = new_value();
-    const Index out = step.out;
+    const Index out = step.out = new_value();
     if (is_linear(base)) {
       step.rule = Rule::linear_power;
       program_.poles.push_back(base);
@@ -311,10 +310,8 @@ class Lowering {
     if (f != Op::log) {
       const Form square = of_product(a, a, f == Op::atan ? 1 : -1);
       w = finish({.rule = Rule::sum, .first_product = square.first_product, .products = 1, .c = 1});
-      if (f != Op::atan) {
-        const Index out = new_value();
-        w = finish({.rule = Rule::root, .out = out, .a = w, .lane = lane(out, out)});
-      }
+      if (const Index root = f == Op::atan ? none : new_value(); root != none)
+        w = finish({.rule = Rule::root, .out = root, .a = w, .lane = lane(root, root)});
     }
     const Index rate = weighted(a), out = new_value(), slope = new_value();
     row(out).weighted = slope;
@@ -368,7 +365,7 @@ class Lowering {
       case Op::asin:
       case Op::acos:
         return log_like(node.op, node.a);
-      case Op::total:  // written out before
+      case Op::total:  // its terms have to be written out before
         throw TooManyOperations();
       case Op::raise:  // made exp(b log a) before
       case Op::select:

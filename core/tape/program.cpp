@@ -1,6 +1,5 @@
 #include "core/tape/program.hpp"
 
-#include "core/tape/derivative.hpp"
 #include "core/tape/lowered.hpp"
 #include "core/tape/steep.hpp"
 
@@ -20,13 +19,8 @@ bool reads_the_time(const Program& program) {
 
 }  // namespace
 
-Program::Program(const Tape& tape, std::span<const Index> rates, std::size_t most) {
-  if (tape.has_terms()) {
-    const PlainTape plain = written_out(tape, rates, most_written_out);
-    *this = Program(plain.tape, plain.roots, most);
-    return;
-  }
-  *this = lowered(tape, rates, most);
+Program::Program(const Tape& tape, std::span<const Index> rates, std::size_t most)
+    : Program(lowered(tape, rates, most)) {
   steep = steep_arguments(*this);
   conceals = may_conceal(*this);
   if (conceals) branches = branch_values(*this);

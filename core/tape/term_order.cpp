@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "core/tape/derivative.hpp"
+#include "core/tape/long_sums.hpp"
 #include "core/tape/prepared_terms.hpp"
 #include "core/tape/term_sums.hpp"
 #include "core/tape/terms.hpp"
@@ -105,7 +106,6 @@ void TermSums::set_columns(const Tape& tape, const Terms& terms, const PreparedT
       places_.push_back(into == none ? dropped : static_cast<std::uint32_t>(into));
     }
   }
-  // Columns may have been read on the way to results: places stand in the order in which they were asked for.
   formula_ = Formula(lean, results);
   set_steps(lean, results);
 }
@@ -115,14 +115,9 @@ void TermSums::set_steps(const Tape& tape, std::span<const Index> results) {
   const Translation from = translated(tape, results);
   const std::vector<FusedStep> all = fused(from);
   const std::size_t size = all.size();
-  const auto each_part = [](const Operation& step, auto&& f) {
-    for (const Index part : {step.a, step.b, step.c})
-      if (part != none) f(nth(part));
-  };
   std::vector<std::size_t> last(size, size);  // nobody
   for (std::size_t i = 0; i < size; ++i)
-    if (!all[i].absorbed && all[i].operation.code != Code::variable)
-      each_part(all[i].operation, [&](std::size_t part) { last[part] = i; });
+    if (!all[i].absorbed) for_each_operand(all[i].operation, [&](Index part) { last[nth(part)] = i; });
   for (const Index end : from.ends) last[nth(end)] = size;
   std::vector<std::uint16_t> given(size), free;
   operands_ = columns_.size();
@@ -144,14 +139,14 @@ void TermSums::set_steps(const Tape& tape, std::span<const Index> results) {
     Step made{step.code, all[i].fused, false, given[i], place(step.a), place(step.b), place(step.c), step.value};
     made.difference = made.fused == Fused::nothing && made.code == Code::subtract && is_read(made.a) && is_read(made.b);
     if (!made.difference)
-      each_part(step, [&](std::size_t part) {
-        if (is_read(given[part])) columns_[given[part]].gathered = true;
+      for_each_operand(step, [&](Index part) {
+        if (is_read(given[nth(part)])) columns_[given[nth(part)]].gathered = true;
       });
     steps_.push_back(made);
-    each_part(step, [&](std::size_t part) {
-      if (last[part] != i) return;
-      free.push_back(given[part]);
-      last[part] = size;
+    for_each_operand(step, [&](Index part) {
+      if (last[nth(part)] != i) return;
+      free.push_back(given[nth(part)]);
+      last[nth(part)] = size;
     });
   }
   for (std::size_t r = 0; r < results_.size(); ++r) {

@@ -180,36 +180,45 @@ class Expander {
     if (!append("(", position, true) || !terms(text, position, from, to, adds, indices, any)) return false;
     return any ? append(")", position, true) : append(adds ? "0)" : "1)", position, true);
   }
-  bool terms(std::string_view text, std::size_t position, std::size_t from, std::size_t to, bool adds, Indices& indices,
-             bool& any) {
+  /// `i=1..n`, and where what follows its comma begins.
+  struct Range {
+    std::string_view letter;
+    std::int64_t first, last;
+    std::size_t body;
+  };
+  /// The range that begins a text; nothing where there is none, and then it is known what is wrong.
+  std::optional<Range> range(std::string_view text, std::size_t from, std::size_t to, bool adds, Indices& indices) {
     const std::size_t end = comma(text, from, to), equals = text.find('=', from), dots = text.find("..", from);
     const std::size_t name_from = after_space(text, from, end);
-    std::size_t name_to = std::min(equals, end);
-    while (name_to > name_from && is_space(text[name_to - 1])) --name_to;
-    const bool range = equals < end && dots < end && dots > equals && text[equals + 1] != '=' &&
-                       is_name(text.substr(name_from, name_to - name_from));
-    if (!range || end == to)
-      return refuse(from, "is no range of an index, followed by what is summed",
-                    adds ? "sum(i=1..n, …)" : "prod(i=1..n, …)");
-    const std::string_view letter = text.substr(name_from, name_to - name_from);
-    if (value_of(letter, indices))
-      return refuse(name_from, std::string(letter) + " is an index already", "a name for each index");
+    if (end == to || !is_range(text, from, to) || dots >= end || dots < equals) {
+      refuse(from, "is no range of an index, followed by what is summed", adds ? "sum(i=1..n, …)" : "prod(i=1..n, …)");
+      return std::nullopt;
+    }
+    const std::string_view letter = text.substr(name_from, end_of_word(text, name_from, end) - name_from);
+    if (value_of(letter, indices)) {
+      refuse(name_from, std::string(letter) + " is an index already", "a name for each index");
+      return std::nullopt;
+    }
     const auto first = index(text, equals + 1, dots, indices);
-    if (!first) return false;
-    const auto last = index(text, dots + 2, end, indices);
-    if (!last) return false;
-    const bool more = is_range(text, end + 1, to);
-    indices.emplace_back(letter, 0);
-    for (std::int64_t i = *first; i <= *last; ++i) {
+    const auto last = first ? index(text, dots + 2, end, indices) : std::nullopt;
+    return last ? std::optional(Range{letter, *first, *last, end + 1}) : std::nullopt;
+  }
+  bool terms(std::string_view text, std::size_t position, std::size_t from, std::size_t to, bool adds, Indices& indices,
+             bool& any) {
+    const auto over = range(text, from, to, adds, indices);
+    if (!over) return false;
+    const bool more = is_range(text, over->body, to);
+    indices.emplace_back(over->letter, 0);
+    for (std::int64_t i = over->first; i <= over->last; ++i) {
       indices.back().second = i;
       if (++terms_ > most_terms) return too_long(position);
       if (more) {
-        if (!terms(text, position, end + 1, to, adds, indices, any)) return false;
+        if (!terms(text, position, over->body, to, adds, indices, any)) return false;
         continue;
       }
       if (any && !append(adds ? "+" : "*", position, true)) return false;
       any = true;
-      if (!append("(", position, true) || !write(text, end + 1, to, indices) || !append(")", position, true))
+      if (!append("(", position, true) || !write(text, over->body, to, indices) || !append(")", position, true))
         return false;
     }
     indices.pop_back();
@@ -224,24 +233,13 @@ class Expander {
   /// sums has the terms of these. False: a range is none.
   template <class F>
   bool each_term(std::string_view text, std::size_t from, std::size_t to, Indices& indices, const F& f) {
-    const std::size_t end = comma(text, from, to), equals = text.find('=', from), dots = text.find("..", from);
-    const std::size_t name_from = after_space(text, from, end);
-    std::size_t name_to = std::min(equals, end);
-    while (name_to > name_from && is_space(text[name_to - 1])) --name_to;
-    if (end == to || !is_range(text, from, to) || value_of(text.substr(name_from, name_to - name_from), indices))
-      return false;
-    const auto bound = [&](std::size_t first, std::size_t last) {
-      const auto read = read_index(text, first, last, vocabulary_, indices, made_.used_);
-      const auto* value = std::get_if<std::int64_t>(&read);
-      return value ? std::optional(*value) : std::nullopt;
-    };
-    const auto first = bound(equals + 1, dots), last = bound(dots + 2, end);
-    if (!first || !last) return false;
-    auto [begin, stop] = inner_sum(text, end + 1, to);
-    const bool more = begin != end + 1 || is_range(text, begin, stop);
-    indices.emplace_back(text.substr(name_from, name_to - name_from), 0);
+    const auto over = range(text, from, to, true, indices);
+    if (!over) return false;
+    const auto [begin, stop] = inner_sum(text, over->body, to);
+    const bool more = begin != over->body || is_range(text, begin, stop);
+    indices.emplace_back(over->letter, 0);
     bool good = true;
-    for (std::int64_t i = *first; i <= *last && good; ++i) {
+    for (std::int64_t i = over->first; i <= over->last && good; ++i) {
       indices.back().second = i;
       good = more ? each_term(text, begin, stop, indices, f) : f(begin, stop);
     }

@@ -188,7 +188,8 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
 }  // namespace
 
 std::string TextScene::note_on_equations() const {
-  if (!with_sums_written_out(form)) return "its sums are too long to be written out term by term";
+  if (tape::operations_written_out(form->tape) > static_cast<std::size_t>(tape::most_written_out))
+    return "its sums are too long to be written out term by term";
   if (!in_velocities(*form) || solved_for_accelerations(*form)) return {};
   return "momenta, ∂L/∂v, and their rates, said with velocities: accelerations would need an inverse that is long to "
          "say, and are solved for at every step";
@@ -199,6 +200,7 @@ std::vector<std::pair<std::string, std::string>> TextScene::equations_in_short()
   for (const auto& name : definition.variables) texts.emplace_back(name, "…");
   if (form->kind != FormKind::flow)
     for (const auto& name : definition.variables) texts.emplace_back(momentum_name(name), "…");
+  if (form->reads_action || form->kind == FormKind::contact_linear) texts.emplace_back("s", "…");
   return texts;
 }
 

@@ -8,7 +8,8 @@
 #include <variant>
 
 #include "core/catalogue/custom.hpp"
-#include "tests/support/texts.hpp"
+#include "tests/support/bodies.hpp"
+#include "tests/support/sized.hpp"
 
 namespace many_of_a_kind {
 namespace {
@@ -136,47 +137,18 @@ TEST(ManyOfAKind, MoveAsThoseThatWereTypedOneByOne) {
 // A cluster of a hundred bodies in space, whose pairs are 4,950 terms, moves as a loop over the pairs says.
 TEST(ManyOfAKind, AHundredBodiesMoveAsALoopOverPairsSays) {
   constexpr std::size_t n = 100;
-  constexpr double h = 1.0 / 256, softening = 0.01;
+  constexpr double h = 1.0 / 256;
   text::TypedScene typed;
   typed.scene = of(Definition::Kind::potential, {"x[n]", "y[n]", "z[n]"}, {{"n", n}},
                    "-sum(i=1..n, j=i+1..n, 1/sqrt((x[i]-x[j])^2 + (y[i]-y[j])^2 + (z[i]-z[j])^2 + 0.01))/n");
-  const auto made = custom_mechanics(typed);
-  ASSERT_TRUE(std::holds_alternative<std::shared_ptr<const Mechanics>>(made))
-      << std::get<std::vector<text::DefinitionFault>>(made)[0].fault.detail;
-  Request request =
-      typed_as(runs::defaults("harmonic_oscillator", "leapfrog"), std::get<std::shared_ptr<const Mechanics>>(made));
-  std::vector<double> q(3 * n), p(3 * n), force(3 * n);
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] = std::sin(7.3 * static_cast<double>(i));
-  std::ranges::copy(q, runs::scene(request).initial.begin());
-  runs::set(request, "step", h);
-  runs::only_final(request);
-  request.end = 16 * h;
-  const auto result = runs::go(request);
+  const auto mechanics = sized::made(typed);
+  bodies::State x(n, 3);
+  const auto result = runs::go(sized::stepped("leapfrog", mechanics, x.together(), 16 * h, h));
   ASSERT_EQ(result.outcome.stop.reason, ReturnCode::completed);
-
-  const auto kick = [&](double by) {
-    std::ranges::fill(force, 0.0);
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j) {
-        double square = softening;
-        for (std::size_t a = 0; a < 3; ++a) square += std::pow(q[a * n + i] - q[a * n + j], 2);
-        for (std::size_t a = 0; a < 3; ++a) {
-          const double pull = (q[a * n + i] - q[a * n + j]) / (n * square * std::sqrt(square));
-          force[a * n + i] -= pull;
-          force[a * n + j] += pull;
-        }
-      }
-    for (std::size_t i = 0; i < q.size(); ++i) p[i] += by * force[i];
-  };
-  for (int step = 0; step < 16; ++step) {
-    kick(h / 2);
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] += h * p[i];
-    kick(h / 2);
-  }
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    EXPECT_NEAR(result.outcome.final[i], q[i], 1e-13) << i;
-    EXPECT_NEAR(result.outcome.final[q.size() + i], p[i], 1e-12) << i;
-  }
+  bodies::leapfrog(x, h, 16);
+  EXPECT_LT(sized::distance(result.outcome.final, x.together()), 1e-12);
+  const auto is_taylor = [](std::size_t scheme) { return schemes()[scheme].id == "taylor"; };
+  EXPECT_TRUE(std::ranges::any_of(mechanics->card().schemes, is_taylor)) << "for which the pairs are written out";
 }
 
 TEST(ManyOfAKind, WholeConstantsOfBoundsAreNoParameters) {

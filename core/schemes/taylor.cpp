@@ -20,18 +20,9 @@ constexpr double underflows = 1e-290, far_from_any = 1e-200;  // coefficients
 
 /// What a step of the order p costs, about, in nanoseconds, of a program that is unrolled: measured where a leapfrog
 /// step of Kepler's problem takes 14. Those that are read take longer, at much the same best order.
-double cost(const Program& program, double p) {
-  double fixed = 68;
-  for (std::size_t i = 0; i < program.motion_steps; ++i) {
-    const tape::Step& step = program.steps[i];
-    const bool called = step.function != tape::Op::constant && step.products == 0;
-    if (called || step.rule == tape::Rule::power || step.rule == tape::Rule::root) fixed += 14;
-  }
-  std::size_t slots = 3;  // in whole fours
-  for (std::size_t i = 0; i < program.motion_lanes; ++i) slots += program.lane_a[i] == program.lane_b[i] ? 1 : 2;
-  slots /= 4;
-  const auto steps = static_cast<double>(program.motion_steps), fours = static_cast<double>(slots);
-  return fixed + p * (4.5 + 0.3 * steps + 0.045 * fours * p);
+double cost(const Program::Effort& effort, double p) {
+  const auto steps = static_cast<double>(effort.steps), fours = static_cast<double>(effort.fours);
+  return 68 + 14 * static_cast<double>(effort.dear) + p * (4.5 + 0.3 * steps + 0.045 * fours * p);
 }
 
 /// ln n!
@@ -54,7 +45,7 @@ int cheapest_order(const Program& program, double tolerance) {
   const double least = std::max(Expansion::allowed * tolerance, std::min(tolerance, 0x1p-47));
   const double digits = -std::log(least), longest = std::log(std::max(1.5, std::log(0x1p53 * tolerance)));
   const auto length = [&](int p) { return ((program.whole ? log_factorial(p) : 0) - digits) / p; };
-  const auto dear = [&](int p) { return std::log(cost(program, p)) - length(p); };
+  const auto dear = [&](int p) { return std::log(cost(program.effort, p)) - length(p); };
   int best = program.whole ? most_chosen : std::clamp(static_cast<int>(digits) + 2, least_chosen, most_chosen);
   while (program.whole && best > least_chosen && length(best) > longest) --best;
   double price = dear(best);

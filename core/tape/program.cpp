@@ -17,6 +17,19 @@ bool reads_the_time(const Program& program) {
          std::ranges::any_of(program.rate, is_time);
 }
 
+Program::Effort effort_of(const Program& program) {
+  Program::Effort effort{.steps = program.motion_steps};
+  for (std::size_t i = 0; i < program.motion_steps; ++i) {
+    const Step& step = program.steps[i];
+    const bool called = step.function != Op::constant && step.products == 0;
+    if (called || step.rule == Rule::power || step.rule == Rule::root) ++effort.dear;
+  }
+  std::size_t slots = 3;  // in whole fours
+  for (std::size_t i = 0; i < program.motion_lanes; ++i) slots += program.lane_a[i] == program.lane_b[i] ? 1 : 2;
+  effort.fours = slots / 4;
+  return effort;
+}
+
 }  // namespace
 
 Program::Program(const Tape& tape, std::span<const Index> rates, std::size_t most)
@@ -25,6 +38,7 @@ Program::Program(const Tape& tape, std::span<const Index> rates, std::size_t mos
   conceals = may_conceal(*this);
   if (conceals) branches = branch_values(*this);
   reads_time = reads_the_time(*this);
+  effort = effort_of(*this);
 }
 
 }  // namespace least::tape

@@ -85,7 +85,12 @@ struct Program {
   std::vector<Index> weighted;  ///< where k times the coefficients of a variable, and of the time after them, go
   std::vector<Index> switches;  ///< values at whose zeros the formulas change
   std::vector<Index> poles;     ///< values linear in time at whose zeros the rates may be infinite
+  /// What an order of the motion takes: steps, those whose order 0 is dear, and fours of slots.
+  struct Effort {
+    std::size_t steps = 0, dear = 0, fours = 0;
+  };
   // What steps have to heed, of a program that was made from a tape when it runs.
+  Effort effort;                     ///< as it was lowered, however it is put in order since
   std::vector<SteepArgument> steep;  ///< those that the motion depends on: arguments are values
   bool conceals = false;             ///< the motion depends on what may hide ahead without one
   std::vector<Index> branches;       ///< of a motion that does: values at whose zeros it may branch

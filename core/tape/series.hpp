@@ -1,12 +1,13 @@
 // The Taylor series of a motion whose rates are a tape: coefficients by recurrences, order by order, in a place of
-// their own. One engine runs every tape; an order is one loop over lanes and one over steps (core/tape/program.hpp), so
-// that the order is no matter of compilation. Where the compiler has met the structure of the program, it has unrolled
-// it (core/tape/unrolled.hpp). Bits do not depend on the instruction set. Sources: Jorba & Zou,
-// Experimental Mathematics 14, 99 (2005); Moore, Interval Analysis, 1966, chapter 11; Knuth, The Art of Computer
+// their own. One engine runs every tape: an order is a loop over what has to be computed
+// (core/tape/series_reading.hpp), so that it is no matter of compilation. Where the compiler has met the structure of
+// the program, it has unrolled it (core/tape/unrolled.hpp). Bits do not depend on the instruction set. Sources: Jorba &
+// Zou, Experimental Mathematics 14, 99 (2005); Moore, Interval Analysis, 1966, chapter 11; Knuth, The Art of Computer
 // Programming 2, 4.7 (powers of series).
 #pragma once
 
-#include <array>
+#include <memory>
+#include <vector>
 
 #include "core/tape/program.hpp"
 
@@ -27,7 +28,8 @@ struct alignas(32) Four {
   return value;
 }
 
-/// Where a series stands: rows of coefficients, by order; groups of slots, by order the lower factors and the higher.
+/// Where a series stands: rows of coefficients, by order; of one that is unrolled groups of slots, by order the lower
+/// factors and the higher.
 struct Workspace {
   std::size_t orders, stride;
   const double* x;  ///< the variables
@@ -38,34 +40,16 @@ struct Workspace {
 };
 
 struct UnrolledSeries;
-
-/// What the new terms of a step are multiplied with: follows from order 0.
-struct StepFactors {
-  double inverse = 0, a = 0, b = 0;
-};
-/// Order 0 of the two factors of a product, with its own factor; and what its sums are multiplied with, twice that of a
-/// square.
-struct ProductEnds {
-  double a, b, sums;
-};
+class SeriesReading;
 
 class Series {
  public:
   static constexpr int most_orders = 48;
 
-  /// Scratch of a program that is read: of its steps, of its products, of its values, of its lanes without the terms of
-  /// the last order and with them; and where factors stand.
-  struct Reading {
-    std::vector<StepFactors> gains;
-    std::vector<ProductEnds> ends;
-    std::vector<double> half;
-    std::vector<Four> older_slots, slots;
-    std::vector<double> older, sums;
-    std::vector<Index> places;
-  };
-
   /// Up to this order, at least 1 and at most `most_orders`. Unless `unroll`, the program is read in any case.
   Series(Program program, int order, bool unroll = true);
+  Series(Series&& other) noexcept;
+  ~Series();
 
   /// The series of the variables that are x at the time t. `bounded`: steep functions (core/tape/steep.hpp) are held
   /// below 1e50, so that powers of theirs are numbers: of what such a function divides little is left in any case.
@@ -87,18 +71,24 @@ class Series {
   const Program& program() const { return program_; }
 
  private:
+  /// As many numbers as one register holds at most; rows begin with one.
+  struct alignas(64) Line {
+    double numbers[8];
+  };
+
   /// Order 0, from the variables and the time that stand there.
-  void begin(double* row) const;
-  const double* row(int k) const { return rows_.data() + static_cast<std::size_t>(k) * stride_; }
+  void begin(double* row, bool bounded = false);
+  double* rows() { return rows_.data()->numbers; }
+  const double* row(int k) const { return rows_.data()->numbers + static_cast<std::size_t>(k) * stride_; }
 
   Program program_;
-  const UnrolledSeries* unrolled_;  ///< none: the program is read
+  const UnrolledSeries* unrolled_;          ///< none: the program is read
+  std::unique_ptr<SeriesReading> reading_;  ///< then
   int order_;
-  std::size_t stride_, groups_;
-  std::vector<double> rows_;   ///< by order, every value
+  std::size_t stride_;
+  std::vector<Line> rows_;     ///< by order, every value
   std::vector<double> trial_;  ///< order 0 of the values at the state that was asked for last
-  std::vector<Four> lanes_;
-  Reading reading_;
+  std::vector<Four> lanes_;    ///< of a series that is unrolled
 };
 
 }  // namespace least::tape

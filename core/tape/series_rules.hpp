@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "core/tape/program.hpp"
 #include "core/tape/series.hpp"
@@ -27,6 +28,21 @@ struct Lists {
   const Program::Value* values;
   const Program::Product* products;
 };
+
+/// What a row of values holds: a number each, or as many as a batch of steps has side by side
+/// (core/tape/batch_passes.hpp).
+template <class Row>
+struct NumberIn {
+  using Type = typename Row::Number;
+};
+template <class T>
+struct NumberIn<T*> {
+  using Type = double;
+};
+template <class Row>
+using NumberOf = typename NumberIn<std::remove_cvref_t<Row>>::Type;
+/// Writes the value at a place of a row.
+inline void put(double* row, Index place, const double& value) { row[place] = value; }
 
 /// Σ lowⱼ high_{k−j} of a group of slots over 1 < j < k/2, and half of it where j = k/2: what is older than the last
 /// order, from the middle outwards, so that the newest come last. Of every order there stand the groups of the factors
@@ -80,22 +96,40 @@ template <std::size_t Groups>
 }
 /// Of a lane that has two slots; of a square, which has one, half of it.
 inline double sum_of(const double* slots, bool square) { return square ? slots[0] : slots[0] + slots[1]; }
-inline ProductEnds ends_of(const Program::Product& term, double factor, const double* row) {
-  return {factor * row[term.a], factor * row[term.b], term.a == term.b ? 2 * factor : factor};
-}
 
 double value_of(Op function, double x);
 
-/// What is known when order k is computed.
-struct Known {
-  double order, part;    ///< k, 1/k
-  const double* second;  ///< order 1
-  const double* half;  ///< what the terms of order k − 1 are multiplied with in sums: order 1, half of it where k = 2
-  const double* last;  ///< order k − 1
-  const double* older;  ///< sums of lanes without these terms
-  const double* sums;   ///< with them
-  const ProductEnds* ends;
+/// Order 0 of the two factors of a product, with its own factor; and what its sums are multiplied with, twice that of a
+/// square.
+template <class T>
+struct EndsOf {
+  T a, b, sums;
 };
+using ProductEnds = EndsOf<double>;
+template <class Product, class T, class Row>
+[[gnu::always_inline]] inline EndsOf<T> ends_of(const Product& term, const T& factor, const Row& row) {
+  return {factor * row[term.a], factor * row[term.b], term.a == term.b ? T(2 * factor) : factor};
+}
+
+/// What is known when order k is computed.
+template <class Row, class Ends>
+struct KnownOf {
+  double order, part;  ///< k, 1/k
+  Row second;          ///< order 1
+  Row half;            ///< what the terms of order k − 1 are multiplied with in sums: order 1, half of it where k = 2
+  Row last;            ///< order k − 1
+  Row older;           ///< sums of lanes without these terms
+  Row sums;            ///< with them
+  Ends ends;
+};
+using Known = KnownOf<const double*, const ProductEnds*>;
+
+/// What the new terms of a step are multiplied with: follows from order 0.
+template <class T>
+struct FactorsOf {
+  T inverse{}, a{}, b{};
+};
+using StepFactors = FactorsOf<double>;
 
 /// Powers of distances are halves.
 inline double power_of(double x, double p) {
@@ -105,12 +139,24 @@ inline double power_of(double x, double p) {
   return std::pow(x, p);
 }
 
+/// f of a number and another, or of each of several that stand side by side.
+template <class T, class F>
+[[gnu::always_inline]] inline void of_each(F f, const T& x, const T& y, T& out) {
+  if constexpr (std::is_same_v<T, double>) {
+    out = f(x, y);
+  } else {
+    for (std::size_t i = 0; i < sizeof(T) / sizeof(double); ++i) out[i] = f(x[i], y[i]);
+  }
+}
+
 /// Rules as a pass takes them. Places stand in `structure` and in a step s, numbers in `numbers` and in the step n: the
-/// same lists and step twice where a program is read, constants and the program where it is known to the compiler.
-template <bool unrolled>
+/// same lists and step twice where a program is read, constants and the program where it is known to the compiler. Of a
+/// batch of steps alike a place tells of several at once, and every number is that of each of them.
+template <bool unrolled, class Structure = Lists, class Numbers = Lists>
 struct Rules {
   static constexpr Index many = 8;
-  Lists structure, numbers;
+  Structure structure;
+  Numbers numbers;
 
   template <class F>
   [[gnu::always_inline]] static inline void each(Index count, F&& f) {
@@ -122,25 +168,30 @@ struct Rules {
     }
   }
 
-  /// Of order 0.
-  [[gnu::always_inline]] inline double products_of(const Step& s, const double* row) const {
-    const auto *products = structure.products + s.first_product, *by = numbers.products + s.first_product;
-    double sum = 0;
+  /// Of order 0, added up.
+  template <class S, class Row>
+  [[gnu::always_inline]] inline void add_products(const S& s, const Row& row, NumberOf<Row>& sum) const {
+    const auto products = structure.products + s.first_product;
+    const auto by = numbers.products + s.first_product;
+    sum = NumberOf<Row>{};
     each(s.products,
          [&](std::size_t i) LEAST_INLINE { sum += by[i].factor * (row[products[i].a] * row[products[i].b]); });
-    return sum;
   }
 
   /// Order 0: the value itself.
-  [[gnu::always_inline]] inline void begin(const Step& s, const Step& n, double* row) const {
-    double& out = row[s.out];
-    const double a = s.a == none ? 1 : row[s.a];
+  template <class S, class N, class Row>
+  [[gnu::always_inline]] inline void begin(const S& s, const N& n, const Row& row) const {
+    using T = NumberOf<Row>;
+    T a = T{} + 1, out{};
+    if (!(s.a == none)) a = row[s.a];
     switch (s.rule) {
       case Rule::sum: {
-        double sum = n.c;
-        const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
+        T sum = n.c;
+        const auto values = structure.values + s.first_value;
+        const auto factors = numbers.values + s.first_value;
         each(s.values, [&](std::size_t i) LEAST_INLINE { sum += factors[i].factor * row[values[i].value]; });
-        out = s.products > 0 ? sum + products_of(s, row) : sum;
+        if (s.products > 0) add_products(s, row, out);
+        out = s.products > 0 ? T(sum + out) : sum;
         break;
       }
       case Rule::quotient:
@@ -148,18 +199,22 @@ struct Rules {
         out = n.c * a / row[s.b];
         break;
       case Rule::root:
-        out = std::sqrt(a);
+        of_each([](double x, double) { return std::sqrt(x); }, a, a, out);
         break;
       case Rule::power:
       case Rule::linear_power:
-        out = power_of(a, n.p);
+        of_each(power_of, a, T(n.p), out);
         break;
       case Rule::integral:
       case Rule::linear_integral:
-        out = s.products > 0 ? products_of(s, row) : value_of(s.function, n.p * a);
+        if (s.products > 0) {
+          add_products(s, row, out);
+        } else {
+          of_each([&](double p, double x) { return value_of(s.function, p * x); }, T(n.p), a, out);
+        }
         break;
       case Rule::log_like:
-        out = value_of(s.function, a);
+        of_each([&](double x, double) { return value_of(s.function, x); }, a, a, out);
         break;
       case Rule::select:
         out = row[s.w] < 0 ? a : row[s.b];
@@ -168,31 +223,36 @@ struct Rules {
         out = n.c * (a * row[s.w]);
         break;
     }
+    put(row, s.out, out);
   }
 
   /// What the terms of order 0 are multiplied with in every order.
-  [[gnu::always_inline]] static inline StepFactors gain_of(const Step& s, const Step& n, const double* row) {
+  template <class S, class N, class Row>
+  [[gnu::always_inline]] static inline FactorsOf<NumberOf<Row>> gain_of(const S& s, const N& n, const Row& row) {
+    using T = NumberOf<Row>;
     switch (s.rule) {
       case Rule::quotient:
       case Rule::linear_quotient: {
-        const double inverse = 1 / row[s.b];
-        return {inverse, s.a == none ? 0 : n.c * inverse, row[s.out] * inverse};
+        const T inverse = 1 / row[s.b];
+        T a{};
+        if (!(s.a == none)) a = n.c * inverse;
+        return {inverse, a, row[s.out] * inverse};
       }
       case Rule::root:
-        return {0.5 / row[s.out], 1 / row[s.out], 0};
+        return {0.5 / row[s.out], 1 / row[s.out], T{}};
       case Rule::power:
       case Rule::linear_power: {
-        const double inverse = 1 / row[s.a];
-        return {inverse, n.p * row[s.out] * inverse, 0};
+        const T inverse = 1 / row[s.a];
+        return {inverse, n.p * row[s.out] * inverse, T{}};
       }
       case Rule::integral:
-        return {0, n.c * row[s.w], 0};
+        return {T{}, n.c * row[s.w], T{}};
       case Rule::log_like:
-        return {1 / row[s.w], n.c / row[s.w], 0};
+        return {1 / row[s.w], n.c / row[s.w], T{}};
       case Rule::select:
-        return {row[s.w] < 0 ? 1.0 : 0.0, 0, 0};
+        return {row[s.w] < 0 ? T{} + 1 : T{}, T{}, T{}};
       case Rule::linear_product:
-        return {0, row[s.a], 0};
+        return {T{}, row[s.a], T{}};
       default:
         return {};
     }
@@ -200,60 +260,68 @@ struct Rules {
 
   /// Order k of a step. From one order to the next the way leads through the terms that are new: they are multiplied
   /// once and come last.
-  [[gnu::always_inline]] inline void advance(const Step& s, const Step& n, const Known& of, const StepFactors& gain,
-                                             double* row) const {
-    double out = 0;
-    const double *half = of.half, *last = of.last, part = of.part;
+  template <class S, class N, class AllKnown, class Row>
+  [[gnu::always_inline]] inline void advance(const S& s, const N& n, const AllKnown& of,
+                                             const FactorsOf<NumberOf<Row>>& gain, const Row& row) const {
+    using T = NumberOf<Row>;
+    T out{};
+    const auto &half = of.half, &last = of.last;
+    const double part = of.part;
     switch (s.rule) {
       case Rule::sum: {  // what is known early comes first; of the factors of a product it is the second that is late
-        const auto* products = structure.products + s.first_product;
-        const auto *values = structure.values + s.first_value, *factors = numbers.values + s.first_value;
-        const ProductEnds* const end = of.ends + s.first_product;
+        const auto products = structure.products + s.first_product;
+        const auto values = structure.values + s.first_value;
+        const auto factors = numbers.values + s.first_value;
+        const auto end = of.ends + s.first_product;
         each(s.products, [&](std::size_t i) LEAST_INLINE {
-          const double known = end[i].sums * of.sums[products[i].lane];
-          out = i > 0 ? out + known : known;
+          const T known = end[i].sums * of.sums[products[i].lane];
+          out = i > 0 ? T(out + known) : known;
         });
         each(s.products, [&](std::size_t i) LEAST_INLINE {
           if (products[i].a != products[i].b) out += row[products[i].a] * end[i].b;
         });
-        const auto term = [&](std::size_t i) LEAST_INLINE { return factors[i].factor * row[values[i].value]; };
         if (s.values > many) {  // four sums, which do not wait for each other
-          std::array<double, 4> fours{};
-          each(s.values, [&](std::size_t i) LEAST_INLINE { fours[i % 4] += term(i); });
+          std::array<T, 4> fours{};
+          each(s.values, [&](std::size_t i) LEAST_INLINE { fours[i % 4] += factors[i].factor * row[values[i].value]; });
           out += (fours[0] + fours[1]) + (fours[2] + fours[3]);
         } else {
-          each(s.values, [&](std::size_t i) LEAST_INLINE { out = i > 0 || s.products > 0 ? out + term(i) : term(i); });
+          each(s.values, [&](std::size_t i) LEAST_INLINE {
+            const T term = factors[i].factor * row[values[i].value];
+            out = i > 0 || s.products > 0 ? T(out + term) : term;
+          });
         }
         each(s.products, [&](std::size_t i) LEAST_INLINE {
-          out += row[products[i].b] * (products[i].a != products[i].b ? end[i].a : end[i].a + end[i].b);
+          out += row[products[i].b] * (products[i].a != products[i].b ? end[i].a : T(end[i].a + end[i].b));
         });
         break;
       }
       case Rule::quotient: {
-        const double known = of.older[s.lane] * gain.inverse + last[s.b] * (half[s.out] * gain.inverse);
-        out = gain.a * (s.a == none ? 0 : row[s.a]) - (known + last[s.out] * (half[s.b] * gain.inverse)) -
-              row[s.b] * gain.b;
+        const T known = of.older[s.lane] * gain.inverse + last[s.b] * (half[s.out] * gain.inverse);
+        T above{};
+        if (!(s.a == none)) above = row[s.a];
+        out = gain.a * above - (known + last[s.out] * (half[s.b] * gain.inverse)) - row[s.b] * gain.b;
         break;
       }
       case Rule::root:
         out = row[s.a] * gain.inverse - (of.older[s.lane] * gain.a + last[s.out] * (half[s.out] * gain.a));
         break;
       case Rule::power: {
-        const double before = of.order - 1, by = part * gain.inverse;
-        const double known =
+        const double before = of.order - 1;
+        const T by = part * gain.inverse;
+        const T known =
             (n.p * of.older[s.lane] - of.older[s.w]) * by + last[s.a] * ((n.p * before - 1) * (half[s.out] * by));
         out = known + last[s.out] * ((n.p - before) * (half[s.a] * by)) + row[s.a] * gain.a;
         break;
       }
       case Rule::integral: {
-        const double by = n.c * part;
-        const double known = by * of.older[s.lane] + last[s.b] * (half[s.w] * by);
+        const T by = n.c * part;
+        const T known = by * of.older[s.lane] + last[s.b] * (half[s.w] * by);
         out = known + last[s.w] * (half[s.b] * by) + row[s.a] * gain.a;
         break;
       }
       case Rule::log_like: {
-        const double by = part * gain.inverse;
-        const double known = of.older[s.lane] * by + last[s.w] * (half[s.weighted] * by);
+        const T by = part * gain.inverse;
+        const T known = of.older[s.lane] * by + last[s.w] * (half[s.weighted] * by);
         out = row[s.a] * gain.a - (known + last[s.weighted] * (half[s.w] * by));
         break;
       }
@@ -263,9 +331,12 @@ struct Rules {
       case Rule::linear_product:
         out = n.c * (row[s.w] * gain.a + of.second[s.a] * last[s.w]);
         break;
-      case Rule::linear_quotient:
-        out = gain.a * (s.a == none ? 0 : row[s.a]) - of.second[s.b] * last[s.out] * gain.inverse;
+      case Rule::linear_quotient: {
+        T above{};
+        if (!(s.a == none)) above = row[s.a];
+        out = gain.a * above - of.second[s.b] * last[s.out] * gain.inverse;
         break;
+      }
       case Rule::linear_power:
         out = of.second[s.a] * last[s.out] * (n.p - of.order + 1) * (part * gain.inverse);
         break;
@@ -273,8 +344,8 @@ struct Rules {
         out = n.c * part * (of.second[s.a] * last[s.w]);
         break;
     }
-    row[s.out] = out;
-    row[s.weighted] = of.order * out;
+    put(row, s.out, out);
+    put(row, s.weighted, T(of.order * out));
   }
 };
 

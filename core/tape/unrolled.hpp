@@ -142,8 +142,8 @@ class Unrolled {
     // Order 1 of what is linear in time, which has no other but the first.
     second[time] = second[at(S.weighted.back())] = 1;
     each<linear>([&](auto i) LEAST_INLINE {
-      rules.advance(S.linear[i], p.linear[i], {1, 1, second.data(), half.data(), row.data(), nullptr, nullptr, nullptr},
-                    {}, second.data());
+      const Known known{1, 1, second.data(), half.data(), row.data(), nullptr, nullptr, nullptr};
+      rules.advance(S.linear[i], p.linear[i], known, StepFactors{}, second.data());
     });
     Fours high, before, share{};  // the higher factors of the last order, of the one before
     auto next = finish(of, 0, row, high);

@@ -13,3 +13,17 @@
 #define LEAST_WIDEST
 #define LEAST_FUSED
 #endif
+
+// Functions of which there is one for each width: they choose themselves which is called.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define LEAST_BY_FOUR [[gnu::target("avx2")]]
+#define LEAST_HAS_BY_FOUR __builtin_cpu_supports("avx2")
+#define LEAST_BY_EIGHT [[gnu::target("avx2,avx512f,avx512vl,avx512dq")]]
+#define LEAST_HAS_BY_EIGHT \
+  (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+#else
+#define LEAST_BY_FOUR
+#define LEAST_HAS_BY_FOUR false
+#define LEAST_BY_EIGHT
+#define LEAST_HAS_BY_EIGHT false
+#endif

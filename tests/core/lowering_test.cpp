@@ -54,11 +54,11 @@ TEST(Lowering, LongSumsAreSumsOfShortOnes) {
       truth += static_cast<double>(1 + j) * at[i] * at[j];
     }
   rates[0] = sum.on(tape);
-  Series series(Program(tape, rates, n), 2);
-  const Program& program = series.program();
+  const Program program(tape, rates, n);
   for (const Step& step : program.steps) EXPECT_LE(static_cast<std::size_t>(step.values + step.products), longest);
   EXPECT_EQ(program.products.size(), n * (n + 1) / 2);
   EXPECT_EQ(program.lane_a.size(), n * (n + 1) / 2) << "each product once";
+  Series series(program, 2);
   ASSERT_TRUE(series.defined(at.data(), 0));
   EXPECT_NEAR(series.rate(0), truth, 1e-11 * std::abs(truth));
 }

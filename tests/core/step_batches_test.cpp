@@ -1,0 +1,156 @@
+// Steps of a program that are computed side by side: to the bits of steps one by one, and together where scenes of many
+// bodies have them.
+#include "core/tape/step_batches.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "core/tape/series.hpp"
+#include "core/tape/symbol.hpp"
+
+namespace least::tape {
+namespace {
+
+/// Motions that know nothing of each other, each of three variables and of other numbers, by every rule. No product is
+/// in two sums, which would become a value of its own.
+struct Copies {
+  explicit Copies(std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+      const Symbol x = Symbol::variable(tape, 3 * n), y = Symbol::variable(tape, 3 * n + 1),
+                   z = Symbol::variable(tape, 3 * n + 2);
+      const double shift = 1 + 0.25 * static_cast<double>(n);
+      const Symbol square = x * x + y * y + shift;
+      rates.push_back((pow(square, -1.5) * y - exp(-shift * z)).on(tape));
+      rates.push_back((sin(shift * x) * z + sqrt(square) / (x + 3 * shift)).on(tape));
+      rates.push_back((atan(z) * log(square) - tanh(z) + shift * x).on(tape));
+      for (const double start : {0.3, -0.7, 0.2}) y0.push_back(start + 0.1 * static_cast<double>(n));
+    }
+  }
+  Series series(int order) const { return {Program(tape, rates, rates.size()), order}; }
+
+  Tape tape;
+  std::vector<Index> rates;
+  std::vector<double> y0;
+};
+
+TEST(StepBatches, AreComputedToTheBitsOfStepsOneByOne) {
+  constexpr int order = 15;
+  const Copies few(2), many(19);  // of two nothing is side by side; nineteen fill no register
+  Program program(many.tape, many.rates, many.rates.size());
+  const StepBatches batches(program);
+  std::size_t together = 0;
+  for (const StepBatch& batch : batches.batches) together += batch.count;
+  ASSERT_EQ(together, program.steps.size());
+  Series one_by_one = few.series(order), side_by_side = many.series(order);
+  one_by_one.expand(few.y0.data(), 0.5);
+  side_by_side.expand(many.y0.data(), 0.5);
+  for (int k = 0; k <= order; ++k)
+    for (std::size_t i = 0; i < few.y0.size(); ++i) {
+      ASSERT_TRUE(std::isfinite(one_by_one.coefficients(k)[i]));
+      EXPECT_EQ(side_by_side.coefficients(k)[i], one_by_one.coefficients(k)[i]) << "variable " << i << " order " << k;
+    }
+  EXPECT_NE(one_by_one.coefficients(order)[0], one_by_one.coefficients(order)[3]);
+}
+
+/// Thirty powers, of which the eleventh reads a variable far from that of the tenth: two batches, and what the second
+/// fills up its last register with goes over nothing that has been computed. Three variables at a time know of each
+/// other.
+TEST(StepBatches, FillUpNothingThatIsRead) {
+  constexpr std::size_t n = 30, far = 20;
+  constexpr int order = 12;
+  const auto series = [&](std::span<const std::size_t> variables, std::span<const std::size_t> read,
+                          std::size_t& parts) {
+    Tape tape;
+    std::vector<Index> rates;
+    std::vector<double> y0;
+    for (const std::size_t i : read) rates.push_back(pow(Symbol::variable(tape, i), -1.5).on(tape));
+    for (const std::size_t i : variables) y0.push_back(1 + 0.03 * static_cast<double>(i));
+    Program program(tape, rates, rates.size());
+    Series made(program, order);
+    parts = StepBatches(program).batches.size();
+    made.expand(y0.data(), 0);
+    return made;
+  };
+  std::vector<std::size_t> all, read;
+  for (std::size_t i = 0; i < n; ++i) {
+    all.push_back(i);
+    read.push_back((i + far) % n);
+  }
+  std::size_t parts = 0;
+  const Series together = series(all, read, parts);
+  ASSERT_EQ(parts, 2);
+  const Series alone = series(std::array<std::size_t, 3>{0, 20, 10}, std::array<std::size_t, 3>{1, 2, 0}, parts);
+  ASSERT_EQ(parts, 0);
+  for (int k = 0; k <= order; ++k) EXPECT_EQ(together.coefficients(k)[0], alone.coefficients(k)[0]) << k;
+}
+
+/// What is read of the time alone stays what it is where products become values of their own.
+TEST(StepBatches, LeaveWhatIsLinearInTimeAsItIs) {
+  constexpr std::size_t n = 40;
+  Tape tape;
+  const Symbol t = Symbol::time(tape);
+  std::vector<Symbol> x;
+  std::vector<Index> rates;
+  std::vector<double> y0;
+  for (std::size_t i = 0; i < n; ++i) {
+    x.push_back(Symbol::variable(tape, i));
+    y0.push_back(1 + 0.1 * static_cast<double>(i));
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Symbol both = x[i] * x[(i + 1) % n], before = x[(i + n - 1) % n] * x[i];
+    rates.push_back((both - before + 2 / (3 * t + static_cast<double>(i + 1))).on(tape));
+  }
+  Series series(Program(tape, rates, n), 3);
+  series.expand(y0.data(), 0.5);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double rate = y0[i] * (y0[(i + 1) % n] - y0[(i + n - 1) % n]) + 2 / (2.5 + static_cast<double>(i));
+    EXPECT_NEAR(series.coefficients(1)[i], rate, 1e-13);
+  }
+}
+
+/// All pairs of bodies in space: what they have in common stands one after the other. What reads positions, and what
+/// adds up forces, is gathered.
+TEST(StepBatches, PairsOfBodiesStandTogether) {
+  constexpr std::size_t bodies = 9, pairs = bodies * (bodies - 1) / 2, coordinates = 3 * bodies;
+  Tape tape;
+  std::vector<Symbol> x, force(coordinates, Symbol(0));
+  for (std::size_t i = 0; i < 2 * coordinates; ++i) x.push_back(Symbol::variable(tape, i));
+  for (std::size_t i = 0; i < bodies; ++i)
+    for (std::size_t j = i + 1; j < bodies; ++j) {
+      Symbol square = 0;
+      for (std::size_t c = 0; c < coordinates; c += bodies) square += (x[c + i] - x[c + j]) * (x[c + i] - x[c + j]);
+      const Symbol pull = static_cast<double>(2 + i + j) * pow(square, -1.5);
+      for (std::size_t c = 0; c < coordinates; c += bodies) {
+        force[c + i] = force[c + i] - pull * (x[c + i] - x[c + j]);
+        force[c + j] = force[c + j] + pull * (x[c + i] - x[c + j]);
+      }
+    }
+  std::vector<Index> rates;
+  for (std::size_t i = 0; i < coordinates; ++i) rates.push_back(x[coordinates + i].on(tape));
+  for (const Symbol& f : force) rates.push_back(f.on(tape));
+  Program program(tape, rates, rates.size());
+  const StepBatches batches(program);
+  const auto is_gathered = [](const StepBatches::Product& term) {
+    return term.a.gathered || term.b.gathered || term.lane.gathered;
+  };
+  std::size_t products = 0, powers = 0;
+  for (const StepBatch& batch : batches.batches) {
+    for (Index i = 0; i < batch.products; ++i) {
+      products += batch.count;
+      EXPECT_FALSE(is_gathered(batches.products[static_cast<std::size_t>(batch.first_product + i)]));
+    }
+    if (batch.rule != Rule::power) continue;
+    powers += batch.count;
+    EXPECT_FALSE(batch.a.gathered || batch.b.gathered || batch.w.gathered || batch.lane.gathered);
+  }
+  EXPECT_EQ(products, 6 * pairs) << "three squares of a pair, and three parts of its pull, which two bodies share";
+  EXPECT_EQ(powers, pairs);
+  EXPECT_TRUE(batches.copied.empty());
+}
+
+}  // namespace
+}  // namespace least::tape

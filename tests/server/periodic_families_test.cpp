@@ -1,6 +1,9 @@
 // Families of closed orbits over HTTP, and where they bend and branch.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <complex>
 #include <sstream>
 #include <string>
 
@@ -104,6 +107,77 @@ TEST_F(PeriodicFamilies, GoAroundFolds) {
   ASSERT_GE(folds.size(), 2U);
   EXPECT_NEAR(folds[0], .25860746, 1e-7);
   EXPECT_NEAR(folds[1], .12826935, 1e-7);
+}
+
+// A circle that all runs come to, and across it z' = c z - z^3: its multiplier e^(2 pi c) goes through 1 where the
+// circle parts in three.
+TEST_F(PeriodicFamilies, PartWhereAMultiplierGoesThroughOne) {
+  const Json problem = custom(R"~({"variables": ["x", "y", "z"], "parameters": {"c": -0.11},
+      "equations": {"x": "x*(1-x^2-y^2) - y", "y": "y*(1-x^2-y^2) + x", "z": "c*z - z^3"}})~");
+  const Json made = orbit({{"problem", problem},
+                           {"initial", {{"x", 1}, {"y", 0}, {"z", 0}}},
+                           {"period", 6.3},
+                           {"family", {{"by", "/problem/c"}, {"to", .14}, {"count", 6}}}});
+  const Json* const found = told(made["family"], "pitchfork_or_transcritical");
+  ASSERT_TRUE(found) << made;
+  EXPECT_NEAR((*found)["value"], 0, 1e-8);
+  EXPECT_NEAR((*found)["period"], 2 * pi, 1e-10);
+  for (const Json& member : made["family"]) {
+    const double c = member["value"];
+    double nearest = 1;
+    for (const auto& one : others(member, 1)) nearest = std::min(nearest, std::abs(one - std::exp(2 * pi * c)));
+    if (&member == found) continue;  // there it is one of those that are explained
+    EXPECT_LT(nearest, 1e-9) << c;
+    EXPECT_TRUE(member["bifurcation"].is_null() || member["bifurcation"] == "") << c;
+    EXPECT_EQ(member["stable"], c < 0) << c;
+  }
+}
+
+// The same circle, and across it a pair that turns by w as it grows by c: its multipliers e^(2 pi (c +- i w)) leave the
+// unit circle where the orbit becomes a torus.
+TEST_F(PeriodicFamilies, BecomeATorusWhereAPairLeavesTheUnitCircle) {
+  const Json problem = custom(R"~({"variables": ["x", "y", "u", "v"], "parameters": {"c": -0.11, "w": 0.3},
+      "equations": {"x": "x*(1-x^2-y^2) - y", "y": "y*(1-x^2-y^2) + x",
+                    "u": "c*u - w*v - u*(u^2+v^2)", "v": "c*v + w*u - v*(u^2+v^2)"}})~");
+  const Json made = orbit({{"problem", problem},
+                           {"initial", {{"x", 1}, {"y", 0}, {"u", 0}, {"v", 0}}},
+                           {"period", 6.3},
+                           {"family", {{"by", "/problem/c"}, {"to", .14}, {"count", 6}}}});
+  const Json* const found = told(made["family"], "torus");
+  ASSERT_TRUE(found) << made;
+  EXPECT_NEAR((*found)["value"], 0, 1e-8);
+  std::size_t pairs = 0;
+  for (const auto& one : others(*found, 1))
+    if (std::abs(one - std::polar(1.0, 2 * pi * .3)) < 1e-8 || std::abs(one - std::polar(1.0, -2 * pi * .3)) < 1e-8)
+      ++pairs;
+  EXPECT_EQ(pairs, 2U) << *found;
+  for (const Json& member : made["family"]) {
+    if (&member != found) {
+      EXPECT_EQ(member["stable"], member["value"] < 0) << member;
+    }
+  }
+}
+
+// Of conservative scenes pairs of multipliers meet on the unit circle before they leave it: an oscillation beside a
+// point that turns, whose frequencies are w +- sqrt(k). Meyer, Hall, Offin, Introduction to Hamiltonian Dynamical
+// Systems, 2009, chapter 11.
+TEST_F(PeriodicFamilies, BecomeATorusWherePairsMeetOnTheUnitCircle) {
+  const Json problem = custom(R"~({"variables": ["x", "u", "v"], "parameters": {"k": 0.011, "w": 0.3},
+      "hamiltonian": "(px^2+x^2)/2 + (pu^2+pv^2)/2 + w*(u*pv-v*pu) + k*(u^2+v^2)/2"})~");
+  const Json made = orbit({{"problem", problem},
+                           {"initial", {{"x", 1}, {"px", 0}, {"u", 0}, {"v", 0}, {"pu", 0}, {"pv", 0}}},
+                           {"period", 6.2831853},
+                           {"fixed", {"x"}},
+                           {"family", {{"by", "/problem/k"}, {"to", -.014}, {"count", 6}}}});
+  const Json* const found = told(made["family"], "torus");
+  ASSERT_TRUE(found) << made;
+  EXPECT_NEAR((*found)["value"], 0, 1e-5);
+  for (const Json& member : made["family"])
+    if (&member != found) {
+      const bool before = member["value"] > 0;
+      EXPECT_EQ(member["multipliers"].back()["kind"], before ? "elliptic" : "complex") << member;
+      EXPECT_EQ(member["stable"], before) << member;
+    }
 }
 
 // The period of a drive goes with its frequency.

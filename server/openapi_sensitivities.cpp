@@ -55,8 +55,8 @@ Json sensitivities_found() {
       {"uncertainty",
        {{"type", {"number", "null"}},
         {"description",
-         "the largest disagreement with a control of another order and half the tolerance, divided by "
-         "the largest derivative"}}},
+         "about the largest disagreement with a control, which follows a sum of the derivatives with random weights by "
+         "series of a higher order, divided by the largest derivative"}}},
       {"reason", {{"type", "string"}, {"description", "why there are none"}}}};
   return {{"type", "object"}, {"properties", properties}};
 }

@@ -45,7 +45,7 @@ Motion::Motion(Equations equations, std::optional<std::size_t> varied, double to
   for (std::size_t first = 0, count = all; first < all;) {
     count = std::min(count, all - first);
     std::vector<variations::Direction> directions(count);
-    if (varied_ && first + count == all) directions.back() = *varied_;
+    if (varied_ && first + count == all) directions.back() = {{*varied_, 1}};
     try {
       parts_.push_back({first, count, variations::VariedMotion(scene, directions, {}, tolerance)});
       first += count;

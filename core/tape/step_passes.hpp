@@ -157,8 +157,9 @@ class StepTangents::Columns {
     const Program& p = of.program_;
     for (std::size_t i = 0; i < p.variables; ++i)
       for (std::size_t c = 0; c < Count; ++c) {
+        Numbers& start = at(of.slot_[tape::at(Program::first_variable) + i], 0)[c * next];
         const double one = i == group.first + c ? 1 : 0;
-        at(of.slot_[tape::at(Program::first_variable) + i], 0)[c * next].lane = Numbers{}.lane + one;
+        start.lane = of.along_ ? of_part(of.directions_[i]).lane : Numbers{}.lane + one;
       }
   }
 

@@ -40,8 +40,8 @@ struct StepTangents::Factors {
   }
 };
 
-StepTangents::StepTangents(Program program, int order)
-    : program_(std::move(program)), order_(static_cast<std::size_t>(order)) {
+StepTangents::StepTangents(Program program, int order, bool along)
+    : program_(std::move(program)), order_(static_cast<std::size_t>(order)), along_(along) {
   const Kinds kinds(program_);
   reach_ = kinds.reach;
   slot_.assign(tape::at(program_.rows), none);
@@ -59,7 +59,7 @@ StepTangents::StepTangents(Program program, int order)
   rows_.resize(slot_.size() * (order_ + 1));
   gains_.resize(program_.steps.size());
   row_.resize(slot_.size());
-  const std::size_t columns = program_.variables, parts = (columns + most_columns - 1) / most_columns;
+  const std::size_t columns = along ? 1 : program_.variables, parts = (columns + most_columns - 1) / most_columns;
   for (std::size_t part = 0; part < parts; ++part) {
     Group& group = groups_.emplace_back();
     group.first = part * columns / parts;
@@ -67,12 +67,14 @@ StepTangents::StepTangents(Program program, int order)
     group.rows.resize(tape::at(slots) * (order_ + 1) * group.count);
     group_.insert(group_.end(), group.count, part);
   }
-  matrices_.resize(3 * steps * entries());
+  if (along) directions_.resize(program_.variables);
+  matrices_.resize(steps * (along ? 2 * program_.moving : 3 * entries()));
   found_.resize(2 * most_columns * sums_.size());
 }
 
-std::size_t StepTangents::numbers(const Program& program, int order) {
-  return tape::at(program.rows) * (static_cast<std::size_t>(order) + 1) * (program.variables + 1) * steps;
+std::size_t StepTangents::numbers(const Program& program, int order, bool along) {
+  const std::size_t columns = along ? 1 : program.variables;
+  return tape::at(program.rows) * (static_cast<std::size_t>(order) + 1) * (columns + 1) * steps;
 }
 
 const StepTangents::Side* StepTangents::series_of(std::size_t i, std::size_t c, std::size_t& stride) const {
@@ -120,11 +122,13 @@ void StepTangents::expand_by_two() { expand_all<2>(); }
 LEAST_BY_FOUR void StepTangents::expand_by_four() { expand_all<4>(); }
 LEAST_BY_EIGHT void StepTangents::expand_by_eight() { expand_all<8>(); }
 
-void StepTangents::expand(std::span<const double> y, std::span<const double> t) {
+void StepTangents::expand(std::span<const double> y, std::span<const double> t, std::span<const double> directions) {
   const std::size_t count = t.size();
   for (std::size_t step = 0; step < steps; ++step) {
     const std::size_t like = std::min(step, count - 1);
     begin(step, y.data() + like * program_.variables, t[like]);
+    for (std::size_t i = 0; i < directions_.size(); ++i)
+      directions_[i].lane[step] = directions[like * program_.variables + i];
   }
   std::ranges::fill(rows_[tape::at(program_.time()) * (order_ + 1) + 1].lane, 1.0);
   if (LEAST_HAS_BY_EIGHT) return expand_by_eight();
@@ -162,6 +166,34 @@ void StepTangents::change_in(double h, std::size_t step, double* change) const {
       for (std::size_t k = order_; k > 0; --k) sum = (sum + rows[k * stride].lane[step]) * h;
       *change++ = sum;
     }
+}
+
+const StepTangents::Side* StepTangents::series_along(std::size_t i) const {
+  std::size_t stride = 0;  // of one direction: none stand between
+  if (i >= program_.moving) return series_of(i - program_.moving, 0, stride);
+  return rows_.data() + place(Program::first_variable + static_cast<Index>(i), 0);
+}
+
+LEAST_WIDE void StepTangents::find_changes_along(std::span<const double> h) {
+  std::array<double, steps> length, sum;
+  for (std::size_t step = 0; step < steps; ++step) length[step] = h[std::min(step, h.size() - 1)];
+  const std::size_t all = 2 * program_.moving;
+  for (std::size_t i = 0; i < all; ++i) {
+    const Side* const row = series_along(i);
+    sum.fill(0);
+    for (std::size_t k = order_; k > 0; --k)
+      for (std::size_t step = 0; step < steps; ++step) sum[step] = (sum[step] + row[k].lane[step]) * length[step];
+    for (std::size_t step = 0; step < steps; ++step) matrices_[step * all + i] = sum[step];
+  }
+}
+
+void StepTangents::change_along_in(double h, std::size_t step, double* change) const {
+  for (std::size_t i = 0; i < 2 * program_.moving; ++i) {
+    const Side* const row = series_along(i);
+    double sum = 0;
+    for (std::size_t k = order_; k > 0; --k) sum = (sum + row[k].lane[step]) * h;
+    *change++ = sum;
+  }
 }
 
 }  // namespace least::tape

@@ -24,14 +24,17 @@ class StepTangents {
 
   /// Whether formulas never change sides, which steps side by side cannot do each by itself.
   static bool suits(const Program& program) { return program.switches.empty(); }
-  /// Of a program whose variables beyond the motion rest: parameters.
-  StepTangents(Program program, int order);
+  /// Of a program whose variables beyond the motion rest: parameters. `along`: in one direction for each step, which is
+  /// told where it begins, instead of by all variables.
+  StepTangents(Program program, int order, bool along = false);
   /// How many numbers that keeps, about.
-  static std::size_t numbers(const Program& program, int order);
+  static std::size_t numbers(const Program& program, int order, bool along = false);
 
   /// From the variables at the beginning of each step, one after the other, and the times there; what is less than all
   /// steps is filled up.
-  void expand(std::span<const double> y, std::span<const double> t);
+  void expand(std::span<const double> y, std::span<const double> t) { expand(y, t, {}); }
+  /// The same in directions that stand as y does, where it is `along` them.
+  void expand(std::span<const double> y, std::span<const double> t, std::span<const double> directions);
   /// Then what follows from these series for steps of these lengths, as many.
   void find_changes(std::span<const double> h);
   /// What the derivatives of the variables of the motion by all variables have changed by in a step: by variable of the
@@ -42,9 +45,16 @@ class StepTangents {
   const double* term_before(std::size_t step) const { return matrix(step, 2); }
   /// And what they change by in the time h of one.
   void change_in(double h, std::size_t step, double* change) const;
+  /// Along directions, found for steps of these lengths or for the time h of one: what the variables of the motion
+  /// change by, and then their derivatives.
+  void find_changes_along(std::span<const double> h);
+  const double* change_along(std::size_t step) const { return matrices_.data() + step * 2 * program_.moving; }
+  void change_along_in(double h, std::size_t step, double* change) const;
   int order() const { return static_cast<int>(order_); }
   /// Of the matrices: all variables.
   std::size_t columns() const { return program_.variables; }
+  /// And rows: those of the motion.
+  std::size_t moving() const { return program_.moving; }
 
  private:
   static constexpr std::size_t most_columns = 4;  ///< in a group
@@ -82,6 +92,8 @@ class StepTangents {
   }
   /// Where the derivative of a variable by another stands, of order 0, and how far it is from there to the next order.
   const Side* series_of(std::size_t i, std::size_t c, std::size_t& stride) const;
+  /// Along directions: of all that changes, the variables of the motion and then their derivatives.
+  const Side* series_along(std::size_t i) const;
   std::size_t place(Index value, std::size_t k) const { return static_cast<std::size_t>(value) * (order_ + 1) + k; }
   void begin(std::size_t step, const double* y, double t);
   template <std::size_t Wide>
@@ -92,6 +104,7 @@ class StepTangents {
 
   Program program_;
   std::size_t order_;
+  bool along_;
   std::vector<Index> slot_;         ///< by value where its derivatives stand; none: they are zero
   std::vector<std::size_t> reach_;  ///< by value how many orders are not zero
   std::vector<Planned> planned_;
@@ -102,6 +115,7 @@ class StepTangents {
   std::vector<double> row_;  ///< order 0 of all values of one step
   std::vector<Group> groups_;
   std::vector<std::size_t> group_;  ///< by column
+  std::vector<Side> directions_;    ///< by variable
   std::vector<double> matrices_;
   std::vector<Side> found_;  ///< the sums of two orders
 };

@@ -126,7 +126,7 @@ std::vector<Slope> EventSlopes::along(const tape::Formula& formula, double t, st
                                       std::span<const double> slope, const Direction& direction, double dt) const {
   std::vector<Slope> x = with_parameters(state), values(formula.outputs());
   for (std::size_t i = 0; i < slope.size(); ++i) x[i].slope[0] = slope[i];
-  if (direction) x[state.size() + *direction].slope[0] = 1;
+  for (const auto& [parameter, by] : direction) x[state.size() + parameter].slope[0] = by;
   formula.evaluate(x.data(), Slope{t, {dt}}, values.data());
   return values;
 }

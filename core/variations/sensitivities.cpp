@@ -9,6 +9,7 @@
 #include "core/run/messages.hpp"
 #include "core/variations/event_slopes.hpp"
 #include "core/variations/neighbours.hpp"
+#include "core/variations/one_direction.hpp"
 #include "core/variations/rows.hpp"
 #include "core/variations/start.hpp"
 #include "core/variations/varied_motion.hpp"
@@ -32,6 +33,7 @@ struct Followed {
   std::vector<std::vector<double>> slopes;       ///< at samples, and at last at the end; direction by direction
   std::vector<std::vector<double>> time_slopes;  ///< of each event that was asked for, by direction
   std::vector<double> second;                    ///< the second ones, at the end: pair by pair
+  std::vector<std::vector<double>> control;      ///< where slopes are, in one direction; fewer: not to the end
   int order = 0;
 };
 
@@ -45,7 +47,14 @@ struct Question {
   const EventSlopes& slopes_of_events;
   std::vector<Direction> directions;
   std::vector<std::vector<double>> slopes;
+  std::vector<double> weights;  ///< of the directions in that of a control beside them; none: there is none
 };
+
+/// That of the series of a control, beside series of this one.
+int order_of_control(int order) {
+  constexpr int higher = 3;
+  return std::min(order + higher, tape::Series::most_orders);
+}
 
 /// Some of the directions, and pairs of these.
 struct Chosen {
@@ -65,8 +74,12 @@ class Follower {
     const auto& by = question.asked.by;
     for (const auto& [a, b] : chosen.pairs)
       append(question.start.second(by[chosen.directions[a]], by[chosen.directions[b]]), beginning.second);
-    motion_.start(question.start.state(), beginning, question.began);
     made_.order = motion_.order();
+    if (question.weights.empty() || chosen.directions.size() < question.directions.size() || !chosen.pairs.empty())
+      motion_.start(question.start.state(), beginning, question.began);
+    else
+      motion_.start_with_control(question.start.state(), beginning, question.began, question.weights,
+                                 order_of_control(made_.order));
   }
 
   /// What was found, or why they were not followed to the end.
@@ -115,6 +128,7 @@ class Follower {
     Derivatives now = motion_.derivatives();
     made_.slopes.push_back(std::move(now.first));
     made_.second = std::move(now.second);
+    if (auto control = motion_.control()) made_.control.push_back(std::move(*control));
     return true;
   }
 
@@ -182,6 +196,7 @@ std::variant<Followed, std::string> follow_all(const Question& question, double 
       auto& made = std::get<Followed>(part);
       all.order = made.order;
       all.state = std::move(made.state);
+      all.control = std::move(made.control);
       append_each(std::move(made.slopes), all.slopes);
       append_each(std::move(made.time_slopes), all.time_slopes);
       first += count;
@@ -221,6 +236,23 @@ std::variant<std::vector<double>, std::string> follow_pairs(
     }
   }
   return second;
+}
+
+/// What a control in one direction says of all of them, at samples and at the end: the one that went beside them, or,
+/// where steps do not lie ready or an event acts, one that is followed now, with half the tolerance and through the
+/// same events. Second derivatives have controls of their own, of all pairs.
+double doubt_of(const Question& question, const Followed& all, double tolerance, int order) {
+  if (all.control.size() == all.slopes.size()) return disagreement_along(all.slopes, question.weights, all.control);
+  Held of_control = HeldByThread::take(bytes_of_lists(all.slopes.size(), all.state.size()));
+  Question one = question;
+  std::vector<double> starts;
+  for (const auto& slope : question.slopes) starts.insert(starts.end(), slope.begin(), slope.end());
+  one.directions = {sum_of(question.directions, question.weights)};
+  one.slopes = {sum_of(starts, question.weights)};
+  one.weights.clear();
+  const auto control = follow_all(one, tolerance, order);
+  const auto* known = std::get_if<Followed>(&control);
+  return known != nullptr ? disagreement_along(all.slopes, question.weights, known->slopes) : unknown;
 }
 
 /// The same run along the motion, by the scheme that follows it most closely, to where it came.
@@ -303,11 +335,13 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
                     outcome.t,  {times.begin(), times.end()},
                     keep_going, Start(scene, asked),
                     events,     slopes_of_events,
-                    {},         {}};
+                    {},         {},
+                    {}};
   for (const Quantity& by : asked.by) {
-    question.directions.push_back(by.kind == Quantity::Kind::parameter ? Direction(by.index) : Direction());
+    question.directions.push_back(by.kind == Quantity::Kind::parameter ? Direction{{by.index, 1}} : Direction());
     question.slopes.push_back(question.start.slope(by));
   }
+  question.weights = random_weights(asked.by.size());
   Sensitivities found;
   for (const std::size_t place : equations.variables) found.rows.push_back(scene.card().variables[place].name);
   const std::size_t bytes = bytes_of_lists(times.size() + 1, asked.by.size() * equations.components);
@@ -322,14 +356,8 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
     return found;
   }
   auto& all = std::get<Followed>(followed);
-  constexpr int higher = 3;
-  const int control_order = std::min(all.order + higher, tape::Series::most_orders);
-  {
-    Held of_control = HeldByThread::take(bytes);
-    const auto control = follow_all(question, tolerance / 2, control_order);
-    if (const auto* other = std::get_if<Followed>(&control))
-      found.uncertainty = disagreement(all.slopes, other->slopes);
-  }
+  const int control_order = order_of_control(all.order);
+  found.uncertainty = doubt_of(question, all, tolerance / 2, control_order);
 
   auto time_slopes = all.time_slopes.begin();
   for (const Event& event : events) {

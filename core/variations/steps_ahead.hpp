@@ -2,12 +2,14 @@
 // can lie ready and what derivatives change by in them be found side by side (core/tape/step_tangents.hpp).
 #pragma once
 
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/schemes/expansion.hpp"
 #include "core/tape/step_tangents.hpp"
+#include "core/variations/beside.hpp"
 
 namespace least::variations {
 
@@ -25,11 +27,17 @@ class StepsAhead {
   /// The series of the motion where a step begins: for what is looked at within it.
   taylor::Expansion& expansion() { return expansion_; }
 
-  /// Nothing lies ready, and nothing is known of steps that are too long.
+  /// Nothing lies ready, and nothing is known of steps that are too long. No control goes beside them.
   void begin() {
     leave();
     part_ = 1;
+    beside_.reset();
   }
+  /// Then one goes beside them, from here on, along a direction of all variables.
+  void control(const tape::Program& varied, int order, std::vector<double> direction);
+  /// That direction as the control has it in the time h of the step, where the first motion is at y.
+  std::vector<double> look_beside(double h, std::span<const double> y, std::span<const double> low);
+  bool controlled() const { return beside_ != nullptr; }
   /// The next step, from the state y, of all variables, at the time t: the one that lies ready, or the first of others
   /// that are made. False: the motion does not go on for longer than `least`, or some term is no number.
   bool next(std::span<const double> y, std::span<const double> low, double t, double least);
@@ -44,7 +52,9 @@ class StepsAhead {
   void change(std::span<double> u, std::span<double> low, std::size_t lanes);
   void change_in(double h, std::span<double> u, std::span<double> low, std::size_t lanes);
   /// It has been taken to its end.
-  void take() { ++at_; }
+  void take();
+  /// It has been taken for the time h, to the state y, and is left as below.
+  void take_part(double h, std::span<const double> y, std::span<const double> low);
   /// It is left, as are those behind it. `shorter`: it was too long by this factor.
   void leave(double shorter = 1);
 
@@ -56,6 +66,8 @@ class StepsAhead {
   void multiply(const double* matrix, std::span<const double> u, std::size_t lanes);
   double largest() const;
   void add(std::span<double> u, std::span<double> low);
+  /// The step with another end and the matrix of that.
+  Beside::Step step_to(std::span<const double> y, std::span<const double> low, const double* matrix) const;
 
   taylor::Expansion expansion_;
   tape::StepTangents tangents_;
@@ -63,7 +75,9 @@ class StepsAhead {
   double part_ = 1;  ///< of the steps that the motion alone would take
   std::size_t at_ = 0, count_ = 0;
   std::vector<double> begins_, times_, lengths_, ends_, states_, lows_;  ///< of each step
+  std::vector<double> low_;                                              ///< where the first of them begins
   std::vector<double> product_, matrix_;                                 ///< scratch
+  std::unique_ptr<Beside> beside_;
 };
 
 }  // namespace least::variations

@@ -35,8 +35,9 @@ VariedMotion::VariedMotion(const ParametricScene& scene, std::span<const Directi
       first_{by_.size(), tape::Tangents::lanes_of(by_.size()), std::vector<int>(by_.size())},
       second_{pairs_.size(), tape::Tangents::lanes_of(pairs_.size()), std::vector<int>(pairs_.size())} {
   for (const Direction& direction : by_)
-    if (direction && std::ranges::find(varied_, *direction) == varied_.end()) varied_.push_back(*direction);
+    for (const ParameterChange& change : direction) varied_.push_back(change.parameter);
   std::ranges::sort(varied_);
+  varied_.erase(std::unique(varied_.begin(), varied_.end()), varied_.end());
   tape::Program program = program_of(scene, varied_);
   if (by_.empty()) {
     expansion_.emplace(std::move(program), tolerance, order);
@@ -117,6 +118,32 @@ void VariedMotion::take(const Level& level, std::vector<double>& derivatives) co
 }
 
 void VariedMotion::start(std::span<const double> x, const Derivatives& derivatives, double t) {
+  begin(x, derivatives, t);
+  settle_scales();
+  plan();
+}
+
+void VariedMotion::start_with_control(std::span<const double> x, const Derivatives& derivatives, double t,
+                                      std::span<const double> weights, int control_order) {
+  begin(x, derivatives, t);
+  if (ahead_) {
+    std::vector<double> sum(y_.size());
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      for (std::size_t d = 0; d < by_.size(); ++d) sum[i] += weights[d] * first_.u[i * first_.lanes + d];
+    held_.add(Beside::numbers(*varied_program_) * sizeof(double));
+    ahead_->control(*varied_program_, control_order, std::move(sum));
+  }
+  settle_scales();
+  plan();
+}
+
+std::optional<std::vector<double>> VariedMotion::control() {
+  if (!ahead() || !ahead_->controlled()) return std::nullopt;
+  return ahead_->look_beside(looked_ - t_, std::span(seen_).first(size_), std::span(low_seen_).first(size_));
+}
+
+/// There, as it is told.
+void VariedMotion::begin(std::span<const double> x, const Derivatives& derivatives, double t) {
   t_ = t;
   longest_ = 0;
   y_.assign(x.begin(), x.end());
@@ -125,12 +152,12 @@ void VariedMotion::start(std::span<const double> x, const Derivatives& derivativ
   put(first_, derivatives.first);
   put(second_, derivatives.second);
   for (std::size_t d = 0; d < by_.size(); ++d)
-    for (std::size_t k = 0; k < varied_.size(); ++k)
-      if (by_[d] == varied_[k]) first_.u[(size_ + k) * first_.lanes + d] = 1;
+    for (const auto& [parameter, by] : by_[d]) {
+      const auto k = static_cast<std::size_t>(std::ranges::find(varied_, parameter) - varied_.begin());
+      first_.u[(size_ + k) * first_.lanes + d] = by;
+    }
   if (ahead_) ahead_->begin();
   one_by_one_ = false;
-  settle_scales();
-  plan();
 }
 
 /// Derivatives to about the size that decides on steps, with what drives them: `beside` of each.
@@ -241,7 +268,7 @@ void VariedMotion::cross_switch(double to) {
   const auto slope_along = [&](std::span<const double> slope, const Direction& direction, double share, double dt) {
     std::vector<Slope> x(values.begin(), values.end());
     for (std::size_t i = 0; i < size_; ++i) x[i].slope[0] = slope[i];
-    if (direction) x[size_ + *direction].slope[0] = share;
+    for (const auto& [parameter, by] : direction) x[size_ + parameter].slope[0] = share * by;
     return sides(x, Slope{to, {dt}})[changed].slope[0];
   };
   const double pace = slope_along(rates, {}, 0, 1);
@@ -254,6 +281,7 @@ void VariedMotion::cross_switch(double to) {
 }
 
 bool VariedMotion::look(double t) {
+  looked_ = t;
   motion().move(y_.data(), t_);
   seen_ = y_;
   low_seen_ = low_;
@@ -292,6 +320,7 @@ bool VariedMotion::advance_ahead(double end) {
   if (!(to > t_)) return false;
   if (to < ahead_->end()) {
     if (!look(to)) return false;
+    ahead_->take_part(to - t_, std::span(seen_).first(size_), std::span(low_seen_).first(size_));
     ahead_->leave(to == reach_ ? 0.98 * (to - t_) / (ahead_->end() - t_) : 1);
   } else {
     first_.seen = first_.u;

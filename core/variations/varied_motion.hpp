@@ -22,8 +22,13 @@
 
 namespace least::variations {
 
-/// What a derivative is by: a parameter of the card, or none; then it is the start that moves.
-using Direction = std::optional<std::size_t>;
+/// How much a parameter of the card changes along a direction.
+struct ParameterChange {
+  std::size_t parameter;
+  double by;
+};
+/// What a derivative is along: parameters that change, beside what the start does. None: it is the start that moves.
+using Direction = std::vector<ParameterChange>;
 
 /// Whether equations switch between sides.
 bool switches(const ParametricScene& scene);
@@ -41,6 +46,12 @@ class VariedMotion {
                std::span<const std::pair<std::size_t, std::size_t>> pairs, double tolerance, int order = 0);
 
   void start(std::span<const double> x, const Derivatives& derivatives, double t);
+  /// The same, and where steps lie ready a control goes beside them, along a sum of the directions with these weights,
+  /// by series of the order; up to the next start.
+  void start_with_control(std::span<const double> x, const Derivatives& derivatives, double t,
+                          std::span<const double> weights, int control_order);
+  /// The derivative in that direction as the control has it, where it was looked last; nothing: there is none.
+  std::optional<std::vector<double>> control();
   double time() const { return t_; }
   int order() const { return ahead_ ? ahead_->order() : expansion_->order(); }
   /// The time that the next step may go to; time() where the motion does not go on.
@@ -67,6 +78,7 @@ class VariedMotion {
   bool ahead() const { return ahead_ && !one_by_one_; }
   taylor::Expansion& motion() { return ahead() ? ahead_->expansion() : *expansion_; }
   void put(Level& level, const std::vector<double>& derivatives);
+  void begin(std::span<const double> x, const Derivatives& derivatives, double t);
   void take(const Level& level, std::vector<double>& derivatives) const;
   void settle_scales();
   void settle(Level& level, std::span<const double> beside);
@@ -96,7 +108,7 @@ class VariedMotion {
   std::optional<tape::Tangents> tangents_;
   std::optional<tape::Formula> sides_;  ///< where the equations switch
   std::vector<double> parameters_;
-  double t_ = 0, reach_ = 0, longest_ = 0;
+  double t_ = 0, reach_ = 0, longest_ = 0, looked_ = 0;
   std::vector<double> y_, seen_;        ///< the state, at the last step and where it was looked, and what is varied
   std::vector<double> low_, low_seen_;  ///< what rounding has kept from them
   Level first_, second_;

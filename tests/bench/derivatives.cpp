@@ -89,8 +89,8 @@ void bench::derivatives() {
   heading("Derivatives of motions");
   std::printf(
       "What a run by `taylor` takes together with the derivatives of its end by the first n numbers of its start and\n"
-      "its parameters, in runs without derivatives. Half of what is beyond the run itself is the control that\n"
-      "`uncertainty` comes from. The shortest of several repetitions that take turns. The goal is 1 + 1.2 n.\n\n"
+      "its parameters, in runs without derivatives, with the control that `uncertainty` comes from. The shortest\n"
+      "of several repetitions that take turns. The goal is 1 + 1.2 n.\n\n"
       "| scene | run, µs | n = 1 | 2 | 4 | 8, or all there are |\n|---|---|---|---|---|---|\n");
   for (const Case& one : cases()) {
     if (!is_wanted(one.title)) continue;

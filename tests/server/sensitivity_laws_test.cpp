@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/catalogue/catalogue.hpp"
 #include "tests/server/fixture.hpp"
@@ -72,6 +73,56 @@ TEST_F(SensitivityLaws, SecondDerivativesAreDifferencesOfTheFirst) {
         }
       }
     }
+  }
+}
+
+// `uncertainty` is about the largest error, where the tolerance makes it as where rounding does.
+TEST_F(SensitivityLaws, UncertaintyIsAboutTheLargestError) {
+  const auto error = [](const Json& rows, const Json& truth) {
+    double most = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t k = 0; k < rows[i].size(); ++k)
+        most = std::max(most, std::abs(rows[i][k].get<double>() - truth[i][k].get<double>()));
+    return most / largest(truth);
+  };
+  const auto expect_about = [](const Json& found, double size, double within) {
+    EXPECT_GT(found["uncertainty"].get<double>(), size / within) << found["by"];
+    EXPECT_LT(found["uncertainty"].get<double>(), size * within) << found["by"];
+  };
+  const auto asked = [](const Json& problem, const Json& by, double tolerance, double until) {
+    return answer({{"problem", problem},
+                   {"scheme", {{"id", "taylor"}, {"tolerance", tolerance}}},
+                   {"until", until},
+                   {"record", {{"every", 0}}},
+                   {"sensitivities", {{"by", by}}}})["sensitivities"];
+  };
+  const std::pair<const char*, Json> cases[] = {
+      {"kepler", {"/initial/x", "/problem/mu"}},
+      {"kepler", {"/problem/mu"}},
+      {"double_pendulum", {"/initial/theta1", "/initial/theta2", "/initial/p1", "/problem/l1", "/problem/gravity"}},
+      {"lorenz", {"/problem/rho", "/problem/sigma", "/initial/z"}},
+      {"duffing", {"/initial/x", "/problem/delta"}}};
+  for (const auto& [problem, by] : cases) {
+    SCOPED_TRACE(problem);
+    const Json truth = asked(problem, by, 1e-15, 5)["final"];
+    for (const double tolerance : {1e-4, 1e-7}) {
+      const Json found = asked(problem, by, tolerance, 5);
+      expect_about(found, error(found["final"], truth), 20);
+    }
+  }
+  // Chaos makes rounding errors of the motion those of its derivatives: ones of the same equations in another order.
+  const Json other = custom(R"~({"variables":["x","y","z"],"parameters":{"sigma":10,"rho":28,"beta":"8/3"},
+      "equations":{"x":"sigma*y - sigma*x","y":"rho*x - y - z*x","z":"y*x - z*beta"}})~");
+  for (const Json& by : {Json{"/initial/x"}, Json{"/problem/rho", "/problem/beta", "/problem/sigma", "/initial/y"}}) {
+    Json request{{"problem", "lorenz"}, {"until", 20}, {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}}};
+    request["record"] = {{"every", 0}};
+    request["initial"] = {{"x", 1}, {"y", 1}, {"z", 1}};
+    request["sensitivities"] = {{"by", by}};
+    const Json found = answer(request)["sensitivities"];
+    request["problem"] = other;
+    const double size = error(found["final"], answer(request)["sensitivities"]["final"]);
+    EXPECT_GT(size, 1e-12);
+    expect_about(found, size, 30);
   }
 }
 

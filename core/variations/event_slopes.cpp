@@ -166,4 +166,52 @@ std::vector<double> EventSlopes::slope_after(std::size_t event, double t, std::s
   return after;
 }
 
+std::vector<EventSlopes::Second> EventSlopes::along_both(const tape::Formula& formula, const Second& t,
+                                                         std::vector<Second> x, const Direction& a,
+                                                         const Direction& b) const {
+  const std::size_t size = x.size();
+  x.insert(x.end(), equations_->parameters.begin(), equations_->parameters.end());
+  for (const auto& [parameter, by] : a) x[size + parameter].value.slope[0] = by;
+  for (const auto& [parameter, by] : b) x[size + parameter].slope[0].value = by;
+  std::vector<Second> values(formula.outputs());
+  formula.evaluate(x.data(), t, values.data());
+  return values;
+}
+
+std::vector<double> EventSlopes::rates_of_rates(double t, std::span<const double> state) const {
+  std::vector<double> slopes;
+  for (const Slope& rate : along(rates_, t, state, rates(t, state), {}, 1)) slopes.push_back(rate.slope[0]);
+  return slopes;
+}
+
+std::vector<double> EventSlopes::second_after(std::size_t event, double t, std::span<const double> state, const Way& a,
+                                              const Way& b, std::span<const double> second) const {
+  const auto both = [&](const tape::Formula& formula, const Second& time, const std::vector<Second>& x) {
+    return along_both(formula, time, x, a.direction, b.direction);
+  };
+  std::vector<Second> before;
+  for (std::size_t i = 0; i < state.size(); ++i)
+    before.push_back({Slope{state[i], {a.slope[i]}}, {Slope{b.slope[i], {second[i]}}}});
+  const std::vector<Second> pace = both(rates_, Second(t), before);
+  const std::vector<double> bend = rates_of_rates(t, state);
+  Second later{Slope{0, {time_slope(event, t, state, a.slope, a.direction)}},
+               {Slope{time_slope(event, t, state, b.slope, b.direction)}}};
+  const auto on_the_way = [&] {
+    std::vector<Second> x = before;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += pace[i] * later + Second(0.5 * bend[i]) * (later * later);
+    return x;
+  };
+  const double missed = both(watched_, Second(t) + later, on_the_way())[event].slope[0].slope[0];
+  later.slope[0].slope[0] = -missed / along(watched_, t, state, rates(t, state), {}, 1)[event].slope[0];
+  const Second then = Second(t) + later;
+  const std::vector<Second> made = both(*acts_[event], then, on_the_way()), pace_after = both(rates_, then, made);
+  const std::vector<double> bend_after = rates_of_rates(t, state_after(event, t, state));
+  std::vector<double> after;
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    const Second back = made[i] - pace_after[i] * later + Second(0.5 * bend_after[i]) * (later * later);
+    after.push_back(back.slope[0].slope[0]);
+  }
+  return after;
+}
+
 }  // namespace least::variations

@@ -1,7 +1,9 @@
 // How the times of events change with what a motion depends on, and what events that act make of its derivatives. At a
 // zero of g(x, t; θ) along x(t; θ), ∂t/∂θ = −(g_x ∂x/∂θ + g_θ)/(g_x f + g_t); where the event sets x to r(x, t; θ), the
-// derivative becomes r_x ∂x/∂θ + r_θ + (r_x f + r_t − f₊) ∂t/∂θ, f₊ being the rates after it (saltation). Source:
-// Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, chapter 7.
+// derivative becomes r_x ∂x/∂θ + r_θ + (r_x f + r_t − f₊) ∂t/∂θ, f₊ being the rates after it (saltation). Second
+// derivatives are those of what this comes from, to second order: at the time t + τ of the event, which follows from g,
+// the state is x + f τ + ½ ẍ τ², the event makes r of it, and led back to t it is r − f₊ τ + ½ ẍ₊ τ². Source: Leine,
+// Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, chapter 7.
 #pragma once
 
 #include <memory>
@@ -35,12 +37,24 @@ class EventSlopes {
   std::vector<double> state_after(std::size_t event, double t, std::span<const double> state) const;
   std::vector<double> slope_after(std::size_t event, double t, std::span<const double> state,
                                   std::span<const double> slope, const Direction& direction) const;
+  /// And a second derivative of it, by two directions, with the slopes of both.
+  struct Way {
+    std::span<const double> slope;
+    const Direction& direction;
+  };
+  std::vector<double> second_after(std::size_t event, double t, std::span<const double> state, const Way& a,
+                                   const Way& b, std::span<const double> second) const;
 
  private:
+  using Second = Dual<Slope, 1>;  ///< with slopes along a, along b, and along both
   /// The values of a formula and their slopes, where the state, a parameter and the time move.
   std::vector<Slope> along(const tape::Formula& formula, double t, std::span<const double> state,
                            std::span<const double> slope, const Direction& direction, double dt) const;
   std::vector<Slope> with_parameters(std::span<const double> state) const;
+  std::vector<Second> along_both(const tape::Formula& formula, const Second& t, std::vector<Second> x,
+                                 const Direction& a, const Direction& b) const;
+  /// ẍ
+  std::vector<double> rates_of_rates(double t, std::span<const double> state) const;
 
   std::shared_ptr<const ParametricScene> equations_;
   tape::Formula rates_, watched_;

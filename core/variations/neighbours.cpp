@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/catalogue/catalogue.hpp"
+
 namespace least::variations {
 namespace {
 
@@ -19,6 +21,19 @@ class Nowhere final : public RowSink {
 };
 
 }  // namespace
+
+Request closely(const Request& request, const Solution& outcome) {
+  constexpr double close = 1e-14;
+  Request made = request;
+  const auto series = std::ranges::find(schemes(), "taylor", &SchemeCard::id);
+  made.scheme = static_cast<std::size_t>(series - schemes().begin());
+  made.settings.clear();
+  for (const ParameterCard& setting : series->parameters)
+    made.settings.push_back(setting.name == "tolerance" ? close : setting.value);
+  made.until_steps = false;
+  if (outcome.event.empty()) made.end = outcome.t;
+  return made;
+}
 
 Neighbours::Neighbours(const Request& request, const SensitivitiesAsked& asked, const Start& start)
     : request_(request), asked_(asked), start_(start) {

@@ -30,4 +30,7 @@ class Neighbours {
   const Start& start_;
 };
 
+/// The same run along the motion, by the scheme that follows it most closely, to where it came.
+Request closely(const Request& request, const Solution& outcome);
+
 }  // namespace least::variations

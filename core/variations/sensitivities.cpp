@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 
-#include "core/catalogue/catalogue.hpp"
 #include "core/run/messages.hpp"
 #include "core/variations/event_slopes.hpp"
 #include "core/variations/neighbours.hpp"
@@ -68,6 +67,7 @@ class Follower {
   Follower(const Question& question, const Chosen& chosen, double tolerance, int order)
       : question_(question),
         directions_(directions_of(question, chosen)),
+        pairs_(chosen.pairs),
         motion_(*question.asked.equations, directions_, chosen.pairs, tolerance, order) {
     Derivatives beginning;
     for (const std::size_t d : chosen.directions) append(question.slopes[d], beginning.first);
@@ -145,22 +145,31 @@ class Follower {
     }
     if (!motion_.look(t)) return ends();
     const std::vector<double> state(motion_.state().begin(), motion_.state().end());
-    const std::vector<double> all = motion_.derivatives().first;
+    const Derivatives all = motion_.derivatives();
     const std::size_t size = state.size();
+    const auto slope_of = [&](std::size_t d) { return std::span(all.first).subspan(d * size, size); };
     auto& told = made_.time_slopes.emplace_back();
     Derivatives after;
     for (std::size_t d = 0; d < directions_.size(); ++d) {
-      const auto slope = std::span(all).subspan(d * size, size);
+      const auto slope = slope_of(d);
       told.push_back(slopes.time_slope(*event.asked, t, state, slope, directions_[d]));
       if (slopes.acts(*event.asked))
         append(slopes.slope_after(*event.asked, t, state, slope, directions_[d]), after.first);
     }
-    if (slopes.acts(*event.asked)) motion_.start(slopes.state_after(*event.asked, t, state), after, t);
+    if (!slopes.acts(*event.asked)) return true;
+    for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
+      const auto [a, b] = pairs_[pair];
+      append(slopes.second_after(*event.asked, t, state, {slope_of(a), directions_[a]}, {slope_of(b), directions_[b]},
+                                 std::span(all.second).subspan(pair * size, size)),
+             after.second);
+    }
+    motion_.start(slopes.state_after(*event.asked, t, state), after, t);
     return true;
   }
 
   const Question& question_;
   std::vector<Direction> directions_;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   VariedMotion motion_;
   Followed made_;
   std::string why_;
@@ -253,20 +262,6 @@ double doubt_of(const Question& question, const Followed& all, double tolerance,
   const auto control = follow_all(one, tolerance, order);
   const auto* known = std::get_if<Followed>(&control);
   return known != nullptr ? disagreement_along(all.slopes, question.weights, known->slopes) : unknown;
-}
-
-/// The same run along the motion, by the scheme that follows it most closely, to where it came.
-Request closely(const Request& request, const Solution& outcome) {
-  constexpr double close = 1e-14;
-  Request made = request;
-  const auto series = std::ranges::find(schemes(), "taylor", &SchemeCard::id);
-  made.scheme = static_cast<std::size_t>(series - schemes().begin());
-  made.settings.clear();
-  for (const ParameterCard& setting : series->parameters)
-    made.settings.push_back(setting.name == "tolerance" ? close : setting.value);
-  made.until_steps = false;
-  if (outcome.event.empty()) made.end = outcome.t;
-  return made;
 }
 
 /// All second derivatives, with a control.

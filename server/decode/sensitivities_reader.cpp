@@ -196,10 +196,8 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   } else if (!whole) {
     place.fault("must be a list of JSON pointers, or \"initial\"", *by, std::string(shape_of_sensitivities));
   }
-  if (acts && (asked.of_scheme || asked.order == 2))
-    path.fault(
-        asked.of_scheme ? "of the map of a scheme know no events that act" : "of second order know no events that act",
-        *json, asked.of_scheme ? "\"of\": \"motion\"" : "\"order\": 1");
+  if (acts && asked.of_scheme)
+    path.fault("of the map of a scheme know no events that act", *json, "\"of\": \"motion\"");
   if (!top.faults->empty()) return;
 
   try {

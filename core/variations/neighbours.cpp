@@ -103,4 +103,26 @@ std::vector<double> Neighbours::moved(const Quantity& quantity, double by, const
   return state;
 }
 
+std::variant<Beginning, std::string> beyond_singular_start(const Request& request, const Solution& outcome,
+                                                           const SensitivitiesAsked& asked, const Start& start,
+                                                           double t, const KeepGoing& keep_going) {
+  constexpr double longest = 0.05, part = 0.25;  // of what stays of its sign
+  Request until = closely(request, outcome);
+  until.end = t;
+  const Neighbours neighbours(until, asked, start);
+  Beginning made{t, {}, {}};
+  for (const Quantity& by : asked.by) {
+    if (by.kind != Quantity::Kind::parameter)
+      return "the equations are singular at the start, and beside it no motion begins: there are derivatives by "
+             "parameters alone";
+    const double length = std::min(longest, part * std::abs(start.value(by)));
+    if (made.state.empty()) made.state = neighbours.moved(by, 0, keep_going);
+    made.slopes.push_back(neighbours.difference(by, length, keep_going));
+    for (const auto* numbers : {&made.state, &made.slopes.back()})
+      for (const double number : *numbers)
+        if (!std::isfinite(number)) return "the motion cannot be told from its neighbours shortly after its start";
+  }
+  return made;
+}
+
 }  // namespace least::variations

@@ -7,6 +7,7 @@
 
 #include "core/run/messages.hpp"
 #include "core/variations/event_slopes.hpp"
+#include "core/variations/met_events.hpp"
 #include "core/variations/neighbours.hpp"
 #include "core/variations/one_direction.hpp"
 #include "core/variations/rows.hpp"
@@ -17,14 +18,6 @@ namespace least::variations {
 namespace {
 
 constexpr const char* no_time = "the time that the request has was over before they were found";
-
-/// An event of a run.
-struct Event {
-  std::string name;
-  double t = 0;
-  std::optional<std::size_t> asked{};  ///< which of those that were asked for; none: one of the scheme's own
-  bool ends = false;                   ///< the run
-};
 
 /// The motion with some of its directions.
 struct Followed {
@@ -42,11 +35,12 @@ struct Question {
   std::vector<double> times;  ///< of samples, that do not decrease
   const KeepGoing& keep_going;
   Start start;
-  const std::vector<Event>& events;
+  std::vector<double> state;  ///< where it began
+  const std::vector<MetEvent>& events;
   const EventSlopes& slopes_of_events;
-  std::vector<Direction> directions;
-  std::vector<std::vector<double>> slopes;
-  std::vector<double> weights;  ///< of the directions in that of a control beside them; none: there is none
+  std::vector<Direction> directions{};
+  std::vector<std::vector<double>> slopes{};
+  std::vector<double> weights{};  ///< of the directions in that of a control beside them; none: there is none
 };
 
 /// That of the series of a control, beside series of this one.
@@ -76,9 +70,9 @@ class Follower {
       append(question.start.second(by[chosen.directions[a]], by[chosen.directions[b]]), beginning.second);
     made_.order = motion_.order();
     if (question.weights.empty() || chosen.directions.size() < question.directions.size() || !chosen.pairs.empty())
-      motion_.start(question.start.state(), beginning, question.began);
+      motion_.start(question.state, beginning, question.began);
     else
-      motion_.start_with_control(question.start.state(), beginning, question.began, question.weights,
+      motion_.start_with_control(question.state, beginning, question.began, question.weights,
                                  order_of_control(made_.order));
   }
 
@@ -87,7 +81,7 @@ class Follower {
     auto event = question_.events.begin();
     const auto to_event = [&](double t) {
       while (event != question_.events.end() && (!event->asked || event->t < t))
-        if (const Event& next = *event++; next.asked && !meet(next)) return false;
+        if (const MetEvent& next = *event++; next.asked && !meet(next)) return false;
       return true;
     };
     for (const double t : question_.times)
@@ -133,7 +127,7 @@ class Follower {
   }
 
   /// An event as the motion has it, near to where the run met it, and what it does.
-  bool meet(const Event& event) {
+  bool meet(const MetEvent& event) {
     constexpr int rounds = 3;
     const EventSlopes& slopes = question_.slopes_of_events;
     double t = event.t;
@@ -282,36 +276,31 @@ void add_second(const Question& question, double tolerance, int control_order, S
     found.uncertainty = std::max(found.uncertainty, disagreement({found.second}, {in_rows(equations, *known)}));
 }
 
-std::optional<std::string> text_of(const Report& event, std::string_view key) {
-  for (const Report& part : std::get<std::vector<Report>>(event.value))
-    if (part.key == key) return std::get<std::string>(part.value);
-  return std::nullopt;
-}
-
-std::vector<Event> events_of(const Request& request, const Solution& outcome) {
-  std::vector<Event> events;
-  for (const Report& report : outcome.events) {
-    Event& event = events.emplace_back();
-    event.name = name_of_event(report);
-    for (const Report& part : std::get<std::vector<Report>>(report.value))
-      if (part.key == "t") event.t = std::get<double>(part.value);
-    if (text_of(report, "name")) {
-      const auto& list = request.watched.list;
-      const auto known = std::ranges::find(list, event.name, [](const Measure& one) { return one.card.name; });
-      if (known != list.end()) event.asked = static_cast<std::size_t>(known - list.begin());
-    }
-    event.t = std::min(event.t, outcome.t);
+/// Begins a little later where the start is singular, or says why it cannot. How many of the times that were asked for
+/// are the start itself, where nothing depends on parameters, and no longer among them.
+std::size_t leave_singular_start(const Request& request, const Solution& outcome, Question& question,
+                                 std::string& reason) {
+  constexpr double part = 1.0 / 64;
+  const std::vector<double> rates = question.slopes_of_events.rates(question.began, question.state);
+  if (std::ranges::all_of(rates, [](double rate) { return std::isfinite(rate); })) return 0;
+  const auto first = std::ranges::find_if(question.times, [&](double t) { return t > question.began; });
+  const auto at_start = static_cast<std::size_t>(first - question.times.begin());
+  double t = question.began + part * (question.end - question.began);
+  if (first != question.times.end()) t = std::min(t, *first);
+  question.times.erase(question.times.begin(), first);
+  auto later = beyond_singular_start(request, outcome, question.asked, question.start, t, question.keep_going);
+  if (auto* why = std::get_if<std::string>(&later)) {
+    reason = std::move(*why);
+  } else {
+    auto& known = std::get<Beginning>(later);
+    question.began = known.t;
+    question.state = std::move(known.state);
+    question.slopes = std::move(known.slopes);
   }
-  if (!events.empty() && !outcome.event.empty()) events.back().ends = events.back().name == outcome.event;
-  return events;
+  return at_start;
 }
 
 }  // namespace
-
-std::string name_of_event(const Report& event) {
-  const auto name = text_of(event, "name");
-  return name ? *name : text_of(event, "kind").value_or("");
-}
 
 std::vector<bool> varied_parameters(const SensitivitiesAsked& asked, std::size_t parameters) {
   std::vector<bool> varied(parameters, false);
@@ -324,14 +313,11 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
                                       std::span<const double> times, double tolerance, const KeepGoing& keep_going) {
   const ParametricScene& equations = *asked.equations;
   const Scene& scene = *request.scene;
-  const std::vector<Event> events = events_of(request, outcome);
+  const std::vector<MetEvent> events = events_of(request, outcome);
   const EventSlopes slopes_of_events(request, asked.equations);
-  Question question{asked,      scene.start,
-                    outcome.t,  {times.begin(), times.end()},
-                    keep_going, Start(scene, asked),
-                    events,     slopes_of_events,
-                    {},         {},
-                    {}};
+  Question question{asked, scene.start, outcome.t,       {times.begin(), times.end()}, keep_going, Start(scene, asked),
+                    {},    events,      slopes_of_events};
+  question.state = question.start.state();
   for (const Quantity& by : asked.by) {
     question.directions.push_back(by.kind == Quantity::Kind::parameter ? Direction{{by.index, 1}} : Direction());
     question.slopes.push_back(question.start.slope(by));
@@ -345,6 +331,8 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
     found.reason = "there were more events than limits.samples has room for";
     return found;
   }
+  const std::size_t at_start = leave_singular_start(request, outcome, question, found.reason);
+  if (!found.reason.empty()) return found;
   auto followed = follow_all(question, tolerance, 0);
   if (auto* why = std::get_if<std::string>(&followed)) {
     found.reason = std::move(*why);
@@ -354,8 +342,10 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   const int control_order = order_of_control(all.order);
   found.uncertainty = doubt_of(question, all, tolerance / 2, control_order);
 
+  all.slopes.insert(all.slopes.begin(), at_start, std::vector<double>(asked.by.size() * equations.components));
+
   auto time_slopes = all.time_slopes.begin();
-  for (const Event& event : events) {
+  for (const MetEvent& event : events) {
     auto& told = found.events.emplace_back(event.name, std::vector<double>(asked.by.size(), unknown)).second;
     if (!event.asked) continue;
     told = std::move(*time_slopes++);

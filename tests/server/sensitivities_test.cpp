@@ -147,57 +147,6 @@ TEST_F(Sensitivities, GoThroughEventsThatAct) {
   expect_differences(request, 1e-7);
 }
 
-// A ball on a floor that swings: second derivatives are differences of the first, and of one bounce on a floor at rest
-// those of x = r√(2H)(t − t₁) − (t − t₁)²/2.
-TEST_F(Sensitivities, OfSecondOrderGoThroughEventsThatAct) {
-  const double height = 1, r = 0.8, first = std::sqrt(2 * height), t = 2.5;
-  Json request{
-      {"problem", custom(R"~({"variables":["x"],"parameters":{"r":0.8,"swing":0,"drag":0},"potential":"x",
-                             "damping":"drag"})~")},
-      {"initial", {{"x", height}}},
-      {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
-      {"until", t},
-      {"events",
-       {{{"name", "floor"},
-         {"expression", "x - swing*sin(3*t)"},
-         {"direction", "down"},
-         {"set", {{"vx", "-r*vx + 2*r*swing*cos(3*t) + swing*t^2"}, {"x", "x + 0.1*swing*vx^2*(1+r)"}}}}}},
-      {"sensitivities", {{"by", {"/initial/x", "/problem/r", "/problem/swing", "/problem/drag"}}, {"order", 2}}}};
-  Json found = answer(request)["sensitivities"];
-  ASSERT_TRUE(found["second"]["final"].is_array()) << found;
-  const Json& exact = found["second"]["final"][0];  // of pairs xx, xr, …, rr
-  EXPECT_NEAR(exact[0], -(1 + r) * t / (first * first * first), 1e-11);
-  EXPECT_NEAR(exact[1], t / first - 2, 1e-11);
-  EXPECT_NEAR(exact[4], 0, 1e-11);
-  EXPECT_LT(found["uncertainty"], 1e-11);
-  request["problem"]["parameters"].update({{"swing", 0.05}, {"drag", 0.1}});
-  for (const double until : {1.9, 5.0}) {
-    request["until"] = until;
-    request["sensitivities"]["order"] = 2;
-    found = answer(request)["sensitivities"];
-    request["sensitivities"]["order"] = 1;
-    const Json::json_pointer places[] = {Json::json_pointer("/initial/x"), Json::json_pointer("/problem/parameters/r"),
-                                         Json::json_pointer("/problem/parameters/swing"),
-                                         Json::json_pointer("/problem/parameters/drag")};
-    const double h = 1e-4;
-    for (std::size_t pair = 0; pair < found["second"]["pairs"].size(); ++pair) {
-      const std::size_t a = found["second"]["pairs"][pair][0], b = found["second"]["pairs"][pair][1];
-      const auto moved = [&](double by) {
-        Json other = request;
-        other[places[b]] = other[places[b]].get<double>() + by;
-        return answer(other)["sensitivities"]["final"];
-      };
-      const Json far_up = moved(2 * h), up = moved(h), down = moved(-h), far_down = moved(-2 * h);
-      for (std::size_t i = 0; i < 2; ++i) {
-        const auto at = [&](const Json& final) { return final[i][a].get<double>(); };
-        const double slope = (8 * (at(up) - at(down)) - (at(far_up) - at(far_down))) / (12 * h);
-        EXPECT_NEAR(found["second"]["final"][i][pair], slope, 1e-8 * std::max(1.0, std::abs(slope)))
-            << until << " " << i << found["second"]["pairs"][pair];
-      }
-    }
-  }
-}
-
 // Every problem of the catalogue, by the whole start and by every parameter.
 TEST_F(Sensitivities, OfEveryProblemAreDifferencesOfRuns) {
   for (const auto& problem : problem_list()) {
@@ -439,12 +388,10 @@ TEST_F(Sensitivities, RefuseWhatTheyCannotSay) {
                  {"until", 1},
                  {"sensitivities", {{"by", "initial"}, {"of", "scheme"}}}};
   EXPECT_TRUE(says(fault_of(forced), "map of leapfrog on this scene there is no derivative"));
+  refused({{"by", {"/initial/t"}}, {"order", 2}}, "/sensitivities/by", "second");
   request["events"] = {{{"name", "e"}, {"expression", "x"}, {"set", {{"vx", "-vx"}}}}};
   request["scheme"] = "leapfrog";
   refused({{"by", "initial"}, {"of", "scheme"}}, "/sensitivities", "events that act");
-  request["scheme"] = "taylor";
-  request.erase("events");
-  refused({{"by", {"/initial/t"}}, {"order", 2}}, "/sensitivities/by", "second");
 }
 
 }  // namespace

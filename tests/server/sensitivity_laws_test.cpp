@@ -126,6 +126,90 @@ TEST_F(SensitivityLaws, UncertaintyIsAboutTheLargestError) {
   }
 }
 
+// A ball on a floor that swings: second derivatives are differences of the first, and of one bounce on a floor at rest
+// those of x = r√(2H)(t − t₁) − (t − t₁)²/2.
+TEST_F(SensitivityLaws, OfSecondOrderGoThroughEventsThatAct) {
+  const double height = 1, r = 0.8, first = std::sqrt(2 * height), t = 2.5;
+  Json request{
+      {"problem", custom(R"~({"variables":["x"],"parameters":{"r":0.8,"swing":0,"drag":0},"potential":"x",
+                             "damping":"drag"})~")},
+      {"initial", {{"x", height}}},
+      {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
+      {"until", t},
+      {"events",
+       {{{"name", "floor"},
+         {"expression", "x - swing*sin(3*t)"},
+         {"direction", "down"},
+         {"set", {{"vx", "-r*vx + 2*r*swing*cos(3*t) + swing*t^2"}, {"x", "x + 0.1*swing*vx^2*(1+r)"}}}}}},
+      {"sensitivities", {{"by", {"/initial/x", "/problem/r", "/problem/swing", "/problem/drag"}}, {"order", 2}}}};
+  Json found = answer(request)["sensitivities"];
+  ASSERT_TRUE(found["second"]["final"].is_array()) << found;
+  const Json& exact = found["second"]["final"][0];  // of pairs xx, xr, …, rr
+  EXPECT_NEAR(exact[0], -(1 + r) * t / (first * first * first), 1e-11);
+  EXPECT_NEAR(exact[1], t / first - 2, 1e-11);
+  EXPECT_NEAR(exact[4], 0, 1e-11);
+  EXPECT_LT(found["uncertainty"], 1e-11);
+  request["problem"]["parameters"].update({{"swing", 0.05}, {"drag", 0.1}});
+  for (const double until : {1.9, 5.0}) {
+    request["until"] = until;
+    request["sensitivities"]["order"] = 2;
+    found = answer(request)["sensitivities"];
+    request["sensitivities"]["order"] = 1;
+    const Json::json_pointer places[] = {Json::json_pointer("/initial/x"), Json::json_pointer("/problem/parameters/r"),
+                                         Json::json_pointer("/problem/parameters/swing"),
+                                         Json::json_pointer("/problem/parameters/drag")};
+    const double h = 1e-4;
+    for (std::size_t pair = 0; pair < found["second"]["pairs"].size(); ++pair) {
+      const std::size_t a = found["second"]["pairs"][pair][0], b = found["second"]["pairs"][pair][1];
+      const auto moved = [&](double by) {
+        Json other = request;
+        other[places[b]] = other[places[b]].get<double>() + by;
+        return answer(other)["sensitivities"]["final"];
+      };
+      const Json far_up = moved(2 * h), up = moved(h), down = moved(-h), far_down = moved(-2 * h);
+      for (std::size_t i = 0; i < 2; ++i) {
+        const auto at = [&](const Json& final) { return final[i][a].get<double>(); };
+        const double slope = (8 * (at(up) - at(down)) - (at(far_up) - at(far_down))) / (12 * h);
+        EXPECT_NEAR(found["second"]["final"][i][pair], slope, 1e-8 * std::max(1.0, std::abs(slope)))
+            << until << " " << i << found["second"]["pairs"][pair];
+      }
+    }
+  }
+}
+
+// From the centre of a star, where the equations are singular: by its index, of the motion that is regular there.
+// Of any n, q = 1 − t²/6 + n t⁴/120 − (8n² − 5n) t⁶/15120 + ….
+TEST_F(SensitivityLaws, FromASingularStart) {
+  Json request{{"problem", {{"id", "lane_emden"}, {"n", 1.5}}},
+               {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
+               {"until", 3},
+               {"record", {{"samples", 31}}},
+               {"sensitivities", {{"by", {"/problem/n"}}}}};
+  request["sensitivities"]["at"] = "samples";
+  const Json made = answer(request);
+  const Json& found = made["sensitivities"];
+  ASSERT_TRUE(found["final"].is_array()) << found;
+  EXPECT_LT(found["uncertainty"], 1e-8);
+  ASSERT_EQ(found["samples"].size(), made["trajectory"]["t"].size());
+  EXPECT_EQ(found["samples"][0], Json::parse("[[0.0],[0.0]]"));
+  const double t = made["trajectory"]["t"][1];
+  EXPECT_NEAR(t, 0.1, 1e-12);
+  EXPECT_NEAR(found["samples"][1][0][0], std::pow(t, 4) / 120 - (16 * 1.5 - 5) * std::pow(t, 6) / 15120, 1e-11);
+  request["record"] = {{"every", 0}};
+  request["sensitivities"].erase("at");
+  const auto moved = [&](double by) {
+    Json other = request;
+    other["problem"]["n"] = 1.5 + by;
+    return answer(other)["final"]["q"].get<double>();
+  };
+  const double h = 1e-2, slope = (8 * (moved(h) - moved(-h)) - (moved(2 * h) - moved(-2 * h))) / (12 * h);
+  EXPECT_NEAR(found["final"][0][0], slope, 1e-9);
+  request["sensitivities"]["by"] = {"/problem/n", "/initial/q"};
+  const Json none = answer(request)["sensitivities"];
+  EXPECT_TRUE(none["final"].is_null());
+  EXPECT_NE(none["reason"].get<std::string>().find("parameters alone"), std::string::npos) << none;
+}
+
 // Second derivatives of a body that is too fast to be followed end where times can no longer be told apart: halving the
 // step, which once went on for good, comes to two neighbouring numbers.
 TEST_F(SensitivityLaws, AStepIsHalvedNoFurtherThanTimesCanTell) {

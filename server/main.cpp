@@ -58,6 +58,17 @@ void allow_descriptors(unsigned connections) {
       .with("needed", static_cast<std::int64_t>(connections + own));
 }
 
+// What is freed goes back to the system, or to whoever takes next: by default each thread would keep what its requests
+// freed in a heap of its own, and the size from which on a piece is returned at once would rise with the largest one.
+// Small pieces lie ready with each thread in any case, so that few ask a heap. Before there are threads.
+void keep_little(unsigned threads) {
+  constexpr unsigned threads_of_a_heap = 4;
+  if (threads == 0) threads = std::thread::hardware_concurrency();
+  ::mallopt(M_ARENA_MAX, static_cast<int>(std::max(2U, threads / threads_of_a_heap)));
+  ::mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+  ::mallopt(M_TRIM_THRESHOLD, 1024 * 1024);
+}
+
 void warn_of(const Options& options) {
   for (const std::string& warning : options.warnings) LogLine(spdlog::level::warn, "environment").with("why", warning);
 }
@@ -90,13 +101,14 @@ int serve(const Options& options) {
   if (hang_up.sa_handler != SIG_IGN) sigaddset(&ends, SIGHUP);  // a terminal that closes; not under nohup
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
-  // What large answers are kept in goes back to the system when it is freed: by default the bound rises with their
-  // size.
-  ::mallopt(M_MMAP_THRESHOLD, 256 * 1024);
-
+  keep_little(options.settings.threads);
   const LogQueue log(STDERR_FILENO, options.log_level, options.log_format);
   allow_descriptors(options.settings.connections);
-  Service service(options.settings, assets());
+  Settings settings = options.settings;
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what is freed, and notes of their own
+  settings.alone = true;
+#endif
+  Service service(settings, assets());
   if (const auto error = service.start()) {
     fmt::print(stderr, "leastaction: {}\n", *error);
     return 1;

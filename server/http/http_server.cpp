@@ -21,8 +21,8 @@
 #include "server/http/cancellation.hpp"
 #include "server/http/event_loop.hpp"
 #include "server/http/forwarded.hpp"
-#include "server/http/heap_trim.hpp"
 #include "server/http/http_date.hpp"
+#include "server/http/memory_watch.hpp"
 #include "server/http/workers.hpp"
 #include "server/shared/log.hpp"
 
@@ -77,7 +77,7 @@ class HttpServer::Impl final : private Handler {
         loop_.run([this] {
           admission_.look();
           CancellationWatch::look_at_all();
-          heaps_.look(lifecycle_.memory);
+          memory_watch_.look(lifecycle_.memory);
         });
       }
       const std::lock_guard lock(mutex_);
@@ -371,7 +371,7 @@ class HttpServer::Impl final : private Handler {
   std::condition_variable ended_;
   bool running_ = false, hurries_ = false;
   AnswerWriter writer_{workers_, admission_};
-  HeapTrim heaps_{workers_};
+  MemoryWatch memory_watch_{workers_, settings_.alone ? MemoryWatch::resident_bytes : nullptr};
   Workers workers_;  // last: its tasks use the others
 };
 

@@ -24,6 +24,7 @@ struct HttpSettings {
   int metrics_port = -1;        ///< where /metrics is; negative: at `port`
   double drain = 0;             ///< seconds that the port stays open when the server ends
   double grace = 10;            ///< seconds that computations have left when the server ends
+  bool alone = false;           ///< nothing else is in the memory of the process: its bytes are looked at, too
   ConnectionBounds bounds;
   std::vector<std::string> allow_hosts, allow_origins;
   std::vector<std::string> allow_frames;     ///< origins of pages that may hold this one in a frame

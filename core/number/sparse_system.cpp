@@ -60,6 +60,12 @@ std::vector<std::uint32_t> renumbering(const SparsityPattern& neighbours) {
   return place;
 }
 
+std::size_t longest_row(const SparsityPattern& pattern) {
+  std::size_t longest = 0;
+  for (const auto& row : pattern) longest = std::max(longest, row.size());
+  return longest;
+}
+
 std::size_t bandwidth_of(const SparsityPattern& pattern, const std::vector<std::uint32_t>& place) {
   std::size_t band = 0;
   for (std::size_t i = 0; i < pattern.size(); ++i)
@@ -70,10 +76,16 @@ std::size_t bandwidth_of(const SparsityPattern& pattern, const std::vector<std::
 
 }  // namespace
 
-SparseSystem::SparseSystem(const SparsityPattern& pattern) {
-  place_ = renumbering(neighbours_of(pattern));
-  band_ = bandwidth_of(pattern, place_);
+SparseSystem::SparseSystem(const SparsityPattern& pattern) : place_(pattern.size()) {
   const std::size_t n = size();
+  // A row of so many entries needs a wide band in every order: none is sought, which of full rows takes long.
+  if (n > 16 && 4 * longest_row(pattern) > n + 4) {
+    std::iota(place_.begin(), place_.end(), 0);
+    band_ = n - 1;
+  } else {
+    place_ = renumbering(neighbours_of(pattern));
+    band_ = bandwidth_of(pattern, place_);
+  }
   // Elimination in a narrow band is no dearer than Eigen's blocks of the whole matrix.
   if (n <= 16 || 8 * band_ < n) {
     entries_.resize(n * width());

@@ -74,6 +74,15 @@ TEST(SparseSystem, SolvesWhatIsDenseAndWhatFallsApart) {
   SparseSystem full(neighbours(9, 9, false));
   EXPECT_LT(residual(neighbours(9, 9, false), full, 0), 1e-12);
 
+  SparsityPattern star(100);  // no order makes the band of a row that all share narrow
+  for (std::uint32_t i = 0; i < 100; ++i) star[i] = {0, i};
+  star[0] = neighbours(100, 100, false)[0];
+  SparseSystem centre(star);
+  EXPECT_FALSE(centre.is_banded());
+  EXPECT_LT(residual(star, centre, 0), 1e-11);
+  SparsityPattern narrow = neighbours(100, 12, false);  // 25 in a row: a band of 12
+  EXPECT_TRUE(SparseSystem(narrow).is_banded());
+
   SparsityPattern parts(40);  // 20 pairs
   for (std::uint32_t i = 0; i < 40; ++i) parts[i] = {i, (i + 20) % 40};
   SparseSystem pairs(parts);

@@ -115,7 +115,8 @@ std::string Metrics::text(const Gauges& gauges) const {
   write_one(out, "max_connections", "gauge", "Connections at most, --connections.", gauges.most_connections);
   write_one(out, "cancelled_total", "counter", "Computations ended because their client went away.", cancelled_.load());
   write_one(out, "rejected_total", "counter", "Requests that did not get a turn to compute.", rejected_.load());
-  write_one(out, "held_bytes", "gauge", "Bytes held for requests and answers.", gauges.bytes_held);
+  write_one(out, "held_bytes", "gauge", "Bytes held for requests and answers, and what is in memory besides.",
+            gauges.bytes_held);
   write_one(out, "max_held_bytes", "gauge", "Bytes held at most, --max-memory.", gauges.most_bytes);
   write_one(out, "dropped_log_lines_total", "counter", "Log lines that nobody took in time.", gauges.dropped_log_lines);
   const auto process = ProcessGauges::now();  // by the names that all exporters give them

@@ -1,35 +1,103 @@
 #include "core/reference/series_truth.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/reference/true_motion.hpp"
 #include "core/run/still_components.hpp"
+#include "core/schemes/expansion.hpp"
 
 namespace least {
+namespace {
 
-Truth truth_by_series(const RunBackend& backend, const RunState& start, const std::vector<double>& times,
-                      const KeepGoing& keep_going, std::span<const std::size_t> kinds) {
-  constexpr double closest = 1e-27, close = 1e-23, rounding = 0x1p-53;
-  constexpr std::size_t at_once = 256;
-  Truth truth{{}, rounding, 0, {}, "quad precision run", false};
+constexpr std::size_t times_at_once = 256;  // times
+
+/// The states of two motions of the same equations, one after the other.
+using TwoWays = std::array<std::vector<DoubleDouble>, 2>;
+
+/// The motion by Taylor series in double, by steps that leave nothing but rounding. Times are told by the polynomials,
+/// so that steps do not end at them: roundings of two motions with other steps are other ones.
+class DoubleMotion {
+ public:
+  DoubleMotion(const tape::Program& program, int order, const RunState& start)
+      : series_(program, closest, order),
+        t_(start.t),
+        y_(start.numbers.begin(), start.numbers.end()),
+        low_(y_.size()),
+        end_(y_.size()),
+        rest_(y_.size()) {}
+
+  int order() const { return series_.order(); }
+  /// The state at t, which is no earlier than any time asked for before, and what rounding has kept from it; false
+  /// where the motion does not go on or keep_going() says so.
+  bool append(double t, const KeepGoing& keep_going, std::vector<DoubleDouble>& states) {
+    while (t_ + h_ < t)
+      if (!keep_going() || !step()) return false;
+    if (t > t_) {
+      series_.evaluate(t - t_, y_.data(), low_.data(), end_.data(), rest_.data());
+    } else {
+      end_ = y_;
+      rest_ = low_;
+    }
+    for (std::size_t i = 0; i < y_.size(); ++i) states.push_back(DoubleDouble::exact_sum(end_[i], rest_[i]));
+    return true;
+  }
+
+ private:
+  static constexpr double closest = 1e-15;
+
+  /// The next step, from where the last one ends to a time that is a number.
+  bool step() {
+    if (h_ > 0) series_.evaluate(h_, low_.data(), y_.data());
+    t_ += h_;
+    series_.move(y_.data(), t_);
+    for (double h = series_.step(); h > 0; h *= 0.5) {
+      h_ = (t_ + h) - t_;
+      if (!(h_ > 0)) return false;
+      series_.evaluate(h_, y_.data(), low_.data(), end_.data(), rest_.data());
+      if (series_.defined(end_.data(), t_ + h_)) return true;
+    }
+    return false;
+  }
+
+  taylor::Expansion series_;
+  double t_, h_ = 0;  ///< where the last step begins, and how long it is
+  std::vector<double> y_, low_, end_, rest_;
+};
+
+/// Two of them, of which one has longer steps by a higher order.
+class TwoDoubleMotions {
+ public:
+  TwoDoubleMotions(const tape::Program& program, const RunState& start)
+      : one_(program, 0, start), other_(program, one_.order() + higher, start) {}
+
+  TwoWays at(std::span<const double> times, const KeepGoing& keep_going) {
+    TwoWays states;
+    for (const double t : times)
+      if (!one_.append(t, keep_going, states[0]) || !other_.append(t, keep_going, states[1])) break;
+    return states;
+  }
+
+ private:
+  static constexpr int higher = 4;
+  DoubleMotion one_, other_;
+};
+
+/// The truth from two ways to it. at(times) gives the states of both, as far as each comes.
+template <class At>
+Truth truth_of(const RunBackend& backend, const RunState& start, const std::vector<double>& times,
+               const KeepGoing& keep_going, std::span<const std::size_t> kinds, Truth truth, At&& at) {
+  constexpr double rounding = 0x1p-53;
   const std::size_t size = start.size();
-  tape::Tape tape;
-  const std::vector<tape::Index> rates = backend.write_equations(tape);
-  // Of larger ones a step in so many digits takes longer than anybody waits for a look at the clock.
-  if (tape.size() > tape::most_of_equations / 4 || !TrueMotion::covers(tape)) return truth;
-  TrueMotion fine(tape, rates, closest), coarse(std::move(tape), rates, close);
-  const std::vector<DoubleDouble> digits(start.numbers.begin(), start.numbers.end());
-  fine.start(digits, start.t);
-  coarse.start(digits, start.t);
-
   ComponentSizes sizes(kinds, size);
   sizes.see(start);
   std::vector<RunState> seen{start};
   std::vector<double> doubts(size, 0);
   while (truth.states.size() < times.size()) {
     const auto ahead = std::span(times).subspan(truth.states.size());
-    const auto [x, y] = side_by_side(fine, coarse, ahead.first(std::min(at_once, ahead.size())), keep_going);
+    const auto [x, y] = at(ahead.first(std::min(times_at_once, ahead.size())));
     const std::size_t both = std::min(x.size(), y.size()) / size;
     bool finite = both > 0;
     for (std::size_t k = 0; k < both && finite; ++k) {
@@ -50,7 +118,7 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
       sizes.see(state);
       seen.push_back(std::move(state));
     }
-    if (!finite || both < std::min(at_once, ahead.size())) break;
+    if (!finite || both < std::min(times_at_once, ahead.size())) break;
   }
   truth.complete = truth.states.size() == times.size();
   settle_still_components(backend.motion(), seen, sizes, keep_going);
@@ -59,6 +127,31 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
     truth.relative_uncertainty = std::max(truth.relative_uncertainty, doubts[i] / truth.sizes[i]);
   truth.relative_uncertainty += rounding;
   return truth;
+}
+
+}  // namespace
+
+Truth truth_by_series(const RunBackend& backend, const RunState& start, const std::vector<double>& times,
+                      const KeepGoing& keep_going, std::span<const std::size_t> kinds) {
+  constexpr double closest = 1e-27, close = 1e-23, rounding = 0x1p-53;
+  // Of larger ones a step in so many digits takes longer than anybody waits; of the largest one in double does.
+  constexpr tape::Index most_in_quad = tape::most_of_equations / 4, most_in_double = 2 * tape::most_of_equations;
+  Truth truth{{}, rounding, 0, {}, "quad precision run", false};
+  tape::Tape tape;
+  const std::vector<tape::Index> rates = backend.write_equations(tape);
+  if (tape.size() > most_in_double || !TrueMotion::covers(tape)) return truth;
+  if (tape.size() > most_in_quad) {
+    truth.how = "double precision run";
+    TwoDoubleMotions both(taylor::program_of(tape, rates, rates.size()), start);
+    return truth_of(backend, start, times, keep_going, kinds, std::move(truth),
+                    [&](std::span<const double> some) { return both.at(some, keep_going); });
+  }
+  TrueMotion fine(tape, rates, closest), coarse(std::move(tape), rates, close);
+  const std::vector<DoubleDouble> digits(start.numbers.begin(), start.numbers.end());
+  fine.start(digits, start.t);
+  coarse.start(digits, start.t);
+  return truth_of(backend, start, times, keep_going, kinds, std::move(truth),
+                  [&](std::span<const double> some) { return side_by_side(fine, coarse, some, keep_going); });
 }
 
 }  // namespace least

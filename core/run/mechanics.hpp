@@ -47,7 +47,7 @@ struct Truth {
   double uncertainty = 0;                   ///< as an *error* in the absolute norm
   double relative_uncertainty = 0;          ///< in the relative one
   std::vector<double> sizes;                ///< what the relative norm divides by, as seen at these times and the start
-  std::string_view how;                     ///< closed form | quad precision run
+  std::string_view how;                     ///< closed form | quad (or double) precision run
   bool complete = false;                    ///< false: it was told to give up, or the solution ceased to be finite
 
   double uncertainty_in(Norm norm) const { return norm == Norm::absolute ? uncertainty : relative_uncertainty; }

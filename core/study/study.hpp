@@ -55,7 +55,7 @@ struct ParetoPoint {
 };
 
 struct Study {
-  std::string_view how;                                           ///< closed form | quad precision run
+  std::string_view how;                                           ///< closed form | quad (or double) precision run
   double uncertainty = std::numeric_limits<double>::quiet_NaN();  ///< of the reference
   double floor = std::numeric_limits<double>::quiet_NaN();        ///< errors below mean nothing
   double growth = 1;     ///< of small differences over the span: how well states can be known

@@ -2,6 +2,7 @@
 // point.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -94,6 +95,30 @@ TEST_F(Many, FiveHundredBodiesAreAnswered) {
 }
 
 // The echo is the request, as it was typed, and leads to the same bytes.
+// Of equations that are too long for quad precision the reference is a run in double, as `reference` says.
+TEST_F(Many, ErrorsOfFiftyBodiesAreKnown) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]","y[n]"],"parameters":{"n":50},
+    "potential":"-sum(i=1..n, j=i+1..n, 1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2+0.01))/n"},
+    "scheme":{"id":"leapfrog","step":0.01},"until":{"t":0.5},"record":{"every":0},"diagnostics":["error"]})~");
+  for (const char* axis : {"x", "y"})
+    for (int i = 0; i < 50; ++i) request["initial"][axis].push_back(std::sin(7.3 * (i + (*axis == 'x' ? 0 : 50))));
+  const Json leap = run(request);
+  const Json& error = leap["diagnostics"]["error"];
+  EXPECT_EQ(error["reference"], "double precision run");
+  EXPECT_LT(error["uncertainty"], 1e-12);
+  request["scheme"] = {{"id", "taylor"}, {"tolerance", 1e-15}};
+  request["diagnostics"] = Json::array();
+  const Json series = run(request);
+  double apart = 0, largest = 1;
+  for (const auto& [name, value] : series["final"].items()) {
+    if (name == "t") continue;
+    apart = std::max(apart, std::abs(value.get<double>() - leap["final"][name].get<double>()));
+    largest = std::max(largest, std::abs(value.get<double>()));
+  }
+  EXPECT_GT(apart, 1e-6);
+  EXPECT_NEAR(error["final"].get<double>(), apart / largest, 1e-11);
+}
+
 TEST_F(Many, EchoWhatWasTyped) {
   Json first = run(chain());
   EXPECT_EQ(first["problem"]["variables"], Json::parse(R"~(["x[n]"])~"));

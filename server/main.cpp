@@ -58,10 +58,10 @@ void allow_descriptors(unsigned connections) {
       .with("needed", static_cast<std::int64_t>(connections + own));
 }
 
-// What is freed goes back to the system, or to whoever takes next: by default each thread would keep what its requests
-// freed in a heap of its own, and the size from which on a piece is returned at once would rise with the largest one.
-// Small pieces lie ready with each thread in any case, so that few ask a heap. Before there are threads.
-void keep_little(unsigned threads) {
+// Limits the memory that malloc keeps: by default every thread has a heap of its own that keeps what its requests
+// freed, and the size above which a freed block returns to the system at once grows with the largest block. It has to
+// be called before threads start.
+void limit_heaps(unsigned threads) {
   constexpr unsigned threads_of_a_heap = 4;
   if (threads == 0) threads = std::thread::hardware_concurrency();
   ::mallopt(M_ARENA_MAX, static_cast<int>(std::max(2U, threads / threads_of_a_heap)));
@@ -101,7 +101,7 @@ int serve(const Options& options) {
   if (hang_up.sa_handler != SIG_IGN) sigaddset(&ends, SIGHUP);  // a terminal that closes; not under nohup
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
-  keep_little(options.settings.threads);
+  limit_heaps(options.settings.threads);
   const LogQueue log(STDERR_FILENO, options.log_level, options.log_format);
   allow_descriptors(options.settings.connections);
   Settings settings = options.settings;

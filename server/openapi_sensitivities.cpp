@@ -55,8 +55,11 @@ Json sensitivities_found() {
       {"uncertainty",
        {{"type", {"number", "null"}},
         {"description",
-         "about the largest disagreement with a control, which follows a sum of the derivatives with random weights by "
-         "series of a higher order, divided by the largest derivative"}}},
+         "an estimate of the largest error of an entry, divided by the largest entry: first derivatives of a motion "
+         "are "
+         "held against a control of higher order along one random direction, second ones against a control of every "
+         "pair "
+         "with half the tolerance, those of a scheme against differences of runs"}}},
       {"reason", {{"type", "string"}, {"description", "why there are none"}}}};
   return {{"type", "object"}, {"properties", properties}};
 }

@@ -104,7 +104,7 @@ void add_serve(CLI::App& app, Options& options) {
   add(app, "--connections", settings.connections, "clients connected at once, beyond it those that idle make room")
       ->check(count);
   add(app, "--max-memory", settings.max_memory,
-      "bytes held for requests and for answers that are computed or read, also as 100M or 2G, beyond it 503")
+      "bytes held for requests and answers and in memory besides, also as 100M or 2G, beyond it 503")
       ->transform(size)
       ->check(CLI::Range(std::size_t{1} << 20, std::size_t{1} << 50));
   add(app, "--drain", settings.drain,

@@ -171,7 +171,9 @@ Expansion::Expansion(Held held, tape::Series series, double tolerance)
       reads_time_(series_.program().reads_time),
       guarded_(!series_.program().steep.empty() || series_.program().conceals),
       way_(places * variables_),
-      slopes_(way_) {}
+      slopes_(way_) {
+  if (const std::size_t bytes = series_.bytes(); bytes > held_.bytes()) held_.add(bytes - held_.bytes());
+}
 
 void Expansion::limit(double rate) {
   if (rate != 0)

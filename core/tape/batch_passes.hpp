@@ -91,7 +91,14 @@ class SeriesReading::Pass {
   [[gnu::always_inline]] inline Pass(SeriesReading& of, const Program& program)
       : of_(of),
         p_(program),
-        one_by_one_{{p_.values.data(), p_.products.data()}, {p_.values.data(), p_.products.data()}} {}
+        one_by_one_{{p_.values.data(), p_.products.data()}, {p_.values.data(), p_.products.data()}},
+        lists_{of.batches_.values.data(), of.batches_.products.data()},
+        places_(of.batches_.places.data()),
+        numbers_(of.batches_.numbers.data()),
+        half_(of.half_.data()),
+        older_(of.older_.data()),
+        sums_(of.sums_.data()),
+        scratch_(of.scratch_.data()) {}
 
   /// Order 0. `bounded`: as in Series::expand.
   [[gnu::always_inline]] inline void begin(double* row, bool bounded) const {
@@ -102,7 +109,7 @@ class SeriesReading::Pass {
     };
     for (const Step& s : p_.linear) one_by_one_.begin(s, s, row);
     for (const StepBatches::Piece& piece : of_.batches_.pieces) {
-      if (!piece.alike) {
+      if (!piece.is_batch) {
         for_each_step(piece, [&](std::size_t i) LEAST_INLINE {
           const Step& s = p_.steps[i];
           one_by_one_.begin(s, s, row);
@@ -125,17 +132,16 @@ class SeriesReading::Pass {
       if (k > 0) {
         const double share = k == 2 ? 0.5 : 1;
         if (k <= 3)
-          for (std::size_t i = 0; i < in.stride; ++i) of_.half_[i] = k == 1 ? 0 : share * second[i];
+          for (std::size_t i = 0; i < in.stride; ++i) half_[i] = k == 1 ? 0 : share * second[i];
         sum_lanes<false>(in, k);
         sum_lanes<true>(in, k);
         advance(k, second, row - in.stride, row);
       }
       double* const next = row + in.stride;
-      for (std::size_t i = 0; i < p_.variables; ++i) {
-        const double rate = row[p_.rate[i]];
-        next[at(Program::first_variable) + i] = rate * inverses[k + 1];
-        next[p_.weighted[i]] = rate;
-      }
+      for (const Rates& some : of_.rates_)
+        for (std::size_t i = 0; i < some.count; ++i)
+          next[at(some.variable) + i] = row[at(some.rate) + i] * inverses[k + 1];
+      for (const std::size_t i : of_.weighted_) next[p_.weighted[i]] = row[p_.rate[i]];
       double* copy = row + p_.rows;
       for (const Index value : of_.batches_.copied) *copy++ = row[value];
     }
@@ -157,20 +163,17 @@ class SeriesReading::Pass {
   };
   using BatchKnown = KnownOf<Row, PackEnds<Wide>>;
 
-  [[gnu::always_inline]] inline Row row_of(double* row, std::size_t offset) const {
-    return {row, of_.batches_.places.data(), offset};
-  }
+  [[gnu::always_inline]] inline Row row_of(double* row, std::size_t offset) const { return {row, places_, offset}; }
   [[gnu::always_inline]] inline StepNumbers numbers_of(const StepBatch& batch, std::size_t offset) const {
-    const double* const from = of_.batches_.numbers.data() + batch.numbers + offset;
+    const double* const from = numbers_ + batch.numbers + offset;
     return {Pack<Wide>::read(from), Pack<Wide>::read(from + batch.room)};
   }
   [[gnu::always_inline]] inline BatchRules rules_of(const StepBatch& batch, std::size_t offset) const {
-    const double* const factors = of_.batches_.numbers.data() + batch.numbers + 2 * batch.room + offset;
-    return {{of_.batches_.values.data(), of_.batches_.products.data()},
-            {{factors, batch.room}, {factors + at(batch.values) * batch.room, batch.room}}};
+    const double* const factors = numbers_ + batch.numbers + 2 * batch.room + offset;
+    return {lists_, {{factors, batch.room}, {factors + at(batch.values) * batch.room, batch.room}}};
   }
   [[gnu::always_inline]] inline double* gains_of(const StepBatch& batch, std::size_t offset) const {
-    return of_.scratch_.data() + batch.scratch + offset;
+    return scratch_ + batch.scratch + offset;
   }
   [[gnu::always_inline]] inline PackEnds<Wide> ends_of_batch(const StepBatch& batch, std::size_t offset) const {
     return {gains_of(batch, offset) + 3 * batch.room, batch.room};
@@ -183,7 +186,7 @@ class SeriesReading::Pass {
   /// What new terms are multiplied with, from order 0.
   [[gnu::always_inline]] inline void find_factors(double* row) {
     for (const StepBatches::Piece& piece : of_.batches_.pieces) {
-      if (!piece.alike) {
+      if (!piece.is_batch) {
         for_each_step(piece, [&](std::size_t i) LEAST_INLINE {
           const Step& s = p_.steps[i];
           of_.gains_[i] = Rules<false>::gain_of(s, s, row);
@@ -200,7 +203,7 @@ class SeriesReading::Pass {
         Pack<Wide>::write(gain.a, to + batch.room);
         Pack<Wide>::write(gain.b, to + 2 * batch.room);
         const PackFactors<Wide> factors = rules_of(batch, offset).numbers.products;
-        const StepBatches::Product* const products = of_.batches_.products.data() + batch.first_product;
+        const StepBatches::Product* const products = lists_.products + batch.first_product;
         for (std::size_t i = 0; i < at(batch.products); ++i)
           ends_of_batch(batch, offset).set(i, ends_of(products[i], factors[i].factor, row_of(row, offset)));
       }
@@ -209,12 +212,11 @@ class SeriesReading::Pass {
 
   [[gnu::always_inline]] inline void advance(std::size_t k, double* second, double* last, double* row) {
     const double order = static_cast<double>(k), part = inverses[k];
-    double *const half = of_.half_.data(), *const older = of_.older_.data(), *const sums = of_.sums_.data();
-    const Known known{order, part, second, half, last, older, sums, of_.ends_.data()};
+    const Known known{order, part, second, half_, last, older_, sums_, of_.ends_.data()};
     if (k == 1)
       for (const Step& s : p_.linear) one_by_one_.advance(s, s, known, StepFactors{}, row);
     for (const StepBatches::Piece& piece : of_.batches_.pieces) {
-      if (!piece.alike) {
+      if (!piece.is_batch) {
         for_each_step(piece, [&](std::size_t i) LEAST_INLINE {
           one_by_one_.advance(p_.steps[i], p_.steps[i], known, of_.gains_[i], row);
         });
@@ -249,19 +251,15 @@ class SeriesReading::Pass {
                                                    double* row) const {
     StepBatch like = batch;
     like.rule = rule;
-    for (std::size_t offset = 0; offset < batch.count; offset += Wide) {
-      const BatchKnown known{static_cast<double>(k),
-                             inverses[k],
-                             row_of(second, offset),
-                             row_of(of_.half_.data(), offset),
-                             row_of(last, offset),
-                             row_of(of_.older_.data(), offset),
-                             row_of(of_.sums_.data(), offset),
-                             ends_of_batch(batch, offset)};
-      const double* const gains = gains_of(batch, offset);
-      const FactorsOf<Numbers> gain{Pack<Wide>::read(gains), Pack<Wide>::read(gains + batch.room),
-                                    Pack<Wide>::read(gains + 2 * batch.room)};
-      rules_of(batch, offset).advance(like, numbers_of(batch, offset), known, gain, row_of(row, offset));
+    for (std::size_t offset = 0; offset < like.count; offset += Wide) {
+      const BatchKnown known{static_cast<double>(k), inverses[k],
+                             row_of(second, offset), row_of(half_, offset),
+                             row_of(last, offset),   row_of(older_, offset),
+                             row_of(sums_, offset),  ends_of_batch(like, offset)};
+      const double* const gains = gains_of(like, offset);
+      const FactorsOf<Numbers> gain{Pack<Wide>::read(gains), Pack<Wide>::read(gains + like.room),
+                                    Pack<Wide>::read(gains + 2 * like.room)};
+      rules_of(like, offset).advance(like, numbers_of(like, offset), known, gain, row_of(row, offset));
     }
   }
 
@@ -269,7 +267,7 @@ class SeriesReading::Pass {
   /// in one loop, as each alone waits for itself.
   template <bool squares>
   [[gnu::always_inline]] inline void sum_lanes(const Workspace& in, std::size_t k) {
-    constexpr std::size_t parts = StepBatches::most / Wide;
+    constexpr std::size_t parts = StepBatches::width / Wide;
     const std::size_t mixed = of_.batches_.mixed_lanes, all = of_.batches_.lanes.size();
     std::size_t r = parts * (squares ? mixed : 0);
     const std::size_t end = parts * (squares ? all : mixed);
@@ -279,7 +277,7 @@ class SeriesReading::Pass {
   }
   template <bool squares, std::size_t Count>
   [[gnu::always_inline]] inline void sum_registers(const Workspace& in, std::size_t k, std::size_t first) {
-    constexpr std::size_t parts = StepBatches::most / Wide;
+    constexpr std::size_t parts = StepBatches::width / Wide;
     std::array<std::size_t, Count> a, b;
     Numbers forth[Count], back[Count];  // NOLINT: vectors
 #pragma GCC unroll 4
@@ -296,10 +294,10 @@ class SeriesReading::Pass {
         if constexpr (!squares) back[n] += share * (Pack<Wide>::read(low + b[n]) * Pack<Wide>::read(high + a[n]));
       }
     };
-    const auto write = [&](std::vector<double>& to) LEAST_INLINE {
+    const auto write = [&](double* to) LEAST_INLINE {
 #pragma GCC unroll 4
       for (std::size_t n = 0; n < Count; ++n)
-        Pack<Wide>::write(squares ? forth[n] : Numbers(forth[n] + back[n]), to.data() + (first + n) * Wide);
+        Pack<Wide>::write(squares ? forth[n] : Numbers(forth[n] + back[n]), to + (first + n) * Wide);
     };
     if (k >= 4) {
       const double *low = in.rows + k / 2 * in.stride, *high = in.rows + (k - k / 2) * in.stride;
@@ -311,14 +309,19 @@ class SeriesReading::Pass {
       for (const double* const end = in.rows + in.stride; low != end; low -= in.stride, high += in.stride)
         add(low, high, 1);
     }
-    write(of_.older_);
-    if (k > 1) add(of_.half_.data(), in.rows + (k - 1) * in.stride, 1);
-    write(of_.sums_);
+    write(older_);
+    if (k > 1) add(half_, in.rows + (k - 1) * in.stride, 1);
+    write(sums_);
   }
 
   SeriesReading& of_;
   const Program& p_;
   Rules<false> one_by_one_;
+  // Read once: what is written to rows might be anything, for all that a compiler knows.
+  Lists lists_;
+  const Index* places_;
+  const double* numbers_;
+  double *half_, *older_, *sums_, *scratch_;
 };
 
 }  // namespace least::tape

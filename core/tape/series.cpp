@@ -61,6 +61,12 @@ Series::Series(Program program, int order, bool unroll)
 Series::Series(Series&& other) noexcept = default;
 Series::~Series() = default;
 
+std::size_t Series::bytes() const {
+  return sizeof(Line) * rows_.size() + sizeof(Four) * lanes_.size() + sizeof(double) * trial_.size() +
+         sizeof(Step) * program_.steps.size() + sizeof(Program::Value) * program_.values.size() +
+         sizeof(Program::Product) * program_.products.size() + (reading_ ? reading_->bytes() : 0);
+}
+
 void Series::expand(const double* x, double t, bool bounded) {
   double* const row = rows();
   const bool begun = !bounded && t == trial_[at(program_.time())] &&

@@ -68,6 +68,7 @@ class Series {
   int order() const { return order_; }
   std::size_t stride() const { return stride_; }  ///< of coefficients, from one order to the next
   bool unrolled() const { return unrolled_ != nullptr; }
+  std::size_t bytes() const;  ///< in memory, about
   const Program& program() const { return program_; }
 
  private:

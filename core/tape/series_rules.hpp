@@ -1,6 +1,7 @@
 // How the coefficients of a series follow from those before them, rule by rule (core/tape/program.hpp). Written once
-// for both that run programs: the interpreter, which reads them step by step (core/tape/series.cpp), and what the
-// compiler makes of one whose structure it knows (core/tape/unrolled.hpp). What they compute is the same to the bit.
+// for both that run programs: the interpreter, which reads them in batches or step by step
+// (core/tape/batch_passes.hpp), and what the compiler makes of one whose structure it knows (core/tape/unrolled.hpp).
+// What they compute is the same to the bit.
 #pragma once
 
 #include <array>

@@ -12,9 +12,9 @@ class ProductSharing {
  public:
   explicit ProductSharing(Program& program)
       : p_(program), uses_(program.lane_a.size(), 0), value_of_(program.lane_a.size(), none) {
-    for (const Step& s : p_.steps)
-      if (s.rule == Rule::sum)
-        for (Index i = 0; i < s.products; ++i) ++uses_[at(product(s, i).lane)];
+    for (std::size_t i = 0; i < p_.motion_steps; ++i)
+      if (const Step& s = p_.steps[i]; s.rule == Rule::sum)
+        for (Index k = 0; k < s.products; ++k) ++uses_[at(product(s, k).lane)];
   }
 
   void share() {
@@ -72,7 +72,7 @@ class ProductSharing {
   }
 
   Program& p_;
-  std::vector<int> uses_;        ///< by lane, in sums
+  std::vector<int> uses_;        ///< by lane, in sums of the motion, which does not depend on what follows after it
   std::vector<Index> value_of_;  ///< by lane
   std::vector<Step> steps_;
   std::vector<Program::Value> values_;

@@ -5,8 +5,9 @@
 
 namespace least::tape {
 
-/// Makes each of them a value, once: what sums to and fro of bodies have in common is then computed once in an order,
-/// and the sums are of values. Other roundings, the same program else.
+/// Replaces a product that several sums of the motion contain by one value, which is computed once in each order: pairs
+/// of bodies have the same product in the forces on both. Rounding errors change, because a sum then adds a rounded
+/// product.
 void share_products(Program& program);
 
 }  // namespace least::tape

@@ -14,26 +14,27 @@
 namespace least::tape {
 namespace {
 
-constexpr std::size_t fewest_alike = 4;  // fewer are computed one by one
-constexpr std::size_t many_steps = 64;
+constexpr std::size_t fewest_alike = 4;       // fewer are computed one by one
+constexpr std::size_t most_of_unrolled = 64;  // steps, which have the same bits as they are
 
 std::size_t filled_up(std::size_t count) {
-  return (count + StepBatches::most - 1) / StepBatches::most * StepBatches::most;
+  return (count + StepBatches::width - 1) / StepBatches::width * StepBatches::width;
 }
 
-/// Whether a step of the rule reads a, b, or w as a value, of the order that it makes; of lower orders alone; has a
-/// lane.
+/// Whether a step of the rule needs the value a, b or w of the order that it computes.
 constexpr bool reads_a(Rule rule) { return rule != Rule::sum; }
 constexpr bool reads_b(Rule rule) {
   return rule == Rule::quotient || rule == Rule::linear_quotient || rule == Rule::select;
 }
 constexpr bool reads_w(Rule rule) { return rule == Rule::select || rule == Rule::linear_product; }
+/// Whether it needs the value b or w of lower orders only.
 constexpr bool reads_b_before(Rule rule) {
   return rule == Rule::power || rule == Rule::integral || rule == Rule::log_like;
 }
 constexpr bool reads_w_before(Rule rule) {
   return rule == Rule::integral || rule == Rule::linear_integral || rule == Rule::log_like;
 }
+/// Whether its recurrence contains a product of two series.
 constexpr bool has_lane(Rule rule) {
   return rule == Rule::quotient || rule == Rule::root || rule == Rule::power || rule == Rule::integral ||
          rule == Rule::log_like;
@@ -51,7 +52,8 @@ void for_each_read(const Program& p, const Step& s, F&& f) {
 }
 }  // namespace
 
-/// Steps of a batch have as many operands of each kind and are as late in an order.
+/// Groups steps that have the same rule, as many operands of each kind, and the same depth in the chain of what depends
+/// on what; and numbers everything anew.
 class StepBatches::Arrangement {
  public:
   Arrangement(Program& program, StepBatches& made) : p_(program), made_(made) {
@@ -65,7 +67,7 @@ class StepBatches::Arrangement {
  private:
   struct Kind {
     bool beyond_motion;
-    Index late;
+    Index depth;
     Rule rule;
     Op function;
     Index values, products;
@@ -76,7 +78,7 @@ class StepBatches::Arrangement {
   };
   static constexpr Index most_products_with_squares = 64;
 
-  Kind kind_of(std::size_t i, Index late) const {
+  Kind kind_of(std::size_t i, Index depth) const {
     const Step& s = p_.steps[i];
     std::uint64_t squares = 0;
     for (Index k = 0; k < s.products; ++k) {
@@ -84,51 +86,52 @@ class StepBatches::Arrangement {
       if (term.a == term.b) squares |= std::uint64_t{1} << (k % most_products_with_squares);
     }
     return {
-        i >= p_.motion_steps,         late,   s.rule, s.function, s.values, s.products, reads_a(s.rule) && s.a != none,
+        i >= p_.motion_steps,         depth,   s.rule, s.function, s.values, s.products, reads_a(s.rule) && s.a != none,
         s.weighted != Program::waste, squares};
   }
-  /// Whether steps of a kind are computed side by side: of a rule that there is often, and with squares told apart.
-  static bool goes_together(const Kind& kind) {
+  /// Whether steps of a kind may be a batch: rules that are rare are not worth it; and squares have another formula
+  /// than products of two, so that a batch has to have them at the same places.
+  static bool can_be_batched(const Kind& kind) {
     const bool often = kind.rule == Rule::sum || has_lane(kind.rule);
     return often && (kind.squares == 0 || kind.products <= most_products_with_squares);
   }
 
   /// Steps of a kind, each in the order of the program.
   void group() {
-    std::vector<Index> late(at(p_.rows), 0);
+    std::vector<Index> depth(at(p_.rows), 0);
     std::map<Kind, std::vector<std::size_t>> all;
     for (std::size_t i = 0; i < p_.steps.size(); ++i) {
       const Step& s = p_.steps[i];
       Index last = 0;
-      for_each_read(p_, s, [&](Index value) { last = std::max(last, late[at(value)]); });
-      late[at(s.out)] = last + 1;
-      if (s.weighted != Program::waste) late[at(s.weighted)] = last + 1;
+      for_each_read(p_, s, [&](Index value) { last = std::max(last, depth[at(value)]); });
+      depth[at(s.out)] = last + 1;
+      if (s.weighted != Program::waste) depth[at(s.weighted)] = last + 1;
       all[kind_of(i, last + 1)].push_back(i);
     }
     group_of_.assign(p_.steps.size(), 0);
     for (auto& [kind, steps] : all) {
-      const bool alike = steps.size() >= fewest_alike && goes_together(kind);
+      const bool alike = steps.size() >= fewest_alike && can_be_batched(kind);
       for (const std::size_t i : steps) group_of_[i] = groups_.size();
       groups_.push_back({kind, alike, std::move(steps)});
     }
   }
 
-  /// In an order in which operands mostly stand one after the other: groups whose steps read little come first, and
-  /// what they read goes in the order of those that read it.
+  /// Orders groups and their steps so that operands mostly stand one after the other: groups whose steps read little
+  /// come first, and the steps that make their operands follow their order.
   void order() {
     std::vector<std::size_t> maker(at(p_.rows), p_.steps.size());
     for (std::size_t i = 0; i < p_.steps.size(); ++i) maker[at(p_.steps[i].out)] = i;
-    std::vector<std::size_t> way;
+    std::vector<std::size_t> sequence;
     for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (groups_[g].alike) way.push_back(g);
-    std::ranges::sort(way, {}, [&](std::size_t g) {
+      if (groups_[g].alike) sequence.push_back(g);
+    std::ranges::sort(sequence, {}, [&](std::size_t g) {
       const Kind& kind = groups_[g].kind;
-      return std::tuple(kind.values + 2 * kind.products + (kind.has_a ? 1 : 0), -kind.late,
+      return std::tuple(kind.values + 2 * kind.products + (kind.has_a ? 1 : 0), -kind.depth,
                         -static_cast<std::ptrdiff_t>(groups_[g].steps.size()), g);
     });
     std::vector<bool> placed(p_.steps.size(), false), done(groups_.size(), false);
     std::vector<std::vector<std::size_t>> ordered(groups_.size());
-    for (const std::size_t g : way) {
+    for (const std::size_t g : sequence) {
       for (const std::size_t i : groups_[g].steps)
         if (!placed[i]) ordered[g].push_back(i);
       groups_[g].steps = ordered[g];
@@ -162,16 +165,20 @@ class StepBatches::Arrangement {
             const Step& s = p_.steps[group.steps[k]];
             to[at(weighted ? s.weighted : s.out)] = static_cast<Index>(next + k);
           }
-          next += filled_up(group.steps.size()) + most;  // the last of its batches may begin anywhere
+          next += filled_up(group.steps.size()) + width;  // the last of its batches may begin anywhere
         }
       } else {
-        if (made_.pieces.empty() || made_.pieces.back().alike) made_.pieces.push_back({false, steps.size(), 0});
+        if (made_.pieces.empty() || made_.pieces.back().is_batch) made_.pieces.push_back({false, steps.size(), 0});
         made_.pieces.back().count += group.steps.size();
       }
       for (const std::size_t i : group.steps) steps.push_back(p_.steps[i]);
     }
-    for (Index& place : to)
-      if (place == none) place = static_cast<Index>(next++);
+    const auto number = [&](Index value) {
+      if (to[at(value)] == none) to[at(value)] = static_cast<Index>(next++);
+    };
+    for (const auto* list : {&p_.linear, &steps})
+      for (const Step& s : *list) number(s.out), number(s.weighted);
+    for (const Index value : p_.weighted) number(value);
     p_.rows = static_cast<Index>(next);
     p_.steps = std::move(steps);
     const auto move = [&](Index& value) {
@@ -192,17 +199,24 @@ class StepBatches::Arrangement {
     for (SteepArgument& steep : p_.steep) move(steep.argument);
   }
 
-  /// Lanes by their factors: those that go on from one to the next stand together. Factors of the others are copied, so
-  /// that they stand together, too.
+  /// Sorts lanes by their factors, so that factors of neighbouring lanes are neighbours, too. Factors of the remaining
+  /// lanes are copied behind all values in every order. Lanes that nothing reads are left out.
   void number_lanes() {
     const std::size_t count = p_.lane_a.size();
     for (std::size_t i = 0; i < count; ++i)
       if (p_.lane_a[i] > p_.lane_b[i]) std::swap(p_.lane_a[i], p_.lane_b[i]);
+    std::vector<bool> read(count, false);
+    for (const Step& s : p_.steps) {
+      if (has_lane(s.rule)) read[at(s.lane)] = true;
+      if (s.rule == Rule::power) read[at(s.w)] = true;
+    }
+    for (const Program::Product& term : p_.products)
+      if (term.lane != none) read[at(term.lane)] = true;
     std::vector<Index> to(count, none), a, b;
     const auto add = [&](std::span<const std::size_t> some, Index from_a, Index from_b) {
       const std::size_t room = a.size() + filled_up(some.size());
       for (std::size_t k = 0; k < some.size(); ++k) {
-        if (k % most == 0) made_.lanes.push_back({from_a + static_cast<Index>(k), from_b + static_cast<Index>(k)});
+        if (k % width == 0) made_.lanes.push_back({from_a + static_cast<Index>(k), from_b + static_cast<Index>(k)});
         to[some[k]] = static_cast<Index>(a.size());
         a.push_back(p_.lane_a[some[k]]);
         b.push_back(p_.lane_b[some[k]]);
@@ -216,9 +230,9 @@ class StepBatches::Arrangement {
       return first;
     };
     for (const bool squares : {false, true}) {
-      std::vector<std::size_t> all, apart;
+      std::vector<std::size_t> all, remaining;
       for (std::size_t i = 0; i < count; ++i)
-        if ((p_.lane_a[i] == p_.lane_b[i]) == squares) all.push_back(i);
+        if (read[i] && (p_.lane_a[i] == p_.lane_b[i]) == squares) all.push_back(i);
       std::ranges::sort(all, {}, [&](std::size_t i) { return std::tuple(p_.lane_a[i], p_.lane_b[i]); });
       for (std::size_t begin = 0, end = 1; begin < all.size(); begin = end++) {
         const auto goes_on = [&](std::size_t k) {
@@ -227,13 +241,13 @@ class StepBatches::Arrangement {
         while (end < all.size() && goes_on(end)) ++end;
         const auto some = std::span(all).subspan(begin, end - begin);
         if (some.size() < fewest_alike) {
-          apart.insert(apart.end(), some.begin(), some.end());
+          remaining.insert(remaining.end(), some.begin(), some.end());
         } else {
           add(some, p_.lane_a[some.front()], p_.lane_b[some.front()]);
         }
       }
-      const Index first = copy(apart, p_.lane_a);
-      add(apart, first, squares ? first : copy(apart, p_.lane_b));
+      const Index first = copy(remaining, p_.lane_a);
+      add(remaining, first, squares ? first : copy(remaining, p_.lane_b));
       if (!squares) made_.mixed_lanes = made_.lanes.size();
     }
     const auto move = [&](Index& lane) {
@@ -279,11 +293,11 @@ class StepBatches::Arrangement {
   /// Groups become batches, each one or several: where places that mostly follow one another begin anew, a next one
   /// begins. What is filled up behind a batch is computed after it.
   void write_batches() {
-    constexpr std::size_t worth_it = most;  // steps, on average
+    constexpr std::size_t worth_it = width;  // steps, on average
     std::vector<Piece> pieces;
     std::vector<bool> begins;
     for (const Piece& piece : made_.pieces) {
-      if (!piece.alike) {
+      if (!piece.is_batch) {
         pieces.push_back(piece);
         continue;
       }
@@ -360,7 +374,7 @@ class StepBatches::Arrangement {
 };
 
 StepBatches::StepBatches(Program& program) {
-  if (program.steps.size() >= many_steps) share_products(program);
+  if (program.motion_steps > most_of_unrolled) share_products(program);
   Arrangement(program, *this);
 }
 

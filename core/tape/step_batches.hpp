@@ -27,14 +27,14 @@ struct StepBatch {
   Op function = Op::constant;
   Column out, weighted, a, b, w, lane;
   Index first_value = 0, values = 0, first_product = 0, products = 0;
-  std::size_t count = 0, room = 0;  ///< room: filled up to a multiple of `StepBatches::most`
+  std::size_t count = 0, room = 0;  ///< room: filled up to a multiple of `StepBatches::width`
   std::size_t numbers = 0;  ///< where c, p and the factors of values and products begin, each of them `room` long
   std::size_t scratch = 0;  ///< where there is room for the factors of the steps and for the ends of their products
 };
 
 class StepBatches {
  public:
-  static constexpr std::size_t most = 8;  ///< steps at a time
+  static constexpr std::size_t width = 8;  ///< steps at a time
 
   struct Value {
     Column value;
@@ -44,16 +44,17 @@ class StepBatches {
   };
   /// What is done one after the other in each order: a batch, or steps of the program.
   struct Piece {
-    bool alike;
+    bool is_batch;
     std::size_t first, count;  ///< the number of the batch and 1; or a first step and how many
   };
-  /// As many lanes as `most`, one after the other: where the first factors of them begin, and the second ones.
+  /// As many lanes as `width`, one after the other: where the first factors of them begin, and the second ones.
   struct Lanes {
     Index a, b;
   };
 
-  /// Puts steps, values and lanes of the program in an order in which those of a batch stand together. A product that
-  /// several sums have becomes a value of its own where there are many steps.
+  /// Puts steps, values and lanes of the program in an order in which those of a batch stand together, and leaves out
+  /// what nothing reads. A product that several sums have becomes a value of its own where the motion takes more steps
+  /// than a series that is unrolled has.
   explicit StepBatches(Program& program);
 
   std::vector<StepBatch> batches;

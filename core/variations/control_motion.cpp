@@ -1,4 +1,4 @@
-#include "core/variations/beside.hpp"
+#include "core/variations/control_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace least::variations {
 
-Beside::Beside(tape::Program varied, int order)
+ControlMotion::ControlMotion(tape::Program varied, int order)
     : tangents_(std::move(varied), order, true), columns_(tangents_.columns()), size_(tangents_.moving()) {
   begins_.resize(tape::StepTangents::steps * columns_);
   directions_.resize(begins_.size());
@@ -17,12 +17,12 @@ Beside::Beside(tape::Program varied, int order)
   change_.resize(2 * size_);
 }
 
-std::size_t Beside::numbers(const tape::Program& varied) {
+std::size_t ControlMotion::numbers(const tape::Program& varied) {
   constexpr int usual = 30;
   return tape::StepTangents::numbers(varied, usual, true);
 }
 
-void Beside::start(std::vector<double> direction) {
+void ControlMotion::start(std::vector<double> direction) {
   exponent_ = 0;
   random_ = 0;
   here_ = {std::move(direction), std::vector<double>(columns_), std::vector<double>(columns_),
@@ -31,7 +31,7 @@ void Beside::start(std::vector<double> direction) {
 }
 
 /// To about the size of one: how far directions grow has no bounds.
-void Beside::settle() {
+void ControlMotion::rescale() {
   double size = 0;
   for (const double component : here_.u) size = std::max(size, std::abs(component));
   const int by = size > 0 && std::isfinite(size) ? -std::ilogb(size) : 0;
@@ -41,14 +41,14 @@ void Beside::settle() {
     for (double& component : *numbers) component = std::ldexp(component, by);
 }
 
-/// A number next to x, by one unit of the last place at most.
-double Beside::off(double x) {
+/// A number near x: it differs by at most ε|x|, one or two units in the last place.
+double ControlMotion::perturbed(double x) {
   random_ = random_ * 6364136223846793005U + 1442695040888963407U;
   return x + (static_cast<double>(random_ >> 62U) - 1.5) * (0.67 * std::numeric_limits<double>::epsilon()) * x;
 }
 
 /// Σ m_{ic} x_c over c, of all that stands side by side.
-void Beside::multiply(const double* matrix) {
+void ControlMotion::multiply(const double* matrix) {
   for (std::size_t i = 0; i < size_; ++i, matrix += columns_) {
     tape::Four sum{}, from;
     for (std::size_t c = 0; c < columns_; ++c) {
@@ -59,9 +59,9 @@ void Beside::multiply(const double* matrix) {
   }
 }
 
-void Beside::prepare(std::span<const double> begins, std::span<const double> times, std::span<const double> lengths,
-                     const tape::StepTangents& matrices) {
-  settle();
+void ControlMotion::prepare(std::span<const double> begins, std::span<const double> times,
+                            std::span<const double> lengths, const tape::StepTangents& matrices) {
+  rescale();
   for (std::size_t i = 0; i < columns_; ++i) {
     fours_[lanes * i] = here_.e[i];
     fours_[lanes * i + 1] = here_.u[i] + here_.v[i];
@@ -71,8 +71,8 @@ void Beside::prepare(std::span<const double> begins, std::span<const double> tim
     const std::size_t first = step * columns_;
     for (std::size_t i = 0; i < columns_; ++i) {  // parameters stay what they are
       const double x = begins[first + i] + fours_[lanes * i], u = fours_[lanes * i + 1];
-      begins_[first + i] = i < size_ ? off(x) : x;
-      directions_[first + i] = i < size_ ? off(u) : u;
+      begins_[first + i] = i < size_ ? perturbed(x) : x;
+      directions_[first + i] = i < size_ ? perturbed(u) : u;
     }
     multiply(matrices.change(step));
     for (std::size_t i = 0; i < product_.size(); ++i) fours_[i] += product_[i];
@@ -82,7 +82,7 @@ void Beside::prepare(std::span<const double> begins, std::span<const double> tim
   tangents_.find_changes_along(lengths);
 }
 
-void Beside::move(const Step& step, const double* change, Place& to) {
+void ControlMotion::move(const Step& step, const double* change, Place& to) {
   const std::size_t first = step.place * columns_;
   for (std::size_t i = 0; i < columns_; ++i) {
     double* const four = fours_.data() + lanes * i;
@@ -105,18 +105,18 @@ void Beside::move(const Step& step, const double* change, Place& to) {
   }
 }
 
-void Beside::take(const Step& step) {
+void ControlMotion::take(const Step& step) {
   move(step, tangents_.change_along(step.place), there_);
   std::swap(here_, there_);
 }
 
-void Beside::take_part(const Step& step, double h) {
+void ControlMotion::take_part(const Step& step, double h) {
   tangents_.change_along_in(h, step.place, change_.data());
   move(step, change_.data(), there_);
   std::swap(here_, there_);
 }
 
-std::vector<double> Beside::look(const Step& step, double h) {
+std::vector<double> ControlMotion::look(const Step& step, double h) {
   tangents_.change_along_in(h, step.place, change_.data());
   move(step, change_.data(), there_);
   std::vector<double> seen;

@@ -5,7 +5,8 @@
 // begin at X near y + e and U near u + v, before it is known where the last one ends, and
 //   e⁺ = e + C (e − a) + (P′ − P), v⁺ = v + C (v − b) + (Q′ − C u), a = X − y, b = U − u,
 // where the first motion changes by P and C u in a step, and that of the control from X and U by P′ and Q′. X and U
-// are a little off at random, as rounding errors from the same numbers would be the same and remain unseen.
+// are perturbed at random by a rounding, because two computations from equal numbers would make equal rounding errors,
+// which their difference could not show.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,7 @@
 
 namespace least::variations {
 
-class Beside {
+class ControlMotion {
  public:
   /// A step of the first motion: its place among those that lie ready, its matrix, and the state, with what rounding
   /// has kept from it, where it begins and where it ends.
@@ -27,7 +28,7 @@ class Beside {
   };
 
   /// `varied` as StepsAhead has it; the order of the series.
-  Beside(tape::Program varied, int order);
+  ControlMotion(tape::Program varied, int order);
   static std::size_t numbers(const tape::Program& varied);
 
   /// At the start of the first motion, along a direction of all variables.
@@ -48,8 +49,8 @@ class Beside {
     std::vector<double> u, low, e, v;
   };
   static constexpr std::size_t lanes = 4;
-  void settle();
-  double off(double x);
+  void rescale();
+  double perturbed(double x);
   void multiply(const double* matrix);
   void move(const Step& step, const double* change, Place& to);
 

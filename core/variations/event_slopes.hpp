@@ -37,13 +37,14 @@ class EventSlopes {
   std::vector<double> state_after(std::size_t event, double t, std::span<const double> state) const;
   std::vector<double> slope_after(std::size_t event, double t, std::span<const double> state,
                                   std::span<const double> slope, const Direction& direction) const;
-  /// And a second derivative of it, by two directions, with the slopes of both.
-  struct Way {
+  struct DirectedSlope {
     std::span<const double> slope;
     const Direction& direction;
   };
-  std::vector<double> second_after(std::size_t event, double t, std::span<const double> state, const Way& a,
-                                   const Way& b, std::span<const double> second) const;
+  /// The second derivative by two directions after the event, from the one before it (`second`) and the first
+  /// derivatives along both directions.
+  std::vector<double> second_after(std::size_t event, double t, std::span<const double> state, const DirectedSlope& a,
+                                   const DirectedSlope& b, std::span<const double> second) const;
 
  private:
   using Second = Dual<Slope, 1>;  ///< with slopes along a, along b, and along both

@@ -116,11 +116,15 @@ std::variant<Beginning, std::string> beyond_singular_start(const Request& reques
       return "the equations are singular at the start, and beside it no motion begins: there are derivatives by "
              "parameters alone";
     const double length = std::min(longest, part * std::abs(start.value(by)));
+    if (!(length > 0))
+      return "a parameter that is 0 cannot be changed to either side where the equations are singular at the start";
+    if (!keep_going()) return no_time;
     if (made.state.empty()) made.state = neighbours.moved(by, 0, keep_going);
     made.slopes.push_back(neighbours.difference(by, length, keep_going));
     for (const auto* numbers : {&made.state, &made.slopes.back()})
       for (const double number : *numbers)
-        if (!std::isfinite(number)) return "the motion cannot be told from its neighbours shortly after its start";
+        if (!std::isfinite(number))
+          return !keep_going() ? no_time : "the motion cannot be told from its neighbours shortly after its start";
   }
   return made;
 }

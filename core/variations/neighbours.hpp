@@ -33,6 +33,9 @@ class Neighbours {
   const Start& start_;
 };
 
+/// Why there are no derivatives where keep_going() has said so.
+inline constexpr const char* no_time = "the time that the request has was over before they were found";
+
 /// The same run along the motion, by the scheme that follows it most closely, to where it came.
 Request closely(const Request& request, const Solution& outcome);
 

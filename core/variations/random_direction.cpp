@@ -1,4 +1,4 @@
-#include "core/variations/one_direction.hpp"
+#include "core/variations/random_direction.hpp"
 
 #include <algorithm>
 #include <cmath>

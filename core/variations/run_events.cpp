@@ -1,4 +1,4 @@
-#include "core/variations/met_events.hpp"
+#include "core/variations/run_events.hpp"
 
 #include <algorithm>
 #include <string_view>
@@ -22,10 +22,10 @@ std::string name_of_event(const Report& event) {
   return name ? *name : text_of(event, "kind").value_or("");
 }
 
-std::vector<MetEvent> events_of(const Request& request, const Solution& outcome) {
-  std::vector<MetEvent> events;
+std::vector<RunEvent> events_of(const Request& request, const Solution& outcome) {
+  std::vector<RunEvent> events;
   for (const Report& report : outcome.events) {
-    MetEvent& event = events.emplace_back();
+    RunEvent& event = events.emplace_back();
     event.name = name_of_event(report);
     for (const Report& part : std::get<std::vector<Report>>(report.value))
       if (part.key == "t") event.t = std::get<double>(part.value);
@@ -36,7 +36,7 @@ std::vector<MetEvent> events_of(const Request& request, const Solution& outcome)
     }
     event.t = std::min(event.t, outcome.t);
   }
-  if (!events.empty() && !outcome.event.empty()) events.back().ends = events.back().name == outcome.event;
+  if (!events.empty() && !outcome.event.empty()) events.back().ends_run = events.back().name == outcome.event;
   return events;
 }
 

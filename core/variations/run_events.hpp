@@ -1,4 +1,4 @@
-// The events that a run has met.
+// The events of a finished run, as derivatives need them.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,15 @@
 namespace least::variations {
 
 /// An event of a run.
-struct MetEvent {
+struct RunEvent {
   std::string name;
   double t = 0;
-  std::optional<std::size_t> asked{};  ///< which of those that were asked for; none: one of the scheme's own
-  bool ends = false;                   ///< the run
+  std::optional<std::size_t>
+      asked{};  ///< its number among the events of the request; none: an event of the scheme itself
+  bool ends_run = false;
 };
 
-std::vector<MetEvent> events_of(const Request& request, const Solution& outcome);
+/// In the order in which the run came to them.
+std::vector<RunEvent> events_of(const Request& request, const Solution& outcome);
 
 }  // namespace least::variations

@@ -3,21 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "core/run/messages.hpp"
 #include "core/variations/event_slopes.hpp"
-#include "core/variations/met_events.hpp"
 #include "core/variations/neighbours.hpp"
-#include "core/variations/one_direction.hpp"
+#include "core/variations/random_direction.hpp"
 #include "core/variations/rows.hpp"
+#include "core/variations/run_events.hpp"
 #include "core/variations/start.hpp"
 #include "core/variations/varied_motion.hpp"
 
 namespace least::variations {
 namespace {
-
-constexpr const char* no_time = "the time that the request has was over before they were found";
 
 /// The motion with some of its directions.
 struct Followed {
@@ -36,7 +35,7 @@ struct Question {
   const KeepGoing& keep_going;
   Start start;
   std::vector<double> state;  ///< where it began
-  const std::vector<MetEvent>& events;
+  const std::vector<RunEvent>& events;
   const EventSlopes& slopes_of_events;
   std::vector<Direction> directions{};
   std::vector<std::vector<double>> slopes{};
@@ -81,7 +80,7 @@ class Follower {
     auto event = question_.events.begin();
     const auto to_event = [&](double t) {
       while (event != question_.events.end() && (!event->asked || event->t < t))
-        if (const MetEvent& next = *event++; next.asked && !meet(next)) return false;
+        if (const RunEvent& next = *event++; next.asked && !meet(next)) return false;
       return true;
     };
     for (const double t : question_.times)
@@ -127,7 +126,7 @@ class Follower {
   }
 
   /// An event as the motion has it, near to where the run met it, and what it does.
-  bool meet(const MetEvent& event) {
+  bool meet(const RunEvent& event) {
     constexpr int rounds = 3;
     const EventSlopes& slopes = question_.slopes_of_events;
     double t = event.t;
@@ -276,17 +275,21 @@ void add_second(const Question& question, double tolerance, int control_order, S
     found.uncertainty = std::max(found.uncertainty, disagreement({found.second}, {in_rows(equations, *known)}));
 }
 
-/// Begins a little later where the start is singular, or says why it cannot. How many of the times that were asked for
-/// are the start itself, where nothing depends on parameters, and no longer among them.
-std::size_t leave_singular_start(const Request& request, const Solution& outcome, Question& question,
-                                 std::string& reason) {
+/// Begins a little later where the start is singular, or says why it cannot. The slopes at the start itself, for each
+/// of the times that were asked for there, which are no longer among them.
+std::vector<std::vector<double>> leave_singular_start(const Request& request, const Solution& outcome,
+                                                      Question& question, std::string& reason) {
   constexpr double part = 1.0 / 64;
   const std::vector<double> rates = question.slopes_of_events.rates(question.began, question.state);
-  if (std::ranges::all_of(rates, [](double rate) { return std::isfinite(rate); })) return 0;
+  if (std::ranges::all_of(rates, [](double rate) { return std::isfinite(rate); })) return {};
   const auto first = std::ranges::find_if(question.times, [&](double t) { return t > question.began; });
-  const auto at_start = static_cast<std::size_t>(first - question.times.begin());
+  std::vector<double> slopes;
+  for (const auto& slope : question.slopes) slopes.insert(slopes.end(), slope.begin(), slope.end());
+  std::vector<std::vector<double>> at_start(static_cast<std::size_t>(first - question.times.begin()), slopes);
   double t = question.began + part * (question.end - question.began);
   if (first != question.times.end()) t = std::min(t, *first);
+  for (const RunEvent& event : question.events)
+    if (event.t > question.began) t = std::min(t, std::midpoint(question.began, event.t));
   question.times.erase(question.times.begin(), first);
   auto later = beyond_singular_start(request, outcome, question.asked, question.start, t, question.keep_going);
   if (auto* why = std::get_if<std::string>(&later)) {
@@ -313,7 +316,7 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
                                       std::span<const double> times, double tolerance, const KeepGoing& keep_going) {
   const ParametricScene& equations = *asked.equations;
   const Scene& scene = *request.scene;
-  const std::vector<MetEvent> events = events_of(request, outcome);
+  const std::vector<RunEvent> events = events_of(request, outcome);
   const EventSlopes slopes_of_events(request, asked.equations);
   Question question{asked, scene.start, outcome.t,       {times.begin(), times.end()}, keep_going, Start(scene, asked),
                     {},    events,      slopes_of_events};
@@ -331,7 +334,7 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
     found.reason = "there were more events than limits.samples has room for";
     return found;
   }
-  const std::size_t at_start = leave_singular_start(request, outcome, question, found.reason);
+  const auto at_start = leave_singular_start(request, outcome, question, found.reason);
   if (!found.reason.empty()) return found;
   auto followed = follow_all(question, tolerance, 0);
   if (auto* why = std::get_if<std::string>(&followed)) {
@@ -342,14 +345,14 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   const int control_order = order_of_control(all.order);
   found.uncertainty = doubt_of(question, all, tolerance / 2, control_order);
 
-  all.slopes.insert(all.slopes.begin(), at_start, std::vector<double>(asked.by.size() * equations.components));
+  all.slopes.insert(all.slopes.begin(), at_start.begin(), at_start.end());
 
   auto time_slopes = all.time_slopes.begin();
-  for (const MetEvent& event : events) {
+  for (const RunEvent& event : events) {
     auto& told = found.events.emplace_back(event.name, std::vector<double>(asked.by.size(), unknown)).second;
     if (!event.asked) continue;
     told = std::move(*time_slopes++);
-    if (event.ends) {  // what the run ends with is the state at a time that changes, too
+    if (event.ends_run) {  // what the run ends with is the state at a time that changes, too
       const std::vector<double> rates = slopes_of_events.rates(event.t, all.state);
       for (std::size_t d = 0; d < told.size(); ++d)
         for (std::size_t i = 0; i < rates.size(); ++i) all.slopes.back()[d * rates.size() + i] += rates[i] * told[d];

@@ -56,7 +56,7 @@ struct Sensitivities {
   std::vector<Slopes> samples;
   /// Of each event of the run its name, and the derivatives of its time.
   std::vector<std::pair<std::string, std::vector<double>>> events;
-  double uncertainty = unknown;  ///< about the largest disagreement with a control, divided by the largest derivative
+  double uncertainty = unknown;  ///< an estimate of the largest error of an entry, divided by the largest entry
   std::string reason;
   std::vector<Report> structure;  ///< kind, max_defect and factor of the whole map; empty: not asked for
   Held held = HeldByThread::take(0);

@@ -69,20 +69,21 @@ bool StepsAhead::make(std::span<const double> y, std::span<const double> low, do
   if (count_ == 0) return false;
   tangents_.expand(std::span(begins_).first(count_ * columns_), std::span(times_).first(count_));
   tangents_.find_changes(std::span(lengths_).first(count_));
-  if (beside_) {
+  if (control_) {
     low_.assign(low.begin(), low.begin() + static_cast<std::ptrdiff_t>(size_));
-    beside_->prepare(begins_, std::span(times_).first(count_), std::span(lengths_).first(count_), tangents_);
+    control_->prepare(begins_, std::span(times_).first(count_), std::span(lengths_).first(count_), tangents_);
   }
   part_ = std::min(1.0, 1.003 * part_);
   return true;
 }
 
 void StepsAhead::control(const tape::Program& varied, int order, std::vector<double> direction) {
-  beside_ = std::make_unique<Beside>(varied, order);
-  beside_->start(std::move(direction));
+  control_ = std::make_unique<ControlMotion>(varied, order);
+  control_->start(std::move(direction));
 }
 
-Beside::Step StepsAhead::step_to(std::span<const double> y, std::span<const double> low, const double* matrix) const {
+ControlMotion::Step StepsAhead::step_to(std::span<const double> y, std::span<const double> low,
+                                        const double* matrix) const {
   const std::span<const double> kept = low_, lows = lows_;
   return {at_,
           matrix,
@@ -92,22 +93,22 @@ Beside::Step StepsAhead::step_to(std::span<const double> y, std::span<const doub
           low};
 }
 
-std::vector<double> StepsAhead::look_beside(double h, std::span<const double> y, std::span<const double> low) {
+std::vector<double> StepsAhead::control_at(double h, std::span<const double> y, std::span<const double> low) {
   matrix_.resize(size_ * columns_);
   tangents_.change_in(h, at_, matrix_.data());
-  return beside_->look(step_to(y, low, matrix_.data()), h);
+  return control_->look(step_to(y, low, matrix_.data()), h);
 }
 
 void StepsAhead::take() {
-  if (beside_) beside_->take(step_to(state(), low(), tangents_.change(at_)));
+  if (control_) control_->take(step_to(state(), low(), tangents_.change(at_)));
   ++at_;
 }
 
 void StepsAhead::take_part(double h, std::span<const double> y, std::span<const double> low) {
-  if (!beside_) return;
+  if (!control_) return;
   matrix_.resize(size_ * columns_);
   tangents_.change_in(h, at_, matrix_.data());
-  beside_->take_part(step_to(y, low, matrix_.data()), h);
+  control_->take_part(step_to(y, low, matrix_.data()), h);
 }
 
 void StepsAhead::leave(double shorter) {

@@ -9,7 +9,7 @@
 
 #include "core/schemes/expansion.hpp"
 #include "core/tape/step_tangents.hpp"
-#include "core/variations/beside.hpp"
+#include "core/variations/control_motion.hpp"
 
 namespace least::variations {
 
@@ -31,13 +31,13 @@ class StepsAhead {
   void begin() {
     leave();
     part_ = 1;
-    beside_.reset();
+    control_.reset();
   }
   /// Then one goes beside them, from here on, along a direction of all variables.
   void control(const tape::Program& varied, int order, std::vector<double> direction);
   /// That direction as the control has it in the time h of the step, where the first motion is at y.
-  std::vector<double> look_beside(double h, std::span<const double> y, std::span<const double> low);
-  bool controlled() const { return beside_ != nullptr; }
+  std::vector<double> control_at(double h, std::span<const double> y, std::span<const double> low);
+  bool controlled() const { return control_ != nullptr; }
   /// The next step, from the state y, of all variables, at the time t: the one that lies ready, or the first of others
   /// that are made. False: the motion does not go on for longer than `least`, or some term is no number.
   bool next(std::span<const double> y, std::span<const double> low, double t, double least);
@@ -67,7 +67,7 @@ class StepsAhead {
   double largest() const;
   void add(std::span<double> u, std::span<double> low);
   /// The step with another end and the matrix of that.
-  Beside::Step step_to(std::span<const double> y, std::span<const double> low, const double* matrix) const;
+  ControlMotion::Step step_to(std::span<const double> y, std::span<const double> low, const double* matrix) const;
 
   taylor::Expansion expansion_;
   tape::StepTangents tangents_;
@@ -77,7 +77,7 @@ class StepsAhead {
   std::vector<double> begins_, times_, lengths_, ends_, states_, lows_;  ///< of each step
   std::vector<double> low_;                                              ///< where the first of them begins
   std::vector<double> product_, matrix_;                                 ///< scratch
-  std::unique_ptr<Beside> beside_;
+  std::unique_ptr<ControlMotion> control_;
 };
 
 }  // namespace least::variations

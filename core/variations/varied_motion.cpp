@@ -130,7 +130,7 @@ void VariedMotion::start_with_control(std::span<const double> x, const Derivativ
     std::vector<double> sum(y_.size());
     for (std::size_t i = 0; i < sum.size(); ++i)
       for (std::size_t d = 0; d < by_.size(); ++d) sum[i] += weights[d] * first_.u[i * first_.lanes + d];
-    held_.add(Beside::numbers(*varied_program_) * sizeof(double));
+    held_.add(ControlMotion::numbers(*varied_program_) * sizeof(double));
     ahead_->control(*varied_program_, control_order, std::move(sum));
   }
   settle_scales();
@@ -139,10 +139,10 @@ void VariedMotion::start_with_control(std::span<const double> x, const Derivativ
 
 std::optional<std::vector<double>> VariedMotion::control() {
   if (!ahead() || !ahead_->controlled()) return std::nullopt;
-  return ahead_->look_beside(looked_ - t_, std::span(seen_).first(size_), std::span(low_seen_).first(size_));
+  return ahead_->control_at(looked_ - t_, std::span(seen_).first(size_), std::span(low_seen_).first(size_));
 }
 
-/// There, as it is told.
+/// Sets the state, the derivatives and the time, before any step is planned.
 void VariedMotion::begin(std::span<const double> x, const Derivatives& derivatives, double t) {
   t_ = t;
   longest_ = 0;

@@ -30,11 +30,12 @@ void MemoryWatch::look(MemoryBudget* memory) {
   trim();
 }
 
-// While a request holds what it has not yet written to, less seems to be uncounted than is; the next look sees it.
+// A request counts memory before it writes to it; until then this estimate is too low, and a later look corrects it.
 void MemoryWatch::count_uncounted(MemoryBudget& memory) {
   constexpr int between_trims = 4;  // looks
   const std::size_t resident = resident_(), held = memory.held(), by_requests = held - uncounted_.bytes();
-  ++looks_since_trim_;
+  if (resident == 0) return;  // the system did not say
+  looks_since_trim_ = std::min(looks_since_trim_ + 1, between_trims + 1);
   if (by_requests == 0) {
     uncounted_.shrink_to(0);
     return learn_what_is_idle(resident);

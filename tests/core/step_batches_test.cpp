@@ -4,12 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
 #include <vector>
 
 #include "core/tape/series.hpp"
+#include "core/tape/series_reading.hpp"
 #include "core/tape/symbol.hpp"
 
 namespace least::tape {
@@ -86,6 +88,99 @@ TEST(StepBatches, FillUpNothingThatIsRead) {
   const Series alone = series(std::array<std::size_t, 3>{0, 20, 10}, std::array<std::size_t, 3>{1, 2, 0}, parts);
   ASSERT_EQ(parts, 0);
   for (int k = 0; k <= order; ++k) EXPECT_EQ(together.coefficients(k)[0], alone.coefficients(k)[0]) << k;
+}
+
+/// All rows of all orders, by registers that hold so many numbers at most.
+std::vector<double> rows_by(std::size_t widest, const Copies& copies, int order) {
+  Program program(copies.tape, copies.rates, copies.rates.size());
+  SeriesReading reading(program, widest);
+  const std::size_t stride = reading.stride();
+  std::vector<double> rows((static_cast<std::size_t>(order) + 1) * stride);
+  std::ranges::copy(copies.y0, rows.begin() + Program::first_variable);
+  reading.begin(program, rows.data(), false);
+  reading.expand(program, {static_cast<std::size_t>(order), stride, nullptr, 0, nullptr, rows.data(), nullptr});
+  std::vector<double> found;
+  for (int k = 0; k <= order; ++k)
+    for (std::size_t i = 0; i < copies.y0.size(); ++i)
+      found.push_back(
+          rows[static_cast<std::size_t>(k) * stride + static_cast<std::size_t>(Program::first_variable) + i]);
+  return found;
+}
+
+TEST(StepBatches, DoNotDependOnTheWidthOfRegisters) {
+  const Copies copies(19);
+  const std::vector<double> by_two = rows_by(2, copies, 15);
+  for (const double number : by_two) ASSERT_TRUE(std::isfinite(number));
+  EXPECT_EQ(rows_by(4, copies, 15), by_two);
+  EXPECT_EQ(rows_by(8, copies, 15), by_two);
+}
+
+/// A program that has been put in order is read again where only the tolerance is another.
+TEST(StepBatches, PutAProgramInOrderOnce) {
+  const Copies copies(19);
+  Program program(copies.tape, copies.rates, copies.rates.size());
+  const StepBatches once(program);
+  const Index rows = program.rows;
+  const std::size_t lanes = program.lane_a.size();
+  const StepBatches again(program);
+  EXPECT_EQ(program.rows, rows);
+  EXPECT_EQ(program.lane_a.size(), lanes);
+  EXPECT_EQ(again.copied.size(), once.copied.size());
+}
+
+/// What is carried beside a motion does not change its bits, though only with it are there so many steps that products
+/// become values, or products that two sums have.
+TEST(StepBatches, LeaveTheMotionAsItIsWithoutWhatIsCarried) {
+  constexpr std::size_t n = 60;
+  constexpr int order = 8;
+  Tape tape;
+  std::vector<Symbol> x;
+  std::vector<Index> rates;
+  std::vector<double> y0;
+  for (std::size_t i = 0; i < n; ++i) {
+    x.push_back(Symbol::variable(tape, i));
+    y0.push_back(1 + 0.01 * static_cast<double>(i));
+  }
+  Symbol carried = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Symbol product = x[i] * x[(i + 7) % n];
+    rates.push_back((0.3 * product - 0.1 * x[i]).on(tape));
+    carried += product * 0.7 + sqrt(product) / x[i];
+  }
+  const auto series = [&](std::size_t all) {
+    Series made(Program(tape, std::span(rates).first(all), n), order);
+    made.expand(y0.data(), 0);
+    return made;
+  };
+  const Series alone = series(n);
+  rates.push_back(carried.on(tape));
+  y0.push_back(0);
+  const Series with = series(n + 1);
+  for (int k = 0; k <= order; ++k)
+    for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(with.coefficients(k)[i], alone.coefficients(k)[i]) << k;
+}
+
+/// A batch of which the lanes begin amid others, and whose last register is filled up behind all of them.
+TEST(StepBatches, ReadWholeRegistersOfLanes) {
+  constexpr std::size_t n = 8;
+  Tape tape;
+  std::vector<Symbol> x;
+  std::vector<Index> rates;
+  std::vector<double> y0;
+  for (std::size_t i = 0; i < 2 * n; ++i) {
+    x.push_back(Symbol::variable(tape, i));
+    y0.push_back(1 + 0.1 * static_cast<double>(i));
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    rates.push_back((i < 2 ? x[i] * x[n + i] : x[i] * x[n + i] + 0.5 * x[i]).on(tape));
+  for (std::size_t i = 0; i < n; ++i) rates.push_back(x[i].on(tape));
+  Series series(Program(tape, rates, 2 * n), 3);
+  series.expand(y0.data(), 0);
+  for (std::size_t i = 0; i < n; ++i) {  // x″ = x′y + x x (+ ½ x′)
+    const double rate = y0[i] * y0[n + i] + (i < 2 ? 0 : 0.5 * y0[i]);
+    const double bend = rate * y0[n + i] + y0[i] * y0[i] + (i < 2 ? 0 : 0.5 * rate);
+    EXPECT_NEAR(series.coefficients(2)[i], bend / 2, 1e-13) << i;
+  }
 }
 
 /// What is read of the time alone stays what it is where products become values of their own.

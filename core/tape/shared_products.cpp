@@ -36,9 +36,9 @@ class ProductSharing {
 
   void write(Step s) {
     const bool sum = s.rule == Rule::sum, alone = sum && s.products == 1 && s.values == 0 && s.c == 0;
-    std::vector<Program::Value> values;
+    const auto own = p_.values.begin() + s.first_value;
+    std::vector<Program::Value> values(own, own + s.values);
     std::vector<Program::Product> products;
-    for (Index i = 0; i < s.values; ++i) values.push_back(p_.values[at(s.first_value + i)]);
     for (Index i = 0; i < s.products; ++i) {
       const Program::Product& term = product(s, i);
       if (sum && !alone && uses_[at(term.lane)] > 1) {

@@ -1,7 +1,6 @@
 #include "core/tape/step_batches.hpp"
 
 #include <algorithm>
-#include <compare>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -74,7 +73,10 @@ class StepBatches::Arrangement {
     bool has_a, has_weighted;
     std::uint64_t squares;  ///< which of the products are
 
-    auto operator<=>(const Kind&) const = default;
+    auto key() const {
+      return std::tie(beyond_motion, depth, rule, function, values, products, has_a, has_weighted, squares);
+    }
+    bool operator<(const Kind& other) const { return key() < other.key(); }
   };
   static constexpr Index most_products_with_squares = 64;
 
@@ -86,7 +88,7 @@ class StepBatches::Arrangement {
       if (term.a == term.b) squares |= std::uint64_t{1} << (k % most_products_with_squares);
     }
     return {
-        i >= p_.motion_steps,         depth,   s.rule, s.function, s.values, s.products, reads_a(s.rule) && s.a != none,
+        i >= p_.motion_steps,         depth,  s.rule, s.function, s.values, s.products, reads_a(s.rule) && s.a != none,
         s.weighted != Program::waste, squares};
   }
   /// Whether steps of a kind may be a batch: rules that are rare are not worth it; and squares have another formula
@@ -140,8 +142,8 @@ class StepBatches::Arrangement {
       for (std::size_t k = 0; k < reads.size(); ++k)
         for_each_read(p_, p_.steps[ordered[g][k]], [&](Index value) { reads[k].push_back(value); });
       for (std::size_t slot = 0; slot < reads.front().size(); ++slot)
-        for (const std::vector<Index>& values : reads) {
-          const std::size_t i = maker[at(values[slot])];
+        for (const std::vector<Index>& operands : reads) {
+          const std::size_t i = maker[at(operands[slot])];
           if (i == p_.steps.size() || placed[i] || done[group_of_[i]] || !groups_[group_of_[i]].alike) continue;
           placed[i] = true;
           ordered[group_of_[i]].push_back(i);
@@ -294,11 +296,11 @@ class StepBatches::Arrangement {
   /// begins. What is filled up behind a batch is computed after it.
   void write_batches() {
     constexpr std::size_t worth_it = width;  // steps, on average
-    std::vector<Piece> pieces;
+    std::vector<Piece> found;
     std::vector<bool> begins;
     for (const Piece& piece : made_.pieces) {
       if (!piece.is_batch) {
-        pieces.push_back(piece);
+        found.push_back(piece);
         continue;
       }
       const auto steps = std::span(p_.steps).subspan(piece.first, piece.count);
@@ -314,11 +316,11 @@ class StepBatches::Arrangement {
         begins.assign(piece.count, false);
       for (std::size_t begin = 0, end = 1; begin < steps.size(); begin = end++) {
         while (end < steps.size() && !begins[end]) ++end;
-        pieces.push_back({true, made_.batches.size(), 1});
+        found.push_back({true, made_.batches.size(), 1});
         write_batch(steps.subspan(begin, end - begin));
       }
     }
-    made_.pieces = std::move(pieces);
+    made_.pieces = std::move(found);
   }
 
   void write_batch(std::span<const Step> steps) {

@@ -18,7 +18,7 @@ struct Column {
   bool gathered = false;
 
   friend bool operator==(const Column&, const Column&) = default;
-  friend bool operator==(const Column& column, Index first) { return column.first == first; }
+  friend bool operator==(const Column& column, Index place) { return column.first == place; }
 };
 
 /// As Step, of several at once.

@@ -51,7 +51,7 @@ class Motion {
   Ended from(const Start& start, double scale = 1) const {
     Series series(program_, order, false);
     series.expand(start.data(), 0.2);
-    Tangents tangents(program_, order, all_variables, pairs_);
+    Tangents tangents(series.program(), order, all_variables, pairs_);
     constexpr std::size_t lanes = Tangents::lanes_of(all_variables);
     const std::size_t pair_lanes = Tangents::lanes_of(pairs_.size());
     std::vector<double> first(all_variables * lanes), second(all_variables * pair_lanes);

@@ -102,6 +102,7 @@ TEST_F(SensitivityLaws, UncertaintyIsAboutTheLargestError) {
       {"double_pendulum", {"/initial/theta1", "/initial/theta2", "/initial/p1", "/problem/l1", "/problem/gravity"}},
       {"lorenz", {"/problem/rho", "/problem/sigma", "/initial/z"}},
       {"duffing", {"/initial/x", "/problem/delta"}}};
+  for (const char* compiled : {"kepler", "double_pendulum", "lorenz"}) runs::problem_called(compiled);
   for (const auto& [problem, by] : cases) {
     SCOPED_TRACE(problem);
     const Json truth = asked(problem, by, 1e-15, 5)["final"];

@@ -244,7 +244,8 @@ class Family {
       auto made = step_from(a, middle, false, iterations);
       if (!made) break;
       const double here = (*made).*test;
-      const bool nearer = std::abs(here) <= std::abs(best.*test) || round == 0;  // that for a torus may have a sign alone
+      const bool nearer =
+          std::abs(here) <= std::abs(best.*test) || round == 0;  // that for a torus may have a sign alone
       if (nearer) best = std::move(*made);
       if (here == 0) break;
       if ((here < 0) == (at_low < 0)) {

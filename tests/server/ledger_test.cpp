@@ -89,8 +89,9 @@ int status_of(int port, const Worst& request) {
 
 TEST(Ledger, HoldsWhatEveryEndpointMakes) {
   // In mebibytes. Beyond what is counted: the program, of which 22 are its file, and what lies in heaps and is made of
-  // scenes as text on the way. The container of the README has 256 for 100.
-  constexpr double memory = 40, beyond = 60;
+  // scenes as text on the way: 54 on a quiet machine, 55 beside two busy loops. 60 is the aim; the rest is for machines
+  // that are slow to give memory back. The container of the README has 256 for 100.
+  constexpr double memory = 40, beyond = 75;
   Process service({"serve", "--port", "0", "--threads", "8", "--max-samples", "2000000", "--log-level", "warning",
                    "--max-memory", std::to_string(static_cast<long>(memory) << 20)});
   const int port = port_in(service.line());

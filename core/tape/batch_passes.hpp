@@ -223,22 +223,21 @@ class SeriesReading::Pass {
         continue;
       }
       const StepBatch& batch = of_.batches_.batches[piece.first];
-      const auto advance_by = [&]<Rule rule>() LEAST_INLINE { advance_batch<rule>(batch, k, second, last, row); };
       switch (batch.rule) {
         case Rule::sum:
-          advance_by.template operator()<Rule::sum>();
+          advance_batch<Rule::sum>(batch, k, second, last, row);
           break;
         case Rule::quotient:
-          advance_by.template operator()<Rule::quotient>();
+          advance_batch<Rule::quotient>(batch, k, second, last, row);
           break;
         case Rule::root:
-          advance_by.template operator()<Rule::root>();
+          advance_batch<Rule::root>(batch, k, second, last, row);
           break;
         case Rule::power:
-          advance_by.template operator()<Rule::power>();
+          advance_batch<Rule::power>(batch, k, second, last, row);
           break;
         case Rule::integral:
-          advance_by.template operator()<Rule::integral>();
+          advance_batch<Rule::integral>(batch, k, second, last, row);
           break;
         default:
           advance_batch<Rule::log_like>(batch, k, second, last, row);

@@ -6,8 +6,8 @@
 namespace least::tape {
 
 SeriesReading::SeriesReading(Program& program, std::size_t widest) : batches_(program), widest_(widest) {
-  constexpr std::size_t line =
-      StepBatches::width;  // rows that lie an odd number of lines apart share few places of a cache
+  // Rows that lie an odd number of lines apart share few places of a cache.
+  constexpr std::size_t line = StepBatches::width;
   const std::size_t lines = (at(program.rows) + batches_.copied.size()) / line + 2;
   stride_ = (lines + 1 - lines % 2) * line;
   for (std::size_t i = 0; i < program.variables; ++i) {

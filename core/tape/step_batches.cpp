@@ -26,12 +26,12 @@ constexpr bool reads_b(Rule rule) {
   return rule == Rule::quotient || rule == Rule::linear_quotient || rule == Rule::select;
 }
 constexpr bool reads_w(Rule rule) { return rule == Rule::select || rule == Rule::linear_product; }
-/// Whether it needs the value b or w of lower orders only.
-constexpr bool reads_b_before(Rule rule) {
-  return rule == Rule::power || rule == Rule::integral || rule == Rule::log_like;
+/// Whether it has a value b or w at all: of some it needs lower orders only.
+constexpr bool has_b(Rule rule) {
+  return reads_b(rule) || rule == Rule::power || rule == Rule::integral || rule == Rule::log_like;
 }
-constexpr bool reads_w_before(Rule rule) {
-  return rule == Rule::integral || rule == Rule::linear_integral || rule == Rule::log_like;
+constexpr bool has_w(Rule rule) {
+  return reads_w(rule) || rule == Rule::integral || rule == Rule::linear_integral || rule == Rule::log_like;
 }
 /// Whether its recurrence contains a product of two series.
 constexpr bool has_lane(Rule rule) {
@@ -49,6 +49,7 @@ void for_each_read(const Program& p, const Step& s, F&& f) {
   for (Index i = 0; i < s.products; ++i) f(p.products[at(s.first_product + i)].a);
   for (Index i = 0; i < s.products; ++i) f(p.products[at(s.first_product + i)].b);
 }
+
 }  // namespace
 
 /// Groups steps that have the same rule, as many operands of each kind, and the same depth in the chain of what depends
@@ -191,8 +192,8 @@ class StepBatches::Arrangement {
         move(s.out);
         move(s.weighted);
         move(s.a);
-        if (reads_b(s.rule) || reads_b_before(s.rule)) move(s.b);
-        if (reads_w(s.rule) || reads_w_before(s.rule)) move(s.w);
+        if (has_b(s.rule)) move(s.b);
+        if (has_w(s.rule)) move(s.w);
       }
     for (Program::Value& term : p_.values) move(term.value);
     for (Program::Product& term : p_.products) move(term.a), move(term.b);
@@ -282,8 +283,8 @@ class StepBatches::Arrangement {
   template <class F>
   void for_each_place(const Step& like, F&& f) const {
     if (reads_a(like.rule)) f(std::mem_fn(&Step::a));
-    if (reads_b(like.rule) || reads_b_before(like.rule)) f(std::mem_fn(&Step::b));
-    if (reads_w(like.rule) || reads_w_before(like.rule) || like.rule == Rule::power) f(std::mem_fn(&Step::w));
+    if (has_b(like.rule)) f(std::mem_fn(&Step::b));
+    if (has_w(like.rule) || like.rule == Rule::power) f(std::mem_fn(&Step::w));
     if (has_lane(like.rule)) f(std::mem_fn(&Step::lane));
     for (Index i = 0; i < like.values; ++i)
       f([this, i](const Step& s) { return p_.values[at(s.first_value + i)].value; });
@@ -309,8 +310,8 @@ class StepBatches::Arrangement {
         const auto breaks = [&](std::size_t k) { return place(steps[k]) != place(steps[k - 1]) + 1; };
         std::size_t count = 0;
         for (std::size_t k = 1; k < steps.size(); ++k) count += breaks(k) ? 1 : 0;
-        for (std::size_t k = 1; k < steps.size() && (count + 1) * worth_it <= steps.size(); ++k)
-          begins[k] = begins[k] || breaks(k);
+        if ((count + 1) * worth_it > steps.size()) return;
+        for (std::size_t k = 1; k < steps.size(); ++k) begins[k] = begins[k] || breaks(k);
       });
       if ((static_cast<std::size_t>(std::ranges::count(begins, true)) + 1) * worth_it > steps.size())
         begins.assign(piece.count, false);
@@ -340,8 +341,8 @@ class StepBatches::Arrangement {
     for_each_place(like, [&](auto&& place) { columns.push_back(column(steps, place)); });
     auto next = columns.begin();
     if (reads_a(like.rule)) batch.a = *next++;
-    if (reads_b(like.rule) || reads_b_before(like.rule)) batch.b = *next++;
-    if (reads_w(like.rule) || reads_w_before(like.rule) || like.rule == Rule::power) batch.w = *next++;
+    if (has_b(like.rule)) batch.b = *next++;
+    if (has_w(like.rule) || like.rule == Rule::power) batch.w = *next++;
     if (has_lane(like.rule)) batch.lane = *next++;
     for (Index i = 0; i < like.values; ++i) made_.values.push_back({*next++});
     for (Index i = 0; i < like.products; ++i, next += 3) {

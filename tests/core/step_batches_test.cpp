@@ -39,6 +39,20 @@ struct Copies {
   std::vector<double> y0;
 };
 
+struct Variables {
+  std::vector<Symbol> x;
+  std::vector<double> y0;
+};
+/// So many of them, which begin at 1 and so far from each other.
+Variables variables(Tape& tape, std::size_t count, double apart) {
+  Variables made;
+  for (std::size_t i = 0; i < count; ++i) {
+    made.x.push_back(Symbol::variable(tape, i));
+    made.y0.push_back(1 + apart * static_cast<double>(i));
+  }
+  return made;
+}
+
 TEST(StepBatches, AreComputedToTheBitsOfStepsOneByOne) {
   constexpr int order = 15;
   const Copies few(2), many(19);  // of two nothing is side by side; nineteen fill no register
@@ -134,13 +148,10 @@ TEST(StepBatches, LeaveTheMotionAsItIsWithoutWhatIsCarried) {
   constexpr std::size_t n = 60;
   constexpr int order = 8;
   Tape tape;
-  std::vector<Symbol> x;
+  const Variables start = variables(tape, n, 0.01);
+  const std::vector<Symbol>& x = start.x;
+  std::vector<double> y0 = start.y0;
   std::vector<Index> rates;
-  std::vector<double> y0;
-  for (std::size_t i = 0; i < n; ++i) {
-    x.push_back(Symbol::variable(tape, i));
-    y0.push_back(1 + 0.01 * static_cast<double>(i));
-  }
   Symbol carried = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Symbol product = x[i] * x[(i + 7) % n];
@@ -164,13 +175,8 @@ TEST(StepBatches, LeaveTheMotionAsItIsWithoutWhatIsCarried) {
 TEST(StepBatches, ReadWholeRegistersOfLanes) {
   constexpr std::size_t n = 8;
   Tape tape;
-  std::vector<Symbol> x;
+  auto [x, y0] = variables(tape, 2 * n, 0.1);
   std::vector<Index> rates;
-  std::vector<double> y0;
-  for (std::size_t i = 0; i < 2 * n; ++i) {
-    x.push_back(Symbol::variable(tape, i));
-    y0.push_back(1 + 0.1 * static_cast<double>(i));
-  }
   for (std::size_t i = 0; i < n; ++i)
     rates.push_back((i < 2 ? x[i] * x[n + i] : x[i] * x[n + i] + 0.5 * x[i]).on(tape));
   for (std::size_t i = 0; i < n; ++i) rates.push_back(x[i].on(tape));
@@ -188,13 +194,8 @@ TEST(StepBatches, LeaveWhatIsLinearInTimeAsItIs) {
   constexpr std::size_t n = 40;
   Tape tape;
   const Symbol t = Symbol::time(tape);
-  std::vector<Symbol> x;
+  auto [x, y0] = variables(tape, n, 0.1);
   std::vector<Index> rates;
-  std::vector<double> y0;
-  for (std::size_t i = 0; i < n; ++i) {
-    x.push_back(Symbol::variable(tape, i));
-    y0.push_back(1 + 0.1 * static_cast<double>(i));
-  }
   for (std::size_t i = 0; i < n; ++i) {
     const Symbol both = x[i] * x[(i + 1) % n], before = x[(i + n - 1) % n] * x[i];
     rates.push_back((both - before + 2 / (3 * t + static_cast<double>(i + 1))).on(tape));

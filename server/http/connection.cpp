@@ -193,10 +193,10 @@ void Connection::leave() {
   if (const auto exchange = std::exchange(exchange_, nullptr)) {
     exchange->sent = offset_ == sending_.size() && exchange->outbox.done();  // a client may be quick to go then
     if (exchange->sent) return;
+    handler_.left(*exchange);  // before whoever computes for it is woken, and ends
     exchange->left = true;
     exchange->outbox.close();
     if (taken_ > 0 && exchange->bare) cut_off();
-    handler_.left(*exchange);
   }
 }
 

@@ -209,15 +209,25 @@ std::vector<std::pair<std::size_t, Symbol>> slopes_of(Tape& tape, const Symbol& 
   return slopes;
 }
 
+std::vector<Index> Substitution::unknown_parts(Index whole) {
+  std::vector<Index> parts;
+  const auto look_at = [&](Index part) {
+    if (known_[nth(part)]) return;
+    known_[nth(part)] = true;
+    parts.push_back(part);
+  };
+  look_at(whole);
+  for (std::size_t k = 0; k < parts.size(); ++k) from_.for_each_operand(from_[parts[k]], look_at);
+  std::ranges::sort(parts);
+  return parts;
+}
+
 Symbol Substitution::at(Index place) {
   if (made_.size() <= nth(place)) {
     made_.resize(nth(from_.size()));
     known_.resize(made_.size(), false);
   }
-  if (known_[nth(place)]) return made_[nth(place)];
-  for (const Index i : parts_of(from_, place)) {
-    if (known_[nth(i)]) continue;
-    known_[nth(i)] = true;
+  for (const Index i : unknown_parts(place)) {
     const Node node = from_[i];  // both tapes may be one
     const auto a = [&] { return made_[nth(node.a)]; };
     const auto b = [&] { return made_[nth(node.b)]; };

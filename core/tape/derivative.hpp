@@ -57,6 +57,9 @@ class Substitution {
   Symbol at(Index place);
 
  private:
+  /// What a node is made of and was not made before, in the order of the tape, known from now on. Values that share
+  /// most of their parts, as the slopes of a product do, cost what all of them have together.
+  std::vector<Index> unknown_parts(Index whole);
   /// A sum of terms with their arguments substituted.
   Symbol total(const Node& node);
   Index kept_terms(Index number);

@@ -1,8 +1,11 @@
 // What is made of a text on its tape: derivatives against dual numbers, and texts that are printed and read back.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <ctime>
+#include <limits>
 
 #include "core/number/dual.hpp"
 #include "core/tape/derivative.hpp"
@@ -112,6 +115,37 @@ TEST(TapeOfText, OtherSymbolsTakeThePlaceOfVariables) {
   const double* const none = nullptr;
   tape::Formula(other, std::span(&place, 1)).evaluate(none, 0.25, &result);
   EXPECT_DOUBLE_EQ(result, 9 * std::sin(0.5) + 0.75);
+}
+
+// Values of which each holds the one before cost, substituted one after the other, what the last of them costs alone:
+// about as much, where it was their number times that.
+TEST(TapeOfText, SharedPartsAreSubstitutedOnce) {
+  constexpr std::size_t count = 4000;
+  Recorded recorded;
+  std::vector<Symbol> chain{Symbol::variable(recorded.tape, 0)};
+  for (std::size_t i = 1; i < count; ++i) chain.push_back(sin(chain.back()) + Symbol::variable(recorded.tape, i % 7));
+  const auto seconds = [&](std::span<const Symbol> values, double& last) {
+    const std::clock_t from = std::clock();
+    tape::Tape other;
+    tape::Substitution move(recorded.tape, other,
+                            [&](int i) { return Symbol::variable(other, static_cast<std::size_t>(i + 1)); });
+    std::vector<tape::Index> places;
+    for (const Symbol& y : values) places.push_back(move(y).on(other));
+    const double passed = static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC;
+    const std::vector<double> x{9, .1, .2, .3, .4, .5, .6, .7};
+    tape::Formula(other, std::span(&places.back(), 1)).evaluate(x.data(), 0.0, &last);
+    return passed;
+  };
+  double expected = .1, of_all = 0, alone = 0;
+  for (std::size_t i = 1; i < count; ++i) expected = std::sin(expected) + .1 * static_cast<double>(i % 7 + 1);
+  double least_ratio = std::numeric_limits<double>::infinity();  // of a few, as others may compute meanwhile
+  for (int i = 0; i < 5; ++i) {
+    const double together = seconds(chain, of_all);
+    least_ratio = std::min(least_ratio, together / seconds(std::span(chain).last(1), alone));
+  }
+  EXPECT_DOUBLE_EQ(of_all, expected);
+  EXPECT_DOUBLE_EQ(alone, expected);
+  EXPECT_LT(least_ratio, 20) << "of " << count << " values";
 }
 
 // Many alike are evaluated in batches: to the last bit what each of them is on its own.

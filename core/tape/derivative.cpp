@@ -217,7 +217,7 @@ std::vector<Index> Substitution::unknown_parts(Index whole) {
     parts.push_back(part);
   };
   look_at(whole);
-  for (std::size_t k = 0; k < parts.size(); ++k) from_.for_each_operand(from_[parts[k]], look_at);
+  for (std::size_t looked = 0; looked < parts.size();) from_.for_each_operand(from_[parts[looked++]], look_at);
   std::ranges::sort(parts);
   return parts;
 }

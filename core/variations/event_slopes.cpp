@@ -184,35 +184,49 @@ std::vector<double> EventSlopes::rates_of_rates(double t, std::span<const double
   return slopes;
 }
 
-std::vector<double> EventSlopes::second_after(std::size_t event, double t, std::span<const double> state,
-                                              const DirectedSlope& a, const DirectedSlope& b,
-                                              std::span<const double> second) const {
-  const auto both = [&](const tape::Formula& formula, const Second& time, const std::vector<Second>& x) {
-    return along_both(formula, time, x, a.direction, b.direction);
-  };
+EventSlopes::Meeting EventSlopes::meeting(std::size_t event, double t, std::span<const double> state,
+                                          const DirectedSlope& a, const DirectedSlope& b,
+                                          std::span<const double> second) const {
   std::vector<Second> before;
   for (std::size_t i = 0; i < state.size(); ++i)
     before.push_back({Slope{state[i], {a.slope[i]}}, {Slope{b.slope[i], {second[i]}}}});
-  const std::vector<Second> rates_before = both(rates_, Second(t), before);
+  const std::vector<Second> rates_before = along_both(rates_, Second(t), before, a.direction, b.direction);
   // Terms of second order in the shift of the event's time need the acceleration as a number only, because the shift
   // itself is of first order.
   const std::vector<double> acceleration = rates_of_rates(t, state);
-  Second shift{Slope{0, {time_slope(event, t, state, a.slope, a.direction)}},
+  Second later{Slope{0, {time_slope(event, t, state, a.slope, a.direction)}},
                {Slope{time_slope(event, t, state, b.slope, b.direction)}}};
-  const auto state_at_event = [&] {
+  const auto state_then = [&] {
     std::vector<Second> x = before;
     for (std::size_t i = 0; i < x.size(); ++i)
-      x[i] += rates_before[i] * shift + Second(0.5 * acceleration[i]) * (shift * shift);
+      x[i] += rates_before[i] * later + Second(0.5 * acceleration[i]) * (later * later);
     return x;
   };
-  const double residual = both(watched_, Second(t) + shift, state_at_event())[event].slope[0].slope[0];
-  shift.slope[0].slope[0] = -residual / along(watched_, t, state, rates(t, state), {}, 1)[event].slope[0];
-  const Second then = Second(t) + shift;
-  const std::vector<Second> made = both(*acts_[event], then, state_at_event()), rates_after = both(rates_, then, made);
+  const Second missed = along_both(watched_, Second(t) + later, state_then(), a.direction, b.direction)[event];
+  later.slope[0].slope[0] =
+      -missed.slope[0].slope[0] / along(watched_, t, state, rates(t, state), {}, 1)[event].slope[0];
+  return {later, state_then()};
+}
+
+std::vector<double> EventSlopes::second_at(std::size_t event, double t, std::span<const double> state,
+                                           const DirectedSlope& a, const DirectedSlope& b,
+                                           std::span<const double> second) const {
+  std::vector<double> then;
+  for (const Second& x : meeting(event, t, state, a, b, second).state) then.push_back(x.slope[0].slope[0]);
+  return then;
+}
+
+std::vector<double> EventSlopes::second_after(std::size_t event, double t, std::span<const double> state,
+                                              const DirectedSlope& a, const DirectedSlope& b,
+                                              std::span<const double> second) const {
+  const auto [later, before] = meeting(event, t, state, a, b, second);
+  const Second then = Second(t) + later;
+  const std::vector<Second> made = along_both(*acts_[event], then, before, a.direction, b.direction),
+                            rates_after = along_both(rates_, then, made, a.direction, b.direction);
   const std::vector<double> acceleration_after = rates_of_rates(t, state_after(event, t, state));
   std::vector<double> after;
   for (std::size_t i = 0; i < made.size(); ++i) {
-    const Second back = made[i] - rates_after[i] * shift + Second(0.5 * acceleration_after[i]) * (shift * shift);
+    const Second back = made[i] - rates_after[i] * later + Second(0.5 * acceleration_after[i]) * (later * later);
     after.push_back(back.slope[0].slope[0]);
   }
   return after;

@@ -41,8 +41,11 @@ class EventSlopes {
     std::span<const double> slope;
     const Direction& direction;
   };
-  /// The second derivative by two directions after the event, from the one before it (`second`) and the first
-  /// derivatives along both directions.
+  /// The second derivative by two directions of the state at the event, whose time changes, too, from the one of the
+  /// state at the time t (`second`) and the first derivatives of that along both directions.
+  std::vector<double> second_at(std::size_t event, double t, std::span<const double> state, const DirectedSlope& a,
+                                const DirectedSlope& b, std::span<const double> second) const;
+  /// The same of the state that the event makes, led back to the time t.
   std::vector<double> second_after(std::size_t event, double t, std::span<const double> state, const DirectedSlope& a,
                                    const DirectedSlope& b, std::span<const double> second) const;
 
@@ -56,6 +59,13 @@ class EventSlopes {
                                  const Direction& a, const Direction& b) const;
   /// ẍ
   std::vector<double> rates_of_rates(double t, std::span<const double> state) const;
+  /// An event beside the time t: how much later it is, and the state then.
+  struct Meeting {
+    Second later;
+    std::vector<Second> state;
+  };
+  Meeting meeting(std::size_t event, double t, std::span<const double> state, const DirectedSlope& a,
+                  const DirectedSlope& b, std::span<const double> second) const;
 
   std::shared_ptr<const ParametricScene> equations_;
   tape::Formula rates_, watched_;

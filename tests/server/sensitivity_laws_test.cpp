@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/catalogue/catalogue.hpp"
 #include "tests/server/fixture.hpp"
@@ -32,6 +33,30 @@ class SensitivityLaws : public Asking {
     for (const auto& row : rows)
       for (const double slope : row) most = std::max(most, std::abs(slope));
     return most;
+  }
+  /// Second derivatives by numbers of a request, which stand at these places in it, are those of the first ones.
+  static void expect_differences_of_first(Json request, const std::vector<std::string>& places) {
+    request["sensitivities"]["order"] = 2;
+    const Json found = answer(request)["sensitivities"];
+    ASSERT_TRUE(found["second"]["final"].is_array()) << found;
+    request["sensitivities"]["order"] = 1;
+    const double h = 1e-4;
+    for (std::size_t pair = 0; pair < found["second"]["pairs"].size(); ++pair) {
+      const std::size_t a = found["second"]["pairs"][pair][0], b = found["second"]["pairs"][pair][1];
+      const auto moved = [&](double by) {
+        Json other = request;
+        Json& number = other[Json::json_pointer(places[b])];
+        number = number.get<double>() + by;
+        return answer(other)["sensitivities"]["final"];
+      };
+      const Json far_up = moved(2 * h), up = moved(h), down = moved(-h), far_down = moved(-2 * h);
+      for (std::size_t i = 0; i < found["rows"].size(); ++i) {
+        const auto at = [&](const Json& final) { return final[i][a].get<double>(); };
+        const double slope = (8 * (at(up) - at(down)) - (at(far_up) - at(far_down))) / (12 * h);
+        EXPECT_NEAR(found["second"]["final"][i][pair], slope, 1e-8 * std::max(1.0, std::abs(slope)))
+            << request["until"] << " " << i << found["second"]["pairs"][pair];
+      }
+    }
   }
 };
 
@@ -153,29 +178,47 @@ TEST_F(SensitivityLaws, OfSecondOrderGoThroughEventsThatAct) {
   request["problem"]["parameters"].update({{"swing", 0.05}, {"drag", 0.1}});
   for (const double until : {1.9, 5.0}) {
     request["until"] = until;
-    request["sensitivities"]["order"] = 2;
-    found = answer(request)["sensitivities"];
-    request["sensitivities"]["order"] = 1;
-    const Json::json_pointer places[] = {Json::json_pointer("/initial/x"), Json::json_pointer("/problem/parameters/r"),
-                                         Json::json_pointer("/problem/parameters/swing"),
-                                         Json::json_pointer("/problem/parameters/drag")};
-    const double h = 1e-4;
-    for (std::size_t pair = 0; pair < found["second"]["pairs"].size(); ++pair) {
-      const std::size_t a = found["second"]["pairs"][pair][0], b = found["second"]["pairs"][pair][1];
-      const auto moved = [&](double by) {
-        Json other = request;
-        other[places[b]] = other[places[b]].get<double>() + by;
-        return answer(other)["sensitivities"]["final"];
-      };
-      const Json far_up = moved(2 * h), up = moved(h), down = moved(-h), far_down = moved(-2 * h);
-      for (std::size_t i = 0; i < 2; ++i) {
-        const auto at = [&](const Json& final) { return final[i][a].get<double>(); };
-        const double slope = (8 * (at(up) - at(down)) - (at(far_up) - at(far_down))) / (12 * h);
-        EXPECT_NEAR(found["second"]["final"][i][pair], slope, 1e-8 * std::max(1.0, std::abs(slope)))
-            << until << " " << i << found["second"]["pairs"][pair];
-      }
-    }
+    expect_differences_of_first(
+        request, {"/initial/x", "/problem/parameters/r", "/problem/parameters/swing", "/problem/parameters/drag"});
   }
+}
+
+// A ball that falls to a height c, where its run ends: its velocity there is −√(v² + 2g(x − c)). And one that comes
+// there with drag, after a bounce on a floor that swings.
+TEST_F(SensitivityLaws, OfSecondOrderStandWhereAnEventEndsTheRun) {
+  const double g = 1.5, c = 0.25, x = 1, v = 0.4, end = std::sqrt(v * v + 2 * g * (x - c));
+  Json request{{"problem", custom(R"~({"variables":["x"],"parameters":{"g":1.5,"c":0.25,"swing":0,"drag":0},
+                             "potential":"g*x","damping":"drag"})~")},
+               {"initial", {{"x", x}, {"vx", v}}},
+               {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
+               {"until", 20},
+               {"events", {{{"name", "there"}, {"expression", "x - c"}, {"direction", "down"}, {"stop", true}}}},
+               {"sensitivities", {{"by", {"/initial/x", "/initial/vx", "/problem/g", "/problem/c"}}, {"order", 2}}}};
+  const Json found = answer(request)["sensitivities"];
+  ASSERT_TRUE(found["second"]["final"].is_array()) << found;
+  EXPECT_LT(found["uncertainty"], 1e-12);
+  const double cube = end * end * end;
+  const double exact[] = {g * g / cube,                   // ∂²/∂x²
+                          g * v / cube,                   // ∂²/∂x∂v
+                          -1 / end + g * (x - c) / cube,  // ∂²/∂x∂g
+                          -g * g / cube,                  // ∂²/∂x∂c
+                          -1 / end + v * v / cube,        // ∂²/∂v²
+                          v * (x - c) / cube,
+                          -g * v / cube,              // ∂²/∂v∂g, ∂²/∂v∂c
+                          (x - c) * (x - c) / cube};  // ∂²/∂g²
+  for (std::size_t pair = 0; pair < std::size(exact); ++pair) {
+    EXPECT_NEAR(found["second"]["final"][0][pair], 0, 1e-12) << "x is c there";
+    EXPECT_NEAR(found["second"]["final"][1][pair], exact[pair], 1e-12) << found["second"]["pairs"][pair];
+  }
+  request["problem"]["parameters"].update({{"swing", 0.05}, {"drag", 0.1}});
+  request["events"] = {{{"name", "floor"},
+                        {"expression", "x - swing*sin(3*t)"},
+                        {"direction", "down"},
+                        {"set", {{"vx", "-0.9*vx + 2*swing*cos(3*t)"}}}},
+                       {{"name", "there"}, {"expression", "x - c*(1+swing*t)"}, {"direction", "up"}, {"stop", true}}};
+  request["sensitivities"]["by"] = {"/initial/x", "/problem/swing", "/problem/drag", "/problem/c"};
+  expect_differences_of_first(
+      request, {"/initial/x", "/problem/parameters/swing", "/problem/parameters/drag", "/problem/parameters/c"});
 }
 
 // From the centre of a star, where the equations are singular: by its index, of the motion that is regular there.

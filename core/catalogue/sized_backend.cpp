@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/sized_damped.hpp"
 #include "core/catalogue/sized_forced.hpp"
 #include "core/catalogue/sized_implicit.hpp"
 #include "core/catalogue/sized_stages.hpp"
@@ -95,6 +96,14 @@ struct DampedKicks {
   template <class T>
   static auto make(const text::SizedScene& scene, const ContactLeapfrog& scheme, std::size_t count) {
     return SizedContactLeapfrog<T>(scene, scheme, count);
+  }
+  template <class T>
+  static auto make(const text::SizedScene& scene, const ContactSplitting& scheme, std::size_t count) {
+    return SizedContactSplitting<T>(scene, scheme, count);
+  }
+  template <class T>
+  static auto make(const text::SizedScene& scene, const ContactSymplecticEuler& scheme, std::size_t count) {
+    return SizedContactEuler<T>(scene, scheme, count);
   }
 };
 struct Lifts {
@@ -212,6 +221,8 @@ constexpr std::array sized_schemes{
                 tangents_rule<VariationalMidpoint, straight>},
     SizedScheme{"galerkin_4", with_path, bind_rule<Galerkin4, parabola>, tangents_rule<Galerkin4, parabola>},
     explicit_scheme<ContactLeapfrog, DampedKicks>("contact_leapfrog", on_damped),
+    explicit_scheme<ContactSplitting, DampedKicks>("contact_splitting", on_damped),
+    explicit_scheme<ContactSymplecticEuler, DampedKicks>("contact_symplectic_euler", on_damped),
     SizedScheme{"contact_variational_midpoint", on_damped_path, bind_rule<ContactVariationalMidpoint, straight>,
                 tangents_rule<ContactVariationalMidpoint, straight>},
     SizedScheme{"contact_galerkin_4", on_damped_path, bind_rule<ContactGalerkin4, parabola>,
@@ -235,6 +246,11 @@ std::vector<std::size_t> schemes_of(const text::SizedScene& scene) {
   for (std::size_t i = 0; i < schemes().size(); ++i)
     if (const SizedScheme* known = sized_scheme(i); known && known->fits(scene)) fitting.push_back(i);
   return fitting;
+}
+
+bool SizedBackend::is_of_class(std::size_t scheme) const {
+  const SizedScheme* known = sized_scheme(scheme);
+  return by_class_.formulas && by_class_.schemes->has(scheme) && !(known && known->fits(scene()));
 }
 
 std::unique_ptr<Integrator> SizedBackend::bind(const Request& request, const RunState& x, const Grid& grid,

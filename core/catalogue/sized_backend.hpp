@@ -51,7 +51,8 @@ class SizedBackend final : public RunBackend {
 
  private:
   const text::SizedScene& scene() const { return table_.scene(); }
-  bool is_of_class(std::size_t scheme) const { return by_class_.formulas && by_class_.schemes->has(scheme); }
+  /// Whether a scheme has steps of the class alone.
+  bool is_of_class(std::size_t scheme) const;
 
   ClassOfScene by_class_;
   ProblemTraits traits_, motion_traits_;

@@ -58,15 +58,17 @@ class SizedMechanics final : public Mechanics {
     const auto sized = text_.sized(parameters);
     traits_ = traits_of(*sized);
     std::vector<std::size_t> schemes = schemes_of(*sized);
-    if (class_) schemes.insert(schemes.end(), class_->schemes.begin(), class_->schemes.end());
+    if (class_)
+      std::ranges::copy_if(class_->schemes, std::back_inserter(schemes),
+                           [&](std::size_t i) { return std::ranges::find(schemes, i) == schemes.end(); });
     std::ranges::sort(schemes);
     card_ = complete_card(text_.described(), traits_, std::move(schemes));
     if (!text_.form->is_compiled() && !sized->forced)
       card_.offers += sized->coordinates > text::SizedScene::most_full && !traits_.potential
                           ? ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
                                 " for which schemes solve equations whose matrix is full"
-                          : ", with more coordinates than schemes that transform the time, keep the energy by the "
-                            "length of their steps or split a contact Hamiltonian take";
+                          : ", with more coordinates than schemes that transform the time or keep the energy by the "
+                            "length of their steps take";
     if (!sized->solves_for_places())
       card_.offers += ", with masses that couple more coordinates than the " +
                       std::to_string(text::SizedScene::most_with_full_mass) +

@@ -7,7 +7,7 @@ constexpr int most = 64;
 
 /// As scenes of any size have them (core/catalogue/sized_backend.cpp).
 using Explicit = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, SymplecticEuler, Leapfrog, Ruth3,
-                            ContactLeapfrog, LiftedSplitting>;
+                            ContactLeapfrog, ContactSplitting, ContactSymplecticEuler, LiftedSplitting>;
 
 template <class V>
 std::optional<Walked> walk_among_explicit(const Walk* on, std::string_view id,

@@ -99,7 +99,13 @@ TEST_F(SchemeSensitivities, OfScenesAsTextOfEveryForm) {
        "runge_kutta_4"},
       {R"~({"variables":["q[24]"],"parameters":{"c":0.5},
                  "potential":"sum(i=1..24, q[i]^4/4) + c*sum(i=1..23, (q[i+1]-q[i])^2)"})~",
-       "leapfrog"}};
+       "leapfrog"},
+      {R"~({"variables":["q[24]"],"parameters":{"c":0.5},"damping":"c*(1+sin(t)/2)",
+                 "potential":"sum(i=1..24, q[i]^4/4) + c*sum(i=1..23, (q[i+1]-q[i])^2)"})~",
+       "contact_splitting"},
+      {R"~({"variables":["q[24]"],"parameters":{"c":0.5},"damping":"c",
+                 "potential":"sum(i=1..24, q[i]^4/4) + c*sum(i=1..23, (q[i+1]-q[i])^2)"})~",
+       "contact_symplectic_euler"}};
   for (const auto& [scene, scheme] : all) {
     SCOPED_TRACE(scene);
     const Json problem = custom(scene);

@@ -1,0 +1,165 @@
+// Steps of equal length of damped scenes H = K + V + α(t) s whose size is known when they run: the maps of
+// core/schemes/contact_splitting.hpp and core/schemes/contact_symplectic_euler.hpp, operation by operation, on
+// components that stand one after the other. As in core/catalogue/sized_steps.hpp nothing is allocated once a stepper
+// has been made, and T is the number that steps are taken in: dual numbers give their tangents.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "core/run/run_state.hpp"
+#include "core/schemes/contact_leapfrog.hpp"
+#include "core/schemes/contact_splitting.hpp"
+#include "core/schemes/contact_symplectic_euler.hpp"
+#include "core/text/sized_scene.hpp"
+
+namespace least {
+
+/// Drifts, and damping with the force, in turn.
+template <class T = double>
+class SizedContactSplitting {
+ public:
+  /// `components`: of the states, with s or without it.
+  SizedContactSplitting(const text::SizedScene& scene, const ContactSplitting& scheme, std::size_t components)
+      : scene_(&scene),
+        acts_(components == scene.components),
+        merged_(takes_as_one(scene, scheme)),
+        scheme_(scheme),
+        turns_(&turns_of(scheme_)),
+        slope_(scene.coordinates),
+        velocity_(scene.coordinates) {}
+
+  void begin(const T*, double) { work_ = {}; }
+  StepStatus step(T* x, double t, double h) noexcept {
+    const auto stages = static_cast<std::size_t>(turns_->stages);
+    if (scene_->constant_damping && h != prepared_) {
+      prepared_ = h;
+      for (std::size_t i = 0; i < stages; ++i) flows_[i] = flow(turns_->kick[i] * h, scene_->damping_at(t));
+    }
+    for (std::size_t i = 0; i < stages; ++i) {
+      drift(x, turns_->drift[i] * h);
+      const double part = turns_->kick[i] * h, middle = t + turns_->middle[i] * h;
+      push(x, part, middle, scene_->constant_damping ? flows_[i] : flow(part, scene_->damping_at(middle)));
+    }
+    drift(x, turns_->drift[stages] * h);
+    return StepStatus::ok;
+  }
+  const Work& work() const { return work_; }
+  double flips_from() const { return std::numeric_limits<double>::infinity(); }
+  /// Merged, the flow of the damping with the force is exact.
+  double stiff_from() const { return merged_ ? std::numeric_limits<double>::infinity() : 2; }
+
+ private:
+  using Flow = ActionFlow<double>;
+
+  static const Alternation<double>& turns_of(const ContactSplitting& scheme) {
+    if (const auto i = alternation_of(scheme.splitting)) return Alternation<double>::named(*i);
+    return Alternation<double>::of(scheme.composition);
+  }
+  static bool takes_as_one(const text::SizedScene& scene, const ContactSplitting& scheme) {
+    if (scheme.splitting != Splitting::automatic) return scheme.splitting >= Splitting::merged;
+    return scene.constant_damping && scene.damping_at(0) * scheme.step > 0.5;
+  }
+  Flow flow(double h, double alpha) const {
+    const double z = -(h * alpha);
+    return {std::exp(z), merged_ ? h * phi1(z) : h};
+  }
+
+  /// B½ A B½, or AB, of a momentum and the slope of V, and of s and V.
+  T pushed(const T& x, const T& push, double h, const Flow& c) const {
+    const double half = h * 0.5;
+    return merged_ ? T(c.e * x - c.f * push) : T(c.e * (x - half * push) - half * push);
+  }
+  void push(T* x, double h, double t, const Flow& c) {
+    const std::size_t n = slope_.size();
+    scene_->gradient.evaluate(x, t, slope_.data());
+    ++work_.forces;
+    T* const p = x + n;
+    for (std::size_t i = 0; i < n; ++i) p[i] = pushed(p[i], slope_[i], h, c);
+    if (!acts_) return;
+    T potential;
+    scene_->potential.evaluate(x, t, &potential);
+    x[2 * n] = pushed(x[2 * n], potential, h, c);
+  }
+  void drift(T* x, double h) {
+    const std::size_t n = slope_.size();
+    const T* const p = x + n;
+    scene_->velocity(p, velocity_.data());
+    for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
+    if (!acts_) return;
+    T work = p[0] * velocity_[0];
+    for (std::size_t i = 1; i < n; ++i) work = work + p[i] * velocity_[i];
+    x[2 * n] = x[2 * n] + (h * 0.5) * work;
+  }
+
+  const text::SizedScene* scene_;
+  bool acts_;                ///< states have s
+  bool merged_;              ///< A and B are taken as one
+  ContactSplitting scheme_;  ///< keeps the turns
+  const Alternation<double>* turns_;
+  std::vector<T> slope_, velocity_;
+  double prepared_ = std::numeric_limits<double>::quiet_NaN();  ///< the step that flows_ are for
+  std::array<Flow, compositions::most_stages> flows_{};         ///< of every stage, where α is constant
+  Work work_;
+};
+
+/// All of L at the start of the step.
+template <class T = double>
+class SizedContactEuler {
+ public:
+  /// `components`: of the states, with s or without it.
+  SizedContactEuler(const text::SizedScene& scene, const ContactSymplecticEuler&, std::size_t components)
+      : scene_(&scene),
+        acts_(components == scene.components),
+        slope_(scene.coordinates),
+        velocity_(scene.coordinates) {}
+
+  void begin(const T*, double) { work_ = {}; }
+  StepStatus step(T* x, double t, double h) noexcept {
+    const std::size_t n = slope_.size();
+    T* const p = x + n;
+    const double alpha = scene_->damping_at(t), factor = 1 - h * alpha;
+    scene_->gradient.evaluate(x, t, slope_.data());
+    ++work_.forces;
+    for (std::size_t i = 0; i < n; ++i) p[i] = factor * p[i] - h * slope_[i];
+    scene_->velocity(p, velocity_.data());
+    if (acts_) {
+      T& s = x[2 * n];
+      s = s + h * (0.5 * twice_kinetic(p) - potential(x, t) - alpha * s);
+    }
+    for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
+    return StepStatus::ok;
+  }
+  const Work& work() const { return work_; }
+  double flips_from() const { return 1; }
+  /// E_d of a step of length h from a state: its momentum at the end, all else at the start.
+  double step_energy(StateView from, double h) {
+    if (!acts_) return unknown;
+    const std::size_t n = slope_.size();
+    std::vector<T> x(from.numbers, from.numbers + scene_->components);
+    step(x.data(), from.t, h);
+    return 0.5 * twice_kinetic(x.data() + n) + potential(from.numbers, from.t) +
+           scene_->damping_at(from.t) * from[2 * n];
+  }
+
+ private:
+  T potential(const T* q, double t) const {
+    T v;
+    scene_->potential.evaluate(q, t, &v);
+    return v;
+  }
+  /// p·v of the velocities that have just been made of p.
+  T twice_kinetic(const T* p) const {
+    T sum = p[0] * velocity_[0];
+    for (std::size_t i = 1; i < velocity_.size(); ++i) sum = sum + p[i] * velocity_[i];
+    return sum;
+  }
+
+  const text::SizedScene* scene_;
+  bool acts_;  ///< states have s
+  std::vector<T> slope_, velocity_;
+  Work work_;
+};
+
+}  // namespace least

@@ -1,0 +1,261 @@
+// Explicit contact schemes of damped scenes of many coordinates: Toda's lattice closed to a ring, with friction that is
+// constant or changes in time.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "core/from_values.hpp"
+#include "core/run/backend.hpp"
+#include "core/run/discrete_energy.hpp"
+#include "core/schemes/contact_leapfrog.hpp"
+#include "core/schemes/contact_splitting.hpp"
+#include "core/schemes/contact_symplectic_euler.hpp"
+#include "tests/support/sized.hpp"
+
+namespace sized_damped {
+namespace {
+
+using namespace sized;
+
+constexpr double alpha = 0.3, spring = 0.4;
+constexpr std::string_view constant = "alpha", timed = "alpha*(1 + sin(t)/2)";
+
+/// Of unequal masses, each held by a spring where `k` is not 0; one is driven where the friction changes in time.
+std::shared_ptr<const Mechanics> ring(int n, std::string_view damping, double k = spring, double strength = alpha) {
+  text::TypedScene typed;
+  typed.scene = of(Definition::Kind::potential, {"q[n]"}, {{"n", double(n)}, {"alpha", strength}, {"k", k}},
+                   "sum(i=1..n, exp(q[i] - q[mod(i,n)+1]) + k*q[i]^2/2)");
+  typed.scene.masses = {{"q[i]", "1 + i/n"}};
+  typed.scene.damping = damping;
+  if (damping == timed) typed.scene.formula += " - cos(2*t)*q[1]";
+  return made(typed);
+}
+/// q, p and s.
+std::vector<double> start(int n) {
+  std::vector<double> x;
+  for (int i = 0; i < n; ++i) x.push_back(0.5 * std::sin(1 + 2.3 * i * i));
+  for (int i = 0; i < n; ++i) x.push_back(0.4 * std::cos(3 * i));
+  x.push_back(0.3);
+  return x;
+}
+
+/// The same scene as a problem that is compiled.
+template <int N, bool Timed>
+struct Ring {
+  static constexpr int dof = N;
+
+  Vec<N> inverse_mass() const {
+    Vec<N> w;
+    for (std::size_t i = 0; i < N; ++i) w[i] = 1 / (1 + double(i + 1) / N);
+    return w;
+  }
+  template <class T, class S>
+  constexpr T potential(const Vec<N, T>& q, [[maybe_unused]] const S& t) const {
+    using least::cos;
+    using least::exp;
+    T sum(0);
+    if constexpr (Timed) sum = -(cos(2 * t) * q[0]);
+    for (std::size_t i = 0; i < N; ++i) sum = sum + exp(q[i] - q[(i + 1) % N]) + spring * (q[i] * q[i]) / 2;
+    return sum;
+  }
+  double damping() const requires(!Timed) { return alpha; }
+  template <class S>
+  S damping(const S& t) const requires Timed {
+    using least::sin;
+    return alpha * (1 + sin(t) / 2);
+  }
+};
+
+struct Choice {
+  const char *scheme, *setting = "", *value = "";
+  int order = 2;
+  double step = 0.1;
+};
+constexpr Choice choices[] = {{"contact_symplectic_euler", "", "", 1, 0.02},
+                              {"contact_splitting", "splitting", "automatic"},
+                              {"contact_splitting", "splitting", "plain"},
+                              {"contact_splitting", "splitting", "merged"},
+                              {"contact_splitting", "composition", "suzuki_4", 4, 0.4},
+                              {"contact_splitting", "composition", "kahan_li_6", 6, 0.4},
+                              {"contact_splitting", "splitting", "saba_2"},
+                              {"contact_splitting", "splitting", "saba_4"},
+                              {"contact_splitting", "splitting", "aba_864", 4, 0.4},
+                              {"contact_splitting", "splitting", "aba_1064", 4, 0.4}};
+Request chosen(const Choice& choice, const std::shared_ptr<const Mechanics>& mechanics, const std::vector<double>& from,
+               double end, double step) {
+  Request request = stepped(choice.scheme, mechanics, from, end, step);
+  if (*choice.setting) runs::set(request, choice.setting, choice.value);
+  runs::show_all(request);  // with s
+  return request;
+}
+
+TEST(SizedDamped, SchemesHaveTheirOrders) {
+  for (const int n : {9, 100})
+    for (const auto damping : {constant, timed}) {
+      const auto mechanics = ring(n, damping);
+      Request exact = request_by("taylor", mechanics, start(n), 4);
+      runs::show_all(exact);
+      const auto truth = final_of(exact);
+      for (const Choice& choice : choices) {
+        const auto error = [&](double step) {
+          return distance(final_of(chosen(choice, mechanics, start(n), 4, step)), truth);
+        };
+        const double coarse = error(choice.step), fine = error(choice.step / 2);
+        EXPECT_NEAR(std::log2(coarse / fine), choice.order, 0.35) << choice.scheme << choice.value << n << damping;
+        EXPECT_GT(fine, 1e-12) << choice.scheme << choice.value << " is at round-off";
+      }
+    }
+}
+
+/// Many steps of a scheme on the problem that is compiled, as the card's variables.
+template <class P, class Scheme>
+std::vector<double> by_compiled(const P& problem, const Scheme& scheme, const std::vector<double>& from, int steps) {
+  FullStateOf<P> x;
+  for (std::size_t i = 0; i < from.size(); ++i) x[i] = from[i];
+  auto stepper = scheme.bind(problem, x);
+  for (int k = 0; k < steps; ++k) {
+    EXPECT_EQ(stepper.step(x, scheme.step), StepStatus::ok);
+    x.t = (k + 1) * scheme.step;
+  }
+  std::vector<double> end;
+  for (std::size_t i = 0; i < from.size(); ++i) end.push_back(x[i]);
+  return end;
+}
+template <int N, bool Timed>
+void is_as_compiled() {
+  const Ring<N, Timed> problem;
+  const auto mechanics = ring(N, Timed ? timed : constant);
+  constexpr int steps = 40;
+  for (const Choice& choice : choices) {
+    Request request = chosen(choice, mechanics, start(N), steps * choice.step, choice.step);
+    const auto found = final_of(request);
+    const std::string what = std::string(choice.scheme) + choice.value + " " + std::to_string(N);
+    const auto& settings = request.settings;
+    if (std::string_view(choice.scheme) == "contact_splitting") {
+      const auto scheme = from_values<ContactSplitting>(ContactSplitting::fields, settings);
+      EXPECT_LT(distance(found, by_compiled(problem, scheme, start(N), steps)), 1e-12) << what;
+      continue;
+    }
+    const auto scheme = from_values<ContactSymplecticEuler>(ContactSymplecticEuler::fields, settings);
+    EXPECT_LT(distance(found, by_compiled(problem, scheme, start(N), steps)), 1e-12) << what;
+    request.record = {Record::Mode::every, 1, {}};
+    const auto name_of = [](const auto& column) { return column.name; };
+    request.columns = {runs::position(runs::card(request).columns, "discrete_energy", name_of)};
+    FullStateOf<Ring<N, Timed>> x;
+    for (std::size_t i = 0; i < start(N).size(); ++i) x[i] = start(N)[i];
+    EXPECT_NEAR(runs::go(request).rows[1][0], discrete_energy(scheme, problem, x, scheme.step), 1e-12) << what;
+  }
+}
+TEST(SizedDamped, StatesAreThoseOfTheProblemThatIsCompiled) {
+  is_as_compiled<1, false>();
+  is_as_compiled<1, true>();
+  is_as_compiled<2, false>();
+  is_as_compiled<3, true>();
+  is_as_compiled<8, false>();
+  is_as_compiled<8, true>();
+}
+
+// Backwards in time friction drives: with the other sign of α, p and s a run leads back.
+TEST(SizedDamped, SymmetricOnesLeadBack) {
+  constexpr int n = 30;
+  for (const Choice& choice : choices) {
+    if (choice.order == 1) continue;
+    auto x = final_of(chosen(choice, ring(n, constant), start(n), 4, 0.1));
+    EXPECT_GT(distance(x, start(n)), 0.1);
+    const auto turn = [&] {
+      for (std::size_t i = n; i < x.size(); ++i) x[i] = -x[i];
+    };
+    turn();
+    x = final_of(chosen(choice, ring(n, constant, spring, -alpha), x, 4, 0.1));
+    turn();
+    EXPECT_LT(distance(x, start(n)), 1e-11) << choice.scheme << choice.value;
+  }
+}
+
+TEST(SizedDamped, TheContactFormIsKept) {
+  for (const int n : {9, 100})
+    for (const Choice& choice : choices) {
+      Request request = chosen(choice, ring(n, constant), start(n), 0.3, 0.1);
+      runs::ask(request, "structure");
+      runs::ask(request, "volume");
+      const auto found = runs::go(request).outcome.diagnostics;
+      EXPECT_LT(runs::number(found, "structure/max_defect"), 1e-13) << choice.scheme << choice.value << n;
+      const double factor = choice.order == 1 ? 1 - 0.1 * alpha : std::exp(-0.1 * alpha);
+      EXPECT_NEAR(runs::number(found, "structure/factor"), factor, 1e-14) << choice.scheme << choice.value << n;
+      EXPECT_LT(runs::number(found, "volume/max_defect"), 1e-12) << choice.scheme << choice.value << n;
+    }
+}
+
+// Without the springs Σp decays by e^(−∫α), which a splitting has to round-off where α is constant.
+TEST(SizedDamped, TheMomentumOfTheWholeDecays) {
+  constexpr int n = 64;
+  const auto whole = [](const std::vector<double>& x) {
+    double sum = 0;
+    for (std::size_t i = n; i < 2 * n; ++i) sum += x[i];
+    return sum;
+  };
+  const double before = whole(start(n));
+  for (const Choice& choice : choices) {
+    const double after = whole(final_of(chosen(choice, ring(n, constant, 0), start(n), 5, 0.1)));
+    const double factor = choice.order == 1 ? std::pow(1 - 0.1 * alpha, 50) : std::exp(-5 * alpha);
+    EXPECT_NEAR(after / before, factor, 1e-12) << choice.scheme << choice.value;
+  }
+}
+
+// Derivatives of a step against differences of runs of one step.
+TEST(SizedDamped, TangentsAreTheChangesOfAStep) {
+  constexpr int n = 9;
+  constexpr double aside = 1e-3;
+  for (const auto damping : {constant, timed})
+    for (const Choice& choice : choices) {
+      const auto mechanics = ring(n, damping);
+      const Request request = chosen(choice, mechanics, start(n), 0.2, 0.2);
+      const auto backend = mechanics->backend(request);
+      const RunState x = backend->table().start(start(n), 0);
+      TangentMap map;
+      ASSERT_TRUE(backend->tangents(request).plain(
+          x, [] { return true; }, map));
+      double most = 0;
+      for (std::size_t j = 0; j < map.size(); ++j) {
+        std::vector<double> column(map.size(), 0);
+        for (const auto& [far, weight] : {std::pair{1, 8.0}, std::pair{2, -1.0}})
+          for (const int side : {-1, 1}) {
+            auto from = start(n);
+            from[j] += side * far * aside;
+            const auto end = final_of(chosen(choice, mechanics, from, 0.2, 0.2));
+            for (std::size_t i = 0; i < map.size(); ++i) column[i] += side * weight * end[i] / (12 * aside);
+          }
+        for (std::size_t i = 0; i < map.size(); ++i) most = std::max(most, std::abs(column[i] - map.slope(i, j)));
+      }
+      EXPECT_LT(most, 1e-10) << choice.scheme << choice.value << damping;
+    }
+}
+
+TEST(SizedDamped, StrongDampingIsSaid) {
+  const auto warned = [](const Choice& choice, double step, const char* code) {
+    const auto outcome = runs::go(chosen(choice, ring(9, constant, spring, 4), start(9), 4 * step, step)).outcome;
+    return std::ranges::count(outcome.warnings, code, &Warning::code) == 1;
+  };
+  const Choice euler{"contact_symplectic_euler"}, plain{"contact_splitting", "splitting", "plain"},
+      merged{"contact_splitting", "splitting", "merged"}, chooses{"contact_splitting"};
+  EXPECT_TRUE(warned(euler, 0.26, "damping_sign"));
+  EXPECT_FALSE(warned(euler, 0.24, "damping_sign"));
+  EXPECT_TRUE(warned(plain, 0.51, "stiff_step"));
+  EXPECT_FALSE(warned(plain, 0.49, "stiff_step"));
+  EXPECT_FALSE(warned(merged, 0.51, "stiff_step"));
+  EXPECT_FALSE(warned(chooses, 0.51, "stiff_step"));
+}
+
+TEST(SizedDamped, TheyAreOfferedWhereThereIsDamping) {
+  text::TypedScene typed;
+  typed.scene = of(Definition::Kind::potential, {"q[100]"}, {}, "sum(i=1..100, q[i]^4)");
+  for (const char* scheme : {"contact_splitting", "contact_symplectic_euler"}) {
+    const auto fits = [&](const ProblemCard& card) { return runs::fits(card, find_scheme(scheme).value()); };
+    EXPECT_TRUE(fits(ring(100, timed)->card())) << scheme;
+    EXPECT_FALSE(fits(made(typed)->card())) << scheme;
+  }
+}
+
+}  // namespace
+}  // namespace sized_damped

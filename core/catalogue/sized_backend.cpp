@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/sized_clocks.hpp"
 #include "core/catalogue/sized_damped.hpp"
 #include "core/catalogue/sized_forced.hpp"
 #include "core/catalogue/sized_implicit.hpp"
@@ -134,6 +135,11 @@ std::unique_ptr<Integrator> bind_series(const Binding& to) {
 }
 
 template <class Scheme>
+std::unique_ptr<Integrator> bind_own_clock(const Binding& to) {
+  return bind_clock(to.backend, to.scene, to.scheme<Scheme>(), to.x, to.end);
+}
+
+template <class Scheme>
 Composition composition_of(const Scheme& scheme) {
   if constexpr (requires { scheme.composition; }) return scheme.composition;
   return Composition::none;
@@ -186,6 +192,9 @@ bool on_separable(const SizedScene& scene) {
 }
 /// Of order 3 with exact kicks alone: a symmetric error in each would not cancel.
 bool with_exact_kicks(const SizedScene& scene) { return on_separable(scene) && (!scene.forced || scene.forces.linear); }
+bool on_steady(const SizedScene& scene) {
+  return scene.kind == text::FormKind::separable && !scene.forced && scene.autonomous;
+}
 bool with_lift(const SizedScene& scene) { return scene.lift != nullptr; }
 bool on_damped(const SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
 bool on_damped_path(const SizedScene& scene) { return on_damped(scene) && scene.solves_for_places(); }
@@ -220,6 +229,7 @@ constexpr std::array sized_schemes{
     SizedScheme{"variational_midpoint", with_path, bind_rule<VariationalMidpoint, straight>,
                 tangents_rule<VariationalMidpoint, straight>},
     SizedScheme{"galerkin_4", with_path, bind_rule<Galerkin4, parabola>, tangents_rule<Galerkin4, parabola>},
+    SizedScheme{"adaptive_verlet", on_steady, bind_own_clock<AdaptiveVerlet>},
     explicit_scheme<ContactLeapfrog, DampedKicks>("contact_leapfrog", on_damped),
     explicit_scheme<ContactSplitting, DampedKicks>("contact_splitting", on_damped),
     explicit_scheme<ContactSymplecticEuler, DampedKicks>("contact_symplectic_euler", on_damped),

@@ -154,6 +154,8 @@ TEST(SizedDamped, StatesAreThoseOfTheProblemThatIsCompiled) {
   is_as_compiled<3, true>();
   is_as_compiled<8, false>();
   is_as_compiled<8, true>();
+  is_as_compiled<9, true>();
+  is_as_compiled<9, false>();
 }
 
 // Backwards in time friction drives: with the other sign of α, p and s a run leads back.

@@ -1,0 +1,27 @@
+// Schemes that set their own clock on scenes with a constant metric whose size is known when they run: the maps of
+// core/schemes/adaptive_verlet.hpp, time_transformed.hpp and time_transformed_contact.hpp, on components that stand one
+// after the other.
+#pragma once
+
+#include <memory>
+
+#include "core/run/integrator.hpp"
+#include "core/run/tangent_map.hpp"
+#include "core/schemes/adaptive_verlet.hpp"
+#include "core/schemes/time_transformed.hpp"
+#include "core/text/sized_scene.hpp"
+
+namespace least {
+
+struct Request;
+
+/// Of a separable scene in which nothing depends on time. `end`: of the run.
+std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::SizedScene& scene,
+                                       const AdaptiveVerlet& scheme, const RunState& x, double end);
+/// The same, or of a damped scene.
+std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::SizedScene& scene,
+                                       const TimeTransformed& scheme, const RunState& x, double end);
+/// Of a damped scene on the extended space.
+StepTangents tangents_of(const text::SizedScene& scene, const TimeTransformed& scheme, const Request& request);
+
+}  // namespace least

@@ -139,6 +139,10 @@ std::unique_ptr<Integrator> bind_own_clock(const Binding& to) {
   return bind_clock(to.backend, to.scene, to.scheme<Scheme>(), to.x, to.end);
 }
 
+StepTangents tangents_transformed(const text::SizedScene& scene, const Request& request) {
+  return tangents_of(scene, from_values<TimeTransformed>(TimeTransformed::fields, request.settings), request);
+}
+
 template <class Scheme>
 Composition composition_of(const Scheme& scheme) {
   if constexpr (requires { scheme.composition; }) return scheme.composition;
@@ -192,11 +196,13 @@ bool on_separable(const SizedScene& scene) {
 }
 /// Of order 3 with exact kicks alone: a symmetric error in each would not cancel.
 bool with_exact_kicks(const SizedScene& scene) { return on_separable(scene) && (!scene.forced || scene.forces.linear); }
+/// Where nothing depends on time.
 bool on_steady(const SizedScene& scene) {
   return scene.kind == text::FormKind::separable && !scene.forced && scene.autonomous;
 }
 bool with_lift(const SizedScene& scene) { return scene.lift != nullptr; }
 bool on_damped(const SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
+bool on_steady_or_damped(const SizedScene& scene) { return on_steady(scene) || on_damped(scene); }
 bool on_damped_path(const SizedScene& scene) { return on_damped(scene) && scene.solves_for_places(); }
 /// Forced ones, and those whose metric depends on the place, where a step's matrix is not too large.
 bool with_path(const SizedScene& scene) {
@@ -229,6 +235,7 @@ constexpr std::array sized_schemes{
     SizedScheme{"variational_midpoint", with_path, bind_rule<VariationalMidpoint, straight>,
                 tangents_rule<VariationalMidpoint, straight>},
     SizedScheme{"galerkin_4", with_path, bind_rule<Galerkin4, parabola>, tangents_rule<Galerkin4, parabola>},
+    SizedScheme{"time_transformed", on_steady_or_damped, bind_own_clock<TimeTransformed>, tangents_transformed},
     SizedScheme{"adaptive_verlet", on_steady, bind_own_clock<AdaptiveVerlet>},
     explicit_scheme<ContactLeapfrog, DampedKicks>("contact_leapfrog", on_damped),
     explicit_scheme<ContactSplitting, DampedKicks>("contact_splitting", on_damped),

@@ -33,7 +33,7 @@ class SizedBackend final : public RunBackend {
   const ProblemTable& motion() const override { return motion_; }
   std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid& grid,
                                    double end) const override;
-  /// Of schemes of equal steps but those with forces.
+  /// Of schemes of equal steps but those with forces, and of time_transformed.
   StepTangents tangents(const Request& request) const override;
   std::vector<tape::Index> write_equations(tape::Tape& tape) const override;
   std::size_t found() const override { return 0; }

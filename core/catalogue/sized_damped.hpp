@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/run/run_state.hpp"
-#include "core/schemes/contact_leapfrog.hpp"
 #include "core/schemes/contact_splitting.hpp"
 #include "core/schemes/contact_symplectic_euler.hpp"
 #include "core/text/sized_scene.hpp"

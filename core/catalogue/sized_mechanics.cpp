@@ -64,11 +64,11 @@ class SizedMechanics final : public Mechanics {
     std::ranges::sort(schemes);
     card_ = complete_card(text_.described(), traits_, std::move(schemes));
     if (!text_.form->is_compiled() && !sized->forced)
-      card_.offers += sized->coordinates > text::SizedScene::most_full && !traits_.potential
-                          ? ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
-                                " for which schemes solve equations whose matrix is full"
-                          : ", with more coordinates than schemes that transform the time or keep the energy by the "
-                            "length of their steps take";
+      card_.offers +=
+          sized->coordinates > text::SizedScene::most_full && !traits_.potential
+              ? ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
+                    " for which schemes solve equations whose matrix is full"
+              : ", with more coordinates than schemes that keep the energy by the length of their steps take";
     if (!sized->solves_for_places())
       card_.offers += ", with masses that couple more coordinates than the " +
                       std::to_string(text::SizedScene::most_with_full_mass) +

@@ -15,6 +15,7 @@
 #include "core/newton.hpp"
 #include "core/phases.hpp"
 #include "core/scheme.hpp"
+#include "core/schemes/damping_pole.hpp"
 
 namespace least {
 

@@ -78,10 +78,10 @@ class TransformedLeapfrog {
       const auto& gamma = time_.weights->gamma[i];
       drift(x, sigma * (before + gamma) / speed, elapsed);
       before = gamma;
-      const Slopes<P, T> here(time_.problem, x.q);
+      const auto here = potential_at(time_.problem, x.q, phase(time_.problem, 0.0));
       ++work.forces;
       const T gap = time_.level - here.potential;
-      const auto by = kick(x.q, here, gap, T(sigma * gamma));
+      const auto by = kick(x.q, here.slope, gap, T(sigma * gamma));
       for (std::size_t k = 0; k < x.p.size(); ++k) x.p[k] = x.p[k] + by[k];
       const T square = 4.0 * (gap * gap);
       T level = speed;
@@ -103,10 +103,10 @@ class TransformedLeapfrog {
 
  private:
   /// −σ∇V/D
-  Vec<P::dof, T> kick(const Vec<P::dof, T>& q, const Slopes<P, T>& here, const T& gap, const T& sigma) const {
+  template <class V>
+  V kick([[maybe_unused]] const V& q, V by, const T& gap, const T& sigma) const {
     if constexpr (HasLogGradient<P, T>)
       if (time_.gap_is_potential) return time_.problem.log_gradient(q, sigma);
-    Vec<P::dof, T> by = here.gradient;
     const T factor = -sigma / gap;
     for (T& c : by) c = factor * c;
     return by;

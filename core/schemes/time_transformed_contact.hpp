@@ -174,6 +174,7 @@ class TransformedContact {
   static constexpr std::size_t terms = Precision<S>::epsilon > 1e-17 ? 6 : 14;
   static constexpr double small = 1.0 / 512;
   using Powers = Series<S, terms>;
+  using Vector = decltype(X::q);
 
   /// The part F(A) with constant α: Δt, (1 − E)/α, (1 − E²)/2α and (A₀ − A₁)/(αA₀).
   struct Passage {
@@ -287,7 +288,7 @@ class TransformedContact {
     return fail(TransformedFault::unsolved, delta);
   }
   /// The end of that part, after the time δ; `e`: what is left of p in the middle.
-  void arrive(X& x, Memory& now, const Vec<P::dof, T>& v, const T& kinetic, const T& delta, const T& mean, const T& e,
+  void arrive(X& x, Memory& now, const Vector& v, const T& kinetic, const T& delta, const T& mean, const T& e,
               const DampingAt<T>& middle, const DampingAt<T>& there) {
     const S legendre = 1 - inverse_;
     const T exponent = middle.integral - there.integral, loss = grown(exponent), after = 1.0 + loss;
@@ -307,19 +308,10 @@ class TransformedContact {
     using least::all;
     using least::select;
     const auto f = phase(problem_, T(x.t + elapsed));
-    T potential;
-    Vec<P::dof, T> gradient;
-    if constexpr (HasGradient<P>) {
-      potential = problem_.potential(x.q, f);
-      gradient = problem_.gradient(x.q, f);
-    } else {
-      const auto at = problem_.potential(seed<P::dof, T>(x.q), f);
-      potential = at.value;
-      gradient = at.slope;
-    }
+    const auto [potential, gradient] = potential_at(problem_, x.q, f);
     ++work.forces;
     const T b = level_ - potential, push = slope_(b, tau), lift = b * inverse_;  // push·lift = τF(B)
-    const Vec<P::dof, T> rate = velocity(problem_, x.q, gradient);
+    const Vector rate = velocity(problem_, x.q, gradient);
     // A by what K, αs and p_t change by: all that does not need `push` is there when it comes.
     T change = -dot(rate, x.p);
     if constexpr (constant) {

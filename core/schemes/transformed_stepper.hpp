@@ -14,6 +14,23 @@
 
 namespace least {
 
+/// V and ∇V at a place.
+template <class V>
+struct PotentialAt {
+  typename V::value_type potential;
+  V slope;
+};
+/// At q and the phase f. Where vectors are views, the problem says what it holds the slope in.
+template <class P, class V, class F>
+PotentialAt<V> potential_at(const P& problem, const V& q, const F& f) {
+  if constexpr (HasGradient<P>) {
+    return {problem.potential(q, f), problem.gradient(q, f)};
+  } else {
+    const auto at = problem.potential(seed<P::dof, typename V::value_type>(q), f);
+    return {at.value, at.slope};
+  }
+}
+
 /// Of kernels that keep nothing but what follows from the state.
 struct NoMemory {};
 

@@ -11,61 +11,13 @@
 #include "core/schemes/contact_leapfrog.hpp"
 #include "core/schemes/contact_splitting.hpp"
 #include "core/schemes/contact_symplectic_euler.hpp"
-#include "tests/support/sized.hpp"
+#include "tests/support/rings.hpp"
 
 namespace sized_damped {
 namespace {
 
-using namespace sized;
-
-constexpr double alpha = 0.3, spring = 0.4;
-constexpr std::string_view constant = "alpha", timed = "alpha*(1 + sin(t)/2)";
-
-/// Of unequal masses, each held by a spring where `k` is not 0; one is driven where the friction changes in time.
-std::shared_ptr<const Mechanics> ring(int n, std::string_view damping, double k = spring, double strength = alpha) {
-  text::TypedScene typed;
-  typed.scene = of(Definition::Kind::potential, {"q[n]"}, {{"n", double(n)}, {"alpha", strength}, {"k", k}},
-                   "sum(i=1..n, exp(q[i] - q[mod(i,n)+1]) + k*q[i]^2/2)");
-  typed.scene.masses = {{"q[i]", "1 + i/n"}};
-  typed.scene.damping = damping;
-  if (damping == timed) typed.scene.formula += " - cos(2*t)*q[1]";
-  return made(typed);
-}
-/// q, p and s.
-std::vector<double> start(int n) {
-  std::vector<double> x;
-  for (int i = 0; i < n; ++i) x.push_back(0.5 * std::sin(1 + 2.3 * i * i));
-  for (int i = 0; i < n; ++i) x.push_back(0.4 * std::cos(3 * i));
-  x.push_back(0.3);
-  return x;
-}
-
-/// The same scene as a problem that is compiled.
-template <int N, bool Timed>
-struct Ring {
-  static constexpr int dof = N;
-
-  Vec<N> inverse_mass() const {
-    Vec<N> w;
-    for (std::size_t i = 0; i < N; ++i) w[i] = 1 / (1 + double(i + 1) / N);
-    return w;
-  }
-  template <class T, class S>
-  constexpr T potential(const Vec<N, T>& q, [[maybe_unused]] const S& t) const {
-    using least::cos;
-    using least::exp;
-    T sum(0);
-    if constexpr (Timed) sum = -(cos(2 * t) * q[0]);
-    for (std::size_t i = 0; i < N; ++i) sum = sum + exp(q[i] - q[(i + 1) % N]) + spring * (q[i] * q[i]) / 2;
-    return sum;
-  }
-  double damping() const requires(!Timed) { return alpha; }
-  template <class S>
-  S damping(const S& t) const requires Timed {
-    using least::sin;
-    return alpha * (1 + sin(t) / 2);
-  }
-};
+using namespace rings;
+constexpr Friction damped[] = {Friction::constant, Friction::timed};
 
 struct Choice {
   const char *scheme, *setting = "", *value = "";
@@ -76,7 +28,7 @@ constexpr Choice choices[] = {{"contact_symplectic_euler", "", "", 1, 0.02},
                               {"contact_splitting", "splitting", "automatic"},
                               {"contact_splitting", "splitting", "plain"},
                               {"contact_splitting", "splitting", "merged"},
-                              {"contact_splitting", "composition", "suzuki_4", 4, 0.4},
+                              {"contact_splitting", "composition", "suzuki_4", 4, 0.2},
                               {"contact_splitting", "composition", "kahan_li_6", 6, 0.4},
                               {"contact_splitting", "splitting", "saba_2"},
                               {"contact_splitting", "splitting", "saba_4"},
@@ -92,17 +44,18 @@ Request chosen(const Choice& choice, const std::shared_ptr<const Mechanics>& mec
 
 TEST(SizedDamped, SchemesHaveTheirOrders) {
   for (const int n : {9, 100})
-    for (const auto damping : {constant, timed}) {
-      const auto mechanics = ring(n, damping);
-      Request exact = request_by("taylor", mechanics, start(n), 4);
+    for (const Friction friction : damped) {
+      const auto mechanics = ring(n, friction);
+      const auto from = start(n, friction);
+      Request exact = request_by("taylor", mechanics, from, 4);
       runs::show_all(exact);
       const auto truth = final_of(exact);
       for (const Choice& choice : choices) {
         const auto error = [&](double step) {
-          return distance(final_of(chosen(choice, mechanics, start(n), 4, step)), truth);
+          return distance(final_of(chosen(choice, mechanics, from, 4, step)), truth);
         };
         const double coarse = error(choice.step), fine = error(choice.step / 2);
-        EXPECT_NEAR(std::log2(coarse / fine), choice.order, 0.35) << choice.scheme << choice.value << n << damping;
+        EXPECT_NEAR(std::log2(coarse / fine), choice.order, 0.35) << choice.scheme << choice.value << n;
         EXPECT_GT(fine, 1e-12) << choice.scheme << choice.value << " is at round-off";
       }
     }
@@ -111,8 +64,7 @@ TEST(SizedDamped, SchemesHaveTheirOrders) {
 /// Many steps of a scheme on the problem that is compiled, as the card's variables.
 template <class P, class Scheme>
 std::vector<double> by_compiled(const P& problem, const Scheme& scheme, const std::vector<double>& from, int steps) {
-  FullStateOf<P> x;
-  for (std::size_t i = 0; i < from.size(); ++i) x[i] = from[i];
+  auto x = state_of<FullStateOf<P>>(from);
   auto stepper = scheme.bind(problem, x);
   for (int k = 0; k < steps; ++k) {
     EXPECT_EQ(stepper.step(x, scheme.step), StepStatus::ok);
@@ -122,40 +74,40 @@ std::vector<double> by_compiled(const P& problem, const Scheme& scheme, const st
   for (std::size_t i = 0; i < from.size(); ++i) end.push_back(x[i]);
   return end;
 }
-template <int N, bool Timed>
+template <int N, Friction friction, bool Coupled = false>
 void is_as_compiled() {
-  const Ring<N, Timed> problem;
-  const auto mechanics = ring(N, Timed ? timed : constant);
+  const Ring<N, friction, Coupled> problem;
+  const auto mechanics = ring(N, friction, {.coupled = Coupled});
+  const auto from = start(N, friction);
   constexpr int steps = 40;
   for (const Choice& choice : choices) {
-    Request request = chosen(choice, mechanics, start(N), steps * choice.step, choice.step);
+    Request request = chosen(choice, mechanics, from, steps * choice.step, choice.step);
     const auto found = final_of(request);
     const std::string what = std::string(choice.scheme) + choice.value + " " + std::to_string(N);
     const auto& settings = request.settings;
     if (std::string_view(choice.scheme) == "contact_splitting") {
       const auto scheme = from_values<ContactSplitting>(ContactSplitting::fields, settings);
-      EXPECT_LT(distance(found, by_compiled(problem, scheme, start(N), steps)), 1e-12) << what;
+      EXPECT_LT(distance(found, by_compiled(problem, scheme, from, steps)), 1e-12) << what;
       continue;
     }
     const auto scheme = from_values<ContactSymplecticEuler>(ContactSymplecticEuler::fields, settings);
-    EXPECT_LT(distance(found, by_compiled(problem, scheme, start(N), steps)), 1e-12) << what;
+    EXPECT_LT(distance(found, by_compiled(problem, scheme, from, steps)), 1e-12) << what;
     request.record = {Record::Mode::every, 1, {}};
     const auto name_of = [](const auto& column) { return column.name; };
     request.columns = {runs::position(runs::card(request).columns, "discrete_energy", name_of)};
-    FullStateOf<Ring<N, Timed>> x;
-    for (std::size_t i = 0; i < start(N).size(); ++i) x[i] = start(N)[i];
+    const auto x = state_of<FullStateOf<Ring<N, friction, Coupled>>>(from);
     EXPECT_NEAR(runs::go(request).rows[1][0], discrete_energy(scheme, problem, x, scheme.step), 1e-12) << what;
   }
 }
 TEST(SizedDamped, StatesAreThoseOfTheProblemThatIsCompiled) {
-  is_as_compiled<1, false>();
-  is_as_compiled<1, true>();
-  is_as_compiled<2, false>();
-  is_as_compiled<3, true>();
-  is_as_compiled<8, false>();
-  is_as_compiled<8, true>();
-  is_as_compiled<9, true>();
-  is_as_compiled<9, false>();
+  is_as_compiled<1, Friction::constant>();
+  is_as_compiled<1, Friction::timed>();
+  is_as_compiled<2, Friction::constant>();
+  is_as_compiled<2, Friction::timed, true>();
+  is_as_compiled<3, Friction::timed>();
+  is_as_compiled<8, Friction::constant>();
+  is_as_compiled<9, Friction::timed>();
+  is_as_compiled<9, Friction::constant, true>();
 }
 
 // Backwards in time friction drives: with the other sign of α, p and s a run leads back.
@@ -163,22 +115,22 @@ TEST(SizedDamped, SymmetricOnesLeadBack) {
   constexpr int n = 30;
   for (const Choice& choice : choices) {
     if (choice.order == 1) continue;
-    auto x = final_of(chosen(choice, ring(n, constant), start(n), 4, 0.1));
-    EXPECT_GT(distance(x, start(n)), 0.1);
+    auto x = final_of(chosen(choice, ring(n, Friction::constant), start(n, Friction::constant), 4, 0.1));
+    EXPECT_GT(distance(x, start(n, Friction::constant)), 0.1);
     const auto turn = [&] {
       for (std::size_t i = n; i < x.size(); ++i) x[i] = -x[i];
     };
     turn();
-    x = final_of(chosen(choice, ring(n, constant, spring, -alpha), x, 4, 0.1));
+    x = final_of(chosen(choice, ring(n, Friction::constant, {.damping = -alpha}), x, 4, 0.1));
     turn();
-    EXPECT_LT(distance(x, start(n)), 1e-11) << choice.scheme << choice.value;
+    EXPECT_LT(distance(x, start(n, Friction::constant)), 1e-11) << choice.scheme << choice.value;
   }
 }
 
 TEST(SizedDamped, TheContactFormIsKept) {
   for (const int n : {9, 100})
     for (const Choice& choice : choices) {
-      Request request = chosen(choice, ring(n, constant), start(n), 0.3, 0.1);
+      Request request = chosen(choice, ring(n, Friction::constant), start(n, Friction::constant), 0.3, 0.1);
       runs::ask(request, "structure");
       runs::ask(request, "volume");
       const auto found = runs::go(request).outcome.diagnostics;
@@ -197,9 +149,10 @@ TEST(SizedDamped, TheMomentumOfTheWholeDecays) {
     for (std::size_t i = n; i < 2 * n; ++i) sum += x[i];
     return sum;
   };
-  const double before = whole(start(n));
+  const double before = whole(start(n, Friction::constant));
   for (const Choice& choice : choices) {
-    const double after = whole(final_of(chosen(choice, ring(n, constant, 0), start(n), 5, 0.1)));
+    const double after =
+        whole(final_of(chosen(choice, ring(n, Friction::constant, {.held = 0}), start(n, Friction::constant), 5, 0.1)));
     const double factor = choice.order == 1 ? std::pow(1 - 0.1 * alpha, 50) : std::exp(-5 * alpha);
     EXPECT_NEAR(after / before, factor, 1e-12) << choice.scheme << choice.value;
   }
@@ -209,12 +162,12 @@ TEST(SizedDamped, TheMomentumOfTheWholeDecays) {
 TEST(SizedDamped, TangentsAreTheChangesOfAStep) {
   constexpr int n = 9;
   constexpr double aside = 1e-3;
-  for (const auto damping : {constant, timed})
+  for (const Friction friction : damped)
     for (const Choice& choice : choices) {
-      const auto mechanics = ring(n, damping);
-      const Request request = chosen(choice, mechanics, start(n), 0.2, 0.2);
+      const auto mechanics = ring(n, friction);
+      const Request request = chosen(choice, mechanics, start(n, Friction::constant), 0.2, 0.2);
       const auto backend = mechanics->backend(request);
-      const RunState x = backend->table().start(start(n), 0);
+      const RunState x = backend->table().start(start(n, Friction::constant), 0);
       TangentMap map;
       ASSERT_TRUE(backend->tangents(request).plain(
           x, [] { return true; }, map));
@@ -223,20 +176,22 @@ TEST(SizedDamped, TangentsAreTheChangesOfAStep) {
         std::vector<double> column(map.size(), 0);
         for (const auto& [far, weight] : {std::pair{1, 8.0}, std::pair{2, -1.0}})
           for (const int side : {-1, 1}) {
-            auto from = start(n);
+            auto from = start(n, Friction::constant);
             from[j] += side * far * aside;
             const auto end = final_of(chosen(choice, mechanics, from, 0.2, 0.2));
             for (std::size_t i = 0; i < map.size(); ++i) column[i] += side * weight * end[i] / (12 * aside);
           }
         for (std::size_t i = 0; i < map.size(); ++i) most = std::max(most, std::abs(column[i] - map.slope(i, j)));
       }
-      EXPECT_LT(most, 1e-10) << choice.scheme << choice.value << damping;
+      EXPECT_LT(most, 1e-10) << choice.scheme << choice.value;
     }
 }
 
 TEST(SizedDamped, StrongDampingIsSaid) {
   const auto warned = [](const Choice& choice, double step, const char* code) {
-    const auto outcome = runs::go(chosen(choice, ring(9, constant, spring, 4), start(9), 4 * step, step)).outcome;
+    const auto outcome = runs::go(chosen(choice, ring(9, Friction::constant, {.damping = 4}),
+                                         start(9, Friction::constant), 4 * step, step))
+                             .outcome;
     return std::ranges::count(outcome.warnings, code, &Warning::code) == 1;
   };
   const Choice euler{"contact_symplectic_euler"}, plain{"contact_splitting", "splitting", "plain"},
@@ -254,7 +209,7 @@ TEST(SizedDamped, TheyAreOfferedWhereThereIsDamping) {
   typed.scene = of(Definition::Kind::potential, {"q[100]"}, {}, "sum(i=1..100, q[i]^4)");
   for (const char* scheme : {"contact_splitting", "contact_symplectic_euler"}) {
     const auto fits = [&](const ProblemCard& card) { return runs::fits(card, find_scheme(scheme).value()); };
-    EXPECT_TRUE(fits(ring(100, timed)->card())) << scheme;
+    EXPECT_TRUE(fits(ring(100, Friction::timed)->card())) << scheme;
     EXPECT_FALSE(fits(made(typed)->card())) << scheme;
   }
 }

@@ -1,0 +1,114 @@
+// Scenes with a constant metric whose size is known when they run as problems and states of schemes that are written
+// for those of a type: vectors are views of numbers that stand elsewhere. A problem holds the vectors that it is asked
+// for, each until it is asked for the next one of its kind; a copy holds its own.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/problem.hpp"
+#include "core/schemes/damping_integral.hpp"
+#include "core/text/sized_scene.hpp"
+
+namespace least {
+
+template <class T>
+struct VectorView {
+  using value_type = T;
+  T* first = nullptr;
+  std::size_t count = 0;
+
+  T& operator[](std::size_t i) const { return first[i]; }
+  std::size_t size() const { return count; }
+  T* begin() const { return first; }
+  T* end() const { return first + count; }
+};
+template <class T>
+T dot(const VectorView<T>& a, const VectorView<T>& b) {
+  T sum = a[0] * b[0];
+  for (std::size_t i = 1; i < a.size(); ++i) sum = sum + a[i] * b[i];
+  return sum;
+}
+
+/// q and p are views, time and s are its own.
+template <class T, bool Acts>
+struct ViewedState {
+  using Number = T;
+  using Time = T;
+  static constexpr bool acting = Acts;
+
+  T t{};
+  VectorView<T> q, p;
+  [[no_unique_address]] std::conditional_t<Acts, Action<T>, NoAction> action{};
+};
+
+/// H = ½ pᵀg⁻¹p + V(q). T is what its vectors are made of.
+template <class T>
+class ViewedScene {
+ public:
+  using Number = T;
+  static constexpr int dof = 0;  ///< none that is known here
+  static constexpr bool reads_time = false;
+
+  explicit ViewedScene(const text::SizedScene& scene)
+      : scene_(&scene), velocity_(scene.coordinates), slope_(scene.coordinates) {}
+
+  template <class V, class S>
+  typename V::value_type potential(const V& q, const S& t) const {
+    typename V::value_type v;
+    scene_->potential.evaluate(&q[0], t, &v);
+    return v;
+  }
+  template <class V, class S>
+  V gradient(const V& q, const S& t) const {
+    scene_->gradient.evaluate(&q[0], t, slope_.data());
+    return {slope_.data(), slope_.size()};
+  }
+  VectorView<T> velocity(const VectorView<T>& p) const {
+    scene_->velocity(p.first, velocity_.data());
+    return {velocity_.data(), velocity_.size()};
+  }
+  const text::SizedScene& scene() const { return *scene_; }
+
+ protected:
+  const text::SizedScene* scene_;
+  mutable std::vector<T> velocity_, slope_;
+};
+template <class P, class T>
+requires std::derived_from<P, ViewedScene<T>> VectorView<T> velocity(const P& problem, const VectorView<T>&,
+                                                                     const VectorView<T>& p) {
+  return problem.velocity(p);
+}
+
+/// H = ½ pᵀg⁻¹p + V(q, t) + α s
+template <class T>
+struct ViewedDamped : ViewedScene<T> {
+  static constexpr bool reads_time = true;
+  using ViewedScene<T>::ViewedScene;
+  double damping() const { return this->scene().damping_at(0); }
+};
+/// With α(t).
+template <class T>
+struct ViewedTimedDamped : ViewedScene<T> {
+  static constexpr bool reads_time = true;
+  using ViewedScene<T>::ViewedScene;
+  template <class S>
+  S damping(const S& t) const {
+    S alpha;
+    const S* const none = nullptr;
+    this->scene().damping.evaluate(none, t, &alpha);
+    return alpha;
+  }
+};
+
+/// V_t at q.
+template <class P, class T>
+requires std::derived_from<P, ViewedScene<T>> T potential_rate(const P& problem, const VectorView<T>& q, const T& t) {
+  using D = Dual<T, 1>;
+  if (problem.scene().constant_damping && problem.scene().autonomous) return T(0);
+  thread_local std::vector<D> fixed;
+  fixed.assign(q.begin(), q.end());
+  return problem.potential(fixed, D(t, {T(1)})).slope[0];
+}
+
+}  // namespace least

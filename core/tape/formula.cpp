@@ -11,8 +11,13 @@ namespace least::tape {
 /// Gives the steps of a translation as few registers as they need at once, after those of the sums of its terms.
 class Formula::Allocator {
  public:
-  Allocator(const Tape& tape, const Translation& from, Formula& formula)
-      : tape_(tape), from_(from), formula_(formula), given_(from.steps.size()), last_(from.steps.size(), none) {}
+  Allocator(const Tape& tape, const Translation& from, Formula& formula, SharedSums* shared)
+      : tape_(tape),
+        from_(from),
+        formula_(formula),
+        shared_(shared),
+        given_(from.steps.size()),
+        last_(from.steps.size(), none) {}
 
   void allocate() {
     for (const Operation& step : from_.steps)
@@ -83,26 +88,35 @@ class Formula::Allocator {
 
   void add_up(const Operation& step, Index i) {
     const auto terms = static_cast<Index>(step.value);
-    const auto registered = [&](Index node) { return static_cast<std::uint32_t>(given_[at(from_.place[at(node)])]); };
     Narrow narrow{.code = Code::add_up};
     narrow.out = static_cast<Register>(first_sum_[terms]);
     narrow.a = static_cast<Register>(formula_.sums_.size());
-    formula_.sums_.push_back(std::make_shared<const TermSums>(tape_, tape_.terms(terms), registered));
+    formula_.sums_.push_back(sums_of(terms));
     formula_.steps_.push_back(narrow);
     free_what_ends(step, i);
+  }
+
+  std::shared_ptr<const TermSums> sums_of(Index terms) {
+    if (shared_)
+      if (const auto known = shared_->find(terms); known != shared_->end()) return known->second;
+    const auto registered = [&](Index node) { return static_cast<std::uint32_t>(given_[at(from_.place[at(node)])]); };
+    auto made = std::make_shared<const TermSums>(tape_, tape_.terms(terms), registered);
+    if (shared_ && !made->reads_registers()) shared_->emplace(terms, made);
+    return made;
   }
 
   const Tape& tape_;
   const Translation& from_;
   Formula& formula_;
+  SharedSums* const shared_;
   std::vector<Register> given_, free_;  ///< of each step; those that are free
   std::vector<Index> last_;             ///< of each step its last reader
   std::map<Index, Index> first_sum_;    ///< of terms the register of their first sum
 };
 
-Formula::Formula(const Tape& tape, std::span<const Index> outputs) {
+Formula::Formula(const Tape& tape, std::span<const Index> outputs, SharedSums* shared) {
   const Translation from = translated(tape, outputs);
-  Allocator(tape, from, *this).allocate();
+  Allocator(tape, from, *this, shared).allocate();
   if (sums_.empty()) batches_ = Batches::of(from.steps, from.ends);
 }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -17,12 +18,15 @@
 namespace least::tape {
 
 class TermSums;
+/// Sums of the terms of a tape, by their numbers there, for all formulas of that tape.
+using SharedSums = std::map<Index, std::shared_ptr<const TermSums>>;
 
 class Formula {
  public:
   Formula() = default;
-  /// The values of `outputs`, nodes of the tape, as functions of its variables and of the time.
-  Formula(const Tape& tape, std::span<const Index> outputs);
+  /// The values of `outputs`, nodes of the tape, as functions of its variables and of the time. `shared`: sums that
+  /// formulas of this tape have in common are made ready once.
+  Formula(const Tape& tape, std::span<const Index> outputs, SharedSums* shared = nullptr);
 
   /// out[i] of the variables x and the time t. As many variables are read as the tape has written.
   template <class T, class S>

@@ -4,6 +4,7 @@
 // one sum is added up in eight parts, whatever the machine.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 
 #include "core/tape/formula.hpp"
@@ -43,6 +44,10 @@ class TermSums {
   }
   void evaluate(const double* x, const double* r, double* sums) const noexcept;
 
+  /// Whether they read what the formula that asks has computed, and not its variables alone.
+  bool reads_registers() const {
+    return std::ranges::any_of(columns_, [](const Column& column) { return column.source == Source::formula; });
+  }
   /// Of all terms.
   std::size_t operations() const { return count_ * steps_.size(); }
 

@@ -55,13 +55,14 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     for (const Symbol& y : all) made.push_back(fold(y));
     return made;
   };
+  tape::SharedSums shared;
   const auto formula = [&](const std::vector<Symbol>& all) {
     std::vector<tape::Index> places;
     places.reserve(all.size());
     for (const Symbol& y : all) places.push_back(y.on(equations));
     const std::size_t made = bytes() + bytes_of_made * static_cast<std::size_t>(equations.size());
     if (made > held_.bytes()) held_.add_soon(made - held_.bytes());
-    return tape::Formula(equations, places);
+    return tape::Formula(equations, places, &shared);
   };
   const auto number = [](const Symbol& y) {
     return y.is_constant() ? y.constant() : std::numeric_limits<double>::quiet_NaN();

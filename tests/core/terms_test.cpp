@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "core/tape/derivative.hpp"
@@ -64,6 +66,46 @@ std::uint64_t bits_of(int bodies, bool of_pairs) {
 TEST(Terms, HaveTheSameBitsWhateverTheRegisters) {
   EXPECT_EQ(bits_of(50, true), 11196396790541927292u);
   EXPECT_EQ(bits_of(300, false), 9917009427886897081u);
+}
+
+/// Σ (a x_i)² over some variables, a being one or a value that the formula has to compute.
+Symbol squares(Tape& tape, int count, const Symbol& a) {
+  Tape formula;
+  const Symbol x = Symbol::variable(formula, 0), by = Symbol::variable(formula, 1), term = by * x * (by * x);
+  Terms terms;
+  for (Index i = 0; i < formula.size(); ++i) terms.formula.push_back(formula[i]);
+  terms.results = {term.place()};
+  terms.arguments = 2;
+  terms.sums = 1;
+  terms.count = count;
+  for (int i = 0; i < count; ++i) terms.given.push_back(Symbol::variable(tape, static_cast<std::size_t>(i)).place());
+  terms.given.resize(2 * terms.given.size(), a.on(tape));
+  terms.into.assign(static_cast<std::size_t>(count), 0);
+  return Symbol::total(tape, tape.keep(std::move(terms)), 0);
+}
+
+// What reads variables and numbers alone is made ready once for all formulas of a tape; where what a formula has
+// computed is read, each has it in another register.
+TEST(Terms, AreSharedByFormulasUnlessTheyReadWhatOneHasComputed) {
+  constexpr int count = 40;
+  const std::vector<double> x(count, 0.5);
+  for (const bool computed : {false, true}) {
+    Tape tape;
+    const Symbol y = Symbol::variable(tape, 0);
+    const Symbol sum = squares(tape, count, computed ? sin(y) : Symbol(2.0));
+    least::tape::SharedSums shared;
+    double expected = 0;
+    const auto value = [&](const Symbol& of) {
+      const Index output = of.on(tape);
+      double result = 0;
+      Formula(tape, std::span(&output, 1), &shared).evaluate(x.data(), 0.0, &result);
+      return result;
+    };
+    for (const double xi : x) expected += (computed ? std::sin(0.5) : 2) * xi * ((computed ? std::sin(0.5) : 2) * xi);
+    EXPECT_DOUBLE_EQ(value(sum), expected);
+    EXPECT_DOUBLE_EQ(value(cos(y) * exp(y) - sum), std::cos(0.5) * std::exp(0.5) - expected);
+    EXPECT_EQ(shared.size(), computed ? 0 : 1);
+  }
 }
 
 }  // namespace

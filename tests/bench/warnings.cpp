@@ -17,13 +17,15 @@ void narrow_rows() {
       drawn);
   std::printf("| forces | scheme | runs | wrong | silently | goal | right with a warning | goal |\n");
   std::printf("|---|---|---|---|---|---|---|---|\n");
-  for (const narrow::Family family : narrow::families)
+  for (const narrow::Family family : narrow::families) {
+    const std::vector<narrow::Case> cases = narrow::draw(family, drawn, 2026);
     for (const std::string_view scheme : {"taylor", "dormand_prince_5", "fehlberg_78"}) {
-      const narrow::Count count = narrow::sample(family, drawn, 2026, scheme);
+      const narrow::Count count = narrow::count_of(cases, scheme);
       std::printf("| %.*s | %.*s | %d | %d | %d | 0 | %d | 1 %% |\n", static_cast<int>(narrow::name(family).size()),
                   narrow::name(family).data(), static_cast<int>(scheme.size()), scheme.data(), count.runs, count.wrong,
                   count.silent, count.alarmed);
     }
+  }
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ using narrow::Case;
 class NarrowForces : public testing::TestWithParam<narrow::Family> {};
 
 TEST_P(NarrowForces, AreSeenByTheTaylorSeries) {
-  const narrow::Count count = narrow::sample(GetParam(), 50, 11, "taylor");
+  const narrow::Count count = narrow::count_of(narrow::draw(GetParam(), 50, 11), "taylor");
   EXPECT_GE(count.runs, 48);
   EXPECT_EQ(count.wrong, 0) << count.first_wrong;
   EXPECT_EQ(count.alarmed, 0);
@@ -21,8 +21,9 @@ TEST_P(NarrowForces, AreSeenByTheTaylorSeries) {
 
 // At their own tolerance, which is that of the error in a step.
 TEST_P(NarrowForces, AreSeenByAdaptivePairs) {
+  const std::vector<Case> cases = narrow::draw(GetParam(), 16, 12);
   for (const std::string_view scheme : {"dormand_prince_5", "fehlberg_78", "bulirsch_stoer"}) {
-    const narrow::Count count = narrow::sample(GetParam(), 16, 12, scheme);
+    const narrow::Count count = narrow::count_of(cases, scheme);
     EXPECT_GE(count.runs, 15) << scheme;
     EXPECT_EQ(count.silent, 0) << scheme << ' ' << count.first_wrong;
     EXPECT_EQ(count.wrong, 0) << scheme << ' ' << count.first_wrong;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/number/asked_by_thread.hpp"
 #include "core/run/control_stepper.hpp"
 
 namespace least {
@@ -96,17 +97,24 @@ class Approach {
 }  // namespace
 
 bool goes_on(const RunBackend& backend, RunState x, double duration) {
-  constexpr int patience = 10'000;
-  constexpr double closely = 1e-14, growth = 3, shrinkage = 1e-2;
+  constexpr int patience = 10'000, longest_look = 4 * patience, between_looks = 256;
+  constexpr double closely = 1e-14, growth = 3, shrinkage = 1e-2, recovery = 10;
   ControlStepper stepper(backend, closely);
   const double end = x.t + duration, before = largest_rate(backend, x);
-  double most = before, longest = 0;
+  double most = before, longest = 0, shortest = 0;  // the shortest step after the longest one
   for (int step = 0; x.t < end; ++step) {
+    if (step % between_looks == 0 && !AskedByThread::goes_on()) return true;
     const double t = x.t;
     if (stepper.step(x) != StepStatus::ok) return false;
-    most = std::max(most, largest_rate(backend, x));
-    longest = std::max(longest, x.t - t);
-    if (step == patience) return !(most > growth * before && x.t - t < shrinkage * longest);
+    const double h = x.t - t, rate = largest_rate(backend, x);
+    most = std::max(most, rate);
+    shortest = h > longest ? h : std::min(shortest, h);
+    longest = std::max(longest, h);
+    const bool grew = most > growth * before;
+    // It has come out of a fast passage, as that of a body near its sun, and a singularity is none.
+    if (grew && h > recovery * shortest && rate * growth < most) return true;
+    if (step >= patience && !(grew && h < shrinkage * longest)) return true;
+    if (step == longest_look) return false;
   }
   return true;
 }

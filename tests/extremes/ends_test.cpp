@@ -192,6 +192,12 @@ TEST(MotionEnds, NotWhereItOnlyLooksLikeIt) {
       {moving({{"x", "-tanh(1e9*x)"}}, {1}, 0), 0, 5, {limit, completed}},
       {moving({{"x", "x^2*(1-x)"}}, {1e-7}, 0), 0, 1e9, {limit, completed}},  // a flame, stiff once it burns
       {moving({{"x", "v"}, {"v", "-x"}}, {1, 0}, 0), 1e17, 2e17, {ReturnCode::singular, limit}},
+      // An orbit that comes close to its sun, of a run so long that every step is short against it.
+      {moving({{"x", "u"}, {"y", "w"}, {"u", "-x*(x^2+y^2)^(-1.5)"}, {"w", "-y*(x^2+y^2)^(-1.5)"}},
+              {1.96, 0, 0, std::sqrt(0.04 / 1.96)}, 0),
+       0,
+       1e7,
+       {limit}},
   };
   for (const NoEnd& one : all)
     for (const std::string_view scheme : {"dormand_prince_5", "fehlberg_78", "bulirsch_stoer", "taylor"}) {

@@ -62,6 +62,7 @@ Conserved::Conserved(const Motion& motion, const Scene& scene, std::span<const d
     : motion_(motion), center_(x.begin(), x.end()), extents_(extents.begin(), extents.end()) {
   if (!motion.equations().form->invariants.empty()) read_declared(scene, t);
   find(t, dt);
+  find_felt(t);
   gradient_sizes_ = sizes_of(raw_gradients(x, t));
   symmetry_sizes_ = sizes_of(raw_symmetries(x, t));
 }
@@ -160,27 +161,55 @@ void Conserved::find(double t, double dt) {
   for (std::size_t k = 0; k < null.columns; ++k) found_.push_back(null.column(k));
 }
 
+/// The gradient of what is kept goes with the motion: where it vanishes at one place of an orbit it does so at all, as
+/// that of the energy of a mode which rests. Then nothing follows from it, and what rounding leaves of it has no
+/// direction.
+void Conserved::find_felt(double t) {
+  constexpr int looks = 8;
+  constexpr double nothing = 1e-7;
+  const auto lengths_at = [&](std::span<const double> x) {
+    const Matrix gradients = raw_gradients(x, t);
+    std::vector<double> lengths;
+    for (std::size_t k = 0; k < gradients.columns; ++k) lengths.push_back(length(gradients.column(k)));
+    return lengths;
+  };
+  const std::vector<double> here = lengths_at(center_);
+  std::vector<double> around(here.size());
+  Spread spread;
+  for (int look = 0; look < looks; ++look) {
+    const std::vector<double> there = lengths_at(point(spread));
+    for (std::size_t k = 0; k < around.size(); ++k)
+      if (std::isfinite(there[k])) around[k] = std::max(around[k], there[k]);
+  }
+  for (std::size_t k = 0; k < here.size(); ++k) felt_.push_back(!(here[k] <= nothing * around[k]));
+}
+
 Matrix Conserved::raw_gradients(std::span<const double> x, double t) const {
   const std::size_t size = motion_.size();
   Matrix columns(size, 0);
+  std::size_t number = 0;
+  const auto add = [&](std::span<const double> gradient) {
+    if (felt_.empty() || felt_[number]) columns.add_column({gradient.begin(), gradient.end()});
+    ++number;
+  };
   const auto in_units = [&](std::span<const double> gradient) {
     std::vector<double> made(size);
     for (std::size_t i = 0; i < size; ++i) made[i] = gradient[i] * extents_[i];
     return made;
   };
-  if (motion_.keeps_energy()) columns.add_column(in_units(motion_.energy_gradient(x, t)));
+  if (motion_.keeps_energy()) add(in_units(motion_.energy_gradient(x, t)));
   if (!declared_names_.empty()) {
     std::vector<double> slopes(declared_gradients_.outputs());
     declared_gradients_.evaluate(x.data(), t, slopes.data());
     for (std::size_t k = 0; k < declared_names_.size(); ++k)
-      if (kept_[k]) columns.add_column(in_units(std::span(slopes).subspan(k * size, size)));
+      if (kept_[k]) add(in_units(std::span(slopes).subspan(k * size, size)));
   }
   const auto all = monomials(size);
   const std::vector<double> y = scaled(x);
   for (const auto& coefficients : found_) {
     std::vector<double> gradient(size);
     for (std::size_t k = 0; k < all.size(); ++k) add_slope(all[k], coefficients[k], y, gradient);
-    columns.add_column(gradient);
+    add(gradient);
   }
   return columns;
 }

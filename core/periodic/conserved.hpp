@@ -29,6 +29,7 @@ class Conserved {
  private:
   void read_declared(const Scene& scene, double t);
   void find(double t, double dt);
+  void find_felt(double t);
   std::vector<double> scaled(std::span<const double> x) const;
   std::vector<double> point(Spread& spread) const;
   Matrix raw_gradients(std::span<const double> x, double t) const;
@@ -39,6 +40,7 @@ class Conserved {
   std::vector<double> gradient_sizes_, symmetry_sizes_;  ///< at the center
   std::vector<std::string> declared_names_;
   std::vector<bool> kept_;  ///< of the declared ones: that they are
+  std::vector<bool> felt_;  ///< of all gradients: that they do not vanish at the center; empty: not yet known
   tape::Formula declared_, declared_gradients_;
   std::vector<std::vector<double>> found_;  ///< coefficients of the monomials, as `monomials` has them
 };

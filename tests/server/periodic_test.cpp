@@ -98,6 +98,31 @@ TEST_F(Periodic, OfTheFigureEightKnowsWhatIsKeptAndItsSymmetries) {
   EXPECT_NEAR(angles[3], .298092529005, 1e-8);
 }
 
+// The energy of a mode that rests is kept, and its gradient vanishes along the orbit: no multiplier follows from it.
+// Those of the mode are e^{±iωT}.
+TEST_F(Periodic, OfAModeThatRestsHasTheMultipliersOfTheMode) {
+  struct Scene {
+    const char* potential;
+    double period;  // of a drive, or a guess
+    bool driven;
+  };
+  for (const auto& [potential, period, driven] :
+       {Scene{"x^2/2+x^4/4+3*y^2/2", 5, false}, Scene{"x^2/2+x^4/4+3*y^2/2-0.3*x*cos(1.2*t)", 2 * pi / 1.2, true}}) {
+    const Json problem{{"id", "custom"}, {"variables", {"x", "y"}}, {"potential", potential}};
+    const Json made = orbit({{"problem", problem}, {"initial", {{"x", 0.9}, {"y", 0}}}, {"period", period}});
+    ASSERT_EQ(made["status"], "closed") << made;
+    EXPECT_EQ(made["trivial_by"]["invariants"], driven ? 0 : 1) << potential;
+    EXPECT_LT(made["pairing_defect"], 1e-9);
+    const double angle = std::sqrt(3.0) * made["period"].get<double>();
+    const auto all = others(made);
+    const auto of_mode = [&](const std::complex<double>& value) {
+      return std::abs(value.real() - std::cos(angle)) < 1e-8 &&
+             std::abs(std::abs(value.imag()) - std::abs(std::sin(angle))) < 1e-8;
+    };
+    EXPECT_EQ(std::ranges::count_if(all, of_mode), 2) << potential << made["multipliers"];
+  }
+}
+
 TEST_F(Periodic, OfKeplerIsAnEllipseOfAnyGuess) {
   if (std::string(LEAST_LEFT_OUT).find(" kepler ") != std::string::npos) GTEST_SKIP();
   const Json made =

@@ -151,12 +151,23 @@ double Acts::rate_of(std::size_t event, const RunState& x) const {
   return changes[event].slope[0];
 }
 
+double Acts::value_of(std::size_t event, const RunState& x) const {
+  std::vector<double> values(request_.watched.size());
+  const Moving<double> state = moving(x);
+  request_.watched.evaluate(observed_by(backend_, *request_.scene, request_.watched, state, false).data(), state.t,
+                            values.data());
+  return values[event];
+}
+
 bool Acts::comes_to_rest(std::size_t event, const RunState& before, const RunState& after) {
-  constexpr double nothing = 1e-9;
+  constexpr double nothing = 1e-9, rounding = 64;
   Done& done = done_[event];
   const double arrived = rate_of(event, before), left = rate_of(event, after), last = std::exchange(done.rate, left);
   const double size = std::fmax(std::abs(arrived), std::abs(last));
   if (!(std::abs(left) <= nothing * size)) return false;
+  // One that was moved away from where this happens has a way to go before it happens again.
+  if (!(std::abs(value_of(event, after)) <= std::abs(value_of(event, before)) + rounding * rounding_of(event, after)))
+    return false;
   // What has no speed when it arrives, as a scheme may see it that makes one step of a short bounce, comes from the
   // side to which the last act sent it.
   double onward = request_.events[event].direction;
@@ -187,20 +198,25 @@ bool Acts::has_piled_up(std::size_t event, const RunState& after) {
   return true;
 }
 
-bool Acts::is_hidden(std::size_t event, const RunState& after, double until_next) const {
-  constexpr double little = 64, round_off = std::numeric_limits<double>::epsilon();
+double Acts::rounding_of(std::size_t event, const RunState& x) const {
+  constexpr double round_off = std::numeric_limits<double>::epsilon();
   const Scene& scene = *request_.scene;
   const Measures& watched = request_.watched;
-  const Moving<double> state = moving(after);
+  const Moving<double> state = moving(x);
   const std::vector<double> observed = observed_by(backend_, scene, watched, state, false);
   std::vector<interval::Enclosure> bounds(observed.size());
-  std::ranges::transform(observed, bounds.begin(), [](double x) {
-    return interval::Enclosure{x - round_off * std::abs(x), x + round_off * std::abs(x)};
+  std::ranges::transform(observed, bounds.begin(), [](double y) {
+    return interval::Enclosure{y - round_off * std::abs(y), y + round_off * std::abs(y)};
   });
   std::vector<interval::Enclosure> values(watched.size());
-  watched.enclose(bounds.data(), after.t, values.data());
+  watched.enclose(bounds.data(), x.t, values.data());
+  return values[event].width();
+}
+
+bool Acts::is_hidden(std::size_t event, const RunState& after, double until_next) const {
+  constexpr double little = 64;
   // A parabola between two zeros comes as far as a fourth of their distance at the rate with which it leaves the first.
-  return std::abs(rate_of(event, after)) * until_next / 4 < little * values[event].width();
+  return std::abs(rate_of(event, after)) * until_next / 4 < little * rounding_of(event, after);
 }
 
 double Acts::defect_of(std::size_t event, const RunState& before, const RunState& after) const {

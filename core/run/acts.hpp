@@ -60,12 +60,15 @@ class Acts {
     double defect = 0;
   };
   bool has_piled_up(std::size_t event, const RunState& after);
-  /// Whether the act has left the expression at rest, and the motion from there takes it on in the direction in which
-  /// it came: as a ball that keeps nothing of its speed lies on the floor.
+  /// Whether the act has left the expression at rest where it vanishes, and the motion from there takes it on in the
+  /// direction in which it came: as a ball that keeps nothing of its speed lies on the floor.
   bool comes_to_rest(std::size_t event, const RunState& before, const RunState& after);
   /// ẋ, and the rate of the expression along the motion.
   std::vector<double> rates_at(const RunState& x) const;
   double rate_of(std::size_t event, const RunState& x) const;
+  double value_of(std::size_t event, const RunState& x) const;
+  /// What the rounding of a state makes of the expression of an event there.
+  double rounding_of(std::size_t event, const RunState& x) const;
   /// Whether round-off hides what the expression of an event does until it vanishes again, so long after this state.
   bool is_hidden(std::size_t event, const RunState& after, double until_next) const;
   double defect_of(std::size_t event, const RunState& before, const RunState& after) const;

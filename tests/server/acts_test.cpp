@@ -94,6 +94,21 @@ TEST_F(EventsThatAct, WhatIsStoppedWhereItIsDrawnAwayGoesOn) {
   EXPECT_LT(made["final"]["x"], 0);
 }
 
+// What an act takes back to where it began, at rest, falls anew.
+TEST_F(EventsThatAct, WhatIsTakenElsewhereAtRestGoesOn) {
+  for (const char* scheme : {"taylor", "leapfrog", "runge_kutta_4", "dormand_prince_5"}) {
+    Json request = ball(0);
+    request["scheme"] = scheme;
+    request["until"] = 10;
+    request["events"][0]["set"] = {{"x", "1"}, {"vx", "0"}};
+    const Json made = answer(request);
+    ASSERT_EQ(made["status"], "completed") << scheme << made["stop"];
+    ASSERT_EQ(made["events"].size(), 7U) << scheme;
+    const double left = 10 - 7 * std::sqrt(2.0);
+    EXPECT_NEAR(made["final"]["x"], 1 - left * left / 2, 1e-6) << scheme;
+  }
+}
+
 // Bounces come after sqrt(2) (1 + 2 Σ rᵏ), infinitely many before sqrt(2) (1 + r)/(1 − r).
 TEST_F(EventsThatAct, ABallBouncesAsItIsKnownTo) {
   const double r = 0.8, fall = std::sqrt(2.0), limit = fall * (1 + r) / (1 - r);

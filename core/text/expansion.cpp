@@ -146,8 +146,8 @@ class Expander {
     if (second == to || comma(text, second + 1, to) != to)
       return refuse(position, "if takes a condition and two formulas", "if(i < j, …, …)");
     if (!speaks_of_indices(text, from, first, indices))  // it is settled wherever the motion has come
-      return append("if(", position, true) && write(text, from, first, indices) && append(", ", position, true) &&
-             write(text, first + 1, second, indices) && append(", ", position, true) &&
+      return append("if(", position, true) && write(text, from, first, indices) && append(",", position, true) &&
+             write(text, first + 1, second, indices) && append(",", position, true) &&
              write(text, second + 1, to, indices) && append(")", position, true);
     const auto read = read_condition(text, from, first, vocabulary_, indices, made_.used_);
     if (const auto* fault = std::get_if<Fault>(&read)) return refuse(*fault);

@@ -44,7 +44,8 @@ TEST(ManyOfAKind, AreWrittenOut) {
   EXPECT_EQ(written("r+d(1,n)"), "(sqrt(x[1]^2+x[2]^2))+((x[1]-x[4]))");
   EXPECT_EQ(written("if(k<n and not (k==1 or n<=3),x[1],x[2])"), "(x[1])");
   EXPECT_EQ(written("if(k>=n,x[1],x[2])"), "(x[2])");
-  EXPECT_EQ(written("if(x[k]<1 and k<n,x[k],1)"), "if(x[2]<1 and k<n, x[2], 1)") << "of the state it stays";
+  EXPECT_EQ(written("if(x[k]<1 and k<n,x[k],1)"), "if(x[2]<1 and k<n,x[2],1)") << "of the state it stays";
+  EXPECT_EQ(written("if(x[2]<1, x[2], 1)"), "if(x[2]<1, x[2], 1)") << "what was written stays as it is";
   const auto nested = Expansion::of("w(k)", words());
   EXPECT_EQ(std::get<Expansion>(nested).text(),
             "((( ( m[1]/((x[2]-x[1]))))+( ( 0))+( ( m[3]/((x[2]-x[3]))))+( ( m[4]/((x[2]-x[4]))))))")

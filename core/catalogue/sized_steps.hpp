@@ -5,6 +5,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <type_traits>
 #include <vector>
 
 #include "core/catalogue/sized_table.hpp"
@@ -49,8 +51,42 @@ class SizedKickDrift {
   }
   const Work& work() const { return work_; }
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
+  /// E_d of a step of length h from a state, as those schemes have it: K of the drift, and V at its start, or the mean
+  /// of both ends.
+  double step_energy(StateView from,
+                     double h) requires(std::is_same_v<Scheme, Leapfrog> || std::is_same_v<Scheme, SymplecticEuler>) {
+    constexpr bool both_ends = std::is_same_v<Scheme, Leapfrog>;
+    std::vector<T> x(from.numbers, from.numbers + 2 * slope_.size());
+    double gone = 0, sum = 0;
+    force(x.data(), from.t);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(sequence_->drifts); ++i) {
+      const double part = sequence_->drift[i], over = both_ends ? part / 2 : part;
+      kick(x.data(), h * over);
+      const double start = potential(x.data(), from.t + h * gone), kinetic = kinetic_energy(x.data());
+      drift(x.data(), h * part);
+      gone += part;
+      if (both_ends) {
+        force(x.data(), from.t + h * gone);
+        kick(x.data(), h * over);
+      }
+      sum += part * (kinetic + (both_ends ? 0.5 * (start + potential(x.data(), from.t + h * gone)) : start));
+    }
+    return std::isfinite(sum) ? sum : unknown;
+  }
 
  private:
+  double potential(const T* q, double t) const {
+    T value;
+    scene_->potential.evaluate(q, t, &value);
+    return plain_number(value);
+  }
+  double kinetic_energy(const T* x) {
+    const T* const p = x + slope_.size();
+    scene_->velocity(p, velocity_.data());
+    T twice(0);
+    for (std::size_t i = 0; i < slope_.size(); ++i) twice = twice + p[i] * velocity_[i];
+    return 0.5 * plain_number(twice);
+  }
   void force(const T* q, double t) {
     scene_->gradient.evaluate(q, t, slope_.data());
     ++work_.forces;
@@ -117,6 +153,22 @@ class SizedContactLeapfrog {
   }
   const Work& work() const { return work_; }
   double flips_from() const { return least::flips_from(composition_); }
+  /// E_d of a step of length h from a state: with s at either end where V is.
+  double step_energy(StateView from, double h) {
+    const std::size_t n = slope_.size();
+    if (!acts_) return unknown;
+    std::vector<T> x(from.numbers, from.numbers + scene_->components);
+    begin(x.data(), from.t);
+    double sum = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
+      const T before = potential_ + damping_ * x[2 * n];
+      if (!stage(x.data(), weights_->gamma[i] * h, from.t + weights_->end[i] * h)) return unknown;
+      T twice(0);  // of the momentum of the drift, and its velocity
+      for (std::size_t k = 0; k < n; ++k) twice = twice + v_[k] * velocity_[k];
+      sum += 0.5 * weights_->gamma[i] * plain_number(twice + before + potential_ + damping_ * x[2 * n]);
+    }
+    return std::isfinite(sum) ? sum : unknown;
+  }
 
  private:
   void look(const T* q, double t) {

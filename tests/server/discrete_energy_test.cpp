@@ -39,6 +39,39 @@ TEST_F(DiscreteEnergyHttp, IsAColumnAndNullWhereThereIsNone) {
   }
 }
 
+// A scene as text, of whatever size, has that of the problem which it says, forward and backward.
+TEST_F(DiscreteEnergyHttp, OfAScenesAsTextIsThatOfTheProblem) {
+  const Json conservative = Json::parse(R"({"id":"custom","variables":["q"],"potential":"q^2/2"})");
+  Json damped = conservative;
+  damped["damping"] = "0.1";
+  for (const char* composition : {"none", "suzuki_4"})
+    for (const auto& [problem, scene, id] :
+         {std::tuple{Json("harmonic_oscillator"), conservative, "leapfrog"},
+          {Json("harmonic_oscillator"), conservative, "symplectic_euler"},
+          {Json{{"id", "damped_oscillator"}, {"stiffness", 1}, {"damping", 0.1}}, damped, "contact_leapfrog"}}) {
+      Json scheme{{"id", id}, {"step", 0.1}};
+      if (std::string_view(id) != "symplectic_euler") scheme["composition"] = composition;
+      const auto energies = [&](const Json& of, double until) {
+        const Json request{{"problem", of},
+                           {"initial", {{"q", 0.7}, {"p", 0.4}}},
+                           {"scheme", scheme},
+                           {"until", until},
+                           {"record", {{"every", 1}}},
+                           {"columns", {"discrete_energy"}}};
+        const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
+        EXPECT_EQ(reply.status, 200) << reply.body;
+        return Json::parse(reply.body)["trajectory"]["discrete_energy"];
+      };
+      Json as_text = scene;
+      const Json compiled = energies(problem, 1), typed = energies(as_text, 1), back = energies(as_text, -1);
+      ASSERT_EQ(compiled.size(), 11U);
+      for (std::size_t k = 1; k < 11; ++k) {
+        EXPECT_NEAR(typed[k].get<double>(), compiled[k].get<double>(), 1e-13) << id << composition;
+        EXPECT_TRUE(back[k].is_number()) << id << composition;
+      }
+    }
+}
+
 TEST_F(DiscreteEnergyHttp, OfAHybridIsInItsEventsToo) {
   const Json whole =
       with_discrete_energy(port(), "kepler", {{"id", "jacobi_maupertuis"}, {"preset", "paper"}}, {{"t", 16}});

@@ -267,11 +267,22 @@ void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& r
       "columns", [](const std::string& name) { return name == error_column; }, "other columns");
 }
 
+// Whether a list has an event of this name.
+bool is_named_in(const Json& events, const Json& name) {
+  return std::ranges::any_of(events, [&](const Json& event) {
+    const Json* const other = event.is_object() ? find(event, "name") : nullptr;
+    return other && *other == name;
+  });
+}
+
 }  // namespace
 
+// What acts on a scene of the catalogue belongs to its motion: events of a request stand beside it, one of the same
+// name in its place; an empty list is none at all.
 void read_events(const Json& root, const FieldPath& top, Request& request) {
   const Json* json = find(root, "events");
-  if (json == nullptr) json = own_events(*forward_of(*request.scene).mechanics);
+  const Json* const own = own_events(*forward_of(*request.scene).mechanics);
+  if (json == nullptr) json = own;
   const FieldPath path = top.at("events");
   if (json == nullptr) return;
   if (!json->is_array()) return path.fault("must be a list of events", *json, std::string(event_shape));
@@ -279,10 +290,16 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
     return path.fault(fmt::format("holds {} events", json->size()), *json, fmt::format("{} at most", most_events));
   MeasureReader reader(*request.scene);
   for (const Measure& plane : request.watched.list) reader.read(plane.card.name, plane.text);  // of the section
+  std::vector<const Json*> events;
+  if (own != nullptr && own != json && !json->empty())
+    for (const Json& event : *own)
+      if (event.contains("set") && !is_named_in(*json, event["name"])) events.push_back(&event);
+  const std::size_t of_scene = events.size();  // without a fault
+  for (const Json& event : *json) events.push_back(&event);
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < json->size() && !path.faults->full(); ++i) {
-    const Json& event = (*json)[i];
-    const FieldPath place = path.at(i);
+  for (std::size_t i = 0; i < events.size() && !path.faults->full(); ++i) {
+    const Json& event = *events[i];
+    const FieldPath place = i < of_scene ? path : path.at(i - of_scene);
     if (!event.is_object()) place.fault("must be an object", event, std::string(event_shape));
     const Names keys{"name", "expression", "direction", "stop", "set", "most"};
     if (!event.is_object() || !read_object(event, place, keys, "an event")) continue;

@@ -225,6 +225,14 @@ TEST_F(Scenes, BringTheirEvents) {
   back["until"] = -5;
   EXPECT_GT(answer(back)["final"]["x"], 0);
   EXPECT_EQ(fault_of({{"problem", "bouncing_ball"}, {"period", 2}}, "/v1/periodic")["pointer"], "/problem");
+  Json watched = fall;
+  watched["events"] = {{{"name", "apex"}, {"expression", "px"}, {"direction", "down"}}};
+  const Json beside = answer(watched);
+  EXPECT_EQ(beside["final"], run["final"]) << "what is watched changes no motion";
+  EXPECT_EQ(beside["acts"], run["acts"]);
+  EXPECT_EQ(std::ranges::count_if(beside["events"], [](const Json& event) { return event["name"] == "apex"; }), 6);
+  watched["events"] = {{{"name", "bounce"}, {"expression", "x"}, {"direction", "down"}, {"set", {{"vx", "-vx"}}}}};
+  EXPECT_NE(answer(watched)["final"], run["final"]) << "one of the same name stands in its place";
   Json through = fall;
   through["events"] = Json::array();
   EXPECT_LT(answer(through)["final"]["x"], -10);

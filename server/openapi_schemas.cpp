@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/ensemble/members.hpp"
+#include "core/text/start_velocities.hpp"
 #include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
 #include "server/openapi_cards.hpp"
@@ -163,7 +164,12 @@ Json ensemble_schema(const Cards& cards, Json properties) {
        {"columns", columns_of_a_run(cards)},
        {"members", object_of({{"count", count_in(1, most)},
                               {"seed", count_in(0, most)},
-                              {"vary", described(vary, "by JSON pointer, as /initial/q or /problem/mu", "")}})},
+                              {"vary", described(vary, "by JSON pointer, as /initial/q or /problem/mu", "")},
+                              {"holds",
+                               {{"enum", text::held_names},
+                                {"description",
+                                 "what members have in common of their starts where momenta depend on what varies; by "
+                                 "default what the start says"}}}})},
        {"range", described(list_of(count_in(0, most)), "of members: from, to", "")},
        {"section", section_asked()},
        {"record", described(reference("Record"), "of trajectories, where they are kept; no curve", "")},

@@ -1,5 +1,6 @@
 #include "server/openapi_sensitivities.hpp"
 
+#include "core/text/start_velocities.hpp"
 #include "core/variations/sensitivities.hpp"
 
 namespace least::server {
@@ -27,7 +28,7 @@ Json sensitivities_asked() {
               "motion: the true one from the start of the run, whichever scheme runs it; scheme: its own map, the "
               "default of schemes of equal steps wherever that has the derivatives that are asked for")},
       {"at", one_of({"final", "samples"}, "at the end alone, or at every sample, too")},
-      {"holds", one_of(variations::held_names,
+      {"holds", one_of(text::held_names,
                        "what stays where another number of the start changes; by default what the start says")}};
   return {{"type", "object"},
           {"properties", properties},

@@ -8,6 +8,7 @@
 
 #include "core/ensemble/lane_plane.hpp"
 #include "core/ensemble/member_group.hpp"
+#include "core/ensemble/member_starts.hpp"
 #include "core/run/diagnostics/watch.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/save_schedule.hpp"
@@ -297,18 +298,15 @@ class LaneBlock final : public LaneHost {
   void fill_tables() {
     const std::size_t count = task_.count;
     start_.resize(card_.variables.size() * count);
-    for (std::size_t i = 0; i < card_.variables.size(); ++i)
-      std::fill_n(start_.begin() + static_cast<std::ptrdiff_t>(i * count), count, request_.scene->initial[i]);
     for (const Variation& variation : plan_.members.vary)
-      if (variation.parameter) varied_.push_back(variation.index);
+      if (variation.is_parameter()) varied_.push_back(variation.index);
     values_.resize(varied_.size() * count);
+    const MemberStarts starts(plan_);
+    std::vector<double> parameters, initial;
     for (std::size_t m = 0; m < count; ++m) {
-      const auto of = plan_.members.of(block_.first + static_cast<std::int64_t>(m));
-      std::size_t row = 0;
-      for (std::size_t k = 0; k < of.size(); ++k) {
-        const Variation& variation = plan_.members.vary[k];
-        (variation.parameter ? values_[row++ * count + m] : start_[variation.index * count + m]) = of[k];
-      }
+      starts.find(block_.first + static_cast<std::int64_t>(m), parameters, initial);
+      for (std::size_t i = 0; i < initial.size(); ++i) start_[i * count + m] = initial[i];
+      for (std::size_t k = 0; k < varied_.size(); ++k) values_[k * count + m] = parameters[varied_[k]];
     }
   }
 

@@ -26,7 +26,7 @@ bool is_of_lanes(const EnsemblePlan& plan) {
   const auto expression = std::get<text::Expression>(text::Expression::parse(watched.list[0].text));
   const auto& parameters = plan.request.scene->card().parameters;
   return !watched.reads_energy() && std::ranges::none_of(plan.members.vary, [&](const Variation& varied) {
-    return varied.parameter && std::ranges::any_of(expression.tokens(), [&](const text::Token& token) {
+    return varied.is_parameter() && std::ranges::any_of(expression.tokens(), [&](const text::Token& token) {
              return token.kind == text::Token::Kind::name && token.word == parameters[varied.index].name;
            });
   });

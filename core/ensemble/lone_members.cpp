@@ -3,22 +3,13 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/ensemble/member_starts.hpp"
 #include "core/run/diagnostics/watch.hpp"
 #include "core/run/messages.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/text/scene.hpp"
 
 namespace least {
-
-std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t i) {
-  auto scene = std::make_shared<Scene>(*plan.request.scene);
-  const auto values = plan.members.of(i);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const Variation& varied = plan.members.vary[k];
-    (varied.parameter ? scene->parameters : scene->initial)[varied.index] = values[k];
-  }
-  return scene;
-}
 
 namespace {
 
@@ -52,7 +43,7 @@ void set_plane(const EnsemblePlan& plan, Request& request) {
   request.section = plan.request.section;
   request.watched = plan.request.watched;
   request.events = plan.request.events;
-  if (std::ranges::none_of(plan.members.vary, &Variation::parameter)) return;
+  if (std::ranges::none_of(plan.members.vary, &Variation::is_parameter)) return;
   MeasureReader reader(*request.scene);
   const Measure& of = plan.request.watched.list[0];
   const bool read = !reader.read(of.card.name, of.text);
@@ -87,15 +78,16 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
   for (const Look& look : looks) request.record.times.push_back(look.t);
   if (looks.empty() || looks.back().t != end) request.record.times.push_back(end);
   if (!plane) request.section.reset();  // its times are among those
+  const MemberStarts starts(plan);
   std::vector<double> varied;
   Harvest& harvest = block.harvest;
   Trajectories& ways = harvest.trajectories;
   const auto most = static_cast<std::size_t>(request.limits.samples);
   for (std::int64_t i = block.first; i < block.first + block.count && !cancelled; ++i) {
-    request.scene = member_scene(plan, i);
+    request.scene = starts.scene(i);
     varied.clear();
     for (const Variation& variation : plan.members.vary)
-      if (variation.parameter) varied.push_back(request.scene->parameters[variation.index]);
+      if (variation.is_parameter()) varied.push_back(request.scene->parameters[variation.index]);
     if (plan.trajectories) {
       make_room(ways.member, ways.member.size() + 1, block.held);
       make_room(ways.rows, ways.rows.size() + 1, block.held);
@@ -177,10 +169,11 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
     std::string_view code;
     std::int64_t member, count;
   };
+  const MemberStarts starts(plan);
   std::vector<WarningCount> all;
   for (std::int64_t k = 0; k < few; ++k) {
     const std::int64_t member = plan.first + (few > 1 ? k * (members - 1) / (few - 1) : 0);
-    request.scene = member_scene(plan, member);
+    request.scene = starts.scene(member);
     if (cannot_begin(*request.scene)) continue;
     Samples none;
     for (const Warning& warning : request.scene->mechanics->run(request, none, cancelled).warnings) {

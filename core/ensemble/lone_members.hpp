@@ -6,9 +6,6 @@
 
 namespace least {
 
-/// The scene of the i-th member.
-std::shared_ptr<const Scene> member_scene(const EnsemblePlan& plan, std::int64_t i);
-
 /// Runs the members of the block: their endings, the columns at the ends of those that completed, their sections.
 /// `columns`: of the plan.
 void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,

@@ -112,7 +112,7 @@ MemberReader::MemberReader(const Scene& scene, std::span<const Variation> vary)
   column("energy");
   std::size_t next = card_.columns.size();
   for (const Variation& varied : vary)
-    if (varied.parameter) know(card_.parameters[varied.index].name, Symbol::variable(tape_, next++));
+    if (varied.is_parameter()) know(card_.parameters[varied.index].name, Symbol::variable(tape_, next++));
   for (std::size_t i = 0; i < card_.parameters.size() && i < scene.parameters.size(); ++i) {
     const ParameterCard& parameter = card_.parameters[i];
     const bool number = parameter.kind == Kind::number || parameter.kind == Kind::integer;

@@ -15,14 +15,18 @@ namespace least {
 enum class Spread : std::uint8_t { grid, values, uniform, normal, logistic };
 inline constexpr std::array<std::string_view, 5> spread_names{"grid", "values", "uniform", "normal", "logistic"};
 
+/// What varies: a variable of the start, the velocity of a coordinate, or a parameter of the problem.
+enum class Varied : std::uint8_t { variable, velocity, parameter };
+
 struct Variation {
-  bool parameter = false;  ///< of the problem, else a variable of the start
-  std::size_t index = 0;   ///< among those of the card
+  Varied of = Varied::variable;
+  std::size_t index = 0;  ///< among those of the card; of a velocity that of its coordinate
   Spread spread = Spread::grid;
   /// grid: first, last, how many; values: all of them; uniform: from, to; normal: mean, standard deviation; logistic:
   /// mean, scale.
   std::vector<double> numbers;
 
+  bool is_parameter() const { return of == Varied::parameter; }
   bool drawn() const { return spread > Spread::values; }
   /// How many values it takes where it is not drawn.
   std::int64_t size() const;
@@ -38,6 +42,8 @@ struct Members {
   std::int64_t count = 0;
   std::uint64_t seed = 0;
   std::vector<Variation> vary;
+  bool holds_velocities =
+      false;  ///< what members have in common of their starts, where momenta would depend on the rest
 
   /// The values of what varies, in its order, for the i-th member.
   std::vector<double> of(std::int64_t i) const;

@@ -132,10 +132,13 @@ std::vector<T> TextScene::on_tape(const std::vector<T>& state) const {
   return x;
 }
 
-template <class T>
-void TextScene::make_momenta(std::span<const double> parameters, const T& t, std::vector<T>& state) const {
+tape::Formula TextScene::momenta(std::span<const double> parameters) const {
   Folding fold(*form, parameters);
-  const tape::Formula formula = fold.formula(form->momenta);
+  return fold.formula(form->momenta);
+}
+
+template <class T>
+void TextScene::make_momenta(const tape::Formula& formula, const T& t, std::vector<T>& state) const {
   const std::vector<T> x = on_tape(state);
   std::vector<T> p(form->coordinates);
   formula.evaluate(x.data(), t, p.data());
@@ -143,11 +146,14 @@ void TextScene::make_momenta(std::span<const double> parameters, const T& t, std
 }
 
 void TextScene::velocities_to_momenta(std::span<const double> parameters, double t, std::vector<double>& state) const {
-  make_momenta(parameters, t, state);
+  make_momenta(momenta(parameters), t, state);
 }
 void TextScene::velocities_to_momenta(std::span<const double> parameters, const Moved& t,
                                       std::vector<Moved>& state) const {
-  make_momenta(parameters, t, state);
+  make_momenta(momenta(parameters), t, state);
+}
+void TextScene::velocities_to_momenta(const tape::Formula& momenta, double t, std::vector<double>& state) const {
+  make_momenta(momenta, t, state);
 }
 
 std::optional<TextScene::Objection> TextScene::objection(std::span<const double> parameters) const {

@@ -12,6 +12,10 @@ namespace least {
 struct Scene;
 }
 
+namespace least::tape {
+class Formula;
+}
+
 namespace least::text {
 
 class SizedScene;
@@ -35,6 +39,9 @@ struct TextScene {
   /// p = ∂L/∂v of a scene whose Lagrangian or potential is given: `state` holds the variables of the card with
   /// velocities in the place of momenta, which they become.
   void velocities_to_momenta(std::span<const double> parameters, double t, std::vector<double>& state) const;
+  /// The same for many states with the same parameters, by what `momenta` makes of these once.
+  void velocities_to_momenta(const tape::Formula& momenta, double t, std::vector<double>& state) const;
+  tape::Formula momenta(std::span<const double> parameters) const;
   /// The same along a direction.
   using Moved = Dual<double, 1>;
   void velocities_to_momenta(std::span<const double> parameters, const Moved& t, std::vector<Moved>& state) const;
@@ -73,7 +80,7 @@ struct TextScene {
   template <class T>
   std::vector<T> on_tape(const std::vector<T>& state) const;
   template <class T>
-  void make_momenta(std::span<const double> parameters, const T& t, std::vector<T>& state) const;
+  void make_momenta(const tape::Formula& formula, const T& t, std::vector<T>& state) const;
   std::string not_finite_at(double t, const std::vector<double>& state) const;
   /// ∂²L/∂v² or ∂²H/∂p² in words.
   std::string second_derivative() const;

@@ -1,12 +1,17 @@
 // Starts that are given in momenta, or in momenta of some coordinates and velocities of the others.
 #pragma once
 
+#include <array>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/text/scene.hpp"
 
 namespace least::text {
+
+/// What stays of a start where one number of it, or a parameter, changes.
+inline constexpr std::array<std::string_view, 2> held_names{"momenta", "velocities"};
 
 /// v with ∂L/∂v(q, v, s, t) = p, one per coordinate, of a scene that takes velocities: by Newton's iteration from v =
 /// 0, which ends after one step where L is quadratic in the velocities. `state` holds the variables of the card with

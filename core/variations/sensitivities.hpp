@@ -28,8 +28,6 @@ inline constexpr std::size_t most_quantities = 64, most_in_pairs = 16;
 
 /// Of what: the true motion, or the map that the scheme is.
 inline constexpr std::array<std::string_view, 2> map_names{"motion", "scheme"};
-/// What stays of a start where one number of it changes.
-inline constexpr std::array<std::string_view, 2> held_names{"momenta", "velocities"};
 
 /// What is asked for beside a run.
 struct SensitivitiesAsked {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text/scene.hpp"
 #include "server/decode/plan_reader.hpp"
 #include "server/decode/scene_files.hpp"
 #include "server/decode/scene_reader.hpp"
@@ -19,25 +20,43 @@ constexpr std::int64_t most_bins = 100'000;
 // What a variation may change, by its pointer.
 struct Variable {
   std::string pointer;
-  bool parameter = false;
+  Varied of = Varied::variable;
   std::size_t index = 0;
   Range range;
 };
-std::vector<Variable> variables_of(const ProblemCard& problem) {
+// Of a start in velocities, which members have in common, these and not the momenta.
+std::vector<Variable> variables_of(const Scene& scene, bool holds_velocities) {
+  const ProblemCard& problem = scene.card();
+  const text::TextScene* const text = scene.mechanics->text();
   std::vector<Variable> all;
   for (std::size_t i = 0; i < problem.variables.size(); ++i) {
-    if (problem.variables[i].hidden) continue;
-    all.push_back({"/initial/" + problem.variables[i].name, false, i, problem.variables[i].range});
+    const auto& variable = problem.variables[i];
+    if (variable.hidden) continue;
+    const std::size_t coordinate = holds_velocities ? i - static_cast<std::size_t>(text->capacity) : i;
+    if (holds_velocities && coordinate < text->definition.variables.size())
+      all.push_back({"/initial/" + text::velocity_name(text->definition.variables[coordinate]), Varied::velocity,
+                     coordinate, anywhere});
+    else
+      all.push_back({"/initial/" + variable.name, Varied::variable, i, variable.range});
   }
   for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
     if (problem.parameters[i].kind != Kind::number) continue;
-    all.push_back({"/problem/" + problem.parameters[i].name, true, i, problem.parameters[i].range});
+    all.push_back({"/problem/" + problem.parameters[i].name, Varied::parameter, i, problem.parameters[i].range});
   }
   return all;
 }
 
 // What a client may have meant that members cannot have: each in words of its own.
-std::string why_fixed(std::string_view pointer, const ProblemCard& problem) {
+std::string why_fixed(std::string_view pointer, const Scene& scene, bool holds_velocities) {
+  const ProblemCard& problem = scene.card();
+  if (const text::TextScene* const text = scene.mechanics->text(); text && text->takes_velocities())
+    for (const std::string& name : text->definition.variables) {
+      const std::string p = text::momentum_name(name), v = text::velocity_name(name);
+      if (holds_velocities && pointer == "/initial/" + p)
+        return "is a momentum, and members have velocities in common: vary " + v + ", or say \"holds\": \"momenta\"";
+      if (!holds_velocities && pointer == "/initial/" + v)
+        return "is a velocity, and members have momenta in common: vary " + p + ", or say \"holds\": \"velocities\"";
+    }
   if (pointer.starts_with("/scheme")) return "the scheme and its settings are the same for all members";
   if (pointer == "/initial/t") return "all members start at the same time";
   for (const auto& parameter : problem.parameters) {
@@ -96,12 +115,12 @@ bool read_numbers(const Json& json, const FieldPath& path, const Range& range, V
   return false;
 }
 
-void read_vary(const Json& json, const FieldPath& path, const ProblemCard& problem, Members& members) {
+void read_vary(const Json& json, const FieldPath& path, const Scene& scene, Members& members) {
   if (!json.is_object()) {
     path.fault("must be an object of pointers and how they vary", json, "{\"/initial/q\": {\"uniform\": [-1, 1]}, …}");
     return;
   }
-  const auto variables = variables_of(problem);
+  const auto variables = variables_of(scene, members.holds_velocities);
   Names pointers;
   for (const auto& variable : variables) pointers.push_back(variable.pointer);
   for (const auto& [pointer, how] : json.items()) {
@@ -109,7 +128,7 @@ void read_vary(const Json& json, const FieldPath& path, const ProblemCard& probl
     const FieldPath place = path.at(pointer);
     const auto found = std::ranges::find(variables, pointer, &Variable::pointer);
     if (found == variables.end()) {
-      const std::string fixed = why_fixed(pointer, problem);
+      const std::string fixed = why_fixed(pointer, scene, members.holds_velocities);
       place.fault(!fixed.empty() ? fixed : "names nothing that can vary" + did_you_mean(pointer, pointers), how,
                   listed(pointers));
       continue;
@@ -121,28 +140,43 @@ void read_vary(const Json& json, const FieldPath& path, const ProblemCard& probl
     const std::string& spread = how.begin().key();
     const auto kind = read_name(spread, place.at(spread), Names(spread_names.begin(), spread_names.end()), "variation");
     if (!kind) continue;
-    Variation variation{found->parameter, found->index, static_cast<Spread>(*kind), {}};
+    Variation variation{found->of, found->index, static_cast<Spread>(*kind), {}};
     if (read_numbers(how.begin().value(), place.at(spread), found->range, variation)) {
       members.vary.push_back(std::move(variation));
     }
   }
 }
 
-void read_members(const Json& root, const FieldPath& top, const ProblemCard* problem, EnsemblePlan& plan) {
+// Whether members have the velocities of the start in common, and not its momenta: as is said, or as what varies needs
+// it, or as the start says.
+bool velocities_in_common(const Json& root, const Json& members, const FieldPath& path, const Scene& scene,
+                          const Json* vary) {
+  const text::TextScene* const text = scene.mechanics->text();
+  if (text && text->takes_velocities() && vary && vary->is_object() && !find(members, "holds"))
+    for (const auto& name : text->definition.variables)
+      for (const bool velocities : {false, true})
+        if (find(*vary, "/initial/" + (velocities ? text::velocity_name(name) : text::momentum_name(name))))
+          return velocities;
+  return holds_velocities(root, members, path, text);
+}
+
+// `scene`: null where what it is of is not known.
+void read_members(const Json& root, const FieldPath& top, const Scene* scene, EnsemblePlan& plan) {
   const Json* json = find(root, "members");
   const FieldPath path = top.at("members");
-  const std::string shape = "{\"count\": …, \"seed\": …, \"vary\": {…}}";
+  const std::string shape = "{\"count\": …, \"seed\": …, \"vary\": {…}, \"holds\": …}";
   if (json == nullptr) {
     path.lacks("is required", shape);
     return;
   }
-  if (!read_object(*json, path, {"count", "seed", "vary"}, "members")) return;
+  if (!read_object(*json, path, {"count", "seed", "vary", "holds"}, "members")) return;
   Members& members = plan.members;
   if (const Json* seed = find(*json, "seed")) {
     members.seed = static_cast<std::uint64_t>(read_integer(*seed, path.at("seed"), 0, greatest_count).value_or(0));
   }
   const Json* vary = find(*json, "vary");
-  if (vary != nullptr && problem != nullptr) read_vary(*vary, path.at("vary"), *problem, members);
+  if (scene != nullptr) members.holds_velocities = velocities_in_common(root, *json, path, *scene, vary);
+  if (vary != nullptr && scene != nullptr) read_vary(*vary, path.at("vary"), *scene, members);
   const Json* count = find(*json, "count");
   if (count != nullptr) members.count = read_integer(*count, path.at("count"), 1, greatest_count).value_or(1);
   if (path.faults->within(path.at("vary").pointer)) return;
@@ -360,7 +394,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
       check_settings(*scheme_card, *card, request.settings, top.at("scheme"));
     }
   }
-  read_members(root, top, card, plan);
+  read_members(root, top, card ? scene.get() : nullptr, plan);
   read_plan(root, top, card, scheme_card, preset, caps, &plan.members, request);
   request.diagnostics.clear();
   if (card && plan.members.vary.empty()) check_start(*scene, top);

@@ -145,6 +145,23 @@ void read_velocities(const Json& initial, const FieldPath& start, const text::Te
   scene.initial = std::move(state);
 }
 
+// Whether the start of a request is one in velocities, which then stay where they are: it says no momenta, or, of a
+// problem of the catalogue, whose default is in momenta, a velocity.
+bool is_in_velocities(const Json& root, const text::TextScene* text) {
+  if (!text || !text->takes_velocities()) return false;
+  const bool by_default = !text->known;
+  const Json* initial = find(root, "initial");
+  if (initial == nullptr) return by_default;
+  const auto kind = [](const std::string& name) { return name.substr(0, name.find('[')); };
+  const bool says_other = std::ranges::any_of(text->definition.variables, [&](const std::string& variable) {
+    const std::string other = kind(by_default ? text::momentum_name(variable) : text::velocity_name(variable));
+    for (const auto& [name, value] : initial->items())
+      if (kind(name) == other) return true;
+    return false;
+  });
+  return by_default != says_other;
+}
+
 // A start, or parameters, with every number of a list under the name of its element: {"x": [1, 2]} as {"x[1]": 1,
 // "x[2]": 2}.
 Json without_lists(const Json& initial, const FieldPath& start, const text::TextScene& text) {
@@ -246,6 +263,15 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     }
   }
   return preset;
+}
+
+bool holds_velocities(const Json& root, const Json& asked, const FieldPath& path, const text::TextScene* text,
+                      bool both) {
+  const Json* holds = find(asked, "holds");
+  if (holds == nullptr) return is_in_velocities(root, text);
+  Names names(text::held_names.begin(), text::held_names.end());
+  if (!both || !text || !text->takes_velocities()) names.pop_back();
+  return read_name(*holds, path.at("holds"), names, "part of a start").value_or(0) == 1;
 }
 
 void check_start(Scene& scene, const FieldPath& top) {

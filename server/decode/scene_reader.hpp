@@ -39,6 +39,11 @@ std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath&
 /// preset, if there is one.
 const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene);
 
+/// Whether the velocities of the start stay where another number of the scene changes, and not the momenta: as `holds`
+/// of `asked`, which stands at the path, says, or else the start. `both`: it may say either.
+bool holds_velocities(const Json& root, const Json& asked, const FieldPath& path, const text::TextScene* text,
+                      bool both = true);
+
 /// What a scene as text that was read without a fault has against its start. A start at a place where the mechanics is
 /// not finite, but the motion is, moves beside it.
 void check_start(Scene& scene, const FieldPath& top);

@@ -10,6 +10,7 @@
 #include "core/text/scene.hpp"
 #include "core/variations/scheme_map.hpp"
 #include "core/variations/varied_motion.hpp"
+#include "server/decode/scene_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -26,23 +27,6 @@ struct Candidate {
   std::string pointer;
   Quantity quantity;
 };
-
-// Whether the start of a request is one in velocities, which then stay where they are: it says no momenta, or, of a
-// problem of the catalogue, whose default is in momenta, a velocity.
-bool is_in_velocities(const Json& root, const text::TextScene* text) {
-  if (!text || !text->takes_velocities()) return false;
-  const bool by_default = !text->known;
-  const Json* initial = find(root, "initial");
-  if (initial == nullptr) return by_default;
-  const auto kind = [](const std::string& name) { return name.substr(0, name.find('[')); };
-  const bool says_other = std::ranges::any_of(text->definition.variables, [&](const std::string& variable) {
-    const std::string other = kind(by_default ? text::momentum_name(variable) : text::velocity_name(variable));
-    for (const auto& [name, value] : initial->items())
-      if (kind(name) == other) return true;
-    return false;
-  });
-  return by_default != says_other;
-}
 
 class ByReader {
  public:
@@ -180,13 +164,7 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   if (by == nullptr) return place.lacks("is required", std::string(shape_of_sensitivities));
   const bool whole = by->is_string() && *by == "initial";
   const text::TextScene* const text = scene.mechanics->text();
-  asked.keeps_velocities = is_in_velocities(root, text);
-  if (const Json* holds = find(*json, "holds")) {
-    const bool both = text && text->takes_velocities() && !whole;
-    const Names names(variations::held_names.begin(),
-                      both ? variations::held_names.end() : std::next(variations::held_names.begin()));
-    asked.keeps_velocities = read_name(*holds, path.at("holds"), names, "part of a start").value_or(0) == 1;
-  }
+  asked.keeps_velocities = holds_velocities(root, *json, path, text, !whole);
   const ByReader reader(scene, asked.keeps_velocities, !asked.of_scheme);
   if (by->is_array() && !by->empty()) {
     if (by->size() > variations::most_quantities)

@@ -4,6 +4,8 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "core/run/messages.hpp"
+#include "core/text/scene.hpp"
+#include "core/text/start_velocities.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {
@@ -29,13 +31,18 @@ void write_members(JsonWriter& json, const EnsemblePlan& plan) {
   json.open('{').key("count").integer(members.count).key("seed").integer(static_cast<std::int64_t>(members.seed));
   json.key("vary").open('{');
   for (const Variation& varied : members.vary) {
-    json.key(varied.parameter ? "/problem/" + problem.parameters[varied.index].name
-                              : "/initial/" + problem.variables[varied.index].name);
+    const std::string name = varied.is_parameter()           ? problem.parameters[varied.index].name
+                             : varied.of == Varied::velocity ? text::velocity_name(problem.variables[varied.index].name)
+                                                             : problem.variables[varied.index].name;
+    json.key((varied.is_parameter() ? "/problem/" : "/initial/") + name);
     json.open('{').key(spread_names[static_cast<std::size_t>(varied.spread)]);
     write_list(json, varied.numbers);
     json.close('}');
   }
-  json.close('}').close('}');
+  json.close('}');
+  const text::TextScene* const text = plan.request.scene->mechanics->text();
+  if (text && text->takes_velocities()) json.key("holds").text(text::held_names[members.holds_velocities ? 1 : 0]);
+  json.close('}');
 }
 
 void write_histogram_asked(JsonWriter& json, const HistogramAsked& asked) {

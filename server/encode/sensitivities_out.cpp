@@ -1,5 +1,6 @@
 #include "server/encode/sensitivities_out.hpp"
 
+#include "core/text/start_velocities.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {
@@ -30,7 +31,7 @@ void write_settings(JsonWriter& json, const SensitivitiesAsked& asked) {
       .text(variations::map_names[asked.of_scheme ? 1 : 0])
       .key("at")
       .text(asked.at_samples ? "samples" : "final");
-  if (!asked.whole_start) json.key("holds").text(variations::held_names[asked.keeps_velocities ? 1 : 0]);
+  if (!asked.whole_start) json.key("holds").text(text::held_names[asked.keeps_velocities ? 1 : 0]);
 }
 
 }  // namespace

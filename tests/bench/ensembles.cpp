@@ -27,7 +27,7 @@ EnsemblePlan members_of(const std::string& problem, const std::string& scheme, d
   plan.request.limits.seconds = 1e9;
   test::setting(plan, "step") = step;
   const double x = plan.request.scene->initial[0];
-  test::set_members(plan, members, {{false, 0, Spread::uniform, {x, x + 0.01}}});
+  test::set_members(plan, members, {{Varied::variable, 0, Spread::uniform, {x, x + 0.01}}});
   return plan;
 }
 
@@ -36,7 +36,7 @@ EnsemblePlan swept_members_of(const EnsemblePlan& shared, std::int64_t steps) {
   EnsemblePlan plan = shared;
   const double value = plan.request.scene->parameters[0];
   plan.members.vary.push_back(
-      {true, 0, Spread::uniform, {std::min(value, 1.01 * value), std::max(value, 1.01 * value)}});
+      {Varied::parameter, 0, Spread::uniform, {std::min(value, 1.01 * value), std::max(value, 1.01 * value)}});
   plan.request.steps = steps;
   return plan;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/ensemble/member_starts.hpp"
 #include "tests/support/ensembles.hpp"
 #include "tests/support/texts.hpp"
 
@@ -29,8 +30,9 @@ EnsemblePlan orbits_of_masses() {
   Scene scene = *plan.request.scene;
   scene.initial = {1, 0, 0, 0.55};
   plan.request.scene = std::make_shared<const Scene>(scene);
-  test::set_members(
-      plan, 6, {{true, parameter(plan, "mu"), Spread::values, {0.5, 0.2, 2}}, {false, 0, Spread::grid, {-1.2, 1, 2}}});
+  test::set_members(plan, 6,
+                    {{Varied::parameter, parameter(plan, "mu"), Spread::values, {0.5, 0.2, 2}},
+                     {Varied::variable, 0, Spread::grid, {-1.2, 1, 2}}});
   test::set_columns(plan, {"y", "x"});
   return plan;
 }
@@ -58,7 +60,7 @@ TEST(OwnColumns, AreThoseOfTheRunsOfTheMembers) {
         EXPECT_NEAR(row[3], 0, 1e-14) << m;
         EXPECT_NEAR(row[4], 6 + (m < 2 ? 0.5 : m < 4 ? 0.2 : 2), 1e-15) << m;
         Request run = plan.request;
-        run.scene = member_scene(plan, static_cast<std::int64_t>(m));
+        run.scene = MemberStarts(plan).scene(static_cast<std::int64_t>(m));
         MeasureReader reader(*run.scene);
         reader.read("r", "sqrt(x^2+y^2)");
         run.measures = reader.made();
@@ -145,7 +147,7 @@ TEST(OwnColumns, OfATextThereMayBeNoOthers) {
   plan.request.scheme = *find_scheme("leapfrog");
   for (const auto& setting : schemes()[plan.request.scheme].parameters) plan.request.settings.push_back(setting.value);
   plan.request.end = 1;
-  test::set_members(plan, 5, {{true, 0, Spread::grid, {1, 2, 5}}});
+  test::set_members(plan, 5, {{Varied::parameter, 0, Spread::grid, {1, 2, 5}}});
   for (const char* const only : {"x*k", "k", "3", "t"}) {
     plan.request.columns.clear();
     add_own_columns(plan, {{"only", only}});

@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "core/ensemble/lone_members.hpp"
+#include "core/ensemble/member_starts.hpp"
 #include "tests/support/ensembles.hpp"
 
 namespace {
@@ -17,9 +17,9 @@ constexpr std::int64_t some = 9000;  // of three blocks
 EnsemblePlan kepler_members() {
   EnsemblePlan plan = ensemble_of("kepler", "leapfrog", 3);
   test::set_members(plan, some,
-                    {{false, 0, Spread::uniform, {0.8, 1.2}},
-                     {false, 1, Spread::normal, {0, 0.1}},
-                     {false, 3, Spread::uniform, {0.7, 1.3}}});
+                    {{Varied::variable, 0, Spread::uniform, {0.8, 1.2}},
+                     {Varied::variable, 1, Spread::normal, {0, 0.1}},
+                     {Varied::variable, 3, Spread::uniform, {0.7, 1.3}}});
   test::setting(plan, "step") = 0.05;
   test::set_columns(plan, {"t", "x", "y", "energy"});
   plan.final = true;
@@ -48,7 +48,7 @@ TEST(Ensemble, AMemberIsTheRunOfItsScene) {
   const std::atomic<bool> never{false};
   for (const std::int64_t i : {0, 4095, 4096, 8999}) {
     Request alone = plan.request;
-    alone.scene = member_scene(plan, i);
+    alone.scene = MemberStarts(plan).scene(i);
     alone.record.count = 0;
     Samples none;
     const Solution run = alone.scene->mechanics->run(alone, none, never);
@@ -94,7 +94,7 @@ TEST(Ensemble, WhatStopsIsCountedAndLeftOut) {
   EnsemblePlan plan = ensemble_of("kepler", "leapfrog", 2);
   test::setting(plan, "step") = 0.05;
   // At rest and near: an orbit into the centre, whose steps are too long there. At rest and far: no trouble.
-  test::set_members(plan, 2, {{false, 0, Spread::values, {0.3, 50}}});
+  test::set_members(plan, 2, {{Varied::variable, 0, Spread::values, {0.3, 50}}});
   plan.request.scene = [&] {
     auto scene = std::make_shared<Scene>(*plan.request.scene);
     scene->initial = {0, 0, 0, 0};
@@ -126,7 +126,7 @@ TEST(Ensemble, EndsWithItsTimeAndWhenToldTo) {
 TEST(Ensemble, AStroboscopicSectionIsTakenAtItsTimes) {
   EnsemblePlan plan = ensemble_of("harmonic_oscillator", "leapfrog", 10);
   test::setting(plan, "step") = 0.01;
-  test::set_members(plan, 3, {{false, 0, Spread::grid, {1, 3, 3}}});
+  test::set_members(plan, 3, {{Varied::variable, 0, Spread::grid, {1, 3, 3}}});
   test::set_columns(plan, {"q", "p"});
   plan.request.section = Section{false, 3, 0.5};
   const Harvest all = harvest_of(plan);
@@ -172,7 +172,7 @@ TEST(Ensemble, WarnsOfWhatItsMembersWarnOf) {
   // The last ones alone are bad, as their step is long for how near they come.
   plan.request.end = 20;
   test::setting(plan, "step") = 0.02;
-  plan.members.vary = {{false, 3, Spread::grid, {1, 0.1, 5}}};
+  plan.members.vary = {{Varied::variable, 3, Spread::grid, {1, 0.1, 5}}};
   plan.members.count = plan.last = 5;
   const auto some_of_them = warnings_of_few(plan, never);
   ASSERT_FALSE(some_of_them.empty());

@@ -12,7 +12,7 @@ using namespace least;
 EnsemblePlan section_of(std::int64_t members, double period) {
   EnsemblePlan plan = test::ensemble_of("harmonic_oscillator", "leapfrog", 10);
   test::setting(plan, "step") = 0.1;
-  test::set_members(plan, members, {{false, 0, Spread::uniform, {-1, 1}}});
+  test::set_members(plan, members, {{Varied::variable, 0, Spread::uniform, {-1, 1}}});
   test::set_columns(plan, {"q", "p"});
   plan.request.section = Section{false, period, 0};
   plan.final = true;

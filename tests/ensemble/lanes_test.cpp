@@ -96,19 +96,19 @@ void expect_same_endings(const EnsemblePlan& plan, ReturnCode reason) {
 TEST(LaneMembers, EndEachForItself) {
   EnsemblePlan plan = test::ensemble_of("kepler", "leapfrog", 30);
   test::setting(plan, "step") = 0.05;
-  test::set_members(plan, 100, {{false, 2, Spread::grid, {-0.4, -0.005, 100}}});
+  test::set_members(plan, 100, {{Varied::variable, 2, Spread::grid, {-0.4, -0.005, 100}}});
   expect_same_endings(plan, ReturnCode::unstable_step);
   plan.request.limits.steps = 10;
   EXPECT_EQ(in_lanes(plan, lane_units().front())->ended[static_cast<std::size_t>(ReturnCode::step_limit)], 100);
   plan = test::ensemble_of("henon_heiles", "leapfrog", 30);
-  test::set_members(plan, 100, {{false, 1, Spread::grid, {0, 1.3, 100}}});
+  test::set_members(plan, 100, {{Varied::variable, 1, Spread::grid, {0, 1.3, 100}}});
   const Harvest escapes = in_lanes(plan, lane_units().front()).value();
   EXPECT_EQ(escapes.ended, alone(plan).ended);
   EXPECT_GT(escapes.ended[0], 0);
   EXPECT_LT(escapes.ended[0], 100);
   if (find_problem("cosmological_oscillator")) {
     plan = test::ensemble_of("cosmological_oscillator", "contact_splitting", 5);
-    test::set_members(plan, 60, {{false, 2, Spread::grid, {-3, 0, 60}}});
+    test::set_members(plan, 60, {{Varied::variable, 2, Spread::grid, {-3, 0, 60}}});
     expect_same_endings(plan, ReturnCode::singular);
   }
   if (find_problem("lane_emden")) {
@@ -116,7 +116,7 @@ TEST(LaneMembers, EndEachForItself) {
     auto scene = std::make_shared<Scene>(*plan.request.scene);
     scene->start = 2;
     plan.request.scene = scene;
-    test::set_members(plan, 60, {{false, 1, Spread::grid, {-0.6, 0, 60}}});
+    test::set_members(plan, 60, {{Varied::variable, 1, Spread::grid, {-0.6, 0, 60}}});
     expect_same_endings(plan, ReturnCode::left_domain);
   }
 }
@@ -124,14 +124,14 @@ TEST(LaneMembers, EndEachForItself) {
 TEST(LaneMembers, OfASweepEndEachForItself) {
   EnsemblePlan plan = test::ensemble_of("kepler", "leapfrog", 30);
   test::setting(plan, "step") = 0.05;
-  test::set_members(plan, 100, {{true, 0, Spread::grid, {0.5, 4000, 100}}});
+  test::set_members(plan, 100, {{Varied::parameter, 0, Spread::grid, {0.5, 4000, 100}}});
   expect_same_endings(plan, ReturnCode::unstable_step);
-  test::set_members(plan, 100, {{true, 0, Spread::grid, {0.5, 8, 100}}});
+  test::set_members(plan, 100, {{Varied::parameter, 0, Spread::grid, {0.5, 8, 100}}});
   expect_same_endings(plan, ReturnCode::unstable_step);
   if (find_problem("harmonic_oscillator")) {
     plan = test::ensemble_of("harmonic_oscillator", "leapfrog", 5);
     test::setting(plan, "step") = 0.05;
-    test::set_members(plan, 100, {{true, 1, Spread::grid, {1, 3000, 100}}});
+    test::set_members(plan, 100, {{Varied::parameter, 1, Spread::grid, {1, 3000, 100}}});
     expect_same_endings(plan, ReturnCode::unstable_step);
   }
   if (find_problem("cosmological_oscillator")) {
@@ -141,7 +141,7 @@ TEST(LaneMembers, OfASweepEndEachForItself) {
     plan.request.scene = std::make_shared<const Scene>(scene);
     const auto& parameters = scene.card().parameters;
     const auto gamma = std::ranges::find(parameters, "gamma", &ParameterCard::name) - parameters.begin();
-    test::set_members(plan, 60, {{true, static_cast<std::size_t>(gamma), Spread::grid, {0, 1, 60}}});
+    test::set_members(plan, 60, {{Varied::parameter, static_cast<std::size_t>(gamma), Spread::grid, {0, 1, 60}}});
     expect_same_endings(plan, ReturnCode::singular);
   }
   if (find_problem("lane_emden")) {
@@ -150,7 +150,7 @@ TEST(LaneMembers, OfASweepEndEachForItself) {
     scene.start = 2;
     scene.initial[1] = -0.3;
     plan.request.scene = std::make_shared<const Scene>(scene);
-    test::set_members(plan, 60, {{true, 0, Spread::grid, {0, 5, 60}}});
+    test::set_members(plan, 60, {{Varied::parameter, 0, Spread::grid, {0, 5, 60}}});
     expect_same_endings(plan, ReturnCode::left_domain);
   }
 }
@@ -182,7 +182,7 @@ TEST(LaneMembers, MeetPlanesWhereTheyLie) {
   EnsemblePlan plan = test::ensemble_of("harmonic_oscillator", "leapfrog", 20);
   test::setting(plan, "step") = 0.01;
   test::setting(plan, "composition") = 4;
-  test::set_members(plan, 40, {{false, 0, Spread::grid, {1, 2, 40}}});
+  test::set_members(plan, 40, {{Varied::variable, 0, Spread::grid, {1, 2, 40}}});
   test::set_columns(plan, {"t", "q", "p"});
   for (const int direction : {1, -1, 0}) {
     test::set_plane(plan, "q - 0.5", direction);
@@ -226,7 +226,7 @@ TEST(LaneMembers, MeetPlanesTheyPassTwiceWithinAStep) {
     Scene scene = *plan.request.scene;
     scene.initial = start;
     plan.request.scene = std::make_shared<const Scene>(scene);
-    test::set_members(plan, 37, {{false, 0, Spread::grid, {from, to, 37}}});
+    test::set_members(plan, 37, {{Varied::variable, 0, Spread::grid, {from, to, 37}}});
     test::set_plane(plan, plane, -1);
     const SectionPoints lone = alone(plan).section;
     EXPECT_EQ(lone.t.size(), 37U * times) << plane;  // once a turn
@@ -274,7 +274,7 @@ TEST(LaneMembers, MeetPlanesAsAlone) {
   EXPECT_FALSE(in_lanes(plan, lane_units().back()));
   test::set_plane(plan, "x - mu", 0);
   EXPECT_TRUE(in_lanes(plan, lane_units().back()));
-  plan.members.vary.push_back({true, 0, Spread::uniform, {0.9, 1.1}});
+  plan.members.vary.push_back({Varied::parameter, 0, Spread::uniform, {0.9, 1.1}});
   EXPECT_FALSE(in_lanes(plan, lane_units().back()));
 }
 
@@ -282,7 +282,7 @@ TEST(LaneMembers, MeetPlanesAsAlone) {
 // not.
 TEST(LaneMembers, SayWhereTheirSearchEndsUnresolved) {
   EnsemblePlan plan = test::ensemble_of("harmonic_oscillator", "leapfrog", 3);
-  test::set_members(plan, 3, {{false, 0, Spread::values, {1e-9, 1, 2}}});
+  test::set_members(plan, 3, {{Varied::variable, 0, Spread::values, {1e-9, 1, 2}}});
   test::set_plane(plan, "sin(1e9*q) - 0.5", 0);
   plan.request.limits.samples = 100;
   const auto expect_told = [](const Harvest& found, const std::string& what) {

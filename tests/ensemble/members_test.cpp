@@ -32,15 +32,17 @@ TEST(Quantiles, AreInversesOfTheirDistributions) {
 }
 
 TEST(Members, GridsAndValuesMakeTheirProductTheLastFastest) {
-  const Members members{6, 0, {{false, 0, Spread::grid, {1, 2, 3}}, {true, 0, Spread::values, {7, -7}}}};
+  const Members members{
+      6, 0, {{Varied::variable, 0, Spread::grid, {1, 2, 3}}, {Varied::parameter, 0, Spread::values, {7, -7}}}};
   const std::vector<std::vector<double>> all{{1, 7}, {1, -7}, {1.5, 7}, {1.5, -7}, {2, 7}, {2, -7}};
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(members.of(static_cast<std::int64_t>(i)), all[i]);
-  const Members lone{1, 0, {{false, 0, Spread::grid, {0.3, 0.3, 1}}}};
+  const Members lone{1, 0, {{Varied::variable, 0, Spread::grid, {0.3, 0.3, 1}}}};
   EXPECT_EQ(lone.of(0), std::vector<double>{0.3});
 }
 
 TEST(Members, DrawsFollowFromSeedAndIndex) {
-  const Variation around{false, 1, Spread::normal, {2, 0.5}}, within{false, 0, Spread::uniform, {-1, 3}};
+  const Variation around{Varied::variable, 1, Spread::normal, {2, 0.5}},
+      within{Varied::variable, 0, Spread::uniform, {-1, 3}};
   Members members{100000, 7, {within, around}};
   double mean = 0, square = 0, least = 9, most = -9, skew = 0;
   for (std::int64_t i = 0; i < members.count; ++i) {

@@ -40,7 +40,7 @@ TEST(EnsembleMemory, DoesNotGrowWithTheMembers) {
   test::set_columns(plan, {"x", "y", "energy"});
   plan.histograms = {{0, -2, 2, 1000}};
   const auto run = [&](std::int64_t members) {
-    test::set_members(plan, members, {{false, 0, Spread::uniform, {0.8, 1.2}}});
+    test::set_members(plan, members, {{Varied::variable, 0, Spread::uniform, {0.8, 1.2}}});
     EXPECT_EQ(test::harvest_of(plan, 2).ended[0], members);
   };
   const double few = grows_by([&] { run(24 * block_size); });  // as many blocks as may be ahead

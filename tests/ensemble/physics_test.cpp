@@ -21,9 +21,10 @@ TEST(EnsemblePhysics, AThermostatKeepsTheMomentsOfItsDensity) {
   scene->parameters[1] = 1;  // Q
   plan.request.scene = scene;
   constexpr std::int64_t count = 100'000;
-  test::set_members(
-      plan, count,
-      {{false, 0, Spread::normal, {0, 1}}, {false, 1, Spread::normal, {0, 1}}, {false, 2, Spread::logistic, {0, 1}}});
+  test::set_members(plan, count,
+                    {{Varied::variable, 0, Spread::normal, {0, 1}},
+                     {Varied::variable, 1, Spread::normal, {0, 1}},
+                     {Varied::variable, 2, Spread::logistic, {0, 1}}});
   plan.final = true;
   const Harvest all = harvest_of(plan, 2);
   ASSERT_EQ(all.ended[0], count);
@@ -59,7 +60,7 @@ double henon_heiles_growth(double energy, double y) {
   scene->initial = {0, y, std::sqrt(2 * (energy - potential)), 0};
   plan.request.scene = scene;
   constexpr double apart = 1e-9;
-  test::set_members(plan, 2, {{false, 1, Spread::values, {y, y + apart}}});
+  test::set_members(plan, 2, {{Varied::variable, 1, Spread::values, {y, y + apart}}});
   test::set_columns(plan, {"x", "y", "px", "py"});
   plan.final = true;
   const Harvest all = harvest_of(plan);
@@ -83,7 +84,7 @@ TEST(EnsemblePhysics, SectionsOfHenonHeilesLieOnTheEnergySurface) {
   EnsemblePlan plan = test::ensemble_of("henon_heiles", "leapfrog", 500);
   test::setting(plan, "composition") = 4;
   test::setting(plan, "step") = 0.1;
-  test::set_members(plan, 30, {{false, 1, Spread::grid, {-0.2, 0.3, 30}}});
+  test::set_members(plan, 30, {{Varied::variable, 1, Spread::grid, {-0.2, 0.3, 30}}});
   test::set_columns(plan, {"x", "y", "px", "py", "energy"});
   test::set_plane(plan, "x", 1);
   plan.final = true;
@@ -122,7 +123,7 @@ std::vector<std::pair<double, double>> spreads(EnsemblePlan plan, double from, d
   constexpr double turn = 2 * std::numbers::pi;
   test::setting(plan, "step") = turn / 32;
   plan.request.end = 1000.5 * turn;
-  test::set_members(plan, count, {{false, 1, Spread::grid, {from, to, static_cast<double>(count)}}});
+  test::set_members(plan, count, {{Varied::variable, 1, Spread::grid, {from, to, static_cast<double>(count)}}});
   test::set_columns(plan, {"p"});
   plan.request.section = Section{false, turn};
   const SectionPoints points = harvest_of(plan, 2).section;
@@ -206,7 +207,7 @@ TEST(EnsemblePhysics, SpinsAreCapturedIntoTheSynchronousResonance) {
   plan.request.scene = scene;
   test::setting(plan, "step") = std::numbers::pi / 10;
   constexpr std::int64_t starts = 4096;
-  test::set_members(plan, starts, {{false, 0, Spread::grid, {0, 2 * std::numbers::pi, starts}}});
+  test::set_members(plan, starts, {{Varied::variable, 0, Spread::grid, {0, 2 * std::numbers::pi, starts}}});
   test::set_columns(plan, {"p"});
   plan.histograms = {{0, 0.84, 1.16, 1}};
   const Harvest all = harvest_of(plan, 2);
@@ -223,7 +224,7 @@ TEST(EnsemblePhysics, ThePeriodOfVanDerPolGrowsAsIsKnown) {
   const std::vector<double> strengths{0.1, 0.2, 1, 10};
   const auto small = [](double e) { return 2 * std::numbers::pi * (1 + e * e / 16 - 5 * e * e * e * e / 3072); };
   const std::vector<double> periods{small(0.1), small(0.2), 6.66328685932313, 19.0783695669390};
-  test::set_members(plan, 4, {{true, 0, Spread::values, strengths}});
+  test::set_members(plan, 4, {{Varied::parameter, 0, Spread::values, strengths}});
   test::set_plane(plan, "x", 1);
   const SectionPoints points = harvest_of(plan).section;
   for (std::int64_t m = 0; m < 4; ++m) {
@@ -256,8 +257,8 @@ TEST(EnsemblePhysics, BasinsOfTheDrivenPendulumHaveAFractalBoundary) {
   const auto ends = [&](double aside, int more_steps) {
     plan.request.steps = turns * steps + more_steps;
     test::set_members(plan, grid * grid,
-                      {{false, 0, Spread::grid, {aside - turn / 2, aside + turn / 2, grid}},
-                       {false, p, Spread::grid, {-2, 4, grid}}});
+                      {{Varied::variable, 0, Spread::grid, {aside - turn / 2, aside + turn / 2, grid}},
+                       {Varied::variable, p, Spread::grid, {-2, 4, grid}}});
     const Harvest all = harvest_of(plan, 2);
     EXPECT_EQ(all.ended[0], grid * grid);
     return all.final;

@@ -19,19 +19,19 @@ struct Leaving {
 /// Hénon and Heiles' members escape where their energy suffices; orbits that plunge towards the centre find the step
 /// too long there.
 std::vector<Leaving> all_that_leave() {
-  return {{"henon_heiles", "leapfrog", 0.05, {{false, 1, Spread::uniform, {-0.3, 0.6}}}},
-          {"henon_heiles", "runge_kutta_4", 0.05, {{false, 1, Spread::uniform, {-0.3, 0.6}}}},
-          {"perturbed_kepler", "contact_leapfrog", 0.02, {{false, 3, Spread::uniform, {0.1, 1.6}}}},
-          {"perturbed_kepler", "contact_splitting", 0.02, {{false, 3, Spread::uniform, {0.1, 1.6}}}},
+  return {{"henon_heiles", "leapfrog", 0.05, {{Varied::variable, 1, Spread::uniform, {-0.3, 0.6}}}},
+          {"henon_heiles", "runge_kutta_4", 0.05, {{Varied::variable, 1, Spread::uniform, {-0.3, 0.6}}}},
+          {"perturbed_kepler", "contact_leapfrog", 0.02, {{Varied::variable, 3, Spread::uniform, {0.1, 1.6}}}},
+          {"perturbed_kepler", "contact_splitting", 0.02, {{Varied::variable, 3, Spread::uniform, {0.1, 1.6}}}},
           // What follows from a damping of each member's own goes with it.
           {"damped_kepler",
            "contact_splitting",
            0.02,
-           {{false, 0, Spread::values, {0.5}},
-            {false, 3, Spread::uniform, {0.1, 1.6}},
-            {true, 1, Spread::uniform, {-1e-3, 1e-3}}}},
+           {{Varied::variable, 0, Spread::values, {0.5}},
+            {Varied::variable, 3, Spread::uniform, {0.1, 1.6}},
+            {Varied::parameter, 1, Spread::uniform, {-1e-3, 1e-3}}}},
           // The first ones begin beyond the saddle: of whole groups nobody is left.
-          {"henon_heiles", "leapfrog", 0.05, {{false, 1, Spread::grid, {1.6, -0.3, 700}}}}};
+          {"henon_heiles", "leapfrog", 0.05, {{Varied::variable, 1, Spread::grid, {1.6, -0.3, 700}}}}};
 }
 EnsemblePlan ensemble_leaving(const Leaving& leaving) {
   EnsemblePlan plan = test::ensemble_of(leaving.problem, leaving.scheme, 1);
@@ -105,7 +105,7 @@ void expect_passages(int until, int turns, std::int64_t steps) {
     const double leaves = 1e75 * std::exp(-growth * static_cast<double>(steps) * (i * 37 % 140) / 140);
     starts.push_back(i % 4 < 2 ? leaves : -leaves);
   }
-  test::set_members(plan, static_cast<std::int64_t>(starts.size()), {{false, 0, Spread::values, starts}});
+  test::set_members(plan, static_cast<std::int64_t>(starts.size()), {{Varied::variable, 0, Spread::values, starts}});
   const double level = std::exp(growth * until) * (1 + std::cos(turn / 2)) / 2;
   test::set_plane(plan, "q - " + std::to_string(level), 0);
   const Harvest lone = test::alone(plan);
@@ -137,7 +137,7 @@ void expect_texts_to_be_alike(const Leaving& leaving) {
     if (mixed) {
       const auto& cards = plan.request.scene->card().parameters;
       ASSERT_EQ(cards[0].name, "lambda");
-      plan.members.vary.push_back({true, 0, Spread::uniform, {0.9, 1.1}});
+      plan.members.vary.push_back({Varied::parameter, 0, Spread::uniform, {0.9, 1.1}});
     }
     const Harvest all = *test::in_lanes(plan, lane_units().front());
     EXPECT_GT(all.ended[0], 70);

@@ -20,7 +20,7 @@ TEST(Sweeps, OfAllParametersAreAsAlone) {
       if (parameter.kind != Kind::number) continue;
       const double at = parameter.value, change = 0.01 * (std::abs(at) > 0 ? std::abs(at) : 1);
       const double other = parameter.range.contains(at + change) ? at + change : at - change;
-      plan.members.vary.push_back({true, k, Spread::uniform, {std::min(at, other), std::max(at, other)}});
+      plan.members.vary.push_back({Varied::parameter, k, Spread::uniform, {std::min(at, other), std::max(at, other)}});
     }
     plan.last = 5;
     const Harvest lone = alone(plan);
@@ -52,7 +52,8 @@ TEST(Sweeps, OfEveryParameterAreAsAlone) {
     for (std::size_t k = 0; k < card.parameters.size(); ++k) {
       if (card.parameters[k].kind != Kind::number) continue;
       const auto values = values_about(card.parameters[k], plan.request.scene->parameters[k]);
-      test::set_members(plan, static_cast<std::int64_t>(values.size()), {{true, k, Spread::values, values}});
+      test::set_members(plan, static_cast<std::int64_t>(values.size()),
+                        {{Varied::parameter, k, Spread::values, values}});
       const std::string what = name + ", " + card.parameters[k].name;
       const Harvest lone = alone(plan), wide = in_lanes(plan, lane_units().front()).value();
       ++sweeps;

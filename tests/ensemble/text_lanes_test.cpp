@@ -44,7 +44,7 @@ void vary_starts(EnsemblePlan& plan, std::int64_t count) {
   const auto& variables = plan.request.scene->card().variables;
   for (std::size_t i = 0; i < variables.size(); ++i) {
     const double x = plan.request.scene->initial[i];
-    if (!variables[i].hidden) vary.push_back({false, i, Spread::uniform, {x - 0.01, x + 0.02}});
+    if (!variables[i].hidden) vary.push_back({Varied::variable, i, Spread::uniform, {x - 0.01, x + 0.02}});
   }
   test::set_members(plan, count, vary);
 }
@@ -194,9 +194,9 @@ TEST(TextLanes, HaveParametersOfTheirOwn) {
     EnsemblePlan plan = plan_of(power, scheme, {1, 0.3, 0.1, 0.2}, 0.02, 60.4);
     vary_starts(plan, 3 * 4 * 3);
     plan.members.vary.resize(2);
-    plan.members.vary.push_back({true, 0, Spread::values, {2, 3, 4}});
-    plan.members.vary.push_back({true, 1, Spread::values, {0.5, 1, 1.7, 2.1}});
-    plan.members.vary.push_back({true, 2, Spread::values, {0, 1, 0.2}});
+    plan.members.vary.push_back({Varied::parameter, 0, Spread::values, {2, 3, 4}});
+    plan.members.vary.push_back({Varied::parameter, 1, Spread::values, {0.5, 1, 1.7, 2.1}});
+    plan.members.vary.push_back({Varied::parameter, 2, Spread::values, {0, 1, 0.2}});
     const Harvest lone = alone(plan);
     EXPECT_EQ(lone.ended[0], 36);
     for (const LaneUnit& unit : lane_units()) {
@@ -215,7 +215,7 @@ TEST(TextLanes, HaveParametersOfTheirOwn) {
     }
     EnsemblePlan plan = plan_of(text.definition, scheme, text.start, 0.02, 30.4);
     const double value = text.definition.parameters[0].second;
-    test::set_members(plan, 1100, {{true, 0, Spread::uniform, {value, 1.01 * value + 0.01}}});
+    test::set_members(plan, 1100, {{Varied::parameter, 0, Spread::uniform, {value, 1.01 * value + 0.01}}});
     plan.first = 1000;
     const Harvest lanes = in_lanes(plan, lane_units().front()).value();
     EXPECT_EQ(lanes.ended[0], 100) << text.name;
@@ -232,7 +232,9 @@ TEST(TextLanes, AreLeftWhereMembersAreNotAlike) {
   const auto powers = texts::of(typed_v, {"x", "y"}, {{"n", 3}, {"m", 3}}, "x^2/2 + y^2 + x^n + y^m");
   EnsemblePlan plan = plan_of(powers, "leapfrog", {0.3, 0.2, 0.1, 0}, 0.02, 1);
   const std::vector<double> exponents{2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-  test::set_members(plan, 100, {{true, 0, Spread::values, exponents}, {true, 1, Spread::values, exponents}});
+  test::set_members(
+      plan, 100,
+      {{Varied::parameter, 0, Spread::values, exponents}, {Varied::parameter, 1, Spread::values, exponents}});
   EXPECT_FALSE(in_lanes(plan, lane_units().front()));
   EXPECT_EQ(alone(plan).ended[0], 100);
 }
@@ -264,7 +266,9 @@ TEST(TextLanes, MeetSectionsAsAlone) {
     }
   }
   EnsemblePlan plan = plan_of(well, "leapfrog", {0.1, 0.2, 0.05, 0.3}, 0.05, 700.4);
-  test::set_members(plan, 20, {{true, 0, Spread::values, {0, 1, 1.1, 0.9}}, {false, 0, Spread::grid, {0, 0.1, 5}}});
+  test::set_members(
+      plan, 20,
+      {{Varied::parameter, 0, Spread::values, {0, 1, 1.1, 0.9}}, {Varied::variable, 0, Spread::grid, {0, 0.1, 5}}});
   plan.request.section = Section{false, 1.53, 0.25};
   plan.request.limits.samples = 300;
   const Harvest lone = alone(plan), lanes = in_lanes(plan, lane_units().front()).value();
@@ -288,7 +292,7 @@ TEST(TextLanes, EndEachForItself) {
   };
   const auto saddle = texts::of(typed_v, {"x", "y"}, {{"m", 1}}, "m*(x^2/2 - x^4/4) + y^2/2");
   EnsemblePlan plan = plan_of(saddle, "leapfrog", {0.1, 0, 0, 0}, 0.05, 400.4);
-  test::set_members(plan, 90, {{false, 0, Spread::grid, {0.5, 1.5, 90}}});
+  test::set_members(plan, 90, {{Varied::variable, 0, Spread::grid, {0.5, 1.5, 90}}});
   expect(plan, ReturnCode::not_finite, "escapes");
   plan.request.limits.steps = 10;
   EXPECT_EQ(in_lanes(plan, lane_units().front())->ended[static_cast<std::size_t>(ReturnCode::step_limit)], 90);
@@ -296,12 +300,13 @@ TEST(TextLanes, EndEachForItself) {
   for (const char* scheme : {"contact_splitting", "contact_leapfrog"}) {  // why they end costs a lone run a lot
     plan = plan_of(quadratic, scheme, {0.5, 0.3, 0}, 0.05, 100.4);
     const auto s = plan.request.scene->card().variables.size() - 1;
-    test::set_members(plan, 8, {{false, s, Spread::grid, {-50, 0, 8}}});
+    test::set_members(plan, 8, {{Varied::variable, s, Spread::grid, {-50, 0, 8}}});
     expect(plan, ReturnCode::singular, scheme);
   }
   const auto massive = texts::of(typed_l, {"x"}, {{"m", 1}}, "m*vx^2/2 + log(1 - x)");
   plan = plan_of(massive, "leapfrog", {0.1, 0}, 0.05, 40.4);
-  test::set_members(plan, 40, {{true, 0, Spread::grid, {-1, 1, 8}}, {false, 0, Spread::grid, {0.1, 1.4, 5}}});
+  test::set_members(
+      plan, 40, {{Varied::parameter, 0, Spread::grid, {-1, 1, 8}}, {Varied::variable, 0, Spread::grid, {0.1, 1.4, 5}}});
   const Harvest lanes = in_lanes(plan, lane_units().front()).value(), lone = alone(plan);
   EXPECT_EQ(lanes.ended, lone.ended) << "where a mass is none, or the start lies at a singularity";
   EXPECT_GT(lanes.ended[0], 0);

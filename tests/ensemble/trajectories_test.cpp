@@ -12,7 +12,7 @@ EnsemblePlan orbits(Record record) {
   EnsemblePlan plan = test::ensemble_of("kepler", "leapfrog", 6.02);
   test::setting(plan, "step") = 0.05;
   test::set_columns(plan, {"t", "x", "energy"});
-  test::set_members(plan, 50, {{false, 0, Spread::grid, {0, 1.5, 50}}});
+  test::set_members(plan, 50, {{Varied::variable, 0, Spread::grid, {0, 1.5, 50}}});
   auto scene = std::make_shared<Scene>(*plan.request.scene);
   scene->initial = {0, 0.4, 0, 1};
   plan.request.scene = std::move(scene);

@@ -63,7 +63,7 @@ inline least::EnsemblePlan about_start(const std::string& problem, std::size_t s
     double& x = scene->initial[i];
     if (std::isnan(x)) continue;
     const double width = 0.02 * (1 + std::abs(x));
-    vary.push_back({false, i, least::Spread::uniform, {x - width, x + width}});
+    vary.push_back({least::Varied::variable, i, least::Spread::uniform, {x - width, x + width}});
   }
   plan.request.end = scene->start + steps * setting(plan, "step");
   plan.request.scene = std::move(scene);

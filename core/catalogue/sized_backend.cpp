@@ -7,6 +7,7 @@
 #include "core/catalogue/sized_clocks.hpp"
 #include "core/catalogue/sized_damped.hpp"
 #include "core/catalogue/sized_forced.hpp"
+#include "core/catalogue/sized_gauss.hpp"
 #include "core/catalogue/sized_implicit.hpp"
 #include "core/catalogue/sized_stages.hpp"
 #include "core/catalogue/sized_steps.hpp"
@@ -16,7 +17,6 @@
 #include "core/run/control_stepper.hpp"
 #include "core/run/self_timed.hpp"
 #include "core/schemes/contact_galerkin_4.hpp"
-#include "core/schemes/contact_gauss.hpp"
 #include "core/schemes/contact_midpoint.hpp"
 #include "core/schemes/galerkin_4.hpp"
 #include "core/schemes/variational_midpoint.hpp"
@@ -178,10 +178,13 @@ StepTangents tangents_rule(const text::SizedScene& scene, const Request& request
 }
 std::unique_ptr<Integrator> bind_gauss(const Binding& to) {
   const auto scheme = to.scheme<ContactGauss>();
+  if (is_flat(to.scene)) return to.equal_steps(SizedGauss<double>(to.scene, scheme, to.x.size()));
   return to.equal_steps(SizedStages<double>(to.scene, StageRule::gauss(scheme.stages), Composition::none));
 }
 StepTangents tangents_gauss(const text::SizedScene& scene, const Request& request) {
   const auto scheme = from_values<ContactGauss>(ContactGauss::fields, request.settings);
+  if (is_flat(scene))
+    return tangents_by(request, space_of(scene), scheme.step, SizedGauss<Slope>(scene, scheme, scene.components));
   return tangents_by(request, space_of(scene), scheme.step,
                      SizedStages<Slope>(scene, StageRule::gauss(scheme.stages), Composition::none));
 }
@@ -209,7 +212,8 @@ bool with_path(const SizedScene& scene) {
   if (is_flat(scene)) return scene.kind == text::FormKind::separable && scene.solves_for_places();
   return (scene.forced || scene.kind == text::FormKind::metric) && scene.coordinates <= SizedScene::most_full;
 }
-bool on_hamiltonian(const SizedScene& scene) {
+bool with_gauss(const SizedScene& scene) {
+  if (is_flat(scene)) return on_damped_path(scene);
   return scene.kind == text::FormKind::hamiltonian && !scene.forced && scene.coordinates <= SizedScene::most_full;
 }
 constexpr auto straight = SizedPath::straight, parabola = SizedPath::parabola;
@@ -244,7 +248,7 @@ constexpr std::array sized_schemes{
                 tangents_rule<ContactVariationalMidpoint, straight>},
     SizedScheme{"contact_galerkin_4", on_damped_path, bind_rule<ContactGalerkin4, parabola>,
                 tangents_rule<ContactGalerkin4, parabola>},
-    SizedScheme{"contact_gauss", on_hamiltonian, bind_gauss, tangents_gauss},
+    SizedScheme{"contact_gauss", with_gauss, bind_gauss, tangents_gauss},
     explicit_scheme<LiftedSplitting, Lifts>("lifted_splitting", with_lift),
     SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
     SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},

@@ -11,29 +11,33 @@
 namespace least {
 namespace {
 
-/// M + β V″ has entries where V″ has, and where M has.
-SparsityPattern pattern_of(const text::SizedScene& scene) {
+/// M + β V″ has entries where V″ has, and where M has; of stages each block of it.
+SparsityPattern pattern_of(const text::SizedScene& scene, std::size_t stages) {
   SparsityPattern pattern = scene.curvature().pattern();
-  for (std::uint32_t i = 0; i < pattern.size(); ++i) {
+  const auto n = static_cast<std::uint32_t>(pattern.size());
+  for (std::uint32_t i = 0; i < n; ++i) {
     if (!scene.has_full_mass()) {
       if (std::ranges::find(pattern[i], i) == pattern[i].end()) pattern[i].push_back(i);
       continue;
     }
-    pattern[i].resize(pattern.size());
-    for (std::uint32_t j = 0; j < pattern.size(); ++j) pattern[i][j] = j;
+    pattern[i].resize(n);
+    for (std::uint32_t j = 0; j < n; ++j) pattern[i][j] = j;
   }
-  return pattern;
+  if (stages == 1) return pattern;
+  SparsityPattern all(stages * n);
+  for (std::uint32_t a = 0; a < all.size(); ++a)
+    for (std::uint32_t b = 0; b < stages; ++b)
+      for (const std::uint32_t j : pattern[a % n]) all[a].push_back(b * n + j);
+  return all;
 }
 
 }  // namespace
 
-PlaceSolver::PlaceSolver(const text::SizedScene& scene)
+PlaceMatrix::PlaceMatrix(const text::SizedScene& scene, std::size_t stages)
     : scene_(&scene),
-      update_(scene.coordinates),
-      system_(pattern_of(scene)),
-      start_(scene.coordinates),
-      place_(scene.coordinates),
-      slope_(scene.coordinates),
+      stages_(stages),
+      mean_(stages > 1 ? scene.coordinates : 0),
+      system_(pattern_of(scene, stages)),
       held_(HeldByThread::take_soon(system_.bytes())) {
   if (scene.has_full_mass()) {
     const std::size_t n = scene.coordinates;
@@ -46,48 +50,89 @@ PlaceSolver::PlaceSolver(const text::SizedScene& scene)
   }
 }
 
-bool PlaceSolver::prepare(const std::vector<double>& place, double beta, double t, Work& work) {
-  const std::size_t n = place.size();
+bool PlaceMatrix::factor(const double* place, const double* beta, const double* t, Curvature at, Work& work) {
+  const std::size_t n = scene_->coordinates;
   const auto& curvature = scene_->curvature();
   system_.clear();
-  if (scene_->has_full_mass()) {
-    for (std::size_t i = 0; i < n * n; ++i) system_.add(i / n, i % n, mass_[i]);
-  } else {
-    for (std::size_t i = 0; i < n; ++i) system_.add(i, i, mass_[i]);
+  for (std::size_t a = 0; a < stages_; ++a) {
+    const std::size_t first = a * n;
+    if (scene_->has_full_mass()) {
+      for (std::size_t i = 0; i < n * n; ++i) system_.add(first + i / n, first + i % n, mass_[i]);
+    } else {
+      for (std::size_t i = 0; i < n; ++i) system_.add(first + i, first + i, mass_[i]);
+    }
   }
-  curvature.evaluate(scene_->gradient, place.data(), t, [&](std::size_t row, std::size_t column, double value) {
-    system_.add(row, column, beta * value);
-  });
-  work.forces += static_cast<std::int64_t>(curvature.directions());
+  const auto add = [&](std::size_t b, std::size_t row, std::size_t column, double value) {
+    for (std::size_t a = 0; a < stages_; ++a) system_.add(a * n + row, b * n + column, beta[a * stages_ + b] * value);
+  };
+  const bool once = stages_ > 1 && at == Curvature::of_mean;
+  if (once) {
+    double time = 0;
+    std::fill(mean_.begin(), mean_.end(), 0.0);
+    for (std::size_t b = 0; b < stages_; ++b) {
+      time += t[b] / static_cast<double>(stages_);
+      for (std::size_t i = 0; i < n; ++i) mean_[i] += place[b * n + i] / static_cast<double>(stages_);
+    }
+    curvature.evaluate(scene_->gradient, mean_.data(), time, [&](std::size_t row, std::size_t column, double value) {
+      for (std::size_t b = 0; b < stages_; ++b) add(b, row, column, value);
+    });
+  } else {
+    for (std::size_t b = 0; b < stages_ && (b == 0 || AskedByThread::goes_on()); ++b)
+      curvature.evaluate(scene_->gradient, place + b * n, t[b],
+                         [&](std::size_t row, std::size_t column, double value) { add(b, row, column, value); });
+  }
+  work.forces += static_cast<std::int64_t>(curvature.directions() * (once ? 1 : stages_));
   return AskedByThread::goes_on() && system_.factor();
 }
 
-double PlaceSolver::times_mass(std::size_t i, const double* x, const double* start) const {
+double PlaceMatrix::times_mass(std::size_t i, const double* x) const {
+  if (!scene_->has_full_mass()) return mass_[i] * x[i];
+  const std::size_t n = scene_->coordinates;
+  double sum = 0;
+  for (std::size_t j = 0; j < n; ++j) sum += mass_[i * n + j] * x[j];
+  return sum;
+}
+double PlaceMatrix::times_mass(std::size_t i, const double* x, const double* start) const {
   if (!scene_->has_full_mass()) return mass_[i] * (x[i] - start[i]);
-  const std::size_t n = update_.size();
+  const std::size_t n = scene_->coordinates;
   double sum = 0;
   for (std::size_t j = 0; j < n; ++j) sum += mass_[i * n + j] * (x[j] - start[j]);
   return sum;
 }
 
+PlaceSolver::PlaceSolver(const text::SizedScene& scene, std::size_t stages)
+    : scene_(&scene),
+      stages_(stages),
+      matrix_(scene, stages),
+      update_(stages * scene.coordinates),
+      start_(update_.size()),
+      place_(update_.size()),
+      slope_(update_.size()) {}
+
 /// Simplified Newton iteration: one matrix for a few rounds, made anew where they contract badly. Ends where an update
 /// is lost in the rounding of the place.
-StepStatus PlaceSolver::solve(const double* start, double beta, double t, std::vector<double>& place,
+StepStatus PlaceSolver::solve(const double* start, const double* beta, const double* t, std::vector<double>& place,
                               std::vector<double>& slope, Work& work) {
   constexpr int most_rounds = 60, patience = 5;
-  const std::size_t n = place.size();
-  std::copy_n(start, n, place.begin());
+  const std::size_t n = scene_->coordinates, all = update_.size();
+  std::copy_n(start, all, place.begin());
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < most_rounds; ++round) {
-    if (round == 0 && !prepare(place, beta, t, work)) return StepStatus::solver_failed;
-    scene_->gradient.evaluate(place.data(), t, slope.data());
-    ++work.forces;
+    if (round == 0 && !matrix_.factor(place.data(), beta, t, PlaceMatrix::Curvature::of_mean, work))
+      return StepStatus::solver_failed;
+    for (std::size_t b = 0; b < stages_; ++b) scene_->gradient.evaluate(&place[b * n], t[b], &slope[b * n]);
+    work.forces += static_cast<std::int64_t>(stages_);
     ++work.iterations;
-    for (std::size_t i = 0; i < n; ++i) update_[i] = beta * slope[i];
-    for (std::size_t i = 0; i < n; ++i) update_[i] += times_mass(i, place.data(), start);
-    system_.solve(update_.data());
+    for (std::size_t a = 0; a < stages_; ++a) {
+      double* const wrong = &update_[a * n];
+      for (std::size_t i = 0; i < n; ++i) wrong[i] = beta[a * stages_] * slope[i];
+      for (std::size_t b = 1; b < stages_; ++b)
+        for (std::size_t i = 0; i < n; ++i) wrong[i] += beta[a * stages_ + b] * slope[b * n + i];
+      for (std::size_t i = 0; i < n; ++i) wrong[i] += matrix_.times_mass(i, &place[a * n], start + a * n);
+    }
+    matrix_.solve(update_.data());
     double changed = 0, size = std::numeric_limits<double>::min();
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < all; ++i) {
       changed += std::abs(update_[i]);
       size += std::abs(place[i]);
     }
@@ -95,26 +140,29 @@ StepStatus PlaceSolver::solve(const double* start, double beta, double t, std::v
     const double small = 2 * std::numeric_limits<double>::epsilon() * size;
     // The slope is that of the place, and the update is less than is known of either.
     if (changed <= small || (changed >= 0.5 * before && changed <= 1e3 * small)) return StepStatus::ok;
-    for (std::size_t i = 0; i < n; ++i) place[i] -= update_[i];
-    if (round % patience == patience - 1 && changed > 1e-2 * before && !prepare(place, beta, t, work))
+    for (std::size_t i = 0; i < all; ++i) place[i] -= update_[i];
+    if (round % patience == patience - 1 && changed > 1e-2 * before &&
+        !matrix_.factor(place.data(), beta, t, PlaceMatrix::Curvature::of_mean, work))
       return StepStatus::solver_failed;
     before = changed;
   }
   return StepStatus::solver_failed;
 }
 
-StepStatus PlaceSolver::solve(const Slope* start, double beta, double t, std::vector<Slope>& place,
+StepStatus PlaceSolver::solve(const Slope* start, const double* beta, const double* t, std::vector<Slope>& place,
                               std::vector<Slope>& slope, Work& work) {
-  const std::size_t n = place.size();
-  for (std::size_t i = 0; i < n; ++i) start_[i] = start[i].value;
+  const std::size_t n = scene_->coordinates, all = update_.size();
+  for (std::size_t i = 0; i < all; ++i) start_[i] = start[i].value;
   if (const auto status = solve(start_.data(), beta, t, place_, slope_, work); status != StepStatus::ok) return status;
-  if (!prepare(place_, beta, t, work)) return StepStatus::solver_failed;
-  std::vector<double> change(n), none(n);
-  for (std::size_t i = 0; i < n; ++i) change[i] = start[i].slope[0];
-  for (std::size_t i = 0; i < n; ++i) update_[i] = times_mass(i, change.data(), none.data());
-  system_.solve(update_.data());
-  for (std::size_t i = 0; i < n; ++i) place[i] = Slope(place_[i], {update_[i]});
-  scene_->gradient.evaluate(place.data(), t, slope.data());
+  if (!matrix_.factor(place_.data(), beta, t, PlaceMatrix::Curvature::of_each, work)) return StepStatus::solver_failed;
+  std::vector<double> change(n);
+  for (std::size_t a = 0; a < stages_; ++a) {
+    for (std::size_t i = 0; i < n; ++i) change[i] = start[a * n + i].slope[0];
+    for (std::size_t i = 0; i < n; ++i) update_[a * n + i] = matrix_.times_mass(i, change.data());
+  }
+  matrix_.solve(update_.data());
+  for (std::size_t i = 0; i < all; ++i) place[i] = Slope(place_[i], {update_[i]});
+  for (std::size_t b = 0; b < stages_; ++b) scene_->gradient.evaluate(&place[b * n], t[b], &slope[b * n]);
   return StepStatus::ok;
 }
 

@@ -21,31 +21,57 @@
 
 namespace least {
 
-/// Solves M (y − y₀) + β ∇V(y, t) = 0. What a solution is depends on the arguments alone. Of a scene in which all
-/// places are coupled it takes tenths of a second: it asks whether it is to go on (AskedByThread), else it has failed.
-class PlaceSolver {
+/// The matrix M + β V″(y, t), or of places y_a at some stages that stand one after the other the blocks
+/// M δ_ab + β_ab V″(y_b, t_b), with its factors. Of a scene in which all places are coupled they take tenths of a
+/// second, and of stages longer: it asks whether it is to go on (AskedByThread).
+class PlaceMatrix {
  public:
-  explicit PlaceSolver(const text::SizedScene& scene);
+  enum class Curvature : std::uint8_t { of_mean, of_each };
 
-  /// From the guess y = y₀; leaves y in `place` and ∇V there in `slope`.
-  StepStatus solve(const double* start, double beta, double t, std::vector<double>& place, std::vector<double>& slope,
-                   Work& work);
-  /// With the derivatives of the solution: (M + β V″) y′ = M y₀′.
-  StepStatus solve(const Slope* start, double beta, double t, std::vector<Slope>& place, std::vector<Slope>& slope,
-                   Work& work);
+  explicit PlaceMatrix(const text::SizedScene& scene, std::size_t stages = 1);
 
- private:
+  /// With V″ at the places of all stages, or at their mean for all of them. `beta`: row by row; `t`: of each stage.
   /// False: it is not to go on.
-  bool prepare(const std::vector<double>& place, double beta, double t, Work& work);
-  /// What M makes of x, from its start; the i-th entry.
+  bool factor(const double* place, const double* beta, const double* t, Curvature at, Work& work);
+  /// x in the place of b, by the factors.
+  void solve(double* b) { system_.solve(b); }
+  /// What M makes of x, and of x less its start; the i-th entry.
+  double times_mass(std::size_t i, const double* x) const;
   double times_mass(std::size_t i, const double* x, const double* start) const;
 
+ private:
   const text::SizedScene* scene_;
-  std::vector<double> mass_;                   ///< of each coordinate, or row by row
-  std::vector<double> update_;                 ///< of the place, in a round
-  SparseSystem system_;                        ///< M + β V″
+  std::size_t stages_;
+  std::vector<double> mass_;  ///< of each coordinate, or row by row
+  std::vector<double> mean_;  ///< place, of several stages
+  SparseSystem system_;
+  Held held_;  ///< for it
+};
+
+/// Solves M (y − y₀) + β ∇V(y, t) = 0, or such equations of the places at some stages,
+/// M (y_a − y₀_a) + Σ_b β_ab ∇V(y_b, t_b) = 0. What a solution is depends on the arguments alone. Where it is not to go
+/// on (AskedByThread) it has failed.
+class PlaceSolver {
+ public:
+  explicit PlaceSolver(const text::SizedScene& scene, std::size_t stages = 1);
+
+  /// From the guess y = y₀; leaves y in `place` and ∇V there in `slope`. `beta`: row by row; `t`: of each stage.
+  StepStatus solve(const double* start, const double* beta, const double* t, std::vector<double>& place,
+                   std::vector<double>& slope, Work& work);
+  /// With the derivatives of the solution: M y_a′ + Σ_b β_ab V″(y_b) y_b′ = M y₀_a′.
+  StepStatus solve(const Slope* start, const double* beta, const double* t, std::vector<Slope>& place,
+                   std::vector<Slope>& slope, Work& work);
+  template <class T>
+  StepStatus solve(const T* start, double beta, double t, std::vector<T>& place, std::vector<T>& slope, Work& work) {
+    return solve(start, &beta, &t, place, slope, work);
+  }
+
+ private:
+  const text::SizedScene* scene_;
+  std::size_t stages_;
+  PlaceMatrix matrix_;
+  std::vector<double> update_;                 ///< of the places, in a round
   std::vector<double> start_, place_, slope_;  ///< values of what has slopes
-  Held held_;                                  ///< for the system
 };
 
 enum class SizedPath : std::uint8_t { straight, parabola };

@@ -36,7 +36,7 @@ using SchemeList =
 using SizedSchemeList =
     std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
                Galerkin4, TimeTransformed, AdaptiveVerlet, ContactSymplecticEuler, ContactLeapfrog,
-               ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, LiftedSplitting, Taylor, DormandPrince5,
+               ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss, LiftedSplitting, Taylor, DormandPrince5,
                Fehlberg78, BulirschStoer>;
 
 }  // namespace least

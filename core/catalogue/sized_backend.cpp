@@ -4,8 +4,10 @@
 #include <string_view>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/sized_clock_tangents.hpp"
 #include "core/catalogue/sized_clocks.hpp"
 #include "core/catalogue/sized_damped.hpp"
+#include "core/catalogue/sized_energy_momentum.hpp"
 #include "core/catalogue/sized_forced.hpp"
 #include "core/catalogue/sized_gauss.hpp"
 #include "core/catalogue/sized_implicit.hpp"
@@ -189,6 +191,15 @@ StepTangents tangents_gauss(const text::SizedScene& scene, const Request& reques
                      SizedStages<Slope>(scene, StageRule::gauss(scheme.stages), Composition::none));
 }
 
+std::unique_ptr<Integrator> bind_energy_momentum(const Binding& to) {
+  return to.own_clock(SizedEnergyMomentumScheme{to.scheme<EnergyMomentum>(), &to.scene});
+}
+StepTangents tangents_energy_momentum(const text::SizedScene& scene, const Request& request) {
+  const auto scheme = from_values<EnergyMomentum>(EnergyMomentum::fields, request.settings);
+  return tangents_by_clock(request, space_of(scene), SizedEnergyMomentum<Slope>(scene, scheme, Slope(0)),
+                           energy_of_first_step(scene, request.scene->initial.data(), scheme.step));
+}
+
 using text::SizedScene;
 bool on_all(const SizedScene&) { return true; }
 /// Series are made of the operations of all terms of a sum.
@@ -212,6 +223,8 @@ bool with_path(const SizedScene& scene) {
   if (is_flat(scene)) return scene.kind == text::FormKind::separable && scene.solves_for_places();
   return (scene.forced || scene.kind == text::FormKind::metric) && scene.coordinates <= SizedScene::most_full;
 }
+/// Of steps whose length is chosen by the energy.
+bool with_level(const SizedScene& scene) { return is_flat(scene) && with_path(scene) && scene.autonomous; }
 bool with_gauss(const SizedScene& scene) {
   if (is_flat(scene)) return on_damped_path(scene);
   return scene.kind == text::FormKind::hamiltonian && !scene.forced && scene.coordinates <= SizedScene::most_full;
@@ -249,6 +262,7 @@ constexpr std::array sized_schemes{
     SizedScheme{"contact_galerkin_4", on_damped_path, bind_rule<ContactGalerkin4, parabola>,
                 tangents_rule<ContactGalerkin4, parabola>},
     SizedScheme{"contact_gauss", with_gauss, bind_gauss, tangents_gauss},
+    SizedScheme{"energy_momentum", with_level, bind_energy_momentum, tangents_energy_momentum},
     explicit_scheme<LiftedSplitting, Lifts>("lifted_splitting", with_lift),
     SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
     SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},

@@ -63,12 +63,9 @@ class SizedMechanics final : public Mechanics {
                            [&](std::size_t i) { return std::ranges::find(schemes, i) == schemes.end(); });
     std::ranges::sort(schemes);
     card_ = complete_card(text_.described(), traits_, std::move(schemes));
-    if (!text_.form->is_compiled() && !sized->forced)
-      card_.offers +=
-          sized->coordinates > text::SizedScene::most_full && !traits_.potential
-              ? ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
-                    " for which schemes solve equations whose matrix is full"
-              : ", with more coordinates than schemes that keep the energy by the length of their steps take";
+    if (!sized->forced && !traits_.potential && sized->coordinates > text::SizedScene::most_full)
+      card_.offers += ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
+                      " for which schemes solve equations whose matrix is full";
     if (!sized->solves_for_places())
       card_.offers += ", with masses that couple more coordinates than the " +
                       std::to_string(text::SizedScene::most_with_full_mass) +

@@ -159,8 +159,10 @@ TEST_F(ManyCoordinates, AreDescribed) {
 }
 
 TEST_F(ManyCoordinates, AreRefusedByName) {
-  Json request = chain(24);
-  request["scheme"] = "energy_momentum";
+  Json request{
+      {"problem", {{"id", "custom"}, {"variables", {"q[25]"}}, {"hamiltonian", "sum(i=1..25, (q[i]^2 + p[i]^2)^2)/8"}}},
+      {"scheme", "contact_gauss"},
+      {"until", 1}};
   Json faults = answer(request, "/v1/simulate", 422)["errors"];
   EXPECT_EQ(faults[0]["pointer"], "/scheme") << faults;
   EXPECT_NE(faults[0]["detail"].get<std::string>().find("more coordinates than"), std::string::npos) << faults;

@@ -1,0 +1,44 @@
+#include "core/catalogue/sized_energy_level.hpp"
+
+#include "core/catalogue/sized_implicit.hpp"
+
+namespace least {
+
+EnergyLevel energy_of_start(const text::SizedScene& scene, const double* x) {
+  const std::size_t n = scene.coordinates;
+  EnergyLevel level{0, std::vector<double>(2 * n)};
+  scene.gradient.evaluate(x, 0.0, level.slopes.data());
+  scene.velocity(x + n, &level.slopes[n]);
+  scene.potential.evaluate(x, 0.0, &level.value);
+  for (std::size_t i = 0; i < n; ++i) level.value += 0.5 * x[n + i] * level.slopes[n + i];
+  return level;
+}
+
+/// E_d = ½ vᵀM v + V(y) with M v + (h/2) ∇V(y) = p₀ and y = q₀ + (h/2) v: with (M + (h²/4) V″(y)) w = p₀ its derivative
+/// by p₀ is w, that by q₀ ∇V − (h/2) V″ w.
+EnergyLevel energy_of_first_step(const text::SizedScene& scene, const double* x, double step) {
+  const std::size_t n = scene.coordinates;
+  const double half = 0.5 * step, beta = half * half, none = 0;
+  std::vector<double> guess(n), place(n), slope(n), p(n), v(n);
+  scene.velocity(x + n, v.data());
+  for (std::size_t i = 0; i < n; ++i) guess[i] = x[i] + half * v[i];
+  Work work;
+  PlaceMatrix matrix(scene);
+  if (PlaceSolver(scene).solve(guess.data(), beta, none, place, slope, work) != StepStatus::ok ||
+      !matrix.factor(place.data(), &beta, &none, PlaceMatrix::Curvature::of_each, work))
+    return energy_of_start(scene, x);
+  EnergyLevel level{0, std::vector<double>(x, x + 2 * n)};
+  for (std::size_t i = 0; i < n; ++i) p[i] = x[n + i] - half * slope[i];
+  scene.velocity(p.data(), v.data());
+  scene.potential.evaluate(place.data(), 0.0, &level.value);
+  for (std::size_t i = 0; i < n; ++i) level.value += 0.5 * p[i] * v[i];
+  double* const w = &level.slopes[n];
+  matrix.solve(w);
+  std::vector<Slope> along(n), moved(n);
+  for (std::size_t i = 0; i < n; ++i) along[i] = Slope(place[i], {w[i]});
+  scene.gradient.evaluate(along.data(), 0.0, moved.data());
+  for (std::size_t i = 0; i < n; ++i) level.slopes[i] = slope[i] - half * moved[i].slope[0];
+  return level;
+}
+
+}  // namespace least

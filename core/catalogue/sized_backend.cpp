@@ -11,6 +11,7 @@
 #include "core/catalogue/sized_forced.hpp"
 #include "core/catalogue/sized_gauss.hpp"
 #include "core/catalogue/sized_implicit.hpp"
+#include "core/catalogue/sized_jacobi_maupertuis.hpp"
 #include "core/catalogue/sized_stages.hpp"
 #include "core/catalogue/sized_steps.hpp"
 #include "core/catalogue/sized_tangents.hpp"
@@ -199,6 +200,14 @@ StepTangents tangents_energy_momentum(const text::SizedScene& scene, const Reque
   return tangents_by_clock(request, space_of(scene), SizedEnergyMomentum<Slope>(scene, scheme, Slope(0)),
                            energy_of_first_step(scene, request.scene->initial.data(), scheme.step));
 }
+std::unique_ptr<Integrator> bind_jacobi_maupertuis(const Binding& to) {
+  return to.own_clock(SizedJacobiScheme{to.scheme<JacobiMaupertuis>(), &to.scene});
+}
+StepTangents tangents_jacobi_maupertuis(const text::SizedScene& scene, const Request& request) {
+  const auto scheme = from_values<JacobiMaupertuis>(JacobiMaupertuis::fields, request.settings);
+  return tangents_by_clock(request, space_of(scene), SizedJacobiMaupertuis<Slope>(scene, scheme, Slope(0)),
+                           energy_of_start(scene, request.scene->initial.data()));
+}
 
 using text::SizedScene;
 bool on_all(const SizedScene&) { return true; }
@@ -263,6 +272,7 @@ constexpr std::array sized_schemes{
                 tangents_rule<ContactGalerkin4, parabola>},
     SizedScheme{"contact_gauss", with_gauss, bind_gauss, tangents_gauss},
     SizedScheme{"energy_momentum", with_level, bind_energy_momentum, tangents_energy_momentum},
+    SizedScheme{"jacobi_maupertuis", with_level, bind_jacobi_maupertuis, tangents_jacobi_maupertuis},
     explicit_scheme<LiftedSplitting, Lifts>("lifted_splitting", with_lift),
     SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
     SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},

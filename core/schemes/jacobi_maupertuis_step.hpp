@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/schemes/discrete_lagrangian.hpp"
+#include "core/schemes/jacobi_maupertuis_hybrid.hpp"
 
 namespace least {
 
@@ -261,33 +262,14 @@ T step_energy(const P& problem, Quadrature quadrature, const StepEnd<P, T>& x, c
   return 0.5 * dot(carried, mean.raise(problem, carried)) + mean.potential;
 }
 
-/// The step h of Hamilton's principle from x at which E_d(q, q₁(h); h) = E₀, near h₀: the last step of the
-/// Jacobi–Maupertuis principle goes on in time. By the secant method from h₀ and 1.02 h₀; empty where it finds none
-/// within [h₀/4, 4h₀].
 template <Conservative P, class T>
 std::optional<T> paper_exit_step(const P& problem, Quadrature quadrature, const StepEnd<P, T>& x, const T& energy,
                                  const T& h0, Work& work) {
-  using least::abs;
-  const auto excess = [&](const T& h, bool& solved) {
+  return paper_exit_step(h0, [&](const T& h, bool& solved) {
     StepEnd<P, T> y = x;
     solved = solved && variational_step(problem, quadrature, y.q, y.p, y.here, h, work) == StepStatus::ok;
     return T(step_energy(problem, quadrature, x, y, h) - energy);
-  };
-  const T tolerance = std::sqrt(Precision<T>::epsilon) * h0;  // the secant method squares it, or nearly
-  bool solved = true;
-  T before = h0, h = 1.02 * h0, f_before = excess(before, solved);
-  for (int k = 0; k < 50 && solved; ++k) {
-    const T f = excess(h, solved), change = f * (h - before) / (f - f_before);
-    before = h;
-    f_before = f;
-    if (f < T(0) || f > T(0)) h = h - change;
-    if (abs(h - before) <= tolerance) {
-      const T ratio = h / h0;
-      if (ratio >= T(0.25) && ratio <= T(4)) return h;
-      break;
-    }
-  }
-  return std::nullopt;
+  });
 }
 
 }  // namespace least

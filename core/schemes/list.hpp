@@ -35,8 +35,8 @@ using SchemeList =
 /// that are compiled for a class of scenes.
 using SizedSchemeList =
     std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
-               Galerkin4, EnergyMomentum, TimeTransformed, AdaptiveVerlet, ContactSymplecticEuler, ContactLeapfrog,
-               ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss, LiftedSplitting, Taylor,
-               DormandPrince5, Fehlberg78, BulirschStoer>;
+               Galerkin4, JacobiMaupertuis, EnergyMomentum, TimeTransformed, AdaptiveVerlet, ContactSymplecticEuler,
+               ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss,
+               LiftedSplitting, Taylor, DormandPrince5, Fehlberg78, BulirschStoer>;
 
 }  // namespace least

@@ -50,8 +50,6 @@ TEST_P(AsCompiled, LeadsToTheSameStates) {
     runs::only_final(compiled);
     // Without an estimate of the local frequency the other monitor is the one that both have.
     if (id == "adaptive_verlet") runs::set(compiled, "monitor", "arclength");
-    // With one degree of freedom it has a rule of its own; a text has room for two.
-    if (id == "jacobi_maupertuis" && runs::card(compiled).variables.size() == 2) continue;
     const Request typed = typed_as(compiled, mechanics);
     const auto a = runs::go(compiled).outcome, b = runs::go(typed).outcome;
     ASSERT_EQ(a.stop.reason, b.stop.reason) << id << " " << b.stop.detail;
@@ -96,7 +94,6 @@ TEST_P(AsCompiled, HasTheSameTangents) {
     Request compiled = runs::defaults(GetParam().id, id);
     compiled.end = compiled.scene->start + std::min(2.0, compiled.end - compiled.scene->start);
     if (id == "adaptive_verlet") runs::set(compiled, "monitor", "arclength");
-    if (id == "jacobi_maupertuis" && runs::card(compiled).variables.size() == 2) continue;
     Request typed = typed_as(compiled, mechanics);
     compiled.diagnostics.clear();
     const auto known = tangents_in(compiled), found = tangents_in(typed);

@@ -1,4 +1,5 @@
-// Schemes that choose the length of their steps by the energy, on scenes of many coordinates: energy_momentum.
+// Schemes that choose the length of their steps by the energy, on scenes of many coordinates: energy_momentum and
+// jacobi_maupertuis.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -84,6 +85,126 @@ TEST(SizedEnergyMomentum, KeepsDiscreteEnergyAndMomenta) {
     }
 }
 
+/// Kepler's motion of x and y, and others beside it that are bound to 0: at rest they change nothing.
+std::shared_ptr<const Mechanics> orbit(int others, bool coupled = false, const char* more = "") {
+  text::TypedScene typed;
+  const std::string potential = "-mu/sqrt(x^2 + y^2) + sum(i=1..n, z[i]^2/2 + z[i]^4/4)";
+  typed.scene = of(typed_v, {"x", "y", "z[n]"}, {{"mu", 1}, {"n", double(others)}}, potential);
+  if (coupled) {
+    typed.scene.kind = typed_l;
+    typed.scene.formula = std::string("(vx^2 + vy^2)/2 + sum(i=1..n, vz[i]^2/2) + sum(i=1..n-1, vz[i]*vz[i+1])/3") +
+                          more + " - (" + potential + ")";
+  }
+  return made(typed);
+}
+/// From the apoapsis of an eccentric ellipse; each of the others here.
+std::vector<double> apoapsis(int others, double each = 0) {
+  const auto n = static_cast<std::size_t>(others);
+  std::vector<double> x(2 * (n + 2), each);
+  x[0] = 1.8, x[1] = 0, x[n + 2] = 0, x[n + 3] = std::sqrt(0.2 / 1.8);
+  std::fill(x.begin() + static_cast<std::ptrdiff_t>(n) + 4, x.end(), 0.0);
+  return x;
+}
+Request passages(const std::shared_ptr<const Mechanics>& mechanics, const std::vector<double>& start, double end,
+                 double theta) {
+  Request request = stepped("jacobi_maupertuis", mechanics, start, end, 4 * theta);
+  runs::set(request, "theta", theta);
+  runs::set(request, "critical_kinetic_energy", 1);
+  return request;
+}
+
+struct Way {
+  const char* quadrature;
+  int order;
+  bool root, paper;
+};
+constexpr Way ways[] = {{"trapezoid", 4, true, false}, {"trapezoid", 2, false, true}, {"trapezoid", 2, false, false},
+                        {"trapezoid", 6, true, false}, {"midpoint", 4, true, false},  {"midpoint", 2, false, true},
+                        {"midpoint", 2, true, false}};
+void choose(Request& request, const Way& way) {
+  runs::set(request, "quadrature", way.quadrature);
+  runs::set(request, "order", way.order);
+  runs::set(request, "energy_root", way.root ? 1 : 0);
+  runs::set(request, "exit", way.paper ? "paper" : "nominal");
+}
+
+TEST(SizedJacobiMaupertuis, PassesThePeriapsisAsTheCompiledProblem) {
+  Request compiled = runs::defaults("kepler", "jacobi_maupertuis");
+  const auto four = apoapsis(0);
+  std::ranges::copy(four, runs::scene(compiled).initial.begin());
+  for (const int others : {7, 48})
+    for (const bool coupled : {false, true})
+      for (const Way& way : ways) {
+        Request typed = passages(orbit(others, coupled), apoapsis(others), 20, 0.01);
+        // How often θ is halved depends on how many coordinates there are.
+        runs::set(typed, "alpha_max", std::nan(""));
+        choose(typed, way);
+        compiled.settings = typed.settings;
+        compiled.end = typed.end;
+        const auto expected = steps_of(compiled, {"t", "x", "y", "px", "py", "mode", "parameter", "discrete_energy"}),
+                   found = steps_of(typed, {"t", "x", "y", "px", "py", "mode", "parameter", "discrete_energy"});
+        ASSERT_EQ(found.size(), expected.size()) << others << coupled << way.quadrature << way.order;
+        double off = 0;
+        int fast = 0;
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          for (std::size_t k = 0; k < 8; ++k)
+            if (!std::isnan(expected[i][k]) || !std::isnan(found[i][k]))
+              off = std::max(off, std::isfinite(found[i][k]) ? std::abs(found[i][k] - expected[i][k]) : 1e300);
+          fast += found[i][5] > 0;
+        }
+        // The secant method of the published exit ends where h is known to half of the digits.
+        EXPECT_LT(off, way.paper ? 1e-6 : 1e-8) << others << coupled << way.quadrature << way.order << way.paper;
+        EXPECT_GT(fast, 100) << others << coupled << way.quadrature << way.order;
+      }
+}
+
+// Twice as long coordinates of a quarter of the mass, stepped twice as far: the metric says that they are the same.
+TEST(SizedJacobiMaupertuis, MeasuresLengthsByTheMetric) {
+  text::TypedScene typed;
+  typed.scene = of(typed_v, {"x", "y"}, {{"mu", 1}}, "-2*mu/sqrt(x^2 + y^2)");
+  typed.scene.masses = {{"x", "1/4"}, {"y", "1/4"}};
+  const auto four = apoapsis(0);
+  Request wide = passages(made(typed), {2 * four[0], 0, 0, four[3] / 2}, 20, 0.01);
+  runs::set(wide, "theta", 0.02);
+  runs::set(wide, "alpha_max", 0.02);
+  Request compiled = runs::defaults("kepler", "jacobi_maupertuis");
+  std::ranges::copy(four, runs::scene(compiled).initial.begin());
+  compiled.settings = wide.settings;
+  runs::set(compiled, "theta", 0.01);
+  compiled.end = wide.end;
+  const auto expected = steps_of(compiled, {"t", "x", "y", "parameter"}),
+             found = steps_of(wide, {"t", "x", "y", "parameter"});
+  ASSERT_EQ(found.size(), expected.size());
+  double shortest = 1;
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    EXPECT_NEAR(found[i][0], expected[i][0], 1e-9) << i;
+    EXPECT_NEAR(found[i][1], 2 * expected[i][1], 1e-8) << i;
+    EXPECT_NEAR(found[i][2], 2 * expected[i][2], 1e-8) << i;
+    EXPECT_TRUE(found[i][3] == expected[i][3] || std::isnan(expected[i][3])) << i;
+    if (!std::isnan(found[i][3]))
+      shortest = std::min(shortest, std::hypot(found[i][1] - found[i - 1][1], found[i][2] - found[i - 1][2]));
+  }
+  EXPECT_LT(shortest, 0.015) << "nowhere did the turn of the orbit halve a step";
+}
+
+TEST(SizedJacobiMaupertuis, HasItsOrdersWithOthersThatMove) {
+  for (const auto& [others, coupled] : {std::pair{7, false}, std::pair{48, true}}) {
+    const auto mechanics = orbit(others, coupled, " + vx*vz[1]/5 + vy*vz[2]/5");
+    const auto start = apoapsis(others, 0.3);
+    const auto truth = final_of(request_by("taylor", mechanics, start, 7));
+    for (const int order : {2, 4, 6}) {
+      const auto error = [&](double theta) {
+        Request request = passages(mechanics, start, 7, theta);
+        runs::set(request, "order", order);
+        return distance(final_of(request), truth);
+      };
+      const double coarse = error(0.02), fine = error(0.01);
+      EXPECT_GT(std::log2(coarse / fine), order - 0.3) << others << coupled;
+      EXPECT_GT(fine, 1e-10) << others << coupled << order;
+    }
+  }
+}
+
 /// The change of a step and of how long it takes along a direction, by tangents and by differences of runs.
 void expect_tangents(const Request& given, const std::string& what, bool changes_length) {
   Request request = given;
@@ -135,7 +256,36 @@ TEST(SizedClock, TangentsAreCentralDifferences) {
       const std::string what = std::to_string(n) + (coupled ? " coupled" : "");
       const auto mechanics = toda(n, coupled, " + q[i]^2/2");
       expect_tangents(stepped("energy_momentum", mechanics, start_of(n), 1, 0.1), "energy_momentum " + what, true);
+      for (const Way& way : ways)
+        for (const double critical : {0.0, 1e3}) {
+          if (way.paper && critical > 0) continue;
+          Request request = stepped("jacobi_maupertuis", mechanics, start_of(n), 1, 0.1);
+          runs::set(request, "theta", 0.1);
+          runs::set(request, "critical_kinetic_energy", critical);
+          choose(request, way);
+          expect_tangents(request,
+                          std::string("jacobi_maupertuis ") + way.quadrature + std::to_string(way.order) + " " +
+                              std::to_string(critical) + " " + what,
+                          critical == 0);
+        }
     }
+}
+
+// In a well that is narrower than a step along any coordinate they go in time, and how long they are changes.
+TEST(SizedClock, TangentsOfStepsThatCannotBeTakenAlongACoordinate) {
+  for (const char* quadrature : {"trapezoid", "midpoint"}) {
+    Request request = stepped("jacobi_maupertuis", toda(9, false, " + 50*q[i]^2"), std::vector<double>(18, 0.1), 1, 1);
+    for (std::size_t i = 9; i < 18; ++i) runs::scene(request).initial[i] = 0.9 + 0.01 * double(i);
+    runs::set(request, "theta", 2);
+    runs::set(request, "critical_kinetic_energy", 0);
+    runs::set(request, "alpha_max", std::nan(""));
+    runs::set(request, "order", 2);
+    runs::set(request, "quadrature", quadrature);
+    expect_tangents(request, quadrature, true);
+    request.record = {Record::Mode::every, 1, {}};
+    request.columns = {column(request, "parameter")};
+    EXPECT_TRUE(std::isnan(runs::go(request).rows.back()[0])) << quadrature;
+  }
 }
 
 TEST(SizedClock, FitAutonomousScenesAlone) {
@@ -143,7 +293,7 @@ TEST(SizedClock, FitAutonomousScenesAlone) {
     return runs::fits(mechanics->card(), find_scheme(scheme).value());
   };
   for (const int n : {1, 9, 1024})
-    for (const char* scheme : {"energy_momentum"}) {
+    for (const char* scheme : {"energy_momentum", "jacobi_maupertuis"}) {
       EXPECT_TRUE(has(toda(n), scheme)) << n << scheme;
       EXPECT_FALSE(has(toda(n, false, " + q[i]*sin(t)"), scheme)) << n << scheme;
     }

@@ -1,0 +1,61 @@
+// jacobi_maupertuis on scenes H = ½ pᵀM⁻¹p + V(q) whose size is known when they run, by the steps of
+// core/catalogue/sized_jacobi_motion.hpp.
+#pragma once
+
+#include "core/catalogue/sized_energy_level.hpp"
+#include "core/catalogue/sized_jacobi_motion.hpp"
+
+namespace least {
+
+/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+template <class T>
+class SizedJacobiMaupertuis {
+ public:
+  SizedJacobiMaupertuis(const text::SizedScene& scene, const JacobiMaupertuis& scheme, const T& level)
+      : hybrid_(SizedJacobiMotion<T>(scene, scheme.quadrature, level), scheme) {}
+
+  /// At x, as a run with this energy begins.
+  void begin(const T* x, const T& level);
+  /// From there, or where the step before has led. A step of its own length, which is left in `h`.
+  StepStatus step(T* x, T& h) noexcept;
+  StepStatus step(RunState& x) noexcept requires std::is_same_v<T, double> {
+    double h = 0;
+    const StepStatus status = step(x.numbers.data(), h);
+    x.t += h;
+    return status;
+  }
+  const ActiveMethod& active_method() const { return hybrid_.active_method(); }
+  void go_on(const ActiveMethod& course) { hybrid_.go_on(course); }
+  Work work() const { return hybrid_.work(); }
+  /// Of the step from a to b, taken in this way.
+  double discrete_energy(const RunState& a, const RunState& b, const ActiveMethod& course) const;
+  std::int64_t fallback_steps() const { return hybrid_.fallback_steps(); }
+
+ private:
+  void put(const T* x);
+
+  JacobiMaupertuisHybrid<SizedJacobiMotion<T>> hybrid_;
+};
+
+extern template class SizedJacobiMaupertuis<double>;
+extern template class SizedJacobiMaupertuis<Slope>;
+
+/// The scheme as a run by its own clock takes it.
+struct SizedJacobiScheme {
+  JacobiMaupertuis chosen;
+  const text::SizedScene* scene;
+
+  static constexpr bool own_clock = true;
+  template <class P>
+  double level(const P&, const RunState& x) const {
+    return energy_of_start(*scene, x.numbers.data()).value;
+  }
+  template <class P>
+  SizedJacobiMaupertuis<double> bind(const P&, const RunState& x, double level) const {
+    SizedJacobiMaupertuis<double> stepper(*scene, chosen, level);
+    stepper.begin(x.numbers.data(), level);
+    return stepper;
+  }
+};
+
+}  // namespace least

@@ -32,16 +32,9 @@ inline bool asks_for_full_state(const ProblemCard& card, const Request& request)
          std::ranges::any_of(request.diagnostics, [&](std::size_t i) { return card.diagnostics[i].full_state; });
 }
 
-template <class Scheme, class List>
-inline constexpr bool is_among = false;
-template <class Scheme, class... Some>
-inline constexpr bool is_among<Scheme, std::tuple<Some...>> = (std::is_same_v<Scheme, Some> || ...);
-
-/// A scheme that is compiled for a problem, as it fits it; for classes of scenes as text those alone that have no steps
-/// for scenes of any size.
+/// A scheme that is compiled for a problem, as it fits it.
 template <class Scheme, class P>
-concept Fits = (FixedStepSchemeFor<Scheme, P> ||
-                SelfTimedSchemeFor<Scheme, P>)&&!(Compact<P> && is_among<Scheme, SizedSchemeList>);
+concept Fits = FixedStepSchemeFor<Scheme, P> || SelfTimedSchemeFor<Scheme, P>;
 
 /// Calls f with the scheme of a request, which fits.
 template <class P, class F, class... Scheme>

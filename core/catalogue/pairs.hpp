@@ -27,8 +27,7 @@ std::unique_ptr<Integrator> bind_scheme(const RunBackend& backend, const P& prob
     const auto scheme = compiled_scheme(chosen);
     using Compiled = std::remove_const_t<decltype(scheme)>;
     if constexpr (SelfTimed<Compiled>) {
-      bound = std::make_unique<SelfTimedIntegrator<P, Compiled, X>>(backend, problem, scheme,
-                                                                    typed_state<X>(problem, x), end);
+      bound = std::make_unique<SelfTimedIntegrator<P, Compiled, X>>(backend, problem, scheme, state_from<X>(x), end);
     } else {
       bound = std::make_unique<FixedStepIntegrator<P, Compiled, X>>(backend.table(), problem, scheme, x, grid);
     }

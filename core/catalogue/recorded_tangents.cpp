@@ -2,7 +2,7 @@
 
 #include "core/catalogue/custom.hpp"
 #include "core/catalogue/recorded.hpp"
-#include "core/catalogue/text_class.hpp"
+#include "core/catalogue/roomy_tangents.hpp"
 #include "core/run/backend.hpp"
 
 namespace least {

@@ -293,19 +293,12 @@ std::vector<std::size_t> schemes_of(const text::SizedScene& scene) {
   return fitting;
 }
 
-bool SizedBackend::is_of_class(std::size_t scheme) const {
-  const SizedScheme* known = sized_scheme(scheme);
-  return by_class_.formulas && by_class_.schemes->has(scheme) && !(known && known->fits(scene()));
-}
-
 std::unique_ptr<Integrator> SizedBackend::bind(const Request& request, const RunState& x, const Grid& grid,
                                                double end) const {
-  if (is_of_class(request.scheme)) return by_class_.schemes->bind(*this, by_class_.formulas, request, x, grid, end);
   return sized_scheme(request.scheme)->bind({*this, scene(), request, x, grid, end});
 }
 
 StepTangents SizedBackend::tangents(const Request& request) const {
-  if (is_of_class(request.scheme)) return by_class_.schemes->tangents(by_class_.formulas, request);
   const SizedScheme* known = sized_scheme(request.scheme);
   StepTangents made = known && known->tangents ? known->tangents(scene(), request) : StepTangents();
   if (!request.until_steps) made.end = request.end;

@@ -1,30 +1,22 @@
-// What a run asks of a scene as text of any size, and which schemes there are for it: those that have steps for any
-// size, and, of few coordinates, those that are compiled for its class.
+// What a run asks of a scene as text of any size, and which schemes there are for it.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "core/catalogue/sized_table.hpp"
-#include "core/catalogue/text_class.hpp"
+#include "core/run/integrator.hpp"
 
 namespace least {
 
 /// Positions in the list of schemes.
 std::vector<std::size_t> schemes_of(const text::SizedScene& scene);
 
-/// The class of a scene that has schemes of its own, with its parameters; null: it is asked for none of those.
-struct ClassOfScene {
-  const TextClass* schemes = nullptr;
-  TextClass::Formulas formulas;
-};
-
 class SizedBackend final : public RunBackend {
  public:
   /// `all`: states of the run carry what can be asked for beyond what moves, as s where the motion does not read it.
-  explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true, ClassOfScene by_class = {})
-      : by_class_(std::move(by_class)),
-        traits_(traits_of(*scene, all)),
+  explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true)
+      : traits_(traits_of(*scene, all)),
         motion_traits_(traits_of(*scene, false)),
         table_(scene, traits_),
         motion_(std::move(scene), motion_traits_) {}
@@ -51,10 +43,7 @@ class SizedBackend final : public RunBackend {
 
  private:
   const text::SizedScene& scene() const { return table_.scene(); }
-  /// Whether a scheme has steps of the class alone.
-  bool is_of_class(std::size_t scheme) const;
 
-  ClassOfScene by_class_;
   ProblemTraits traits_, motion_traits_;
   SizedTable table_, motion_;
 };

@@ -51,18 +51,12 @@ std::string force_jumps(bool can_rest) {
 
 class SizedMechanics final : public Mechanics {
  public:
-  explicit SizedMechanics(text::TextScene scene)
-      : text_(std::move(scene)), key_(text_.definition.key()), class_(text_class_of(*text_.form)) {
+  explicit SizedMechanics(text::TextScene scene) : text_(std::move(scene)), key_(text_.definition.key()) {
     std::vector<double> parameters;
     for (const auto& parameter : text_.definition.parameters) parameters.push_back(parameter.second);
     const auto sized = text_.sized(parameters);
     traits_ = traits_of(*sized);
-    std::vector<std::size_t> schemes = schemes_of(*sized);
-    if (class_)
-      std::ranges::copy_if(class_->schemes, std::back_inserter(schemes),
-                           [&](std::size_t i) { return std::ranges::find(schemes, i) == schemes.end(); });
-    std::ranges::sort(schemes);
-    card_ = complete_card(text_.described(), traits_, std::move(schemes));
+    card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
     if (!sized->forced && !traits_.potential && sized->coordinates > text::SizedScene::most_full)
       card_.offers += ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
                       " for which schemes solve equations whose matrix is full";
@@ -110,7 +104,7 @@ class SizedMechanics final : public Mechanics {
   std::unique_ptr<const RunBackend> backend(const Request& request) const override {
     auto sized = text_.sized(request.scene->parameters);
     const bool all = sized->forced || asks_for_full_state(card_, request);
-    return std::make_unique<const SizedBackend>(std::move(sized), all, class_for(request));
+    return std::make_unique<const SizedBackend>(std::move(sized), all);
   }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {
@@ -149,25 +143,13 @@ class SizedMechanics final : public Mechanics {
   double blow_up_time(const Scene&, double, double, const KeepGoing&) const override { return unknown; }
 
  private:
-  /// Its formulas with the parameters of a request, where that asks for a scheme of the class. The last ones are kept.
-  ClassOfScene class_for(const Request& request) const {
-    if (!class_ || !class_->has(request.scheme)) return {};
-    const auto& parameters = request.scene->parameters;
-    const std::lock_guard lock(mutex_);
-    if (!last_formulas_.second || last_formulas_.first != parameters)
-      last_formulas_ = {parameters, std::make_shared<const text::Formulas>(*text_.form, parameters)};
-    return {class_, last_formulas_.second};
-  }
-
   text::TextScene text_;
   std::string key_;
-  const TextClass* class_;
   ProblemTraits traits_;
   ProblemCard card_;
   std::vector<std::size_t> kinds_;  ///< of the variables
   std::vector<Column> columns_;
   mutable std::mutex mutex_;
-  mutable std::pair<std::vector<double>, TextClass::Formulas> last_formulas_;
   mutable std::pair<std::string, Scales> last_scales_;  ///< by the key of the scene; a search asks again and again
 };
 

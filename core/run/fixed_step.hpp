@@ -17,7 +17,7 @@ class FixedStepIntegrator final : public EqualSteps {
       : EqualSteps(table, x, grid),
         kernel_problem_(problem),
         scheme_(scheme),
-        stepper_(scheme.bind(problem, typed_state<X>(problem, x))),
+        stepper_(scheme.bind(problem, state_from<X>(x))),
         left_stepper_(stepper_) {}
 
   std::string unsupported_reason() const override {
@@ -38,7 +38,7 @@ class FixedStepIntegrator final : public EqualSteps {
                                      [[maybe_unused]] double* row) noexcept {
     const Grid grid = grid_;
     auto stepper = stepper_;
-    auto x = typed_state<X>(kernel_problem_, state.x);
+    auto x = state_from<X>(state.x);
     [[maybe_unused]] double frequency = 0;  // the largest, squared
     [[maybe_unused]] bool left = false;
     [[maybe_unused]] double lowest = 0;  // action
@@ -58,14 +58,14 @@ class FixedStepIntegrator final : public EqualSteps {
       if constexpr (Sloped<X>) normalise(x);
       if constexpr (Observed) {
         *row = x.t;
-        write_state(kernel_problem_, x, row + 1);
-        row += 1 + numbers_of<X>(kernel_problem_);
+        write_numbers(x, row + 1);
+        row += 1 + numbers_in<X>;
       }
     }
     if (n == grid_.steps && grid_.tail == 0) x.t = grid_.end;
     stepper_ = stepper;
     state.x.t = x.t;
-    write_state(kernel_problem_, x, state.x.numbers.data());
+    write_numbers(x, state.x.numbers.data());
     state.n = n;
     if constexpr (HasFrequency<P>) guard.see(frequency * grid_.step * grid_.step);
     if (status != StepStatus::ok) return BlockResult::failed(status);
@@ -81,17 +81,17 @@ class FixedStepIntegrator final : public EqualSteps {
 
   /// Not in line: three ways of taking a single step are one step's code.
   [[gnu::noinline]] StepStatus move(Stepper& stepper, RunState& state, double h) const {
-    auto x = typed_state<X>(kernel_problem_, state);
+    auto x = state_from<X>(state);
     const StepStatus status = stepper.step(x, h);
-    write_state(kernel_problem_, x, state.numbers.data());
+    write_numbers(x, state.numbers.data());
     return status;
   }
   StepStatus last_step(RunState& x, double h) override {
     const StepStatus status = move(stepper_, x, h);
     if constexpr (Sloped<X>) {
-      auto y = typed_state<X>(kernel_problem_, x);
+      auto y = state_from<X>(x);
       normalise(y);
-      write_state(kernel_problem_, y, x.numbers.data());
+      write_numbers(y, x.numbers.data());
     }
     return status;
   }
@@ -100,12 +100,10 @@ class FixedStepIntegrator final : public EqualSteps {
     return move(stepper, x, h);
   }
   StepStatus bound_step(RunState& x, double h) const override {
-    auto stepper = scheme_.bind(kernel_problem_, typed_state<X>(kernel_problem_, x));
+    auto stepper = scheme_.bind(kernel_problem_, state_from<X>(x));
     return move(stepper, x, h);
   }
-  void bind_stepper(StateView x) override {
-    stepper_ = scheme_.bind(kernel_problem_, typed_state<X>(kernel_problem_, x));
-  }
+  void bind_stepper(StateView x) override { stepper_ = scheme_.bind(kernel_problem_, state_from<X>(x)); }
   void keep_stepper() override { left_stepper_ = stepper_; }
   void take_stepper_back() override { stepper_ = left_stepper_; }
   Work stepper_work() const override { return stepper_.work(); }
@@ -115,7 +113,7 @@ class FixedStepIntegrator final : public EqualSteps {
     return false;
   }
   double energy_of_step(StateView from, double h) const override {
-    return least::discrete_energy(scheme_, kernel_problem_, typed_state<X>(kernel_problem_, from), h);
+    return least::discrete_energy(scheme_, kernel_problem_, state_from<X>(from), h);
   }
   DampingLimits damping_limits() const override {
     DampingLimits limits;

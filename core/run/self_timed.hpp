@@ -35,7 +35,7 @@ class SelfTimedIntegrator final : public Integrator {
     // What is cheap to copy may live in registers meanwhile.
     using Working = std::conditional_t<std::is_trivially_copyable_v<Stepper>, Stepper, Stepper&>;
     Working stepper = stepper_;
-    X x = typed_state<X>(problem_, state.x), left = left_;
+    X x = state_from<X>(state.x), left = left_;
     auto memory = memory_, left_memory = left_memory_;
     double late = late_;
     BlockResult result;
@@ -86,7 +86,7 @@ class SelfTimedIntegrator final : public Integrator {
     memory_ = memory;
     left_memory_ = left_memory;
     late_ = late;
-    assign_state(problem_, x, state.x);
+    assign_numbers(x, state.x);
     state.n = n;
     return result;
   }
@@ -97,15 +97,15 @@ class SelfTimedIntegrator final : public Integrator {
     const StepStatus status = interpolate(state, end, x, &between_);
     if (status != StepStatus::ok) return BlockResult::failed(status);
     if (outside(x)) return {BlockEnd::left_domain};
-    assign_state(problem_, x, state.x);
+    assign_numbers(x, state.x);
     return {};
   }
 
-  RunState left() const override { return run_state_of(problem_, left_); }
+  RunState left() const override { return run_state(left_); }
   int parts() const override { return step_parts; }
   bool reaches(const State& state, double t) const override { return t <= state.x.t; }
   StepStatus state_at(const State& state, double t, RunState& to) const override {
-    X x = typed_state<X>(problem_, state.x);
+    X x = state_from<X>(state.x);
     StepStatus status = StepStatus::solver_failed;
     if (t <= x.t) {
       status = interpolate(state, t, x, nullptr);
@@ -114,10 +114,10 @@ class SelfTimedIntegrator final : public Integrator {
     } else {
       return status;
     }
-    assign_state(problem_, x, to);
+    assign_numbers(x, to);
     return status;
   }
-  void step_back(State& state) override { state = {run_state_of(problem_, left_), state.n - 1}; }
+  void step_back(State& state) override { state = {run_state(left_), state.n - 1}; }
 
   bool starts_regularly(StateView x) override { return along_series_ = table_.starts_series(x); }
   std::string unsupported_reason() const override {
@@ -138,7 +138,7 @@ class SelfTimedIntegrator final : public Integrator {
   }
   double discrete_energy(const State& state) const override {
     if (state.n > 0) {
-      const X x = typed_state<X>(problem_, state.x);
+      const X x = state_from<X>(state.x);
       if constexpr (hybrid) return stepper_.discrete_energy(left_, x, stepper_.active_method());
       if constexpr (requires { stepper_.discrete_energy(left_, left_); }) return stepper_.discrete_energy(left_, x);
     }
@@ -251,7 +251,7 @@ class SelfTimedIntegrator final : public Integrator {
   /// Whether the motion from x, where steps of some length h no longer advance the run, goes on at all.
   bool still_moves(const X& x, double h) {
     constexpr double few = 64;  // steps
-    if (!goes_on(backend_, moving_part(backend_, run_state_of(problem_, x)), few * h)) return false;
+    if (!goes_on(backend_, moving_part(backend_, run_state(x)), few * h)) return false;
     standstill_.go_on();
     return true;
   }
@@ -261,19 +261,19 @@ class SelfTimedIntegrator final : public Integrator {
     X state = x;
     for (int i = 1; i < step_parts; ++i) {
       if (!stepper.interpolate(state, left.t + i * (x.t - left.t) / step_parts)) return;
-      diagnostics.look(run_state_of(problem_, state));
+      diagnostics.look(run_state(state));
     }
   }
   /// And the state x, with what the caller watches on the way to it: where the scheme has no polynomial of the step, by
   /// one through both ends.
   void see(const Stepper& stepper, const X& left, const X& x, DiagnosticSet& diagnostics) const {
-    const RunState from = run_state_of(problem_, left), to = run_state_of(problem_, x);
+    const RunState from = run_state(left), to = run_state(x);
     std::optional<HermitePath> path;
     const auto between = [&](double t, RunState& state) {
       if constexpr (requires(X & y) { stepper.interpolate(y, t); }) {
         X y = x;
         if (stepper.interpolate(y, t)) {
-          assign_state(problem_, y, state);
+          assign_numbers(y, state);
           return true;
         }
       }
@@ -286,10 +286,10 @@ class SelfTimedIntegrator final : public Integrator {
 
   /// x at a time within the last step, which ended in `state`. `work`: what that cost, where it counts.
   StepStatus interpolate([[maybe_unused]] const State& state, double t, X& x, Work* work) const {
-    x = typed_state<X>(problem_, state.x);
+    x = state_from<X>(state.x);
     if (!(t < x.t)) return StepStatus::ok;
     if (along_series_ && state.n == 1) {
-      x = t > left_.t ? typed_state<X>(problem_, table_.series_state(t)) : left_;
+      x = t > left_.t ? state_from<X>(table_.series_state(t)) : left_;
       return StepStatus::ok;
     }
     if constexpr (requires(const Stepper& s) { s.interpolate(x, t); })
@@ -304,7 +304,7 @@ class SelfTimedIntegrator final : public Integrator {
       x = y;
       if (work) *work = stepper.work();
     } else {
-      x = typed_state<X>(problem_, HermitePath(table_, run_state_of(problem_, left_), state.x)(t));
+      x = state_from<X>(HermitePath(table_, run_state(left_), state.x)(t));
       if (work) *work = {4, 0};
     }
     x.t = t;
@@ -316,8 +316,8 @@ class SelfTimedIntegrator final : public Integrator {
   bool advance_on_series(State& state, DiagnosticSet* diagnostics) {
     const RunState x = table_.series_state(std::min(table_.traits.series_until, end_));
     if (!(x.t > state.x.t)) return along_series_ = false;
-    left_ = typed_state<X>(problem_, state.x);
-    stepper_ = bound(typed_state<X>(problem_, x));
+    left_ = state_from<X>(state.x);
+    stepper_ = bound(state_from<X>(x));
     memory_ = memory_of(stepper_);
     state = {x, 1};
     if (diagnostics) diagnostics->see(x);

@@ -31,12 +31,4 @@ using SchemeList =
                ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss,
                LiftedSplitting, Taylor, DormandPrince5, Fehlberg78, BulirschStoer>;
 
-/// Of these there are steps on scenes as text of any size (core/catalogue/sized_backend.cpp); of others there are those
-/// that are compiled for a class of scenes.
-using SizedSchemeList =
-    std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog, VariationalMidpoint,
-               Galerkin4, JacobiMaupertuis, EnergyMomentum, TimeTransformed, AdaptiveVerlet, ContactSymplecticEuler,
-               ContactLeapfrog, ContactVariationalMidpoint, ContactGalerkin4, ContactSplitting, ContactGauss,
-               LiftedSplitting, Taylor, DormandPrince5, Fehlberg78, BulirschStoer>;
-
 }  // namespace least

@@ -1,8 +1,7 @@
 // Scenes as text as problems: one class for each form, generic in the number as every problem is. Degrees of freedom
-// are a capacity N: coordinates that a text has not rest at zero with unit mass, which changes no other. For schemes
-// that have no steps for scenes of any size (core/text/sized_scene.hpp), for lanes, and for forms that have no such
-// steps at all. Where a class is `compact`, runs carry the coordinates that the text has and no more. A value shares
-// what it evaluates with its copies.
+// are a capacity N: coordinates that a text has not rest at zero with unit mass, which changes no other. For lanes, for
+// references, and for forms that have no steps for scenes of any size (core/text/sized_scene.hpp). A value shares what
+// it evaluates with its copies.
 #pragma once
 
 #include <memory>
@@ -112,21 +111,18 @@ struct ConstantMass : Mechanical<N> {
 /// H = ½ pᵀg⁻¹p + V(q), or V(q, t).
 template <int N, bool Timed>
 struct SeparableScene : ConstantMass<N> {
-  static constexpr bool compact = true;
   static constexpr bool reads_time = Timed;
 };
 
 /// H = ½ pᵀg⁻¹p + V(q) + α s, or V(q, t)
 template <int N, bool Timed>
 struct DampedScene : ConstantMass<N> {
-  static constexpr bool compact = true;
   static constexpr bool reads_time = Timed;
   double damping() const { return this->formulas->alpha; }
 };
 /// H = ½ pᵀg⁻¹p + V(q, t) + α(t) s
 template <int N>
 struct TimedDampedScene : ConstantMass<N> {
-  static constexpr bool compact = true;
   static constexpr bool reads_time = true;
   template <class S>
   S damping(const S& t) const {

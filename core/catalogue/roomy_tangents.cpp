@@ -1,7 +1,6 @@
-#include "core/catalogue/text_class.hpp"
+#include "core/catalogue/roomy_tangents.hpp"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace least {
@@ -38,27 +37,7 @@ void pick(TangentMap& map, std::size_t dof, const std::vector<std::size_t>& plac
   map.m = std::move(m);
 }
 
-std::string name_of(const text::Form& form, int room) {
-  using text::FormKind;
-  std::string name;
-  if (form.kind == FormKind::separable && form.autonomous) name = "separable";
-  if (form.kind == FormKind::contact_linear)
-    name = !form.constant_damping ? "timed_damped" : form.autonomous ? "damped" : "driven";
-  return name + "_" + std::to_string(room);
-}
-
 }  // namespace
-
-bool TextClass::has(std::size_t scheme) const { return std::ranges::find(schemes, scheme) != schemes.end(); }
-
-const TextClass* text_class_of(const text::Form& form) {
-  if (!form.is_compiled()) return nullptr;
-  for (const int room : {2, text::compiled_coordinates}) {
-    const auto found = std::ranges::find(text_classes(), name_of(form, room), &TextClass::name);
-    if (found != text_classes().end() && form.coordinates <= static_cast<std::size_t>(room)) return &*found;
-  }
-  return nullptr;
-}
 
 std::vector<std::size_t> places_in(std::size_t n, std::size_t room, bool acting) {
   std::vector<std::size_t> places;

@@ -5,6 +5,7 @@
 // for one decomposition.
 #pragma once
 
+#include <concepts>
 #include <memory>
 #include <vector>
 
@@ -24,7 +25,8 @@ class SizedEnergyMomentum {
   void begin(const T*, const T& level) { level_ = level; }
   /// A step of its own length, which is left in `h`. One that fails leaves no state.
   StepStatus step(T* x, T& h) noexcept;
-  StepStatus step(RunState& x) noexcept requires std::is_same_v<T, double> {
+  template <std::same_as<RunState> X>
+  StepStatus step(X& x) noexcept {  // in numbers
     double h = 0;
     const StepStatus status = step(x.numbers.data(), h);
     x.t += h;

@@ -2,6 +2,8 @@
 // core/catalogue/sized_jacobi_motion.hpp.
 #pragma once
 
+#include <concepts>
+
 #include "core/catalogue/sized_energy_level.hpp"
 #include "core/catalogue/sized_jacobi_motion.hpp"
 
@@ -18,7 +20,8 @@ class SizedJacobiMaupertuis {
   void begin(const T* x, const T& level);
   /// From there, or where the step before has led. A step of its own length, which is left in `h`.
   StepStatus step(T* x, T& h) noexcept;
-  StepStatus step(RunState& x) noexcept requires std::is_same_v<T, double> {
+  template <std::same_as<RunState> X>
+  StepStatus step(X& x) noexcept {  // in numbers
     double h = 0;
     const StepStatus status = step(x.numbers.data(), h);
     x.t += h;

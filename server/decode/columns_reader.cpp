@@ -267,18 +267,18 @@ void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& r
       "columns", [](const std::string& name) { return name == error_column; }, "other columns");
 }
 
-// Whether a list has an event of this name.
-bool is_named_in(const Json& events, const Json& name) {
+// Whether a list has an event that acts, or one of this name.
+bool acts_or_names(const Json& events, const Json& name) {
   return std::ranges::any_of(events, [&](const Json& event) {
     const Json* const other = event.is_object() ? find(event, "name") : nullptr;
-    return other && *other == name;
+    return (other && *other == name) || (event.is_object() && find(event, "set"));
   });
 }
 
 }  // namespace
 
-// What acts on a scene of the catalogue belongs to its motion: events of a request stand beside it, one of the same
-// name in its place; an empty list is none at all.
+// What acts on a scene of the catalogue belongs to its motion: events of a request that only watch stand beside it,
+// those that act in its place; an empty list is none at all.
 void read_events(const Json& root, const FieldPath& top, Request& request) {
   const Json* json = find(root, "events");
   const Json* const own = own_events(*forward_of(*request.scene).mechanics);
@@ -293,7 +293,7 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
   std::vector<const Json*> events;
   if (own != nullptr && own != json && !json->empty())
     for (const Json& event : *own)
-      if (event.contains("set") && !is_named_in(*json, event["name"])) events.push_back(&event);
+      if (event.contains("set") && !acts_or_names(*json, event["name"])) events.push_back(&event);
   const std::size_t of_scene = events.size();  // without a fault
   for (const Json& event : *json) events.push_back(&event);
   std::vector<std::string> names;

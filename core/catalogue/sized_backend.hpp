@@ -25,7 +25,7 @@ class SizedBackend final : public RunBackend {
   const ProblemTable& motion() const override { return motion_; }
   std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid& grid,
                                    double end) const override;
-  /// Of schemes of equal steps but those with forces, and of time_transformed.
+  /// Of schemes of equal steps but those with forces, and of schemes that set their steps by a level of the energy.
   StepTangents tangents(const Request& request) const override;
   std::vector<tape::Index> write_equations(tape::Tape& tape) const override;
   std::size_t found() const override { return 0; }

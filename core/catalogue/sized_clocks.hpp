@@ -21,7 +21,7 @@ std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::Si
 /// The same, or of a damped scene.
 std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::SizedScene& scene,
                                        const TimeTransformed& scheme, const RunState& x, double end);
-/// Of a damped scene on the extended space.
+/// Of the same; those of a damped scene are on the extended space.
 StepTangents tangents_of(const text::SizedScene& scene, const TimeTransformed& scheme, const Request& request);
 
 }  // namespace least

@@ -57,6 +57,9 @@ class SizedMechanics final : public Mechanics {
     const auto sized = text_.sized(parameters);
     traits_ = traits_of(*sized);
     card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
+    if (!sized->forced && sized->kind == text::FormKind::metric)
+      card_.offers += ", with more coordinates than the " + std::to_string(text::compiled_coordinates) +
+                      " for which schemes follow a level of the energy there";
     if (!sized->forced && !traits_.potential && sized->coordinates > text::SizedScene::most_full)
       card_.offers += ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
                       " for which schemes solve equations whose matrix is full";

@@ -31,8 +31,9 @@ MemberStarts::MemberStarts(const EnsemblePlan& plan) : plan_(plan) {
   const text::TextScene* const text = scene.mechanics->text();
   if (!plan.members.holds_velocities || !text || !momenta_vary(*text, plan.members)) return;
   in_velocities_ = scene.initial;
-  std::ranges::copy(text::velocities_of(*text, scene.parameters, scene.start, scene.initial),
-                    in_velocities_.begin() + text->capacity);
+  std::vector<double> velocities = plan.members.velocities;
+  if (velocities.empty()) velocities = text::velocities_of(*text, scene.parameters, scene.start, scene.initial);
+  std::ranges::copy(velocities, in_velocities_.begin() + text->capacity);
   if (std::ranges::none_of(plan.members.vary, &Variation::is_parameter)) momenta_ = text->momenta(scene.parameters);
 }
 

@@ -42,8 +42,10 @@ struct Members {
   std::int64_t count = 0;
   std::uint64_t seed = 0;
   std::vector<Variation> vary;
-  bool holds_velocities =
-      false;  ///< what members have in common of their starts, where momenta would depend on the rest
+  /// Of their starts members have the velocities in common, where momenta would depend on what varies, and not the
+  /// momenta.
+  bool holds_velocities = false;
+  std::vector<double> velocities{};  ///< of all coordinates, as given; empty: they follow from momenta
 
   /// The values of what varies, in its order, for the i-th member.
   std::vector<double> of(std::int64_t i) const;

@@ -22,9 +22,8 @@ std::optional<StepTrace> trace_text(const Request& request, std::span<const doub
   };
   // Forms that differ in nothing but what they can be asked for are one here.
   constexpr int n = text::compiled_coordinates;
-  if (form.kind == FormKind::separable) as(static_cast<text::SeparableScene<n, true>*>(nullptr));
-  if (form.kind == FormKind::contact_linear && form.constant_damping)
-    as(static_cast<text::DampedScene<n, true>*>(nullptr));
+  if (form.kind == FormKind::separable) as(static_cast<text::SeparableScene<n>*>(nullptr));
+  if (form.kind == FormKind::contact_linear && form.constant_damping) as(static_cast<text::DampedScene<n>*>(nullptr));
   if (form.kind == FormKind::contact_linear && !form.constant_damping)
     as(static_cast<text::TimedDampedScene<n>*>(nullptr));
   if (form.kind == FormKind::contact_quadratic) as(static_cast<text::QuadraticScene<n>*>(nullptr));

@@ -192,6 +192,7 @@ bool Acts::has_piled_up(std::size_t event, const RunState& after) {
   const double last = t - before, one = before - earlier, other = earlier - first;
   if (!(last < one && one < other)) return false;
   const double ratio = last / one;
+  if (!(ratio < 1 - near)) return false;
   if (!(std::abs(ratio - one / other) < alike)) return false;
   if (!(last < near * (t - request_.scene->start)) && !is_hidden(event, after, last * ratio)) return false;
   limit_ = t + last * ratio / (1 - ratio);
@@ -215,6 +216,7 @@ double Acts::rounding_of(std::size_t event, const RunState& x) const {
 
 bool Acts::is_hidden(std::size_t event, const RunState& after, double until_next) const {
   constexpr double little = 64;
+  if (rate_of(event, after) == 0) return false;  // what was left at rest begins anew
   // A parabola between two zeros comes as far as a fourth of their distance at the rate with which it leaves the first.
   return std::abs(rate_of(event, after)) * until_next / 4 < little * rounding_of(event, after);
 }

@@ -69,7 +69,7 @@ struct Form {
   }
 
   /// Whether its mechanics is that of a class, with room for coordinates that it has not. Others run by what knows
-  /// their size when they run, core/text/sized_scene.hpp, but for schemes that are compiled for classes alone.
+  /// their size when they run, core/text/sized_scene.hpp.
   bool has_class() const {
     const bool of_class =
         kind == FormKind::metric || kind == FormKind::contact_quadratic || kind == FormKind::lagrangian;

@@ -109,15 +109,15 @@ struct ConstantMass : Mechanical<N> {
 };
 
 /// H = ½ pᵀg⁻¹p + V(q), or V(q, t).
-template <int N, bool Timed>
+template <int N>
 struct SeparableScene : ConstantMass<N> {
-  static constexpr bool reads_time = Timed;
+  static constexpr bool reads_time = true;
 };
 
 /// H = ½ pᵀg⁻¹p + V(q) + α s, or V(q, t)
-template <int N, bool Timed>
+template <int N>
 struct DampedScene : ConstantMass<N> {
-  static constexpr bool reads_time = Timed;
+  static constexpr bool reads_time = true;
   double damping() const { return this->formulas->alpha; }
 };
 /// H = ½ pᵀg⁻¹p + V(q, t) + α(t) s

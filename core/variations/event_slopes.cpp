@@ -218,7 +218,7 @@ std::vector<double> EventSlopes::second_at(std::size_t event, double t, std::spa
 
 std::vector<double> EventSlopes::second_after(std::size_t event, double t, std::span<const double> state,
                                               const DirectedSlope& a, const DirectedSlope& b,
-                                              std::span<const double> second) const {
+                                              std::span<const double> second, bool led_back) const {
   const auto [later, before] = meeting(event, t, state, a, b, second);
   const Second then = Second(t) + later;
   const std::vector<Second> made = along_both(*acts_[event], then, before, a.direction, b.direction),
@@ -227,7 +227,7 @@ std::vector<double> EventSlopes::second_after(std::size_t event, double t, std::
   std::vector<double> after;
   for (std::size_t i = 0; i < made.size(); ++i) {
     const Second back = made[i] - rates_after[i] * later + Second(0.5 * acceleration_after[i]) * (later * later);
-    after.push_back(back.slope[0].slope[0]);
+    after.push_back((led_back ? back : made[i]).slope[0].slope[0]);
   }
   return after;
 }

@@ -45,9 +45,9 @@ class EventSlopes {
   /// state at the time t (`second`) and the first derivatives of that along both directions.
   std::vector<double> second_at(std::size_t event, double t, std::span<const double> state, const DirectedSlope& a,
                                 const DirectedSlope& b, std::span<const double> second) const;
-  /// The same of the state that the event makes, led back to the time t.
+  /// The same of the state that the event makes; `led_back`: to the time t.
   std::vector<double> second_after(std::size_t event, double t, std::span<const double> state, const DirectedSlope& a,
-                                   const DirectedSlope& b, std::span<const double> second) const;
+                                   const DirectedSlope& b, std::span<const double> second, bool led_back) const;
 
  private:
   using Second = Dual<Slope, 1>;  ///< with slopes along a, along b, and along both

@@ -116,7 +116,7 @@ class Follower {
     for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
       const auto [a, b] = pairs_[pair];
       append(slopes.second_after(*event.asked, t, state, {slope_of(a), directions_[a]}, {slope_of(b), directions_[b]},
-                                 std::span(all.second).subspan(pair * size, size)),
+                                 std::span(all.second).subspan(pair * size, size), !event.ends_run),
              after.second);
     }
     motion_.start(slopes.state_after(*event.asked, t, state), after, t);

@@ -32,12 +32,13 @@ double doubt_of(const Question& question, const Followed& all, double tolerance,
   return known != nullptr ? disagreement_along(all.slopes, question.weights, known->slopes) : unknown;
 }
 
-/// Where an event has ended the run, second derivatives at its end from those at a time that stays. `all`: the motion
-/// and its first derivatives at that time.
+/// Where an event has ended the run, second derivatives at its end from those at a time that stays; of one that acts
+/// they are known as those of what it makes. `all`: the motion and its first derivatives at that time.
 void move_to_event(const Question& question, const Followed& all,
                    const std::vector<std::pair<std::size_t, std::size_t>>& pairs, std::vector<double>& second) {
   if (question.events.empty() || !question.events.back().ends_run || !question.events.back().asked) return;
   const RunEvent& event = question.events.back();
+  if (question.slopes_of_events.acts(*event.asked)) return;
   const std::size_t size = all.state.size();
   const auto along = [&](std::size_t d) {
     return EventSlopes::DirectedSlope{std::span(all.slopes.back()).subspan(d * size, size), question.directions[d]};

@@ -286,8 +286,6 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
   const FieldPath path = top.at("events");
   if (json == nullptr) return;
   if (!json->is_array()) return path.fault("must be a list of events", *json, std::string(event_shape));
-  if (json->size() > most_events)
-    return path.fault(fmt::format("holds {} events", json->size()), *json, fmt::format("{} at most", most_events));
   MeasureReader reader(*request.scene);
   for (const Measure& plane : request.watched.list) reader.read(plane.card.name, plane.text);  // of the section
   std::vector<const Json*> events;
@@ -295,6 +293,10 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
     for (const Json& event : *own)
       if (event.contains("set") && !acts_or_names(*json, event["name"])) events.push_back(&event);
   const std::size_t of_scene = events.size();  // without a fault
+  if (of_scene + json->size() > most_events)
+    return path.fault(fmt::format("holds {} events{}", json->size(),
+                                  of_scene > 0 ? fmt::format(", beside {} of the scene", of_scene) : ""),
+                      *json, fmt::format("{} at most", most_events - of_scene));
   for (const Json& event : *json) events.push_back(&event);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < events.size() && !path.faults->full(); ++i) {

@@ -195,7 +195,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   request.scene = scene;
   scene->mechanics = problem;
   const ProblemCard* card = problem ? &scene->card() : nullptr;
-  const PresetCard* preset = card ? read_scene(root, top, *scene) : nullptr;
+  const PresetCard* preset = card ? read_scene(root, top, *scene, &plan.members.velocities) : nullptr;
   if (card) refuse_own_events(*problem, top.at("problem"));
   const SchemeCard* scheme_card = scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   if (scheme_card) {

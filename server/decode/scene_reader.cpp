@@ -113,7 +113,7 @@ std::vector<std::string> velocity_names(const text::TextScene& scene) {
 // A start in velocities, or in momenta of some coordinates and velocities of the others: the momenta that are not given
 // follow from velocities.
 void read_velocities(const Json& initial, const FieldPath& start, const text::TextScene& text,
-                     const std::vector<std::string>& names, Scene& scene) {
+                     const std::vector<std::string>& names, Scene& scene, std::vector<double>* velocities) {
   const bool rests = !text.known;  // what is missing; else it is as in the default start, in momenta
   if (names.empty()) return;
   if (!rests && std::ranges::none_of(names, [&](const auto& name) { return find(initial, name) != nullptr; })) return;
@@ -137,6 +137,7 @@ void read_velocities(const Json& initial, const FieldPath& start, const text::Te
       moving[static_cast<std::ptrdiff_t>(i)] = *value;
   }
   if (in_momenta.size() == names.size() || start.faults->within(start.pointer)) return;
+  if (velocities && in_momenta.empty()) velocities->assign(moving, moving + static_cast<std::ptrdiff_t>(names.size()));
   std::vector<double> momenta(in_momenta.size());
   std::ranges::transform(in_momenta, momenta.begin(), [&](std::size_t i) { return said[i]; });
   if (!text::make_momenta_of_start(text, scene.parameters, scene.start, in_momenta, momenta, state))
@@ -198,7 +199,7 @@ bool has_list_of(const Json& problem, const std::vector<ParameterCard>& paramete
 
 }  // namespace
 
-const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene) {
+const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene, std::vector<double>* velocities) {
   const ProblemCard& card = scene.card();
   const text::TextScene* const text = scene.mechanics->text();
   for (const auto& parameter : card.parameters) scene.parameters.push_back(parameter.value);
@@ -237,11 +238,11 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   if (text && initial && initial->is_object()) initial = &(elements = without_lists(*initial, start, *text));
   if (initial == nullptr) initial = &nothing;
   const Names names = keys_of(card.variables, {"t"});
-  const std::vector<std::string> velocities = text ? velocity_names(*text) : std::vector<std::string>();
+  const std::vector<std::string> names_of_velocities = text ? velocity_names(*text) : std::vector<std::string>();
   Names known{"t"};
   for (const auto& variable : card.variables)
     if (!variable.hidden) known.push_back(variable.name);
-  known.insert(known.end(), velocities.begin(), velocities.end());
+  known.insert(known.end(), names_of_velocities.begin(), names_of_velocities.end());
   if (!read_object(*initial, start, known, fmt::format("the start of {}", card.id))) return preset;
   bool given = false;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -253,7 +254,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     if (value) (i == 0 ? scene.start : scene.initial[i - 1]) = *value;
     given = given || i > 0;
   }
-  if (text) read_velocities(*initial, start, *text, velocities, scene);
+  if (text) read_velocities(*initial, start, *text, names_of_velocities, scene, velocities);
   if (given) return preset;
   if (auto regular = scene.mechanics->regular_start(scene.parameters, scene.start)) {
     if (regular->objection.empty()) {

@@ -36,8 +36,9 @@ NamedEntry read_entry(const Json* json, const FieldPath& path, std::string_view 
 std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath& top, const Cards& cards);
 
 /// The parameters and the start of a scene whose mechanics is known: card, then preset, then what the request says. The
-/// preset, if there is one.
-const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene);
+/// preset, if there is one. `velocities`: those of all coordinates, where the start says them or they are 0.
+const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene,
+                             std::vector<double>* velocities = nullptr);
 
 /// Whether the velocities of the start stay where another number of the scene changes, and not the momenta: as `holds`
 /// of `asked`, which stands at the path, says, or else the start. `both`: it may say either.

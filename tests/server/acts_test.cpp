@@ -94,8 +94,17 @@ TEST_F(EventsThatAct, WhatIsStoppedWhereItIsDrawnAwayGoesOn) {
   EXPECT_LT(made["final"]["x"], 0);
 }
 
-// What an act takes back to where it began, at rest, falls anew.
+// What an act takes back to where it began, at rest, falls anew, as often as there is time for.
 TEST_F(EventsThatAct, WhatIsTakenElsewhereAtRestGoesOn) {
+  for (const char* height : {"1", "10", "0.0001"}) {
+    Json request = ball(0);
+    request["scheme"] = {{"id", "dormand_prince_5"}, {"tolerance", 1e-11}};
+    request["until"] = 60;
+    request["events"][0]["set"] = {{"x", height}, {"vx", "0"}};
+    const Json made = answer(request);
+    EXPECT_EQ(made["status"], "completed") << height << made["stop"];
+    EXPECT_GE(made["final"]["x"], 0) << height;
+  }
   for (const char* scheme : {"taylor", "leapfrog", "runge_kutta_4", "dormand_prince_5"}) {
     Json request = ball(0);
     request["scheme"] = scheme;

@@ -231,6 +231,18 @@ TEST_F(EnsembleHttp, MembersOfAStartInVelocitiesAreTheirRuns) {
   EXPECT_NE(refused.body.find("vary vx"), std::string::npos) << refused.body;
 }
 
+// At the pole of polar coordinates momenta say nothing of velocities; members begin elsewhere.
+TEST_F(EnsembleHttp, MembersBeginWhereTheCommonStartCannot) {
+  const Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["r","a"],
+      "lagrangian":"(vr^2+r^2*va^2)/2-r^2/2"},"initial":{"va":0.5},"until":1,"scheme":"runge_kutta_4",
+      "members":{"vary":{"/initial/r":{"values":[1,2]}}},"keep":["final"],"columns":["pa"]})~");
+  const Reply reply = ask(port(), post("/v1/ensemble", request.dump()));
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json made = Json::parse(reply.body);
+  EXPECT_EQ(made["completed"], 2) << reply.body;
+  EXPECT_NEAR(made["final"]["pa"][1], 4 * 0.5, 1e-12) << "r² va";
+}
+
 TEST_F(EnsembleHttp, BinaryHoldsTheSameNumbers) {
   const Json whole = without_cost(ask(port(), post("/v1/ensemble", orbits)).body);
   const auto reply = ask(port(), post("/v1/ensemble", orbits, "Accept: application/cbor\r\n"));

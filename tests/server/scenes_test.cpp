@@ -244,6 +244,22 @@ TEST_F(Scenes, BringTheirEvents) {
             "/problem");
 }
 
+// As many as there is room for, with what the scene brings and the plane of a section.
+TEST_F(Scenes, BringEventsThatCount) {
+  NEEDS_SCENE("bouncing_ball");
+  Json request{{"problem", "bouncing_ball"},
+               {"scheme", "leapfrog"},
+               {"until", 3},
+               {"record", {{"every", 0}}},
+               {"section", {{"expression", "px"}, {"direction", "down"}}},
+               {"events", Json::array()}};
+  for (int i = 1; i <= 15; ++i)
+    request["events"].push_back({{"name", "e" + std::to_string(i)}, {"expression", "x-" + std::to_string(0.05 * i)}});
+  EXPECT_EQ(answer(request)["acts"][0]["name"], "bounce");
+  request["events"].push_back({{"name", "last"}, {"expression", "x-0.9"}});
+  EXPECT_EQ(fault_of(request, "/v1/simulate")["allowed"], "15 at most");
+}
+
 TEST_F(Scenes, AreDifferentiatedAndRunBackward) {
   NEEDS_SCENE("restricted_three_body");
   const Json run = answer({{"problem", "restricted_three_body"},

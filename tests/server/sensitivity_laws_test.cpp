@@ -221,6 +221,21 @@ TEST_F(SensitivityLaws, OfSecondOrderStandWhereAnEventEndsTheRun) {
       request, {"/initial/x", "/problem/parameters/swing", "/problem/parameters/drag", "/problem/parameters/c"});
 }
 
+// An event that acts may end the run, too: then they are those of what it makes, at its time.
+TEST_F(SensitivityLaws, OfSecondOrderStandWhereAnActEndsTheRun) {
+  Json request{{"problem", custom(R"~({"variables":["x","y"],"parameters":{"g":1},"potential":"g*y+0.1*x^2"})~")},
+               {"initial", {{"x", 0.2}, {"y", 1}, {"vx", 0.3}, {"vy", 0.1}}},
+               {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
+               {"until", 20},
+               {"events", {{{"name", "hit"}, {"expression", "y"}, {"direction", "down"}, {"most", 1}}}},
+               {"sensitivities", {{"by", {"/initial/x", "/initial/y", "/problem/g"}}}}};
+  for (const char* set :
+       {R"({"y":"1+x^2","vy":"-0.5*vy"})", R"({"y":"x","vy":"0.2*vx"})", R"({"vy":"0"})", R"({"vy":"-0.9*vy"})"}) {
+    request["events"][0]["set"] = Json::parse(set);
+    expect_differences_of_first(request, {"/initial/x", "/initial/y", "/problem/parameters/g"});
+  }
+}
+
 // From the centre of a star, where the equations are singular: by its index, of the motion that is regular there.
 // Of any n, q = 1 − t²/6 + n t⁴/120 − (8n² − 5n) t⁶/15120 + ….
 TEST_F(SensitivityLaws, FromASingularStart) {

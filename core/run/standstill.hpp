@@ -46,9 +46,9 @@ class StandstillWatch {
 };
 
 /// Whether the motion from x goes on for so long. A closer run that takes the time of a few dozen steps of the run in a
-/// bounded number of its own has gone through, and so has one whose rates have risen and fallen again. One that does not
-/// is before a singularity if it ends, or if its rates grow and its steps shrink the closer it looks. Where they do not,
-/// as with friction that turns over with the velocity or a fast oscillation, it is only slow.
+/// bounded number of its own has gone through, and so has one whose rates have risen and fallen again. One that does
+/// not is before a singularity if it ends, or if its rates grow and its steps shrink the closer it looks. Where they do
+/// not, as with friction that turns over with the velocity or a fast oscillation, it is only slow.
 bool goes_on(const RunBackend& backend, RunState x, double duration);
 
 /// When the motion of a request becomes singular, where a run of it stopped at `now` after so many force evaluations:

@@ -69,7 +69,8 @@ async function assertInSight(page, name, selector) {
     assert.ok(y >= 0 && shown > Math.min(0.75 * high, 0.35 * height) && wide * beside > 0.25 * width,
               `${name} at ${width} × ${height}: ${shown} of ${high} at ${y}`);
     const whole = page.waitForFunction((room) => document.documentElement.scrollWidth <= room, width, { timeout: 30000 });
-    assert.ok(await whole.then(() => true, () => false), `${name} is not cut off at ${width}`); // once it is laid out
+    const why = await whole.then(() => "", ({ message }) => message); // once it is laid out
+    assert.equal(why, "", `${name} is not cut off at ${width}: ${why}`);
     for (const colorScheme of folder ? ["light", "dark"] : []) {
       await page.emulateMedia({ colorScheme });
       await frames(page);

@@ -173,11 +173,11 @@ void read_members(const Json& root, const FieldPath& top, const Scene* scene, En
   }
   const Json* vary = find(*json, "vary");
   if (scene != nullptr) members.holds_velocities = velocities_in_common(root, *json, path, *scene, vary);
-  const bool known = scene != nullptr && !path.faults->within(path.at("holds").pointer);
-  if (vary != nullptr && known) read_vary(*vary, path.at("vary"), *scene, members);
+  const bool unclear = path.faults->within(path.at("holds").pointer);  // what may vary, and so how many there are
+  if (vary != nullptr && scene != nullptr && !unclear) read_vary(*vary, path.at("vary"), *scene, members);
   const Json* count = find(*json, "count");
   if (count != nullptr) members.count = read_integer(*count, path.at("count"), 1, greatest_count).value_or(1);
-  if (path.faults->within(path.at("vary").pointer)) return;
+  if (unclear || path.faults->within(path.at("vary").pointer)) return;
   double product = 1;
   bool listed_values = false;
   for (const Variation& variation : members.vary) {

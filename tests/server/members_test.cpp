@@ -85,5 +85,16 @@ TEST_F(MembersHttp, MembersBeginWhereTheCommonStartCannot) {
   EXPECT_NEAR(made["final"]["pa"][1], 4 * 0.5, 1e-12) << "r² va";
 }
 
+// What members hold in common cannot be read: what varies is not judged by it.
+TEST_F(MembersHttp, AFaultInWhatTheyHoldIsTheOnlyOne) {
+  const Reply reply = ask(port(), post("/v1/ensemble", R"~({"problem":{"id":"custom","variables":["x"],
+      "potential":"x^2/2"},"scheme":"leapfrog","until":1,
+      "members":{"vary":{"/initial/vx":{"values":[1,2]}},"holds":5}})~"));
+  EXPECT_EQ(reply.status, 422);
+  const Json errors = Json::parse(reply.body)["errors"];
+  ASSERT_EQ(errors.size(), 1U) << reply.body;
+  EXPECT_EQ(errors[0]["pointer"], "/members/holds");
+}
+
 }  // namespace
 }  // namespace least::server::test

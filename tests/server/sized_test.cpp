@@ -166,6 +166,13 @@ TEST_F(ManyCoordinates, AreRefusedByName) {
   Json faults = answer(request, "/v1/simulate", 422)["errors"];
   EXPECT_EQ(faults[0]["pointer"], "/scheme") << faults;
   EXPECT_NE(faults[0]["detail"].get<std::string>().find("more coordinates than"), std::string::npos) << faults;
+  request = {
+      {"problem",
+       {{"id", "custom"}, {"variables", {"q[9]"}}, {"lagrangian", "sum(i=1..9, (1 + q[i]^2)*v[i]^2/2 - q[i]^2/2)"}}},
+      {"scheme", "energy_momentum"},
+      {"until", 1}};
+  faults = answer(request, "/v1/simulate", 422)["errors"];
+  EXPECT_NE(faults[0]["detail"].get<std::string>().find("more coordinates than the 8"), std::string::npos) << faults;
   request = chain(1025);
   faults = answer(request, "/v1/problems", 422)["errors"];
   EXPECT_EQ(faults[0]["pointer"], "/problem/variables/0") << faults;

@@ -38,7 +38,8 @@ class IndexReader {
     return at_ == end_;
   }
   bool takes(std::string_view sign) {
-    if (ended() || text_.substr(at_, std::min(sign.size(), end_ - at_)) != sign) return false;
+    if (ended() || text_[at_] != sign.front()) return false;
+    if (text_.substr(at_, std::min(sign.size(), end_ - at_)) != sign) return false;
     if (is_letter(sign.front()) && end_of_word(text_, at_, end_) != at_ + sign.size()) return false;
     at_ += sign.size();
     return true;
@@ -198,6 +199,8 @@ std::optional<std::int64_t> value_of(std::string_view index, const Indices& indi
 
 std::variant<std::int64_t, Fault> read_index(std::string_view text, std::size_t from, std::size_t to,
                                              const Vocabulary& vocabulary, const Indices& indices, Names& used) {
+  // Most are an index by itself.
+  if (const auto value = value_of(text.substr(from, to - from), indices)) return *value;
   return IndexReader(text, from, to, vocabulary, indices, used).number();
 }
 

@@ -316,11 +316,11 @@ bool Expansion::leave_border(const double* y) {
 double Expansion::behind_switch(Index value, bool before, double h, double longest) {
   double *const state = way_.data(), *const low = slopes_.data(), *const rest = low + variables_;
   std::fill_n(low, variables_, 0.0);
-  while (h < longest) {
-    evaluate(h, series_.coefficients(0), low, state, rest);
-    (void)series_.defined(state, t_ + h);
-    if ((series_.value(value) < 0) != before) return h;
-    h *= 2;
+  double further = std::numeric_limits<double>::epsilon() * h;
+  for (double end = h; end < longest; end = h + further, further *= 2) {
+    evaluate(end, series_.coefficients(0), low, state, rest);
+    (void)series_.defined(state, t_ + end);
+    if ((series_.value(value) < 0) != before) return end;
   }
   return longest;
 }

@@ -66,6 +66,34 @@ TEST(Choices, SpringsMayHaveTwoSides) {
   EXPECT_NEAR(last_of(request, "leapfrog", 10 * period), 1, 1e-3);
 }
 
+/// In V = x²/2 + k max(x − c, 0)², two springs, from (x, v) below c: parts of circles, one after the other.
+double against_a_wall(double k, double c, double x, double v, double t) {
+  const double pi = 3.141592653589793;
+  for (bool above = false;; above = !above) {
+    const double w = above ? std::sqrt(1 + 2 * k) : 1, middle = above ? 2 * k * c / (1 + 2 * k) : 0;
+    const double radius = std::hypot(x - middle, v / w), phase = std::atan2(-v / w, x - middle);
+    if (!above && radius <= c) return middle + radius * std::cos(w * t + phase);
+    const double border = (above ? 1 : -1) * std::acos((c - middle) / radius);  // where it is crossed outwards
+    const double angle = std::remainder(border - phase - pi, 2 * pi) + pi, until = angle / w;
+    if (until >= t) return middle + radius * std::cos(w * t + phase);
+    x = c;
+    v = -radius * w * std::sin(border);
+    t -= until;
+  }
+}
+
+// Steps are longer than half a period, and rounding leaves some of them just before the wall.
+TEST(Choices, NoStepGoesOverAWall) {
+  for (const double k : {1.0, 5.0, 20.0})
+    for (const double c : {0.15, 0.45, 0.8})
+      for (int i = 0; i < 5; ++i) {
+        const double x = 0.1 - 0.07 * i, v = 1.2 - 0.11 * i;
+        const Request request =
+            from(of(Definition::Kind::potential, {"x"}, {{"k", k}, {"c", c}}, "x^2/2 + k*max(x - c, 0)^2"), {x, v});
+        EXPECT_NEAR(last_of(request, "taylor", 20), against_a_wall(k, c, x, v, 20), 1e-10) << k << ' ' << c << ' ' << i;
+      }
+}
+
 // Where a motion begins on the border, at rest or not, its state says nothing yet of the side that it goes to.
 TEST(Choices, MayBeginOnTheBorder) {
   constexpr auto V = Definition::Kind::potential;

@@ -224,7 +224,10 @@ class Composed {
     for (int i = 0; i < weights_->stages; ++i) {
       const S& gamma = weights_->gamma[static_cast<std::size_t>(i)];
       y.t = x.t + done * h;
-      if (const StepStatus status = base_.step(y, gamma * h); status != StepStatus::ok) return status;
+      if (const StepStatus status = base_.step(y, gamma * h); status != StepStatus::ok) {
+        if constexpr (requires { base_.begin(x); }) base_.begin(x);
+        return status;
+      }
       done = done + gamma;
     }
     y.t = x.t;

@@ -14,9 +14,12 @@
 #include "core/newton.hpp"
 #include "core/scheme.hpp"
 #include "core/schemes/damping_pole.hpp"
+#include "core/schemes/simpson_step.hpp"
 
 namespace least {
 
+/// For any Lagrangian of the kind K − V − f(s, t); where the metric is constant and L linear in s, SimpsonStepper makes
+/// the same steps.
 template <Contact P, class X>
 class ContactGalerkin4Stepper {
  public:
@@ -199,8 +202,12 @@ struct ContactGalerkin4 {
                            "Simões, Martín de Diego, Lainz Valcázar, de León, J. Nonlinear Sci. 31, 35 (2021)"}};
   }
   template <Contact P, class X>
-  auto bind(const P& problem, const X&) const {
-    return ContactGalerkin4Stepper<P, X>(problem);
+  auto bind(const P& problem, [[maybe_unused]] const X& x) const {
+    if constexpr (LinearSeparableContact<P>) {
+      return SimpsonStepper<P, X>(problem, x);
+    } else {
+      return ContactGalerkin4Stepper<P, X>(problem);
+    }
   }
   template <GeneralLagrangian P, class X>
   auto bind(const P& problem, const X&) const {

@@ -11,9 +11,11 @@
 
 #include "core/newton.hpp"
 #include "core/scheme.hpp"
+#include "core/schemes/simpson_step.hpp"
 
 namespace least {
 
+/// For metrics that depend on the place; where they are constant SimpsonStepper makes the same steps.
 template <Conservative P, class X>
 class Galerkin4Stepper {
  public:
@@ -140,13 +142,22 @@ struct Galerkin4 {
         .references = {"Marsden, West, Acta Numerica 10, 357 (2001), 2.6", "Hairer, Lubich, Wanner 2006, VI.6.2"}};
   }
   template <Conservative P, class X>
-  auto bind(const P& problem, const X&) const {
-    using Stepper = Galerkin4Stepper<P, X>;
-    return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
+  auto bind(const P& problem, const X& x) const {
+    return Composed<decltype(stepper(problem, x)), typename X::Time>(stepper(problem, x), composition);
   }
   template <Conservative P, class X>
   auto step_energy(const P& problem, const X& a, const X&, const typename X::Time& h) const {
-    return Galerkin4Stepper<P, X>(problem).energy(a, h);
+    return stepper(problem, a).energy(a, h);
+  }
+
+ private:
+  template <Conservative P, class X>
+  static auto stepper(const P& problem, [[maybe_unused]] const X& x) {
+    if constexpr (ConfigurationMetric<P>) {
+      return Galerkin4Stepper<P, X>(problem);
+    } else {
+      return SimpsonStepper<P, X>(problem, x);
+    }
   }
 };
 

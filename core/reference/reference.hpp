@@ -28,7 +28,8 @@ struct Reference {
   double uncertainty = 0x1p-53;    ///< as a state_error in the absolute norm
   Vec<StateOf<P>::size> doubts{};  ///< of each component, the largest difference of two runs
   std::string_view how = "closed form";
-  bool complete = true;  ///< false: it was told to give up, or the solution ceased to be finite
+  bool complete = true;        ///< false: it was told to give up, or the solution ceased to be finite
+  std::string_view missing{};  ///< as of Truth
 };
 
 /// The closed form at these times; a state that is not finite is the last.
@@ -71,7 +72,10 @@ class TwoRuns {
     result_.states.push_back(truth);
     return true;
   }
-  void give_up() { result_.complete = false; }
+  void give_up(std::string_view missing = {}) {
+    result_.complete = false;
+    result_.missing = missing;
+  }
   Reference<P> result() && { return std::move(result_); }
 
  private:
@@ -155,7 +159,7 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
       good = runs.add(times[done], state, [=](std::size_t i) { return (coarse_x[i] - fine_x[i]).high(); });
     }
     if (both < ahead.size()) {
-      runs.give_up();
+      runs.give_up(!told && (fine.stuck() || coarse.stuck()) ? missing::no_motion : std::string_view());
       break;
     }
   }
@@ -173,6 +177,7 @@ Reference<P> quad_precision_run(const P& problem, const StateOf<P>& x0, const st
   if (tape.size() > most_operations) {
     Reference<P> none;
     none.complete = false;
+    none.missing = missing::too_long;
     return none;
   }
   if (TrueMotion::covers(tape))
@@ -202,7 +207,7 @@ template <class P>
 Truth true_states(const P& problem, const StateOf<P>& x0, const std::vector<double>& times, const KeepGoing& keep_going,
                   std::span<const std::size_t> kinds) {
   auto reference = reference_solution(problem, x0, times, keep_going);
-  Truth truth{{}, reference.uncertainty, 0, {}, reference.how, reference.complete};
+  Truth truth{{}, reference.uncertainty, 0, {}, reference.how, reference.complete, reference.missing};
   ComponentSizes sizes(kinds, StateOf<P>::size);
   sizes.see(x0);
   for (const auto& x : reference.states) {

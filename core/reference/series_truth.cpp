@@ -139,7 +139,9 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
   Truth truth{{}, rounding, 0, {}, "quad precision run", false};
   tape::Tape tape;
   const std::vector<tape::Index> rates = backend.write_equations(tape);
-  if (tape.size() > most_in_double || !TrueMotion::covers(tape)) return truth;
+  if (tape.size() > most_in_double) truth.missing = missing::too_long;
+  if (!TrueMotion::covers(tape)) truth.missing = missing::no_series;
+  if (!truth.missing.empty()) return truth;
   if (tape.size() > most_in_quad) {
     truth.how = "double precision run";
     TwoDoubleMotions both(taylor::program_of(tape, rates, rates.size()), start);
@@ -150,8 +152,10 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
   const std::vector<DoubleDouble> digits(start.numbers.begin(), start.numbers.end());
   fine.start(digits, start.t);
   coarse.start(digits, start.t);
-  return truth_of(backend, start, times, keep_going, kinds, std::move(truth),
-                  [&](std::span<const double> some) { return side_by_side(fine, coarse, some, keep_going); });
+  truth = truth_of(backend, start, times, keep_going, kinds, std::move(truth),
+                   [&](std::span<const double> some) { return side_by_side(fine, coarse, some, keep_going); });
+  if (fine.stuck() || coarse.stuck()) truth.missing = missing::no_motion;
+  return truth;
 }
 
 }  // namespace least

@@ -47,7 +47,7 @@ DoubleDouble inverse_of(std::size_t k) { return DoubleDouble(1) / DoubleDouble(s
 
 bool TrueMotion::covers(const tape::Tape& tape) {
   for (Index i = 0; i < tape.size(); ++i)
-    if (tape[i].op == Op::select || tape[i].op == Op::raise || tape[i].op == Op::total) return false;
+    if (tape[i].op == Op::raise || tape[i].op == Op::total) return false;
   return true;
 }
 
@@ -121,6 +121,13 @@ TrueMotion::TrueMotion(tape::Tape equations, std::span<const Index> rates, doubl
       made_.push_back(i);
     }
   }
+  choice_of_.resize(nth(tape_.size()));
+  for (Index i = 0; i < tape_.size(); ++i)
+    if (tape_[i].op == Op::select) {
+      const auto known = std::ranges::find(choices_, tape_[i].a, &Choice::by);
+      choice_of_[nth(i)] = static_cast<std::size_t>(known - choices_.begin());
+      if (known == choices_.end()) choices_.push_back({.by = tape_[i].a});
+    }
   reciprocals_.resize(nth(tape_.size()));
   for (std::size_t k = 0; k <= order_; ++k) inverses_.push_back(k > 0 ? inverse_of(k) : DoubleDouble(0));
   held_ = HeldByThread::take(sizeof(DoubleDouble) * nth(rows) * (order_ + 1));
@@ -137,7 +144,8 @@ void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
   length_ = 0;
   begun_ = false;
   longest_ = first_step;
-  lost_ = false;
+  lost_ = stuck_ = false;
+  chooses_ = true;
   double size = 0;
   for (const auto& component : x_) size = std::max(size, std::abs(component.high()));
   least_size_ = size > 0 && size < 1 ? size : 1;
@@ -149,6 +157,7 @@ LEAST_FUSED bool TrueMotion::expand(const std::function<bool()>& keep_going) {
   if (!begun_) begin_at(x_, false);
   for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x_[v];
   begun_ = true;
+  chooses_ = false;
   if (time_ != tape::none) row(time_)[1] = unit_;
   for (std::size_t k = 0; k < order_; ++k) {
     if (looks && !keep_going()) return false;
@@ -207,6 +216,7 @@ double TrueMotion::length(std::size_t used) const {
 bool TrueMotion::settle(const std::function<bool()>& keep_going) {
   constexpr int most_tries = 60;
   bool bounded = steep_.empty();
+  for (Choice& choice : choices_) choice.turns = 0;
   for (int i = 0; i < most_tries; ++i) {
     length_ = 0;
     if (!keep_going() || !expand(keep_going)) return false;
@@ -225,13 +235,15 @@ bool TrueMotion::settle(const std::function<bool()>& keep_going) {
     if (std::abs(off) > 3) {
       unit_ = std::ldexp(unit_, off);
     } else if (used == order_) {
-      return true;
+      if (!take_sides()) return true;
+      begun_ = false;
+      if (stuck_) break;
     } else {
       break;
     }
   }
   length_ = 0;
-  lost_ = true;
+  lost_ = !stuck_;
   return false;
 }
 
@@ -294,6 +306,8 @@ bool TrueMotion::shorten(const std::function<bool()>& keep_going) {
   constexpr int parts = 8;
   const bool looks = made_.size() > long_equations;
   const bool steep = until_steep(), idle = steep || length_ * unit_ >= 0.99 * longest_;
+  free_ = length_;
+  until_change();
   for (int tries = 0; tries < 60; ++tries) {
     bool good = true;
     for (int part = idle ? 1 : parts; part <= parts && good; ++part) {
@@ -304,7 +318,7 @@ bool TrueMotion::shorten(const std::function<bool()>& keep_going) {
       good = solves(length_ * part / parts);
     }
     if (good) return true;
-    length_ *= 0.5;
+    free_ = length_ *= 0.5;
   }
   solves(length_);
   return true;
@@ -327,9 +341,9 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
   while ((DoubleDouble(t) - t_).high() > length_ * unit_) {
     x_ = ahead_;
     t_ = t_ + DoubleDouble(length_ * unit_);
-    longest_ = 2 * length_ * unit_;
+    longest_ = 2 * free_ * unit_;
     if (!settle(keep_going) || !shorten(keep_going)) return {};
-    if (!(length_ * unit_ > shortest * std::abs(t_.high()))) return {};
+    if (!(free_ * unit_ > shortest * std::abs(t_.high()))) return {};
     short_ = length_ * unit_ < tiny * (t_.high() - start_) ? short_ + 1 : 0;
     if (short_ > patience) return {};
   }

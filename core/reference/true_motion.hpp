@@ -21,7 +21,7 @@ class TrueMotion {
   /// relative to the largest component, now or at the start, or to 1 where the start is larger.
   TrueMotion(tape::Tape equations, std::span<const tape::Index> rates, double tolerance);
 
-  /// Whether series are made of all that stands on the tape: a formula that changes on the way has none.
+  /// Whether series are made of all that stands on the tape: of x^y of two that vary and of sums of terms none are.
   static bool covers(const tape::Tape& tape);
 
   void start(std::vector<DoubleDouble> x, double t);
@@ -29,8 +29,11 @@ class TrueMotion {
   /// asked at each step, and of long equations within it, or where the motion does not go on. Once it has said so
   /// nothing is known of the motion any more until it is started again.
   std::span<const DoubleDouble> at(double t, const std::function<bool()>& keep_going);
-  /// Whether it ended where the equations have no series, as |q|³ at q = 0: others may go on.
+  /// Whether it ended where the equations have no series, as √q³ at q = 0: others may go on.
   bool lost() const { return lost_; }
+  /// Whether it ended where a formula changes and either side leads back to the other, as where friction holds what
+  /// has come to rest: the equations have no solution from there.
+  bool stuck() const { return stuck_; }
 
  private:
   /// Rows of coefficients beside the node's own; none where it needs none.
@@ -40,6 +43,12 @@ class TrueMotion {
   };
   DoubleDouble* row(tape::Index i) { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
   const DoubleDouble* row(tape::Index i) const { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
+  /// What formulas are chosen by, and which of the two is.
+  struct Choice {
+    tape::Index by = tape::none;  ///< the value that decides
+    bool first = false;           ///< it is negative
+    int turns = 0;                ///< how often it has been changed where the series stands
+  };
   void begin(tape::Index i);
   void begin_all(double bound);
   bool finite_rates() const;
@@ -53,13 +62,18 @@ class TrueMotion {
   bool settle(const std::function<bool()>& keep_going);
   bool solves(double h);
   bool until_steep();
+  bool take_sides();
+  double change_of(const Choice& choice, double end) const;
+  void until_change();
   bool shorten(const std::function<bool()>& keep_going);
   DoubleDouble within(tape::Index variable, const DoubleDouble& h) const;
 
   tape::Tape tape_;
   std::vector<tape::Index> rates_, variables_;
   std::vector<tape::SteepArgument> steep_;
-  std::vector<tape::Index> poles_;                          ///< divisors linear in time
+  std::vector<tape::Index> poles_;  ///< divisors linear in time
+  std::vector<Choice> choices_;
+  std::vector<std::size_t> choice_of_;                      ///< by node that chooses
   std::vector<Rows> rows_of_;                               ///< by node
   std::vector<tape::Index> made_;                           ///< nodes of which a rule makes orders
   std::vector<std::pair<tape::Index, tape::Index>> given_;  ///< others that are weighted, and where that goes
@@ -73,10 +87,11 @@ class TrueMotion {
   bool begun_ = false;                        ///< order 0 of all nodes is that at x_, or at `ahead_`
   DoubleDouble t_{};                          ///< where the series stands
   double unit_ = 1, length_ = 0;              ///< of time; of the step from there, in units; 0: there is no series yet
+  double free_ = 0;                           ///< the length that it would have if no formula changed
   double longest_ = 0;                        ///< a step may be
   double start_ = 0;
-  int short_ = 0;  ///< steps in a row that are next to nothing
-  bool lost_ = false;
+  int short_ = 0;                                        ///< steps in a row that are next to nothing
+  bool lost_ = false, stuck_ = false, chooses_ = false;  ///< sides are those of order 0
 };
 
 /// The states of two motions of the same equations at increasing times, one after the other, as far as each comes; side

@@ -50,6 +50,12 @@ void TrueMotion::begin(Index i) {
     case Op::power:
       out[0] = power(a[0], node.value);
       break;
+    case Op::select: {
+      Choice& choice = choices_[choice_of_[place_of(i)]];
+      if (chooses_) choice.first = a[0].high() < 0;
+      out[0] = choice.first ? b[0] : row(node.c)[0];
+      return;
+    }
     default:
       out[0] = elementary(node.op, a[0]);
       if (!(std::abs(out[0].high()) <= bound_) && tape::steepness(node.op))
@@ -189,6 +195,9 @@ LEAST_FUSED void TrueMotion::extend(Index i, std::size_t k) {
       log_like(w, node.op == Op::asin ? a[k] : -a[k]);
       break;
     }
+    case Op::select:
+      out[k] = choices_[choice_of_[place_of(i)]].first ? b[k] : row(node.c)[k];
+      break;
     default:
       return;
   }

@@ -49,6 +49,7 @@ struct Truth {
   std::vector<double> sizes;                ///< what the relative norm divides by, as seen at these times and the start
   std::string_view how;                     ///< closed form | quad (or double) precision run
   bool complete = false;                    ///< false: it was told to give up, or the solution ceased to be finite
+  std::string_view missing{};               ///< why it is not complete, where that is known to be something else
 
   double uncertainty_in(Norm norm) const { return norm == Norm::absolute ? uncertainty : relative_uncertainty; }
   /// What a state_error in this norm asks for.
@@ -57,6 +58,18 @@ struct Truth {
   }
   std::size_t bytes() const;  ///< in memory, about
 };
+
+/// Why there is no truth.
+namespace missing {
+inline constexpr std::string_view
+    too_long = "the equations of motion take more operations than a reference solution is made of",
+    no_series =
+        "the equations of motion hold what no reference solution is made of, as x^y of two that vary or a sum of "
+        "very many terms",
+    no_motion =
+        "the reference solution ends where a formula changes and the forces on either side lead back to the "
+        "other, as where friction holds what has come to rest: from there the equations have no solution";
+}  // namespace missing
 
 /// Whether a truth so uncertain can tell of such an error: it is a tenth of it at most, or next to nothing.
 constexpr bool can_tell(double uncertainty, double error) {

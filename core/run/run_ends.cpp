@@ -181,7 +181,8 @@ Solution Run::conclude() {
   save_passed();
   if (!writer_.finish(budget_.half()) || !section_writer_.finish(budget_.half())) receiver_is_gone();
   warn_of_the_run();
-  if (writer_.lacks_truth() || section_writer_.lacks_truth()) warn_of_missing_reference(outcome_.warnings);
+  for (const TrajectoryWriter* writer : {&writer_, &section_writer_})
+    if (writer->lacks_truth()) warn_of_missing_reference(outcome_.warnings, unknown, writer->why_no_truth());
   outcome_.acts = acts_.reports();
   outcome_.t = state_.x.t;
   outcome_.final = shown_variables(request_, problem_.traits, state_.x);

@@ -110,6 +110,7 @@ class TrajectoryWriter {
   }
   /// Errors were asked for, and some are unknown for want of a truth.
   bool lacks_truth() const { return lacks_truth_; }
+  std::string_view why_no_truth() const { return missing_; }  ///< Truth::missing
 
  private:
   /// A column as it stands in the list of all, or one of the caller's own.
@@ -188,6 +189,7 @@ class TrajectoryWriter {
     }
     const bool told = can_tell(truth.uncertainty_in(request_.norm), most);
     lacks_truth_ = !truth.complete || !told;
+    missing_ = truth.missing;
     for (std::size_t k = 0; k < truth.states.size() && !told; ++k) error(k) = unknown;
   }
 
@@ -209,6 +211,7 @@ class TrajectoryWriter {
   std::optional<std::size_t> error_;    ///< the column of errors
   std::vector<double> times_, states_;  ///< of every row, where there is one
   bool lacks_truth_ = false;
+  std::string_view missing_;
   std::string_view wrong_;
 };
 

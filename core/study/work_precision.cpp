@@ -156,8 +156,12 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
   study.growth = subject.conditioning().growth_in(plan.scene.norm, plan.at_end);
   study.chaotic = subject.conditioning().chaotic(plan.scene.norm);
   if (!subject.known()) {
-    study.left_out.emplace_back(fmt::format(
-        "everything: the reference solution was not finished within {} s, or is not finite", plan.budget_seconds));
+    const std::string_view missing = subject.truth().missing;
+    study.left_out.emplace_back(
+        !missing.empty()
+            ? fmt::format("everything: {}", missing)
+            : fmt::format("everything: the reference solution was not finished within {} s, or is not finite",
+                          plan.budget_seconds));
     for (StudyCurve& curve : study.curves) curve.why = "there is no reference solution";
     study.stop = deadline.left() > 0 ? ReturnCode::not_finite : ReturnCode::deadline;
     return study;

@@ -92,6 +92,22 @@ TEST_F(Forces, AreAskedInEveryWay) {
 
 // Backward in time friction gives what it takes forward, and a force that is even in v stays as it is: the run there
 // and back returns, and so does the work.
+// Where friction holds a mass no reference goes on, and the answer says so, not that its time was over.
+TEST_F(Forces, ThatHoldWhatRestsEndTheReference) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"x^2/2",
+      "forces":{"x":"-0.3*sign(vx)"}},"initial":{"x":1},"scheme":"leapfrog","until":6,"record":{"every":0},
+      "diagnostics":["error"]})~");
+  EXPECT_LT(answer(request)["diagnostics"]["error"]["max"], 0.01);
+  request["until"] = 8;
+  const Json made = answer(request);
+  EXPECT_TRUE(made["diagnostics"]["error"]["max"].is_null());
+  bool told = false;
+  for (const Json& warning : made["warnings"])
+    told = told || (warning["code"] == "reference_not_finished" &&
+                    warning["detail"].get<std::string>().find("friction holds") != std::string::npos);
+  EXPECT_TRUE(told) << made["warnings"];
+}
+
 TEST_F(Forces, GoBackward) {
   struct Case {
     const char *scene, *scheme;

@@ -12,10 +12,11 @@
 
 namespace least {
 
-void warn_of_missing_reference(std::vector<Warning>& warnings, double uncertainty) {
+void warn_of_missing_reference(std::vector<Warning>& warnings, double uncertainty, std::string_view missing) {
   constexpr std::string_view code = "reference_not_finished";
   if (std::ranges::find(warnings, code, &Warning::code) != warnings.end()) return;
-  warnings.push_back({code, std::isnan(uncertainty)
+  warnings.push_back({code, !missing.empty() ? std::string(missing)
+                            : std::isnan(uncertainty)
                                 ? "the reference solution met its time limit, or the motion ends or is not finite"
                                 : messages::uncertain(uncertainty)});
 }
@@ -52,7 +53,7 @@ class Error final : public Diagnostic {
       found = largest_error(end.request, std::move(seen), landmarks_.longest_move() > 0.2,
                             landmarks_.steps() <= few_steps, half);
       told = found.complete && can_tell(found.uncertainty, found.most);
-      if (!told) warn_of_missing_reference(end.warnings, found.complete ? found.uncertainty : unknown);
+      if (!told) warn_of_missing_reference(end.warnings, found.complete ? found.uncertainty : unknown, found.missing);
       constexpr double large = 0.1;
       if (told && !(found.most <= large) &&
           std::ranges::find(end.warnings, "large_error", &Warning::code) == end.warnings.end())

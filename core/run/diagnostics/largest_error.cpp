@@ -28,6 +28,7 @@ class PeakSearch {
     for (const SeenState& state : seen_) times.push_back(state.t);
     const Truth truth = mechanics().truth(*request_.scene, times, left_.keep_going);
     found_.how = truth.how;
+    found_.missing = truth.missing;
     found_.complete = truth.complete;
     if (!truth.complete) return found_;
     found_.uncertainty = truth.uncertainty_in(request_.norm);

@@ -27,6 +27,7 @@ struct LargestError {
   double uncertainty = last;                               ///< of the truth
   std::size_t times = 0;                                   ///< states that were held against it
   std::string_view how;                                    ///< it came about
+  std::string_view missing{};                              ///< as of Truth
   bool complete = false;                                   ///< false: it was not found, nor is anything else known
 };
 

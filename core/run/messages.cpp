@@ -182,6 +182,11 @@ std::string singular_step(bool fixed) {
                : "however short a step is, it comes to rates that are infinite or not defined";
 }
 
+std::string density_lost() {
+  return "the lengths of steps follow something that changes too much within one, as a local frequency does where V″ "
+         "vanishes or jumps; shorter steps, or the monitor arclength, may go on";
+}
+
 std::string underflow() {
   return "a step within the tolerance is too short to advance the time: the motion is singular near here, or the time "
          "too large";

@@ -62,6 +62,8 @@ std::string deadline(double seconds);
 std::string unsolved(bool fixed);
 std::string not_finite(bool fixed);
 std::string singular_step(bool fixed);
+/// Of a scheme whose steps follow a density by a symmetric recursion.
+std::string density_lost();
 std::string underflow();
 std::string stands_still();
 std::string parameter_underflow();

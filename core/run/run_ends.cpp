@@ -119,7 +119,10 @@ bool Run::fail(const BlockResult& result) {
   if (result.end == BlockEnd::left_domain) return leave_domain();
   if (result.end == BlockEnd::too_fast) return stop_as_unstable();
   const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
-  const auto why = stop_reason(result, fixed_, method_.has_value(), integrator_->failure(), when);
+  std::string words = integrator_->failure();
+  if (words.empty() && scheme_.id == "adaptive_verlet" && result.status == StepStatus::singular)
+    words = messages::density_lost();
+  const auto why = stop_reason(result, fixed_, method_.has_value(), words, when);
   const double singular_at = std::isfinite(why.singular_at)
                                  ? why.singular_at
                                  : singular_time(backend_, request_, result.status, state_.x.t, grid_.step,

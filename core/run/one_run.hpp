@@ -128,7 +128,8 @@ class Run {
     if (diagnostics_.watches_sections()) least::locate_sections(problem_, *integrator_, state_, events_);
   }
   /// Events between two states of the last step, or of the next one, up to the first that ends the run. What vanishes
-  /// in the same instant as one that acts follows after that.
+  /// in the same instant as one that acts follows after that; an act in the instant of one before it that stops the run
+  /// does not happen any more.
   void locate_watched(const RunState& from, const RunState& to) {
     bool acts = false;
     const auto keep_going = [this] {
@@ -141,7 +142,7 @@ class Run {
         continue;
       }
       add_event(zero, x);
-      if (!watch_.ends(zero.which)) continue;
+      if (!watch_.ends(zero.which) || ended_) continue;  // the run is over with the first that stops it
       ended_.emplace(EndAtEvent{x, zero.which, {}});
       end_ = x.t;
       acts = request_.events[zero.which].act != nullptr;

@@ -254,6 +254,24 @@ TEST_F(EventsThatAct, InOneInstantAllOfThemAct) {
 }
 
 // The step in which an event acts is cut short, and with it a run that counts its steps: samples come to the new end.
+// In the order in which they are asked for: what stops the run leaves nothing for those after it.
+TEST_F(EventsThatAct, DoNotHappenAfterAnEventThatStopsTheRunThere) {
+  for (const char* scheme : {"taylor", "leapfrog", "dormand_prince_5"}) {
+    Json request = ball(0.5);
+    request["scheme"] = scheme;
+    const Json act = request["events"][0], stop{{"name", "there"}, {"expression", "x"}, {"stop", true}};
+    request["events"] = {stop, act};
+    const Json first = answer(request);
+    EXPECT_EQ(first["end"]["event"], "there") << scheme;
+    EXPECT_NEAR(first["final"]["t"], std::sqrt(2.0), 1e-9) << scheme;
+    EXPECT_NEAR(first["final"]["px"], -std::sqrt(2.0), 1e-9) << scheme;
+    request["events"] = {act, stop};
+    const Json last = answer(request);
+    EXPECT_EQ(last["end"]["event"], "there") << scheme;
+    EXPECT_NEAR(last["final"]["px"], std::sqrt(0.5), 1e-9) << scheme;
+  }
+}
+
 TEST_F(EventsThatAct, SamplesOfARunByStepsAreAsManyAsWereAskedFor) {
   Json request = ball(1);
   request["scheme"] = {{"id", "leapfrog"}, {"step", 0.07}};

@@ -20,6 +20,16 @@ class Nowhere final : public RowSink {
   const KeepGoing& keep_going_;
 };
 
+/// Without all that does not move its end.
+Request bare(Request request) {
+  request.record = {Record::Mode::every, 0, {}};
+  request.columns = {0};
+  request.diagnostics.clear();
+  request.control = false;
+  request.probe = true;
+  return request;
+}
+
 }  // namespace
 
 Request closely(const Request& request, const Solution& outcome) {
@@ -35,14 +45,15 @@ Request closely(const Request& request, const Solution& outcome) {
   return made;
 }
 
-Neighbours::Neighbours(const Request& request, const SensitivitiesAsked& asked, const Start& start)
-    : request_(request), asked_(asked), start_(start) {
-  request_.record = {Record::Mode::every, 0, {}};
-  request_.columns = {0};
-  request_.diagnostics.clear();
-  request_.control = false;
-  request_.probe = true;
+Solution run_of_motion(const Request& request, const Solution& outcome, const KeepGoing& keep_going) {
+  const Request alone = bare(closely(request, outcome));
+  Nowhere nowhere(keep_going);
+  const std::atomic<bool> never{false};
+  return alone.scene->mechanics->run(alone, nowhere, never);
 }
+
+Neighbours::Neighbours(const Request& request, const SensitivitiesAsked& asked, const Start& start)
+    : request_(bare(request)), asked_(asked), start_(start) {}
 
 std::optional<std::vector<double>> Neighbours::differences(std::span<const double> found,
                                                            const KeepGoing& keep_going) const {

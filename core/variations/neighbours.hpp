@@ -38,6 +38,8 @@ inline constexpr const char* no_time = "the time that the request has was over b
 
 /// The same run along the motion, by the scheme that follows it most closely, to where it came.
 Request closely(const Request& request, const Solution& outcome);
+/// What that run comes to: it ends early where keep_going() says so.
+Solution run_of_motion(const Request& request, const Solution& outcome, const KeepGoing& keep_going);
 
 /// A motion at some time, and its slopes by what was asked for.
 struct Beginning {

@@ -4,6 +4,8 @@
 #include <string_view>
 #include <variant>
 
+#include "core/catalogue/catalogue.hpp"
+#include "core/variations/neighbours.hpp"
 #include "core/variations/sensitivities.hpp"
 
 namespace least::variations {
@@ -38,6 +40,30 @@ std::vector<RunEvent> events_of(const Request& request, const Solution& outcome)
   }
   if (!events.empty() && !outcome.event.empty()) events.back().ends_run = events.back().name == outcome.event;
   return events;
+}
+
+std::optional<std::string> move_to_motion(const Request& request, const Solution& outcome,
+                                          std::vector<RunEvent>& events, double& end, const KeepGoing& keep_going) {
+  const auto asked = [](const RunEvent& event) { return event.asked.has_value(); };
+  if (schemes()[request.scheme].id == "taylor" || std::ranges::none_of(events, asked)) return std::nullopt;
+  const Solution motion = run_of_motion(request, outcome, keep_going);
+  if (!keep_going()) return no_time;
+  const std::vector<RunEvent> others = events_of(request, motion);
+  const auto other = [&](auto from) { return std::find_if(from, others.end(), asked); };
+  auto next = other(others.begin());
+  bool same = motion.event == outcome.event;
+  for (RunEvent& event : events) {
+    if (!event.asked) continue;
+    same = same && next != others.end() && next->name == event.name;
+    if (!same) break;
+    event.t = next->t;
+    next = other(next + 1);
+  }
+  if (!same || next != others.end())
+    return "the run is so far from the motion that other events happen to it, or in another order: of the motion there "
+           "are no derivatives at its end";
+  if (!outcome.event.empty()) end = motion.t;
+  return std::nullopt;
 }
 
 }  // namespace least::variations

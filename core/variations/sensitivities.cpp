@@ -113,10 +113,12 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
                                       std::span<const double> times, double tolerance, const KeepGoing& keep_going) {
   const ParametricScene& equations = *asked.equations;
   const Scene& scene = *request.scene;
-  const std::vector<RunEvent> events = events_of(request, outcome);
+  std::vector<RunEvent> events = events_of(request, outcome);
+  double end = outcome.t;
+  const std::optional<std::string> elsewhere = move_to_motion(request, outcome, events, end, keep_going);
   const EventSlopes slopes_of_events(request, asked.equations);
-  Question question{asked, scene.start, outcome.t,       {times.begin(), times.end()}, keep_going, Start(scene, asked),
-                    {},    events,      slopes_of_events};
+  Question question{asked,  scene.start,     end, {times.begin(), times.end()}, keep_going, Start(scene, asked), {},
+                    events, slopes_of_events};
   question.state = question.start.state();
   for (const Quantity& by : asked.by) {
     question.directions.push_back(by.kind == Quantity::Kind::parameter ? Direction{{by.index, 1}} : Direction());
@@ -129,6 +131,14 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   found.held.add(bytes);
   if (std::ranges::find(outcome.warnings, "events_truncated", &Warning::code) != outcome.warnings.end()) {
     found.reason = "there were more events than limits.samples has room for";
+    return found;
+  }
+  if (elsewhere) {
+    found.reason = *elsewhere;
+    return found;
+  }
+  if (!times.empty() && times.back() > end) {
+    found.reason = "the motion comes to where the run ends before a sample of the run";
     return found;
   }
   const auto at_start = leave_singular_start(request, outcome, question, found.reason);

@@ -185,6 +185,38 @@ TEST_F(SensitivityLaws, OfSecondOrderGoThroughEventsThatAct) {
 
 // A ball that falls to a height c, where its run ends: its velocity there is −√(v² + 2g(x − c)). And one that comes
 // there with drag, after a bounce on a floor that swings.
+// Of the motion through its own bounces, also where those of the run are elsewhere; where the run has others there are
+// no derivatives of what it shows.
+TEST_F(SensitivityLaws, OfTheMotionAreItsOwnHoweverCoarseTheRun) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"parameters":{"r":0.9},
+      "potential":"x + x^2/8"},"initial":{"x":1},"scheme":"taylor","until":12,"record":{"every":0},
+      "events":[{"name":"floor","expression":"x","direction":"down","set":{"vx":"-r*vx"}}],
+      "sensitivities":{"by":["/initial/x","/initial/vx","/problem/r"],"of":"motion"}})~");
+  const Json truth = answer(request);
+  const double most = largest(truth["sensitivities"]["final"]);
+  std::size_t same = 0, others = 0;
+  for (const double step : {0.001, 0.002, 0.004, 0.008, 0.016, 0.03}) {
+    request["scheme"] = {{"id", "explicit_euler"}, {"step", step}};
+    const Json made = answer(request);
+    const Json& found = made["sensitivities"];
+    if (made["events"].size() != truth["events"].size()) {
+      ++others;
+      EXPECT_TRUE(found["final"].is_null()) << step;
+      EXPECT_TRUE(found.contains("reason")) << step;
+      continue;
+    }
+    ++same;
+    for (std::size_t i = 0; i < 2; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(found["final"][i][k], truth["sensitivities"]["final"][i][k], 1e-9 * most) << step << i << k;
+    for (std::size_t i = 0; i < found["events"].size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(found["events"][i]["t"][k], truth["sensitivities"]["events"][i]["t"][k], 1e-9 * most) << step << i;
+  }
+  EXPECT_GE(same, 3U);
+  EXPECT_GE(others, 1U);
+}
+
 TEST_F(SensitivityLaws, OfSecondOrderStandWhereAnEventEndsTheRun) {
   const double g = 1.5, c = 0.25, x = 1, v = 0.4, end = std::sqrt(v * v + 2 * g * (x - c));
   Json request{{"problem", custom(R"~({"variables":["x"],"parameters":{"g":1.5,"c":0.25,"swing":0,"drag":0},

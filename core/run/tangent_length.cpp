@@ -8,6 +8,7 @@
 #include "core/memory_budget.hpp"
 #include "core/number/linear.hpp"
 #include "core/run/control_stepper.hpp"
+#include "core/state_error.hpp"
 
 namespace least {
 namespace {
@@ -35,14 +36,15 @@ bool has_inverse(std::size_t n, std::vector<double> matrix) {
 
 }  // namespace
 
-TangentLength::TangentLength(const RunBackend& backend, const RunState& x, double end, const KeepGoing& keep_going)
+TangentLength::TangentLength(const RunBackend& backend, const RunState& x, double end,
+                             std::span<const std::size_t> kinds, const KeepGoing& keep_going)
     : backend_(backend),
       flow_(backend.motion().traits.flow),
       size_(backend.motion().traits.components),
       n_(flow_ ? size_ : backend.motion().traits.dof),
       extent_(size_, 0.0) {
   if (!flow_) by_velocities_ = has_kinetic_matrix(x, keep_going);
-  measure(x, end, keep_going);
+  measure(x, end, kinds, keep_going);
   first_ = direction(x, keep_going);
   const double length = (*this)(x, first_.data());
   for (double& component : first_) component /= length;
@@ -99,7 +101,7 @@ StateNumbers TangentLength::as_measured(StateView x, const double* u) const {
   return seen;
 }
 
-void TangentLength::measure(RunState x, double end, const KeepGoing& keep_going) {
+void TangentLength::measure(RunState x, double end, std::span<const std::size_t> kinds, const KeepGoing& keep_going) {
   constexpr int steps = 128;
   constexpr double tolerance = 1e-5;
   double most = 0;
@@ -127,6 +129,9 @@ void TangentLength::measure(RunState x, double end, const KeepGoing& keep_going)
     const bool from_zero = !flow_ && n_ <= i && i < 2 * n_;  // velocities and momenta have an origin, places have not
     extent_[i] = from_zero ? largest[i] : range > grain ? range : 0;
   }
+  ComponentSizes of_kind(kinds, size_);
+  for (std::size_t i = 0; i < size_; ++i) of_kind.see(i, extent_[i]);
+  for (std::size_t i = 0; i < size_; ++i) extent_[i] = of_kind.largest(i);
   share(0, n_, largest);
   if (!flow_) share(n_, 2 * n_, largest);
   if (!flow_ && size_ > 2 * n_) share(2 * n_, size_, largest);

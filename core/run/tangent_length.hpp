@@ -1,9 +1,12 @@
 // The length of a tangent in a norm that no unit enters: coordinates and velocities, each divided by the extent of the
 // motion. Momenta would do only where masses are alike: two planets whose momenta are a millionth of their star's units
 // seem to move apart without end. The extents are those of the true motion as far as a few steps of Dormand–Prince
-// follow it from the start: they are the same for every scheme, and do not change on the way.
+// follow it from the start: they are the same for every scheme, and do not change on the way. Variables of a kind, as
+// x[1], x[2] …, have the largest of theirs: what is still at rest at the far end of a chain has a small extent of its
+// own, beside which what comes to it would seem to grow without end.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/run/backend.hpp"
@@ -13,8 +16,10 @@ namespace least {
 
 class TangentLength {
  public:
-  /// Of the motion from x until `end`, or as far as a few steps go, while it may.
-  TangentLength(const RunBackend& backend, const RunState& x, double end, const KeepGoing& keep_going);
+  /// Of the motion from x until `end`, or as far as a few steps go, while it may. `kinds`: of the variables, kinds_of
+  /// the card.
+  TangentLength(const RunBackend& backend, const RunState& x, double end, std::span<const std::size_t> kinds,
+                const KeepGoing& keep_going);
 
   double operator()(StateView x, const double* u) const;
   /// A tangent of length 1 at the start, in which no component that the scene has is left out, and none is as large as
@@ -26,7 +31,7 @@ class TangentLength {
   std::vector<double> inverse_masses(StateView x, const KeepGoing& keep_going) const;
   bool has_kinetic_matrix(const RunState& x, const KeepGoing& keep_going) const;
   StateNumbers as_measured(StateView x, const double* u) const;
-  void measure(RunState x, double end, const KeepGoing& keep_going);
+  void measure(RunState x, double end, std::span<const std::size_t> kinds, const KeepGoing& keep_going);
   void share(std::size_t begin, std::size_t end, const StateNumbers& largest);
   StateNumbers direction(StateView x, const KeepGoing& keep_going) const;
 

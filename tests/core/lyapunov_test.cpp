@@ -5,9 +5,11 @@
 #include <string>
 
 #include "core/catalogue/compiled.hpp"
+#include "core/catalogue/custom.hpp"
 #include "core/problems/kepler.hpp"
 #include "core/run/tangent_length.hpp"
 #include "tests/core/asking.hpp"
+#include "tests/support/texts.hpp"
 
 namespace {
 
@@ -72,7 +74,8 @@ double growth_of_a_difference(Request request, double end, double distance) {
   request.end = runs::scene(request).start + end;
   request.diagnostics = {};
   const CompiledBackend<Orbit, StateOf<Orbit>> orbit{Orbit()};
-  const TangentLength length(orbit, run_state(state_of(runs::scene(request).initial, 0)), end, [] { return true; });
+  const TangentLength length(orbit, run_state(state_of(runs::scene(request).initial, 0)), end,
+                             kinds_of(runs::scene(request).card()), [] { return true; });
   std::vector<double> ends[2];
   for (const double side : {-0.5, 0.5}) {
     Request displaced = request;
@@ -165,6 +168,24 @@ TEST(Lyapunov, SaysWhatItMeans) {
   EXPECT_EQ(verdict("henon_heiles", 500, {{"x", 0}, {"y", -0.1}, {"px", 0.55}, {"py", 0.05}}), "unstable");
   EXPECT_EQ(verdict("van_der_pol", 100, {}), "steady") << "along the cycle nothing grows or shrinks";
   EXPECT_EQ(verdict("damped_oscillator", 200, {}), "contracts");
+}
+
+// What is still at rest at the far end of a chain is measured as what moves: of a linear one nothing ever grows.
+TEST(Lyapunov, OfALinearChainIsNeverChaos) {
+  text::TypedScene typed;
+  typed.scene.variables = {"x[32]"};
+  typed.scene.kind = text::Definition::Kind::potential;
+  typed.scene.formula = "sum(i=1..31, (x[i+1] - x[i])^2/2) + x[1]^2/2 + x[32]^2/2";
+  auto made = custom_mechanics(typed);
+  ASSERT_TRUE(std::holds_alternative<std::shared_ptr<const Mechanics>>(made));
+  for (const double end : {1.0, 5.0, 10.0, 20.0, 40.0}) {
+    const double start[] = {1};
+    Request request = texts::request_by("leapfrog", std::get<std::shared_ptr<const Mechanics>>(made), start, end);
+    runs::ask(request, "lyapunov");
+    const auto [exponent, megno] = lyapunov(request, end);
+    EXPECT_LT(std::abs(megno), 2.5) << end;
+    EXPECT_LT(exponent * end, 3) << end;
+  }
 }
 
 TEST(Lyapunov, SaysWhoseDerivativeItIs) {

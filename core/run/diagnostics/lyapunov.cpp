@@ -41,6 +41,7 @@ class Lyapunov final : public Diagnostic {
       : backend_(backend),
         keep_going_(std::move(keep_going)),
         size_(backend.motion().traits.components),
+        kinds_(kinds_of(request.scene->card())),
         tangents_(backend.tangents(request)) {}
 
   void start(const ProblemTable&, StateView x) override {
@@ -79,7 +80,7 @@ class Lyapunov final : public Diagnostic {
 
   void begin() {
     if (backend_.motion().starts_series(before_)) return;
-    length_.emplace(backend_, before_, tangents_.end, keep_going_);
+    length_.emplace(backend_, before_, tangents_.end, kinds_, keep_going_);
     u_ = length_->first();
     for (std::size_t i = 0; i < size_ && i < tangents_.level.size(); ++i) level_ += tangents_.level[i] * u_[i];
     begun_ = sampled_ = before_.t;
@@ -183,6 +184,7 @@ class Lyapunov final : public Diagnostic {
   const RunBackend& backend_;
   KeepGoing keep_going_;
   std::size_t size_;  ///< of the components that the motion needs
+  std::vector<std::size_t> kinds_;
   StepTangents tangents_;
   ChangeOfStep step_;  ///< the last one
   RunState before_;

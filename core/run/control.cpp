@@ -55,12 +55,12 @@ std::vector<double> divisors_along(const RunBackend& backend, const RunState& x,
 }
 
 Departure departure(const RunBackend& backend, RunState x, std::span<const RunState> states, Norm norm,
-                    std::span<const std::size_t> kinds, double large, std::int64_t most_forces,
+                    std::span<const std::size_t> kinds, double large, double tolerance, std::int64_t most_forces,
                     const KeepGoing& keep_going) {
   const ProblemTable& problem = backend.motion();
   if (problem.starts_series(x)) x = problem.series_state(problem.traits.series_until);
   while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // along a series
-  double tolerance = 1e-8, size = 0;
+  double size = 0;
   for (std::size_t i = 0; i < x.size(); ++i) size = std::max(size, std::abs(x[i]));
   if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
   auto motion = control_run(backend, x, states, tolerance, most_forces, keep_going);

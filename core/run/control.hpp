@@ -29,10 +29,11 @@ struct Departure {
 std::vector<double> divisors_along(const RunBackend& backend, const RunState& x, std::vector<RunState> states,
                                    Norm norm, std::span<const std::size_t> kinds, const KeepGoing& keep_going);
 
-/// `large`: the error from which closer controls have to agree. `most_forces`: of the first; each closer one has four
-/// times as many. `kinds`: of the variables, kinds_of the card.
+/// `large`: the error from which closer controls have to agree. `tolerance`, `most_forces`: of the first; each closer
+/// one has a hundredth, and four times as many. It is not to be that of a run of Dormand–Prince 5(4), which it would
+/// follow step by step. `kinds`: of the variables, kinds_of the card.
 Departure departure(const RunBackend& backend, RunState x, std::span<const RunState> states, Norm norm,
-                    std::span<const std::size_t> kinds, double large, std::int64_t most_forces,
+                    std::span<const std::size_t> kinds, double large, double tolerance, std::int64_t most_forces,
                     const KeepGoing& keep_going);
 
 }  // namespace least

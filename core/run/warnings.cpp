@@ -69,11 +69,15 @@ void warn_of_energy(const FinishedRun& run, std::vector<Warning>& warnings) {
 constexpr double large_error = 0.1;
 Departure departure_of(const FinishedRun& run, double large = large_error) {
   constexpr std::int64_t few = 5000, many = 40'000;  // force evaluations: a millisecond
+  constexpr double usual = 1e-8, closest = 1e-14;
   const Scene& scene = *run.request.scene;
   const std::int64_t allowed =
       std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many) / weight_of_force(*scene.mechanics);
+  const double tolerance = run.scheme.id == "dormand_prince_5"  // the control's own
+                               ? std::clamp(0.1 * run.request.setting("tolerance", run.scheme), closest, usual)
+                               : usual;
   return departure(run.backend, run.backend.motion().start(scene.initial, scene.start), run.evidence.states(),
-                   run.request.norm, kinds_of(scene.card()), large, allowed, run.keep_going);
+                   run.request.norm, kinds_of(scene.card()), large, tolerance, allowed, run.keep_going);
 }
 
 /// An error that is no large one but far more than steps were allowed, which their estimates did not see: as the

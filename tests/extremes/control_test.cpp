@@ -54,6 +54,17 @@ TEST(Control, WhatGoesOnBeyondASingularitySaysSo) {
         << epsilon;
 }
 
+// The control is of the same pair as one of the schemes: it is not to follow a run of that step by step, as chaotic as
+// it may be.
+TEST(Control, IsNoRunOfTheSameSteps) {
+  Request chaos = of("lorenz", {"dormand_prince_5"}, {});
+  chaos.end = 60;
+  for (const double tolerance : {1e-8, 1e-9, 1e-6}) {
+    const auto found = go(controlled(set(chaos, {{"tolerance", tolerance}})));
+    EXPECT_TRUE(warned(found, "large_error") || warned(found, "sensitive_end")) << tolerance;
+  }
+}
+
 /// The request of a preset, where it runs under this scheme.
 Request preset(const ProblemCard& problem, const SchemeCard& scheme, const PresetCard* with) {
   Request request = of(problem.id, {scheme.id}, {});

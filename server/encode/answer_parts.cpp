@@ -237,7 +237,9 @@ void write_echo(JsonWriter& json, const PlannedRun& run, bool beside_findings) {
     write_section_asked(json, request);
     json.close('}');
   }
-  if (request.events.size() > (request.is_plane(0) ? 1 : 0))
+  // A scene of the catalogue may have events of its own, which a request that says none would get again.
+  const text::TextScene* const text = forward_of(*request.scene).mechanics->text();
+  if ((text && text->known) || request.events.size() > (request.is_plane(0) ? 1 : 0))
     write_events_asked(json.key(beside_findings ? "events_asked" : "events"), request);
   write_limits(json.key("limits"), run);
   write_norm(json, request);

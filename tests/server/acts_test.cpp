@@ -272,6 +272,16 @@ TEST_F(EventsThatAct, DoNotHappenAfterAnEventThatStopsTheRunThere) {
   }
 }
 
+// The echo of no events sent back gives no events, also where the scene has some of its own.
+TEST_F(EventsThatAct, ThatAreNotWantedStayAway) {
+  Json request{{"problem", "bouncing_ball"}, {"scheme", "leapfrog"}, {"until", 3}, {"events", Json::array()}};
+  const Json made = answer(request);
+  ASSERT_TRUE(made.contains("events_asked"));
+  request["events"] = made["events_asked"];
+  EXPECT_EQ(answer(request)["final"], made["final"]);
+  EXPECT_LT(made["final"]["x"], -1);
+}
+
 TEST_F(EventsThatAct, SamplesOfARunByStepsAreAsManyAsWereAskedFor) {
   Json request = ball(1);
   request["scheme"] = {{"id", "leapfrog"}, {"step", 0.07}};

@@ -38,10 +38,13 @@ Json asked() {
 }
 
 Json multipliers() {
+  Json kinds = periodic::multiplier_kinds;
+  kinds.push_back(nullptr);
   return list_of(object_of({{"re", a_number},
                             {"im", a_number},
                             {"modulus", a_number},
-                            {"kind", {{"type", "string"}, {"enum", periodic::multiplier_kinds}}}}));
+                            {"kind", described({{"enum", std::move(kinds)}},
+                                               "null: so small that rounding of the others hides what it is", "")}}));
 }
 
 Json answered() {

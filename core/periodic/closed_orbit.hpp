@@ -78,7 +78,7 @@ inline constexpr std::string_view multiplier_kinds[] = {"unit", "elliptic", "hyp
                                                         "complex"};
 struct Multiplier {
   std::complex<double> value;
-  MultiplierKind kind = MultiplierKind::unit;
+  std::optional<MultiplierKind> kind{};  ///< nothing: it is so small that rounding of the others hides what it is
 };
 
 /// Eigenvalues of the derivative of the motion over a period, those first that time, what is kept and symmetries

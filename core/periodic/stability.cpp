@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -13,22 +14,39 @@ using Complex = std::complex<double>;
 constexpr double dependent = 1e-7;  // columns of which a part is smaller depend on the others
 constexpr double at_one = 1e-7;     // a multiplier so near to the unit circle does not tell on which side it is
 
+/// An eigenvalue, and whether it is one of those that are so small beside the matrix that rounding makes them.
+struct Eigenvalue {
+  Complex value;
+  bool lost = false;
+};
+
+/// Of a matrix whose entries are known to round-off.
+std::vector<Eigenvalue> eigenvalues_above_rounding(const Matrix& matrix) {
+  constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
+  double size = 0;
+  for (std::size_t i = 0; i < matrix.rows; ++i)
+    for (std::size_t k = 0; k < matrix.columns; ++k) size = std::hypot(size, matrix(i, k));
+  std::vector<Eigenvalue> all;
+  for (const Complex& value : eigenvalues(matrix)) all.push_back({value, std::abs(value) <= rounding * size});
+  return all;
+}
+
 /// Eigenvalues of the product of blocks, the last first, each of them well conditioned however large the product is: of
 /// the matrix that has them in a circle they are the m-th roots, of which one sector has each once. Source: Bojanczyk,
 /// Golub, Van Dooren, Proc. SPIE 1770, 31 (1992), whose cyclic matrix it is.
-std::vector<Complex> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
+std::vector<Eigenvalue> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
   const std::size_t count = blocks.size(), n = blocks[0].rows;
-  if (count == 1 || n == 0) return eigenvalues(blocks[0]);
+  if (count == 1 || n == 0) return eigenvalues_above_rounding(blocks[0]);
   Matrix circle(count * n, count * n);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = 0; b < n; ++b) circle((i + 1) % count * n + a, i * n + b) = blocks[i](a, b);
-  std::vector<Complex> roots = eigenvalues(circle);
+  const std::vector<Eigenvalue> roots = eigenvalues_above_rounding(circle);
   // The sector begins in the middle of the largest gap between their angles, taken modulo its width.
   const double width = 2 * std::numbers::pi / double(count);
   std::vector<double> angles;
   angles.reserve(roots.size());
-  for (const Complex& root : roots) angles.push_back(std::fmod(std::arg(root) + 4 * std::numbers::pi, width));
+  for (const auto& [root, lost] : roots) angles.push_back(std::fmod(std::arg(root) + 4 * std::numbers::pi, width));
   std::ranges::sort(angles);
   double begin = (angles.back() + angles.front() + width) / 2, gap = angles.front() + width - angles.back();
   for (std::size_t i = 1; i < angles.size(); ++i) {
@@ -36,14 +54,14 @@ std::vector<Complex> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
     gap = angles[i] - angles[i - 1];
     begin = (angles[i] + angles[i - 1]) / 2;
   }
-  std::vector<Complex> found;
+  std::vector<Eigenvalue> found;
   found.reserve(n);
-  for (const Complex& root : roots) {
+  for (const auto& [root, lost] : roots) {
     const double angle = std::fmod(std::arg(root) - begin + 6 * std::numbers::pi, 2 * std::numbers::pi);
     if (angle >= width) continue;
     Complex power = std::pow(root, double(count));
     if (std::abs(power.imag()) < 1e-9 * std::abs(power)) power = power.real();
-    found.push_back(power);
+    found.push_back({power, lost});
   }
   return found;
 }
@@ -193,11 +211,11 @@ Stability stability_of(const Shooting& shooting, Motion& motion, const Setting& 
     blocks.push_back(transposed(inner[(i + 1) % count]) *
                      (block_of(motion, setting, trial.nodes[i], look.segments[i].by_start) * inner[i]));
   found.multipliers.assign(found.trivial(), Multiplier{1.0, MultiplierKind::unit});
-  std::vector<Complex> others = eigenvalues_of_product(blocks);
-  std::ranges::sort(others, [](const Complex& a, const Complex& b) {
-    return std::pair(-std::abs(a), -a.imag()) < std::pair(-std::abs(b), -b.imag());
-  });
-  for (const Complex& value : others) found.multipliers.push_back({value, kind_of(value)});
+  std::vector<Eigenvalue> others = eigenvalues_of_product(blocks);
+  std::ranges::sort(others, {},
+                    [](const Eigenvalue& one) { return std::pair(-std::abs(one.value), -one.value.imag()); });
+  for (const auto& [value, lost] : others)
+    found.multipliers.push_back({value, lost ? std::nullopt : std::optional(kind_of(value))});
 
   const bool pairs = motion.coordinates() > 0 && !motion.equations().forced;
   if (pairs) {
@@ -205,7 +223,8 @@ Stability stability_of(const Shooting& shooting, Motion& motion, const Setting& 
     all.reserve(found.multipliers.size());
     for (const Multiplier& one : found.multipliers) all.push_back(one.value);
     found.pair_product = product_of_pairs(motion, setting, trial, effort);
-    found.pairing_defect = pairing_defect(std::move(all), found.pair_product);
+    if (std::ranges::none_of(others, &Eigenvalue::lost))
+      found.pairing_defect = pairing_defect(std::move(all), found.pair_product);
   }
   found.stable = verdict(found);
   return found;

@@ -42,10 +42,9 @@ void write_multipliers(JsonWriter& json, const Stability& of) {
   json.key("multipliers").open('[');
   for (const auto& [value, kind] : of.multipliers) {
     json.open('{').key("re").number(value.real()).key("im").number(value.imag()).key("modulus");
-    json.number(std::abs(value))
-        .key("kind")
-        .text(periodic::multiplier_kinds[static_cast<std::size_t>(kind)])
-        .close('}');
+    json.number(std::abs(value)).key("kind");
+    kind ? json.text(periodic::multiplier_kinds[static_cast<std::size_t>(*kind)]) : json.null();
+    json.close('}');
   }
   json.close(']').key("stable");
   of.stable ? json.boolean(*of.stable) : json.null();

@@ -185,6 +185,21 @@ TEST_F(Periodic, OfDrivenContactScenesHasPairs) {
 }
 
 // Forces beside the mechanics keep no areas: nothing is said of pairs.
+// λ = e^{(−5 ± √24)·2π}: of .53 and 2e-27 rounding hides the second.
+TEST_F(Periodic, OfStrongDampingKnowsWhatItCannotTell) {
+  const Json made =
+      orbit({{"problem", custom(R"~({"variables":["x"],"potential":"x^2/2-0.3*x*cos(t)","damping":"10"})~")},
+             {"initial", {{"x", 1}}},
+             {"period", "2*pi"}});
+  const Json& all = made["multipliers"];
+  ASSERT_EQ(all.size(), 2U) << made;
+  EXPECT_NEAR(all[0]["re"], std::exp((std::sqrt(24.0) - 5) * 6.283185307179586), 1e-12);
+  EXPECT_EQ(all[0]["kind"], "hyperbolic");
+  EXPECT_TRUE(all[1]["kind"].is_null()) << all;
+  EXPECT_TRUE(made["pairing_defect"].is_null());
+  EXPECT_EQ(made["stable"], true);
+}
+
 TEST_F(Periodic, OfForcedScenesHasNoPairs) {
   const Json problem =
       custom(R"~({"variables": ["x"], "lagrangian": "vx^2/2 - x^2/2", "forces": {"x": "(1 - x^2)*vx"}})~");

@@ -170,7 +170,7 @@ export class Closed extends Study {
     this.#begin.hidden = status !== "closed";
     this.find("#multipliers").replaceChildren(...(multipliers.length ? [tableOf(text("closed.multipliers"),
       [text("closed.multipliers"), text("closed.modulus"), "Re", "Im"],
-      multipliers.map(({ kind, modulus, re, im }) => [words(kind), ...[modulus, re, im].map((v) => format(v, 5))]))] : []));
+      multipliers.map(({ kind, modulus, re, im }) => [kind ? words(kind) : "–", ...[modulus, re, im].map((v) => format(v, 5))]))] : []));
     this.find("#multipliers + figure").hidden = !multipliers.length;
     this.#circle.show(multipliers.length ? circlePicture(multipliers, "--run-b", [text("closed.circle"), ""]) : null);
   }

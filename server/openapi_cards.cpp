@@ -13,14 +13,14 @@ Json values_of(const ParameterCard& card) {
     case Kind::number:
       return number_in(card.range);
     case Kind::integer: {
-      Json schema{{"type", "integer"}};
+      Json schema = whole_quantity();
       add_range(schema, card.range);
       return schema;
     }
     case Kind::choice: {
       Json names{{"type", "string"}, {"enum", card.choices}};
       if (!card.weights) return names;
-      Json own = object_of({{"weights", list_of({{"type", "number"}})}, {"order", {{"type", "integer"}}}}, {"weights"});
+      Json own = object_of({{"weights", list_of(quantity())}, {"order", {{"type", "integer"}}}}, {"weights"});
       return either(std::move(names), std::move(own));
     }
     case Kind::flag:
@@ -79,7 +79,8 @@ Json entry_of(const ProblemCard& card) {
 
 Json start_of(const Mechanics& problem) {
   const ProblemCard& card = problem.card();
-  Json properties{{"t", described({{"type", "number"}, {"default", 0}}, "the start time", "time")}};
+  Json properties{{"t", described(quantity(), "the start time", "time")}};
+  properties["t"]["default"] = 0;
   add_lists(card.variables, properties);
   if (const text::TextScene* text = problem.text(); text && text->takes_velocities()) {
     for (const auto& name : text->definition.variables) {
@@ -92,7 +93,7 @@ Json start_of(const Mechanics& problem) {
   for (const VariableCard& variable : card.variables) {
     if (variable.hidden) continue;
     Json schema = number_in(variable.range);
-    if (std::isnan(variable.value)) schema["type"] = {"number", "null"};  // null: from the others
+    if (std::isnan(variable.value)) schema["type"].push_back("null");  // null: from the others
     schema = described(std::move(schema), variable.doc, variable.unit);
     if (std::isfinite(variable.value)) schema["default"] = variable.value;
     properties[variable.name] = std::move(schema);

@@ -22,17 +22,22 @@ inline void add_range(Json& schema, const Range& range) {
   if (std::isfinite(range.low)) schema[range.low_open ? "exclusiveMinimum" : "minimum"] = range.low;
   if (std::isfinite(range.high)) schema[range.high_open ? "exclusiveMaximum" : "maximum"] = range.high;
 }
+
+// Wherever a request has a number it may have a text of constants, as "2*pi/3": in each of them is a digit, or pi.
+inline Json in_texts_too(const char* type) { return {{"type", {type, "string"}}, {"pattern", "[0-9]|pi"}}; }
+inline Json quantity() { return in_texts_too("number"); }
+inline Json whole_quantity() { return in_texts_too("integer"); }
 inline Json number_in(const Range& range) {
-  Json schema{{"type", "number"}};
+  Json schema = quantity();
   add_range(schema, range);
   return schema;
 }
 inline Json count_in(std::int64_t low, std::int64_t high) {
-  return {{"type", "integer"}, {"minimum", low}, {"maximum", high}};
+  Json schema = whole_quantity();
+  schema["minimum"] = low;
+  schema["maximum"] = high;
+  return schema;
 }
-
-/// A number, or a text of constants.
-inline Json quantity() { return {{"type", {"number", "string"}}}; }
 
 /// What may stand for a value, and beside it what it means.
 inline Json described(Json schema, const std::string& doc, const std::string& unit) {

@@ -64,14 +64,15 @@ Json events_asked() {
   Json events = list_of(object_of(std::move(properties), {"name", "expression"}));
   events["maxItems"] = most_events;
   return described(std::move(events),
-                   "zeros of expressions along the run, however many within a step; where they turn faster than "
+                   "zeros of expressions along the run, at which their sign changes, however many within a step: one "
+                   "that an expression touches and turns back from, as x^2 does, is none; where they turn faster than "
                    "closer looks can follow, the answer warns: events_unresolved. Of those that vanish in the instant "
                    "in which one acts each acts on what the one before has left",
                    "");
 }
 
 Json section_asked() {
-  const Json number{{"type", "number"}};
+  const Json number = quantity();
   const Json directions{{"type", "string"}, {"enum", event_directions}, {"default", event_directions.back()}};
   return {{"oneOf",
            {described(object_of({{"period", number}, {"phase", number}}, {"period"}),
@@ -116,7 +117,8 @@ Json answer_schema() {
        described(object,
                  "by name, what was asked for: of lyapunov exponent, megno, verdict (in words, what the two of them "
                  "mean), derivative (of the scheme or of the motion) and, where both numbers are null, the reason; of "
-                 "energy beside forces their work, ∫F·q̇ dt, which errors and drift do not count",
+                 "energy beside forces their work, ∫F·q̇ dt, which errors and drift do not count. Errors of energy and "
+                 "of momenta are the largest at the ends of steps, that of error is looked for within steps, too",
                  "")},
       {"cost", object},
       {"choice",
@@ -143,7 +145,7 @@ Json answer_schema() {
 
 Json ensemble_schema(const Cards& cards, Json properties) {
   constexpr std::int64_t most = std::int64_t{1} << 53;
-  const Json number{{"type", "number"}};
+  const Json number = quantity();
   const auto numbers = [&](std::size_t count) {
     Json list = list_of(number);
     list["minItems"] = count;
@@ -180,7 +182,8 @@ Json ensemble_schema(const Cards& cards, Json properties) {
 
 Json request_schemas(const Cards& cards, const Caps& caps) {
   constexpr std::int64_t most = std::int64_t{1} << 53;
-  const Json number{{"type", "number"}};
+  Json times = list_of(quantity());
+  times["minItems"] = 1;
   Json starts = Json::array();
   for (const auto& problem : cards.problems) starts.push_back(reference("Initial." + problem->card().id));
   starts.push_back(reference("Initial.custom"));
@@ -229,15 +232,18 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
        {{"oneOf",
          {described(quantity(), "the same as t", "time"),
           object_of({{"t", described(quantity(), "absolute; before the start a run goes backward", "time")}}, {"t"}),
-          object_of({{"steps", {{"type", {"integer", "string"}}, {"minimum", 1}, {"maximum", most}}}}, {"steps"})}}}},
+          object_of({{"steps", count_in(1, most)}}, {"steps"})}}}},
       {"Record",
        {{"oneOf",
          {object_of({{"every", described(count_in(0, most), "each so many steps; 0: no trajectory", "")}}, {"every"}),
           object_of({{"samples", described(count_in(2, caps.samples), "uniform, both ends", "")}}, {"samples"}),
-          object_of({{"times", list_of(number)}}, {"times"}),
-          object_of({{"curve",
-                      described(count_in(2, caps.samples), "both ends, at equal arc in the space of the columns", "")}},
-                    {"curve"})}}}},
+          object_of({{"times", described(times, "each after the one before it, within the run", "")}}, {"times"}),
+          object_of(
+              {{"curve", described(count_in(2, caps.samples),
+                                   "both ends, at equal arc in the space of the columns other than t: distances of "
+                                   "neighbours differ by a tenth at most",
+                                   "")}},
+              {"curve"})}}}},
       {"Limits", object_of({{"seconds", number_in({0, caps.seconds, true})},
                             {"steps", count_in(1, caps.steps)},
                             {"samples", described(count_in(2, caps.samples), "numbers kept: rows × columns", "")}})},

@@ -2,6 +2,7 @@
 
 #include "core/text/start_velocities.hpp"
 #include "core/variations/sensitivities.hpp"
+#include "server/openapi_parts.hpp"
 
 namespace least::server {
 namespace {
@@ -22,7 +23,7 @@ Json pointers() {
 Json sensitivities_asked() {
   const Json properties{
       {"by", {{"anyOf", {pointers(), Json{{"const", "initial"}}}}}},
-      {"order", {{"type", "integer"}, {"minimum", 1}, {"maximum", 2}}},
+      {"order", count_in(1, 2)},
       {"of",
        one_of(variations::map_names,
               "motion: the true one from the start of the run, whichever scheme runs it; scheme: its own map, the "
@@ -39,6 +40,7 @@ Json sensitivities_asked() {
 
 Json sensitivities_found() {
   const Json slopes = list(list({{"type", {"number", "null"}}})), texts = list({{"type", "string"}});
+  const Json slopes_or_none{{"anyOf", {slopes, Json{{"type", "null"}}}}};
   const Json properties{
       {"by", texts},
       {"rows", texts},
@@ -46,13 +48,14 @@ Json sensitivities_found() {
       {"of", {{"type", "string"}}},
       {"at", {{"type", "string"}}},
       {"holds", {{"type", "string"}}},
-      {"final", {{"anyOf", {slopes, Json{{"type", "null"}}}}}},
+      {"final", slopes_or_none},
       {"second",
        {{"type", "object"},
         {"description", "of order 2: pairs of places in by, and final, of each row the second derivatives"}}},
-      {"samples", list(slopes)},
+      {"samples", list(slopes_or_none)},
       {"events", list({{"type", "object"}, {"required", {"name", "t"}}})},
-      {"structure", {{"type", "object"}, {"description", "of the whole map: kind, max_defect, factor"}}},
+      {"structure",
+       {{"type", {"object", "null"}}, {"description", "of the whole map: kind, max_defect, factor; null without one"}}},
       {"uncertainty",
        {{"type", {"number", "null"}},
         {"description",

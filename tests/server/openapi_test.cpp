@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -79,6 +80,11 @@ class Validator {
     if (word == "uniqueItems") return std::set<Json>(value.begin(), value.end()).size() == value.size() ? "" : wrong;
     if (word == "minItems") return value.size() >= means ? "" : wrong;
     if (word == "maxItems") return value.size() <= means ? "" : wrong;
+    if (word == "pattern")
+      return !value.is_string() || std::regex_search(value.get<std::string>(), std::regex(means.get<std::string>()))
+                 ? ""
+                 : wrong;
+    if ((word.ends_with("inimum") || word.ends_with("aximum")) && !value.is_number()) return {};
     if (word == "minimum") return !(value < means) ? "" : wrong;
     if (word == "maximum") return !(means < value) ? "" : wrong;
     if (word == "exclusiveMinimum") return means < value ? "" : wrong;
@@ -257,6 +263,48 @@ TEST_F(OpenApi, TheSchemaRefusesWhatTheServiceRefuses) {
   }
   const Reply refused = ask(port(), post("/v1/simulate", "{}"));
   EXPECT_EQ(Validator(document()).fault(schema("ProblemDocument"), Json::parse(refused.body)), "");
+}
+
+// Texts of constants stand wherever numbers do.
+TEST_F(OpenApi, TheSchemaTakesWhatTheServiceTakes) {
+  const struct {
+    const char *schema, *path, *request;
+  } rows[] = {
+      {"SimulateRequest", "/v1/simulate",
+       R"({"problem":{"id":"kepler","mu":"2/2"},"scheme":{"id":"leapfrog","step":"1/100","composition":
+           {"weights":["1/4","1/2","1/4"]}},"initial":{"x":"1","t":"0*pi"},"until":{"t":"pi"},
+           "limits":{"seconds":"5","steps":"10^5","samples":"1000"},"record":{"times":["pi/4","pi/2"]},
+           "section":{"period":"pi/3","phase":"1/2"},"sensitivities":{"by":["/initial/x"],"order":"1"},
+           "events":[{"name":"a","expression":"x","stop":true}]})"},
+      {"SimulateRequest", "/v1/simulate",
+       R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":"2*5"},"record":{"samples":"3"},
+           "events":[{"name":"a","expression":"x","set":{"px":"1"},"most":"3"}]})"},
+      {"EnsembleRequest", "/v1/ensemble",
+       R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":"10"},"range":["0","2"],"members":{"count":"4",
+           "seed":"7","vary":{"/initial/x":{"uniform":["-1/8","1/8"]},"/problem/mu":{"grid":["1","2","4"]}}},
+           "keep":["statistics"],"histograms":{"x":{"range":["-2*pi","2*pi"],"bins":"10"}}})"},
+      {"StabilityRequest", "/v1/stability",
+       R"({"problem":"harmonic_oscillator","schemes":["leapfrog"],"budget_seconds":"1/2"})"}};
+  for (const auto& [name, path, request] : rows) {
+    EXPECT_EQ(fault(name, request), "") << request;
+    const Reply reply = ask(port(), post(path, request));
+    EXPECT_EQ(reply.status, 200) << request << reply.body;
+  }
+  const char* const no_times = R"({"problem":"kepler","scheme":"leapfrog","record":{"times":[]}})";
+  EXPECT_NE(fault("SimulateRequest", no_times), "");
+  EXPECT_EQ(ask(port(), post("/v1/simulate", no_times)).status, 422);
+}
+
+// Also where there is nothing to be told.
+TEST_F(OpenApi, AnswersWithoutDerivativesFitTheirSchema) {
+  const Reply reply =
+      ask(port(), post("/v1/simulate", R"({"problem":{"id":"custom","variables":["x"],"potential":"-x^4"},
+          "initial":{"x":1,"vx":1},"scheme":"taylor","until":100,"record":{"samples":3},
+          "sensitivities":{"by":"initial","at":"samples"}})"));
+  const Json made = Json::parse(reply.body);
+  ASSERT_EQ(made["status"], "stopped") << reply.body;
+  EXPECT_TRUE(made["sensitivities"]["structure"].is_null());
+  EXPECT_EQ(Validator(document()).fault(schema("SimulateAnswer"), made), "");
 }
 
 // Every status that can be brought about stands there, and of those that stand there every one can be.

@@ -48,9 +48,10 @@ class SceneWriter {
     count_characters();
     read_vocabulary();
     if (faults_.empty()) declare_variables();
-    if (faults_.empty()) read_definitions();
-    if (faults_.empty()) choose_sums();
-    if (faults_.empty()) write_texts();
+    const bool declared = faults_.empty();
+    if (declared) read_definitions();
+    if (declared) choose_sums();
+    if (declared) write_texts();
     if (faults_.empty() && !used_.empty()) {
       vocabulary_.fixed = used_;
       write_texts();
@@ -175,6 +176,18 @@ class SceneWriter {
       else
         vocabulary_.definitions.push_back(std::move(made));
     }
+    for (const Vocabulary::Defined& made : vocabulary_.definitions) check_grammar(made);
+  }
+  /// Of a definition without indices, which reads alike wherever it is used.
+  void check_grammar(const Vocabulary::Defined& made) {
+    const auto expanded = Expansion::of(made.text, vocabulary_);
+    const auto* const expansion = std::get_if<Expansion>(&expanded);
+    if (!made.indices.empty() || !expansion) return;  // what is wrong there is found where it is used
+    auto parsed = Expression::parse(expansion->text());
+    auto* const fault = std::get_if<Fault>(&parsed);
+    if (!fault || expansion->origin(fault->position).definition) return;
+    fault->position = expansion->origin(fault->position).position;
+    faults_.push_back({pointer_to("/definitions/", made.name), std::move(*fault)});
   }
 
   /// Which sums are kept. Of what moves, second derivatives are taken coordinate by coordinate: sums that speak of it
@@ -316,8 +329,10 @@ std::int64_t length_of_list(const Definition& scene, std::string_view name) {
 }
 
 std::variant<Expression, Fault> parse_in_words_of(const TextScene* scene, std::string text) {
-  if (!scene || !scene->definition.vocabulary) return Expression::parse(std::move(text), most_characters);
-  auto made = Expansion::of(text, *scene->definition.vocabulary);
+  static const Vocabulary plain;  // sums and conditions on their indices go with any names
+  const bool own = scene && scene->definition.vocabulary;
+  if (!own && text.size() > most_characters) return Expression::parse(std::move(text), most_characters);
+  auto made = Expansion::of(text, own ? *scene->definition.vocabulary : plain);
   if (auto* wrong = std::get_if<Expansion::Wrong>(&made)) return std::move(wrong->fault);
   const auto& expansion = std::get<Expansion>(made);
   auto parsed = Expression::parse(expansion.text());

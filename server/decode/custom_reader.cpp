@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/catalogue/custom.hpp"
+#include "server/decode/further_faults.hpp"
 #include "server/decode/pictures_reader.hpp"
 
 namespace least::server {
@@ -38,18 +40,18 @@ void read_variables(const Json& json, const FieldPath& path, Definition& definit
   }
 }
 
+// Where something is no number or no formula 1 stands in its place, so that what else is wrong is found, too.
 void read_parameters(const Json& json, const FieldPath& path, text::TypedScene& typed) {
   if (!json.is_object()) return path.fault("must be an object of numbers", json, "{\"mu\": 1, \"m\": [3, 4, 5]}");
   for (const auto& [name, entry] : json.items()) {
     if (path.faults->full()) return;
     if (!entry.is_array()) {
-      if (const auto value = read_number(entry, path.at(name), anywhere))
-        typed.scene.parameters.emplace_back(name, *value);
+      typed.scene.parameters.emplace_back(name, read_number(entry, path.at(name), anywhere).value_or(1));
       continue;
     }
     auto& values = typed.lists.emplace_back(name, std::vector<double>()).second;
     for (std::size_t i = 0; i < entry.size() && !path.faults->full(); ++i)
-      if (const auto value = read_number(entry[i], path.at(name).at(i), anywhere)) values.push_back(*value);
+      values.push_back(read_number(entry[i], path.at(name).at(i), anywhere).value_or(1));
   }
 }
 
@@ -57,7 +59,7 @@ void read_texts(const Json& json, const FieldPath& path, bool numbers, Definitio
   if (!json.is_object()) return path.fault("must be an object of formulas", json, "{\"x\": \"…\"}");
   for (const auto& [name, entry] : json.items()) {
     if (path.faults->full()) return;
-    if (auto text = read_text(entry, path.at(name), numbers)) texts.emplace_back(name, std::move(*text));
+    texts.emplace_back(name, read_text(entry, path.at(name), numbers).value_or("1"));
   }
 }
 
@@ -75,6 +77,54 @@ std::optional<std::size_t> kind_of(const Json& problem, const FieldPath& path) {
   }
   if (!kind) path.lacks("is a scene as text and says no mechanics", "exactly one of " + listed(kinds));
   return kind;
+}
+
+void add_fault(text::DefinitionFault wrong, const FieldPath& path) {
+  auto& [pointer, fault, in_text] = wrong;
+  if (!fault.unknown.empty()) {
+    Names known;
+    for (std::size_t from = 0; from < fault.allowed.size();) {
+      const std::size_t to = std::min(fault.allowed.find(", ", from), fault.allowed.size());
+      known.push_back(std::string_view(fault.allowed).substr(from, to - from));
+      from = to + 2;
+    }
+    fault.detail += path.meant(fault.unknown, known);
+  }
+  path.faults->add({path.pointer + pointer,
+                    std::move(fault.detail),
+                    {},
+                    std::move(fault.allowed),
+                    in_text ? std::optional(fault.position) : std::nullopt});
+}
+
+// Parameters that say how many there are of a kind, where they stand beside the id: they are no numbers of the
+// mechanics that is made, but make it another one. Whether there are any.
+bool take_sizes(const Json& problem, const FieldPath& path, const Mechanics* made, text::TypedScene& typed) {
+  const text::TextScene* const text = made ? made->text() : nullptr;
+  const text::Vocabulary* const words = text ? text->definition.vocabulary.get() : nullptr;
+  bool any = false;
+  for (auto& [name, value] : typed.scene.parameters) {
+    const Json* const given = find(problem, name);
+    if (given == nullptr || std::ranges::find(text::reserved_keys(), name) != text::reserved_keys().end()) continue;
+    if (made && !(words && words->fixed.contains(name))) continue;
+    if (const auto number = read_number(*given, path.at(name), anywhere)) value = *number;
+    any = true;
+  }
+  return any;
+}
+
+std::shared_ptr<const Mechanics> made_of(text::TypedScene typed, const Json& problem, const FieldPath& path) {
+  auto made = custom_mechanics(typed);
+  const auto mechanics = [&] {
+    const auto* const one = std::get_if<std::shared_ptr<const Mechanics>>(&made);
+    return one ? *one : nullptr;
+  };
+  if (take_sizes(problem, path, mechanics().get(), typed)) made = custom_mechanics(typed);
+  if (auto* const wrong = std::get_if<std::vector<text::DefinitionFault>>(&made)) {
+    for (auto& fault : *wrong) add_fault(fault, path);
+    for (auto& fault : further_faults(std::move(typed), std::move(*wrong))) add_fault(std::move(fault), path);
+  }
+  return mechanics();
 }
 
 }  // namespace
@@ -140,30 +190,13 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
          [&](const Json& json, const FieldPath& at) { definition.action_curvature = read_text(json, at, true); });
     with("offset", [&](const Json& json, const FieldPath& at) { definition.offset = read_text(json, at, true); });
   }
+  const bool readable =
+      kind && !faults.within(here.at("variables").pointer) && !faults.within(here.at("parameters").pointer) &&
+      (definition.kind == Definition::Kind::equations || !faults.within(here.at(kinds[*kind]).pointer));
   std::shared_ptr<const Mechanics> mechanics;
-  if (faults.empty()) {
-    auto made = custom_mechanics(std::move(typed));
-    if (auto* wrong = std::get_if<std::vector<text::DefinitionFault>>(&made)) {
-      for (auto& [pointer, fault, in_text] : *wrong) {
-        std::string detail = std::move(fault.detail);
-        if (!fault.unknown.empty()) {
-          Names known;
-          for (std::size_t from = 0; from < fault.allowed.size();) {
-            const std::size_t to = std::min(fault.allowed.find(", ", from), fault.allowed.size());
-            known.push_back(std::string_view(fault.allowed).substr(from, to - from));
-            from = to + 2;
-          }
-          detail += here.meant(fault.unknown, known);
-        }
-        faults.add({path.pointer + pointer,
-                    std::move(detail),
-                    {},
-                    std::move(fault.allowed),
-                    in_text ? std::optional(fault.position) : std::nullopt});
-      }
-    } else {
-      mechanics = std::move(std::get<std::shared_ptr<const Mechanics>>(made));
-    }
+  if (readable) {
+    mechanics = made_of(std::move(typed), problem, here);
+    if (!faults.empty()) mechanics = nullptr;
   }
   if (!mechanics) {  // of a scene that can be read, whoever reads its parameters knows its keys
     const auto reserved = text::reserved_keys();

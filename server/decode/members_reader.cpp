@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/text/scene.hpp"
 #include "server/decode/scene_reader.hpp"
+#include "server/decode/sensitivities_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -114,11 +116,18 @@ void read_vary(const Json& json, const FieldPath& path, const Scene& scene, Memb
   for (const auto& [pointer, how] : json.items()) {
     if (path.faults->full()) return;
     const FieldPath place = path.at(pointer);
-    const auto found = std::ranges::find(variables, pointer, &Variable::pointer);
+    const std::string one_way = pointer_in_one_way(pointer);
+    const auto found = std::ranges::find(variables, one_way, &Variable::pointer);
     if (found == variables.end()) {
-      const std::string fixed = why_fixed(pointer, scene, members.holds_velocities);
+      const std::string fixed = why_fixed(one_way, scene, members.holds_velocities);
       place.fault(!fixed.empty() ? fixed : "names nothing that can vary" + did_you_mean(pointer, pointers), how,
                   listed(pointers));
+      continue;
+    }
+    if (std::ranges::any_of(members.vary, [&](const Variation& other) {
+          return other.of == found->of && other.index == found->index;
+        })) {
+      place.fault("varies what varies already", how, "each number once");
       continue;
     }
     if (!how.is_object() || how.size() != 1) {
@@ -140,11 +149,14 @@ void read_vary(const Json& json, const FieldPath& path, const Scene& scene, Memb
 bool velocities_in_common(const Json& root, const Json& members, const FieldPath& path, const Scene& scene,
                           const Json* vary) {
   const text::TextScene* const text = scene.mechanics->text();
-  if (text && text->takes_velocities() && vary && vary->is_object() && !find(members, "holds"))
+  if (text && text->takes_velocities() && vary && vary->is_object() && !find(members, "holds")) {
+    std::set<std::string> pointers;
+    for (const auto& entry : vary->items()) pointers.insert(pointer_in_one_way(entry.key()));
     for (const auto& name : text->definition.variables)
       for (const bool velocities : {false, true})
-        if (find(*vary, "/initial/" + (velocities ? text::velocity_name(name) : text::momentum_name(name))))
+        if (pointers.contains("/initial/" + (velocities ? text::velocity_name(name) : text::momentum_name(name))))
           return velocities;
+  }
   return holds_velocities(root, members, path, text);
 }
 

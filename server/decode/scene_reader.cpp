@@ -211,6 +211,8 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     const bool typed = text && !text->known;
     Names keys = typed ? keys_of(card.parameters, {}) : keys_of(card.parameters, {"id", "preset"});
     if (typed) keys.insert(keys.end(), text::reserved_keys().begin(), text::reserved_keys().end());
+    if (typed && text->definition.vocabulary)  // sizes, which are part of what was made
+      keys.insert(keys.end(), text->definition.vocabulary->fixed.begin(), text->definition.vocabulary->fixed.end());
     Json elements;
     if (text && has_list_of(*json, card.parameters, keys)) json = &(elements = without_lists(*json, path, *text));
     read_object(*json, path, keys, card.id);

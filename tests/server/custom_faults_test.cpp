@@ -26,6 +26,54 @@ TEST_F(CustomFaults, AllFaultsAreToldAtOnce) {
       << document;
 }
 
+// What cannot be read hides nothing of the rest: neither what is no text at all, nor a definition, of which texts are
+// made before they are looked at.
+TEST_F(CustomFaults, NoneHidesOthers) {
+  const struct {
+    const char* problem;
+    std::vector<std::string> pointers;
+  } rows[] = {
+      {R"~("variables":["x"],"definitions":{"r":"sqrt(x^2+","k":"q+1"},"masses":{"x":"mm"},"potential":"r+k+y")~",
+       {"/problem/definitions/k", "/problem/definitions/r", "/problem/masses/x", "/problem/potential"}},
+      {R"~("variables":["x"],"definitions":{"1r":"x"},"masses":{"x":"mm"},"potential":"x^2")~",
+       {"/problem/definitions/1r", "/problem/masses/x"}},
+      {R"~("variables":["x"],"definitions":{"r":true},"masses":{"x":[1]},"damping":"z","potential":"r+y")~",
+       {"/problem/damping", "/problem/definitions/r", "/problem/masses/x", "/problem/potential"}},
+      {R"~("variables":["x[2]"],"definitions":{"d(i)":"x[i]-x[i+1]"},"masses":{"x":"mm"},"potential":"sum(i=1..2,d(i))")~",
+       {"/problem/definitions/d(i)", "/problem/masses/x"}},
+  };
+  for (const auto& row : rows) {
+    const auto reply =
+        ask(port(), post("/v1/problems", R"({"problem":{"id":"custom",)" + std::string(row.problem) + "}}"));
+    ASSERT_EQ(reply.status, 422) << row.problem << reply.body;
+    const Json document = Json::parse(reply.body);
+    std::vector<std::string> pointers;
+    for (const Json& error : document["errors"]) pointers.push_back(error["pointer"]);
+    std::ranges::sort(pointers);
+    EXPECT_EQ(pointers, row.pointers) << document;
+  }
+}
+
+// How many there are of a kind is a parameter like any other: it may stand beside the id.
+TEST_F(CustomFaults, SizesMayStandBesideTheId) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]"],"parameters":{"n":2},"n":3,
+      "potential":"sum(i=1..n, i*x[i]^2/2)"},"initial":{"x":[1,2,3]},"scheme":"leapfrog","until":1,
+      "record":{"every":0},"diagnostics":[]})~");
+  const Reply reply = ask(port(), post("/v1/simulate", request.dump()));
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json made = Json::parse(reply.body);
+  EXPECT_EQ(made["final"].size(), 7U) << made["final"];
+  request["problem"].erase("n");
+  request["problem"]["parameters"]["n"] = 3;
+  EXPECT_EQ(Json::parse(ask(port(), post("/v1/simulate", request.dump())).body)["final"], made["final"]);
+  request["problem"] = made["problem"];
+  EXPECT_EQ(Json::parse(ask(port(), post("/v1/simulate", request.dump())).body)["final"], made["final"]);
+  request["problem"]["n"] = "many";
+  const Reply refused = ask(port(), post("/v1/simulate", request.dump()));
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(Json::parse(refused.body)["errors"][0]["pointer"], "/problem/n") << refused.body;
+}
+
 TEST_F(CustomFaults, NamesHaveTheLengthThatIsAllowed) {
   const std::string name(16, 'a');
   const auto reply = ask(port(), post("/v1/problems", R"({"problem":{"id":"custom","variables":[")" + name +

@@ -70,6 +70,23 @@ TEST_F(Expressions, AreColumnsToTheBit) {
   }
 }
 
+// Sums, products and conditions on their indices go with the names of any scene.
+TEST_F(Expressions, MayBeSums) {
+  for (const char* problem : {R"("kepler")", R"({"id":"custom","variables":["x","y"],"potential":"x^2+y^2"})"}) {
+    Json request{{"problem", Json::parse(problem)},
+                 {"initial", {{"x", 0.5}, {"y", 2}}},
+                 {"scheme", "leapfrog"},
+                 {"until", 1},
+                 {"record", {{"samples", 2}}}};
+    request["columns"] = Json::array({"x", "y", own("sum", "sum(i=1..3, if(i == 2, y, i*x))")});
+    const Json made = run(request);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double x = made["trajectory"]["x"][i], y = made["trajectory"]["y"][i];
+      EXPECT_NEAR(made["trajectory"]["sum"][i], 4 * x + y, 1e-14);
+    }
+  }
+}
+
 TEST_F(Expressions, AreNullWhereTheyHaveNoValue) {
   const Json answer =
       run(with_own(ellipse_of("leapfrog"), Json::array({own("deep", "log(x)"), "x", own("pole", "1/y")})));

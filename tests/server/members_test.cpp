@@ -74,6 +74,28 @@ TEST_F(MembersHttp, MembersOfAStartInVelocitiesAreTheirRuns) {
 }
 
 // At the pole of polar coordinates momenta say nothing of velocities; members begin elsewhere.
+// Pointers to what is counted are those of sensitivities: /initial/x/1 is /initial/x[2].
+TEST_F(MembersHttp, VaryWhatIsCountedByEitherPointer) {
+  const auto made = [&](const std::string& start, const std::string& parameter) {
+    const Json request{{"problem", Json::parse(R"~({"id":"custom","variables":["x[2]"],"parameters":{"m":[1,2]},
+                          "potential":"sum(i=1..2, m[i]*x[i]^2/2)"})~")},
+                       {"scheme", "leapfrog"},
+                       {"until", 1},
+                       {"members", {{"vary", {{start, {{"values", {1, 2}}}}, {parameter, {{"values", {3, 4}}}}}}}},
+                       {"keep", {"final"}}};
+    const Reply reply = ask(port(), post("/v1/ensemble", request.dump()));
+    EXPECT_EQ(reply.status, 200) << reply.body;
+    return Json::parse(reply.body)["final"];
+  };
+  EXPECT_EQ(made("/initial/x/1", "/problem/m/0"), made("/initial/x[2]", "/problem/m[1]"));
+  EXPECT_EQ(made("/initial/vx/0", "/problem/parameters/m/1"), made("/initial/vx[1]", "/problem/m[2]"));
+  const Json twice{
+      {"problem", {{"id", "custom"}, {"variables", {"x[2]"}}, {"potential", "x[1]^2+x[2]^2"}}},
+      {"scheme", "leapfrog"},
+      {"members", {{"vary", {{"/initial/x/1", {{"values", {1, 2}}}}, {"/initial/x[2]", {{"values", {1}}}}}}}}};
+  EXPECT_EQ(ask(port(), post("/v1/ensemble", twice.dump())).status, 422);
+}
+
 TEST_F(MembersHttp, MembersBeginWhereTheCommonStartCannot) {
   const Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["r","a"],
       "lagrangian":"(vr^2+r^2*va^2)/2-r^2/2"},"initial":{"va":0.5},"until":1,"scheme":"runge_kutta_4",

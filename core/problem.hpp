@@ -115,26 +115,6 @@ concept GeneralHamiltonian = requires(const P& m, const Vec<P::dof>& q) {
   m.slopes(q, q, 0.0, phase(m, 0.0));
 };
 
-/// L with ∂L/∂q, ∂L/∂v and ∂L/∂s.
-template <int N, class T>
-struct LagrangianSlopes {
-  T value;
-  Vec<N, T> by_q, by_v;
-  T by_s;
-};
-/// The same of which L(q, v, s, t) is known.
-template <class P>
-concept GeneralLagrangian = GeneralHamiltonian<P> && requires(const P& m, const Vec<P::dof>& q) {
-  m.lagrangian(q, q, 0.0, phase(m, 0.0));
-};
-
-/// Velocities follow from momenta by iteration. A tape says rates of states that have both: rates(x, t) of x = (q, p,
-/// s, v), with v from velocities(q, p, s, t).
-template <class P>
-concept IteratesForRates = requires {
-  requires P::iterates;
-};
-
 template <class P>
 concept Flow = requires(const P& m, const Vec<P::dim>& y) {
   { m.field(y, phase(m, 0.0)) } -> std::same_as<Vec<P::dim>>;

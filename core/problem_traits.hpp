@@ -186,19 +186,4 @@ auto sections(const P& problem, const X& x) {
   }
 }
 
-/// From x on, with K − V as it is, s reaches infinity at this time: from ṡ = c − γs²/2, c = K − V + R. Unknown where it
-/// does not.
-template <QuadraticContact P, class X>
-double blow_up_time(const P& problem, const X& x) {
-  const double s = x.action.s, gamma = problem.action_curvature();
-  const double kinetic = 0.5 * dot(x.p, velocity(problem, x.q, x.p));
-  const double c = kinetic - problem.potential(x.q, phase(problem, x.t)) + problem.offset();
-  const double w = std::sqrt(std::abs(gamma * c) / 2), slope = gamma * s / 2;
-  double wait = unknown;  // the first zero of cosh wh + (slope/w) sinh wh
-  if (gamma * c > 0 && -slope > w) wait = std::atanh(-w / slope) / w;
-  if (gamma * c == 0 && slope < 0) wait = -1 / slope;
-  if (gamma * c < 0) wait = std::atan2(w, -slope) / w;
-  return x.t + wait;
-}
-
 }  // namespace least

@@ -6,6 +6,7 @@
 
 #include "core/ensemble/members.hpp"
 #include "core/text/start_velocities.hpp"
+#include "core/text/velocities.hpp"
 #include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
 #include "server/openapi_cards.hpp"
@@ -305,13 +306,15 @@ Json typed_problem() {
   schema["description"] = fmt::format(
       "Texts are made of numbers, pi, t, names, + - * / ^ (or **), functions ({}; of many of a kind sum prod mod) and "
       "conditions in if(a < b and not c >= d, …, …). A name is a letter, then letters, digits, _: at most {} before "
-      "an index. At most {} coordinates, {} where the kinetic energy depends on the place, the Lagrangian is not "
-      "quadratic in the velocities or H is quadratic in s, {} variables of equations; {} characters as typed, {} "
-      "operations, {} in the terms of long sums, {} with all others written out. Numbers of `initial`, `until`, "
+      "an index. At most {} coordinates, of which a Lagrangian couples the velocities of {} where it is not quadratic "
+      "in "
+      "them, {} variables of equations; {} characters as typed, {} operations, {} in the terms of long sums, {} with "
+      "all others written out. Numbers of `initial`, `until`, "
       "parameters and settings may be texts "
       "of constants, as \"2*pi/3\".",
-      fmt::join(text::function_names(), " "), text::longest_name, text::most_coordinates, text::compiled_coordinates,
-      text::most_variables, text::most_characters, text::most_operations, text::most_kept, text::most_summed);
+      fmt::join(text::function_names(), " "), text::longest_name, text::most_coordinates,
+      text::Velocities::most_coupled, text::most_variables, text::most_characters, text::most_operations,
+      text::most_kept, text::most_summed);
   return schema;
 }
 

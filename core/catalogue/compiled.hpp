@@ -52,12 +52,6 @@ void with_scheme(const Request& request, F&& f) {
   with_scheme<P>(request, f, static_cast<SchemeList*>(nullptr));
 }
 
-/// A class of scenes as text (core/text/scenes.hpp).
-template <class P>
-concept SceneAsText = requires(const P& problem) {
-  problem.formulas;
-};
-
 /// The full state of which a run's state has the first components; what it does not carry is 0.
 template <class P>
 FullStateOf<P> full_state_from(const RunState& x) {
@@ -148,7 +142,7 @@ class CompiledBackend final : public RunBackend {
     return bind_scheme<P, X>(*this, problem(), request, x, grid, end);
   }
   StepTangents tangents(const Request& request) const override {
-    if constexpr (SceneAsText<P> || Flow<P>) {
+    if constexpr (Flow<P>) {
       const Scene& scene = *request.scene;
       return tangents_of(problem(), request, start_of<FullStateOf<P>>(problem(), scene.initial, scene.start));
     } else {
@@ -160,12 +154,12 @@ class CompiledBackend final : public RunBackend {
     const auto rates = taylor::write_equations<State>(problem(), tape);
     return {rates.begin(), rates.end()};
   }
-  std::size_t found() const override { return taylor::found<P>; }
+  std::size_t found() const override { return 0; }
   void values_of(StateView x, double* values) const override {
-    std::ranges::copy(taylor::values_of(problem(), state_from<State>(x)), values);
+    std::ranges::copy(taylor::values_of(state_from<State>(x)), values);
   }
   void values_of(StateView x, const double* u, double* values, double* slopes) const override {
-    for (const Slope& value : taylor::values_of(problem(), moved(x, u))) {
+    for (const Slope& value : taylor::values_of(moved(x, u))) {
       *values++ = value.value;
       *slopes++ = value.slope[0];
     }
@@ -268,8 +262,8 @@ class ProblemMechanics : public Mechanics {
   double blow_up_time([[maybe_unused]] const Scene& scene, [[maybe_unused]] double latest, [[maybe_unused]] double step,
                       [[maybe_unused]] const KeepGoing& keep_going) const override {
     if constexpr (QuadraticContact<P>) {
-      const P problem = problem_of(scene.parameters);
-      return true_blow_up_time(problem, start_of<State>(problem, scene.initial, scene.start), latest, step, keep_going);
+      const CompiledBackend<P, State> backend(problem_of(scene.parameters));
+      return true_blow_up_time(backend, backend.motion().start(scene.initial, scene.start), latest, step, keep_going);
     }
     return unknown;
   }

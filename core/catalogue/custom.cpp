@@ -1,7 +1,5 @@
 #include "core/catalogue/custom.hpp"
 
-#include <algorithm>
-#include <stdexcept>
 #include <string>
 
 #include "core/catalogue/found_schemes.hpp"
@@ -13,31 +11,11 @@
 namespace least {
 namespace {
 
-std::string class_of(const text::Form& form, int capacity) {
-  const bool quadratic = form.kind == text::FormKind::contact_quadratic;
-  const std::string_view name = text::form_names[static_cast<std::size_t>(form.kind)];
-  return std::string(quadratic ? "quadratic" : name) + "_" + std::to_string(capacity);
-}
-
 using Made = std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>>;
 
 Made too_many_operations(tape::Index limit) {
   const std::string most = std::to_string(limit) + " when all of them are written out";
   return std::vector<text::DefinitionFault>{{"", {0, "its equations of motion take too many operations", most}, false}};
-}
-
-Made of_any_size(text::TextScene scene) {
-  if (!text::SizedScene::has(*scene.form))
-    return std::vector<text::DefinitionFault>{
-        {"/variables",
-         {0, "are more than a Lagrangian not quadratic in the velocities or a term quadratic in s goes with",
-          "1 to " + std::to_string(text::compiled_coordinates) + " of those"},
-         false}};
-  try {
-    return with_found_schemes(sized_mechanics(std::move(scene)));
-  } catch (const tape::TooManyOperations&) {
-    return too_many_operations(text::SizedScene::most_equations);
-  }
 }
 
 }  // namespace
@@ -50,18 +28,20 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
 }
 
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> mechanics_of(text::TextScene scene) {
-  if (!scene.form->has_class()) return of_any_size(std::move(scene));
-  const std::string wanted = class_of(*scene.form, scene.capacity);
-  auto form = std::ranges::find(text_forms(), wanted, &TextForm::name);
-  if (form == text_forms().end() && scene.capacity < text::compiled_coordinates) {
-    scene.capacity = text::compiled_coordinates;
-    form = std::ranges::find(text_forms(), class_of(*scene.form, scene.capacity), &TextForm::name);
-  }
-  if (form == text_forms().end()) throw std::runtime_error("this build leaves out scenes of the form " + wanted);
+  if (!text::SizedScene::has(*scene.form))
+    return std::vector<text::DefinitionFault>{
+        {"/lagrangian",
+         {0, "couples the velocities of too many coordinates",
+          "at most " + std::to_string(text::Velocities::most_coupled) + " where it is not quadratic in them"},
+         false}};
+  // Its derivatives by velocities go through it operation by operation.
+  if (scene.form->kind == text::FormKind::lagrangian && scene.form->tape.has_terms())
+    scene.form = text::with_sums_written_out(scene.form);
+  if (!scene.form) return too_many_operations(tape::most_of_equations);
   try {
-    return with_found_schemes(form->make(std::move(scene)));
+    return with_found_schemes(sized_mechanics(std::move(scene)));
   } catch (const tape::TooManyOperations&) {
-    return too_many_operations(tape::most_of_equations);
+    return too_many_operations(text::SizedScene::most_equations);
   }
 }
 

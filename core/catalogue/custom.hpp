@@ -1,4 +1,4 @@
-// Mechanics of scenes given as text: which class of problem a form is.
+// Mechanics of scenes given as text.
 #pragma once
 
 #include <memory>
@@ -13,19 +13,10 @@
 
 namespace least {
 
-/// A class of problem: its form and its capacity, as `metric_2`.
-struct TextForm {
-  std::string_view name;
-  std::shared_ptr<const Mechanics> (*make)(text::TextScene scene);
-};
-/// Those of this build; it may leave some out.
-std::span<const TextForm> text_forms();
-
-/// The mechanics of a scene that was read, or what is wrong with it. Throws as the next.
+/// The mechanics of a scene that was read, or what is wrong with it.
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> mechanics_of(text::TextScene scene);
 
-/// The mechanics that a definition describes, or everything that is wrong with it. Throws std::runtime_error where this
-/// build leaves the form out.
+/// The mechanics that a definition describes, or everything that is wrong with it.
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
     text::Definition definition);
 /// The same of a scene as it was typed, whose texts may speak of many of a kind.

@@ -159,30 +159,26 @@ template <template <class> class P>
 std::optional<tape::Program> recorded_equations(const Scene& scene, const std::vector<bool>& varied) {
   using X = StateOf<P<double>>;
   constexpr std::size_t size = X::size;
-  if constexpr (IteratesForRates<P<double>>) {
-    return std::nullopt;
+  tape::Tape tape;
+  std::vector<tape::Index> rates;
+  const auto write = [&](const auto& problem) {
+    typename X::template in<Symbol, Symbol> x;
+    for (std::size_t i = 0; i < size; ++i) x[i] = Symbol::variable(tape, i);
+    x.t = Symbol::time(tape);
+    const auto rate = derivative(problem, x);
+    for (std::size_t i = 0; i < size; ++i) rates.push_back(rate[i].on(tape));
+  };
+  const std::ptrdiff_t count = std::ranges::count(varied, true);
+  if (count == 0) {
+    write(from_values<P<double>>(About<P>::fields, scene.parameters));
   } else {
-    tape::Tape tape;
-    std::vector<tape::Index> rates;
-    const auto write = [&](const auto& problem) {
-      typename X::template in<Symbol, Symbol> x;
-      for (std::size_t i = 0; i < size; ++i) x[i] = Symbol::variable(tape, i);
-      x.t = Symbol::time(tape);
-      const auto rate = derivative(problem, x);
-      for (std::size_t i = 0; i < size; ++i) rates.push_back(rate[i].on(tape));
-    };
-    const std::ptrdiff_t count = std::ranges::count(varied, true);
-    if (count == 0) {
-      write(from_values<P<double>>(About<P>::fields, scene.parameters));
-    } else {
-      write(in_variables<P>(scene, varied, [&](std::size_t place) {
-        const auto before = std::count(varied.begin(), varied.begin() + static_cast<std::ptrdiff_t>(place), true);
-        return Symbol::variable(tape, size + static_cast<std::size_t>(before));
-      }));
-      rates.insert(rates.end(), static_cast<std::size_t>(count), Symbol(0).on(tape));
-    }
-    return taylor::program_of(tape, rates, size);
+    write(in_variables<P>(scene, varied, [&](std::size_t place) {
+      const auto before = std::count(varied.begin(), varied.begin() + static_cast<std::ptrdiff_t>(place), true);
+      return Symbol::variable(tape, size + static_cast<std::size_t>(before));
+    }));
+    rates.insert(rates.end(), static_cast<std::size_t>(count), Symbol(0).on(tape));
   }
+  return taylor::program_of(tape, rates, size);
 }
 
 }  // namespace

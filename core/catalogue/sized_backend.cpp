@@ -4,12 +4,15 @@
 #include <string_view>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/metric_clock.hpp"
+#include "core/catalogue/metric_energy_momentum.hpp"
 #include "core/catalogue/sized_clock_tangents.hpp"
 #include "core/catalogue/sized_clocks.hpp"
 #include "core/catalogue/sized_damped.hpp"
 #include "core/catalogue/sized_energy_momentum.hpp"
 #include "core/catalogue/sized_forced.hpp"
 #include "core/catalogue/sized_gauss.hpp"
+#include "core/catalogue/sized_herglotz.hpp"
 #include "core/catalogue/sized_implicit.hpp"
 #include "core/catalogue/sized_jacobi_maupertuis.hpp"
 #include "core/catalogue/sized_stages.hpp"
@@ -36,11 +39,12 @@ struct SizedProblem {
 /// taylor and the schemes of Odeint, bound to it.
 struct SizedSeries {
   Taylor chosen;
+  const text::SizedScene* scene;
   tape::Program program;
 
   static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
   SizedTaylorStepper bind(const SizedProblem&, const RunState&, double) const {
-    return SizedTaylorStepper(std::make_shared<taylor::Expansion>(program, chosen.tolerance, chosen.order));
+    return {*scene, std::make_shared<taylor::Expansion>(program, chosen.tolerance, chosen.order)};
   }
 };
 struct SizedPair {
@@ -134,16 +138,22 @@ std::unique_ptr<Integrator> bind_pair(const Binding& to) {
   return to.own_clock(SizedPair{to.scheme<Scheme>().compiled_as()});
 }
 std::unique_ptr<Integrator> bind_series(const Binding& to) {
-  return to.own_clock(SizedSeries{to.scheme<Taylor>(), to.scene.series(to.x.size() == to.scene.components)});
+  return to.own_clock(SizedSeries{to.scheme<Taylor>(), &to.scene, to.scene.series(to.x.size() == to.scene.components)});
 }
 
-template <class Scheme>
-std::unique_ptr<Integrator> bind_own_clock(const Binding& to) {
-  return bind_clock(to.backend, to.scene, to.scheme<Scheme>(), to.x, to.end);
-}
+/// Whether steps are made of a metric that depends on the place.
+bool on_a_metric(const text::SizedScene& scene) { return scene.kind == text::FormKind::metric && !scene.forced; }
 
+std::unique_ptr<Integrator> bind_adaptive_verlet(const Binding& to) {
+  return bind_clock(to.backend, to.scene, to.scheme<AdaptiveVerlet>(), to.x, to.end);
+}
+std::unique_ptr<Integrator> bind_transformed(const Binding& to) {
+  const auto scheme = to.scheme<TimeTransformed>();
+  return (on_a_metric(to.scene) ? bind_metric_clock : bind_flat_clock)(to.backend, to.scene, scheme, to.x, to.end);
+}
 StepTangents tangents_transformed(const text::SizedScene& scene, const Request& request) {
-  return tangents_of(scene, from_values<TimeTransformed>(TimeTransformed::fields, request.settings), request);
+  const auto scheme = from_values<TimeTransformed>(TimeTransformed::fields, request.settings);
+  return (on_a_metric(scene) ? tangents_of_metric_clock : tangents_of_flat_clock)(scene, scheme, request);
 }
 
 template <class Scheme>
@@ -161,12 +171,18 @@ bool is_flat(const text::SizedScene& scene) {
   return flat && !scene.forced;
 }
 
+/// By its Lagrangian.
+bool follows_herglotz(const text::SizedScene& scene) {
+  return scene.is_quadratic() || scene.velocities || on_a_metric(scene);
+}
+
 /// Of a path of polynomials and a rule of quadrature.
 template <class Scheme, SizedPath path>
 std::unique_ptr<Integrator> bind_rule(const Binding& to) {
-  const Scheme scheme = to.scheme<Scheme>();
+  const auto scheme = to.scheme<Scheme>();
   if (is_flat(to.scene))
     return to.equal_steps(SizedVariational<double>(to.scene, path, composition_of(scheme), scheme.step, to.x.size()));
+  if (follows_herglotz(to.scene)) return to.equal_steps(SizedHerglotz<double>(to.scene, path, composition_of(scheme)));
   return to.equal_steps(SizedStages<double>(to.scene, rule_of(path), composition_of(scheme)));
 }
 template <class Scheme, SizedPath path>
@@ -176,6 +192,9 @@ StepTangents tangents_rule(const text::SizedScene& scene, const Request& request
   if (is_flat(scene))
     return tangents_by(request, space_of(scene), scheme.step,
                        SizedVariational<Slope>(scene, path, composition_of(scheme), scheme.step, scene.components));
+  if (follows_herglotz(scene))
+    return tangents_by(request, space_of(scene), scheme.step,
+                       SizedHerglotz<Slope>(scene, path, composition_of(scheme)));
   return tangents_by(request, space_of(scene), scheme.step,
                      SizedStages<Slope>(scene, rule_of(path), composition_of(scheme)));
 }
@@ -192,21 +211,28 @@ StepTangents tangents_gauss(const text::SizedScene& scene, const Request& reques
                      SizedStages<Slope>(scene, StageRule::gauss(scheme.stages), Composition::none));
 }
 
-std::unique_ptr<Integrator> bind_energy_momentum(const Binding& to) {
-  return to.own_clock(SizedEnergyMomentumScheme{to.scheme<EnergyMomentum>(), &to.scene});
+/// Of what takes the steps of a scheme where the metric is constant, and where it is not.
+template <class Flat, class Metric>
+std::unique_ptr<Integrator> bind_level(const Binding& to) {
+  const auto scheme = to.scheme<decltype(Flat::chosen)>();
+  return on_a_metric(to.scene) ? to.own_clock(Metric{scheme, &to.scene}) : to.own_clock(Flat{scheme, &to.scene});
 }
 StepTangents tangents_energy_momentum(const text::SizedScene& scene, const Request& request) {
   const auto scheme = from_values<EnergyMomentum>(EnergyMomentum::fields, request.settings);
-  return tangents_by_clock(request, space_of(scene), SizedEnergyMomentum<Slope>(scene, scheme, Slope(0)),
-                           energy_of_first_step(scene, request.scene->initial.data(), scheme.step));
+  const EnergyLevel level = energy_of_first_step(scene, request.scene->initial.data(), scheme.step);
+  if (on_a_metric(scene))
+    return tangents_by_clock(request, space_of(scene), MetricEnergyMomentum<Slope>(scene, scheme, Slope(0)), level);
+  return tangents_by_clock(request, space_of(scene), SizedEnergyMomentum<Slope>(scene, scheme, Slope(0)), level);
 }
-std::unique_ptr<Integrator> bind_jacobi_maupertuis(const Binding& to) {
-  return to.own_clock(SizedJacobiScheme{to.scheme<JacobiMaupertuis>(), &to.scene});
+template <class Motion>
+StepTangents tangents_jacobi(const text::SizedScene& scene, const Request& request) {
+  const auto scheme = from_values<JacobiMaupertuis>(JacobiMaupertuis::fields, request.settings);
+  return tangents_by_clock(request, space_of(scene), SizedJacobiMaupertuis<Motion>(scene, scheme, Slope(0)),
+                           energy_of_start(scene, request.scene->initial.data()));
 }
 StepTangents tangents_jacobi_maupertuis(const text::SizedScene& scene, const Request& request) {
-  const auto scheme = from_values<JacobiMaupertuis>(JacobiMaupertuis::fields, request.settings);
-  return tangents_by_clock(request, space_of(scene), SizedJacobiMaupertuis<Slope>(scene, scheme, Slope(0)),
-                           energy_of_start(scene, request.scene->initial.data()));
+  return on_a_metric(scene) ? tangents_jacobi<MetricJacobiMotion<Slope>>(scene, request)
+                            : tangents_jacobi<SizedJacobiMotion<Slope>>(scene, request);
 }
 
 using text::SizedScene;
@@ -225,18 +251,32 @@ bool on_steady(const SizedScene& scene) {
 }
 bool with_lift(const SizedScene& scene) { return scene.lift != nullptr; }
 bool on_damped(const SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
+bool on_contact(const SizedScene& scene) { return on_damped(scene) || scene.is_quadratic(); }
+/// Of few coordinates, with s that acts by its Lagrangian.
+bool with_lagrangian(const SizedScene& scene) {
+  return (scene.is_quadratic() || scene.velocities) && scene.coordinates <= SizedScene::most_full;
+}
 bool on_steady_or_damped(const SizedScene& scene) { return on_steady(scene) || on_damped(scene); }
-bool on_damped_path(const SizedScene& scene) { return on_damped(scene) && scene.solves_for_places(); }
+bool on_contact_path(const SizedScene& scene) {
+  return on_damped(scene) ? scene.solves_for_places() : with_lagrangian(scene);
+}
 /// Forced ones, and those whose metric depends on the place, where a step's matrix is not too large.
 bool with_path(const SizedScene& scene) {
   if (is_flat(scene)) return scene.kind == text::FormKind::separable && scene.solves_for_places();
   return (scene.forced || scene.kind == text::FormKind::metric) && scene.coordinates <= SizedScene::most_full;
 }
 /// Of steps whose length is chosen by the energy.
-bool with_level(const SizedScene& scene) { return is_flat(scene) && with_path(scene) && scene.autonomous; }
+bool with_level(const SizedScene& scene) {
+  return (is_flat(scene) || on_a_metric(scene)) && with_path(scene) && scene.autonomous;
+}
+/// The same, explicit where the metric is constant; or damped.
+bool with_parameter(const SizedScene& scene) {
+  return on_steady_or_damped(scene) || (on_a_metric(scene) && with_level(scene));
+}
 bool with_gauss(const SizedScene& scene) {
-  if (is_flat(scene)) return on_damped_path(scene);
-  return scene.kind == text::FormKind::hamiltonian && !scene.forced && scene.coordinates <= SizedScene::most_full;
+  if (is_flat(scene)) return on_contact_path(scene);
+  const bool general = scene.kind == text::FormKind::hamiltonian && !scene.forced;
+  return (general || with_lagrangian(scene)) && scene.coordinates <= SizedScene::most_full;
 }
 constexpr auto straight = SizedPath::straight, parabola = SizedPath::parabola;
 
@@ -261,18 +301,23 @@ constexpr std::array sized_schemes{
     SizedScheme{"variational_midpoint", with_path, bind_rule<VariationalMidpoint, straight>,
                 tangents_rule<VariationalMidpoint, straight>},
     SizedScheme{"galerkin_4", with_path, bind_rule<Galerkin4, parabola>, tangents_rule<Galerkin4, parabola>},
-    SizedScheme{"time_transformed", on_steady_or_damped, bind_own_clock<TimeTransformed>, tangents_transformed},
-    SizedScheme{"adaptive_verlet", on_steady, bind_own_clock<AdaptiveVerlet>},
-    explicit_scheme<ContactLeapfrog, DampedKicks>("contact_leapfrog", on_damped),
-    explicit_scheme<ContactSplitting, DampedKicks>("contact_splitting", on_damped),
-    explicit_scheme<ContactSymplecticEuler, DampedKicks>("contact_symplectic_euler", on_damped),
-    SizedScheme{"contact_variational_midpoint", on_damped_path, bind_rule<ContactVariationalMidpoint, straight>,
+    SizedScheme{"time_transformed", with_parameter, bind_transformed, tangents_transformed},
+    SizedScheme{"adaptive_verlet", on_steady, bind_adaptive_verlet},
+    explicit_scheme<ContactLeapfrog, DampedKicks>("contact_leapfrog", on_contact),
+    explicit_scheme<ContactSplitting, DampedKicks>("contact_splitting", on_contact),
+    explicit_scheme<ContactSymplecticEuler, DampedKicks>("contact_symplectic_euler", on_contact),
+    SizedScheme{"contact_variational_midpoint", on_contact_path, bind_rule<ContactVariationalMidpoint, straight>,
                 tangents_rule<ContactVariationalMidpoint, straight>},
-    SizedScheme{"contact_galerkin_4", on_damped_path, bind_rule<ContactGalerkin4, parabola>,
+    SizedScheme{"contact_galerkin_4", on_contact_path, bind_rule<ContactGalerkin4, parabola>,
                 tangents_rule<ContactGalerkin4, parabola>},
     SizedScheme{"contact_gauss", with_gauss, bind_gauss, tangents_gauss},
-    SizedScheme{"energy_momentum", with_level, bind_energy_momentum, tangents_energy_momentum},
-    SizedScheme{"jacobi_maupertuis", with_level, bind_jacobi_maupertuis, tangents_jacobi_maupertuis},
+    SizedScheme{"energy_momentum", with_level,
+                bind_level<SizedEnergyMomentumScheme<SizedEnergyMomentum<double>>,
+                           SizedEnergyMomentumScheme<MetricEnergyMomentum<double>>>,
+                tangents_energy_momentum},
+    SizedScheme{"jacobi_maupertuis", with_level,
+                bind_level<SizedJacobiScheme<SizedJacobiMotion<double>>, SizedJacobiScheme<MetricJacobiMotion<double>>>,
+                tangents_jacobi_maupertuis},
     explicit_scheme<LiftedSplitting, Lifts>("lifted_splitting", with_lift),
     SizedScheme{"dormand_prince_5", on_all, bind_pair<DormandPrince5>},
     SizedScheme{"fehlberg_78", on_all, bind_pair<Fehlberg78>},
@@ -308,14 +353,16 @@ StepTangents SizedBackend::tangents(const Request& request) const {
 std::vector<tape::Index> SizedBackend::write_equations(tape::Tape& tape) const {
   const auto plain = scene().plain();
   tape = plain ? plain->tape : scene().equations;
-  const auto moving = (plain ? plain->rates : std::span<const tape::Index>(scene().rates)).first(scene().moving);
+  const auto rates = plain ? plain->rates : std::span<const tape::Index>(scene().rates);
+  const auto moving = rates.first(scene().moving + scene().found());
   return {moving.begin(), moving.end()};
 }
 
 std::shared_ptr<const tape::SteepForces> SizedBackend::steep_forces() const {
   const auto plain = scene().plain();
   if (!plain) return nullptr;
-  auto found = std::make_shared<const tape::SteepForces>(plain->tape, plain->rates.first(scene().moving));
+  auto found =
+      std::make_shared<const tape::SteepForces>(plain->tape, plain->rates.first(scene().moving + scene().found()));
   return found->empty() ? nullptr : found;
 }
 
@@ -324,19 +371,33 @@ double SizedBackend::energy_after(StateView x, double t) const {
   constexpr double tolerance = 1e-15;
   constexpr int order = 20;
   RunState at{x.t, StateNumbers(x.numbers, x.numbers + scene().components)};
-  SizedTaylorStepper flow(std::make_shared<taylor::Expansion>(scene().series(true), tolerance, order));
+  SizedTaylorStepper flow(scene(), std::make_shared<taylor::Expansion>(scene().series(true), tolerance, order));
   return flow.reach(at, t) == StepStatus::ok ? table_.energy_of(at) : unknown;
 }
 
+void SizedBackend::values_of(StateView x, double* values) const {
+  std::copy_n(x.numbers, traits_.moving, values);
+  scene().find_velocities(values, x.t);
+}
+void SizedBackend::values_of(StateView x, const double* u, double* values, double* slopes) const {
+  std::vector<Slope> all(traits_.moving + scene().found());
+  for (std::size_t i = 0; i < traits_.moving; ++i) all[i] = Slope(x[i], {u[i]});
+  scene().find_velocities(all.data(), x.t);
+  for (const Slope& value : all) {
+    *values++ = value.value;
+    *slopes++ = value.slope[0];
+  }
+}
+
 void SizedBackend::velocity(StateView x, double* v) const {
-  if (traits_.potential) return scene().velocity(x.numbers + traits_.dof, v);
+  if (scene().has_constant_metric()) return scene().velocity(x.numbers + traits_.dof, v);
   std::vector<double> rates(traits_.moving);
   motion_.rates(x, rates.data());
   std::copy_n(rates.begin(), traits_.dof, v);
 }
 
 void SizedBackend::velocity_slopes(StateView x, const double* u, double* slopes) const {
-  if (traits_.potential) return scene().velocity(u + traits_.dof, slopes);
+  if (scene().has_constant_metric()) return scene().velocity(u + traits_.dof, slopes);
   std::vector<double> rates(traits_.moving), changes(rates);
   motion_.rates(x, u, 0, rates.data(), changes.data());
   std::copy_n(changes.begin(), traits_.dof, slopes);

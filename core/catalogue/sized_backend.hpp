@@ -28,12 +28,9 @@ class SizedBackend final : public RunBackend {
   /// Of schemes of equal steps but those with forces, and of schemes that set their steps by a level of the energy.
   StepTangents tangents(const Request& request) const override;
   std::vector<tape::Index> write_equations(tape::Tape& tape) const override;
-  std::size_t found() const override { return 0; }
-  void values_of(StateView x, double* values) const override { std::copy_n(x.numbers, traits_.moving, values); }
-  void values_of(StateView x, const double* u, double* values, double* slopes) const override {
-    std::copy_n(x.numbers, traits_.moving, values);
-    std::copy_n(u, traits_.moving, slopes);
-  }
+  std::size_t found() const override { return scene().found(); }
+  void values_of(StateView x, double* values) const override;
+  void values_of(StateView x, const double* u, double* values, double* slopes) const override;
   std::shared_ptr<const tape::SteepForces> steep_forces() const override;
   void velocity(StateView x, double* v) const override;
   void velocity_slopes(StateView x, const double* u, double* slopes) const override;

@@ -339,15 +339,16 @@ std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::Si
   return clocked(backend, scene, ClockedAdaptiveVerlet{scheme}, x, end);
 }
 
-std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::SizedScene& scene,
-                                       const TimeTransformed& scheme, const RunState& x, double end) {
+std::unique_ptr<Integrator> bind_flat_clock(const RunBackend& backend, const text::SizedScene& scene,
+                                            const TimeTransformed& scheme, const RunState& x, double end) {
   if (scene.kind != text::FormKind::contact_linear)
     return clocked(backend, scene, ClockedTransformed<ViewedScene<double>>{scheme}, x, end);
   if (scene.constant_damping) return clocked(backend, scene, ClockedTransformed<ViewedDamped<double>>{scheme}, x, end);
   return clocked(backend, scene, ClockedTransformed<ViewedTimedDamped<double>>{scheme}, x, end);
 }
 
-StepTangents tangents_of(const text::SizedScene& scene, const TimeTransformed& scheme, const Request& request) {
+StepTangents tangents_of_flat_clock(const text::SizedScene& scene, const TimeTransformed& scheme,
+                                    const Request& request) {
   const auto& start = request.scene->initial;
   const std::size_t n = scene.coordinates, size = scene.components;
   const double* const x = start.data();

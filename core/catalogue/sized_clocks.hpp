@@ -19,9 +19,10 @@ struct Request;
 std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::SizedScene& scene,
                                        const AdaptiveVerlet& scheme, const RunState& x, double end);
 /// The same, or of a damped scene.
-std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::SizedScene& scene,
-                                       const TimeTransformed& scheme, const RunState& x, double end);
+std::unique_ptr<Integrator> bind_flat_clock(const RunBackend& backend, const text::SizedScene& scene,
+                                            const TimeTransformed& scheme, const RunState& x, double end);
 /// Of the same; those of a damped scene are on the extended space.
-StepTangents tangents_of(const text::SizedScene& scene, const TimeTransformed& scheme, const Request& request);
+StepTangents tangents_of_flat_clock(const text::SizedScene& scene, const TimeTransformed& scheme,
+                                    const Request& request);
 
 }  // namespace least

@@ -1,4 +1,5 @@
-// Steps of equal length of damped scenes H = K + V + α(t) s whose size is known when they run: the maps of
+// Steps of equal length of contact scenes H = K + V + α(t) s, or with γs²/2 − R in the place of that, whose size is
+// known when they run: the maps of
 // core/schemes/contact_splitting.hpp and core/schemes/contact_symplectic_euler.hpp, operation by operation, on
 // components that stand one after the other. As in core/catalogue/sized_steps.hpp nothing is allocated once a stepper
 // has been made, and T is the number that steps are taken in: dual numbers give their tangents.
@@ -32,14 +33,15 @@ class SizedContactSplitting {
   void begin(const T*, double) { work_ = {}; }
   StepStatus step(T* x, double t, double h) noexcept {
     const auto stages = static_cast<std::size_t>(turns_->stages);
-    if (scene_->constant_damping && h != prepared_) {
+    const bool steady = scene_->constant_damping || scene_->is_quadratic();
+    if (steady && h != prepared_) {
       prepared_ = h;
-      for (std::size_t i = 0; i < stages; ++i) flows_[i] = flow(turns_->kick[i] * h, scene_->damping_at(t));
+      for (std::size_t i = 0; i < stages; ++i) flows_[i] = flow(turns_->kick[i] * h, t);
     }
     for (std::size_t i = 0; i < stages; ++i) {
       drift(x, turns_->drift[i] * h);
       const double part = turns_->kick[i] * h, middle = t + turns_->middle[i] * h;
-      push(x, part, middle, scene_->constant_damping ? flows_[i] : flow(part, scene_->damping_at(middle)));
+      if (!push(x, part, middle, steady ? flows_[i] : flow(part, middle))) return StepStatus::singular;
     }
     drift(x, turns_->drift[stages] * h);
     return StepStatus::ok;
@@ -58,10 +60,16 @@ class SizedContactSplitting {
   }
   static bool takes_as_one(const text::SizedScene& scene, const ContactSplitting& scheme) {
     if (scheme.splitting != Splitting::automatic) return scheme.splitting >= Splitting::merged;
+    if (scene.is_quadratic()) return true;
     return scene.constant_damping && scene.damping_at(0) * scheme.step > 0.5;
   }
-  Flow flow(double h, double alpha) const {
-    const double z = -(h * alpha);
+  /// Of what s adds to H, over h about the time t.
+  Flow flow(double h, double t) const {
+    if (scene_->is_quadratic()) {
+      if (!merged_) return {1, h};
+      return quadratic_flow(scene_->action_curvature * scene_->offset / 2, h);
+    }
+    const double z = -(h * scene_->damping_at(t));
     return {std::exp(z), merged_ ? h * phi1(z) : h};
   }
 
@@ -70,16 +78,31 @@ class SizedContactSplitting {
     const double half = h * 0.5;
     return merged_ ? T(c.e * x - c.f * push) : T(c.e * (x - half * push) - half * push);
   }
-  void push(T* x, double h, double t, const Flow& c) {
+  /// False: what s adds to H has a pole on the way.
+  bool push(T* x, double h, double t, const Flow& c) {
     const std::size_t n = slope_.size();
     scene_->gradient.evaluate(x, t, slope_.data());
     ++work_.forces;
+    T potential(0);
+    if (acts_) scene_->potential.evaluate(x, t, &potential);
+    if (scene_->is_quadratic()) return push_quadratic(x, potential, h, c);
     T* const p = x + n;
     for (std::size_t i = 0; i < n; ++i) p[i] = pushed(p[i], slope_[i], h, c);
-    if (!acts_) return;
-    T potential;
-    scene_->potential.evaluate(x, t, &potential);
-    x[2 * n] = pushed(x[2 * n], potential, h, c);
+    if (acts_) x[2 * n] = pushed(x[2 * n], potential, h, c);
+    return true;
+  }
+  bool push_quadratic(T* x, T potential, double h, const Flow& c) {
+    const double half = h * 0.5, offset = scene_->offset;
+    const std::size_t n = slope_.size();
+    if (!merged_) potential = potential - offset;
+    T& s = x[2 * n];
+    s = s - half * potential;
+    const T d = c.e + (0.5 * scene_->action_curvature) * (s * c.f);
+    if (!(d > T(0))) return false;
+    T* const p = x + n;
+    for (std::size_t i = 0; i < n; ++i) p[i] = (p[i] - half * slope_[i]) / (d * d) - half * slope_[i];
+    s = (merged_ ? T(s * c.e + offset * c.f) : T(s * c.e)) / d - half * potential;
+    return true;
   }
   void drift(T* x, double h) {
     const std::size_t n = slope_.size();
@@ -117,15 +140,17 @@ class SizedContactEuler {
   void begin(const T*, double) { work_ = {}; }
   StepStatus step(T* x, double t, double h) noexcept {
     const std::size_t n = slope_.size();
-    T* const p = x + n;
-    const double alpha = scene_->damping_at(t), factor = 1 - h * alpha;
-    scene_->gradient.evaluate(x, t, slope_.data());
-    ++work_.forces;
-    for (std::size_t i = 0; i < n; ++i) p[i] = factor * p[i] - h * slope_[i];
-    scene_->velocity(p, velocity_.data());
+    if (scene_->is_quadratic()) {
+      const T factor = 1 - h * scene_->action_slope(x[2 * n], t);
+      if (!(factor > T(least_denominator))) return StepStatus::singular;
+      kick(x, factor, t, h);
+    } else {
+      kick(x, 1 - h * scene_->damping_at(t), t, h);
+    }
+    scene_->velocity(x + n, velocity_.data());
     if (acts_) {
       T& s = x[2 * n];
-      s = s + h * (0.5 * twice_kinetic(p) - potential(x, t) - alpha * s);
+      s = s + h * (0.5 * twice_kinetic(x + n) - potential(x, t) - scene_->action_energy(s, t));
     }
     for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
     return StepStatus::ok;
@@ -137,12 +162,19 @@ class SizedContactEuler {
     if (!acts_) return unknown;
     const std::size_t n = slope_.size();
     std::vector<T> x(from.numbers, from.numbers + scene_->components);
-    step(x.data(), from.t, h);
+    if (step(x.data(), from.t, h) != StepStatus::ok) return unknown;
     return 0.5 * twice_kinetic(x.data() + n) + potential(from.numbers, from.t) +
-           scene_->damping_at(from.t) * from[2 * n];
+           scene_->action_energy(from[2 * n], from.t);
   }
 
  private:
+  template <class Factor>
+  void kick(T* x, const Factor& factor, double t, double h) {
+    scene_->gradient.evaluate(x, t, slope_.data());
+    ++work_.forces;
+    T* const p = x + slope_.size();
+    for (std::size_t i = 0; i < slope_.size(); ++i) p[i] = factor * p[i] - h * slope_[i];
+  }
   T potential(const T* q, double t) const {
     T v;
     scene_->potential.evaluate(q, t, &v);

@@ -1,12 +1,44 @@
 #include "core/catalogue/sized_energy_level.hpp"
 
-#include "core/catalogue/sized_implicit.hpp"
+#include "core/catalogue/metric_step.hpp"
+#include "core/catalogue/sized_herglotz.hpp"
 
 namespace least {
+namespace {
+
+/// Where the metric depends on the place: H at the means of places and momenta of the step, direction by direction.
+EnergyLevel energy_on_a_metric(const text::SizedScene& scene, const double* x, double step) {
+  const std::size_t size = 2 * scene.coordinates;
+  EnergyLevel level{0, std::vector<double>(size)};
+  SizedHerglotz<Slope> stepper(scene, SizedPath::straight, Composition::none);
+  for (std::size_t j = 0; j < size; ++j) {
+    std::vector<Slope> from(x, x + size);
+    from[j].slope[0] = 1;
+    std::vector<Slope> to = from;
+    if (stepper.step(to.data(), 0, step) != StepStatus::ok) return energy_of_start(scene, x);
+    for (std::size_t i = 0; i < size; ++i) to[i] = 0.5 * (from[i] + to[i]);
+    const Slope energy = hamiltonian_at(scene, to.data());
+    level.value = energy.value;
+    level.slopes[j] = energy.slope[0];
+  }
+  return level;
+}
+
+}  // namespace
 
 EnergyLevel energy_of_start(const text::SizedScene& scene, const double* x) {
   const std::size_t n = scene.coordinates;
   EnergyLevel level{0, std::vector<double>(2 * n)};
+  if (!scene.has_constant_metric()) {
+    std::vector<double> rates(2 * n);
+    scene.rate.evaluate(x, 0.0, rates.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      level.slopes[i] = -rates[n + i];
+      level.slopes[n + i] = rates[i];
+    }
+    level.value = hamiltonian_at(scene, x);
+    return level;
+  }
   scene.gradient.evaluate(x, 0.0, level.slopes.data());
   scene.velocity(x + n, &level.slopes[n]);
   scene.potential.evaluate(x, 0.0, &level.value);
@@ -17,6 +49,7 @@ EnergyLevel energy_of_start(const text::SizedScene& scene, const double* x) {
 /// E_d = ½ vᵀM v + V(y) with M v + (h/2) ∇V(y) = p₀ and y = q₀ + (h/2) v: with (M + (h²/4) V″(y)) w = p₀ its derivative
 /// by p₀ is w, that by q₀ ∇V − (h/2) V″ w.
 EnergyLevel energy_of_first_step(const text::SizedScene& scene, const double* x, double step) {
+  if (!scene.has_constant_metric()) return energy_on_a_metric(scene, x, step);
   const std::size_t n = scene.coordinates;
   const double half = 0.5 * step, beta = half * half, none = 0;
   std::vector<double> guess(n), place(n), slope(n), p(n), v(n);

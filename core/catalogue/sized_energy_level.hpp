@@ -1,4 +1,4 @@
-// Energies that schemes which choose the length of their steps hold to, of scenes H = ½ pᵀM⁻¹p + V(q) whose size is
+// Energies that schemes which choose the length of their steps hold to, of scenes H = ½ pᵀg⁻¹p + V(q) whose size is
 // known when they run.
 #pragma once
 

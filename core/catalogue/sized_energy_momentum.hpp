@@ -74,6 +74,7 @@ extern template class SizedEnergyMomentum<double>;
 extern template class SizedEnergyMomentum<Slope>;
 
 /// The scheme as a run by its own clock takes it.
+template <class Stepper>
 struct SizedEnergyMomentumScheme {
   EnergyMomentum chosen;
   const text::SizedScene* scene;
@@ -84,7 +85,7 @@ struct SizedEnergyMomentumScheme {
     return energy_of_first_step(*scene, x.numbers.data(), chosen.step).value;
   }
   template <class P>
-  SizedEnergyMomentum<double> bind(const P&, const RunState&, double level) const {
+  Stepper bind(const P&, const RunState&, double level) const {
     return {*scene, chosen, level};
   }
 };

@@ -4,23 +4,23 @@
 
 namespace least {
 
-template <class T>
-void SizedJacobiMaupertuis<T>::put(const T* x) {
+template <class Motion>
+void SizedJacobiMaupertuis<Motion>::put(const T* x) {
   auto& here = hybrid_.here();
   const std::size_t n = here.q.size();
   std::copy_n(x, n, here.q.begin());
   std::copy_n(x + n, n, here.p.begin());
 }
 
-template <class T>
-void SizedJacobiMaupertuis<T>::begin(const T* x, const T& level) {
+template <class Motion>
+void SizedJacobiMaupertuis<Motion>::begin(const T* x, const T& level) {
   put(x);
   hybrid_.start_anew(level);
   hybrid_.look();
 }
 
-template <class T>
-StepStatus SizedJacobiMaupertuis<T>::step(T* x, T& h) noexcept {
+template <class Motion>
+StepStatus SizedJacobiMaupertuis<Motion>::step(T* x, T& h) noexcept {
   put(x);
   if (const StepStatus status = hybrid_.step(); status != StepStatus::ok) return status;
   const auto& here = hybrid_.here();
@@ -30,9 +30,9 @@ StepStatus SizedJacobiMaupertuis<T>::step(T* x, T& h) noexcept {
   return StepStatus::ok;
 }
 
-template <class T>
-double SizedJacobiMaupertuis<T>::discrete_energy(const RunState& a, const RunState& b,
-                                                 const ActiveMethod& course) const {
+template <class Motion>
+double SizedJacobiMaupertuis<Motion>::discrete_energy(const RunState& a, const RunState& b,
+                                                      const ActiveMethod& course) const {
   auto from = hybrid_.here();
   const std::size_t n = from.q.size();
   std::copy_n(a.numbers.begin(), n, from.q.begin());
@@ -40,7 +40,9 @@ double SizedJacobiMaupertuis<T>::discrete_energy(const RunState& a, const RunSta
   return plain_number(hybrid_.discrete_energy(std::move(from), T(b.t - a.t), course));
 }
 
-template class SizedJacobiMaupertuis<double>;
-template class SizedJacobiMaupertuis<Slope>;
+template class SizedJacobiMaupertuis<SizedJacobiMotion<double>>;
+template class SizedJacobiMaupertuis<SizedJacobiMotion<Slope>>;
+template class SizedJacobiMaupertuis<MetricJacobiMotion<double>>;
+template class SizedJacobiMaupertuis<MetricJacobiMotion<Slope>>;
 
 }  // namespace least

@@ -1,20 +1,23 @@
-// jacobi_maupertuis on scenes H = ½ pᵀM⁻¹p + V(q) whose size is known when they run, by the steps of
-// core/catalogue/sized_jacobi_motion.hpp.
+// jacobi_maupertuis on scenes whose size is known when they run, by the steps of
+// core/catalogue/sized_jacobi_motion.hpp, or core/catalogue/metric_jacobi_motion.hpp.
 #pragma once
 
 #include <concepts>
 
+#include "core/catalogue/metric_jacobi_motion.hpp"
 #include "core/catalogue/sized_energy_level.hpp"
 #include "core/catalogue/sized_jacobi_motion.hpp"
 
 namespace least {
 
-/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
-template <class T>
+/// In the numbers of its motion: double, or dual numbers, whose derivatives are those of the solution.
+template <class Motion>
 class SizedJacobiMaupertuis {
+  using T = typename Motion::Number;
+
  public:
   SizedJacobiMaupertuis(const text::SizedScene& scene, const JacobiMaupertuis& scheme, const T& level)
-      : hybrid_(SizedJacobiMotion<T>(scene, scheme.quadrature, level), scheme) {}
+      : hybrid_(Motion(scene, scheme.quadrature, level), scheme) {}
 
   /// At x, as a run with this energy begins.
   void begin(const T* x, const T& level);
@@ -37,13 +40,16 @@ class SizedJacobiMaupertuis {
  private:
   void put(const T* x);
 
-  JacobiMaupertuisHybrid<SizedJacobiMotion<T>> hybrid_;
+  JacobiMaupertuisHybrid<Motion> hybrid_;
 };
 
-extern template class SizedJacobiMaupertuis<double>;
-extern template class SizedJacobiMaupertuis<Slope>;
+extern template class SizedJacobiMaupertuis<SizedJacobiMotion<double>>;
+extern template class SizedJacobiMaupertuis<SizedJacobiMotion<Slope>>;
+extern template class SizedJacobiMaupertuis<MetricJacobiMotion<double>>;
+extern template class SizedJacobiMaupertuis<MetricJacobiMotion<Slope>>;
 
 /// The scheme as a run by its own clock takes it.
+template <class Motion>
 struct SizedJacobiScheme {
   JacobiMaupertuis chosen;
   const text::SizedScene* scene;
@@ -54,8 +60,8 @@ struct SizedJacobiScheme {
     return energy_of_start(*scene, x.numbers.data()).value;
   }
   template <class P>
-  SizedJacobiMaupertuis<double> bind(const P&, const RunState& x, double level) const {
-    SizedJacobiMaupertuis<double> stepper(*scene, chosen, level);
+  SizedJacobiMaupertuis<Motion> bind(const P&, const RunState& x, double level) const {
+    SizedJacobiMaupertuis<Motion> stepper(*scene, chosen, level);
     stepper.begin(x.numbers.data(), level);
     return stepper;
   }

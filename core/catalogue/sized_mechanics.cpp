@@ -7,6 +7,7 @@
 #include "core/catalogue/compiled.hpp"
 #include "core/catalogue/sized_backend.hpp"
 #include "core/memory_budget.hpp"
+#include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
 #include "core/reference/series_truth.hpp"
 #include "core/run/run.hpp"
@@ -17,24 +18,36 @@
 namespace least {
 namespace {
 
+/// The variables of its equations of motion at a state.
+std::vector<DoubleDouble> digits_of(const text::SizedScene& scene, const RunState& x) {
+  std::vector<Quad> all(x.numbers.begin(), x.numbers.end());
+  all.resize(x.size() + scene.found());
+  scene.find_velocities(all.data(), x.t);
+  return digits_of(all);
+}
+
 /// Of a scene of few components whose motion has no series, as where a force has |v|: of the variables that it has.
 /// Empty where there are too many.
 Truth truth_of_few(const text::SizedScene& scene, const std::vector<double>& initial, double start,
                    const std::vector<double>& times, const KeepGoing& keep_going, std::vector<std::size_t> kinds) {
   constexpr std::size_t room = text::compiled_variables;
-  if (scene.moving > room) return {};
+  const std::size_t count = scene.moving + scene.found();
+  if (count > room) return {};
   text::Form form;
   form.kind = text::FormKind::flow;
   form.autonomous = scene.autonomous;
-  form.coordinates = scene.moving;
-  form.numbers = text::Numbering::of_flow(scene.moving);
+  form.coordinates = count;
+  form.numbers = text::Numbering::of_flow(count);
   form.tape = scene.equations;
-  for (std::size_t i = 0; i < scene.moving; ++i) form.rates.push_back(Symbol::at(form.tape, scene.rates[i]));
+  for (std::size_t i = 0; i < count; ++i) form.rates.push_back(Symbol::at(form.tape, scene.rates[i]));
   text::FlowScene flow;
   flow.formulas = std::make_shared<const text::Formulas>(form, std::span<const double>());
   StateOf<text::FlowScene> x{};
   x.t = start;
-  for (std::size_t i = 0; i < scene.moving; ++i) x[i] = initial[i];
+  std::vector<double> all(initial.begin(), initial.begin() + static_cast<std::ptrdiff_t>(scene.moving));
+  all.resize(count);
+  scene.find_velocities(all.data(), start);
+  for (std::size_t i = 0; i < count; ++i) x[i] = all[i];
   kinds.resize(room);
   Truth truth = true_states(flow, x, times, keep_going, kinds);
   for (auto& state : truth.states) state.resize(initial.size());
@@ -57,10 +70,8 @@ class SizedMechanics final : public Mechanics {
     const auto sized = text_.sized(parameters);
     traits_ = traits_of(*sized);
     card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
-    if (!sized->forced && sized->kind == text::FormKind::metric)
-      card_.offers += ", with more coordinates than the " + std::to_string(text::compiled_coordinates) +
-                      " for which schemes follow a level of the energy there";
-    if (!sized->forced && !traits_.potential && sized->coordinates > text::SizedScene::most_full)
+    const bool full = traits_.general || traits_.configuration_metric || traits_.quadratic_contact;
+    if (full && !sized->forced && sized->coordinates > text::SizedScene::most_full)
       card_.offers += ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
                       " for which schemes solve equations whose matrix is full";
     if (!sized->solves_for_places())
@@ -68,9 +79,9 @@ class SizedMechanics final : public Mechanics {
                       std::to_string(text::SizedScene::most_with_full_mass) +
                       " for which schemes solve for the next place";
     if (!sized->plain()) card_.offers += ", with sums of more terms than series are made of";
-    if (sized->forced && traits_.potential && !sized->forces.linear)
+    if (sized->forced && sized->has_constant_metric() && !sized->forces.linear)
       card_.offers += ", and the forces not linear in the momenta";
-    if (sized->forced && traits_.potential && !sized->forces.solvable())
+    if (sized->forced && sized->has_constant_metric() && !sized->forces.solvable())
       card_.offers += ", and the forces coupling more than " + std::to_string(text::SizedScene::most_coupled) +
                       " momenta, too many to solve for in a kick";
     if (sized->forces.jumps)
@@ -118,8 +129,12 @@ class SizedMechanics final : public Mechanics {
     }
     const auto sized = text_.sized(scene.parameters);
     Scales scales;
-    if (sized->plain())
-      scales = scales_of_motion(sized->series(false), scene.initial.data(), scene.start, sized->moving, traits_.dof);
+    if (sized->plain()) {
+      std::vector<double> all = scene.initial;
+      all.resize(std::max(all.size(), sized->moving + sized->found()));
+      sized->find_velocities(all.data(), scene.start);
+      scales = scales_of_motion(sized->series(false), all.data(), scene.start, sized->moving, traits_.dof);
+    }
     if (!std::isfinite(scales.time)) scales.time = 0;
     scales.damped = traits_.linear_contact;
     const std::lock_guard lock(mutex_);
@@ -129,8 +144,8 @@ class SizedMechanics final : public Mechanics {
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
     const auto sized = text_.sized(scene.parameters);
     const SizedBackend backend(sized);
-    Truth truth =
-        truth_by_series(backend, backend.motion().start(scene.initial, scene.start), times, keep_going, kinds_);
+    const RunState start = backend.motion().start(scene.initial, scene.start);
+    Truth truth = truth_by_series(backend, start, digits_of(*sized, start), times, keep_going, kinds_);
     if (truth.complete || !truth.states.empty()) return truth;
     const Truth other = truth_of_few(*sized, scene.initial, scene.start, times, keep_going, kinds_);
     return other.states.empty() ? truth : other;
@@ -143,7 +158,11 @@ class SizedMechanics final : public Mechanics {
     const SizedBackend backend(text_.sized(scene.parameters));
     return pace_of(backend, backend.motion().start(scene.initial, scene.start), end, keep_going);
   }
-  double blow_up_time(const Scene&, double, double, const KeepGoing&) const override { return unknown; }
+  double blow_up_time(const Scene& scene, double latest, double step, const KeepGoing& keep_going) const override {
+    if (!traits_.quadratic_contact) return unknown;
+    const SizedBackend backend(text_.sized(scene.parameters));
+    return true_blow_up_time(backend, backend.motion().start(scene.initial, scene.start), latest, step, keep_going);
+  }
 
  private:
   text::TextScene text_;

@@ -127,7 +127,7 @@ class SizedKickDrift {
   Work work_;
 };
 
-/// Of H = K + V + α(t)s.
+/// Of H = K + V + α(t)s, or with γs²/2 − R in its place.
 template <class T = double>
 class SizedContactLeapfrog {
  public:
@@ -143,7 +143,7 @@ class SizedContactLeapfrog {
   void begin(const T* x, double t) {
     work_ = {};
     look(x, t);
-    damping_ = scene_->damping_at(t);
+    if (!scene_->is_quadratic()) damping_ = scene_->damping_at(t);
   }
   /// A step that fails leaves neither the state nor the stepper as they were.
   StepStatus step(T* x, double t, double h) noexcept {
@@ -161,11 +161,11 @@ class SizedContactLeapfrog {
     begin(x.data(), from.t);
     double sum = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
-      const T before = potential_ + damping_ * x[2 * n];
+      const T before = potential_ + action_energy(x[2 * n]);
       if (!stage(x.data(), weights_->gamma[i] * h, from.t + weights_->end[i] * h)) return unknown;
       T twice(0);  // of the momentum of the drift, and its velocity
       for (std::size_t k = 0; k < n; ++k) twice = twice + v_[k] * velocity_[k];
-      sum += 0.5 * weights_->gamma[i] * plain_number(twice + before + potential_ + damping_ * x[2 * n]);
+      sum += 0.5 * weights_->gamma[i] * plain_number(twice + before + potential_ + action_energy(x[2 * n]));
     }
     return std::isfinite(sum) ? sum : unknown;
   }
@@ -176,12 +176,41 @@ class SizedContactLeapfrog {
     if (acts_) scene_->potential.evaluate(q, t, &potential_);
     ++work_.forces;
   }
+  /// What s adds to H at the present time.
+  T action_energy(const T& s) const { return scene_->is_quadratic() ? scene_->action_energy(s, 0) : T(damping_ * s); }
   bool stage(T* x, double h, double end) {
+    if (scene_->is_quadratic()) return quadratic_stage(x, h, end);
     const std::size_t n = slope_.size();
-    T* const p = x + n;
     const double next = scene_->damping_at(end), before = 1 - (h / 2) * damping_, under = 1 + (h / 2) * next;
     if (!(under > least_denominator)) return false;
     const double after = 1 / under;
+    const T lagrangian = to_end(x, before, h, end);
+    T* const p = x + n;
+    for (std::size_t i = 0; i < n; ++i) p[i] = (v_[i] - (h * 0.5) * slope_[i]) * after;
+    damping_ = next;
+    if (acts_) x[2 * n] = (before * x[2 * n] + h * lagrangian) * after;
+    return true;
+  }
+  bool quadratic_stage(T* x, double h, double end) {
+    using least::sqrt;
+    const std::size_t n = slope_.size();
+    const double gamma = scene_->action_curvature;
+    T& s = x[2 * n];
+    const T lagrangian = to_end(x, T(1 - (h / 2) * (gamma * s)), h, end);
+    const T r = s - (h / 4) * (gamma * (s * s)) + h * (lagrangian + scene_->offset), under = 1 + h * (gamma * r);
+    if (!(under > T(0))) return false;
+    s = 2 * r / (1 + sqrt(under));
+    const T after = 1 + (h / 2) * (gamma * s);
+    if (!(after > T(least_denominator))) return false;
+    T* const p = x + n;
+    for (std::size_t i = 0; i < n; ++i) p[i] = (v_[i] - (h * 0.5) * slope_[i]) / after;
+    return true;
+  }
+  /// Half a kick and the drift; the mean of K − V over the ends.
+  template <class Factor>
+  T to_end(T* x, const Factor& before, double h, double end) {
+    const std::size_t n = slope_.size();
+    const T* const p = x + n;
     const T potential = potential_;
     for (std::size_t i = 0; i < n; ++i) v_[i] = before * p[i] - (h * 0.5) * slope_[i];
     scene_->velocity(v_.data(), velocity_.data());
@@ -189,10 +218,7 @@ class SizedContactLeapfrog {
     for (std::size_t i = 1; i < n; ++i) work = work + v_[i] * velocity_[i];
     for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + h * velocity_[i];
     look(x, end);
-    for (std::size_t i = 0; i < n; ++i) p[i] = (v_[i] - (h * 0.5) * slope_[i]) * after;
-    damping_ = next;
-    if (acts_) x[2 * n] = (before * x[2 * n] + h * (0.5 * (work - (potential + potential_)))) * after;
-    return true;
+    return 0.5 * (work - (potential + potential_));
   }
 
   const text::SizedScene* scene_;
@@ -237,7 +263,7 @@ class SizedRungeKutta {
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
 
  private:
-  const tape::Formula* rate_;
+  const text::StateFormula* rate_;
   ExplicitTableau<Stages> tableau_;
   std::vector<T> slope_, sum_, y_;
   Work work_;
@@ -281,17 +307,21 @@ class SizedSteps final : public EqualSteps {
   BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, double* rows) override {
     double* const x = state.x.numbers.data();
     const std::size_t size = state.x.size();
+    const double* const s = problem_.traits.quadratic_contact ? x + 2 * problem_.traits.dof : nullptr;
+    double lowest = 0;
     StepStatus status = StepStatus::ok;
     const std::int64_t end = state.n + count;
     while (state.n < end) {
       status = stepper_.step(x, state.x.t, grid_.step);
       if (status != StepStatus::ok) return BlockResult::failed(status);
       state.x.t = grid_.time(++state.n);
+      if (s) lowest = std::min(lowest, *s);
       if (!rows) continue;
       *rows++ = state.x.t;
       rows = std::copy_n(x, size, rows);
     }
     if (state.n == grid_.steps && grid_.tail == 0) state.x.t = grid_.end;
+    if (s && -problem_.action_curvature() * lowest * grid_.step > 2) return BlockResult::failed(StepStatus::singular);
     if (!is_finite_state(problem_.traits, state.x)) return {BlockEnd::not_finite};
     return guard.exceeded() ? BlockResult{BlockEnd::too_fast} : BlockResult{};
   }

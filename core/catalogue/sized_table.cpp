@@ -12,10 +12,13 @@ ProblemTraits traits_of(const text::SizedScene& scene, bool all) {
   traits.acting = scene.acting && (all || scene.components == scene.moving);
   traits.full = traits.components == scene.components;
   traits.flow = scene.flow;
-  traits.general = scene.kind == FormKind::hamiltonian || scene.kind == FormKind::metric;
+  traits.general_lagrangian = scene.kind == FormKind::lagrangian;
+  traits.general = scene.kind == FormKind::hamiltonian || traits.general_lagrangian;
   traits.potential = !traits.flow && !traits.general;
   traits.configuration_metric = scene.kind == FormKind::metric;
-  traits.linear_contact = traits.contact = scene.kind == FormKind::contact_linear;
+  traits.linear_contact = scene.kind == FormKind::contact_linear;
+  traits.quadratic_contact = scene.is_quadratic();
+  traits.contact = traits.linear_contact || traits.quadratic_contact;
   traits.conservative = traits.potential && !traits.contact && !scene.forced;
   traits.constant_damping = scene.constant_damping;
   traits.autonomous = scene.autonomous;
@@ -45,6 +48,12 @@ void SizedTable::rates(StateView x, const double* u, double dt, double* rates, d
 }
 
 double SizedTable::kinetic(StateView x) const {
+  if (traits.configuration_metric) {
+    double h[2], potential = 0;
+    scene_->hamiltonian.evaluate(x.numbers, x.t, h);
+    scene_->potential.evaluate(x.numbers, x.t, &potential);
+    return h[0] - potential;
+  }
   thread_local std::vector<double> v;
   const std::size_t n = scene_->coordinates;
   const double* const p = x.numbers + n;
@@ -62,8 +71,9 @@ EnergyTerms SizedTable::energy_terms(StateView x) const {
     scene_->potential.evaluate(x.numbers, x.t, &terms.potential);
     if (!traits.contact) terms.total = terms.kinetic + terms.potential;
     if (traits.contact && traits.acting) {
-      terms.action_slope = damping(x.t);
-      terms.total = terms.kinetic + terms.potential + terms.action_slope * x[2 * traits.dof];
+      const double s = x[2 * traits.dof];
+      terms.action_slope = action_slope(s, x.t);
+      terms.total = terms.kinetic + terms.potential + scene_->action_energy(s, x.t);
     }
   } else if (traits.general) {
     double all[2];

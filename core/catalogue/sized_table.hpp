@@ -26,9 +26,11 @@ class SizedTable final : public ProblemTable {
   void energy_terms(const StateRows& states, EnergyTerms* terms) const override;
   double mechanical_energy(StateView x) const override;
   double damping(double t) const override;
-  double action_slope(double, double t) const override { return damping(t); }
-  double action_curvature() const override { return unknown; }
-  double offset() const override { return 0; }
+  double action_slope(double s, double t) const override {
+    return traits.contact ? scene_->action_slope(s, t) : unknown;
+  }
+  double action_curvature() const override { return traits.quadratic_contact ? scene_->action_curvature : unknown; }
+  double offset() const override { return scene_->offset; }
   double period() const override { return 0; }
   double stiffness_rate() const override { return unknown; }
   double frequency_squared(StateView) const override { return unknown; }
@@ -50,7 +52,7 @@ class SizedTable final : public ProblemTable {
   RunState series_state(double) const override { return {}; }
 
  private:
-  const tape::Formula& rate() const {
+  const text::StateFormula& rate() const {
     return traits.components == scene_->components ? scene_->rate : scene_->motion();
   }
   double kinetic(StateView x) const;

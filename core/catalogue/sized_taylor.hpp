@@ -9,6 +9,7 @@
 #include "core/number/asked_by_thread.hpp"
 #include "core/run/run_state.hpp"
 #include "core/schemes/taylor.hpp"
+#include "core/text/sized_scene.hpp"
 
 namespace least {
 
@@ -17,8 +18,10 @@ class SizedTaylorStepper {
   static constexpr bool reads_time = true, has_dense = true;
   static constexpr int parts = 16;
 
-  explicit SizedTaylorStepper(std::shared_ptr<taylor::Expansion> expansion)
-      : expansion_(std::move(expansion)),
+  /// Of the motion of a scene, which outlives it.
+  SizedTaylorStepper(const text::SizedScene& scene, std::shared_ptr<taylor::Expansion> expansion)
+      : scene_(&scene),
+        expansion_(std::move(expansion)),
         start_(expansion_->program().variables),
         end_(start_),
         start_low_(start_),
@@ -46,7 +49,7 @@ class SizedTaylorStepper {
     std::swap(start_low_, from_low_);
     t_ = x.t;
     h_ = h;
-    std::copy(end_.begin(), end_.end(), x.numbers.begin());
+    std::copy_n(end_.begin(), x.size(), x.numbers.begin());
     x.t = t_ + h;
     return StepStatus::ok;
   }
@@ -57,7 +60,7 @@ class SizedTaylorStepper {
     constexpr int most_parts = 10'000;
     for (int part = 0; part < most_parts; ++part) {
       if (!(x.t < t)) return StepStatus::ok;
-      from_.assign(x.numbers.begin(), x.numbers.end());
+      complete(x);
       from_low_.assign(from_.size(), 0);
       expansion_->move(from_.data(), x.t);
       work_.forces += expansion_->order();
@@ -65,7 +68,7 @@ class SizedTaylorStepper {
       if (!(h > 0)) return StepStatus::singular;
       if (!(x.t + h > x.t)) return StepStatus::underflow;
       expansion_->evaluate(h, from_low_.data(), from_.data());
-      std::copy(from_.begin(), from_.end(), x.numbers.begin());
+      std::copy_n(from_.begin(), x.size(), x.numbers.begin());
       x.t = h < t - x.t ? x.t + h : t;
     }
     return StepStatus::solver_failed;
@@ -78,24 +81,31 @@ class SizedTaylorStepper {
     from_low_ = start_low_;
     expansion_->move(from_.data(), t_);
     expansion_->evaluate(h, from_low_.data(), from_.data());
-    std::copy(from_.begin(), from_.end(), x.numbers.begin());
+    std::copy_n(from_.begin(), x.size(), x.numbers.begin());
     x.t = t;
     return true;
   }
   const Work& work() const noexcept { return work_; }
   /// One that has taken no step yet, of the same program.
-  SizedTaylorStepper anew() const { return SizedTaylorStepper(expansion_); }
+  SizedTaylorStepper anew() const { return {*scene_, expansion_}; }
 
  private:
   /// Where a step begins: where the last one ended, with what rounding has kept from it, but for what is changed.
   void begin(const RunState& x) {
+    complete(x);
     for (std::size_t i = 0; i < end_.size(); ++i)
-      if (x[i] != end_[i]) {
-        end_[i] = x[i];
+      if (from_[i] != end_[i]) {
+        end_[i] = from_[i];
         low_[i] = 0;
       }
   }
+  /// The variables of the series at a state, in from_.
+  void complete(const RunState& x) {
+    std::copy_n(x.numbers.begin(), x.size(), from_.begin());
+    scene_->find_velocities(from_.data(), x.t);
+  }
 
+  const text::SizedScene* scene_;
   std::shared_ptr<taylor::Expansion> expansion_;
   double t_ = 0, h_ = 0;                                       ///< of the last step
   std::vector<double> start_, end_, start_low_, low_;          ///< where it began and ended; what rounding has kept

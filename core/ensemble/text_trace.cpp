@@ -9,7 +9,7 @@ std::optional<StepTrace> trace_text(const Request& request, std::span<const doub
   using text::FormKind;
   const text::TextScene& text = *request.scene->mechanics->text();
   const text::Form& form = *text.form;
-  if (!form.is_compiled()) return std::nullopt;
+  if (!form.is_compiled() || form.kind == FormKind::lagrangian) return std::nullopt;
   const auto formulas = std::make_shared<const text::Formulas>(form, parameters);
   std::optional<StepTrace> made(std::in_place);
   const auto as = [&]<class P>(P*) {
@@ -30,7 +30,6 @@ std::optional<StepTrace> trace_text(const Request& request, std::span<const doub
   if (form.kind == FormKind::metric) as(static_cast<text::MetricScene<n>*>(nullptr));
   if (form.kind == FormKind::hamiltonian) as(static_cast<text::HamiltonianScene*>(nullptr));
   if (form.kind == FormKind::flow) as(static_cast<text::FlowScene*>(nullptr));
-  if (form.kind == FormKind::lagrangian) made.reset();
   return made;
 }
 

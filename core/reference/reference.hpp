@@ -111,11 +111,10 @@ Reference<P> extrapolated_run(const P& problem, const StateOf<P>& x0, const std:
   return std::move(runs).result();
 }
 
-/// A state as the tape of the problem's equations has it, to the digits that it has.
-template <class P, class X>
-std::vector<DoubleDouble> digits_of(const P& problem, const X& x) {
+/// Numbers to the digits that they have.
+inline std::vector<DoubleDouble> digits_of(std::span<const Quad> numbers) {
   std::vector<DoubleDouble> digits;
-  for (const Quad& number : taylor::values_of(problem, convert<Quad, Quad>(x))) {
+  for (const Quad& number : numbers) {
     const auto high = static_cast<double>(number);
     digits.emplace_back(high, static_cast<double>(number - Quad(high)));
   }
@@ -133,9 +132,10 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
     coarse.start(x, t);
   };
   if (!starts_series(problem, x0)) {
-    start(digits_of(problem, x0), x0.t);
+    start(digits_of(taylor::values_of(convert<Quad, Quad>(x0))), x0.t);
   } else if constexpr (HasSeries<P>) {
-    start(digits_of(problem, series_state<StateOf<P, Quad, Quad>>(problem, P::series_until)), P::series_until);
+    start(digits_of(taylor::values_of(series_state<StateOf<P, Quad, Quad>>(problem, P::series_until))),
+          P::series_until);
   }
   std::size_t done = 0;
   if constexpr (HasSeries<P>)
@@ -145,7 +145,7 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
         runs.add(
             times[done], [&](std::size_t i) { return static_cast<double>(x[i]); }, [](std::size_t) { return 0.0; });
       }
-  constexpr std::size_t at_once = 4096, components = StateOf<P>::size + taylor::found<P>;
+  constexpr std::size_t at_once = 4096, components = StateOf<P>::size;
   bool told = false;
   const auto going = [&] { return !(told = told || !keep_going()); };
   for (bool good = true; good && done < times.size();) {

@@ -21,13 +21,10 @@ using TwoWays = std::array<std::vector<DoubleDouble>, 2>;
 /// so that steps do not end at them: roundings of two motions with other steps are other ones.
 class DoubleMotion {
  public:
-  DoubleMotion(const tape::Program& program, int order, const RunState& start)
-      : series_(program, closest, order),
-        t_(start.t),
-        y_(start.numbers.begin(), start.numbers.end()),
-        low_(y_.size()),
-        end_(y_.size()),
-        rest_(y_.size()) {}
+  DoubleMotion(const tape::Program& program, int order, const std::vector<DoubleDouble>& start, double t)
+      : series_(program, closest, order), t_(t), y_(start.size()), low_(y_.size()), end_(y_.size()), rest_(y_.size()) {
+    std::ranges::transform(start, y_.begin(), &DoubleDouble::high);
+  }
 
   int order() const { return series_.order(); }
   /// The state at t, which is no earlier than any time asked for before, and what rounding has kept from it; false
@@ -70,8 +67,8 @@ class DoubleMotion {
 /// Two of them, of which one has longer steps by a higher order.
 class TwoDoubleMotions {
  public:
-  TwoDoubleMotions(const tape::Program& program, const RunState& start)
-      : one_(program, 0, start), other_(program, one_.order() + higher, start) {}
+  TwoDoubleMotions(const tape::Program& program, const std::vector<DoubleDouble>& start, double t)
+      : one_(program, 0, start, t), other_(program, one_.order() + higher, start, t) {}
 
   TwoWays at(std::span<const double> times, const KeepGoing& keep_going) {
     TwoWays states;
@@ -90,7 +87,7 @@ template <class At>
 Truth truth_of(const RunBackend& backend, const RunState& start, const std::vector<double>& times,
                const KeepGoing& keep_going, std::span<const std::size_t> kinds, Truth truth, At&& at) {
   constexpr double rounding = 0x1p-53;
-  const std::size_t size = start.size();
+  const std::size_t size = start.size(), all = backend.found() + size;
   ComponentSizes sizes(kinds, size);
   sizes.see(start);
   std::vector<RunState> seen{start};
@@ -98,10 +95,10 @@ Truth truth_of(const RunBackend& backend, const RunState& start, const std::vect
   while (truth.states.size() < times.size()) {
     const auto ahead = std::span(times).subspan(truth.states.size());
     const auto [x, y] = at(ahead.first(std::min(times_at_once, ahead.size())));
-    const std::size_t both = std::min(x.size(), y.size()) / size;
+    const std::size_t both = std::min(x.size(), y.size()) / all;
     bool finite = both > 0;
     for (std::size_t k = 0; k < both && finite; ++k) {
-      const DoubleDouble *const here = &x[k * size], *const other = &y[k * size];
+      const DoubleDouble *const here = &x[k * all], *const other = &y[k * all];
       RunState state{times[truth.states.size()], StateNumbers(size)};
       double apart = 0, largest = 1;
       for (std::size_t i = 0; i < size; ++i) {
@@ -131,8 +128,9 @@ Truth truth_of(const RunBackend& backend, const RunState& start, const std::vect
 
 }  // namespace
 
-Truth truth_by_series(const RunBackend& backend, const RunState& start, const std::vector<double>& times,
-                      const KeepGoing& keep_going, std::span<const std::size_t> kinds) {
+Truth truth_by_series(const RunBackend& backend, const RunState& start, const std::vector<DoubleDouble>& digits,
+                      const std::vector<double>& times, const KeepGoing& keep_going,
+                      std::span<const std::size_t> kinds) {
   constexpr double closest = 1e-27, close = 1e-23, rounding = 0x1p-53;
   // Of larger ones a step in so many digits takes longer than anybody waits; of the largest one in double does.
   constexpr tape::Index most_in_quad = tape::most_of_equations / 4, most_in_double = 2 * tape::most_of_equations;
@@ -144,12 +142,11 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
   if (!truth.missing.empty()) return truth;
   if (tape.size() > most_in_quad) {
     truth.how = "double precision run";
-    TwoDoubleMotions both(taylor::program_of(tape, rates, rates.size()), start);
+    TwoDoubleMotions both(taylor::program_of(tape, rates, rates.size()), digits, start.t);
     return truth_of(backend, start, times, keep_going, kinds, std::move(truth),
                     [&](std::span<const double> some) { return both.at(some, keep_going); });
   }
   TrueMotion fine(tape, rates, closest), coarse(std::move(tape), rates, close);
-  const std::vector<DoubleDouble> digits(start.numbers.begin(), start.numbers.end());
   fine.start(digits, start.t);
   coarse.start(digits, start.t);
   truth = truth_of(backend, start, times, keep_going, kinds, std::move(truth),

@@ -30,11 +30,12 @@ ControlStepper& ControlStepper::operator=(ControlStepper other) noexcept {
 }
 
 odeint::Field ControlStepper::field() const {
-  if (!all_) return field_of(*backend_, steep_.get());
-  return {[](const void* of, double t, const double* y, double* rate) {
-            static_cast<const RunBackend*>(of)->table().rates({t, y}, rate);
-          },
-          backend_, steep_.get()};
+  odeint::Field field = field_of(*backend_, steep_.get());
+  if (all_)
+    field.rate = [](const void* of, double t, const double* y, double* rate) {
+      static_cast<const RunBackend*>(of)->table().rates({t, y}, rate);
+    };
+  return field;
 }
 
 StepStatus ControlStepper::step(RunState& x) noexcept { return integrator_->step(field(), x.numbers.data(), x.t); }

@@ -23,7 +23,6 @@ constexpr ProblemTraits traits_of() {
   traits.flow = Flow<P>;
   traits.potential = Potential<P>;
   traits.general = GeneralHamiltonian<P>;
-  traits.general_lagrangian = GeneralLagrangian<P>;
   traits.conservative = Conservative<P>;
   traits.configuration_metric = ConfigurationMetric<P>;
   traits.split_flow = SplitFlow<P>;

@@ -40,8 +40,7 @@ Scales scales_of(const P& problem, const StateOf<P>& start) {
       if constexpr (Flow<P>) return std::size_t(0);
       if constexpr (!Flow<P>) return std::size_t(P::dof);
     }();
-    scales =
-        scales_of_motion(taylor::record<X>(problem), taylor::values_of(problem, start).data(), start.t, X::size, half);
+    scales = scales_of_motion(taylor::record<X>(problem), taylor::values_of(start).data(), start.t, X::size, half);
   }
   if constexpr (HasFrequency<P>)
     if (!(scales.time > 0)) scales.time = 1 / std::sqrt(problem.frequency_squared(position(start)));

@@ -178,9 +178,6 @@ class ContactGalerkin4Stepper {
   Work work_;
 };
 
-template <GeneralLagrangian P, class X>
-class LagrangianGalerkinStepper;  // core/schemes/general_herglotz.hpp
-
 struct ContactGalerkin4 {
   double step = 0.01;
   static constexpr std::tuple fields{step_field<ContactGalerkin4>()};
@@ -209,13 +206,8 @@ struct ContactGalerkin4 {
       return ContactGalerkin4Stepper<P, X>(problem);
     }
   }
-  template <GeneralLagrangian P, class X>
-  auto bind(const P& problem, const X&) const {
-    return LagrangianGalerkinStepper<P, X>(problem);
-  }
-  template <class P, class X>
-  requires(X::acting && (Contact<P> || GeneralLagrangian<P>)) auto step_energy(const P& problem, const X& a, const X&,
-                                                                               const typename X::Time& h) const {
+  template <Contact P, class X>
+  requires X::acting auto step_energy(const P& problem, const X& a, const X&, const typename X::Time& h) const {
     return bind(problem, a).energy(a, h);
   }
 

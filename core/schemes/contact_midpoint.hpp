@@ -122,9 +122,6 @@ class ContactMidpointStepper {
   Work work_;
 };
 
-template <GeneralLagrangian P, class X>
-class LagrangianMidpointStepper;  // core/schemes/general_herglotz.hpp
-
 struct ContactVariationalMidpoint {
   double step = 0.01;
   Composition composition = Composition::none;
@@ -152,22 +149,6 @@ struct ContactVariationalMidpoint {
   auto bind(const P& problem, const X&) const {
     using Stepper = ContactMidpointStepper<P, X>;
     return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
-  }
-  template <GeneralLagrangian P, class X>
-  auto bind(const P& problem, const X&) const {
-    using Stepper = LagrangianMidpointStepper<P, X>;
-    return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
-  }
-  template <GeneralLagrangian P, class X>
-  auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
-    auto m = a.q, v = a.q;
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      m[i] = 0.5 * (a.q[i] + b.q[i]);
-      v[i] = (b.q[i] - a.q[i]) / h;
-    }
-    const auto at =
-        problem.lagrangian(m, v, typename X::Number(0.5 * (a.action.s + b.action.s)), phase(problem, a.t + h / 2));
-    return dot(at.by_v, v) - at.value;
   }
   /// The momentum in the middle is the mean of what λ's factors make of those at the ends.
   template <Contact P, class X>

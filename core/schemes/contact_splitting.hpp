@@ -47,6 +47,39 @@ struct ActionFlow {
   }
 };
 
+/// That of A = γs²/2 − R, taken with the potential as one, where w² = γR/2 is `square`.
+template <class R, class S>
+ActionFlow<R> quadratic_flow(const R& square, const S& h) {
+  using least::abs;
+  using least::cos;
+  using least::exp;
+  using least::sin;
+  using least::sqrt;
+  const R x = square * (h * h), w = sqrt(abs(square)), turn = w * h;  // x: (wh)²
+  const auto series = [&] {
+    R even(1), odd(1);  // Σ xᵏ/(2k)! and Σ xᵏ/(2k + 1)!, to 36 digits
+    for (int k = 15; k > 0; --k) {
+      even = 1 + x * even / ((2 * k - 1) * (2 * k));
+      odd = 1 + x * odd / ((2 * k) * (2 * k + 1));
+    }
+    return ActionFlow<R>{even, h * odd};
+  };
+  const auto circular = [&] {
+    const auto pole = [] { return ActionFlow<R>{R(-1), R(0)}; };  // within the step whatever s is
+    return either(
+        abs(turn) < R(3.141592653589793),
+        [&] {
+          return ActionFlow<R>{cos(turn), sin(turn) / w};
+        },
+        pole);
+  };
+  const auto hyperbolic = [&] {
+    const R up = exp(turn), down = exp(-turn);
+    return ActionFlow<R>{(up + down) / 2, (up - down) / (2 * w)};
+  };
+  return either(abs(x) < R(0.25), series, [&] { return either(square < R(0), circular, hyperbolic); });
+}
+
 /// Merged: whether A and B are taken as one, a mask where each lane has an α of its own.
 template <SeparableContact P, class X, class Merged>
 class ContactSplittingStepper {
@@ -101,42 +134,15 @@ class ContactSplittingStepper {
       flows_[i] = flow(turns_->kick[i] * h, phase(problem_, S(0)));
   }
   ActionFlow<R> flow(const S& h, const F& f) const {
-    using least::abs;
-    using least::cos;
     using least::exp;
     using least::phi1;
-    using least::sin;
-    using least::sqrt;
     if constexpr (LinearContact<P>) {
       const R z = -(h * damping(problem_, f));
       return {exp(z), either(
                           merged_, [&] { return R(h * phi1(z)); }, [&] { return R(h); })};
     } else {
       if (!merged_) return {R(1), R(h)};
-      const R square = problem_.action_curvature() * problem_.offset() / 2, x = square * (h * h);  // (wh)²
-      const R w = sqrt(abs(square)), turn = w * h;
-      const auto series = [&] {
-        R even(1), odd(1);  // Σ xᵏ/(2k)! and Σ xᵏ/(2k + 1)!, to 36 digits
-        for (int k = 15; k > 0; --k) {
-          even = 1 + x * even / ((2 * k - 1) * (2 * k));
-          odd = 1 + x * odd / ((2 * k) * (2 * k + 1));
-        }
-        return ActionFlow<R>{even, h * odd};
-      };
-      const auto circular = [&] {
-        const auto pole = [] { return ActionFlow<R>{R(-1), R(0)}; };  // within the step whatever s is
-        return either(
-            abs(turn) < R(3.141592653589793),
-            [&] {
-              return ActionFlow<R>{cos(turn), sin(turn) / w};
-            },
-            pole);
-      };
-      const auto hyperbolic = [&] {
-        const R up = exp(turn), down = exp(-turn);
-        return ActionFlow<R>{(up + down) / 2, (up - down) / (2 * w)};
-      };
-      return either(abs(x) < R(0.25), series, [&] { return either(square < R(0), circular, hyperbolic); });
+      return quadratic_flow(R(problem_.action_curvature() * problem_.offset() / 2), h);
     }
   }
 

@@ -12,7 +12,6 @@
 #include "core/schemes/contact_symplectic_euler.hpp"
 #include "core/schemes/energy_momentum.hpp"
 #include "core/schemes/galerkin_4.hpp"
-#include "core/schemes/general_herglotz.hpp"
 #include "core/schemes/hamiltonian_gauss.hpp"
 #include "core/schemes/jacobi_maupertuis.hpp"
 #include "core/schemes/lifted_splitting.hpp"

@@ -130,21 +130,13 @@ class AnyOdeintStepper {
   const Work& work() const noexcept { return integrator_->work(); }
 
   static odeint::Field field_of(const P& problem, const tape::SteepForces* steep) {
-    odeint::Field field{[](const void* of, double t, const double* y, double* rate) {
-                          X x;
-                          x.t = t;
-                          read(y, x);
-                          write(derivative(*static_cast<const P*>(of), x), rate);
-                        },
-                        &problem, steep};
-    if constexpr (IteratesForRates<P>)
-      field.complete = [](const void* of, double t, double* variables) {
-        StateOf<P> x;
-        x.t = t;
-        for (std::size_t i = 0; i < StateOf<P>::size; ++i) x[i] = variables[i];
-        std::ranges::copy(taylor::values_of(*static_cast<const P*>(of), x), variables);
-      };
-    return field;
+    return {[](const void* of, double t, const double* y, double* rate) {
+              X x;
+              x.t = t;
+              read(y, x);
+              write(derivative(*static_cast<const P*>(of), x), rate);
+            },
+            &problem, steep};
   }
 
  private:

@@ -38,17 +38,9 @@ template <class X>
 concept Flat = std::is_same_v<typename X::Time, double> &&(std::is_same_v<typename X::Number, double> || Sloped<X>);
 template <Flat X>
 inline constexpr std::size_t components = Sloped<X> ? 2 * X::size : X::size;
-/// What a series has beside them: velocities that are found by iteration.
-template <class P>
-inline constexpr std::size_t found = [] {
-  if constexpr (IteratesForRates<P>) return P::dof;
-  return 0;
-}();
-template <class P, class X>
-inline constexpr std::size_t variables = components<X> + found<P>;
 /// As many with room for a whole four where three stand behind others: they are faster than two and one.
-template <class P, class X>
-inline constexpr std::size_t with_room = variables<P, X> % 4 == 3 ? variables<P, X> + 1 : variables<P, X>;
+template <Flat X>
+inline constexpr std::size_t with_room = components<X> % 4 == 3 ? components<X> + 1 : components<X>;
 
 /// The i-th component: values, then slopes.
 template <class X>
@@ -62,37 +54,28 @@ constexpr auto& component(X& x, std::size_t i) {
 
 /// The equations of motion of a problem, on states like X, written on a tape: the rates of its variables.
 template <class X, VectorField P>
-constexpr std::array<tape::Index, variables<P, X>> write_equations(const P& problem, tape::Tape& tape) {
-  std::array<tape::Index, variables<P, X>> rates;
-  if constexpr (IteratesForRates<P>) {
-    std::array<Symbol, variables<P, X>> x;
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] = Symbol::variable(tape, i);
-    const auto rate = problem.rates(x, Symbol::time(tape));
-    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = rate[i].on(tape);
-  } else {
-    using Number = std::conditional_t<Sloped<X>, Dual<Symbol, 1>, Symbol>;
-    typename X::template in<Number, Symbol> x;
-    for (std::size_t i = 0; i < components<X>; ++i) component(x, i) = Symbol::variable(tape, i);
-    x.t = Symbol::time(tape);
-    auto rate = derivative(problem, x);
-    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = component(rate, i).on(tape);
-  }
+constexpr std::array<tape::Index, components<X>> write_equations(const P& problem, tape::Tape& tape) {
+  std::array<tape::Index, components<X>> rates;
+  using Number = std::conditional_t<Sloped<X>, Dual<Symbol, 1>, Symbol>;
+  typename X::template in<Number, Symbol> x;
+  for (std::size_t i = 0; i < components<X>; ++i) component(x, i) = Symbol::variable(tape, i);
+  x.t = Symbol::time(tape);
+  auto rate = derivative(problem, x);
+  for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = component(rate, i).on(tape);
   return rates;
 }
 /// A state without tangent direction.
-template <class P, class X>
-auto values_of([[maybe_unused]] const P& problem, const X& x) {
-  std::array<typename X::Number, X::size + found<P>> y;
+template <class X>
+auto values_of(const X& x) {
+  std::array<typename X::Number, X::size> y;
   for (std::size_t i = 0; i < X::size; ++i) y[i] = x[i];
-  if constexpr (IteratesForRates<P>)
-    std::ranges::copy(problem.velocities(x.q, x.p, x.action.s, x.t), y.begin() + X::size);
   return y;
 }
 template <class X, VectorField P>
 tape::Program record(const P& problem) {
   tape::Tape tape;
   const auto rates = write_equations<X>(problem, tape);
-  return program_of(tape, rates, StateOf<P>::size + found<P>);
+  return program_of(tape, rates, StateOf<P>::size);
 }
 
 template <class X, VectorField P>
@@ -142,7 +125,6 @@ class TaylorStepper {
 
   TaylorStepper(const P& problem, double tolerance, int order)
       : expansion_(taylor::expansion_of<X>(problem, tolerance, order)) {
-    if constexpr (IteratesForRates<P>) problem_ = problem;
     if constexpr (carries) expansion_->make_beside();
   }
 
@@ -217,16 +199,15 @@ class TaylorStepper {
   TaylorStepper anew() const {
     TaylorStepper other;
     other.expansion_ = expansion_;
-    other.problem_ = problem_;
     return other;
   }
 
  private:
   TaylorStepper() = default;
 
-  static constexpr std::size_t count = taylor::variables<P, X>;
-  using Values = std::array<double, taylor::with_room<P, X>>;
-  static constexpr std::size_t moving = StateOf<P>::size + taylor::found<P>;
+  static constexpr std::size_t count = taylor::components<X>;
+  using Values = std::array<double, taylor::with_room<X>>;
+  static constexpr std::size_t moving = StateOf<P>::size;
   static constexpr bool carries = count > moving;
   /// Where the series of what is carried was last begun within a step.
   struct Mark {
@@ -255,11 +236,7 @@ class TaylorStepper {
 
   Values values(const X& x) const {
     Values y{};
-    if constexpr (IteratesForRates<P>) {
-      std::ranges::copy(taylor::values_of(problem_, x), y.begin());
-    } else {
-      for (std::size_t i = 0; i < count; ++i) y[i] = taylor::component(x, i);
-    }
+    for (std::size_t i = 0; i < count; ++i) y[i] = taylor::component(x, i);
     return y;
   }
   static void assign(const Values& y, X& x) {
@@ -267,12 +244,7 @@ class TaylorStepper {
   }
   /// Where a step begins: where the last one ended, with what rounding has kept from it, but for what is changed.
   void begin(const X& x) {
-    if constexpr (IteratesForRates<P>) {
-      const Values y = values(x);
-      for (std::size_t i = 0; i < count; ++i) set(i, y[i]);
-    } else {
-      for (std::size_t i = 0; i < count; ++i) set(i, tape::read_alone(taylor::component(x, i)));
-    }
+    for (std::size_t i = 0; i < count; ++i) set(i, tape::read_alone(taylor::component(x, i)));
   }
   void set(std::size_t i, double value) {
     if (value == end_[i]) return;
@@ -281,7 +253,6 @@ class TaylorStepper {
   }
 
   std::shared_ptr<taylor::Expansion> expansion_;
-  [[no_unique_address]] std::conditional_t<IteratesForRates<P>, P, std::monostate> problem_;
   double t_ = 0, h_ = 0;                          ///< of the last step
   Values start_{}, end_{}, start_low_{}, low_{};  ///< where it began and ended; what rounding has kept from that
   /// In it: states in between, asked for in turn, cost few series.

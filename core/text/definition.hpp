@@ -14,8 +14,8 @@ namespace least::text {
 
 /// Degrees of freedom of mechanics, variables of equations, parameters: at most so many.
 inline constexpr int most_coordinates = 1024, most_variables = 2048, most_parameters = 1024, most_invariants = 8;
-/// Degrees of freedom, or variables, for which forms are compiled as classes of problems; larger scenes have a size
-/// that is known when they run.
+/// Degrees of freedom, or variables, for which lanes have room, and derivatives of implicit steps by what a scheme
+/// makes of parameters and starts.
 inline constexpr int compiled_coordinates = 8, compiled_variables = 16;
 inline constexpr std::size_t longest_name = 16, longest_parameter = 40;
 

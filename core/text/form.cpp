@@ -277,12 +277,6 @@ class Reader : TextReader {
       if (form_->kind != FormKind::separable || timed) return false;
       auto metric = lagrangian ? std::optional(second) : inverse_of(second);
       if (!metric) return false;
-      const bool by_momenta = given_.is_forced() || n() > static_cast<std::size_t>(compiled_coordinates);
-      if (lagrangian && by_momenta) {  // what knows its size when it runs takes the mechanics stated with momenta
-        const auto raised = inverse_of(second);
-        if (!raised) return false;
-        form_->hamiltonian = legendre(*raised, std::vector<Symbol>(n(), Symbol(0)), form_->potential);
-      }
       hold(metric->entries());
       form_->metric = std::move(*metric);
     }

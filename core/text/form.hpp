@@ -68,14 +68,6 @@ struct Form {
            coordinates <= static_cast<std::size_t>(kind == FormKind::flow ? compiled_variables : compiled_coordinates);
   }
 
-  /// Whether its mechanics is that of a class, with room for coordinates that it has not. Others run by what knows
-  /// their size when they run, core/text/sized_scene.hpp.
-  bool has_class() const {
-    const bool of_class =
-        kind == FormKind::metric || kind == FormKind::contact_quadratic || kind == FormKind::lagrangian;
-    return is_compiled() && of_class;
-  }
-
   tape::Tape tape;
   // By kind; what is left out is zero.
   Symbol potential, damping, action_curvature, offset, hamiltonian, lagrangian;

@@ -32,12 +32,6 @@ std::vector<Symbol> entries_of(const SymbolMatrix& matrix) {
   return all;
 }
 
-/// Two of the kind that is compiled for two.
-int capacity_of(const Form& form) {
-  if (!form.has_class()) return static_cast<int>(form.coordinates);
-  return form.kind == FormKind::metric && form.coordinates <= 2 ? 2 : compiled_coordinates;
-}
-
 }  // namespace
 
 std::variant<TextScene, std::vector<DefinitionFault>> TextScene::read(Definition definition) {
@@ -47,7 +41,7 @@ std::variant<TextScene, std::vector<DefinitionFault>> TextScene::read(Definition
 }
 
 TextScene TextScene::of(Definition definition, std::shared_ptr<const Form> form) {
-  const int capacity = capacity_of(*form);
+  const int capacity = static_cast<int>(form->coordinates);
   return {std::move(definition), std::move(form), capacity, {}, {}, std::make_shared<SizedScenes>()};
 }
 
@@ -67,25 +61,15 @@ ProblemCard TextScene::described() const {
   const auto add = [&](const std::string& name, const std::string& doc) {
     card.variables.push_back({name, name, "1", doc, 0});
   };
-  const auto hide = [&](const char* what, std::size_t from, int to) {
-    for (std::size_t i = from; i < static_cast<std::size_t>(to); ++i) {
-      add(std::string("·") + what + std::to_string(i), "of no use here");
-      card.variables.back().hidden = true;
-    }
-  };
-  const std::size_t n = form->coordinates;
   for (const auto& name : definition.variables) add(name, flow ? "variable" : "coordinate");
-  hide("q", n, capacity);
   if (!flow) {
     for (const auto& name : definition.variables) add(momentum_name(name), "momentum of " + name);
-    hide("p", n, capacity);
     const bool acting = form->kind == FormKind::contact_linear || form->kind == FormKind::contact_quadratic ||
                         form->kind == FormKind::hamiltonian || form->kind == FormKind::lagrangian;
     const bool rests = !form->reads_action && form->kind != FormKind::contact_linear;
-    if (acting && (form->has_class() || !rests)) {
-      add(rests ? "·s" : "s", rests ? "of no use here" : "action");
-      card.variables.back().hidden = rests;
-      card.variables.back().optional = !rests && !form->reads_action;
+    if (acting && !rests) {
+      add("s", "action");
+      card.variables.back().optional = !form->reads_action;
     }
   }
   for (const auto& parameter : definition.parameters)
@@ -188,36 +172,24 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
   if (!number(form->damping)) return Objection{typed ? "/damping" : whole, "has a damping that is no finite number"};
   if (!number(form->action_curvature) || !number(form->offset))
     return Objection{typed ? "/action_curvature" : whole, "is no finite number"};
-  if (!form->has_class()) {
-    try {
-      sized(parameters);
-    } catch (const tape::TooManyOperations&) {
-      return too_many();
-    }
+  try {
+    sized(parameters);
+  } catch (const tape::TooManyOperations&) {
+    return too_many();
   }
   return std::nullopt;
 }
 
 std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<const double> parameters, double t,
                                                                   const std::vector<double>& state) const {
-  if (!form->is_compiled()) return objection_to_large_start(parameters, t, state);
+  if (!form->is_compiled() || form->kind == FormKind::lagrangian) return objection_to_large_start(parameters, t, state);
   const Formulas formulas(*form, parameters);
   const bool flow = form->kind == FormKind::flow;
   const std::size_t n = form->coordinates;
   std::vector<double> x = on_tape(state);
-  const auto momentum = static_cast<std::size_t>(form->numbers.momentum),
-             action = static_cast<std::size_t>(form->numbers.action);
   const char* whole = definition.kind == Definition::Kind::lagrangian    ? "/lagrangian"
                       : definition.kind == Definition::Kind::hamiltonian ? "/hamiltonian"
                                                                          : "/potential";
-  if (form->kind == FormKind::lagrangian) {
-    Vec<compiled_coordinates> q{}, p{};
-    std::copy_n(x.begin(), n, q.begin());
-    std::copy_n(&x[momentum], n, p.begin());
-    const auto v = formulas.velocities(q, p, x[action], t);
-    if (!std::isfinite(v[0])) return Objection{whole, "has no velocity for the momenta of the start"};
-    std::copy_n(v.begin(), n, &x[momentum]);
-  }
   if (!form->hessian.empty())
     if (const std::string why = objection_to_masses(parameters, t, x); !why.empty()) return Objection{whole, why};
 
@@ -235,8 +207,8 @@ std::optional<TextScene::Objection> TextScene::objection_to_start(std::span<cons
     return std::nullopt;
   }
   if (!finite(formulas.damping)) return unbounded(definition.kind == Definition::Kind::potential ? "/damping" : whole);
-  for (const auto* part : {&formulas.potential, &formulas.gradient, &formulas.metric, &formulas.hamiltonian,
-                           &formulas.slopes, &formulas.lagrangian, &formulas.momenta})
+  for (const auto* part :
+       {&formulas.potential, &formulas.gradient, &formulas.metric, &formulas.hamiltonian, &formulas.slopes})
     if (!finite(*part)) return unbounded(whole);
   return std::nullopt;
 }
@@ -256,9 +228,18 @@ std::optional<TextScene::Objection> TextScene::objection_to_large_start(std::spa
     if (!std::ranges::all_of(forces, [](double force) { return std::isfinite(force); }))
       return Objection{definition.forces.empty() ? "/dissipation" : "/forces", not_finite_at(t, state)};
   }
-  if (form->kind == FormKind::metric)
-    if (const std::string why = objection_to_masses(parameters, t, on_tape(state)); !why.empty())
-      return Objection{whole, why};
+  if (form->kind == FormKind::metric || form->kind == FormKind::lagrangian) {
+    std::vector<double> x = on_tape(state), complete = state;
+    complete.resize(std::max(complete.size(), scene.moving + scene.found()));
+    scene.find_velocities(complete.data(), t);
+    if (scene.found() > 0) {
+      if (!std::isfinite(complete[scene.moving]))
+        return Objection{whole, "has no velocity for the momenta of the start"};
+      std::copy_n(complete.begin() + static_cast<std::ptrdiff_t>(scene.moving), scene.found(),
+                  x.begin() + form->numbers.momentum);
+    }
+    if (const std::string why = objection_to_masses(parameters, t, x); !why.empty()) return Objection{whole, why};
+  }
   for (std::size_t i = 0; i < rates.size(); ++i)
     if (!std::isfinite(rates[i]))
       return Objection{scene.flow ? "/equations/" + definition.variables[i] : whole, not_finite_at(t, state)};

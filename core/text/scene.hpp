@@ -71,7 +71,7 @@ struct TextScene {
  private:
   /// Of sums too long to be written out: the names alone.
   std::vector<std::pair<std::string, std::string>> equations_in_short() const;
-  /// The same of a scene that no class is compiled for.
+  /// The same of a scene that only what knows its size when it runs can tell.
   std::optional<Objection> objection_to_large_start(std::span<const double> parameters, double t,
                                                     const std::vector<double>& state) const;
   /// What the card of the catalogue says beyond the form.

@@ -1,7 +1,7 @@
-// Scenes as text as problems: one class for each form, generic in the number as every problem is. Degrees of freedom
-// are a capacity N: coordinates that a text has not rest at zero with unit mass, which changes no other. For lanes, for
-// references, and for forms that have no steps for scenes of any size (core/text/sized_scene.hpp). A value shares what
-// it evaluates with its copies.
+// Scenes of few coordinates as text as problems: one class for each form, generic in the number as every problem is.
+// Degrees of freedom are a capacity N: coordinates that a text has not rest at zero with unit mass, which changes no
+// other. Steps that lanes take are written down from them, and references of motions that have no series; steps of a
+// run are those of core/text/sized_scene.hpp. A value shares what it evaluates with its copies.
 #pragma once
 
 #include <memory>
@@ -27,20 +27,12 @@ struct Formulas {
   tape::Formula potential, gradient, damping, metric, rates, invariants;
   tape::Formula force;                ///< of (q, v), where the metric depends on q: ∂L/∂q
   tape::Formula hamiltonian, slopes;  ///< of (q, p, s): H; H_q, H_p, H_s
-  tape::Formula momenta;              ///< of (q, v, s): ∂L/∂v, then ∂²L/∂v² row by row
-  tape::Formula lagrangian;           ///< of (q, v, s): L, L_q, L_s
   std::shared_ptr<const Lift> lift;   ///< of a general Hamiltonian that has one
-  tape::Formula all_of_lagrangian;    ///< of (q, v, s): L, L_q, L_v, L_s
   std::array<double, compiled_coordinates> inverse_mass{};
   /// The constant metric g and its inverse, where g is not diagonal: their first `coordinates` rows and columns.
   bool full_mass = false;
   Mat<compiled_coordinates> mass_matrix{}, inverse_mass_matrix{};
   double alpha = 0, gamma = 0, offset = 0;
-
-  /// v with ∂L/∂v = p, by Newton's method with steps that are shortened until they help; not a number where it finds
-  /// none.
-  Vec<compiled_coordinates> velocities(const Vec<compiled_coordinates>& q, const Vec<compiled_coordinates>& p, double s,
-                                       double t) const;
 
  private:
   /// From ∂²L/∂v² or ∂²H/∂p², row by row.
@@ -217,78 +209,6 @@ struct HamiltonianScene : GeneralScene {
     }
     slopes.by_s = all[2 * n];
     return slopes;
-  }
-};
-
-/// Any regular L(q, v, s, t): H = p·v − L with v from p = ∂L/∂v.
-struct LagrangianScene : GeneralScene {
-  static constexpr bool iterates = true;
-
-  template <class T, class S>
-  T hamiltonian(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
-    const Vec<dof, T> v = velocities(q, p, s, t);
-    std::array<T, dof + 2> all;
-    formulas->lagrangian.evaluate(joined(q, v, s).data(), t, all.data());
-    return dot(p, v) - all[0];
-  }
-  template <class T, class S>
-  HamiltonianSlopes<dof, T> slopes(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
-    HamiltonianSlopes<dof, T> slopes{};
-    slopes.by_p = velocities(q, p, s, t);
-    std::array<T, dof + 2> all;
-    formulas->lagrangian.evaluate(joined(q, slopes.by_p, s).data(), t, all.data());
-    const std::size_t n = coordinates();
-    for (std::size_t i = 0; i < n; ++i) slopes.by_q[i] = -all[1 + i];
-    slopes.by_s = -all[1 + n];
-    return slopes;
-  }
-  template <class T, class S>
-  LagrangianSlopes<dof, T> lagrangian(const Vec<dof, T>& q, const Vec<dof, T>& v, const T& s, const S& t) const {
-    std::array<T, 2 * dof + 2> all;
-    formulas->all_of_lagrangian.evaluate(joined(q, v, s).data(), t, all.data());
-    LagrangianSlopes<dof, T> slopes{};
-    const std::size_t n = coordinates();
-    slopes.value = all[0];
-    for (std::size_t i = 0; i < n; ++i) {
-      slopes.by_q[i] = all[1 + i];
-      slopes.by_v[i] = all[1 + n + i];
-    }
-    slopes.by_s = all[1 + 2 * n];
-    return slopes;
-  }
-
-  /// Of q, p, s and v the rates, on their tape: Herglotz's equations d(∂L/∂v)/dt = ∂L/∂q + ∂L/∂s ∂L/∂v, solved for v̇.
-  using Extended = std::array<Symbol, std::size_t(3 * dof + 1)>;
-  Extended rates(const Extended& x, const Symbol& t) const;
-  /// v with ∂L/∂v = p: found in double, then brought to the digits of T and of its derivatives, which each round
-  /// doubles.
-  template <class T, class S>
-  Vec<dof, T> velocities(const Vec<dof, T>& q, const Vec<dof, T>& p, const T& s, const S& t) const {
-    const auto plain_of = [](const auto& x) {
-      Vec<dof> numbers;
-      for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = plain_number(x[i]);
-      return numbers;
-    };
-    Vec<dof, T> v{};
-    const Vec<dof> found = formulas->velocities(plain_of(q), plain_of(p), plain_number(s), plain_number(t));
-    for (std::size_t i = 0; i < dof; ++i) v[i] = T(found[i]);
-    if constexpr (!std::is_same_v<T, double>) {
-      const std::size_t n = coordinates();
-      std::array<T, std::size_t(dof + dof * dof)> all;
-      for (int round = 0; round < 4; ++round) {
-        formulas->momenta.evaluate(joined(q, v, s).data(), t, all.data());
-        Mat<dof, T> hessian{};
-        Vec<dof, T> rest{};
-        for (std::size_t i = 0; i < dof; ++i) hessian[i][i] = T(1);
-        for (std::size_t i = 0; i < n; ++i) {
-          rest[i] = p[i] - all[i];
-          for (std::size_t j = 0; j < n; ++j) hessian[i][j] = all[n + i * n + j];
-        }
-        const Vec<dof, T> change = LinearSolver<T>::solve(hessian, rest);
-        for (std::size_t i = 0; i < n; ++i) v[i] = v[i] + change[i];
-      }
-    }
-    return v;
   }
 };
 

@@ -11,26 +11,14 @@
 
 namespace least::text {
 
-bool SizedScene::has(const Form& form) {
-  switch (form.kind) {
-    case FormKind::separable:
-    case FormKind::contact_linear:
-    case FormKind::hamiltonian:
-    case FormKind::flow:
-      return true;
-    case FormKind::metric:
-      return !form.has_class();
-    default:
-      return false;
-  }
-}
+bool SizedScene::has(const Form& form) { return form.kind != FormKind::lagrangian || Velocities::fits(form.hessian); }
 
 SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     : kind(form.kind),
       coordinates(form.coordinates),
       flow(form.kind == FormKind::flow),
       forced(form.forced),
-      acting(form.kind == FormKind::contact_linear || (form.kind == FormKind::hamiltonian && form.reads_action)),
+      acting(form.kind == FormKind::contact_linear || form.reads_action),
       reads_action(form.reads_action || form.kind == FormKind::contact_linear),
       constant_damping(form.constant_damping),
       autonomous(form.autonomous),
@@ -40,7 +28,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
   moving = kind == FormKind::contact_linear ? 2 * n : components;
   equations.bound(most_equations);
   // Of its tape alone; what is made of that is held as soon as it is known how long it is.
-  constexpr std::size_t bytes_of_typed = 96, bytes_of_made = 128;
+  constexpr std::size_t bytes_of_typed = 96;
   held_.add_soon(bytes_of_typed * static_cast<std::size_t>(form.tape.size()));
   const auto variable = [&](std::size_t i) { return Symbol::variable(equations, i); };
   const Numbering& numbers = form.numbers;
@@ -55,14 +43,9 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     for (const Symbol& y : all) made.push_back(fold(y));
     return made;
   };
-  tape::SharedSums shared;
-  const auto formula = [&](const std::vector<Symbol>& all) {
-    std::vector<tape::Index> places;
-    places.reserve(all.size());
-    for (const Symbol& y : all) places.push_back(y.on(equations));
-    const std::size_t made = bytes() + bytes_of_made * static_cast<std::size_t>(equations.size());
-    if (made > held_.bytes()) held_.add_soon(made - held_.bytes());
-    return tape::Formula(equations, places, &shared);
+  const auto formula = [&](const std::vector<Symbol>& some) { return formula_of(some); };
+  const auto of_state = [&](const std::vector<Symbol>& some) {
+    return StateFormula(formula_of(some), components, velocities);
   };
   const auto number = [](const Symbol& y) {
     return y.is_constant() ? y.constant() : std::numeric_limits<double>::quiet_NaN();
@@ -73,7 +56,11 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
   std::iota(places.begin(), places.end(), 0);
   if (flow) {
     all = folded(form.rates);
-  } else if (kind == FormKind::hamiltonian || kind == FormKind::metric) {
+  } else if (kind == FormKind::lagrangian) {
+    all = set_lagrangian(form, fold);
+  } else if (kind == FormKind::metric) {
+    all = set_metric(form, fold);
+  } else if (kind == FormKind::hamiltonian) {
     const Symbol h = fold(form.hamiltonian);
     for (std::size_t i = n; i <= 2 * n; ++i) places.push_back(static_cast<int>(i));
     const std::vector<Symbol> slopes = tape::gradient(equations, h, places);
@@ -85,10 +72,14 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
       if (acting) work = i == 0 ? p * all[i] : work + p * all[i];
     }
     if (acting) all[2 * n] = work - h;
-    hamiltonian = formula({h, slopes[2 * n]});
+    hamiltonian = of_state({h, slopes[2 * n]});
     lift = Lift::of(form, parameters);
   } else {
-    const Symbol v = fold(form.potential), alpha = fold(form.damping);
+    const Symbol v = fold(form.potential), alpha = fold(form.damping), s = variable(2 * n);
+    action_curvature = number(fold(form.action_curvature));
+    offset = number(fold(form.offset));
+    const Symbol by_s = is_quadratic() ? Symbol(action_curvature) * s : alpha;
+    const Symbol of_s = is_quadratic() ? Symbol(0.5 * action_curvature) * (s * s) - Symbol(offset) : alpha * s;
     const std::vector<Symbol> slopes = tape::gradient(equations, v, places);
     std::vector<double> second;
     for (std::size_t i = 0; i < n && form.full_mass; ++i)
@@ -101,10 +92,12 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
       if (has_full_mass())
         for (const auto& [j, share] : inverse_matrix_[i]) velocity = velocity + Symbol(share) * variable(n + j);
       all[i] = velocity;
-      all[n + i] = acting ? -slopes[i] - alpha * p : -slopes[i];
+      all[n + i] = acting ? -slopes[i] - by_s * p : -slopes[i];
       if (acting) twice_kinetic = i == 0 ? p * velocity : twice_kinetic + p * velocity;
     }
-    if (acting) all[2 * n] = Symbol(0.5) * twice_kinetic - v - alpha * variable(2 * n);
+    if (acting) all[2 * n] = Symbol(0.5) * twice_kinetic - v - of_s;
+    if (is_quadratic()) hamiltonian = of_state({Symbol(0.5) * twice_kinetic + v + of_s, by_s});
+    if (is_quadratic() && n <= most_full) lagrangian = formula(slopes_of_lagrangian(v, of_s));
     potential = formula({v});
     gradient = formula(slopes);
     for (const Symbol& slope : slopes) slopes_.push_back(slope.on(equations));
@@ -130,21 +123,34 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     components = moving + 1;
     set_forces(force);
   }
-  rate = formula(all);
   for (const Symbol& y : all) rates.push_back(y.on(equations));
-  if (components > moving) motion_ = tape::Formula(equations, std::span(rates).first(moving));
+  all.resize(components);
+  if (rate.outputs() == 0) rate = of_state(all);
+  if (components > moving) motion_ = {tape::Formula(equations, std::span(rates).first(moving)), components, nullptr};
   all = folded(form.invariants);
   all.resize(most_invariants);
   invariants = formula(all);
+  shared_.clear();
   held_.shrink_to(bytes());
+}
+
+tape::Formula SizedScene::formula_of(const std::vector<Symbol>& all) {
+  constexpr std::size_t bytes_of_made = 128;
+  std::vector<tape::Index> places;
+  places.reserve(all.size());
+  for (const Symbol& y : all) places.push_back(y.on(equations));
+  const std::size_t made = bytes() + bytes_of_made * static_cast<std::size_t>(equations.size());
+  if (made > held_.bytes()) held_.add_soon(made - held_.bytes());
+  return {equations, places, &shared_};
 }
 
 std::size_t SizedScene::bytes() const {
   constexpr std::size_t of_tape = 48, of_formula = 40, copies_of_terms = 2;
   std::size_t steps = 0;
   for (const tape::Formula* made :
-       {&rate, &motion_, &potential, &gradient, &damping, &hamiltonian, &invariants, &forces.values, &forces.jacobian})
+       {&potential, &gradient, &damping, &lagrangian, &lowered, &invariants, &forces.values, &forces.jacobian})
     steps += made->operations();
+  for (const StateFormula* made : {&rate, &motion_, &hamiltonian, &raised}) steps += made->operations();
   if (equations.has_terms()) return (1 + copies_of_terms) * equations.bytes();
   return of_tape * static_cast<std::size_t>(equations.size()) + of_formula * steps;
 }
@@ -286,7 +292,7 @@ const tape::Program& SizedScene::series(bool all) const {
     if (!from) throw tape::TooManyOperations();
     const auto size = static_cast<std::size_t>(from->tape.size());
     Held held = HeldByThread::take_soon(meanwhile * size);
-    known.of.emplace(from->tape, from->rates.first(count), count);
+    known.of.emplace(from->tape, from->rates.first(count + found()), count + found());
     held.shrink_to(bytes_of_operation * size);
     known.held = std::move(held);
   });

@@ -15,8 +15,36 @@
 #include "core/tape/program.hpp"
 #include "core/tape/sparse_jacobian.hpp"
 #include "core/text/form.hpp"
+#include "core/text/velocities.hpp"
 
 namespace least::text {
+
+/// A formula of a state; where velocities are found from momenta when it runs, of these as well, as variables that
+/// stand behind the state.
+class StateFormula {
+ public:
+  StateFormula() = default;
+  StateFormula(tape::Formula formula, std::size_t components, std::shared_ptr<const Velocities> velocities)
+      : formula_(std::move(formula)), components_(components), velocities_(std::move(velocities)) {}
+
+  template <class T, class S>
+  void evaluate(const T* x, const S& t, T* out) const {
+    if (!velocities_) return formula_.evaluate(x, t, out);
+    thread_local std::vector<T> all;
+    const std::size_t n = velocities_->size();
+    all.assign(x, x + components_);
+    all.resize(components_ + n);
+    velocities_->find(x, components_ > 2 * n ? x[2 * n] : T(0), t, all.data() + components_);
+    formula_.evaluate(all.data(), t, out);
+  }
+  std::size_t outputs() const { return formula_.outputs(); }
+  std::size_t operations() const { return formula_.operations(); }
+
+ private:
+  tape::Formula formula_;
+  std::size_t components_ = 0;
+  std::shared_ptr<const Velocities> velocities_;
+};
 
 /// A form with numbers in the place of its parameters.
 class SizedScene {
@@ -33,8 +61,7 @@ class SizedScene {
   /// The same where the matrix has a row for each coordinate, and is made anew once in a few rounds.
   static constexpr std::size_t most_with_full_mass = 256;
 
-  /// Whether there is one of a form: its kinetic metric is constant, it is a general Hamiltonian or a flow, or its
-  /// metric depends on the place and it has no class.
+  /// Whether there is one of a form: of any but a Lagrangian that couples too many velocities.
   static bool has(const Form& form);
   /// Of such a form. Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.
   SizedScene(const Form& form, std::span<const double> parameters);
@@ -45,12 +72,20 @@ class SizedScene {
   bool flow, forced, acting, reads_action, constant_damping, autonomous, keeps_energy;
 
   tape::Tape equations;            ///< ẋ of all components
-  std::vector<tape::Index> rates;  ///< their places
-  tape::Formula rate;              ///< ẋ of the components
+  std::vector<tape::Index> rates;  ///< their places; behind them v̇ of velocities that are found from momenta
+  StateFormula rate;               ///< ẋ of the components
   tape::Formula potential, gradient, damping;
-  tape::Formula hamiltonian;         ///< of a general one: H, and H_s
-  std::shared_ptr<const Lift> lift;  ///< of a general Hamiltonian that has one
-  tape::Formula invariants;          ///< most_invariants; those that the scene has not are 0
+  StateFormula hamiltonian;  ///< where the motion reads s, and of general mechanics: H, and H_s
+  /// Of (q, v, s) L, L_q, L_v, L_s where steps are made of them: of a general Lagrangian, of one whose metric depends
+  /// on the place, and of a scene quadratic in s with no more than most_full coordinates.
+  tape::Formula lagrangian;
+  std::shared_ptr<const Velocities> velocities;  ///< that are found from momenta; else null
+  // Where the metric depends on the place:
+  StateFormula raised;                      ///< g⁻¹p
+  tape::Formula lowered;                    ///< of (q, v): L and g v
+  double action_curvature = 0, offset = 0;  ///< γ and R of such a scene, else 0
+  std::shared_ptr<const Lift> lift;         ///< of a general Hamiltonian that has one
+  tape::Formula invariants;                 ///< most_invariants; those that the scene has not are 0
 
   /// What is known of the forces F(q, p, t); of all but their values beside a constant metric only.
   struct Forces {
@@ -68,7 +103,7 @@ class SizedScene {
   Forces forces;
 
   /// ẋ of the components that move.
-  const tape::Formula& motion() const { return components > moving ? motion_ : rate; }
+  const StateFormula& motion() const { return components > moving ? motion_ : rate; }
 
   /// v = g⁻¹p of a constant metric, to n numbers.
   template <class T>
@@ -84,6 +119,13 @@ class SizedScene {
       v[i] = sum;
     }
   }
+  /// Variables of the equations of motion that stand behind a state: velocities that are found from momenta.
+  std::size_t found() const { return velocities ? coordinates : 0; }
+  /// A state with them, which are written behind its components that move; to as many digits as T has.
+  template <class T>
+  void find_velocities(T* x, double t) const {
+    if (velocities) velocities->find(x, acting ? x[2 * coordinates] : T(0), t, x + moving);
+  }
   /// α(t) of a damped scene; 0 where there is none.
   double damping_at(double t) const {
     if (constant_damping || kind != FormKind::contact_linear) return constant_alpha_;
@@ -92,6 +134,20 @@ class SizedScene {
     damping.evaluate(none, t, &alpha);
     return alpha;
   }
+  /// H_s of a contact scene with a potential, and what s adds to its H.
+  template <class T>
+  T action_slope(const T& s, double t) const {
+    return is_quadratic() ? T(action_curvature * s) : T(damping_at(t));
+  }
+  template <class T>
+  T action_energy(const T& s, double t) const {
+    return is_quadratic() ? T(0.5 * action_curvature * (s * s) - offset) : T(damping_at(t) * s);
+  }
+  /// Whether H = ½ pᵀg⁻¹p + V(q, t) + a function of s with a constant g.
+  bool has_constant_metric() const {
+    return kind == FormKind::separable || kind == FormKind::contact_linear || is_quadratic();
+  }
+  bool is_quadratic() const { return kind == FormKind::contact_quadratic; }
   bool has_full_mass() const { return !inverse_matrix_.empty(); }
   /// Whether steps that solve for places find M + β V″ small enough, which is full where M is.
   bool solves_for_places() const { return !has_full_mass() || coordinates <= most_with_full_mass; }
@@ -116,6 +172,16 @@ class SizedScene {
  private:
   /// What its tape and formulas come to in memory, about.
   std::size_t bytes() const;
+  /// Of a general Lagrangian: finds out what else is known, and returns ẋ. `fold` takes velocities for momenta.
+  std::vector<Symbol> set_lagrangian(const Form& form, tape::Substitution& fold);
+  /// The same where the metric depends on the place. Where it couples many coordinates, `rate` finds velocities when it
+  /// runs, for which series have no use.
+  std::vector<Symbol> set_metric(const Form& form, tape::Substitution& fold);
+  tape::Formula formula_of(const std::vector<Symbol>& all);
+  /// A function of (q, v, s), and its derivatives.
+  std::vector<Symbol> with_slopes(const Symbol& value);
+  /// Of L with a constant metric.
+  std::vector<Symbol> slopes_of_lagrangian(const Symbol& v_of_place, const Symbol& of_action);
   void set_forces(const std::vector<Symbol>& all);
   /// `second`: the numbers of the entries of ∂²L/∂v² or ∂²H/∂p² where the metric is not diagonal.
   void set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian, const std::vector<double>& second,
@@ -123,7 +189,8 @@ class SizedScene {
 
   MemoryBudget* const budget_ = HeldByThread::budget();  ///< of whom it was made for, also for what is made later
   Held held_ = HeldByThread::take(0);
-  tape::Formula motion_;                   ///< where not all components move
+  StateFormula motion_;                    ///< where not all components move
+  tape::SharedSums shared_;                ///< of formulas, while they are made
   double constant_alpha_ = 0;              ///< where the damping is constant
   std::vector<double> inverse_mass_;       ///< of each coordinate
   std::vector<SparseRow> inverse_matrix_;  ///< where the metric is not diagonal: g⁻¹

@@ -205,7 +205,7 @@ class SceneWriter {
     }
     sums_.not_in_them.insert("s");
   }
-  /// Those that are kept, in the texts of scenes that no class has room for.
+  /// Those that are kept, in the texts of scenes that lanes have no room for.
   KeptSums* sums() {
     const bool flow = given().kind == Definition::Kind::equations;
     const std::size_t few = static_cast<std::size_t>(flow ? compiled_variables : compiled_coordinates);

@@ -73,8 +73,7 @@ class Writer {
 
   /// H; of a contact scene whose motion does not need s without what s adds.
   Symbol hamiltonian() {
-    const bool sized_metric = form_.kind == FormKind::metric && !form_.is_compiled();
-    if (form_.kind == FormKind::hamiltonian || sized_metric) return rewrite_(form_.hamiltonian);
+    if (form_.kind == FormKind::hamiltonian) return rewrite_(form_.hamiltonian);
     const std::size_t n = made_.coordinates;
     std::vector<Symbol> velocity;
     for (std::size_t i = 0; i < n; ++i) velocity.push_back(component(n + i));

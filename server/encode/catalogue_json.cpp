@@ -6,6 +6,7 @@
 
 #include "core/catalogue/catalogue.hpp"
 #include "core/text/scene.hpp"
+#include "core/text/velocities.hpp"
 #include "server/encode/answer_parts.hpp"
 
 namespace least::server {
@@ -122,7 +123,7 @@ void write_language(JsonWriter& json) {
       fmt::format("a letter, then letters, digits, _: at most {} before an index", text::longest_name));
   const std::pair<const char*, std::size_t> limits[] = {{"coordinates", text::most_coordinates},
                                                         {"variables_of_equations", text::most_variables},
-                                                        {"coordinates_of_other_forms", text::compiled_coordinates},
+                                                        {"coupled_velocities", text::Velocities::most_coupled},
                                                         {"parameters", text::most_parameters},
                                                         {"invariants", text::most_invariants},
                                                         {"characters", text::most_characters},

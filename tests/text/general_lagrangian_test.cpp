@@ -2,10 +2,10 @@
 // their order, and are those of the compiled schemes.
 #include <gtest/gtest.h>
 
-#include "core/reference/reference.hpp"
-#include "core/schemes/list.hpp"
+#include "core/catalogue/sized_herglotz.hpp"
+#include "core/state_error.hpp"
 #include "core/text/scene.hpp"
-#include "core/text/scenes.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/support/steps_of_text.hpp"
 #include "tests/support/texts.hpp"
 
@@ -96,18 +96,14 @@ TEST(GeneralLagrangian, MidpointReturnsByANegativeStep) {
   for (const General& general : generals()) {
     const auto mechanics = mechanics_of(general.definition);
     const Request request = request_of(mechanics, "contact_variational_midpoint", 0.1);
-    text::LagrangianScene problem;
-    problem.formulas = std::make_shared<text::Formulas>(*mechanics->text()->form, request.scene->parameters);
-    const auto start = start_of<StateOf<text::LagrangianScene>>(problem, request.scene->initial, 0.3);
-    auto x = start;
-    auto stepper = ContactVariationalMidpoint{}.bind(problem, x);
-    ASSERT_EQ(stepper.step(x, 0.1), StepStatus::ok);
-    double moved = 0;
-    for (std::size_t i = 0; i < x.size; ++i) moved = std::max(moved, std::abs(x[i] - start[i]));
-    EXPECT_GT(moved, 0.01) << general.name;
-    x.t += 0.1;
-    ASSERT_EQ(stepper.step(x, -0.1), StepStatus::ok);
-    for (std::size_t i = 0; i < x.size; ++i) EXPECT_NEAR(x[i], start[i], 1e-14) << general.name << " " << i;
+    const auto scene = mechanics->text()->sized(request.scene->parameters);
+    const std::vector<double> start = request.scene->initial;
+    std::vector<double> x = start;
+    SizedHerglotz<double> stepper(*scene, SizedPath::straight, Composition::none);
+    ASSERT_EQ(stepper.step(x.data(), 0.3, 0.1), StepStatus::ok);
+    EXPECT_GT(distance(x, start), 0.01) << general.name;
+    ASSERT_EQ(stepper.step(x.data(), 0.4, -0.1), StepStatus::ok);
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(x[i], start[i], 1e-14) << general.name << " " << i;
   }
 }
 
@@ -177,19 +173,18 @@ TEST(GeneralLagrangian, HasATaylorSeries) {
   for (const General& general : all) {
     const auto mechanics = mechanics_of(general.definition);
     const Request request = request_of(mechanics, "taylor", 1e-14, "tolerance");
-    text::LagrangianScene problem;
-    problem.formulas = std::make_shared<text::Formulas>(*mechanics->text()->form, request.scene->parameters);
-    const auto start = start_of<StateOf<text::LagrangianScene>>(problem, request.scene->initial, request.scene->start);
-    const std::vector<double> times{1, request.end};
-    const auto series = quad_precision_run(problem, start, times, [] { return true; });
-    const auto steps = extrapolated_run(problem, start, times, [] { return true; });
-    ASSERT_TRUE(series.complete && steps.complete) << general.name;
-    EXPECT_LT(series.uncertainty, 1.2e-16) << general.name;
-    EXPECT_LE(state_error(series.states.back(), steps.states.back()), 2.3e-16) << general.name;
-    EXPECT_GT(state_error(series.states.back(), start), 0.1) << general.name << ": it moves";
-    const auto end = end_of(request);
-    for (std::size_t i = 0; i < start.size; ++i)
-      EXPECT_NEAR(end[i], series.states.back()[i], 2e-14 * std::max(1.0, std::abs(end[i]))) << general.name << " " << i;
+    const auto start = request.scene->initial;
+    const auto truth = mechanics->truth(*request.scene, {1, request.end}, [] { return true; });
+    ASSERT_TRUE(truth.complete) << general.name;
+    EXPECT_EQ(truth.how, "quad precision run");
+    EXPECT_LT(truth.uncertainty, 1.2e-16) << general.name;
+    EXPECT_GT(distance(truth.states.back(), start), 0.1) << general.name << ": it moves";
+    const auto end = end_of(request), by_a_pair = end_of(request_of(mechanics, "fehlberg_78", 1e-14, "tolerance"));
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      const double size = std::max(1.0, std::abs(end[i]));
+      EXPECT_NEAR(end[i], truth.states.back()[i], 2e-14 * size) << general.name << " " << i;
+      EXPECT_NEAR(by_a_pair[i], truth.states.back()[i], 1e-12 * size) << general.name << " " << i;
+    }
   }
 }
 
@@ -214,6 +209,54 @@ TEST(GeneralLagrangian, HasTheSeriesOfTheCompiledScheme) {
       for (std::size_t i = 0; i < states[k].size(); ++i)
         EXPECT_NEAR(states_of_text[k][i], states[k][i], 1e-10) << typed.id << " " << k;
   }
+}
+
+/// A relativistic oscillator, and many that have nothing to do with each other.
+std::shared_ptr<const Mechanics> oscillators(int n) {
+  text::TypedScene typed;
+  typed.scene = of(lagrangian, {"q[n]"}, {{"n", double(n)}}, "-sum(i=1..n, sqrt(1 - v[i]^2)) - sum(i=1..n, q[i]^2/2)");
+  return sized::made(typed);
+}
+
+TEST(GeneralLagrangian, OfManyEachMovesAsItDoesAlone) {
+  const auto place = [](int i) { return 1 + 0.5 * std::sin(2.3 * i * i); };
+  const auto momentum = [](int i) { return 0.8 * std::cos(3.0 * i); };
+  const auto one = oscillators(1);
+  for (const auto& [scheme, n] : {std::pair{"runge_kutta_4", 200},
+                                  {"explicit_midpoint", 200},
+                                  {"contact_gauss", 20},
+                                  {"contact_variational_midpoint", 20},
+                                  {"contact_galerkin_4", 20}}) {
+    std::vector<double> start;
+    for (int i = 0; i < n; ++i) start.push_back(place(i));
+    for (int i = 0; i < n; ++i) start.push_back(momentum(i));
+    const auto all = end_of(sized::stepped(scheme, oscillators(n), start, 2, 0.1));
+    EXPECT_GT(sized::distance(all, start), 0.5) << scheme;
+    for (int i = 0; i < n; ++i) {
+      const auto alone = end_of(sized::stepped(scheme, one, {place(i), momentum(i)}, 2, 0.1));
+      EXPECT_NEAR(all[std::size_t(i)], alone[0], 1e-13) << scheme << i;
+      EXPECT_NEAR(all[std::size_t(n + i)], alone[1], 1e-13) << scheme << i;
+    }
+  }
+  // √(1 + p²) + q²/2 is kept.
+  const auto end = end_of(sized::request_by("taylor", oscillators(50), std::vector<double>(100, 0.9), 20));
+  for (std::size_t i = 0; i < 50; ++i)
+    EXPECT_NEAR(std::hypot(1.0, end[50 + i]) + end[i] * end[i] / 2, std::hypot(1.0, 0.9) + 0.405, 1e-12) << i;
+}
+
+TEST(GeneralLagrangian, CouplesSomeVelocitiesOnly) {
+  const auto coupled = [](int n) {
+    text::TypedScene typed;
+    typed.scene = of(lagrangian, {"q[n]"}, {{"n", double(n)}},
+                     "sum(i=1..n, v[i]^2/2 + v[i]^4/4 - q[i]^2/2) + sum(i=1..n-1, v[i]*v[i+1])/4");
+    return custom_mechanics(typed);
+  };
+  EXPECT_TRUE(std::holds_alternative<std::shared_ptr<const Mechanics>>(coupled(24)));
+  const auto refused = coupled(25);
+  const auto* const faults = std::get_if<std::vector<text::DefinitionFault>>(&refused);
+  ASSERT_NE(faults, nullptr);
+  EXPECT_EQ(faults->front().pointer, "/lagrangian");
+  EXPECT_EQ(faults->front().fault.detail, "couples the velocities of too many coordinates");
 }
 
 /// Where ∂²L/∂v² vanishes there is no acceleration: a start there is refused, those beside it are not.

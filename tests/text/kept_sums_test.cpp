@@ -87,8 +87,8 @@ std::vector<double> state(std::size_t size, unsigned seed) {
   for (double& one : x) one = place(random);
   return x;
 }
-template <class T, class S>
-std::vector<T> values(const tape::Formula& formula, const std::vector<T>& x, const S& t) {
+template <class Formula, class T, class S>
+std::vector<T> values(const Formula& formula, const std::vector<T>& x, const S& t) {
   std::vector<T> out(formula.outputs());
   formula.evaluate(x.data(), t, out.data());
   return out;
@@ -112,8 +112,9 @@ TEST(KeptSums, AreWorthWhatTheyAreWrittenOut) {
     for (const unsigned seed : {1, 2, 3}) {
       const auto x = state(one.components, seed);
       expect_near(values(one.rate, x, 0.3), values(other.rate, x, 0.3), row.name);
-      for (const auto part : {&SizedScene::potential, &SizedScene::gradient, &SizedScene::hamiltonian})
+      for (const auto part : {&SizedScene::potential, &SizedScene::gradient})
         expect_near(values(one.*part, x, 0.3), values(other.*part, x, 0.3), std::string(row.name) + ", a part");
+      expect_near(values(one.hamiltonian, x, 0.3), values(other.hamiltonian, x, 0.3), row.name);
     }
   }
 }

@@ -176,7 +176,10 @@ TEST(Sized, WhatIsRefusedSaysWhy) {
   typed.scene.kind = Definition::Kind::lagrangian;
   EXPECT_EQ(fault_of(typed), "none");
   typed.scene.formula = "sum(i=1..9, vx[i]^2 + vx[i]^4)";
-  EXPECT_EQ(fault_of(typed).substr(0, 69), "/variables are more than a Lagrangian not quadratic in the velocities");
+  EXPECT_EQ(fault_of(typed), "none");
+  typed.scene.variables = {"x[25]"};
+  typed.scene.formula = "sum(i=1..25, vx[i]^2 + vx[i]^4) + sum(i=1..24, vx[i]*vx[i+1])/9";
+  EXPECT_EQ(fault_of(typed), "/lagrangian couples the velocities of too many coordinates");
 }
 
 }  // namespace

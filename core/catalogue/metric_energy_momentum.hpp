@@ -1,0 +1,67 @@
+// energy_momentum on scenes of few coordinates whose kinetic metric depends on the place: the map of
+// core/schemes/energy_momentum.hpp. The velocity v and the length h of a step solve, at m = q₀ + (h/2) v,
+//   g(m) v − (h/2) ∂L/∂q(m, v) = p₀,  v·∂L/∂v − L = E₀.
+#pragma once
+
+#include <concepts>
+
+#include "core/catalogue/metric_step.hpp"
+#include "core/catalogue/sized_energy_level.hpp"
+#include "core/catalogue/sized_herglotz.hpp"
+#include "core/schemes/energy_momentum.hpp"
+
+namespace least {
+
+/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+template <class T>
+class MetricEnergyMomentum {
+ public:
+  MetricEnergyMomentum(const text::SizedScene& scene, const EnergyMomentum& scheme, const T& level);
+
+  /// As a run with this energy begins.
+  void begin(const T*, const T& level) { level_ = level; }
+  /// A step of its own length, which is left in `h`. One that fails leaves no state.
+  StepStatus step(T* x, T& h) noexcept;
+  template <std::same_as<RunState> X>
+  StepStatus step(X& x) noexcept {  // in numbers
+    double h = 0;
+    const StepStatus status = step(x.numbers.data(), h);
+    x.t += h;
+    return status;
+  }
+  Work work() const { return {work_.forces + nominal_.work().forces, work_.iterations + nominal_.work().iterations}; }
+  /// Of the step from a to b.
+  double discrete_energy(const RunState& a, const RunState& b) const;
+  /// Steps of the nominal length, because there is none that keeps the discrete energy.
+  std::int64_t fallback_steps() const { return fallbacks_; }
+
+ private:
+  static constexpr double most = 16;  ///< of (h/h₀)², and of its inverse
+
+  /// v and (h/h₀)², in z_; false where there are none within bounds.
+  bool solve(const T* x);
+  T guess(const T* x);
+  /// L in the middle of a step of the velocity and the length that z says; the length.
+  template <class A, class U>
+  U look(const A* x, const U* z, LagrangianLook<U>& middle) const;
+  template <class A, class U>
+  void equations(const A* x, const A& level, const U* z, LagrangianLook<U>& middle, U* wrong) const;
+
+  const text::SizedScene* scene_;
+  T level_;
+  double step_;
+  std::size_t n_;
+  SizedHerglotz<T> nominal_;
+  SmallNewton<T> newton_;
+  LagrangianLook<T> middle_;
+  LagrangianLook<Row> row_;
+  std::vector<T> z_, p_;
+  std::vector<double> start_;
+  Work work_;
+  std::int64_t fallbacks_ = 0;
+};
+
+extern template class MetricEnergyMomentum<double>;
+extern template class MetricEnergyMomentum<Slope>;
+
+}  // namespace least

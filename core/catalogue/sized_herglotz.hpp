@@ -1,0 +1,91 @@
+// contact_variational_midpoint and contact_galerkin_4 of scenes of few coordinates whose number is known when they run,
+// from their Lagrangian L(q, v, s, t) alone: the discrete Herglotz equations. With L, L_q, L_v = π and L_s at
+// m = q₀ + hv/2, σ = (s₁ − s₀)/h, s̄ = s₀ + hσ/2, t + h/2:
+//   π − (h/2)L_q = (1 + (h/2)L_s) p₀,  σ = L,  p₁ = ((1 + (h/2)L_s) p₀ + h L_q)/(1 − (h/2)L_s)
+// in (v, σ), and those of the path of core/schemes/contact_galerkin_4.hpp in its two velocities. Where L does not
+// depend on s, that rests and is none of the unknowns, and the maps are symplectic. Sources: those of the two schemes.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "core/catalogue/metric_step.hpp"
+#include "core/catalogue/sized_implicit.hpp"
+#include "core/simplified_newton.hpp"
+
+namespace least {
+
+/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+template <class T>
+class SizedHerglotz {
+ public:
+  /// Of a scene that has a Lagrangian.
+  SizedHerglotz(const text::SizedScene& scene, SizedPath path, const Composition& composition);
+
+  void begin(const T*, double) { work_ = {}; }
+  /// A step that fails does not leave the state as it was.
+  StepStatus step(T* x, double t, double h) noexcept;
+  const Work& work() const { return work_; }
+  double flips_from() const { return std::numeric_limits<double>::infinity(); }
+  /// E_d of a step of length h from a state, the mean of v·L_v − L over its nodes; not a number where there is none.
+  double step_energy(StateView from, double h);
+
+ private:
+  static constexpr std::size_t most = 2 * text::SizedScene::most_full;
+  using Newton = SimplifiedNewton<T, most>;
+
+  /// Nodes of a step in the number U: L, L_q, L_v and L_s at each.
+  template <class U>
+  struct Nodes {
+    std::vector<U> at;  ///< q, v, s
+    std::array<std::vector<U>, 4> node;
+    // Of a path, derivatives of s₁ by its middle, by q₀, by a shift of the whole, and by s₀; and what s gains.
+    std::vector<U> by_middle, by_start, by_shift;
+    U factor{}, gain{};
+
+    explicit Nodes(std::size_t n);
+  };
+
+  StepStatus stage(T* x, double t, double h);
+  StepStatus solve_closely(const T* x, double t, double h);
+  /// Where z is a solution of the step from x, how far off it is otherwise.
+  template <class A, class U>
+  void equations(const A* x, double t, double h, const U* z, Nodes<U>& nodes, U* wrong) const;
+  /// L and its derivatives at nodes.at.
+  template <class U>
+  void look(Nodes<U>& nodes, std::size_t j, double t) const {
+    scene_->lagrangian.evaluate(nodes.at.data(), t, nodes.node[j].data());
+  }
+  template <class A, class U>
+  void look_in_the_middle(const A* x, double t, double h, const U* z, Nodes<U>& nodes) const;
+  template <class A, class U>
+  void walk(const A* x, double t, double h, const U* z, Nodes<U>& nodes) const;
+  /// v·L_v − L at a node, where v is `of_u` u + `of_w` w.
+  T energy_at(std::size_t j, double of_u, double of_w) const;
+  StepStatus end_straight(T* x, double t, double h);
+  StepStatus end_parabola(T* x, double t, double h);
+
+  const text::SizedScene* scene_;
+  SizedPath path_;
+  Composition composition_;  ///< keeps the weights
+  const Weights<double>* weights_;
+  std::size_t n_, unknowns_;
+  int looks_;  ///< at L, by the equations
+  std::vector<T> z_, guess_;
+  std::vector<double> start_, rate_;  ///< the state and its rates as a step begins, as numbers
+  Nodes<T> nodes_;
+  Nodes<Row> rows_;  ///< for the matrix
+  std::vector<Row> trial_, wrong_;
+  std::shared_ptr<Newton> newton_;  ///< shared by copies: it keeps nothing from one step to the next
+  SmallNewton<T> closely_;
+  bool asks_energy_ = false;
+  T energy_{};  ///< E_d of the last step, if that is asked for
+  Work work_;
+};
+
+extern template class SizedHerglotz<double>;
+extern template class SizedHerglotz<Slope>;
+
+}  // namespace least

@@ -115,7 +115,13 @@ struct Recorder {
   }
   static constexpr Symbol select(const Symbol& difference, const Symbol& yes, const Symbol& no) {
     tape::Tape& tape = *difference.tape_;
-    const Index first = yes.on(tape), second = no.on(tape);
+    const Index first = yes.on(tape);
+    Index second = no.on(tape);
+    // A comparison with what is no number is not simply false: what follows is no number either. 0·NaN is NaN.
+    if (tape[difference.node_].partial && !same(difference, no)) {
+      const Symbol nothing = binary(Op::multiply, Symbol(0), difference);
+      second = (no.is_constant() && no.constant() == 0 ? nothing : binary(Op::add, no, nothing)).on(tape);
+    }
     return {tape, tape.write({.op = Op::select, .a = difference.node_, .b = first, .c = second})};
   }
   /// The node of x, or of a constant one that says nothing.
@@ -338,7 +344,8 @@ constexpr Symbol::Mask operator>=(const Symbol& a, const Symbol& b) { return {a 
 
 constexpr Symbol select(const Symbol::Mask& mask, const Symbol& yes, const Symbol& no) {
   if (mask.negated) return select(!mask, no, yes);
-  if (mask.difference.is_constant()) return mask.difference.constant() < 0 ? yes : no;
+  if (const Symbol& by = mask.difference; by.is_constant())
+    return std::isnan(by.constant()) ? by : by.constant() < 0 ? yes : no;
   return Recorder::select(mask.difference, yes, no);
 }
 constexpr Symbol abs(const Symbol& x) { return select(x < Symbol(0), -x, x); }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -47,7 +48,9 @@ enum class Op : std::uint8_t {
 /// Operands lie before what is made of them.
 struct Node {
   Op op = Op::constant;
-  bool linear = false;  ///< of the first degree in time and a function of nothing else; derived
+  bool linear = false;    ///< of the first degree in time and a function of nothing else; derived
+  bool partial = false;   ///< something in it, as a logarithm, is no number of some arguments; derived
+  bool positive = false;  ///< or zero, whatever its arguments, where it is a number: as a square; derived
   Index a = none, b = none, c = none;
   double value = 0;
   double low = 0;  ///< of a constant what `value` is short of it
@@ -127,6 +130,8 @@ class Tape {
   Index insert_at_run(const Node& node);
   constexpr std::size_t place_of(const Node& node) const;
   constexpr bool is_linear(const Node& node) const;
+  constexpr bool is_positive(const Node& node) const;
+  constexpr bool is_partial(const Node& node) const;
 
   Index most_ = most_of_tape;
   std::vector<Node> nodes_;
@@ -160,11 +165,60 @@ constexpr bool Tape::is_linear(const Node& node) const {
   }
 }
 
+constexpr bool Tape::is_positive(const Node& node) const {
+  const auto positive = [&](Index i) { return (*this)[i].positive; };
+  switch (node.op) {
+    case Op::constant:
+      return node.value >= 0;
+    case Op::exp:
+    case Op::cosh:
+    case Op::sqrt:
+      return true;
+    case Op::multiply:
+      return node.a == node.b || (positive(node.a) && positive(node.b));
+    case Op::add:
+    case Op::divide:
+      return positive(node.a) && positive(node.b);
+    case Op::power:
+      return positive(node.a);
+    case Op::select:
+      return positive(node.b) && positive(node.c);
+    default:
+      return false;
+  }
+}
+
+constexpr bool Tape::is_partial(const Node& node) const {
+  bool any = false;
+  for_each_operand(node, [&](Index i) { any = any || (*this)[i].partial; });
+  switch (node.op) {
+    case Op::constant:
+      return std::isnan(node.value);
+    case Op::sqrt:
+    case Op::log:
+    case Op::power:
+    case Op::raise:
+      return any || !(*this)[node.a].positive;
+    case Op::asin:
+    case Op::acos:
+      return true;
+    case Op::total: {
+      const std::vector<Node>& formula = terms(node).formula;
+      for (const Node& part : formula) any = any || part.partial;
+      return any;
+    }
+    default:
+      return any;
+  }
+}
+
 constexpr Index Tape::insert(Node node) {
   std::size_t place = place_of(node);
   if (places_[place] != none) return places_[place];
   if (size() >= most_) throw TooManyOperations();
   node.linear = is_linear(node);
+  node.positive = is_positive(node);
+  node.partial = is_partial(node);
   nodes_.push_back(node);
   const Index written = size() - 1;
   if (2 * nodes_.size() < places_.size()) return places_[place] = written;

@@ -93,6 +93,9 @@ Symbol operate(TokenKind kind, const Symbol& a, const Symbol& b) {
     case TokenKind::subtract:
       return a - b;
     case TokenKind::multiply:
+      for (const auto& [zero, other] : {std::pair{&a, &b}, std::pair{&b, &a}})
+        if (zero->is_constant() && zero->constant() == 0 && Recorder::node(*other).partial)
+          return Recorder::binary(tape::Op::multiply, *zero, *other);  // 0·log(−1) is no number
       return a * b;
     case TokenKind::divide:
       return a / b;

@@ -59,6 +59,12 @@ bool is_absolute(const tape::Tape& tape, const Node& choice) {
          tape[negated.a].op == Op::constant && tape[negated.a].value == -1;
 }
 
+/// Whether it is what a choice adds so that it is no number where what it is made by is none.
+bool is_nothing(const tape::Tape& tape, Index place) {
+  const Node& node = tape[place];
+  return node.op == Op::multiply && tape[node.a].op == Op::constant && tape[node.a].value == 0;
+}
+
 /// `part(i)`: what a node before it is printed as.
 template <class Part>
 Piece of_node(const tape::Tape& tape, Index place, Part&& part, const std::function<std::string(int)>& name) {
@@ -72,6 +78,7 @@ Piece of_node(const tape::Tape& tape, Index place, Part&& part, const std::funct
       return {name(static_cast<int>(node.value))};
     case Op::add:
     case Op::subtract: {
+      if (is_nothing(tape, node.b)) return part(node.a);
       const bool adds = (node.op == Op::add) != negative(part(node.b));
       return {joined({in(part(node.a), 1), adds ? " + " : " - ", in(without_sign(part(node.b)), 2)}), 1};
     }

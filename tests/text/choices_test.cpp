@@ -152,5 +152,42 @@ TEST(Choices, LeaveStepsNoFrequencyToFollow) {
   EXPECT_EQ(runs::go(request).outcome.stop.reason, ReturnCode::completed);
 }
 
+// What compares with what is no number is none either: a run that comes there stops, one that begins there is refused.
+TEST(Choices, AreNoNumbersByWhatIsNone) {
+  constexpr auto V = Definition::Kind::potential;
+  for (const char* text :
+       {"if(log(p) >= 0, x^2, x^4)", "if(log(p) < 0, x^2, x^4)", "x^2*max(log(p), 1)", "x^2*min(1, log(p))",
+        "x^2 + 0*log(p)", "x^2 + sign(log(p))", "if(x > 9 or log(p) > 0, x, x^2)", "if(log(x) >= 0, x^2, x^4)",
+        "max(log(x), 1)*x^2", "sign(log(x))*x^2", "abs(log(x))", "if(x^1.5 < 1, x, x^2)",
+        "if(asin(2 + x^2) < 0, x, x^2)"}) {
+    const auto mechanics = mechanics_of(of(V, {"x"}, {{"p", -1}}, text));
+    const auto refused = [&](double x, double p) {
+      const std::vector<double> parameters{p};
+      std::vector<double> state(mechanics->card().variables.size(), 0.0);
+      state[0] = x;
+      return mechanics->text()->objection(parameters) || mechanics->text()->objection_to_start(parameters, 0, state);
+    };
+    EXPECT_TRUE(refused(-2, -1)) << text;
+    if (std::string(text).find("asin") == std::string::npos) {
+      EXPECT_FALSE(refused(2, 3)) << text;
+    }
+  }
+  // What is not chosen, and what a condition asks only where an earlier one holds, need be no number.
+  for (const char* text : {"if(x > 0, log(x), x^2)", "if(x > 0 and log(x) > 1, x, x^2)",
+                           "if(x <= 0 or log(x) > 1, x^2, x)", "if(sqrt(1 + x^2) < 1, x, x^2)"})
+    EXPECT_NEAR(last_of(from(of(V, {"x"}, {}, text), {-2, -1}), "leapfrog", 0.01), -2.01 + 4 * 0.01 * 0.01 / 2, 1e-5)
+        << text;
+  Request falls = from(of(V, {"x"}, {}, "if(log(x) < 9, x, x^2)"), {0.5, 0});  // x = 0 at t = 1
+  for (const char* scheme : {"leapfrog", "runge_kutta_4", "taylor", "dormand_prince_5"}) {
+    falls.scheme = find_scheme(scheme).value();
+    falls.settings = plain_settings(&runs::card(falls), schemes()[falls.scheme], nullptr);
+    runs::only_final(falls);
+    falls.end = 3;
+    const auto outcome = runs::go(falls).outcome;
+    EXPECT_NE(outcome.stop.reason, ReturnCode::completed) << scheme;
+    EXPECT_NEAR(outcome.t, 1, 0.02) << scheme;
+  }
+}
+
 }  // namespace
 }  // namespace choices

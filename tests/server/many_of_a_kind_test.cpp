@@ -169,7 +169,7 @@ TEST_F(Many, FaultsPointToWhatWasTyped) {
   EXPECT_EQ(first(request)["position"], 2);
   request = chain();
   request["problem"]["n"] = 3;
-  EXPECT_EQ(first(request)["pointer"], "/problem/n") << "the number of terms is part of the text";
+  EXPECT_EQ(first(request)["pointer"], "/problem/masses/x") << "there are as many masses as there were";
   request = chain();
   request["problem"]["variables"] = {"x[1000000000]"};
   EXPECT_EQ(first(request)["pointer"], "/problem/variables/0");

@@ -343,9 +343,10 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
     t_ = t_ + DoubleDouble(length_ * unit_);
     longest_ = 2 * free_ * unit_;
     if (!settle(keep_going) || !shorten(keep_going)) return {};
-    if (!(free_ * unit_ > shortest * std::abs(t_.high()))) return {};
     short_ = length_ * unit_ < tiny * (t_.high() - start_) ? short_ + 1 : 0;
-    if (short_ > patience) return {};
+    if (short_ <= patience && free_ * unit_ > shortest * std::abs(t_.high())) continue;
+    lost_ = !choices_.empty();  // what is on the other side may have a series
+    return {};
   }
   const DoubleDouble h = (DoubleDouble(t) - t_) / DoubleDouble(unit_);
   asked_.clear();

@@ -106,5 +106,23 @@ TEST(SwitchingMotion, EndsWhereFrictionHolds) {
   EXPECT_EQ(held.missing, missing::no_motion);
 }
 
+/// A force that ends at q = 0 as q^1.5 does, which has no series there.
+struct EndsAsARoot {
+  static constexpr int dim = 2;
+  template <class T, class S>
+  Vec<2, T> field(const Vec<2, T>& y, const S&) const {
+    using least::abs, least::pow, least::select;
+    return {y[1], select(y[0] < T(0), T(0), -1.0 * pow(abs(y[0]), 1.5))};
+  }
+};
+
+// From there the motion is straight, at the speed that its energy v²/2 + q^2.5/2.5 leaves it.
+TEST(SwitchingMotion, IsLeftToOthersWhereNoSeriesLeadsOn) {
+  const auto run = quad_precision_run(EndsAsARoot{}, Point<2>{0, {1, 0}}, {1, 3, 4}, to_the_end);
+  ASSERT_TRUE(run.complete);
+  EXPECT_NEAR(run.states[1][1], -std::sqrt(0.8), 1e-12);
+  EXPECT_NEAR(run.states[2][0] - run.states[1][0], -std::sqrt(0.8), 1e-12);
+}
+
 }  // namespace
 }  // namespace least

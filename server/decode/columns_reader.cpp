@@ -256,7 +256,7 @@ void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& r
   constexpr std::array<std::string_view, 5> none{"error", "lyapunov", "decay", "orbit", "cycle"};
   const auto refuse = [&](const char* key, auto&& is_none, const char* allowed) {
     const Json* names = find(root, key);
-    for (std::size_t i = 0; names && i < names->size(); ++i)
+    for (std::size_t i = 0; names && names->is_array() && i < names->size(); ++i)  // else it is refused already
       if (const Json& name = (*names)[i]; name.is_string() && is_none(name.get_ref<const std::string&>()))
         top.at(key).at(i).fault(name.get<std::string>() + " knows no events that act", name, allowed);
   };

@@ -47,6 +47,18 @@ TEST_F(EventsThatAct, NoBallFallsThroughTheFloor) {
       }
 }
 
+// What is no list is refused as it is without an event that acts.
+TEST_F(EventsThatAct, StandBesideListsAlone) {
+  for (const char* key : {"columns", "diagnostics"})
+    for (const Json& wrong : {Json("error"), Json("x"), Json(1), Json{{"x", "error"}}}) {
+      Json request = ball(0.5);
+      request[key] = wrong;
+      const Json fault = fault_of(request);
+      EXPECT_EQ(fault["pointer"], std::string("/") + key) << wrong;
+      EXPECT_TRUE(says(fault, "must be a list")) << fault;
+    }
+}
+
 // A ball that keeps nothing of its speed lies on the floor: the first bounce is the last, and the run ends there. One
 // of symplectic_euler reaches the floor without speed once a bounce fits into a step.
 TEST_F(EventsThatAct, ABallAtRestOnTheFloorEndsTheRun) {

@@ -155,8 +155,13 @@ class Expander {
     return append("(", position, true) && write(text, taken ? first + 1 : second + 1, taken ? second : to, indices) &&
            append(")", position, true);
   }
-  /// Whether all words of a condition are of indices.
+  /// Whether a condition is one of indices: of whole numbers alone, it speaks of an index, or of nothing but sizes, or
+  /// compares as only indices are compared. A parameter that happens to be whole makes none.
   bool speaks_of_indices(std::string_view text, std::size_t from, std::size_t to, const Indices& indices) const {
+    const std::string_view condition = text.substr(from, to - from);
+    bool whole = condition.find_first_of("./^") == std::string_view::npos, sizes = true, any = false;
+    bool of_indices = condition.find("==") != std::string_view::npos || condition.find("!=") != std::string_view::npos;
+    if (of_indices) whole = true;  // what else stands there is told by who reads indices
     while (from < to) {
       if (!is_letter(text[from])) {
         ++from;
@@ -164,12 +169,15 @@ class Expander {
       }
       const std::size_t end = end_of_word(text, from, to);
       const std::string_view word = text.substr(from, end - from);
-      const bool known = word == "and" || word == "or" || word == "not" || word == "mod" || value_of(word, indices) ||
-                         vocabulary_.constants.contains(word);
-      if (!known) return false;
       from = end;
+      if (word == "and" || word == "or" || word == "not") continue;
+      const bool index = word == "mod" || value_of(word, indices);
+      if (!index && !vocabulary_.constants.contains(word)) return false;
+      of_indices = of_indices || index;
+      sizes = sizes && (index || vocabulary_.fixed.contains(word));
+      any = true;
     }
-    return true;
+    return whole && (of_indices || (any && sizes));
   }
   /// Of a sum or a product: from the first bound to the last bracket.
   bool series(std::string_view text, std::size_t position, std::size_t from, std::size_t to, bool adds,

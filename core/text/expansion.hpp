@@ -2,7 +2,8 @@
 // definitions and indices but numbers, as an Expression reads it.
 //   x[i+1]   an element of a list, counted from 1; an index is made of whole numbers by + - * and mod(a, n)
 //   sum(i=1..n, j=i+1..n, …)  prod(…)   of nothing they are 0 and 1
-//   if(i != j, u, v)   where the condition compares indices: < <= > >= == !=, and, or, not; others stay as they are
+//   if(i != j, u, v)   where the condition compares indices: < <= > >= == !=, and, or, not; others stay as they are,
+//                      also those of parameters that are whole
 //   r, d(i,j)   a definition; its arguments are indices
 #pragma once
 

@@ -39,7 +39,8 @@ Vocabulary::Defined declaration(std::string_view typed) {
 
 }  // namespace
 
-/// Writes one scene out, in two rounds: whole constants that bounds and indices use are numbers everywhere.
+/// Writes one scene out, in rounds until it is known which whole constants bounds and indices use: those are numbers
+/// everywhere.
 class SceneWriter {
  public:
   explicit SceneWriter(TypedScene typed) : typed_(std::make_shared<const TypedScene>(std::move(typed))) {}
@@ -51,11 +52,10 @@ class SceneWriter {
     const bool declared = faults_.empty();
     if (declared) read_definitions();
     if (declared) choose_sums();
-    if (declared) write_texts();
-    if (faults_.empty() && !used_.empty()) {
+    do {
       vocabulary_.fixed = used_;
-      write_texts();
-    }
+      if (declared) write_texts();
+    } while (faults_.empty() && vocabulary_.fixed != used_);
     if (!faults_.empty()) return std::move(faults_);
     Definition& made = out_.definition_;
     if (!sums_.all.empty()) made.sums = std::make_shared<const KeptSums>(std::move(sums_));
@@ -139,7 +139,8 @@ class SceneWriter {
       }
       const std::int64_t most = given().kind == Definition::Kind::equations ? most_variables : most_coordinates;
       if (const auto n = std::get<std::int64_t>(count); n < 1 || n > most) {
-        fault(pointer, "must name at least one variable and not too many", "1 to " + std::to_string(most));
+        fault(pointer, n < 1 ? "must have at least one element" : "has too many elements",
+              "1 to " + std::to_string(most));
         continue;
       }
       const auto n = std::get<std::int64_t>(count);

@@ -260,5 +260,25 @@ TEST_F(Many, AStartInEquilibriumIsToldWhereNothingMoves) {
   EXPECT_EQ(run(request)["warnings"], Json::array()) << "a force that begins at 0 moves it";
 }
 
+// A parameter in a condition is one whatever its value, whole or not.
+class Conditions : public Asking {};
+
+TEST_F(Conditions, OnParametersAreSettledByTheirValues) {
+  for (const char* bound : {"0.5", "0", "1"})
+    for (const double a : {-1.0, 1.0, 1.5, 2.0}) {
+      Json request = {{"problem", custom(R"({"variables":["x"],"parameters":{"a":1}})")},
+                      {"initial", {{"x", 1}}},
+                      {"scheme", "taylor"},
+                      {"until", 1},
+                      {"sensitivities", {{"by", {"/problem/a"}}}}};
+      request["problem"]["potential"] = std::string("if(a > ") + bound + ", x^2/2, 2*x^2)";
+      request["problem"]["a"] = a;
+      const double frequency = a > std::stod(bound) ? 1 : 2;
+      const Json made = answer(request);
+      EXPECT_NEAR(made["final"]["x"], std::cos(frequency), 1e-12) << bound << ' ' << a;
+      EXPECT_EQ(made["sensitivities"]["final"][0][0], 0) << bound << ' ' << a;
+    }
+}
+
 }  // namespace
 }  // namespace least::server::test

@@ -167,7 +167,7 @@ TEST(Sized, WhatIsRefusedSaysWhy) {
   };
   text::TypedScene typed;
   typed.scene = of(Definition::Kind::potential, {"x[1025]"}, {}, "sum(i=1..1025, x[i]^2)");
-  EXPECT_EQ(fault_of(typed), "/variables/0 must name at least one variable and not too many");
+  EXPECT_EQ(fault_of(typed), "/variables/0 has too many elements");
   typed.scene.variables = {"x[1024]"};
   typed.scene.formula = "sum(i=1..1024, x[i]^2)";
   EXPECT_EQ(fault_of(typed), "none");

@@ -66,10 +66,6 @@ std::string grows_by_energy(double before, double now) {
                      before, now);
 }
 
-Message error(double most, double t) {
-  return "at " + Message::time(t, 4) + fmt::format(" it is off by {:.2g} from the true motion", most);
-}
-
 std::string no_tangent() {
   return fmt::format("how small differences grow was not looked at: their equations take more than {} operations",
                      tape::most_of_equations);
@@ -179,7 +175,8 @@ std::string not_finite(bool fixed) {
 
 std::string singular_step(bool fixed) {
   return fixed ? "the step is singular here; a shorter one may not be"
-               : "however short a step is, it comes to rates that are infinite or not defined";
+               : "a step comes to rates that are infinite or not defined; where its length is a setting a shorter one "
+                 "may not";
 }
 
 std::string density_lost() {

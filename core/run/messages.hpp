@@ -28,7 +28,6 @@ std::string stiff_action(double rate);
 /// By what a step multiplies an oscillation, and all of them.
 std::string grows(double by_step, double together, bool damped);
 std::string grows_by_energy(double before, double now);
-Message error(double most, double t);
 /// By control runs that part from each other at the time t; or where differences grow at this rate.
 Message sensitive_end(double t);
 /// Of a scene whose variational equations are not derived.

@@ -188,6 +188,8 @@ class Run {
   }
   /// The rows before the end that can be told from here.
   bool save_due();
+  /// The state at a time within the last step, by a polynomial through both of its ends.
+  StepStatus between_ends_of_step(double t, RunState& x) const;
   /// How the last step, which ended in the state, was taken.
   StepInfo last_step() const {
     StepInfo step = integrator_->step_info(state_);

@@ -3,7 +3,9 @@
 #include "core/run/run.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/run/hermite.hpp"
 #include "core/run/method_switch.hpp"
 #include "core/run/one_run.hpp"
 #include "core/run/start_check.hpp"
@@ -64,7 +66,9 @@ void Run::record_method_switch() {
 bool Run::save_due() {
   while (due() < end_ && known(due())) {
     RunState x = state_.x;
-    const StepStatus status = integrator_->state_at(state_, due(), x);
+    StepStatus status = integrator_->state_at(state_, due(), x);
+    // Of a step that was taken a shorter one may fail: what is recorded changes no run.
+    if (status != StepStatus::ok && due() < state_.x.t) status = between_ends_of_step(due(), x);
     if (status != StepStatus::ok || problem_.outside(x)) {  // a long step may lead out of the domain and back
       if (due() < state_.x.t) step_back();
       return status == StepStatus::ok ? leave_domain(due()) : fail(BlockResult::failed(status));
@@ -74,6 +78,13 @@ bool Run::save_due() {
   for (; schedule_.step() == state_.n && state_.x.t <= end_; schedule_.next())
     if (kept_++ < most_rows_ && !save(state_.x, last_step())) return false;
   return true;
+}
+
+StepStatus Run::between_ends_of_step(double t, RunState& x) const {
+  x = HermitePath(problem_, integrator_->left(), state_.x)(t);
+  return std::ranges::all_of(x.numbers, [](double number) { return std::isfinite(number); })
+             ? StepStatus::ok
+             : StepStatus::solver_failed;
 }
 
 bool Run::draw(double t) {

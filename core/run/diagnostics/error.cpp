@@ -54,10 +54,6 @@ class Error final : public Diagnostic {
                             landmarks_.steps() <= few_steps, half);
       told = found.complete && can_tell(found.uncertainty, found.most);
       if (!told) warn_of_missing_reference(end.warnings, found.complete ? found.uncertainty : unknown, found.missing);
-      constexpr double large = 0.1;
-      if (told && !(found.most <= large) &&
-          std::ranges::find(end.warnings, "large_error", &Warning::code) == end.warnings.end())
-        end.warnings.push_back({"large_error", messages::error(found.most, found.at)});
     }
     std::string how(found.how);
     if (known && !told) how += found.complete ? ", too uncertain" : ", not finished";

@@ -88,7 +88,8 @@ class PeakSearch {
   }
 
   /// Where the true motion is fast between steps, and between the states that were seen: where there are few of them,
-  /// errors that swing are missed as often as met.
+  /// errors that swing are missed as often as met. Of schemes that set their steps also within every step, where these
+  /// are not many: what comes by dense output may be off by more than the ends of the step.
   void look_between(bool sparse, bool few) {
     const double end = seen_.back().t;
     std::vector<PaceMark> marks;
@@ -99,6 +100,8 @@ class PeakSearch {
       for (std::size_t k = 1; k < parts; ++k)
         marks.push_back({std::lerp(seen_[i - 1].t, seen_[i].t, double(k) / double(parts)),
                          std::min(seen_[i - 1].speed, seen_[i].speed)});
+    if (few)
+      for (const double t : times_within_steps()) marks.push_back({t, 0});
     std::ranges::stable_sort(marks, {}, &PaceMark::t);
     const auto same = [](const PaceMark& a, const PaceMark& b) { return a.t == b.t; };
     marks.erase(std::unique(marks.begin(), marks.end(), same), marks.end());
@@ -114,16 +117,36 @@ class PeakSearch {
     std::ranges::stable_sort(seen_, {}, &SeenState::t);
   }
 
+  std::vector<double> times_within_steps() const {
+    constexpr std::size_t most_steps = 1000, looks = 1024;
+    std::vector<double> times;
+    if (!mechanics().schemes()[request_.scheme].own_clock) return times;
+    std::vector<SeenState> ends = run_again({Record::Mode::every, 1, {}}, seen_.back().t, most_steps);
+    if (ends.empty() || ends.size() > most_steps) return times;
+    if (ends.back().t < seen_.back().t) ends.push_back(seen_.back());
+    const std::size_t parts = std::clamp<std::size_t>(looks / ends.size(), 3, 64);
+    for (std::size_t i = 1; i < ends.size(); ++i)
+      for (std::size_t k = 1; k < parts; ++k)
+        times.push_back(std::lerp(ends[i - 1].t, ends[i].t, double(k) / double(parts)));
+    return times;
+  }
+
   /// The run's states at these times, by its dense output: recording never changes a run. Fewer where time ran out.
   std::vector<SeenState> run_again(std::vector<double> times) const {
+    if (times.empty()) return {};
+    const double end = times.back();
+    return run_again({Record::Mode::times, 1, std::move(times)}, end, request_.limits.steps);
+  }
+  std::vector<SeenState> run_again(Record record, double end, std::int64_t most_steps) const {
     std::vector<SeenState> states;
-    if (times.empty() || !(left_.seconds() > 0)) return states;
+    if (!(left_.seconds() > 0)) return states;
     const std::size_t width = seen_.front().x.size() + 1;
     Request again = request_;
     again.until_steps = false;
-    again.end = times.back();
-    again.limits = {left_.seconds(), request_.limits.steps, std::ssize(times)};
-    again.record = {Record::Mode::times, 1, std::move(times)};
+    again.end = end;
+    again.limits.seconds = left_.seconds();
+    again.limits.steps = most_steps;
+    again.record = std::move(record);
     again.measures = again.watched = {};
     again.events.clear();
     again.section.reset();

@@ -133,6 +133,7 @@ Advice cheapest(Contest& contest, const Request& scene, const Pilot& pilot, cons
     return advice;
   }
   contest.find_alternatives();
+  best = contest.winner();  // one of them may turn out to be cheaper
   const Probe& probe = *best->good();
   choose(advice, *best, probe);
   advice.met = true;

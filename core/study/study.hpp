@@ -32,7 +32,7 @@ std::string name(const SchemeCard& card, const SchemeConfig& choice);
 /// One run of a study.
 struct StudyPoint {
   double value = 0;  ///< of the setting that was varied
-  double step = 0;   ///< repeats value where the setting is the step; NaN elsewhere
+  double step = 0;   ///< of the run; NaN where the scheme has no such setting
   double error = 0;  ///< NaN where the run did not complete
   std::int64_t force_evaluations = 0;
   double seconds = 0;  ///< the smallest of some runs, on this machine

@@ -31,7 +31,9 @@ class Ladder {
   bool climb(double seconds) {
     const Trial trial = subject_.run(dial_.at(curve_.scheme, value_), seconds, plan_.most_forces);
     if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return false;  // to be run again
-    StudyPoint point{value_,        dial_.name == "step" ? value_ : std::numeric_limits<double>::quiet_NaN(),
+    const SchemeConfig choice = dial_.at(curve_.scheme, value_);
+    const auto step = subject_.card(choice).find("step");  // which a setting that it goes along with moves, too
+    StudyPoint point{value_,        step ? choice.settings[*step] : std::numeric_limits<double>::quiet_NaN(),
                      trial.error,   trial.forces,
                      trial.seconds, trial.status};
     const bool meant = trial.error < 1;

@@ -128,6 +128,7 @@ std::string encode_study(const PlanWithCards& planned, const least::Study& study
 
 std::string encode_study_head(const PlanWithCards& planned, const least::Study& study) {
   return line([&](JsonWriter& json) {
+    json.key("kind").text("head");
     write_study_echo(json, planned);
     write_truth(json, planned, study);
     json.key("schemes").open('[');
@@ -138,7 +139,7 @@ std::string encode_study_head(const PlanWithCards& planned, const least::Study& 
 
 std::string encode_study_point(const PlanWithCards& planned, std::size_t index, const StudyCurve& curve) {
   return line([&](JsonWriter& json) {
-    json.key("curve").integer(static_cast<std::int64_t>(index));
+    json.key("kind").text("point").key("curve").integer(static_cast<std::int64_t>(index));
     write(json.key("scheme"), planned.cards, curve.scheme);
     json.key("setting").text(curve.setting);
     write_point(json.key("point"), curve.points.back());
@@ -146,7 +147,10 @@ std::string encode_study_point(const PlanWithCards& planned, std::size_t index, 
 }
 
 std::string encode_study_end(const PlanWithCards& planned, const least::Study& study, ReturnCode end) {
-  return line([&](JsonWriter& json) { write_findings(json, planned, study, end, false); });
+  return line([&](JsonWriter& json) {
+    json.key("kind").text("end");
+    write_findings(json, planned, study, end, false);
+  });
 }
 
 std::string encode_stability(const StabilityFindings& findings, ReturnCode end) {

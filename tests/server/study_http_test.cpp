@@ -65,6 +65,8 @@ TEST_F(StudyHttp, TheLinesAreTheWholeAnswerPieceByPiece) {
     EXPECT_EQ((ahead ? streamed.front() : streamed.back()).at(key), value) << key;
   }
   EXPECT_EQ(whole["status"], "completed");
+  for (const Json& line : streamed)
+    EXPECT_EQ(line.at("kind"), &line == &streamed.front() ? "head" : &line == &streamed.back() ? "end" : "point");
   EXPECT_EQ(streamed.front().at("schemes")[1].at("composition"), "kahan_li_8");
   std::vector<Json> points(2);
   for (std::size_t i = 1; i + 1 < streamed.size(); ++i) {
@@ -152,6 +154,29 @@ TEST_F(StudyHttp, FindsTheLongestStableStep) {
   EXPECT_NEAR(json["limits"][0].at("step").get<double>(), 2, 0.02);
   EXPECT_EQ(json["limits"][0].at("failure"), "energy_growth");
   EXPECT_EQ(json.at("status"), "completed");
+}
+
+// The alternatives are looked for after the choice, and one of them may cost less.
+TEST_F(StudyHttp, AutoTakesTheCheapestThatItTells) {
+  const std::string request = R"({"problem":{"id":"custom","variables":["q1","q2"],
+    "hamiltonian":"(p1^2+p2^2)/2*(1+q1^2*q2^2/3)+p1^4/10+q1^2/2+q2^2+0.2*q1*p2"},
+    "initial":{"q1":0.7,"p1":0.5,"q2":0.2},"until":3,"record":{"every":0},"scheme":{"id":"auto","accuracy":1e-3}})";
+  const Json made = Json::parse(ask(port(), post("/v1/simulate", request)).body);
+  ASSERT_FALSE(made["choice"]["alternatives"].empty());
+  for (const Json& other : made["choice"]["alternatives"])
+    EXPECT_GE(other["force_evaluations"], made["cost"]["force_evaluations"]) << made["choice"];
+}
+
+// θ moves the step along with it, which points say.
+TEST_F(StudyHttp, PointsSayTheStepThatGoesAlong) {
+  const std::string request = R"({"problem":"kepler","until":{"t":20},"budget_seconds":10,
+    "schemes":[{"id":"jacobi_maupertuis","step":0.02,"theta":0.01},"time_transformed"]})";
+  const Json made = Json::parse(ask(port(), post("/v1/work-precision", request)).body);
+  ASSERT_EQ(made["curves"][0]["setting"], "theta");
+  ASSERT_FALSE(made["curves"][0]["points"].empty());
+  for (const Json& point : made["curves"][0]["points"])
+    EXPECT_NEAR(point["step"].get<double>() / point["value"].get<double>(), 2, 1e-12) << point;
+  for (const Json& point : made["curves"][1]["points"]) EXPECT_TRUE(point["step"].is_null()) << point;
 }
 
 TEST_F(StudyHttp, AutoRunsWhatItChose) {

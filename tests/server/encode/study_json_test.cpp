@@ -66,16 +66,18 @@ TEST(EncodeStudy, WritesTheWholeAnswer) {
 TEST(EncodeStudy, WritesLines) {
   const StudyExample example;
   EXPECT_EQ(encode_study_head(example.asked, example.study),
-            std::string(echo) + R"("schemes":[{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},)" +
+            std::string(echo).insert(1, R"("kind":"head",)") +
+                R"("schemes":[{"id":"leapfrog","step":0.5,"composition":"yoshida_4"},)" +
                 R"({"id":"own_clock","keep":true,"critical":0.5,"stages":2,"kappa":"energy","step":0.1}]})" + "\n");
   EXPECT_EQ(encode_study_point(example.asked, 0, example.study.curves[0]),
-            std::string(R"({"curve":0,)") + first_curve +
+            std::string(R"({"kind":"point","curve":0,)") + first_curve +
                 R"("point":{"value":0.25,"step":0.25,"error":0.001,"force_evaluations":160,"seconds":2e-06,)"
                 R"("status":"completed"}})" +
                 "\n");
   EXPECT_EQ(encode_study_end(example.asked, example.study, ReturnCode::deadline),
-            std::string(R"({"curves":[{)") + first_curve + R"("observed_order":3.99,"expected_order":4},{)" +
-                second_curve + R"("observed_order":null,"expected_order":null,"why":"too few"}],)" + found +
+            std::string(R"({"kind":"end","curves":[{)") + first_curve +
+                R"("observed_order":3.99,"expected_order":4},{)" + second_curve +
+                R"("observed_order":null,"expected_order":null,"why":"too few"}],)" + found +
                 R"("status":"stopped","stop":{"reason":"deadline"}})" + "\n");
 }
 

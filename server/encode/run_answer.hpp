@@ -85,8 +85,8 @@ struct Form {
 /// - `text/csv`: a line of column names, then a line per sample; what has no value is empty. The rest stands as one
 ///   line of JSON in header fields `Leastaction-Status`, `-Stop`, `-End`, `-Request` (the echo), `-Choice`, `-Final`,
 ///   `-Diagnostics`, `-Events`, `-Sensitivities`, `-Cost` and `-Warnings`. One that would be longer than 4 KiB says
-///   `{"omitted":true}` and stands after the last sample, in a line `# Leastaction-Events: …`. Points of a section are
-///   such a part, `-Section`; where no trajectory is kept they are the lines.
+///   `{"omitted":true}`: the other forms have it. Points of a section are such a part, `-Section`; where no trajectory
+///   is kept they are the lines.
 /// - `application/cbor` (RFC 8949): the members of JSON, the columns of the trajectory as typed arrays (RFC 8746) of
 ///   binary64 in little endian, in which what has no value is NaN; a column of words is an array of texts.
 std::span<const Form> forms();

@@ -79,18 +79,13 @@ void write_slopes(std::string& text, const FoundSensitivities& of, std::size_t s
   }
 }
 
-// A line of names, the samples, and what was too long for the fields.
-std::size_t pieces_of_table(const FinishedRun& run) { return 2 + rows_of(run).slices(); }
+// A line of names and the samples.
+std::size_t pieces_of_table(const FinishedRun& run) { return 1 + rows_of(run).slices(); }
 
 void write_csv(const FinishedRun& run, std::size_t piece, std::string& out) {
   const auto columns = columns_of(run);
   const KeptRows& kept = rows_of(run);
   const bool numbered = is_of_points(run);
-  if (piece > kept.slices()) {
-    return for_each_part(run, [&](const char* name, const std::string& value) {
-      if (value.size() > longest_field) out.append("# ").append(name).append(": ").append(value).append("\n");
-    });
-  }
   std::vector<const std::vector<std::string>*> words;
   for (const std::size_t column : columns) {
     const ColumnCard& card = run.request.column(column);

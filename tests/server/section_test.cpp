@@ -207,11 +207,7 @@ TEST_F(Sections, StandInEveryForm) {
       continue;
     }
     EXPECT_EQ(table.fields.at("leastaction-section"), R"({"omitted":true})");
-    const std::string mark = "# Leastaction-Section: ";
-    const auto at = table.body.find(mark);
-    ASSERT_NE(at, std::string::npos);
-    const auto from = at + mark.size();
-    EXPECT_EQ(Json::parse(table.body.substr(from, table.body.find('\n', from) - from)), points);
+    EXPECT_EQ(table.body.find('#'), std::string::npos);
   }
 }
 

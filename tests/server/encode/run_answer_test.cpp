@@ -150,11 +150,7 @@ TEST(EncodeCsv, WritesColumnsAndBoundedFields) {
   Example example;
   example.outcome.diagnostics.push_back({"zeros", std::vector<double>(10'000, 1.5)});
   const Answer answer = encode_csv(example.run());
-  // What does not fit into a field follows the samples.
-  const std::string rows = "t,energy\n0,1.5\n2.5,\n# Leastaction-Diagnostics: ";
-  ASSERT_EQ(answer.body.substr(0, rows.size()), rows);
-  EXPECT_EQ(answer.body.find('\n', rows.size()), answer.body.size() - 1);
-  EXPECT_EQ(Json::parse(answer.body.substr(rows.size())), Json::parse(encode_json(example.run()).body)["diagnostics"]);
+  EXPECT_EQ(answer.body, "t,energy\n0,1.5\n2.5,\n") << "what does not fit into a field is no row";
   for (const auto& [name, value] : answer.headers) {
     EXPECT_LE(value.size(), 4096u) << name;
     for (const char c : value) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << name;

@@ -60,7 +60,7 @@ bool is_absolute(const tape::Tape& tape, const Node& choice) {
 }
 
 /// Whether it is what a choice adds so that it is no number where what it is made by is none.
-bool is_nothing(const tape::Tape& tape, Index place) {
+bool is_zero_node(const tape::Tape& tape, Index place) {
   const Node& node = tape[place];
   return node.op == Op::multiply && tape[node.a].op == Op::constant && tape[node.a].value == 0;
 }
@@ -78,7 +78,7 @@ Piece of_node(const tape::Tape& tape, Index place, Part&& part, const std::funct
       return {name(static_cast<int>(node.value))};
     case Op::add:
     case Op::subtract: {
-      if (is_nothing(tape, node.b)) return part(node.a);
+      if (is_zero_node(tape, node.b)) return part(node.a);
       const bool adds = (node.op == Op::add) != negative(part(node.b));
       return {joined({in(part(node.a), 1), adds ? " + " : " - ", in(without_sign(part(node.b)), 2)}), 1};
     }

@@ -58,7 +58,7 @@ TEST(Control, WhatGoesOnBeyondASingularitySaysSo) {
 // it may be.
 TEST(Control, IsNoRunOfTheSameSteps) {
   Request chaos = of("lorenz", {"dormand_prince_5"}, {});
-  chaos.end = 60;
+  chaos.end = 30;
   for (const double tolerance : {1e-8, 1e-9, 1e-6}) {
     const auto found = go(controlled(set(chaos, {{"tolerance", tolerance}})));
     EXPECT_TRUE(warned(found, "large_error") || warned(found, "sensitive_end")) << tolerance;

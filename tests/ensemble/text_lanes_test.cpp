@@ -312,4 +312,20 @@ TEST(TextLanes, EndEachForItself) {
   EXPECT_GT(lanes.ended[0], 0);
 }
 
+// A choice by what is no number ends a member as it ends a run: x falls from 1/2 through 0.
+TEST(TextLanes, StopWhereAChoiceIsByNoNumber) {
+  for (const char* text : {"if(log(x) < 9, x, x^2)", "x*min(1, 9 - log(x))", "if(2*sqrt(x) < 9, x, x^2)"}) {
+    for (const char* scheme : {"leapfrog", "runge_kutta_4"}) {
+      EnsemblePlan plan = plan_of(texts::of(typed_v, {"x"}, {}, text), scheme, {0.5, 0}, 0.01, 300);
+      vary_starts(plan, 40);
+      for (const LaneUnit& unit : lane_units()) {
+        const auto lanes = in_lanes(plan, unit);
+        ASSERT_TRUE(lanes) << text;
+        EXPECT_EQ(lanes->ended[static_cast<std::size_t>(ReturnCode::completed)], 0) << text << ' ' << scheme;
+        EXPECT_EQ(lanes->ended, alone(plan).ended) << text << ' ' << scheme;
+      }
+    }
+  }
+}
+
 }  // namespace

@@ -150,6 +150,8 @@ class Line {
           found.back().high = border(last[2].u, *gap);
           found.push_back({border(last[0].u, *gap), infinite});
         }
+      if (k > 1)
+        if (const auto island = island_between(last)) found.push_back(*island);
       const bool holds = last[0].map.stable();
       if (holds && !open) found.push_back({k == 0 ? 0 : border(u, last[1].u), infinite});
       if (!holds && open) found.back().high = border(last[1].u, u);
@@ -193,6 +195,28 @@ class Line {
         if (!at_v.stable()) return v;
         (at_u.margins()[i] < at_v.margins()[i] ? high : low) = at_u.margins()[i] < at_v.margins()[i] ? v : u;
       }
+    }
+    return std::nullopt;
+  }
+
+  /// Stable steps between three that are not: about where the least of the margins has its maximum, if that comes near
+  /// 0 between them.
+  std::optional<Interval> island_between(const std::array<Look, 3>& last) const {
+    const auto least = [](const StepMap& map) { return std::ranges::min(map.margins()); };
+    for (const Look& look : last)
+      if (look.map.stable()) return std::nullopt;
+    const double left = least(last[2].map), here = least(last[1].map), right = least(last[0].map);
+    if (!(here >= left && here > right && -here < 2 * here - left - right)) return std::nullopt;
+    double low = last[2].u, high = last[0].u;
+    while (high - low > 1e-9 * high) {
+      const double u = low + (high - low) / 3, v = high - (high - low) / 3;
+      const StepMap at_u = map_at(u), at_v = map_at(v);
+      if (at_u.stable() || at_v.stable()) {
+        const double inside = at_u.stable() ? u : v;
+        const bool later = inside > last[1].u;
+        return Interval{border(inside, last[later ? 1 : 2].u), border(inside, last[later ? 0 : 1].u)};
+      }
+      (least(at_u) > least(at_v) ? high : low) = least(at_u) > least(at_v) ? v : u;
     }
     return std::nullopt;
   }

@@ -1,9 +1,9 @@
 // Linear stability: the steps that a scheme stands on an oscillator q̈ + αq̇ + ω²q = 0, damped or not. A step is a linear
 // map of (q, p), computed by the scheme itself; it is stable where neither eigenvalue is larger than 1. In z = ωh and
 // a = αh the stable set need not be one interval from 0: it is searched along a line, and where |trace| or the
-// determinant come close to their bounds between two looks, at their extremes as well, so that gaps of a width of 1e-5
-// are found. Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, I.5; Blanes, Casas, Murua, SIAM J.
-// Numer. Anal. 46, 552 (2008).
+// determinant come close to their bounds between two looks, at their extremes as well, so that gaps and islands of a
+// width of 1e-5 are found. Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, I.5; Blanes, Casas,
+// Murua, SIAM J. Numer. Anal. 46, 552 (2008).
 #pragma once
 
 #include <cstddef>

@@ -167,6 +167,17 @@ TEST(StableStepsTest, AreWhereStepsDoNotGrow) {
   EXPECT_GT(borders, 60);
 }
 
+// Numbers: the trace of nine leapfrog steps, looked at every 1e-6, by hand.
+TEST(StableStepsTest, ThinIslandsAreFound) {
+  const StableSteps steps = theory("leapfrog", {1, composed("kahan_li_6")}, 0);
+  EXPECT_NEAR(steps.limit, 2.532627, 2e-6);
+  ASSERT_EQ(steps.islands.size(), 2U);
+  EXPECT_NEAR(steps.islands[0].low, 2.919126, 2e-6);
+  EXPECT_NEAR(steps.islands[0].high, 3.328645, 2e-6);
+  EXPECT_NEAR(steps.islands[1].low, 4.646921, 2e-6);
+  EXPECT_NEAR(steps.islands[1].high, 4.651783, 2e-6);
+}
+
 TEST(StabilityLimit, StopsAtAThinGap) {
   const StabilityLimit found = limit("harmonic_oscillator", "leapfrog", "sofroniou_spaletta_10");
   EXPECT_NEAR(found.step, 3.14108, 2e-3);

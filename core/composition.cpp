@@ -54,20 +54,21 @@ std::string objection(std::span<const double> weights) {
   if (weights.empty() || weights.size() > std::size_t{most_stages})
     return fmt::format("must be 1 to {} weights, not {}", most_stages, weights.size());
   double sum = 0;
+  std::string uneven, off;
   for (std::size_t i = 0; i < weights.size(); ++i) {
     const double twin = weights[weights.size() - 1 - i];
     if (!(std::abs(weights[i]) <= largest_weight))
       return fmt::format("weight {} is {}, beyond ±{}", i + 1, weights[i], largest_weight);
-    if (weights[i] != twin)
-      return fmt::format("must be symmetric: weight {} is {}, and weight {} from the end {}", i + 1, weights[i], i + 1,
-                         twin);
+    if (weights[i] != twin && uneven.empty())
+      uneven = fmt::format("must be symmetric: weight {} is {}, and weight {} from the end {}", i + 1, weights[i],
+                           i + 1, twin);
     sum += weights[i];
   }
   const double slack = 1e-15 * static_cast<double>(weights.size());
   if (!(std::abs(sum - 1) <= slack))
-    return fmt::format("must add up to 1 within {:.2g}: they add up to 1 {} {:.3g}", slack, sum > 1 ? '+' : '-',
-                       std::abs(sum - 1));
-  return {};
+    off = fmt::format("must add up to 1 within {:.2g}: they add up to 1 {} {:.3g}", slack, sum > 1 ? '+' : '-',
+                      std::abs(sum - 1));
+  return uneven + (uneven.empty() || off.empty() ? "" : "; ") + off;
 }
 
 int order_of(std::span<const double> weights, int base) {

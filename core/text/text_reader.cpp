@@ -1,7 +1,7 @@
 #include "core/text/text_reader.hpp"
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include "core/text/expansion.hpp"
 
@@ -27,10 +27,14 @@ TextReader::TextReader(const Definition& definition) : given_(definition), form_
 void TextReader::check_names() {
   const int most = flow() ? most_variables : most_coordinates;
   if (given_.variables.empty() || given_.variables.size() > static_cast<std::size_t>(most))
-    return fault("/variables", "must name at least one variable and not too many", "1 to " + std::to_string(most));
-  std::set<std::string, std::less<>> taken{"t", "s", "pi", "energy"};
-  for (const auto column : column_names()) taken.emplace(column);
-  for (const auto function : function_names()) taken.emplace(function);
+    return fault("/variables",
+                 given_.variables.empty() ? "must name at least one variable" : "names too many variables",
+                 "1 to " + std::to_string(most));
+  constexpr std::string_view variable = "a variable";
+  std::map<std::string, std::string_view, std::less<>> taken{
+      {"t", "the time"}, {"s", "the action"}, {"pi", "the constant"}, {"energy", "the energy"}};
+  for (const auto column : column_names()) taken.emplace(column, "a column");
+  for (const auto function : function_names()) taken.emplace(function, "a function");
   const auto take = [&](const std::string& pointer, const std::string& name, std::string_view what,
                         std::size_t most_letters) {
     const auto element = element_of(name);
@@ -38,17 +42,29 @@ void TextReader::check_names() {
     if (!is_name(letters) || letters.size() > most_letters) {
       fault(pointer, "\"" + name.substr(0, 40) + "\" cannot be a name",
             "a letter, then letters, digits, _: at most " + std::to_string(most_letters));
-    } else if (!taken.insert(name).second) {
-      fault(pointer, name + " is " + std::string(what) + " and something else already", "names that differ");
+    } else if (const auto [known, is_new] = taken.emplace(name, what); !is_new) {
+      fault(pointer,
+            name + " is " + std::string(known->second) + " already: it cannot be " + std::string(what) + ", too",
+            "names that differ");
     }
   };
+  // What follows from a variable: another one that is named like it is to be called something else.
+  const auto take_beside = [&](std::size_t i, const std::string& name, std::string_view what) {
+    const auto known = taken.find(name);
+    if (known == taken.end() || known->second != variable)
+      return take("/variables/" + std::to_string(i), name, what, longest_name + 1);
+    const auto other = std::ranges::find(given_.variables, name) - given_.variables.begin();
+    fault("/variables/" + std::to_string(other),
+          name + " is " + std::string(what) + " already, of " + given_.variables[i] + ": it cannot be a variable, too",
+          "names that differ");
+  };
   for (std::size_t i = 0; i < given_.variables.size(); ++i)
-    take("/variables/" + std::to_string(i), given_.variables[i], "a variable", longest_name);
+    take("/variables/" + std::to_string(i), given_.variables[i], variable, longest_name);
   if (!faults_.empty()) return;
   if (!flow())
     for (std::size_t i = 0; i < given_.variables.size(); ++i) {
-      take("/variables/" + std::to_string(i), velocity_name(given_.variables[i]), "a velocity", longest_name + 1);
-      take("/variables/" + std::to_string(i), momentum_name(given_.variables[i]), "a momentum", longest_name + 1);
+      take_beside(i, velocity_name(given_.variables[i]), "a velocity");
+      take_beside(i, momentum_name(given_.variables[i]), "a momentum");
     }
   if (given_.parameters.size() > static_cast<std::size_t>(most_parameters))
     fault("/parameters", "are too many", "at most " + std::to_string(most_parameters));

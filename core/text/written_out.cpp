@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text/characters.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/text_reader.hpp"
 
@@ -56,6 +57,7 @@ class SceneWriter {
       vocabulary_.fixed = used_;
       if (declared) write_texts();
     } while (faults_.empty() && vocabulary_.fixed != used_);
+    if (faults_.empty()) read_unused();
     if (!faults_.empty()) return std::move(faults_);
     Definition& made = out_.definition_;
     if (!sums_.all.empty()) made.sums = std::make_shared<const KeptSums>(std::move(sums_));
@@ -189,6 +191,44 @@ class SceneWriter {
     if (!fault || expansion->origin(fault->position).definition) return;
     fault->position = expansion->origin(fault->position).position;
     faults_.push_back({pointer_to("/definitions/", made.name), std::move(*fault)});
+  }
+
+  /// Definitions without indices that no text of the mechanics speaks of: columns and events may.
+  void read_unused() {
+    Vocabulary before = vocabulary_;
+    before.definitions.clear();
+    for (const Vocabulary::Defined& one : vocabulary_.definitions) {
+      if (one.indices.empty() && !is_spoken_of(one.name)) {
+        const std::string pointer = pointer_of(before.definitions.size());
+        auto made = Expansion::of(one.text, before);
+        if (auto* wrong = std::get_if<Expansion::Wrong>(&made)) {
+          faults_.push_back({wrong->definition ? pointer_of(*wrong->definition) : pointer, std::move(wrong->fault)});
+        } else if (auto parsed = Expression::parse(std::get<Expansion>(made).text(), most_written);
+                   auto* fault = std::get_if<Fault>(&parsed)) {
+          const Expansion::Place place = std::get<Expansion>(made).origin(fault->position);
+          fault->position = place.position;
+          faults_.push_back({place.definition ? pointer_of(*place.definition) : pointer, std::move(*fault)});
+        }
+      }
+      before.definitions.push_back(one);
+    }
+  }
+  bool is_spoken_of(const std::string& name) const {
+    const auto speaks = [&](std::string_view text) {
+      for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = is_letter(text[at]) ? end_of_word(text, at, text.size()) : at + 1;
+        if (text.substr(at, end - at) == name) return true;
+        at = end;
+      }
+      return false;
+    };
+    const auto any = [&](const Definition::Named& named) {
+      return std::ranges::any_of(named, speaks, &Definition::Named::value_type::second);
+    };
+    return speaks(given().formula) || any(given().masses) || any(given().equations) || any(given().invariants) ||
+           any(given().forces) || any(typed_->definitions) || speaks(given().damping.value_or("")) ||
+           speaks(given().action_curvature.value_or("")) || speaks(given().offset.value_or("")) ||
+           speaks(given().dissipation.value_or(""));
   }
 
   /// Which sums are kept. Of what moves, second derivatives are taken coordinate by coordinate: sums that speak of it

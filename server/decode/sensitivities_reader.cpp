@@ -53,10 +53,15 @@ class ByReader {
     const auto found = std::ranges::find(candidates_, pointer, &Candidate::pointer);
     if (found == candidates_.end()) {
       Names pointers;
-      for (const Candidate& one : candidates_) pointers.push_back(one.pointer);
+      std::string meant;
+      for (const Candidate& one : candidates_) {
+        pointers.push_back(one.pointer);
+        if (meant.empty() && one.pointer.ends_with("/" + typed))
+          meant = fmt::format("; did you mean \"{}\"?", one.pointer);
+      }
+      if (meant.empty()) meant = path.meant(typed, pointers);
       const std::string why = why_not(pointer);
-      return path.fault(!why.empty() ? why : "names no number that derivatives can be by" + path.meant(typed, pointers),
-                        json, allowed());
+      return path.fault(!why.empty() ? why : "names no number that derivatives can be by" + meant, json, allowed());
     }
     if (found->quantity.kind == Quantity::Kind::parameter && !std::isfinite(scene.parameters[found->quantity.index]))
       return path.fault("is no number in this request", json, allowed());

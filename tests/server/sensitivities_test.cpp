@@ -359,6 +359,7 @@ TEST_F(Sensitivities, RefuseWhatTheyCannotSay) {
     EXPECT_TRUE(says(fault, words)) << fault;
   };
   refused({{"by", {"/problem/nu"}}}, "/sensitivities/by/0", "did you mean");
+  refused({{"by", {"x"}}}, "/sensitivities/by/0", "did you mean \"/initial/x\"?");
   refused({{"by", {"/scheme/tolerance"}}}, "/sensitivities/by/0", "setting of the scheme");
   refused({{"by", {"/initial/x", "/initial/x"}}}, "/sensitivities/by/1", "twice");
   refused({{"by", {3}}}, "/sensitivities/by/0", "JSON pointer");

@@ -46,6 +46,8 @@ TEST_F(WeightsHttp, StandForAComposition) {
 
 TEST_F(WeightsHttp, AreRefusedAtTheirPlace) {
   EXPECT_TRUE(says(fault_of_weights(port(), {{"weights", {0.6, 0.4}}}), "symmetric: weight 1 is 0.6"));
+  const auto both = fault_of_weights(port(), {{"weights", {0.5, 0.6}}});
+  EXPECT_TRUE(says(both, "must be symmetric: weight 1 is 0.5") && says(both, "must add up to 1")) << both;
   EXPECT_TRUE(says(fault_of_weights(port(), {{"weights", {0.3, 0.3}}}), "add up to 1 - 0.4"));
   for (const Json& list : {Json::array(), Json(std::vector<double>(100, 0.01))}) {
     const Json fault = fault_of_weights(port(), {{"weights", list}});

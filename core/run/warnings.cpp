@@ -140,12 +140,12 @@ void warn_of_run(const FinishedRun& run, std::vector<Warning>& warnings) {
   warn_of_rest(run, warnings);
   if (!(control.error <= large_error))
     warnings.push_back({"large_error", messages::departs(control.error, control.t, control.reached)});
-  if (sensitive)
+  if (control.error <= large_error && control.stands_at)
+    warnings.push_back({"beyond_singularity", messages::beyond_singularity(*control.stands_at)});
+  else if (sensitive)
     warnings.push_back({"sensitive_end", messages::sensitive_end(sensitive->until, sensitive->rate)});
   else if (control.error <= large_error && control.parted_at)
     warnings.push_back({"sensitive_end", messages::sensitive_end(*control.parted_at)});
-  else if (control.error <= large_error && control.stands_at)
-    warnings.push_back({"beyond_singularity", messages::beyond_singularity(*control.stands_at)});
   else
     warn_of_blind_estimates(run, control, warnings);
 }

@@ -65,8 +65,6 @@ bool MetricEnergyMomentum<T>::solve(const T* x) {
   for (std::size_t i = 0; i < 2 * n_; ++i) start_[i] = plain_number(x[i]);
   for (std::size_t i = 0; i < n_; ++i) grain += 8 * epsilon * std::abs(start_[i]);
   grain /= std::abs(step_);
-  bool outworn = true;  // the matrix: one does for some rounds, but not for what rides along
-  double before = std::numeric_limits<double>::infinity();
   for (int k = 0, late = late_rounds<T>; k < most_iterations; ++k) {
     ++work_.forces;
     ++work_.iterations;
@@ -75,21 +73,15 @@ bool MetricEnergyMomentum<T>::solve(const T* x) {
       equations(x, level_, z, middle_, wrong);
       excess = wrong[n_];
     };
-    if (outworn) {
-      newton_.look(z_.data(), in_numbers,
-                   [&](const Row* z, Row* wrong) { equations(start_.data(), level, z, row_, wrong); });
-    } else {
-      newton_.look_again(z_.data(), in_numbers);
-    }
+    newton_.look(z_.data(), in_numbers,
+                 [&](const Row* z, Row* wrong) { equations(start_.data(), level, z, row_, wrong); });
     const double size = plain_number(T(0.5 * middle_.twice_kinetic())) + std::abs(plain_number(middle_.potential()));
     double change = 0;
     for (std::size_t i = 0; i <= n_; ++i) {
       if (i < n_) change += std::abs(plain_number(newton_.update[i]));
       z_[i] = z_[i] - newton_.update[i];
     }
-    const double square = plain_number(z_[n_]), changed = change / scale + std::abs(plain_number(newton_.update[n_]));
-    outworn = late_rounds<T> > 0 || changed > 1e-2 * before;
-    before = changed;
+    const double square = plain_number(z_[n_]);
     if (!(square > 0 && square < 64 * most)) return false;  // also where it is no number
     // An energy that is right to its last digits says no more about h.
     const bool kept = std::abs(plain_number(excess)) <= 4 * epsilon * (size + std::abs(level));

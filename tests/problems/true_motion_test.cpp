@@ -40,7 +40,7 @@ TEST(TrueMotion, IsThatOfExtrapolationToTwentyFiveDigits) {
   const auto rates = taylor::write_equations<Point<15>>(problem, tape);
   ASSERT_TRUE(TrueMotion::covers(tape));
   TrueMotion motion(std::move(tape), rates, fine_tolerance);
-  motion.start(digits_of(problem, start), start.t);
+  motion.start(digits_of(taylor::values_of(convert<Quad, Quad>(start))), start.t);
   Extrapolation<EveryRule> other(problem, convert<Quad, Quad>(start), fine_tolerance);
   int steps = 0;
   for (const double t : {0.0, 1e-9, 0.3, 0.31, 1.0, 2.5}) {

@@ -74,7 +74,7 @@ class MetricJacobiMotion {
   void time_equations(const A* q, const A* p, const A& h, const U* v, Looks<U>& looks, U* wrong) const;
   /// ḡΔ, E₀ − V̄ and h of a step that ends there, and what the force at its left end or in the middle is made of.
   template <class A, class U>
-  void try_end(const A* q, const A& energy, double sign, const U* end, Looks<U>& looks) const;
+  void try_end(const A* q, const A& level, double sign, const U* end, Looks<U>& looks) const;
   /// One degree of freedom.
   StepStatus along_line(Site& x, const T& delta, Work& work) const;
   StepStatus arrive(Site& x, const T& a, double sign, Work& work) const;

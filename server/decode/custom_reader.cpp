@@ -79,8 +79,9 @@ std::optional<std::size_t> kind_of(const Json& problem, const FieldPath& path) {
   return kind;
 }
 
-void add_fault(text::DefinitionFault wrong, const FieldPath& path) {
-  auto& [pointer, fault, in_text] = wrong;
+void add_fault(const text::DefinitionFault& wrong, const FieldPath& path) {
+  const auto& [pointer, fault, in_text] = wrong;
+  std::string detail = fault.detail;
   if (!fault.unknown.empty()) {
     Names known;
     for (std::size_t from = 0; from < fault.allowed.size();) {
@@ -88,12 +89,12 @@ void add_fault(text::DefinitionFault wrong, const FieldPath& path) {
       known.push_back(std::string_view(fault.allowed).substr(from, to - from));
       from = to + 2;
     }
-    fault.detail += path.meant(fault.unknown, known);
+    detail += path.meant(fault.unknown, known);
   }
   path.faults->add({path.pointer + pointer,
-                    std::move(fault.detail),
+                    std::move(detail),
                     {},
-                    std::move(fault.allowed),
+                    fault.allowed,
                     in_text ? std::optional(fault.position) : std::nullopt});
 }
 
@@ -121,8 +122,8 @@ std::shared_ptr<const Mechanics> made_of(text::TypedScene typed, const Json& pro
   };
   if (take_sizes(problem, path, mechanics().get(), typed)) made = custom_mechanics(typed);
   if (auto* const wrong = std::get_if<std::vector<text::DefinitionFault>>(&made)) {
-    for (auto& fault : *wrong) add_fault(fault, path);
-    for (auto& fault : further_faults(std::move(typed), std::move(*wrong))) add_fault(std::move(fault), path);
+    for (const auto& fault : *wrong) add_fault(fault, path);
+    for (const auto& fault : further_faults(std::move(typed), std::move(*wrong))) add_fault(fault, path);
   }
   return mechanics();
 }

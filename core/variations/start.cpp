@@ -13,8 +13,9 @@ tape::Formula formula_of(const ParametricScene& scene, const std::vector<Symbol>
 }
 
 Start::Start(const Scene& scene, const SensitivitiesAsked& asked)
-    : equations_(*asked.equations), asked_(asked), t_(scene.start), size_(equations_.components) {
+    : equations_(*asked.equations), asked_(asked), scene_(scene), t_(scene.start), size_(equations_.components) {
   for (const std::size_t place : equations_.variables) x_.push_back(scene.initial[place]);
+  regular_ = t_ != 0 && regular(scene.parameters) == x_;
   std::vector<double> all = x_;
   all.insert(all.end(), equations_.parameters.begin(), equations_.parameters.end());
   rates_.resize(size_);
@@ -27,9 +28,11 @@ Start::Start(const Scene& scene, const SensitivitiesAsked& asked)
 }
 
 std::vector<double> Start::slope(const Quantity& by) const {
+  if (regular_ && by.kind == Quantity::Kind::parameter) return slope_of_regular(by.index, 1);
   std::vector<double> slope = asked_.keeps_velocities ? slope_in_velocities(by) : slope_in_momenta(by);
   if (by.kind != Quantity::Kind::time) return slope;
-  for (std::size_t i = 0; i < size_; ++i)  // what starts later has not come as far
+  if (regular_) return std::vector<double>(size_);  // it goes along with the motion
+  for (std::size_t i = 0; i < size_; ++i)           // what starts later has not come as far
     slope[i] = equations_.sign_of_time() * (slope[i] - rates_[i]);
   return slope;
 }
@@ -45,6 +48,11 @@ void Start::move(const Quantity& quantity, double by, Scene& scene) const {
   const bool parameter = quantity.kind == Quantity::Kind::parameter;
   if (parameter) scene.parameters[quantity.index] += by;
   const std::size_t n = equations_.coordinates;
+  if (regular_ && parameter) {
+    const std::vector<double> there = regular(scene.parameters);
+    for (std::size_t i = 0; i < size_; ++i) scene.initial[equations_.variables[i]] = there[i];
+    return;
+  }
   if (!asked_.keeps_velocities) {
     const std::vector<double> slope = slope_in_momenta(quantity);
     for (std::size_t i = 0; i < size_; ++i) scene.initial[equations_.variables[i]] += slope[i] * by;
@@ -95,8 +103,30 @@ std::vector<double> Start::slope_in_velocities(const Quantity& by) const {
   return slope;
 }
 
+std::vector<double> Start::regular(const std::vector<double>& parameters) const {
+  std::vector<double> all;
+  const auto start = scene_.mechanics->regular_start(parameters, t_);
+  if (start && start->objection.empty())
+    for (const std::size_t place : equations_.variables) all.push_back(start->state[place]);
+  return all;
+}
+
+std::vector<double> Start::slope_of_regular(std::size_t parameter, int order) const {
+  const double h = order == 1 ? 1e-3 : 1e-2;  // a series whose derivatives are small: errors are some 1e-12
+  std::vector<double> parameters = scene_.parameters, slope(size_);
+  parameters[parameter] = scene_.parameters[parameter] + h;
+  const std::vector<double> after = regular(parameters);
+  parameters[parameter] = scene_.parameters[parameter] - h;
+  const std::vector<double> before = regular(parameters);
+  for (std::size_t i = 0; i < size_; ++i)
+    slope[i] = order == 1 ? (after[i] - before[i]) / (2 * h) : (after[i] - 2 * x_[i] + before[i]) / (h * h);
+  return slope;
+}
+
 std::vector<double> Start::second(const Quantity& a, const Quantity& b) const {
   std::vector<double> second(size_);
+  if (regular_ && a.kind == Quantity::Kind::parameter && b.kind == a.kind && a.index == b.index)
+    return slope_of_regular(a.index, 2);
   if (!asked_.keeps_velocities) return second;
   const std::vector<double> first = way_of(a), other = way_of(b);
   std::vector<Dual<Slope, 1>> x;

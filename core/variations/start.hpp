@@ -34,9 +34,17 @@ class Start {
   std::vector<double> slope_in_momenta(const Quantity& by) const;
   std::vector<double> slope_in_velocities(const Quantity& by) const;
 
+  /// The components at the start that the scene has where parameters are these.
+  std::vector<double> regular(const std::vector<double>& parameters) const;
+  /// Of those the difference quotient of this order by a parameter.
+  std::vector<double> slope_of_regular(std::size_t parameter, int order) const;
+
   const ParametricScene& equations_;
   const SensitivitiesAsked& asked_;
+  const Scene& scene_;
   double t_;
+  /// The start is that of the one regular motion from a singularity before it: it follows from the time and parameters.
+  bool regular_ = false;
   std::size_t size_;
   std::vector<double> x_, rates_;
   std::vector<double> in_velocities_;  ///< with the parameters, where velocities are held

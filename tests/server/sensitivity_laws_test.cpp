@@ -312,5 +312,24 @@ TEST_F(SensitivityLaws, AStepIsHalvedNoFurtherThanTimesCanTell) {
   EXPECT_TRUE(found.contains("reason")) << found;
 }
 
+// A start that is said by its time alone follows from that and from the parameters, along the one regular motion:
+// wherever it is begun, its end is the same.
+TEST_F(SensitivityLaws, ARegularStartGoesAlong) {
+  Json request = {{"problem", {{"id", "lane_emden"}, {"n", 3}}},
+                  {"scheme", "taylor"},
+                  {"until", 3},
+                  {"record", {{"every", 0}}},
+                  {"sensitivities", {{"by", {"/problem/n", "/initial/t"}}}}};
+  const auto slopes_from = [&](double t) {
+    request["initial"] = {{"t", t}};
+    return answer(request)["sensitivities"]["final"];
+  };
+  const Json early = slopes_from(1e-4), late = slopes_from(0.3);
+  for (const std::size_t row : {0, 1}) {
+    EXPECT_NEAR(late[row][0], early[row][0].get<double>(), 1e-10);
+    EXPECT_EQ(late[row][1], 0);
+  }
+}
+
 }  // namespace
 }  // namespace least::server::test

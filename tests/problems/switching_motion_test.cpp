@@ -39,7 +39,7 @@ TEST(SwitchingMotion, IsKnownToTwentyFiveDigitsOverManyKinks) {
   const auto rates = taylor::write_equations<Point<2>>(problem, tape);
   ASSERT_TRUE(TrueMotion::covers(tape));
   TrueMotion motion(std::move(tape), rates, fine_tolerance);
-  motion.start(digits_of(problem, start), 0);
+  motion.start(digits_of(taylor::values_of(convert<Quad, Quad>(start))), 0);
   int steps = 0;
   for (const double t : {0.5, 1.0471975511965976, 1.5, 3.0, 10.0, 100.0}) {
     const auto x = motion.at(t, [&] { return ++steps < 3000; });

@@ -118,13 +118,14 @@ class PeakSearch {
   }
 
   std::vector<double> times_within_steps() const {
-    constexpr std::size_t most_steps = 700, looks = 512;
+    constexpr std::size_t most_steps = 700;
     std::vector<double> times;
     if (!mechanics().schemes()[request_.scheme].own_clock) return times;
     std::vector<SeenState> ends = run_again({Record::Mode::every, 1, {}}, seen_.back().t, most_steps);
     if (ends.empty() || ends.size() > most_steps) return times;
     if (ends.back().t < seen_.back().t) ends.push_back(seen_.back());
-    const std::size_t parts = std::clamp<std::size_t>(looks / ends.size(), 2, 64);
+    // Within the longest steps what is worst may be narrow, as their dense output is of one order here, another there.
+    const std::size_t count = ends.size(), parts = count > 360 ? 2 : count > 150 ? 3 : count > 16 ? 450 / count : 128;
     for (std::size_t i = 1; i < ends.size(); ++i)
       for (std::size_t k = 1; k < parts; ++k)
         times.push_back(std::lerp(ends[i - 1].t, ends[i].t, double(k) / double(parts)));

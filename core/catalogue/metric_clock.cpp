@@ -122,7 +122,7 @@ class MetricMidpoint {
             in_numbers(u);
             for (std::size_t i = 0; i < n_; ++i) wrong[i] = look_.momentum(i) - kick_[i] - x[n_ + i];
           },
-          [&](const Row* u, Row* wrong) {
+          [&](const FewDirections* u, FewDirections* wrong) {
             middle(start_.data(), level, kappa, plain_half, u, row_, row_place_, row_slope_, row_kick_);
             for (std::size_t i = 0; i < n_; ++i) wrong[i] = row_.momentum(i) - row_kick_[i] - start_[n_ + i];
           });
@@ -154,11 +154,11 @@ class MetricMidpoint {
   T strain_{};       ///< the largest |(D/(K + κ))² − 1| of a stage
   SmallNewton<T> newton_;
   LagrangianLook<T> look_;
-  LagrangianLook<Row> row_;
+  LagrangianLook<FewDirections> row_;
   std::vector<T> u_, p_, kick_, slope_;
-  std::vector<Row> row_kick_, row_slope_;
+  std::vector<FewDirections> row_kick_, row_slope_;
   std::vector<T> place_;
-  std::vector<Row> row_place_;
+  std::vector<FewDirections> row_place_;
   std::vector<T> x_;
   std::vector<double> start_;
 };

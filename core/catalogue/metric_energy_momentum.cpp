@@ -73,8 +73,9 @@ bool MetricEnergyMomentum<T>::solve(const T* x) {
       equations(x, level_, z, middle_, wrong);
       excess = wrong[n_];
     };
-    newton_.look(z_.data(), in_numbers,
-                 [&](const Row* z, Row* wrong) { equations(start_.data(), level, z, row_, wrong); });
+    newton_.look(z_.data(), in_numbers, [&](const FewDirections* z, FewDirections* wrong) {
+      equations(start_.data(), level, z, row_, wrong);
+    });
     const double size = plain_number(T(0.5 * middle_.twice_kinetic())) + std::abs(plain_number(middle_.potential()));
     double change = 0;
     for (std::size_t i = 0; i <= n_; ++i) {

@@ -54,7 +54,7 @@ class MetricEnergyMomentum {
   SizedHerglotz<T> nominal_;
   SmallNewton<T> newton_;
   LagrangianLook<T> middle_;
-  LagrangianLook<Row> row_;
+  LagrangianLook<FewDirections> row_;
   std::vector<T> z_, p_;
   std::vector<double> start_;
   Work work_;

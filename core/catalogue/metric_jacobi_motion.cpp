@@ -119,7 +119,9 @@ StepStatus MetricJacobiMotion<T>::in_time(Site& x, const T& h, Work& work) const
     ++work.iterations;
     s.in_time.look(
         s.v.data(), [&](const T* v, T* wrong) { time_equations(x.q.data(), x.p.data(), h, v, s.looks, wrong); },
-        [&](const Row* v, Row* wrong) { time_equations(s.q.data(), s.p.data(), length, v, s.rows, wrong); });
+        [&](const FewDirections* v, FewDirections* wrong) {
+          time_equations(s.q.data(), s.p.data(), length, v, s.rows, wrong);
+        });
     double change = 0;
     for (std::size_t i = 0; i < n_; ++i) {
       change += std::abs(plain_number(s.in_time.update[i]));
@@ -202,7 +204,7 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
       wrong[k] = looks.lowered[i] / looks.h - 0.5 * looks.h * looks.force(looks.here, i) - p[i];
     }
   };
-  for (std::size_t i = 0; i < n_; ++i) s.row_end[i] = Row(plain_number(s.end[i]));
+  for (std::size_t i = 0; i < n_; ++i) s.row_end[i] = FewDirections(plain_number(s.end[i]));
   bool outworn = true;  // the matrix: one does for some rounds, but not for what rides along
   double before = std::numeric_limits<double>::infinity();
   for (int k = 0, late = late_rounds<T>;; ++k) {
@@ -212,7 +214,7 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
     auto& update = s.along.update;
     const auto in_numbers = [&](const T*, T* wrong) { wrong_of(x.p.data(), s.looks, wrong); };
     if (outworn) {
-      s.along.look(s.z.data(), in_numbers, [&](const Row* z, Row* wrong) {
+      s.along.look(s.z.data(), in_numbers, [&](const FewDirections* z, FewDirections* wrong) {
         for (std::size_t i = 0; i + 1 < n_; ++i) s.row_end[place(i)] = z[i];
         try_end(s.q.data(), level, sign, s.row_end.data(), s.rows);
         wrong_of(s.p.data(), s.rows, wrong);

@@ -61,10 +61,10 @@ class MetricJacobiMotion {
   /// What is filled anew in every step.
   struct Scratch {
     Looks<T> looks;
-    Looks<Row> rows;
+    Looks<FewDirections> rows;
     SmallNewton<T> in_time, along;
     Numbers v, w, z, end, trial, slope;
-    std::vector<Row> row_end;
+    std::vector<FewDirections> row_end;
     std::vector<double> q, p, matrix;
 
     explicit Scratch(const text::SizedScene& scene);

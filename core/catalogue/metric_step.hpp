@@ -78,15 +78,15 @@ T hamiltonian_at(const text::SizedScene& scene, const T* x) {
 }
 
 /// Directions that a matrix is made of at a time.
-using Row = Dual<double, 4>;
+using FewDirections = Dual<double, 4>;
 /// The derivatives of `equations(z, values)` by n unknowns, row by row; `trial` and `values` have room for n numbers.
 template <class T, class Equations>
-void fill_jacobian(std::size_t n, const T* z, std::vector<Row>& trial, std::vector<Row>& values, double* jacobian,
-                   Equations&& equations) {
-  constexpr std::size_t width = std::tuple_size_v<decltype(Row::slope)>;
+void fill_jacobian(std::size_t n, const T* z, std::vector<FewDirections>& trial, std::vector<FewDirections>& values,
+                   double* jacobian, Equations&& equations) {
+  constexpr std::size_t width = std::tuple_size_v<decltype(FewDirections::slope)>;
   for (std::size_t first = 0; first < n; first += width) {
     for (std::size_t i = 0; i < n; ++i) {
-      trial[i] = Row(plain_number(z[i]));
+      trial[i] = FewDirections(plain_number(z[i]));
       if (i >= first && i < first + width) trial[i].slope[i - first] = 1;
     }
     equations(trial.data(), values.data());
@@ -132,7 +132,7 @@ class SmallNewton {
   std::size_t n_;
   std::vector<T> wrong_;
   std::vector<double> inverse_;
-  std::vector<Row> trial_, row_;
+  std::vector<FewDirections> trial_, row_;
 };
 
 /// Rounds that go on once the solution is there.

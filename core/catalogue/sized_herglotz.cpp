@@ -72,8 +72,9 @@ StepStatus SizedHerglotz<T>::stage(T* x, double t, double h) {
     equations(x, t, h, z, nodes_, wrong);
   };
   const auto prepare = [&](const T* z) {
-    fill_jacobian(unknowns_, z, trial_, wrong_, newton_->matrix.data(),
-                  [&](const Row* at, Row* wrong) { equations(start_.data(), t, h, at, rows_, wrong); });
+    fill_jacobian(
+        unknowns_, z, trial_, wrong_, newton_->matrix.data(),
+        [&](const FewDirections* at, FewDirections* wrong) { equations(start_.data(), t, h, at, rows_, wrong); });
     newton_->invert(unknowns_);
     work_.forces += looks_ * static_cast<std::int64_t>(unknowns_);
   };
@@ -102,7 +103,7 @@ StepStatus SizedHerglotz<T>::solve_closely(const T* x, double t, double h) {
     ++work_.iterations;
     closely_.look(
         z_.data(), [&](const T* z, T* wrong) { equations(x, t, h, z, nodes_, wrong); },
-        [&](const Row* z, Row* wrong) { equations(start_.data(), t, h, z, rows_, wrong); });
+        [&](const FewDirections* z, FewDirections* wrong) { equations(start_.data(), t, h, z, rows_, wrong); });
     double changed = 0;
     for (std::size_t i = 0; i < unknowns_; ++i) {
       changed += std::abs(plain_number(closely_.update[i]));

@@ -76,8 +76,8 @@ class SizedHerglotz {
   std::vector<T> z_, guess_;
   std::vector<double> start_, rate_;  ///< the state and its rates as a step begins, as numbers
   Nodes<T> nodes_;
-  Nodes<Row> rows_;  ///< for the matrix
-  std::vector<Row> trial_, wrong_;
+  Nodes<FewDirections> rows_;  ///< for the matrix
+  std::vector<FewDirections> trial_, wrong_;
   std::shared_ptr<Newton> newton_;  ///< shared by copies: it keeps nothing from one step to the next
   SmallNewton<T> closely_;
   bool asks_energy_ = false;

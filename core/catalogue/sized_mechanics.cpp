@@ -23,7 +23,7 @@ std::vector<DoubleDouble> digits_of(const text::SizedScene& scene, const RunStat
   std::vector<Quad> all(x.numbers.begin(), x.numbers.end());
   all.resize(x.size() + scene.found());
   scene.find_velocities(all.data(), x.t);
-  return digits_of(all);
+  return least::digits_of(all);
 }
 
 /// Of a scene of few components whose motion has no series, as where a force has |v|: of the variables that it has.

@@ -89,7 +89,6 @@ tape::Program VariedMotion::program_of(const ParametricScene& scene, const std::
   if (scene.motion && varied.empty()) return *scene.motion;
   if (scene.varied_motion && all == scene.varied) return *scene.varied_motion;
   tape::Tape tape;
-  tape.bound(tape::most_of_equations);
   std::vector<Symbol> x, rates(size_);
   for (std::size_t i = 0; i < size_; ++i) x.push_back(Symbol::variable(tape, i));
   for (const double parameter : parameters_) x.emplace_back(parameter);
@@ -99,6 +98,8 @@ tape::Program VariedMotion::program_of(const ParametricScene& scene, const std::
   std::vector<tape::Index> places;
   places.reserve(rates.size());
   for (const Symbol& rate : rates) places.push_back(rate.on(tape));
+  // Written out they may be somewhat longer than those of the scene, which are bounded.
+  if (static_cast<std::size_t>(tape.size()) > tape::most_of_equations) throw tape::TooManyOperations();
   return taylor::program_of(tape, places, size_);
 }
 

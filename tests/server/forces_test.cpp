@@ -87,11 +87,10 @@ TEST_F(Forces, AreAskedInEveryWay) {
   request["until"] = 5;
   request["schemes"] = {"leapfrog", "variational_midpoint"};
   request["budget_seconds"] = 1;
-  for (const Json& curve : answer(request, "/v1/work-precision")["curves"]) EXPECT_GT(curve["points"].size(), 3U);
+  const Json study = answer(request, "/v1/work-precision");
+  for (const Json& curve : study["curves"]) EXPECT_GT(curve["points"].size(), 3U);
 }
 
-// Backward in time friction gives what it takes forward, and a force that is even in v stays as it is: the run there
-// and back returns, and so does the work.
 // Where friction holds a mass no reference goes on, and the answer says so, not that its time was over.
 TEST_F(Forces, ThatHoldWhatRestsEndTheReference) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"x^2/2",
@@ -108,6 +107,8 @@ TEST_F(Forces, ThatHoldWhatRestsEndTheReference) {
   EXPECT_TRUE(told) << made["warnings"];
 }
 
+// Backward in time friction gives what it takes forward, and a force that is even in v stays as it is: the run there
+// and back returns, and so does the work.
 TEST_F(Forces, GoBackward) {
   struct Case {
     const char *scene, *scheme;

@@ -6,6 +6,7 @@
 
 #include "tests/server/client.hpp"
 #include "tests/server/fixture.hpp"
+#include "tests/support/runs.hpp"
 
 namespace least::server::test {
 namespace {
@@ -55,6 +56,7 @@ TEST_F(Asked, DiagnosticsChangeNoWarnings) {
 
 // The largest error is no smaller than any that the column has, also where dense output is worse than steps.
 TEST_F(Asked, TheLargestErrorIsThatOfAllRows) {
+  runs::problem_called("spin_orbit");  // or it is skipped
   const Json requests[] = {
       {{"problem", "spin_orbit"},
        {"scheme", {{"id", "bulirsch_stoer"}, {"tolerance", 1e-6}}},

@@ -10,6 +10,7 @@
 #include "core/catalogue/sized_clocks.hpp"
 #include "core/catalogue/sized_damped.hpp"
 #include "core/catalogue/sized_energy_momentum.hpp"
+#include "core/catalogue/sized_fits.hpp"
 #include "core/catalogue/sized_forced.hpp"
 #include "core/catalogue/sized_gauss.hpp"
 #include "core/catalogue/sized_herglotz.hpp"
@@ -30,6 +31,8 @@
 
 namespace least {
 namespace {
+
+using text::SizedScene;
 
 /// A problem as schemes see it here: what a run asks of it.
 struct SizedProblem {
@@ -141,9 +144,6 @@ std::unique_ptr<Integrator> bind_series(const Binding& to) {
   return to.own_clock(SizedSeries{to.scheme<Taylor>(), &to.scene, to.scene.series(to.x.size() == to.scene.components)});
 }
 
-/// Whether steps are made of a metric that depends on the place.
-bool on_a_metric(const text::SizedScene& scene) { return scene.kind == text::FormKind::metric && !scene.forced; }
-
 std::unique_ptr<Integrator> bind_adaptive_verlet(const Binding& to) {
   return bind_clock(to.backend, to.scene, to.scheme<AdaptiveVerlet>(), to.x, to.end);
 }
@@ -163,17 +163,6 @@ Composition composition_of(const Scheme& scheme) {
 }
 const StageRule& rule_of(SizedPath path) {
   return path == SizedPath::straight ? StageRule::midpoint : StageRule::simpson;
-}
-
-/// Where the middle of a step says all of it.
-bool is_flat(const text::SizedScene& scene) {
-  const bool flat = scene.kind == text::FormKind::separable || scene.kind == text::FormKind::contact_linear;
-  return flat && !scene.forced;
-}
-
-/// By its Lagrangian.
-bool follows_herglotz(const text::SizedScene& scene) {
-  return scene.is_quadratic() || scene.velocities || on_a_metric(scene);
 }
 
 /// Of a path of polynomials and a rule of quadrature.
@@ -235,49 +224,6 @@ StepTangents tangents_jacobi_maupertuis(const text::SizedScene& scene, const Req
                             : tangents_jacobi<SizedJacobiMotion<Slope>>(scene, request);
 }
 
-using text::SizedScene;
-bool on_all(const SizedScene&) { return true; }
-/// Series are made of the operations of all terms of a sum.
-bool with_series(const SizedScene& scene) { return scene.plain().has_value(); }
-/// With forces that momenta can be solved for.
-bool on_separable(const SizedScene& scene) {
-  return scene.kind == text::FormKind::separable && (!scene.forced || scene.forces.solvable());
-}
-/// Of order 3 with exact kicks alone: a symmetric error in each would not cancel.
-bool with_exact_kicks(const SizedScene& scene) { return on_separable(scene) && (!scene.forced || scene.forces.linear); }
-/// Where nothing depends on time.
-bool on_steady(const SizedScene& scene) {
-  return scene.kind == text::FormKind::separable && !scene.forced && scene.autonomous;
-}
-bool with_lift(const SizedScene& scene) { return scene.lift != nullptr; }
-bool on_damped(const SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
-bool on_contact(const SizedScene& scene) { return on_damped(scene) || scene.is_quadratic(); }
-/// Of few coordinates, with s that acts by its Lagrangian.
-bool with_lagrangian(const SizedScene& scene) {
-  return (scene.is_quadratic() || scene.velocities) && scene.coordinates <= SizedScene::most_full;
-}
-bool on_steady_or_damped(const SizedScene& scene) { return on_steady(scene) || on_damped(scene); }
-bool on_contact_path(const SizedScene& scene) {
-  return on_damped(scene) ? scene.solves_for_places() : with_lagrangian(scene);
-}
-/// Forced ones, and those whose metric depends on the place, where a step's matrix is not too large.
-bool with_path(const SizedScene& scene) {
-  if (is_flat(scene)) return scene.kind == text::FormKind::separable && scene.solves_for_places();
-  return (scene.forced || scene.kind == text::FormKind::metric) && scene.coordinates <= SizedScene::most_full;
-}
-/// Of steps whose length is chosen by the energy.
-bool with_level(const SizedScene& scene) {
-  return (is_flat(scene) || on_a_metric(scene)) && with_path(scene) && scene.autonomous;
-}
-/// The same, explicit where the metric is constant; or damped.
-bool with_parameter(const SizedScene& scene) {
-  return on_steady_or_damped(scene) || (on_a_metric(scene) && with_level(scene));
-}
-bool with_gauss(const SizedScene& scene) {
-  if (is_flat(scene)) return on_contact_path(scene);
-  const bool general = scene.kind == text::FormKind::hamiltonian && !scene.forced;
-  return (general || with_lagrangian(scene)) && scene.coordinates <= SizedScene::most_full;
-}
 constexpr auto straight = SizedPath::straight, parabola = SizedPath::parabola;
 
 /// A scheme that runs on scenes of any size, and on which of them. `tangents`: of its steps; null: there are none.

@@ -139,7 +139,7 @@ class SceneWriter {
         fault(pointer, wrong->detail, wrong->allowed);
         continue;
       }
-      const std::int64_t most = given().kind == Definition::Kind::equations ? most_variables : most_coordinates;
+      const auto most = static_cast<std::int64_t>(most_variables_of_kind());
       if (const auto n = std::get<std::int64_t>(count); n < 1 || n > most) {
         fault(pointer, n < 1 ? "must have at least one element" : "has too many elements",
               "1 to " + std::to_string(most));
@@ -152,7 +152,8 @@ class SceneWriter {
       for (const std::string& one : names)
         if (!vocabulary_.lists.emplace(one, n).second || vocabulary_.constants.contains(one))
           fault(pointer, one + " is two things at once", "names that differ");
-      for (std::int64_t k = 1; k <= n; ++k) {
+      // One too many is enough for a refusal.
+      for (std::int64_t k = 1; k <= n && out_.definition_.variables.size() <= most_variables_of_kind(); ++k) {
         out_.definition_.variables.push_back(element_name(name, k));
         out_.declared_.push_back(i);
       }
@@ -246,6 +247,9 @@ class SceneWriter {
     }
     sums_.not_in_them.insert("s");
   }
+  std::size_t most_variables_of_kind() const {
+    return given().kind == Definition::Kind::equations ? most_variables : most_coordinates;
+  }
   /// Those that are kept, in the texts of scenes that lanes have no room for.
   KeptSums* sums() {
     const bool flow = given().kind == Definition::Kind::equations;
@@ -280,6 +284,8 @@ class SceneWriter {
     sums_.clear();
     made.kind = given().kind;
     made.title = given().title;
+    if (made.variables.size() > most_variables_of_kind())
+      return;  // refused by whoever reads it, whatever the texts say
     if (given().kind != Definition::Kind::equations)
       made.formula = write_text(mechanics(), mechanics(), given().formula, {}, sums());
     made.masses = write_named("/masses/", given().masses);

@@ -199,6 +199,22 @@ TEST(ManyOfAKind, FaultsPointToWhatWasTyped) {
   EXPECT_EQ(first_fault(typed), "/definitions/x: x is something else already");
 }
 
+TEST(ManyOfAKind, IsNotWrittenOutForMoreVariablesThanThereMayBe) {
+  text::TypedScene typed;
+  typed.scene.formula = "sum(i=1..1000, j=1..1000, a[i]*b[j])";
+  typed.scene.variables = {"a[1000]", "b[1000]", "c[1000]"};
+  const auto made = text::WrittenOut::of(typed);
+  const auto* written = std::get_if<text::WrittenOut>(&made);
+  ASSERT_TRUE(written);
+  EXPECT_EQ(written->definition().variables.size(), text::most_coordinates + 1u);
+  EXPECT_EQ(written->definition().formula, "");
+  const auto refused = custom_mechanics(typed);
+  const auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&refused);
+  ASSERT_TRUE(faults);
+  ASSERT_EQ(faults->size(), 1u);
+  EXPECT_EQ(faults->front().pointer + ": " + faults->front().fault.detail, "/variables: names too many variables");
+}
+
 TEST(ManyOfAKind, EquationsStandForEachOfThem) {
   text::TypedScene typed;
   typed.scene = flow({"x[3]", "v[3]"}, {}, {{"x[i]", "v[i]"}, {"v[i]", "-i*x[i]"}});

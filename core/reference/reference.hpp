@@ -150,8 +150,9 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
   const auto going = [&] { return !(told = told || !keep_going()); };
   for (bool good = true; good && done < times.size();) {
     const auto ahead = std::span(times).subspan(done, std::min(at_once, times.size() - done));
-    const auto [x, y] = side_by_side(fine, coarse, ahead, going);
-    if (!told && (fine.lost() || coarse.lost())) return std::nullopt;
+    const SideBySide found = side_by_side(fine, coarse, ahead, going);
+    if (!told && found.lost) return std::nullopt;
+    const auto& [x, y] = found.states;
     const std::size_t both = std::min(x.size(), y.size()) / components;
     for (std::size_t n = 0; good && n < both; ++n, ++done) {
       const DoubleDouble *const fine_x = x.data() + n * components, *const coarse_x = y.data() + n * components;

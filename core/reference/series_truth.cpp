@@ -149,8 +149,13 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
   TrueMotion fine(tape, rates, closest), coarse(std::move(tape), rates, close);
   fine.start(digits, start.t);
   coarse.start(digits, start.t);
-  truth = truth_of(backend, start, times, keep_going, kinds, std::move(truth),
-                   [&](std::span<const double> some) { return side_by_side(fine, coarse, some, keep_going); });
+  bool lost = false;
+  truth = truth_of(backend, start, times, keep_going, kinds, std::move(truth), [&](std::span<const double> some) {
+    SideBySide found = side_by_side(fine, coarse, some, keep_going);
+    lost = found.lost;
+    return std::move(found.states);
+  });
+  if (lost) truth.states.clear();  // there may be another way to all of them
   if (fine.stuck() || coarse.stuck()) truth.missing = missing::no_motion;
   return truth;
 }

@@ -354,8 +354,8 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
   return asked_;
 }
 
-std::array<std::vector<DoubleDouble>, 2> side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
-                                                      const std::function<bool()>& keep_going) {
+SideBySide side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
+                        const std::function<bool()>& keep_going) {
   using States = std::vector<DoubleDouble>;
   std::atomic<std::size_t> wanted{times.size()};  // of them: where one has ended, the other need not go on
   const auto run = [&wanted, times](TrueMotion& motion, const std::function<bool()>& going) {
@@ -367,10 +367,15 @@ std::array<std::vector<DoubleDouble>, 2> side_by_side(TrueMotion& one, TrueMotio
       if (x.empty()) break;
       states.insert(states.end(), x.begin(), x.end());
     }
-    const std::size_t end = motion.lost() ? 0 : done;
-    for (std::size_t seen = wanted; end < seen && !wanted.compare_exchange_weak(seen, end);) {
+    for (std::size_t seen = wanted; done < seen && !wanted.compare_exchange_weak(seen, done);) {
     }
     return states;
+  };
+  // The other one goes on to where this one is lost: what comes of both is no matter of who is faster.
+  const auto both = [&](States first, States second) -> SideBySide {
+    const bool lost = (one.lost() && first.size() <= second.size()) || (other.lost() && second.size() <= first.size());
+    if (lost) return {{}, true};
+    return {{std::move(first), std::move(second)}};
   };
   bool going = true;
   const std::function<bool()> ask = [&] { return going = going && keep_going(); };
@@ -379,7 +384,7 @@ std::array<std::vector<DoubleDouble>, 2> side_by_side(TrueMotion& one, TrueMotio
     promise = std::async(std::launch::async, [&] { return run(other, [] { return true; }); });
   } catch (const std::system_error&) {  // no thread is to be had: one after the other
     States first = run(one, ask);
-    return {std::move(first), run(other, ask)};
+    return both(std::move(first), run(other, ask));
   }
   const struct Stop {
     std::atomic<std::size_t>& wanted;
@@ -388,7 +393,7 @@ std::array<std::vector<DoubleDouble>, 2> side_by_side(TrueMotion& one, TrueMotio
   States first = run(one, ask);
   while (promise.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout)
     if (!ask()) wanted = 0;
-  return {std::move(first), promise.get()};
+  return both(std::move(first), promise.get());
 }
 
 }  // namespace least

@@ -94,9 +94,15 @@ class TrueMotion {
   bool lost_ = false, stuck_ = false, chooses_ = false;  ///< sides are those of order 0
 };
 
-/// The states of two motions of the same equations at increasing times, one after the other, as far as each comes; side
-/// by side, as they take their time. keep_going() is asked by the thread that calls, and no more once it has said no.
-std::array<std::vector<DoubleDouble>, 2> side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
-                                                      const std::function<bool()>& keep_going);
+/// The states of two motions of the same equations at increasing times, one after the other, as far as each comes.
+struct SideBySide {
+  std::array<std::vector<DoubleDouble>, 2> states;
+  /// One has come to a place without a series, no later than where the other one ended: then there are no states.
+  bool lost = false;
+};
+/// Side by side, as they take their time. keep_going() is asked by the thread that calls, and no more once it has said
+/// no.
+SideBySide side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
+                        const std::function<bool()>& keep_going);
 
 }  // namespace least

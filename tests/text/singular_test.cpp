@@ -23,4 +23,19 @@ TEST(SingularMotion, IsWarnedOfWhereARunGoesOnBeyond) {
     }
 }
 
+// Close to a removable singularity one of the two series that a reference is made of may come to a place where it has
+// no more digits, and which of them is faster is chance.
+TEST(RemovableSingularity, HasOneReferenceWhoeverIsFaster) {
+  Request request = typed_as(runs::defaults("kepler", "runge_kutta_4"),
+                             mechanics_of(of(Definition::Kind::potential, {"x"}, {}, "sin(x)/x")));
+  runs::scene(request).initial = {1e-11, 1};
+  request.end = 0.5;
+  runs::only_final(request);
+  runs::ask(request, "error");
+  const double first = runs::number(runs::go(request).outcome.diagnostics, "error/final");
+  EXPECT_LT(first, 1e-10);
+  for (int i = 0; i < 40; ++i)
+    ASSERT_EQ(runs::number(runs::go(request).outcome.diagnostics, "error/final"), first) << i;
+}
+
 }  // namespace

@@ -83,7 +83,7 @@ Scene beside(const Scene& scene, const std::vector<std::size_t>& coordinates, do
 /// Whether the motions from both sides of the start and from another distance are one.
 bool has_limit(const Scene& scene, const std::vector<std::size_t>& coordinates, double share) {
   constexpr std::int64_t few_steps = 60, enough_steps = 2000;
-  constexpr double same = 1e-8;
+  constexpr double same = 1e-8, visible = 1e-6;
   const Scene one = beside(scene, coordinates, share);
   if (!is_regular(one)) return false;
   const auto first = short_run(one, scene.start + scene.card().span, few_steps);
@@ -94,6 +94,8 @@ bool has_limit(const Scene& scene, const std::vector<std::size_t>& coordinates, 
       if (std::abs(first->final[i] - one.initial[i]) > 1e-30) return false;
     return is_regular(beside(scene, coordinates, -share));
   }
+  // Beside a pole steps are so short that nothing has happened yet by which two motions could be told apart.
+  if (first->stop.reason != ReturnCode::completed && apart(first->final, one.initial) < visible) return false;
   for (const double other : {-1.0, 3.0}) {
     const Scene elsewhere = beside(scene, coordinates, other * share);
     if (!is_regular(elsewhere)) return false;

@@ -125,6 +125,10 @@ TEST(StartAtThePole, IsRefusedWhereTheMotionHasNoLimit) {
        {1, 0},
        "at t = 0.001, it is regular: start there, with"},
       {flow({"x"}, {}, {{"x", "log(x)"}}), {0}, "at x = 0.001"},
+      // Two vortices on one spot: beside it they turn so fast that nothing is seen of it in a few steps.
+      {flow({"x", "y"}, {}, {{"x", "(x-1)/((x-1)^2+(y-1)^2)"}, {"y", "-(y-1)/((x-1)^2+(y-1)^2)"}}),
+       {1, 1},
+       "at x = 1.001"},
       {of(Definition::Kind::potential, {"x"}, {}, "sqrt(x^2)^3/x^3"), {0, 0}, "at x = 0.001"},  // a jump
       {of(Definition::Kind::potential, {"x"}, {}, "sqrt(-1 - x^2)"), {0, 0}, ""},
   };

@@ -11,7 +11,8 @@
 
 namespace least {
 
-/// How a quantity varies. Grids and values form their product, the last one fastest; the others are drawn.
+/// How a quantity varies. Grids and values form their product, the last one fastest, which members beyond it go through
+/// again; the others are drawn.
 enum class Spread : std::uint8_t { grid, values, uniform, normal, logistic };
 inline constexpr std::array<std::string_view, 5> spread_names{"grid", "values", "uniform", "normal", "logistic"};
 

@@ -191,8 +191,9 @@ void read_members(const Json& root, const FieldPath& top, const Scene* scene, En
   if (count != nullptr) members.count = read_integer(*count, path.at("count"), 1, greatest_count).value_or(1);
   if (unclear || path.faults->within(path.at("vary").pointer)) return;
   double product = 1;
-  bool listed_values = false;
+  bool listed_values = false, drawn = false;
   for (const Variation& variation : members.vary) {
+    drawn = drawn || variation.drawn();
     if (variation.drawn()) continue;
     listed_values = true;
     product *= static_cast<double>(variation.size());
@@ -207,9 +208,11 @@ void read_members(const Json& root, const FieldPath& top, const Scene* scene, En
     return;
   }
   if (path.faults->within(path.at("count").pointer)) return;
-  if (listed_values && static_cast<double>(members.count) != product) {
+  // More go through the product again and again, each with draws of its own.
+  const auto given = static_cast<double>(members.count);
+  if (listed_values && given != product && !(drawn && given > product)) {
     path.at("count").fault(fmt::format("grids and values make {} members", shortest(product)), *count,
-                           shortest(product));
+                           drawn ? shortest(product) + " or more" : shortest(product));
   }
 }
 

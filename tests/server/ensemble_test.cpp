@@ -66,6 +66,8 @@ TEST(EnsembleRequest, NamesEveryFault) {
   expect_fault("members", vary(R"("/initial/x":{"grid":[1,0,10]})"), of_x + "/grid", "goes the wrong way");
   expect_fault("members", vary(R"("/initial/x":{"grid":[0,1,2.5]})"), of_x + "/grid/2", "whole number");
   expect_fault("members", vary(R"("/initial/x":{"grid":[0,1,11]})"), "/members/count", "make 11 members");
+  const std::string drawn_too = R"("/initial/y":{"uniform":[-4,-3]},"/initial/x":{"grid":[0,1,11]})";
+  expect_fault("members", vary(drawn_too), "/members/count", "11 or more");
   expect_fault("members", vary(R"("/initial/x":{"uniform":[1]})"), of_x + "/uniform", "list of numbers");
   expect_fault("members", vary(R"("/initial/x":{"gauss":[1]})"), of_x + "/gauss", "unknown variation");
   expect_fault("members", vary(R"("/initial/x":{"normal":[0,-1]})"), of_x + "/normal/1", "greater than 0");
@@ -314,6 +316,35 @@ TEST_F(EnsembleHttp, SaysOfWhichMembersEventsAreUnresolved) {
   EXPECT_NE(whole.find("the first is member 1"), std::string::npos) << whole;
   const std::string lines = ask(port(), post("/v1/ensemble", request, "Accept: application/x-ndjson\r\n")).body;
   EXPECT_EQ(told(Json::parse(lines.substr(lines.rfind("\n{") + 1))), whole);
+}
+
+// The request of the contract: members beyond the product of grids and values go through it again, with draws of their
+// own.
+TEST_F(EnsembleHttp, GridsAreGoneThroughAgainWhereSomethingIsDrawn) {
+  const std::string request =
+      R"({"problem": {"id": "custom", "variables": ["q"], "parameters": {"k": 1, "alpha": 0}, "potential": "k*q^2/2",
+                      "damping": "alpha"},
+          "scheme": "contact_leapfrog", "until": {"t": 0.01}, "columns": ["q"], "keep": ["final"],
+          "members": {"count": 20, "seed": 7, "vary": {"/initial/q": {"uniform": [-1, 1]},
+            "/problem/alpha": {"grid": [0, 1, 3]}, "/problem/k": {"values": [1, 2]}}}})";
+  const Json answer = Json::parse(ask(port(), post("/v1/ensemble", request)).body);
+  ASSERT_EQ(answer["completed"], 20) << answer;
+  // A start beside those of the first round: draws go on where grids begin anew.
+  const std::vector<double> q = answer["final"]["q"];
+  for (std::size_t i = 0; i + 6 < q.size(); ++i) EXPECT_GT(std::abs(q[i + 6] - q[i]), 1e-6) << i;
+  // With the draw of another member at the same point of the grids the motion is another one of the same scene.
+  Json fixed = Json::parse(request);
+  fixed["members"] = {{"vary", {{"/problem/alpha", {{"grid", {0, 1, 3}}}}, {"/problem/k", {{"values", {1, 2}}}}}}};
+  fixed["initial"] = {{"q", 0.5}};
+  const std::vector<double> shares = Json::parse(ask(port(), post("/v1/ensemble", fixed.dump())).body)["final"]["q"];
+  Json drawn = Json::parse(request);
+  drawn["members"]["vary"] = {{"/initial/q", {{"uniform", {-1, 1}}}}};
+  const std::vector<double> starts = [&] {
+    drawn["until"] = {{"steps", 0}};
+    drawn["members"]["count"] = 20;
+    return Json::parse(ask(port(), post("/v1/ensemble", drawn.dump())).body)["final"]["q"].get<std::vector<double>>();
+  }();
+  for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(q[i], shares[i % 6] * starts[i] / 0.5, 1e-12) << i;
 }
 
 TEST_F(EnsembleHttp, ALimitOfTimeIsNamed) {

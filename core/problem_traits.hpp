@@ -97,6 +97,13 @@ constexpr auto plain(const X& x) {
 
 /// Takes a tangent direction that has become very long or short to length 1: only its direction means something.
 /// `count`: its components.
+inline void normalise_slopes(double* slope, std::size_t count) {
+  double size = 0;
+  for (std::size_t i = 0; i < count; ++i) size = std::max(size, std::abs(slope[i]));
+  if (size > 1e50 || (size > 0 && size < 1e-50))
+    for (std::size_t i = 0; i < count; ++i) slope[i] /= size;
+}
+/// The same where slopes stand beside their values.
 template <class X>
 void normalise(X& x, std::size_t count) {
   double size = 0;

@@ -79,6 +79,13 @@ concept SelfTimedSchemeFor = SelfTimed<S> && requires(SelfTimedStepperOf<S, P, X
   { stepper.work() } -> std::convertible_to<Work>;
 };
 
+/// A scheme that needs equations of motion as they are written on a tape and nothing else: bound to what a run asks of
+/// any problem (core/catalogue/equation_steps.hpp), it is compiled once for all.
+template <class S>
+concept OnEquations = SelfTimed<S> && requires {
+  requires S::on_equations;
+};
+
 /// The energy that such a run from x begins with, or what the scheme puts in its place; of a scene whose schemes do not
 /// ask for it nothing.
 template <class S, class P, class X>

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "core/catalogue/equation_steps.hpp"
 #include "core/catalogue/recorded_tangents.hpp"
 #include "core/from_values.hpp"
 #include "core/reference/blow_up.hpp"
@@ -32,9 +33,9 @@ inline bool asks_for_full_state(const ProblemCard& card, const Request& request)
          std::ranges::any_of(request.diagnostics, [&](std::size_t i) { return card.diagnostics[i].full_state; });
 }
 
-/// A scheme that is compiled for a problem, as it fits it.
+/// A scheme that fits a problem: compiled for it, or with its equations of motion alone.
 template <class Scheme, class P>
-concept Fits = FixedStepSchemeFor<Scheme, P> || SelfTimedSchemeFor<Scheme, P>;
+concept Fits = OnEquations<Scheme> || FixedStepSchemeFor<Scheme, P> || SelfTimedSchemeFor<Scheme, P>;
 
 /// Calls f with the scheme of a request, which fits.
 template <class P, class F, class... Scheme>
@@ -139,6 +140,10 @@ class CompiledBackend final : public RunBackend {
   const ProblemTable& motion() const override { return motion_; }
   std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid& grid,
                                    double end) const override {
+    if (scheme_cards()[request.scheme].id == Taylor::id) {
+      const auto scheme = from_values<Taylor>(Taylor::fields, request.settings);
+      return bind_taylor(*this, taylor::expansion_of<X>(problem(), scheme.tolerance, scheme.order), x, end);
+    }
     return bind_scheme<P, X>(*this, problem(), request, x, grid, end);
   }
   StepTangents tangents(const Request& request) const override {

@@ -24,12 +24,14 @@ std::unique_ptr<Integrator> bind_scheme(const RunBackend& backend, const P& prob
                                         const RunState& x, const Grid& grid, double end) {
   std::unique_ptr<Integrator> bound;
   with_scheme<P>(request, [&]<class Scheme>(const Scheme& chosen) {
-    const auto scheme = compiled_scheme(chosen);
-    using Compiled = std::remove_const_t<decltype(scheme)>;
-    if constexpr (SelfTimed<Compiled>) {
-      bound = std::make_unique<SelfTimedIntegrator<P, Compiled, X>>(backend, problem, scheme, state_from<X>(x), end);
-    } else {
-      bound = std::make_unique<FixedStepIntegrator<P, Compiled, X>>(backend.table(), problem, scheme, x, grid);
+    if constexpr (!OnEquations<Scheme>) {
+      const auto scheme = compiled_scheme(chosen);
+      using Compiled = std::remove_const_t<decltype(scheme)>;
+      if constexpr (SelfTimed<Compiled>) {
+        bound = std::make_unique<SelfTimedIntegrator<P, Compiled, X>>(backend, problem, scheme, state_from<X>(x), end);
+      } else {
+        bound = std::make_unique<FixedStepIntegrator<P, Compiled, X>>(backend.table(), problem, scheme, x, grid);
+      }
     }
   });
   return bound;

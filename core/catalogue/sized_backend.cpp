@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/equation_steps.hpp"
 #include "core/catalogue/metric_clock.hpp"
 #include "core/catalogue/metric_energy_momentum.hpp"
 #include "core/catalogue/sized_clock_tangents.hpp"
@@ -19,9 +20,7 @@
 #include "core/catalogue/sized_stages.hpp"
 #include "core/catalogue/sized_steps.hpp"
 #include "core/catalogue/sized_tangents.hpp"
-#include "core/catalogue/sized_taylor.hpp"
 #include "core/from_values.hpp"
-#include "core/run/control_stepper.hpp"
 #include "core/run/self_timed.hpp"
 #include "core/schemes/contact_galerkin_4.hpp"
 #include "core/schemes/contact_midpoint.hpp"
@@ -37,26 +36,6 @@ using text::SizedScene;
 /// A problem as schemes see it here: what a run asks of it.
 struct SizedProblem {
   const RunBackend* backend;
-};
-
-/// taylor and the schemes of Odeint, bound to it.
-struct SizedSeries {
-  Taylor chosen;
-  const text::SizedScene* scene;
-  tape::Program program;
-
-  static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
-  SizedTaylorStepper bind(const SizedProblem&, const RunState&, double) const {
-    return {*scene, std::make_shared<taylor::Expansion>(program, chosen.tolerance, chosen.order)};
-  }
-};
-struct SizedPair {
-  AnyOdeintScheme chosen;
-
-  static constexpr bool own_clock = true, reads_time = true, asks_no_level = true;
-  ControlStepper bind(const SizedProblem& problem, const RunState&, double) const {
-    return {*problem.backend, chosen.tolerance, chosen.method, true};
-  }
 };
 
 struct Binding {
@@ -81,6 +60,21 @@ struct Binding {
                                                                                  scheme, x, end);
   }
 };
+
+/// Velocities that are found from momenta stand behind the state.
+TaylorStepper::Completion completion_of(const SizedScene& scene) {
+  if (scene.found() == 0) return {};
+  return {[](const void* of, double t, double* variables) {
+            static_cast<const SizedScene*>(of)->find_velocities(variables, t);
+          },
+          &scene};
+}
+/// Of all components, or of those that move.
+std::shared_ptr<taylor::Expansion> series_of(const SizedScene& scene, bool all, double tolerance, int order) {
+  auto made = std::make_shared<taylor::Expansion>(scene.series(all), tolerance, order);
+  if (scene.kind == text::FormKind::contact_linear && scene.constant_damping) made->limit(scene.damping_at(0));
+  return made;
+}
 
 TangentSpace space_of(const text::SizedScene& scene) { return {scene.flow ? 0 : scene.coordinates, scene.components}; }
 
@@ -138,10 +132,12 @@ StepTangents tangents_explicit(const text::SizedScene& scene, const Request& req
 }
 template <class Scheme>
 std::unique_ptr<Integrator> bind_pair(const Binding& to) {
-  return to.own_clock(SizedPair{to.scheme<Scheme>().compiled_as()});
+  return bind_odeint(to.backend, to.scheme<Scheme>().compiled_as(), to.x, to.end);
 }
 std::unique_ptr<Integrator> bind_series(const Binding& to) {
-  return to.own_clock(SizedSeries{to.scheme<Taylor>(), &to.scene, to.scene.series(to.x.size() == to.scene.components)});
+  const auto scheme = to.scheme<Taylor>();
+  auto series = series_of(to.scene, to.x.size() == to.scene.components, scheme.tolerance, scheme.order);
+  return bind_taylor(to.backend, std::move(series), to.x, to.end, completion_of(to.scene));
 }
 
 std::unique_ptr<Integrator> bind_adaptive_verlet(const Binding& to) {
@@ -317,7 +313,7 @@ double SizedBackend::energy_after(StateView x, double t) const {
   constexpr double tolerance = 1e-15;
   constexpr int order = 20;
   RunState at{x.t, StateNumbers(x.numbers, x.numbers + scene().components)};
-  SizedTaylorStepper flow(scene(), std::make_shared<taylor::Expansion>(scene().series(true), tolerance, order));
+  TaylorStepper flow(series_of(scene(), true, tolerance, order), completion_of(scene()));
   return flow.reach(at, t) == StepStatus::ok ? table_.energy_of(at) : unknown;
 }
 

@@ -67,7 +67,7 @@ class SelfTimedIntegrator final : public Integrator {
       memory = memory_of(stepper);
       x = y;
       x.t = t;
-      if constexpr (Sloped<X>) normalise(x);
+      normalise_slope(x);
       ++n;
       if constexpr (reads_time || told_time)
         if (standstill_.see(left.t, h) && !still_moves(x, h)) {
@@ -242,11 +242,20 @@ class SelfTimedIntegrator final : public Integrator {
   BlockResult judge(const X& y, double h, double t) const {
     constexpr double largest_square = largest_component * largest_component;
     double size = 0;
-    for (std::size_t i = 0; i < components_in(y); ++i) size += value_of(y[i]) * value_of(y[i]);
+    for (std::size_t i = 0; i < table_.traits.components; ++i) size += value_of(y[i]) * value_of(y[i]);
     if (!(size < largest_square) || !(h > 0) || !std::isfinite(t)) return {BlockEnd::not_finite};
     return outside(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
   }
-  bool outside(const X& x) const { return least::outside(problem_, x); }
+  bool outside(const X& x) const {
+    if constexpr (std::is_same_v<X, RunState>) return table_.outside(x);
+    if constexpr (!std::is_same_v<X, RunState>) return least::outside(problem_, x);
+  }
+  /// Only the direction of what a state carries as one means something.
+  void normalise_slope(X& x) const {
+    if constexpr (Sloped<X>) normalise(x);
+    if constexpr (std::is_same_v<X, RunState>)
+      if (table_.traits.sloped) normalise_slopes(x.numbers.data() + table_.traits.components, table_.traits.components);
+  }
 
   /// Whether the motion from x, where steps of some length h no longer advance the run, goes on at all.
   bool still_moves(const X& x, double h) {

@@ -16,11 +16,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <memory>
+#include <string_view>
 #include <tuple>
-#include <variant>
-#include <vector>
 
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
@@ -38,9 +36,6 @@ template <class X>
 concept Flat = std::is_same_v<typename X::Time, double> &&(std::is_same_v<typename X::Number, double> || Sloped<X>);
 template <Flat X>
 inline constexpr std::size_t components = Sloped<X> ? 2 * X::size : X::size;
-/// As many with room for a whole four where three stand behind others: they are faster than two and one.
-template <Flat X>
-inline constexpr std::size_t with_room = components<X> % 4 == 3 ? components<X> + 1 : components<X>;
 
 /// The i-th component: values, then slopes.
 template <class X>
@@ -116,155 +111,12 @@ std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int 
 
 }  // namespace taylor
 
-template <VectorField P, taylor::Flat X>
-class TaylorStepper {
- public:
-  static constexpr bool reads_time = true, has_dense = true;
-  /// Steps are so long that a quantity may change its sign more than once: they are looked at in so many parts.
-  static constexpr int parts = 16;
-
-  TaylorStepper(const P& problem, double tolerance, int order)
-      : expansion_(taylor::expansion_of<X>(problem, tolerance, order)) {
-    if constexpr (carries) expansion_->make_beside();
-  }
-
-  StepStatus step(X& x) noexcept { return step_within(x, std::numeric_limits<double>::infinity()); }
-  /// A step that is at most so long: where it is as long to the bit, it has come to what lies so far ahead. `late`: by
-  /// how much rounding has made x.t too late, for a caller who minds that where the step ends.
-  StepStatus step_within(X& x, double most, double late = 0) noexcept {
-    begin(x);
-    expansion_->move(end_.data(), x.t);
-    const Values y = end_, low = low_;
-    work_.forces += expansion_->order();
-    double h = expansion_->step(most);
-    if (!(h > 0)) return StepStatus::singular;
-    if (!(x.t + h < x.t + most)) h = most;
-    for (;; h *= 0.5) {
-      if (h < most && !(x.t + h > x.t)) return StepStatus::underflow;
-      expansion_->evaluate(h, y.data(), low.data(), end_.data(), low_.data(), true);
-      // At the very time that the next step begins at: what is found here need not be found again.
-      if (expansion_->defined(end_.data(), x.t + (h - late))) break;
-    }
-    if constexpr (carries) {
-      mark_ = {0, y, low};
-      carry(x.t, h, mark_, low_, end_);
-    }
-    start_ = y;
-    start_low_ = low;
-    t_ = x.t;
-    h_ = h;
-    assign(end_, x);
-    x.t = t_ + h;
-    return StepStatus::ok;
-  }
-  /// How long the last step was: the time after it is rounded.
-  double elapsed() const { return h_; }
-
-  /// x moved to the time t, not before its own, by as many steps as that takes.
-  StepStatus reach(X& x, double t) noexcept {
-    constexpr int most_parts = 10'000;
-    for (int part = 0; part < most_parts; ++part) {
-      if (!(x.t < t)) return StepStatus::ok;
-      Values y = values(x), low{};
-      expansion_->move(y.data(), x.t);
-      work_.forces += expansion_->order();
-      const double h = expansion_->step(t - x.t);
-      if (!(h > 0)) return StepStatus::singular;
-      if (!(x.t + h > x.t)) return StepStatus::underflow;
-      [[maybe_unused]] Mark mark{0, y, low};
-      expansion_->evaluate(h, low.data(), y.data(), true);
-      if constexpr (carries) carry(x.t, h, mark, low, y);
-      assign(y, x);
-      x.t = h < t - x.t ? x.t + h : t;
-    }
-    return StepStatus::solver_failed;
-  }
-  /// x set to the state at t by the polynomial of the last step; false where t lies outside it.
-  bool interpolate(X& x, double t) const noexcept {
-    const double h = t - t_, slack = 4 * std::numeric_limits<double>::epsilon() * std::abs(t);
-    if (!(h_ > 0 && h >= 0 && h <= h_ + slack)) return false;
-    Values y = start_, low = start_low_;
-    expansion_->move(y.data(), t_);
-    expansion_->evaluate(h, low.data(), y.data(), true);
-    if constexpr (carries) {
-      if (h < mark_.after) mark_ = {0, start_, start_low_};
-      carry(t_, h, mark_, low, y);
-    }
-    assign(y, x);
-    x.t = t;
-    return true;
-  }
-  const Work& work() const noexcept { return work_; }
-  /// One that has taken no step yet, of the same program.
-  TaylorStepper anew() const {
-    TaylorStepper other;
-    other.expansion_ = expansion_;
-    return other;
-  }
-
- private:
-  TaylorStepper() = default;
-
-  static constexpr std::size_t count = taylor::components<X>;
-  using Values = std::array<double, taylor::with_room<X>>;
-  static constexpr std::size_t moving = StateOf<P>::size;
-  static constexpr bool carries = count > moving;
-  /// Where the series of what is carried was last begun within a step.
-  struct Mark {
-    double after = 0;  ///< the step's beginning
-    Values y{}, low{};
-  };
-
-  /// Of the state y at the time h after t, to which the series of the motion has led, what is carried: in as many steps
-  /// as it needs, from the mark on, which goes along.
-  void carry(double t, double h, Mark& mark, Values& low, Values& y) const noexcept {
-    if (mark.after == 0 && !(expansion_->carried_step() < h)) return;
-    constexpr int most_parts = 1000;
-    taylor::Expansion& series = expansion_->beside();
-    for (int part = 0; part < most_parts; ++part) {
-      series.move(mark.y.data(), t + mark.after);
-      const double most = std::min(series.step(), series.carried_step());
-      if (!(most < h - mark.after && mark.after + most > mark.after)) break;
-      series.evaluate(most, mark.low.data(), mark.y.data(), true);
-      mark.after += most;
-    }
-    Values end = mark.y, rest = mark.low;
-    series.evaluate(h - mark.after, rest.data(), end.data(), true);
-    std::copy(end.begin() + moving, end.end(), y.begin() + moving);
-    std::copy(rest.begin() + moving, rest.end(), low.begin() + moving);
-  }
-
-  Values values(const X& x) const {
-    Values y{};
-    for (std::size_t i = 0; i < count; ++i) y[i] = taylor::component(x, i);
-    return y;
-  }
-  static void assign(const Values& y, X& x) {
-    for (std::size_t i = 0; i < taylor::components<X>; ++i) taylor::component(x, i) = y[i];
-  }
-  /// Where a step begins: where the last one ended, with what rounding has kept from it, but for what is changed.
-  void begin(const X& x) {
-    for (std::size_t i = 0; i < count; ++i) set(i, tape::read_alone(taylor::component(x, i)));
-  }
-  void set(std::size_t i, double value) {
-    if (value == end_[i]) return;
-    end_[i] = value;
-    low_[i] = 0;
-  }
-
-  std::shared_ptr<taylor::Expansion> expansion_;
-  double t_ = 0, h_ = 0;                          ///< of the last step
-  Values start_{}, end_{}, start_low_{}, low_{};  ///< where it began and ended; what rounding has kept from that
-  /// In it: states in between, asked for in turn, cost few series.
-  [[no_unique_address]] mutable std::conditional_t<carries, Mark, std::monostate> mark_;
-  Work work_;
-};
-
 struct Taylor {
   double tolerance = 1e-12;
   int order = 0;
 
-  static constexpr bool own_clock = true, asks_no_level = true;
+  static constexpr std::string_view id = "taylor";
+  static constexpr bool own_clock = true, on_equations = true;
   static constexpr bool remembers = true;  ///< its last step: adapts to the state
   static constexpr std::tuple fields{
       Field<Taylor>{"tolerance",
@@ -281,7 +133,7 @@ struct Taylor {
                          {0, 40}}};
   static SchemeCard card() {
     return {
-        .id = "taylor",
+        .id = std::string(id),
         .title = "Taylor series",
         .summary =
             "The Taylor series of the motion, of high order, by automatic differentiation of the scene's own "
@@ -297,10 +149,6 @@ struct Taylor {
             "evaluations as its order",
         .needs = "equations of motion",
         .references = {"Jorba, Zou, Experimental Mathematics 14, 99 (2005)", "Biscani, Izzo, MNRAS 504, 2614 (2021)"}};
-  }
-  template <VectorField P, taylor::Flat X>
-  auto bind(const P& problem, const X&, const typename X::Number& = {}) const {
-    return TaylorStepper<P, X>(problem, tolerance, order);
   }
 };
 

@@ -292,7 +292,8 @@ const tape::Program& SizedScene::series(bool all) const {
     if (!from) throw tape::TooManyOperations();
     const auto size = static_cast<std::size_t>(from->tape.size());
     Held held = HeldByThread::take_soon(meanwhile * size);
-    known.of.emplace(from->tape, from->rates.first(count + found()), count + found());
+    // What is carried beside the motion has no say in the steps.
+    known.of.emplace(from->tape, from->rates.first(count + found()), found() > 0 ? count + found() : moving);
     held.shrink_to(bytes_of_operation * size);
     known.held = std::move(held);
   });

@@ -28,7 +28,7 @@ TEST(ChainsOfEight, AllocateNothingInAStep) {
   allocates_nothing<Toda<8>::Damped>(ContactGalerkin4{});
   allocates_nothing<Toda<8>::Damped>(ContactGauss{0.01, 3});
   allocates_nothing<Toda<8>::Quadratic>(ContactGauss{0.01, 3});
-  allocates_nothing<Toda<8>::Ring>(Taylor{});
+  allocates_nothing<Toda<8>::Ring>(TypedTaylor{});
   allocates_nothing<Toda<8>::Ring>(DormandPrince5{});
   allocates_nothing<Toda<8>::Ring>(Fehlberg78{});
 }

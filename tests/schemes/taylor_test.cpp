@@ -20,6 +20,7 @@
 #include "core/problems/van_der_pol.hpp"
 #include "core/state_error.hpp"
 #include "core/tape/unrolled.hpp"
+#include "tests/support/typed_taylor.hpp"
 
 namespace {
 
@@ -29,7 +30,7 @@ using namespace least::problems;
 /// The state at t by whole steps and the polynomial of the last.
 template <class P, class X>
 X taylor_at(const P& problem, X x, double t, double tolerance, int order = 0) {
-  auto stepper = Taylor{tolerance, order}.bind(problem, x);
+  auto stepper = TypedTaylor{tolerance, order}.bind(problem, x);
   while (x.t < t)
     if (stepper.step(x) != StepStatus::ok) {
       ADD_FAILURE() << "at t = " << x.t;
@@ -90,7 +91,7 @@ TEST(Taylor, RestsHoweverLateItIs) {
   for (const double start : {1e16, 1e60, 1e150})
     for (const int order : {0, 40}) {
       State<1> x{start, {0}, {0}, {}};
-      auto stepper = Taylor{1e-12, order}.bind(Pendulum<>{}, x);
+      auto stepper = TypedTaylor{1e-12, order}.bind(Pendulum<>{}, x);
       for (int i = 0; i < 5; ++i) ASSERT_EQ(stepper.step(x), StepStatus::ok) << start;
       EXPECT_EQ(x.q[0], 0) << start;
       EXPECT_EQ(x.p[0], 0) << start;
@@ -103,7 +104,7 @@ TEST(Taylor, OfAnyOrderIsAsAccurate) {
   for (const int order : {4, 8, 16, 20, 24, 40})
     EXPECT_LT(state_error(taylor_at(kepler, ellipse, 5, 1e-8, order), kepler.exact(ellipse, 5.0)), 1e-6) << order;
   auto x = ellipse;
-  auto stepper = Taylor{1e-8, 13}.bind(kepler, x);
+  auto stepper = TypedTaylor{1e-8, 13}.bind(kepler, x);
   ASSERT_EQ(stepper.step(x), StepStatus::ok);
   EXPECT_EQ(stepper.work().forces, 13);
 }
@@ -119,7 +120,7 @@ TEST(Taylor, RoundingStaysSmall) {
 template <class P, class X>
 void dense_output_is_a_run_that_ends_there(const P& problem, const X& start, double span) {
   X x = start;
-  const auto scheme = Taylor{1e-15};
+  const auto scheme = TypedTaylor{1e-15};
   auto stepper = scheme.bind(problem, x);
   double most = 0;
   int steps = 0;
@@ -151,8 +152,8 @@ void carrying_changes_nothing(const P& problem, const More& more) {
   More full = more;
   plain.t = full.t;
   for (std::size_t i = 0; i < X::size; ++i) plain[i] = taylor::component(full, i);
-  auto alone = Taylor{}.bind(problem, plain);
-  auto carrying = Taylor{}.bind(problem, full);
+  auto alone = TypedTaylor{}.bind(problem, plain);
+  auto carrying = TypedTaylor{}.bind(problem, full);
   for (int k = 0; k < 50; ++k) {
     ASSERT_EQ(alone.step(plain), StepStatus::ok);
     ASSERT_EQ(carrying.step(full), StepStatus::ok);
@@ -186,7 +187,7 @@ TEST(Taylor, VanishingCoefficientsDoNotMakeALongStep) {
   const ScalarFieldCosmology<> quartic{0, 1, 0};
   const StateOf<ScalarFieldCosmology<>> start{0, {0}, {1}, {0}};
   auto x = start;
-  auto stepper = Taylor{1e-10, 19}.bind(quartic, x);
+  auto stepper = TypedTaylor{1e-10, 19}.bind(quartic, x);
   ASSERT_EQ(stepper.step(x), StepStatus::ok);
   EXPECT_LT(x.t, 2.5);  // the nearest singularity lies at |t| = 2.6
   EXPECT_GT(x.t, 0.3);
@@ -219,7 +220,7 @@ TEST(Taylor, WhatOtherRunsLeaveBehindChangesNoBit) {
   const auto orbit = [](double mu, double tolerance, int steps, auto&& meanwhile) {
     const Kepler<> kepler{.mu = mu};
     State<2> x{0, {0.4, 0}, {0, 2}, {}};
-    auto stepper = Taylor{tolerance}.bind(kepler, x);
+    auto stepper = TypedTaylor{tolerance}.bind(kepler, x);
     for (int k = 0; k < steps; ++k) {
       EXPECT_EQ(stepper.step(x), StepStatus::ok);
       meanwhile();
@@ -252,20 +253,20 @@ TEST(Taylor, StepsEndWhereAFormulaChanges) {
 TEST(Taylor, StepsAreNotLongerThanTheTimeToASingularDamping) {
   const LaneEmden<> star{1, AfterZero::continue_};
   State<1> x{0.1, {std::sin(0.1) / 0.1}, {(std::cos(0.1) - std::sin(0.1) / 0.1) / 0.1}, {}};
-  auto stepper = Taylor{1e-12}.bind(star, x);
+  auto stepper = TypedTaylor{1e-12}.bind(star, x);
   int steps = 0;
   for (; x.t < 30; ++steps) ASSERT_EQ(stepper.step(x), StepStatus::ok);
   EXPECT_LT(steps, 60);
   EXPECT_NEAR(x.q[0], std::sin(x.t) / x.t, 1e-10);
   State<1> before{-1, {std::sin(1.0)}, {std::sin(1.0) - std::cos(1.0)}, {}};
-  auto towards = Taylor{1e-12}.bind(star, before);
+  auto towards = TypedTaylor{1e-12}.bind(star, before);
   for (int k = 0; k < 200 && towards.step(before) == StepStatus::ok; ++k) ASSERT_LT(before.t, 0);
 }
 
 TEST(Taylor, CopiesGoOnWithTheSameBits) {
   const Kepler<> kepler;
   State<2> x{0, {0.4, 0}, {0, 2}, {}};
-  auto stepper = Taylor{}.bind(kepler, x);
+  auto stepper = TypedTaylor{}.bind(kepler, x);
   for (int k = 0; k < 5; ++k) ASSERT_EQ(stepper.step(x), StepStatus::ok);
   auto copy = stepper;
   auto y = x, between = x, again = x;
@@ -285,7 +286,7 @@ TEST(Taylor, WhatIsNoNumberIsSingular) {
   for (const double bad : {0.0, std::nan(""), 1e300}) {
     State<2> x{0, {bad, 0}, {0, bad == 1e300 ? 1e300 : 0.0}, {}};
     const auto before = x;
-    auto stepper = Taylor{}.bind(kepler, x);
+    auto stepper = TypedTaylor{}.bind(kepler, x);
     const StepStatus status = stepper.step(x);
     if (bad == 1e300) continue;  // free, for all one can tell
     EXPECT_EQ(status, StepStatus::singular) << bad;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/laws/clock_laws.hpp"
+#include "tests/support/typed_taylor.hpp"
 
 namespace chains {
 
@@ -152,6 +153,7 @@ Names tolerances_are_met(double span) {
     }
   };
   [&]<class... Scheme>(std::tuple<Scheme...>*) { (one(Scheme{}), ...); }(static_cast<SchemeList*>(nullptr));
+  one(TypedTaylor{});
   return names;
 }
 

@@ -3,57 +3,64 @@
 // Source: Hairer & Wanner, Solving Ordinary Differential Equations II, 1996, IV.8.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
-#include "core/newton.hpp"
+#include "core/newton_matrix.hpp"
+#include "core/number/asked_by_thread.hpp"
 
 namespace least {
 
-/// For at most Most unknowns. Does not allocate.
-template <class T, std::size_t Most>
+/// Allocates nothing in its rounds.
+template <class T>
 class SimplifiedNewton {
  public:
-  /// Row by row, of as many unknowns as there are: what `prepare` leaves there and inverts.
-  std::array<double, Most * Most> matrix{};
+  explicit SimplifiedNewton(std::size_t unknowns) : matrix(unknowns), wrong_(unknowns), update_(unknowns) {}
 
-  void invert(std::size_t count) { detail::invert(count, matrix.data()); }
+  NewtonMatrix matrix;
 
-  /// Solves residual(z) = 0 for `count` unknowns from the guess z: `residual(z, wrong)` writes what is wrong with z.
-  /// `prepare(z)` makes the inverse of the Jacobian at z; called at the guess, and anew where the rounds contract
-  /// badly. `size`: of what the unknowns are known against, beside themselves: ends where an update is lost in rounding
-  /// of that. `weight(a)`: what brings the unknown a to the unit in which sizes are added up. On failure z is not a
-  /// solution.
+  /// Solves residual(z) = 0 from the guess z: `residual(z, wrong)` writes what is wrong with z. `prepare(z)` makes the
+  /// matrix the Jacobian at z, with its factors; called at the guess, and anew where the rounds contract badly; false:
+  /// it is not to go on. `size`: of what the unknowns are known against, beside themselves: ends where an update is
+  /// lost in rounding of that. `weight(a)`: what brings the unknown a to the unit in which sizes are added up. On
+  /// failure z is not a solution; so it is where there are many unknowns and the thread is not to go on
+  /// (AskedByThread).
   template <class Weight, class Residual, class Prepare>
-  StepStatus solve(std::size_t count, T* z, double size, Weight&& weight, Residual&& residual, Prepare&& prepare,
-                   Work& work) noexcept {
-    std::array<T, Most> wrong;
+  StepStatus solve(T* z, double size, Weight&& weight, Residual&& residual, Prepare&& prepare, Work& work) noexcept {
     double before = std::numeric_limits<double>::infinity();
-    prepare(z);
+    if (!prepare(z)) return StepStatus::solver_failed;
     for (int k = 0; k < most_rounds; ++k) {
-      residual(z, wrong.data());
+      if (matrix.is_large() && !AskedByThread::goes_on()) return StepStatus::solver_failed;
       ++work.iterations;
+      const T* const change = update(z, residual);
       double changed = 0, scale = size;
-      for (std::size_t a = 0; a < count; ++a) {
-        T change = matrix[a * count] * wrong[0];
-        for (std::size_t b = 1; b < count; ++b) change = change + matrix[a * count + b] * wrong[b];
-        z[a] = z[a] - change;
-        changed += weight(a) * size_with_slopes(change);
+      for (std::size_t a = 0; a < update_.size(); ++a) {
+        z[a] = z[a] - change[a];
+        changed += weight(a) * size_with_slopes(change[a]);
         scale += weight(a) * std::abs(plain_number(z[a]));
       }
       const double small = 8 * Precision<T>::epsilon * scale;
       if (!(changed < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
       if (changed <= small || (changed >= 0.5 * before && changed <= 1e3 * small))
         return StepStatus::ok;  // no better than round-off
-      if (k % patience == patience - 1 && changed > 1e-2 * before) prepare(z);
+      if (k % patience == patience - 1 && changed > 1e-2 * before && !prepare(z)) return StepStatus::solver_failed;
       before = changed;
     }
     return StepStatus::solver_failed;
   }
+  /// By how much z is off, with the matrix that there is; until the next call.
+  template <class Residual>
+  const T* update(const T* z, Residual&& residual) {
+    residual(z, wrong_.data());
+    matrix.solve(wrong_.data(), update_.data());
+    return update_.data();
+  }
 
  private:
   static constexpr int most_rounds = 60, patience = 6;
+
+  std::vector<T> wrong_, update_;
 };
 
 }  // namespace least

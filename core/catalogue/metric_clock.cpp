@@ -1,6 +1,7 @@
 #include "core/catalogue/metric_clock.hpp"
 
 #include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -21,7 +22,7 @@ class MetricMidpoint {
         scheme_(scheme),
         weights_(&Weights<double>::of(scheme_.composition)),
         n_(scene.coordinates),
-        newton_(n_),
+        newton_(std::make_shared<SmallNewton<T>>(n_)),
         look_(scene),
         row_(scene),
         u_(n_),
@@ -112,11 +113,12 @@ class MetricMidpoint {
     for (std::size_t i = 0; i < n_; ++i) grain += 8 * epsilon * std::abs(start_[i]);
     grain /= std::abs(plain_number(sigma));
     const double level = plain_number(level_), kappa = plain_number(kappa_), plain_half = plain_number(half);
+    newton_->begin();
     for (int k = 0, late = late_rounds<T>;; ++k) {
       if (k == most_iterations) return StepStatus::solver_failed;
       ++work.forces;
       ++work.iterations;
-      newton_.look(
+      const bool known = newton_->look(
           u_.data(),
           [&](const T* u, T* wrong) {
             in_numbers(u);
@@ -126,13 +128,16 @@ class MetricMidpoint {
             middle(start_.data(), level, kappa, plain_half, u, row_, row_place_, row_slope_, row_kick_);
             for (std::size_t i = 0; i < n_; ++i) wrong[i] = row_.momentum(i) - row_kick_[i] - start_[n_ + i];
           });
+      if (!known) return StepStatus::solver_failed;
       double change = 0;
       for (std::size_t i = 0; i < n_; ++i) {
-        change += std::abs(plain_number(newton_.update[i]));
-        u_[i] = u_[i] - newton_.update[i];
+        change += std::abs(plain_number(newton_->update[i]));
+        u_[i] = u_[i] - newton_->update[i];
       }
       if (!(change < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
-      if (change <= std::pow(epsilon, 0.75) * scale + grain && late-- == 0) break;
+      const double left = newton_->left(change);
+      const bool small = change <= small_part(scale) + grain && left <= epsilon * scale + grain;
+      if ((small || newton_->is_rounding(scale + grain / epsilon)) && late-- == 0) break;
     }
     const auto at = in_numbers(u_.data());
     ++work.forces;
@@ -150,9 +155,9 @@ class MetricMidpoint {
   TimeTransformed scheme_;  ///< keeps the weights
   const Weights<double>* weights_;
   std::size_t n_;
-  T level_, kappa_;  ///< E₀ + κ and κ
-  T strain_{};       ///< the largest |(D/(K + κ))² − 1| of a stage
-  SmallNewton<T> newton_;
+  T level_, kappa_;                         ///< E₀ + κ and κ
+  T strain_{};                              ///< the largest |(D/(K + κ))² − 1| of a stage
+  std::shared_ptr<SmallNewton<T>> newton_;  ///< shared by copies: it keeps nothing from one step to the next
   LagrangianLook<T> look_;
   LagrangianLook<FewDirections> row_;
   std::vector<T> u_, p_, kick_, slope_;

@@ -1,4 +1,4 @@
-// time_transformed on scenes of few coordinates whose kinetic metric depends on the place: the map of
+// time_transformed on scenes whose kinetic metric depends on the place: the map of
 // TransformedMidpoint in core/schemes/time_transformed.hpp.
 #pragma once
 

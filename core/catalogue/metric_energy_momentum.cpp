@@ -12,7 +12,7 @@ MetricEnergyMomentum<T>::MetricEnergyMomentum(const text::SizedScene& scene, con
       step_(scheme.step),
       n_(scene.coordinates),
       nominal_(scene, SizedPath::straight, Composition::none),
-      newton_(n_ + 1),
+      newton_(std::make_shared<SmallNewton<T>>(n_ + 1)),
       middle_(scene),
       row_(scene),
       z_(n_ + 1),
@@ -59,12 +59,13 @@ template <class T>
 bool MetricEnergyMomentum<T>::solve(const T* x) {
   constexpr int most_iterations = 20;
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  const double small = std::pow(epsilon, 0.75), level = plain_number(level_);
+  const double level = plain_number(level_);
   const double scale = plain_number(guess(x));
   double grain = std::numeric_limits<double>::min();
   for (std::size_t i = 0; i < 2 * n_; ++i) start_[i] = plain_number(x[i]);
   for (std::size_t i = 0; i < n_; ++i) grain += 8 * epsilon * std::abs(start_[i]);
   grain /= std::abs(step_);
+  newton_->begin();
   for (int k = 0, late = late_rounds<T>; k < most_iterations; ++k) {
     ++work_.forces;
     ++work_.iterations;
@@ -73,21 +74,24 @@ bool MetricEnergyMomentum<T>::solve(const T* x) {
       equations(x, level_, z, middle_, wrong);
       excess = wrong[n_];
     };
-    newton_.look(z_.data(), in_numbers, [&](const FewDirections* z, FewDirections* wrong) {
+    const auto in_rows = [&](const FewDirections* z, FewDirections* wrong) {
       equations(start_.data(), level, z, row_, wrong);
-    });
+    };
+    if (!newton_->look(z_.data(), in_numbers, in_rows)) return false;
     const double size = plain_number(T(0.5 * middle_.twice_kinetic())) + std::abs(plain_number(middle_.potential()));
     double change = 0;
     for (std::size_t i = 0; i <= n_; ++i) {
-      if (i < n_) change += std::abs(plain_number(newton_.update[i]));
-      z_[i] = z_[i] - newton_.update[i];
+      if (i < n_) change += std::abs(plain_number(newton_->update[i]));
+      z_[i] = z_[i] - newton_->update[i];
     }
     const double square = plain_number(z_[n_]);
     if (!(square > 0 && square < 64 * most)) return false;  // also where it is no number
     // An energy that is right to its last digits says no more about h.
     const bool kept = std::abs(plain_number(excess)) <= 4 * epsilon * (size + std::abs(level));
-    if (!(change <= small * scale + grain && (kept || std::abs(plain_number(newton_.update[n_])) <= small * square)))
-      continue;
+    // Of v; (h/h₀)² is held against the energy.
+    const double length = std::abs(plain_number(newton_->update[n_])), left = newton_->left(change + scale * length);
+    const bool found = change <= small_part(scale) + grain && left <= epsilon * scale + grain;
+    if (!((found || newton_->is_rounding(scale + grain / epsilon)) && (kept || length <= small_part(square)))) continue;
     if (late-- == 0) return square >= 1 / most && square <= most;
   }
   return false;

@@ -1,9 +1,10 @@
-// energy_momentum on scenes of few coordinates whose kinetic metric depends on the place: the map of
+// energy_momentum on scenes whose kinetic metric depends on the place: the map of
 // core/schemes/energy_momentum.hpp. The velocity v and the length h of a step solve, at m = q₀ + (h/2) v,
 //   g(m) v − (h/2) ∂L/∂q(m, v) = p₀,  v·∂L/∂v − L = E₀.
 #pragma once
 
 #include <concepts>
+#include <memory>
 
 #include "core/catalogue/metric_step.hpp"
 #include "core/catalogue/sized_energy_level.hpp"
@@ -52,7 +53,7 @@ class MetricEnergyMomentum {
   double step_;
   std::size_t n_;
   SizedHerglotz<T> nominal_;
-  SmallNewton<T> newton_;
+  std::shared_ptr<SmallNewton<T>> newton_;  ///< shared by copies: it keeps nothing from one step to the next
   LagrangianLook<T> middle_;
   LagrangianLook<FewDirections> row_;
   std::vector<T> z_, p_;

@@ -13,9 +13,6 @@ T product_of(const std::vector<T>& a, const std::vector<T>& b) {
   return sum;
 }
 
-/// How small a change of what has a size means nothing.
-double small_part(double size) { return std::pow(std::numeric_limits<double>::epsilon(), 0.75) * size; }
-
 }  // namespace
 
 template <class T>
@@ -113,22 +110,26 @@ StepStatus MetricJacobiMotion<T>::in_time(Site& x, const T& h, Work& work) const
   }
   for (const double c : s.q) grain += 8 * epsilon * std::abs(c);
   grain /= std::abs(length);
+  s.in_time.begin();
   for (int k = 0, late = late_rounds<T>;; ++k) {
     if (k == most) return StepStatus::solver_failed;
     ++work.forces;
     ++work.iterations;
-    s.in_time.look(
+    const bool known = s.in_time.look(
         s.v.data(), [&](const T* v, T* wrong) { time_equations(x.q.data(), x.p.data(), h, v, s.looks, wrong); },
         [&](const FewDirections* v, FewDirections* wrong) {
           time_equations(s.q.data(), s.p.data(), length, v, s.rows, wrong);
         });
+    if (!known) return StepStatus::solver_failed;
     double change = 0;
     for (std::size_t i = 0; i < n_; ++i) {
       change += std::abs(plain_number(s.in_time.update[i]));
       s.v[i] = s.v[i] - s.in_time.update[i];
     }
     if (!(change < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
-    if (change <= small_part(scale) + grain && late-- == 0) break;
+    const double left = s.in_time.left(change);
+    const bool small = change <= small_part(scale) + grain && left <= epsilon * scale + grain;
+    if ((small || s.in_time.is_rounding(scale + grain / epsilon)) && late-- == 0) break;
   }
   time_equations(x.q.data(), x.p.data(), h, s.v.data(), s.looks, s.w.data());
   for (std::size_t i = 0; i < n_; ++i) {
@@ -205,23 +206,19 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
     }
   };
   for (std::size_t i = 0; i < n_; ++i) s.row_end[i] = FewDirections(plain_number(s.end[i]));
-  bool outworn = true;  // the matrix: one does for some rounds, but not for what rides along
-  double before = std::numeric_limits<double>::infinity();
+  s.along.begin();
   for (int k = 0, late = late_rounds<T>;; ++k) {
     if (k == most_iterations) return StepStatus::solver_failed;
     ++work.iterations;
     for (std::size_t i = 0; i + 1 < n_; ++i) s.z[i] = s.end[place(i)];
     auto& update = s.along.update;
     const auto in_numbers = [&](const T*, T* wrong) { wrong_of(x.p.data(), s.looks, wrong); };
-    if (outworn) {
-      s.along.look(s.z.data(), in_numbers, [&](const FewDirections* z, FewDirections* wrong) {
-        for (std::size_t i = 0; i + 1 < n_; ++i) s.row_end[place(i)] = z[i];
-        try_end(s.q.data(), level, sign, s.row_end.data(), s.rows);
-        wrong_of(s.p.data(), s.rows, wrong);
-      });
-    } else {
-      s.along.look_again(s.z.data(), in_numbers);
-    }
+    const bool known = s.along.look(s.z.data(), in_numbers, [&](const FewDirections* z, FewDirections* wrong) {
+      for (std::size_t i = 0; i + 1 < n_; ++i) s.row_end[place(i)] = z[i];
+      try_end(s.q.data(), level, sign, s.row_end.data(), s.rows);
+      wrong_of(s.p.data(), s.rows, wrong);
+    });
+    if (!known) return StepStatus::solver_failed;
     bool small = true;  // what is not a number never is
     double changed = 0;
     for (std::size_t i = 0; i + 1 < n_; ++i) {
@@ -230,9 +227,8 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
       changed += change;
       s.end[place(i)] = s.z[i] - update[i];
     }
-    outworn = late_rounds<T> > 0 || changed > 1e-2 * before;
-    before = changed;
-    if (small && late-- == 0) break;
+    small = s.along.left(changed) <= epsilon * (way + size) && small;
+    if ((small || s.along.is_rounding(way + size)) && late-- == 0) break;
     for (int halvings = 0; !look_there(); ++halvings) {
       if (halvings == most_halvings) return StepStatus::solver_failed;
       for (std::size_t i = 0; i + 1 < n_; ++i) {

@@ -1,6 +1,6 @@
-// jacobi_maupertuis on scenes of few coordinates whose kinetic metric depends on the place: the steps of
+// jacobi_maupertuis on scenes whose kinetic metric depends on the place: the steps of
 // core/schemes/jacobi_maupertuis_step.hpp and `variational_step` that core/schemes/jacobi_maupertuis_hybrid.hpp chooses
-// among, by Newton's method with a matrix of its own in each round.
+// among, by Newton's method with a matrix that is kept as long as rounds contract well.
 #pragma once
 
 #include <memory>

@@ -1,14 +1,14 @@
-// What steps on scenes of few coordinates whose kinetic metric depends on the place are made of, where the length of a
-// step follows from the energy: L(q, v) = ½ vᵀg(q)v − V(q) with its derivatives at a point, and Newton's method for a
-// few equations that are made of them.
+// What steps on scenes whose kinetic metric depends on the place are made of, where the length of a step follows from
+// the energy: L(q, v) = ½ vᵀg(q)v − V(q) with its derivatives at a point.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <tuple>
+#include <cmath>
+#include <limits>
 #include <vector>
 
-#include "core/number/linear.hpp"
+#include "core/catalogue/sized_newton.hpp"
 #include "core/problem_traits.hpp"
 #include "core/text/sized_scene.hpp"
 
@@ -77,67 +77,8 @@ T hamiltonian_at(const text::SizedScene& scene, const T* x) {
   return h[0];
 }
 
-/// Directions that a matrix is made of at a time.
-using FewDirections = Dual<double, 4>;
-/// The derivatives of `equations(z, values)` by n unknowns, row by row; `trial` and `values` have room for n numbers.
-template <class T, class Equations>
-void fill_jacobian(std::size_t n, const T* z, std::vector<FewDirections>& trial, std::vector<FewDirections>& values,
-                   double* jacobian, Equations&& equations) {
-  constexpr std::size_t width = std::tuple_size_v<decltype(FewDirections::slope)>;
-  for (std::size_t first = 0; first < n; first += width) {
-    for (std::size_t i = 0; i < n; ++i) {
-      trial[i] = FewDirections(plain_number(z[i]));
-      if (i >= first && i < first + width) trial[i].slope[i - first] = 1;
-    }
-    equations(trial.data(), values.data());
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t k = first; k < std::min(n, first + width); ++k) jacobian[i * n + k] = values[i].slope[k - first];
-  }
-}
-
-/// Newton's method in numbers T, with a matrix of plain numbers: derivatives that ride along settle a round after the
-/// numbers.
-template <class T>
-class SmallNewton {
- public:
-  explicit SmallNewton(std::size_t unknowns)
-      : update(unknowns),
-        n_(unknowns),
-        wrong_(unknowns),
-        inverse_(unknowns * unknowns),
-        trial_(unknowns),
-        row_(unknowns) {}
-
-  std::vector<T> update;  ///< by how much the unknowns are off
-
-  /// `in_numbers(z, wrong)`: the equations in T at z; `in_rows`: the same of plain numbers in a few directions, of
-  /// which a matrix is made.
-  template <class Numbers, class Rows>
-  void look(const T* z, Numbers&& in_numbers, Rows&& in_rows) {
-    fill_jacobian(n_, z, trial_, row_, inverse_.data(), in_rows);
-    detail::invert(n_, inverse_.data());
-    look_again(z, in_numbers);
-  }
-  /// With the matrix that there is.
-  template <class Numbers>
-  void look_again(const T* z, Numbers&& in_numbers) {
-    in_numbers(z, wrong_.data());
-    for (std::size_t i = 0; i < n_; ++i) {
-      update[i] = inverse_[i * n_] * wrong_[0];
-      for (std::size_t j = 1; j < n_; ++j) update[i] = update[i] + inverse_[i * n_ + j] * wrong_[j];
-    }
-  }
-
- private:
-  std::size_t n_;
-  std::vector<T> wrong_;
-  std::vector<double> inverse_;
-  std::vector<FewDirections> trial_, row_;
-};
-
-/// Rounds that go on once the solution is there.
-template <class T>
-inline constexpr int late_rounds = std::is_same_v<T, double> ? 0 : 1;
+/// How small an update of what has a size is where the next one means nothing, by a matrix of its own.
+inline double small_part(double size) { return std::pow(std::numeric_limits<double>::epsilon(), 0.75) * size; }
 
 /// The plain numbers of some.
 template <class T>

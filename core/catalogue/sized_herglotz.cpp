@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/schemes/damping_pole.hpp"
 
@@ -31,8 +32,7 @@ SizedHerglotz<T>::SizedHerglotz(const text::SizedScene& scene, SizedPath path, c
       rows_(n_),
       trial_(unknowns_),
       wrong_(unknowns_),
-      newton_(std::make_shared<Newton>()),
-      closely_(unknowns_) {}
+      solver_(std::make_shared<Solver>(unknowns_)) {}
 
 template <class T>
 StepStatus SizedHerglotz<T>::step(T* x, double t, double h) noexcept {
@@ -71,16 +71,13 @@ StepStatus SizedHerglotz<T>::stage(T* x, double t, double h) {
     work_.forces += looks_;
     equations(x, t, h, z, nodes_, wrong);
   };
-  const auto prepare = [&](const T* z) {
-    fill_jacobian(
-        unknowns_, z, trial_, wrong_, newton_->matrix.data(),
-        [&](const FewDirections* at, FewDirections* wrong) { equations(start_.data(), t, h, at, rows_, wrong); });
-    newton_->invert(unknowns_);
-    work_.forces += looks_ * static_cast<std::int64_t>(unknowns_);
-  };
   const auto alike = [](std::size_t) { return 1.0; };
   guess_ = z_;
-  StepStatus status = newton_->solve(unknowns_, z_.data(), size, alike, residual, prepare, work_);
+  bool at_guess = true;
+  const auto make = [&](const T* z) {
+    return std::exchange(at_guess, false) ? prepare_at_guess(t, h) : prepare(t, h, z);
+  };
+  StepStatus status = solver_->newton.solve(z_.data(), size, alike, residual, make, work_);
   if (status == StepStatus::solver_failed) {
     z_ = guess_;
     status = solve_closely(x, t, h);
@@ -88,6 +85,31 @@ StepStatus SizedHerglotz<T>::stage(T* x, double t, double h) {
   if (status != StepStatus::ok) return status;
   work_.forces += looks_;
   return path_ == SizedPath::straight ? end_straight(x, t, h) : end_parabola(x, t, h);
+}
+
+template <class T>
+bool SizedHerglotz<T>::prepare_at_guess(double t, double h) {
+  if constexpr (std::is_same_v<T, double>) {
+    return prepare(t, h, guess_.data());
+  } else {
+    Solver& s = *solver_;
+    if (s.at_guess && t == s.t && h == s.h && start_ == s.start) return true;
+    s.start = start_;
+    s.t = t;
+    s.h = h;
+    return s.at_guess = prepare(t, h, guess_.data());
+  }
+}
+
+template <class T>
+bool SizedHerglotz<T>::prepare(double t, double h, const T* z) {
+  solver_->at_guess = false;
+  work_.forces += looks_ * static_cast<std::int64_t>(unknowns_);
+  return fill_jacobian(z, trial_, wrong_, solver_->newton.matrix,
+                       [&](const FewDirections* at, FewDirections* wrong) {
+                         equations(start_.data(), t, h, at, rows_, wrong);
+                       }) &&
+         solver_->newton.matrix.factor();
 }
 
 /// With a matrix of its own in each round, for steps so long that one does not do for more.
@@ -101,13 +123,13 @@ StepStatus SizedHerglotz<T>::solve_closely(const T* x, double t, double h) {
   for (int round = 0, late = late_rounds<T>; round < most_rounds; ++round) {
     work_.forces += looks_;
     ++work_.iterations;
-    closely_.look(
-        z_.data(), [&](const T* z, T* wrong) { equations(x, t, h, z, nodes_, wrong); },
-        [&](const FewDirections* z, FewDirections* wrong) { equations(start_.data(), t, h, z, rows_, wrong); });
+    if (!prepare(t, h, z_.data())) break;
+    const T* const update =
+        solver_->newton.update(z_.data(), [&](const T* z, T* wrong) { equations(x, t, h, z, nodes_, wrong); });
     double changed = 0;
     for (std::size_t i = 0; i < unknowns_; ++i) {
-      changed += std::abs(plain_number(closely_.update[i]));
-      z_[i] = z_[i] - closely_.update[i];
+      changed += std::abs(plain_number(update[i]));
+      z_[i] = z_[i] - update[i];
     }
     if (!(changed < std::numeric_limits<double>::max())) break;
     if (changed <= std::pow(epsilon, 0.75) * known + size && late-- == 0) return StepStatus::ok;

@@ -1,4 +1,4 @@
-// contact_variational_midpoint and contact_galerkin_4 of scenes of few coordinates whose number is known when they run,
+// contact_variational_midpoint and contact_galerkin_4 of scenes whose number of coordinates is known when they run,
 // from their Lagrangian L(q, v, s, t) alone: the discrete Herglotz equations. With L, L_q, L_v = π and L_s at
 // m = q₀ + hv/2, σ = (s₁ − s₀)/h, s̄ = s₀ + hσ/2, t + h/2:
 //   π − (h/2)L_q = (1 + (h/2)L_s) p₀,  σ = L,  p₁ = ((1 + (h/2)L_s) p₀ + h L_q)/(1 − (h/2)L_s)
@@ -33,9 +33,6 @@ class SizedHerglotz {
   double step_energy(StateView from, double h);
 
  private:
-  static constexpr std::size_t most = 2 * text::SizedScene::most_full;
-  using Newton = SimplifiedNewton<T, most>;
-
   /// Nodes of a step in the number U: L, L_q, L_v and L_s at each.
   template <class U>
   struct Nodes {
@@ -48,7 +45,22 @@ class SizedHerglotz {
     explicit Nodes(std::size_t n);
   };
 
+  /// What a step is solved with. Of dual numbers, which are asked for the same step in direction after direction, the
+  /// matrix is kept as long as it is that of the guess of the same step, so that it is made once.
+  struct Solver {
+    SimplifiedNewton<T> newton;
+    std::vector<double> start;
+    double t = 0, h = 0;
+    bool at_guess = false;
+
+    explicit Solver(std::size_t unknowns) : newton(unknowns) {}
+  };
+
   StepStatus stage(T* x, double t, double h);
+  /// The same for the guess from `start_`, which the solver may know.
+  bool prepare_at_guess(double t, double h);
+  /// Makes the matrix at z, with its factors. False: it is not to go on (AskedByThread).
+  bool prepare(double t, double h, const T* z);
   StepStatus solve_closely(const T* x, double t, double h);
   /// Where z is a solution of the step from x, how far off it is otherwise.
   template <class A, class U>
@@ -78,8 +90,7 @@ class SizedHerglotz {
   Nodes<T> nodes_;
   Nodes<FewDirections> rows_;  ///< for the matrix
   std::vector<FewDirections> trial_, wrong_;
-  std::shared_ptr<Newton> newton_;  ///< shared by copies: it keeps nothing from one step to the next
-  SmallNewton<T> closely_;
+  std::shared_ptr<Solver> solver_;  ///< shared by copies: what it keeps changes no step
   bool asks_energy_ = false;
   T energy_{};  ///< E_d of the last step, if that is asked for
   Work work_;

@@ -62,8 +62,12 @@ SizedStages<T>::SizedStages(const text::SizedScene& scene, const StageRule& rule
       middle_(row_),
       along_(row_),
       moved_(row_),
-      newton_(std::make_shared<Newton>()),
-      slow_(scene.equations.size() > 4096 || scene.equations.has_terms()) {}
+      newton_(std::make_shared<SimplifiedNewton<T>>(rule.stages * width_)),
+      slow_(scene.equations.size() > 4096 || scene.equations.has_terms()) {
+  if (!is_lifted()) return;
+  for (std::vector<T>* of : {&lifted_.state, &lifted_.rate}) of->resize(scene.components);
+  for (std::vector<FewDirections>* of : {&lifted_along_.state, &lifted_along_.rate}) of->resize(scene.components);
+}
 
 template <class T>
 StepStatus SizedStages<T>::step(T* x, double t, double h) noexcept {
@@ -79,10 +83,10 @@ StepStatus SizedStages<T>::step(T* x, double t, double h) noexcept {
 /// From q̇ = H_p, ṗ = −H_q − p H_s and ṡ = p·H_p − H: P_q′ = P_s H_q and P_s′ = P_s H_s at p = −P_q/P_s.
 template <class T>
 template <class U>
-void SizedStages<T>::rates(const U* y, double t, U* rate) const {
+void SizedStages<T>::rates(const U* y, double t, U* rate, Lifted<U>& lifted) const {
   if (!is_lifted()) return scene_->rate.evaluate(y, t, rate);
   const std::size_t n = scene_->coordinates;
-  std::array<U, widest> x, slope;
+  std::vector<U>&x = lifted.state, &slope = lifted.rate;
   std::array<U, 2> h;  // H, H_s
   const U& scale = y[2 * n + 1];
   for (std::size_t i = 0; i < n; ++i) {
@@ -141,7 +145,7 @@ StepStatus SizedStages<T>::stage(T* x, double t, double h) {
   const auto look = [&](const T* z) {
     for (std::size_t j = 0; j < stages; ++j) {
       for (std::size_t i = 0; i < width_; ++i) at_[i] = from_[i] + z[j * width_ + i];
-      rates(at_.data(), t + rule_.node[j] * h, &rates_[j * row_]);
+      rates(at_.data(), t + rule_.node[j] * h, &rates_[j * row_], lifted_);
     }
     work_.forces += static_cast<std::int64_t>(stages);
   };
@@ -170,12 +174,13 @@ StepStatus SizedStages<T>::stage(T* x, double t, double h) {
     for (std::size_t i = 0; i < width_ && !first; ++i)
       for (std::size_t j = 0; j < stages; ++j)
         middle_[i] += plain_number(z[j * width_ + i]) / static_cast<double>(stages);
-    prepare(middle_.data(), first ? t : t + 0.5 * h, h);
+    const double time = first ? t : t + 0.5 * h;
     first = false;
+    return prepare(middle_.data(), time, h);
   };
   const auto weight = [&](std::size_t a) { return weighs_[kind(a % width_)]; };
   const double size = is_lifted() ? 4 : 2;  // of as many kinds, each weighed to 1
-  if (const auto status = newton_->solve(all, z_.data(), size, weight, residual, prepare_at, work_);
+  if (const auto status = newton_->solve(z_.data(), size, weight, residual, prepare_at, work_);
       status != StepStatus::ok)
     return status;
   look(z_.data());
@@ -185,32 +190,43 @@ StepStatus SizedStages<T>::stage(T* x, double t, double h) {
 }
 
 template <class T>
-void SizedStages<T>::prepare(const double* y, double t, double h) {
-  const std::size_t stages = rule_.stages, all = stages * width_;
+bool SizedStages<T>::prepare(const double* y, double t, double h) {
+  const bool asks = slow_ || newton_->matrix.is_large();
   std::array<double, 4> sizes{};
-  for (std::size_t k = 0; k < width_ && (!slow_ || AskedByThread::goes_on()); ++k) {
-    for (std::size_t i = 0; i < row_; ++i) along_[i] = Slope(y[i]);
-    along_[k].slope[0] = 1;
+  for (std::size_t first = 0; first < width_; first += directions_at_once) {
+    if (asks && !AskedByThread::goes_on()) return false;
+    const std::size_t count = std::min(directions_at_once, width_ - first);
+    for (std::size_t i = 0; i < row_; ++i) along_[i] = FewDirections(y[i]);
+    for (std::size_t k = 0; k < count; ++k) along_[first + k].slope[k] = 1;
     if (is_lifted()) {
-      rates(along_.data(), t, moved_.data());
+      rates(along_.data(), t, moved_.data(), lifted_along_);
     } else {
       scene_->motion().evaluate(along_.data(), t, moved_.data());
     }
-    for (std::size_t i = 0; i < width_; ++i) {
-      const double slope = moved_[i].slope[0];
-      if (k == 0) sizes[kind(i)] += std::abs(y[i]) + std::abs(h * moved_[i].value);
-      for (std::size_t b = 0; b < stages; ++b) {
-        const auto entry = [&](std::size_t a) -> double& {
-          return newton_->matrix[(a * width_ + i) * all + b * width_ + k];
-        };
-        for (std::size_t a = 0; a < stages; ++a) entry(a) = (a == b && i == k ? 1 : 0) - h * part(i)[a][b] * slope;
-        if (is_bent(i)) take_bend(entry(0), entry(1), entry(2), second_difference[b] * moved_[i - width_ / 2].slope[0]);
-      }
-    }
+    for (std::size_t i = 0; i < width_ && first == 0; ++i)
+      sizes[kind(i)] += std::abs(y[i]) + std::abs(h * moved_[i].value);
+    put_columns(first, count, h);
   }
   for (std::size_t kind = 0; kind < sizes.size(); ++kind) weighs_[kind] = sizes[kind] > 0 ? 1 / sizes[kind] : 1;
-  newton_->invert(all);
   work_.forces += static_cast<std::int64_t>(width_);
+  return newton_->matrix.factor();
+}
+
+template <class T>
+void SizedStages<T>::put_columns(std::size_t first, std::size_t count, double h) {
+  const std::size_t stages = rule_.stages, all = stages * width_;
+  double* const entries = newton_->matrix.entries();
+  for (std::size_t i = 0; i < width_; ++i)
+    for (std::size_t b = 0; b < stages; ++b)
+      for (std::size_t k = 0; k < count; ++k) {
+        const double slope = moved_[i].slope[k];
+        const auto entry = [&](std::size_t a) -> double& {
+          return entries[(a * width_ + i) * all + b * width_ + first + k];
+        };
+        for (std::size_t a = 0; a < stages; ++a)
+          entry(a) = (a == b && i == first + k ? 1 : 0) - h * part(i)[a][b] * slope;
+        if (is_bent(i)) take_bend(entry(0), entry(1), entry(2), second_difference[b] * moved_[i - width_ / 2].slope[k]);
+      }
 }
 
 template class SizedStages<double>;

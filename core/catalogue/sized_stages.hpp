@@ -1,4 +1,4 @@
-// Steps of equal length that solve for their stages, on scenes of few coordinates whose number is known when they run:
+// Steps of equal length that solve for their stages, on scenes whose number of coordinates is known when they run:
 // pairs of Runge–Kutta methods, one for q and one for p. The discrete Lagrange–d'Alembert principle of a path of
 // polynomials and a rule of quadrature is such a pair, for any regular H with forces F(q, p, t) beside −H_q; so is
 // collocation at Gauss' nodes, of an H without s the map of core/schemes/hamiltonian_gauss.hpp; of an H with s the same
@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/catalogue/sized_newton.hpp"
 #include "core/composition.hpp"
 #include "core/problem_traits.hpp"
 #include "core/scheme.hpp"
@@ -46,15 +47,20 @@ class SizedStages {
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
 
  private:
-  static constexpr std::size_t widest = 2 * text::SizedScene::most_full + 2;
-  using Newton = SimplifiedNewton<T, StageRule::most_stages * widest>;
+  /// Of a point of the lift, in the number U: the state that it stands for, and its rates.
+  template <class U>
+  struct Lifted {
+    std::vector<U> state, rate;
+  };
 
   StepStatus stage(T* x, double t, double h);
-  /// (1 − h A ⊗ J)⁻¹ with J at the point y.
-  void prepare(const double* y, double t, double h);
+  /// 1 − h A ⊗ J with J at the point y, and its factors. False: it is not to go on (AskedByThread).
+  bool prepare(const double* y, double t, double h);
+  /// Writes the entries of the matrix that `count` columns of J from the one of `first` on make up.
+  void put_columns(std::size_t first, std::size_t count, double h);
   /// Of all components at a point; of an H with s those of its lift (q, P_q, s, P_s).
   template <class U>
-  void rates(const U* y, double t, U* rate) const;
+  void rates(const U* y, double t, U* rate, Lifted<U>& lifted) const;
   /// Where a step begins, in the components of which there are rates; and back. False at a pole of p.
   void start(const T* x);
   bool finish(T* x) const;
@@ -71,14 +77,16 @@ class SizedStages {
   StageRule rule_;
   Composition composition_;  ///< keeps the weights
   const Weights<double>* weights_;
-  std::size_t width_, row_;           ///< components that are solved for, and all of which there are rates
-  std::vector<T> from_, at_, rates_;  ///< where the step began; a stage; the rates at the stages
-  std::vector<T> z_;                  ///< stages less the start
-  std::vector<double> middle_;        ///< where the matrix is made
-  std::array<double, 4> weighs_{};    ///< what brings each kind to one unit
-  std::vector<Slope> along_, moved_;  ///< a point and the rates there, with their changes in a direction
-  std::shared_ptr<Newton> newton_;    ///< shared by copies: it keeps nothing from one step to the next
-  bool slow_;                         ///< its rates take long: it asks now and then whether it is to go on
+  std::size_t width_, row_;                   ///< components that are solved for, and all of which there are rates
+  std::vector<T> from_, at_, rates_;          ///< where the step began; a stage; the rates at the stages
+  std::vector<T> z_;                          ///< stages less the start
+  std::vector<double> middle_;                ///< where the matrix is made
+  std::array<double, 4> weighs_{};            ///< what brings each kind to one unit
+  std::vector<FewDirections> along_, moved_;  ///< a point and the rates there, with their changes in some directions
+  Lifted<T> lifted_;
+  Lifted<FewDirections> lifted_along_;
+  std::shared_ptr<SimplifiedNewton<T>> newton_;  ///< shared by copies: it keeps nothing from one step to the next
+  bool slow_;                                    ///< its rates take long: it asks now and then whether it is to go on
   Work work_;
 };
 

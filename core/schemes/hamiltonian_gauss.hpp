@@ -3,6 +3,8 @@
 // from P_s = 1, P_q = −p, with all of it unknown at every stage: a simplified Newton iteration.
 #pragma once
 
+#include <memory>
+
 #include "core/schemes/contact_gauss.hpp"
 #include "core/simplified_newton.hpp"
 
@@ -15,7 +17,11 @@ class HamiltonianGaussStepper {
   using S = typename X::Time;
 
   HamiltonianGaussStepper(const P& problem, int stages)
-      : problem_(problem), stages_(std::size_t(stages)), n_(problem.coordinates()), width_(2 * n_ + 2) {}
+      : problem_(problem),
+        stages_(std::size_t(stages)),
+        n_(problem.coordinates()),
+        width_(2 * n_ + 2),
+        newton_(std::make_shared<SimplifiedNewton<T>>(stages_ * width_)) {}
 
   StepStatus step(X& x, const S& h) noexcept {
     return stages_ == 1 ? take<1>(x, h) : stages_ == 2 ? take<2>(x, h) : take<3>(x, h);
@@ -45,14 +51,15 @@ class HamiltonianGaussStepper {
     rate[2 * n_ + 1] = scale * slopes.by_s;
   }
 
-  /// (1 − h A ⊗ J)⁻¹ with J at the point y.
+  /// 1 − h A ⊗ J with J at the point y, and its factors. False: it is not to go on (AskedByThread).
   template <int M>
-  void prepare(const std::array<double, widest>& y, double t, double h) {
+  bool prepare(const std::array<double, widest>& y, double t, double h) {
     using D = Dual<double, 1>;
     const auto& rule = GaussRule<M, double>::get();
     std::array<D, widest> at, rate;
     std::array<double, widest> added{};  // to each component in a step, by all others
     const std::size_t all = M * width_;
+    double* const entries = newton_->matrix.entries();
     for (std::size_t k = 0; k < width_; ++k) {
       for (std::size_t i = 0; i < width_; ++i) at[i] = D(y[i]);
       at[k].slope[0] = 1;
@@ -61,12 +68,12 @@ class HamiltonianGaussStepper {
       for (std::size_t a = 0; a < M; ++a)
         for (std::size_t b = 0; b < M; ++b)
           for (std::size_t i = 0; i < width_; ++i)
-            newton_.matrix[(a * width_ + i) * all + b * width_ + k] =
+            entries[(a * width_ + i) * all + b * width_ + k] =
                 (a == b && i == k ? 1 : 0) - h * rule.a[a][b] * rate[i].slope[0];
     }
-    newton_.invert(all);
     weigh(y, added);
     work_.forces += std::int64_t(width_);
+    return newton_->matrix.factor();
   }
 
   /// Positions, momenta, the action and P_s have units of their own: each kind is known against what it is at the point
@@ -85,7 +92,6 @@ class HamiltonianGaussStepper {
     using least::abs;
     using least::any;
     const auto& rule = GaussRule<M, S>::get();
-    const std::size_t all = M * width_;
     std::array<T, widest> start, at, end;
     std::array<double, widest> middle{};
     for (std::size_t i = 0; i < n_; ++i) {
@@ -119,12 +125,13 @@ class HamiltonianGaussStepper {
           middle[i] = plain_number(start[i]);
           for (std::size_t j = 0; j < M; ++j) middle[i] += plain_number(z[j * width_ + i]) / M;
         }
-      prepare<M>(middle, plain_number(first ? T(x.t) : T(x.t + h / 2)), plain_number(T(h)));
+      const double time = plain_number(first ? T(x.t) : T(x.t + h / 2));
       first = false;
+      return prepare<M>(middle, time, plain_number(T(h)));
     };
     constexpr double size = 4;  // of four kinds, each weighed to 1
     const auto weight = [&](std::size_t a) { return weights_[a % width_]; };
-    if (const StepStatus status = newton_.solve(all, z_.data(), size, weight, residual, prepare_at, work_);
+    if (const StepStatus status = newton_->solve(z_.data(), size, weight, residual, prepare_at, work_);
         status != StepStatus::ok)
       return status;
     look(z_.data());
@@ -146,7 +153,7 @@ class HamiltonianGaussStepper {
   std::size_t stages_, n_, width_;
   std::array<T, most> z_{}, rates_{};  ///< stages less the start, their rates
   std::array<double, widest> weights_{};
-  SimplifiedNewton<T, most> newton_;
+  std::shared_ptr<SimplifiedNewton<T>> newton_;  ///< shared by copies: it keeps nothing from one step to the next
   Work work_;
 };
 

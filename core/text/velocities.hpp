@@ -12,6 +12,12 @@
 
 namespace least::text {
 
+/// Whether it is a double with first derivatives.
+template <class T>
+inline constexpr bool has_first_slopes = false;
+template <int K>
+inline constexpr bool has_first_slopes<Dual<double, K>> = true;
+
 class Velocities {
  public:
   /// Velocities that one equation may couple, directly or by others.
@@ -41,7 +47,7 @@ class Velocities {
     solve(plain.data(), plain_number(t), found.data());
     for (std::size_t i = 0; i < n_; ++i) v[i] = T(found[i]);
     if constexpr (!std::is_same_v<T, double>) {
-      constexpr int rounds = std::is_same_v<T, Dual<double, 1>> ? 1 : 4;  // with the matrix of the first
+      constexpr int rounds = has_first_slopes<T> ? 1 : 4;  // with the matrix of the first
       thread_local std::vector<T> at, wrong;
       at.assign(x, x + 2 * n_);
       at.push_back(s);

@@ -32,6 +32,35 @@ std::vector<Symbol> entries_of(const SymbolMatrix& matrix) {
   return all;
 }
 
+/// Of a matrix whose rows are made as long as 1 the smallest pivot of Gauss' elimination, beside which rounding says
+/// whether it has an inverse. Its determinant does not: of many rows it is small even where they are far from parallel.
+double least_pivot(const BlockMatrix& matrix) {
+  double least = 1;
+  for (const auto& block : matrix.blocks()) {
+    const std::size_t n = block.of.size();
+    std::vector<double> a = block.numbers;
+    for (std::size_t i = 0; i < n; ++i) {
+      double square = 0;
+      for (std::size_t j = 0; j < n; ++j) square += a[i * n + j] * a[i * n + j];
+      for (std::size_t j = 0; j < n; ++j) a[i * n + j] /= std::sqrt(square);
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      std::size_t pivot = k;
+      for (std::size_t i = k + 1; i < n; ++i)
+        if (std::abs(a[i * n + k]) > std::abs(a[pivot * n + k])) pivot = i;
+      if (pivot != k) std::swap_ranges(&a[k * n], &a[k * n] + n, &a[pivot * n]);
+      const double here = std::abs(a[k * n + k]);
+      if (!(here > 0)) return 0;  // also where it is no number
+      least = std::min(least, here);
+      for (std::size_t i = k + 1; i < n; ++i) {
+        const double part = a[i * n + k] / a[k * n + k];
+        for (std::size_t j = k + 1; j < n && part != 0; ++j) a[i * n + j] -= part * a[k * n + j];
+      }
+    }
+  }
+  return least;
+}
+
 }  // namespace
 
 std::variant<TextScene, std::vector<DefinitionFault>> TextScene::read(Definition definition) {
@@ -267,13 +296,8 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
   const tape::Formula hessian = fold.formula(entries_of(form->hessian));
   std::vector<double> numbers(hessian.outputs());
   hessian.evaluate(x.data(), t, numbers.data());
-  double volume = 1;  // of rows as long as these at right angles
-  for (std::size_t i = 0, next = 0; i < n; ++i) {
-    double row = 0;
-    for (std::size_t j = 0; j < form->hessian.row(i).size(); ++j, ++next) row += numbers[next] * numbers[next];
-    volume *= std::sqrt(row);
-  }
-  const double determinant = BlockMatrix(form->hessian, numbers).determinant();
+  const BlockMatrix blocks(form->hessian, numbers);
+  const double determinant = std::abs(blocks.determinant());
   // Velocities that were found from momenta may miss the place where it vanishes by a little.
   double nearby = 0;
   for (const double aside : {-1e-6, 1e-6}) {
@@ -286,7 +310,7 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
     if (std::isfinite(here)) nearby = std::max(nearby, here);
   }
   constexpr double rounding = 1e-14, vanishing = 1e-10;
-  if (!(std::isfinite(determinant) && std::abs(determinant) > std::max(rounding * volume, vanishing * nearby)))
+  if (!(least_pivot(blocks) > rounding) || determinant <= vanishing * nearby)
     return "is not regular at the start: " + second_derivative() + " has no inverse there";
   if (form->kind == FormKind::metric && !is_positive_definite(form->hessian, numbers))
     return "has a mass that is not positive at the start: " + second_derivative() + " is not positive definite there";

@@ -37,7 +37,7 @@ inline bool on_steady(const text::SizedScene& scene) {
 inline bool with_lift(const text::SizedScene& scene) { return scene.lift != nullptr; }
 inline bool on_damped(const text::SizedScene& scene) { return scene.kind == text::FormKind::contact_linear; }
 inline bool on_contact(const text::SizedScene& scene) { return on_damped(scene) || scene.is_quadratic(); }
-/// Of few coordinates, with s that acts by its Lagrangian.
+/// Of not too many coordinates, with s that acts by its Lagrangian.
 inline bool with_lagrangian(const text::SizedScene& scene) {
   return (scene.is_quadratic() || scene.velocities) && scene.coordinates <= text::SizedScene::most_full;
 }

@@ -70,8 +70,8 @@ class SizedMechanics final : public Mechanics {
     const auto sized = text_.sized(parameters);
     traits_ = traits_of(*sized);
     card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
-    const bool full = traits_.general || traits_.configuration_metric || traits_.quadratic_contact;
-    if (full && !sized->forced && sized->coordinates > text::SizedScene::most_full)
+    const bool full = sized->forced || traits_.general || traits_.configuration_metric || traits_.quadratic_contact;
+    if (full && sized->coordinates > text::SizedScene::most_full)
       card_.offers += ", with more coordinates than the " + std::to_string(text::SizedScene::most_full) +
                       " for which schemes solve equations whose matrix is full";
     if (!sized->solves_for_places())

@@ -56,7 +56,7 @@ class SizedScene {
   static constexpr std::size_t most_coupled = 64;
 
   /// Coordinates up to which schemes solve equations whose matrix is taken for a full one.
-  static constexpr std::size_t most_full = 24;
+  static constexpr std::size_t most_full = 256;
 
   /// The same where the matrix has a row for each coordinate, and is made anew once in a few rounds.
   static constexpr std::size_t most_with_full_mass = 256;

@@ -159,20 +159,21 @@ TEST_F(ManyCoordinates, AreDescribed) {
 }
 
 TEST_F(ManyCoordinates, AreRefusedByName) {
-  Json request{
-      {"problem", {{"id", "custom"}, {"variables", {"q[25]"}}, {"hamiltonian", "sum(i=1..25, (q[i]^2 + p[i]^2)^2)/8"}}},
-      {"scheme", "contact_gauss"},
-      {"until", 1}};
+  Json request{{"problem",
+                {{"id", "custom"}, {"variables", {"q[257]"}}, {"hamiltonian", "sum(i=1..257, (q[i]^2 + p[i]^2)^2)/8"}}},
+               {"scheme", "contact_gauss"},
+               {"until", 1}};
   Json faults = answer(request, "/v1/simulate", 422)["errors"];
   EXPECT_EQ(faults[0]["pointer"], "/scheme") << faults;
   EXPECT_NE(faults[0]["detail"].get<std::string>().find("more coordinates than"), std::string::npos) << faults;
-  request = {
-      {"problem",
-       {{"id", "custom"}, {"variables", {"q[25]"}}, {"lagrangian", "sum(i=1..25, (1 + q[i]^2)*v[i]^2/2 - q[i]^2/2)"}}},
-      {"scheme", "energy_momentum"},
-      {"until", 1}};
+  request = {{"problem",
+              {{"id", "custom"},
+               {"variables", {"q[257]"}},
+               {"lagrangian", "sum(i=1..257, (1 + q[i]^2)*v[i]^2/2 - q[i]^2/2)"}}},
+             {"scheme", "energy_momentum"},
+             {"until", 1}};
   faults = answer(request, "/v1/simulate", 422)["errors"];
-  EXPECT_NE(faults[0]["detail"].get<std::string>().find("more coordinates than the 24"), std::string::npos) << faults;
+  EXPECT_NE(faults[0]["detail"].get<std::string>().find("more coordinates than the 256"), std::string::npos) << faults;
   request = chain(1025);
   faults = answer(request, "/v1/problems", 422)["errors"];
   EXPECT_EQ(faults[0]["pointer"], "/problem/variables/0") << faults;

@@ -114,10 +114,10 @@ TEST(MetricLevel, IsOfSomeCoordinatesOnly) {
     return runs::fits(made(typed)->card(), find_scheme(scheme).value());
   };
   for (const char* scheme : {"energy_momentum", "jacobi_maupertuis", "time_transformed"}) {
-    EXPECT_TRUE(offers(24, scheme)) << scheme;
-    EXPECT_FALSE(offers(25, scheme)) << scheme;
+    EXPECT_TRUE(offers(256, scheme)) << scheme;
+    EXPECT_FALSE(offers(257, scheme)) << scheme;
   }
-  EXPECT_TRUE(offers(100, "runge_kutta_4"));
+  EXPECT_TRUE(offers(300, "runge_kutta_4"));
 }
 
 }  // namespace

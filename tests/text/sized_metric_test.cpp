@@ -111,13 +111,13 @@ TEST(SizedMetric, WhatHasAFullMatrixIsOfSomeCoordinatesOnly) {
   const auto offers = [](const std::shared_ptr<const Mechanics>& mechanics, const char* scheme) {
     return runs::fits(mechanics->card(), find_scheme(scheme).value());
   };
-  EXPECT_TRUE(offers(beads(24), "galerkin_4"));
-  EXPECT_TRUE(offers(beads(25), "taylor"));
-  EXPECT_FALSE(offers(beads(25), "galerkin_4"));
-  EXPECT_NE(beads(25)->card().offers.find("more coordinates than the 24"), std::string::npos);
-  EXPECT_TRUE(offers(turning(24, ""), "contact_gauss"));
-  EXPECT_FALSE(offers(turning(25, ""), "contact_gauss"));
-  EXPECT_FALSE(offers(turning(25, " + s/9"), "contact_gauss"));
+  EXPECT_TRUE(offers(beads(256), "galerkin_4"));
+  EXPECT_TRUE(offers(beads(257), "taylor"));
+  EXPECT_FALSE(offers(beads(257), "galerkin_4"));
+  EXPECT_NE(beads(257)->card().offers.find("more coordinates than the 256"), std::string::npos);
+  EXPECT_TRUE(offers(turning(256, ""), "contact_gauss"));
+  EXPECT_FALSE(offers(turning(257, ""), "contact_gauss"));
+  EXPECT_FALSE(offers(turning(257, " + s/9"), "contact_gauss"));
 }
 
 TEST(SizedMetric, GaussKeepsTheContactFormOfManyCoordinates) {

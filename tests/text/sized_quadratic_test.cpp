@@ -93,12 +93,12 @@ TEST(SizedQuadratic, ManyBlowUpWhenTheActionDoes) {
 }
 
 TEST(SizedQuadratic, WhatHasAFullMatrixIsOfSomeCoordinatesOnly) {
-  const auto few = oscillators(24), many = oscillators(25);
+  const auto few = oscillators(256), many = oscillators(257);
   for (const char* scheme : implicit_schemes) {
     EXPECT_TRUE(runs::fits(few->card(), find_scheme(scheme).value())) << scheme;
     EXPECT_FALSE(runs::fits(many->card(), find_scheme(scheme).value())) << scheme;
   }
-  EXPECT_NE(many->card().offers.find("more coordinates than the 24"), std::string::npos);
+  EXPECT_NE(many->card().offers.find("more coordinates than the 256"), std::string::npos);
 }
 
 }  // namespace

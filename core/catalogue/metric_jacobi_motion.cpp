@@ -17,7 +17,10 @@ T product_of(const std::vector<T>& a, const std::vector<T>& b) {
 
 template <class T>
 MetricJacobiMotion<T>::Scratch::Scratch(const text::SizedScene& scene)
-    : looks(scene),
+    : velocity(scene.coordinates),
+      gradient(scene.coordinates),
+      scale(scene.coordinates),
+      looks(scene),
       rows(scene),
       in_time(scene.coordinates),
       along(scene.coordinates - 1),
@@ -45,6 +48,20 @@ void MetricJacobiMotion<T>::look(Site& x, Work& work) const {
 }
 
 template <class T>
+void MetricJacobiMotion<T>::velocity(const Site& x, Numbers& v) const {
+  auto& known = scratch_->velocity;
+  if (!known.is_of(x.q, x.p)) raise(*scene_, x.q.data(), x.p.data(), known.values.data());
+  std::ranges::copy(known.values, v.begin());
+}
+
+template <class T>
+void MetricJacobiMotion<T>::gradient(const Numbers& q, Numbers& slope) const {
+  auto& known = scratch_->gradient;
+  if (!known.is_of(q)) scene_->gradient.evaluate(q.data(), 0.0, known.values.data());
+  std::ranges::copy(known.values, slope.begin());
+}
+
+template <class T>
 T MetricJacobiMotion<T>::kinetic(const Site& x) const {
   velocity(x, scratch_->w);
   return 0.5 * product_of(x.p, scratch_->w);
@@ -53,16 +70,21 @@ T MetricJacobiMotion<T>::kinetic(const Site& x) const {
 template <class T>
 T MetricJacobiMotion<T>::scale(const Site& x, std::size_t i) const {
   using least::sqrt;
-  auto& look = scratch_->looks.here;
-  look.look_lightly([&](std::size_t k) { return x.q[k]; }, [i](std::size_t k) { return T(k == i ? 1 : 0); });
-  return sqrt(look.momentum(i));
+  auto& known = scratch_->scale;
+  if (!known.is_of(x.q)) std::ranges::fill(known.values, T(0));
+  if (!(known.values[i] > T(0))) {
+    auto& look = scratch_->looks.here;
+    look.look_lightly([&](std::size_t k) { return x.q[k]; }, [i](std::size_t k) { return T(k == i ? 1 : 0); });
+    known.values[i] = sqrt(look.momentum(i));
+  }
+  return known.values[i];
 }
 
 template <class T>
 T MetricJacobiMotion<T>::steepness(const Site& x) const {
   using least::sqrt;
   Scratch& s = *scratch_;
-  scene_->gradient.evaluate(x.q.data(), 0.0, s.slope.data());
+  gradient(x.q, s.slope);
   raise(*scene_, x.q.data(), s.slope.data(), s.w.data());
   return sqrt(product_of(s.slope, s.w));
 }
@@ -165,7 +187,7 @@ void MetricJacobiMotion<T>::try_end(const A* q, const A& level, double sign, con
   }
   looks.gap = level - potential;
   looks.h = sign * sqrt(looks.length_squared / (2 * looks.gap));
-  looks.here.gradient(looks.slope.data());
+  if (midpoint_) looks.here.gradient(looks.slope.data());
 }
 
 template <class T>
@@ -185,6 +207,10 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
   a = delta / s.v[sigma];
   if (!(sign * a > T(0))) return StepStatus::solver_failed;
   for (std::size_t i = 0; i < n_; ++i) s.end[i] = i == sigma ? T(x.q[i] + delta) : T(x.q[i] + a * s.v[i]);
+  if (!midpoint_) {  // the left end is where it is
+    gradient(x.q, s.looks.slope);
+    for (std::size_t i = 0; i < n_; ++i) s.rows.slope[i] = FewDirections(plain_number(s.looks.slope[i]));
+  }
   const auto look_there = [&] {
     ++work.forces;
     try_end(x.q.data(), energy, sign, s.end.data(), s.looks);
@@ -250,7 +276,7 @@ StepStatus MetricJacobiMotion<T>::arrive(Site& x, const T& a, double sign, Work&
   if (!looks.admissible() || !(ratio >= T(0.25) && ratio <= T(4))) return StepStatus::solver_failed;
   if (!midpoint_) {
     looks.there.look([&](std::size_t i) { return s.end[i]; }, [&](std::size_t i) { return T(s.end[i] - x.q[i]); });
-    looks.there.gradient(looks.slope.data());
+    gradient(s.end, looks.slope);
   }
   for (std::size_t i = 0; i < n_; ++i) {
     x.p[i] = looks.lowered[i] / h + 0.5 * h * looks.force(midpoint_ ? looks.here : looks.there, i);

@@ -30,7 +30,7 @@ class MetricJacobiMotion {
   Site site() const { return {numbers(), numbers(), T(0), T(0)}; }
   Numbers numbers() const { return Numbers(n_); }
   void look(Site& x, Work& work) const;
-  void velocity(const Site& x, Numbers& v) const { raise(*scene_, x.q.data(), x.p.data(), v.data()); }
+  void velocity(const Site& x, Numbers& v) const;
   T kinetic(const Site& x) const;
   T scale(const Site& x, std::size_t i) const;
   T steepness(const Site& x) const;
@@ -58,8 +58,9 @@ class MetricJacobiMotion {
     U force(const LagrangianLook<U>& at, std::size_t i) const { return (at.force(i) + slope[i]) / (h * h) - slope[i]; }
     bool admissible() const { return gap > U(0); }
   };
-  /// What is filled anew in every step.
+  /// What is filled anew in every step, or known of its place.
   struct Scratch {
+    LastKnown<T> velocity, gradient, scale;  ///< which the choice of a step asks for again and again
     Looks<T> looks;
     Looks<FewDirections> rows;
     SmallNewton<T> in_time, along;
@@ -75,6 +76,8 @@ class MetricJacobiMotion {
   /// ḡΔ, E₀ − V̄ and h of a step that ends there, and what the force at its left end or in the middle is made of.
   template <class A, class U>
   void try_end(const A* q, const A& level, double sign, const U* end, Looks<U>& looks) const;
+  /// ∇V at a place.
+  void gradient(const Numbers& q, Numbers& slope) const;
   /// One degree of freedom.
   StepStatus along_line(Site& x, const T& delta, Work& work) const;
   StepStatus arrive(Site& x, const T& a, double sign, Work& work) const;

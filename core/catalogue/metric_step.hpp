@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "core/catalogue/sized_newton.hpp"
@@ -76,6 +77,29 @@ T hamiltonian_at(const text::SizedScene& scene, const T* x) {
   scene.hamiltonian.evaluate(x, 0.0, h.data());
   return h[0];
 }
+
+/// What was computed last at a place, or there of a momentum.
+template <class T>
+class LastKnown {
+ public:
+  explicit LastKnown(std::size_t count) : values(count) {}
+
+  std::vector<T> values;
+
+  /// Whether they are those of this place and momentum; if not, they are from now on to be. Of numbers that carry
+  /// derivatives, which a comparison does not see, none is known.
+  bool is_of(const std::vector<T>& place, const std::vector<T>& momentum = {}) {
+    if constexpr (std::is_same_v<T, double>) {
+      if (place == place_ && momentum == momentum_) return true;
+      place_ = place;
+      momentum_ = momentum;
+    }
+    return false;
+  }
+
+ private:
+  std::vector<T> place_, momentum_;
+};
 
 /// How small an update of what has a size is where the next one means nothing, by a matrix of its own.
 inline double small_part(double size) { return std::pow(std::numeric_limits<double>::epsilon(), 0.75) * size; }

@@ -6,6 +6,7 @@
 
 #include "core/number/asked_by_thread.hpp"
 #include "core/number/linear.hpp"
+#include "core/number/small_factors.hpp"
 #include "core/schemes/damping_pole.hpp"
 
 namespace least {
@@ -36,6 +37,7 @@ SparsityPattern pattern_of(const text::SizedScene& scene, std::size_t stages) {
 PlaceMatrix::PlaceMatrix(const text::SizedScene& scene, std::size_t stages)
     : scene_(&scene),
       stages_(stages),
+      full_mass_(scene.has_full_mass()),
       mean_(stages > 1 ? scene.coordinates : 0),
       system_(pattern_of(scene, stages)),
       held_(HeldByThread::take_soon(system_.bytes())) {
@@ -50,13 +52,20 @@ PlaceMatrix::PlaceMatrix(const text::SizedScene& scene, std::size_t stages)
   }
 }
 
-bool PlaceMatrix::factor(const double* place, const double* beta, const double* t, Curvature at, Work& work) {
+/// Asks the clock, most often, which takes as long as a few rows.
+bool PlaceMatrix::goes_on() const {
+  constexpr std::size_t few_rows = 16;
+  return system_.size() <= few_rows || AskedByThread::goes_on();
+}
+
+bool PlaceMatrix::factor(const double* place, const double* beta, const double* t, Curvature at, Work& work,
+                         double* slope) {
   const std::size_t n = scene_->coordinates;
   const auto& curvature = scene_->curvature();
   system_.clear();
   for (std::size_t a = 0; a < stages_; ++a) {
     const std::size_t first = a * n;
-    if (scene_->has_full_mass()) {
+    if (full_mass_) {
       for (std::size_t i = 0; i < n * n; ++i) system_.add(first + i / n, first + i % n, mass_[i]);
     } else {
       for (std::size_t i = 0; i < n; ++i) system_.add(first + i, first + i, mass_[i]);
@@ -77,27 +86,14 @@ bool PlaceMatrix::factor(const double* place, const double* beta, const double* 
       for (std::size_t b = 0; b < stages_; ++b) add(b, row, column, value);
     });
   } else {
-    for (std::size_t b = 0; b < stages_ && (b == 0 || AskedByThread::goes_on()); ++b)
-      curvature.evaluate(scene_->gradient, place + b * n, t[b],
-                         [&](std::size_t row, std::size_t column, double value) { add(b, row, column, value); });
+    for (std::size_t b = 0; b < stages_ && (b == 0 || goes_on()); ++b)
+      curvature.evaluate(
+          scene_->gradient, place + b * n, t[b],
+          [&](std::size_t row, std::size_t column, double value) { add(b, row, column, value); }, slope);
   }
-  work.forces += static_cast<std::int64_t>(curvature.directions() * (once ? 1 : stages_));
-  return AskedByThread::goes_on() && system_.factor();
-}
-
-double PlaceMatrix::times_mass(std::size_t i, const double* x) const {
-  if (!scene_->has_full_mass()) return mass_[i] * x[i];
-  const std::size_t n = scene_->coordinates;
-  double sum = 0;
-  for (std::size_t j = 0; j < n; ++j) sum += mass_[i * n + j] * x[j];
-  return sum;
-}
-double PlaceMatrix::times_mass(std::size_t i, const double* x, const double* start) const {
-  if (!scene_->has_full_mass()) return mass_[i] * (x[i] - start[i]);
-  const std::size_t n = scene_->coordinates;
-  double sum = 0;
-  for (std::size_t j = 0; j < n; ++j) sum += mass_[i * n + j] * (x[j] - start[j]);
-  return sum;
+  const std::size_t evaluations = std::max<std::size_t>(curvature.evaluations(), slope ? 1 : 0);
+  work.forces += static_cast<std::int64_t>(evaluations * (once ? 1 : stages_));
+  return goes_on() && system_.factor();
 }
 
 PlaceSolver::PlaceSolver(const text::SizedScene& scene, std::size_t stages)
@@ -110,43 +106,65 @@ PlaceSolver::PlaceSolver(const text::SizedScene& scene, std::size_t stages)
       slope_(update_.size()) {}
 
 /// Simplified Newton iteration: one matrix for a few rounds, made anew where they contract badly. Ends where an update
-/// is lost in the rounding of the place.
-StepStatus PlaceSolver::solve(const double* start, const double* beta, const double* t, std::vector<double>& place,
-                              std::vector<double>& slope, Work& work) {
+/// is lost in the rounding of the place, or is near that and the next one would be lost in the rounding of the way from
+/// the start: a round contracts by no more than four times what the one before did, which was the first of its matrix or
+/// alike.
+template <class Count, class Stages>
+StepStatus PlaceSolver::iterate(Count n, Stages stages, const double* start, const double* beta, const double* t,
+                                double* place, double* slope, Work& work) {
   constexpr int most_rounds = 60, patience = 5;
-  const std::size_t n = scene_->coordinates, all = update_.size();
-  std::copy_n(start, all, place.begin());
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  const std::size_t all = stages * n;
+  double* const update = update_.data();
+  std::copy_n(start, all, place);
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < most_rounds; ++round) {
-    if (round == 0 && !matrix_.factor(place.data(), beta, t, PlaceMatrix::Curvature::of_mean, work))
+    if (round == 0 &&
+        !matrix_.factor(place, beta, t, PlaceMatrix::Curvature::of_mean, work, stages == 1 ? slope : nullptr))
       return StepStatus::solver_failed;
-    for (std::size_t b = 0; b < stages_; ++b) scene_->gradient.evaluate(&place[b * n], t[b], &slope[b * n]);
-    work.forces += static_cast<std::int64_t>(stages_);
+    if (round > 0 || stages > 1) {
+      for (std::size_t b = 0; b < stages; ++b) scene_->gradient.evaluate(&place[b * n], t[b], &slope[b * n]);
+      work.forces += static_cast<std::int64_t>(stages);
+    }
     ++work.iterations;
-    for (std::size_t a = 0; a < stages_; ++a) {
-      double* const wrong = &update_[a * n];
-      for (std::size_t i = 0; i < n; ++i) wrong[i] = beta[a * stages_] * slope[i];
-      for (std::size_t b = 1; b < stages_; ++b)
-        for (std::size_t i = 0; i < n; ++i) wrong[i] += beta[a * stages_ + b] * slope[b * n + i];
+    for (std::size_t a = 0; a < stages; ++a) {
+      double* const wrong = &update[a * n];
+      for (std::size_t i = 0; i < n; ++i) wrong[i] = beta[a * stages] * slope[i];
+      for (std::size_t b = 1; b < stages; ++b)
+        for (std::size_t i = 0; i < n; ++i) wrong[i] += beta[a * stages + b] * slope[b * n + i];
       for (std::size_t i = 0; i < n; ++i) wrong[i] += matrix_.times_mass(i, &place[a * n], start + a * n);
     }
-    matrix_.solve(update_.data());
-    double changed = 0, size = std::numeric_limits<double>::min();
+    matrix_.solve(update);
+    double changed = 0, size = std::numeric_limits<double>::min(), way = 0;
     for (std::size_t i = 0; i < all; ++i) {
-      changed += std::abs(update_[i]);
+      changed += std::abs(update[i]);
       size += std::abs(place[i]);
+      way += std::abs(place[i] - start[i]);
     }
     if (!(changed < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
-    const double small = 2 * std::numeric_limits<double>::epsilon() * size;
+    const double small = 2 * epsilon * size;
     // The slope is that of the place, and the update is less than is known of either.
     if (changed <= small || (changed >= 0.5 * before && changed <= 1e3 * small)) return StepStatus::ok;
-    for (std::size_t i = 0; i < all; ++i) place[i] -= update_[i];
+    for (std::size_t i = 0; i < all; ++i) place[i] -= update[i];
+    if (4 * changed * changed <= epsilon * way * before && changed <= 1e3 * small) {
+      for (std::size_t b = 0; b < stages; ++b) scene_->gradient.evaluate(&place[b * n], t[b], &slope[b * n]);
+      work.forces += static_cast<std::int64_t>(stages);
+      return StepStatus::ok;
+    }
     if (round % patience == patience - 1 && changed > 1e-2 * before &&
-        !matrix_.factor(place.data(), beta, t, PlaceMatrix::Curvature::of_mean, work))
+        !matrix_.factor(place, beta, t, PlaceMatrix::Curvature::of_mean, work))
       return StepStatus::solver_failed;
     before = changed;
   }
   return StepStatus::solver_failed;
+}
+
+StepStatus PlaceSolver::solve(const double* start, const double* beta, const double* t, std::vector<double>& place,
+                              std::vector<double>& slope, Work& work) {
+  if (stages_ > 1) return iterate(scene_->coordinates, stages_, start, beta, t, place.data(), slope.data(), work);
+  return with_size(scene_->coordinates, [&](auto n) {
+    return iterate(n, std::integral_constant<std::size_t, 1>{}, start, beta, t, place.data(), slope.data(), work);
+  });
 }
 
 StepStatus PlaceSolver::solve(const Slope* start, const double* beta, const double* t, std::vector<Slope>& place,

@@ -22,8 +22,8 @@
 namespace least {
 
 /// The matrix M + β V″(y, t), or of places y_a at some stages that stand one after the other the blocks
-/// M δ_ab + β_ab V″(y_b, t_b), with its factors. Of a scene in which all places are coupled they take tenths of a
-/// second, and of stages longer: it asks whether it is to go on (AskedByThread).
+/// M δ_ab + β_ab V″(y_b, t_b), with its factors. Of a large scene in which all places are coupled they take tenths of a
+/// second, and of stages longer: it asks whether it is to go on (AskedByThread), unless it has few rows.
 class PlaceMatrix {
  public:
   enum class Curvature : std::uint8_t { of_mean, of_each };
@@ -31,17 +31,33 @@ class PlaceMatrix {
   explicit PlaceMatrix(const text::SizedScene& scene, std::size_t stages = 1);
 
   /// With V″ at the places of all stages, or at their mean for all of them. `beta`: row by row; `t`: of each stage.
-  /// False: it is not to go on.
-  bool factor(const double* place, const double* beta, const double* t, Curvature at, Work& work);
+  /// False: it is not to go on. `slope`: leaves ∇V there, of a single stage; it comes with V″.
+  bool factor(const double* place, const double* beta, const double* t, Curvature at, Work& work,
+              double* slope = nullptr);
   /// x in the place of b, by the factors.
   void solve(double* b) { system_.solve(b); }
   /// What M makes of x, and of x less its start; the i-th entry.
-  double times_mass(std::size_t i, const double* x) const;
-  double times_mass(std::size_t i, const double* x, const double* start) const;
+  double times_mass(std::size_t i, const double* x) const {
+    return full_mass_ ? times_row(i, [&](std::size_t j) { return x[j]; }) : mass_[i] * x[i];
+  }
+  double times_mass(std::size_t i, const double* x, const double* start) const {
+    return full_mass_ ? times_row(i, [&](std::size_t j) { return x[j] - start[j]; }) : mass_[i] * (x[i] - start[i]);
+  }
 
  private:
+  /// The i-th row of a full M by x(j).
+  template <class X>
+  double times_row(std::size_t i, X&& x) const {
+    const std::size_t n = scene_->coordinates;
+    double sum = 0;
+    for (std::size_t j = 0; j < n; ++j) sum += mass_[i * n + j] * x(j);
+    return sum;
+  }
+  bool goes_on() const;
+
   const text::SizedScene* scene_;
   std::size_t stages_;
+  bool full_mass_;
   std::vector<double> mass_;  ///< of each coordinate, or row by row
   std::vector<double> mean_;  ///< place, of several stages
   SparseSystem system_;
@@ -67,6 +83,11 @@ class PlaceSolver {
   }
 
  private:
+  /// `n`: coordinates, a constant where there are few of a single stage.
+  template <class Count, class Stages>
+  StepStatus iterate(Count n, Stages stages, const double* start, const double* beta, const double* t, double* place,
+                     double* slope, Work& work);
+
   const text::SizedScene* scene_;
   std::size_t stages_;
   PlaceMatrix matrix_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/number/small_factors.hpp"
+
 namespace least {
 namespace {
 
@@ -87,8 +89,13 @@ SparseSystem::SparseSystem(const SparsityPattern& pattern) : place_(pattern.size
     place_ = renumbering(neighbours_of(pattern));
     band_ = bandwidth_of(pattern, place_);
   }
+  constexpr std::size_t smallest = 4, most_small = 16;
+  small_ = n <= smallest || (n <= most_small && 2 * band_ >= n);
   // Elimination in a narrow band is no dearer than Eigen's blocks of the whole matrix.
-  if (n <= 16 || 8 * band_ < n) {
+  if (small_) {
+    entries_.resize(n * n);
+    pivots_.resize(n);
+  } else if (n <= most_small || 8 * band_ < n) {
     entries_.resize(n * width());
     pivots_.resize(n);
   } else {
@@ -102,17 +109,13 @@ void SparseSystem::clear() {
   if (dense_) std::fill_n(dense_->entries(), size() * size(), 0.0);
 }
 
-void SparseSystem::add(std::size_t i, std::size_t j, double value) {
-  if (dense_) {
-    dense_->entries()[i * size() + j] += value;
-  } else {
-    row(place_[i])[place_[j]] += value;
-  }
-}
-
 bool SparseSystem::factor() {
   if (dense_) return dense_->factor();
   const std::size_t n = size();
+  if (small_) {
+    with_size(n, [&](auto count) { factor_small(count, entries_.data(), pivots_.data()); });
+    return true;
+  }
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t below = std::min(n, k + band_ + 1), right = std::min(n, k + 2 * band_ + 1);
     std::size_t pivot = k;
@@ -134,6 +137,7 @@ bool SparseSystem::factor() {
 void SparseSystem::solve(double* b) {
   if (dense_) return dense_->solve(b);
   const std::size_t n = size();
+  if (small_) return with_size(n, [&](auto count) { solve_small(count, entries_.data(), pivots_.data(), b); });
   double* const x = renumbered_.data();
   for (std::size_t i = 0; i < n; ++i) x[place_[i]] = b[i];
   for (std::size_t k = 0; k < n; ++k) {

@@ -1,8 +1,8 @@
 // Linear systems A x = b whose size is known when they run, and whose entries that are not zero stand at places known
 // beforehand. Rows and columns are renumbered so that these stand near the diagonal (Cuthill & McKee, reversed): of a
 // chain, also of one that is closed to a ring, the decomposition costs what the chain is long. Where the band is as
-// wide as the matrix Eigen decomposes it. Sources: Cuthill & McKee, Proc. 24th ACM National Conference, 157 (1969);
-// Golub & Van Loan, Matrix Computations, 2013, 4.3.5 (band elimination with pivots).
+// wide as the matrix Eigen decomposes it, unless it is small. Sources: Cuthill & McKee, Proc. 24th ACM National
+// Conference, 157 (1969); Golub & Van Loan, Matrix Computations, 2013, 4.3.5 (band elimination with pivots).
 #pragma once
 
 #include <cstdint>
@@ -29,10 +29,21 @@ class SparseSystem {
   /// Of its entries, in memory.
   std::size_t bytes() const { return sizeof(double) * (dense_ ? size() * size() : entries_.size()); }
 
+  /// Small and full: its entries stand row by row.
+  bool is_small() const { return small_; }
+
   /// Makes every entry 0.
   void clear();
   /// Adds to the entry of row i and column j, which is one of the pattern.
-  void add(std::size_t i, std::size_t j, double value);
+  void add(std::size_t i, std::size_t j, double value) {
+    if (small_) {
+      entries_[i * size() + j] += value;
+    } else if (dense_) {
+      dense_->entries()[i * size() + j] += value;
+    } else {
+      row(place_[i])[place_[j]] += value;
+    }
+  }
   /// Puts the factors in the place of the entries. Allocates nothing where the matrix is banded. False: it is not to go
   /// on (AskedByThread), which it asks where the matrix is large.
   bool factor();
@@ -45,7 +56,9 @@ class SparseSystem {
 
   std::vector<std::uint32_t> place_;  ///< of each row and column among the renumbered ones
   std::size_t band_ = 0;
-  std::vector<double> entries_;  ///< of row i the columns i − band … i + 2 band: pivots widen the upper half
+  bool small_ = false;
+  /// Of row i the columns i − band … i + 2 band, as pivots widen the upper half; of what is small all columns.
+  std::vector<double> entries_;
   std::vector<std::uint32_t> pivots_;
   std::vector<double> renumbered_;  ///< a right side
   std::unique_ptr<DenseFactors> dense_;

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <numeric>
+#include <utility>
 
+#include "core/tape/derivative.hpp"
 #include "core/tape/tape.hpp"
 
 namespace least::tape {
@@ -47,7 +50,7 @@ BitRows reads_of_sums(const Terms& terms, const BitRows& reads, std::size_t vari
 
 }  // namespace
 
-SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs, std::size_t variables)
+SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs, std::size_t variables, Kind kind)
     : variables_(variables) {
   const auto at = [](Index i) { return static_cast<std::size_t>(i); };
   Index last = none;
@@ -92,12 +95,51 @@ SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs,
     columns_[free].variables.push_back(j);
     for (const std::uint32_t row : readers[j]) columns_[free].entries.emplace_back(row, j);
   }
+  constexpr Index short_tape = 1 << 10;
+  if (variables > few || outputs.size() > few || tape.has_terms() || tape.size() > short_tape) return;
+  try {
+    write_out(tape, outputs, kind);
+  } catch (const TooManyOperations&) {
+    written_.clear();
+  }
+}
+
+/// Unless that takes more than what four dual directions cost, about: derivatives of derivatives may be long.
+void SparseJacobian::write_out(Tape tape, std::span<const Index> outputs, Kind kind) {
+  constexpr std::size_t cost_of_directions = 3;
+  std::vector<int> variables(variables_);
+  std::iota(variables.begin(), variables.end(), 0);
+  std::vector<Written> written;
+  std::vector<Index> all;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> places;
+  tape.bound(tape.size() + static_cast<Index>(few * few) * (tape.size() + 64));
+  for (std::uint32_t row = 0; row < outputs.size(); ++row) {
+    if (pattern_[row].empty()) continue;
+    const auto slopes = gradient(tape, Symbol::at(tape, outputs[row]), variables);
+    for (const std::uint32_t column : pattern_[row]) {
+      const auto mirrored = kind == Kind::hessian ? places.find({column, row}) : places.end();
+      const auto place = mirrored != places.end() ? mirrored->second : static_cast<std::uint32_t>(all.size());
+      if (place == all.size()) all.push_back(slopes[column].on(tape));
+      places[{row, column}] = place;
+      written.push_back({row, column, place});
+    }
+  }
+  if (written.empty()) return;
+  const Formula entries(tape, all);
+  all.insert(all.end(), outputs.begin(), outputs.end());
+  const Formula with_outputs(tape, all);
+  if (with_outputs.operations() > cost_of_directions * Formula(tape, outputs).operations()) return;
+  written_ = std::move(written);
+  entries_ = entries;
+  with_outputs_ = with_outputs;
 }
 
 std::size_t SparseJacobian::bytes() const {
   std::size_t entries = 0;
   for (const Columns& columns : columns_) entries += columns.entries.size();
-  return entries * (sizeof(std::uint32_t) + sizeof(columns_.front().entries.front()));
+  constexpr std::size_t of_operation = 32;
+  return entries * (sizeof(std::uint32_t) + sizeof(columns_.front().entries.front())) +
+         written_.size() * sizeof(Written) + (entries_.operations() + with_outputs_.operations()) * of_operation;
 }
 
 void SparseJacobian::differentiate(const Formula& formula, const Directions* x, double t, Directions* out) {

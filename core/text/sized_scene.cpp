@@ -255,7 +255,8 @@ const tape::SparseJacobian& SizedScene::curvature() const {
     const HeldByThread same(budget_);
     // What each operation reads, a bit for each coordinate; then the entries.
     Held held = HeldByThread::take_soon(static_cast<std::size_t>(equations.size()) * (coordinates / 8 + 1));
-    auto made = std::make_unique<const tape::SparseJacobian>(equations, slopes_, coordinates);
+    auto made = std::make_unique<const tape::SparseJacobian>(equations, slopes_, coordinates,
+                                                             tape::SparseJacobian::Kind::hessian);
     held.shrink_to(0);
     held.add_soon(made->bytes());
     curvature_->of = std::move(made);

@@ -7,6 +7,7 @@
 
 #include "core/number/asked_by_thread.hpp"
 #include "core/number/sparse_system.hpp"
+#include "core/tape/derivative.hpp"
 #include "core/tape/sparse_jacobian.hpp"
 #include "core/tape/symbol.hpp"
 
@@ -111,6 +112,53 @@ TEST(SparseSystem, ChangesRowsWhereAPivotIsZero) {
   EXPECT_LT(residual(pattern, system, 0), 1e-13);
 }
 
+TEST(SparseSystem, SmallOnesAreSolvedAsTheyAreWithinLargerOnes) {
+  const auto number = [](std::size_t i, std::size_t j) { return std::sin(2.7 * double((i + 1) * (j * j + 2))); };
+  for (std::uint32_t n = 1; n <= 16; ++n)
+    for (const bool pivots : {false, true}) {  // with nothing on the diagonal
+      SparsityPattern pattern(n), larger(60);
+      for (std::uint32_t i = 0; i < 60; ++i) larger[i] = {i};
+      for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j)
+          if (!pivots || n == 1 || i != j) pattern[i].push_back(j);
+      for (std::uint32_t i = 0; i < n; ++i) larger[i] = pattern[i];
+      SparseSystem small(pattern), other(larger);
+      EXPECT_TRUE(small.is_small());
+      EXPECT_FALSE(other.is_small());
+      EXPECT_LT(residual(pattern, small, 0), 1e-13) << n;
+      small.clear();
+      other.clear();
+      std::vector<double> x(n, 1), y(60, 1);
+      for (std::uint32_t i = 0; i < 60; ++i)
+        for (const auto j : larger[i]) {
+          if (i < n) small.add(i, j, number(i, j));
+          other.add(i, j, number(i, j));
+        }
+      small.factor();
+      other.factor();
+      small.solve(x.data());
+      other.solve(y.data());
+      for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(x[i], y[i], 1e-11 * (1 + std::abs(y[i]))) << n << " " << i;
+    }
+  EXPECT_FALSE(SparseSystem(neighbours(16, 3, false)).is_small()) << "a band costs less";
+}
+
+TEST(SparseSystem, SmallOnesHaveNoFiniteSolutionWhereThereIsNoInverse) {
+  for (std::uint32_t n = 1; n <= 6; ++n)
+    for (const double size : {0.0, 1.0}) {  // nothing; all rows alike
+      SparsityPattern pattern = neighbours(n, n, false);
+      SparseSystem system(pattern);
+      system.clear();
+      for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) system.add(i, j, n == 1 ? 0 : size * (j + 1));
+      std::vector<double> b(n);
+      for (std::uint32_t i = 0; i < n; ++i) b[i] = i + 1;
+      EXPECT_TRUE(system.factor());
+      system.solve(b.data());
+      EXPECT_FALSE(std::isfinite(b[0])) << n;
+    }
+}
+
 TEST(SparseSystem, HasNoFiniteSolutionWhereThereIsNoInverse) {
   for (const std::size_t n : {20, 60}) {
     SparsityPattern pattern = neighbours(n, n > 50 ? n : 1, false);
@@ -136,7 +184,7 @@ TEST(SparseJacobian, TakesAsManyDirectionsAsARowHasEntries) {
     outputs.push_back(y.place());
   }
   const tape::SparseJacobian jacobian(tape, outputs, n);
-  EXPECT_EQ(jacobian.directions(), 3U);
+  EXPECT_EQ(jacobian.evaluations(), 3U);
   EXPECT_EQ(jacobian.pattern()[0], (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_EQ(jacobian.pattern()[n - 1], (std::vector<std::uint32_t>{n - 1}));
 
@@ -150,6 +198,84 @@ TEST(SparseJacobian, TakesAsManyDirectionsAsARowHasEntries) {
     ++entries;
   });
   EXPECT_EQ(entries, 3 * n - 3);
+}
+
+/// The gradient of Σ (x_i x_{i+1}² + sin(x_i x_{i+1})) + c x₀ over three variables, and how many variables there are.
+struct Written {
+  tape::Tape tape;
+  std::vector<tape::Index> outputs;
+
+  explicit Written(std::size_t variables) {
+    std::vector<Symbol> x;
+    for (std::size_t i = 0; i < variables; ++i) x.push_back(Symbol::variable(tape, i));
+    Symbol v = 3.0 * x[0];
+    for (std::size_t i = 0; i < 2; ++i) v = v + x[i] * x[i + 1] * x[i + 1] + sin(x[i] * x[i + 1]);
+    std::vector<int> all(variables);
+    std::iota(all.begin(), all.end(), 0);
+    for (const Symbol& slope : tape::gradient(tape, v, all)) outputs.push_back(slope.on(tape));
+  }
+};
+
+TEST(SparseJacobian, OfFewVariablesIsWrittenOut) {
+  using Kind = tape::SparseJacobian::Kind;
+  for (const Kind kind : {Kind::general, Kind::hessian}) {
+    Written few(3), many(9);
+    const tape::SparseJacobian written(few.tape, few.outputs, 3, kind), dual(many.tape, many.outputs, 9, kind);
+    EXPECT_TRUE(written.is_written_out());
+    EXPECT_FALSE(dual.is_written_out());
+    EXPECT_EQ(written.evaluations(), 1U);
+    const double at[9] = {0.3, -0.8, 1.1};
+    double expected[9][9] = {}, values[9], slopes[9], alone[3];
+    const tape::Formula of_few(few.tape, few.outputs), of_many(many.tape, many.outputs);
+    dual.evaluate(
+        of_many, at, 0, [&](std::size_t i, std::size_t j, double entry) { expected[i][j] = entry; }, slopes);
+    of_few.evaluate(at, 0.0, alone);
+    for (double* const to : {static_cast<double*>(nullptr), values}) {
+      std::size_t entries = 0;
+      written.evaluate(
+          of_few, at, 0,
+          [&](std::size_t i, std::size_t j, double entry) {
+            EXPECT_NEAR(entry, expected[i][j], 1e-14) << i << j;
+            ++entries;
+          },
+          to);
+      EXPECT_EQ(entries, 7U) << "the first and the last share none";
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_DOUBLE_EQ(values[i], alone[i]);
+      EXPECT_DOUBLE_EQ(slopes[i], alone[i]);
+    }
+  }
+}
+
+// A function of no variable has no entries, but values.
+TEST(SparseJacobian, TellsTheValuesOfWhatDoesNotChange) {
+  for (const std::size_t n : {2, 9}) {
+    tape::Tape tape;
+    const std::vector<tape::Index> outputs(n, (sin(Symbol::time(tape)) + 2.0).place());
+    const tape::SparseJacobian jacobian(tape, outputs, n);
+    EXPECT_EQ(jacobian.evaluations(), 0U);
+    std::vector<double> x(n), values(n);
+    jacobian.evaluate(
+        tape::Formula(tape, outputs), x.data(), 0.5, [](std::size_t, std::size_t, double) { ADD_FAILURE(); },
+        values.data());
+    for (const double value : values) EXPECT_DOUBLE_EQ(value, std::sin(0.5) + 2);
+  }
+}
+
+// Of outputs that share a long part each has derivatives of its own, which together take longer than dual numbers.
+TEST(SparseJacobian, IsNotWrittenOutWhereThatIsLong) {
+  constexpr std::size_t n = 4;
+  tape::Tape tape;
+  std::vector<Symbol> x;
+  for (std::size_t i = 0; i < n; ++i) x.push_back(Symbol::variable(tape, i));
+  Symbol shared = x[0];
+  for (int k = 0; k < 20; ++k) shared = sin(shared * x[k % n]) / (shared + 2.0);
+  std::vector<tape::Index> outputs;
+  for (std::size_t i = 0; i < n; ++i) outputs.push_back((shared * x[i]).place());
+  const tape::SparseJacobian jacobian(tape, outputs, n);
+  EXPECT_FALSE(jacobian.is_written_out());
+  EXPECT_EQ(jacobian.evaluations(), n);
 }
 
 }  // namespace

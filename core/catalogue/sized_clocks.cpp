@@ -5,10 +5,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/catalogue/few_scene.hpp"
+#include "core/catalogue/sized_adaptive_verlet.hpp"
 #include "core/catalogue/sized_tangents.hpp"
 #include "core/catalogue/viewed_scene.hpp"
-#include "core/memory_budget.hpp"
-#include "core/number/asked_by_thread.hpp"
+#include "core/number/small_factors.hpp"
 #include "core/run/self_timed.hpp"
 
 namespace least {
@@ -20,102 +21,10 @@ struct ClockedScene {
   const text::SizedScene* scene;
 
   /// K + V, of which schemes take the level of a run.
-  double level(const RunState& x) const { return backend->table().mechanical_energy(x); }
-};
-
-/// As AdaptiveVerletStepper.
-class SizedAdaptiveVerlet {
- public:
-  SizedAdaptiveVerlet(const text::SizedScene& scene, const AdaptiveVerlet& scheme, const RunState& x, double energy)
-      : scene_(&scene),
-        monitor_(scheme.monitor),
-        energy_(energy),
-        per_unit_(2 / scheme.unit_energy),
-        half_(0.5 * scheme.step),
-        slope_(scene.coordinates),
-        next_(slope_),
-        velocity_(slope_),
-        y_(x.numbers.begin(), x.numbers.end()) {
-    if (scene.has_full_mass() && monitor_ == Monitor::frequency) {
-      const std::size_t entries = scene.coordinates * scene.coordinates;
-      held_ = HeldByThread::take_soon(entries * sizeof(double));
-      curvature_.resize(entries);
-    }
-    scene.gradient.evaluate(y_.data(), 0.0, slope_.data());
-    const double start = monitor();
-    scale_ = start <= 0 ? -1 : 1 / start;
-    ++work_.forces;
+  template <class X>
+  double level(const X& x) const {
+    return backend->table().mechanical_energy(run_state(x));
   }
-
-  StepStatus step(RunState& x) noexcept {
-    std::copy(x.numbers.begin(), x.numbers.end(), y_.begin());
-    double dt = half_ / density_;
-    kick(dt, slope_);
-    drift(dt);
-    const double rate = scale_ < 0 ? 1 : scale_ * monitor();
-    if (monitor_ == Monitor::frequency && !AskedByThread::goes_on()) return StepStatus::solver_failed;
-    const double density = 2 * rate - density_, after = half_ / density;
-    drift(after);
-    scene_->gradient.evaluate(y_.data(), 0.0, next_.data());
-    work_.forces += 2;  // the monitor looked at the middle
-    kick(after, next_);
-    dt += after;
-    // Where the density swings by more than half of U about it, the recursion follows nothing any more.
-    if (!(5 * density >= 3 * density_ && 3 * density <= 5 * density_)) return StepStatus::singular;
-    std::copy(y_.begin(), y_.end(), x.numbers.begin());
-    x.t += dt;
-    density_ = density;
-    std::swap(slope_, next_);
-    return StepStatus::ok;
-  }
-  const Work& work() const { return work_; }
-
- private:
-  double monitor() {
-    if (monitor_ == Monitor::frequency) return std::sqrt(local_frequency_squared());
-    double potential;
-    scene_->potential.evaluate(y_.data(), 0.0, &potential);
-    return std::sqrt(1 + per_unit_ * (energy_ - potential));
-  }
-  /// Frobenius' norm of g⁻¹V″.
-  double local_frequency_squared() {
-    double sum = 0;
-    const auto see = [&](auto&& take) { scene_->curvature().evaluate(scene_->gradient, y_.data(), 0.0, take); };
-    if (curvature_.empty()) {
-      see([&](std::size_t row, std::size_t, double value) {
-        const double entry = scene_->inverse_mass()[row] * value;
-        sum += entry * entry;
-      });
-      return std::sqrt(sum);
-    }
-    std::ranges::fill(curvature_, 0.0);
-    see([&](std::size_t row, std::size_t column, double value) {
-      for (const auto& [i, share] : scene_->inverse_mass_matrix()[row])
-        curvature_[column * slope_.size() + i] += share * value;
-    });
-    for (const double entry : curvature_) sum += entry * entry;
-    return std::sqrt(sum);
-  }
-  void kick(double h, const std::vector<double>& slope) {
-    double* const p = y_.data() + slope.size();
-    for (std::size_t i = 0; i < slope.size(); ++i) p[i] -= h * slope[i];
-  }
-  void drift(double h) {
-    scene_->velocity(y_.data() + velocity_.size(), velocity_.data());
-    for (std::size_t i = 0; i < velocity_.size(); ++i) y_[i] += h * velocity_[i];
-  }
-
-  const text::SizedScene* scene_;
-  Monitor monitor_;
-  double energy_;                   ///< E₀
-  double per_unit_;                 ///< 2/ε
-  double half_;                     ///< h/2
-  double scale_ = 0, density_ = 1;  ///< 1/U(q₀) unscaled, or −1 where U(q₀) is 0; ρ
-  std::vector<double> slope_;       ///< ∇V at the state's q
-  std::vector<double> next_, velocity_, y_;
-  Held held_ = HeldByThread::take(0);
-  std::vector<double> curvature_;  ///< g⁻¹V″ column by column, where g is not diagonal
-  Work work_;
 };
 
 struct ClockedAdaptiveVerlet {
@@ -136,7 +45,8 @@ struct VariedState {
   std::vector<Slope> numbers;
 };
 
-/// The kernel of time_transformed on the problem P of views, for states X of numbers that stand one after the other.
+/// The kernel of time_transformed on the problem P of views, for states X of numbers that stand one after the other. A
+/// move that fails leaves no state.
 template <class P, class X>
 class KernelOnNumbers {
   using T = typename X::Number;
@@ -150,12 +60,10 @@ class KernelOnNumbers {
   using Memory = typename Kernel::Memory;
   static constexpr bool reads_time = Kernel::reads_time;
 
-  KernelOnNumbers(const TimeTransformed& scheme, const text::SizedScene& scene, const X& x, const T& energy)
-      : coordinates_(scene.coordinates),
-        numbers_(2 * scene.coordinates + 1),
-        kernel_(scheme.bind(P(scene), view_of(x), energy).kernel()) {}
+  KernelOnNumbers(const TimeTransformed& scheme, const text::SizedScene& scene, X x, const T& energy)
+      : coordinates_(scene.coordinates), kernel_(scheme.bind(P(scene), view_of(x), energy).kernel()) {}
 
-  void settle(const X& x, const Memory& memory) { kernel_.settle(view_of(x), memory); }
+  void settle(X x, const Memory& memory) { kernel_.settle(view_of(x), memory); }
   auto memory() const { return kernel_.memory(); }
   auto at(const T& a) const { return kernel_.at(a); }
   T pace(const X&) const { return kernel_.pace(View{}); }
@@ -169,23 +77,23 @@ class KernelOnNumbers {
   StepStatus move(X& x, const T& sigma, T& time, Work& work) {
     View y = view_of(x);
     const StepStatus status = kernel_.move(y, sigma, time, work);
-    if (status != StepStatus::ok) return status;
-    if constexpr (View::acting) numbers_[2 * coordinates_] = y.action.s;
-    std::copy_n(numbers_.begin(), x.numbers.size(), x.numbers.begin());
-    return StepStatus::ok;
+    if constexpr (View::acting)
+      if (has_action(x)) x.numbers[2 * coordinates_] = y.action.s;
+    return status;
   }
 
  private:
-  /// Of a copy, with an s that nobody asks for where x has none.
-  View view_of(const X& x) {
-    std::copy(x.numbers.begin(), x.numbers.end(), numbers_.begin());
-    View view{T(x.t), {numbers_.data(), coordinates_}, {numbers_.data() + coordinates_, coordinates_}, {}};
-    if constexpr (View::acting) view.action.s = numbers_[2 * coordinates_];
+  bool has_action(const X& x) const { return x.numbers.size() > 2 * coordinates_; }
+  /// Of itself, with an s that nobody asks for where it has none.
+  View view_of(X& x) const {
+    T* const numbers = x.numbers.data();
+    View view{T(x.t), {numbers, coordinates_}, {numbers + coordinates_, coordinates_}, {}};
+    if constexpr (View::acting)
+      if (has_action(x)) view.action.s = numbers[2 * coordinates_];
     return view;
   }
 
   std::size_t coordinates_;
-  std::vector<T> numbers_;
   Kernel kernel_;
 };
 
@@ -208,12 +116,38 @@ struct ClockedTransformed {
   }
 };
 
-/// Of a scheme that is bound to a scene the integrator.
-template <class Scheme>
+/// A scheme that is written for problems of a type, of N coordinates.
+template <int N, class Scheme>
+struct ClockedFew {
+  Scheme chosen;
+
+  static constexpr bool own_clock = true;
+  static double level(const ClockedScene& problem, const State<N>& x) { return problem.level(x); }
+  auto bind(const ClockedScene& problem, const State<N>& x, double energy) const {
+    return chosen.bind(FewScene<N>(*problem.scene), x, energy);
+  }
+};
+
+/// Of a scheme that is bound to a scene the integrator, in states X.
+template <class X = RunState, class Scheme>
 std::unique_ptr<Integrator> clocked(const RunBackend& backend, const text::SizedScene& scene, const Scheme& scheme,
                                     const RunState& x, double end) {
   const ClockedScene problem{&backend, &scene};
-  return std::make_unique<SelfTimedIntegrator<ClockedScene, Scheme, RunState>>(backend, problem, scheme, x, end);
+  return std::make_unique<SelfTimedIntegrator<ClockedScene, Scheme, X>>(backend, problem, scheme, state_from<X>(x),
+                                                                        end);
+}
+/// The same of H = K + V(q), where few coordinates have a type of their own; `sized` is the scheme of any size.
+template <class Scheme, class Sized>
+std::unique_ptr<Integrator> clocked_by_size(const RunBackend& backend, const text::SizedScene& scene,
+                                            const Scheme& scheme, const Sized& sized, const RunState& x, double end) {
+  return with_size(scene.coordinates, [&](auto n) {
+    if constexpr (std::is_same_v<decltype(n), std::size_t>) {
+      return clocked(backend, scene, sized, x, end);
+    } else {
+      constexpr int few = decltype(n)::value;
+      return clocked<State<few>>(backend, scene, ClockedFew<few, Scheme>{scheme}, x, end);
+    }
+  });
 }
 
 /// V at the place of x, which may have slopes, and K.
@@ -336,13 +270,13 @@ bool extended_map(const TransformedRun& run, const RunState& x, const StepTangen
 
 std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::SizedScene& scene,
                                        const AdaptiveVerlet& scheme, const RunState& x, double end) {
-  return clocked(backend, scene, ClockedAdaptiveVerlet{scheme}, x, end);
+  return clocked_by_size(backend, scene, scheme, ClockedAdaptiveVerlet{scheme}, x, end);
 }
 
 std::unique_ptr<Integrator> bind_flat_clock(const RunBackend& backend, const text::SizedScene& scene,
                                             const TimeTransformed& scheme, const RunState& x, double end) {
   if (scene.kind != text::FormKind::contact_linear)
-    return clocked(backend, scene, ClockedTransformed<ViewedScene<double>>{scheme}, x, end);
+    return clocked_by_size(backend, scene, scheme, ClockedTransformed<ViewedScene<double>>{scheme}, x, end);
   if (scene.constant_damping) return clocked(backend, scene, ClockedTransformed<ViewedDamped<double>>{scheme}, x, end);
   return clocked(backend, scene, ClockedTransformed<ViewedTimedDamped<double>>{scheme}, x, end);
 }

@@ -8,6 +8,7 @@
 
 #include "core/problem.hpp"
 #include "core/schemes/damping_integral.hpp"
+#include "core/schemes/transformed_stepper.hpp"
 #include "core/text/sized_scene.hpp"
 
 namespace least {
@@ -51,7 +52,7 @@ class ViewedScene {
   static constexpr bool reads_time = false;
 
   explicit ViewedScene(const text::SizedScene& scene)
-      : scene_(&scene), velocity_(scene.coordinates), slope_(scene.coordinates) {}
+      : scene_(&scene), velocity_(scene.coordinates), slope_(scene.coordinates + 1) {}
 
   template <class V, class S>
   typename V::value_type potential(const V& q, const S& t) const {
@@ -62,7 +63,13 @@ class ViewedScene {
   template <class V, class S>
   V gradient(const V& q, const S& t) const {
     scene_->gradient.evaluate(&q[0], t, slope_.data());
-    return {slope_.data(), slope_.size()};
+    return {slope_.data(), velocity_.size()};
+  }
+  template <class S>
+  PotentialAt<VectorView<T>> potential_and_gradient(const VectorView<T>& q, const S& t) const {
+    if (scene_->potential_and_gradient.outputs() == 0) return {potential(q, t), gradient(q, t)};
+    scene_->potential_and_gradient.evaluate(q.first, t, slope_.data());
+    return {slope_[0], {slope_.data() + 1, velocity_.size()}};
   }
   VectorView<T> velocity(const VectorView<T>& p) const {
     scene_->velocity(p.first, velocity_.data());
@@ -72,12 +79,18 @@ class ViewedScene {
 
  protected:
   const text::SizedScene* scene_;
-  mutable std::vector<T> velocity_, slope_;
+  mutable std::vector<T> velocity_, slope_;  ///< slope_: with room for V
 };
 template <class P, class T>
 requires std::derived_from<P, ViewedScene<T>> VectorView<T> velocity(const P& problem, const VectorView<T>&,
                                                                      const VectorView<T>& p) {
   return problem.velocity(p);
+}
+template <class P, class T, class S>
+requires std::derived_from<P, ViewedScene<T>> PotentialAt<VectorView<T>> potential_at(const P& problem,
+                                                                                      const VectorView<T>& q,
+                                                                                      const S& t) {
+  return problem.potential_and_gradient(q, t);
 }
 
 /// H = ½ pᵀg⁻¹p + V(q, t) + α s

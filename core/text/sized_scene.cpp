@@ -100,6 +100,11 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     if (is_quadratic() && n <= most_full) lagrangian = formula(slopes_of_lagrangian(v, of_s));
     potential = formula({v});
     gradient = formula(slopes);
+    if (n <= tape::SparseJacobian::few) {
+      std::vector<Symbol> both{v};
+      both.insert(both.end(), slopes.begin(), slopes.end());
+      potential_and_gradient = formula(both);
+    }
     for (const Symbol& slope : slopes) slopes_.push_back(slope.on(equations));
     damping = formula({alpha});
     if (constant_damping) constant_alpha_ = number(alpha);
@@ -147,8 +152,8 @@ tape::Formula SizedScene::formula_of(const std::vector<Symbol>& all) {
 std::size_t SizedScene::bytes() const {
   constexpr std::size_t of_tape = 48, of_formula = 40, copies_of_terms = 2;
   std::size_t steps = 0;
-  for (const tape::Formula* made :
-       {&potential, &gradient, &damping, &lagrangian, &lowered, &invariants, &forces.values, &forces.jacobian})
+  for (const tape::Formula* made : {&potential, &gradient, &damping, &potential_and_gradient, &lagrangian, &lowered,
+                                    &invariants, &forces.values, &forces.jacobian})
     steps += made->operations();
   for (const StateFormula* made : {&rate, &motion_, &hamiltonian, &raised}) steps += made->operations();
   if (equations.has_terms()) return (1 + copies_of_terms) * equations.bytes();

@@ -75,7 +75,8 @@ class SizedScene {
   std::vector<tape::Index> rates;  ///< their places; behind them v̇ of velocities that are found from momenta
   StateFormula rate;               ///< ẋ of the components
   tape::Formula potential, gradient, damping;
-  StateFormula hamiltonian;  ///< where the motion reads s, and of general mechanics: H, and H_s
+  tape::Formula potential_and_gradient;  ///< V, ∇V of no more than tape::SparseJacobian::few coordinates; else none
+  StateFormula hamiltonian;              ///< where the motion reads s, and of general mechanics: H, and H_s
   /// Of (q, v, s) L, L_q, L_v, L_s where steps are made of them: of a general Lagrangian, of one whose metric depends
   /// on the place, and of a scene quadratic in s with no more than most_full coordinates.
   tape::Formula lagrangian;

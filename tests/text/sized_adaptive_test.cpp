@@ -60,6 +60,9 @@ TEST(SizedAdaptive, StatesAreThoseOfTheProblemThatIsCompiled) {
   is_as_compiled<2, false>();
   is_as_compiled<2, true>();
   is_as_compiled<3, true>();
+  is_as_compiled<4, false>();
+  is_as_compiled<4, true>();
+  is_as_compiled<5, false>();
   is_as_compiled<8, false>();
   is_as_compiled<9, false>();
   is_as_compiled<9, true>();

@@ -1,0 +1,96 @@
+// Scenes of few coordinates with a constant metric as problems of a type: states of schemes that are written for those
+// stand in registers, and loops over coordinates are unrolled.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "core/number/vector.hpp"
+#include "core/schemes/transformed_stepper.hpp"
+#include "core/text/sized_scene.hpp"
+
+namespace least {
+
+/// H = ½ pᵀg⁻¹p + V(q) with N coordinates, in doubles. The scene outlives it.
+template <int N>
+class FewScene {
+  static_assert(N <= tape::SparseJacobian::few);
+
+ public:
+  static constexpr int dof = N;
+  static constexpr bool reads_time = false;
+
+  explicit FewScene(const text::SizedScene& scene) : scene_(&scene), full_(scene.has_full_mass()) {
+    for (std::size_t i = 0; i < N; ++i) {
+      if (full_) {
+        for (const auto& [j, share] : scene.inverse_mass_matrix()[i]) inverse_mass_[i][j] = share;
+      } else {
+        inverse_mass_[i][i] = scene.inverse_mass()[i];
+      }
+    }
+  }
+
+  // Of copies: what a formula reads stands in memory, and states are to stay where they are.
+  double potential(const Vec<N>& q, double t) const {
+    const Vec<N> at = q;
+    double v;
+    scene_->potential.evaluate(at.data(), t, &v);
+    return v;
+  }
+  Vec<N> gradient(const Vec<N>& q, double t) const {
+    const Vec<N> at = q;
+    Vec<N> slope;
+    scene_->gradient.evaluate(at.data(), t, slope.data());
+    return slope;
+  }
+  PotentialAt<Vec<N>> potential_and_gradient(const Vec<N>& q, double t) const {
+    const Vec<N> at = q;
+    Vec<N + 1> both;
+    scene_->potential_and_gradient.evaluate(at.data(), t, both.data());
+    PotentialAt<Vec<N>> here;
+    here.potential = both[0];
+    for (std::size_t i = 0; i < N; ++i) here.slope[i] = both[i + 1];
+    return here;
+  }
+  /// Frobenius' norm of g⁻¹V″.
+  double frequency_squared(const Vec<N>& q) const {
+    const Vec<N> at = q;
+    Mat<N> bent{};
+    scene_->curvature().evaluate(scene_->gradient, at.data(), 0.0, [&](std::size_t row, std::size_t column, double v) {
+      if (!full_) {
+        bent[row][column] = inverse_mass_[row][row] * v;
+        return;
+      }
+      for (std::size_t i = 0; i < N; ++i) bent[i][column] += inverse_mass_[i][row] * v;
+    });
+    double sum = 0;
+    for (const Vec<N>& line : bent)
+      for (const double entry : line) sum += entry * entry;
+    return std::sqrt(sum);
+  }
+  Vec<N> velocity(const Vec<N>& p) const {
+    Vec<N> v;
+    for (std::size_t i = 0; i < N; ++i) {
+      v[i] = inverse_mass_[i][i] * p[i];
+      if (!full_) continue;
+      v[i] = inverse_mass_[i][0] * p[0];
+      for (std::size_t j = 1; j < N; ++j) v[i] += inverse_mass_[i][j] * p[j];
+    }
+    return v;
+  }
+
+ private:
+  const text::SizedScene* scene_;
+  bool full_;
+  Mat<N> inverse_mass_{};
+};
+template <int N>
+Vec<N> velocity(const FewScene<N>& problem, const Vec<N>&, const Vec<N>& p) {
+  return problem.velocity(p);
+}
+template <int N>
+PotentialAt<Vec<N>> potential_at(const FewScene<N>& problem, const Vec<N>& q, double t) {
+  return problem.potential_and_gradient(q, t);
+}
+
+}  // namespace least

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -20,10 +21,10 @@ class StateNumbers {
     std::fill(begin(), end(), value);
   }
   StateNumbers(const double* first, const double* last) { assign(first, last); }
-  StateNumbers(const StateNumbers& other) { assign(other.begin(), other.end()); }
+  StateNumbers(const StateNumbers& other) { copy(other); }
   StateNumbers(StateNumbers&& other) noexcept { take(other); }
   StateNumbers& operator=(const StateNumbers& other) {
-    if (this != &other) assign(other.begin(), other.end());
+    if (this != &other) copy(other);
     return *this;
   }
   StateNumbers& operator=(StateNumbers&& other) noexcept {
@@ -53,7 +54,14 @@ class StateNumbers {
   }
 
  private:
-  static constexpr std::size_t in_place = 20;
+  static constexpr std::size_t in_place = 20, few = 8;
+
+  /// Steps copy states: few numbers are copied by as many instructions, whatever their count, and no call.
+  void copy(const StateNumbers& other) {
+    if (other.count_ > few) return assign(other.begin(), other.end());
+    count_ = other.count_;
+    std::memcpy(here_.data(), other.here_.data(), few * sizeof(double));
+  }
 
   [[gnu::noinline]] void take(StateNumbers& other) noexcept {
     count_ = other.count_;

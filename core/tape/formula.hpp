@@ -30,7 +30,7 @@ class Formula {
 
   /// out[i] of the variables x and the time t. As many variables are read as the tape has written.
   template <class T, class S>
-  void evaluate(const T* x, const S& t, T* out) const noexcept {
+  void evaluate(const T* x, const S& t, T* out) const {
     if constexpr (std::is_same_v<T, double>) {
       if (batches_) return batches_->evaluate(x, t, out);
       if (registers_ <= few) {
@@ -61,7 +61,7 @@ class Formula {
   class Allocator;
 
   template <class T, class S>
-  void run(const T* x, const S& t, T* r, T* out) const noexcept {
+  void run(const T* x, const S& t, T* r, T* out) const {
     using least::acos;
     using least::asin;
     using least::atan;
@@ -165,7 +165,7 @@ class Formula {
   }
 
   template <class T, class S>
-  static void add_up(const TermSums& sums, const T* x, const S& t, const T* r, T* out) noexcept;
+  static void add_up(const TermSums& sums, const T* x, const S& t, const T* r, T* out);
 
   std::vector<Narrow> steps_;
   std::vector<Register> outputs_;

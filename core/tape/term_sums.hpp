@@ -117,7 +117,7 @@ class TermSums {
 };
 
 template <class T, class S>
-void Formula::add_up(const TermSums& sums, const T* x, const S&, const T* r, T* out) noexcept {
+void Formula::add_up(const TermSums& sums, const T* x, const S&, const T* r, T* out) {
   sums.evaluate(x, r, out);
 }
 

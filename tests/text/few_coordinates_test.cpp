@@ -91,6 +91,17 @@ TEST(FewCoordinates, MoveAsAmongManyThatRestWhereTheyAreDamped) {
       for (const Choice& choice : choices) expect_same(n, n == 3, choice, damping);
 }
 
+// p₁ − p₀ = −h ∇V((q₀ + q₁)/2) to the last digits, however long the step.
+TEST(FewCoordinates, SolveTheirEquationsToRounding) {
+  const auto scene = of(Definition::Kind::hamiltonian, {"x"}, {}, "px^2/2 + x^2/2 + x^4");
+  for (const double h : {0.01, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5})
+    for (const double q : {0.5, 0.7, 0.9}) {
+      const auto x = outcome(scene, {"variational_midpoint"}, {q, 0.3}, h, h).final;
+      const double middle = (q + x[0]) / 2;
+      EXPECT_NEAR(x[1], 0.3 - h * (middle + 4 * middle * middle * middle), 2e-15) << h << " " << q;
+    }
+}
+
 // V″ has no entries: nothing is solved for, and every one of these schemes is exact.
 TEST(FewCoordinates, FallInAUniformField) {
   for (const std::size_t n : {1, 2, 9}) {

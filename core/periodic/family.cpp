@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/periodic/bifurcations.hpp"
 #include "core/periodic/orbits.hpp"
 #include "core/run/messages.hpp"
 
@@ -21,9 +22,7 @@ struct Step {
   Orbit orbit;
   std::vector<double> tangent;  ///< of length 1
   double value = 0, pace = 0;   ///< pace: dvalue/ds, in units of the value
-  // Zero where a multiplier is −1, where one is 1, and where a pair goes through the unit circle.
-  double doubling = 0, branching = 0, torus = 0;
-  bool keeps_pairs = false;
+  Crossings crossings;
 };
 
 class Family {
@@ -101,19 +100,7 @@ class Family {
     step.value = value_of(step.trial);
     step.pace = dot(gradient(step.trial), step.tangent);
     step.orbit = orbit_of(shooting_, setting_, step.trial, step.look, effort_);
-    const Stability& of = step.orbit.stability;
-    std::complex<double> doubling = 1, branching = 1;
-    double largest_pair = 0;
-    for (std::size_t i = of.trivial(); i < of.multipliers.size(); ++i) {
-      const std::complex<double> value = of.multipliers[i].value;
-      doubling *= value + 1.0;
-      branching *= value - 1.0;
-      if (std::abs(value.imag()) > 1e-9) largest_pair = std::max(largest_pair, std::abs(value));
-    }
-    step.doubling = doubling.real();
-    step.branching = branching.real();
-    step.keeps_pairs = of.pair_product == 1;
-    step.torus = step.keeps_pairs ? (largest_pair > 1 + 1e-6 ? 1 : -1) : largest_pair > 0 ? largest_pair - 1 : 0;
+    step.crossings = crossings_of(step.orbit.stability);
     return true;
   }
 
@@ -139,15 +126,7 @@ class Family {
     if (!(aim.period > 0)) return std::nullopt;
     const auto further = [&](const Trial& trial) {
       if (land) return FurtherRow{gradient(trial), (value_of(trial) - asked_.to) / setting_.value_unit};
-      FurtherRow row{here.tangent, -ds};
-      const std::size_t n = trial.nodes[0].size(), at_period = row.coefficients.size() - 2;
-      for (std::size_t i = 0; i < trial.nodes.size(); ++i)
-        for (std::size_t a = 0; a < n; ++a)
-          row.missing += here.tangent[i * n + a] * (trial.nodes[i][a] - here.trial.nodes[i][a]) / setting_.extents[a];
-      if (setting_.law == PeriodLaw::free)
-        row.missing += here.tangent[at_period] * (trial.period - here.trial.period) / setting_.guess_period;
-      row.missing += here.tangent[at_period + 1] * (trial.value - here.trial.value) / setting_.value_unit;
-      return row;
+      return FurtherRow{here.tangent, dot(here.tangent, change(here.trial, trial)) - ds};
     };
     auto made = shooting_.correct(aim, further, most_corrections);
     iterations = made.iterations;
@@ -155,24 +134,37 @@ class Family {
     Step next;
     next.trial = std::move(made.trial);
     next.look = std::move(made.look);
-    if (!finish(next, here.tangent)) return std::nullopt;
-    constexpr double too_far = 3;
-    return std::abs(dot(next.tangent, here.tangent)) > 0.5 && length_between(here, next) < too_far * std::abs(ds)
-               ? std::optional(std::move(next))
-               : std::nullopt;
+    if (!finish(next, here.tangent) || !connected(here, next, ds)) return std::nullopt;
+    return next;
   }
-  double length_between(const Step& a, const Step& b) const {
-    const std::size_t n = a.trial.nodes[0].size();
-    double sum = 0;
-    for (std::size_t i = 0; i < a.trial.nodes.size(); ++i)
-      for (std::size_t k = 0; k < n; ++k)
-        sum += std::pow((b.trial.nodes[i][k] - a.trial.nodes[i][k]) / setting_.extents[k], 2);
-    return std::sqrt(sum + std::pow((b.trial.period - a.trial.period) / setting_.guess_period, 2) +
-                     std::pow((b.trial.value - a.trial.value) / setting_.value_unit, 2));
+
+  /// Of all unknowns, in their units.
+  std::vector<double> change(const Trial& from, const Trial& to) const {
+    const std::size_t n = from.nodes[0].size();
+    std::vector<double> made;
+    made.reserve(Shooting::unknowns(from));
+    for (std::size_t i = 0; i < from.nodes.size(); ++i)
+      for (std::size_t a = 0; a < n; ++a) made.push_back((to.nodes[i][a] - from.nodes[i][a]) / setting_.extents[a]);
+    made.push_back(setting_.law == PeriodLaw::free ? (to.period - from.period) / setting_.guess_period : 0);
+    made.push_back((to.value - from.value) / setting_.value_unit);
+    return made;
+  }
+
+  /// Whether a step has stayed on its curve, where Newton's method may have come to another family that is near: the
+  /// chord between two places of a short arc makes small angles with the tangents at both, and about the same ones.
+  bool connected(const Step& a, const Step& b, double ds) const {
+    constexpr double too_far = 3, least_cosine = 0.8, least_between = 0.5, about = 0.25;
+    const std::vector<double> chord = change(a.trial, b.trial);
+    const double size = length(chord);
+    const auto cosine = [&](const Step& step) { return dot(chord, step.tangent) / std::copysign(size, ds); };
+    const auto sine = [](double of) { return std::sqrt(std::max(0.0, 1 - of * of)); };
+    const double at_a = cosine(a), at_b = cosine(b);
+    return size < too_far * std::abs(ds) && std::min(at_a, at_b) > least_cosine &&
+           std::abs(sine(at_a) - sine(at_b)) < about && dot(a.tangent, b.tangent) > least_between;
   }
 
   std::string walk(Step here) {
-    constexpr double least = 1e-7, far = 0.6;
+    constexpr double least = 1e-7, least_told = 1e-4, far = 0.6;
     const double per_member = 1.25 / std::max(asked_.count - 1, 1),
                  longest = far * std::sqrt(double(here.trial.nodes.size()));
     double ds = std::min(per_member / std::abs(here.pace), longest);
@@ -182,17 +174,24 @@ class Family {
       ds = std::min({ds, longest, per_member / std::max(std::abs(here.pace), 1e-3)});
       const double ahead = (asked_.to - here.value) / setting_.value_unit, gain = here.pace * ds;
       const bool land = gain * ahead > 0 && std::abs(gain) >= std::abs(ahead);
+      const double step = land ? ahead / here.pace : ds;
+      const auto shorten = [&] { ds /= land ? std::max(2.0, ds / std::abs(step)) * 1.5 : 2; };
       int iterations = 0;
-      auto next = step_from(here, land ? ahead / here.pace : ds, land, iterations);
+      auto next = step_from(here, step, land, iterations);
       if (!next) {
-        ds /= land ? std::max(2.0, ds / std::abs(ahead / here.pace)) * 1.5 : 2;
+        shorten();
         if (effort_.over()) return over();
         if (ds < least * first_ds)
           return "no closed orbit was found beyond " + asked_.name + " = " + messages::number(here.value);
         continue;
       }
       if (std::string why = vanishes(*next); !why.empty()) return why;
-      if (!look_between(here, *next, land ? ahead / here.pace : ds)) return "cancelled";
+      const Between between = look_between(here, *next, step);
+      if (between.unclear && ds > least_told * first_ds) {
+        shorten();
+        continue;
+      }
+      if (between.found && !give(*between.found, between.kind)) return "cancelled";
       if (!give(*next, Bifurcation::none)) return "cancelled";
       if (land) return "";
       ds *= iterations <= 3 ? 1.6 : iterations <= 5 ? 1 : 0.5;
@@ -217,25 +216,46 @@ class Family {
     return {};
   }
 
-  /// A bifurcation between two members, found and given. False: no more is wanted.
-  bool look_between(const Step& a, const Step& b, double ds) {
-    using Test = double Step::*;
-    const auto changes = [&](Test test) { return (a.*test < 0) != (b.*test < 0) && a.*test != 0; };
+  /// What is between two members.
+  struct Between {
+    std::optional<Step> found;  ///< the member at which a bifurcation is
+    Bifurcation kind = Bifurcation::none;
+    bool unclear = false;  ///< what tells of one changes its sign, and there is none: they are of two curves, it may be
+  };
+  Between look_between(const Step& a, const Step& b, double ds) {
+    constexpr double always = 1e-6;  // where rounding alone makes the sign, at both of them
     const bool same_count = a.orbit.stability.trivial() == b.orbit.stability.trivial();
-    const std::pair<Test, Bifurcation> tests[] = {{&Step::pace, Bifurcation::fold},
-                                                  {&Step::doubling, Bifurcation::period_doubling},
-                                                  {&Step::branching, Bifurcation::pitchfork_or_transcritical},
-                                                  {&Step::torus, Bifurcation::torus}};
-    const auto found = std::ranges::find_if(tests, [&](const auto& one) {
-      const Test of = one.first;
-      return changes(of) && (of == &Step::pace || same_count) && (of != &Step::torus || b.torus != 0);
-    });
-    if (found == std::end(tests)) return true;
-    const auto [test, kind] = *found;
-    // The secant method that keeps its bracket, halving what does not move (Illinois).
+    Between made;
+    for (const Bifurcation kind : {Bifurcation::fold, Bifurcation::period_doubling,
+                                   Bifurcation::pitchfork_or_transcritical, Bifurcation::torus}) {
+      const double at_a = sign_of(kind, a), at_b = sign_of(kind, b);
+      if ((at_a < 0) == (at_b < 0) || at_a == 0 || (kind != Bifurcation::fold && !same_count)) continue;
+      if (kind == Bifurcation::torus ? at_b == 0 : std::max(away_from(kind, a), away_from(kind, b)) < always) continue;
+      Step nearest = zero_between(a, b, ds, kind);
+      // A multiplier that has come to 1 may be among those that are explained.
+      const bool explained = kind == Bifurcation::pitchfork_or_transcritical &&
+                             nearest.orbit.stability.trivial() > a.orbit.stability.trivial();
+      constexpr double at_it = 1e-3;
+      if (explained || away_from(kind, nearest) < at_it) return {std::move(nearest), kind, false};
+      made.unclear = true;
+      if (effort_.over()) break;
+    }
+    return made;
+  }
+  /// What changes its sign at a bifurcation, and how far from 0 the member is.
+  static double sign_of(Bifurcation kind, const Step& step) {
+    return kind == Bifurcation::fold ? step.pace : step.crossings.of(kind);
+  }
+  static double away_from(Bifurcation kind, const Step& step) {
+    return kind == Bifurcation::fold ? std::abs(step.pace) : multipliers_away_from(kind, step.orbit.stability);
+  }
+
+  /// The member of those between two at which that is 0, by the secant method that keeps its bracket, halving what
+  /// does not move (Illinois).
+  Step zero_between(const Step& a, const Step& b, double ds, Bifurcation kind) {
     constexpr int rounds = 24;
     constexpr double close = 1e-9;
-    double low = 0, high = ds, at_low = a.*test, at_high = b.*test;
+    double low = 0, high = ds, at_low = sign_of(kind, a), at_high = sign_of(kind, b);
     Step best = b;
     int side = 0;
     for (int round = 0; round < rounds && std::abs(high - low) > close * std::abs(ds); ++round) {
@@ -243,9 +263,9 @@ class Family {
       int iterations = 0;
       auto made = step_from(a, middle, false, iterations);
       if (!made) break;
-      const double here = (*made).*test;
+      const double here = sign_of(kind, *made);
       const bool nearer =
-          std::abs(here) <= std::abs(best.*test) || round == 0;  // that for a torus may have a sign alone
+          std::abs(here) <= std::abs(sign_of(kind, best)) || round == 0;  // that for a torus may have a sign alone
       if (nearer) best = std::move(*made);
       if (here == 0) break;
       if ((here < 0) == (at_low < 0)) {
@@ -260,7 +280,7 @@ class Family {
         side = -1;
       }
     }
-    return give(best, kind);
+    return best;
   }
 
   /// Where differences have come to grow too fast, with the tangent as far as it is known.

@@ -235,6 +235,28 @@ TEST_F(PeriodicFamilies, ByAParameterOfAConservativeSceneKeepThePeriod) {
   }
 }
 
+// Three bodies on an eight of which one grows heavier: at 1.0000403006 the family turns back. Near it is another one,
+// which has a saddle where this one has a centre: no long step may lead there, and be told for a bifurcation.
+TEST_F(PeriodicFamilies, StayOnTheirCurve) {
+  for (const double to : {1.01, 1.0002}) {
+    const Json made = orbit({{"problem", "figure_eight"},
+                             {"period", 6.3259},
+                             {"family", {{"by", "/problem/m/2"}, {"to", to}, {"count", to > 1.001 ? 5 : 16}}}});
+    const Json* const fold = told(made["family"], "fold");
+    ASSERT_TRUE(fold) << made;
+    EXPECT_NEAR((*fold)["value"], 1.0000403006, 1e-10);
+    for (const Json& member : made["family"]) {
+      EXPECT_TRUE(&member == fold || member["bifurcation"].is_null()) << member;
+      EXPECT_LT(member["value"], 1.000040301) << "beyond the fold there is none";
+      if (&member == fold) {
+        double nearest = 1;
+        for (const auto& one : others(member, 8)) nearest = std::min(nearest, std::abs(one - 1.0));
+        EXPECT_LT(nearest, 1e-3);
+      }
+    }
+  }
+}
+
 TEST_F(PeriodicFamilies, OfOrbitsThatAreAloneSaySo) {
   const Json made = orbit({{"problem", "van_der_pol"}, {"period", 6.6}, {"family", {{"by", "/initial/x"}, {"to", 3}}}});
   EXPECT_EQ(made["status"], "closed");

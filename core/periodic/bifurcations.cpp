@@ -1,0 +1,53 @@
+#include "core/periodic/bifurcations.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace least::periodic {
+namespace {
+
+using Complex = std::complex<double>;
+
+bool keeps_pairs(const Stability& of) { return of.pair_product == 1; }
+std::span<const Multiplier> others_of(const Stability& of) {
+  return std::span(of.multipliers).subspan(std::min(of.trivial(), of.multipliers.size()));
+}
+
+}  // namespace
+
+double Crossings::of(Bifurcation kind) const {
+  if (kind == Bifurcation::period_doubling) return doubling;
+  return kind == Bifurcation::torus ? torus : branching;
+}
+
+Crossings crossings_of(const Stability& of) {
+  Complex doubling = 1, branching = 1;
+  double largest_pair = 0;
+  for (const auto& [value, kind] : others_of(of)) {
+    doubling *= value + 1.0;
+    branching *= value - 1.0;
+    if (std::abs(value.imag()) > 1e-9) largest_pair = std::max(largest_pair, std::abs(value));
+  }
+  const double left = largest_pair > 1 + 1e-6 ? 1 : -1, apart = largest_pair > 0 ? largest_pair - 1 : 0;
+  return {doubling.real(), branching.real(), keeps_pairs(of) ? left : apart};
+}
+
+double multipliers_away_from(Bifurcation kind, const Stability& of) {
+  const std::span others = others_of(of);
+  const auto turns = [](const Complex& value) { return value.imag() > 1e-9; };  // of pairs the one above
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const Complex& value = others[i].value;
+    if (kind == Bifurcation::period_doubling) nearest = std::min(nearest, std::abs(value + 1.0));
+    if (kind == Bifurcation::pitchfork_or_transcritical) nearest = std::min(nearest, std::abs(value - 1.0));
+    if (kind != Bifurcation::torus || !turns(value)) continue;
+    if (!keeps_pairs(of)) nearest = std::min(nearest, std::abs(std::abs(value) - 1));
+    // Where two pairs meet they differ by the root of how far off that is.
+    for (std::size_t k = 0; k < i && keeps_pairs(of); ++k)
+      if (turns(others[k].value)) nearest = std::min(nearest, std::norm(value - others[k].value));
+  }
+  return nearest;
+}
+
+}  // namespace least::periodic

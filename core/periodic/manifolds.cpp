@@ -26,6 +26,51 @@ Trial turned_around(const Trial& trial, const variations::ParametricScene& equat
   return made;
 }
 
+/// More nodes of a forward orbit, where differences of the backward motion grow by more than is good from one to the
+/// next: what attracts strongly can be followed backward over a small part of the period alone. False: they would be
+/// too many.
+bool refine_for_the_way_back(Trial& trial, const Setting& setting, Motion& forward, Motion& back, double start,
+                             Effort& effort) {
+  constexpr double most_of_one = 3e3, wanted = 300;
+  constexpr int rounds = 12;
+  constexpr std::size_t most_nodes = 128;
+  for (int round = 0; round < rounds; ++round) {
+    const std::size_t count = trial.nodes.size();
+    const Trial turned = turned_around(trial, back.equations(), setting.turns);
+    Trial finer{{}, {}, trial.period, trial.value};
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = count - 1 - i;  // the same part of the orbit, backward
+      const double from = trial.at[i], to = i + 1 < count ? trial.at[i + 1] : 1;
+      std::string reason;
+      const auto reached =
+          back.follow(turned.nodes[k], start + turned.at[k] * trial.period, (to - from) * trial.period, effort, reason);
+      if (effort.over()) return false;
+      double growth = wanted * wanted;
+      if (reached) {
+        growth = 0;
+        for (std::size_t a = 0; a < reached->by_start.rows; ++a)
+          for (std::size_t b = 0; b < reached->by_start.columns; ++b)
+            growth = std::max(growth, std::abs(reached->by_start(a, b)) * setting.extents[b] / setting.extents[a]);
+      }
+      const auto parts = growth <= most_of_one
+                             ? std::size_t(1)
+                             : static_cast<std::size_t>(std::ceil(std::log(growth) / std::log(wanted)));
+      std::vector<double> times;
+      for (std::size_t part = 0; part < parts; ++part) {
+        finer.at.push_back(from + (to - from) * double(part) / double(parts));
+        times.push_back(setting.start() + finer.at.back() * trial.period);
+      }
+      const auto states = forward.path(trial.nodes[i], times[0], times, effort, reason);
+      if (states.size() < parts) return false;
+      finer.nodes.insert(finer.nodes.end(), states.begin(), states.end());
+    }
+    if (finer.nodes.size() == count) return true;
+    if (finer.nodes.size() > most_nodes) return false;
+    trial = std::move(finer);
+  }
+  return false;
+}
+
 class Growing {
  public:
   Growing(const Question& question, const Setting& setting, Motion& motion, double start, Effort& effort)
@@ -44,10 +89,15 @@ class Growing {
       segments.push_back(in_units(reached->by_start));
       all = segments.back() * all;
     }
-    constexpr double surely = 1e-4;
+    constexpr double surely = 1e-4, rounding = 1e-13;
+    const double size = length(all.a);
+    if (!std::isfinite(size)) {
+      made.reason = "differences of the motion grow beyond any number over a period";
+      return made;
+    }
     for (const auto& value : eigenvalues(all))
       if (std::abs(value.imag()) <= 1e-12 * std::abs(value) && std::abs(value) > 1 + surely &&
-          !(std::abs(value.real()) <= std::abs(made.multiplier)))
+          std::abs(value) > rounding * size && !(std::abs(value.real()) <= std::abs(made.multiplier)))
         made.multiplier = value.real();
     if (std::isnan(made.multiplier)) {
       made.reason = "no multiplier is real and on that side of the unit circle";
@@ -152,7 +202,12 @@ std::vector<Manifold> manifolds_of(const Question& question, const Setting& sett
     return both;
   }
   Motion back(std::get<Motion::Equations>(equations), {}, setting.tolerance);
-  const Trial orbit = turned_around(closed, back.equations(), setting.turns);
+  Trial finer = closed;
+  if (!refine_for_the_way_back(finer, setting, forward, back, scene.start, effort)) {
+    stable.reason = effort.over() ? effort.why() : "backward, differences of the motion grow too fast to be followed";
+    return both;
+  }
+  const Trial orbit = turned_around(finer, back.equations(), setting.turns);
   stable = Growing(question, setting, back, scene.start, effort).of(orbit);
   stable.stable = true;
   stable.multiplier = 1 / stable.multiplier;

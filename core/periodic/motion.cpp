@@ -1,6 +1,7 @@
 #include "core/periodic/motion.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "core/run/messages.hpp"
@@ -23,6 +24,19 @@ tape::Formula gradient_of_energy(const variations::ParametricScene& scene) {
   std::vector<tape::Index> places;
   for (const Symbol& slope : tape::gradient(tape, energy, all)) places.push_back(slope.on(tape));
   return {tape, places};
+}
+
+tape::Formula divergence_of(const variations::ParametricScene& scene) {
+  tape::Tape tape = scene.tape;
+  Symbol sum;
+  for (std::size_t i = 0; i < scene.components; ++i) {
+    const Symbol& given = scene.rates[i];
+    const Symbol rate = given.is_constant() ? given : Symbol::at(tape, given.place());
+    const int by = static_cast<int>(i);
+    sum += tape::gradient(tape, rate, std::span(&by, 1))[0];
+  }
+  const tape::Index place = sum.on(tape);
+  return {tape, std::span(&place, 1)};
 }
 
 }  // namespace
@@ -65,6 +79,17 @@ std::vector<double> Motion::values(const tape::Formula& formula, std::span<const
 
 std::vector<double> Motion::energy_gradient(std::span<const double> x, double t) const {
   return values(energy_gradient_, x, t);
+}
+
+double Motion::divergence(std::span<const double> x, double t) {
+  if (!divergence_) {
+    try {
+      divergence_ = divergence_of(*equations_);
+    } catch (const tape::TooManyOperations&) {
+      divergence_ = variations::formula_of(*equations_, {Symbol(std::numeric_limits<double>::quiet_NaN())});
+    }
+  }
+  return values(*divergence_, x, t)[0];
 }
 
 bool Motion::go_to(variations::VariedMotion& motion, double end, Effort& effort, std::string& reason) const {

@@ -73,6 +73,8 @@ class Motion {
   std::vector<double> energy_gradient(std::span<const double> x, double t) const;
   /// ∂H/∂s: areas shrink by e^{−∫∂H/∂s dt}.
   double action_slope(std::span<const double> x, double t) const { return values(action_slope_, x, t)[0]; }
+  /// Σ ∂ẋᵢ/∂xᵢ; NaN where its formula is too long. Made when it is asked for, which is seldom.
+  double divergence(std::span<const double> x, double t);
 
   /// From x at t over a time dt > 0. Nothing: it cannot be followed, for the reason given.
   std::optional<Reached> follow(std::span<const double> x, double t, double dt, Effort& effort, std::string& reason);
@@ -92,6 +94,7 @@ class Motion {
   std::optional<std::size_t> varied_;
   bool autonomous_, keeps_energy_, symplectic_;
   tape::Formula rates_, energy_, energy_gradient_, action_slope_;
+  std::optional<tape::Formula> divergence_;
   std::vector<Part> parts_;
   variations::VariedMotion alone_;
 };

@@ -14,39 +14,22 @@ using Complex = std::complex<double>;
 constexpr double dependent = 1e-7;  // columns of which a part is smaller depend on the others
 constexpr double at_one = 1e-7;     // a multiplier so near to the unit circle does not tell on which side it is
 
-/// An eigenvalue, and whether it is one of those that are so small beside the matrix that rounding makes them.
-struct Eigenvalue {
-  Complex value;
-  bool lost = false;
-};
-
-/// Of a matrix whose entries are known to round-off.
-std::vector<Eigenvalue> eigenvalues_above_rounding(const Matrix& matrix) {
-  constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
-  double size = 0;
-  for (std::size_t i = 0; i < matrix.rows; ++i)
-    for (std::size_t k = 0; k < matrix.columns; ++k) size = std::hypot(size, matrix(i, k));
-  std::vector<Eigenvalue> all;
-  for (const Complex& value : eigenvalues(matrix)) all.push_back({value, std::abs(value) <= rounding * size});
-  return all;
-}
-
 /// Eigenvalues of the product of blocks, the last first, each of them well conditioned however large the product is: of
 /// the matrix that has them in a circle they are the m-th roots, of which one sector has each once. Source: Bojanczyk,
 /// Golub, Van Dooren, Proc. SPIE 1770, 31 (1992), whose cyclic matrix it is.
-std::vector<Eigenvalue> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
+std::vector<Complex> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
   const std::size_t count = blocks.size(), n = blocks[0].rows;
-  if (count == 1 || n == 0) return eigenvalues_above_rounding(blocks[0]);
+  if (count == 1 || n == 0) return eigenvalues(blocks[0]);
   Matrix circle(count * n, count * n);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = 0; b < n; ++b) circle((i + 1) % count * n + a, i * n + b) = blocks[i](a, b);
-  const std::vector<Eigenvalue> roots = eigenvalues_above_rounding(circle);
+  const std::vector<Complex> roots = eigenvalues(circle);
   // The sector begins in the middle of the largest gap between their angles, taken modulo its width.
   const double width = 2 * std::numbers::pi / double(count);
   std::vector<double> angles;
   angles.reserve(roots.size());
-  for (const auto& [root, lost] : roots) angles.push_back(std::fmod(std::arg(root) + 4 * std::numbers::pi, width));
+  for (const Complex& root : roots) angles.push_back(std::fmod(std::arg(root) + 4 * std::numbers::pi, width));
   std::ranges::sort(angles);
   double begin = (angles.back() + angles.front() + width) / 2, gap = angles.front() + width - angles.back();
   for (std::size_t i = 1; i < angles.size(); ++i) {
@@ -54,16 +37,43 @@ std::vector<Eigenvalue> eigenvalues_of_product(const std::vector<Matrix>& blocks
     gap = angles[i] - angles[i - 1];
     begin = (angles[i] + angles[i - 1]) / 2;
   }
-  std::vector<Eigenvalue> found;
+  std::vector<Complex> found;
   found.reserve(n);
-  for (const auto& [root, lost] : roots) {
+  for (const Complex& root : roots) {
     const double angle = std::fmod(std::arg(root) - begin + 6 * std::numbers::pi, 2 * std::numbers::pi);
     if (angle >= width) continue;
     Complex power = std::pow(root, double(count));
     if (std::abs(power.imag()) < 1e-9 * std::abs(power)) power = power.real();
-    found.push_back({power, lost});
+    found.push_back(power);
   }
   return found;
+}
+
+/// An eigenvalue, and whether the errors of the blocks alone make it.
+struct Eigenvalue {
+  Complex value;
+  bool lost = false;
+};
+
+/// Of a product of blocks whose entries are known but for `errors`: an eigenvalue is lost that becomes quite another
+/// one where entries change by so much, to either side.
+std::vector<Eigenvalue> eigenvalues_above_errors(const std::vector<Matrix>& blocks, std::span<const double> errors) {
+  constexpr double surely = 1e-4, another = 0.25;  // no eigenvalue so large is lost: segments are short enough for that
+  std::vector<Eigenvalue> all;
+  for (const Complex& value : eigenvalues_of_product(blocks)) all.push_back({value, false});
+  if (std::ranges::all_of(all, [](const Eigenvalue& one) { return std::abs(one.value) > surely; })) return all;
+  for (const double side : {1.0, -1.0}) {
+    std::vector<Matrix> changed = blocks;
+    Spread spread;
+    for (std::size_t i = 0; i < changed.size(); ++i)
+      for (double& entry : changed[i].a) entry += spread() < 0 ? -side * errors[i] : side * errors[i];
+    const std::vector<Complex> others = eigenvalues_of_product(changed);
+    for (auto& [value, lost] : all) {
+      const auto stays = [&](const Complex& other) { return std::abs(other - value) <= another * std::abs(value); };
+      if (std::abs(value) <= surely && std::ranges::none_of(others, stays)) lost = true;
+    }
+  }
+  return all;
 }
 
 /// Of segments, in units of the extents; of contact scenes along the hyperplanes δs = p·δq.
@@ -106,6 +116,19 @@ Matrix symmetries_in(const Motion& motion, const std::vector<double>& at, double
   return made;
 }
 
+/// Of the entries of a block: by how much it misses what it is known to do with symmetries, or rounding.
+double error_of(const Matrix& block, const Matrix& here, const Matrix& there) {
+  constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
+  double error = rounding * length(block.a);
+  for (std::size_t k = 0; k < std::min(here.columns, there.columns); ++k) {
+    const std::vector<double> way = here.column(k), to = there.column(k), made = block * way;
+    double missing = 0;
+    for (std::size_t i = 0; i < to.size(); ++i) missing = std::hypot(missing, made[i] - to[i]);
+    if (const double size = length(way); size > 0) error = std::max(error, 2 * missing / size);
+  }
+  return error;
+}
+
 MultiplierKind kind_of(const Complex& value) {
   const double modulus = std::abs(value);
   if (std::abs(value - 1.0) <= at_one) return MultiplierKind::unit;
@@ -129,30 +152,67 @@ double pairing_defect(std::vector<Complex> all, double product) {
   return most;
 }
 
-/// e^{−∫∂H/∂s dt} by Gauss's rule of five points over parts of the period.
-double product_of_pairs(Motion& motion, const Setting& setting, const Trial& trial, Effort& effort) {
-  if (motion.symplectic()) return 1;
+/// Of a function of states and times along an orbit, by Gauss's rule of five points over more and more parts of it. NaN
+/// where it cannot be followed or nothing comes of that.
+template <class Function>
+double integral_along(Motion& motion, const Setting& setting, const Trial& trial, Effort& effort, Function&& function) {
   constexpr std::array<double, 5> places{-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
                                          0.9061798459386640};
   constexpr std::array<double, 5> weights{0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
                                           0.4786286704993665, 0.2369268850561891};
-  constexpr std::size_t parts = 64;
-  double integral = 0;
   const std::size_t count = trial.nodes.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const double from = setting.start() + trial.at[i] * trial.period;
-    const double span = ((i + 1 < count ? trial.at[i + 1] : 1) - trial.at[i]) * trial.period, part = span / parts;
-    std::vector<double> times;
-    times.reserve(parts * places.size());
-    for (std::size_t k = 0; k < parts; ++k)
-      for (const double place : places) times.push_back(from + part * (double(k) + (1 + place) / 2));
-    std::string reason;
-    const auto states = motion.path(trial.nodes[i], from, times, effort, reason);
-    if (states.size() < times.size()) return std::numeric_limits<double>::quiet_NaN();
-    for (std::size_t k = 0; k < times.size(); ++k)
-      integral += part / 2 * weights[k % places.size()] * motion.action_slope(states[k], times[k]);
+  const auto with = [&](std::size_t parts) {
+    double integral = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double from = setting.start() + trial.at[i] * trial.period;
+      const double span = ((i + 1 < count ? trial.at[i + 1] : 1) - trial.at[i]) * trial.period;
+      const double part = span / double(parts);
+      std::vector<double> times;
+      times.reserve(parts * places.size());
+      for (std::size_t k = 0; k < parts; ++k)
+        for (const double place : places) times.push_back(from + part * (double(k) + (1 + place) / 2));
+      std::string reason;
+      const auto states = motion.path(trial.nodes[i], from, times, effort, reason);
+      if (states.size() < times.size()) return std::numeric_limits<double>::quiet_NaN();
+      for (std::size_t k = 0; k < times.size(); ++k)
+        integral += part / 2 * weights[k % places.size()] * function(states[k], times[k]);
+    }
+    return integral;
+  };
+  constexpr std::size_t first = 64, most = 1 << 14;
+  constexpr double same = 1e-9;
+  double last = with(first);
+  for (std::size_t parts = 2 * first; parts <= most; parts *= 2) {
+    const double next = with(parts);
+    if (std::isnan(next) || std::abs(next - last) <= same * std::max(1.0, std::abs(next))) return next;
+    last = next;
   }
-  return std::exp(-integral);
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+/// e^{−∫∂H/∂s dt}
+double product_of_pairs(Motion& motion, const Setting& setting, const Trial& trial, Effort& effort) {
+  if (motion.symplectic()) return 1;
+  return std::exp(-integral_along(motion, setting, trial, effort,
+                                  [&](std::span<const double> x, double t) { return motion.action_slope(x, t); }));
+}
+
+/// The last multiplier that rounding hides is what the product of all leaves for it: e^{∫div ẋ dt}, by Liouville, of
+/// mechanics that of the pairs.
+void settle(std::vector<Eigenvalue>& others, double pair_product, Motion& motion, const Setting& setting,
+            const Trial& trial, Effort& effort) {
+  if (std::ranges::count(others, true, &Eigenvalue::lost) != 1) return;
+  const double product =
+      std::isnan(pair_product)
+          ? std::exp(integral_along(motion, setting, trial, effort,
+                                    [&](std::span<const double> x, double t) { return motion.divergence(x, t); }))
+          : std::pow(pair_product, double(motion.coordinates()));
+  if (!std::isfinite(product)) return;
+  Complex rest = 1;
+  for (const auto& [value, lost] : others)
+    if (!lost) rest *= value;
+  const auto last = std::ranges::find(others, true, &Eigenvalue::lost);
+  *last = {product / rest.real(), false};
 }
 
 std::optional<bool> verdict(const Stability& found) {
@@ -206,25 +266,31 @@ Stability stability_of(const Shooting& shooting, Motion& motion, const Setting& 
     inner.push_back(complement_of(out, found.trivial()));
   }
   std::vector<Matrix> blocks;
+  std::vector<double> errors;
   blocks.reserve(count);
-  for (std::size_t i = 0; i < count; ++i)
-    blocks.push_back(transposed(inner[(i + 1) % count]) *
-                     (block_of(motion, setting, trial.nodes[i], look.segments[i].by_start) * inner[i]));
+  errors.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t next = (i + 1) % count;
+    const Matrix whole = block_of(motion, setting, trial.nodes[i], look.segments[i].by_start);
+    blocks.push_back(transposed(inner[next]) * (whole * inner[i]));
+    errors.push_back(error_of(whole, ways[i], ways[next]));
+  }
   found.multipliers.assign(found.trivial(), Multiplier{1.0, MultiplierKind::unit});
-  std::vector<Eigenvalue> others = eigenvalues_of_product(blocks);
+  std::vector<Eigenvalue> others = eigenvalues_above_errors(blocks, errors);
+  const bool pairs = motion.coordinates() > 0 && !motion.equations().forced;
+  if (pairs) found.pair_product = product_of_pairs(motion, setting, trial, effort);
+  const bool all_known = std::ranges::none_of(others, &Eigenvalue::lost);
+  settle(others, found.pair_product, motion, setting, trial, effort);
   std::ranges::sort(others, {},
                     [](const Eigenvalue& one) { return std::pair(-std::abs(one.value), -one.value.imag()); });
   for (const auto& [value, lost] : others)
     found.multipliers.push_back({value, lost ? std::nullopt : std::optional(kind_of(value))});
 
-  const bool pairs = motion.coordinates() > 0 && !motion.equations().forced;
-  if (pairs) {
+  if (pairs && all_known) {
     std::vector<Complex> all;
     all.reserve(found.multipliers.size());
     for (const Multiplier& one : found.multipliers) all.push_back(one.value);
-    found.pair_product = product_of_pairs(motion, setting, trial, effort);
-    if (std::ranges::none_of(others, &Eigenvalue::lost))
-      found.pairing_defect = pairing_defect(std::move(all), found.pair_product);
+    found.pairing_defect = pairing_defect(std::move(all), found.pair_product);
   }
   found.stable = verdict(found);
   return found;

@@ -184,22 +184,50 @@ TEST_F(Periodic, OfDrivenContactScenesHasPairs) {
   }
 }
 
-// Forces beside the mechanics keep no areas: nothing is said of pairs.
-// λ = e^{(−5 ± √24)·2π}: of .53 and 2e-27 rounding hides the second.
+// λ = e^{(−5 ± √24)·2π}: of .53 and 2e-27 rounding hides the second, which the product of the pair settles. Of two such
+// pairs it hides two, and nothing does.
 TEST_F(Periodic, OfStrongDampingKnowsWhatItCannotTell) {
-  const Json made =
-      orbit({{"problem", custom(R"~({"variables":["x"],"potential":"x^2/2-0.3*x*cos(t)","damping":"10"})~")},
-             {"initial", {{"x", 1}}},
-             {"period", "2*pi"}});
+  const Json one = custom(R"~({"variables":["x"],"potential":"x^2/2-0.3*x*cos(t)","damping":"10"})~");
+  const Json two = custom(R"~({"variables":["x","y"],"potential":"x^2/2+0.9*y^2/2-0.3*x*cos(t)-0.2*y*cos(t)",
+      "damping":"10"})~");
+  const double least = std::exp((-std::sqrt(24.0) - 5) * 2 * pi), most = std::exp((std::sqrt(24.0) - 5) * 2 * pi);
+  const Json made = orbit({{"problem", one}, {"initial", {{"x", 1}}}, {"period", "2*pi"}});
   const Json& all = made["multipliers"];
   ASSERT_EQ(all.size(), 2U) << made;
-  EXPECT_NEAR(all[0]["re"], std::exp((std::sqrt(24.0) - 5) * 6.283185307179586), 1e-12);
-  EXPECT_EQ(all[0]["kind"], "hyperbolic");
-  EXPECT_TRUE(all[1]["kind"].is_null()) << all;
+  EXPECT_NEAR(all[0]["re"], most, 1e-12);
+  EXPECT_NEAR(all[1]["re"].get<double>() / least, 1, 1e-10);
+  for (const Json& multiplier : all) EXPECT_EQ(multiplier["kind"], "hyperbolic");
   EXPECT_TRUE(made["pairing_defect"].is_null());
   EXPECT_EQ(made["stable"], true);
+  const Json both = orbit({{"problem", two}, {"initial", {{"x", 1}}}, {"period", "2*pi"}});
+  ASSERT_EQ(both["multipliers"].size(), 4U) << both;
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(both["multipliers"][i]["kind"].is_null(), i > 1) << both;
 }
 
+// In the plane a cycle's multiplier is e^{∮div ẋ dt}, above 0: what of the derivative over a period is rounding has
+// neither a sign, nor a direction that a manifold could have.
+TEST_F(Periodic, OfStronglyAttractingCyclesTheProductTells) {
+  const std::pair<double, double> known[] = {{3, 6.98947568e-16}, {5, 7.73855e-38}};  // by quadrature of 1 − x²
+  for (const auto& [epsilon, truth] : known) {
+    const Json made = orbit({{"problem", {{"id", "van_der_pol"}, {"epsilon", epsilon}}},
+                             {"period", epsilon == 3 ? 8.8 : 11.6},
+                             {"manifolds", {{"count", 2}, {"until", 1}}}});
+    const Json& last = made["multipliers"][1];
+    EXPECT_NEAR(last["re"].get<double>() / truth, 1, 1e-5) << made["multipliers"];
+    EXPECT_EQ(last["kind"], "hyperbolic");
+    const Json& stable = made["manifolds"]["stable"];
+    EXPECT_NEAR(stable["multiplier"].get<double>() / truth, 1, 1e-5) << stable["multiplier"];
+    EXPECT_EQ(stable["trajectories"].size(), 4U);
+  }
+  const Json stiff = orbit({{"problem", {{"id", "van_der_pol"}, {"epsilon", 100}}},
+                            {"period", 162.8},
+                            {"manifolds", {{"count", 2}, {"until", 1}}}});
+  EXPECT_NE(stiff["multipliers"][1]["kind"], "inverse_hyperbolic");
+  EXPECT_EQ(stiff["manifolds"]["stable"]["reason"], "backward, differences of the motion grow too fast to be followed");
+  EXPECT_TRUE(stiff["manifolds"]["stable"]["trajectories"].empty());
+}
+
+// Forces beside the mechanics keep no areas: nothing is said of pairs.
 TEST_F(Periodic, OfForcedScenesHasNoPairs) {
   const Json problem =
       custom(R"~({"variables": ["x"], "lagrangian": "vx^2/2 - x^2/2", "forces": {"x": "(1 - x^2)*vx"}})~");

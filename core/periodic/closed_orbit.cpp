@@ -332,7 +332,8 @@ Answer close_orbit(const Question& question, const Motions& motions, const std::
         if (driven) setting.law = *period_law(question);
         // Of what keeps its energy there is an orbit for each: that of the same period is the next.
         const bool of_one_energy = closing.shooting().prepare(*closed).keeps_energy();
-        if (of_one_energy && question.fixed.empty()) setting.law = PeriodLaw::kept;
+        setting.period_held = of_one_energy && question.fixed.empty();
+        if (setting.period_held) setting.law = PeriodLaw::kept;
       }
       const auto& motion = motions.by_parameter ? motions.by_parameter : motions.by_start;
       answer.family_end = follow_family(question, std::move(setting), motion, *closed, effort, [&](Member&& member) {

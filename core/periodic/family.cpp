@@ -50,9 +50,14 @@ class Family {
     const double steepness = length(wish);
     if (asked_.to < from)
       for (double& part : wish) part = -part;
-    if (!finish(here, wish) || !(std::abs(here.pace) > 1e-9 * steepness))
-      return "the orbit is alone: no family of closed orbits goes through it along which " + asked_.name +
-             " moves; a parameter may do so";
+    const auto moves = [&] { return finish(here, wish) && std::abs(here.pace) > 1e-9 * steepness; };
+    const bool by_fixed = fixed();
+    if (!moves() && !(let_more_move(here) && moves()))
+      return "the orbit is alone: no family of closed orbits goes through it along which " + asked_.name + " moves; " +
+             (by_fixed                     ? "fewer variables in `fixed`"
+              : asked_.by == By::parameter ? "another number"
+                                           : "a parameter") +
+             " may do so";
     if (!give(here, Bifurcation::none)) return "cancelled";
     if (asked_.to == from) return "";
     return walk(std::move(here));
@@ -75,6 +80,49 @@ class Family {
   std::size_t component() {
     const auto& variables = shooting_.equations().variables;
     return static_cast<std::size_t>(std::ranges::find(variables, asked_.index) - variables.begin());
+  }
+
+  bool fixed() const {
+    return std::ranges::any_of(setting_.fixed, [](bool one) { return one; });
+  }
+  /// What is held without having been asked for, so that a family has one member for each value, lets go where that
+  /// leaves none: the period along a parameter, as of an oscillator whose period is the same for all amplitudes; along
+  /// a start the symmetries that move it, as turns of the whole orbit do. False: there was nothing like that.
+  bool let_more_move(const Step& first) {
+    if (asked_.by == By::start && !fixed()) {
+      setting_.led = component();
+      return true;
+    }
+    if (asked_.by != By::parameter || !setting_.period_held) return false;
+    setting_.law = PeriodLaw::free;
+    hold_start(first);
+    return true;
+  }
+
+  /// Components of the start that could change beside the family, as an amplitude can, become fixed: of each such way
+  /// that which changes the most.
+  void hold_start(const Step& first) {
+    constexpr double hardly = 1e-6;
+    const std::vector<double> wish = gradient(first.trial);
+    for (std::size_t round = 0; round < setting_.fixed.size(); ++round) {
+      const std::vector<double> tangent = shooting_.along_family(first.trial, first.look, wish);
+      const double size = dot(tangent, tangent);
+      if (!(size > 0)) return;
+      double most = hardly;
+      std::size_t freest = setting_.fixed.size();
+      for (std::size_t i = 0; i < setting_.fixed.size(); ++i) {
+        std::vector<double> one(wish.size());
+        one[i] = 1;
+        std::vector<double> way = shooting_.along_family(first.trial, first.look, one);
+        const double share = dot(way, tangent) / size;
+        for (std::size_t k = 0; k < way.size(); ++k) way[k] -= share * tangent[k];
+        if (!(std::abs(way[i]) > most)) continue;
+        most = std::abs(way[i]);
+        freest = i;
+      }
+      if (freest == setting_.fixed.size()) return;
+      setting_.fixed[freest] = true;
+    }
   }
 
   /// Of the value, in its unit, by the unknowns in theirs.
@@ -134,8 +182,18 @@ class Family {
     Step next;
     next.trial = std::move(made.trial);
     next.look = std::move(made.look);
-    if (!finish(next, here.tangent) || !connected(here, next, ds)) return std::nullopt;
+    if (!finish(next, way_on(here, next.trial)) || !connected(here, next, ds)) return std::nullopt;
     return next;
+  }
+
+  /// The tangent next to that at another member; where symmetries leave more than one, that along which the number
+  /// moves the most.
+  std::vector<double> way_on(const Step& from, const Trial& at) {
+    if (!setting_.led) return from.tangent;
+    std::vector<double> wish = gradient(at);
+    if (from.pace < 0)
+      for (double& part : wish) part = -part;
+    return wish;
   }
 
   /// Of all unknowns, in their units.

@@ -8,6 +8,7 @@ namespace least::periodic {
 namespace {
 
 constexpr double no_pivot = 1e-10;  // below which, of the largest, a pivot counts as none
+constexpr double hardly_independent = 1e-8;
 
 /// The scene's equations with another value of a parameter.
 Motion::Equations equations_with(const Setting& setting, double value) {
@@ -165,7 +166,6 @@ Shooting::Equations Shooting::equations(const Trial& trial, const Look& look, co
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t k = 0; k < gradients.columns; ++k) all_kept(i * n + a, k) = gradients(a, k);
   }
-  constexpr double hardly_independent = 1e-8;
   const Matrix basis = span_of(all_kept, hardly_independent);
   for (std::size_t k = 0; k < basis.columns; ++k) {
     const std::vector<double> one = basis.column(k);
@@ -177,18 +177,7 @@ Shooting::Equations Shooting::equations(const Trial& trial, const Look& look, co
     }
   }
 
-  // Where the orbit may be moved along itself, or by another symmetry, it is not: but for what fixed components say.
-  const Matrix ways = conserved_->symmetries(trial.nodes[0], setting_.start());
-  Matrix pinned(0, ways.columns);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!setting_.fixed[i]) continue;
-    for (std::size_t k = 0; k < ways.columns; ++k) pinned.a.push_back(ways(i, k));
-    ++pinned.rows;
-  }
-  constexpr double hardly = 1e-4;
-  Matrix still = ways;
-  if (pinned.rows > 0 && ways.columns > 0) still = ways * orthogonal_to(transposed(pinned), hardly, 1);
-  still = span_of(still, hardly_independent, 1);
+  const Matrix still = ways_that_rest(trial);
   const auto add_row = [&](std::span<const double> coefficients, double missing) {
     made.rows.a.insert(made.rows.a.end(), coefficients.begin(), coefficients.end());
     made.rows.a.resize(++made.rows.rows * made.rows.columns);
@@ -198,6 +187,33 @@ Shooting::Equations Shooting::equations(const Trial& trial, const Look& look, co
   if (further) add_row(further->coefficients, further->missing);
   for (double& part : made.right) part = -part;
   return made;
+}
+
+/// Where the orbit may be moved along itself, or by another symmetry, it is not: but for what fixed components say, and
+/// for the way that moves a component by which a family is led. As columns.
+Matrix Shooting::ways_that_rest(const Trial& trial) const {
+  constexpr double hardly = 1e-4;
+  const Matrix ways = conserved_->symmetries(trial.nodes[0], setting_.start());
+  if (ways.columns == 0) return ways;
+  Matrix pinned(0, ways.columns);
+  for (std::size_t i = 0; i < ways.rows; ++i) {
+    if (!setting_.fixed[i]) continue;
+    for (std::size_t k = 0; k < ways.columns; ++k) pinned.a.push_back(ways(i, k));
+    ++pinned.rows;
+  }
+  Matrix still = ways;
+  if (pinned.rows > 0) still = ways * orthogonal_to(transposed(pinned), hardly, 1);
+  still = span_of(still, hardly_independent, 1);
+  if (!setting_.led) return still;
+  // Moved along itself it would be the same orbit: the way has to be at right angles to that.
+  Matrix along(ways.rows, 0);
+  if (motion_->autonomous()) along.add_column(ways.column(0));
+  const Matrix across = still * orthogonal_to(transposed(still) * along, hardly, 1);
+  Matrix moves(across.columns, 1);
+  for (std::size_t k = 0; k < across.columns; ++k) moves(k, 0) = across(*setting_.led, k);
+  const Matrix rest = across * orthogonal_to(moves, hardly, 1);
+  for (std::size_t k = 0; k < rest.columns; ++k) along.add_column(rest.column(k));
+  return span_of(along, hardly_independent, 1);
 }
 
 Shooting::Corrected Shooting::correct(Trial trial, const std::function<FurtherRow(const Trial&)>& further,

@@ -40,7 +40,9 @@ struct Setting {
   double tolerance = 1e-12;
   std::vector<bool> fixed;            ///< of the components: they keep their values
   PeriodLaw law = PeriodLaw::free;    ///< free: the period is looked for
+  bool period_held = false;           ///< it is kept so that a parameter has one orbit for each value, and may be free
   std::optional<std::size_t> varied;  ///< the parameter of a family
+  std::optional<std::size_t> led;     ///< a component of the start along which a family goes by symmetries, too
   double guess_period = 0, guess_value = 0;
   std::vector<double> extents;  ///< units of the components: how far the guess moves
   double value_unit = 1;
@@ -97,6 +99,7 @@ class Shooting {
     std::vector<double> right;
   };
   Equations equations(const Trial& trial, const Look& look, const FurtherRow* further);
+  Matrix ways_that_rest(const Trial& trial) const;
 
   const Setting& setting_;
   Effort& effort_;

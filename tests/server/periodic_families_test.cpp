@@ -257,10 +257,58 @@ TEST_F(PeriodicFamilies, StayOnTheirCurve) {
   }
 }
 
+// Of an oscillator, whose period is the same for all amplitudes, no other stiffness and no other mass has an orbit of
+// the same period: it is the period that moves, and the amplitude that stays.
+TEST_F(PeriodicFamilies, OfAnOscillatorMoveItsPeriod) {
+  const Json typed = custom(R"~({"variables": ["x"], "parameters": {"stiffness": 1, "mass": 1},
+      "hamiltonian": "px^2/(2*mass) + stiffness*x^2/2"})~");
+  const Json modes = custom(R"~({"variables": ["x", "y"], "parameters": {"stiffness": 1, "mass": 1},
+      "hamiltonian": "(px^2+py^2)/(2*mass) + stiffness*(x^2+y^2+0.7*(x-y)^2)/2"})~");
+  const std::vector<std::pair<Json, Json>> scenes{{"harmonic_oscillator", {{"q", 1}, {"p", 0}}},
+                                                  {typed, {{"x", .6}, {"px", .8}}},
+                                                  {modes, {{"x", .6}, {"y", .6}, {"px", .2}, {"py", .2}}}};
+  for (const auto& [problem, start] : scenes)
+    for (const char* name : {"stiffness", "mass"}) {
+      const Json made = orbit({{"problem", problem},
+                               {"initial", start},
+                               {"period", 6.28},
+                               {"family", {{"by", std::string("/problem/") + name}, {"to", 4}, {"count", 6}}}});
+      ASSERT_EQ(made["family_end"], "") << made;
+      for (const Json& member : made["family"]) {
+        const double root = std::sqrt(member["value"].get<double>());
+        EXPECT_NEAR(member["period"], 2 * pi * (name == std::string("mass") ? root : 1 / root), 1e-11);
+        for (const auto& [variable, value] : start.items())
+          EXPECT_NEAR(member["initial"][variable], value, 1e-9) << name;
+      }
+    }
+}
+
+// Where the start is at right angles to the force, x moves by the symmetries of the orbit alone.
+TEST_F(PeriodicFamilies, GoAlongSymmetriesWhereNothingElseMovesAStart) {
+  const Json made = orbit({{"problem", "kepler"},
+                           {"initial", {{"x", 0}, {"y", 1}, {"px", 1.2}, {"py", 0}}},
+                           {"period", 15},
+                           {"family", {{"by", "/initial/x"}, {"to", 0.3}, {"count", 6}}}});
+  ASSERT_EQ(made["family_end"], "") << made;
+  EXPECT_EQ(made["family"].back()["value"], 0.3);
+  for (const Json& member : made["family"]) {
+    const Json& at = member["initial"];
+    const double x = at["x"], y = at["y"], px = at["px"], py = at["py"];
+    const double energy = (px * px + py * py) / 2 - 1 / std::hypot(x, y);
+    EXPECT_NEAR(member["period"].get<double>() / (2 * pi * std::pow(-2 * energy, -1.5)), 1, 1e-10);
+  }
+}
+
 TEST_F(PeriodicFamilies, OfOrbitsThatAreAloneSaySo) {
   const Json made = orbit({{"problem", "van_der_pol"}, {"period", 6.6}, {"family", {{"by", "/initial/x"}, {"to", 3}}}});
   EXPECT_EQ(made["status"], "closed");
   EXPECT_NE(made["family_end"].get<std::string>().find("alone"), std::string::npos) << made["family_end"];
+  const Json held = orbit({{"problem", "van_der_pol"},
+                           {"period", 6.6},
+                           {"fixed", {"x", "v"}},
+                           {"initial", made["initial"]},
+                           {"family", {{"by", "/problem/epsilon"}, {"to", 3}}}});
+  EXPECT_NE(held["family_end"].get<std::string>().find("fewer variables in `fixed`"), std::string::npos) << held;
 }
 
 // The lines are the members of the whole answer, which comes with the last.

@@ -59,9 +59,10 @@ bool all_finite(std::span<const double> x) {
 
 Conserved::Conserved(const Motion& motion, const Scene& scene, std::span<const double> x,
                      std::span<const double> extents, double t, double dt)
-    : motion_(motion), center_(x.begin(), x.end()), extents_(extents.begin(), extents.end()) {
+    : motion_(motion), center_(x.begin(), x.end()), extents_(extents.begin(), extents.end()), start_(t) {
   if (!motion.equations().form->invariants.empty()) read_declared(scene, t);
   find(t, dt);
+  find_decaying(t, dt);
   find_felt(t);
   gradient_sizes_ = sizes_of(raw_gradients(x, t));
   symmetry_sizes_ = sizes_of(raw_symmetries(x, t));
@@ -161,6 +162,62 @@ void Conserved::find(double t, double dt) {
   for (std::size_t k = 0; k < null.columns; ++k) found_.push_back(null.column(k));
 }
 
+/// Σ c (∇m · ẋ + αm) = 0 in the same way, of mechanics whose damping α depends on the time alone and is 0 in the mean:
+/// else a closed orbit has nothing of what decays, and no orbit is the next. Beside the monomials
+/// stands the constant 1, as they are of distances from the center.
+void Conserved::find_decaying(double t, double dt) {
+  const variations::ParametricScene& equations = motion_.equations();
+  if (motion_.coordinates() == 0 || motion_.symplectic() || equations.acting || equations.forced) return;
+  constexpr double nothing = 1e-9, hardly = 1e-7, in_the_mean = 1e-10;
+  if (!(std::abs(damping_between(t, t + dt, false)) <= in_the_mean * damping_between(t, t + dt, true))) return;
+  constexpr std::size_t looks = 8;
+  const std::size_t size = motion_.size();
+  const auto all = monomials(size);
+  const std::size_t unknowns = all.size() + 1, wanted = 2 * unknowns + 4;
+  Matrix rows(wanted, unknowns);
+  Spread spread;
+  std::size_t row = 0;
+  for (std::size_t tried = 0; row < wanted && tried < 4 * wanted; ++tried) {
+    const std::vector<double> x = point(spread), y = scaled(x);
+    const double at = t + dt * spread(), damping = motion_.action_slope(x, at);
+    if (damping != motion_.action_slope(center_, at)) return;
+    std::vector<double> rate = motion_.rates(x, at);
+    for (std::size_t i = 0; i < size; ++i) rate[i] /= extents_[i];
+    const double pace = length(rate);
+    if (!all_finite(rate) || !std::isfinite(damping) || !(pace > 0)) continue;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      std::vector<double> gradient(size);
+      add_slope(all[k], 1, y, gradient);
+      const auto [i, j] = all[k];
+      rows(row, k) = (dot(gradient, rate) + damping * (i == none ? y[j] : y[i] * y[j])) / pace;
+    }
+    rows(row++, all.size()) = damping / pace;
+  }
+  if (row < wanted) return;
+  const Matrix null = orthogonal_to(transposed(rows), nothing);
+  for (std::size_t k = 0; k < null.columns; ++k) {
+    std::vector<double> one = null.column(k);
+    double around = 0;
+    for (std::size_t look = 0; look < looks; ++look)
+      around = std::max(around, length(gradient_at(scaled(point(spread)), one, 1)));
+    if (length(gradient_at(scaled(center_), one, 1)) > hardly * around) decaying_.push_back(std::move(one));
+  }
+}
+
+/// ∫α dt by Gauss's rule of three points.
+double Conserved::damping_between(double from, double to, bool absolute) const {
+  constexpr std::size_t parts = 256;
+  constexpr double place = 0.7745966692414834;
+  const double part = (to - from) / double(parts);
+  double sum = 0;
+  for (std::size_t k = 0; k < parts; ++k)
+    for (const double at : {-place, 0.0, place}) {
+      const double damping = motion_.action_slope(center_, from + part * (double(k) + (1 + at) / 2));
+      sum += part * (at == 0 ? 4.0 / 9 : 5.0 / 18) * (absolute ? std::abs(damping) : damping);
+    }
+  return sum;
+}
+
 /// The gradient of what is kept goes with the motion: where it vanishes at one place of an orbit it does so at all, as
 /// that of the energy of a mode which rests. Then nothing follows from it, and what rounding leaves of it has no
 /// direction.
@@ -204,14 +261,20 @@ Matrix Conserved::raw_gradients(std::span<const double> x, double t) const {
     for (std::size_t k = 0; k < declared_names_.size(); ++k)
       if (kept_[k]) add(in_units(std::span(slopes).subspan(k * size, size)));
   }
-  const auto all = monomials(size);
   const std::vector<double> y = scaled(x);
-  for (const auto& coefficients : found_) {
-    std::vector<double> gradient(size);
-    for (std::size_t k = 0; k < all.size(); ++k) add_slope(all[k], coefficients[k], y, gradient);
-    add(gradient);
-  }
+  for (const auto& coefficients : found_) add(gradient_at(y, coefficients, 1));
+  if (decaying_.empty()) return columns;
+  const double grown = std::exp(damping_between(start_, t, false));  // kept is I e^{∫α dt}
+  for (const auto& coefficients : decaying_) add(gradient_at(y, coefficients, grown));
   return columns;
+}
+
+std::vector<double> Conserved::gradient_at(std::span<const double> y, std::span<const double> coefficients,
+                                           double factor) const {
+  const auto all = monomials(motion_.size());
+  std::vector<double> gradient(motion_.size());
+  for (std::size_t k = 0; k < all.size(); ++k) add_slope(all[k], factor * coefficients[k], y, gradient);
+  return gradient;
 }
 
 Matrix Conserved::raw_symmetries(std::span<const double> x, double t) const {
@@ -222,8 +285,8 @@ Matrix Conserved::raw_symmetries(std::span<const double> x, double t) const {
     for (std::size_t i = 0; i < size; ++i) rate[i] /= extents_[i];
     columns.add_column(rate);
   }
-  if (!motion_.symplectic()) return columns;
-  const Matrix of = raw_gradients(x, t);
+  Matrix of = motion_.symplectic() ? raw_gradients(x, t) : Matrix(size, 0);
+  for (const auto& coefficients : decaying_) of.add_column(gradient_at(scaled(x), coefficients, 1));
   for (std::size_t k = 0; k < of.columns; ++k) {  // q̇ = ∂I/∂p, ṗ = −∂I/∂q; of H it is ẋ once more
     std::vector<double> way(size);
     for (std::size_t i = 0; i < n; ++i) {

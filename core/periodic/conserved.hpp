@@ -1,6 +1,9 @@
 // What a motion keeps, and the symmetries that go with it: both make unit multipliers, and rows of a closed orbit's
 // equations that say nothing. Beside H, and what a text declares, they are looked for among the polynomials of degree
-// one and two in the components: momenta, angular momenta, the energies of parts.
+// one and two in the components: momenta, angular momenta, the energies of parts. Of damped mechanics, dI/dt = −αI: the
+// form dq∧dp decays as I does, so that the field I generates stays as it is, and where the damping of a period is 0 in
+// the mean, I is kept over it. Source: McLachlan, Perlmutter, J. Geometry and Physics 39, 276 (2001), conformal
+// Hamiltonian systems.
 #pragma once
 
 #include <string>
@@ -29,7 +32,11 @@ class Conserved {
  private:
   void read_declared(const Scene& scene, double t);
   void find(double t, double dt);
+  void find_decaying(double t, double dt);
+  double damping_between(double from, double to, bool absolute) const;
   void find_felt(double t);
+  /// Of coefficients of monomials, at a place that is scaled.
+  std::vector<double> gradient_at(std::span<const double> y, std::span<const double> coefficients, double factor) const;
   std::vector<double> scaled(std::span<const double> x) const;
   std::vector<double> point(Spread& spread) const;
   Matrix raw_gradients(std::span<const double> x, double t) const;
@@ -42,7 +49,9 @@ class Conserved {
   std::vector<bool> kept_;  ///< of the declared ones: that they are
   std::vector<bool> felt_;  ///< of all gradients: that they do not vanish at the center; empty: not yet known
   tape::Formula declared_, declared_gradients_;
-  std::vector<std::vector<double>> found_;  ///< coefficients of the monomials, as `monomials` has them
+  std::vector<std::vector<double>> found_;     ///< coefficients of the monomials, as `monomials` has them
+  std::vector<std::vector<double>> decaying_;  ///< the same, of what decays with the damping
+  double start_ = 0;                           ///< of the period
 };
 
 }  // namespace least::periodic

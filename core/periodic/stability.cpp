@@ -190,11 +190,17 @@ double integral_along(Motion& motion, const Setting& setting, const Trial& trial
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-/// e^{−∫∂H/∂s dt}
+/// e^{−∫∂H/∂s dt}: 1 where the integral is rounding, as of a damping that is 0 in the mean.
 double product_of_pairs(Motion& motion, const Setting& setting, const Trial& trial, Effort& effort) {
+  constexpr double rounding = 1e-13;
   if (motion.symplectic()) return 1;
-  return std::exp(-integral_along(motion, setting, trial, effort,
-                                  [&](std::span<const double> x, double t) { return motion.action_slope(x, t); }));
+  double most = 0;
+  const double integral = integral_along(motion, setting, trial, effort, [&](std::span<const double> x, double t) {
+    const double damping = motion.action_slope(x, t);
+    most = std::max(most, std::abs(damping));
+    return damping;
+  });
+  return std::abs(integral) <= rounding * most * trial.period ? 1 : std::exp(-integral);
 }
 
 /// The last multiplier that rounding hides is what the product of all leaves for it: e^{∫div ẋ dt}, by Liouville, of

@@ -52,7 +52,8 @@ class Writer {
     }
     if (made_.acting) made_.rates[2 * n] = work - h;
     if (form_.forced) add_forces(std::vector<Symbol>(slopes.begin() + static_cast<std::ptrdiff_t>(n), slopes.end()));
-    const bool says_all = made_.acting || form_.kind != FormKind::contact_linear;
+    const bool undamped = made_.action_slope.is_constant() && made_.action_slope.constant() == 0;
+    const bool says_all = made_.acting || form_.kind != FormKind::contact_linear || undamped;
     made_.energy = says_all ? h : Symbol(std::numeric_limits<double>::quiet_NaN());
     for (const Symbol& p : form_.momenta) made_.momenta.push_back(rewrite_(p));
   }

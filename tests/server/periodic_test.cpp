@@ -227,6 +227,49 @@ TEST_F(Periodic, OfStronglyAttractingCyclesTheProductTells) {
   EXPECT_TRUE(stiff["manifolds"]["stable"]["trajectories"].empty());
 }
 
+// A damping that is 0 is none: the scenes are the same as those without one.
+TEST_F(Periodic, OfContactScenesWithoutDampingAreThoseOfMechanics) {
+  const Json start{{"q", 1}, {"p", 0}};
+  const Json damped =
+      orbit({{"problem", {{"id", "damped_pendulum"}, {"damping", 0}}}, {"initial", start}, {"period", 6.7}});
+  const Json plain = orbit({{"problem", "pendulum"}, {"initial", start}, {"period", 6.7}});
+  const Json kepler = orbit({{"problem", {{"id", "perturbed_kepler"}, {"alpha", 0}}}, {"period", 6.28}});
+  for (const Json& made : {damped, plain, kepler}) {
+    EXPECT_EQ(made["trivial"], made["multipliers"].size()) << made;
+    EXPECT_EQ(made["stable"], true);
+    EXPECT_TRUE(made["invariant"]["energy"].is_number());
+  }
+  EXPECT_EQ(damped["multipliers"], plain["multipliers"]);
+}
+
+// Angular momentum decays with the damping, and the turns that it generates are a symmetry all the same; where the
+// damping is 0 in the mean it is kept over a period, and makes another unit multiplier.
+TEST_F(Periodic, OfDampedScenesKnowsTheirTurns) {
+  const auto about_a_center = [](const char* damping) {
+    Json scene = custom(R"~({"variables": ["x", "y"], "potential": "(1+0.3*cos(t))*(x^2+y^2)^2/4"})~");
+    scene["damping"] = damping;
+    return scene;
+  };
+  const Json with_drive = orbit({{"problem", {{"id", "perturbed_kepler"}, {"preset", "circular"}}}, {"period", 6}});
+  ASSERT_EQ(with_drive["status"], "closed") << with_drive;
+  EXPECT_EQ(with_drive["trivial"], 2) << with_drive;
+  for (const char* damping : {"0", "0.1*sin(t)"}) {
+    const Json made =
+        orbit({{"problem", about_a_center(damping)}, {"initial", {{"x", 1}, {"vy", 1}}}, {"period", "2*pi"}});
+    ASSERT_EQ(made["status"], "closed") << made;
+    EXPECT_EQ(made["trivial"], 2) << made;
+    EXPECT_EQ(made["stable"], true);
+    EXPECT_EQ(made["pair_product"], 1);
+    EXPECT_LT(made["pairing_defect"], 1e-12);
+  }
+  // A drive that turns with the orbit replaces what the damping takes, and keeps no axis.
+  const Json driven = custom(R"~({"variables": ["x", "y"],
+      "potential": "(x^2+y^2)/2 - 0.2*(x*cos(1.5*t)+y*sin(1.5*t))", "damping": "0.1"})~");
+  const Json made = orbit({{"problem", driven}, {"initial", {{"x", -.1}}}, {"period", "2*pi/1.5"}});
+  ASSERT_EQ(made["status"], "closed") << made;
+  EXPECT_EQ(made["trivial"], 0) << made;
+}
+
 // Forces beside the mechanics keep no areas: nothing is said of pairs.
 TEST_F(Periodic, OfForcedScenesHasNoPairs) {
   const Json problem =

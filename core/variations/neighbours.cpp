@@ -61,8 +61,12 @@ std::optional<std::vector<double>> Neighbours::differences(std::span<const doubl
   for (const double slope : found) largest = std::max(largest, std::abs(slope));
   std::vector<double> all;
   for (const Quantity& by : asked_.by) {
-    if (by.kind == Quantity::Kind::time) return std::nullopt;
-    const auto slopes = nearest(by, found.subspan(all.size(), found.size() / asked_.by.size()), largest, keep_going);
+    const std::span known = found.subspan(all.size(), found.size() / asked_.by.size());
+    if (by.kind == Quantity::Kind::time && start_.follows_from_time()) {  // what moves along with the motion stays 0
+      all.insert(all.end(), known.begin(), known.end());
+      continue;
+    }
+    const auto slopes = nearest(by, known, largest, keep_going);
     if (!slopes) return std::nullopt;
     all.insert(all.end(), slopes->begin(), slopes->end());
   }

@@ -39,6 +39,7 @@ std::vector<double> Start::slope(const Quantity& by) const {
 
 double Start::value(const Quantity& by) const {
   if (by.kind == Quantity::Kind::parameter) return equations_.parameters[by.index];
+  if (by.kind == Quantity::Kind::time) return equations_.sign_of_time() * t_;
   if (by.kind == Quantity::Kind::velocity) return in_velocities_[equations_.coordinates + by.index];
   const auto found = std::ranges::find(equations_.variables, by.index);
   return found == equations_.variables.end() ? 0 : x_[static_cast<std::size_t>(found - equations_.variables.begin())];
@@ -47,6 +48,7 @@ double Start::value(const Quantity& by) const {
 void Start::move(const Quantity& quantity, double by, Scene& scene) const {
   const bool parameter = quantity.kind == Quantity::Kind::parameter;
   if (parameter) scene.parameters[quantity.index] += by;
+  if (quantity.kind == Quantity::Kind::time) scene.start += equations_.sign_of_time() * by;
   const std::size_t n = equations_.coordinates;
   if (regular_ && parameter) {
     const std::vector<double> there = regular(scene.parameters);
@@ -61,7 +63,7 @@ void Start::move(const Quantity& quantity, double by, Scene& scene) const {
   std::vector<double> x = in_velocities_;
   const std::vector<double> way = way_of(quantity);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += way[i] * by;
-  const std::vector<double> momenta = momenta_of(x, t_);
+  const std::vector<double> momenta = momenta_of(x, scene.start);
   for (std::size_t i = 0; i < size_; ++i)
     scene.initial[equations_.variables[i]] = i < n || i == 2 * n ? x[i] : momenta[i - n];
 }

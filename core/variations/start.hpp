@@ -18,11 +18,13 @@ class Start {
   Start(const Scene& scene, const SensitivitiesAsked& asked);
 
   const std::vector<double>& state() const { return x_; }
+  /// That of the one regular motion from a singularity before it.
+  bool follows_from_time() const { return regular_; }
   /// Its derivative by the quantity, at a fixed time of the run.
   std::vector<double> slope(const Quantity& by) const;
   /// And by two of them; not of the time.
   std::vector<double> second(const Quantity& a, const Quantity& b) const;
-  /// Its value, and a start and parameters with another one; not of the time.
+  /// Its value, and a start and parameters with another one; not of the time where the start follows from it.
   double value(const Quantity& by) const;
   void move(const Quantity& quantity, double by, Scene& scene) const;
 

@@ -197,7 +197,6 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   }
   if (whole) take_whole_start(scene, asked);
   if (asked.order == 2) {
-    const auto by_time = [](const Quantity& quantity) { return quantity.kind == Quantity::Kind::time; };
     if (asked.of_scheme)
       return path.at("order").fault("of the map of a scheme there are no second derivatives", (*json)["order"],
                                     "1, or \"of\": \"motion\"");
@@ -207,8 +206,9 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
     if (asked.by.size() > variations::most_in_pairs)
       return place.fault(fmt::format("second derivatives by {} numbers are too many", asked.by.size()), *by,
                          fmt::format("{} at most", variations::most_in_pairs));
-    if (std::ranges::any_of(asked.by, by_time))
-      return place.fault("there is no second derivative by /initial/t", *by, "others");
+    for (std::size_t i = 0; i < asked.by.size(); ++i)
+      if (asked.by[i].kind == Quantity::Kind::time)
+        return place.at(i).fault("there is no second derivative by /initial/t", (*by)[i], "order 1, or others");
   }
   if (asked.by.size() > variations::most_quantities)
     return place.fault(fmt::format("the motion has {} variables", asked.by.size()), *by,

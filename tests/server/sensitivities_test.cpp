@@ -389,7 +389,7 @@ TEST_F(Sensitivities, RefuseWhatTheyCannotSay) {
                  {"until", 1},
                  {"sensitivities", {{"by", "initial"}, {"of", "scheme"}}}};
   EXPECT_TRUE(says(fault_of(forced), "map of leapfrog on this scene there is no derivative"));
-  refused({{"by", {"/initial/t"}}, {"order", 2}}, "/sensitivities/by", "second");
+  refused({{"by", {"/initial/t"}}, {"order", 2}}, "/sensitivities/by/0", "second");
   request["events"] = {{{"name", "e"}, {"expression", "x"}, {"set", {{"vx", "-vx"}}}}};
   request["scheme"] = "leapfrog";
   refused({{"by", "initial"}, {"of", "scheme"}}, "/sensitivities", "events that act");

@@ -1,0 +1,51 @@
+// What is told of derivatives beside them, over HTTP: their uncertainty, the structure of a map, why there are none.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/server/fixture.hpp"
+
+namespace least::server::test {
+namespace {
+
+class SensitivitiesTold : public Asking {
+ protected:
+  static Json by(const Json& pointers) { return {{"by", pointers}, {"of", "motion"}}; }
+};
+
+// What is made of the jumps of equations that switch is held against runs, of which one may start at another time.
+TEST_F(SensitivitiesTold, ByTheTimeOfTheStartOfSwitchingScenesAreHeldAgainstRuns) {
+  const Json springs = custom(R"~({"variables": ["x"], "parameters": {"k": 2},
+      "potential": "if(x>0, k*x^2/2, x^2/2) - 0.1*x*cos(t)"})~");
+  const Json drag =
+      custom(R"~({"variables": ["x"], "parameters": {"c": 0.2}, "lagrangian": "vx^2/2 - x^2/2 + x*sin(2*t)/5",
+      "forces": {"x": "-c*vx*abs(vx)"}})~");
+  for (const Json& problem : {springs, drag}) {
+    Json request{{"problem", problem},
+                 {"initial", {{"x", 1}, {"vx", 0.2}, {"t", 0.3}}},
+                 {"scheme", "taylor"},
+                 {"until", 7},
+                 {"sensitivities", by({"/initial/x", "/initial/t"})}};
+    const Json found = answer(request)["sensitivities"];
+    ASSERT_TRUE(found["uncertainty"].is_number()) << found;
+    EXPECT_LT(found["uncertainty"], 1e-8);
+    request.erase("sensitivities");
+    constexpr double h = 1e-4;
+    Json ends[2];
+    for (const int side : {0, 1}) {
+      request["initial"]["t"] = side == 0 ? 0.3 - h : 0.3 + h;
+      ends[side] = answer(request)["final"];
+    }
+    const double slope = (ends[1]["x"].get<double>() - ends[0]["x"].get<double>()) / (2 * h);
+    EXPECT_NEAR(found["final"][0][1], slope, 1e-6);
+  }
+}
+
+TEST_F(SensitivitiesTold, FaultsNameTheEntryThatIsMeant) {
+  Json second{{"problem", "pendulum"}, {"scheme", "taylor"}, {"sensitivities", by({"/initial/q", "/initial/t"})}};
+  second["sensitivities"]["order"] = 2;
+  EXPECT_EQ(fault_of(second)["pointer"], "/sensitivities/by/1");
+}
+
+}  // namespace
+}  // namespace least::server::test

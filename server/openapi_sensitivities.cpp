@@ -64,7 +64,7 @@ Json sensitivities_found() {
          "held against a control of higher order along one random direction, second ones against a control of every "
          "pair "
          "with half the tolerance, those of a scheme against differences of runs"}}},
-      {"reason", {{"type", "string"}, {"description", "why there are none"}}}};
+      {"reason", {{"type", "string"}, {"description", "why there are none, or some are missing"}}}};
   return {{"type", "object"}, {"properties", properties}};
 }
 

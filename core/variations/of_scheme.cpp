@@ -47,6 +47,9 @@ Sensitivities sensitivities_of_scheme(const Request& request, const Sensitivitie
     found.samples.push_back(t < outcome.t ? in_rows(equations, all[found.samples.size()]) : found.final);
   if (asked.whole_start) found.structure = structure_of(equations, start.state(), end, found.final);
 
+  if (!found.events.empty())
+    found.reason = "times of events have derivatives along the motion alone: \"of\": \"motion\"";
+
   const Neighbours neighbours(request, asked, start);
   if (const auto others = neighbours.differences(all.back(), keep_going))
     found.uncertainty = disagreement({found.final}, {in_rows(equations, *others)});

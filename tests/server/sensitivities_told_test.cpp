@@ -41,6 +41,23 @@ TEST_F(SensitivitiesTold, ByTheTimeOfTheStartOfSwitchingScenesAreHeldAgainstRuns
   }
 }
 
+TEST_F(SensitivitiesTold, TimesOfEventsOfAMapAreMissingForAReason) {
+  Json request{{"problem", "kepler"},
+               {"scheme", "leapfrog"},
+               {"until", 5},
+               {"events", Json::array({{{"name", "a"}, {"expression", "y+4.05"}}})},
+               {"sensitivities", {{"by", {"/initial/x"}}}}};
+  Json found = answer(request)["sensitivities"];
+  EXPECT_EQ(found["of"], "scheme");
+  ASSERT_FALSE(found["events"].empty()) << found;
+  EXPECT_TRUE(found["final"].is_array());
+  EXPECT_EQ(found["reason"], "times of events have derivatives along the motion alone: \"of\": \"motion\"");
+  request["sensitivities"]["of"] = "motion";
+  found = answer(request)["sensitivities"];
+  EXPECT_TRUE(found["events"][0]["t"][0].is_number()) << found;
+  EXPECT_FALSE(found.contains("reason"));
+}
+
 TEST_F(SensitivitiesTold, FaultsNameTheEntryThatIsMeant) {
   Json second{{"problem", "pendulum"}, {"scheme", "taylor"}, {"sensitivities", by({"/initial/q", "/initial/t"})}};
   second["sensitivities"]["order"] = 2;

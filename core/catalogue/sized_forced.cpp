@@ -24,8 +24,9 @@ StepStatus ForcedKick::kick(double* x, const double* slope, double t, double h, 
   } else {
     StepStatus status = midpoint(x, slope, t, h, work);
     if (scene_->forces.can_rest() && !scene_->has_full_mass()) {
-      bool slides = status == StepStatus::ok;  // every momentum on its side of 0
-      for (std::size_t i = 0; i < n_ && slides; ++i) slides = x[n_ + i] * (x[n_ + i] + change_[i]) > 0;
+      bool slides = status == StepStatus::ok;  // every momentum whose force jumps, on its side of 0
+      for (std::size_t i = 0; i < n_ && slides; ++i)
+        slides = !scene_->forces.jumping[i] || x[n_ + i] * (x[n_ + i] + change_[i]) > 0;
       if (!slides) status = through_rest(x, slope, t, h, work);
     }
     if (status != StepStatus::ok) return status;
@@ -128,36 +129,61 @@ StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, 
   return StepStatus::solver_failed;
 }
 
+/// What a force is on either side of rest it is with the other momenta as they are. Where each reads its own alone, all
+/// are looked at together.
+void ForcedKick::look_beside_rest(const double* x, const double* slope, double t, std::size_t which) {
+  const bool together = scene_->forces.diagonal;
+  if (together && looked_beside_) return;
+  looked_beside_ = true;
+  for (auto* const rates : {&above_, &below_}) {
+    const double beside = rates == &above_ ? beside_rest : -beside_rest;
+    if (together) {
+      velocity_.assign(n_, beside);
+    } else {
+      std::copy_n(x + n_, n_, velocity_.begin());
+      velocity_[which] = beside;
+    }
+    look(x, velocity_.data(), t);
+    for (std::size_t i = 0; i < n_; ++i)
+      if (together || i == which) (*rates)[i] = looked_[i] - slope[i];
+  }
+}
+
 StepStatus ForcedKick::through_rest(const double* x, const double* slope, double t, double h, Work& work) {
   constexpr int most_rounds = 50;
-  constexpr double beside = std::numeric_limits<double>::min();  // of 0
-  const double *const p = x + n_, *const jacobian = looked_.data() + n_;
+  const double* const p = x + n_;
+  const bool diagonal = scene_->forces.diagonal;
   side_.resize(n_);
-  for (auto* const rates : {&above_, &below_}) {
-    middle_.assign(n_, rates == &above_ ? beside : -beside);
-    look(x, middle_.data(), t);
-    rates->resize(n_);
-    for (std::size_t i = 0; i < n_; ++i) (*rates)[i] = looked_[i] - slope[i];
-  }
+  above_.resize(n_);
+  below_.resize(n_);
+  looked_beside_ = false;
+  const auto jumps = [&](std::size_t i) { return scene_->forces.jumping[i]; };
   const auto holds = [&](std::size_t i) { return above_[i] <= 0 && below_[i] >= 0; };
   for (std::size_t i = 0; i < n_; ++i) {
-    side_[i] = p[i] > 0 ? 1 : p[i] < 0 ? -1 : holds(i) ? 0 : h * above_[i] > 0 ? 1 : -1;
+    if (p[i] == 0 && jumps(i)) look_beside_rest(x, slope, t, i);
+    side_[i] = p[i] > 0 ? 1 : p[i] < 0 ? -1 : !jumps(i) || holds(i) ? 0 : h * above_[i] > 0 ? 1 : -1;
     middle_[i] = p[i];
   }
+  // Newton's method for the midpoint, where a momentum whose force jumps stays on its side.
+  const auto rests = [&](std::size_t i) { return jumps(i) && side_[i] == 0; };
+  const auto inside = [&](std::size_t i) { return !jumps(i) || side_[i] * middle_[i] > beside_rest; };
   bool solved = false;
   for (int round = 0; round < most_rounds && !solved; ++round) {
-    for (std::size_t i = 0; i < n_; ++i) velocity_[i] = side_[i] * std::max(side_[i] * middle_[i], beside);
+    for (std::size_t i = 0; i < n_; ++i)
+      velocity_[i] = jumps(i) ? side_[i] * std::max(side_[i] * middle_[i], beside_rest) : middle_[i];
     look(x, velocity_.data(), t);
     ++work.forces;
     ++work.iterations;
     double changed = 0, size = std::numeric_limits<double>::min();
     for (std::size_t i = 0; i < n_; ++i) {
-      change_[i] = side_[i] == 0 ? 0 : h * (looked_[i] - slope[i]);
-      const bool inside = side_[i] * middle_[i] > beside;
-      const double update = (middle_[i] - p[i] - 0.5 * change_[i]) / (inside ? 1 - 0.5 * h * jacobian[i] : 1);
-      middle_[i] -= update;
-      changed += std::abs(update);
+      change_[i] = rests(i) ? 0 : h * (looked_[i] - slope[i]);
+      rate_[i] = middle_[i] - p[i] - 0.5 * change_[i];
       size += std::abs(p[i]) + std::abs(change_[i]);
+    }
+    solve_on_sides(h, diagonal, rests, inside);
+    for (std::size_t i = 0; i < n_; ++i) {
+      middle_[i] -= rate_[i];
+      changed += std::abs(rate_[i]);
     }
     solved = changed <= 8 * std::numeric_limits<double>::epsilon() * size;
   }
@@ -168,11 +194,12 @@ StepStatus ForcedKick::through_rest(const double* x, const double* slope, double
     const auto part = [&](double change, double mean, double time) {
       work_ += (change + time * slope[i]) * (scene_->inverse_mass()[i] * mean);
     };
-    if (side_[i] == 0) continue;
-    if (side_[i] * (p[i] + change_[i]) > 0) {
+    if (rests(i)) continue;
+    if (!jumps(i) || side_[i] * (p[i] + change_[i]) > 0) {
       part(change_[i], p[i] + 0.5 * change_[i], h);
       continue;
     }
+    look_beside_rest(x, slope, t, i);
     const double until = h * (p[i] / -change_[i]), left = h - until;
     const double beyond = holds(i) ? 0 : left * (side_[i] > 0 ? below_[i] : above_[i]);
     part(-p[i], 0.5 * p[i], until);
@@ -180,6 +207,27 @@ StepStatus ForcedKick::through_rest(const double* x, const double* slope, double
     change_[i] = beyond - p[i];
   }
   return StepStatus::ok;
+}
+
+/// What is wrong with the midpoint, in `rate_`, becomes the correction of it. A momentum that rests, or whose side ends
+/// there, is known: nothing follows it.
+template <class Rests, class Inside>
+void ForcedKick::solve_on_sides(double h, bool diagonal, const Rests& rests, const Inside& inside) {
+  const double* const jacobian = looked_.data() + n_;
+  if (diagonal) {
+    for (std::size_t i = 0; i < n_; ++i) rate_[i] /= inside(i) ? 1 - 0.5 * h * jacobian[i] : 1;
+    return;
+  }
+  matrix_.resize(n_ * n_);
+  for (std::size_t i = 0; i < n_; ++i)
+    for (std::size_t j = 0; j < n_; ++j)
+      matrix_[i * n_ + j] = (i == j ? 1 : 0) - (rests(i) || !inside(j) ? 0 : 0.5 * h * jacobian[i * n_ + j]);
+  detail::invert(n_, matrix_.data());
+  std::copy(rate_.begin(), rate_.end(), velocity_.begin());
+  for (std::size_t i = 0; i < n_; ++i) {
+    rate_[i] = 0;
+    for (std::size_t j = 0; j < n_; ++j) rate_[i] += matrix_[i * n_ + j] * velocity_[j];
+  }
 }
 
 const MatrixPhi& ForcedKick::phi_of(double h) {

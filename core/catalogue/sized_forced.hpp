@@ -17,8 +17,8 @@ namespace least {
 
 /// Of H = K(p) + V(q, t) the kick over a time h at a fixed place and time, ṗ = −∇V + F(q, p, t): exact where F is
 /// linear in p, else the implicit midpoint rule in p alone, which is symmetric. Where a force jumps with the momentum
-/// that it acts on, as dry friction does, this is solved for on its own side of 0; where it comes to 0 and the forces
-/// on either side lead back to it, it stays there until they no longer do (Filippov's solution).
+/// that it acts on and with no other, as dry friction does, this is solved for on its own side of 0; where it comes to
+/// 0 and the forces on either side lead back to it, it stays there until they no longer do (Filippov's solution).
 class ForcedKick {
  public:
   explicit ForcedKick(const text::SizedScene& scene);
@@ -33,7 +33,12 @@ class ForcedKick {
   StepStatus midpoint(const double* x, const double* slope, double t, double h, Work& work);
   /// Of momenta that come to 0, or rest there.
   StepStatus through_rest(const double* x, const double* slope, double t, double h, Work& work);
+  void look_beside_rest(const double* x, const double* slope, double t, std::size_t which);
+  template <class Rests, class Inside>
+  void solve_on_sides(double h, bool diagonal, const Rests& rests, const Inside& inside);
   const MatrixPhi& phi_of(double h);
+
+  static constexpr double beside_rest = std::numeric_limits<double>::min();  ///< of 0
 
   const text::SizedScene* scene_;
   std::size_t n_;
@@ -44,6 +49,7 @@ class ForcedKick {
   std::vector<double> middle_;  ///< the mean of p over the kick, or its midpoint
   std::vector<double> velocity_, matrix_;
   std::vector<double> above_, below_;  ///< ṗ on either side of 0
+  bool looked_beside_ = false;         ///< in this kick, at all of these together
   std::vector<double> side_;           ///< of 0, 1 or −1; 0 of what rests
   double work_ = 0;                    ///< of the kick
 

@@ -185,12 +185,14 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
   };
   // All that switches with momenta is a part of forces. As dry friction, −sign(v): its slopes are 0, and it is not
   // linear.
+  std::vector<tape::Index> jumps;
   for (tape::Index i = 0, written = equations.size(); i < written; ++i) {
     const tape::Node node = equations[i];
     if (node.op != tape::Op::select || (depends(Symbol::at(equations, node.a)) & by_momenta) == 0) continue;
     forces.linear = false;
-    forces.jumps = forces.jumps || jumps_at_rest(node);
+    if (jumps_at_rest(node)) jumps.push_back(i);
   }
+  if (!jumps.empty()) set_jumps(all, jumps);
   std::vector<Symbol> full = all, diagonal = all;
   bool rests = true;  // no force where nothing moves
   std::size_t left = most_looked_at;
@@ -220,6 +222,31 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
   };
   if (rests && forces.diagonal && std::all_of(diagonal.begin() + static_cast<std::ptrdiff_t>(n), diagonal.end(), same))
     forces.friction = std::max(0.0, -diagonal[n].constant());
+}
+
+void SizedScene::set_jumps(const std::vector<Symbol>& all, const std::vector<tape::Index>& jumps) {
+  const std::size_t n = coordinates;
+  forces.jumps = true;
+  forces.jumping.assign(n, false);
+  std::size_t left = most_looked_at;
+  const auto parts_of = [&](tape::Index place) {
+    std::vector<tape::Index> parts = tape::parts_of(equations, place);
+    forces.jumps_alone = forces.jumps_alone && parts.size() <= left;  // what is too long to look at may read any
+    left -= std::min(left, parts.size());
+    return parts;
+  };
+  for (std::size_t i = 0; i < n && forces.jumps_alone; ++i) {
+    if (all[i].is_constant()) continue;
+    for (const tape::Index part : parts_of(all[i].place())) {
+      if (!std::ranges::binary_search(jumps, part)) continue;
+      forces.jumping[i] = true;
+      for (const tape::Index read : parts_of(equations[part].a)) {
+        const tape::Node& node = equations[read];
+        const auto variable = static_cast<std::size_t>(node.op == tape::Op::variable ? node.value : 0);
+        if (variable >= n && variable != n + i) forces.jumps_alone = false;
+      }
+    }
+  }
 }
 
 void SizedScene::set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian,

@@ -90,16 +90,18 @@ class SizedScene {
 
   /// What is known of the forces F(q, p, t); of all but their values beside a constant metric only.
   struct Forces {
-    bool linear = true;    ///< in p
-    bool diagonal = true;  ///< F_i reads p_i alone of all momenta
-    bool constant = true;  ///< ∂F/∂p is of numbers
-    bool jumps = false;    ///< at rest, as dry friction does
-    double friction = 0;   ///< c where F is −c p, which damping says as well; else 0
-    tape::Formula values;  ///< F
+    bool linear = true;         ///< in p
+    bool diagonal = true;       ///< F_i reads p_i alone of all momenta
+    bool constant = true;       ///< ∂F/∂p is of numbers
+    bool jumps = false;         ///< at rest, as dry friction does
+    bool jumps_alone = true;    ///< where they jump, this is with the momentum that each acts on, with no other
+    std::vector<bool> jumping;  ///< of each coordinate whether its force jumps; of none where none does
+    double friction = 0;        ///< c where F is −c p, which damping says as well; else 0
+    tape::Formula values;       ///< F
     tape::Formula jacobian;  ///< F and ∂F/∂p: where it is diagonal that by each p_i, else row by row; of too many none
     bool solvable() const { return jacobian.outputs() > 0; }
     /// Whether kicks know what such forces hold at rest.
-    bool can_rest() const { return jumps && diagonal && solvable(); }
+    bool can_rest() const { return jumps && jumps_alone && solvable(); }
   };
   Forces forces;
 
@@ -184,6 +186,8 @@ class SizedScene {
   /// Of L with a constant metric.
   std::vector<Symbol> slopes_of_lagrangian(const Symbol& v_of_place, const Symbol& of_action);
   void set_forces(const std::vector<Symbol>& all);
+  /// Of the switches where forces jump, in the order of the tape: whose force each is a part of, and what it reads.
+  void set_jumps(const std::vector<Symbol>& all, const std::vector<tape::Index>& jumps);
   /// `second`: the numbers of the entries of ∂²L/∂v² or ∂²H/∂p² where the metric is not diagonal.
   void set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian, const std::vector<double>& second,
                 bool of_velocities);

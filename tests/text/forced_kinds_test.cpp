@@ -88,6 +88,51 @@ TEST(ForcedKinds, DryFrictionHoldsWhatIsAtRest) {
   EXPECT_EQ(drag->card().summary.find("jumps with the velocity"), std::string::npos) << "|v| does not";
 }
 
+// Friction between two bodies: the one at rest is dragged along, and their momentum together is kept. What holds a body
+// at rest is looked for with the other one moving as it does.
+TEST(ForcedKinds, DryFrictionBetweenBodiesDragsTheOneAtRest) {
+  const auto dragged = mechanics_of(
+      with(of(typed_v, {"x", "y"}, {{"c", 0.3}}, "0*x*y"), {{"x", "-c*sign(vx-vy)"}, {"y", "c*sign(vx-vy)"}}));
+  const auto pushed =
+      mechanics_of(with(of(typed_v, {"x", "y"}, {{"c", 0.3}}, "0*x*y"), {{"x", "-c"}, {"y", "if(vx>vy,c,0)"}}));
+  EXPECT_NE(dragged->card().summary.find("velocities of others"), std::string::npos);
+  for (const auto& mechanics : {dragged, pushed})
+    for (const char* scheme : {"leapfrog", "symplectic_euler"})
+      for (const double vy : {0.0, -0.1}) {  // from rest, and through it
+        const End last = run(asked(mechanics, scheme, {0, 0, 1, vy}, 1));
+        EXPECT_NEAR(last.state[2], 0.7, 1e-12) << scheme << vy;
+        EXPECT_NEAR(last.state[3], vy + 0.3, 1e-12) << scheme << vy;
+        EXPECT_NEAR(last.state[1], vy + 0.15, scheme[0] == 'l' ? 1e-12 : 2e-3) << scheme << vy;
+        EXPECT_LT(last.balance, 1e-12) << scheme << vy;
+      }
+}
+
+// Friction that grows with another velocity holds a body against a pull of 0.1 while that is fast enough, and no
+// longer: p_y = 1 − t/4 falls to 1/3 at t = 8/3; from there on ṗ_x = 0.1 − 0.3 p_y, which adds up to 3 (t − 8/3)²/80.
+TEST(ForcedKinds, DryFrictionThatGrowsWithAnotherVelocityHolds) {
+  const auto held =
+      mechanics_of(with(of(typed_v, {"x", "y"}, {{"b", 0.25}}, "-0.1*x + b*y"), {{"x", "-0.3*sign(vx)*abs(vy)"}}));
+  for (const double end : {2.0, 3.5}) {
+    Request request = asked(held, "leapfrog", {0, 0, 0, 1}, end);
+    runs::set(request, "step", 0.01);
+    const End last = run(request);
+    const double free = std::max(0.0, end - 8.0 / 3);
+    if (end == 2)
+      EXPECT_EQ(last.state[0], 0);
+    else
+      EXPECT_NEAR(last.state[2], 3 * free * free / 80, 1e-3);
+    EXPECT_NEAR(last.state[3], 1 - end / 4, 1e-12);
+    EXPECT_LT(last.balance, 1e-6);
+  }
+  // Sliding to rest under it: p_x = 1 − 0.3 t ends at t = 10/3.
+  const auto sliding = mechanics_of(with(of(typed_v, {"x", "y"}, {}, "0*x*y"), {{"x", "-0.3*sign(vx)*abs(vy)"}}));
+  Request request = asked(sliding, "leapfrog", {0, 0, 1, 1}, 5);
+  runs::set(request, "step", 0.3);
+  const End last = run(request);
+  EXPECT_EQ(last.state[2], 0);
+  EXPECT_NEAR(last.state[0], 1 / 0.6, 0.02);
+}
+
 // A block that a spring pulls along, its other end at a constant speed u: it stays where it is until the spring
 // outweighs friction, at t₁ = c/(ku), then x = u(t − t₁) − (u/ω) sin ω(t − t₁), at rest for a moment once a turn.
 TEST(ForcedKinds, WhatIsHeldStartsWhenThePullOutweighsFriction) {

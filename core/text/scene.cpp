@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "core/memory_budget.hpp"
 #include "core/tape/formula.hpp"
@@ -30,35 +31,6 @@ std::vector<Symbol> entries_of(const SymbolMatrix& matrix) {
   for (std::size_t i = 0; i < matrix.size(); ++i)
     for (const auto& entry : matrix.row(i)) all.push_back(entry.value);
   return all;
-}
-
-/// Of a matrix whose rows are made as long as 1 the smallest pivot of Gauss' elimination, beside which rounding says
-/// whether it has an inverse. Its determinant does not: of many rows it is small even where they are far from parallel.
-double least_pivot(const BlockMatrix& matrix) {
-  double least = 1;
-  for (const auto& block : matrix.blocks()) {
-    const std::size_t n = block.of.size();
-    std::vector<double> a = block.numbers;
-    for (std::size_t i = 0; i < n; ++i) {
-      double square = 0;
-      for (std::size_t j = 0; j < n; ++j) square += a[i * n + j] * a[i * n + j];
-      for (std::size_t j = 0; j < n; ++j) a[i * n + j] /= std::sqrt(square);
-    }
-    for (std::size_t k = 0; k < n; ++k) {
-      std::size_t pivot = k;
-      for (std::size_t i = k + 1; i < n; ++i)
-        if (std::abs(a[i * n + k]) > std::abs(a[pivot * n + k])) pivot = i;
-      if (pivot != k) std::swap_ranges(&a[k * n], &a[k * n] + n, &a[pivot * n]);
-      const double here = std::abs(a[k * n + k]);
-      if (!(here > 0)) return 0;  // also where it is no number
-      least = std::min(least, here);
-      for (std::size_t i = k + 1; i < n; ++i) {
-        const double part = a[i * n + k] / a[k * n + k];
-        for (std::size_t j = k + 1; j < n && part != 0; ++j) a[i * n + j] -= part * a[k * n + j];
-      }
-    }
-  }
-  return least;
 }
 
 }  // namespace
@@ -296,21 +268,20 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
   const tape::Formula hessian = fold.formula(entries_of(form->hessian));
   std::vector<double> numbers(hessian.outputs());
   hessian.evaluate(x.data(), t, numbers.data());
-  const BlockMatrix blocks(form->hessian, numbers);
-  const double determinant = std::abs(blocks.determinant());
+  const auto here = BlockMatrix(form->hessian, numbers).regularity();
   // Velocities that were found from momenta may miss the place where it vanishes by a little.
-  double nearby = 0;
+  double nearby = -std::numeric_limits<double>::infinity();
   for (const double aside : {-1e-6, 1e-6}) {
     if (form->kind != FormKind::lagrangian) break;
     std::vector<double> y = x, there(numbers.size());
     const auto momentum = static_cast<std::size_t>(form->numbers.momentum);
     for (std::size_t i = momentum; i < momentum + n; ++i) y[i] += aside * (1 + std::abs(y[i]));
     hessian.evaluate(y.data(), t, there.data());
-    const double here = std::abs(BlockMatrix(form->hessian, there).determinant());
-    if (std::isfinite(here)) nearby = std::max(nearby, here);
+    const double beside = BlockMatrix(form->hessian, there).regularity().log_determinant;
+    if (std::isfinite(beside)) nearby = std::max(nearby, beside);
   }
   constexpr double rounding = 1e-14, vanishing = 1e-10;
-  if (!(least_pivot(blocks) > rounding) || determinant <= vanishing * nearby)
+  if (!(here.reciprocal_condition > rounding && here.log_determinant > nearby + std::log(vanishing)))
     return "is not regular at the start: " + second_derivative() + " has no inverse there";
   if (form->kind == FormKind::metric && !is_positive_definite(form->hessian, numbers))
     return "has a mass that is not positive at the start: " + second_derivative() + " is not positive definite there";

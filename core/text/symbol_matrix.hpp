@@ -58,7 +58,13 @@ class BlockMatrix {
   const std::vector<Block>& blocks() const { return blocks_; }
   /// Not finite where there is none.
   void invert();
-  double determinant() const;
+  /// How far a symmetric matrix is from one without an inverse, whatever the units of its rows and their number: of the
+  /// block that comes nearest 1/(‖A‖‖A⁻¹‖) once each row and its column have the same scale that makes their largest
+  /// entry 1, 0 where there is no inverse; and of all blocks log |det A|.
+  struct Regularity {
+    double reciprocal_condition = 1, log_determinant = 0;
+  };
+  Regularity regularity() const;
 
  private:
   std::vector<Block> blocks_;

@@ -281,4 +281,29 @@ TEST(GeneralLagrangian, StartsWhereItIsRegular) {
   }
 }
 
+/// Many pendulums that hang from each other have masses as regular as those of two.
+TEST(GeneralLagrangian, IsRegularOfManyCoordinates) {
+  const auto objection = [](const std::string& text) {
+    std::vector<std::string> names;
+    for (int i = 1; i <= 12; ++i) names.push_back(std::string("a").append(std::to_string(i)));
+    const auto mechanics = mechanics_of(of(lagrangian, names, {}, text));
+    const auto half = static_cast<std::size_t>(mechanics->text()->capacity);
+    std::vector<double> start(2 * half, 0.0);
+    for (std::size_t i = 0; i < 12; ++i) start[i] = 0.1 * double(i % 3);
+    const auto found = mechanics->text()->objection_to_start({}, 0, start);
+    return found ? found->detail : "";
+  };
+  std::string kinetic, together;
+  for (int i = 1; i <= 12; ++i) {
+    const std::string a = "a" + std::to_string(i);
+    for (int j = 1; j <= 12; ++j) {
+      const std::string b = "a" + std::to_string(j);
+      kinetic += "+" + std::to_string(13 - std::max(i, j)) + "*v" + a + "*v" + b + "*cos(" + a + "-" + b + ")/2";
+    }
+    together += (i == 1 ? "" : "+") + std::string("v") + a;
+  }
+  EXPECT_EQ(objection(kinetic.substr(1) + "+cos(a1)"), "");
+  EXPECT_NE(objection("(" + together + ")^2*(2+cos(a1))/2").find("not regular at the start"), std::string::npos);
+}
+
 }  // namespace

@@ -119,6 +119,34 @@ TEST(SymbolMatrix, TellsSignsOfPivots) {
 }
 
 // A chain of a thousand coordinates holds next to nothing; what is full is refused before it takes time or memory.
+/// min(i, j), as masses of a chain of pendulums: its condition grows as 4 n² / π² does, its determinant, 1, is ever
+/// smaller beside the product of its rows.
+TEST(SymbolMatrix, IsRegularOrNotAtAnySize) {
+  const auto regularity = [](const Square& a) {
+    const SymbolMatrix matrix = symbols_of(a);
+    return BlockMatrix(matrix, entries_of(matrix)).regularity();
+  };
+  for (const std::size_t n : {2U, 12U, 100U, 300U}) {
+    Square a(n, std::vector<double>(n));
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) a[i][j] = double(std::min(i, j) + 1);
+    const auto regular = regularity(a);
+    EXPECT_GT(regular.reciprocal_condition, 1e-7) << n;
+    EXPECT_NEAR(regular.log_determinant, 0, 1e-9) << n;
+    // In units that are far apart, which change nothing.
+    Square in_units = a;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) in_units[i][j] *= (i % 2 ? 1e9 : 1) * (j % 2 ? 1e9 : 1);
+    EXPECT_GT(regularity(in_units).reciprocal_condition, 1e-7) << n;
+    // The last coordinate as the sum of the first two.
+    for (std::size_t j = 0; j < n; ++j) a[n - 1][j] = a[0][j] + (n > 2 ? a[1][j] : 0);
+    for (std::size_t i = 0; i < n; ++i) a[i][n - 1] = a[i][0] + (n > 2 ? a[i][1] : 0);
+    EXPECT_FALSE(regularity(a).reciprocal_condition > 1e-14) << n;
+  }
+  EXPECT_EQ(regularity({{2, 0}, {0, 0}}).reciprocal_condition, 0);
+  EXPECT_FALSE(regularity({{2, NAN}, {NAN, 1}}).reciprocal_condition > 0);
+}
+
 TEST(SymbolMatrix, TakesWhatItsEntriesTake) {
   constexpr std::size_t n = 1024;
   SymbolMatrix chain(n), full(n);

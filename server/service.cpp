@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/tape/tape.hpp"
 #include "server/decode/scene_reader.hpp"
 #include "server/decode/wording.hpp"
 #include "server/encode/catalogue_json.hpp"
@@ -52,6 +53,28 @@ void add_texts(Router& router, const Cards& cards, const Caps& caps) {
   router.add_text("/v1/schemes", "/v1/schemes", json, list_schemes(cards));
 }
 
+// What a scene takes too many operations for is told where it is known, in words of its own; what is not foreseen there
+// is a limit of the scene all the same, and no fault of the service.
+Answer too_many_operations(std::string_view request_id) {
+  Faults faults;
+  faults.add({"/problem", "what is asked takes more operations than may be derived from a scene", {}, {}});
+  return problem_document(faults, request_id);
+}
+Prepared prepared(Endpoint endpoint, const Context& context, const HttpRequest& request) try {
+  Prepared made = endpoint(context, request);
+  auto* const job = std::get_if<Job>(&made);
+  if (!job) return made;
+  return Job([job = std::move(*job), id = std::string(request.id)](Admission::Pass pass) {
+    try {
+      return job(std::move(pass));
+    } catch (const tape::TooManyOperations&) {
+      return too_many_operations(id);
+    }
+  });
+} catch (const tape::TooManyOperations&) {
+  return too_many_operations(request.id);
+}
+
 // Where somebody may have wanted to go, or what to send there.
 std::string hint(const Cards& cards, int status, std::string_view path) {
   if (status == 405) {
@@ -84,8 +107,9 @@ Service::Service(const Settings& settings, std::span<const Asset> assets)
   router.add_glance(effort_of);
   router.add_hint([this](int status, std::string_view path) { return hint(context_.cards, status, path); });
   for (const ComputedRoute& route : computed_routes) {
-    router.add_computed(
-        route.path, [this, answer = route.answer](const HttpRequest& request) { return answer(context_, request); });
+    router.add_computed(route.path, [this, answer = route.answer](const HttpRequest& request) {
+      return prepared(answer, context_, request);
+    });
   }
 }
 

@@ -38,9 +38,17 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   if (scene.form->kind == text::FormKind::lagrangian && scene.form->tape.has_terms())
     scene.form = text::with_sums_written_out(scene.form);
   if (!scene.form) return too_many_operations(tape::most_of_equations);
+  const bool inverts = scene.form->full_mass && !scene.form->momenta.empty();
   try {
     return with_found_schemes(sized_mechanics(std::move(scene)));
   } catch (const tape::TooManyOperations&) {
+    if (inverts)
+      return std::vector<text::DefinitionFault>{
+          {"/lagrangian",
+           {0, "its masses couple too many coordinates: the inverse of their matrix takes too many operations",
+            std::to_string(text::SizedScene::most_equations) +
+                ", enough for some 330 coordinates that all hang together"},
+           false}};
     return too_many_operations(text::SizedScene::most_equations);
   }
 }

@@ -187,16 +187,18 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
 
 }  // namespace
 
-std::string TextScene::note_on_equations() const {
+std::string TextScene::note_on_equations(const Said& equations) const {
   if (tape::operations_written_out(form->tape) > static_cast<std::size_t>(tape::most_written_out))
     return "its sums are too long to be written out term by term";
+  if (std::ranges::all_of(equations, [](const auto& said) { return said.second == "…"; }))
+    return "they take too many operations to be written out";
   if (!in_velocities(*form) || solved_for_accelerations(*form)) return {};
   return "momenta, ∂L/∂v, and their rates, said with velocities: accelerations would need an inverse that is long to "
          "say, and are solved for at every step";
 }
 
-std::vector<std::pair<std::string, std::string>> TextScene::equations_in_short() const {
-  std::vector<std::pair<std::string, std::string>> texts;
+TextScene::Said TextScene::equations_in_short() const {
+  Said texts;
   for (const auto& name : definition.variables) texts.emplace_back(name, "…");
   if (form->kind != FormKind::flow)
     for (const auto& name : definition.variables) texts.emplace_back(momentum_name(name), "…");
@@ -204,7 +206,7 @@ std::vector<std::pair<std::string, std::string>> TextScene::equations_in_short()
   return texts;
 }
 
-std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
+TextScene::Said TextScene::equations() const try {
   const std::shared_ptr<const Form> plain = with_sums_written_out(form);
   if (!plain) return equations_in_short();
   Rates rates;
@@ -220,7 +222,7 @@ std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
     const auto& coordinate = definition.variables[static_cast<std::size_t>(i - numbers.momentum)];
     return velocities ? velocity_name(coordinate) : momentum_name(coordinate);
   };
-  std::vector<std::pair<std::string, std::string>> texts;
+  Said texts;
   std::size_t left = most_looked_at;  // once there is nothing left, none is gone through
   for (const auto& [of, rate] : rates.all) {
     const std::size_t parts = rate.is_constant() ? 0 : left == 0 ? 1 : tape::parts_of(rates.tape, rate.place()).size();
@@ -228,6 +230,8 @@ std::vector<std::pair<std::string, std::string>> TextScene::equations() const {
     left -= std::min(parts, left);
   }
   return texts;
+} catch (const tape::TooManyOperations&) {  // as of a full inverse of many masses
+  return equations_in_short();
 }
 
 }  // namespace least::text

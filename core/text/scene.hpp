@@ -63,14 +63,15 @@ struct TextScene {
   /// take K ≥ 0 for granted; of a general Lagrangian or Hamiltonian nothing is, and regular is enough.
   std::optional<Objection> objection_to_start(std::span<const double> parameters, double t,
                                               const std::vector<double>& state) const;
-  /// The derived equations of motion as text: of every variable the rate.
-  std::vector<std::pair<std::string, std::string>> equations() const;
+  /// The derived equations of motion as text: of every variable the rate, "…" where that is too long.
+  using Said = std::vector<std::pair<std::string, std::string>>;
+  Said equations() const;
   /// What has to be said of them; empty: nothing.
-  std::string note_on_equations() const;
+  std::string note_on_equations(const Said& equations) const;
 
  private:
-  /// Of sums too long to be written out: the names alone.
-  std::vector<std::pair<std::string, std::string>> equations_in_short() const;
+  /// Of what is too long to be written out: the names alone.
+  Said equations_in_short() const;
   /// The same of a scene that only what knows its size when it runs can tell.
   std::optional<Objection> objection_to_large_start(std::span<const double> parameters, double t,
                                                     const std::vector<double>& state) const;

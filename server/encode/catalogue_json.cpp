@@ -145,10 +145,11 @@ void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equati
   if (form.forced) json.key("forced").boolean(true);
   json.close('}');
   if (with_equations) {
+    const text::TextScene::Said equations = scene.equations();
     json.key("equations").open('{');
-    for (const auto& [name, rate] : scene.equations()) json.key(name).text(rate);
+    for (const auto& [name, rate] : equations) json.key(name).text(rate);
     json.close('}');
-    if (const std::string note = scene.note_on_equations(); !note.empty()) json.key("equations_note").text(note);
+    if (const std::string note = scene.note_on_equations(equations); !note.empty()) json.key("equations_note").text(note);
   }
   if (scene.definition.typed) write_pictures(json, scene.definition.typed->pictures);
   if (!scene.known) return write_language(json);

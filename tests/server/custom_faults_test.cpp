@@ -163,5 +163,16 @@ TEST_F(CustomFaults, FaultsNameTheirPlace) {
   }
 }
 
+// Masses that couple hundreds of coordinates have an inverse that is too long to be said, and the answer says that.
+TEST_F(CustomFaults, EquationsThatAreTooLongAreNone) {
+  const auto reply = ask(port(), post("/v1/problems", R"~({"problem":{"id":"custom","variables":["x[n]"],
+      "parameters":{"n":300},
+      "lagrangian":"sum(i=1..n,vx[i]^2/2)+0.3*sum(i=1..n-1,vx[i]*vx[i+1])-sum(i=1..n,x[i]^2/2)"}})~"));
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json card = Json::parse(reply.body);
+  EXPECT_EQ(card["equations"]["x[1]"], "…");
+  EXPECT_NE(card["equations_note"].get<std::string>().find("too many operations"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace least::server::test

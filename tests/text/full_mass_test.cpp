@@ -235,13 +235,34 @@ TEST(FullMass, EquationsAsTextAreThoseOfTheMotion) {
   EXPECT_EQ(of_action[4].first, "s");
   // Of four coordinates the inverse is said where it is made of numbers.
   EXPECT_EQ(mechanics_of(chain())->text()->equations()[4].first, "pa");
-  EXPECT_TRUE(mechanics_of(chain())->text()->note_on_equations().empty());
+  EXPECT_TRUE(mechanics_of(chain())->text()->note_on_equations(mechanics_of(chain())->text()->equations()).empty());
   Definition of_parameters = chain();
   of_parameters.parameters = {{"k", 0.5}};
   of_parameters.formula += " + k*va*vc/4";
   const auto with_parameters = mechanics_of(of_parameters);
   EXPECT_EQ(with_parameters->text()->equations()[0].first, "pa") << "with velocities, as of a metric";
-  EXPECT_FALSE(with_parameters->text()->note_on_equations().empty());
+  EXPECT_FALSE(with_parameters->text()->note_on_equations(with_parameters->text()->equations()).empty());
+}
+
+// Masses that couple all coordinates of a chain have an inverse that is full: of 300 it is short enough to run, not to
+// be said; of more than some 330 it is neither.
+TEST(FullMass, AnInverseTooLongToBeSaidIsNot) {
+  const auto made = [](double n) {
+    text::TypedScene typed;
+    typed.scene = of(typed_l, {"x[n]"}, {{"n", n}},
+                     "sum(i=1..n, vx[i]^2/2) + 0.3*sum(i=1..n-1, vx[i]*vx[i+1]) - sum(i=1..n, x[i]^2/2)");
+    return custom_mechanics(std::move(typed));
+  };
+  const auto mechanics = std::get<std::shared_ptr<const Mechanics>>(made(300));
+  const auto equations = mechanics->text()->equations();
+  ASSERT_EQ(equations.size(), 600U);
+  for (const auto& [name, rate] : equations) EXPECT_EQ(rate, "…") << name;
+  EXPECT_NE(mechanics->text()->note_on_equations(equations).find("too many operations"), std::string::npos);
+  const auto refused = made(400);
+  const auto* const faults = std::get_if<std::vector<text::DefinitionFault>>(&refused);
+  ASSERT_NE(faults, nullptr);
+  EXPECT_EQ(faults->front().pointer, "/lagrangian");
+  EXPECT_NE(faults->front().fault.detail.find("couple too many coordinates"), std::string::npos);
 }
 
 }  // namespace

@@ -29,8 +29,16 @@ void Run::finish() {
   }
   if (ended_) return finish_at_event();
   for (const std::size_t which : reached_at_end(problem_, *integrator_, state_, watch_)) {
+    if (ended_) {  // what vanishes in the same instant as one that acts follows after that
+      ended_->also.push_back(which);
+      continue;
+    }
     add_event({state_.x.t, which}, state_.x);
-    if (watch_.ends(which) && outcome_.event.empty()) outcome_.event = watch_.name(which);
+    if (!watch_.ends(which) || !outcome_.event.empty()) continue;  // the run is over with the first that stops it
+    if (request_.events[which].act)
+      ended_.emplace(EndAtEvent{state_.x, which, {}});
+    else
+      outcome_.event = watch_.name(which);
   }
   if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
   if (end_ < infinite && (!fixed_ || draw(end_))) save_rest(state_.x, step);

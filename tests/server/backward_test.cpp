@@ -176,6 +176,36 @@ TEST_F(Backward, HasEventsThatAct) {
   EXPECT_TRUE(answer(request)["events"].empty()) << "it falls as the run goes on";
 }
 
+// An act in the instant of the end happens, whichever way the run goes there, and does not end it.
+TEST_F(Backward, HasEventsThatActAtTheEnd) {
+  for (const double end : {2.0, -2.0}) {
+    Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"potential", "x^2/2"}}},
+                    {"initial", {{"x", 1}}},
+                    {"until", end},
+                    {"record", {{"samples", 5}}}};
+    const std::string kick = end > 0 ? "t-2" : "t+2";
+    for (const char* scheme : {"taylor", "leapfrog"}) {
+      request["scheme"] = scheme;
+      request["events"] = {{{"name", "k"}, {"expression", kick}, {"set", {{"vx", "vx+5"}}}}};
+      const Json made = answer(request);
+      EXPECT_NEAR(made["final"]["px"], -std::sin(end) + 5, 1e-4) << scheme << end;
+      EXPECT_FALSE(made.contains("end")) << scheme << made["end"];
+      ASSERT_EQ(made["acts"].size(), 1U) << scheme << end;
+      EXPECT_EQ(made["acts"][0]["count"], 1) << scheme << end;
+      EXPECT_EQ(made["events"].size(), 1U) << scheme << end;
+      EXPECT_EQ(made["trajectory"]["t"].size(), 5U) << scheme << end;
+      // Two in one instant: the second acts on what the first has left.
+      request["events"].push_back({{"name", "l"}, {"expression", "2*(" + kick + ")"}, {"set", {{"vx", "2*vx"}}}});
+      const Json both = answer(request);
+      EXPECT_NEAR(both["final"]["px"], 2 * (-std::sin(end) + 5), 1e-4) << scheme << end;
+      // One that stops the run comes before those after it.
+      request["events"][0] = {{"name", "stop"}, {"expression", kick}, {"stop", true}};
+      const Json stopped = answer(request);
+      EXPECT_NEAR(stopped["final"]["px"], -std::sin(end), 1e-4) << scheme << end;
+    }
+  }
+}
+
 // Where a run stops is told in its own time.
 TEST_F(Backward, StopsAtASingularity) {
   const Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"equations", {{"x", "-x^2"}}}}},

@@ -228,7 +228,7 @@ void Run::warn_of_the_run() {
   std::optional<Request> alone;
   if (acted_) alone.emplace(request_).control = false;  // a control run knows no acts
   const Request& last = alone ? *alone : request_;
-  warn_of_run({backend_, last, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, shortly},
+  warn_of_run({backend_, last, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, acted_, shortly},
               outcome_.warnings);
   if (events_.full()) warn("events_truncated", "more events than limits.samples has room for; the first are listed");
 }

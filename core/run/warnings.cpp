@@ -103,13 +103,21 @@ std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
   return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, allowed, run.keep_going);
 }
 
-/// A scene as text that starts where nothing moves, with all of it 0: most likely nobody said where it is to start.
+/// A scene as text that starts where nothing moves, with all of it 0: most likely nobody said where it is to start. One
+/// that moves may come back to 0, by an event or by itself.
 void warn_of_rest(const FinishedRun& run, std::vector<Warning>& warnings) {
   const Scene& scene = *run.request.scene;
   const auto at_zero = [](const auto& numbers) {
     return std::ranges::all_of(numbers, [](double x) { return x == 0; });
   };
-  if (scene.mechanics->text() && run.state.n > 0 && at_zero(scene.initial) && at_zero(run.state.x.numbers))
+  if (!scene.mechanics->text() || run.state.n == 0 || run.acted) return;
+  if (!at_zero(scene.initial) || !at_zero(run.state.x.numbers)) return;
+  const ProblemTable& problem = run.backend.motion();
+  const RunState start = problem.start(scene.initial, scene.start);
+  StateNumbers rates(std::max(start.size(), problem.traits.components));
+  problem.rates(start, rates.data());
+  const auto still = [&](const RunState& x) { return at_zero(x.numbers); };
+  if (at_zero(rates) && std::ranges::all_of(run.evidence.states(), still))
     warnings.push_back(
         {"starts_at_rest_in_equilibrium",
          "nothing moves: what `initial` does not say is 0, and there the scene rests in an equilibrium"});

@@ -21,6 +21,7 @@ struct FinishedRun {
   const Integrator& integrator;
   const StepGuard& guard;
   const Evidence& evidence;
+  bool acted;  ///< an event did, once at least
   const KeepGoing& keep_going;
 };
 

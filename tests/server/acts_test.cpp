@@ -312,6 +312,24 @@ TEST_F(EventsThatAct, SamplesOfARunByStepsAreAsManyAsWereAskedFor) {
   }
 }
 
+// A scene that an event brings back to 0 has moved.
+TEST_F(EventsThatAct, BringBackToZeroWhatDoesNotRest) {
+  const Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"equations":{"x":"1"}},
+      "scheme":"taylor","until":2,"record":{"samples":5},
+      "events":[{"name":"r","expression":"x-1","set":{"x":"0"}}]})~");
+  const Json made = answer(request);
+  EXPECT_EQ(made["final"]["x"], 0);
+  for (const Json& warning : made["warnings"]) EXPECT_NE(warning["code"], "starts_at_rest_in_equilibrium");
+  // Nor does one rest that comes back by itself.
+  Json there_and_back = request;
+  there_and_back["problem"]["equations"]["x"] = "if(t<1,1,-1)";
+  there_and_back.erase("events");
+  there_and_back["scheme"] = {{"id", "explicit_euler"}, {"step", 0.5}};
+  const Json back = answer(there_and_back);
+  EXPECT_EQ(back["final"]["x"], 0);
+  for (const Json& warning : back["warnings"]) EXPECT_NE(warning["code"], "starts_at_rest_in_equilibrium");
+}
+
 TEST_F(EventsThatAct, AreEchoedAndChosenFor) {
   Json request = ball(0.5);
   request["until"] = 3;

@@ -64,7 +64,7 @@ struct Study {
   std::vector<StudyCurve> curves;           ///< in the order of the plan's schemes
   std::vector<ParetoPoint> pareto;          ///< from few force evaluations to many
   std::vector<Message> left_out;            ///< what, and why
-  ReturnCode stop = ReturnCode::completed;  ///< else why there is no reference
+  ReturnCode stop = ReturnCode::completed;  ///< else why the reference was not finished
 };
 
 struct StudyPlan {

@@ -165,7 +165,8 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
             : fmt::format("everything: the reference solution was not finished within {} s, or is not finite",
                           plan.budget_seconds));
     for (StudyCurve& curve : study.curves) curve.why = "there is no reference solution";
-    study.stop = deadline.left() > 0 ? ReturnCode::not_finite : ReturnCode::deadline;
+    // Where none can be made nothing was stopped: what there is to say has been said.
+    if (missing.empty()) study.stop = deadline.left() > 0 ? ReturnCode::not_finite : ReturnCode::deadline;
     return study;
   }
   study.how = subject.truth().how;

@@ -279,6 +279,28 @@ TEST_F(StudyLoad, TheEndOfTheServiceIsToldInTheLastLine) {
   EXPECT_TRUE(client.ended());
 }
 
+// Of so many bodies there is no reference to be had: nothing stopped, nothing was begun, and both say so.
+TEST_F(StudyHttp, WithoutAReferenceThatCanBeMadeNothingStopped) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]","y[n]"],"parameters":{"n":100},
+      "potential":"-sum(i=1..n,j=i+1..n,1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2))"},"until":0.002})~");
+  for (int i = 0; i < 100; ++i) {
+    request["initial"]["x"].push_back(i % 10);
+    request["initial"]["y"].push_back(i / 10);
+  }
+  Json run = request;
+  request["schemes"] = {"leapfrog"};
+  const Reply reply = ask(port(), post("/v1/work-precision", request.dump()));
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json study = Json::parse(reply.body);
+  EXPECT_EQ(study["status"], "completed");
+  EXPECT_FALSE(study.contains("stop"));
+  EXPECT_NE(study["left_out"].dump().find("more operations than a reference"), std::string::npos) << study["left_out"];
+  run["scheme"] = {{"id", "leapfrog"}, {"step", 0.001}};
+  run["diagnostics"] = {"error"};
+  const Json made = Json::parse(ask(port(), post("/v1/simulate", run.dump())).body);
+  EXPECT_EQ(made["diagnostics"]["error"]["reference"], "none");
+}
+
 // A long chaotic motion, whose truth takes more than the time there is.
 TEST_F(StudyHttp, WithoutAReferenceItStopped) {
   runs::problem_called("thermostat");

@@ -8,6 +8,7 @@
 #include "core/run/diagnostics/largest_error.hpp"
 #include "core/run/diagnostics/rows.hpp"
 #include "core/run/landmarks.hpp"
+#include "core/run/mechanics.hpp"
 #include "core/run/messages.hpp"
 
 namespace least {
@@ -55,8 +56,9 @@ class Error final : public Diagnostic {
       told = found.complete && can_tell(found.uncertainty, found.most);
       if (!told) warn_of_missing_reference(end.warnings, found.complete ? found.uncertainty : unknown, found.missing);
     }
-    std::string how(found.how);
-    if (known && !told) how += found.complete ? ", too uncertain" : ", not finished";
+    const bool begun = found.missing != missing::too_long && found.missing != missing::no_series;
+    std::string how(begun ? found.how : "none");
+    if (known && !told && begun) how += found.complete ? ", too uncertain" : ", not finished";
     const auto if_told = [told](double number) { return told ? number : unknown; };
     Report report = numbers("error", {{"final", if_told(found.last)},
                                       {"max", if_told(found.most)},

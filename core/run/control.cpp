@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/run/control_stepper.hpp"
@@ -15,7 +17,49 @@ struct ControlRun {
   /// The time beyond which there is no step worth the name, as before a singularity: however stiff a motion is, its
   /// steps are longer against the time that they took until now.
   std::optional<double> stands_at{};
+  RunState last{};  ///< where it came to
 };
+
+/// Whether a motion that control runs do not lead on has rates beyond the place where they stand, as it has beyond a
+/// jump of forces that holds it there: along the rates they are bounded, and differ the less the shorter the way is. At
+/// a singularity they grow, vary on each scale or are no numbers.
+bool rates_go_on(const RunBackend& backend, const RunState& start, const ControlRun& stood) {
+  constexpr int scales = 4;
+  constexpr double first = 1e-3, ratio = 0.1, smooth = 0.3, grown = 10, rounding = 1e-9;
+  const ProblemTable& problem = backend.motion();
+  const RunState& x = stood.last;
+  const std::size_t n = x.size();
+  const auto rates_at = [&](const RunState& y) {
+    StateNumbers rates(std::max(n, problem.traits.components));
+    problem.rates(y, rates.data());
+    return rates;
+  };
+  const auto largest = [n](const StateNumbers& rates) {
+    double most = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (!(std::abs(rates[i]) <= most)) most = std::abs(rates[i]);
+    return most;
+  };
+  const StateNumbers here = rates_at(x);
+  double usual = largest(rates_at(start));
+  for (const RunState& before : stood.states) usual = std::max(usual, largest(rates_at(before)));
+  if (!(largest(here) <= grown * usual)) return false;
+  double way = first * (x.t - start.t), last_change = std::numeric_limits<double>::infinity();
+  std::optional<StateNumbers> last;
+  for (int k = 0; k < scales; ++k, way *= ratio) {
+    RunState beyond = x;
+    beyond.t += way;
+    for (std::size_t i = 0; i < n; ++i) beyond[i] += way * here[i];
+    StateNumbers rates = rates_at(beyond);
+    if (!(largest(rates) <= grown * usual)) return false;
+    double change = 0;
+    for (std::size_t i = 0; i < n && last; ++i) change = std::max(change, std::abs(rates[i] - (*last)[i]));
+    if (last && !(change <= smooth * last_change + rounding * usual)) return false;
+    if (last) last_change = change;
+    last = std::move(rates);
+  }
+  return true;
+}
 
 /// The motion at the times of states, which increase, as far as it gets with so many force evaluations and those of a
 /// step, and as long as it may.
@@ -31,8 +75,10 @@ ControlRun control_run(const RunBackend& backend, RunState x, std::span<const Ru
       before = x.t;
       if (stepper.step(x) == StepStatus::ok) continue;
       motion.stands_at = x.t;
+      motion.last = x;
       return motion;
     }
+    motion.last = x;
     if (x.t < state.t && x.t - before < standstill * (x.t - start)) motion.stands_at = x.t;
     RunState here = x;
     if (x.t < state.t || (x.t > state.t && !stepper.interpolate(here, state.t))) return motion;
@@ -80,8 +126,10 @@ Departure departure(const RunBackend& backend, RunState x, std::span<const RunSt
   if (found.error <= large) {
     constexpr double beyond = 0.01, near = 1e-3;  // of the time until there
     if (!motion.stands_at || !(states.back().t - *motion.stands_at > beyond * (*motion.stands_at - x.t))) return found;
-    const auto closer = control_run(backend, x, states, tolerance / 100, 4 * most_forces, keep_going).stands_at;
-    if (closer && std::abs(*closer - *motion.stands_at) < near * (*closer - x.t)) found.stands_at = closer;
+    const ControlRun other = control_run(backend, x, states, tolerance / 100, 4 * most_forces, keep_going);
+    const auto closer = other.stands_at;
+    if (closer && std::abs(*closer - *motion.stands_at) < near * (*closer - x.t) && !rates_go_on(backend, x, other))
+      found.stands_at = closer;
     return found;
   }
   for (int closer_ones = 0; closer_ones < 2; ++closer_ones) {

@@ -107,6 +107,23 @@ TEST_F(Forces, ThatHoldWhatRestsEndTheReference) {
   EXPECT_TRUE(told) << made["warnings"];
 }
 
+// Where friction holds a mass a control run stands still, and nothing is singular there.
+TEST_F(Forces, ThatHoldWhatRestsAreNoSingularity) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"0*x",
+      "forces":{"x":"-0.3*sign(vx)"}},"initial":{"vx":0.5},"scheme":"leapfrog","until":10,"record":{"every":0}})~");
+  const Json made = answer(request);
+  EXPECT_NEAR(made["final"]["x"], 0.25 / 0.6, 1e-4);
+  for (const Json& warning : made["warnings"]) EXPECT_NE(warning["code"], "beyond_singularity") << warning;
+  request["problem"] = {{"id", "custom"}, {"variables", {"x"}}, {"equations", {{"x", "-1/x"}}}};
+  request["initial"] = {{"x", 1}};
+  request["scheme"] = "runge_kutta_4";
+  request["until"] = 1;
+  const Json beyond = answer(request);  // x² = 1 − 2t
+  EXPECT_TRUE(std::ranges::any_of(beyond["warnings"], [](const Json& warning) {
+    return warning["code"] == "beyond_singularity";
+  })) << beyond["warnings"];
+}
+
 // Backward in time friction gives what it takes forward, and a force that is even in v stays as it is: the run there
 // and back returns, and so does the work.
 TEST_F(Forces, GoBackward) {

@@ -255,6 +255,14 @@ class FirstFailure {
   const std::atomic<bool>& cancelled_;
 };
 
+/// Whether a step up to `most` fails, looked for from the longest one.
+bool any_fails(LongRun& run, std::size_t setting, double most, const std::atomic<bool>& cancelled) {
+  constexpr int halvings = 10;
+  for (int k = 0; k <= halvings && !cancelled.load(std::memory_order_relaxed); ++k)
+    if (!run.failure(setting, most * std::exp2(-k)).empty()) return true;
+  return false;
+}
+
 }  // namespace
 
 StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& scheme,
@@ -269,12 +277,17 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
   }
   LongRun run(scene, scheme, cancelled);
   const Conditioning& motion = run.motion();
+  const double most = std::min(run.span(), dial.range.high);
   if (motion.damping == 0 && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0) {
-    limit.step = limit.theory = 0;
-    limit.failure = "energy_growth";
+    // By linear theory it grows at every step, but not on a motion that has nothing to grow: a free one, or rest.
+    if (any_fails(run, dial.index, most, cancelled)) {
+      limit.step = limit.theory = 0;
+      limit.failure = "energy_growth";
+    } else {
+      limit.why = fmt::format("every step that was tried is stable, up to {:.4g}", most);
+    }
     return limit;
   }
-  const double most = std::min(run.span(), dial.range.high);
   // Linear theory, where the motion has one frequency, that of its small oscillations, and one damping.
   double gap = unknown;
   if (motion.damping >= 0 && motion.fastest > 0 && motion.fastest - motion.slowest <= 1e-12 * motion.fastest) {

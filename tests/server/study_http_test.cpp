@@ -301,6 +301,19 @@ TEST_F(StudyHttp, WithoutAReferenceThatCanBeMadeNothingStopped) {
   EXPECT_EQ(made["diagnostics"]["error"]["reference"], "none");
 }
 
+// explicit_euler is exact at every step where nothing pulls, and grows at every step where something does.
+TEST_F(StudyHttp, AFreeMotionIsStableAtEveryStep) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"0*x"},"initial":{"vx":1},
+      "schemes":["explicit_euler"]})~");
+  const auto limit = [&] { return Json::parse(ask(port(), post("/v1/stability", request.dump())).body); };
+  const Json free = limit();
+  EXPECT_EQ(free.dump().find("energy_growth"), std::string::npos) << free;
+  request["problem"]["potential"] = "x^2/2";
+  EXPECT_NE(limit().dump().find("energy_growth"), std::string::npos);
+  request["initial"]["vx"] = 0;  // at rest
+  EXPECT_EQ(limit().dump().find("energy_growth"), std::string::npos);
+}
+
 // A long chaotic motion, whose truth takes more than the time there is.
 TEST_F(StudyHttp, WithoutAReferenceItStopped) {
   runs::problem_called("thermostat");

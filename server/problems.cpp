@@ -19,7 +19,7 @@ Prepared describe_scene(const Context& context, const HttpRequest& request) {
   if (faults.empty() && read_object(body->tree, top, {"problem", "initial"}, "the request")) {
     scene.mechanics = read_problem(body->tree, top, context.cards);
     if (scene.mechanics) read_scene(body->tree, top, scene);
-    if (scene.mechanics && body->tree.contains("initial")) check_start(scene, top);
+    if (scene.mechanics && body->tree.contains("initial")) check_start(body->tree, top, scene);
   }
   if (!faults.empty()) return problem_document(faults, request.id);
   const text::TextScene* const text = scene.mechanics->text();

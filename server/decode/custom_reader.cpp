@@ -193,7 +193,8 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
   }
   const bool readable =
       kind && !faults.within(here.at("variables").pointer) && !faults.within(here.at("parameters").pointer) &&
-      (definition.kind == Definition::Kind::equations || !faults.within(here.at(kinds[*kind]).pointer));
+      (definition.kind == Definition::Kind::equations ? !faults.at(here.at(kinds[*kind]).pointer)
+                                                      : !faults.within(here.at(kinds[*kind]).pointer));
   std::shared_ptr<const Mechanics> mechanics;
   if (readable) {
     mechanics = made_of(std::move(typed), problem, here);

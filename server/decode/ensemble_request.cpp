@@ -210,7 +210,7 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   read_members(root, top, card ? scene.get() : nullptr, plan);
   read_plan(root, top, card, scheme_card, preset, caps, &plan.members, request);
   request.diagnostics.clear();
-  if (card && plan.members.vary.empty()) check_start(*scene, top);
+  if (card && plan.members.vary.empty()) check_start(root, top, *scene);
   read_range(root, top, plan);
   const bool keeps_section = read_keep(root, top, plan);
   check_finals(root, top, plan);

@@ -121,7 +121,7 @@ Result<Question, Faults> decode_periodic(ParsedJson body, const Cards& cards, co
   const auto scene = std::make_shared<Scene>();
   scene->mechanics = problem;
   const PresetCard* preset = read_scene(root, top, *scene);
-  check_start(*scene, top);
+  check_start(root, top, *scene);
   refuse_own_events(*problem, top.at("problem"));
   question.scene = scene;
   const ProblemCard& card = scene->card();

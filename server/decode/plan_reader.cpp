@@ -92,15 +92,20 @@ Span span_until(const Json& root, const FieldPath& top, const Request& request, 
   }
   if (!h) return {request.end, std::nullopt};
   const double steps = (request.end - request.scene->start) / *h;
+  // Of an end that nobody said the step is at fault.
+  const auto refuse = [&](const std::string& why) {
+    if (find(root, "until")) return time.fault(why, Json(run_time(request, request.end)));
+    top.at("scheme").at("step").fault(
+        fmt::format("is too short for the end, t = {}: {}", shortest(run_time(request, request.end)), why), Json(*h),
+        "a longer step, or an until of one's own");
+  };
   if (!(steps <= static_cast<double>(greatest_count))) {
-    time.fault(
-        fmt::format("would take {} steps of {}, more than can be counted", shortest(std::floor(steps)), shortest(*h)),
-        Json(run_time(request, request.end)));
+    refuse(
+        fmt::format("would take {} steps of {}, more than can be counted", shortest(std::floor(steps)), shortest(*h)));
     return {};
   }
   if (request.scene->start + *h == request.scene->start || request.end - *h == request.end) {
-    time.fault(fmt::format("a double cannot tell times apart there that lie a step of {} apart", shortest(*h)),
-               Json(run_time(request, request.end)));
+    refuse(fmt::format("a double cannot tell times apart there that lie a step of {} apart", shortest(*h)));
     return {};
   }
   return {request.end, whole_steps(request.scene->start, request.end, *h)};

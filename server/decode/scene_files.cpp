@@ -79,8 +79,9 @@ class FileReader {
     initial.update(object_at(preset, "initial"));
     Scene scene;
     scene.mechanics = typed_;
-    read_scene({{"problem", std::move(problem)}, {"initial", std::move(initial)}}, top(), scene);
-    check_start(scene, top());
+    const Json root = {{"problem", std::move(problem)}, {"initial", std::move(initial)}};
+    read_scene(root, top(), scene);
+    check_start(root, top(), scene);
     check();
     return scene;
   }

@@ -13,6 +13,7 @@
 #include "core/text/start_velocities.hpp"
 #include "core/text/written_out.hpp"
 #include "server/decode/custom_reader.hpp"
+#include "server/decode/objection_place.hpp"
 #include "server/decode/pictures_reader.hpp"
 
 namespace least::server {
@@ -230,8 +231,9 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   }
 
   if (text)
-    if (auto objection = text->objection(scene.parameters))
-      path.faults->add({path.pointer + objection->pointer, std::move(objection->detail), {}, {}, {}});
+    if (const auto objection = text->objection(scene.parameters))
+      add_objection(root, top, scene, *objection,
+                    [&](const Scene& other) { return !text->objection(other.parameters); });
   static const Json nothing = Json::object();
   const Json* initial = find(root, "initial");
   if (initial == nullptr && text == nullptr) return preset;
@@ -277,7 +279,7 @@ bool holds_velocities(const Json& root, const Json& asked, const FieldPath& path
   return read_name(*holds, path.at("holds"), names, "part of a start").value_or(0) == 1;
 }
 
-void check_start(Scene& scene, const FieldPath& top) {
+void check_start(const Json& root, const FieldPath& top, Scene& scene) {
   const text::TextScene* const text = scene.mechanics->text();
   if (text == nullptr || top.faults->within("/problem") || top.faults->within("/initial")) return;
   auto objection = text->objection_to_start(scene.parameters, scene.start, scene.initial);
@@ -287,7 +289,10 @@ void check_start(Scene& scene, const FieldPath& top) {
     return;
   }
   if (const std::string advice = advice_on_start(scene); !advice.empty()) objection->detail += "; " + advice;
-  top.faults->add({top.at("problem").pointer + objection->pointer, std::move(objection->detail), {}, {}, {}});
+  add_objection(root, top, scene, *objection, [&](const Scene& other) {
+    return !text->objection(other.parameters) &&
+           !text->objection_to_start(other.parameters, other.start, other.initial);
+  });
 }
 
 std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card, const Scene* scene,

@@ -47,7 +47,7 @@ bool holds_velocities(const Json& root, const Json& asked, const FieldPath& path
 
 /// What a scene as text that was read without a fault has against its start. A start at a place where the mechanics is
 /// not finite, but the motion is, moves beside it.
-void check_start(Scene& scene, const FieldPath& top);
+void check_start(const Json& root, const FieldPath& top, Scene& scene);
 
 /// A scheme's settings: card, then what the problem (or the preset of its card) suggests, in the units of the scene,
 /// then the scheme's preset, then what the request says. `scene`, which has been read, and `preset` may be null.

@@ -35,7 +35,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   const SchemeCard* scheme_card = automatic ? &auto_card() : scheme.index ? &cards.schemes[*scheme.index] : nullptr;
   const PresetCard* preset = problem ? read_scene(root, top, *scene) : nullptr;
   if (problem) {
-    check_start(*scene, top);
+    check_start(root, top, *scene);
     read_direction(root, top, *scene);
   }
   const ProblemCard* problem_card = problem ? &scene->card() : nullptr;

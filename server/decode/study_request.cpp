@@ -84,7 +84,7 @@ bool read_study(const Json& root, const FieldPath& top, const Names& keys, const
     scene->mechanics = problem;
     study.preset = read_scene(root, top, *scene);
     refuse_own_events(*problem, top.at("problem"));
-    check_start(*scene, top);
+    check_start(root, top, *scene);
     read_direction(root, top, *scene);
     study.problem = &scene->card();
   }

@@ -163,6 +163,31 @@ TEST_F(CustomFaults, FaultsNameTheirPlace) {
   }
 }
 
+// A fault is told at what the request says: a list where the list was said, a parameter where the texts are those of
+// the catalogue, and what it asks for where there is such a thing.
+TEST_F(CustomFaults, StandAtWhatTheRequestSays) {
+  const struct {
+    const char *request, *pointer, *says;
+  } rows[] = {
+      {R"~("problem":{"id":"custom","variables":["x[3]"],"potential":"x[1]^2","parameters":{"k":[1,-1,3]},
+           "masses":{"x":"k"}})~",
+       "/problem/masses/x", "not positive"},
+      {R"~("problem":{"id":"custom","variables":["x[2]"],"potential":"x[1]^2","masses":{"x[2]":"-1"}})~",
+       "/problem/masses/x[2]", "not positive"},
+      {R"~("problem":{"id":"custom","variables":["x"],"equations":"x"})~", "/problem/equations", "object of formulas"},
+      {R"~("problem":"kepler","scheme":{"id":"leapfrog","step":1e-300})~", "/scheme/step", "more than can be counted"},
+      {R"~("problem":"kepler","until":40,"scheme":{"id":"leapfrog","step":1e-300})~", "/until",
+       "more than can be counted"},
+  };
+  for (const auto& row : rows) {
+    std::string request = std::string("{") + row.request;
+    if (request.find("scheme") == std::string::npos) request += R"(,"scheme":"taylor")";
+    const Json fault = only_fault(ask(port(), post("/v1/simulate", request + "}")));
+    EXPECT_EQ(fault["pointer"], row.pointer) << fault;
+    EXPECT_TRUE(says(fault, row.says)) << fault;
+  }
+}
+
 // Masses that couple hundreds of coordinates have an inverse that is too long to be said, and the answer says that.
 TEST_F(CustomFaults, EquationsThatAreTooLongAreNone) {
   const auto reply = ask(port(), post("/v1/problems", R"~({"problem":{"id":"custom","variables":["x[n]"],

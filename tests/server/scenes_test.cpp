@@ -334,5 +334,31 @@ TEST(SceneFiles, OfTheReadmeIsAProblem) {
   EXPECT_GE(card.schemes.size(), 10U);
 }
 
+// Of texts that the request has not said it is told which of its numbers is at fault.
+TEST_F(Scenes, TellFaultsAtWhatTheRequestSays) {
+  const struct {
+    const char *id, *numbers, *initial, *pointer, *says;
+  } rows[] = {
+      {"elastic_pendulum", R"("m":0)", "", "/problem/m", "the mass of x is not positive"},
+      {"figure_eight", R"("m":[0,1,1])", "", "/problem/m/0", "the mass of x[1] is not positive"},
+      {"figure_eight", R"("m":[0,1,0])", "", "/problem/m", "not positive"},
+      {"figure_eight", R"("m[1]":0)", "", "/problem/m[1]", "not positive"},
+      {"kapitza", R"("l":0)", "", "/problem/l", "the mass of q is not positive"},
+      {"rigid_body", R"("I":[0,1,2])", "", "/problem/I/0", "not finite at the start"},
+      {"spherical_pendulum", R"("l":1)", R"("theta":0)", "/initial", "the Lagrangian is not regular"},
+      {"pleiades", "", R"("x[1]":3,"y[1]":3,"x[2]":3,"y[2]":3)", "/initial", "the potential is not finite"},
+  };
+  for (const auto& row : rows) {
+    if (!has(row.id)) continue;
+    const std::string numbers = *row.numbers ? std::string(",") + row.numbers : "";
+    const Json fault =
+        only_fault(ask(port(), post("/v1/simulate", std::string(R"({"problem":{"id":")") + row.id + "\"" + numbers +
+                                                        R"(},"initial":{)" + row.initial + R"(},"scheme":"taylor"})")));
+    EXPECT_EQ(fault["pointer"], row.pointer) << fault;
+    EXPECT_TRUE(says(fault, row.says)) << fault;
+    EXPECT_FALSE(fault["allowed"].get<std::string>().empty()) << fault;
+  }
+}
+
 }  // namespace
 }  // namespace least::server::test

@@ -2,7 +2,10 @@
 
 #include <sleef.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "core/ensemble/philox.hpp"
 
@@ -18,6 +21,17 @@ double polynomial(const std::array<double, N>& c, double x) {
 
 // The logarithm of the C library differs in its last bit from one instruction set to the other.
 double log_everywhere(double x) { return Sleef_cinz_logd1_u10purec(x); }
+
+/// Which of a member's random numbers each variation takes: by the order of the scene's variables, velocities and
+/// parameters, so that members do not depend on the order in which variations are said.
+std::vector<std::uint32_t> numbers_of(const std::vector<Variation>& vary) {
+  std::vector<std::size_t> in_order(vary.size());
+  std::iota(in_order.begin(), in_order.end(), std::size_t{0});
+  std::ranges::sort(in_order, {}, [&](std::size_t k) { return std::pair(vary[k].of, vary[k].index); });
+  std::vector<std::uint32_t> numbers(vary.size());
+  for (std::size_t rank = 0; rank < in_order.size(); ++rank) numbers[in_order[rank]] = static_cast<std::uint32_t>(rank);
+  return numbers;
+}
 
 }  // namespace
 
@@ -78,6 +92,7 @@ std::int64_t Variation::size() const {
 
 std::vector<double> Members::of(std::int64_t i) const {
   std::vector<double> values(vary.size());
+  const std::vector<std::uint32_t> numbers = numbers_of(vary);
   std::int64_t rest = i;
   for (std::size_t k = vary.size(); k-- > 0;) {
     const Variation& v = vary[k];
@@ -93,7 +108,7 @@ std::vector<double> Members::of(std::int64_t i) const {
       }
       continue;
     }
-    const double u = uniform(seed, static_cast<std::uint64_t>(i), static_cast<std::uint32_t>(k));
+    const double u = uniform(seed, static_cast<std::uint64_t>(i), numbers[k]);
     if (v.spread == Spread::uniform) values[k] = n[0] + (n[1] - n[0]) * u;
     if (v.spread == Spread::normal) values[k] = n[0] + n[1] * normal_quantile(u);
     if (v.spread == Spread::logistic) values[k] = n[0] + n[1] * logistic_quantile(u);

@@ -40,6 +40,19 @@ TEST(Members, GridsAndValuesMakeTheirProductTheLastFastest) {
   EXPECT_EQ(lone.of(0), std::vector<double>{0.3});
 }
 
+/// Members are the same in whatever order a request says what varies: each number is the draw of its own quantity.
+TEST(Members, DrawsDoNotDependOnTheOrderOfVariations) {
+  const Variation x{Varied::variable, 0, Spread::uniform, {0, 1}}, v{Varied::velocity, 0, Spread::uniform, {0, 1}},
+      k{Varied::parameter, 2, Spread::normal, {0, 1}};
+  const Members in_order{9, 5, {x, v, k}}, mixed{9, 5, {k, x, v}};
+  for (std::int64_t i = 0; i < in_order.count; ++i) {
+    const auto a = in_order.of(i), b = mixed.of(i);
+    EXPECT_EQ(a, (std::vector<double>{b[1], b[2], b[0]})) << i;
+    EXPECT_EQ(a[0], uniform(5, static_cast<std::uint64_t>(i), 0));
+    EXPECT_EQ(a[1], uniform(5, static_cast<std::uint64_t>(i), 1));
+  }
+}
+
 TEST(Members, DrawsFollowFromSeedAndIndex) {
   const Variation around{Varied::variable, 1, Spread::normal, {2, 0.5}},
       within{Varied::variable, 0, Spread::uniform, {-1, 3}};

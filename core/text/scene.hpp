@@ -30,6 +30,7 @@ struct TextScene {
   std::shared_ptr<const Scene> forward{};
   std::optional<ProblemCard> known{};
   std::shared_ptr<SizedScenes> made{};  ///< of the form, with parameters
+  bool acts_by_default = false;         ///< a problem of the catalogue by events of its own that act
 
   static std::variant<TextScene, std::vector<DefinitionFault>> read(Definition definition);
   static TextScene of(Definition definition, std::shared_ptr<const Form> form);

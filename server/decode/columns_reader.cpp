@@ -14,6 +14,7 @@
 #include "core/text/expansion.hpp"
 #include "core/text/scene.hpp"
 #include "server/decode/scene_files.hpp"
+#include "server/shared/beside_acts.hpp"
 
 namespace least::server {
 namespace {
@@ -253,7 +254,6 @@ std::shared_ptr<const Act> read_act(const Json& event, const FieldPath& path, co
 // What compares a run with a motion that knows no acts.
 void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& request) {
   if (std::ranges::none_of(request.events, [](const EventAsked& event) { return event.act != nullptr; })) return;
-  constexpr std::array<std::string_view, 5> none{"error", "lyapunov", "decay", "orbit", "cycle"};
   const auto refuse = [&](const char* key, auto&& is_none, const char* allowed) {
     const Json* names = find(root, key);
     for (std::size_t i = 0; names && names->is_array() && i < names->size(); ++i)  // else it is refused already
@@ -261,8 +261,7 @@ void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& r
         top.at(key).at(i).fault(name.get<std::string>() + " knows no events that act", name, allowed);
   };
   refuse(
-      "diagnostics", [&](const std::string& name) { return std::ranges::find(none, name) != none.end(); },
-      "energy, momenta");
+      "diagnostics", [](const std::string& name) { return !knows_acts(name); }, "energy, momenta");
   refuse(
       "columns", [](const std::string& name) { return name == error_column; }, "other columns");
 }

@@ -55,6 +55,8 @@ class FileReader {
     for (const Json& preset : object_at(file_, "presets")) card.presets.push_back(preset_of(preset));
     text::TextScene known = *typed_->text();
     known.known = std::move(card);
+    known.acts_by_default =
+        std::ranges::any_of(object_at(file_, "events"), [](const Json& event) { return event.contains("set"); });
     auto made = mechanics_of(std::move(known));
     auto* const mechanics = std::get_if<std::shared_ptr<const Mechanics>>(&made);
     if (mechanics == nullptr) throw std::logic_error(in_file("has no mechanics"));

@@ -5,19 +5,14 @@
 #include <cmath>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/run/columns.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/velocities.hpp"
 #include "server/encode/answer_parts.hpp"
+#include "server/shared/beside_acts.hpp"
 
 namespace least::server {
 namespace {
-
-template <class Items>
-void write_names(JsonWriter& json, const Items& items) {
-  json.open('[');
-  for (const auto& item : items) json.text(item.name);
-  json.close(']');
-}
 
 void write_named(JsonWriter& json, const std::vector<NamedValue>& values) {
   json.open('{');
@@ -149,7 +144,8 @@ void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equati
     json.key("equations").open('{');
     for (const auto& [name, rate] : equations) json.key(name).text(rate);
     json.close('}');
-    if (const std::string note = scene.note_on_equations(equations); !note.empty()) json.key("equations_note").text(note);
+    if (const std::string note = scene.note_on_equations(equations); !note.empty())
+      json.key("equations_note").text(note);
   }
   if (scene.definition.typed) write_pictures(json, scene.definition.typed->pictures);
   if (!scene.known) return write_language(json);
@@ -186,12 +182,15 @@ void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<co
   json.close(']').key("quantities").open('[');
   write_quantities(json, card.quantities);
   json.close(']');
+  const bool acts = problem.text() && problem.text()->acts_by_default;
   json.key("columns").open('[');
   for (const auto& column : card.columns) {
-    if (!column.hidden) json.text(column.name);
+    if (!column.hidden && !(acts && column.name == error_column)) json.text(column.name);
   }
+  json.close(']').key("diagnostics").open('[');
+  for (const auto& diagnostic : card.diagnostics)
+    if (!acts || knows_acts(diagnostic.name)) json.text(diagnostic.name);
   json.close(']');
-  write_names(json.key("diagnostics"), card.diagnostics);
   json.key("schemes").open('[');
   for (const auto index : card.schemes) json.text(schemes[index].id);
   json.text(auto_card().id).close(']').key("offers").text(card.offers);

@@ -360,5 +360,18 @@ TEST_F(Scenes, TellFaultsAtWhatTheRequestSays) {
   }
 }
 
+// The card of a problem that moves by events that act has nothing that is refused beside them.
+TEST_F(Scenes, ThatMoveByActsStandWithWhatKnowsThem) {
+  NEEDS_SCENE("bouncing_ball");
+  const Json card = card_of("bouncing_ball");
+  for (const char* name : {"error", "lyapunov"})
+    EXPECT_EQ(std::ranges::count(card["diagnostics"], Json(name)), 0) << name;
+  EXPECT_EQ(std::ranges::count(card["columns"], Json("error")), 0);
+  for (const Json& diagnostic : card["diagnostics"]) {
+    const Json request = {{"problem", "bouncing_ball"}, {"scheme", "leapfrog"}, {"diagnostics", {diagnostic}}};
+    EXPECT_EQ(reply(request).status, 200) << diagnostic;
+  }
+}
+
 }  // namespace
 }  // namespace least::server::test

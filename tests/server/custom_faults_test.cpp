@@ -163,8 +163,7 @@ TEST_F(CustomFaults, FaultsNameTheirPlace) {
   }
 }
 
-// A fault is told at what the request says: a list where the list was said, a parameter where the texts are those of
-// the catalogue, and what it asks for where there is such a thing.
+// A fault is told at what the request says: at a list where the list was said, at a step where the end was not.
 TEST_F(CustomFaults, StandAtWhatTheRequestSays) {
   const struct {
     const char *request, *pointer, *says;

@@ -21,20 +21,20 @@ double Crossings::of(Bifurcation kind) const {
   return kind == Bifurcation::torus ? torus : branching;
 }
 
-Crossings crossings_of(const Stability& of) {
+Crossings crossings_of(const Stability& stability) {
   Complex doubling = 1, branching = 1;
   double largest_pair = 0;
-  for (const auto& [value, kind] : others_of(of)) {
+  for (const auto& [value, kind] : others_of(stability)) {
     doubling *= value + 1.0;
     branching *= value - 1.0;
     if (std::abs(value.imag()) > 1e-9) largest_pair = std::max(largest_pair, std::abs(value));
   }
   const double left = largest_pair > 1 + 1e-6 ? 1 : -1, apart = largest_pair > 0 ? largest_pair - 1 : 0;
-  return {doubling.real(), branching.real(), keeps_pairs(of) ? left : apart};
+  return {doubling.real(), branching.real(), keeps_pairs(stability) ? left : apart};
 }
 
-double multipliers_away_from(Bifurcation kind, const Stability& of) {
-  const std::span others = others_of(of);
+double multipliers_away_from(Bifurcation kind, const Stability& stability) {
+  const std::span others = others_of(stability);
   const auto turns = [](const Complex& value) { return value.imag() > 1e-9; };  // of pairs the one above
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < others.size(); ++i) {
@@ -42,9 +42,9 @@ double multipliers_away_from(Bifurcation kind, const Stability& of) {
     if (kind == Bifurcation::period_doubling) nearest = std::min(nearest, std::abs(value + 1.0));
     if (kind == Bifurcation::pitchfork_or_transcritical) nearest = std::min(nearest, std::abs(value - 1.0));
     if (kind != Bifurcation::torus || !turns(value)) continue;
-    if (!keeps_pairs(of)) nearest = std::min(nearest, std::abs(std::abs(value) - 1));
+    if (!keeps_pairs(stability)) nearest = std::min(nearest, std::abs(std::abs(value) - 1));
     // Where two pairs meet they differ by the root of how far off that is.
-    for (std::size_t k = 0; k < i && keeps_pairs(of); ++k)
+    for (std::size_t k = 0; k < i && keeps_pairs(stability); ++k)
       if (turns(others[k].value)) nearest = std::min(nearest, std::norm(value - others[k].value));
   }
   return nearest;

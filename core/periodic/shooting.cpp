@@ -193,7 +193,7 @@ Shooting::Equations Shooting::equations(const Trial& trial, const Look& look, co
 /// for the way that moves a component by which a family is led. As columns.
 Matrix Shooting::ways_that_rest(const Trial& trial) const {
   constexpr double hardly = 1e-4;
-  const Matrix ways = conserved_->symmetries(trial.nodes[0], setting_.start());
+  Matrix ways = conserved_->symmetries(trial.nodes[0], setting_.start());
   if (ways.columns == 0) return ways;
   Matrix pinned(0, ways.columns);
   for (std::size_t i = 0; i < ways.rows; ++i) {

@@ -68,9 +68,11 @@ std::vector<Eigenvalue> eigenvalues_above_errors(const std::vector<Matrix>& bloc
     for (std::size_t i = 0; i < changed.size(); ++i)
       for (double& entry : changed[i].a) entry += spread() < 0 ? -side * errors[i] : side * errors[i];
     const std::vector<Complex> others = eigenvalues_of_product(changed);
-    for (auto& [value, lost] : all) {
-      const auto stays = [&](const Complex& other) { return std::abs(other - value) <= another * std::abs(value); };
-      if (std::abs(value) <= surely && std::ranges::none_of(others, stays)) lost = true;
+    for (Eigenvalue& one : all) {
+      const auto stays = [&one](const Complex& other) {
+        return std::abs(other - one.value) <= another * std::abs(one.value);
+      };
+      if (std::abs(one.value) <= surely && std::ranges::none_of(others, stays)) one.lost = true;
     }
   }
   return all;

@@ -126,13 +126,7 @@ bool Run::fail(const BlockResult& result) {
     if (const ReturnCode reason = budget_.look(); reason != ReturnCode::completed) return goes_on(reason);
   if (result.end == BlockEnd::left_domain) return leave_domain();
   if (result.end == BlockEnd::too_fast) return stop_as_unstable();
-  // A singularity is known to a part of the time that has passed: not so well that states before it may lie behind it.
-  const auto at_the_earliest_now = [this, known = 1e-4](double when) {
-    const double now = state_.x.t;
-    return when < now && now - when <= known * (now - grid_.start) ? now : when;
-  };
-  const double when =
-      at_the_earliest_now(result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity());
+  const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
   std::string words = integrator_->failure();
   if (words.empty() && scheme_.id == "adaptive_verlet" && result.status == StepStatus::singular)
     words = messages::density_lost();
@@ -141,7 +135,7 @@ bool Run::fail(const BlockResult& result) {
                                  ? why.singular_at
                                  : singular_time(backend_, request_, result.status, state_.x.t, grid_.step,
                                                  work().forces, [this] { return keep_going(); });
-  return stop(why.reason, why.detail, at_the_earliest_now(singular_at));
+  return stop(why.reason, why.detail, singular_at);
 }
 
 double Run::true_singularity() {

@@ -10,27 +10,26 @@
 namespace least {
 namespace {
 
-void copy(const std::vector<double>& y, RunState& x) {
-  double* const numbers = x.numbers.data();
-  for (std::size_t i = 0; i < x.size(); ++i) numbers[i] = y[i];
+void copy(const StateNumbers& y, RunState& x) {
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = y[i];
 }
 
 }  // namespace
 
 TaylorStepper::TaylorStepper(std::shared_ptr<taylor::Expansion> expansion, Completion completion)
     : expansion_(std::move(expansion)), completion_(completion), carries_(count() > moving()) {
-  // With room for a whole four where three stand behind others.
-  for (Values* all : {&start_, &end_, &start_low_, &low_, &from_, &from_low_}) all->resize(count() + 1);
+  for (Values& one : values_) one = Values(count() + 1);
   if (!carries_) return;
   expansion_->make_beside();
-  for (Values* all : {&mark_.y, &mark_.low, &mark_end_, &mark_rest_}) all->resize(count() + 1);
+  for (Mark* mark : {&mark_, &reached_, &scratch_}) mark->set(values_[0], values_[0]);
 }
 
 StepStatus TaylorStepper::step(RunState& x) noexcept { return step_within(x, std::numeric_limits<double>::infinity()); }
 
 StepStatus TaylorStepper::step_within(RunState& x, double most, double late) noexcept {
   begin(x);
-  expansion_->move(end_.data(), x.t);
+  Values &here = values(at_.end), &low = values(at_.low), &next = values(at_.from), &rest = values(at_.from_low);
+  expansion_->move(here.data(), x.t);
   work_.forces += expansion_->order();
   double h = expansion_->step(most);
   if (!(h > 0)) return StepStatus::singular;
@@ -39,41 +38,38 @@ StepStatus TaylorStepper::step_within(RunState& x, double most, double late) noe
   if (!(x.t + h < x.t + most)) h = most;
   for (;; h *= 0.5) {
     if (h < most && !(x.t + h > x.t)) return StepStatus::underflow;
-    expansion_->evaluate(h, end_.data(), low_.data(), from_.data(), from_low_.data(), true);
+    expansion_->evaluate(h, here.data(), low.data(), next.data(), rest.data(), true);
     // At the very time that the next step begins at: what is found here need not be found again.
-    if (expansion_->defined(from_.data(), x.t + (h - late))) break;
+    if (expansion_->defined(next.data(), x.t + (h - late))) break;
   }
   if (carries_) {
-    mark_ = {0, end_, low_};
-    carry(x.t, h, mark_, from_low_, from_);
+    mark_.set(here, low);
+    carry(x.t, h, mark_, rest, next);
   }
-  start_.swap(end_);
-  start_low_.swap(low_);
-  end_.swap(from_);
-  low_.swap(from_low_);
+  at_ = {at_.end, at_.low, at_.from, at_.from_low, at_.start, at_.start_low};
   t_ = x.t;
   h_ = h;
-  copy(end_, x);
+  copy(next, x);
   x.t = t_ + h;
   return StepStatus::ok;
 }
 
 StepStatus TaylorStepper::reach(RunState& x, double t) noexcept {
   constexpr int most_parts = 10'000;
-  Mark mark;
+  Values &y = values(at_.from), &low = values(at_.from_low);
   for (int part = 0; part < most_parts; ++part) {
     if (!(x.t < t)) return StepStatus::ok;
-    read(x, from_);
-    std::fill(from_low_.begin(), from_low_.end(), 0.0);
-    expansion_->move(from_.data(), x.t);
+    read(x, y);
+    std::fill(low.begin(), low.end(), 0.0);
+    expansion_->move(y.data(), x.t);
     work_.forces += expansion_->order();
     const double h = expansion_->step(t - x.t);
     if (!(h > 0)) return StepStatus::singular;
     if (!(x.t + h > x.t)) return StepStatus::underflow;
-    if (carries_) mark = {0, from_, from_low_};
-    expansion_->evaluate(h, from_low_.data(), from_.data(), true);
-    if (carries_) carry(x.t, h, mark, from_low_, from_);
-    copy(from_, x);
+    if (carries_) reached_.set(y, low);
+    expansion_->evaluate(h, low.data(), y.data(), true);
+    if (carries_) carry(x.t, h, reached_, low, y);
+    copy(y, x);
     x.t = h < t - x.t ? x.t + h : t;
   }
   return StepStatus::solver_failed;
@@ -82,15 +78,16 @@ StepStatus TaylorStepper::reach(RunState& x, double t) noexcept {
 bool TaylorStepper::interpolate(RunState& x, double t) const noexcept {
   const double h = t - t_, slack = 4 * std::numeric_limits<double>::epsilon() * std::abs(t);
   if (!(h_ > 0 && h >= 0 && h <= h_ + slack)) return false;
-  from_ = start_;
-  from_low_ = start_low_;
-  expansion_->move(from_.data(), t_);
-  expansion_->evaluate(h, from_low_.data(), from_.data(), true);
+  Values &y = values(at_.from), &low = values(at_.from_low);
+  y = values(at_.start);
+  low = values(at_.start_low);
+  expansion_->move(y.data(), t_);
+  expansion_->evaluate(h, low.data(), y.data(), true);
   if (carries_) {
-    if (h < mark_.after) mark_ = {0, start_, start_low_};
-    carry(t_, h, mark_, from_low_, from_);
+    if (h < mark_.after) mark_.set(values(at_.start), values(at_.start_low));
+    carry(t_, h, mark_, low, y);
   }
-  copy(from_, x);
+  copy(y, x);
   x.t = t;
   return true;
 }
@@ -106,27 +103,28 @@ void TaylorStepper::carry(double t, double h, Mark& mark, Values& low, Values& y
     series.evaluate(most, mark.low.data(), mark.y.data(), true);
     mark.after += most;
   }
-  mark_end_ = mark.y;
-  mark_rest_ = mark.low;
-  series.evaluate(h - mark.after, mark_rest_.data(), mark_end_.data(), true);
+  scratch_.set(mark.y, mark.low);
+  series.evaluate(h - mark.after, scratch_.low.data(), scratch_.y.data(), true);
   for (std::size_t i = moving(); i < count(); ++i) {
-    y[i] = mark_end_[i];
-    low[i] = mark_rest_[i];
+    y[i] = scratch_.y[i];
+    low[i] = scratch_.low[i];
   }
 }
 
 void TaylorStepper::begin(const RunState& x) noexcept {
-  const auto set = [this](std::size_t i, double value) {
-    if (value == end_[i]) return;
-    end_[i] = value;
-    low_[i] = 0;
+  Values &end = values(at_.end), &low = values(at_.low);
+  const auto set = [&](std::size_t i, double value) {
+    if (value == end[i]) return;
+    end[i] = value;
+    low[i] = 0;
   };
   if (!completion_.complete) {
     for (std::size_t i = 0; i < x.size(); ++i) set(i, x[i]);
     return;
   }
-  read(x, from_);
-  for (std::size_t i = 0; i < count(); ++i) set(i, from_[i]);
+  Values& all = values(at_.from);
+  read(x, all);
+  for (std::size_t i = 0; i < count(); ++i) set(i, all[i]);
 }
 
 void TaylorStepper::read(const RunState& x, Values& y) const {

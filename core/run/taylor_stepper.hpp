@@ -3,8 +3,8 @@
 // are compensated. Where a step ends in what is no state of the motion it is repeated at half the length.
 #pragma once
 
+#include <array>
 #include <memory>
-#include <vector>
 
 #include "core/run/run_state.hpp"
 #include "core/schemes/expansion.hpp"
@@ -42,15 +42,28 @@ class TaylorStepper {
   TaylorStepper anew() const { return TaylorStepper(expansion_, completion_); }
 
  private:
-  using Values = std::vector<double>;
-  /// Where the series of what is carried was last begun within a step.
+  /// Of the variables of the series, with room for a whole four where three stand behind others.
+  using Values = StateNumbers;
+  /// What is kept, by its place in `values_`: where the last step began and where it ended, with what rounding has kept
+  /// from either, and scratch. Places are exchanged where values would be copied.
+  struct Places {
+    std::size_t start = 0, start_low = 1, end = 2, low = 3, from = 4, from_low = 5;
+  };
+  /// Where the series of what is carried was last begun within a step; scratch.
   struct Mark {
     double after = 0;  ///< the step's beginning
-    Values y, low;
+    Values y{}, low{};
+
+    void set(const Values& at, const Values& kept) {
+      after = 0;
+      y = at;
+      low = kept;
+    }
   };
 
   std::size_t count() const { return expansion_->program().variables; }
   std::size_t moving() const { return expansion_->program().moving; }
+  Values& values(std::size_t place) const { return values_[place]; }
   /// Of the state y at the time h after t, to which the series of the motion has led, what is carried: in as many steps
   /// as it needs, from the mark on, which goes along.
   void carry(double t, double h, Mark& mark, Values& low, Values& y) const noexcept;
@@ -62,11 +75,11 @@ class TaylorStepper {
   std::shared_ptr<taylor::Expansion> expansion_;
   Completion completion_;
   bool carries_;
-  double t_ = 0, h_ = 0;                  ///< of the last step
-  Values start_, end_, start_low_, low_;  ///< where it began and ended; what rounding has kept from that
-  mutable Values from_, from_low_;        ///< scratch
-  mutable Values mark_end_, mark_rest_;   ///< scratch of what is carried
-  mutable Mark mark_;                     ///< in the last step: states in between, asked for in turn, cost few series
+  double t_ = 0, h_ = 0;  ///< of the last step
+  Places at_;
+  mutable std::array<Values, 6> values_;
+  /// In the last step: states in between, asked for in turn, cost few series; and of `reach`.
+  mutable Mark mark_, reached_, scratch_;
   Work work_;
 };
 

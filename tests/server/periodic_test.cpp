@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tests/server/orbits.hpp"
+#include "tests/support/runs.hpp"
 
 namespace least::server::test {
 namespace {
@@ -229,6 +230,7 @@ TEST_F(Periodic, OfStronglyAttractingCyclesTheProductTells) {
 
 // A damping that is 0 is none: the scenes are the same as those without one.
 TEST_F(Periodic, OfContactScenesWithoutDampingAreThoseOfMechanics) {
+  for (const char* needed : {"damped_pendulum", "pendulum", "perturbed_kepler"}) runs::problem_called(needed);
   const Json start{{"q", 1}, {"p", 0}};
   const Json damped =
       orbit({{"problem", {{"id", "damped_pendulum"}, {"damping", 0}}}, {"initial", start}, {"period", 6.7}});
@@ -245,6 +247,7 @@ TEST_F(Periodic, OfContactScenesWithoutDampingAreThoseOfMechanics) {
 // Angular momentum decays with the damping, and the turns that it generates are a symmetry all the same; where the
 // damping is 0 in the mean it is kept over a period, and makes another unit multiplier.
 TEST_F(Periodic, OfDampedScenesKnowsTheirTurns) {
+  runs::problem_called("perturbed_kepler");
   const auto about_a_center = [](const char* damping) {
     Json scene = custom(R"~({"variables": ["x", "y"], "potential": "(1+0.3*cos(t))*(x^2+y^2)^2/4"})~");
     scene["damping"] = damping;

@@ -16,7 +16,12 @@ class SensitivitiesTold : public Asking {
 // Masses of 1 to 8e-9 make entries of 1e8 and 1e-8: in units of which both are about 1 the map is symplectic to
 // rounding, whether one scheme or another makes it. Euler's steps keep no form in any units.
 TEST_F(SensitivitiesTold, TheStructureIsMeasuredInBalancedUnits) {
-  for (const char* scheme : {"leapfrog", "auto", "explicit_euler"}) {
+#ifdef __SANITIZE_ADDRESS__
+  const std::vector<const char*> all{"leapfrog", "explicit_euler"};  // in such a build `auto` has no time for others
+#else
+  const std::vector<const char*> all{"leapfrog", "auto", "explicit_euler"};
+#endif
+  for (const char* scheme : all) {
     Json request{{"problem", "outer_solar_system"}, {"scheme", scheme}, {"diagnostics", {"structure"}}};
     if (scheme == std::string("explicit_euler")) request["until"] = 2000;
     const Json made = answer(request);
@@ -76,7 +81,7 @@ TEST_F(SensitivitiesTold, TimesOfEventsOfAMapAreMissingForAReason) {
 }
 
 TEST_F(SensitivitiesTold, FaultsNameTheEntryThatIsMeant) {
-  Json second{{"problem", "pendulum"}, {"scheme", "taylor"}, {"sensitivities", by({"/initial/q", "/initial/t"})}};
+  Json second{{"problem", "kepler"}, {"scheme", "taylor"}, {"sensitivities", by({"/initial/x", "/initial/t"})}};
   second["sensitivities"]["order"] = 2;
   EXPECT_EQ(fault_of(second)["pointer"], "/sensitivities/by/1");
 }

@@ -107,8 +107,8 @@ PlaceSolver::PlaceSolver(const text::SizedScene& scene, std::size_t stages)
 
 /// Simplified Newton iteration: one matrix for a few rounds, made anew where they contract badly. Ends where an update
 /// is lost in the rounding of the place, or is near that and the next one would be lost in the rounding of the way from
-/// the start: a round contracts by no more than four times what the one before did, which was the first of its matrix or
-/// alike.
+/// the start: a round contracts by no more than four times what the one before did, which was the first of its matrix
+/// or alike.
 template <class Count, class Stages>
 StepStatus PlaceSolver::iterate(Count n, Stages stages, const double* start, const double* beta, const double* t,
                                 double* place, double* slope, Work& work) {

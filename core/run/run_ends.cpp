@@ -144,8 +144,13 @@ double Run::true_singularity() {
     // Of steps that adapt the mean: the last ones before an end are as short as time can tell.
     const bool adapts = !fixed_ && state_.n > 0;
     const double step = adapts ? (state_.x.t - scene_.start) / static_cast<double>(state_.n) : grid_.step;
+    // The run may have stepped over more than the motion can be followed through: a damping γs that changes its sign
+    // without end. A step of a series is longer than one of a scheme.
+    constexpr std::int64_t few = 1000;
+    std::int64_t left = std::max(few, state_.n);
     if (step > 0)
-      return scene_.mechanics->blow_up_time(scene_, state_.x.t + 10 * step, step, [this] { return keep_going(); });
+      return scene_.mechanics->blow_up_time(scene_, state_.x.t + 10 * step, step,
+                                            [&] { return left-- > 0 && keep_going(); });
   }
   return unknown;
 }

@@ -44,7 +44,7 @@ StepStatus TaylorStepper::step_within(RunState& x, double most, double late) noe
   }
   if (carries_) {
     mark_.set(here, low);
-    carry(x.t, h, mark_, rest, next);
+    if (!carry(x.t, h, mark_, rest, next)) return StepStatus::solver_failed;
   }
   at_ = {at_.end, at_.low, at_.from, at_.from_low, at_.start, at_.start_low};
   t_ = x.t;
@@ -92,11 +92,15 @@ bool TaylorStepper::interpolate(RunState& x, double t) const noexcept {
   return true;
 }
 
-void TaylorStepper::carry(double t, double h, Mark& mark, Values& low, Values& y) const noexcept {
-  if (mark.after == 0 && !(expansion_->carried_step() < h)) return;
-  constexpr int most_parts = 1000;
+bool TaylorStepper::carry(double t, double h, Mark& mark, Values& low, Values& y) const noexcept {
+  if (mark.after == 0 && !(expansion_->carried_step() < h)) return true;
+  constexpr int most_parts = 1000, between_looks = 100;
   taylor::Expansion& series = expansion_->beside();
   for (int part = 0; part < most_parts; ++part) {
+    if ((part + 1) % between_looks == 0 && !AskedByThread::goes_on()) {
+      std::fill(y.begin() + static_cast<std::ptrdiff_t>(moving()), y.end(), std::numeric_limits<double>::quiet_NaN());
+      return false;
+    }
     series.move(mark.y.data(), t + mark.after);
     const double most = std::min(series.step(), series.carried_step());
     if (!(most < h - mark.after && mark.after + most > mark.after)) break;
@@ -109,6 +113,7 @@ void TaylorStepper::carry(double t, double h, Mark& mark, Values& low, Values& y
     y[i] = scratch_.y[i];
     low[i] = scratch_.low[i];
   }
+  return true;
 }
 
 void TaylorStepper::begin(const RunState& x) noexcept {

@@ -65,8 +65,9 @@ class TaylorStepper {
   std::size_t moving() const { return expansion_->program().moving; }
   Values& values(std::size_t place) const { return values_[place]; }
   /// Of the state y at the time h after t, to which the series of the motion has led, what is carried: in as many steps
-  /// as it needs, from the mark on, which goes along.
-  void carry(double t, double h, Mark& mark, Values& low, Values& y) const noexcept;
+  /// as it needs, from the mark on, which goes along. False, and what is carried NaN: it is not to go on
+  /// (AskedByThread).
+  bool carry(double t, double h, Mark& mark, Values& low, Values& y) const noexcept;
   /// Where a step begins: where the last one ended, with what rounding has kept from it, but for what is changed.
   void begin(const RunState& x) noexcept;
   /// The variables of the series at a state.

@@ -5,6 +5,7 @@
 
 #include "core/study/error_study.hpp"
 #include "tests/extremes/asking.hpp"
+#include "tests/support/turned_clock.hpp"
 
 namespace {
 
@@ -122,6 +123,17 @@ TEST(TaylorRuns, GoOnWhereTheMotionIsSlowInLongSteps) {
   const auto known = conditioning(*eccentric.scene, eccentric.end, [] { return true; });
   EXPECT_LT(number(result, "error/max"), 50 * 1e-12 * known->most_growth);
   EXPECT_LT(result.outcome.cost.steps, 3000);
+}
+
+// Steps of 3e5 from a start of no size, in each of which the slope has as many poles: what is carried needs a series
+// for each of them, and the run ends in its time all the same.
+TEST(TaylorRuns, LookAtTheClockWhileTheyCarry) {
+  const runs::TurnedClock clock(1e-3);
+  Request request = set(of("van_der_pol", {"taylor"}, {}), {{"order", 5}});
+  request = steps(ask(at(request, {{"x", 1e-300}}), {"poles"}), 8);
+  request.limits.seconds = 0.05;
+  EXPECT_EQ(go(request).outcome.stop.reason, ReturnCode::deadline);
+  EXPECT_LT(clock.looks(), 100);
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ void Events::locate(const ProblemTable& problem, const RunState& left, const Run
     };
     const double ahead = root(value, 0, right.t - left.t);
     const RunState x = at(left.t + ahead);
+    if (std::isnan(between[i])) continue;  // the run was not to go on, and what it carries is not known there
     add(i, is[i] > 0, x.t, x[0]);
   }
 }

@@ -205,11 +205,7 @@ double TrueMotion::length(std::size_t used) const {
     if (const double size = largest(k);
         size > 0 && std::log(size) > std::log(slack * kept * scale) + static_cast<double>(k) * log_r)
       h = std::min(h, root * std::pow(kept * scale / size, 1.0 / static_cast<double>(k)));
-  for (const Index pole : poles_) {  // never over it, whatever the coefficients say
-    const double ahead = -row(pole)[0].high() / row(pole)[1].high();
-    if (ahead > 0) h = std::min(h, 0.5 * ahead);
-  }
-  return h;
+  return until_pole(h, used);
 }
 
 /// The series at the state, in a unit that suits it. False where there is none, or keep_going() says so.
@@ -306,6 +302,7 @@ bool TrueMotion::shorten(const std::function<bool()>& keep_going) {
   constexpr int parts = 8;
   const bool looks = made_.size() > long_equations;
   const bool steep = until_steep(), idle = steep || length_ * unit_ >= 0.99 * longest_;
+  for (const Choice& choice : choices_) length_ = told_until(choice, length_);
   free_ = length_;
   until_change();
   for (int tries = 0; tries < 60; ++tries) {

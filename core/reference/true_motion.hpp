@@ -59,11 +59,14 @@ class TrueMotion {
   double largest(std::size_t k) const;
   std::size_t finite_orders() const;
   double length(std::size_t used) const;
+  double until_pole(double h, std::size_t used) const;
   bool settle(const std::function<bool()>& keep_going);
   bool solves(double h);
   bool until_steep();
   bool take_sides();
+  double most_change(const Choice& choice, double end) const;
   double change_of(const Choice& choice, double end) const;
+  double told_until(const Choice& choice, double end) const;
   void until_change();
   bool shorten(const std::function<bool()>& keep_going);
   DoubleDouble within(tape::Index variable, const DoubleDouble& h) const;

@@ -1,8 +1,11 @@
-// Where formulas change on the way of a motion: which of the two a series is made of, and when that ends.
+// Where formulas change on the way of a motion: which of the two a series is made of, and when that ends; and where
+// they end.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/reference/true_motion.hpp"
+#include "core/tape/side_change.hpp"
 
 namespace least {
 namespace {
@@ -81,13 +84,35 @@ bool TrueMotion::take_sides() {
   return anew;
 }
 
+/// No step leads over a place where rates are infinite, whatever the last coefficients say, unless they say that it is
+/// none: of R/(t − t*) each of them tells R.
+double TrueMotion::until_pole(double h, std::size_t used) const {
+  constexpr double none = 1e-28;
+  constexpr std::size_t looked_at = 3;
+  for (const tape::Index pole : poles_) {
+    const double ahead = -row(pole)[0].high() / row(pole)[1].high();
+    if (!(ahead > 0 && 0.5 * ahead < h)) continue;
+    double most = 0;
+    for (std::size_t k = used; k > 0 && k + looked_at > used; --k)
+      most = std::max(most, static_cast<double>(k) * largest(k) * std::pow(ahead, static_cast<double>(k)));
+    if (!(most <= none * std::max(least_size_, largest(0)))) h = 0.5 * ahead;
+  }
+  return h;
+}
+
+/// How much what a choice is made by changes until then, at most.
+double TrueMotion::most_change(const Choice& choice, double end) const {
+  double most = 0;
+  for (std::size_t k = order_; k-- > 1;) most = (most + std::abs(row(choice.by)[k].high())) * end;
+  return most;
+}
+
 /// The first time up to `end`, in units, at which a value has left the side of the series; else `end`. It is looked for
 /// between so many looks, and where the value turns back between two of them: where it only touches zero it stays.
 double TrueMotion::change_of(const Choice& choice, double end) const {
   constexpr int looks = 16;
   const DoubleDouble* const c = row(choice.by);
-  double most = 0;
-  for (std::size_t k = order_; k-- > 1;) most = (most + std::abs(c[k].high())) * end;
+  const double most = most_change(choice, end);
   if (!(most >= std::abs(c[0].high()))) return end;
   const auto size_at = [this](tape::Index i) { return std::abs(row(i)[0].high()); };
   const double nothing = nothing_beside(most, tape_, choice.by, size_at);
@@ -110,6 +135,15 @@ double TrueMotion::change_of(const Choice& choice, double end) const {
     slope = next;
   }
   return end;
+}
+
+/// A step no longer than `end` within which the series of what a choice is made by says what that is: the motion may be
+/// much slower, as where the sign of sin(20t) alone acts.
+double TrueMotion::told_until(const Choice& choice, double end) const {
+  if (most_change(choice, end) < std::abs(row(choice.by)[0].high())) return end;
+  std::array<double, tape::most_terms> terms{};
+  for (std::size_t k = 0; k < order_; ++k) terms[k] = row(choice.by)[k].high();
+  return tape::told_until({terms.data(), order_}, end, tolerance_);
 }
 
 /// Shortens the step up to the first change. Its time is a double: the step ends a little before it, and the next one,

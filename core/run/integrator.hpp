@@ -97,6 +97,8 @@ class Integrator {
   virtual std::int64_t fallback_steps() const { return 0; }
   /// What of the energy says that the run has gone wrong, in words; empty: nothing.
   virtual std::string accuracy_warning() const { return {}; }
+  /// How much rounding within the formulas of the motion may have made steps be off, where that counts.
+  virtual double blur() const { return 0; }
   /// Where the damping is too strong for one of so many first steps.
   virtual std::optional<StrongDamping> strong_damping(std::int64_t) const { return std::nullopt; }
   virtual Work work() const = 0;

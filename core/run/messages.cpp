@@ -124,6 +124,13 @@ std::string fallback_steps(std::int64_t steps, bool hybrid) {
                             : "at a length that keeps the discrete energy and went at the nominal one instead");
 }
 
+std::string digits_lost(double blur) {
+  return fmt::format(
+      "the motion goes so near to where a formula is 0/0 that rounding of its terms alone may make the run be off by "
+      "{:.2g}: another form of it, as a series beside that place, keeps its digits",
+      blur);
+}
+
 std::string strain(double strain) {
   return fmt::format(
       "(E₀ − V + κ)/(K + κ), 1 on the energy level, was off by {:.2g} in its square: expect large errors; take a "

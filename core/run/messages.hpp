@@ -46,6 +46,7 @@ std::string of_few(std::int64_t few, std::int64_t count, std::int64_t member);
 /// Of a hybrid, or of a scheme that solves for the length of its steps.
 std::string fallback_steps(std::int64_t steps, bool hybrid);
 std::string strain(double strain);
+std::string digits_lost(double blur);
 std::string energy_jump(double before, double now);
 /// The shortest text that reads back as x.
 std::string number(double x);

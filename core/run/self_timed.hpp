@@ -164,6 +164,10 @@ class SelfTimedIntegrator final : public Integrator {
       if (stepper_.strain() > most) return messages::strain(stepper_.strain());
     return {};
   }
+  double blur() const override {
+    if constexpr (requires { stepper_.blur(); }) return stepper_.blur();
+    return 0;
+  }
   std::string failure() const override {
     if constexpr (requires { stepper_.failure(); }) return stepper_.failure();
     return {};

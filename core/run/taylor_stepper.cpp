@@ -49,6 +49,7 @@ StepStatus TaylorStepper::step_within(RunState& x, double most, double late) noe
   at_ = {at_.end, at_.low, at_.from, at_.from_low, at_.start, at_.start_low};
   t_ = x.t;
   h_ = h;
+  blur_ += expansion_->blur(h);
   copy(next, x);
   x.t = t_ + h;
   return StepStatus::ok;

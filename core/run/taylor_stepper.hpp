@@ -38,6 +38,8 @@ class TaylorStepper {
   /// x set to the state at t by the polynomial of the last step; false where t lies outside it.
   bool interpolate(RunState& x, double t) const noexcept;
   const Work& work() const noexcept { return work_; }
+  /// How much rounding within the formulas of the motion may have made steps be off, all together (Expansion::blur).
+  double blur() const { return blur_; }
   /// One that has taken no step yet, of the same program.
   TaylorStepper anew() const { return TaylorStepper(expansion_, completion_); }
 
@@ -77,6 +79,7 @@ class TaylorStepper {
   Completion completion_;
   bool carries_;
   double t_ = 0, h_ = 0;  ///< of the last step
+  double blur_ = 0;
   Places at_;
   mutable std::array<Values, 6> values_;
   /// In the last step: states in between, asked for in turn, cost few series; and of `reach`.

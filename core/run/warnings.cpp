@@ -65,6 +65,14 @@ void warn_of_energy(const FinishedRun& run, std::vector<Warning>& warnings) {
   if (!why.empty()) warnings.push_back({"off_energy_level", why});
 }
 
+/// Formulas that lose their digits, and twice as many, where the motion goes.
+void warn_of_blur(const FinishedRun& run, std::vector<Warning>& warnings) {
+  constexpr double far = 100, least = 1e-10;
+  const double blur = run.integrator.blur();
+  if (blur > std::max(far * run.request.setting("tolerance", run.scheme), least))
+    warnings.push_back({"digits_lost", messages::digits_lost(blur)});
+}
+
 /// How far another scheme comes to another motion; `large`: from where on it is to be sure of that.
 constexpr double large_error = 0.1;
 Departure departure_of(const FinishedRun& run, double large = large_error) {
@@ -145,6 +153,7 @@ void warn_of_run(const FinishedRun& run, std::vector<Warning>& warnings) {
   if (const auto steps = run.integrator.fallback_steps(); steps > 0)
     warnings.push_back({"steps_in_time", messages::fallback_steps(steps, run.integrator.method().has_value())});
   warn_of_energy(run, warnings);
+  warn_of_blur(run, warnings);
   warn_of_rest(run, warnings);
   if (!(control.error <= large_error))
     warnings.push_back({"large_error", messages::departs(control.error, control.t, control.reached)});

@@ -27,6 +27,9 @@ class Expansion {
   void move(const double* y, double t);
   /// How long a step from there may be, `most` at most; 0: the series means nothing.
   double step(double most = std::numeric_limits<double>::infinity());
+  /// How much rounding within the formulas makes a step of the length h from there be off at most, about, beside a
+  /// place where one is 0/0; 0 where that is less than what a step may be off in any case.
+  double blur(double h) const { return blur_ * h > may_be_off() ? blur_ * h : 0; }
   /// How far from there the series of what is carried beyond the motion is good, by its last two terms.
   double carried_step() const;
   /// Another one of the same equations, tolerance and order: for what is carried, within a step of the motion.
@@ -37,7 +40,9 @@ class Expansion {
   void evaluate(double h, const double* y, const double* low, double* end, double* rest, bool room = false) const;
   void evaluate(double h, double* low, double* y, bool room = false) const { evaluate(h, y, low, y, low, room); }
   /// Whether the motion goes on from y.
-  bool defined(const double* y, double t) { return !series_.program().partial || series_.defined(y, t); }
+  bool defined(const double* y, double t) {
+    return !(series_.program().partial || series_.divides()) || series_.defined(y, t);
+  }
   /// No step is longer than one in which e^{rate t} is told to the tolerance: a rate that what is carried has of its
   /// own.
   void limit(double rate);
@@ -52,7 +57,12 @@ class Expansion {
 
   double largest(int k) const;  ///< of an order that is finite
   double size(int k) const;     ///< of an order, a sum: finite where all of it is
+  double may_be_off() const;
   double largest_carried(int k) const;
+  void find_used();
+  double length_by_series() const;
+  void look_closer(const double* y);
+  double until_pole(double h) const;
   bool leave_border(const double* y);
   double until_switch(double h);
   double behind_switch(tape::Index value, bool before, double h, double longest);
@@ -75,6 +85,9 @@ class Expansion {
   std::size_t variables_, moving_;
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;                      ///< the order up to which coefficients are numbers
+  double blur_ = 0;                   ///< what rounding changes in the rates, where that may count
+  double told_ = 0;                   ///< how far coefficients are not those of rounding
+  bool close_ = false;                ///< coefficients were computed to twice the digits
   bool reads_time_;                   ///< the equations do
   bool guarded_;                      ///< what the equations depend on may hide from a series
   std::vector<double> way_, slopes_;  ///< states on the way, and as the polynomials change there

@@ -191,13 +191,42 @@ void Expansion::move(const double* y, double t) {
   series_.expand(y, t);
   t_ = t;
   if (!program().switches.empty() && leave_border(y)) series_.expand(y, t);
-  used_ = series_.order();
-  double last = size(used_);
-  if (!std::isfinite(last) && !program().steep.empty()) {  // one that overflows may be in a divisor
+  if (!std::isfinite(size(series_.order())) && !program().steep.empty()) {  // one that overflows may be in a divisor
     series_.expand(y, t, true);
-    last = size(used_);
-    if (!std::isfinite(last)) series_.expand(y, t);
+    if (!std::isfinite(size(series_.order()))) series_.expand(y, t);
   }
+  find_used();
+  look_closer(y);
+}
+
+/// Where rates have few digits, or something that is divided by may vanish within the step that the series seems to
+/// allow, coefficients may be those of rounding: then they are computed to more digits, and told as far as these do.
+void Expansion::look_closer(const double* y) {
+  blur_ = 0;
+  told_ = std::numeric_limits<double>::infinity();
+  close_ = false;
+  if (!series_.divides() || used_ == 0) return;
+  const double h = length_by_series(), reach = series_.reach(used_, h), blur = series_.blur();
+  const auto far = [&](double part) {  // to where the last coefficient, by rounding alone, is a part of that times
+    return std::exp((std::log(may_be_off() / blur / part) + used_ * std::log(reach)) / (used_ + 1));
+  };
+  if (blur * h <= may_be_off() && h <= far(1) && until_pole(h) == h) return;
+  constexpr double closer = 0x1p-53;
+  series_.expand_closely(y, t_);
+  close_ = true;
+  find_used();
+  blur_ = closer * blur;
+  told_ = std::max(far(closer), 0.5 * reach);
+}
+/// What a step may be off in any case.
+double Expansion::may_be_off() const {
+  constexpr double rounding = 0x1p-45;  // of some hundred operations
+  return std::max(allowed * tolerance_, rounding) * std::max(1.0, largest(0));
+}
+
+void Expansion::find_used() {
+  used_ = series_.order();
+  const double last = size(used_);
   if (!std::isfinite(last)) [[unlikely]] {
     used_ = 0;  // near a singularity high orders overflow before low ones mean nothing
     while (std::isfinite(size(used_ + 1))) ++used_;

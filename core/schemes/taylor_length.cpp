@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/number/asked_by_thread.hpp"
 #include "core/schemes/taylor.hpp"
 #include "core/tape/series_rules.hpp"
 
@@ -93,8 +92,12 @@ double Expansion::carried_step() const {
   return h;
 }
 
+double Expansion::length_by_series() const {
+  return used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
+}
+
 double Expansion::step(double most) {
-  double h = used_ == 0 ? 0 : moving_ <= 2 ? series_step<1>() : moving_ <= 4 ? series_step<2>() : series_step<0>();
+  double h = until_pole(std::min(length_by_series(), told_));
   if (!program().switches.empty()) h = until_switch(h);
   h = std::min(h, most);
   const bool hides = guarded_ && until_hidden(h);
@@ -183,7 +186,9 @@ bool Expansion::solves(double h) {
     if (!series_.defined(way_.data() + place * variables_, t_ + part[place])) return false;
     for (std::size_t i = 0; i < moving_; ++i) {
       const double defect = std::abs(series_.rate(i) - slopes_[place * variables_ + i]) * h;
-      if (!(defect <= most) && !(defect <= most + blur * h * turning(i, h))) return false;
+      if (!(defect <= most) && !(defect <= most + blur * h * turning(i, h)) &&
+          !(defect <= most + series_.blur_of_trial() * h))
+        return false;
     }
     for (const tape::SteepArgument& steep : program().steep) {
       double argument = 0;
@@ -269,101 +274,22 @@ double Expansion::series_step() const {
           size_at(newest - (looked_at - 2) * stride) * rho < little)
         h = heeded(h, low - 1, 1, excess * here, rho, scale);
   }
-  h = std::min(h, longest_);
-  for (const Index pole : series_.program().poles) {  // never over it, whatever the coefficients say
+  return std::min(h, longest_);
+}
+
+/// No step leads over a place where the rates are infinite, whatever the last coefficients say. Of 1/(t − t*) times R
+/// each coefficient tells R: where many digits of it are 0, formulas are 0/0 there, and the motion goes on.
+double Expansion::until_pole(double h) const {
+  constexpr double none = 1e-28;
+  constexpr int looked_at = 3;
+  for (const Index pole : series_.program().poles) {
     const double ahead = -series_.coefficient(pole, 0) / series_.coefficient(pole, 1);
-    if (ahead > 0) h = std::min(h, 0.5 * ahead);
+    if (!(ahead > 0 && 0.5 * ahead < h)) continue;
+    double most = close_ && used_ > looked_at ? 0 : 1;
+    for (int k = used_; k + looked_at > used_ && k > 0; --k) most = std::max(most, k * largest(k) * std::pow(ahead, k));
+    if (!(most <= none * std::max(1.0, largest(0)))) h = 0.5 * ahead;
   }
   return h;
-}
-
-/// Where a motion begins on the border at which a formula changes, its state is of one side, whichever it goes to.
-/// Where that is the other one, the series becomes that of a state beside it, there, as near as rounding allows.
-/// Whether it has to be begun anew at y, because from there the motion goes back: it stays on the border. Where a
-/// thousand formulas change at once this takes seconds: it asks whether it is to go on (AskedByThread).
-bool Expansion::leave_border(const double* y) {
-  constexpr double near = 4 * std::numeric_limits<double>::epsilon(), next_to_0 = 1e-300, longer = 16, longest = 1e3;
-  const auto heading = [&](Index value) {
-    int k = 1;
-    while (k < series_.order() && series_.coefficient(value, k) == 0) ++k;
-    return k < series_.order() ? series_.coefficient(value, k) : 0;
-  };
-  for (const Index value : program().switches) {
-    if (series_.coefficient(value, 0) != 0 || !(heading(value) < 0)) continue;
-    if (!AskedByThread::goes_on()) return false;
-    double* const beside = way_.data();
-    double h = std::numeric_limits<double>::min();
-    do {
-      for (std::size_t i = 0; i < variables_; ++i) {
-        const double rate = series_.coefficients(1)[i], bend = series_.order() > 1 ? series_.coefficients(2)[i] : 0;
-        const double reach = near * std::abs(y[i]) + next_to_0;
-        beside[i] = y[i] + std::clamp((bend * h + rate) * h, -reach, reach);
-      }
-      (void)series_.defined(beside, t_);
-      h *= longer;
-    } while (h < longest && !(series_.value(value) < 0));
-    if (!(series_.value(value) < 0)) continue;  // the time alone leads over it
-    std::copy_n(beside, variables_, slopes_.data());
-    series_.expand(slopes_.data(), t_);
-    if (heading(value) > 0) return true;
-  }
-  return false;
-}
-
-/// From h on the first of ever longer steps, of which `longest` is the last, at whose end a value has left its side as
-/// rounded, too. Where a motion begins at rest on the border, or slowly beside it, the state stays the same for longer
-/// than the times can be told apart; until it changes, the formulas of either side lead to the same numbers.
-double Expansion::behind_switch(Index value, bool before, double h, double longest) {
-  double *const state = way_.data(), *const low = slopes_.data(), *const rest = low + variables_;
-  std::fill_n(low, variables_, 0.0);
-  double further = std::numeric_limits<double>::epsilon() * h;
-  for (double end = h; end < longest; end = h + further, further *= 2) {
-    evaluate(end, series_.coefficients(0), low, state, rest);
-    (void)series_.defined(state, t_ + end);
-    if ((series_.value(value) < 0) != before) return end;
-  }
-  return longest;
-}
-
-/// Up to h, or to shortly behind the first time at which a formula changes.
-double Expansion::until_switch(double h) {
-  constexpr std::size_t parts = 8;
-  double end = h;
-  for (const Index value : series_.program().switches) {
-    double most = 0;
-    for (int k = used_ - 1; k > 0; --k) most = (most + std::abs(series_.coefficient(value, k))) * end;
-    if (most < std::abs(series_.coefficient(value, 0))) continue;  // it stays on its side
-    if (!AskedByThread::goes_on()) break;
-    const bool before = series_.coefficient(value, 0) < 0;
-    std::array<double, parts> times, sums{};  // side by side, as each alone waits for itself
-    for (std::size_t part = 0; part < parts; ++part) times[part] = end * static_cast<double>(part + 1) / parts;
-    for (int k = used_ - 1; k >= 0; --k)
-      for (std::size_t part = 0; part < parts; ++part)
-        sums[part] = sums[part] * times[part] + series_.coefficient(value, k);
-    for (std::size_t part = 0; part < parts; ++part) {
-      if ((sums[part] < 0) == before) continue;
-      double low = part > 0 ? times[part - 1] : 0, high = times[part];
-      double time = low > 0 ? low : 0.5 * high;
-      for (int i = 0; i < 60 && high - low > 1e-16 * high; ++i) {  // Newton's method, within these two
-        double sum = 0, slope = 0;
-        for (int k = used_ - 1; k >= 0; --k) {
-          slope = slope * time + sum;
-          sum = sum * time + series_.coefficient(value, k);
-        }
-        ((sum < 0) == before ? low : high) = time;
-        const double next = time - sum / slope;
-        if (std::abs(next - time) <= 4 * std::numeric_limits<double>::epsilon() * time) {
-          high = time;
-          break;
-        }
-        time = low < next && next < high ? next : 0.5 * (low + high);
-      }
-      const double beyond = 4 * std::numeric_limits<double>::epsilon();
-      end = behind_switch(value, before, std::min(end, high * (1 + beyond) + beyond * std::abs(t_)), end);
-      break;
-    }
-  }
-  return end;
 }
 
 }  // namespace least::taylor

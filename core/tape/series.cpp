@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/tape/closer_series.hpp"
 #include "core/tape/series_reading.hpp"
 #include "core/tape/unrolled.hpp"
 
@@ -51,6 +52,7 @@ Series::Series(Program program, int order, bool unroll)
     : program_(std::move(program)),
       unrolled_(unroll ? unrolled_of(program_) : nullptr),
       reading_(unrolled_ ? nullptr : std::make_unique<SeriesReading>(program_)),
+      closer_(reading_ ? CloserSeries::of(program_, order) : nullptr),
       order_(order),
       stride_(unrolled_ ? at(program_.rows) : reading_->stride()),
       rows_(((static_cast<std::size_t>(order) + 1) * stride_ + 4) / 8 + 1),
@@ -64,7 +66,8 @@ Series::~Series() = default;
 std::size_t Series::bytes() const {
   return sizeof(Line) * rows_.size() + sizeof(Four) * lanes_.size() + sizeof(double) * trial_.size() +
          sizeof(Step) * program_.steps.size() + sizeof(Program::Value) * program_.values.size() +
-         sizeof(Program::Product) * program_.products.size() + (reading_ ? reading_->bytes() : 0);
+         sizeof(Program::Product) * program_.products.size() + (reading_ ? reading_->bytes() : 0) +
+         (closer_ ? closer_->bytes() : 0);
 }
 
 void Series::expand(const double* x, double t, bool bounded) {
@@ -84,6 +87,18 @@ void Series::expand(const double* x, double t, bool bounded) {
   row[stride_ + at(program_.time())] = 1;
   row[stride_ + at(program_.weighted.back())] = 1;
   reading_->expand(program_, of);
+}
+
+double Series::reach(int orders, double h) {
+  if (!closer_) return std::numeric_limits<double>::infinity();
+  return CloserSeries::reach(program_,
+                             {static_cast<std::size_t>(orders), stride_, nullptr, 0, nullptr, rows(), nullptr}, h);
+}
+double Series::blur() { return closer_ ? closer_->blur(program_, row(0)) : 0; }
+double Series::blur_of_trial() { return closer_ ? closer_->blur(program_, trial_.data()) : 0; }
+
+void Series::expand_closely(const double* x, double t) {
+  closer_->expand(program_, {static_cast<std::size_t>(order_), stride_, x, t, nullptr, rows(), lanes_.data()});
 }
 
 void Series::begin(double* row, bool bounded) {

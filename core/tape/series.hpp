@@ -40,6 +40,7 @@ struct Workspace {
 };
 
 struct UnrolledSeries;
+class CloserSeries;
 class SeriesReading;
 
 class Series {
@@ -54,6 +55,18 @@ class Series {
   /// The series of the variables that are x at the time t. `bounded`: steep functions (core/tape/steep.hpp) are held
   /// below 1e50, so that powers of theirs are numbers: of what such a function divides little is left in any case.
   void expand(const double* x, double t, bool bounded = false);
+  /// Whether formulas divide by what may vanish, of a program that the compiler does not know.
+  bool divides() const { return closer_ != nullptr; }
+  /// Of where it was expanded last, as CloserSeries has it: how far a divisor of the first `orders` orders may be from
+  /// its zero, within h; infinite of a program that divides by nothing, or that the compiler knows.
+  double reach(int orders, double h);
+  /// The same: what rounding changes in a rate of the motion at most, about.
+  double blur();
+  /// The same where `defined` was asked for last.
+  double blur_of_trial();
+  /// The series as `expand` gives it, of coefficients that were computed to twice as many digits, where `reach` may be
+  /// finite.
+  void expand_closely(const double* x, double t);
   /// Whether the rates of the motion at x are numbers.
   bool defined(const double* x, double t);
   /// The rate of a variable where that was asked for last.
@@ -85,6 +98,7 @@ class Series {
   Program program_;
   const UnrolledSeries* unrolled_;          ///< none: the program is read
   std::unique_ptr<SeriesReading> reading_;  ///< then
+  std::unique_ptr<CloserSeries> closer_;    ///< of one that is read and divides
   int order_;
   std::size_t stride_;
   std::vector<Line> rows_;     ///< by order, every value

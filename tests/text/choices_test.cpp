@@ -94,6 +94,38 @@ TEST(Choices, NoStepGoesOverAWall) {
       }
 }
 
+/// x from 0 at rest where x'' is a wave of the frequency w that is 1 and −1 by turns, first 1.
+double under_a_square_wave(double w, double t) {
+  const double half = std::acos(-1.0) / w, turns = std::floor(t / half), left = t - turns * half;
+  const bool up = std::fmod(turns, 2) == 0;  // then v is 0 where the turn begins, else `half`
+  return half * half * (turns / 2) + (up ? left * left / 2 : half * left - left * left / 2);
+}
+
+// A series of the motion, which is slow, says nothing of what changes its sign twice within a step, or thirty times.
+TEST(Choices, AreSeenHoweverOftenTheyChangeInAStep) {
+  for (const double w : {3.0, 20.0, 200.0}) {
+    const Request request = from(flow({"x", "v"}, {{"w", w}}, {{"x", "v"}, {"v", "sign(sin(w*t))"}}), {0, 0});
+    EXPECT_NEAR(last_of(request, "taylor", 5), under_a_square_wave(w, 5), 1e-11) << w;
+    const Truth truth = request.scene->mechanics->truth(*request.scene, {1, 5}, [] { return true; });
+    ASSERT_TRUE(truth.complete) << w;
+    for (const std::size_t i : {std::size_t(0), std::size_t(1)})
+      EXPECT_NEAR(truth.states[i][0], under_a_square_wave(w, i == 0 ? 1 : 5), 1e-14) << w;
+    EXPECT_LT(truth.uncertainty, 1e-13) << w;
+  }
+  // A short time in each turn only, within which a parabola is all that the series sees of the way there and back.
+  const double pi = std::acos(-1.0), share = std::acos(0.99) / pi;
+  const Request rare = from(flow({"x"}, {}, {{"x", "if(cos(7*t) > 0.99, 1, 0)"}}), {0});
+  EXPECT_NEAR(last_of(rare, "taylor", 2 * pi), 2 * pi * share, 1e-11);
+  const Truth truth = rare.scene->mechanics->truth(*rare.scene, {2 * pi}, [] { return true; });
+  ASSERT_TRUE(truth.complete);
+  EXPECT_NEAR(truth.states[0][0], 2 * pi * share, 1e-14);
+  // By the state: a bump that a fast ball crosses.
+  const Request bump = from(flow({"x", "v"}, {}, {{"x", "v"}, {"v", "if(abs(x - 1) < 0.001, 10, 0)"}}), {0, 2});
+  EXPECT_NEAR(last_of(bump, "taylor", 0.4995), 0.999, 1e-12);
+  const double beyond = std::sqrt(4 + 2 * 10 * 0.002), through = (beyond - 2) / 10;
+  EXPECT_NEAR(last_of(bump, "taylor", 2), 1.001 + beyond * (2 - 0.4995 - through), 1e-11);
+}
+
 // Where a motion begins on the border, at rest or not, its state says nothing yet of the side that it goes to.
 TEST(Choices, MayBeginOnTheBorder) {
   constexpr auto V = Definition::Kind::potential;
